@@ -1,0 +1,47 @@
+"""One run, judged: the line of JSON that reports, sweeps and history read."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass, field
+from typing import Any
+
+
+@dataclass(frozen=True)
+class Error:
+    """Distance from the truth, and how well the truth is known."""
+
+    value: float  # largest distance over bodies and times of body reference points
+    unit: str  # m
+    truth: str  # exact | published | converged | ephemeris, and where it comes from
+    uncertainty: float  # of the truth, same unit
+    final: float  # at the last time alone
+
+
+@dataclass(frozen=True)
+class Record:
+    """The result of (scene, engine, settings). Numbers are finite or None with a reason in `message`."""
+
+    scene: str
+    parameters: dict[str, Any]
+    engine: str
+    method: str
+    settings: dict[str, Any]
+    status: str  # of mbs_ref.trajectory.Status, or cannot | engine-missing | crashed | timeout
+    message: str
+    t_end: float  # s, reached
+    steps: int
+    rhs_calls: int
+    final: dict[str, dict[str, Any]]  # body -> position, angle or orientation, velocity, angular_velocity
+    compliance: dict[str, float | None]  # position (m, rad), velocity (m/s, rad/s): largest over samples and, in-house, every step
+    energy_drift: float | None  # J, largest |E(t) - E(0) - work| where the energy balance is defined
+    momentum_drift: float | None
+    error: Error | None
+    reaction_error: float | None  # N, N m
+    times: dict[str, float]  # build_s, first_call_s, loop_s
+    versions: dict[str, str]
+    notes: tuple[str, ...] = ()
+    history: dict[str, list[float]] = field(default_factory=dict)  # t, compliance, energy_drift, error: for the plots
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return plain data for JSON."""
+        return asdict(self)

@@ -1,0 +1,34 @@
+"""How a run is made: method, step or tolerances, stabilization. One vocabulary for every engine."""
+
+from __future__ import annotations
+
+from typing import Literal, Self
+
+from pydantic import Field, model_validator
+
+from mbs_ref.part import NonNegative, Part, Positive
+
+Stabilization = Literal["none", "baumgarte", "projection"]
+
+
+class Settings(Part):
+    """Method and accuracy of a run. Give a step for fixed-step methods, rtol and atol for adaptive ones."""
+
+    method: str | None = None  # the engine's default unless given
+    step: Positive | None = None  # s
+    rtol: Positive | None = None
+    atol: Positive | None = None  # rtol unless given
+    stabilization: Stabilization | None = None  # the engine's default unless given
+    baumgarte_gain: Positive = 20.0  # 1/s, critically damped: C'' + 2 g C' + g^2 C = 0
+    t_end: Positive | None = None  # s, the scene's duration unless given
+    samples: int = Field(default=101, ge=2, le=1_000_000)  # output times, evenly spaced from 0 to t_end
+    max_steps: int = Field(default=50_000_000, ge=1)
+    stop_on_compliance: bool = False  # the papers' test |C(q, t)| < h ends the run
+    project_initial: bool = False  # repair inconsistent initial conditions and report the correction
+    initial_tolerance: NonNegative = 1e-9  # m or rad (m/s, rad/s), largest inconsistency accepted at t = 0
+
+    @model_validator(mode="after")
+    def _check(self) -> Self:
+        if self.step is not None and (self.rtol is not None or self.atol is not None):
+            raise ValueError("give either step or rtol/atol, not both")
+        return self

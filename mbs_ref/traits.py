@@ -1,0 +1,72 @@
+"""What a scene is, computed from its parts: engines refuse by these, solvers pay by these."""
+
+from __future__ import annotations
+
+from mbs_ref.scene import GROUND, CoordinateDrive, PlanarBody, PointDrive, PointMass, Scene, UserForce
+
+ALL_TRAITS = {
+    "planar": "every body moves in the plane",
+    "spatial": "bodies move in space",
+    "closed-loop": "the joint graph has a cycle through bodies or ground",
+    "rheonomic": "a drive prescribes a motion in time",
+    "unconstrained": "no joint at all",
+    "point-mass": "some body is a particle",
+    "free-body": "some body has no chain of joints to ground",
+    "breakpoints": "a declared signal has a jump or kink",
+    "user-force": "a force law is the user's own function",
+}
+
+
+def part_types(scene: Scene) -> frozenset[str]:
+    """Return the `type` of every part the scene contains."""
+    return frozenset(part.type for part in (*scene.bodies, *scene.joints, *scene.loads))
+
+
+def traits(scene: Scene) -> frozenset[str]:
+    """Return the scene's traits (keys of ALL_TRAITS)."""
+    loops, free = _cycles_and_free(scene)
+    present = {
+        "planar": scene.dimension == 2,
+        "spatial": scene.dimension == 3,
+        "closed-loop": loops,
+        "rheonomic": any(isinstance(j, CoordinateDrive | PointDrive) for j in scene.joints),
+        "unconstrained": not scene.joints,
+        "point-mass": any(isinstance(b, PointMass) for b in scene.bodies),
+        "free-body": free,
+        "breakpoints": bool(scene.breakpoints()),
+        "user-force": any(isinstance(load, UserForce) for load in scene.loads),
+    }
+    assert present.keys() == ALL_TRAITS.keys()
+    return frozenset(name for name, value in present.items() if value)
+
+
+def joint_ends(joint) -> tuple[str, str]:
+    """Return the two bodies a joint connects; a drive connects its body to ground."""
+    if isinstance(joint, CoordinateDrive | PointDrive):
+        return GROUND, joint.body
+    return joint.body_a, joint.body_b
+
+
+def _cycles_and_free(scene: Scene) -> tuple[bool, bool]:
+    """Union-find over the joints: does a joint close a cycle, and is some body apart from ground?"""
+    parent = {name: name for name in [GROUND, *scene.body_names]}
+
+    def root(name: str) -> str:
+        while parent[name] != name:
+            parent[name] = parent[parent[name]]
+            name = parent[name]
+        return name
+
+    cycle = False
+    for joint in scene.joints:
+        a, b = (root(end) for end in joint_ends(joint))
+        drive = isinstance(joint, CoordinateDrive | PointDrive)
+        cycle |= a == b and not drive
+        parent[a] = b
+    free = any(root(name) != root(GROUND) for name in scene.body_names)
+    return cycle, free
+
+
+def is_planar_rigid(scene: Scene) -> bool:
+    """Return whether every body is a planar rigid body."""
+    return all(isinstance(body, PlanarBody) for body in scene.bodies)

@@ -1,0 +1,72 @@
+"""What every engine returns: world poses and velocities at the asked times, and how the run ended."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from enum import StrEnum
+
+import numpy as np
+
+
+class Status(StrEnum):
+    """How a run ended. Only SUCCESS vouches for every asked time."""
+
+    SUCCESS = "success"
+    NON_FINITE = "non-finite"  # NaN or infinity arose
+    STEP_TOO_SMALL = "step-too-small"  # t + h == t, or the error test could not be met
+    TOO_MANY_STEPS = "too-many-steps"
+    COMPLIANCE = "compliance"  # the papers' test |C| < h failed and was asked to stop
+    PROJECTION = "projection"  # the constraints could not be restored
+    INCONSISTENT = "inconsistent"  # initial conditions break a constraint
+    NOT_CONVERGED = "not-converged"  # an implicit step's iteration failed
+    REFUSED = "refused"  # stopped before the first step, with the reason
+    RESET = "reset"  # the engine restarted or skipped time behind the caller's back
+    INTERRUPTED = "interrupted"
+    ENGINE_ERROR = "engine-error"  # the engine reported failure
+
+
+@dataclass(frozen=True)
+class Timing:
+    """Wall-clock seconds of the three phases of a run."""
+
+    build_s: float = 0.0
+    first_call_s: float = 0.0
+    loop_s: float = 0.0
+
+
+@dataclass(frozen=True)
+class Trajectory:
+    """World poses and velocities; n_t is the number of times reached, in the scene's body order."""
+
+    times: np.ndarray  # (n_t,) s
+    position: np.ndarray  # (n_t, n_bodies, dimension) m, centre of mass
+    orientation: np.ndarray  # (n_t, n_bodies) rad in the plane; (n_t, n_bodies, 4) Euler parameters in space
+    velocity: np.ndarray  # (n_t, n_bodies, dimension) m/s
+    angular_velocity: np.ndarray  # (n_t, n_bodies) rad/s; (n_t, n_bodies, 3) world axes in space
+    status: Status = Status.SUCCESS
+    message: str = ""  # one sentence for the user
+    steps: int = 0
+    rejected_steps: int = 0
+    rhs_calls: int = 0
+    timing: Timing = field(default_factory=Timing)
+    reactions: dict[str, np.ndarray] = field(default_factory=dict)  # joint -> (n_t, 3): force on body_b at the joint point (N, N, world) and torque (N m)
+    step_compliance: np.ndarray | None = None  # (n_samples, 2) time s, max |C| over the steps since the last sample
+    notes: tuple[str, ...] = ()  # what the user should know: corrections applied, redundant rows, warnings
+
+    @property
+    def ok(self) -> bool:
+        return self.status is Status.SUCCESS
+
+    def upto(self, count: int) -> Trajectory:
+        """Return the first `count` samples."""
+        from dataclasses import replace
+
+        return replace(
+            self,
+            times=self.times[:count],
+            position=self.position[:count],
+            orientation=self.orientation[:count],
+            velocity=self.velocity[:count],
+            angular_velocity=self.angular_velocity[:count],
+            reactions={name: value[:count] for name, value in self.reactions.items()},
+        )
