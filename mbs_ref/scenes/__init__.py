@@ -61,7 +61,8 @@ def _builder(name: str) -> Callable[..., Scene]:
 def _parameter_model(builder: Callable[..., Scene]) -> type[BaseModel]:
     """The builder's signature as a checked model: its annotations are the ranges."""
     hints = typing.get_type_hints(builder, include_extras=True)
-    fields: dict[str, Any] = {p.name: (hints[p.name], p.default) for p in inspect.signature(builder).parameters.values()}
+    parameters = inspect.signature(builder).parameters.values()
+    fields: dict[str, Any] = {p.name: (hints[p.name], p.default) for p in parameters}
     return create_model("Parameters", __config__=ConfigDict(extra="forbid", allow_inf_nan=False), **fields)
 
 

@@ -23,7 +23,7 @@ def build(*, loops: Annotated[int, Field(ge=1, le=10_000)] = 2, gravity: Positiv
     """
     return Scene(
         name="n_four_bar",
-        description=f"{loops + 1} cranks joined by {loops} couplers, upright, set off at 1 m/s; flat poses are singular.",
+        description=f"{loops + 1} cranks joined by {loops} couplers, set off upright at 1 m/s through singular poses.",
         source="IFToMM Technical Committee for Multibody Dynamics, benchmark library, A02 N-four-bar mechanism",
         duration=10.0,
         gravity=(0.0, -gravity),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import Annotated
 
 from pydantic import Field
@@ -31,7 +32,7 @@ def build(*, links: Annotated[int, Field(ge=1, le=100_000)] = 10, gravity: Posit
             for k, rod in enumerate(rods)
         ),
         joints=tuple(
-            Revolute(name=f"hinge{k + 1}", body_a=rods[k - 1] if k else GROUND, body_b=rod, point=(k * LINK_LENGTH, 0.0))
-            for k, rod in enumerate(rods)
+            Revolute(name=f"hinge{k + 1}", body_a=before, body_b=rod, point=(k * LINK_LENGTH, 0.0))
+            for k, (before, rod) in enumerate(pairwise([GROUND, *rods]))
         ),
     )

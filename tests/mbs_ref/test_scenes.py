@@ -10,7 +10,8 @@ from mbs_ref.traits import traits
 
 def test_lists_every_scene_of_the_first_issue():
     expected = {
-        "pendulum", "pendulum_chain", "n_four_bar", "double_pendulum", "slider_crank", "driven_pendulum", "spring_pendulum",
+        "pendulum", "pendulum_chain", "n_four_bar", "double_pendulum", "slider_crank", "driven_pendulum",
+        "spring_pendulum",
     }  # fmt: skip
     assert expected <= set(scenes.names())
 
