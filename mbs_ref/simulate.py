@@ -79,6 +79,9 @@ def _plan(scene: Scene, settings: Settings, times: np.ndarray | None) -> _Plan:
     if fixed and settings.step is not None:
         notes = _off_grid_notes(times, settings.step)
     stabilization = settings.stabilization or integrator.stabilization
+    if stabilization not in integrator.stabilizations:
+        allowed = ", ".join(integrator.stabilizations)
+        raise ValueError(f"stabilization = {stabilization!r} does not go with method {name!r}; allowed: {allowed}")
     rtol = settings.rtol or DEFAULT_TOLERANCE
     size = max([1.0, *(abs(x) for body in scene.bodies for x in body.position)])
     options = Options(

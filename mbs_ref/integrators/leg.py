@@ -78,6 +78,7 @@ class Integrator:
     description: str
     advance: Advance  # (system, options, progress, y, times of the leg) -> Leg
     stabilization: Literal["none", "projection"] = "projection"  # default
+    stabilizations: tuple[str, ...] = ("none", "baumgarte", "projection")  # allowed
     ladder: tuple[float, ...] = ()  # steps (s) or rtols for sweeps, coarse to fine
     source: str = ""
     keeps_constraints: bool = False  # the method imposes C = 0 itself
