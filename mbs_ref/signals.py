@@ -28,7 +28,7 @@ class Segment(NamedTuple):
 
     def value(self, t: float) -> float:
         """Return the value at time t (s)."""
-        tau = t - self.start
+        tau = t - self.start if math.isfinite(self.start) else 0.0  # only constants hold from -inf on
         polynomial = sum(c * tau**k for k, c in enumerate(self.coefficients))
         return polynomial + self.amplitude * math.sin(self.omega * tau + self.phase)
 
