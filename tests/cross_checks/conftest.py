@@ -40,7 +40,7 @@ class Swing(Engine):
         off = h**2 + (BIAS if settings.method == "biased" else 0.0)
         truth = truth_for(scene, times)
         still = np.zeros_like(truth.position)
-        path = Trajectory(times, truth.position + [off, 0.0], truth.angle, still, truth.angle, timing=Timing(loop_s=h))
+        path = Trajectory(times, truth.position + np.array([off, 0.0]), truth.angle, still, truth.angle, timing=Timing(loop_s=h))
         return self.trouble(path) if self.trouble else path
 
 
