@@ -35,9 +35,7 @@ def mark(tree: JointTree, joint: TreeJoint, poses: tuple[np.ndarray, ...]) -> np
     """Return where the joint's mark on body b is, (n_t, 2) m; on body a where b is ground."""
     name = joint.body_a if joint.body_b == GROUND else joint.body_b
     k = tree.scene.body_index(name)
-    if isinstance(joint, Distance):
-        world = joint.point_a if name == joint.body_a else joint.point_b
-    else:
-        world = joint.point
+    ends = (joint.point_a, joint.point_b) if isinstance(joint, Distance) else (joint.point, joint.point)
+    world = ends[0] if name == joint.body_a else ends[1]
     turn = (poses[1][:, k] - tree.angle[k]) * tree.turning[k]
     return poses[0][:, k] + rotated(turn, np.array(world) - tree.position[k])

@@ -1,5 +1,8 @@
 """Exudyn: redundant coordinates with implicit methods, or minimal coordinates (KinematicTree) with explicit ones."""
 
+# Its items take their arguments by names that type checkers cannot see.
+# pyright: reportCallIssue=false, reportArgumentType=false, reportAttributeAccessIssue=false
+
 from __future__ import annotations
 
 from dataclasses import dataclass, field
@@ -163,7 +166,7 @@ class Redundant:
         return position, angle, velocity, rate
 
     def reactions(self, rows: np.ndarray) -> dict[str, np.ndarray]:
-        """Return force on body b and torque about its mark; Exudyn gives the force on body a, or a rod's thrust."""
+        """Return force on body b and torque about its mark; Exudyn gives the force on body a, or a rod's tension."""
         motion = Motion(self.scene, Trajectory(np.zeros(len(rows)), *self.poses(rows)))
         result = {}
         for joint in self.scene.joints:
@@ -172,7 +175,7 @@ class Redundant:
                 continue
             force = np.zeros((len(rows), 3))
             if isinstance(joint, Distance):
-                force[:, :2] = rows[:, column : column + 1] * _along(motion, joint)
+                force[:, :2] = -rows[:, column : column + 1] * _along(motion, joint)
             else:
                 force[:, :2] = -rows[:, column : column + 2]
             result[joint.name] = force

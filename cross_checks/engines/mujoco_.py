@@ -1,5 +1,8 @@
 """MuJoCo: joints in a tree are exact minimal coordinates; loop closures are always soft constraints."""
 
+# Its names live in a compiled module.
+# pyright: reportAttributeAccessIssue=false
+
 from __future__ import annotations
 
 from time import perf_counter

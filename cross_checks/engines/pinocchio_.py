@@ -4,6 +4,9 @@ Pinocchio has no integrator. Every right-hand side is one call into C++, every s
 operations, so its times are those of an engine driven from Python.
 """
 
+# It is installed under a prefix that only the interpreter knows.
+# pyright: reportMissingImports=false
+
 from __future__ import annotations
 
 from collections.abc import Callable

@@ -45,7 +45,7 @@ def test_a_rod_between_bodies_and_pins_are_told_apart():
     ]
     joints = (
         Revolute(name="a", body_a=GROUND, body_b="left", point=(0.0, 0.0)),
-        Distance(name="tie", body_a="left", body_b="right", point_a=(1.0, 0.0), point_b=(2.0, 0.0)),
+        Distance(name="tie", body_a="left", body_b="right", point_a=(1.0, 0.0), point_b=(2.0, 0.5)),
         Revolute(name="b", body_a="right", body_b=GROUND, point=(3.0, 0.0)),
     )
     scene = Scene(name="tied", gravity=(0.3, -9.81), bodies=tuple(rods), joints=joints)
