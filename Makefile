@@ -37,7 +37,6 @@ report: venv  ## the main job: run the comparison and write reports/out/
 
 lint: venv  ## ruff and pyright
 	$(BIN)/ruff check .
-	$(BIN)/ruff format --check .
 	$(BIN)/pyright
 
 nightly: venv  ## the slow tests, the benchmarks and the full report
