@@ -126,6 +126,42 @@ class JointTree:
         turning = self.turning
         return position[:, :n], (self.angle[:n] + angle[:, :n]) * turning, velocity[:, :n], rate[:, :n] * turning
 
+    def project(self, q: np.ndarray, position: np.ndarray, forces: np.ndarray) -> np.ndarray:
+        """Return the coordinates' generalized forces (n_q,) of forces (n, 3) at the centres of mass: N, N, N m.
+
+        q (n_q,) are the coordinates and position (n, 2) the centres of mass that belong to them. A subtree's
+        forces reduce to a force and a moment about the world's origin, taken from the leaves inwards.
+        """
+        forces = forces * np.column_stack((np.ones((len(forces), 2)), self.turning))
+        moment = forces[:, 2] + position[:, 0] * forces[:, 1] - position[:, 1] * forces[:, 0]
+        wrench = np.column_stack((forces[:, :2], moment))
+        frame = self._frames(q)
+        result = np.zeros(self.size)
+        for edge in reversed(self.edges):
+            result[edge.start : edge.start + edge.size] = self._edge_forces(edge, wrench[edge.body], frame, position)
+            if edge.parent != FIXED:
+                wrench[edge.parent] += wrench[edge.body]
+        return result
+
+    def _frames(self, q: np.ndarray) -> np.ndarray:
+        """Return the turn of each body's frame since t = 0, (n + 1,); ground's is 0."""
+        turn = np.zeros(len(self.scene.bodies) + 1)
+        for edge in self.edges:
+            own = q[edge.start + edge.size - 1] if edge.kind in ("revolute", "free") else 0.0
+            turn[edge.body] = turn[edge.parent] + own
+        return turn
+
+    def _edge_forces(self, edge: Edge, wrench: np.ndarray, turn: np.ndarray, position: np.ndarray) -> list[float]:
+        force, moment = wrench[:2], wrench[2]
+        if edge.kind == "prismatic":
+            return [float(rotated(turn[[edge.parent]], edge.axis)[0] @ force)]
+        if edge.kind == "weld":
+            return []
+        b = edge.body
+        pivot = position[b] + rotated(turn[[b]], edge.point - self.position[b])[0]
+        about = moment - pivot[0] * force[1] + pivot[1] * force[0]
+        return [about] if edge.kind == "revolute" else [*force, about][: edge.size]
+
 
 def turned(r: np.ndarray) -> np.ndarray:
     """Return vectors (..., 2) turned by +90 degrees, the derivative of a rotation."""
