@@ -29,7 +29,7 @@ class Segment(NamedTuple):
 
     def value(self, t: float) -> float:
         """Return the value at time t (s)."""
-        tau = t - self.start
+        tau = t - self.start if math.isfinite(self.start) else 0.0  # only constants hold from -inf on
         polynomial = sum(c * tau**k for k, c in enumerate(self.coefficients))
         if self.amplitude == 0.0:
             return polynomial  # a constant may start at -infinity, where the sine is no number
