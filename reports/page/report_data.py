@@ -1,0 +1,78 @@
+"""Everything the page shows, as plain data: the page reads this and nothing else."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from typing import Any, Protocol
+
+from cross_checks.record import Record
+
+
+class Cell(Protocol):
+    """What the page reads of a cell of the validation matrix."""
+
+    @property
+    def scene(self) -> str: ...
+    @property
+    def engine(self) -> str: ...
+    @property
+    def method(self) -> str: ...
+    @property
+    def verdict(self) -> str: ...
+    @property
+    def reason(self) -> str: ...
+    @property
+    def error(self) -> float | None: ...
+    @property
+    def compliance(self) -> float | None: ...
+    @property
+    def order(self) -> float | None: ...
+
+
+@dataclass(frozen=True)
+class Capability:
+    """What an engine can do with a part type or a trait."""
+
+    engine: str
+    kind: str  # part | trait
+    name: str
+    answer: str  # can | never | not-yet | missing
+    reason: str = ""
+
+
+@dataclass(frozen=True)
+class ReportData:
+    """One report's contents."""
+
+    cells: tuple[Cell, ...]
+    records: tuple[Record, ...]
+    capabilities: tuple[Capability, ...] = ()
+    environment: dict[str, str] = field(default_factory=dict)
+    orders: dict[tuple[str, str], int] = field(default_factory=dict)  # (engine, method) -> documented order
+    quick: bool = False
+    seconds: float = 0.0  # s, spent on the runs
+
+    @property
+    def scenes(self) -> list[str]:
+        """Return the labels of every scene, in the order they were run."""
+        return _unique([*(c.scene for c in self.cells), *(scene_label(r.scene, r.parameters) for r in self.records)])
+
+    @property
+    def engines(self) -> list[str]:
+        """Return every engine met, the reference solver first."""
+        met = _unique([*(c.engine for c in self.cells), *(r.engine for r in self.records)])
+        return sorted(met, key=lambda name: (name != "mbs_ref", name))
+
+    def of_scene(self, label: str) -> list[Record]:
+        """Return the records of one scene."""
+        return [r for r in self.records if scene_label(r.scene, r.parameters) == label]
+
+
+def scene_label(name: str, parameters: dict[str, Any]) -> str:
+    """Return a scene's name with the parameters it was built with, as the command line takes them."""
+    return " ".join([name, *(f"{key}={value}" for key, value in parameters.items())])
+
+
+def _unique(names: Iterable[str]) -> list[str]:
+    return list(dict.fromkeys(names))
