@@ -1,0 +1,1 @@
+"""How a truth is converged: unlike integrators, extended precision, and their agreement."""

@@ -1,0 +1,67 @@
+"""A converged truth: two formulations, two integrators, two precisions; the difference is the error bar."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from cross_checks.certify.extrapolation import extrapolate
+from cross_checks.certify.runge_kutta import runge_kutta
+
+NUDGE = 1e-7  # of the start, to measure how the motion magnifies an error
+DOUBLE_EPS = float(np.finfo(float).eps)
+
+
+@dataclass(frozen=True)
+class Formulation:
+    """Equations of motion in some coordinates y."""
+
+    derivative: Callable  # (t, y) -> dy/dt in y's precision
+    start: np.ndarray  # (n,) y at t = 0
+    poses: Callable  # (t, y) -> position (n_bodies, 2) m, angle (n_bodies,) rad
+
+
+@dataclass(frozen=True)
+class Agreement:
+    """World poses, and how well they are known."""
+
+    position: np.ndarray  # (n_t, n_bodies, 2) m
+    angle: np.ndarray  # (n_t, n_bodies) rad
+    difference: float  # m, largest between the two runs
+    sensitivity: float  # m of pose per unit of error at the start
+    uncertainty: float  # m
+
+
+def agree(first: Formulation, second: Formulation, times: np.ndarray, *, extended: bool) -> Agreement:
+    """Solve `first` by DOP853 and `second` by extrapolation (in extended precision if asked); compare world points.
+
+    The uncertainty is the difference plus the roundoff of double data magnified by the motion.
+    """
+    grid, asked = _from_zero(times)
+    kind = np.longdouble if extended else float
+    tolerance = 64 * float(np.finfo(kind).eps)
+    coarse = _poses(first, grid, runge_kutta(first.derivative, first.start, grid, 3e-14))
+    fine = _poses(second, grid, extrapolate(second.derivative, second.start.astype(kind), grid, tolerance))
+    difference = float(np.max(np.abs(fine[0] - coarse[0])))
+    sensitivity = _sensitivity(first, grid, coarse[0])
+    uncertainty = difference + DOUBLE_EPS * max(1.0, sensitivity)
+    return Agreement(fine[0][asked], fine[1][asked], difference, sensitivity, uncertainty)
+
+
+def _from_zero(times: np.ndarray) -> tuple[np.ndarray, slice]:
+    times = np.asarray(times, dtype=float)
+    return (times, slice(None)) if times[0] == 0.0 else (np.concatenate([[0.0], times]), slice(1, None))
+
+
+def _poses(formulation: Formulation, times: np.ndarray, states: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    found = [formulation.poses(t, y) for t, y in zip(times, states, strict=True)]
+    return tuple(np.array(part, dtype=float) for part in zip(*found, strict=True))  # type: ignore[return-value]
+
+
+def _sensitivity(formulation: Formulation, times: np.ndarray, position: np.ndarray) -> float:
+    """Nudge the start at random and see how far the motion moves away."""
+    signs = np.random.default_rng(0).choice([-1.0, 1.0], size=len(formulation.start))
+    states = runge_kutta(formulation.derivative, formulation.start + NUDGE * signs, times, 1e-11)
+    return float(np.max(np.abs(_poses(formulation, times, states)[0] - position))) / NUDGE

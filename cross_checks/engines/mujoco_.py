@@ -1,0 +1,362 @@
+"""MuJoCo: joints in a tree are exact minimal coordinates; loop closures are always soft constraints."""
+
+from __future__ import annotations
+
+from time import perf_counter
+from typing import ClassVar
+
+import mujoco
+import numpy as np
+
+from cross_checks.engine import Engine, Method, Refusal
+from cross_checks.joint_tree import FIXED, Edge, JointTree, joint_tree, local
+from cross_checks.outcome import End, Plan, end_of, plan_run, refuse_spatial, trajectory
+from cross_checks.prescribed import constant_value
+from mbs_ref.scene import (
+    Distance,
+    Force,
+    PlanarBody,
+    PointMass,
+    Prismatic,
+    Revolute,
+    Scene,
+    SpringDamper,
+    Torque,
+    TorsionSpring,
+    Weld,
+)
+from mbs_ref.settings import Settings
+from mbs_ref.trajectory import Status, Timing, Trajectory
+
+INTEGRATORS = {
+    "rk4": (mujoco.mjtIntegrator.mjINT_RK4, 4, "explicit Runge-Kutta 4"),
+    "euler": (mujoco.mjtIntegrator.mjINT_EULER, 1, "semi-implicit Euler, joint damping implicit"),
+    "implicit": (mujoco.mjtIntegrator.mjINT_IMPLICIT, 1, "implicit in velocity, with Coriolis terms"),
+    "implicitfast": (mujoco.mjtIntegrator.mjINT_IMPLICITFAST, 1, "implicit in velocity, without Coriolis terms"),
+}
+LADDER = (2e-2, 1e-2, 5e-3, 2.5e-3, 1e-3, 5e-4, 2.5e-4, 1e-4)  # s
+DEFAULT_SOLREF = (0.02, 1.0)  # s, damping ratio: MuJoCo's default, pinned
+TIGHT = "_tight"
+SOFT = "loop closures are springs of 0.02 s time constant whatever the step: the energy of a loop is lost at every step"
+STEP_SOFT = "loop closures are springs whose time constant is two steps"
+Z = (0.0, 0.0, 1.0)
+WORLD = "world"
+
+
+def _methods() -> tuple[Method, ...]:
+    plain = [Method(n, "fixed", p, text, LADDER, wrong_limit=SOFT) for n, (_, p, text) in INTEGRATORS.items()]
+    tight = [
+        Method(m.name + TIGHT, "fixed", None, f"{m.description}; {STEP_SOFT}", LADDER)
+        for m in plain
+        if m.name in ("rk4", "implicitfast")
+    ]
+    return tuple(plain + tight)
+
+
+class MuJoCo(Engine):
+    """MuJoCo through MjSpec, every option pinned, the loop in C."""
+
+    name: ClassVar[str] = "mujoco"
+    package: ClassVar[str] = "mujoco"
+    part_types: ClassVar[frozenset[str]] = frozenset(
+        {"planar", "point_mass", "revolute", "prismatic", "weld", "distance"}
+        | {"force", "torque", "spring_damper", "torsion_spring"}
+    )
+
+    def methods(self) -> tuple[Method, ...]:
+        return _methods()
+
+    def version(self) -> str:
+        return mujoco.__version__
+
+    def topology_refusals(self, scene: Scene) -> list[Refusal]:
+        spatial = refuse_spatial(self, scene)
+        return spatial or _part_refusals(scene) + _closure_refusals(scene)
+
+    def method_refusals(self, scene: Scene, method: Method) -> list[Refusal]:
+        reasons = super().method_refusals(scene, method)
+        if method.name.endswith(TIGHT) and not reasons and scene.dimension == 2 and not joint_tree(scene).closures:
+            reasons.append(Refusal(f"{method.name} differs only where a joint closes a loop, and none does", True))
+        return reasons
+
+    def run(self, scene: Scene, settings: Settings, times: np.ndarray | None = None) -> Trajectory:
+        plan = plan_run(self, scene, settings, times)
+        if isinstance(plan, Trajectory):
+            return plan
+        start = perf_counter()
+        tree = joint_tree(scene)
+        model = _compile(tree, plan)
+        data = _at_start(model, tree)
+        built = perf_counter()
+        _advance(model, _at_start(model, tree), plan, 1)
+        called = perf_counter()
+        states, end = _advance(model, data, plan, len(plan.times))
+        looped = perf_counter()
+        steps = sum(plan.counts[: max(0, end.samples - 1)])
+        stages = 4 if model.opt.integrator == mujoco.mjtIntegrator.mjINT_RK4 else 1
+        return trajectory(
+            plan,
+            _poses(model, tree, states[: end.samples], len(plan.times)),
+            end,
+            Timing(built - start, called - built, looped - called),
+            steps=steps,
+            rhs_calls=steps * stages,
+        )
+
+
+ENGINE = MuJoCo
+
+
+# --- what cannot be modelled -----------------------------------------------------------------------
+
+
+def _part_refusals(scene: Scene) -> list[Refusal]:
+    reasons = []
+    for load in scene.loads:
+        if isinstance(load, Force | Torque) and constant_value(load.factor) is None:
+            reasons.append(f"load {load.name!r} varies in time, which mujoco is not yet taught")
+        if isinstance(load, SpringDamper) and load.tension_only and load.damping:
+            reasons.append(f"load {load.name!r}: a mujoco tendon damps while slack, so tension_only allows no damping")
+    return [Refusal(reason, permanent=False) for reason in reasons]
+
+
+def _closure_refusals(scene: Scene) -> list[Refusal]:
+    return [
+        Refusal(f"joint {joint.name!r} closes a loop by a slide, which mujoco is not yet taught", permanent=False)
+        for joint in joint_tree(scene).closures
+        if isinstance(joint, Prismatic)
+    ]
+
+
+# --- the model -------------------------------------------------------------------------------------
+
+
+def _compile(tree: JointTree, plan: Plan) -> mujoco.MjModel:
+    spec = mujoco.MjSpec()
+    _pin_options(spec, plan, tree.scene)
+    frames = {FIXED: spec.worldbody}
+    for edge in tree.edges:
+        frames[edge.body] = _add_body(frames[edge.parent], edge, tree)
+    for joint in tree.closures:
+        _add_closure(spec, frames, tree, joint, _solref(plan))
+    for load in tree.scene.loads:
+        LOADS[type(load)](spec, frames, tree, load)
+    return spec.compile()
+
+
+def _pin_options(spec: mujoco.MjSpec, plan: Plan, scene: Scene) -> None:
+    """Leave no option to a default that a release may change."""
+    option = spec.option
+    option.timestep = plan.step
+    option.integrator = INTEGRATORS[plan.method.name.removesuffix(TIGHT)][0]
+    option.gravity = (*scene.gravity, 0.0)
+    option.solver = mujoco.mjtSolver.mjSOL_NEWTON
+    option.tolerance, option.iterations, option.ls_tolerance, option.ls_iterations = 1e-15, 200, 0.01, 50
+    option.noslip_iterations, option.impratio = 0, 1.0
+    option.cone, option.jacobian = mujoco.mjtCone.mjCONE_ELLIPTIC, mujoco.mjtJacobian.mjJAC_DENSE
+    option.wind, option.density, option.viscosity = (0.0, 0.0, 0.0), 0.0, 0.0
+    flags = mujoco.mjtDisableBit
+    # without warm starts a run repeats bit for bit; planar scenes have no contact yet
+    option.disableflags = int(flags.mjDSBL_WARMSTART) | int(flags.mjDSBL_CONTACT)
+    option.enableflags = 0
+    spec.compiler.autolimits = False
+
+
+def _solref(plan: Plan) -> tuple[float, float]:
+    return (2.0 * plan.step, 1.0) if plan.method.name.endswith(TIGHT) else DEFAULT_SOLREF
+
+
+def _add_body(parent: mujoco.MjsBody, edge: Edge, tree: JointTree) -> mujoco.MjsBody:
+    """Place the frame at the centre of mass so that zero coordinates are the poses at t = 0."""
+    body = tree.scene.bodies[edge.body]
+    offset = local(tree, edge.parent, tree.position[edge.body] - tree.position[edge.parent])
+    turn = tree.angle[edge.body] - tree.angle[edge.parent]
+    frame = parent.add_body(name=body.name, pos=(*offset, 0.0), quat=(np.cos(turn / 2), 0.0, 0.0, np.sin(turn / 2)))
+    # only the z axis turns; equal moments satisfy the triangle inequality MuJoCo checks
+    inertia = body.inertia if isinstance(body, PlanarBody) else _particle_inertia(edge)
+    frame.explicitinertial = True
+    frame.mass, frame.inertia, frame.ipos = body.mass, (inertia,) * 3, (0.0, 0.0, 0.0)
+    _add_joints(frame, edge, tree)
+    return frame
+
+
+def _particle_inertia(edge: Edge) -> float:
+    """A sliding particle never turns, so any inertia will do; on a rod MuJoCo's floor stands for none."""
+    return {"weld": 0.0, "revolute": 2.0 * mujoco.mjMINVAL}.get(edge.kind, 1.0)
+
+
+def _add_joints(frame: mujoco.MjsBody, edge: Edge, tree: JointTree) -> None:
+    hinge, slide = mujoco.mjtJoint.mjJNT_HINGE, mujoco.mjtJoint.mjJNT_SLIDE
+    axes = {
+        "prismatic": [edge.axis],
+        "free": [np.array([1.0, 0.0]), np.array([0.0, 1.0])],
+        "free_point": [np.array([1.0, 0.0]), np.array([0.0, 1.0])],
+    }.get(edge.kind, [])
+    for k, axis in enumerate(axes):
+        frame.add_joint(name=f"{frame.name}/slide{k}", type=slide, axis=(*local(tree, edge.body, axis), 0.0))
+    if edge.kind in ("revolute", "free"):
+        point = local(tree, edge.body, edge.point - tree.position[edge.body])
+        frame.add_joint(name=_hinge(frame.name), type=hinge, axis=Z, pos=(*point, 0.0))
+
+
+def _hinge(body: str) -> str:
+    return f"{body}/hinge"
+
+
+def _anchor(tree: JointTree, name: str, point) -> tuple[float, float, float]:
+    """Return a world point at t = 0 in a body's frame."""
+    k = tree.scene.body_index(name)
+    return (*local(tree, k, np.array(point) - tree.position[k]), 0.0)
+
+
+def _site(spec, frames, tree: JointTree, name: str, point, label: str, turned_to_world: bool = False) -> str:
+    k = tree.scene.body_index(name)
+    turn = -tree.angle[k] if turned_to_world else 0.0
+    quat = (np.cos(turn / 2), 0.0, 0.0, np.sin(turn / 2))
+    frames[k].add_site(name=label, pos=_anchor(tree, name, point), quat=quat)
+    return label
+
+
+def _world_name(name: str) -> str:
+    return WORLD if name == "ground" else name
+
+
+def _add_closure(spec, frames, tree: JointTree, joint, solref: tuple[float, float]) -> None:
+    if isinstance(joint, Distance):
+        tendon = _tendon(spec, frames, tree, joint)
+        initial = float(np.hypot(*np.subtract(joint.point_b, joint.point_a)))
+        row = spec.add_equality(name=joint.name, type=mujoco.mjtEq.mjEQ_TENDON, name1=tendon.name)
+        row.data[0] = 0.0 if joint.length is None else joint.length - initial
+    else:
+        kind = {Revolute: mujoco.mjtEq.mjEQ_CONNECT, Weld: mujoco.mjtEq.mjEQ_WELD}[type(joint)]
+        row = spec.add_equality(name=joint.name, type=kind, objtype=mujoco.mjtObj.mjOBJ_BODY)
+        # the anchor of a connect is in body 1, of a weld in body 2
+        first, second = (joint.body_a, joint.body_b) if isinstance(joint, Revolute) else (joint.body_b, joint.body_a)
+        row.name1, row.name2 = _world_name(first), _world_name(second)
+        row.data[0:3] = _anchor(tree, joint.body_a, joint.point)
+        if isinstance(joint, Weld):
+            row.data[10] = 1.0  # m/rad, torque scale
+    row.active, row.solref = True, solref
+
+
+def _tendon(spec, frames, tree: JointTree, part):
+    tendon = spec.add_tendon(name=part.name)
+    for end, (body, point) in enumerate(((part.body_a, part.point_a), (part.body_b, part.point_b))):
+        tendon.wrap_site(_site(spec, frames, tree, body, point, f"{part.name}/{end}"))
+    return tendon
+
+
+def _add_spring(spec, frames, tree: JointTree, load: SpringDamper) -> None:
+    tendon = _tendon(spec, frames, tree, load)
+    initial = float(np.hypot(*np.subtract(load.point_b, load.point_a)))
+    rest = initial if load.rest_length is None else load.rest_length
+    tendon.stiffness, tendon.damping = _linear(load.stiffness), _linear(load.damping)
+    tendon.springlength = (0.0 if load.tension_only else rest, rest)
+
+
+def _linear(coefficient: float) -> np.ndarray:
+    """Return a linear law in the shape of the specification's polynomial coefficients."""
+    return np.array([coefficient, 0.0, 0.0])
+
+
+def _add_torsion(spec, frames, tree: JointTree, load: TorsionSpring) -> None:
+    """The relative angle is a sum of hinge angles: a fixed tendon over the tree's path."""
+    tendon = spec.add_tendon(name=load.name)
+    weights: dict[str, float] = {}
+    for name, sign in ((load.body_b, 1.0), (load.body_a, -1.0)):
+        for edge in tree.path(tree.scene.body_index(name)):
+            if edge.kind in ("revolute", "free"):
+                label = _hinge(tree.scene.body_names[edge.body])
+                weights[label] = weights.get(label, 0.0) + sign
+    for label, weight in weights.items():
+        if weight:
+            tendon.wrap_joint(label, weight)
+    tendon.stiffness, tendon.damping, tendon.springlength = _linear(load.stiffness), _linear(load.damping), (0.0, 0.0)
+    a, b = (tree.scene.body_index(name) for name in (load.body_a, load.body_b))
+    initial = tree.angle[b] - tree.angle[a]
+    rest = initial if load.rest_angle is None else load.rest_angle
+    if rest != initial:
+        _motor(spec, load.name, mujoco.mjtTrn.mjTRN_TENDON, load.name, load.stiffness * (rest - initial))
+
+
+def _motor(spec, name: str, transmission, target: str, force: float, refsite: str = "", gear=(1.0, 0, 0, 0, 0, 0)):
+    """A constant force: the actuator's bias alone, so that no control input is needed."""
+    motor = spec.add_actuator(name=name, trntype=transmission, target=target, gear=gear)
+    if refsite:
+        motor.refsite = refsite
+    motor.biastype = mujoco.mjtBias.mjBIAS_AFFINE
+    motor.gaintype = mujoco.mjtGain.mjGAIN_FIXED
+    motor.gainprm[0] = 0.0
+    motor.biasprm[0] = force
+
+
+def _add_force(spec, frames, tree: JointTree, load: Force) -> None:
+    scale = constant_value(load.factor) or 0.0
+    in_body = load.frame == "body"
+    site = _site(spec, frames, tree, load.body, load.point, load.name, turned_to_world=True)
+    reference = "" if in_body else _site(spec, frames, tree, "ground", load.point, f"{load.name}/world")
+    gear = (*(scale * c for c in load.vector), 0.0, 0.0, 0.0, 0.0)
+    _motor(spec, load.name, mujoco.mjtTrn.mjTRN_SITE, site, 1.0, reference, gear)
+
+
+def _add_torque(spec, frames, tree: JointTree, load: Torque) -> None:
+    point = tree.position[tree.scene.body_index(load.body)]
+    site = _site(spec, frames, tree, load.body, point, load.name)
+    gear = (0.0, 0.0, 0.0, 0.0, 0.0, load.torque * (constant_value(load.factor) or 0.0))
+    _motor(spec, load.name, mujoco.mjtTrn.mjTRN_SITE, site, 1.0, "", gear)
+
+
+LOADS = {Force: _add_force, Torque: _add_torque, SpringDamper: _add_spring, TorsionSpring: _add_torsion}
+
+
+# --- the run ---------------------------------------------------------------------------------------
+
+
+def _at_start(model: mujoco.MjModel, tree: JointTree) -> mujoco.MjData:
+    data = mujoco.MjData(model)
+    data.qpos[:], data.qvel[:] = 0.0, tree.rates()
+    return data
+
+
+def _advance(model: mujoco.MjModel, data: mujoco.MjData, plan: Plan, samples: int) -> tuple[np.ndarray, End]:
+    """Step through the output times; each interval is one call into C."""
+    states = np.zeros((len(plan.times), model.nq + model.nv))
+    states[0] = np.concatenate((data.qpos, data.qvel))
+    if samples == 1:  # a first call: one step
+        mujoco.mj_step(model, data)
+        return states, End(1)
+    for k, count in enumerate(plan.counts, start=1):
+        mujoco.mj_step(model, data, nstep=count)
+        states[k, : model.nq], states[k, model.nq :] = data.qpos, data.qvel
+        trouble = _trouble(data, plan.times[k], plan.step)
+        if trouble:
+            return states, end_of(states, plan.times, End(k, Status.RESET, trouble))
+    return states, end_of(states, plan.times, End(len(plan.times)))
+
+
+def _trouble(data: mujoco.MjData, time: float, step: float) -> str:
+    """Return a sentence if MuJoCo warned or restarted: it goes on from t = 0 without an exception."""
+    counts = {mujoco.mjtWarning(k).name: int(w.number) for k, w in enumerate(data.warning) if w.number}
+    late = abs(data.time - time) > 0.5 * step
+    if not counts and not late:
+        return ""
+    warned = f", with the warnings {counts}" if counts else ""
+    return f"mujoco reset its state before t = {time:g} s and reports t = {data.time:g} s{warned}"
+
+
+def _poses(model: mujoco.MjModel, tree: JointTree, states: np.ndarray, length: int):
+    """Return MuJoCo's own centres of mass and velocities; angles add up along the tree, beyond one turn."""
+    n = len(tree.scene.bodies)
+    position, velocity = np.zeros((2, length, n, 2))
+    data = mujoco.MjData(model)
+    index = np.array([model.body(name).id for name in tree.scene.body_names])
+    for k, state in enumerate(states):
+        data.qpos[:], data.qvel[:] = state[: model.nq], state[model.nq :]
+        mujoco.mj_fwdPosition(model, data)
+        mujoco.mj_fwdVelocity(model, data)
+        arm = data.xipos[index] - data.subtree_com[model.body_rootid[index]]
+        position[k] = data.xipos[index, :2]
+        velocity[k] = (data.cvel[index, 3:] + np.cross(data.cvel[index, :3], arm))[:, :2]
+    angle, rate = np.zeros((2, length, n))
+    _, angle[: len(states)], _, rate[: len(states)] = tree.poses(states[:, : model.nq], states[:, model.nq :])
+    return position, angle, velocity, rate

@@ -1,0 +1,78 @@
+"""What is right, and how well that is known: one file a scene, found by listing this folder."""
+
+from __future__ import annotations
+
+import importlib
+import pkgutil
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Literal
+
+import numpy as np
+
+from cross_checks.certify.extrapolation import NoConvergenceError
+from mbs_ref import scenes
+from mbs_ref.scene import Scene
+
+LARGEST_UNCERTAINTY = 1e-8  # m; a truth known less well ranks nobody
+
+
+@dataclass(frozen=True)
+class Truth:
+    """World poses of every body at the asked times."""
+
+    position: np.ndarray  # (n_t, n_bodies, 2) m, centres of mass
+    angle: np.ndarray  # (n_t, n_bodies) rad
+    uncertainty: float  # m, of every world point at every time
+    kind: Literal["exact", "published", "converged", "ephemeris"]
+    how: str  # one sentence
+
+
+@dataclass(frozen=True)
+class NoTruth:
+    """Why there is nothing to compare with."""
+
+    reason: str
+
+
+def known() -> list[str]:
+    """Return the names of the scenes that have a truth."""
+    return sorted(module.name for module in pkgutil.iter_modules(__path__))
+
+
+def truth_for(scene: Scene, times: np.ndarray) -> Truth | None:
+    """Return the truth of a scene at `times` (s, increasing, >= 0), or None; `seek_truth` says why."""
+    found = seek_truth(scene, times)
+    return found if isinstance(found, Truth) else None
+
+
+def seek_truth(scene: Scene, times: np.ndarray) -> Truth | NoTruth:
+    """Return the truth, or the reason for having none. Answers are kept in memory."""
+    if scene.name not in known():
+        return NoTruth(f"no truth is known for a scene named {scene.name}")
+    if not _is_ours(scene):
+        return NoTruth(f"the scene differs from {scene.name} with its parameters, for which the truth is known")
+    parameters = tuple(sorted(scene.parameters.items()))
+    return _solved(scene.name, parameters, tuple(np.asarray(times, dtype=float).tolist()))
+
+
+def _is_ours(scene: Scene) -> bool:
+    """A scene may carry a known name and yet other bodies: only the same physics has the same truth."""
+    try:
+        ours = scenes.make(scene.name, **scene.parameters)
+    except ValueError:
+        return False
+    return all(getattr(ours, part) == getattr(scene, part) for part in ("gravity", "bodies", "joints", "loads"))
+
+
+@lru_cache(maxsize=64)
+def _solved(name: str, parameters: tuple, times: tuple[float, ...]) -> Truth | NoTruth:
+    solver = importlib.import_module(f"{__name__}.{name}")
+    try:
+        found = solver.solve(scenes.make(name, **dict(parameters)), np.array(times))
+    except NoConvergenceError as error:
+        return NoTruth(f"the truth does not converge: {error}")
+    if isinstance(found, Truth) and not found.uncertainty <= LARGEST_UNCERTAINTY:
+        limit = f"{LARGEST_UNCERTAINTY:.0e} m"
+        return NoTruth(f"the truth is uncertain by {found.uncertainty:.1e} m, more than {limit}: the motion is too sensitive")
+    return found

@@ -1,0 +1,77 @@
+"""Power of what is not conservative: dampers, time-dependent loads, user forces, drives."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from mbs_ref.observables.attachment import Motion
+from mbs_ref.observables.signal_values import motion as prescribed
+from mbs_ref.observables.signal_values import values
+from mbs_ref.observables.springs import length_of, twist_of
+from mbs_ref.scene import CoordinateDrive, Force, PointDrive, SpringDamper, Torque, TorsionSpring, UserForce
+
+
+def powers(motion: Motion, is_conservative: Callable) -> np.ndarray | None:
+    """Return the power (n_t,), W, of all that has no potential; None where there is nothing of the kind."""
+    terms = [LOADS[type(load)](motion, load) for load in motion.scene.loads if _works(load, is_conservative)]
+    terms += [DRIVES[type(j)](motion, j) for j in motion.scene.joints if type(j) in DRIVES]
+    return np.sum(terms, axis=0) if terms else None
+
+
+def _works(load, is_conservative: Callable) -> bool:
+    if isinstance(load, SpringDamper | TorsionSpring):
+        return load.damping > 0.0
+    return not is_conservative(load)
+
+
+def _damper(motion: Motion, load: SpringDamper) -> np.ndarray:
+    _, stretch, rate = length_of(motion, load)
+    force = load.damping * rate
+    if load.tension_only:  # what is left of the total pull, which is never a push, after the elastic part
+        elastic = load.stiffness * np.maximum(stretch, 0.0)
+        force = np.where(stretch > 0.0, np.maximum(elastic + force, 0.0) - elastic, 0.0)
+    return -force * rate
+
+
+def _torsion_damper(motion: Motion, load: TorsionSpring) -> np.ndarray:
+    return -load.damping * twist_of(motion, load)[1] ** 2
+
+
+def _force(motion: Motion, load: Force) -> np.ndarray:
+    _, rate = motion.point(load.body, load.point)
+    vector = np.asarray(load.vector) if load.frame == "world" else motion.direction(load.body, load.vector)[0]
+    return values(load.factor, motion.times) * np.sum(rate * vector, axis=1)
+
+
+def _torque(motion: Motion, load: Torque) -> np.ndarray:
+    return values(load.factor, motion.times) * load.torque * motion.spin(load.body)
+
+
+def _user_force(motion: Motion, load: UserForce) -> np.ndarray:
+    path = motion.trajectory
+    q = np.concatenate([path.position, path.orientation[:, :, None]], axis=2)
+    v = np.concatenate([path.velocity, path.angular_velocity[:, :, None]], axis=2)
+    return np.array([np.sum(np.asarray(load.function(t, q[k], v[k])) * v[k]) for k, t in enumerate(path.times)])
+
+
+def _coordinate_drive(motion: Motion, joint: CoordinateDrive) -> np.ndarray:
+    _, rate = prescribed(joint.motion, joint.level, motion.times)
+    return motion.trajectory.reactions[joint.name][:, ("x", "y", "angle").index(joint.coordinate)] * rate
+
+
+def _point_drive(motion: Motion, joint: PointDrive) -> np.ndarray:
+    _, rate = prescribed(joint.motion, joint.level, motion.times)
+    along = np.asarray(joint.direction) / np.linalg.norm(joint.direction)
+    return motion.trajectory.reactions[joint.name][:, :2] @ along * rate
+
+
+LOADS = {
+    SpringDamper: _damper,
+    TorsionSpring: _torsion_damper,
+    Force: _force,
+    Torque: _torque,
+    UserForce: _user_force,
+}
+DRIVES = {CoordinateDrive: _coordinate_drive, PointDrive: _point_drive}

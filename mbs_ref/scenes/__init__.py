@@ -1,0 +1,77 @@
+"""The scenes that come with the project: one file each, found by listing this folder."""
+
+from __future__ import annotations
+
+import difflib
+import importlib
+import inspect
+import pkgutil
+import typing
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+from pydantic import BaseModel, ConfigDict, ValidationError, create_model
+
+from mbs_ref.scene import Scene
+
+Parameter = float | int | str | bool
+
+
+@dataclass(frozen=True)
+class SceneInfo:
+    """What a scene is about and what may be chosen."""
+
+    name: str
+    summary: str  # first line of the builder's docstring
+    parameters: dict[str, Parameter]  # name -> default
+
+
+def names() -> list[str]:
+    """Return the names of every scene, sorted."""
+    return sorted(module.name for module in pkgutil.iter_modules(__path__))
+
+
+def describe(name: str) -> SceneInfo:
+    """Return the scene's summary and parameters; ValueError where there is no such scene."""
+    builder = _builder(name)
+    defaults = {p.name: p.default for p in inspect.signature(builder).parameters.values()}
+    return SceneInfo(name, (inspect.getdoc(builder) or "").splitlines()[0], defaults)
+
+
+def make(name: str, **parameters: Any) -> Scene:
+    """Build a scene; ValueError names a parameter that is unknown or out of range, and what is allowed."""
+    builder = _builder(name)
+    try:
+        chosen = _parameter_model(builder)(**parameters).model_dump()
+    except ValidationError as error:
+        raise ValueError("; ".join(_sentence(name, item) for item in error.errors())) from None
+    return builder(**chosen).model_copy(update={"parameters": chosen})
+
+
+def _builder(name: str) -> Callable[..., Scene]:
+    known = names()
+    if name not in known:
+        close = difflib.get_close_matches(name, known, n=1, cutoff=0.4)
+        hint = f"; did you mean {close[0]!r}?" if close else ""
+        raise ValueError(f"scene = {name!r} is unknown{hint} The scenes are {', '.join(known)}")
+    return importlib.import_module(f"{__name__}.{name}").build
+
+
+def _parameter_model(builder: Callable[..., Scene]) -> type[BaseModel]:
+    """The builder's signature as a checked model: its annotations are the ranges."""
+    hints = typing.get_type_hints(builder, include_extras=True)
+    parameters = inspect.signature(builder).parameters.values()
+    fields: dict[str, Any] = {p.name: (hints[p.name], p.default) for p in parameters}
+    return create_model("Parameters", __config__=ConfigDict(extra="forbid", allow_inf_nan=False), **fields)
+
+
+def _sentence(scene: str, item: Any) -> str:
+    """Say in one line what is wrong with one parameter of a scene."""
+    name = ".".join(str(part) for part in item["loc"])
+    if item["type"] == "extra_forbidden":
+        allowed = describe(scene).parameters
+        close = difflib.get_close_matches(name, allowed, n=1)
+        hint = f"; did you mean {close[0]!r}?" if close else ""
+        return f"{name} = {item['input']!r} is no parameter of {scene}{hint} Allowed: {', '.join(allowed)}"
+    return f"{scene}: {name} = {item['input']!r} is not allowed: {item['msg'].lower()}"
