@@ -47,7 +47,7 @@ nightly: venv  ## the slow tests, the benchmarks and the full report
 bench: venv  ## pytest-benchmark suites, alone on the machine
 	$(BIN)/python -m pytest benchmarks -m '' --benchmark-only -p no:xdist
 
-lock: venv  ## pin again what pyproject.toml asks for (needs uv)
+lock:  ## pin again what pyproject.toml asks for (needs uv)
 	uv pip compile pyproject.toml --extra engines --extra dev --universal --python-version 3.12 \
 	  --generate-hashes --no-emit-index-url --no-header --no-annotate --upgrade --quiet -o requirements.lock
 
