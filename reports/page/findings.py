@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+from cross_checks.record import Record
 from mbs_ref.trajectory import Status
 from reports.page.cheapest import entries, known_error, usable
 from reports.page.numbers import count, duration, joules, metres, setting, short
