@@ -64,9 +64,9 @@ def test_a_scene_is_checked_as_a_whole(changes, complaint):
 
 
 def test_a_direction_is_not_zero():
-    with pytest.raises(ValidationError, match="axis = .* has no direction"):
+    with pytest.raises(ValidationError, match=r"axis = .* has no direction"):
         language.Prismatic(name="s", body_a="ground", body_b="rod", point=(0.0, 0.0), axis=(0.0, 0.0))
-    with pytest.raises(ValidationError, match="direction = .* has no direction"):
+    with pytest.raises(ValidationError, match=r"direction = .* has no direction"):
         language.PointDrive.model_validate(
             {"name": "d", "body": "rod", "point": (0, 0), "direction": (0, 0), "motion": {"type": "constant"}}
         )
