@@ -39,7 +39,7 @@ def wrong_limits(data: ReportData) -> Iterator[Finding]:
     for engine, method, cells in _by_method(data, {"wrong-limit"}):
         worst = max((c.error for c in cells if c.error is not None), default=None)
         text = f"It converges, but not to the truth: on {_scenes(cells)} it stays up to {metres(worst)} away however small the step."
-        yield Finding("bad", f"{engine} {method}: a wrong limit", f"{text} {cells[0].reason}".strip())
+        yield Finding("bad", f"{engine} {method}: a wrong limit", f"{text} {_sentence(cells[0].reason)}".strip())
 
 
 def failing_beside_a_sibling(data: ReportData) -> Iterator[Finding]:
@@ -48,7 +48,7 @@ def failing_beside_a_sibling(data: ReportData) -> Iterator[Finding]:
     for engine, method, cells in _by_method(data, {"failed", "diverged", "crashed", "timeout"}):
         sibling = next((good[engine, c.scene] for c in cells if (engine, c.scene) in good), None)
         beside = f" where {sibling} agrees" if sibling else ""
-        text = f"It does not reach the truth on {_scenes(cells)}{beside}. {cells[0].reason}"
+        text = f"It does not reach the truth on {_scenes(cells)}{beside}. {_sentence(cells[0].reason)}"
         yield Finding("bad", f"{engine} {method}: {cells[0].verdict}", text.strip())
 
 
@@ -58,7 +58,7 @@ def silent_failures(data: ReportData) -> Iterator[Finding]:
     for key in dict.fromkeys((r.engine, r.method, r.status) for r in caught):
         own = [r for r in caught if (r.engine, r.method, r.status) == key]
         scenes = ", ".join(dict.fromkeys(scene_label(r.scene, r.parameters) for r in own))
-        text = f"{count(len(own), 'run')} on {scenes} ended so. {own[0].message}"
+        text = f"{count(len(own), 'run')} on {scenes} ended so. {_sentence(own[0].message)}"
         yield Finding("bad", f"{key[0]} {key[1]}: {key[2]}, caught by the adapter", text)
 
 
@@ -107,6 +107,11 @@ def _by_method(data: ReportData, words: set[str]) -> Iterator[tuple[str, str, li
     met = [c for c in data.cells if c.verdict in words]
     for engine, method in dict.fromkeys((c.engine, c.method) for c in met):
         yield engine, method, [c for c in met if (c.engine, c.method) == (engine, method)]
+
+
+def _sentence(text: str) -> str:
+    """Give a reason its capital and its full stop."""
+    return text[:1].upper() + text[1:] + ("" if not text or text.endswith((".", "!", "?")) else ".")
 
 
 def _scenes(cells: list[Cell]) -> str:

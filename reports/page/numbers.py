@@ -17,7 +17,7 @@ def short(value: float | None, digits: int = 2) -> str:
     if 1e-2 <= abs(value) < 1e4:
         return f"{float(f'{value:.{digits}g}'):g}"
     mantissa, exponent = f"{value:.{digits - 1}e}".split("e")
-    return f"{mantissa}e{int(exponent)}"
+    return f"{mantissa.removesuffix('.0')}e{int(exponent)}"
 
 
 def metres(value: float | None) -> str:

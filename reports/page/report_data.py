@@ -4,30 +4,24 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field
-from typing import Any, Protocol
+from typing import Any
 
 from cross_checks.record import Record
+from mbs_ref import scenes
 
 
-class Cell(Protocol):
-    """What the page reads of a cell of the validation matrix."""
+@dataclass(frozen=True)
+class Cell:
+    """One cell of the validation matrix. Numbers are finite or None."""
 
-    @property
-    def scene(self) -> str: ...
-    @property
-    def engine(self) -> str: ...
-    @property
-    def method(self) -> str: ...
-    @property
-    def verdict(self) -> str: ...
-    @property
-    def reason(self) -> str: ...
-    @property
-    def error(self) -> float | None: ...
-    @property
-    def compliance(self) -> float | None: ...
-    @property
-    def order(self) -> float | None: ...
+    scene: str  # label, with parameters
+    engine: str
+    method: str
+    verdict: str
+    reason: str
+    error: float | None  # m
+    compliance: float | None  # m, rad
+    order: float | None  # observed
 
 
 @dataclass(frozen=True)
@@ -70,8 +64,10 @@ class ReportData:
 
 
 def scene_label(name: str, parameters: dict[str, Any]) -> str:
-    """Return a scene's name with the parameters it was built with, as the command line takes them."""
-    return " ".join([name, *(f"{key}={value}" for key, value in parameters.items())])
+    """Return a scene's name with its counts and whatever else was chosen, as the command line takes them."""
+    defaults = scenes.describe(name).parameters if name in scenes.names() else {}
+    shown = {k: v for k, v in parameters.items() if isinstance(v, int) or defaults.get(k) != v}
+    return " ".join([name, *(f"{key}={value}" for key, value in shown.items())])
 
 
 def _unique(names: Iterable[str]) -> list[str]:

@@ -41,7 +41,7 @@ def _error(record: Record) -> str:
 
 def _slope_triangle(figure, records: list[Record], order: int) -> None:
     """Draw h^order over a factor of four in the step, at the lower right where curves leave room."""
-    x1 = max(r.settings["step"] for r in records)
+    x1 = max(r.settings["step"] for r in records) * 1.6
     x0 = x1 / 4.0
     top = max(known_error(r) for r in records if known_error(r) < 1.0) if _any_small(records) else 1.0
     y1 = top * 10.0 ** (-1.5 * order)
@@ -57,11 +57,11 @@ def _slope_triangle(figure, records: list[Record], order: int) -> None:
         hoverinfo="skip",
     )
     figure.add_scatter(
-        x=[x1],
+        x=[x1 * 1.05],
         y=[(y0 * y1) ** 0.5],
         mode="text",
         text=[f" order {order}"],
-        textposition="middle left",
+        textposition="middle right",
         textfont={"color": "#888888", "size": 12},
         showlegend=False,
         hoverinfo="skip",

@@ -10,7 +10,7 @@ import plotly.graph_objects as go
 
 from reports.plots.palette import Style
 
-FLOOR = 1e-18  # a quantity that is exactly zero is drawn here on a logarithmic axis
+FLOOR = 1e-17  # a quantity that is exactly zero is drawn here on a logarithmic axis
 
 
 def new_figure(x_title: str, y_title: str, x_log: bool = True, y_log: bool = True) -> go.Figure:
@@ -19,9 +19,10 @@ def new_figure(x_title: str, y_title: str, x_log: bool = True, y_log: bool = Tru
     figure.update_layout(
         template="none",
         height=540,
-        margin={"l": 76, "r": 16, "t": 16, "b": 56},
+        margin={"l": 76, "r": 16, "t": 40, "b": 56},
         hovermode="closest",
         legend={"groupclick": "toggleitem", "font": {"size": 12}, "tracegroupgap": 6},
+        modebar={"bgcolor": "rgba(0,0,0,0)", "color": "#8a94a0", "activecolor": "#2b7bd6"},
         paper_bgcolor="rgba(0,0,0,0)",
         plot_bgcolor="rgba(0,0,0,0)",
     )
@@ -32,7 +33,7 @@ def new_figure(x_title: str, y_title: str, x_log: bool = True, y_log: bool = Tru
 
 def _axis(title: str, log: bool) -> dict[str, Any]:
     shown = {"title": {"text": title, "standoff": 10}, "zeroline": False, "automargin": True}
-    return shown | ({"type": "log", "exponentformat": "power", "dtick": 1} if log else {"type": "linear"})
+    return shown | ({"type": "log", "exponentformat": "power", "dtick": 1} if log else {"type": "-"})
 
 
 def add_series(figure: go.Figure, engine: str, method: str, style: Style, x: list[float], y: list[float], **more: Any) -> None:

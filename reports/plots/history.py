@@ -16,12 +16,14 @@ def history(records: list[Record], styles: dict[tuple[str, str], Style], key: st
     drawn = [r for r in representative(records) if r.history.get(key) and r.history.get("t")]
     if not drawn:
         return None
+    drawn.sort(key=lambda r: list(styles).index((r.engine, r.method)))
     figure = new_figure("time, s", title, x_log=False)
     figure.update_yaxes(dtick=None, nticks=10)
     for record in drawn:
         label = lines(f"{record.engine} · {record.method}", setting(record.settings))
         hover = f"{label}<br>%{{y:.2e}} at %{{x:.3g}} s<extra></extra>"
         style = styles[record.engine, record.method]
-        x, y = record.history["t"], record.history[key]
+        # the first sample is zero by construction and would stretch the axis
+        x, y = record.history["t"][1:], record.history[key][1:]
         add_series(figure, record.engine, record.method, style, x, y, mode="lines", hovertemplate=hover)
     return to_data(figure)

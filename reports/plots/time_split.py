@@ -34,6 +34,7 @@ def time_split(records: list[Record]) -> dict[str, Any] | None:
         x = [s * 1e3 if s > 0.0 else None for s in spans]
         figure.add_bar(x=x, y=names, orientation="h", name=phase, marker_color=colour, text=text,
                        textposition="none", hovertemplate="%{text}<extra></extra>")  # fmt: skip
+    figure.update_yaxes(type="category")
     figure.update_layout(
         barmode="group", bargap=0.25, height=120 + 42 * len(drawn),
         legend={"orientation": "h", "y": 1.02, "yanchor": "bottom", "traceorder": "normal"}, margin={"t": 40},

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 from cross_checks.record import Error, Record
-from reports.page.report_data import Capability, ReportData, scene_label
+from reports.page.report_data import Capability, Cell, ReportData, scene_label
 
 HOSTILE = "<script>alert('x')</script> & <b>bold</b> | pipe"
 SCENES = [("pendulum", {}), ("pendulum_chain", {"links": 3}), ("pendulum_chain", {"links": 10}),
@@ -23,18 +22,6 @@ METHODS = [
     ("pinocchio", "dop853", "adaptive", 8, 9e-6), ("mujoco", "rk4", "fixed", 4, 1e-6),
     ("mujoco", "rk4_tight", "fixed", 4, 1e-6), ("mujoco", "implicitfast", "fixed", 1, 5e-7),
 ]  # fmt: skip
-
-
-@dataclass(frozen=True)
-class MadeUpCell:
-    scene: str
-    engine: str
-    method: str
-    verdict: str
-    reason: str
-    error: float | None
-    compliance: float | None
-    order: float | None
 
 
 def _verdict(scene: str, engine: str, method: str) -> tuple[str, str]:
@@ -90,14 +77,14 @@ def _record(scene: str, parameters: dict, method: tuple, knob: float, verdict: s
     )  # fmt: skip
 
 
-def _cell(scene: str, parameters: dict, method: tuple, own: list[Record], verdict: str, reason: str) -> MadeUpCell:
+def _cell(scene: str, parameters: dict, method: tuple, own: list[Record], verdict: str, reason: str) -> Cell:
     engine, name, _, order, _ = method
     measured = [r.error.value for r in own if r.error]
     error = min(measured, default=None)
     seen = float(order) if verdict in ("agrees", "converging") else None
     label = scene_label(scene, parameters)
     compliance = own[-1].compliance["position"] if measured else None
-    return MadeUpCell(label, engine, name, verdict, reason, error, compliance, seen)
+    return Cell(label, engine, name, verdict, reason, error, compliance, seen)
 
 
 def report_data() -> ReportData:

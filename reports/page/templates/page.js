@@ -1,5 +1,5 @@
 "use strict";
-// Draws the plots when they come into view, keeps scene and engine choice common to all, and answers the pick box.
+// Draws the plots of the chosen scene, keeps scene and engine choice common to all, and answers the pick box.
 const css = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 const narrow = () => window.innerWidth < 760;
 const hiddenEngines = new Set();
@@ -33,16 +33,20 @@ async function draw(div) {
   Plotly.relayout(div, themed());
 }
 
-const watcher = new IntersectionObserver((entries) => {
-  for (const entry of entries) if (entry.isIntersecting) draw(entry.target);
-}, { rootMargin: "600px" });
-document.querySelectorAll(".plot").forEach((div) => watcher.observe(div));
+// one after the other, so that the page stays responsive
+async function drawShown() {
+  for (const div of document.querySelectorAll(".panel:not([hidden]) .plot")) {
+    await draw(div);
+    await new Promise((resume) => setTimeout(resume));
+  }
+}
 
 function drawnPlots() { return document.querySelectorAll(".plot[data-drawn]"); }
 
 function chooseScene() {
   document.querySelectorAll(".panel").forEach((panel) => { panel.hidden = panel.dataset.scene !== sceneSelect.value; });
   document.querySelectorAll(".panel:not([hidden]) .plot[data-drawn]").forEach((div) => Plotly.Plots.resize(div));
+  drawShown();
   answer();
 }
 
@@ -125,3 +129,4 @@ const here = new IntersectionObserver((entries) => {
 }, { rootMargin: "-20% 0px -70% 0px" });
 document.querySelectorAll("section[id]").forEach((section) => here.observe(section));
 answer();
+drawShown();
