@@ -2,86 +2,50 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
 
-from cross_checks.joint_tree import turned
-from cross_checks.prescribed import displacement
-from mbs_ref.scene import CoordinateDrive, Distance, Joint, PlanarBody, PointDrive, Prismatic, Revolute, Scene
+from mbs_ref.observables import rows
+from mbs_ref.scene import PlanarBody, Scene
+from mbs_ref.trajectory import Trajectory
 
 
 @dataclass(frozen=True)
 class Gap:
-    """How far a joint is from satisfied at t = 0."""
+    """How far a joint's worst row is from satisfied at t = 0."""
 
     joint: str
     position: float  # m or rad
     velocity: float  # m/s or rad/s
 
 
-def gaps(scene: Scene) -> list[Gap]:
-    """Return every joint's gap in a planar scene."""
-    return [Gap(joint.name, *_gap(scene, joint)) for joint in scene.joints]
+def initial_sample(scene: Scene) -> Trajectory:
+    """Return the planar scene's own initial state as a trajectory of one sample."""
+    turning = [(b.angle, b.angular_velocity) if isinstance(b, PlanarBody) else (0.0, 0.0) for b in scene.bodies]
+    angle, rate = np.array(turning, dtype=float).T
+    position = np.array([body.position for body in scene.bodies], dtype=float)
+    velocity = np.array([body.velocity for body in scene.bodies], dtype=float)
+    return Trajectory(np.zeros(1), position[None], angle[None], velocity[None], rate[None])
+
+
+def worst_gap(scene: Scene) -> Gap | None:
+    """Return the joint farthest from satisfied; None where there is no joint."""
+    found = rows(scene, initial_sample(scene))
+    if not found.joints:
+        return None
+    size = np.maximum(np.abs(found.residual[0]), np.abs(found.rate[0]))
+    joint = found.joints[int(np.argmax(size))]
+    own = np.array([name == joint for name in found.joints])
+    return Gap(joint, float(np.abs(found.residual[0, own]).max()), float(np.abs(found.rate[0, own]).max()))
 
 
 def inconsistency(scene: Scene, tolerance: float) -> str:
     """Return a sentence on the worst gap above the tolerance, or nothing."""
-    worst = max(gaps(scene), key=lambda gap: max(gap.position, gap.velocity), default=None)
-    if worst is None or max(worst.position, worst.velocity) <= tolerance:
+    gap = worst_gap(scene)
+    if gap is None or max(gap.position, gap.velocity) <= tolerance:
         return ""
     return (
-        f"the initial state breaks joint {worst.joint!r} by {worst.position:.3g} (m, rad) and "
-        f"{worst.velocity:.3g} (m/s, rad/s), more than initial_tolerance = {tolerance:g}"
+        f"the initial state breaks joint {gap.joint!r} by {gap.position:.3g} (m, rad) and "
+        f"{gap.velocity:.3g} (m/s, rad/s), more than initial_tolerance = {tolerance:g}"
     )
-
-
-def _point_velocity(scene: Scene, name: str, point: np.ndarray) -> np.ndarray:
-    k = scene.body_index(name)
-    if k < 0:
-        return np.zeros(2)
-    body = scene.bodies[k]
-    return np.array(body.velocity) + _spin(scene, name) * turned(point - np.array(body.position))
-
-
-def _spin(scene: Scene, name: str) -> float:
-    k = scene.body_index(name)
-    body = scene.bodies[k] if k >= 0 else None
-    return body.angular_velocity if isinstance(body, PlanarBody) else 0.0
-
-
-def _gap(scene: Scene, joint: Joint) -> tuple[float, float]:
-    if isinstance(joint, Distance):
-        return _distance_gap(scene, joint)
-    if isinstance(joint, CoordinateDrive | PointDrive):
-        return 0.0, abs(_drive_rate(scene, joint) - displacement(joint.motion, joint.level).rate(0.0))
-    point = np.array(joint.point)
-    slip = _point_velocity(scene, joint.body_b, point) - _point_velocity(scene, joint.body_a, point)
-    if isinstance(joint, Prismatic):
-        slip = slip - np.array(joint.axis) * (slip @ joint.axis) / np.dot(joint.axis, joint.axis)
-    turning = 0.0 if isinstance(joint, Revolute) else _relative_spin(scene, joint.body_a, joint.body_b)
-    return 0.0, max(math.hypot(*slip), abs(turning))
-
-
-def _relative_spin(scene: Scene, a: str, b: str) -> float:
-    oriented = [k < 0 or isinstance(scene.bodies[k], PlanarBody) for k in map(scene.body_index, (a, b))]
-    return _spin(scene, b) - _spin(scene, a) if all(oriented) else 0.0
-
-
-def _distance_gap(scene: Scene, joint: Distance) -> tuple[float, float]:
-    a, b = np.array(joint.point_a), np.array(joint.point_b)
-    actual = math.dist(a, b)
-    length = actual if joint.length is None else joint.length
-    if actual == 0.0:
-        return length, 0.0
-    slip = _point_velocity(scene, joint.body_b, b) - _point_velocity(scene, joint.body_a, a)
-    return abs(actual - length), abs(slip @ (b - a)) / actual
-
-
-def _drive_rate(scene: Scene, joint: CoordinateDrive | PointDrive) -> float:
-    if isinstance(joint, PointDrive):
-        velocity = _point_velocity(scene, joint.body, np.array(joint.point))
-        return float(velocity @ joint.direction) / float(np.linalg.norm(joint.direction))
-    body = scene.bodies[scene.body_index(joint.body)]
-    return {"x": body.velocity[0], "y": body.velocity[1], "angle": _spin(scene, joint.body)}[joint.coordinate]

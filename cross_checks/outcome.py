@@ -39,7 +39,7 @@ def plan_run(
     """
     method = engine.method(settings.method)
     _check_settings(engine, method, settings, supported)
-    grid = output_times(scene, settings, times)
+    grid = step_grid(scene, settings) if times is None and settings.step else output_times(scene, settings, times)
     _check_times(grid)
     reasons = engine.refusals(scene) + engine.method_refusals(scene, method)
     if reasons:
@@ -72,6 +72,17 @@ def _check_settings(engine: Engine, method: Method, settings: Settings, supporte
 def _check_times(times: np.ndarray) -> None:
     if times.ndim != 1 or len(times) < 2 or times[0] != 0.0 or not np.all(np.diff(times) > 0.0):
         raise ValueError("times must be at least two increasing numbers, the first 0")
+
+
+def step_grid(scene: Scene, settings: Settings) -> np.ndarray:
+    """Return the asked number of samples, as evenly spread as multiples of the step allow."""
+    t_end = settings.t_end if settings.t_end is not None else scene.duration
+    assert settings.step is not None
+    (whole,) = step_counts(np.array([0.0, t_end]), settings.step)
+    samples = min(settings.samples, whole + 1)
+    times = np.unique(np.linspace(0, whole, samples).round()) * settings.step
+    times[-1] = t_end
+    return times
 
 
 def default_step(times: np.ndarray) -> float:

@@ -23,7 +23,7 @@ from mbs_ref.settings import Settings
 from mbs_ref.trajectory import Status, Timing, Trajectory
 
 GAINS = (100.0, 20.0)  # 1/s^2, 1/s: Kp and Kd, critically damped at 10 rad/s; Pinocchio's own default is 0, 0
-PROXIMAL = {"absolute_accuracy": 1e-14, "mu": 1e-10, "max_iter": 20}  # mu = 0 gives NaN on redundant rows
+PROXIMAL = {"absolute_accuracy": 1e-14, "mu": 1e-8, "max_iter": 20}  # mu = 0 gives NaN on redundant rows
 DATA_BYTES = 32  # times n_v^3: what pinocchio.Data takes for a chain
 MOST_BYTES = 1e9
 STEPS = (2e-2, 1e-2, 5e-3, 2.5e-3, 1e-3, 5e-4, 2.5e-4)  # s
