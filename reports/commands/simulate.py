@@ -27,7 +27,12 @@ from reports.poses_file import FORMATS, write_poses
 @click.option("--json", "as_json", is_flag=True, help="Print the whole record as JSON.")
 @click.option("-o", "output", metavar="FILE", help="Write times and poses to a .npz or .csv file.")
 def command(
-    scene: str, parameters: tuple[str, ...], engine: str, method: str | None, output: str | None, as_json: bool,
+    scene: str,
+    parameters: tuple[str, ...],
+    engine: str,
+    method: str | None,
+    output: str | None,
+    as_json: bool,
     **options: Any,
 ) -> None:
     """Simulate SCENE and judge the result against its truth."""
