@@ -45,9 +45,9 @@ def command(
     from cross_checks import compare
 
     try:
-        record = compare.evaluate(chosen_scene, engine, chosen)
-        if target is not None and record.status == "success":
-            write_poses(solver.run(chosen_scene, chosen), chosen_scene.body_names, target)
+        record, trajectory = compare.judged_run(chosen_scene, engine, chosen)
+        if target is not None and trajectory is not None and record.status == "success":
+            write_poses(trajectory, chosen_scene.body_names, target)
     except ValueError as error:  # a setting that this engine or method does not take
         raise click.UsageError(str(error)) from error
     except OSError as error:

@@ -100,6 +100,9 @@ def stand(monkeypatch):
             raise fakes["record"]
         return fakes["record"]
 
+    def judged_run(scene, engine, settings):
+        return evaluate(scene, engine, settings), Quick().run(scene, settings)
+
     def check(scene_list, engine_names, progress):
         progress(1, 1, "done")
         fakes["asked"] = {"scenes": [s.name for s in scene_list], "engines": engine_names}
@@ -117,7 +120,7 @@ def stand(monkeypatch):
         return fakes["choice"]
 
     fake_modules = {
-        (cross_checks, "compare"): {"evaluate": evaluate},
+        (cross_checks, "compare"): {"evaluate": evaluate, "judged_run": judged_run},
         (cross_checks, "matrix"): {"check": check},
         (benchmarks, "sweep"): {"sweep": sweep},
         (benchmarks, "pick"): {"pick": pick},
