@@ -53,7 +53,10 @@ class Rods:
 
 
 def lagrange(rods: Rods) -> Formulation:
-    """Return y = (theta, theta'): sum_j c_ij [cos(d_ij) theta_j'' + sin(d_ij) theta_j'^2] + g l_i carried_i cos theta_i = 0."""
+    """Return y = (theta, theta'), with d_ij = theta_i - theta_j:
+
+    sum_j c_ij [cos(d_ij) theta_j'' + sin(d_ij) theta_j'^2] + g l_i carried_i cos(theta_i) = 0.
+    """
     c, weight = rods.coupling(), rods.gravity * rods.length * rods.carried
 
     def derivative(t, y):
@@ -67,7 +70,10 @@ def lagrange(rods: Rods) -> Formulation:
 
 
 def hamilton(rods: Rods) -> Formulation:
-    """Return y = (theta, p), p = M theta': p_i' = -theta_i' sum_j c_ij sin(d_ij) theta_j' - g l_i carried_i cos theta_i."""
+    """Return y = (theta, p) with p = M theta', d_ij = theta_i - theta_j:
+
+    p_i' = -theta_i' sum_j c_ij sin(d_ij) theta_j' - g l_i carried_i cos(theta_i).
+    """
     c, weight = rods.coupling(), rods.gravity * rods.length * rods.carried
 
     def derivative(t, y):

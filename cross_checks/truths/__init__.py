@@ -73,6 +73,6 @@ def _solved(name: str, parameters: tuple, times: tuple[float, ...]) -> Truth | N
     except NoConvergenceError as error:
         return NoTruth(f"the truth does not converge: {error}")
     if isinstance(found, Truth) and not found.uncertainty <= LARGEST_UNCERTAINTY:
-        limit = f"{LARGEST_UNCERTAINTY:.0e} m"
-        return NoTruth(f"the truth is uncertain by {found.uncertainty:.1e} m, more than {limit}: the motion is too sensitive")
+        known_to, limit = f"{found.uncertainty:.1e} m", f"{LARGEST_UNCERTAINTY:.0e} m"
+        return NoTruth(f"the truth is uncertain by {known_to}, more than {limit}: the motion is too sensitive")
     return found

@@ -1,0 +1,39 @@
+"""The ladder of settings of a method: steps or tolerances from coarse to fine."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from cross_checks.engine import Method
+from mbs_ref.scene import Scene
+from mbs_ref.settings import Settings
+
+SAMPLES = 41  # output times of a judged run
+STEPS = (2e-2, 1e-2, 5e-3, 2.5e-3, 1e-3, 5e-4, 2.5e-4, 1e-4)  # s, where a method names none
+TOLERANCES = (1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
+
+
+def grid(scene: Scene) -> np.ndarray:
+    """Return the output times of a judged run (SAMPLES,), s."""
+    return np.linspace(0.0, scene.duration, SAMPLES)
+
+
+def rungs(method: Method, scene: Scene) -> list[Settings]:
+    """Return the settings to try, coarse to fine; steps are shortened to divide the output interval."""
+    if method.kind == "adaptive":
+        return [Settings(method=method.name, rtol=rtol, atol=rtol) for rtol in method.ladder or TOLERANCES]
+    interval = scene.duration / (SAMPLES - 1)
+    steps = dict.fromkeys(fitted(step, interval) for step in method.ladder or STEPS)
+    return [Settings(method=method.name, step=step) for step in steps]
+
+
+def fitted(step: float, interval: float) -> float:
+    """Return the largest step up to `step` that divides the interval (s)."""
+    return interval / math.ceil(interval / step * (1.0 - 1e-9))
+
+
+def label(settings: Settings) -> str:
+    """Return the setting as a reader would type it."""
+    return f"step={settings.step:.6g}" if settings.step is not None else f"rtol={settings.rtol:.1g}"

@@ -1,0 +1,160 @@
+"""The validation matrix: every scene by every engine by every method, each cell a verdict."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import asdict, dataclass
+from typing import Any
+
+from cross_checks import engines as registry
+from cross_checks import ladder
+from cross_checks.compare import MISSING, judged_run
+from cross_checks.engine import Method
+from cross_checks.metrics.observed_order import observed_order
+from cross_checks.metrics.pose_error import distance
+from cross_checks.record import Record
+from cross_checks.truths import NoTruth, seek_truth
+from cross_checks.verdict import AGREEMENT, Rung, Verdict, judge
+from mbs_ref.scene import Scene
+from mbs_ref.settings import Settings
+from mbs_ref.trajectory import Trajectory
+
+BUDGET = 2.0  # s of wall time after which a cell climbs no further
+ENOUGH = 3  # runs; with these, a cell that agrees is done
+
+Progress = Callable[[int, int, str], None]  # (cells done, of how many, what comes next)
+
+
+@dataclass(frozen=True)
+class Cell:
+    """One verdict. Numbers are of the finest run that succeeded; None with a reason where there is none."""
+
+    scene: str
+    parameters: dict[str, Any]
+    engine: str
+    method: str
+    verdict: Verdict
+    error: float | None  # m
+    compliance: float | None  # m or rad
+    order: float | None  # observed; of fixed-step methods
+    reason: str
+    uncertainty: float | None = None  # m, of the truth
+    documented_order: int | None = None
+    setting: str = ""  # of the finest run that succeeded
+    loop_s: float | None = None
+    runs: tuple[dict[str, Any], ...] = ()  # setting, status, error of each run
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return plain data for JSON."""
+        return asdict(self) | {"verdict": str(self.verdict)}
+
+
+@dataclass(frozen=True)
+class Climb:
+    """The runs of one cell, coarse to fine."""
+
+    settings: list[Settings]
+    records: list[Record]
+    rungs: list[Rung]
+
+
+def check(
+    scenes: Iterable[Scene], engines: Iterable[str] | None = None, progress: Progress | None = None, *,
+    budget_s: float = BUDGET,
+) -> list[Cell]:  # fmt: skip
+    """Return a verdict for every (scene, engine, method). ValueError where an engine is unknown."""
+    tasks = [
+        (scene, engine, method)
+        for scene in scenes
+        for engine in (registry.names() if engines is None else list(engines))
+        for method in _methods(engine)
+    ]
+    cells = []
+    for done, (scene, engine, method) in enumerate(tasks):
+        name = method.name if method else ""
+        if progress is not None:
+            progress(done, len(tasks), f"{scene.name} {engine} {name}".strip())
+        cells.append(missing(scene, engine) if method is None else judge_method(scene, engine, method, budget_s))
+    if progress is not None:
+        progress(len(tasks), len(tasks), "")
+    return cells
+
+
+def _methods(engine: str) -> tuple[Method | None, ...]:
+    try:
+        return registry.get(engine).methods()
+    except registry.EngineMissing:
+        return (None,)
+
+
+def missing(scene: Scene, engine: str) -> Cell:
+    """Return the cell of an engine whose package is not installed."""
+    record, _ = judged_run(scene, engine, Settings())
+    assert record.status == MISSING
+    return Cell(
+        scene.name, dict(scene.parameters), engine, "", Verdict.ENGINE_MISSING, None, None, None, record.message
+    )
+
+
+def judge_method(scene: Scene, engine: str, method: Method, budget_s: float = BUDGET) -> Cell:
+    """Climb the method's ladder until it agrees or the budget is spent, and judge."""
+    truth = seek_truth(scene, ladder.grid(scene))
+    uncertainty = None if isinstance(truth, NoTruth) else truth.uncertainty
+    climb = _climb(scene, engine, method, budget_s)
+    why = truth.reason if isinstance(truth, NoTruth) else ""
+    verdict, reason = judge(climb.rungs, uncertainty or 0.0, why)
+    best = next((k for k in reversed(range(len(climb.rungs))) if climb.rungs[k].ok), None)
+    record = None if best is None else climb.records[best]
+    return Cell(
+        scene=scene.name, parameters=dict(scene.parameters), engine=engine, method=method.name,
+        verdict=verdict, reason=reason, uncertainty=uncertainty, documented_order=method.order,
+        error=None if record is None or record.error is None else record.error.value,
+        compliance=None if record is None else record.compliance["position"],
+        order=_order(method, climb, uncertainty or 0.0),
+        setting="" if best is None else climb.rungs[best].setting,
+        loop_s=None if record is None else record.times["loop_s"],
+        runs=tuple({"setting": r.setting, "status": r.status, "error": r.error} for r in climb.rungs),
+    )  # fmt: skip
+
+
+def _climb(scene: Scene, engine: str, method: Method, budget_s: float) -> Climb:
+    climb = Climb([], [], [])
+    start, before = time.perf_counter(), None
+    for settings, record, path in runs(scene, engine, method):
+        climb.settings.append(settings)
+        climb.records.append(record)
+        climb.rungs.append(_rung(settings, record, path, before))
+        before = path if record.status == "success" else before
+        if record.status in (Verdict.CANNOT, MISSING) or _is_done(climb, time.perf_counter() - start, budget_s):
+            break
+    return climb
+
+
+def runs(scene: Scene, engine: str, method: Method) -> Iterator[tuple[Settings, Record, Trajectory | None]]:
+    """Run the method's ladder from coarse to fine, each rung as it is asked for."""
+    times = ladder.grid(scene)
+    for settings in ladder.rungs(method, scene):
+        record, path = judged_run(scene, engine, settings, times)
+        yield settings, record, path
+
+
+def _rung(settings: Settings, record: Record, path: Trajectory | None, before: Trajectory | None) -> Rung:
+    error = record.error.value if record.error is not None else None
+    both = path is not None and before is not None and record.status == "success"
+    gap = float(max(distance(path.position, before.position))) if both else None  # type: ignore[union-attr]
+    return Rung(ladder.label(settings), record.status, record.message, error, gap)
+
+
+def _is_done(climb: Climb, spent_s: float, budget_s: float) -> bool:
+    good = [r for r in climb.rungs if r.ok]
+    agrees = len(good) >= ENOUGH and good[-1].error is not None and good[-1].error <= AGREEMENT
+    return agrees or spent_s > budget_s
+
+
+def _order(method: Method, climb: Climb, uncertainty: float) -> float | None:
+    if method.kind != "fixed":
+        return None
+    pairs = zip(climb.settings, climb.rungs, strict=True)
+    points = [(s.step, r.error) for s, r in pairs if r.ok and s.step and r.error]
+    return observed_order([h for h, _ in points], [e for _, e in points], uncertainty) if points else None

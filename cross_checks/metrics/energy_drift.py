@@ -1,0 +1,23 @@
+"""Drift of the energy balance."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from mbs_ref.observables import energy_balance
+from mbs_ref.scene import Scene
+from mbs_ref.trajectory import Trajectory
+
+RESOLVED = 0.1  # of the drift: the work integral must be known at least this well
+
+
+def energy_drift(scene: Scene, trajectory: Trajectory) -> tuple[np.ndarray | None, str]:
+    """Return |E(t) - E(0) - work| (n_t,), J, or None and the reason why it is not defined here."""
+    balance = energy_balance(scene, trajectory)
+    if balance.drift is None:
+        return None, balance.reason
+    drift = np.abs(balance.drift)
+    if balance.resolution > max(RESOLVED * float(np.max(drift)), 1e-12 * float(np.max(np.abs(balance.energy)))):
+        text = f"the samples resolve the work to {balance.resolution:.1e} J only; ask for more samples"
+        return None, text
+    return drift, ""

@@ -1,0 +1,21 @@
+"""Difference of joint reactions from a reference's."""
+
+from __future__ import annotations
+
+import numpy as np
+
+
+def reaction_error(reactions: dict[str, np.ndarray], reference: dict[str, np.ndarray]) -> float | None:
+    """Return the largest difference (N, N m) over the joints and samples both report; None without any.
+
+    Each entry is (n_t, 3): the force on body_b at the joint point along the world axes, and the torque.
+    """
+    common = sorted(reactions.keys() & reference.keys())
+    gaps = [_largest_gap(reactions[name], reference[name]) for name in common]
+    finite = [gap for gap in gaps if np.isfinite(gap)]
+    return max(finite) if finite and len(finite) == len(gaps) else None
+
+
+def _largest_gap(found: np.ndarray, expected: np.ndarray) -> float:
+    n = min(len(found), len(expected))
+    return float(np.max(np.abs(found[:n] - expected[:n]), initial=0.0))

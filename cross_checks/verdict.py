@@ -1,0 +1,105 @@
+"""The verdict on a method from a ladder of ever finer runs."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from enum import StrEnum
+
+AGREEMENT = 1e-6  # m: closer to the truth than this is agreement
+MARGIN = 30.0  # a truth this many times better known than an error judges it
+SETTLED = 0.1  # of the error: refinements that differ by less no longer approach the truth
+PROGRESS = 0.7  # of the error before: less than this is progress
+
+
+class Verdict(StrEnum):
+    AGREES = "agrees"
+    CONVERGING = "converging"
+    WRONG_LIMIT = "wrong-limit"
+    DIVERGED = "diverged"
+    CANNOT = "cannot"
+    FAILED = "failed"
+    BELOW_TRUTH = "below-truth"
+    ENGINE_MISSING = "engine-missing"
+
+
+@dataclass(frozen=True)
+class Rung:
+    """One run of the ladder."""
+
+    setting: str  # as a reader would type it: step=0.001
+    status: str
+    message: str
+    error: float | None = None  # m, from the truth; None without one
+    difference: float | None = None  # m, from the run before; None for the first
+
+    @property
+    def ok(self) -> bool:
+        return self.status == "success"
+
+
+def judge(rungs: Sequence[Rung], uncertainty: float = 0.0, why_no_truth: str = "") -> tuple[Verdict, str]:
+    """Return the verdict and its sentence. Rungs go from coarse to fine; `uncertainty` (m) is the truth's.
+
+    wrong-limit: the differences between refinements shrink well below the error, and the error stays.
+    """
+    refused = next((r for r in rungs if r.status in (Verdict.CANNOT, Verdict.ENGINE_MISSING)), None)
+    good = [r for r in rungs if r.ok]
+    if not good:
+        if refused is not None:
+            return Verdict(refused.status), refused.message
+        return _stopped(rungs[-1])
+    if good[-1].error is None:
+        return _without_truth(good, why_no_truth)
+    verdict, reason = _by_error(good, uncertainty)
+    return _with_failures(rungs, verdict, reason)
+
+
+def _stopped(last: Rung) -> tuple[Verdict, str]:
+    blown = last.status in ("non-finite", "reset")
+    return (Verdict.DIVERGED if blown else Verdict.FAILED), f"{last.setting}: {last.status}: {last.message}"
+
+
+def _by_error(good: Sequence[Rung], uncertainty: float) -> tuple[Verdict, str]:
+    errors = [r.error for r in good if r.error is not None]
+    finest = errors[-1]
+    if finest <= AGREEMENT and uncertainty <= AGREEMENT / MARGIN:
+        return Verdict.AGREES, f"{finest:.1e} m from the truth at {good[-1].setting}"
+    if finest <= uncertainty:
+        return Verdict.BELOW_TRUTH, f"{finest:.1e} m, and the truth is known to {uncertainty:.1e} m only"
+    if _is_settled(good) and finest > MARGIN * uncertainty:
+        return Verdict.WRONG_LIMIT, (
+            f"refinements differ by {good[-1].difference:.1e} m and less, and the error stays at {finest:.1e} m"
+        )
+    if len(errors) > 1 and finest < PROGRESS * errors[-2]:
+        return Verdict.CONVERGING, f"{finest:.1e} m at {good[-1].setting}, and still shrinking"
+    if len(errors) == 1:
+        return Verdict.FAILED, f"only {good[0].setting} ran, {finest:.1e} m off: one run shows no convergence"
+    return Verdict.DIVERGED, f"the error does not shrink: {errors[-2]:.1e} m, then {finest:.1e} m at {good[-1].setting}"
+
+
+def _is_settled(good: Sequence[Rung]) -> bool:
+    """Whether the last runs agree with each other much better than with the truth, ever more so."""
+    gaps = [r.difference for r in good[1:] if r.difference is not None]
+    errors = [r.error for r in good if r.error is not None]
+    if len(gaps) < 2:
+        return False
+    stays = errors[-1] > (1.0 - 2.0 * SETTLED) * errors[-2]
+    return stays and gaps[-1] < SETTLED * errors[-1] and gaps[-1] <= max(gaps[:-1])
+
+
+def _without_truth(good: Sequence[Rung], why: str) -> tuple[Verdict, str]:
+    gaps = [r.difference for r in good if r.difference is not None]
+    if len(gaps) > 1 and gaps[-1] < gaps[-2]:
+        return Verdict.CONVERGING, f"to itself: the last runs differ by {gaps[-1]:.1e} m. No truth: {why}"
+    return Verdict.FAILED, f"no convergence shown, and no truth to compare with: {why}"
+
+
+def _with_failures(rungs: Sequence[Rung], verdict: Verdict, reason: str) -> tuple[Verdict, str]:
+    """A finer run that failed is told beside the best one's verdict, and spoils all but agreement."""
+    last = rungs[-1]
+    if last.ok:
+        return verdict, reason
+    told = f"{reason}; {last.setting} ends with {last.status}: {last.message}"
+    kept = verdict in (Verdict.AGREES, Verdict.WRONG_LIMIT, Verdict.BELOW_TRUTH)
+    return (verdict if kept else _stopped(last)[0]), told
