@@ -87,7 +87,7 @@ def _locate(loc: tuple[int | str, ...], model: type[BaseModel], data: Any) -> tu
     for key in loc:
         if isinstance(key, str) and not isinstance(here, dict | BaseModel | type(None)):
             return path.removeprefix("."), part, models, here, True
-        if isinstance(here, dict) and key not in here and here.get("type") == key:
+        if len(models) > 1 and isinstance(here, dict) and here.get("type") == key and key in _tags(models):
             models = [m for m in models if m.model_fields["type"].default == key]
             continue
         path += f"[{key}]" if isinstance(key, int) else f".{key}"

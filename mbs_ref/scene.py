@@ -10,7 +10,6 @@ import math
 from collections.abc import Callable
 from typing import Annotated, Any, Literal, Self
 
-import numpy as np
 from pydantic import Field, SkipValidation, model_validator
 
 from mbs_ref.part import Name, NonNegative, Part, Positive, Vector
@@ -284,7 +283,7 @@ class Scene(Part):
 
 
 def _require_direction(field: str, value: tuple[float, ...]) -> None:
-    if not np.linalg.norm(value) > 0.0:
+    if not math.hypot(*value) > 0.0:  # neither overflows nor underflows
         raise ValueError(f"{field} = {value} has no direction; give any vector but zero")
 
 

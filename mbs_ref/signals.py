@@ -31,8 +31,6 @@ class Segment(NamedTuple):
         """Return the value at time t (s)."""
         tau = t - self.start if math.isfinite(self.start) else 0.0  # only constants hold from -inf on
         polynomial = sum(c * tau**k for k, c in enumerate(self.coefficients))
-        if self.amplitude == 0.0:
-            return polynomial  # a constant may start at -infinity, where the sine is no number
         return polynomial + self.amplitude * math.sin(self.omega * tau + self.phase)
 
     def integral(self, initial: float) -> Segment:

@@ -6,7 +6,6 @@ from pathlib import Path
 
 import click
 
-from benchmarks import sweep
 from cross_checks import engines
 from cross_checks.record import Record
 from mbs_ref.atomic import write_atomic
@@ -18,6 +17,8 @@ from reports.exit_codes import Incomplete
 
 def sweep_records(scene: Scene, chosen: tuple[str, ...], methods: tuple[str, ...], target: Path | None) -> list[Record]:
     """Return the sweep's records and write them to `target`; Incomplete where it is interrupted."""
+    from benchmarks import sweep
+
     solvers = [inputs.engine(name) for name in chosen]
     known = {method.name for solver in solvers for method in solver.methods()}
     unknown = [name for name in methods if solvers and name not in known]

@@ -19,8 +19,13 @@ from reports.sweeping import sweep_records
 @click.option("--budget", metavar="50ms", help="Longest loop time.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 def command(
-    scene: str, parameters: tuple[str, ...], chosen: tuple[str, ...], error: float, compliance: float | None,
-    budget: str | None, as_json: bool,
+    scene: str,
+    parameters: tuple[str, ...],
+    chosen: tuple[str, ...],
+    error: float,
+    compliance: float | None,
+    budget: str | None,
+    as_json: bool,
 ) -> None:
     """Name the cheapest engine, method and setting that reaches --error on SCENE."""
     limit = None if budget is None else inputs.seconds(budget)

@@ -27,7 +27,12 @@ from reports.poses_file import FORMATS, write_poses
 @click.option("--json", "as_json", is_flag=True, help="Print the whole record as JSON.")
 @click.option("-o", "output", metavar="FILE", help="Write times and poses to a .npz or .csv file.")
 def command(
-    scene: str, parameters: tuple[str, ...], engine: str, method: str | None, output: str | None, as_json: bool,
+    scene: str,
+    parameters: tuple[str, ...],
+    engine: str,
+    method: str | None,
+    output: str | None,
+    as_json: bool,
     **options: Any,
 ) -> None:
     """Simulate SCENE and judge the result against its truth."""
@@ -40,9 +45,9 @@ def command(
     from cross_checks import compare
 
     try:
-        record = compare.evaluate(chosen_scene, engine, chosen)
-        if target is not None and record.status == "success":
-            write_poses(solver.run(chosen_scene, chosen), chosen_scene.body_names, target)
+        record, trajectory = compare.judged_run(chosen_scene, engine, chosen)
+        if target is not None and trajectory is not None and record.status == "success":
+            write_poses(trajectory, chosen_scene.body_names, target)
     except ValueError as error:  # a setting that this engine or method does not take
         raise click.UsageError(str(error)) from error
     except OSError as error:

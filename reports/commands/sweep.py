@@ -19,7 +19,11 @@ from reports.sweeping import sweep_records
 @click.option("--json", "as_json", is_flag=True, help="Print JSON lines, one a run.")
 @click.option("-o", "output", metavar="FILE.jsonl", help="Write the JSON lines to a file.")
 def command(
-    scene: str, parameters: tuple[str, ...], chosen: tuple[str, ...], methods: tuple[str, ...], as_json: bool,
+    scene: str,
+    parameters: tuple[str, ...],
+    chosen: tuple[str, ...],
+    methods: tuple[str, ...],
+    as_json: bool,
     output: str | None,
 ) -> None:
     """Measure work against precision on SCENE."""
