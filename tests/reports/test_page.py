@@ -142,7 +142,7 @@ def test_every_record_has_its_command(data, source):
 def test_the_command_reproduces_the_settings(data):
     record = next(r for r in data.records if r.scene == "n_four_bar" and r.settings.get("step"))
     assert command(record) == (
-        "mbs-ref simulate n_four_bar -p loops=1 --engine mbs_ref --method rk4 --step 0.01 --t-end 10.0"
+        "mbs-ref simulate n_four_bar -p loops=1 --engine mbs_ref --method rk4 --step 0.01 --t-end 10.0 --samples 41"
     )
 
 
