@@ -27,7 +27,7 @@ from mbs_ref.integrators.leg import (
     finish_leg,
 )
 from mbs_ref.integrators.step_control import close_step, first_step, weighted_norm
-from mbs_ref.kernels.core import derivative, project, tangent
+from mbs_ref.kernels.core import derivative, project, regularity, tangent
 from mbs_ref.kernels.jit import jit
 from mbs_ref.system import System
 
@@ -157,7 +157,7 @@ def advance_explicit(model, work, tableau, options, run, y, times, states, worst
         t_new = target if lands else t + h
         if t_new == t:
             return STEP_TOO_SMALL
-        restore = options.project and (rejected or work.regularity[0] < NEAR_SINGULAR)
+        restore = options.project and (rejected or regularity(work) < NEAR_SINGULAR)
         _stages(model, work, tableau, t, h, y, slopes, trial, restore, options.projection_tolerance)
         counts[COUNT_RHS] += stages - 1
         if adaptive:
@@ -193,7 +193,7 @@ def advance_explicit(model, work, tableau, options, run, y, times, states, worst
         )  # fmt: skip
         if code != RUNNING:
             return code
-        if adaptive and options.project and work.regularity[0] < SINGULAR_PIVOT / options.rtol:
+        if adaptive and options.project and regularity(work) < SINGULAR_PIVOT / options.rtol:
             avoided += 1
             if avoided > MOST_AVOIDED:
                 return SINGULAR
