@@ -58,6 +58,7 @@ class Revolute(Part):
     body_a: Name
     body_b: Name
     point: Vector  # m, world, t = 0
+    point_b: Vector | None = None  # m, where body b's mark is at t = 0 when the loop is still open
 
 
 class Prismatic(Part):
@@ -84,6 +85,7 @@ class Weld(Part):
     body_a: Name
     body_b: Name
     point: Vector  # m, world, t = 0
+    point_b: Vector | None = None  # m, where body b's mark is at t = 0 when the loop is still open
 
 
 class Distance(Part):
@@ -224,6 +226,11 @@ class Scene(Part):
 
     @model_validator(mode="after")
     def _check(self) -> Self:
+        for k, body in enumerate(self.bodies):
+            if len(body.position) != self.dimension or len(body.velocity) != self.dimension:
+                raise ValueError(f"bodies.{k} ({body.name}): position and velocity need {self.dimension} components")
+        if len(self.gravity) != self.dimension:
+            raise ValueError(f"gravity = {self.gravity} must have {self.dimension} components here")
         _require_unique("body", [body.name for body in self.bodies], reserved=GROUND)
         _require_unique("joint", [joint.name for joint in self.joints])
         _require_unique("load", [load.name for load in self.loads])
@@ -233,14 +240,17 @@ class Scene(Part):
         return self
 
     def _check_references(self, where: str, part: Part) -> None:
-        names = {body.name for body in self.bodies}
+        names = {body.name: body for body in self.bodies}
         for field in ("body", "body_a", "body_b"):
             named = getattr(part, field, None)
-            if named is None or named in names:
+            if named is None:
+                continue
+            if named in names:
+                _check_particle(f"{where}: {field}", part, field, names[named])
                 continue
             if named == GROUND and field != "body":
                 continue
-            raise ValueError(f"{where}: {field} = {named!r} is no body of the scene; {_listing(names)}")
+            raise ValueError(f"{where}: {field} = {named!r} is no body of the scene; {_listing(set(names))}")
         a, b = getattr(part, "body_a", None), getattr(part, "body_b", None)
         if a is not None and a == b:
             raise ValueError(f"{where}: body_a and body_b are both {a!r}; they must differ")
@@ -275,6 +285,22 @@ class Scene(Part):
 def _require_direction(field: str, value: tuple[float, ...]) -> None:
     if not math.hypot(*value) > 0.0:  # neither overflows nor underflows
         raise ValueError(f"{field} = {value} has no direction; give any vector but zero")
+
+
+_TURNING_PARTS = ("prismatic", "weld", "torque", "torsion_spring")
+
+
+def _check_particle(where: str, part: Any, field: str, body: Any) -> None:
+    """Refuse what a particle cannot bear: a torque, or an attachment away from its place."""
+    if not isinstance(body, PointMass):
+        return
+    if part.type in _TURNING_PARTS or getattr(part, "coordinate", None) == "angle":
+        raise ValueError(f"{where} = {body.name!r} is a point mass and has no orientation; use a rigid body")
+    point = getattr(part, "point" if hasattr(part, "point") else field.replace("body", "point"))
+    if field == "body_b" and getattr(part, "type", "") == "revolute" and part.point_b is not None:
+        point = part.point_b
+    if math.dist(point, body.position) > 1e-12 * max(1.0, *map(abs, body.position)):
+        raise ValueError(f"{where} = {body.name!r} is a point mass at {body.position}, but it is attached at {point}")
 
 
 def _require_unique(kind: str, names: list[str], reserved: str | None = None) -> None:

@@ -25,6 +25,7 @@ class Settings(Part):
     max_steps: int = Field(default=50_000_000, ge=1)
     stop_on_compliance: bool = False  # the papers' test |C(q, t)| < h ends the run
     project_initial: bool = False  # repair inconsistent initial conditions and report the correction
+    reactions: bool = True  # evaluate joint reactions at the output times, after the timed loop
     initial_tolerance: NonNegative = 1e-9  # m or rad (m/s, rad/s), largest inconsistency accepted at t = 0
 
     @model_validator(mode="after")

@@ -1,0 +1,243 @@
+"""Explicit Runge-Kutta methods, fixed-step or adaptive; a tableau is data."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from mbs_ref.integrators.leg import (
+    CLOCK_COMPLIANCE,
+    CLOCK_H,
+    CLOCK_T,
+    COUNT_OUTPUT,
+    COUNT_REJECTED,
+    COUNT_RHS,
+    COUNT_STEPS,
+    DONE,
+    NON_FINITE,
+    RUNNING,
+    SINGULAR,
+    STEP_TOO_SMALL,
+    TOO_MANY_STEPS,
+    Advance,
+    Leg,
+    Options,
+    Progress,
+    finish_leg,
+)
+from mbs_ref.integrators.step_control import close_step, first_step, weighted_norm
+from mbs_ref.kernels.core import derivative, project, tangent
+from mbs_ref.kernels.jit import jit
+from mbs_ref.system import System
+
+# Roundoff in an acceleration grows as eps / pivot: a pose whose relative closure pivot is below this
+# number over rtol is too close to a singular one to continue from, and is stepped over.
+SINGULAR_PIVOT = 1e-17
+MOST_AVOIDED = 60  # attempts in a row to end a step away from a singular pose
+NEAR_SINGULAR = 0.1  # relative closure pivot below which stages are projected
+STAGE_ITERATIONS = 6
+AVOID = 0.77  # step factor after ending too close to a singular pose
+SAFETY, SHRINK, GROW = 0.9, 0.2, 6.0  # step factors (Hairer, Norsett, Wanner I, sec. II.4)
+
+
+class Tableau(NamedTuple):
+    """Butcher coefficients; error rows weigh the stages and, last, the slope at the new point."""
+
+    a: np.ndarray  # (s, s)
+    b: np.ndarray  # (s,)
+    c: np.ndarray  # (s,)
+    error: np.ndarray  # (s + 1,) main error weights; empty for fixed-step methods
+    error_low: np.ndarray  # (s + 1,) second estimate (DOP853), or empty
+    order: int
+    error_order: int
+
+
+@jit
+def _stages(model, work, tableau, t, h, y, slopes, trial, restore, tolerance):
+    """Fill slopes[1:s]; slopes[0] is given. Leave the new state in `trial`.
+
+    With `restore` every stage is first projected onto the constraints. Near a singular pose the
+    accelerations off the manifold grow without bound while those on it stay smooth.
+    """
+    stages = tableau.b.shape[0]
+    n = y.shape[0]
+    for i in range(1, stages):
+        for k in range(n):
+            trial[k] = y[k]
+        for j in range(i):
+            weight = h * tableau.a[i, j]
+            if weight != 0.0:
+                for k in range(n):
+                    trial[k] += weight * slopes[j, k]
+        t_stage = t + tableau.c[i] * h
+        if restore:
+            project(model, work, t_stage, trial, tolerance, STAGE_ITERATIONS)
+        derivative(model, work, t_stage, trial, slopes[i])
+    for k in range(n):
+        trial[k] = y[k]
+    for j in range(stages):
+        weight = h * tableau.b[j]
+        if weight != 0.0:
+            for k in range(n):
+                trial[k] += weight * slopes[j, k]
+
+
+@jit
+def _combine(weights, slopes, h, out):
+    for k in range(out.shape[0]):
+        out[k] = 0.0
+    for j in range(weights.shape[0]):
+        if weights[j] != 0.0:
+            for k in range(out.shape[0]):
+                out[k] += h * weights[j] * slopes[j, k]
+
+
+@jit
+def _error_norm(model, work, tableau, slopes, h, y, trial, scratch, rtol, atol, restore):
+    """Return the scaled error; with a second estimate as in DOP853 (Hairer, Norsett, Wanner I, sec. II.10).
+
+    With `restore` only the error along the constraints counts: projection removes the rest, which near a
+    singular pose is roundoff magnified by eps / sigma^3.
+    """
+    _combine(tableau.error, slopes, h, scratch)
+    if restore:
+        tangent(model, work, scratch)
+    main = weighted_norm(scratch, y, trial, rtol, atol)
+    if tableau.error_low.shape[0] == 0:
+        return main
+    _combine(tableau.error_low, slopes, h, scratch)
+    if restore:
+        tangent(model, work, scratch)
+    low = weighted_norm(scratch, y, trial, rtol, atol)
+    scale = main * main + 0.01 * low * low
+    return main * main / np.sqrt(scale) if scale > 0.0 else 0.0
+
+
+@jit
+def _record(run, y, states, worst_per_time):
+    """Keep an output state and the largest |C| since the one before."""
+    place = run.counts[COUNT_OUTPUT]
+    for k in range(y.shape[0]):
+        states[place, k] = y[k]
+    worst_per_time[place] = run.clock[CLOCK_COMPLIANCE]
+    run.clock[CLOCK_COMPLIANCE] = 0.0
+    run.counts[COUNT_OUTPUT] = place + 1
+
+
+@jit
+def advance_explicit(model, work, tableau, options, run, y, times, states, worst_per_time):
+    """Advance y through times[1:], in place; return a status code (RUNNING when the chunk is used up)."""
+    clock, counts = run.clock, run.counts
+    stages = tableau.b.shape[0]
+    n = y.shape[0]
+    adaptive = options.step == 0.0
+    slopes = np.zeros((stages + 1, n))
+    trial = np.empty(n)
+    scratch = np.empty(n)
+    budget = counts[COUNT_STEPS] + options.chunk
+    derivative(model, work, clock[CLOCK_T], y, slopes[0])
+    counts[COUNT_RHS] += 1
+    if adaptive and clock[CLOCK_H] == 0.0:
+        clock[CLOCK_H] = first_step(
+            model, work, clock[CLOCK_T], y, slopes[0], tableau.order, options.rtol, options.atol, times[-1] - times[0]
+        )
+        counts[COUNT_RHS] += 1
+    rejected = False
+    avoided = 0
+    while counts[COUNT_OUTPUT] < times.shape[0]:
+        t = clock[CLOCK_T]
+        target = times[counts[COUNT_OUTPUT]]
+        proposed = clock[CLOCK_H] if adaptive else options.step
+        reach = target - t
+        lands = proposed >= reach * (1.0 - 1e-9)
+        h = reach if lands else proposed
+        if adaptive and not lands and proposed > 0.5 * reach:
+            h = 0.5 * reach  # two even steps rather than a whole one and a sliver
+        t_new = target if lands else t + h
+        if t_new == t:
+            return STEP_TOO_SMALL
+        restore = options.project and (rejected or work.regularity[0] < NEAR_SINGULAR)
+        _stages(model, work, tableau, t, h, y, slopes, trial, restore, options.projection_tolerance)
+        counts[COUNT_RHS] += stages - 1
+        if adaptive:
+            if restore:
+                project(model, work, t_new, trial, options.projection_tolerance, STAGE_ITERATIONS)
+            derivative(model, work, t_new, trial, slopes[stages])
+            counts[COUNT_RHS] += 1
+            error = _error_norm(
+                model, work, tableau, slopes, h, y, trial, scratch, options.rtol, options.atol, restore
+            )
+            if not error < 1.0:
+                counts[COUNT_REJECTED] += 1
+                factor = SHRINK
+                if np.isfinite(error):
+                    factor = max(SHRINK, SAFETY * error ** (-1.0 / (tableau.error_order + 1)))
+                clock[CLOCK_H] = h * factor
+                rejected = True
+                if t + clock[CLOCK_H] == t or clock[CLOCK_H] < 1e-14 * (times[-1] - times[0]):
+                    return STEP_TOO_SMALL if np.isfinite(error) else NON_FINITE
+                continue
+            growth = GROW
+            if error > 0.0:
+                growth = min(GROW, max(SHRINK, SAFETY * error ** (-1.0 / (tableau.error_order + 1))))
+            if rejected:
+                growth = min(growth, 1.0)
+            rejected = False
+            suggested = h * growth
+            # a step cut short only to land on an output time must not shorten the next one
+            clock[CLOCK_H] = max(suggested, proposed) if lands and growth >= 1.0 else suggested
+        code, clock[CLOCK_COMPLIANCE] = close_step(
+            model, work, t_new, trial, h, options.project, options.projection_tolerance,
+            options.stop_on_compliance, clock[CLOCK_COMPLIANCE],
+        )  # fmt: skip
+        if code != RUNNING:
+            return code
+        if adaptive and options.project and work.regularity[0] < SINGULAR_PIVOT / options.rtol:
+            avoided += 1
+            if avoided > MOST_AVOIDED:
+                return SINGULAR
+            if lands:  # the output stands; the run itself goes on from before it
+                _record(run, trial, states, worst_per_time)
+                if counts[COUNT_OUTPUT] == times.shape[0]:
+                    return DONE
+                continue
+            clock[CLOCK_H] = AVOID * h
+            rejected = True
+            continue
+        avoided = 0
+        for k in range(n):
+            y[k] = trial[k]
+        clock[CLOCK_T] = t_new
+        counts[COUNT_STEPS] += 1
+        if lands:
+            _record(run, y, states, worst_per_time)
+        if counts[COUNT_OUTPUT] == times.shape[0]:
+            return DONE
+        if counts[COUNT_STEPS] >= options.max_steps:
+            return TOO_MANY_STEPS
+        if adaptive and not options.project:
+            for k in range(n):
+                slopes[0, k] = slopes[stages, k]  # first same as last
+        else:
+            derivative(model, work, t_new, y, slopes[0])
+            counts[COUNT_RHS] += 1
+        if counts[COUNT_STEPS] >= budget:
+            return RUNNING
+    return DONE
+
+
+def explicit(tableau: Tableau) -> Advance:
+    """Return the leg-by-leg driver of a tableau."""
+
+    def advance(system: System, options: Options, run: Progress, y: np.ndarray, times: np.ndarray) -> Leg:
+        states = np.empty((len(times), len(y)))
+        worst = np.zeros(len(times))
+        states[0] = y
+        run.counts[COUNT_OUTPUT] = 1
+        code = RUNNING
+        while code == RUNNING:
+            code = advance_explicit(system.model, system.work, tableau, options, run, y, times, states, worst)
+        return finish_leg(code, states, worst, run)
+
+    return advance

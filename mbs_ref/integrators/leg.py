@@ -1,0 +1,102 @@
+"""What an integrator is asked and what it answers: one smooth leg between declared breakpoints."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Literal, NamedTuple
+
+import numpy as np
+
+from mbs_ref.system import System
+from mbs_ref.trajectory import Status
+
+# Codes shared with compiled loops.
+RUNNING, DONE, NON_FINITE, STEP_TOO_SMALL, TOO_MANY_STEPS, COMPLIANCE, PROJECTION, NOT_CONVERGED, SINGULAR = range(9)
+STATUS = {
+    DONE: Status.SUCCESS,
+    NON_FINITE: Status.NON_FINITE,
+    STEP_TOO_SMALL: Status.STEP_TOO_SMALL,
+    TOO_MANY_STEPS: Status.TOO_MANY_STEPS,
+    COMPLIANCE: Status.COMPLIANCE,
+    PROJECTION: Status.PROJECTION,
+    NOT_CONVERGED: Status.NOT_CONVERGED,
+    SINGULAR: Status.SINGULAR,
+}
+
+
+class Options(NamedTuple):
+    """Settings as compiled loops take them; every field is a float or a flag."""
+
+    step: float  # s, fixed step; 0 when adaptive
+    rtol: float
+    atol: float
+    project: bool
+    stop_on_compliance: bool
+    max_steps: int
+    projection_tolerance: float  # m, rad
+    chunk: int  # steps before compiled code returns to Python, so that Ctrl-C is heard
+
+
+class Progress(NamedTuple):
+    """Mutable state of a run, kept over chunks and legs."""
+
+    clock: np.ndarray  # (4,) s: time, next step, largest |C| since the last sample, step before
+    counts: np.ndarray  # (5,) int: steps, rejected, right-hand sides, next output, spare
+
+
+def progress(t: float) -> Progress:
+    """Return the state of a run that starts at t."""
+    return Progress(np.array([t, 0.0, 0.0, 0.0]), np.zeros(5, dtype=np.int64))
+
+
+CLOCK_T, CLOCK_H, CLOCK_COMPLIANCE, CLOCK_ERROR = range(4)
+COUNT_STEPS, COUNT_REJECTED, COUNT_RHS, COUNT_OUTPUT = range(4)
+
+
+@dataclass
+class Leg:
+    """States at the asked times of one leg; `reached` of them are valid."""
+
+    states: np.ndarray  # (n_times, n_state), the first is the start
+    compliance: np.ndarray  # (n_times,) largest |C| over the steps up to each time
+    reached: int
+    status: Status
+    message: str = ""
+
+
+Advance = Callable[[System, Options, Progress, np.ndarray, np.ndarray], Leg]
+
+
+@dataclass(frozen=True)
+class Integrator:
+    """One method of integration, as listed by `mbs_ref.integrators`."""
+
+    name: str
+    kind: Literal["fixed", "adaptive", "both"]
+    order: int
+    description: str
+    advance: Advance  # (system, options, progress, y, times of the leg) -> Leg
+    stabilization: Literal["none", "projection"] = "projection"  # default
+    ladder: tuple[float, ...] = ()  # steps (s) or rtols for sweeps, coarse to fine
+    source: str = ""
+    keeps_constraints: bool = False  # the method imposes C = 0 itself
+    package: str | None = None  # optional third-party package it needs
+
+
+MESSAGES = {
+    NON_FINITE: "a state or acceleration became infinite or NaN",
+    STEP_TOO_SMALL: "the step needed for the asked accuracy fell below the resolution of time",
+    TOO_MANY_STEPS: "the limit on steps was reached",
+    COMPLIANCE: "the constraint-compliance test |C| < h failed",
+    PROJECTION: "the constraints could not be restored by projection",
+    SINGULAR: "the constraint Jacobian is rank-deficient and the motion's branch is ambiguous",
+    NOT_CONVERGED: "the iteration of an implicit step did not converge",
+}
+
+
+def finish_leg(code: int, states: np.ndarray, compliance: np.ndarray, run: Progress) -> Leg:
+    """Turn a compiled loop's code into a leg with a sentence."""
+    status = STATUS[code]
+    message = "" if code == DONE else f"at t = {run.clock[CLOCK_T]:.9g} s {MESSAGES[code]}"
+    return Leg(states, compliance, int(run.counts[COUNT_OUTPUT]), status, message)

@@ -1,0 +1,63 @@
+"""Compiled pieces every in-house loop shares: norms, first step, the close of an accepted step."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from mbs_ref.integrators.leg import COMPLIANCE, NON_FINITE, PROJECTION, RUNNING
+from mbs_ref.kernels.core import compliance, derivative, project
+from mbs_ref.kernels.jit import jit
+
+PROJECTION_ITERATIONS = 12
+PROJECTION_FAILURE = 1e4  # of the projection tolerance: a larger |C| left is a failure
+
+
+@jit
+def all_finite(y):
+    total = 0.0
+    for k in range(y.shape[0]):
+        total += y[k] * 0.0
+    return total == 0.0
+
+
+@jit
+def weighted_norm(x, y0, y1, rtol, atol):
+    """Root mean square of x / (atol + rtol max(|y0|, |y1|)) (Hairer, Norsett, Wanner I, eq II.4.11)."""
+    total = 0.0
+    for k in range(x.shape[0]):
+        scaled = x[k] / (atol + rtol * max(abs(y0[k]), abs(y1[k])))
+        total += scaled * scaled
+    return np.sqrt(total / x.shape[0])
+
+
+@jit
+def first_step(model, work, t, y, dy, order, rtol, atol, span):
+    """Guess a first step (Hairer, Norsett, Wanner I, sec. II.4, algorithm a-f); costs one evaluation."""
+    d0 = weighted_norm(y, y, y, rtol, atol)
+    d1 = weighted_norm(dy, y, y, rtol, atol)
+    h0 = 1e-6 if d0 < 1e-5 or d1 < 1e-5 else 0.01 * d0 / d1
+    h0 = min(h0, span)
+    trial = y + h0 * dy
+    slope = np.empty_like(y)
+    derivative(model, work, t + h0, trial, slope)
+    d2 = weighted_norm(slope - dy, y, y, rtol, atol) / h0
+    largest = max(d1, d2)
+    h1 = max(1e-6, h0 * 1e-3) if largest <= 1e-15 else (0.01 / largest) ** (1.0 / (order + 1))
+    return min(100.0 * h0, min(h1, span))
+
+
+@jit
+def close_step(model, work, t, y, step, restore, tolerance, stop, worst):
+    """Check and restore an accepted state; return code and the largest |C| so far."""
+    if not all_finite(y):
+        return NON_FINITE, worst
+    if restore:
+        left = project(model, work, t, y, tolerance, PROJECTION_ITERATIONS)
+        if not left <= PROJECTION_FAILURE * tolerance:
+            return PROJECTION, worst
+    else:
+        left, _ = compliance(model, work, t, y)
+    worst = max(worst, left)
+    if stop and left >= step:
+        return COMPLIANCE, worst
+    return RUNNING, worst

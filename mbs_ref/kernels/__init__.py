@@ -1,0 +1,1 @@
+"""Compiled element kernels. They see arrays only; `mbs_ref.system` builds the arrays from a scene."""

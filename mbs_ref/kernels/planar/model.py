@@ -1,0 +1,174 @@
+"""The arrays of a compiled planar scene, one homogeneous group per element type.
+
+Bodies are numbered in elimination order: a parent before its children, ground last (index n_bodies).
+Constraint rows live in slots of up to three rows: slot i < n_bodies joins body i to its parent in the
+spanning tree, later slots close loops. A slot holds two 3x3 Jacobian blocks, side 0 and side 1; in a
+tree slot side 0 is the child.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from mbs_ref.kernels.signals import SignalArrays
+
+
+class Bodies(NamedTuple):
+    mass: np.ndarray  # (n,) kg
+    inertia: np.ndarray  # (n,) kg m^2; 1 for a point mass, whose third slot stays at rest
+    scene_index: np.ndarray  # (n,) int, place in the scene's order and in the state vector
+    parent: np.ndarray  # (n,) int, n for ground or none
+
+
+class Slots(NamedTuple):
+    body: np.ndarray  # (n_slots, 2) int: sides 0 and 1
+    padding: np.ndarray  # (n_slots, 3): 1 where a row is unused, else 0
+    closure_slot: np.ndarray  # (n_rows,) int: the loop-closure rows, slot ...
+    closure_row: np.ndarray  # (n_rows,) int: ... and row in it
+
+
+class PairJoints(NamedTuple):
+    """Revolute, prismatic, weld and distance joints all fill this group; each type has its own."""
+
+    slot: np.ndarray  # (k,) int
+    row: np.ndarray  # (k,) int, first row in the slot
+    side_a: np.ndarray  # (k,) int, which side of the slot is body_a
+    point_a: np.ndarray  # (k, 2) m, in body a
+    point_b: np.ndarray  # (k, 2) m, in body b
+    normal: np.ndarray  # (k, 2) prismatic: unit normal of the axis, in body a
+    value: np.ndarray  # (k,) relative angle (rad) or length (m) to keep
+
+
+class Drives(NamedTuple):
+    """One prescribed row: direction . (r_body - start) + turn (theta - start) = signal."""
+
+    slot: np.ndarray  # (k,) int
+    row: np.ndarray  # (k,) int
+    side: np.ndarray  # (k,) int, which side of the slot is the body
+    point: np.ndarray  # (k, 2) m, in the body
+    direction: np.ndarray  # (k, 2) unit vector, or zero for an angle drive
+    turn: np.ndarray  # (k,) 1 for an angle drive, else 0
+    start: np.ndarray  # (k,) value of the driven coordinate at t = 0
+    signal: np.ndarray  # (k,) int
+
+
+class Forces(NamedTuple):
+    body: np.ndarray  # (k,) int
+    point: np.ndarray  # (k, 2) m, in the body
+    vector: np.ndarray  # (k, 2) N
+    follows: np.ndarray  # (k,) int: 1 along body axes
+    torque: np.ndarray  # (k,) N m
+    signal: np.ndarray  # (k,) int
+
+
+class Springs(NamedTuple):
+    a: np.ndarray  # (k,) int
+    b: np.ndarray  # (k,) int
+    point_a: np.ndarray  # (k, 2) m, in body a
+    point_b: np.ndarray  # (k, 2) m, in body b
+    stiffness: np.ndarray  # (k,) N/m
+    damping: np.ndarray  # (k,) N s/m
+    rest_length: np.ndarray  # (k,) m
+    tension_only: np.ndarray  # (k,) int
+
+
+class TorsionSprings(NamedTuple):
+    a: np.ndarray  # (k,) int
+    b: np.ndarray  # (k,) int
+    stiffness: np.ndarray  # (k,) N m/rad
+    damping: np.ndarray  # (k,) N m s/rad
+    rest_angle: np.ndarray  # (k,) rad
+
+
+class PlanarModel(NamedTuple):
+    bodies: Bodies
+    slots: Slots
+    revolute: PairJoints
+    prismatic: PairJoints
+    weld: PairJoints
+    distance: PairJoints
+    drives: Drives
+    forces: Forces
+    springs: Springs
+    torsion_springs: TorsionSprings
+    signals: SignalArrays
+    gravity: np.ndarray  # (2,) m/s^2
+    user_force: np.ndarray  # (1,) int: address of a C callback, or 0
+    control: np.ndarray  # (3,) see CONTROL_*
+
+
+CONTROL_MODE_TIME = 0  # s, a time inside the current step: picks the signals' segments
+CONTROL_VELOCITY_GAIN = 1  # 1/s, Baumgarte 2 g
+CONTROL_POSITION_GAIN = 2  # 1/s^2, Baumgarte g^2
+
+
+class PlanarWork(NamedTuple):
+    """Scratch of one run; the last body row is ground."""
+
+    pose: np.ndarray  # (n + 1, 4) x, y, cos, sin
+    motion: np.ndarray  # (n + 1, 4) vx, vy, omega, theta
+    force: np.ndarray  # (n + 1, 3) N, N, N m
+    jacobian: np.ndarray  # (n_slots, 2, 3, 3)
+    residual: np.ndarray  # (n_slots, 3) C
+    rate: np.ndarray  # (n_slots, 3) C_dot
+    gamma: np.ndarray  # (n_slots, 3) right-hand side of C_q qdd = Q_d
+    articulated: np.ndarray  # (n + 1, 3, 3) lower triangle used
+    mass_factor: np.ndarray  # (n, 6) L D L^T of the articulated block
+    row_factor: np.ndarray  # (n, 6) L D L^T of J M^-1 J^T
+    lift: np.ndarray  # (n, 3, 3) M^-1 J^T
+    transfer: np.ndarray  # (n, 3, 3) (J M^-1 J^T)^-1 K
+    free: np.ndarray  # (n, 3) M^-1 f of the pass under way
+    load: np.ndarray  # (n + 1, 3) f accumulated
+    multiplier: np.ndarray  # (n_slots, 3)
+    acceleration: np.ndarray  # (n + 1, 3) the solution of the pass, ground row zero
+    columns: np.ndarray  # (n_rows, n + 1, 3) response to a unit multiplier of each closure row
+    column_multiplier: np.ndarray  # (n_rows, n, 3) tree multipliers of that response
+    schur: np.ndarray  # (n_rows, n_rows)
+    schur_scale: np.ndarray  # (n_rows,)
+    schur_lower: np.ndarray  # (n_rows, n_rows)
+    schur_gram: np.ndarray  # (n_rows, n_rows)
+    schur_order: np.ndarray  # (n_rows,) int
+    closure_rhs: np.ndarray  # (n_rows,)
+    closure_mu: np.ndarray  # (n_rows,)
+    rank: np.ndarray  # (1,) int, rank of the closure rows at the last factorization
+    regularity: np.ndarray  # (1,) smallest accepted closure pivot, relative; 1 far from any singular pose
+    user: np.ndarray  # (3, n, 3) q, v and f in scene order, for a user's force law
+
+
+def planar_work(n: int, n_slots: int, n_rows: int) -> PlanarWork:
+    """Allocate the scratch of one run."""
+    pose = np.zeros((n + 1, 4))
+    pose[:, 2] = 1.0
+    square = (n_rows, n_rows)
+    return PlanarWork(
+        pose=pose,
+        motion=np.zeros((n + 1, 4)),
+        force=np.zeros((n + 1, 3)),
+        jacobian=np.zeros((n_slots, 2, 3, 3)),
+        residual=np.zeros((n_slots, 3)),
+        rate=np.zeros((n_slots, 3)),
+        gamma=np.zeros((n_slots, 3)),
+        articulated=np.zeros((n + 1, 3, 3)),
+        mass_factor=np.zeros((n, 6)),
+        row_factor=np.zeros((n, 6)),
+        lift=np.zeros((n, 3, 3)),
+        transfer=np.zeros((n, 3, 3)),
+        free=np.zeros((n, 3)),
+        load=np.zeros((n + 1, 3)),
+        multiplier=np.zeros((n_slots, 3)),
+        acceleration=np.zeros((n + 1, 3)),
+        columns=np.zeros((n_rows, n + 1, 3)),
+        column_multiplier=np.zeros((n_rows, n, 3)),
+        schur=np.zeros(square),
+        schur_scale=np.zeros(n_rows),
+        schur_lower=np.zeros(square),
+        schur_gram=np.zeros(square),
+        schur_order=np.zeros(n_rows, dtype=np.int64),
+        closure_rhs=np.zeros(n_rows),
+        closure_mu=np.zeros(n_rows),
+        rank=np.zeros(1, dtype=np.int64),
+        regularity=np.ones(1),
+        user=np.zeros((3, n, 3)),
+    )

@@ -1,0 +1,254 @@
+"""simulate(scene, settings) -> Trajectory: consistency, legs between breakpoints, outcome in a sentence."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass
+
+import numpy as np
+
+from mbs_ref.integrators import DEFAULT, integrators
+from mbs_ref.integrators.leg import CLOCK_H, COUNT_REJECTED, COUNT_RHS, COUNT_STEPS, Integrator, Options, progress
+from mbs_ref.scene import Scene
+from mbs_ref.settings import Settings
+from mbs_ref.system import System
+from mbs_ref.trajectory import Status, Timing, Trajectory
+
+DEFAULT_TOLERANCE = 1e-8  # rtol, and atol in m, rad, m/s, rad/s
+PROJECTION_TOLERANCE = 1e-14  # of the scene's size in metres (at least 1 m): a little above roundoff
+CHUNK = 20_000  # steps between looks at the keyboard
+ON_GRID = 1e-9  # of a step: how far an asked time may be from a multiple of the step
+
+
+class InconsistentScene(ValueError):
+    """Initial conditions break a constraint; names the joint and the gap."""
+
+
+@dataclass(frozen=True)
+class _Plan:
+    """Settings resolved against a scene and an integrator."""
+
+    integrator: Integrator
+    settings: Settings
+    times: np.ndarray  # (n_t,) s
+    options: Options
+    baumgarte_gain: float
+    notes: tuple[str, ...]
+
+
+def simulate(scene: Scene, settings: Settings | None = None, times: np.ndarray | None = None) -> Trajectory:
+    """Integrate a scene with the in-house solver.
+
+    `times` (n_t,) in s start at 0 and increase; without them an even grid follows from the settings, on
+    multiples of the step for fixed-step methods. Raises ValueError for settings that make no sense and
+    InconsistentScene where the initial conditions break a constraint (unless they are to be projected).
+    Everything later is a status with a sentence.
+    """
+    settings = settings or Settings()
+    plan = _plan(scene, settings, times)
+    started = time.perf_counter()
+    system = System(scene)
+    y = system.initial_state()
+    built = time.perf_counter()
+    system.set_mode_time(0.0)
+    notes = [*plan.notes, *_consistent_start(system, y, settings), *_redundancy(system, y)]
+    system.derivative(0.0, y)  # compiles, or loads from the cache
+    ready = time.perf_counter()
+    system.set_baumgarte(plan.baumgarte_gain)
+    states, compliance, counts, status, message = _run_legs(system, plan, y)
+    ended = time.perf_counter()
+    timing = Timing(build_s=built - started, first_call_s=ready - built, loop_s=ended - ready)
+    return _trajectory(system, plan, states, compliance, counts, status, message, notes, timing)
+
+
+# --- before the run -------------------------------------------------------------------------------
+
+
+def _plan(scene: Scene, settings: Settings, times: np.ndarray | None) -> _Plan:
+    known = integrators()
+    name = settings.method or DEFAULT
+    if name not in known:
+        raise ValueError(f"method = {name!r} is unknown to mbs_ref; allowed: {', '.join(known)}")
+    integrator = known[name]
+    fixed = _wants_fixed_step(integrator, settings)
+    notes: tuple[str, ...] = ()
+    if times is None:
+        t_end = settings.t_end if settings.t_end is not None else scene.duration
+        times = _even_grid(t_end, settings.samples, settings.step if fixed else None)
+    times = _checked_times(times)
+    if fixed and settings.step is not None:
+        notes = _off_grid_notes(times, settings.step)
+    stabilization = settings.stabilization or integrator.stabilization
+    rtol = settings.rtol or DEFAULT_TOLERANCE
+    size = max([1.0, *(abs(x) for body in scene.bodies for x in body.position)])
+    options = Options(
+        step=float(settings.step or 0.0) if fixed else 0.0,
+        rtol=float(rtol),
+        atol=float(settings.atol or rtol),
+        project=stabilization == "projection",
+        stop_on_compliance=settings.stop_on_compliance,
+        max_steps=settings.max_steps,
+        projection_tolerance=PROJECTION_TOLERANCE * size,
+        chunk=CHUNK,
+    )
+    gain = settings.baumgarte_gain if stabilization == "baumgarte" else 0.0
+    return _Plan(integrator, settings, times, options, gain, notes)
+
+
+def _wants_fixed_step(integrator: Integrator, settings: Settings) -> bool:
+    if integrator.kind == "fixed" and settings.step is None:
+        raise ValueError(f"method {integrator.name!r} has a fixed step; give step (s), not tolerances")
+    if integrator.kind == "adaptive" and settings.step is not None:
+        raise ValueError(f"method {integrator.name!r} is adaptive; give rtol and atol, not step = {settings.step}")
+    return settings.step is not None
+
+
+def _even_grid(t_end: float, samples: int, step: float | None) -> np.ndarray:
+    if step is None:
+        return np.linspace(0.0, t_end, samples)
+    whole = int(np.floor(t_end / step * (1.0 + ON_GRID)))
+    picks = np.unique(np.linspace(0, whole, min(samples, whole + 1)).round().astype(int))
+    times = picks * step
+    if t_end - times[-1] > ON_GRID * step:
+        return np.append(times, t_end)
+    times[-1] = t_end
+    return times
+
+
+def _checked_times(times: np.ndarray) -> np.ndarray:
+    times = np.asarray(times, dtype=float)
+    if times.ndim != 1 or len(times) < 2 or times[0] != 0.0 or not np.all(np.diff(times) > 0.0):
+        raise ValueError(f"times must start at 0 and increase, with two entries at least; got {times!r}")
+    if not np.all(np.isfinite(times)):
+        raise ValueError("times must be finite")
+    return times
+
+
+def _off_grid_notes(times: np.ndarray, step: float) -> tuple[str, ...]:
+    ratio = times / step
+    off = np.abs(ratio - ratio.round()) > ON_GRID * np.maximum(1.0, ratio)
+    if not off.any():
+        return ()
+    first = times[off][0]
+    return (f"{off.sum()} of {len(times)} output times are no multiple of the step {step:g} s (first: {first:g} s); "
+            "the last step before each is shorter",)  # fmt: skip
+
+
+def _consistent_start(system: System, y: np.ndarray, settings: Settings) -> list[str]:
+    """Check the initial conditions; repair them when asked for and say by how much."""
+    gaps = [
+        f"joint {name!r}: {what} gap {np.abs(values).max():.3g}"
+        for name, pair in system.residuals(0.0, y).items()
+        for what, values in zip(("position", "velocity"), pair, strict=True)
+        if not np.abs(values).max() <= settings.initial_tolerance
+    ]
+    if not gaps:
+        return []
+    if not settings.project_initial:
+        raise InconsistentScene(
+            f"initial conditions break {len(gaps)} constraint(s) by more than {settings.initial_tolerance:g}: "
+            f"{'; '.join(gaps[:8])}. Mend the scene, or ask for projection (project_initial)"
+        )
+    before = y.copy()
+    left = system.project(0.0, y)
+    if not left <= settings.initial_tolerance:
+        raise InconsistentScene(f"the initial positions cannot be projected: {left:.3g} left; {'; '.join(gaps[:8])}")
+    half = len(y) // 2
+    moved, kicked = np.abs(y - before)[:half].max(), np.abs(y - before)[half:].max()
+    return [f"initial conditions were projected: largest correction {moved:.3g} m or rad, {kicked:.3g} m/s or rad/s"]
+
+
+_RANK_CHECK_LIMIT = 600  # rows; a dense SVD beyond takes seconds and a tree without closures is regular
+
+
+def _redundancy(system: System, y: np.ndarray) -> list[str]:
+    """Report dependent constraint rows at the start."""
+    rows = system.n_constraints
+    if len(system.model.slots.closure_slot) == 0 or rows > _RANK_CHECK_LIMIT:
+        return []
+    rank = system.rank(0.0, y)
+    if rank == rows:
+        return []
+    freedom = system.n_coordinates - rank
+    return [f"{rows - rank} of {rows} constraint rows are redundant at t = 0 (rank {rank}, {freedom} degrees of freedom); "
+            "multipliers are the minimum-norm ones"]  # fmt: skip
+
+
+# --- the run --------------------------------------------------------------------------------------
+
+
+def _run_legs(system: System, plan: _Plan, y: np.ndarray):
+    """Integrate leg by leg: a declared breakpoint ends one and starts the next."""
+    times = plan.times
+    states = np.empty((len(times), len(y)))
+    compliance = np.zeros(len(times))
+    states[0] = y
+    filled = 1
+    run = progress(0.0)
+    total = np.zeros(3, dtype=np.int64)
+    inner = [t for t in system.scene.breakpoints() if 0.0 < t < times[-1]]
+    edges = np.array([0.0, *inner, times[-1]])
+    status, message, carried = Status.SUCCESS, "", 0.0
+    for start, end in zip(edges, edges[1:], strict=False):
+        system.set_mode_time(0.5 * (start + end))
+        inside = times[(times > start) & (times <= end)]
+        leg_times = np.unique(np.concatenate(([start], inside, [end])))
+        run.clock[0] = start
+        run.clock[CLOCK_H] = 0.0
+        try:
+            leg = plan.integrator.advance(system, plan.options, run, y, leg_times)
+        except KeyboardInterrupt:
+            status, message = Status.INTERRUPTED, f"interrupted after t = {times[filled - 1]:.9g} s"
+            break
+        for k in range(1, leg.reached):
+            carried = max(carried, leg.compliance[k])
+            if filled < len(times) and leg_times[k] == times[filled]:
+                states[filled], compliance[filled], carried = leg.states[k], carried, 0.0
+                filled += 1
+        status, message = leg.status, leg.message
+        if status is not Status.SUCCESS:
+            break
+        y[:] = leg.states[leg.reached - 1]
+    total[:] = run.counts[[COUNT_STEPS, COUNT_REJECTED, COUNT_RHS]]
+    if system.user_error is not None:
+        status, message = Status.ENGINE_ERROR, f"a user force raised {system.user_error!r}"
+    if not message and status is Status.SUCCESS:
+        message = f"reached t = {times[-1]:g} s"
+    elif status is not Status.SUCCESS and status is not Status.INTERRUPTED:
+        message += f"; the last good output is at t = {times[filled - 1]:.9g} s"
+    return states[:filled], compliance[:filled], total, status, message
+
+
+def _trajectory(system, plan, states, compliance, counts, status, message, notes, timing) -> Trajectory:
+    n = system.n_bodies
+    times = plan.times[: len(states)]
+    q = states[:, : 3 * n].reshape(-1, n, 3)
+    v = states[:, 3 * n :].reshape(-1, n, 3)
+    return Trajectory(
+        times=times,
+        position=q[:, :, :2].copy(),
+        orientation=q[:, :, 2].copy(),
+        velocity=v[:, :, :2].copy(),
+        angular_velocity=v[:, :, 2].copy(),
+        status=status,
+        message=message,
+        steps=int(counts[0]),
+        rejected_steps=int(counts[1]),
+        rhs_calls=int(counts[2]),
+        timing=timing,
+        step_compliance=np.column_stack((times, compliance)),
+        notes=tuple(notes),
+        reactions=_reactions(system, plan, times, states),
+    )
+
+
+def _reactions(system: System, plan: _Plan, times: np.ndarray, states: np.ndarray) -> dict[str, np.ndarray]:
+    """Evaluate joint reactions at the output times."""
+    if not plan.settings.reactions:
+        return {}
+    system.set_baumgarte(0.0)
+    samples = []
+    for t, y in zip(times, states, strict=True):
+        system.set_mode_time(t)
+        samples.append(system.reactions(t, y))
+    return {name: np.array([sample[name] for sample in samples]) for name in samples[0]} if samples else {}
