@@ -9,6 +9,7 @@ from enum import StrEnum
 AGREEMENT = 1e-6  # m: closer to the truth than this is agreement
 MARGIN = 30.0  # a truth this many times better known than an error judges it
 SETTLED = 0.1  # of the error: refinements that differ by less no longer approach the truth
+SETTLING = 0.3  # of the error: the same, where the error does not shrink at all
 PROGRESS = 0.7  # of the error before: less than this is progress
 
 
@@ -84,8 +85,9 @@ def _is_settled(good: Sequence[Rung]) -> bool:
     errors = [r.error for r in good if r.error is not None]
     if len(gaps) < 2:
         return False
-    stays = errors[-1] > (1.0 - 2.0 * SETTLED) * errors[-2]
-    return stays and gaps[-1] < SETTLED * errors[-1] and gaps[-1] <= max(gaps[:-1])
+    stays = errors[-1] > (1.0 - 2.0 * SETTLED) * errors[-2] and gaps[-1] < SETTLED * errors[-1]
+    grows = errors[-1] >= errors[-2] and gaps[-1] < SETTLING * errors[-1]
+    return (stays and gaps[-1] <= max(gaps[:-1])) or (grows and gaps[-1] < PROGRESS * gaps[-2])
 
 
 def _without_truth(good: Sequence[Rung], why: str) -> tuple[Verdict, str]:

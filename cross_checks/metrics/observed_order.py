@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 ROUNDOFF = 1e-11  # m; thousands of steps of double rounding
-ASYMPTOTIC = 1e-2  # m; larger errors are not yet in the regime where the order shows
+ASYMPTOTIC = 1e-1  # m; larger errors are not yet in the regime where the order shows
 POINTS = 3  # the finest valid ones are fitted
 
 
@@ -15,7 +15,7 @@ def observed_order(steps: Sequence[float], errors: Sequence[float], uncertainty:
     """Return the slope of log(error) against log(step) over the finest valid runs; None without two of them.
 
     Valid errors lie above roundoff and above thirty times the truth's uncertainty, and below a
-    centimetre. A method that has stalled at another limit shows an order near 0.
+    decimetre. A method that has stalled at another limit shows an order near 0.
     """
     floor = max(ROUNDOFF, 30.0 * uncertainty)
     valid = [(h, e) for h, e in sorted(zip(steps, errors, strict=True)) if floor < e < ASYMPTOTIC][:POINTS]

@@ -1,0 +1,73 @@
+"""Sweeps and picks with a tiny engine whose cost and error are known."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from benchmarks.pick import pick
+from benchmarks.sweep import sweep
+from mbs_ref import scenes
+
+PENDULUM = scenes.make("pendulum")
+
+
+@pytest.fixture
+def records(swing):
+    return list(sweep(PENDULUM))
+
+
+def test_a_sweep_climbs_every_ladder_and_censors_nothing(records):
+    by_method = {m: [r for r in records if r.method == m] for m in ("second", "biased", "loops", "")}
+    assert {m: len(found) for m, found in by_method.items()} == {"second": 6, "biased": 4, "loops": 1, "": 1}
+    assert by_method["loops"][0].status == "cannot"
+    assert by_method[""][0].status == "engine-missing"
+    assert by_method["second"][0].times["loop_runs"] >= 1.0
+
+
+def test_unknown_methods_are_refused(swing):
+    with pytest.raises(ValueError, match="sceond"):
+        list(sweep(PENDULUM, methods=["sceond"]))
+
+
+def priced(records):
+    """The finer, the dearer: cost 1 ms over the step in 0.1 s; the biased one costs a tenth."""
+    return [
+        replace(r, times={"loop_s": 1e-4 / r.settings["step"] * (0.1 if r.method == "biased" else 1.0)})
+        for r in records
+        if r.status == "success"
+    ]
+
+
+def test_the_cheapest_that_reaches_the_error_is_picked(records):
+    choice = pick(priced(records), 1e-3)
+    assert (choice.best.method, choice.best.settings["step"]) == ("second", 0.025)
+    assert choice.runner_up is None
+    rough = pick(priced(records), 0.5)
+    assert (rough.best.method, rough.runner_up.method) == ("biased", "second")
+    assert rough.margin == pytest.approx(10.0)
+    assert "10 times cheaper" in rough.sentence
+
+
+@pytest.mark.parametrize(
+    ("bounds", "words"),
+    [
+        ({"error": 1e-12}, ["none reached 1.0e-12 m", "step=0.0001"]),
+        ({"error": 1e-3, "budget": 1e-3}, ["none within 1 ms", "step=0.025"]),
+        ({"error": 1e-3, "compliance": 1e-9}, ["none keeps the constraints"]),
+    ],
+)
+def test_the_sentence_when_none_did(records, bounds, words):
+    choice = pick(priced(records), **bounds)
+    assert choice.best is None
+    assert all(word in choice.sentence for word in words), choice.sentence
+
+
+def test_bounds_and_records_are_checked(records):
+    with pytest.raises(ValueError, match=r"error = -1"):
+        pick(records, -1.0)
+    other = [replace(r, scene="other") for r in records]
+    with pytest.raises(ValueError, match="2 scenes"):
+        pick([*records, *other], 1.0)
+    assert "no run" in pick([], 1.0).sentence

@@ -1,0 +1,120 @@
+"""Converged truths: verified by the judge's energy and by means their makers do not use; refused where unsound."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from cross_checks.certify.agreement import Formulation, agree
+from cross_checks.certify.extrapolation import NoConvergenceError, extrapolate
+from cross_checks.certify.rod_chain import solve
+from cross_checks.truths import NoTruth, Truth, known, seek_truth, truth_for
+from mbs_ref import observables as judge
+from mbs_ref import scenes
+from mbs_ref.scene import Scene
+from mbs_ref.trajectory import Trajectory
+
+SPACING = 1e-3  # s, of the samples that velocities are differenced from
+
+
+def moving(scene: Scene, end: float) -> tuple[Truth, Trajectory]:
+    """A truth as a trajectory, its velocities by differences of order 8."""
+    times = np.arange(0.0, end + SPACING / 2, SPACING)
+    truth = truth_for(scene, times)
+    assert truth is not None
+    inner = slice(4, -4)
+    weights = np.array([1 / 280, -4 / 105, 1 / 5, -4 / 5, 0.0, 4 / 5, -1 / 5, 4 / 105, -1 / 280]) / SPACING
+    n = len(times)
+    velocity, spin = (sum(w * q[k : n - 8 + k] for k, w in enumerate(weights)) for q in (truth.position, truth.angle))
+    path = Trajectory(times[inner], truth.position[inner], truth.angle[inner], np.asarray(velocity), np.asarray(spin))
+    return truth, path
+
+
+@pytest.mark.parametrize("name", sorted(set(known()) - {"driven_pendulum"}))
+def test_every_truth_obeys_the_joints_and_keeps_the_energy(name):
+    scene = scenes.make(name, **({"links": 3} if name == "pendulum_chain" else {}))
+    _, path = moving(scene, 0.5)
+    differencing = 1e-10  # 1e-16 / SPACING, magnified by masses and speeds
+    assert np.max(np.abs(judge.constraint_residual(scene, path)), initial=0.0) < 1e-14
+    assert np.max(np.abs(judge.constraint_rate(scene, path)), initial=0.0) < differencing
+    energy = judge.kinetic_energy(scene, path) + judge.potential_energy(scene, path)
+    assert np.ptp(energy) < 1e-9  # J, of some ten
+
+
+def test_the_driven_pendulum_obeys_its_drive_and_newton_on_the_carriage():
+    """The rod's equation by a third means: d/dt of its angular momentum about the pivot, in the carriage's frame."""
+    scene = scenes.make("driven_pendulum")
+    _, path = moving(scene, 1.0)
+    assert np.max(np.abs(judge.constraint_residual(scene, path))) < 1e-14
+    theta, spin, t = path.orientation[:, 1], path.angular_velocity[:, 1], path.times
+    torque = -0.5 * np.cos(theta) * 9.81 - 0.5 * np.sin(theta) * 0.2 * 25.0 * np.cos(5.0 * t)  # N m, gravity and inertia
+    gained = np.concatenate([[0.0], np.cumsum((torque[1:] + torque[:-1]) / 2) * SPACING])
+    trapezoidal = 1e-5
+    np.testing.assert_allclose((spin - spin[0]) / 3.0, gained, atol=trapezoidal)
+
+
+def test_double_pendulum_against_the_textbook_pair_of_equations():
+    """Two rods, mass matrix inverted by hand, by SciPy's Radau."""
+    l1, l2, m1, m2, g = 1.0, 0.8, 1.0, 0.6, 9.81
+
+    def derivative(t, y):
+        a, b, u, v = y
+        m11, m22, m12 = l1**2 * (m1 / 3 + m2), m2 * l2**2 / 3, m2 * l1 * l2 / 2 * np.cos(a - b)
+        s = m2 * l1 * l2 / 2 * np.sin(a - b)
+        f1 = -s * v**2 - g * l1 * (m1 / 2 + m2) * np.cos(a)
+        f2 = s * u**2 - g * l2 * m2 / 2 * np.cos(b)
+        det = m11 * m22 - m12**2
+        return [u, v, (m22 * f1 - m12 * f2) / det, (m11 * f2 - m12 * f1) / det]
+
+    end = solve_ivp(derivative, (0.0, 1.0), [0.0, 0.5, 0.0, 0.0], method="Radau", rtol=1e-10, atol=1e-12).y[:2, -1]
+    truth = truth_for(scenes.make("double_pendulum"), np.array([0.0, 1.0]))
+    assert truth is not None
+    np.testing.assert_allclose(truth.angle[-1], end, atol=1e-8)
+
+
+def test_one_link_swings_as_a_compound_pendulum():
+    """Period of a rod released horizontally: 4 K(1/2) sqrt(2 l / (3 g))."""
+    period = 4 * 1.8540746773013719 * np.sqrt(2.0 / 3.0 / 9.81)  # K(1/2), Abramowitz & Stegun table 17.1
+    truth = truth_for(scenes.make("pendulum_chain", links=1), np.array([period / 2, period]))
+    assert truth is not None
+    np.testing.assert_allclose(truth.position[:, 0], [[-0.5, 0.0], [0.5, 0.0]], atol=1e-14)
+
+
+def test_a_truth_is_refused_with_a_reason():
+    times = np.linspace(0.0, 1.0, 3)
+    long = seek_truth(scenes.make("pendulum_chain", links=1000), times)
+    changed = scenes.make("pendulum").model_copy(update={"gravity": (0.0, -1.0)})
+    stranger = scenes.make("pendulum").model_copy(update={"name": "stranger"})
+    chaotic = seek_truth(scenes.make("double_pendulum", angle_1=2.0, angle_2=2.5), np.array([0.0, 60.0]))
+    for found, word in ((long, "1000"), (seek_truth(changed, times), "differs"), (seek_truth(stranger, times), "stranger"),
+                        (chaotic, "sensitive")):  # fmt: skip
+        assert isinstance(found, NoTruth)
+        assert word in found.reason
+    assert truth_for(changed, times) is None
+
+
+def test_disagreement_becomes_uncertainty():
+    def decay(rate):
+        return Formulation(lambda t, y: -rate * y, np.array([1.0]), lambda t, y: (np.array([[y[0], 0.0]]), np.zeros(1)))
+
+    same = agree(decay(1.0), decay(1.0), np.array([0.0, 1.0]), extended=True)
+    other = agree(decay(1.0), decay(1.0 + 1e-6), np.array([0.0, 1.0]), extended=True)
+    assert same.uncertainty < 1e-14
+    assert other.uncertainty == pytest.approx(1e-6 * np.exp(-1.0), rel=1e-3)
+
+
+def test_extrapolation_reaches_extended_precision_and_says_where_it_stalls():
+    one = np.array([1.0], dtype=np.longdouble)
+    end = extrapolate(lambda t, y: -y, one, np.array([0.0, 1.0]), 64 * float(np.finfo(np.longdouble).eps))[-1, 0]
+    assert abs(end - np.exp(np.longdouble(-1))) < 1e3 * np.finfo(np.longdouble).eps
+    with np.errstate(all="ignore"), pytest.raises(NoConvergenceError, match="t = "):
+        extrapolate(lambda t, y: y**2, np.array([1.0]), np.array([0.0, 2.0]), 1e-14)  # infinite at t = 1
+
+
+@pytest.mark.parametrize("kind", [float, np.longdouble])
+def test_the_elimination_solves(kind):
+    rng = np.random.default_rng(3)
+    root, x = rng.normal(size=(7, 7)), rng.normal(size=7)
+    matrix = (root @ root.T + np.eye(7)).astype(kind)
+    np.testing.assert_allclose(solve(matrix, matrix @ x.astype(kind)).astype(float), x, rtol=1e-11)
