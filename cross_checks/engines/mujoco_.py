@@ -53,6 +53,9 @@ def _methods() -> tuple[Method, ...]:
     return tuple(plain + tight)
 
 
+METHODS = _methods()
+
+
 class MuJoCo(Engine):
     """MuJoCo through MjSpec, every option pinned, the loop in C."""
 
@@ -64,7 +67,7 @@ class MuJoCo(Engine):
     )
 
     def methods(self) -> tuple[Method, ...]:
-        return _methods()
+        return METHODS
 
     def version(self) -> str:
         return mujoco.__version__

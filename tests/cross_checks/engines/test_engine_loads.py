@@ -1,0 +1,92 @@
+"""Engines against each other and against closed forms on every load and drive they translate."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from engine_runs import distance, run
+from loaded_scenes import loaded_tree
+
+from mbs_ref import scenes
+from mbs_ref.observables import rows
+from mbs_ref.scene import GROUND, Force, PlanarBody, Scene, SpringDamper, Torque
+from mbs_ref.signals import Table
+from mbs_ref.trajectory import Status
+
+
+def test_springs_dampers_forces_and_torques_agree():
+    scene = loaded_tree()
+    fine = run("mujoco", "rk4", scene, step=5e-4, t_end=0.5, samples=6)
+    assert fine.ok
+    errors = [distance(run("exudyn", "trapezoidal", scene, step=h, t_end=0.5, samples=6), fine) for h in (2e-3, 1e-3)]
+    assert errors[1] < 1e-5
+    assert errors[0] == pytest.approx(4.0 * errors[1], rel=0.2)
+
+
+def test_slides_in_turned_frames_agree():
+    from test_engine_traps import mixed_slides
+
+    fine = run("pinocchio", "dop853", mixed_slides(), rtol=1e-12, t_end=0.5, samples=6)
+    for name, method in (("mujoco", "rk4"), ("exudyn", "tree_rk44")):
+        assert distance(run(name, method, mixed_slides(), t_end=0.5, samples=6), fine) < 1e-9
+
+
+def test_the_spring_pendulum_agrees():
+    scene = scenes.make("spring_pendulum")
+    fine = run("mujoco", "rk4", scene, step=1e-3, samples=6)
+    errors = [distance(run("exudyn", "trapezoidal", scene, step=h, samples=6), fine) for h in (2e-3, 1e-3)]
+    assert errors[0] == pytest.approx(4.0 * errors[1], rel=0.1)
+
+
+def test_a_driven_carriage_follows_its_motion():
+    scene = scenes.make("driven_pendulum")
+    errors = []
+    for h in (4e-3, 2e-3, 1e-3):
+        result = run("exudyn", "generalized_alpha", scene, step=h, t_end=1.0, samples=6)
+        assert np.abs(rows(scene, result).residual).max() < 1e-12
+        errors.append(result.position[-1, 1])
+    steps = [np.linalg.norm(a - b) for a, b in zip(errors, errors[1:], strict=False)]
+    assert steps[0] == pytest.approx(4.0 * steps[1], rel=0.1)
+    assert "calls Python" in result.notes[0]
+
+
+def pulled(signal, **more) -> Scene:
+    block = PlanarBody(name="block", mass=2.0, inertia=0.5)
+    return Scene(
+        name="pulled",
+        bodies=(block,),
+        loads=(
+            Force(name="pull", body="block", point=(0.0, 0.0), vector=(4.0, 0.0), factor=signal, **more),
+            Torque(name="twist", body="block", torque=1.0, factor=signal),
+        ),
+    )
+
+
+def test_a_tabulated_force_and_torque_move_a_free_body_exactly():
+    ramp = Table(times=(0.0, 1.0), values=(0.0, 1.0))
+    result = run("exudyn", "trapezoidal", pulled(ramp), step=1e-3, t_end=1.0, samples=2)
+    # a = 2 t and alpha = 2 t: x = t^3 / 3
+    assert result.position[-1, 0] == pytest.approx((1.0 / 3.0, 0.0), abs=1e-6)
+    assert result.orientation[-1, 0] == pytest.approx(1.0 / 3.0, abs=1e-6)
+
+
+def test_mujoco_refuses_a_load_that_varies_in_time():
+    ramp = Table(times=(0.0, 1.0), values=(0.0, 1.0))
+    result = run("mujoco", "rk4", pulled(ramp))
+    assert result.status is Status.REFUSED
+    assert "'pull' varies in time" in result.message
+    assert "'twist' varies in time" in result.message
+
+
+def test_a_rope_pulls_and_never_pushes():
+    """Thrown inwards the body flies free; thrown outwards it comes back after half a period."""
+    for name, method in (("mujoco", "rk4"), ("exudyn", "trapezoidal")):
+        for speed, end in ((-1.0, -1.0), (1.0, 0.0)):
+            body = PlanarBody(name="stone", mass=1.0, inertia=1.0, position=(2.0, 0.0), velocity=(speed, 0.0))
+            rope = SpringDamper(
+                name="rope", body_a=GROUND, body_b="stone", point_a=(0.0, 0.0), point_b=(2.0, 0.0),
+                stiffness=np.pi**2, rest_length=2.0, tension_only=True,
+            )  # fmt: skip
+            scene = Scene(name="rope", bodies=(body,), loads=(rope,))
+            result = run(name, method, scene, step=1e-3, t_end=1.0, samples=2)
+            assert result.position[-1, 0, 0] - 2.0 == pytest.approx(end, abs=1e-4)
