@@ -28,22 +28,20 @@ def _of_engine(name: str, probes: dict[str, Scene]) -> list[Capability]:
 
 def _of_trait(engine: Engine, trait: str, probes: dict[str, Scene]) -> Capability:
     """Judge by the scenes that show the trait: the best answer among them is what the engine can do."""
-    having = [scene for scene in probes.values() if trait in traits(scene)]
-    answers = [_of_scene(engine, scene) for scene in having]
-    answer, reason = min(answers, key=lambda found: ("can", "some", "not-yet", "never").index(found[0]))
-    return Capability(engine.name, "trait", trait, answer, reason)
+    refusals = [_refusals(engine, scene) for scene in probes.values() if trait in traits(scene)]
+    if all(refusals):
+        mildest = min(refusals, key=lambda found: _word(found) == "never")
+        return Capability(engine.name, "trait", trait, _word(mildest), _reasons(mildest))
+    barred = [method.name for method in engine.methods() if trait in method.excludes]
+    reason = f"all but {', '.join(barred)}" if barred else ""
+    return Capability(engine.name, "trait", trait, "some" if barred else "can", reason)
 
 
-def _of_scene(engine: Engine, scene: Scene) -> tuple[str, str]:
-    """Return the answer for one scene, and the reason where it is not a plain yes."""
-    refusals = engine.refusals(scene)
-    if refusals:
-        return _word(refusals), _reasons(refusals)
+def _refusals(engine: Engine, scene: Scene) -> list[Refusal]:
+    """Return why the engine runs the scene by none of its methods; empty where one does."""
+    found = engine.refusals(scene)
     by_method = [engine.method_refusals(scene, method) for method in engine.methods()]
-    refused = [refusal for found in by_method for refusal in found]
-    if all(by_method):
-        return _word(refused), _reasons(refused)
-    return ("some", _reasons(refused)) if refused else ("can", "")
+    return found or ([refusal for each in by_method for refusal in each] if all(by_method) else [])
 
 
 def _word(refusals: list[Refusal]) -> str:

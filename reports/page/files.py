@@ -8,18 +8,21 @@ import json
 from typing import Any
 
 from cross_checks.record import Record
+from reports.console import json_text
 from reports.page.cheapest import TARGETS, entries
 from reports.page.command import command
 from reports.page.findings import findings
-from reports.page.numbers import duration, metres, setting
+from reports.page.numbers import ABSENT, duration, metres, setting
 from reports.page.report_data import ReportData
 from reports.page.sections.matrix import rows
 from reports.page.sections.verdict import flagged, sentence
 
+MISSED = ["not reached", ABSENT, ABSENT]
+
 
 def jsonl(records: tuple[Record, ...]) -> str:
     """Return one line of JSON a record, everything in it."""
-    return "".join(json.dumps(record.to_dict(), allow_nan=False) + "\n" for record in records)
+    return "".join(json_text(record.to_dict(), None) + "\n" for record in records)
 
 
 def csv_table(records: tuple[Record, ...]) -> str:
@@ -81,8 +84,8 @@ def _costs(data: ReportData, scene: str) -> str:
     for target in TARGETS:
         for entry in entries(data.of_scene(scene), data.engines, target):
             best = entry.best
-            row = [best.method, setting(best.settings), duration(best.times["loop_s"])] if best else ["not reached", "–", "–"]
-            body.append([metres(target), entry.engine, *row])
+            cost = [best.method, setting(best.settings), duration(best.times["loop_s"])] if best else MISSED
+            body.append([metres(target), entry.engine, *cost])
     return f"### {_plain(scene)}\n\n" + _table(["within", "engine", "method", "setting", "loop time"], body)
 
 

@@ -38,8 +38,9 @@ def wrong_limits(data: ReportData) -> Iterator[Finding]:
     """Methods that converge to another answer."""
     for engine, method, cells in _by_method(data, {"wrong-limit"}):
         worst = max((c.error for c in cells if c.error is not None), default=None)
-        text = f"It converges, but not to the truth: on {_scenes(cells)} it stays up to {metres(worst)} away however small the step."
-        yield Finding("bad", f"{engine} {method}: a wrong limit", f"{text} {_sentence(cells[0].reason)}".strip())
+        where = f"on {_scenes(cells)} it stays up to {metres(worst)} away however small the step"
+        text = f"It converges, but not to the truth: {where}. {_sentence(cells[0].reason)}"
+        yield Finding("bad", f"{engine} {method}: a wrong limit", text.strip())
 
 
 def failing_beside_a_sibling(data: ReportData) -> Iterator[Finding]:
@@ -66,7 +67,9 @@ def low_orders(data: ReportData) -> Iterator[Finding]:
     """Methods whose observed order falls short of the documented one."""
     for cell in data.cells:
         documented = data.orders.get((cell.engine, cell.method))
-        if documented and cell.order is not None and cell.order < documented - ORDER_SLACK and cell.verdict != "wrong-limit":
+        if documented is None or cell.order is None or cell.verdict == "wrong-limit":
+            continue
+        if cell.order < documented - ORDER_SLACK:
             text = f"On {cell.scene} the error falls with order {short(cell.order)}; the method documents {documented}."
             yield Finding("fair", f"{cell.engine} {cell.method}: order below its documentation", text)
 
@@ -82,20 +85,26 @@ def perfect_but_wrong(data: ReportData) -> Iterator[Finding]:
         if looks:
             title = f"{record.engine} {record.method}: looks perfect, is {metres(known_error(record))} off"
             where = f"On {scene_label(record.scene, record.parameters)} at {setting(record.settings)}"
-            yield Finding("fair", title, f"{where} {' and '.join(looks)}. Compliance and energy are necessary, not sufficient.")
+            moral = "Compliance and energy are necessary, not sufficient."
+            yield Finding("fair", title, f"{where} {' and '.join(looks)}. {moral}")
 
 
 def fastest(data: ReportData) -> Iterator[Finding]:
     """Who is cheapest at a micrometre on how many scenes, and by what margin."""
-    found = {scene: [e.best for e in entries(data.of_scene(scene), data.engines, 1e-6) if e.best] for scene in data.scenes}
+    ranked = {scene: entries(data.of_scene(scene), data.engines, 1e-6) for scene in data.scenes}
+    found = {scene: [entry.best for entry in ranking if entry.best] for scene, ranking in ranked.items()}
     reached = {scene: bests for scene, bests in found.items() if bests}
     for engine in dict.fromkeys(bests[0].engine for bests in reached.values()):
         won = {scene: bests for scene, bests in reached.items() if bests[0].engine == engine}
         margins = [bests[1].times["loop_s"] / bests[0].times["loop_s"] for bests in won.values() if len(bests) > 1]
         title = f"{engine} is cheapest within 1e-6 m on {len(won)} of {count(len(data.scenes), 'scene')}"
-        parts = [f"{scene}: {b[0].method}, {setting(b[0].settings)}, {duration(b[0].times['loop_s'])}" for scene, b in won.items()]
-        ending = f". The next engine takes {_span(margins)} times as long." if margins else "."
-        yield Finding("good", title, "; ".join(parts) + ending)
+        parts = "; ".join(f"{scene}: {_cost(bests[0])}" for scene, bests in won.items())
+        ending = f" The next engine takes {_span(margins)} times as long." if margins else ""
+        yield Finding("good", title, f"{parts}.{ending}")
+
+
+def _cost(record: Record) -> str:
+    return f"{record.method}, {setting(record.settings)}, {duration(record.times['loop_s'])}"
 
 
 def _span(ratios: list[float]) -> str:

@@ -57,11 +57,11 @@ def _slope_triangle(figure, records: list[Record], order: int) -> None:
         hoverinfo="skip",
     )
     figure.add_scatter(
-        x=[x1 * 1.05],
-        y=[(y0 * y1) ** 0.5],
+        x=[x0],
+        y=[y0],
         mode="text",
-        text=[f" order {order}"],
-        textposition="middle right",
+        text=[f"order {order} "],
+        textposition="middle left",
         textfont={"color": "#888888", "size": 12},
         showlegend=False,
         hoverinfo="skip",

@@ -36,7 +36,9 @@ def _axis(title: str, log: bool) -> dict[str, Any]:
     return shown | ({"type": "log", "exponentformat": "power", "dtick": 1} if log else {"type": "-"})
 
 
-def add_series(figure: go.Figure, engine: str, method: str, style: Style, x: list[float], y: list[float], **more: Any) -> None:
+def add_series(
+    figure: go.Figure, engine: str, method: str, style: Style, x: list[float], y: list[float], **more: Any
+) -> None:
     """Add one method's line with markers, grouped under its engine in the legend."""
     mode = more.pop("mode", "lines+markers")
     figure.add_scatter(

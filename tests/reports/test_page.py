@@ -10,9 +10,9 @@ from html.parser import HTMLParser
 import pytest
 from synthetic_report import HOSTILE, report_data
 
-from reports.page import build
 from reports.page.command import command
 from reports.page.numbers import duration, metres, setting, short
+from reports.page.publish import publish
 from reports.page.report_data import ReportData, scene_label
 from reports.page.section import discover
 from reports.plots.palette import COLOURS, colours
@@ -58,7 +58,7 @@ def data() -> ReportData:
 
 @pytest.fixture(scope="module")
 def folder(data, tmp_path_factory):
-    return build.publish(data, tmp_path_factory.mktemp("report") / "out").parent
+    return publish(data, tmp_path_factory.mktemp("report") / "out").parent
 
 
 @pytest.fixture(scope="module")
@@ -142,18 +142,19 @@ def test_every_record_has_its_command(data, source):
 def test_the_command_reproduces_the_settings(data):
     record = next(r for r in data.records if r.scene == "n_four_bar" and r.settings.get("step"))
     assert command(record) == (
-        "mbs-ref simulate n_four_bar -p loops=1 --engine mbs_ref --method rk4 --step 0.01 --t-end 10.0"
+        "mbs-ref simulate n_four_bar -p loops=1 --engine mbs_ref --method rk4 --step 0.01 --t-end 10.0 --samples 41"
     )
 
 
 def test_hover_text_is_escaped(page):
-    texts = [t for figure in page.data if isinstance(figure, dict) for trace in figure["data"] for t in trace.get("text") or []]
+    traces = [trace for figure in page.data if isinstance(figure, dict) for trace in figure["data"]]
+    texts = [text for trace in traces for text in trace.get("text") or []]
     assert texts
     assert not [t for t in texts if re.search(r"<(?!br>)", t)]
 
 
 def test_a_report_without_any_run_still_renders(tmp_path):
-    text = build.publish(ReportData((), ()), tmp_path).read_text()
+    text = publish(ReportData((), ()), tmp_path).read_text()
     assert "No validation was run" in text
 
 
@@ -168,7 +169,7 @@ def test_an_engine_keeps_its_colour(data):
 
 @pytest.mark.parametrize(
     ("value", "text"),
-    [(3.2e-7, "3.2e-7"), (1e-6, "1e-6"), (0.0, "0"), (float("nan"), "–"), (None, "–"), (0.5, "0.5"), (123.4, "120"), (2e5, "2e5")],
+    [(3.2e-7, "3.2e-7"), (1e-6, "1e-6"), (0.0, "0"), (float("nan"), "–"), (None, "–"), (0.5, "0.5"), (123.4, "120")],
 )
 def test_short_numbers(value, text):
     assert short(value) == text

@@ -7,7 +7,7 @@ from typing import Any
 from reports.page.report_data import Capability, ReportData
 from reports.page.section import Section
 
-LEAD = "Derived from the adapters themselves: what each engine models, never will by its nature, or has not been taught yet."
+LEAD = "Asked of the adapters themselves: what each engine models, never will by its nature, or is not taught yet."
 WORDS = {"can": ("good", "can"), "some": ("fair", "some methods"), "not-yet": ("plain", "not yet"),
          "never": ("bad", "never"), "missing": ("plain", "engine missing")}  # fmt: skip
 TITLES = {"part": "Parts of a scene", "trait": "Traits of a scene"}

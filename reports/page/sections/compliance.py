@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
+from reports.page.per_scene import per_scene
 from reports.page.report_data import ReportData
 from reports.page.section import Section
-from reports.page.per_scene import per_scene
 from reports.plots.compliance import compliance
 from reports.plots.error_history import error_history
 

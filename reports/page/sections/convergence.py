@@ -5,13 +5,13 @@ from __future__ import annotations
 from functools import partial
 from typing import Any
 
+from reports.page.per_scene import per_scene
 from reports.page.report_data import ReportData
 from reports.page.section import Section
-from reports.page.per_scene import per_scene
 from reports.plots.convergence import convergence
 
 LEAD = (
-    "A method of order p gains a factor 2^p when its step is halved: its line runs parallel to the triangle of that order. "
+    "A method of order p gains a factor 2^p when its step is halved: its line runs parallel to that order's triangle. "
     "A line that goes flat has met its limit: roundoff, or a wrong answer."
 )
 

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from typing import Any
 
+from reports.page.per_scene import per_scene
 from reports.page.report_data import ReportData
 from reports.page.section import Section
-from reports.page.per_scene import per_scene
 from reports.plots.energy import energy
 
-LEAD = "Energy that the integration created or lost, after the work of loads and drives. Small drift alone is no proof of accuracy."
+LEAD = "Energy that the integration created or lost, work of drives counted. Small drift alone does not prove accuracy."
 
 
 def context(data: ReportData) -> dict[str, Any]:

@@ -9,7 +9,7 @@ from reports.page.report_data import Cell, ReportData
 from reports.page.section import Section
 from reports.page.verdicts import verdict
 
-LEAD = "Each cell says whether an engine's method reaches the truth of a scene. Click a cell for its reason and figures."
+LEAD = "Each cell says whether an engine's method reaches a scene's truth. Click a cell for its reason and figures."
 
 
 def view(cell: Cell | None, key: str) -> dict[str, str]:

@@ -8,7 +8,7 @@ from reports.page.report_data import ReportData
 from reports.page.section import Section
 from reports.plots.time_split import time_split
 
-LEAD = "Building the model, the first call and the loop apart, for each method's setting nearest to an error of 1e-6 m."
+LEAD = "Building the model, the first call and the loop apart, at each method's cheapest setting within one micrometre."
 
 
 def context(data: ReportData) -> dict[str, Any]:

@@ -17,8 +17,11 @@ def sentence(data: ReportData) -> str:
     ran = tones["good"] + tones["fair"] + tones["bad"]
     if not data.cells:
         return "No validation was run: this page holds timings only."
-    ending = f"{count(tones['bad'], 'cell')} {'is' if tones['bad'] == 1 else 'are'} flagged below" if tones["bad"] else "none is flagged"
-    return f"{tones['good']} of {count(ran, 'cell')} that ran agree with the truth, {tones['fair']} are on their way to it, {ending}."
+    good, fair, bad = (tones[tone] for tone in ("good", "fair", "bad"))
+    return (
+        f"{good} of {count(ran, 'cell')} that ran agree with the truth; "
+        f"{count(fair, 'cell')} on the way to it, {bad or 'none'} flagged."
+    )
 
 
 def flagged(data: ReportData) -> list[str]:
