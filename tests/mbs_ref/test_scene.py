@@ -47,8 +47,8 @@ def test_an_unknown_field_is_refused():
     ("changes", "complaint"),
     [
         ({"bodies": ()}, "at least 1"),
-        ({"bodies": (ROD, ROD)}, "two body parts are named 'rod'"),
-        ({"joints": (PIN, PIN)}, "two joint parts are named 'pin'"),
+        ({"bodies": (ROD, ROD)}, r"bodies\[1\]: the name 'rod' is taken by bodies\[0\]"),
+        ({"joints": (PIN, PIN)}, r"joints\[1\]: the name 'pin' is taken by joints\[0\]"),
         ({"bodies": (ROD.model_copy(update={"name": "ground"}),)}, "reserved"),
         ({"joints": (PIN.model_copy(update={"body_b": "rood"}),)}, "body_b = 'rood' is no body of the scene"),
         ({"joints": (PIN.model_copy(update={"body_a": "rod"}),)}, "must differ"),
@@ -94,3 +94,26 @@ def test_indices_and_dimension():
     both = scene(bodies=(ROD, TIP))
     assert both.dimension == 2
     assert [both.body_index(name) for name in ("ground", "rod", "tip")] == [-1, 0, 1]
+
+
+def test_every_complaint_is_listed():
+    lost = PIN.model_copy(update={"name": "lost", "body_b": "rood"})
+    with pytest.raises(ValidationError) as caught:
+        scene(joints=(PIN, PIN, lost), gravity=(0.0, 0.0, -9.81))
+    for place in ("gravity", "joints[1]", "joints[2] (lost)"):
+        assert place in str(caught.value)
+
+
+def test_a_particle_bears_no_torque_and_is_held_at_its_place():
+    drive = {"type": "coordinate_drive", "name": "d", "body": "tip", "motion": {"type": "constant"}}
+    away = language.Revolute(name="pin", body_a="ground", body_b="tip", point=(0.0, 0.0))
+    for joint, complaint in ((drive | {"coordinate": "angle"}, "no orientation"), (away, "attached at")):
+        with pytest.raises(ValidationError, match=complaint):
+            scene(bodies=(TIP,), joints=(joint,))
+    assert scene(bodies=(TIP,), joints=(drive | {"coordinate": "x"},)).joints
+
+
+def test_a_large_scene_is_checked_in_one_pass():
+    bodies = tuple(ROD.model_copy(update={"name": f"b{k}"}) for k in range(20_000))
+    joints = tuple(PIN.model_copy(update={"name": f"j{k}", "body_b": f"b{k}"}) for k in range(20_000))
+    assert len(scene(bodies=bodies, joints=joints).joints) == 20_000  # minutes if each joint looked at every body

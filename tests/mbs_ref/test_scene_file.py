@@ -31,7 +31,7 @@ signal = st.one_of(
     st.builds(Harmonic, amplitude=finite, omega=finite, phase=finite, offset=finite),
     st.builds(Polynomial, coefficients=st.lists(finite, min_size=1, max_size=5).map(tuple)),
 )
-ends = {"body_a": st.just("ground"), "body_b": st.just("b0")}
+ends = {"body_a": st.just("ground"), "body_b": st.just("anchor")}
 marks = ends | {"point_a": pair, "point_b": pair}
 level = st.sampled_from(["position", "velocity", "acceleration"])
 coordinate = st.sampled_from(["x", "y", "angle"])
@@ -46,6 +46,7 @@ def numbered(draw, kinds, prefix, most=4):
     )
 
 
+ANCHOR = language.PlanarBody(name="anchor", mass=1.0, inertia=1.0)  # what joints and loads hold on to
 BODIES = [
     (language.PlanarBody, dict(mass=positive, inertia=positive, position=pair, angle=finite, velocity=pair,
                                angular_velocity=finite)),
@@ -53,17 +54,17 @@ BODIES = [
     (language.PointMass, dict(mass=positive, position=pair, velocity=pair)),
 ]  # fmt: skip
 JOINTS = [
-    (language.Revolute, ends | {"point": pair}),
+    (language.Revolute, ends | {"point": pair, "point_b": st.none() | pair}),
     (language.Prismatic, ends | {"point": pair, "axis": direction}),
-    (language.Weld, ends | {"point": pair}),
+    (language.Weld, ends | {"point": pair, "point_b": st.none() | pair}),
     (language.Distance, marks | {"length": positive}),
-    (language.CoordinateDrive, {"body": st.just("b0"), "coordinate": coordinate, "motion": signal, "level": level}),
-    (language.PointDrive, {"body": st.just("b0"), "point": pair, "direction": direction, "motion": signal}),
+    (language.CoordinateDrive, {"body": st.just("anchor"), "coordinate": coordinate, "motion": signal, "level": level}),
+    (language.PointDrive, {"body": st.just("anchor"), "point": pair, "direction": direction, "motion": signal}),
 ]
 LOADS = [
-    (language.Force, {"body": st.just("b0"), "point": pair, "vector": pair, "frame": st.sampled_from(["world", "body"]),
+    (language.Force, {"body": st.just("anchor"), "point": pair, "vector": pair, "frame": st.sampled_from(["world", "body"]),
                       "factor": signal}),
-    (language.Torque, {"body": st.just("b0"), "torque": finite, "factor": signal}),
+    (language.Torque, {"body": st.just("anchor"), "torque": finite, "factor": signal}),
     (language.SpringDamper, marks | {"stiffness": non_negative, "damping": non_negative, "tension_only": st.booleans(),
                                      "rest_length": st.none() | non_negative}),
     (language.TorsionSpring, ends | {"stiffness": non_negative, "rest_angle": st.none() | finite}),
@@ -75,7 +76,7 @@ scene_strategy = st.builds(
     source=text,
     duration=positive,
     gravity=pair,
-    bodies=numbered(BODIES, "b"),
+    bodies=numbered(BODIES, "b").map(lambda found: (*found, ANCHOR)),
     joints=numbered(JOINTS, "j"),
     loads=numbered(LOADS, "l"),
     parameters=st.dictionaries(text, st.one_of(finite, st.integers(-(2**62), 2**62), text, st.booleans()), max_size=3),
