@@ -29,8 +29,7 @@ def convergence(
             text = [lines(f"{engine} · {method}", setting(r.settings), f"error {_error(r)}") for r in own]
             add_series(figure, engine, method, style, x, y, text=text, hovertemplate="%{text}<extra></extra>")
     if over == "step":
-        by_order = {orders.get((r.engine, r.method)) for r in drawn} - {None}
-        for order in sorted(by_order):
+        for order in sorted({orders[r.engine, r.method] for r in drawn if (r.engine, r.method) in orders}):
             _slope_triangle(figure, [r for r in drawn if orders.get((r.engine, r.method)) == order], order)
     return to_data(figure)
 
