@@ -26,7 +26,7 @@ from mbs_ref.integrators.leg import (
     Progress,
     finish_leg,
 )
-from mbs_ref.integrators.step_control import close_step, first_step, weighted_norm
+from mbs_ref.integrators.step_control import close_step, first_step, record, weighted_norm
 from mbs_ref.kernels.core import derivative, project, regularity, tangent
 from mbs_ref.kernels.jit import jit
 from mbs_ref.system import System
@@ -115,17 +115,6 @@ def _error_norm(model, work, tableau, slopes, h, y, trial, scratch, rtol, atol, 
 
 
 @jit
-def _record(run, y, states, worst_per_time):
-    """Keep an output state and the largest |C| since the one before."""
-    place = run.counts[COUNT_OUTPUT]
-    for k in range(y.shape[0]):
-        states[place, k] = y[k]
-    worst_per_time[place] = run.clock[CLOCK_COMPLIANCE]
-    run.clock[CLOCK_COMPLIANCE] = 0.0
-    run.counts[COUNT_OUTPUT] = place + 1
-
-
-@jit
 def advance_explicit(model, work, tableau, options, run, y, times, states, worst_per_time):
     """Advance y through times[1:], in place; return a status code (RUNNING when the chunk is used up)."""
     clock, counts = run.clock, run.counts
@@ -198,7 +187,7 @@ def advance_explicit(model, work, tableau, options, run, y, times, states, worst
             if avoided > MOST_AVOIDED:
                 return SINGULAR
             if lands:  # the output stands; the run itself goes on from before it
-                _record(run, trial, states, worst_per_time)
+                record(run, trial, states, worst_per_time)
                 if counts[COUNT_OUTPUT] == times.shape[0]:
                     return DONE
                 continue
@@ -211,7 +200,7 @@ def advance_explicit(model, work, tableau, options, run, y, times, states, worst
         clock[CLOCK_T] = t_new
         counts[COUNT_STEPS] += 1
         if lands:
-            _record(run, y, states, worst_per_time)
+            record(run, y, states, worst_per_time)
         if counts[COUNT_OUTPUT] == times.shape[0]:
             return DONE
         if counts[COUNT_STEPS] >= options.max_steps:
