@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 
 from mbs_ref.observables import rows
-from mbs_ref.scene import PlanarBody, Scene
+from mbs_ref.scene import PlanarBody, Revolute, Scene, Weld
 from mbs_ref.trajectory import Trajectory
 
 
@@ -40,8 +41,21 @@ def worst_gap(scene: Scene) -> Gap | None:
     return Gap(joint, float(np.abs(found.residual[0, own]).max()), float(np.abs(found.rate[0, own]).max()))
 
 
+def open_loop(scene: Scene) -> str:
+    """Return a sentence on a joint whose two marks are apart at t = 0: engines take one world point a joint."""
+    for joint in scene.joints:
+        if isinstance(joint, Revolute | Weld) and joint.point_b is not None:
+            gap = math.dist(joint.point, joint.point_b)
+            if gap > 0.0:
+                return f"joint {joint.name!r} starts {gap:.3g} m open, and only mbs_ref closes such loops"
+    return ""
+
+
 def inconsistency(scene: Scene, tolerance: float) -> str:
     """Return a sentence on the worst gap above the tolerance, or nothing."""
+    opened = open_loop(scene)
+    if opened:
+        return opened
     gap = worst_gap(scene)
     if gap is None or max(gap.position, gap.velocity) <= tolerance:
         return ""

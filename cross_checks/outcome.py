@@ -152,7 +152,8 @@ def trajectory(
     notes: tuple[str, ...] = (),
 ) -> Trajectory:
     """Return position, orientation, velocity and angular velocity up to the end."""
+    message = end.message or f"reached t = {plan.times[-1]:g} s"
     whole = Trajectory(
-        plan.times, *poses, end.status, end.message, steps, 0, rhs_calls, timing, reactions or {}, notes=notes
+        plan.times, *poses, end.status, message, steps, 0, rhs_calls, timing, reactions or {}, notes=notes
     )
     return whole.upto(end.samples)

@@ -40,6 +40,7 @@ INTEGRATORS = {
 LADDER = (2e-2, 1e-2, 5e-3, 2.5e-3, 1e-3, 5e-4, 2.5e-4, 1e-4)  # s
 DEFAULT_SOLREF = (0.02, 1.0)  # s, damping ratio: MuJoCo's default, pinned
 TIGHT = "_tight"
+# How much is lost depends on which joints close the loops: A02 loses 1.4 J over this tree, 7.1 J over a serial one.
 SOFT = "loop closures are springs of 0.02 s time constant whatever the step: the energy of a loop is lost at every step"
 STEP_SOFT = "loop closures are springs whose time constant is two steps"
 Z = (0.0, 0.0, 1.0)

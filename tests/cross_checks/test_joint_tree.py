@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from cross_checks.initial_state import worst_gap
+from cross_checks.initial_state import inconsistency, worst_gap
 from cross_checks.joint_tree import joint_tree
 from mbs_ref import scenes
 from mbs_ref.observables import rows
@@ -109,6 +109,17 @@ def test_a_four_bars_loops_are_counted_and_its_tree_is_shallow():
     tree = joint_tree(scenes.make("n_four_bar", loops=4))
     assert len(tree.closures) == 4
     assert max(len(tree.path(k)) for k in range(len(tree.scene.bodies))) == 2
+
+
+def test_a_loop_that_starts_open_is_named():
+    scene = scenes.make("n_four_bar", loops=1)
+    opened = [
+        joint.model_copy(update={"point_b": (joint.point[0], joint.point[1] + 0.25)}) if joint.name == "A1" else joint
+        for joint in scene.joints
+        if isinstance(joint, Revolute)
+    ]
+    assert inconsistency(scene, 1e-9) == ""
+    assert "'A1' starts 0.25 m open" in inconsistency(scene.model_copy(update={"joints": tuple(opened)}), 1.0)
 
 
 def test_the_worst_gap_names_its_joint():

@@ -39,6 +39,13 @@ def test_pinocchio_without_gains_leaves_the_manifold():
     assert engine("pinocchio").method("rk4_no_gains").wrong_limit
 
 
+def test_pinocchio_under_adaptive_steps_loses_the_energy_at_a_singular_pose():
+    """Steps shrink towards the pose and land on it; fixed steps jump over it."""
+    result = run("pinocchio", "dop853", FOUR_BAR, rtol=1e-10, samples=11)
+    assert energy_change(result) < -1.0
+    assert engine("pinocchio").method("dop853").wrong_limit
+
+
 def test_mujoco_default_solref_converges_to_a_wrong_limit():
     results = [run("mujoco", "rk4", FOUR_BAR, step=h, samples=11) for h in (2.5e-3, 1e-3)]
     losses = [energy_change(result) for result in results]
