@@ -205,14 +205,18 @@ def signal_arrays(signals: list[list[Segment]]) -> SignalArrays:
     )
 
 
-def build_planar(scene: Scene) -> tuple[arrays.PlanarModel, dict[int, tuple[int, int, int]]]:
+def _contiguous(group: Any) -> Any:
+    return type(group)(*map(np.ascontiguousarray, group))
+
+
+def build_planar(scene: Scene) -> tuple[arrays.PlanarGroups, dict[int, tuple[int, int, int]]]:
     """Compile a planar scene; also return where each joint's rows are: slot, row, side of its first end."""
     build = _Builder(scene)
     ordered: list[Any] = [scene.bodies[i] for i in build.layout.order]
     closures = [(slot, row) for slot in range(build.n, len(build.slot_rows)) for row in range(build.slot_rows[slot])]
     joints = {kind: _pair_joints(build, kind) for kind in ("revolute", "prismatic", "weld", "distance")}
     drives, forces = _drives(build), _forces(build)
-    model = arrays.PlanarModel(
+    groups = arrays.PlanarGroups(
         bodies=arrays.Bodies(
             mass=np.array([b.mass for b in ordered], dtype=float),
             inertia=np.array([_HELD_INERTIA if isinstance(b, PointMass) else b.inertia for b in ordered], dtype=float),
@@ -231,8 +235,6 @@ def build_planar(scene: Scene) -> tuple[arrays.PlanarModel, dict[int, tuple[int,
         springs=_springs(build),
         torsion_springs=_torsion_springs(build),
         signals=signal_arrays(build.segments),
-        gravity=np.array(scene.gravity, dtype=float),
-        user_force=np.zeros(1, dtype=np.int64),
-        control=np.zeros(3),
+        world=arrays.World(np.array(scene.gravity, dtype=float), np.zeros(1, dtype=np.int64), np.zeros(3)),
     )
-    return model, build.place
+    return arrays.PlanarGroups(*map(_contiguous, groups)), build.place

@@ -10,7 +10,14 @@ import numpy as np
 
 from mbs_ref.kernels import core
 from mbs_ref.kernels.planar import dynamics
-from mbs_ref.kernels.planar.model import CONTROL_MODE_TIME, CONTROL_POSITION_GAIN, CONTROL_VELOCITY_GAIN, planar_work
+from mbs_ref.kernels.planar.model import (
+    CONTROL_MODE_TIME,
+    CONTROL_POSITION_GAIN,
+    CONTROL_VELOCITY_GAIN,
+    bind_model,
+    bind_work,
+    planar_scratch,
+)
 from mbs_ref.planar_build import build_planar
 from mbs_ref.scene import PlanarBody, PointMass, Scene, UserForce
 
@@ -30,8 +37,10 @@ class System:
             raise ValueError(f"scene {scene.name!r} is spatial; the planar core takes planar bodies and point masses")
         self.scene = scene
         self.n_bodies = len(scene.bodies)
-        self.model, self.place = build_planar(scene)
-        self.work = planar_work(self.n_bodies, len(self.model.slots.body), len(self.model.slots.closure_slot))
+        self.groups, self.place = build_planar(scene)
+        slots = self.groups.slots
+        self.scratch = planar_scratch(self.n_bodies, len(slots.body), len(slots.closure_slot))
+        self.model, self.work = bind_model(self.groups), bind_work(self.scratch)
         self.user_error: BaseException | None = None  # what a user's force law raised, if it did
         self._keep_alive = self._connect_user_forces()
 
@@ -51,7 +60,7 @@ class System:
                 f[:] = np.nan
 
         callback = _CALLBACK(call)
-        self.model.user_force[0] = ctypes.cast(callback, ctypes.c_void_p).value
+        self.groups.world.user_force[0] = ctypes.cast(callback, ctypes.c_void_p).value
         return callback
 
     # --- set-up -----------------------------------------------------------------------------------
@@ -67,12 +76,12 @@ class System:
 
     def set_mode_time(self, t: float) -> None:
         """Choose the signals' segments: the ones that contain t (s)."""
-        self.model.control[CONTROL_MODE_TIME] = t
+        self.groups.world.control[CONTROL_MODE_TIME] = t
 
     def set_baumgarte(self, gain: float) -> None:
         """Set C'' + 2 g C' + g^2 C = 0 with g in 1/s; 0 switches it off (Baumgarte 1972)."""
-        self.model.control[CONTROL_VELOCITY_GAIN] = 2.0 * gain
-        self.model.control[CONTROL_POSITION_GAIN] = gain * gain
+        self.groups.world.control[CONTROL_VELOCITY_GAIN] = 2.0 * gain
+        self.groups.world.control[CONTROL_POSITION_GAIN] = gain * gain
 
     # --- evaluation -------------------------------------------------------------------------------
 
@@ -93,29 +102,29 @@ class System:
     def applied_forces(self, t: float, q: np.ndarray, v: np.ndarray) -> np.ndarray:
         """Return the generalized applied forces (n_bodies, 3) of gravity and every load: N, N, N m."""
         _evaluate_loads(self.model, self.work, float(t), np.concatenate((q.ravel(), v.ravel())))
-        return self._in_scene_order(self.work.force[: self.n_bodies])
+        return self._in_scene_order(self.scratch.kinematics.force[: self.n_bodies])
 
     def residuals(self, t: float, y: np.ndarray) -> dict[str, tuple[np.ndarray, np.ndarray]]:
         """Return C and C_dot of every joint by name."""
         self.compliance(t, y)
         return {
             self.scene.joints[k].name: (
-                self.work.residual[slot, row : row + self._rows(k)].copy(),
-                self.work.rate[slot, row : row + self._rows(k)].copy(),
+                self.scratch.rows.residual[slot, row : row + self._rows(k)].copy(),
+                self.scratch.rows.rate[slot, row : row + self._rows(k)].copy(),
             )
             for k, (slot, row, _) in self.place.items()
         }
 
     def _in_scene_order(self, values: np.ndarray) -> np.ndarray:
         result = np.empty_like(values)
-        result[self.model.bodies.scene_index] = values
+        result[self.groups.bodies.scene_index] = values
         return result
 
     # --- the augmented system, dense --------------------------------------------------------------
 
     def mass_matrix(self) -> np.ndarray:
         """Return the diagonal of M (3 n_bodies,) in scene order: kg, kg, kg m^2."""
-        bodies = self.model.bodies
+        bodies = self.groups.bodies
         return self._in_scene_order(np.column_stack((bodies.mass, bodies.mass, bodies.inertia))).ravel()
 
     def rows(self) -> list[tuple[int, int, int]]:
@@ -132,10 +141,10 @@ class System:
         self.compliance(t, y)
         rows = self.rows()
         result = np.zeros((len(rows), self.n_bodies + 1, 3))
-        scene_index = np.append(self.model.bodies.scene_index, self.n_bodies)
+        scene_index = np.append(self.groups.bodies.scene_index, self.n_bodies)
         for r, (_, slot, row) in enumerate(rows):
             for side in range(2):
-                result[r, scene_index[self.model.slots.body[slot, side]]] += self.work.jacobian[slot, side, row]
+                result[r, scene_index[self.groups.slots.body[slot, side]]] += self.scratch.rows.jacobian[slot, side, row]
         return result[:, :-1].reshape(len(rows), -1)
 
     def augmented(
@@ -145,7 +154,7 @@ class System:
         y = np.concatenate((q.ravel(), v.ravel()))
         force = self.applied_forces(t, q, v).ravel()
         jacobian = self.jacobian(t, y)
-        gamma = np.array([self.work.gamma[slot, row] for _, slot, row in self.rows()])
+        gamma = np.array([self.scratch.rows.gamma[slot, row] for _, slot, row in self.rows()])
         return self.mass_matrix(), jacobian, force, gamma
 
     def rank(self, t: float, y: np.ndarray) -> int:
@@ -170,9 +179,9 @@ class System:
         """Return lambda (n_rows,) in the order of `rows`; minimum-norm where rows are dependent."""
         dy = self.derivative(t, y)
         rows = self.rows()
-        found = np.array([self.work.multiplier[slot, row] for _, slot, row in rows])
-        closures = len(self.model.slots.closure_slot)
-        if closures == 0 or self.work.rank[0] == closures:
+        found = np.array([self.scratch.rows.multiplier[slot, row] for _, slot, row in rows])
+        closures = len(self.groups.slots.closure_slot)
+        if closures == 0 or self.scratch.closures.rank[0] == closures:
             return found
         half = 3 * self.n_bodies
         q, v = y[:half].reshape(-1, 3), y[half:].reshape(-1, 3)

@@ -26,8 +26,8 @@ from mbs_ref.integrators.leg import (
     Progress,
     finish_leg,
 )
-from mbs_ref.integrators.step_control import close_step, first_step, weighted_norm
-from mbs_ref.kernels.core import derivative, project, tangent
+from mbs_ref.integrators.step_control import close_step, first_step, record, weighted_norm
+from mbs_ref.kernels.core import derivative, project, regularity, tangent
 from mbs_ref.kernels.jit import jit
 from mbs_ref.system import System
 
@@ -115,17 +115,6 @@ def _error_norm(model, work, tableau, slopes, h, y, trial, scratch, rtol, atol, 
 
 
 @jit
-def _record(run, y, states, worst_per_time):
-    """Keep an output state and the largest |C| since the one before."""
-    place = run.counts[COUNT_OUTPUT]
-    for k in range(y.shape[0]):
-        states[place, k] = y[k]
-    worst_per_time[place] = run.clock[CLOCK_COMPLIANCE]
-    run.clock[CLOCK_COMPLIANCE] = 0.0
-    run.counts[COUNT_OUTPUT] = place + 1
-
-
-@jit
 def advance_explicit(model, work, tableau, options, run, y, times, states, worst_per_time):
     """Advance y through times[1:], in place; return a status code (RUNNING when the chunk is used up)."""
     clock, counts = run.clock, run.counts
@@ -157,7 +146,7 @@ def advance_explicit(model, work, tableau, options, run, y, times, states, worst
         t_new = target if lands else t + h
         if t_new == t:
             return STEP_TOO_SMALL
-        restore = options.project and (rejected or work.regularity[0] < NEAR_SINGULAR)
+        restore = options.project and (rejected or regularity(work) < NEAR_SINGULAR)
         _stages(model, work, tableau, t, h, y, slopes, trial, restore, options.projection_tolerance)
         counts[COUNT_RHS] += stages - 1
         if adaptive:
@@ -193,12 +182,12 @@ def advance_explicit(model, work, tableau, options, run, y, times, states, worst
         )  # fmt: skip
         if code != RUNNING:
             return code
-        if adaptive and options.project and work.regularity[0] < SINGULAR_PIVOT / options.rtol:
+        if adaptive and options.project and regularity(work) < SINGULAR_PIVOT / options.rtol:
             avoided += 1
             if avoided > MOST_AVOIDED:
                 return SINGULAR
             if lands:  # the output stands; the run itself goes on from before it
-                _record(run, trial, states, worst_per_time)
+                record(run, trial, states, worst_per_time)
                 if counts[COUNT_OUTPUT] == times.shape[0]:
                     return DONE
                 continue
@@ -211,7 +200,7 @@ def advance_explicit(model, work, tableau, options, run, y, times, states, worst
         clock[CLOCK_T] = t_new
         counts[COUNT_STEPS] += 1
         if lands:
-            _record(run, y, states, worst_per_time)
+            record(run, y, states, worst_per_time)
         if counts[COUNT_OUTPUT] == times.shape[0]:
             return DONE
         if counts[COUNT_STEPS] >= options.max_steps:

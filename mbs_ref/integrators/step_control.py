@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from mbs_ref.integrators.leg import COMPLIANCE, NON_FINITE, PROJECTION, RUNNING
+from mbs_ref.integrators.leg import CLOCK_COMPLIANCE, COMPLIANCE, COUNT_OUTPUT, NON_FINITE, PROJECTION, RUNNING
 from mbs_ref.kernels.core import compliance, derivative, project
 from mbs_ref.kernels.jit import jit
 
@@ -61,3 +61,14 @@ def close_step(model, work, t, y, step, restore, tolerance, stop, worst):
     if stop and left >= step:
         return COMPLIANCE, worst
     return RUNNING, worst
+
+
+@jit
+def record(run, y, states, worst_per_time):
+    """Keep an output state and the largest |C| since the one before."""
+    place = run.counts[COUNT_OUTPUT]
+    for k in range(y.shape[0]):
+        states[place, k] = y[k]
+    worst_per_time[place] = run.clock[CLOCK_COMPLIANCE]
+    run.clock[CLOCK_COMPLIANCE] = 0.0
+    run.counts[COUNT_OUTPUT] = place + 1

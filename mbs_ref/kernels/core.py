@@ -11,12 +11,12 @@ from typing import Any
 from numba.extending import overload
 
 from mbs_ref.kernels.jit import jit
-from mbs_ref.kernels.planar.dynamics import planar_compliance, planar_derivative, planar_project, planar_tangent
-from mbs_ref.kernels.planar.model import PlanarModel
+from mbs_ref.kernels.planar.dynamics import planar_compliance, planar_derivative, planar_project, planar_regularity, planar_tangent
+from mbs_ref.kernels.planar.model import PlanarModel, PlanarWork
 
 CORES: dict[type, tuple[Callable[..., Any], ...]] = {
-    PlanarModel: (planar_derivative, planar_compliance, planar_project, planar_tangent),
-}
+    PlanarModel: (planar_derivative, planar_compliance, planar_project, planar_tangent)}
+REGULARITY = {PlanarWork: planar_regularity}
 
 
 def derivative(model, work, t, y, dy):
@@ -61,6 +61,17 @@ def _project(model, work, t, y, tolerance, most):
 def _tangent(model, work, x):
     chosen = CORES[model.instance_class][3]
     return lambda model, work, x: chosen(model, work, x)
+
+
+def regularity(work):
+    """Return how far the last factorization is from a singular pose: 1 far, 0 there."""
+    raise NotImplementedError("called from compiled code only")
+
+
+@overload(regularity, jit_options={"error_model": "numpy", "fastmath": {"contract"}})
+def _regularity(work):
+    chosen = REGULARITY[work.instance_class]
+    return lambda work: chosen(work)
 
 
 @jit

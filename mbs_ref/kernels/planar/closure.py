@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.ldl import minimum_norm_solve, pivoted_cholesky
+from mbs_ref.kernels.planar.model import bodies_of, closures_of, rows_of, slots_of, tree_of
 from mbs_ref.kernels.planar.tree import solve_tree
 
 RANK_TOLERANCE = 1e-13  # of a closure pivot against the row's mobility without joints
@@ -16,71 +17,71 @@ RANK_TOLERANCE = 1e-13  # of a closure pivot against the row's mobility without 
 @jit
 def row_times(model, work, slot, row, acceleration):
     """Return one constraint row applied to accelerations."""
+    slots, rows = slots_of(model), rows_of(work)
     total = 0.0
     for side in range(2):
-        body = model.slots.body[slot, side]
+        body = slots.body[slot, side]
         for c in range(3):
-            total += work.jacobian[slot, side, row, c] * acceleration[body, c]
+            total += rows.jacobian[slot, side, row, c] * acceleration[body, c]
     return total
 
 
 @jit
 def _row_mobility(model, work, slot, row):
     """Return G M^-1 G^T of one row, the bodies taken as free."""
-    n = model.bodies.mass.shape[0]
+    bodies, slots, rows = bodies_of(model), slots_of(model), rows_of(work)
+    n = bodies.mass.shape[0]
     total = 0.0
     for side in range(2):
-        body = model.slots.body[slot, side]
+        body = slots.body[slot, side]
         if body < n:
-            g = work.jacobian[slot, side, row]
-            total += (g[0] * g[0] + g[1] * g[1]) / model.bodies.mass[body] + g[2] * g[2] / model.bodies.inertia[body]
+            g = rows.jacobian[slot, side, row]
+            total += (g[0] * g[0] + g[1] * g[1]) / bodies.mass[body] + g[2] * g[2] / bodies.inertia[body]
     return total
 
 
 @jit
 def factor_closures(model, work, zero_gamma):
     """Form T G^T column by column, then the Schur complement and its pivoted factor."""
-    slots = model.slots
-    n = model.bodies.mass.shape[0]
-    rows = slots.closure_slot.shape[0]
-    for r in range(rows):
+    slots, rows, tree, closures = slots_of(model), rows_of(work), tree_of(work), closures_of(work)
+    n = tree.free.shape[0]
+    for r in range(slots.closure_slot.shape[0]):
         slot = slots.closure_slot[r]
         row = slots.closure_row[r]
         for i in range(n + 1):
             for c in range(3):
-                work.load[i, c] = 0.0
+                tree.load[i, c] = 0.0
         for side in range(2):
             body = slots.body[slot, side]
             for c in range(3):
-                work.load[body, c] += work.jacobian[slot, side, row, c]
-        solve_tree(model, work, zero_gamma, work.columns[r], work.column_multiplier[r])
-        work.schur_scale[r] = _row_mobility(model, work, slot, row)
+                tree.load[body, c] += rows.jacobian[slot, side, row, c]
+        solve_tree(model, work, zero_gamma, closures.columns[r], closures.column_multiplier[r])
+        closures.scale[r] = _row_mobility(model, work, slot, row)
         for other in range(r + 1):
-            value = row_times(model, work, slots.closure_slot[other], slots.closure_row[other], work.columns[r])
-            work.schur[r, other] = value
-            work.schur[other, r] = value
-    work.rank[0], work.regularity[0] = pivoted_cholesky(
-        work.schur, work.schur_scale, RANK_TOLERANCE, work.schur_lower, work.schur_order
+            value = row_times(model, work, slots.closure_slot[other], slots.closure_row[other], closures.columns[r])
+            closures.schur[r, other] = value
+            closures.schur[other, r] = value
+    closures.rank[0], closures.regularity[0] = pivoted_cholesky(
+        closures.schur, closures.scale, RANK_TOLERANCE, closures.lower, closures.order
     )
 
 
 @jit
 def correct_for_closures(model, work, gamma, acceleration, multiplier):
     """Turn the tree solution into the solution with closed loops."""
-    slots = model.slots
-    n = model.bodies.mass.shape[0]
-    rows = slots.closure_slot.shape[0]
-    for r in range(rows):
+    slots, closures = slots_of(model), closures_of(work)
+    n = acceleration.shape[0] - 1
+    for r in range(slots.closure_slot.shape[0]):
         slot = slots.closure_slot[r]
         row = slots.closure_row[r]
-        work.closure_rhs[r] = row_times(model, work, slot, row, acceleration) - gamma[slot, row]
+        closures.rhs[r] = row_times(model, work, slot, row, acceleration) - gamma[slot, row]
     minimum_norm_solve(
-        work.schur_lower, work.schur_order, work.rank[0], work.schur_gram, work.closure_rhs, work.closure_mu
+        closures.lower, closures.order, closures.rank[0], closures.gram, closures.rhs, closures.mu
     )
-    for r in range(rows):
-        mu = work.closure_mu[r]
+    for r in range(slots.closure_slot.shape[0]):
+        mu = closures.mu[r]
         multiplier[slots.closure_slot[r], slots.closure_row[r]] = mu
         for i in range(n):
             for c in range(3):
-                acceleration[i, c] -= mu * work.columns[r, i, c]
-                multiplier[i, c] -= mu * work.column_multiplier[r, i, c]
+                acceleration[i, c] -= mu * closures.columns[r, i, c]
+                multiplier[i, c] -= mu * closures.column_multiplier[r, i, c]

@@ -12,55 +12,70 @@ from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.planar.closure import correct_for_closures, factor_closures, row_times
 from mbs_ref.kernels.planar.joints import fill_joints
 from mbs_ref.kernels.planar.loads import apply_loads
+from mbs_ref.kernels.planar.model import (
+    CONTROL_POSITION_GAIN,
+    CONTROL_VELOCITY_GAIN,
+    bodies_of,
+    closures_of,
+    kinematics_of,
+    rows_of,
+    slots_of,
+    tree_of,
+    world_of,
+)
 from mbs_ref.kernels.planar.tree import factor_tree, solve_tree
 
 
 @jit
 def load_state(model, work, y):
     """Copy the state into elimination order and turn angles into cosines and sines."""
-    n = model.bodies.mass.shape[0]
+    bodies, kin = bodies_of(model), kinematics_of(work)
+    n = bodies.mass.shape[0]
     for i in range(n):
-        k = 3 * model.bodies.scene_index[i]
+        k = 3 * bodies.scene_index[i]
         angle = y[k + 2]
-        work.pose[i, 0] = y[k]
-        work.pose[i, 1] = y[k + 1]
-        work.pose[i, 2] = np.cos(angle)
-        work.pose[i, 3] = np.sin(angle)
-        work.motion[i, 0] = y[3 * n + k]
-        work.motion[i, 1] = y[3 * n + k + 1]
-        work.motion[i, 2] = y[3 * n + k + 2]
-        work.motion[i, 3] = angle
+        kin.pose[i, 0] = y[k]
+        kin.pose[i, 1] = y[k + 1]
+        kin.pose[i, 2] = np.cos(angle)
+        kin.pose[i, 3] = np.sin(angle)
+        kin.motion[i, 0] = y[3 * n + k]
+        kin.motion[i, 1] = y[3 * n + k + 1]
+        kin.motion[i, 2] = y[3 * n + k + 2]
+        kin.motion[i, 3] = angle
 
 
 @jit
 def factor(model, work):
     """Factor the augmented matrix at the Jacobians in `work`."""
     factor_tree(model, work)
-    if model.slots.closure_slot.shape[0] > 0:
-        for i in range(work.rate.shape[0]):
+    if slots_of(model).closure_slot.shape[0] > 0:
+        zero = rows_of(work).multiplier
+        for i in range(zero.shape[0]):
             for c in range(3):
-                work.multiplier[i, c] = 0.0
-        factor_closures(model, work, work.multiplier)
+                zero[i, c] = 0.0
+        factor_closures(model, work, zero)
 
 
 @jit
 def solve(model, work, gamma):
-    """Solve the augmented system for work.load and `gamma` into work.acceleration and work.multiplier."""
-    solve_tree(model, work, gamma, work.acceleration, work.multiplier)
-    if model.slots.closure_slot.shape[0] > 0:
-        correct_for_closures(model, work, gamma, work.acceleration, work.multiplier)
+    """Solve the augmented system for the tree's load and `gamma` into its acceleration and the multipliers."""
+    acceleration, multiplier = tree_of(work).acceleration, rows_of(work).multiplier
+    solve_tree(model, work, gamma, acceleration, multiplier)
+    if slots_of(model).closure_slot.shape[0] > 0:
+        correct_for_closures(model, work, gamma, acceleration, multiplier)
 
 
 @jit
 def _stabilize(model, work):
     """gamma -= 2 g C_dot + g^2 C (Baumgarte 1972)."""
-    twice = model.control[1]
-    square = model.control[2]
+    control, rows = world_of(model).control, rows_of(work)
+    twice = control[CONTROL_VELOCITY_GAIN]
+    square = control[CONTROL_POSITION_GAIN]
     if twice == 0.0 and square == 0.0:
         return
-    for i in range(work.gamma.shape[0]):
+    for i in range(rows.gamma.shape[0]):
         for c in range(3):
-            work.gamma[i, c] -= twice * work.rate[i, c] + square * work.residual[i, c]
+            rows.gamma[i, c] -= twice * rows.rate[i, c] + square * rows.residual[i, c]
 
 
 @jit
@@ -71,25 +86,26 @@ def accelerate(model, work, t, y):
     fill_joints(model, work, t)
     _stabilize(model, work)
     factor(model, work)
-    n = model.bodies.mass.shape[0]
-    for i in range(n):
+    load, force = tree_of(work).load, kinematics_of(work).force
+    for i in range(load.shape[0]):
         for c in range(3):
-            work.load[i, c] = work.force[i, c]
-    solve(model, work, work.gamma)
+            load[i, c] = force[i, c]
+    solve(model, work, rows_of(work).gamma)
 
 
 @jit
 def planar_derivative(model, work, t, y, dy):
     """Write dy/dt = [v, a]."""
     accelerate(model, work, t, y)
-    n = model.bodies.mass.shape[0]
+    bodies, acceleration = bodies_of(model), tree_of(work).acceleration
+    n = bodies.mass.shape[0]
     for k in range(3 * n):
         dy[k] = y[3 * n + k]
     for i in range(n):
-        k = 3 * (n + model.bodies.scene_index[i])
-        dy[k] = work.acceleration[i, 0]
-        dy[k + 1] = work.acceleration[i, 1]
-        dy[k + 2] = work.acceleration[i, 2]
+        k = 3 * (n + bodies.scene_index[i])
+        dy[k] = acceleration[i, 0]
+        dy[k + 1] = acceleration[i, 1]
+        dy[k + 2] = acceleration[i, 2]
 
 
 @jit
@@ -97,7 +113,13 @@ def planar_compliance(model, work, t, y):
     """Return max |C| and max |C_dot| over all rows (m, rad; m/s, rad/s)."""
     load_state(model, work, y)
     fill_joints(model, work, t)
-    return _largest(work.residual), _largest(work.rate)
+    return _largest(rows_of(work).residual), _largest(rows_of(work).rate)
+
+
+@jit
+def planar_regularity(work):
+    """Return the smallest relative closure pivot of the last factorization; 1 without closures."""
+    return closures_of(work).regularity[0]
 
 
 @jit
@@ -114,18 +136,19 @@ def _largest(values):
 @jit
 def _correct(model, work, defect, y, offset):
     """Add the mass-weighted least-squares correction that removes `defect` to half of the state."""
-    n = model.bodies.mass.shape[0]
+    bodies, tree, gamma = bodies_of(model), tree_of(work), rows_of(work).gamma
+    n = bodies.mass.shape[0]
     for i in range(defect.shape[0]):
         for c in range(3):
-            work.gamma[i, c] = -defect[i, c]
+            gamma[i, c] = -defect[i, c]
     for i in range(n):
         for c in range(3):
-            work.load[i, c] = 0.0
-    solve(model, work, work.gamma)
+            tree.load[i, c] = 0.0
+    solve(model, work, gamma)
     for i in range(n):
-        k = offset + 3 * model.bodies.scene_index[i]
+        k = offset + 3 * bodies.scene_index[i]
         for c in range(3):
-            y[k + c] += work.acceleration[i, c]
+            y[k + c] += tree.acceleration[i, c]
 
 
 @jit
@@ -134,16 +157,17 @@ def planar_tangent(model, work, x):
 
     Uses the factorization in `work`, of the last acceleration or projection.
     """
-    n = model.bodies.mass.shape[0]
+    bodies, acceleration, rate = bodies_of(model), tree_of(work).acceleration, rows_of(work).rate
+    n = bodies.mass.shape[0]
     for offset in (0, 3 * n):
         for i in range(n):
-            k = offset + 3 * model.bodies.scene_index[i]
+            k = offset + 3 * bodies.scene_index[i]
             for c in range(3):
-                work.acceleration[i, c] = x[k + c]
-        for slot in range(work.rate.shape[0]):
+                acceleration[i, c] = x[k + c]
+        for slot in range(rate.shape[0]):
             for row in range(3):
-                work.rate[slot, row] = row_times(model, work, slot, row, work.acceleration)
-        _correct(model, work, work.rate, x, offset)
+                rate[slot, row] = row_times(model, work, slot, row, acceleration)
+        _correct(model, work, rate, x, offset)
 
 
 @jit
@@ -152,21 +176,21 @@ def planar_project(model, work, t, y, tolerance, most):
 
     At most `most` Gauss-Newton iterations for the positions; velocities are linear and need one.
     """
-    n = model.bodies.mass.shape[0]
+    rows, n = rows_of(work), bodies_of(model).mass.shape[0]
     load_state(model, work, y)
     fill_joints(model, work, t)
-    left = _largest(work.residual)
+    left = _largest(rows.residual)
     for _ in range(most):
         if not left > tolerance:
             break
         factor(model, work)
-        _correct(model, work, work.residual, y, 0)
+        _correct(model, work, rows.residual, y, 0)
         load_state(model, work, y)
         fill_joints(model, work, t)
         previous = left
-        left = _largest(work.residual)
+        left = _largest(rows.residual)
         if left > 0.5 * previous:
             break
     factor(model, work)
-    _correct(model, work, work.rate, y, 3 * n)
+    _correct(model, work, rows.rate, y, 3 * n)
     return left

@@ -12,6 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from mbs_ref.kernels.handles import accessor, make_handle
 from mbs_ref.kernels.signals import SignalArrays
 
 
@@ -82,7 +83,15 @@ class TorsionSprings(NamedTuple):
     rest_angle: np.ndarray  # (k,) rad
 
 
-class PlanarModel(NamedTuple):
+class World(NamedTuple):
+    gravity: np.ndarray  # (2,) m/s^2
+    user_force: np.ndarray  # (1,) int: address of a C callback, or 0
+    control: np.ndarray  # (3,) see CONTROL_*
+
+
+class PlanarGroups(NamedTuple):
+    """Every array of a compiled planar scene."""
+
     bodies: Bodies
     slots: Slots
     revolute: PairJoints
@@ -94,9 +103,13 @@ class PlanarModel(NamedTuple):
     springs: Springs
     torsion_springs: TorsionSprings
     signals: SignalArrays
-    gravity: np.ndarray  # (2,) m/s^2
-    user_force: np.ndarray  # (1,) int: address of a C callback, or 0
-    control: np.ndarray  # (3,) see CONTROL_*
+    world: World
+
+
+class PlanarModel(NamedTuple):
+    """What compiled code receives."""
+
+    handle: np.ndarray
 
 
 CONTROL_MODE_TIME = 0  # s, a time inside the current step: picks the signals' segments
@@ -104,16 +117,69 @@ CONTROL_VELOCITY_GAIN = 1  # 1/s, Baumgarte 2 g
 CONTROL_POSITION_GAIN = 2  # 1/s^2, Baumgarte g^2
 
 
-class PlanarWork(NamedTuple):
-    """Scratch of one run; the last body row is ground."""
+def _floats(*shape: int) -> np.ndarray:
+    return np.zeros(shape)
+
+
+def _integers(*shape: int) -> np.ndarray:
+    return np.zeros(shape, dtype=np.int64)
+
+
+def _no_pair_joints() -> PairJoints:
+    integers = (_integers(0), _integers(0), _integers(0))
+    return PairJoints(*integers, _floats(0, 2), _floats(0, 2), _floats(0, 2), _floats(0))
+
+
+_EMPTY = PlanarGroups(
+    bodies=Bodies(_floats(0), _floats(0), _integers(0), _integers(0)),
+    slots=Slots(_integers(0, 2), _floats(0, 3), _integers(0), _integers(0)),
+    revolute=_no_pair_joints(),
+    prismatic=_no_pair_joints(),
+    weld=_no_pair_joints(),
+    distance=_no_pair_joints(),
+    drives=Drives(
+        _integers(0), _integers(0), _integers(0), _floats(0, 2), _floats(0, 2), _floats(0), _floats(0), _integers(0)
+    ),
+    forces=Forces(_integers(0), _floats(0, 2), _floats(0, 2), _integers(0), _floats(0), _integers(0)),
+    springs=Springs(
+        _integers(0), _integers(0), _floats(0, 2), _floats(0, 2), _floats(0), _floats(0), _floats(0), _integers(0)
+    ),
+    torsion_springs=TorsionSprings(_integers(0), _integers(0), _floats(0), _floats(0), _floats(0)),
+    signals=SignalArrays(_integers(0), _floats(0), _floats(0, 1), _floats(0), _floats(0), _floats(0)),
+    world=World(_floats(2), _integers(1), _floats(3)),
+)
+bodies_of = accessor(_EMPTY, "bodies")
+slots_of = accessor(_EMPTY, "slots")
+revolute_of = accessor(_EMPTY, "revolute")
+prismatic_of = accessor(_EMPTY, "prismatic")
+weld_of = accessor(_EMPTY, "weld")
+distance_of = accessor(_EMPTY, "distance")
+drives_of = accessor(_EMPTY, "drives")
+forces_of = accessor(_EMPTY, "forces")
+springs_of = accessor(_EMPTY, "springs")
+torsion_springs_of = accessor(_EMPTY, "torsion_springs")
+signals_of = accessor(_EMPTY, "signals")
+world_of = accessor(_EMPTY, "world")
+
+
+class Kinematics(NamedTuple):
+    """Last row: ground."""
 
     pose: np.ndarray  # (n + 1, 4) x, y, cos, sin
     motion: np.ndarray  # (n + 1, 4) vx, vy, omega, theta
     force: np.ndarray  # (n + 1, 3) N, N, N m
+    user: np.ndarray  # (3, n, 3) q, v and f in scene order, for a user's force law
+
+
+class Rows(NamedTuple):
     jacobian: np.ndarray  # (n_slots, 2, 3, 3)
     residual: np.ndarray  # (n_slots, 3) C
     rate: np.ndarray  # (n_slots, 3) C_dot
     gamma: np.ndarray  # (n_slots, 3) right-hand side of C_q qdd = Q_d
+    multiplier: np.ndarray  # (n_slots, 3)
+
+
+class Tree(NamedTuple):
     articulated: np.ndarray  # (n + 1, 3, 3) lower triangle used
     mass_factor: np.ndarray  # (n, 6) L D L^T of the articulated block
     row_factor: np.ndarray  # (n, 6) L D L^T of J M^-1 J^T
@@ -121,54 +187,78 @@ class PlanarWork(NamedTuple):
     transfer: np.ndarray  # (n, 3, 3) (J M^-1 J^T)^-1 K
     free: np.ndarray  # (n, 3) M^-1 f of the pass under way
     load: np.ndarray  # (n + 1, 3) f accumulated
-    multiplier: np.ndarray  # (n_slots, 3)
     acceleration: np.ndarray  # (n + 1, 3) the solution of the pass, ground row zero
+
+
+class Closures(NamedTuple):
     columns: np.ndarray  # (n_rows, n + 1, 3) response to a unit multiplier of each closure row
     column_multiplier: np.ndarray  # (n_rows, n, 3) tree multipliers of that response
     schur: np.ndarray  # (n_rows, n_rows)
-    schur_scale: np.ndarray  # (n_rows,)
-    schur_lower: np.ndarray  # (n_rows, n_rows)
-    schur_gram: np.ndarray  # (n_rows, n_rows)
-    schur_order: np.ndarray  # (n_rows,) int
-    closure_rhs: np.ndarray  # (n_rows,)
-    closure_mu: np.ndarray  # (n_rows,)
+    scale: np.ndarray  # (n_rows,)
+    lower: np.ndarray  # (n_rows, n_rows)
+    gram: np.ndarray  # (n_rows, n_rows)
+    order: np.ndarray  # (n_rows,) int
+    rhs: np.ndarray  # (n_rows,)
+    mu: np.ndarray  # (n_rows,)
     rank: np.ndarray  # (1,) int, rank of the closure rows at the last factorization
     regularity: np.ndarray  # (1,) smallest accepted closure pivot, relative; 1 far from any singular pose
-    user: np.ndarray  # (3, n, 3) q, v and f in scene order, for a user's force law
 
 
-def planar_work(n: int, n_slots: int, n_rows: int) -> PlanarWork:
+class PlanarScratch(NamedTuple):
+    """Scratch of one run."""
+
+    kinematics: Kinematics
+    rows: Rows
+    tree: Tree
+    closures: Closures
+
+
+class PlanarWork(NamedTuple):
+    """What compiled code receives."""
+
+    handle: np.ndarray
+
+
+def planar_scratch(n: int, n_slots: int, n_rows: int) -> PlanarScratch:
     """Allocate the scratch of one run."""
-    pose = np.zeros((n + 1, 4))
+    pose = _floats(n + 1, 4)
     pose[:, 2] = 1.0
-    square = (n_rows, n_rows)
-    return PlanarWork(
-        pose=pose,
-        motion=np.zeros((n + 1, 4)),
-        force=np.zeros((n + 1, 3)),
-        jacobian=np.zeros((n_slots, 2, 3, 3)),
-        residual=np.zeros((n_slots, 3)),
-        rate=np.zeros((n_slots, 3)),
-        gamma=np.zeros((n_slots, 3)),
-        articulated=np.zeros((n + 1, 3, 3)),
-        mass_factor=np.zeros((n, 6)),
-        row_factor=np.zeros((n, 6)),
-        lift=np.zeros((n, 3, 3)),
-        transfer=np.zeros((n, 3, 3)),
-        free=np.zeros((n, 3)),
-        load=np.zeros((n + 1, 3)),
-        multiplier=np.zeros((n_slots, 3)),
-        acceleration=np.zeros((n + 1, 3)),
-        columns=np.zeros((n_rows, n + 1, 3)),
-        column_multiplier=np.zeros((n_rows, n, 3)),
-        schur=np.zeros(square),
-        schur_scale=np.zeros(n_rows),
-        schur_lower=np.zeros(square),
-        schur_gram=np.zeros(square),
-        schur_order=np.zeros(n_rows, dtype=np.int64),
-        closure_rhs=np.zeros(n_rows),
-        closure_mu=np.zeros(n_rows),
-        rank=np.zeros(1, dtype=np.int64),
-        regularity=np.ones(1),
-        user=np.zeros((3, n, 3)),
+    slot = [_floats(n_slots, 3) for _ in range(4)]
+    square = [_floats(n_rows, n_rows) for _ in range(3)]
+    line = [_floats(n_rows) for _ in range(3)]
+    factors = (_floats(n + 1, 3, 3), _floats(n, 6), _floats(n, 6), _floats(n, 3, 3), _floats(n, 3, 3))
+    return PlanarScratch(
+        kinematics=Kinematics(pose, _floats(n + 1, 4), _floats(n + 1, 3), _floats(3, n, 3)),
+        rows=Rows(_floats(n_slots, 2, 3, 3), *slot),
+        tree=Tree(*factors, _floats(n, 3), _floats(n + 1, 3), _floats(n + 1, 3)),
+        closures=Closures(
+            columns=_floats(n_rows, n + 1, 3),
+            column_multiplier=_floats(n_rows, n, 3),
+            schur=square[0],
+            scale=line[0],
+            lower=square[1],
+            gram=square[2],
+            order=_integers(n_rows),
+            rhs=line[1],
+            mu=line[2],
+            rank=_integers(1),
+            regularity=np.ones(1),
+        ),
     )
+
+
+_NO_SCRATCH = planar_scratch(0, 0, 0)
+kinematics_of = accessor(_NO_SCRATCH, "kinematics")
+rows_of = accessor(_NO_SCRATCH, "rows")
+tree_of = accessor(_NO_SCRATCH, "tree")
+closures_of = accessor(_NO_SCRATCH, "closures")
+
+
+def bind_model(groups: PlanarGroups) -> PlanarModel:
+    """Return the model whose handle points into `groups`."""
+    return PlanarModel(make_handle(groups))
+
+
+def bind_work(scratch: PlanarScratch) -> PlanarWork:
+    """Return the workspace whose handle points into `scratch`."""
+    return PlanarWork(make_handle(scratch))

@@ -11,15 +11,16 @@ from __future__ import annotations
 
 from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.ldl import ldl3, ldl3_solve
+from mbs_ref.kernels.planar.model import bodies_of, rows_of, slots_of, tree_of
 
 
 @jit
 def factor_tree(model, work):
     """Factor every body's block and joint, leaf to root."""
-    bodies = model.bodies
+    bodies, slots, tree, rows = bodies_of(model), slots_of(model), tree_of(work), rows_of(work)
     n = bodies.mass.shape[0]
     for i in range(n):
-        art = work.articulated[i]
+        art = tree.articulated[i]
         art[0, 0] = bodies.mass[i]
         art[1, 0] = 0.0
         art[1, 1] = bodies.mass[i]
@@ -27,21 +28,21 @@ def factor_tree(model, work):
         art[2, 1] = 0.0
         art[2, 2] = bodies.inertia[i]
     for i in range(n - 1, -1, -1):
-        art = work.articulated[i]
+        art = tree.articulated[i]
         m = ldl3(art[0, 0], art[1, 0], art[1, 1], art[2, 0], art[2, 1], art[2, 2])
         for c in range(6):
-            work.mass_factor[i, c] = m[c]
-        jac = work.jacobian[i, 0]
-        far = work.jacobian[i, 1]
+            tree.mass_factor[i, c] = m[c]
+        jac = rows.jacobian[i, 0]
+        far = rows.jacobian[i, 1]
         # lift = M^-1 J^T, one column a row of J
         a0, a1, a2 = ldl3_solve(m[0], m[1], m[2], m[3], m[4], m[5], jac[0, 0], jac[0, 1], jac[0, 2])
         b0, b1, b2 = ldl3_solve(m[0], m[1], m[2], m[3], m[4], m[5], jac[1, 0], jac[1, 1], jac[1, 2])
         c0, c1, c2 = ldl3_solve(m[0], m[1], m[2], m[3], m[4], m[5], jac[2, 0], jac[2, 1], jac[2, 2])
-        lift = work.lift[i]
+        lift = tree.lift[i]
         lift[0, 0], lift[1, 0], lift[2, 0] = a0, a1, a2
         lift[0, 1], lift[1, 1], lift[2, 1] = b0, b1, b2
         lift[0, 2], lift[1, 2], lift[2, 2] = c0, c1, c2
-        padding = model.slots.padding[i]
+        padding = slots.padding[i]
         s = ldl3(
             jac[0, 0] * a0 + jac[0, 1] * a1 + jac[0, 2] * a2 + padding[0],
             jac[1, 0] * a0 + jac[1, 1] * a1 + jac[1, 2] * a2,
@@ -51,15 +52,15 @@ def factor_tree(model, work):
             jac[2, 0] * c0 + jac[2, 1] * c1 + jac[2, 2] * c2 + padding[2],
         )
         for c in range(6):
-            work.row_factor[i, c] = s[c]
+            tree.row_factor[i, c] = s[c]
         p = bodies.parent[i]
         if p == n:
             continue
-        transfer = work.transfer[i]
+        transfer = tree.transfer[i]
         for c in range(3):
             x0, x1, x2 = ldl3_solve(s[0], s[1], s[2], s[3], s[4], s[5], far[0, c], far[1, c], far[2, c])
             transfer[0, c], transfer[1, c], transfer[2, c] = x0, x1, x2
-        up = work.articulated[p]
+        up = tree.articulated[p]
         for r in range(3):
             for c in range(r + 1):
                 up[r, c] += far[0, r] * transfer[0, c] + far[1, r] * transfer[1, c] + far[2, r] * transfer[2, c]
@@ -67,21 +68,21 @@ def factor_tree(model, work):
 
 @jit
 def solve_tree(model, work, gamma, acceleration, multiplier):
-    """Solve with the forces in work.load (overwritten) and the tree rows' right-hand side `gamma`.
+    """Solve with the forces in the tree's load (overwritten) and the tree rows' right-hand side `gamma`.
 
     acceleration (n + 1, 3) and multiplier (>= n, 3) receive the result; ground's row stays zero.
     """
-    bodies = model.bodies
+    bodies, tree, rows = bodies_of(model), tree_of(work), rows_of(work)
     n = bodies.mass.shape[0]
-    load = work.load
+    load = tree.load
     for i in range(n - 1, -1, -1):
-        m = work.mass_factor[i]
-        s = work.row_factor[i]
-        jac = work.jacobian[i, 0]
+        m = tree.mass_factor[i]
+        s = tree.row_factor[i]
+        jac = rows.jacobian[i, 0]
         f0, f1, f2 = ldl3_solve(m[0], m[1], m[2], m[3], m[4], m[5], load[i, 0], load[i, 1], load[i, 2])
-        work.free[i, 0] = f0
-        work.free[i, 1] = f1
-        work.free[i, 2] = f2
+        tree.free[i, 0] = f0
+        tree.free[i, 1] = f1
+        tree.free[i, 2] = f2
         u0, u1, u2 = ldl3_solve(
             s[0], s[1], s[2], s[3], s[4], s[5],
             jac[0, 0] * f0 + jac[0, 1] * f1 + jac[0, 2] * f2 - gamma[i, 0],
@@ -94,21 +95,21 @@ def solve_tree(model, work, gamma, acceleration, multiplier):
         p = bodies.parent[i]
         if p == n:
             continue
-        far = work.jacobian[i, 1]
+        far = rows.jacobian[i, 1]
         for c in range(3):
             load[p, c] -= far[0, c] * u0 + far[1, c] * u1 + far[2, c] * u2
     for i in range(n):
         p = bodies.parent[i]
         if p != n:
-            transfer = work.transfer[i]
+            transfer = tree.transfer[i]
             for r in range(3):
                 multiplier[i, r] += (
                     transfer[r, 0] * acceleration[p, 0]
                     + transfer[r, 1] * acceleration[p, 1]
                     + transfer[r, 2] * acceleration[p, 2]
                 )
-        lift = work.lift[i]
+        lift = tree.lift[i]
         for r in range(3):
-            acceleration[i, r] = work.free[i, r] - (
+            acceleration[i, r] = tree.free[i, r] - (
                 lift[r, 0] * multiplier[i, 0] + lift[r, 1] * multiplier[i, 1] + lift[r, 2] * multiplier[i, 2]
             )
