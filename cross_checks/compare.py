@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import platform
+import re
 from collections.abc import Callable
 from dataclasses import replace
+from importlib.metadata import PackageNotFoundError
 from typing import Any
 
 import numpy as np
@@ -71,8 +73,14 @@ def _attempt(run: Callable[[], Trajectory]) -> Trajectory | tuple[str, str]:
         return run()
     except ENGINE_FAILURES as error:
         return str(Status.ENGINE_ERROR), f"{type(error).__name__}: {error}"
-    except ValueError as error:  # a setting the engine does not offer
-        return CANNOT, str(error)
+    except ValueError as error:
+        return _refused_setting(error)
+
+
+def _refused_setting(error: ValueError) -> tuple[str, str]:
+    """A ValueError that names a setting refuses it (duty 7 of an engine); any other is a failure."""
+    named = any(re.search(rf"\b{name}\b", str(error)) for name in (*Settings.model_fields, "times"))
+    return (CANNOT, str(error)) if named else (str(Status.ENGINE_ERROR), f"ValueError: {error}")
 
 
 def _finite(path: Trajectory) -> Trajectory:
@@ -150,7 +158,12 @@ def _state(path: Trajectory, k: int, turns: bool) -> dict[str, Any]:
 
 def _versions(engine: Engine | None) -> dict[str, str]:
     common = {"python": platform.python_version(), "numpy": np.__version__}
-    return common if engine is None else {engine.name: engine.version(), **common}
+    if engine is None:
+        return common
+    try:
+        return {engine.name: engine.version(), **common}
+    except PackageNotFoundError:  # it runs from a source tree that was never installed
+        return {engine.name: "not installed", **common}
 
 
 def _without_run(

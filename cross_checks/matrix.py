@@ -15,7 +15,7 @@ from cross_checks.metrics.observed_order import observed_order
 from cross_checks.metrics.pose_error import distance
 from cross_checks.record import Record
 from cross_checks.truths import NoTruth, seek_truth
-from cross_checks.verdict import AGREEMENT, Rung, Verdict, judge
+from cross_checks.verdict import AGREEMENT, Rung, Verdict, judge, telling
 from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings
 from mbs_ref.trajectory import Trajectory
@@ -29,7 +29,7 @@ Progress = Callable[[int, int, str], None]  # (cells done, of how many, what com
 
 @dataclass(frozen=True)
 class Cell:
-    """One verdict. Numbers are of the finest run that succeeded; None with a reason where there is none."""
+    """One verdict. Numbers are of the run that speaks for the ladder; None with a reason where there is none."""
 
     scene: str
     parameters: dict[str, Any]
@@ -42,7 +42,7 @@ class Cell:
     reason: str
     uncertainty: float | None = None  # m, of the truth
     documented_order: int | None = None
-    setting: str = ""  # of the finest run that succeeded
+    setting: str = ""  # of the run that speaks for the ladder
     loop_s: float | None = None
     runs: tuple[dict[str, Any], ...] = ()  # setting, status, error of each run
 
@@ -105,15 +105,15 @@ def judge_method(scene: Scene, engine: str, method: Method, budget_s: float = BU
     climb = _climb(scene, engine, method, budget_s)
     why = truth.reason if isinstance(truth, NoTruth) else ""
     verdict, reason = judge(climb.rungs, uncertainty or 0.0, why)
-    best = next((k for k in reversed(range(len(climb.rungs))) if climb.rungs[k].ok), None)
-    record = None if best is None else climb.records[best]
+    best = telling(climb.rungs)
+    record = None if best < 0 else climb.records[best]
     return Cell(
         scene=scene.name, parameters=dict(scene.parameters), engine=engine, method=method.name,
         verdict=verdict, reason=reason, uncertainty=uncertainty, documented_order=method.order,
         error=None if record is None or record.error is None else record.error.value,
         compliance=None if record is None else record.compliance["position"],
         order=_order(method, climb, uncertainty or 0.0),
-        setting="" if best is None else climb.rungs[best].setting,
+        setting="" if best < 0 else climb.rungs[best].setting,
         loop_s=None if record is None else record.times["loop_s"],
         runs=tuple({"setting": r.setting, "status": r.status, "error": r.error} for r in climb.rungs),
     )  # fmt: skip

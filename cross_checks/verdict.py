@@ -52,8 +52,21 @@ def judge(rungs: Sequence[Rung], uncertainty: float = 0.0, why_no_truth: str = "
         return _stopped(rungs[-1])
     if good[-1].error is None:
         return _without_truth(good, why_no_truth)
-    verdict, reason = _by_error(good, uncertainty)
+    kept = good[: telling(good) + 1]
+    verdict, reason = _by_error(kept, uncertainty)
+    if len(kept) < len(good):
+        reason += f", and lost again: {good[-1].error:.1e} m at {good[-1].setting}"
     return _with_failures(rungs, verdict, reason)
+
+
+def telling(rungs: Sequence[Rung]) -> int:
+    """Return the index of the run that speaks for the ladder, -1 where none succeeded.
+
+    The finest that succeeded; or the finest in agreement, where at least two agree and finer ones do not.
+    """
+    agree = [k for k, r in enumerate(rungs) if r.ok and r.error is not None and r.error <= AGREEMENT]
+    finest = max((k for k, r in enumerate(rungs) if r.ok), default=-1)
+    return agree[-1] if len(agree) > 1 else finest
 
 
 def _stopped(last: Rung) -> tuple[Verdict, str]:

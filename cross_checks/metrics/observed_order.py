@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-ROUNDOFF = 1e-11  # m; thousands of steps of double rounding
+ROUNDOFF = 1e-10  # m; thousands of steps of double rounding, magnified by the motion
 ASYMPTOTIC = 1e-1  # m; larger errors are not yet in the regime where the order shows
 POINTS = 3  # the finest valid ones are fitted
 
@@ -18,7 +18,9 @@ def observed_order(steps: Sequence[float], errors: Sequence[float], uncertainty:
     decimetre. A method that has stalled at another limit shows an order near 0.
     """
     floor = max(ROUNDOFF, 30.0 * uncertainty)
-    valid = [(h, e) for h, e in sorted(zip(steps, errors, strict=True)) if floor < e < ASYMPTOTIC][:POINTS]
+    runs = sorted(zip(steps, errors, strict=True))
+    best = min(range(len(runs)), key=lambda k: runs[k][1], default=0)  # finer runs that are worse show no order
+    valid = [(h, e) for h, e in runs[best:] if floor < e < ASYMPTOTIC][:POINTS]
     if len({h for h, _ in valid}) < 2:
         return None
     h, e = np.log(np.array(valid)).T

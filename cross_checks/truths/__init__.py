@@ -10,11 +10,10 @@ from typing import Literal
 
 import numpy as np
 
+from cross_checks.certify.agreement import LARGEST_UNCERTAINTY
 from cross_checks.certify.extrapolation import NoConvergenceError
 from mbs_ref import scenes
 from mbs_ref.scene import Scene
-
-LARGEST_UNCERTAINTY = 1e-8  # m; a truth known less well ranks nobody
 
 
 @dataclass(frozen=True)

@@ -48,8 +48,6 @@ def command(
         record, trajectory = compare.judged_run(chosen_scene, engine, chosen)
         if target is not None and trajectory is not None and record.status == "success":
             write_poses(trajectory, chosen_scene.body_names, target)
-    except ValueError as error:  # a setting that this engine or method does not take
-        raise click.UsageError(str(error)) from error
     except OSError as error:
         raise Failed(f"-o {output}: cannot be written: {error.strerror}") from error
     if as_json:

@@ -40,7 +40,8 @@ class Swing(Engine):
         off = h**2 + (BIAS if settings.method == "biased" else 0.0)
         truth = truth_for(scene, times)
         still = np.zeros_like(truth.position)
-        path = Trajectory(times, truth.position + [off, 0.0], truth.angle, still, truth.angle, timing=Timing(loop_s=h))
+        place, timing = truth.position + np.array([off, 0.0]), Timing(loop_s=h)
+        path = Trajectory(times, place, truth.angle, still, truth.angle, timing=timing)
         return self.trouble(path) if self.trouble else path
 
 

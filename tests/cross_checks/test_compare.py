@@ -59,6 +59,7 @@ def test_unknown_names_are_the_callers_mistake(swing):
         (raising(RuntimeError("singular")), "engine-error", "singular"),
         (raising(ZeroDivisionError("by zero")), "engine-error", "by zero"),
         (raising(ValueError("stabilization = 'baumgarte' is not offered")), "cannot", "baumgarte"),
+        (raising(ValueError("cannot reshape")), "engine-error", "ValueError: cannot reshape"),
         (spoiled(50), "non-finite", "after t = 4.9 s"),
         (spoiled(0), "non-finite", "from the start"),
         (lambda path: replace(path, times=path.times % 5.0), "reset", "clock jumped"),

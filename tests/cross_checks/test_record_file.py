@@ -29,7 +29,8 @@ def test_corrupt_lines_are_reported_with_their_number_and_skipped(tmp_path, reco
     append(path, [record])
     whole = path.read_bytes()
     with path.open("ab") as file:
-        file.write(b'{"scene": 1}\n[]\n\xff\xfe\n' + whole.replace(b'"steps":0', b'"steps":NaN') + whole[: len(whole) // 2])
+        file.write(b'{"scene": 1}\n[]\n\xff\xfe\n' + whole.replace(b'"steps":0', b'"steps":NaN'))
+        file.write(whole[: len(whole) // 2])
     append(path, [record])  # after a torn line
     records, problems = read(path)
     assert records == [record, record]

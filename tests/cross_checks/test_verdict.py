@@ -34,6 +34,13 @@ def test_by_error(errors, gaps, uncertainty, verdict):
     assert reason
 
 
+def test_agreement_lost_in_finer_runs_is_told():
+    """Seen at a singular pose: every step from 5 ms to 0.5 ms agrees, a finer one does not."""
+    verdict, reason = judge(ladder([7e-8, 6e-10, 5e-6], [7e-8, 5e-6]), 1e-14)
+    assert verdict is Verdict.AGREES
+    assert reason == "6.0e-10 m from the truth at step=1, and lost again: 5.0e-06 m at step=2"
+
+
 def test_slow_convergence_is_no_wrong_limit():
     """First order halving: the error falls with the differences."""
     assert judge(ladder([0.8, 0.4, 0.2], [0.4, 0.2]), 0.0)[0] is Verdict.CONVERGING
@@ -62,7 +69,7 @@ def test_without_a_truth_only_convergence_to_itself_shows():
 
 def test_order_is_seen_in_its_window():
     steps = [1e-1, 1e-2, 1e-3, 1e-4, 1e-5]
-    errors = [0.5, 1e-4, 1e-8, 1e-12, 3e-12]  # too coarse, two of order 4, two of roundoff
+    errors = [0.5, 1e-4, 1e-8, 1e-12, 3e-9]  # too coarse, two of order 4, roundoff, worse again
     assert observed_order(steps, errors) == pytest.approx(4.0)
     assert observed_order(steps, errors, uncertainty=1e-9) is None
     assert observed_order([1e-2], [1e-4]) is None

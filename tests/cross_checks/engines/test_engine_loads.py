@@ -31,6 +31,14 @@ def test_slides_in_turned_frames_agree():
         assert distance(run(name, method, mixed_slides(), t_end=0.5, samples=6), fine) < 1e-9
 
 
+def test_pinocchio_takes_every_load_through_the_applied_forces():
+    scene = loaded_tree()
+    native = run("mujoco", "rk4", scene, step=5e-4, t_end=0.5, samples=6)
+    driven = run("pinocchio", "dop853", scene, rtol=1e-10, t_end=0.5, samples=6)
+    assert distance(driven, native) < 1e-9
+    assert "loads are computed in Python" in driven.notes
+
+
 def test_the_spring_pendulum_agrees():
     scene = scenes.make("spring_pendulum")
     fine = run("mujoco", "rk4", scene, step=1e-3, samples=6)

@@ -1,0 +1,64 @@
+"""Engines are found by listing a folder and the entry points; only an absent package counts as missing."""
+
+from __future__ import annotations
+
+import sys
+from importlib.metadata import EntryPoint
+
+import pytest
+
+from cross_checks import engines
+from cross_checks.engine import Engine
+
+
+def test_the_folder_is_listed_with_the_reference_first():
+    names = engines.names()
+    assert names[0] == "mbs_ref"
+    assert {"exudyn", "mujoco", "pinocchio"} <= set(names)
+    assert len(set(names)) == len(names)
+
+
+@pytest.mark.parametrize("name", [n for n in engines.names()])
+def test_each_engine_bears_its_name(name):
+    try:
+        found = engines.get(name)
+    except engines.EngineMissing:
+        pytest.skip(f"{name} is not installed")
+    assert isinstance(found, Engine)
+    assert found.name == name
+    assert found.part_types
+
+
+def test_an_unknown_engine_lists_the_allowed_and_suggests():
+    with pytest.raises(ValueError, match=r"engine = 'mujuco' is unknown; did you mean 'mujoco'\? allowed: mbs_ref, "):
+        engines.get("mujuco")
+    with pytest.raises(ValueError, match="engine = 'zzz' is unknown; allowed: "):
+        engines.get("zzz")
+
+
+def an_adapter(tmp_path, monkeypatch, text: str) -> None:
+    (tmp_path / "strange_adapter.py").write_text(text)
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.delitem(sys.modules, "strange_adapter", raising=False)
+    entry = EntryPoint("strange", "strange_adapter:Strange", engines.GROUP)
+    monkeypatch.setattr(engines, "_entry_points", lambda: {"strange": entry})
+
+
+def test_an_entry_point_is_an_engine(tmp_path, monkeypatch):
+    an_adapter(tmp_path, monkeypatch, "class Strange:\n    name = 'strange'\n")
+    assert "strange" in engines.names()
+    assert engines.get("strange").name == "strange"
+
+
+def test_an_absent_package_of_its_own_is_engine_missing(tmp_path, monkeypatch):
+    an_adapter(tmp_path, monkeypatch, "import not_there\nclass Strange:\n    package = 'not_there'\n")
+    with pytest.raises(engines.EngineMissing, match="engine 'strange' needs the package 'not_there'"):
+        engines.get("strange")
+    assert issubclass(engines.EngineMissing, ImportError)
+
+
+def test_any_other_failed_import_is_a_broken_adapter(tmp_path, monkeypatch):
+    an_adapter(tmp_path, monkeypatch, "import other_thing\nclass Strange:\n    package = 'not_there'\n")
+    with pytest.raises(ModuleNotFoundError, match="other_thing") as caught:
+        engines.get("strange")
+    assert not isinstance(caught.value, engines.EngineMissing)
