@@ -11,12 +11,23 @@ from typing import Any
 from numba.extending import overload
 
 from mbs_ref.kernels.jit import jit
-from mbs_ref.kernels.planar.dynamics import planar_compliance, planar_derivative, planar_project, planar_regularity, planar_tangent
+from mbs_ref.kernels.planar import dynamics as planar
+from mbs_ref.kernels.planar import implicit as planar_implicit
 from mbs_ref.kernels.planar.model import PlanarModel, PlanarWork
 
-CORES: dict[type, tuple[Callable[..., Any], ...]] = {
-    PlanarModel: (planar_derivative, planar_compliance, planar_project, planar_tangent)}
-REGULARITY = {PlanarWork: planar_regularity}
+# question -> {type of its first argument: answer}
+_ANSWERS: dict[str, dict[type, Callable[..., Any]]] = {
+    "derivative": {PlanarModel: planar.planar_derivative},
+    "compliance": {PlanarModel: planar.planar_compliance},
+    "project": {PlanarModel: planar.planar_project},
+    "tangent": {PlanarModel: planar.planar_tangent},
+    "regularity": {PlanarWork: planar.planar_regularity},
+    "multipliers": {PlanarWork: planar.planar_multipliers},
+    "tree_correction": {PlanarModel: planar_implicit.planar_tree_correction},
+    "dense_correction": {PlanarModel: planar_implicit.planar_dense_correction},
+    "factor_tangent": {PlanarModel: planar_implicit.planar_factor_tangent},
+}
+_OPTIONS = {"error_model": "numpy", "fastmath": {"contract"}}
 
 
 def derivative(model, work, t, y, dy):
@@ -39,39 +50,89 @@ def tangent(model, work, x):
     raise NotImplementedError("called from compiled code only")
 
 
-@overload(derivative, jit_options={"error_model": "numpy", "fastmath": {"contract"}})
-def _derivative(model, work, t, y, dy):
-    chosen = CORES[model.instance_class][0]
-    return lambda model, work, t, y, dy: chosen(model, work, t, y, dy)
-
-
-@overload(compliance, jit_options={"error_model": "numpy", "fastmath": {"contract"}})
-def _compliance(model, work, t, y):
-    chosen = CORES[model.instance_class][1]
-    return lambda model, work, t, y: chosen(model, work, t, y)
-
-
-@overload(project, jit_options={"error_model": "numpy", "fastmath": {"contract"}})
-def _project(model, work, t, y, tolerance, most):
-    chosen = CORES[model.instance_class][2]
-    return lambda model, work, t, y, tolerance, most: chosen(model, work, t, y, tolerance, most)
-
-
-@overload(tangent, jit_options={"error_model": "numpy", "fastmath": {"contract"}})
-def _tangent(model, work, x):
-    chosen = CORES[model.instance_class][3]
-    return lambda model, work, x: chosen(model, work, x)
-
-
 def regularity(work):
     """Return how far the last factorization is from a singular pose: 1 far, 0 there."""
     raise NotImplementedError("called from compiled code only")
 
 
-@overload(regularity, jit_options={"error_model": "numpy", "fastmath": {"contract"}})
+def multipliers(work, lam):
+    """Copy the multipliers of the last acceleration into lam (n_slots, 3)."""
+    raise NotImplementedError("called from compiled code only")
+
+
+def tree_correction(model, work, t, y, qdd, lam, weight, velocity_level):
+    """Correct (qdd, lam) towards the DAE at (t, y) with the mass matrix alone."""
+    raise NotImplementedError("called from compiled code only")
+
+
+def dense_correction(model, work, t, y, qdd, lam, weight, velocity_level, row_slot, row_row, lu, pivots):
+    """Correct (qdd, lam) with the factored full tangent."""
+    raise NotImplementedError("called from compiled code only")
+
+
+def factor_tangent(model, work, t, y, lam, by_position, by_velocity, row_slot, row_row, lu, pivots):
+    """Form and factor the full tangent; return False where it is singular."""
+    raise NotImplementedError("called from compiled code only")
+
+
+@overload(derivative, jit_options=_OPTIONS)
+def _derivative(model, work, t, y, dy):
+    answer = _ANSWERS["derivative"][model.instance_class]
+    return lambda model, work, t, y, dy: answer(model, work, t, y, dy)
+
+
+@overload(compliance, jit_options=_OPTIONS)
+def _compliance(model, work, t, y):
+    answer = _ANSWERS["compliance"][model.instance_class]
+    return lambda model, work, t, y: answer(model, work, t, y)
+
+
+@overload(project, jit_options=_OPTIONS)
+def _project(model, work, t, y, tolerance, most):
+    answer = _ANSWERS["project"][model.instance_class]
+    return lambda model, work, t, y, tolerance, most: answer(model, work, t, y, tolerance, most)
+
+
+@overload(tangent, jit_options=_OPTIONS)
+def _tangent(model, work, x):
+    answer = _ANSWERS["tangent"][model.instance_class]
+    return lambda model, work, x: answer(model, work, x)
+
+
+@overload(regularity, jit_options=_OPTIONS)
 def _regularity(work):
-    chosen = REGULARITY[work.instance_class]
-    return lambda work: chosen(work)
+    answer = _ANSWERS["regularity"][work.instance_class]
+    return lambda work: answer(work)
+
+
+@overload(multipliers, jit_options=_OPTIONS)
+def _multipliers(work, lam):
+    answer = _ANSWERS["multipliers"][work.instance_class]
+    return lambda work, lam: answer(work, lam)
+
+
+@overload(tree_correction, jit_options=_OPTIONS)
+def _tree_correction(model, work, t, y, qdd, lam, weight, velocity_level):
+    answer = _ANSWERS["tree_correction"][model.instance_class]
+    return lambda model, work, t, y, qdd, lam, weight, velocity_level: answer(
+        model, work, t, y, qdd, lam, weight, velocity_level
+    )
+
+
+@overload(dense_correction, jit_options=_OPTIONS)
+def _dense_correction(model, work, t, y, qdd, lam, weight, velocity_level, row_slot, row_row, lu, pivots):
+    answer = _ANSWERS["dense_correction"][model.instance_class]
+    return lambda model, work, t, y, qdd, lam, weight, velocity_level, row_slot, row_row, lu, pivots: answer(
+        model, work, t, y, qdd, lam, weight, velocity_level, row_slot, row_row, lu, pivots
+    )
+
+
+@overload(factor_tangent, jit_options=_OPTIONS)
+def _factor_tangent(model, work, t, y, lam, by_position, by_velocity, row_slot, row_row, lu, pivots):
+    answer = _ANSWERS["factor_tangent"][model.instance_class]
+    return lambda model, work, t, y, lam, by_position, by_velocity, row_slot, row_row, lu, pivots: answer(
+        model, work, t, y, lam, by_position, by_velocity, row_slot, row_row, lu, pivots
+    )
 
 
 @jit

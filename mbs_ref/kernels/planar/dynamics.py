@@ -123,6 +123,15 @@ def planar_regularity(work):
 
 
 @jit
+def planar_multipliers(work, lam):
+    """Copy the multipliers of the last solution into lam (n_slots, 3)."""
+    multiplier = rows_of(work).multiplier
+    for slot in range(lam.shape[0]):
+        for row in range(3):
+            lam[slot, row] = multiplier[slot, row]
+
+
+@jit
 def _largest(values):
     largest = 0.0
     for i in range(values.shape[0]):

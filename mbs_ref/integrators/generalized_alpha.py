@@ -1,0 +1,201 @@
+"""Generalized-alpha on the index-3 equations, the field's standard for constrained mechanics; order 2.
+
+Source: M. Arnold, O. Bruls, Convergence of the generalized-alpha scheme for constrained mechanical
+systems, Multibody System Dynamics 18 (2007) 185-202, eqs 8-11, with the parameters of J. Chung,
+G. M. Hulbert, J. Appl. Mech. 60 (1993) 371-375.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from mbs_ref.integrators.leg import (
+    CLOCK_COMPLIANCE,
+    CLOCK_T,
+    COUNT_OUTPUT,
+    COUNT_RHS,
+    COUNT_STEPS,
+    DONE,
+    NOT_CONVERGED,
+    RUNNING,
+    STEP_TOO_SMALL,
+    TOO_MANY_STEPS,
+    Integrator,
+    Leg,
+    Options,
+    Progress,
+    finish_leg,
+)
+from mbs_ref.integrators.step_control import close_step, record
+from mbs_ref.kernels.core import dense_correction, derivative, factor_tangent, multipliers, tree_correction
+from mbs_ref.kernels.jit import jit
+from mbs_ref.system import System
+
+SPECTRAL_RADIUS = 0.9  # at infinite frequency
+ALPHA_M = (2 * SPECTRAL_RADIUS - 1) / (SPECTRAL_RADIUS + 1)
+ALPHA_F = SPECTRAL_RADIUS / (SPECTRAL_RADIUS + 1)
+GAMMA = 0.5 + ALPHA_F - ALPHA_M
+BETA = 0.25 * (GAMMA + 0.5) ** 2
+TREE_ITERATIONS, DENSE_ITERATIONS = 14, 12
+SLOW = 0.25  # contraction of the mass-only iteration above which the full tangent pays
+ROUNDOFF = 1e-13  # of the state's size: what a Newton correction may leave
+
+
+@jit
+def _iterate(model, work, t, h, y, qdd, a, lam, trial, new_qdd, new_a, dense, row_slot, row_row, lu, pivots, counts):
+    """Solve one step for new_qdd and lam; leave the state in `trial`. Return converged, last contraction."""
+    n = qdd.shape[0]
+    ratio = (1.0 - ALPHA_F) / (1.0 - ALPHA_M)
+    by_position = h * h * BETA * ratio
+    by_velocity = h * GAMMA * ratio
+    size = 1.0
+    for k in range(n):
+        size = max(size, abs(y[k]))
+    before = -1.0
+    contraction = 0.0
+    for iteration in range(DENSE_ITERATIONS if dense else TREE_ITERATIONS):
+        for k in range(n):
+            new_a[k] = ((1.0 - ALPHA_F) * new_qdd[k] + ALPHA_F * qdd[k] - ALPHA_M * a[k]) / (1.0 - ALPHA_M)
+            trial[k] = y[k] + h * y[n + k] + h * h * ((0.5 - BETA) * a[k] + BETA * new_a[k])
+            trial[n + k] = y[n + k] + h * ((1.0 - GAMMA) * a[k] + GAMMA * new_a[k])
+        if dense:
+            change, defect = dense_correction(
+                model, work, t, trial, new_qdd, lam, by_position, False, row_slot, row_row, lu, pivots
+            )
+        else:
+            change, defect = tree_correction(model, work, t, trial, new_qdd, lam, by_position, False)
+        counts[COUNT_RHS] += 1
+        moved = change * by_position
+        if not np.isfinite(moved):
+            return False, 1.0
+        if iteration > 0 and before > 0.0:
+            contraction = moved / before
+        if moved <= ROUNDOFF * size and defect <= 10 * ROUNDOFF * size:
+            return True, contraction
+        if iteration > 1 and contraction > 2.0:
+            return False, contraction
+        before = moved
+    return False, contraction
+
+
+@jit
+def advance_generalized_alpha(
+    model, work, options, run, y, qdd, a, lam, row_slot, row_row, lu, pivots, times, states, worst_per_time
+):
+    """Advance y through times[1:], in place; return a status code (RUNNING when the chunk is used up)."""
+    clock, counts = run.clock, run.counts
+    n = qdd.shape[0]
+    trial = np.empty(2 * n)
+    new_qdd = np.empty(n)
+    new_a = np.empty(n)
+    old_lam = lam.copy()
+    budget = counts[COUNT_STEPS] + options.chunk
+    ratio = (1.0 - ALPHA_F) / (1.0 - ALPHA_M)
+    dense = lu.shape[0] > 0 and counts[4] == 1
+    factored = 0.0
+    while counts[COUNT_OUTPUT] < times.shape[0]:
+        t = clock[CLOCK_T]
+        target = times[counts[COUNT_OUTPUT]]
+        reach = target - t
+        lands = options.step >= reach * (1.0 - 1e-9)
+        h = reach if lands else options.step
+        t_new = target if lands else t + h
+        if t_new == t:
+            return STEP_TOO_SMALL
+        converged = False
+        contraction = 1.0
+        old_lam[:] = lam
+        for attempt in range(3):
+            new_qdd[:] = qdd
+            lam[:] = old_lam
+            if dense and (factored != h or attempt > 0):
+                if not factor_tangent(
+                    model, work, t_new, y, lam, h * h * BETA * ratio, h * GAMMA * ratio, row_slot, row_row, lu, pivots
+                ):
+                    break
+                counts[COUNT_RHS] += n
+                factored = h
+            converged, contraction = _iterate(
+                model, work, t_new, h, y, qdd, a, lam, trial, new_qdd, new_a, dense, row_slot, row_row, lu, pivots, counts
+            )
+            if converged:
+                break
+            if not dense and lu.shape[0] > 0:
+                dense = True
+                counts[4] = 1
+                factored = 0.0
+        if not converged:
+            return NOT_CONVERGED
+        if dense and contraction > SLOW:
+            factored = 0.0
+        code, clock[CLOCK_COMPLIANCE] = close_step(
+            model, work, t_new, trial, h, options.project, options.projection_tolerance,
+            options.stop_on_compliance, clock[CLOCK_COMPLIANCE],
+        )  # fmt: skip
+        if code != RUNNING:
+            return code
+        for k in range(n):
+            y[k] = trial[k]
+            y[n + k] = trial[n + k]
+            qdd[k] = new_qdd[k]
+            a[k] = new_a[k]
+        clock[CLOCK_T] = t_new
+        counts[COUNT_STEPS] += 1
+        if lands:
+            record(run, y, states, worst_per_time)
+        if counts[COUNT_OUTPUT] == times.shape[0]:
+            return DONE
+        if counts[COUNT_STEPS] >= options.max_steps:
+            return TOO_MANY_STEPS
+        if counts[COUNT_STEPS] >= budget:
+            return RUNNING
+    return DONE
+
+
+@jit
+def _start(model, work, t, y, qdd, lam):
+    """Set accelerations and multipliers that satisfy the equations at the start."""
+    n = qdd.shape[0]
+    dy = np.empty(2 * n)
+    derivative(model, work, t, y, dy)
+    qdd[:] = dy[n:]
+    multipliers(work, lam)
+
+
+DENSE_LIMIT = 900  # unknowns; a dense tangent beyond costs seconds a factorization and is not tried
+
+
+def advance(system: System, options: Options, run: Progress, y: np.ndarray, times: np.ndarray) -> Leg:
+    """Integrate one leg."""
+    states = np.empty((len(times), len(y)))
+    worst = np.zeros(len(times))
+    states[0] = y
+    n = len(y) // 2
+    qdd, lam = np.empty(n), np.zeros_like(system.scratch.rows.multiplier)
+    _start(system.model, system.work, float(times[0]), y, qdd, lam)
+    run.counts[COUNT_RHS] += 1
+    run.counts[COUNT_OUTPUT] = 1
+    a = qdd.copy()
+    rows = np.array([(slot, row) for _, slot, row in system.rows()], dtype=np.int64).reshape(-1, 2)
+    unknowns = n + len(rows) if n + len(rows) <= DENSE_LIMIT else 0
+    lu, pivots = np.empty((unknowns, unknowns)), np.empty(unknowns, dtype=np.int64)
+    row_slot, row_row = np.ascontiguousarray(rows[:, 0]), np.ascontiguousarray(rows[:, 1])
+    code = RUNNING
+    while code == RUNNING:
+        code = advance_generalized_alpha(
+            system.model, system.work, options, run, y, qdd, a, lam, row_slot, row_row, lu, pivots, times, states, worst
+        )
+    return finish_leg(code, states, worst, run)
+
+
+INTEGRATOR = Integrator(
+    name="generalized_alpha",
+    kind="fixed",
+    order=2,
+    description="generalized-alpha on the index-3 equations, spectral radius 0.9",
+    advance=advance,
+    stabilization="none",
+    ladder=(2e-2, 1e-2, 5e-3, 2.5e-3, 1.25e-3, 6.25e-4),
+    source="Arnold and Bruls 2007; Chung and Hulbert 1993",
+    keeps_constraints=True,
+)
