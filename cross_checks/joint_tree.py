@@ -13,9 +13,10 @@ from typing import Literal
 
 import numpy as np
 
-from mbs_ref.scene import GROUND, Distance, Joint, PlanarBody, PointMass, Prismatic, Revolute, Scene, Weld
+from mbs_ref.scene import GROUND, Distance, PlanarBody, PointMass, Prismatic, Revolute, Scene, Weld
 
 Kind = Literal["revolute", "prismatic", "weld", "free", "free_point"]
+TreeJoint = Revolute | Prismatic | Weld | Distance  # what may hang a body on another, or close a loop
 SIZE: dict[str, int] = {"revolute": 1, "prismatic": 1, "weld": 0, "free": 3, "free_point": 2}
 FIXED = -1  # the index of ground
 
@@ -40,7 +41,7 @@ class JointTree:
 
     scene: Scene
     edges: tuple[Edge, ...]
-    closures: tuple[Joint, ...]  # revolute, prismatic, weld and distance joints outside the tree
+    closures: tuple[TreeJoint, ...]  # revolute, prismatic, weld and distance joints outside the tree
 
     @property
     def size(self) -> int:
@@ -181,9 +182,9 @@ def local(tree: JointTree, body: int, r: np.ndarray) -> np.ndarray:
 
 def joint_tree(scene: Scene) -> JointTree:
     """Return a spanning tree that keeps every weld and prismatic joint it can (Prim), as shallow as ties allow."""
-    neighbours: dict[int, list[tuple[int, Joint]]] = {k: [] for k in range(-1, len(scene.bodies))}
+    neighbours: dict[int, list[tuple[int, TreeJoint]]] = {k: [] for k in range(-1, len(scene.bodies))}
     index = {GROUND: FIXED, **{name: k for k, name in enumerate(scene.body_names)}}
-    closable = [j for j in scene.joints if isinstance(j, Revolute | Prismatic | Weld | Distance)]
+    closable = [j for j in scene.joints if isinstance(j, TreeJoint)]
     for joint in closable:
         a, b = index[joint.body_a], index[joint.body_b]
         if _can_hang(scene, joint, b):
@@ -199,16 +200,16 @@ def joint_tree(scene: Scene) -> JointTree:
     return JointTree(scene, _depth_first(scene, chosen, children), rest)
 
 
-def _can_hang(scene: Scene, joint: Joint, body: int) -> bool:
+def _can_hang(scene: Scene, joint: TreeJoint, body: int) -> bool:
     """A massless rod carries a particle exactly: the joint is then a pin at the rod's other end."""
     if not isinstance(joint, Distance):
         return True
     return body != FIXED and isinstance(scene.bodies[body], PointMass) and joint.point_a != joint.point_b
 
 
-def _prim(neighbours: dict[int, list[tuple[int, Joint]]]) -> dict[int, tuple[int, Joint | None]]:
+def _prim(neighbours: dict[int, list[tuple[int, TreeJoint]]]) -> dict[int, tuple[int, TreeJoint | None]]:
     """Return body -> (parent, joint); a component without ground starts from its first body, free."""
-    chosen: dict[int, tuple[int, Joint | None]] = {}
+    chosen: dict[int, tuple[int, TreeJoint | None]] = {}
     seen: set[int] = set()
     for root in neighbours:
         if root in seen:
@@ -245,7 +246,7 @@ def _depth_first(scene: Scene, chosen: dict, children: dict[int, list[int]]) -> 
     return tuple(edges)
 
 
-def _hanging_point(scene: Scene, joint: Joint | None, body: int) -> np.ndarray:
+def _hanging_point(scene: Scene, joint: TreeJoint | None, body: int) -> np.ndarray:
     if joint is None:
         return np.array(scene.bodies[body].position)
     if isinstance(joint, Distance):
@@ -253,7 +254,7 @@ def _hanging_point(scene: Scene, joint: Joint | None, body: int) -> np.ndarray:
     return np.array(joint.point)
 
 
-def _kind(joint: Joint | None, body: PlanarBody | PointMass) -> Kind:
+def _kind(joint: TreeJoint | None, body: PlanarBody | PointMass) -> Kind:
     if joint is None:
         return "free" if isinstance(body, PlanarBody) else "free_point"
     if isinstance(joint, Distance):

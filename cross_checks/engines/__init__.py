@@ -52,7 +52,7 @@ def _suggestion(name: str) -> str:
 
 
 def _create(module_name: str, name: str, attribute: str | None = None) -> Engine:
-    """Import the adapter and create its Engine; it is the class named in ENGINE unless an entry point says otherwise."""
+    """Import the adapter and create its engine: the class an entry point names, else the module's ENGINE."""
     try:
         module = import_module(module_name)
         return getattr(module, attribute or "ENGINE")()

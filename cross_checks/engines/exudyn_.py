@@ -1,5 +1,8 @@
 """Exudyn: redundant coordinates with implicit methods, or minimal coordinates (KinematicTree) with explicit ones."""
 
+# Its items take their arguments by names that type checkers cannot see.
+# pyright: reportCallIssue=false, reportArgumentType=false, reportAttributeAccessIssue=false
+
 from __future__ import annotations
 
 from dataclasses import dataclass, field
@@ -14,9 +17,10 @@ import numpy as np
 from exudyn.exudynCPP import SolverError
 
 from cross_checks.engine import Engine, Method, Refusal
-from cross_checks.joint_tree import FIXED, JointTree, joint_tree, local
+from cross_checks.joint_tree import FIXED, JointTree, joint_tree
 from cross_checks.outcome import End, Plan, end_of, plan_run, refuse_spatial, trajectory
 from cross_checks.prescribed import constant_value, displacement, factor
+from mbs_ref.observables.attachment import Motion
 from mbs_ref.scene import (
     CoordinateDrive,
     Distance,
@@ -111,7 +115,7 @@ class Exudyn(Engine):
             Timing(built - start, called - built, looped - called),
             steps=steps,
             rhs_calls=steps * STAGES.get(plan.method.name, 1),
-            reactions=model.reactions(rows),
+            reactions=model.reactions(rows) if settings.reactions else {},
             notes=model.notes,
         )
 
@@ -144,7 +148,7 @@ class Redundant:
     bodies: dict[int, int] = field(default_factory=dict)  # scene body -> Exudyn object
     sensors: list[int] = field(default_factory=list)
     widths: list[int] = field(default_factory=list)  # numbers a sensor gives
-    forces: list[str] = field(default_factory=list)  # joints whose force is recorded, after the bodies
+    forces: dict[str, int] = field(default_factory=dict)  # joint -> first column of its recorded force
     notes: tuple[str, ...] = ()
 
     def poses(self, rows: np.ndarray):
@@ -162,13 +166,19 @@ class Redundant:
         return position, angle, velocity, rate
 
     def reactions(self, rows: np.ndarray) -> dict[str, np.ndarray]:
-        """Return the force on body b: Exudyn gives the one on body a."""
-        start = sum(self.widths) - 3 * len(self.forces)
+        """Return force on body b and torque about its mark; Exudyn gives the force on body a, or a rod's tension."""
+        motion = Motion(self.scene, Trajectory(np.zeros(len(rows)), *self.poses(rows)))
         result = {}
-        for k, name in enumerate(self.forces):
+        for joint in self.scene.joints:
+            column = self.forces.get(joint.name)
+            if column is None:
+                continue
             force = np.zeros((len(rows), 3))
-            force[:, :2] = -rows[:, start + 3 * k : start + 3 * k + 2]
-            result[name] = force
+            if isinstance(joint, Distance):
+                force[:, :2] = -rows[:, column : column + 1] * _along(motion, joint)
+            else:
+                force[:, :2] = -rows[:, column : column + 2]
+            result[joint.name] = force
         return result
 
     def watch(self, sensor: Any, width: int) -> None:
@@ -191,6 +201,12 @@ class Redundant:
         node = self.nodes[k] if k != FIXED else self.mbs.AddNode(item.NodePointGround())
         number = coordinate if k != FIXED else 0
         return self.mbs.AddMarker(item.MarkerNodeCoordinate(nodeNumber=node, coordinate=number))
+
+
+def _along(motion: Motion, rod: Distance) -> np.ndarray:
+    """Return the unit vectors (n_t, 2) from point a to point b."""
+    between = motion.point(rod.body_b, rod.point_b)[0] - motion.point(rod.body_a, rod.point_a)[0]
+    return between / np.linalg.norm(between, axis=1, keepdims=True)
 
 
 def _in_body(angle: float, r: np.ndarray) -> np.ndarray:
@@ -237,14 +253,14 @@ def _pin(model: Redundant, joint: Revolute | Weld) -> int:
 
 
 def _add_revolute(model: Redundant, joint: Revolute) -> None:
-    _watch_force(model, joint.name, _pin(model, joint))
+    _watch_force(model, joint.name, _pin(model, joint), 3)
 
 
-def _watch_force(model: Redundant, joint: str, number: int) -> None:
+def _watch_force(model: Redundant, joint: str, number: int, width: int) -> None:
     kind = exu.OutputVariableType.Force
     sensor = item.SensorObject(objectNumber=number, storeInternal=True, writeToFile=False, outputVariableType=kind)
-    model.watch(sensor, 3)
-    model.forces.append(joint)
+    model.forces[joint] = sum(model.widths)
+    model.watch(sensor, width)
 
 
 def _add_weld(model: Redundant, joint: Weld) -> None:
@@ -276,7 +292,7 @@ def _add_prismatic(model: Redundant, joint: Prismatic) -> None:
 def _add_distance(model: Redundant, joint: Distance) -> None:
     markers = [model.marker(joint.body_a, joint.point_a), model.marker(joint.body_b, joint.point_b)]
     length = joint.length or float(np.hypot(*np.subtract(joint.point_b, joint.point_a)))
-    _watch_force(model, joint.name, model.mbs.AddObject(_rod(markers, length)))
+    _watch_force(model, joint.name, model.mbs.AddObject(_rod(markers, length)), 1)
 
 
 def _rod(markers: list[int], length: float):
@@ -524,6 +540,7 @@ def _first_call(model, plan: Plan, options) -> None:
 
 def _stored(model) -> tuple[np.ndarray, np.ndarray]:
     """Return the sensors' times (n,) and values (n, ...)."""
+    # all values of one sensor stand together, after its time
     data = [model.mbs.GetSensorStoredData(sensor) for sensor in model.sensors]
     return data[0][:, 0], np.hstack([d[:, 1:] for d in data])
 
@@ -540,7 +557,8 @@ def _advance_fixed(model, plan: Plan, options, max_steps: int) -> tuple[np.ndarr
     rows = np.zeros((len(plan.times), values.shape[1]))
     wanted = np.concatenate(([0], np.cumsum(plan.counts))) // every
     # after a failure fewer samples are there, each at its own time
-    there = np.array([k < len(at) and abs(at[k] - t) < 0.5 * plan.step for k, t in zip(wanted, plan.times, strict=True)])
+    pairs = zip(wanted, plan.times, strict=True)
+    there = np.array([k < len(at) and abs(at[k] - t) < 0.5 * plan.step for k, t in pairs])
     samples = len(there) if there.all() else int(np.argmin(there))
     rows[:samples] = values[wanted[:samples]]
     steps = _steps_done(model)

@@ -1,5 +1,8 @@
 """MuJoCo: joints in a tree are exact minimal coordinates; loop closures are always soft constraints."""
 
+# Its names live in a compiled module.
+# pyright: reportAttributeAccessIssue=false
+
 from __future__ import annotations
 
 from time import perf_counter
@@ -12,11 +15,11 @@ from cross_checks.engine import Engine, Method, Refusal
 from cross_checks.joint_tree import FIXED, Edge, JointTree, joint_tree, local
 from cross_checks.outcome import End, Plan, end_of, plan_run, refuse_spatial, trajectory
 from cross_checks.prescribed import constant_value
+from cross_checks.reactions import tree_reactions
 from mbs_ref.scene import (
     Distance,
     Force,
     PlanarBody,
-    PointMass,
     Prismatic,
     Revolute,
     Scene,
@@ -97,13 +100,16 @@ class MuJoCo(Engine):
         looped = perf_counter()
         steps = sum(plan.counts[: max(0, end.samples - 1)])
         stages = 4 if model.opt.integrator == mujoco.mjtIntegrator.mjINT_RK4 else 1
+        poses, wrench = _observe(model, tree, states[: end.samples])
+        known = settings.reactions and not scene.loads  # cfrc_int leaves out tendons and actuators
         return trajectory(
             plan,
-            _poses(model, tree, states[: end.samples], len(plan.times)),
+            poses,
             end,
             Timing(built - start, called - built, looped - called),
             steps=steps,
             rhs_calls=steps * stages,
+            reactions=tree_reactions(tree, poses, wrench) if known else {},
         )
 
 
@@ -347,19 +353,22 @@ def _trouble(data: mujoco.MjData, time: float, step: float) -> str:
     return f"mujoco reset its state before t = {time:g} s and reports t = {data.time:g} s{warned}"
 
 
-def _poses(model: mujoco.MjModel, tree: JointTree, states: np.ndarray, length: int):
-    """Return MuJoCo's own centres of mass and velocities; angles add up along the tree, beyond one turn."""
+def _observe(model: mujoco.MjModel, tree: JointTree, states: np.ndarray):
+    """Return MuJoCo's own poses and the wrenches from parents; angles add up along the tree, beyond one turn."""
     n = len(tree.scene.bodies)
-    position, velocity = np.zeros((2, length, n, 2))
+    position, velocity = np.zeros((2, len(states), n, 2))
+    wrench = np.zeros((len(states), n, 3))
     data = mujoco.MjData(model)
     index = np.array([model.body(name).id for name in tree.scene.body_names])
     for k, state in enumerate(states):
         data.qpos[:], data.qvel[:] = state[: model.nq], state[model.nq :]
-        mujoco.mj_fwdPosition(model, data)
-        mujoco.mj_fwdVelocity(model, data)
-        arm = data.xipos[index] - data.subtree_com[model.body_rootid[index]]
+        mujoco.mj_forward(model, data)
+        mujoco.mj_rnePostConstraint(model, data)
+        reference = data.subtree_com[model.body_rootid[index]]  # of both cvel and cfrc_int
+        arm = data.xipos[index] - reference
         position[k] = data.xipos[index, :2]
         velocity[k] = (data.cvel[index, 3:] + np.cross(data.cvel[index, :3], arm))[:, :2]
-    angle, rate = np.zeros((2, length, n))
-    _, angle[: len(states)], _, rate[: len(states)] = tree.poses(states[:, : model.nq], states[:, model.nq :])
-    return position, angle, velocity, rate
+        moment = data.cfrc_int[index, :3] + np.cross(reference, data.cfrc_int[index, 3:])
+        wrench[k] = np.column_stack((data.cfrc_int[index, 3:5], moment[:, 2]))
+    _, angle, _, rate = tree.poses(states[:, : model.nq], states[:, model.nq :])
+    return (position, angle, velocity, rate), wrench

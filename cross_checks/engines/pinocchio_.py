@@ -4,10 +4,14 @@ Pinocchio has no integrator. Every right-hand side is one call into C++, every s
 operations, so its times are those of an engine driven from Python.
 """
 
+# It is installed under a prefix that only the interpreter knows.
+# pyright: reportMissingImports=false
+
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from itertools import pairwise
 from time import perf_counter
 from typing import Any, ClassVar
 
@@ -18,6 +22,7 @@ from scipy.integrate import DOP853
 from cross_checks.engine import Engine, Method, Refusal
 from cross_checks.joint_tree import FIXED, Edge, JointTree, joint_tree, local
 from cross_checks.outcome import End, Plan, end_of, plan_run, refuse_spatial, trajectory
+from cross_checks.reactions import about, mark, tree_reactions
 from mbs_ref.scene import PlanarBody, Revolute, Scene, Weld
 from mbs_ref.settings import Settings
 from mbs_ref.trajectory import Status, Timing, Trajectory
@@ -84,7 +89,8 @@ class Pinocchio(Engine):
         start = perf_counter()
         tree = joint_tree(scene)
         mechanism = _mechanism(tree, (0.0, 0.0) if plan.method.name.endswith(NO_GAINS) else GAINS)
-        rhs = _right_hand_side(mechanism)
+        contact_data = pin.StdVec_RigidConstraintData()
+        rhs = _right_hand_side(mechanism, contact_data)
         initial = np.concatenate((np.zeros(tree.size), tree.rates()))
         built = perf_counter()
         rhs(0.0, initial)
@@ -92,13 +98,16 @@ class Pinocchio(Engine):
         advance = _advance_fixed if plan.method.kind == "fixed" else _advance_adaptive
         states, end, steps, calls = advance(rhs, initial, plan, settings.max_steps, scene.breakpoints())
         looped = perf_counter()
+        poses = _poses(mechanism, states[: end.samples])
+        known = settings.reactions and not scene.loads
         return trajectory(
             plan,
-            _poses(mechanism, states, end.samples),
+            poses,
             end,
             Timing(built - start, called - built, looped - called),
             steps=steps,
             rhs_calls=calls,
+            reactions=_reactions(mechanism, rhs, contact_data, states[: end.samples], poses) if known else {},
             notes=(DRIVEN,) + (("loads are computed in Python",) if scene.loads else ()),
         )
 
@@ -183,7 +192,7 @@ def _contact(tree: JointTree, model, closure, joint: dict, origin: dict, gains: 
 RightHandSide = Callable[[float, np.ndarray], np.ndarray]
 
 
-def _right_hand_side(mechanism: Mechanism) -> RightHandSide:
+def _right_hand_side(mechanism: Mechanism, contact_data: Any) -> RightHandSide:
     """Return f(t, y) with y = (q, v), one Pinocchio call each."""
     model, data, n = mechanism.model, mechanism.data, mechanism.tree.size
     torques = _torques(mechanism)
@@ -197,7 +206,6 @@ def _right_hand_side(mechanism: Mechanism) -> RightHandSide:
 
         return tree_rhs
     contacts = mechanism.contacts
-    contact_data = pin.StdVec_RigidConstraintData()
     for contact in contacts:
         contact_data.append(contact.createData())
     pin.initConstraintDynamics(model, data, contacts, contact_data)
@@ -271,7 +279,7 @@ def _advance_adaptive(rhs: RightHandSide, y: np.ndarray, plan: Plan, max_steps: 
     steps, calls, h = 0, 0, None
     stops = np.union1d(plan.times, [t for t in breakpoints if 0.0 < t < plan.times[-1]])
     reached = 1
-    for begin, stop in zip(stops, stops[1:], strict=False):
+    for begin, stop in pairwise(stops):
         first = None if h is None else min(h, stop - begin)
         solver = DOP853(lambda t, x: rhs(t, x).copy(), begin, y, stop, rtol=plan.rtol, atol=plan.atol, first_step=first)
         while solver.status == "running" and steps < max_steps:
@@ -294,12 +302,12 @@ def _failure(solver: DOP853, message: str | None, reached: int, max_steps: int) 
     return End(reached, Status.STEP_TOO_SMALL, f"DOP853 stopped at t = {solver.t:g} s: {message}")
 
 
-def _poses(mechanism: Mechanism, states: np.ndarray, samples: int):
+def _poses(mechanism: Mechanism, states: np.ndarray):
     """Return Pinocchio's own centres of mass and velocities; angles add up along the tree, beyond one turn."""
     tree, model, data = mechanism.tree, mechanism.model, mechanism.data
     n = len(tree.scene.bodies)
     position, velocity = np.zeros((2, len(states), n, 2))
-    for k, y in enumerate(states[:samples]):
+    for k, y in enumerate(states):
         pin.forwardKinematics(model, data, y[: tree.size], y[tree.size :])
         for body, placement in mechanism.placement.items():
             joint = mechanism.joint[body]
@@ -310,3 +318,34 @@ def _poses(mechanism: Mechanism, states: np.ndarray, samples: int):
             velocity[k, body] = (world.rotation @ (motion.linear + np.cross(motion.angular, centre)))[:2]
     _, angle, _, rate = tree.poses(states[:, : tree.size], states[:, tree.size :])
     return position, angle, velocity, rate
+
+
+def _reactions(mechanism: Mechanism, rhs: RightHandSide, contact_data, states: np.ndarray, poses) -> dict:
+    """Return reactions by recursive Newton-Euler with the loop forces applied from outside (no other loads)."""
+    tree, model, data = mechanism.tree, mechanism.model, mechanism.data
+    n = tree.size
+    wrench = np.zeros((len(states), len(tree.scene.bodies), 3))
+    loops = np.zeros((len(tree.closures), len(states), 3))
+    for k, y in enumerate(states):
+        acceleration = rhs(0.0, y)[n:].copy()
+        pin.forwardKinematics(model, data, y[:n], y[n:])  # neither ABA nor RNEA leaves world placements behind
+        outside = [pin.Force.Zero() for _ in range(model.njoints)]
+        for c, (contact, found) in enumerate(zip(mechanism.contacts, contact_data, strict=True)):
+            on_first = found.oMc1.act(found.contact_force)
+            loops[c, k] = -_planar(on_first)
+            outside[contact.joint1_id] += data.oMi[contact.joint1_id].actInv(on_first)
+            outside[contact.joint2_id] -= data.oMi[contact.joint2_id].actInv(on_first)
+        pin.rnea(model, data, y[:n], y[n:], acceleration, pin.StdVec_Force(outside))
+        for body, joint in mechanism.joint.items():
+            if body != FIXED:
+                wrench[k, body] = _planar(data.oMi[joint].act(data.f[joint]))
+    found = tree_reactions(tree, poses, wrench)
+    welded = [edge.joint for edge in tree.edges if edge.kind == "weld"]  # one body with its parent to Pinocchio
+    found = {name: reaction for name, reaction in found.items() if name not in welded}
+    loop = {j.name: about(loops[c], mark(tree, j, poses)) for c, j in enumerate(tree.closures)}
+    return found | loop
+
+
+def _planar(force) -> np.ndarray:
+    """Return force and moment of a world wrench in the plane."""
+    return np.array([force.linear[0], force.linear[1], force.angular[2]])

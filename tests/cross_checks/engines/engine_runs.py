@@ -24,7 +24,7 @@ def settings_of(name: str, method: str, step: float = 1e-3, rtol: float = 1e-10,
     """Return settings in the terms the method takes."""
     chosen = engine(name).method(method)
     accuracy = {"step": step} if chosen.kind == "fixed" else {"rtol": rtol}
-    return Settings(method=method, **accuracy, **more)
+    return Settings.model_validate({"method": method, **accuracy, **more})
 
 
 def run(name: str, method: str, scene: Scene, step: float = 1e-3, rtol: float = 1e-10, **more) -> Trajectory:

@@ -24,7 +24,9 @@ def loaded_tree() -> Scene:
     rod = PlanarBody(name="rod", mass=2.0, inertia=0.3, position=(1.5, 0.2), angle=-0.4)
     plate = PlanarBody(name="plate", mass=0.5, inertia=0.1, position=(2.0, 0.4), angle=1.1)
     pinned = PointMass(name="pinned", mass=0.3, position=(1.8, -0.1), velocity=(0.0, 0.0))
-    free = PlanarBody(name="free", mass=1.0, inertia=0.1, position=(-1.0, 2.0), velocity=(1.0, -2.0), angular_velocity=3.0)
+    free = PlanarBody(
+        name="free", mass=1.0, inertia=0.1, position=(-1.0, 2.0), velocity=(1.0, -2.0), angular_velocity=3.0
+    )
     return Scene(
         name="loaded",
         gravity=(0.5, -9.81),

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from engine_runs import distance, run
@@ -53,7 +55,7 @@ def test_a_driven_carriage_follows_its_motion():
         result = run("exudyn", "generalized_alpha", scene, step=h, t_end=1.0, samples=6)
         assert np.abs(rows(scene, result).residual).max() < 1e-12
         errors.append(result.position[-1, 1])
-    steps = [np.linalg.norm(a - b) for a, b in zip(errors, errors[1:], strict=False)]
+    steps = [np.linalg.norm(a - b) for a, b in pairwise(errors)]
     assert steps[0] == pytest.approx(4.0 * steps[1], rel=0.1)
     assert "calls Python" in result.notes[0]
 

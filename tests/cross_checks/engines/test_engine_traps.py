@@ -1,4 +1,4 @@
-"""Silent failures of the engines, provoked and caught: resets, NaN, halved steps, defaults that a release may change."""
+"""Silent failures of the engines, provoked and caught: resets, NaN, halved steps, renamed settings."""
 
 from __future__ import annotations
 
