@@ -6,6 +6,7 @@ import shlex
 
 from cross_checks.ladder import SAMPLES
 from cross_checks.record import Record
+from reports.page.report_data import chosen_parameters
 
 OPTIONS = {"step": "--step", "rtol": "--rtol", "atol": "--atol", "stabilization": "--stabilization", "t_end": "--t-end"}
 
@@ -13,7 +14,7 @@ OPTIONS = {"step": "--step", "rtol": "--rtol", "atol": "--atol", "stabilization"
 def command(record: Record) -> str:
     """Return the `mbs-ref simulate` line that reproduces a record, quoted for a shell."""
     words = ["mbs-ref", "simulate", record.scene]
-    for name, value in record.parameters.items():
+    for name, value in chosen_parameters(record.scene, record.parameters).items():
         words += ["-p", f"{name}={value}"]
     words += ["--engine", record.engine, "--method", record.method]
     for key, option in OPTIONS.items():

@@ -65,9 +65,15 @@ class ReportData:
 
 def scene_label(name: str, parameters: dict[str, Any]) -> str:
     """Return a scene's name with its counts and whatever else was chosen, as the command line takes them."""
-    defaults = scenes.describe(name).parameters if name in scenes.names() else {}
-    shown = {k: v for k, v in parameters.items() if isinstance(v, int) or defaults.get(k) != v}
+    chosen = chosen_parameters(name, parameters)
+    shown = {key: value for key, value in parameters.items() if isinstance(value, int) or key in chosen}
     return " ".join([name, *(f"{key}={value}" for key, value in shown.items())])
+
+
+def chosen_parameters(name: str, parameters: dict[str, Any]) -> dict[str, Any]:
+    """Return the parameters that differ from the scene's defaults."""
+    defaults = scenes.describe(name).parameters if name in scenes.names() else {}
+    return {key: value for key, value in parameters.items() if defaults.get(key) != value}
 
 
 def _unique(names: Iterable[str]) -> list[str]:

@@ -10,6 +10,7 @@ from reports.page.numbers import metres, setting
 from reports.plots.figure import add_series, lines, new_figure, to_data
 from reports.plots.palette import Style
 
+STRAIGHT = 0.3  # m; lines bend above it, where a mechanism's own size limits the error
 AXES = {"step": "step h, s", "rtol": "relative tolerance asked"}
 
 
@@ -28,9 +29,9 @@ def convergence(
             text = [lines(f"{engine} · {method}", setting(r.settings), f"error {_error(r)}") for r in own]
             add_series(figure, engine, method, style, x, y, text=text, hovertemplate="%{text}<extra></extra>")
     if over == "step":
-        met = {(r.engine, r.method) for r in drawn}
-        for order in sorted({orders[key] for key in met if key in orders}):
-            _slope_triangle(figure, drawn, order)
+        by_order = {orders.get((r.engine, r.method)) for r in drawn} - {None}
+        for order in sorted(by_order):
+            _slope_triangle(figure, [r for r in drawn if orders.get((r.engine, r.method)) == order], order)
     return to_data(figure)
 
 
@@ -40,11 +41,12 @@ def _error(record: Record) -> str:
 
 
 def _slope_triangle(figure, records: list[Record], order: int) -> None:
-    """Draw h^order over a factor of four in the step, at the lower right where curves leave room."""
-    x1 = max(r.settings["step"] for r in records) * 1.6
-    x0 = x1 / 4.0
-    top = max(known_error(r) for r in records if known_error(r) < 1.0) if _any_small(records) else 1.0
-    y1 = top * 10.0 ** (-1.5 * order)
+    """Draw h^order over a factor of three in the step, just below the lowest line of methods of that order."""
+    near = [r for r in records if known_error(r) < STRAIGHT]
+    if not near:
+        return
+    x1 = max(r.settings["step"] for r in near)
+    x0, y1 = x1 / 3.0, 0.3 * min(known_error(r) for r in near if r.settings["step"] == x1)
     y0 = y1 * (x0 / x1) ** order
     figure.add_scatter(
         x=[x0, x1, x1, x0],
@@ -57,16 +59,13 @@ def _slope_triangle(figure, records: list[Record], order: int) -> None:
         hoverinfo="skip",
     )
     figure.add_scatter(
-        x=[x0],
+        x=[x1],
         y=[y0],
         mode="text",
         text=[f"order {order} "],
-        textposition="middle left",
+        textposition="bottom left",
         textfont={"color": "#888888", "size": 12},
         showlegend=False,
         hoverinfo="skip",
     )
 
-
-def _any_small(records: list[Record]) -> bool:
-    return any(known_error(r) < 1.0 for r in records)

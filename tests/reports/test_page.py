@@ -107,7 +107,8 @@ def test_the_matrix_holds_every_cell(data, source):
 
 def test_verdict_names_the_wrong_limit(page):
     text = " ".join(page.text)
-    assert "mujoco rk4 on n_four_bar loops=1, n_four_bar loops=2, slider_crank converges to another answer." in text
+    scenes = "n_four_bar loops=1, n_four_bar loops=2, slider_crank"
+    assert f"mujoco rk4, implicitfast on {scenes} converges to another answer." in text
 
 
 def test_jsonl_holds_the_records(folder, data):

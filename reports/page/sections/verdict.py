@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from typing import Any
 
+from reports.page.findings import grouped
 from reports.page.numbers import count
 from reports.page.report_data import ReportData
 from reports.page.section import Section
@@ -20,18 +21,16 @@ def sentence(data: ReportData) -> str:
     good, fair, bad = (tones[tone] for tone in ("good", "fair", "bad"))
     return (
         f"{good} of {count(ran, 'cell')} that ran agree with the truth; "
-        f"{count(fair, 'cell')} on the way to it, {bad or 'none'} flagged."
+        f"{fair or 'none'} approach it, {bad or 'none'} flagged."
     )
 
 
 def flagged(data: ReportData) -> list[str]:
     """Name each combination that reaches another answer: the most dangerous kind."""
-    wrong = dict.fromkeys((c.engine, c.method) for c in data.cells if c.verdict == "wrong-limit")
-    names = []
-    for engine, method in wrong:
-        scenes = [c.scene for c in data.cells if (c.engine, c.method, c.verdict) == (engine, method, "wrong-limit")]
-        names.append(f"{engine} {method} on {', '.join(scenes)} converges to another answer.")
-    return names
+    return [
+        f"{engine} {methods} on {', '.join(dict.fromkeys(c.scene for c in cells))} converges to another answer."
+        for engine, methods, cells in grouped(data, {"wrong-limit"})
+    ]
 
 
 def chips(data: ReportData) -> list[dict[str, Any]]:
