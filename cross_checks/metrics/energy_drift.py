@@ -9,6 +9,7 @@ from mbs_ref.scene import Scene
 from mbs_ref.trajectory import Trajectory
 
 RESOLVED = 0.1  # of the drift: the work integral must be known at least this well
+NEGLIGIBLE = 1e-9  # of the energy: a work integral known to this is good enough whatever the drift
 
 
 def energy_drift(scene: Scene, trajectory: Trajectory) -> tuple[np.ndarray | None, str]:
@@ -17,7 +18,7 @@ def energy_drift(scene: Scene, trajectory: Trajectory) -> tuple[np.ndarray | Non
     if balance.drift is None:
         return None, balance.reason
     drift = np.abs(balance.drift)
-    if balance.resolution > max(RESOLVED * float(np.max(drift)), 1e-12 * float(np.max(np.abs(balance.energy)))):
+    if balance.resolution > max(RESOLVED * float(np.max(drift)), NEGLIGIBLE * float(np.max(np.abs(balance.energy)))):
         text = f"the samples resolve the work to {balance.resolution:.1e} J only; ask for more samples"
         return None, text
     return drift, ""

@@ -49,9 +49,10 @@ class Motion:
     def angle(self, body: str) -> np.ndarray:
         """Return the angle turned since t = 0 (n_t,), rad; zero for ground and particles."""
         k = self.scene.body_index(body)
-        if k < 0 or not isinstance(self.scene.bodies[k], PlanarBody):
+        start = self.scene.bodies[k]
+        if k < 0 or not isinstance(start, PlanarBody):
             return np.zeros(len(self.times))
-        return self.trajectory.orientation[:, k] - self.scene.bodies[k].angle
+        return self.trajectory.orientation[:, k] - start.angle
 
     def spin(self, body: str) -> np.ndarray:
         """Return the angular velocity (n_t,), rad/s; zero for ground and particles."""

@@ -11,7 +11,7 @@ from mbs_ref.observables.attachment import Motion
 from mbs_ref.observables.powers import powers
 from mbs_ref.observables.springs import length_of, twist_of
 from mbs_ref.scene import CoordinateDrive, Force, PlanarBody, PointDrive, Scene, SpringDamper, Torque, TorsionSpring
-from mbs_ref.signals import Constant
+from mbs_ref.signals import Constant, Signal
 from mbs_ref.trajectory import Trajectory
 
 
@@ -108,11 +108,15 @@ def _torsion(motion: Motion, load: TorsionSpring) -> np.ndarray:
 
 def _force(motion: Motion, load: Force) -> np.ndarray:
     place, _ = motion.point(load.body, load.point)
-    return -load.factor.value * ((place - np.asarray(load.point)) @ np.asarray(load.vector))
+    return -_constant(load.factor) * ((place - np.asarray(load.point)) @ np.asarray(load.vector))
 
 
 def _torque(motion: Motion, load: Torque) -> np.ndarray:
-    return -load.factor.value * load.torque * motion.angle(load.body)
+    return -_constant(load.factor) * load.torque * motion.angle(load.body)
+
+
+def _constant(factor: Signal) -> float:
+    return factor.segments()[0].coefficients[0]
 
 
 POTENTIALS = {SpringDamper: _spring, TorsionSpring: _torsion, Force: _force, Torque: _torque}
