@@ -358,3 +358,35 @@ def test_doctor_runs_a_pendulum(stand, error, code):
     assert monkey.exit_code == code
     assert json.loads(monkey.stdout)["engines"]["gone"].startswith("missing")
     assert "numpy" in run("doctor").stdout
+
+
+OPEN_LOOP = """
+name = "open"
+[[bodies]]
+type = "planar"
+name = "rod"
+mass = 1.0
+inertia = 0.1
+position = [0.5, 0.0]
+[[joints]]
+type = "revolute"
+name = "near"
+body_a = "ground"
+body_b = "rod"
+point = [0.0, 0.0]
+[[joints]]
+type = "revolute"
+name = "far"
+body_a = "ground"
+body_b = "rod"
+point = [1.0, 0.0]
+point_b = [1.0, 0.1]
+"""
+
+
+def test_a_loop_that_does_not_close_is_1_and_names_the_joint(tmp_path):
+    (tmp_path / "open.toml").write_text(OPEN_LOOP)
+    done = run("simulate", str(tmp_path / "open.toml"), "--json")
+    assert done.exit_code == 1
+    assert json.loads(done.stdout)["status"] == "inconsistent"
+    assert "'far'" in done.stderr
