@@ -2,11 +2,17 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict
+from typing import Any
+
 import click
 
+from benchmarks import pick
+from benchmarks.pick import Choice
 from reports import inputs
-from reports.console import echo_json, show, table
+from reports.console import echo_json
 from reports.exit_codes import NothingSelected
+from reports.page.command import command as reproduce
 from reports.sweeping import sweep_records
 
 
@@ -31,16 +37,20 @@ def command(
     limit = None if budget is None else inputs.seconds(budget)
     records = sweep_records(inputs.scene(scene, parameters), chosen, (), None)
 
-    from benchmarks import pick
-
     choice = pick.pick(records, error, compliance, limit)
-    if choice is None:
-        raise NothingSelected("no setting that was tried reaches what was asked")
-    facts = choice.to_dict()
     if as_json:
-        echo_json(facts)
-        return
-    listing = table("", "", "")
-    for key, value in facts.items():
-        listing.add_row(key.replace("_", " "), str(value))
-    show(listing)
+        echo_json(_facts(choice))
+    if choice.best is None:
+        raise NothingSelected(choice.sentence)
+    if not as_json:
+        click.echo(choice.sentence)
+        click.echo(reproduce(choice.best))
+
+
+def _facts(choice: Choice) -> dict[str, Any]:
+    """Return the choice as plain data, with the command that runs it, and without the curves of its records."""
+    facts = asdict(choice)
+    for record in (facts["best"], facts["runner_up"]):
+        if record is not None:
+            del record["history"]
+    return facts | {"command": None if choice.best is None else reproduce(choice.best)}

@@ -25,9 +25,9 @@ def usable(record: Record) -> bool:
 
 
 def known_error(record: Record) -> float:
-    """Return the error (m), never better than the truth is known."""
+    """Return the error (m) with the truth's uncertainty added, as `mbs-ref pick` counts it."""
     assert record.error is not None
-    return max(record.error.value, record.error.uncertainty)
+    return record.error.value + record.error.uncertainty
 
 
 def cheapest(records: list[Record], target: float) -> Record | None:

@@ -62,8 +62,8 @@ JOINTS = [
     (language.PointDrive, {"body": st.just("anchor"), "point": pair, "direction": direction, "motion": signal}),
 ]
 LOADS = [
-    (language.Force, {"body": st.just("anchor"), "point": pair, "vector": pair, "frame": st.sampled_from(["world", "body"]),
-                      "factor": signal}),
+    (language.Force, {"body": st.just("anchor"), "point": pair, "vector": pair, "factor": signal,
+                      "frame": st.sampled_from(["world", "body"])}),
     (language.Torque, {"body": st.just("anchor"), "torque": finite, "factor": signal}),
     (language.SpringDamper, marks | {"stiffness": non_negative, "damping": non_negative, "tension_only": st.booleans(),
                                      "rest_length": st.none() | non_negative}),
