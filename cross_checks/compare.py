@@ -86,7 +86,7 @@ def _refused_setting(error: ValueError) -> tuple[str, str]:
 def _finite(path: Trajectory) -> Trajectory:
     """Cut the trajectory before its first NaN or infinity."""
     parts = (path.position, path.orientation, path.velocity, path.angular_velocity)
-    flat = [part.reshape(len(path.times), -1) for part in parts]
+    flat = [part.reshape(len(path.times), int(np.prod(part.shape[1:]))) for part in parts]  # maybe no samples at all
     good = np.all(np.isfinite(np.concatenate([path.times[:, None], *flat], axis=1)), axis=1)
     if np.all(good):
         return path

@@ -88,8 +88,8 @@ class Engine(ABC):
         from mbs_ref.traits import part_types
 
         missing = sorted(part_types(scene) - self.part_types)
-        not_yet = [Refusal(f"{self.name} is not yet taught the part type {kind!r}", permanent=False) for kind in missing]
-        return not_yet + self.topology_refusals(scene)
+        sentence = f"{self.name} is not yet taught the part type"
+        return [Refusal(f"{sentence} {kind!r}", permanent=False) for kind in missing] + self.topology_refusals(scene)
 
     def method_refusals(self, scene: Scene, method: Method) -> list[Refusal]:
         """Return why this method of the engine cannot run the scene."""

@@ -7,10 +7,9 @@ axes at t = 0. Traits (planar or spatial, closed loops, rheonomic terms) are com
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import Annotated, Any, Literal, Self
 
-import numpy as np
 from pydantic import Field, SkipValidation, model_validator
 
 from mbs_ref.part import Name, NonNegative, Part, Positive, Vector
@@ -227,41 +226,10 @@ class Scene(Part):
 
     @model_validator(mode="after")
     def _check(self) -> Self:
-        for k, body in enumerate(self.bodies):
-            if len(body.position) != self.dimension or len(body.velocity) != self.dimension:
-                raise ValueError(f"bodies.{k} ({body.name}): position and velocity need {self.dimension} components")
-        if len(self.gravity) != self.dimension:
-            raise ValueError(f"gravity = {self.gravity} must have {self.dimension} components here")
-        _require_unique("body", [body.name for body in self.bodies], reserved=GROUND)
-        _require_unique("joint", [joint.name for joint in self.joints])
-        _require_unique("load", [load.name for load in self.loads])
-        for kind, parts in (("joints", self.joints), ("loads", self.loads)):
-            for k, part in enumerate(parts):
-                self._check_references(f"{kind}.{k} ({part.name})", part)
+        found = list(_complaints(self))
+        if found:
+            raise ValueError("\n".join(found))
         return self
-
-    def _check_references(self, where: str, part: Part) -> None:
-        names = {body.name: body for body in self.bodies}
-        for field in ("body", "body_a", "body_b"):
-            named = getattr(part, field, None)
-            if named is None:
-                continue
-            if named in names:
-                _check_particle(f"{where}: {field}", part, field, names[named])
-                continue
-            if named == GROUND and field != "body":
-                continue
-            raise ValueError(f"{where}: {field} = {named!r} is no body of the scene; {_listing(set(names))}")
-        a, b = getattr(part, "body_a", None), getattr(part, "body_b", None)
-        if a is not None and a == b:
-            raise ValueError(f"{where}: body_a and body_b are both {a!r}; they must differ")
-        self._check_dimensions(where, part)
-
-    def _check_dimensions(self, where: str, part: Part) -> None:
-        for field in ("point", "point_a", "point_b", "axis", "direction", "vector"):
-            value = getattr(part, field, None)
-            if value is not None and len(value) != self.dimension:
-                raise ValueError(f"{where}: {field} = {value} must have {self.dimension} components here")
 
     @property
     def dimension(self) -> int:
@@ -284,36 +252,74 @@ class Scene(Part):
 
 
 def _require_direction(field: str, value: tuple[float, ...]) -> None:
-    if not np.linalg.norm(value) > 0.0:
+    if not math.hypot(*value) > 0.0:  # neither overflows nor underflows
         raise ValueError(f"{field} = {value} has no direction; give any vector but zero")
+
+
+def _complaints(scene: Scene) -> Iterator[str]:
+    """Yield what makes no sense in the scene as a whole, in one pass over its parts."""
+    dimension = scene.dimension
+    if len(scene.gravity) != dimension:
+        yield f"gravity = {scene.gravity} must have {dimension} components here"
+    for k, body in enumerate(scene.bodies):
+        if len(body.position) != dimension or len(body.velocity) != dimension:
+            yield f"bodies[{k}] ({body.name}): position and velocity need {dimension} components"
+        if body.name == GROUND:
+            yield f"bodies[{k}]: a body may not be named {GROUND!r}, which is reserved"
+    bodies = {body.name: body for body in scene.bodies}
+    for kind, parts in (("bodies", scene.bodies), ("joints", scene.joints), ("loads", scene.loads)):
+        yield from _name_clashes(kind, [part.name for part in parts])
+    for kind, parts in (("joints", scene.joints), ("loads", scene.loads)):
+        for k, part in enumerate(parts):
+            yield from (f"{kind}[{k}] ({part.name}): {text}" for text in _part_complaints(part, bodies, dimension))
+
+
+def _name_clashes(kind: str, names: list[str]) -> Iterator[str]:
+    first: dict[str, int] = {}
+    for k, name in enumerate(names):
+        if first.setdefault(name, k) != k:
+            yield f"{kind}[{k}]: the name {name!r} is taken by {kind}[{first[name]}]; names must differ"
+
+
+def _part_complaints(part: Part, bodies: Mapping[str, Body], dimension: int) -> Iterator[str]:
+    for field in ("body", "body_a", "body_b"):
+        named = getattr(part, field, None)
+        if named is None or (named == GROUND and field != "body"):
+            continue
+        if named not in bodies:
+            yield f"{field} = {named!r} is no body of the scene; {_listing(bodies)}"
+        elif isinstance(bodies[named], PointMass):
+            yield from _particle_complaints(part, field, bodies[named])
+    a, b = getattr(part, "body_a", None), getattr(part, "body_b", None)
+    if a is not None and a == b:
+        yield f"body_a and body_b are both {a!r}; they must differ"
+    for field in ("point", "point_a", "point_b", "axis", "direction", "vector"):
+        value = getattr(part, field, None)
+        if value is not None and len(value) != dimension:
+            yield f"{field} = {value} must have {dimension} components here"
 
 
 _TURNING_PARTS = ("prismatic", "weld", "torque", "torsion_spring")
 
 
-def _check_particle(where: str, part: Any, field: str, body: Any) -> None:
-    """Refuse what a particle cannot bear: a torque, or an attachment away from its place."""
-    if not isinstance(body, PointMass):
-        return
+def _particle_complaints(part: Any, field: str, body: Body) -> Iterator[str]:
+    """Yield what a particle cannot bear: a torque, or an attachment away from its place."""
     if part.type in _TURNING_PARTS or getattr(part, "coordinate", None) == "angle":
-        raise ValueError(f"{where} = {body.name!r} is a point mass and has no orientation; use a rigid body")
-    point = getattr(part, "point" if hasattr(part, "point") else field.replace("body", "point"))
-    if field == "body_b" and getattr(part, "type", "") == "revolute" and part.point_b is not None:
-        point = part.point_b
+        yield f"{field} = {body.name!r} is a point mass and has no orientation; use a rigid body"
+        return
+    point = _attachment(part, field)
+    if point is None or len(point) != len(body.position):
+        return
     if math.dist(point, body.position) > 1e-12 * max(1.0, *map(abs, body.position)):
-        raise ValueError(f"{where} = {body.name!r} is a point mass at {body.position}, but it is attached at {point}")
+        yield f"{field} = {body.name!r} is a point mass at {body.position}, but it is attached at {point}"
 
 
-def _require_unique(kind: str, names: list[str], reserved: str | None = None) -> None:
-    seen: set[str] = set()
-    for name in names:
-        if name == reserved:
-            raise ValueError(f"a {kind} may not be named {name!r}, which is reserved")
-        if name in seen:
-            raise ValueError(f"two {kind} parts are named {name!r}; names must differ")
-        seen.add(name)
+def _attachment(part: Part, field: str) -> tuple[float, ...] | None:
+    """Return where a part is attached to its body: the body's own mark, or the shared one."""
+    own = getattr(part, field.replace("body", "point"), None)
+    return own if own is not None else getattr(part, "point", None)
 
 
-def _listing(names: set[str], most: int = 12) -> str:
-    shown = sorted(names)[:most]
-    return f"the bodies are {', '.join(shown)}{' ...' if len(names) > most else ''}, and ground"
+def _listing(names: Iterable[str], most: int = 12) -> str:
+    shown = sorted(names)
+    return f"the bodies are {', '.join(shown[:most])}{' ...' if len(shown) > most else ''}, and ground"

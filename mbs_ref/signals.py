@@ -8,6 +8,7 @@ prescribed motions, and the breakpoints are declared to every integrator.
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 from typing import Annotated, Literal, NamedTuple, Self
 
 from pydantic import Field, model_validator
@@ -64,7 +65,7 @@ class Table(Part):
     def _check(self) -> Self:
         if len(self.times) != len(self.values):
             raise ValueError(f"times has {len(self.times)} entries and values {len(self.values)}; they must match")
-        for before, after in zip(self.times, self.times[1:], strict=False):
+        for before, after in pairwise(self.times):
             if after < before:
                 raise ValueError(f"times must not decrease, but {after} follows {before}")
         if any(a == b == c for a, b, c in zip(self.times, self.times[1:], self.times[2:], strict=False)):
@@ -74,7 +75,7 @@ class Table(Part):
     def segments(self) -> list[Segment]:
         pieces = [Segment(-math.inf, (self.values[0],))]
         points = list(zip(self.times, self.values, strict=True))
-        for (t0, f0), (t1, f1) in zip(points, points[1:], strict=False):
+        for (t0, f0), (t1, f1) in pairwise(points):
             if t1 > t0:
                 pieces.append(Segment(t0, (f0, (f1 - f0) / (t1 - t0))))
         pieces.append(Segment(self.times[-1], (self.values[-1],)))

@@ -1,0 +1,55 @@
+"""What every engine can do, asked of the adapters themselves: no hand-written table."""
+
+from __future__ import annotations
+
+import typing
+from dataclasses import dataclass
+
+from cross_checks import engines
+from cross_checks.engine import Engine, Method
+from mbs_ref import scenes
+from mbs_ref.scene import Body, Joint, Load, Scene
+
+
+@dataclass(frozen=True)
+class Capability:
+    """One engine: what it is, which parts it translates, and which scenes it runs."""
+
+    engine: str
+    installed: bool
+    reason: str  # why it is not installed, otherwise empty
+    version: str
+    methods: tuple[Method, ...]
+    parts: dict[str, bool]  # part type -> translated
+    scenes: dict[str, tuple[str, ...]]  # scene -> reasons to refuse; empty where it runs
+
+
+def part_types() -> list[str]:
+    """Return every part type of the scene language, in its order."""
+    unions = (typing.get_args(typing.get_args(kind)[0]) for kind in (Body, Joint, Load))
+    return [part.model_fields["type"].default for union in unions for part in union]
+
+
+def capabilities() -> list[Capability]:
+    """Return what each engine can do with each part type and each scene as it comes."""
+    probes = {name: scenes.make(name) for name in scenes.names()}
+    return [_capability(name, probes) for name in engines.names()]
+
+
+def _capability(name: str, probes: dict[str, Scene]) -> Capability:
+    try:
+        engine = engines.get(name)
+    except engines.EngineMissing as error:
+        return Capability(name, False, str(error), "", (), {}, {})
+    parts = {kind: kind in engine.part_types for kind in part_types()}
+    answers = {label: _reasons(engine, scene) for label, scene in probes.items()}
+    return Capability(name, True, "", engine.version(), tuple(engine.methods()), parts, answers)
+
+
+def _reasons(engine: Engine, scene: Scene) -> tuple[str, ...]:
+    """Return why no method of the engine runs the scene; empty where one does."""
+    reasons = [refusal.reason for refusal in engine.refusals(scene)]
+    if reasons:
+        return tuple(reasons)
+    refused = [engine.method_refusals(scene, method) for method in engine.methods()]
+    return tuple(r.reason for each in refused for r in each) if all(refused) else ()

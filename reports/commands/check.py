@@ -1,0 +1,58 @@
+"""mbs-ref check: the cross-validation table, and an exit code that stands for it."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import click
+
+from cross_checks import engines
+from mbs_ref import scenes
+from reports import inputs
+from reports.console import echo_json, number, progress, show, table
+from reports.exit_codes import Failed, NothingSelected
+
+WRONG = frozenset({"failed", "wrong-limit", "diverged", "crashed", "timeout"})
+
+
+@click.command(name="check")
+@click.argument("scene", nargs=-1)
+@click.option("--engine", "chosen", multiple=True, metavar="E", help="Only this engine; repeatable.")
+@click.option("--json", "as_json", is_flag=True, help="Print JSON: a list of cells.")
+def command(scene: tuple[str, ...], chosen: tuple[str, ...], as_json: bool) -> None:
+    """Compare engines with each other and with the truth, on every SCENE or on those named.
+
+    Exit code 1 where a method is wrong without declaring that it is known to be.
+    """
+    selected = [inputs.scene(name) for name in scene or scenes.names()]
+    for name in chosen:
+        inputs.engine(name)
+
+    from cross_checks import matrix
+
+    with progress("check") as report:
+        cells = matrix.check(selected, list(chosen) or engines.names(), report)
+    rows = [cell.to_dict() for cell in cells]
+    if as_json:
+        echo_json(rows)
+    else:
+        _show(rows)
+    if not any(row["verdict"] not in ("cannot", "engine-missing") for row in rows):
+        raise NothingSelected("no engine runs any of the scenes; the reasons are in the table")
+    unexpected = [row for row in rows if row["verdict"] in WRONG and not _declared(row["engine"], row["method"])]
+    if unexpected:
+        named = ", ".join(f"{row['scene']}/{row['engine']}/{row['method']}: {row['verdict']}" for row in unexpected)
+        raise Failed(f"{len(unexpected)} of {len(rows)} cells are wrong: {named}")
+
+
+def _declared(engine: str, method: str | None) -> bool:
+    """Return whether the method itself says that it is known to go wrong somewhere."""
+    return any(m.name == method and m.wrong_limit for m in engines.get(engine).methods())
+
+
+def _show(rows: list[dict[str, Any]]) -> None:
+    listing = table("", "scene", "engine", "method", "verdict", "error", "compliance", "order", "reason")
+    for row in rows:
+        figures = (number(row[key]) for key in ("error", "compliance", "order"))
+        listing.add_row(row["scene"], row["engine"], row["method"] or "", row["verdict"], *figures, row["reason"] or "")
+    show(listing)

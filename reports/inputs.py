@@ -1,0 +1,118 @@
+"""What a person types, turned into scenes, settings and engines; every mistake is a sentence and exit code 2 or 3."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import click
+from pydantic import ValidationError
+
+from cross_checks import engines
+from cross_checks.engine import Engine
+from mbs_ref import problems, scenes
+from mbs_ref.scene import Scene
+from mbs_ref.scene_file import SceneFileError, read_scene
+from mbs_ref.settings import Settings
+from reports.exit_codes import EngineAbsent
+
+SECONDS = {"": 1.0, "s": 1.0, "ms": 1e-3, "us": 1e-6, "min": 60.0}  # s, in a duration's unit
+
+
+def scene(name_or_file: str, parameters: Sequence[str] = ()) -> Scene:
+    """Return the scene of that name, or in that TOML file."""
+    try:
+        if name_or_file.endswith(".toml"):
+            if parameters:
+                raise click.UsageError(f"a scene file has no parameters, but -p {parameters[0]} was given")
+            return read_scene(name_or_file)
+        return scenes.make(name_or_file, **_parameters(parameters))
+    except ValidationError as error:  # the scene that the parameters made
+        raise click.UsageError(problems.sentences(error, Scene, {})) from error
+    except (SceneFileError, ValueError) as error:
+        raise click.UsageError(str(error)) from error
+
+
+def settings(**chosen: Any) -> Settings:
+    """Return the settings that were chosen; None stands for the default."""
+    given = {name: value for name, value in chosen.items() if value is not None}
+    try:
+        return Settings(**given)
+    except ValidationError as error:
+        raise click.UsageError(problems.sentences(error, Settings, given)) from error
+
+
+def engine(name: str) -> Engine:
+    """Return the engine, which must be installed."""
+    try:
+        return engines.get(name)
+    except engines.EngineMissing as error:
+        raise EngineAbsent(str(error)) from error
+    except ValueError as error:
+        raise click.UsageError(str(error)) from error
+
+
+def method(solver: Engine, name: str | None) -> str:
+    """Return the method's name, or the engine's default."""
+    try:
+        return solver.method(name).name
+    except ValueError as error:
+        hint = problems.suggest(str(name), [m.name for m in solver.methods()])
+        raise click.UsageError(f"{error}{hint}") from error
+
+
+def seconds(text: str) -> float:
+    """Return a duration such as 50ms in seconds."""
+    found = re.fullmatch(r"([0-9.]+(?:e[+-]?[0-9]+)?)\s*([a-z]*)", text)
+    if not found or found[2] not in SECONDS:
+        raise click.UsageError(f"budget = {text!r} is no duration; allowed: a number and one of s, ms, us, min")
+    value = _number(found[1])
+    if not isinstance(value, int | float) or not value > 0:
+        raise click.UsageError(f"budget = {text!r} must be greater than 0")
+    return value * SECONDS[found[2]]
+
+
+def positive(_context: click.Context, option: click.Parameter, value: float | None) -> float | None:
+    """Check an option that click has made a float, which may be NaN."""
+    if value is not None and not (math.isfinite(value) and value > 0):
+        raise click.BadParameter(f"{value} must be a finite number greater than 0", param=option)
+    return value
+
+
+def output(path: str | None, allowed: tuple[str, ...]) -> Path | None:
+    """Return where to write, after looking at all that can be wrong with it before the run."""
+    if path is None:
+        return None
+    target = Path(path)
+    if target.suffix not in allowed:
+        raise click.UsageError(f"-o {path}: suffix {target.suffix!r} is unknown; allowed: {', '.join(allowed)}")
+    if not target.absolute().parent.is_dir():
+        raise click.UsageError(f"-o {path}: there is no folder {target.parent}")
+    return target
+
+
+def _parameters(words: Sequence[str]) -> dict[str, Any]:
+    result: dict[str, Any] = {}
+    for word in words:
+        name, equals, value = word.partition("=")
+        if not name or not equals:
+            raise click.UsageError(f"-p {word}: must be name=value")
+        if name in result:
+            raise click.UsageError(f"-p {name} is given twice")
+        result[name] = _number(value)
+    return result
+
+
+def _number(text: str) -> int | float | bool | str:
+    """Read true, false, an integer or a float; anything else stays text."""
+    if text in ("true", "false"):
+        return text == "true"
+    for kind in (int, float):
+        try:
+            return kind(text)
+        except ValueError:
+            continue
+    return text

@@ -1,0 +1,58 @@
+"""Where and with what the report was made."""
+
+from __future__ import annotations
+
+import os
+import platform
+import subprocess
+from datetime import UTC, datetime
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+
+from cross_checks import engines
+
+PACKAGES = ("mbs-ref", "numpy", "scipy", "numba", "pydantic", "plotly")
+CPU_FACTS = Path("/proc/cpuinfo")  # Linux; elsewhere the platform module knows
+
+
+def environment() -> dict[str, str]:
+    """Return the facts a reader needs to judge or repeat the figures."""
+    return {
+        "made": datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
+        "commit": _commit(),
+        "processor": _processor(),
+        "processors": str(os.cpu_count()),
+        "system": platform.platform(),
+        "python": platform.python_version(),
+        **{name: _version(name) for name in PACKAGES},
+        **{f"engine {name}": _engine(name) for name in engines.names()},
+    }
+
+
+def _processor() -> str:
+    lines = CPU_FACTS.read_text().splitlines() if CPU_FACTS.exists() else []
+    models = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]
+    return next(iter(models), platform.processor() or platform.machine())
+
+
+def _commit() -> str:
+    asked = ["git", "-C", str(Path(__file__).parent), "describe", "--always", "--dirty"]
+    try:
+        found = subprocess.run(asked, capture_output=True, text=True, check=False)
+    except FileNotFoundError:
+        return "unknown: no git here"
+    return found.stdout.strip() or "unknown: not a git checkout"
+
+
+def _version(package: str) -> str:
+    try:
+        return version(package)
+    except PackageNotFoundError:
+        return "not installed as a package"
+
+
+def _engine(name: str) -> str:
+    try:
+        return engines.get(name).version()
+    except engines.EngineMissing as error:
+        return f"missing: {error}"

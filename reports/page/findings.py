@@ -1,0 +1,156 @@
+"""Findings: sentences derived from the data, each by one rule that names no engine."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from cross_checks.record import Record
+from mbs_ref.trajectory import Status
+from reports.page.cheapest import entries, known_error, usable
+from reports.page.numbers import count, duration, joules, metres, setting, short
+from reports.page.report_data import Cell, ReportData, scene_label
+from reports.page.verdicts import verdict
+
+SILENT = (Status.NON_FINITE, Status.RESET)  # what engines do without saying so
+ORDER_SLACK = 0.5  # an observed order lower than documented by more than this is worth a sentence
+CLOSED_JOINTS = 1e-8  # m, compliance that looks perfect
+FAR_OFF = 1e-2  # m, an error anyone would mind
+CONSERVED = 1e-6  # J, energy drift that looks perfect
+MOST = 8  # findings of one rule shown
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One sentence with its title and tone (good | fair | bad | plain)."""
+
+    tone: str
+    title: str
+    text: str
+
+
+def findings(data: ReportData) -> list[Finding]:
+    """Return every finding, the most alarming rule first."""
+    return [finding for rule in RULES for finding in list(rule(data))[:MOST]]
+
+
+def wrong_limits(data: ReportData) -> Iterator[Finding]:
+    """Methods that converge to another answer."""
+    for engine, methods, cells in grouped(data, {"wrong-limit"}):
+        worst = max((c.error for c in cells if c.error is not None), default=None)
+        where = f"on {_scenes(cells)} it stays up to {metres(worst)} away however small the step"
+        text = f"It converges, but not to the truth: {where}. {_sentence(cells[0].reason)}"
+        yield Finding("bad", f"{engine} {methods}: a wrong limit", text.strip())
+
+
+def failing_beside_a_sibling(data: ReportData) -> Iterator[Finding]:
+    """Methods that fail where another method of the same engine agrees."""
+    good = {(c.engine, c.scene): c.method for c in data.cells if verdict(c.verdict).tone == "good"}
+    for word in ("failed", "diverged", "crashed", "timeout"):
+        for engine, methods, cells in grouped(data, {word}):
+            sibling = next((good[engine, c.scene] for c in cells if (engine, c.scene) in good), None)
+            beside = f", where {sibling} agrees" if sibling else ""
+            text = f"It does not reach the truth on {_scenes(cells)}{beside}. {_sentence(cells[0].reason)}"
+            yield Finding("bad", f"{engine} {methods}: {word}", text.strip())
+
+
+def silent_failures(data: ReportData) -> Iterator[Finding]:
+    """Runs that engines ended silently and the adapters caught."""
+    caught = [r for r in data.records if r.status in SILENT]
+    for key in dict.fromkeys((r.engine, r.method, r.status) for r in caught):
+        own = [r for r in caught if (r.engine, r.method, r.status) == key]
+        scenes = ", ".join(dict.fromkeys(scene_label(r.scene, r.parameters) for r in own))
+        text = f"{count(len(own), 'run')} on {scenes} ended so. {_sentence(own[0].message)}"
+        yield Finding("bad", f"{key[0]} {key[1]}: {key[2]}, caught by the adapter", text)
+
+
+def low_orders(data: ReportData) -> Iterator[Finding]:
+    """Methods whose observed order falls short of the documented one."""
+    low = [
+        f"{c.engine} {c.method} on {c.scene}: {short(c.order)} instead of {data.orders[c.engine, c.method]}"
+        for c in data.cells
+        if c.order is not None and c.verdict != "wrong-limit"
+        and c.order < data.orders.get((c.engine, c.method), 0) - ORDER_SLACK
+    ]  # fmt: skip
+    if low:
+        yield Finding("fair", "Observed orders below the documented ones", "; ".join(low) + ".")
+
+
+def perfect_but_wrong(data: ReportData) -> Iterator[Finding]:
+    """Methods whose joints or energy look perfect at their finest setting while the motion is wrong."""
+    far = [r for r in _finest(data) if known_error(r) > FAR_OFF]
+    closed = [r for r in far if (r.compliance.get("position") or 1.0) < CLOSED_JOINTS]
+    conserving = [r for r in far if r.energy_drift is not None and r.energy_drift < CONSERVED]
+    if closed:
+        text = f"Joints closed within {metres(CLOSED_JOINTS)}, and yet the motion is wrong: {_listed(closed)}."
+        yield Finding("fair", "Closed joints do not prove a right answer", text)
+    if conserving:
+        text = f"Energy kept within {joules(CONSERVED)}, and yet the motion is wrong: {_listed(conserving)}."
+        yield Finding("fair", "Kept energy does not prove a right answer", text)
+
+
+def _finest(data: ReportData) -> list[Record]:
+    """Return the most accurate finished record of each scene, engine and method."""
+    best: dict[tuple[str, str, str], Record] = {}
+    for record in filter(usable, data.records):
+        key = (scene_label(record.scene, record.parameters), record.engine, record.method)
+        if key not in best or known_error(record) < known_error(best[key]):
+            best[key] = record
+    return list(best.values())
+
+
+def _run(record: Record) -> str:
+    return f"{record.engine} {record.method} on {scene_label(record.scene, record.parameters)}"
+
+
+def _listed(records: list[Record]) -> str:
+    worst = sorted(records, key=known_error, reverse=True)
+    named = [f"{_run(record)} is {metres(known_error(record))} off" for record in worst]
+    more = [f"{len(named) - MOST} more"] if len(named) > MOST else []
+    return "; ".join(named[:MOST] + more)
+
+
+def fastest(data: ReportData) -> Iterator[Finding]:
+    """Who is cheapest at a micrometre on how many scenes, and by what margin."""
+    ranked = {scene: entries(data.of_scene(scene), data.engines, 1e-6) for scene in data.scenes}
+    found = {scene: [entry.best for entry in ranking if entry.best] for scene, ranking in ranked.items()}
+    reached = {scene: bests for scene, bests in found.items() if bests}
+    for engine in dict.fromkeys(bests[0].engine for bests in reached.values()):
+        won = {scene: bests for scene, bests in reached.items() if bests[0].engine == engine}
+        margins = [bests[1].times["loop_s"] / bests[0].times["loop_s"] for bests in won.values() if len(bests) > 1]
+        title = f"{engine} is cheapest within 1e-6 m on {len(won)} of {count(len(data.scenes), 'scene')}"
+        parts = "; ".join(f"{scene}: {_cost(bests[0])}" for scene, bests in won.items())
+        ending = f" The next engine takes {_span(margins)} times as long." if margins else ""
+        yield Finding("good", title, f"{parts}.{ending}")
+
+
+def _cost(record: Record) -> str:
+    return f"{record.method}, {setting(record.settings)}, {duration(record.times['loop_s'])}"
+
+
+def _span(ratios: list[float]) -> str:
+    low, high = short(min(ratios)), short(max(ratios))
+    return low if low == high else f"{low} to {high}"
+
+
+def grouped(data: ReportData, words: set[str]) -> Iterator[tuple[str, str, list[Cell]]]:
+    """Yield engine, methods in words, and cells: the methods of an engine that share verdict and scenes together."""
+    met = [c for c in data.cells if c.verdict in words]
+    shared: dict[tuple[str, tuple[str, ...]], list[str]] = {}
+    for engine, method in dict.fromkeys((c.engine, c.method) for c in met):
+        scenes = tuple(c.scene for c in met if (c.engine, c.method) == (engine, method))
+        shared.setdefault((engine, scenes), []).append(method)
+    for (engine, _), methods in shared.items():
+        yield engine, ", ".join(methods), [c for c in met if c.engine == engine and c.method in methods]
+
+
+def _sentence(text: str) -> str:
+    """Give a reason its capital and its full stop."""
+    return text[:1].upper() + text[1:] + ("" if not text or text.endswith((".", "!", "?")) else ".")
+
+
+def _scenes(cells: list[Cell]) -> str:
+    return ", ".join(dict.fromkeys(c.scene for c in cells))
+
+
+RULES = (wrong_limits, failing_beside_a_sibling, silent_failures, perfect_but_wrong, low_orders, fastest)

@@ -1,0 +1,102 @@
+"""Run what the report shows: every engine's methods on the default scenes, judged and timed."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator
+from typing import Any
+
+from benchmarks.sweep import sweep
+from cross_checks import engines
+from cross_checks.engine import Method
+from cross_checks.matrix import judge_method, missing
+from cross_checks.record import Record
+from mbs_ref import scenes
+from mbs_ref.scene import Scene
+from reports.page.capability import capabilities
+from reports.page.environment import environment
+from reports.page.numbers import finite
+from reports.page.report_data import Cell, ReportData, scene_label
+
+Progress = Callable[[int, int, str], None]  # done, total, what comes next
+
+SCENES: tuple[tuple[str, dict[str, Any]], ...] = (
+    ("pendulum", {}),
+    ("double_pendulum", {}),
+    ("pendulum_chain", {"links": 3}),
+    ("pendulum_chain", {"links": 10}),
+    ("n_four_bar", {"loops": 1}),
+    ("n_four_bar", {"loops": 2}),
+    ("slider_crank", {}),
+    ("driven_pendulum", {}),
+    ("spring_pendulum", {}),
+)
+RUN_TIME = 200.0  # s for all runs, so that the report with its compilation stays within five minutes on two cores
+LEAST_SHARE = 0.2  # s for a method on a scene, however late it is
+QUICK = (("pendulum", {}), ("pendulum_chain", {"links": 3}), ("n_four_bar", {"loops": 1}))
+
+
+def gather(quick: bool = False, progress: Progress | None = None) -> ReportData:
+    """Return cells and records of the default scenes (few of them when quick), within RUN_TIME."""
+    begun = time.perf_counter()
+    made = [scenes.make(name, **parameters) for name, parameters in (QUICK if quick else SCENES)]
+    chosen = {scene_label(scene.name, scene.parameters): scene for scene in made}
+    report = progress or _silent
+    _warm_up(next(iter(chosen.values())), report)
+    tasks = [(*item, name, method) for item in chosen.items() for name in engines.names() for method in _methods(name)]
+    cells, records = [], []
+    for done, (label, scene, engine, method) in enumerate(tasks):
+        report(done, len(tasks), f"{label}, {engine} {method.name if method else 'is not installed'}")
+        if method is None:
+            cells.append(_cell(label, missing(scene, engine)))
+            continue
+        # time that earlier tasks left unused goes to the later ones
+        share = max(LEAST_SHARE, (RUN_TIME - time.perf_counter() + begun) / (len(tasks) - done))
+        cells.append(_cell(label, judge_method(scene, engine, method, budget_s=share / 2)))
+        records += list(_timed(scene, engine, method, share / 2))
+    report(len(tasks), len(tasks), "writing the page")
+    seconds = time.perf_counter() - begun
+    facts = environment() | {"time of the runs": f"{seconds:.0f} s"}
+    return ReportData(tuple(cells), tuple(records), capabilities(chosen), facts, _orders(), quick, seconds)
+
+
+def _warm_up(scene: Scene, report: Progress) -> None:
+    """Run every method once, so that compiling and loading eat no method's share of the time."""
+    for name in engines.names():
+        report(0, 1, f"compiling and loading {name}")
+        for method in _methods(name):
+            if method is not None:
+                judge_method(scene, name, method, budget_s=0.0)
+
+
+def _timed(scene: Scene, engine: str, method: Method, budget_s: float) -> Iterator[Record]:
+    """Yield the method's sweep until its share of the report's time is spent."""
+    begun = time.perf_counter()
+    for record in sweep(scene, [engine], [method.name]):
+        yield record
+        if time.perf_counter() - begun > budget_s:
+            return
+
+
+def _methods(engine: str) -> tuple[Method | None, ...]:
+    """Return the engine's methods, or a single None where it is not installed."""
+    try:
+        return engines.get(engine).methods()
+    except engines.EngineMissing:
+        return (None,)
+
+
+def _silent(done: int, total: int, what: str) -> None:
+    pass
+
+
+def _cell(label: str, found) -> Cell:
+    """Return the judge's cell under the scene's label, with finite numbers or None."""
+    return Cell(label, found.engine, found.method or "any method", found.verdict, found.reason or "",
+                finite(found.error), finite(found.compliance), finite(found.order))  # fmt: skip
+
+
+def _orders() -> dict[tuple[str, str], int]:
+    """Return the documented order of every fixed-step method of the engines installed."""
+    every = [(name, method) for name in engines.names() for method in _methods(name) if method is not None]
+    return {(name, m.name): m.order for name, m in every if m.kind == "fixed" and m.order}

@@ -1,0 +1,68 @@
+"""Numbers as a reader meets them: short, with units, never NaN and never blank."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+ABSENT = "–"
+
+
+def short(value: float | None, digits: int = 2) -> str:
+    """Return a number with `digits` significant figures, 3.2e-7 rather than 3.2e-07; a dash for None."""
+    if value is None or not math.isfinite(value):
+        return ABSENT
+    if value == 0.0:
+        return "0"
+    if 1e-2 <= abs(value) < 1e4:
+        return f"{float(f'{value:.{digits}g}'):g}"
+    mantissa, exponent = f"{value:.{digits - 1}e}".split("e")
+    return f"{mantissa.removesuffix('.0')}e{int(exponent)}"
+
+
+def metres(value: float | None) -> str:
+    """Return a length with its unit (m)."""
+    return _with_unit(value, "m")
+
+
+def joules(value: float | None) -> str:
+    """Return an energy with its unit (J)."""
+    return _with_unit(value, "J")
+
+
+def duration(seconds: float | None) -> str:
+    """Return a time span (s) in the unit that reads best."""
+    if seconds is None or not math.isfinite(seconds):
+        return ABSENT
+    if seconds >= 1.0:
+        return f"{short(seconds, 3)} s"
+    return f"{short(seconds * 1e3, 3)} ms" if seconds >= 1e-3 else f"{short(seconds * 1e6, 3)} µs"
+
+
+def count(number: int, noun: str) -> str:
+    """Return `1 cell`, `2 cells`."""
+    return f"{number} {noun}" if number == 1 else f"{number} {noun}s"
+
+
+def setting(settings: dict[str, Any]) -> str:
+    """Return the accuracy setting of a run in words: h = 0.001 s, or rtol = 1e-9."""
+    given = {key: settings.get(key) for key in ("step", "rtol", "atol", "stabilization")}
+    words = []
+    if given["step"] is not None:
+        words.append(f"h = {short(given['step'])} s")
+    if given["rtol"] is not None:
+        words.append(f"rtol = {short(given['rtol'])}")
+    if given["atol"] is not None and given["atol"] != given["rtol"]:
+        words.append(f"atol = {short(given['atol'])}")
+    if given["stabilization"] is not None:
+        words.append(str(given["stabilization"]))
+    return ", ".join(words) or "defaults"
+
+
+def finite(value: float | None) -> float | None:
+    """Return the value if it is a finite number, else None."""
+    return value if value is not None and math.isfinite(value) else None
+
+
+def _with_unit(value: float | None, unit: str) -> str:
+    return ABSENT if finite(value) is None else f"{short(value)} {unit}"

@@ -1,0 +1,16 @@
+"""One figure a scene, where the scene has the data for it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from reports.page.report_data import ReportData
+from reports.plots.palette import styles
+
+
+def per_scene(data: ReportData, plot: Callable[..., dict[str, Any] | None]) -> dict[str, dict[str, Any]]:
+    """Return scene -> figure for every scene that `plot` can draw."""
+    style = styles(data.records, data.engines)
+    figures = {scene: plot(data.of_scene(scene), style) for scene in data.scenes}
+    return {scene: figure for scene, figure in figures.items() if figure}

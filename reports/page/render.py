@@ -1,0 +1,53 @@
+"""Data to HTML: one file that loads nothing from anywhere."""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+from functools import cache
+from pathlib import Path
+
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
+from markupsafe import Markup
+from plotly.offline import get_plotlyjs
+
+from reports.page.report_data import ReportData
+from reports.page.section import Section, discover
+from reports.plots.palette import colours
+
+TEMPLATES = Path(__file__).parent / "templates"
+
+
+@cache
+def _templates() -> Environment:
+    return Environment(loader=FileSystemLoader(TEMPLATES), autoescape=True, undefined=StrictUndefined)
+
+
+def render(data: ReportData) -> str:
+    """Return the whole page. Text from the data is escaped; only this project's own scripts may run."""
+    engine_colours = colours(data.engines)
+    plotly, js = get_plotlyjs(), (TEMPLATES / "page.js").read_text(encoding="utf-8")
+
+    def body(section: Section) -> Markup:
+        context = {"section": section, "scenes": data.scenes, "engine_colours": engine_colours, **section.context(data)}
+        return Markup(_templates().get_template(f"{section.name}.html").render(context))
+
+    return _templates().get_template("page.html").render(
+        sections=discover(),
+        body=body,
+        scenes=data.scenes,
+        engines=engine_colours,
+        quick=data.quick,
+        stamp=data.environment.get("made", ""),
+        css=Markup((TEMPLATES / "style.css").read_text(encoding="utf-8")),
+        plotly=Markup(plotly),
+        js=Markup(js),
+        script_hashes=Markup(" ".join(_script_hash(script) for script in (plotly, js))),
+    )
+
+
+def _script_hash(script: str) -> str:
+    """Return the content-security-policy source that lets exactly this inline script run."""
+    # the HTML parser turns CR LF into LF before it hashes
+    digest = hashlib.sha256(script.replace("\r\n", "\n").encode()).digest()
+    return f"'sha256-{base64.b64encode(digest).decode()}'"

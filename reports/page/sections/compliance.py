@@ -1,0 +1,23 @@
+"""Constraint compliance and error over time."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from reports.page.per_scene import per_scene
+from reports.page.report_data import ReportData
+from reports.page.section import Section
+from reports.plots.compliance import compliance
+from reports.plots.error_history import error_history
+
+LEAD = (
+    "How far the joints gape while the mechanism moves, measured by one code from every engine's poses; and beside it "
+    "the distance from the truth, because closed joints do not prove a right answer."
+)
+
+
+def context(data: ReportData) -> dict[str, Any]:
+    return {"compliance": per_scene(data, compliance), "error": per_scene(data, error_history)}
+
+
+SECTION = Section("compliance", "Compliance over time", LEAD, 40, context, plots=True)

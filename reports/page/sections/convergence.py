@@ -1,0 +1,25 @@
+"""Convergence order: error against step, and against tolerance."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import Any
+
+from reports.page.per_scene import per_scene
+from reports.page.report_data import ReportData
+from reports.page.section import Section
+from reports.plots.convergence import convergence
+
+LEAD = (
+    "A method of order p gains a factor 2^p when its step is halved: its line runs parallel to that order's triangle. "
+    "A line that goes flat has met its limit: roundoff, or a wrong answer."
+)
+
+
+def context(data: ReportData) -> dict[str, Any]:
+    by_step = partial(convergence, over="step", orders=data.orders)
+    by_tolerance = partial(convergence, over="rtol", orders=data.orders)
+    return {"by_step": per_scene(data, by_step), "by_tolerance": per_scene(data, by_tolerance)}
+
+
+SECTION = Section("convergence", "Convergence order", LEAD, 50, context, plots=True)

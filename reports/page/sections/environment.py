@@ -1,0 +1,17 @@
+"""Where this report was made."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from reports.page.report_data import ReportData
+from reports.page.section import Section
+
+LEAD = "Times compare only within one machine and one report; versions are those of the installed packages."
+
+
+def context(data: ReportData) -> dict[str, Any]:
+    return {"environment": data.environment}
+
+
+SECTION = Section("environment", "Environment", LEAD, 90, context)

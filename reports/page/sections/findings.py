@@ -1,0 +1,18 @@
+"""What the data say in words."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from reports.page.findings import findings
+from reports.page.report_data import ReportData
+from reports.page.section import Section
+
+LEAD = "What a reader should take away, worded from the data of this very report."
+
+
+def context(data: ReportData) -> dict[str, Any]:
+    return {"findings": findings(data)}
+
+
+SECTION = Section("findings", "Findings", LEAD, 20, context)

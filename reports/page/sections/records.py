@@ -1,0 +1,38 @@
+"""Every run with its figures and the command that makes it again."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from cross_checks.record import Record
+from reports.page.command import command
+from reports.page.numbers import ABSENT, duration, joules, metres, setting
+from reports.page.report_data import ReportData
+from reports.page.section import Section
+
+LEAD = "Every run behind the plots. Copy a row's command to make it again."
+
+
+def row(record: Record) -> dict[str, Any]:
+    """Return what a run's row shows."""
+    return {
+        "engine": record.engine,
+        "method": record.method,
+        "setting": setting(record.settings),
+        "status": record.status or ABSENT,
+        "message": record.message,
+        "error": metres(record.error.value if record.error else None),
+        "compliance": metres(record.compliance.get("position")),
+        "energy": joules(record.energy_drift),
+        "steps": record.steps,
+        "rhs_calls": record.rhs_calls,
+        "loop": duration(record.times.get("loop_s")),
+        "command": command(record),
+    }
+
+
+def context(data: ReportData) -> dict[str, Any]:
+    return {"groups": {scene: [row(r) for r in data.of_scene(scene)] for scene in data.scenes if data.of_scene(scene)}}
+
+
+SECTION = Section("records", "Records and commands", LEAD, 100, context)

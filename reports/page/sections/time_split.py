@@ -1,0 +1,19 @@
+"""Where the time goes."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from reports.page.report_data import ReportData
+from reports.page.section import Section
+from reports.plots.time_split import time_split
+
+LEAD = "Building the model, the first call and the loop apart, at each method's cheapest setting within one micrometre."
+
+
+def context(data: ReportData) -> dict[str, Any]:
+    figures = {scene: time_split(data.of_scene(scene)) for scene in data.scenes}
+    return {"plots": {scene: figure for scene, figure in figures.items() if figure}}
+
+
+SECTION = Section("time_split", "Time split", LEAD, 70, context, plots=True)
