@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import itertools
 import time
 from dataclasses import dataclass
 
 import numpy as np
 
+from mbs_ref.cores import compile_scene
 from mbs_ref.integrators import DEFAULT, integrators
 from mbs_ref.integrators.leg import CLOCK_H, COUNT_REJECTED, COUNT_RHS, COUNT_STEPS, Integrator, Options, progress
 from mbs_ref.scene import Scene
@@ -47,7 +49,7 @@ def simulate(scene: Scene, settings: Settings | None = None, times: np.ndarray |
     settings = settings or Settings()
     plan = _plan(scene, settings, times)
     started = time.perf_counter()
-    system = System(scene)
+    system = compile_scene(scene)
     y = system.initial_state()
     built = time.perf_counter()
     system.set_mode_time(0.0)
@@ -167,7 +169,7 @@ _RANK_CHECK_LIMIT = 600  # rows; a dense SVD beyond takes seconds and a tree wit
 def _redundancy(system: System, y: np.ndarray) -> list[str]:
     """Report dependent constraint rows at the start."""
     rows = system.n_constraints
-    if len(system.groups.slots.closure_slot) == 0 or rows > _RANK_CHECK_LIMIT:
+    if system.n_closure_rows == 0 or rows > _RANK_CHECK_LIMIT:
         return []
     rank = system.rank(0.0, y)
     if rank == rows:
@@ -199,7 +201,7 @@ def _run_legs(system: System, plan: _Plan, y: np.ndarray):
     inner = [t for t in system.scene.breakpoints() if 0.0 < t < times[-1]]
     edges = np.array([0.0, *inner, times[-1]])
     status, message, carried = Status.SUCCESS, "", 0.0
-    for start, end in zip(edges, edges[1:], strict=False):
+    for start, end in itertools.pairwise(edges):
         system.set_mode_time(0.5 * (start + end))
         inside = times[(times > start) & (times <= end)]
         leg_times = np.unique(np.concatenate(([start], inside, [end])))
@@ -230,16 +232,10 @@ def _run_legs(system: System, plan: _Plan, y: np.ndarray):
 
 
 def _trajectory(system, plan, states, compliance, counts, status, message, notes, timing) -> Trajectory:
-    n = system.n_bodies
     times = plan.times[: len(states)]
-    q = states[:, : 3 * n].reshape(-1, n, 3)
-    v = states[:, 3 * n :].reshape(-1, n, 3)
     return Trajectory(
         times=times,
-        position=q[:, :, :2].copy(),
-        orientation=q[:, :, 2].copy(),
-        velocity=v[:, :, :2].copy(),
-        angular_velocity=v[:, :, 2].copy(),
+        **system.poses(states)._asdict(),
         status=status,
         message=message,
         steps=int(counts[0]),

@@ -1,92 +1,43 @@
-"""A scene compiled: arrays, elimination order, degrees of freedom, redundancy; callable from Python."""
+"""A scene compiled: what every core offers to integrators, checks and reports."""
 
 from __future__ import annotations
 
-import ctypes
-from functools import cached_property
-from typing import Any
+from abc import ABC, abstractmethod
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from mbs_ref.kernels import core
-from mbs_ref.kernels.planar import dynamics
-from mbs_ref.kernels.planar.model import (
-    CONTROL_MODE_TIME,
-    CONTROL_POSITION_GAIN,
-    CONTROL_VELOCITY_GAIN,
-    bind_model,
-    bind_work,
-    planar_scratch,
-)
-from mbs_ref.planar_build import build_planar
-from mbs_ref.scene import PlanarBody, PointMass, Scene, UserForce
+from mbs_ref.scene import Scene
 
-_CALLBACK = ctypes.CFUNCTYPE(None, ctypes.c_double, ctypes.c_uint64)
 RANK_TOLERANCE = 1e-10  # singular values of the scaled C_q below this share of the largest count as zero
 
 
-class System:
-    """A planar scene as arrays and compiled functions.
+class Poses(NamedTuple):
+    """World poses and velocities as a Trajectory holds them."""
 
-    State y = concatenate(q.ravel(), v.ravel()) with q, v of shape (n_bodies, 3) in scene order: m, m,
-    rad and their rates. Raises ValueError where the scene is not planar.
+    position: np.ndarray  # (n_t, n_bodies, dimension) m
+    orientation: np.ndarray  # (n_t, n_bodies) rad, or (n_t, n_bodies, 4) Euler parameters
+    velocity: np.ndarray  # (n_t, n_bodies, dimension) m/s
+    angular_velocity: np.ndarray  # (n_t, n_bodies) rad/s, or (n_t, n_bodies, 3) world axes
+
+
+class System(ABC):
+    """A compiled scene. A core implements the abstract methods and sets scene, model and work.
+
+    `model` and `work` are what compiled code receives; their types choose the core (mbs_ref.kernels.core).
+    The state y is one vector; `derivative` is its rate.
     """
 
-    def __init__(self, scene: Scene) -> None:
-        if scene.dimension != 2:
-            raise ValueError(f"scene {scene.name!r} is spatial; the planar core takes planar bodies and point masses")
-        self.scene = scene
-        self.n_bodies = len(scene.bodies)
-        self.groups, self.place = build_planar(scene)
-        slots = self.groups.slots
-        self.scratch = planar_scratch(self.n_bodies, len(slots.body), len(slots.closure_slot))
-        self.model, self.work = bind_model(self.groups), bind_work(self.scratch)
-        self.user_error: BaseException | None = None  # what a user's force law raised, if it did
-        self._keep_alive = self._connect_user_forces()
+    scene: Scene
+    model: Any
+    work: Any
+    user_error: BaseException | None = None  # what a user's force law raised, if it did
 
-    def _connect_user_forces(self) -> Any:
-        laws = [load for load in self.scene.loads if isinstance(load, UserForce)]
-        if not laws:
-            return None
-
-        def call(t: float, address: int) -> None:
-            data = np.ctypeslib.as_array((ctypes.c_double * (9 * self.n_bodies)).from_address(address))
-            q, v, f = data.reshape(3, self.n_bodies, 3)
-            try:
-                for law in laws:
-                    f += np.asarray(law.function(t, q.copy(), v.copy()), dtype=float)
-            except BaseException as error:  # noqa: BLE001 - must not unwind through compiled frames; re-raised by simulate
-                self.user_error = error
-                f[:] = np.nan
-
-        callback = _CALLBACK(call)
-        self.groups.world.user_force[0] = ctypes.cast(callback, ctypes.c_void_p).value
-        return callback
-
-    # --- set-up -----------------------------------------------------------------------------------
-
-    def initial_state(self) -> np.ndarray:
-        """Return y (6 n_bodies,) at t = 0."""
-        q, v = np.zeros((2, self.n_bodies, 3))
-        for k, body in enumerate(self.scene.bodies):
-            q[k, :2], v[k, :2] = body.position, body.velocity
-            if isinstance(body, PlanarBody):
-                q[k, 2], v[k, 2] = body.angle, body.angular_velocity
-        return np.concatenate((q.ravel(), v.ravel()))
-
-    def set_mode_time(self, t: float) -> None:
-        """Choose the signals' segments: the ones that contain t (s)."""
-        self.groups.world.control[CONTROL_MODE_TIME] = t
-
-    def set_baumgarte(self, gain: float) -> None:
-        """Set C'' + 2 g C' + g^2 C = 0 with g in 1/s; 0 switches it off (Baumgarte 1972)."""
-        self.groups.world.control[CONTROL_VELOCITY_GAIN] = 2.0 * gain
-        self.groups.world.control[CONTROL_POSITION_GAIN] = gain * gain
-
-    # --- evaluation -------------------------------------------------------------------------------
+    # --- evaluation, common to all cores ------------------------------------------------------------
 
     def derivative(self, t: float, y: np.ndarray) -> np.ndarray:
-        """Return dy/dt (6 n_bodies,)."""
+        """Return dy/dt."""
         dy = np.empty_like(y)
         core.call_derivative(self.model, self.work, float(t), y, dy)
         return dy
@@ -99,129 +50,47 @@ class System:
         """Move y onto the constraints in place; return max |C| left."""
         return core.call_project(self.model, self.work, float(t), y, tolerance, most)
 
-    def applied_forces(self, t: float, q: np.ndarray, v: np.ndarray) -> np.ndarray:
-        """Return the generalized applied forces (n_bodies, 3) of gravity and every load: N, N, N m."""
-        _evaluate_loads(self.model, self.work, float(t), np.concatenate((q.ravel(), v.ravel())))
-        return self._in_scene_order(self.scratch.kinematics.force[: self.n_bodies])
+    # --- what a core defines ------------------------------------------------------------------------
 
+    @abstractmethod
+    def initial_state(self) -> np.ndarray:
+        """Return y at t = 0."""
+
+    @abstractmethod
+    def poses(self, states: np.ndarray) -> Poses:
+        """Turn states (n_t, n_state) into world poses and velocities."""
+
+    @abstractmethod
+    def set_mode_time(self, t: float) -> None:
+        """Choose the signals' segments: the ones that contain t (s)."""
+
+    @abstractmethod
+    def set_baumgarte(self, gain: float) -> None:
+        """Set C'' + 2 g C' + g^2 C = 0 with g in 1/s; 0 switches it off (Baumgarte 1972)."""
+
+    @abstractmethod
     def residuals(self, t: float, y: np.ndarray) -> dict[str, tuple[np.ndarray, np.ndarray]]:
         """Return C and C_dot of every joint by name."""
-        self.compliance(t, y)
-        return {
-            self.scene.joints[k].name: (
-                self.scratch.rows.residual[slot, row : row + self._rows(k)].copy(),
-                self.scratch.rows.rate[slot, row : row + self._rows(k)].copy(),
-            )
-            for k, (slot, row, _) in self.place.items()
-        }
 
-    def _in_scene_order(self, values: np.ndarray) -> np.ndarray:
-        result = np.empty_like(values)
-        result[self.groups.bodies.scene_index] = values
-        return result
+    @abstractmethod
+    def reactions(self, t: float, y: np.ndarray) -> dict[str, np.ndarray]:
+        """Return each joint's force and torque on its last body, at the joint point, in world axes."""
 
-    # --- the augmented system, dense --------------------------------------------------------------
-
-    def mass_matrix(self) -> np.ndarray:
-        """Return the diagonal of M (3 n_bodies,) in scene order: kg, kg, kg m^2."""
-        bodies = self.groups.bodies
-        return self._in_scene_order(np.column_stack((bodies.mass, bodies.mass, bodies.inertia))).ravel()
-
-    def rows(self) -> list[tuple[int, int, int]]:
-        """Return (joint, slot, row in slot) of every constraint row, joint after joint."""
-        return [(k, slot, row + r) for k, (slot, row, _) in sorted(self.place.items()) for r in range(self._rows(k))]
-
-    def _rows(self, joint: int) -> int:
-        from mbs_ref.joint_graph import row_count
-
-        return row_count(self.scene.joints[joint])
-
-    def jacobian(self, t: float, y: np.ndarray) -> np.ndarray:
-        """Return C_q (n_rows, 3 n_bodies), rows in the order of `rows`."""
-        self.compliance(t, y)
-        rows = self.rows()
-        result = np.zeros((len(rows), self.n_bodies + 1, 3))
-        scene_index = np.append(self.groups.bodies.scene_index, self.n_bodies)
-        for r, (_, slot, row) in enumerate(rows):
-            for side in range(2):
-                result[r, scene_index[self.groups.slots.body[slot, side]]] += self.scratch.rows.jacobian[slot, side, row]
-        return result[:, :-1].reshape(len(rows), -1)
-
-    def augmented(
-        self, t: float, q: np.ndarray, v: np.ndarray
-    ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-        """Return M (diagonal), C_q, Q_e and gamma of [M C_q^T; C_q 0][qdd; lambda] = [Q_e; gamma]."""
-        y = np.concatenate((q.ravel(), v.ravel()))
-        force = self.applied_forces(t, q, v).ravel()
-        jacobian = self.jacobian(t, y)
-        gamma = np.array([self.scratch.rows.gamma[slot, row] for _, slot, row in self.rows()])
-        return self.mass_matrix(), jacobian, force, gamma
-
+    @abstractmethod
     def rank(self, t: float, y: np.ndarray) -> int:
         """Return the rank of C_q, mass-scaled so that metres and radians compare."""
-        scaled = self.jacobian(t, y) / np.sqrt(self.mass_matrix())
-        if scaled.size == 0:
-            return 0
-        scaled = scaled / np.linalg.norm(scaled, axis=1, keepdims=True)
-        values = np.linalg.svd(scaled, compute_uv=False)
-        return int(np.sum(values > RANK_TOLERANCE * values[0]))
-
-    @cached_property
-    def n_coordinates(self) -> int:
-        """Coordinates in use: three a rigid body, two a point mass."""
-        return sum(2 if isinstance(b, PointMass) else 3 for b in self.scene.bodies)
 
     @property
+    @abstractmethod
+    def n_coordinates(self) -> int:
+        """Coordinates in use."""
+
+    @property
+    @abstractmethod
     def n_constraints(self) -> int:
-        return len(self.rows())
+        """Constraint rows."""
 
-    def multipliers(self, t: float, y: np.ndarray) -> np.ndarray:
-        """Return lambda (n_rows,) in the order of `rows`; minimum-norm where rows are dependent."""
-        dy = self.derivative(t, y)
-        rows = self.rows()
-        found = np.array([self.scratch.rows.multiplier[slot, row] for _, slot, row in rows])
-        closures = len(self.groups.slots.closure_slot)
-        if closures == 0 or self.scratch.closures.rank[0] == closures:
-            return found
-        half = 3 * self.n_bodies
-        q, v = y[:half].reshape(-1, 3), y[half:].reshape(-1, 3)
-        mass, jacobian, force, _ = self.augmented(t, q, v)
-        return np.linalg.lstsq(jacobian.T, force - mass * dy[half:], rcond=RANK_TOLERANCE)[0]
-
-    def reactions(self, t: float, y: np.ndarray) -> dict[str, np.ndarray]:
-        """Return each joint's force on its last body at the joint point (N, N) and torque (N m), world axes."""
-        lam = self.multipliers(t, y)
-        jacobian = self.jacobian(t, y)
-        index = {k: [r for r, (joint, _, _) in enumerate(self.rows()) if joint == k] for k in self.place}
-        return {self.scene.joints[k].name: self._reaction(k, -lam[r] @ jacobian[r], y) for k, r in index.items()}
-
-    def _reaction(self, joint: int, generalized: np.ndarray, y: np.ndarray) -> np.ndarray:
-        part: Any = self.scene.joints[joint]
-        name = part.body if part.type.endswith("drive") else part.body_b
-        if name == "ground":  # report what ground receives: the opposite of what the other body gets
-            name, sign = part.body_a, -1.0
-        else:
-            sign = 1.0
-        body = self.scene.body_index(name)
-        fx, fy, torque = sign * generalized.reshape(-1, 3)[body]
-        arm = self._joint_point(part, name, y) - y[3 * body : 3 * body + 2]
-        return np.array([fx, fy, torque - (arm[0] * fy - arm[1] * fx)])
-
-    def _joint_point(self, part: Any, name: str, y: np.ndarray) -> np.ndarray:
-        """Return where the joint's mark on the body is now; for a coordinate drive, its centre."""
-        body: Any = self.scene.bodies[self.scene.body_index(name)]
-        k = 3 * self.scene.body_index(name)
-        if part.type == "coordinate_drive":
-            return y[k : k + 2]
-        side = "point_b" if part.type != "point_drive" and name == part.body_b else "point_a"
-        own = getattr(part, side, None)
-        mark = part.point if own is None else own
-        turn = y[k + 2] - (body.angle if isinstance(body, PlanarBody) else 0.0)
-        c, s = np.cos(turn), np.sin(turn)
-        return y[k : k + 2] + np.array([[c, -s], [s, c]]) @ (np.array(mark) - np.array(body.position))
-
-
-@core.jit
-def _evaluate_loads(model, work, t, y):
-    dynamics.load_state(model, work, y)
-    dynamics.apply_loads(model, work, t)
+    @property
+    @abstractmethod
+    def n_closure_rows(self) -> int:
+        """Constraint rows that close loops; 0 for a tree, whose rows are independent."""

@@ -229,9 +229,9 @@ def _torques(mechanism: Mechanism) -> RightHandSide:
     if not mechanism.tree.scene.loads:
         zero = np.zeros(n)
         return lambda t, y: zero
-    from mbs_ref.system import System
+    from mbs_ref.planar_system import PlanarSystem
 
-    system = System(mechanism.tree.scene)
+    system = PlanarSystem(mechanism.tree.scene)
 
     def loaded(t: float, y: np.ndarray) -> np.ndarray:
         position, angle, velocity, rate = mechanism.tree.poses(y[None, :n], y[None, n:])

@@ -47,7 +47,7 @@ def _iterate(model, work, t, h, y, qdd, a, lam, trial, new_qdd, new_a, dense, ro
     n = qdd.shape[0]
     ratio = (1.0 - ALPHA_F) / (1.0 - ALPHA_M)
     by_position = h * h * BETA * ratio
-    by_velocity = h * GAMMA * ratio
+    h * GAMMA * ratio
     size = 1.0
     for k in range(n):
         size = max(size, abs(y[k]))
