@@ -50,6 +50,10 @@ class System(ABC):
         """Move y onto the constraints in place; return max |C| left."""
         return core.call_project(self.model, self.work, float(t), y, tolerance, most)
 
+    def start_contacts(self, t: float, y: np.ndarray, located: bool) -> None:
+        """Set every contact's mode by the state; without `located` forces are clipped by the state instead."""
+        core.call_start_modes(self.model, self.work, float(t), y, located)
+
     # --- what a core defines ------------------------------------------------------------------------
 
     @abstractmethod

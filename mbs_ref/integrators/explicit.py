@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from mbs_ref.integrators.events import ACTIVE, EVENT, H_NEXT, IDLE, RETRY, event_tables, settle, watch
 from mbs_ref.integrators.leg import (
     CLOCK_COMPLIANCE,
     CLOCK_H,
@@ -125,6 +126,13 @@ def advance_explicit(model, work, tableau, options, run, y, times, states, worst
     trial = np.empty(n)
     scratch = np.empty(n)
     budget = counts[COUNT_STEPS] + options.chunk
+    search, table = event_tables(model)
+    watched = table.shape[1] > 0
+    searching = False
+    if watched:
+        code = settle(model, work, clock[CLOCK_T], y, table, run, options.max_events)
+        if code != RUNNING:
+            return code
     derivative(model, work, clock[CLOCK_T], y, slopes[0])
     counts[COUNT_RHS] += 1
     if adaptive and clock[CLOCK_H] == 0.0:
@@ -143,13 +151,18 @@ def advance_explicit(model, work, tableau, options, run, y, times, states, worst
         h = reach if lands else proposed
         if adaptive and not lands and proposed > 0.5 * reach:
             h = 0.5 * reach  # two even steps rather than a whole one and a sliver
+        if watched:
+            searching = search[ACTIVE] != IDLE
+            if searching:
+                h = search[H_NEXT]
+                lands = h >= reach
         t_new = target if lands else t + h
-        if t_new == t:
+        if t_new == t and not searching:
             return STEP_TOO_SMALL
         restore = options.project and (rejected or regularity(work) < NEAR_SINGULAR)
         _stages(model, work, tableau, t, h, y, slopes, trial, restore, options.projection_tolerance)
         counts[COUNT_RHS] += stages - 1
-        if adaptive:
+        if adaptive and not searching:  # a shorter step than an accepted one needs no second judgement
             if restore:
                 project(model, work, t_new, trial, options.projection_tolerance, STAGE_ITERATIONS)
             derivative(model, work, t_new, trial, slopes[stages])
@@ -182,6 +195,13 @@ def advance_explicit(model, work, tableau, options, run, y, times, states, worst
         )  # fmt: skip
         if code != RUNNING:
             return code
+        verdict = 0
+        if watched:
+            verdict = watch(model, work, t, h, trial, search, table)
+            if verdict == RETRY:
+                if adaptive:
+                    clock[CLOCK_H] = proposed
+                continue
         if adaptive and options.project and regularity(work) < SINGULAR_PIVOT / options.rtol:
             avoided += 1
             if avoided > MOST_AVOIDED:
@@ -199,13 +219,17 @@ def advance_explicit(model, work, tableau, options, run, y, times, states, worst
             y[k] = trial[k]
         clock[CLOCK_T] = t_new
         counts[COUNT_STEPS] += 1
+        if verdict == EVENT:
+            code = settle(model, work, t_new, y, table, run, options.max_events)
+            if code != RUNNING:
+                return code
         if lands:
             record(run, y, states, worst_per_time)
         if counts[COUNT_OUTPUT] == times.shape[0]:
             return DONE
         if counts[COUNT_STEPS] >= options.max_steps:
             return TOO_MANY_STEPS
-        if adaptive and not options.project:
+        if adaptive and not options.project and not searching and verdict != EVENT:
             for k in range(n):
                 slopes[0, k] = slopes[stages, k]  # first same as last
         else:
