@@ -24,6 +24,7 @@ from mbs_ref.contact import (
 from mbs_ref.kernels.planar import model as arrays
 from mbs_ref.scene import Scene
 
+MOST_LOGGED = 100_000  # events of one run whose modes are kept for output
 _ENDS = {"line": arrays.ENDS_NONE, "segment": arrays.ENDS_OPEN, "capped": arrays.ENDS_CAPPED}
 
 
@@ -191,4 +192,6 @@ def contact_modes(scene: Scene) -> arrays.ContactModes:
         stamp=floats[2],
         burst=integers[2],
         roots=np.zeros(1, dtype=np.int64),
+        log=np.zeros((MOST_LOGGED if count else 0, 6)),
+        logged=np.zeros(1, dtype=np.int64),
     )

@@ -11,7 +11,17 @@ import numpy as np
 from mbs_ref.contact import FloresLaw, LankaraniNikraveshLaw, RigidLaw, StickSlip
 from mbs_ref.cores import compile_scene
 from mbs_ref.integrators import DEFAULT, integrators
-from mbs_ref.integrators.leg import CLOCK_H, COUNT_CONTACT, COUNT_EVENTS, COUNT_REJECTED, COUNT_RHS, COUNT_STEPS, Integrator, Options, progress
+from mbs_ref.integrators.leg import (
+    CLOCK_H,
+    COUNT_CONTACT,
+    COUNT_EVENTS,
+    COUNT_REJECTED,
+    COUNT_RHS,
+    COUNT_STEPS,
+    Integrator,
+    Options,
+    progress,
+)
 from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings
 from mbs_ref.system import System
@@ -254,6 +264,7 @@ def _run_legs(system: System, plan: _Plan, y: np.ndarray):
 
 def _trajectory(system, plan, states, compliance, counts, status, message, notes, timing) -> Trajectory:
     times = plan.times[: len(states)]
+    contacts = system.contact_forces(times, states) if system.scene.contacts and plan.settings.reactions else {}
     return Trajectory(
         times=times,
         **system.poses(states)._asdict(),
@@ -266,6 +277,8 @@ def _trajectory(system, plan, states, compliance, counts, status, message, notes
         timing=timing,
         step_compliance=np.column_stack((times, compliance)),
         notes=tuple(notes),
+        contacts=contacts,
+        event_times=system.contact_events() if system.scene.contacts else None,
         reactions=_reactions(system, plan, times, states),
     )
 

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from mbs_ref.integrators.leg import COUNT_CONTACT, COUNT_EVENTS, MESSAGES, ENDLESS_EVENTS, Options, Progress
+from mbs_ref.integrators.leg import COUNT_CONTACT, COUNT_EVENTS, ENDLESS_EVENTS, MESSAGES, Options, Progress
 from mbs_ref.kernels import core
 from mbs_ref.system import System
 

@@ -112,7 +112,7 @@ def _error_norm(model, work, tableau, slopes, h, y, trial, scratch, rtol, atol, 
         tangent(model, work, scratch)
     low = weighted_norm(scratch, y, trial, rtol, atol)
     scale = main * main + 0.01 * low * low
-    return main * main / np.sqrt(scale) if scale > 0.0 else 0.0
+    return 0.0 if scale == 0.0 else main * main / np.sqrt(scale)  # NaN must stay NaN, and be rejected
 
 
 @jit

@@ -5,8 +5,6 @@ Three functions a contact, all positive while its mode holds: the gap's, the for
 
 from __future__ import annotations
 
-
-
 from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.planar.contacts import contact_geometry, friction_force, is_behind, normal_force
 from mbs_ref.kernels.planar.dynamics import factor, load_state, planar_derivative, solve
@@ -48,7 +46,8 @@ def planar_root_count(model):
 @jit
 def planar_roots(model, work, t, y, g, rate):
     """Fill g and, where known, its rate, else 0; g > 0 while the frozen modes hold."""
-    pairs, laws, modes, kin = contact_pairs_of(model), contact_laws_of(model), contact_modes_of(model), kinematics_of(work)
+    pairs, laws, modes = contact_pairs_of(model), contact_laws_of(model), contact_modes_of(model)
+    kin = kinematics_of(work)
     load_state(model, work, y)
     for k in range(pairs.kind.shape[0]):
         gap, closing, _, _, speed, along, beyond, _, _, _, _ = contact_geometry(pairs, kin, k)
@@ -91,8 +90,10 @@ def _grip_margin(laws, modes, k, gap, closing, speed, along):
 @jit
 def planar_start_modes(model, work, t, y, located):
     """Set every mode by the state; event functions are watched only where `located`."""
-    pairs, laws, modes, kin = contact_pairs_of(model), contact_laws_of(model), contact_modes_of(model), kinematics_of(work)
+    pairs, laws, modes = contact_pairs_of(model), contact_laws_of(model), contact_modes_of(model)
+    kin = kinematics_of(work)
     count = pairs.kind.shape[0]
+    modes.logged[0] = 0
     modes.roots[0] = ROOTS_PER_CONTACT * count if located else 0
     load_state(model, work, y)
     for k in range(count):
@@ -104,9 +105,7 @@ def planar_start_modes(model, work, t, y, located):
         modes.anchor[k] = along
         if not located:
             modes.mode[k] = MODE_PLAIN
-        elif beyond > 0.0 or gap > 0.0:
-            modes.mode[k] = MODE_OPEN
-        elif laws.release[k] == RELEASE_RIGID:
+        elif beyond > 0.0 or gap > 0.0 or laws.release[k] == RELEASE_RIGID:
             modes.mode[k] = MODE_OPEN
         elif is_behind(pairs, k, gap):
             modes.mode[k] = MODE_BEHIND
@@ -141,7 +140,8 @@ def planar_transition(model, work, t, y, g, dy):
 
     dy is scratch of y's shape. y changes at rigid impacts only.
     """
-    pairs, laws, modes, kin = contact_pairs_of(model), contact_laws_of(model), contact_modes_of(model), kinematics_of(work)
+    pairs, laws, modes = contact_pairs_of(model), contact_laws_of(model), contact_modes_of(model)
+    kin = kinematics_of(work)
     regrip = False
     for k in range(pairs.kind.shape[0]):
         i = ROOTS_PER_CONTACT * k
@@ -152,7 +152,7 @@ def planar_transition(model, work, t, y, g, dy):
         if modes.burst[k] > LONGEST_BURST:
             return ENDLESS, k
         load_state(model, work, y)
-        gap, closing, _, _, speed, along, beyond, _, _, _, _ = contact_geometry(pairs, kin, k)
+        gap, closing, _, _, speed, along, _, _, _, _, _ = contact_geometry(pairs, kin, k)
         mode = modes.mode[k]
         if mode == MODE_OPEN or (mode == MODE_LEAVING and g[i] >= 0.0):
             if laws.release[k] == RELEASE_RIGID:
@@ -176,7 +176,25 @@ def planar_transition(model, work, t, y, g, dy):
             regrip = True
     if regrip:
         _settle_grips(model, work, t, y, dy)
+    _log(modes, t, g)
     return SETTLED, 0
+
+
+@jit
+def _log(modes, t, g):
+    for k in range(modes.mode.shape[0]):
+        i = ROOTS_PER_CONTACT * k
+        if g[i] < 0.0 or g[i + 1] < 0.0 or g[i + 2] < 0.0:
+            place = modes.logged[0]
+            modes.logged[0] += 1
+            if place < modes.log.shape[0]:
+                row = modes.log[place]
+                row[0] = t
+                row[1] = k
+                row[2] = modes.mode[k]
+                row[3] = modes.grip[k]
+                row[4] = modes.anchor[k]
+                row[5] = modes.dashpot[k]
 
 
 @jit
@@ -199,7 +217,8 @@ def _settle_grips(model, work, t, y, dy):
 
     Each probe force changes its own sliding rate linearly; contacts that stop together share by sweeps.
     """
-    pairs, laws, modes, kin = contact_pairs_of(model), contact_laws_of(model), contact_modes_of(model), kinematics_of(work)
+    pairs, laws, modes = contact_pairs_of(model), contact_laws_of(model), contact_modes_of(model)
+    kin = kinematics_of(work)
     for _ in range(PROBE_SWEEPS):
         largest = 0.0
         for k in range(pairs.kind.shape[0]):
@@ -230,7 +249,8 @@ def _settle_grips(model, work, t, y, dy):
 @jit
 def _impact(model, work, t, y, k):
     """Reverse the normal speed by an impulse, v+ = -e v-, within the joints: dv = W J^T p."""
-    pairs, laws, kin, tree, rows = contact_pairs_of(model), contact_laws_of(model), kinematics_of(work), tree_of(work), rows_of(work)
+    pairs, laws, kin = contact_pairs_of(model), contact_laws_of(model), kinematics_of(work)
+    tree, rows = tree_of(work), rows_of(work)
     bodies = bodies_of(model)
     n = bodies.mass.shape[0]
     load_state(model, work, y)
@@ -264,8 +284,9 @@ def _impact(model, work, t, y, k):
 
 @jit
 def planar_contact_forces(model, work, t, y, out):
-    """Fill out (n_contacts, 6): gap (m), d' (m/s), force on body a (N, N), its point (m, m), in the present modes."""
-    pairs, laws, modes, kin = contact_pairs_of(model), contact_laws_of(model), contact_modes_of(model), kinematics_of(work)
+    """Fill out (n_contacts, 5): depth d (m), force on body a (N, N), its point (m, m), in the present modes."""
+    pairs, laws, modes = contact_pairs_of(model), contact_laws_of(model), contact_modes_of(model)
+    kin = kinematics_of(work)
     load_state(model, work, y)
     for k in range(pairs.kind.shape[0]):
         gap, rate, nx, ny, speed, along, beyond, ax, ay, _, _ = contact_geometry(pairs, kin, k)
@@ -276,9 +297,8 @@ def planar_contact_forces(model, work, t, y, out):
         if modes.mode[k] == MODE_PLAIN and laws.release[k] == RELEASE_FORCE:
             normal = max(normal, 0.0)
         tangential = friction_force(laws, modes, k, normal, speed, along) if touching else 0.0
-        out[k, 0] = gap
-        out[k, 1] = -rate
-        out[k, 2] = normal * nx + tangential * ny
-        out[k, 3] = normal * ny - tangential * nx
-        out[k, 4] = kin.pose[pairs.a[k], 0] + ax
-        out[k, 5] = kin.pose[pairs.a[k], 1] + ay
+        out[k, 0] = -gap
+        out[k, 1] = normal * nx + tangential * ny
+        out[k, 2] = normal * ny - tangential * nx
+        out[k, 3] = kin.pose[pairs.a[k], 0] + ax
+        out[k, 4] = kin.pose[pairs.a[k], 1] + ay

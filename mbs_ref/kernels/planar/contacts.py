@@ -125,9 +125,8 @@ def is_behind(pairs, k, gap):
 @jit
 def normal_force(laws, modes, k, depth, rate):
     """Return F = k d^n + c d^m d' without any clipping; d' is `rate`."""
-    if laws.exponent[k] == 1.0:
-        elastic = depth
-    else:
+    elastic = depth
+    if laws.exponent[k] != 1.0:
         elastic = math.copysign(abs(depth) ** laws.exponent[k], depth)
     weight = 1.0
     if laws.damping_exponent[k] == 1.0:
