@@ -24,6 +24,7 @@ from mbs_ref.contact import (
 from mbs_ref.kernels.planar import model as arrays
 from mbs_ref.scene import Scene
 
+NOISE = 1e-13  # of the scene's size in metres (at least 1 m): above what roundoff and projection leave of a gap
 MOST_LOGGED = 100_000  # events of one run whose modes are kept for output
 _ENDS = {"line": arrays.ENDS_NONE, "segment": arrays.ENDS_OPEN, "capped": arrays.ENDS_CAPPED}
 
@@ -192,6 +193,7 @@ def contact_modes(scene: Scene) -> arrays.ContactModes:
         stamp=floats[2],
         burst=integers[2],
         roots=np.zeros(1, dtype=np.int64),
+        noise=np.array([NOISE * max([1.0, *(abs(x) for body in scene.bodies for x in body.position)])]),
         log=np.zeros((MOST_LOGGED if count else 0, 6)),
         logged=np.zeros(1, dtype=np.int64),
     )

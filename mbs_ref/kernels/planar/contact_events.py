@@ -1,6 +1,7 @@
 """Contact modes: the functions whose roots end a mode, and what happens there.
 
-Three functions a contact, all positive while its mode holds: the gap's, the force's and friction's.
+Three functions a contact, all positive while its mode holds: the gap's, the force's and friction's. Each
+mode holds a little beyond its root, by `noise`, or contacts at rest exactly at d = 0 would chatter.
 """
 
 from __future__ import annotations
@@ -48,6 +49,7 @@ def planar_roots(model, work, t, y, g, rate):
     """Fill g and, where known, its rate, else 0; g > 0 while the frozen modes hold."""
     pairs, laws, modes = contact_pairs_of(model), contact_laws_of(model), contact_modes_of(model)
     kin = kinematics_of(work)
+    noise = modes.noise[0]
     load_state(model, work, y)
     for k in range(pairs.kind.shape[0]):
         gap, closing, _, _, speed, along, beyond, _, _, _, _ = contact_geometry(pairs, kin, k)
@@ -59,24 +61,24 @@ def planar_roots(model, work, t, y, g, rate):
         rate[i + 1] = 0.0
         rate[i + 2] = 0.0
         if mode == MODE_OPEN:
-            g[i] = max(gap, beyond)
+            g[i] = max(gap, beyond) + noise
             if gap >= beyond:
                 rate[i] = closing
         elif mode == MODE_CLOSED:
-            g[i] = min(-gap, -beyond)
+            g[i] = min(-gap, -beyond) + noise
             if -gap <= -beyond:
                 rate[i] = -closing
             if laws.release[k] == RELEASE_FORCE:
-                g[i + 1] = normal_force(laws, modes, k, -gap, -closing)
+                g[i + 1] = normal_force(laws, modes, k, -gap, -closing) + noise * (laws.stiffness[k] + modes.dashpot[k])
             if laws.friction[k] == FRICTION_STICK_SLIP:
-                g[i + 2] = _grip_margin(laws, modes, k, gap, closing, speed, along)
+                g[i + 2] = _grip_margin(laws, modes, k, gap, closing, speed, along) + noise
         elif mode == MODE_LIFTED:
-            g[i] = min(-gap, -beyond)
-            g[i + 1] = -normal_force(laws, modes, k, -gap, -closing)
+            g[i] = min(-gap, -beyond) + noise
+            g[i + 1] = noise * (laws.stiffness[k] + modes.dashpot[k]) - normal_force(laws, modes, k, -gap, -closing)
         else:
             g[i] = -max(gap, beyond)
             if mode == MODE_LEAVING:
-                g[i + 1] = closing
+                g[i + 1] = closing + noise
 
 
 @jit

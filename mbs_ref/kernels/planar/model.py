@@ -128,6 +128,7 @@ class ContactModes(NamedTuple):
     stamp: np.ndarray  # (k,) s, time of the contact's last event
     burst: np.ndarray  # (k,) int, events since then without a pause
     roots: np.ndarray  # (1,) int, event functions watched; 0 without contacts and in the plain mode
+    noise: np.ndarray  # (1,) m and m/s, how far past its root a function must be: roundoff must not switch modes
     log: np.ndarray  # (most, 6) time (s), contact, mode, grip, anchor, dashpot after each event
     logged: np.ndarray  # (1,) int, events so far; beyond `most` they are only counted
 
@@ -199,7 +200,7 @@ def _no_contacts() -> tuple[ContactPairs, ContactLaws, ContactModes]:
         integers, integers, integers, points, floats, points, points, floats, integers, floats, points
     )  # fmt: skip
     laws = ContactLaws(*[floats] * 6, integers, floats, integers, *[floats] * 5)
-    modes = ContactModes(integers, integers, floats, floats, floats, integers, _integers(1), _floats(0, 6), _integers(1))
+    modes = ContactModes(integers, integers, floats, floats, floats, integers, _integers(1), _floats(1), _floats(0, 6), _integers(1))
     return pairs, laws, modes
 
 
