@@ -86,6 +86,7 @@ class Integrator:
     source: str = ""
     keeps_constraints: bool = False  # the method imposes C = 0 itself
     locates_events: bool = True  # touch-down, lift-off and slip are found; else contact forces are merely clipped
+    stability: tuple[float, ...] = ()  # explicit methods: coefficients of R(z), lowest power first
     package: str | None = None  # optional third-party package it needs
 
 
