@@ -60,7 +60,8 @@ SOLVERS = {
     "tree_rk67": exu.DynamicSolverType.RK67,
     "tree_euler": exu.DynamicSolverType.ExplicitEuler,
 }
-STAGES = {"contact_rk44": 4, "tree_rk44": 4, "tree_rk67": 9, "tree_euler": 1, "tree_dopri5": 7}  # right-hand sides a step
+# right-hand sides a step
+STAGES = {"contact_rk44": 4, "tree_rk44": 4, "tree_rk67": 9, "tree_euler": 1, "tree_dopri5": 7}
 METHODS = (
     Method("generalized_alpha", "fixed", 2, "generalized-alpha, index 3, redundant coordinates", STEPS),
     Method("trapezoidal", "fixed", 2, "trapezoidal rule, index 2, redundant coordinates", STEPS, wrong_limit=SINGULAR),
@@ -419,7 +420,9 @@ def _mixed_refusals(scene: Scene) -> list[str]:
     laws = {contact.law for contact in scene.contacts}
     shapes = {shape for contact in scene.contacts for shape in _circles(contact)}
     bodies = [body for body, _, _ in shapes]
-    reasons = ["GeneralContact gives laws to shapes, not to pairs: all contacts must share one"] if len(laws) > 1 else []
+    reasons = []
+    if len(laws) > 1:
+        reasons.append("GeneralContact gives laws to shapes, not to pairs: all contacts must share one")
     if len(bodies) != len(set(bodies)):
         reasons.append("a body with two circles would touch with both")
     return reasons
