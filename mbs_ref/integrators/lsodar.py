@@ -15,9 +15,12 @@ from mbs_ref.integrators.leg import (
     CLOCK_T,
     COUNT_RHS,
     COUNT_STEPS,
+    MESSAGES,
+    STALLED,
     Integrator,
     Leg,
     Options,
+    Pace,
     Progress,
 )
 from mbs_ref.system import System
@@ -30,6 +33,7 @@ def advance(system: System, options: Options, run: Progress, y: np.ndarray, time
     states[0] = y
     solver = LSODA(system.derivative, float(times[0]), y, float(times[-1]), rtol=options.rtol, atol=options.atol)
     reached, status, message = 1, Status.SUCCESS, ""
+    pace = Pace(float(times[0]), float(times[-1]), options.max_steps, every=2_000)
     while reached < len(times):
         before = solver.t
         failure = solver.step()
@@ -42,6 +46,9 @@ def advance(system: System, options: Options, run: Progress, y: np.ndarray, time
         if options.stop_on_compliance and gap >= solver.t - before:
             status = Status.COMPLIANCE
             message = f"at t = {solver.t:.9g} s |C| = {gap:.3g} is not below h = {solver.t - before:.3g}"
+            break
+        if pace.is_hopeless(solver.t, int(run.counts[COUNT_STEPS])):
+            status, message = Status.STEP_TOO_SMALL, f"at t = {solver.t:.9g} s {MESSAGES[STALLED]}"
             break
         if run.counts[COUNT_STEPS] >= options.max_steps:
             status, message = Status.TOO_MANY_STEPS, f"at t = {solver.t:.9g} s the limit on steps was reached"

@@ -27,50 +27,50 @@ _ANSWERS: dict[str, dict[type, Callable[..., Any]]] = {
     "dense_correction": {PlanarModel: planar_implicit.planar_dense_correction},
     "factor_tangent": {PlanarModel: planar_implicit.planar_factor_tangent},
 }
-_OPTIONS = {"error_model": "numpy", "fastmath": {"contract"}}
+_OPTIONS: Any = {"error_model": "numpy", "fastmath": {"contract"}}
 
 
-def derivative(model, work, t, y, dy):
+def derivative(model, work, t, y, dy) -> Any:
     """Write dy/dt at (t, y)."""
     raise NotImplementedError("called from compiled code only")
 
 
-def compliance(model, work, t, y):
+def compliance(model, work, t, y) -> Any:
     """Return max |C| and max |C_dot|."""
     raise NotImplementedError("called from compiled code only")
 
 
-def project(model, work, t, y, tolerance, most):
+def project(model, work, t, y, tolerance, most) -> Any:
     """Move y onto the constraints; return max |C| left."""
     raise NotImplementedError("called from compiled code only")
 
 
-def tangent(model, work, x):
+def tangent(model, work, x) -> Any:
     """Remove from both halves of x what points off the constraints, at the last factorization."""
     raise NotImplementedError("called from compiled code only")
 
 
-def regularity(work):
+def regularity(work) -> Any:
     """Return how far the last factorization is from a singular pose: 1 far, 0 there."""
     raise NotImplementedError("called from compiled code only")
 
 
-def multipliers(work, lam):
+def multipliers(work, lam) -> Any:
     """Copy the multipliers of the last acceleration into lam (n_slots, 3)."""
     raise NotImplementedError("called from compiled code only")
 
 
-def tree_correction(model, work, t, y, qdd, lam, weight, velocity_level):
+def tree_correction(model, work, t, y, qdd, lam, weight, velocity_level) -> Any:
     """Correct (qdd, lam) towards the DAE at (t, y) with the mass matrix alone."""
     raise NotImplementedError("called from compiled code only")
 
 
-def dense_correction(model, work, t, y, qdd, lam, weight, velocity_level, row_slot, row_row, lu, pivots):
+def dense_correction(model, work, t, y, qdd, lam, weight, velocity_level, row_slot, row_row, lu, pivots) -> Any:
     """Correct (qdd, lam) with the factored full tangent."""
     raise NotImplementedError("called from compiled code only")
 
 
-def factor_tangent(model, work, t, y, lam, by_position, by_velocity, row_slot, row_row, lu, pivots):
+def factor_tangent(model, work, t, y, lam, by_position, by_velocity, row_slot, row_row, lu, pivots) -> Any:
     """Form and factor the full tangent; return False where it is singular."""
     raise NotImplementedError("called from compiled code only")
 
