@@ -10,6 +10,7 @@ import numpy as np
 from mbs_ref.joint_graph import Edge, Layout, layout, row_count
 from mbs_ref.kernels.planar import model as arrays
 from mbs_ref.kernels.signals import SignalArrays
+from mbs_ref.planar_contacts import contact_laws, contact_modes, contact_pairs
 from mbs_ref.scene import (
     CoordinateDrive,
     Force,
@@ -244,6 +245,9 @@ def build_planar(scene: Scene) -> tuple[arrays.PlanarGroups, dict[int, tuple[int
         forces=forces,
         springs=_springs(build),
         torsion_springs=_torsion_springs(build),
+        contact_pairs=contact_pairs(scene, build),
+        contact_laws=contact_laws(scene),
+        contact_modes=contact_modes(scene),
         signals=signal_arrays(build.segments),
         world=arrays.World(np.array(scene.gravity, dtype=float), np.zeros(1, dtype=np.int64), np.zeros(3)),
     )

@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from mbs_ref.integrators.events import ACTIVE, EVENT, H_NEXT, IDLE, RETRY, event_tables, settle, watch
 from mbs_ref.integrators.leg import (
     CLOCK_COMPLIANCE,
     CLOCK_H,
@@ -121,7 +122,7 @@ def _error_norm(model, work, tableau, slopes, h, y, trial, scratch, rtol, atol, 
         tangent(model, work, scratch)
     low = weighted_norm(scratch, y, trial, rtol, atol)
     scale = main * main + 0.01 * low * low
-    return main * main / np.sqrt(scale) if scale > 0.0 else 0.0
+    return 0.0 if scale == 0.0 else main * main / np.sqrt(scale)  # NaN must stay NaN, and be rejected
 
 
 @jit
@@ -135,6 +136,13 @@ def advance_explicit(model, work, tableau, options, run, y, times, states, worst
     trial = np.empty(n)
     scratch = np.empty(n)
     budget = counts[COUNT_STEPS] + options.chunk
+    search, table = event_tables(model)
+    watched = table.shape[1] > 0
+    searching = False
+    if watched:
+        code = settle(model, work, clock[CLOCK_T], y, table, run, options.max_events)
+        if code != RUNNING:
+            return code
     derivative(model, work, clock[CLOCK_T], y, slopes[0])
     counts[COUNT_RHS] += 1
     if adaptive and clock[CLOCK_H] == 0.0:
@@ -154,14 +162,19 @@ def advance_explicit(model, work, tableau, options, run, y, times, states, worst
         h = reach if lands else proposed
         if adaptive and not lands and proposed > 0.5 * reach and natural == 0.0:
             h = 0.5 * reach  # two even steps rather than a whole one and a sliver
+        if watched:
+            searching = search[ACTIVE] != IDLE
+            if searching:
+                h = search[H_NEXT]
+                lands = h >= reach
         t_new = target if lands else t + h
-        if t_new == t:
+        if t_new == t and not searching:
             return STEP_TOO_SMALL
         restore = options.project and (rejected or regularity(work) < NEAR_SINGULAR)
         pivot = _stages(model, work, tableau, t, h, y, slopes, trial, restore, options.projection_tolerance)
         counts[COUNT_RHS] += stages - 1
         noisy_stage = adaptive and pivot < (NOISY_STAGE / options.rtol) ** (2.0 / 3.0)
-        if adaptive:
+        if adaptive and not searching:  # a shorter step than an accepted one needs no second judgement
             if restore:
                 project(model, work, t_new, trial, options.projection_tolerance, STAGE_ITERATIONS)
             derivative(model, work, t_new, trial, slopes[stages])
@@ -194,9 +207,17 @@ def advance_explicit(model, work, tableau, options, run, y, times, states, worst
         )  # fmt: skip
         if code != RUNNING:
             return code
+        verdict = 0
+        if watched:
+            verdict = watch(model, work, t, h, trial, search, table)
+            if verdict == RETRY:
+                if adaptive:
+                    clock[CLOCK_H] = proposed
+                continue
         pivot = regularity(work) if adaptive and options.project else 1.0
         noisy_end = pivot < (NOISY_PIVOT / options.rtol) ** (2.0 / 3.0)
-        if (avoided < PATIENT_AVOIDED and (noisy_stage or noisy_end)) or pivot < SINGULAR_PIVOT / options.rtol:
+        noisy = avoided < PATIENT_AVOIDED and (noisy_stage or noisy_end)
+        if verdict != EVENT and (noisy or pivot < SINGULAR_PIVOT / options.rtol):
             avoided += 1
             if avoided > MOST_AVOIDED:
                 return SINGULAR
@@ -216,13 +237,17 @@ def advance_explicit(model, work, tableau, options, run, y, times, states, worst
             y[k] = trial[k]
         clock[CLOCK_T] = t_new
         counts[COUNT_STEPS] += 1
+        if verdict == EVENT:
+            code = settle(model, work, t_new, y, table, run, options.max_events)
+            if code != RUNNING:
+                return code
         if lands:
             record(run, y, states, worst_per_time)
         if counts[COUNT_OUTPUT] == times.shape[0]:
             return DONE
         if counts[COUNT_STEPS] >= options.max_steps:
             return TOO_MANY_STEPS
-        if adaptive and not options.project:
+        if adaptive and not options.project and not searching and verdict != EVENT:
             for k in range(n):
                 slopes[0, k] = slopes[stages, k]  # first same as last
         else:

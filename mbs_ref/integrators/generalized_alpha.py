@@ -9,9 +9,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from mbs_ref.integrators.events import ACTIVE, EVENT, H_NEXT, IDLE, RETRY, event_tables, settle, watch
 from mbs_ref.integrators.leg import (
     CLOCK_COMPLIANCE,
     CLOCK_T,
+    COUNT_EVENTS,
     COUNT_OUTPUT,
     COUNT_RHS,
     COUNT_STEPS,
@@ -80,6 +82,16 @@ def _iterate(model, work, t, h, y, qdd, a, lam, trial, new_qdd, new_a, dense, ro
 
 
 @jit
+def _start(model, work, t, y, qdd, lam):
+    """Set accelerations and multipliers that satisfy the equations at the start."""
+    n = qdd.shape[0]
+    dy = np.empty(2 * n)
+    derivative(model, work, t, y, dy)
+    qdd[:] = dy[n:]
+    multipliers(work, lam)
+
+
+@jit
 def advance_generalized_alpha(
     model, work, options, run, y, qdd, a, lam, row_slot, row_row, lu, pivots, times, states, worst_per_time
 ):
@@ -91,6 +103,17 @@ def advance_generalized_alpha(
     new_a = np.empty(n)
     old_lam = lam.copy()
     budget = counts[COUNT_STEPS] + options.chunk
+    search, table = event_tables(model)
+    watched = table.shape[1] > 0
+    searching = False
+    if watched:
+        before = counts[COUNT_EVENTS]
+        code = settle(model, work, clock[CLOCK_T], y, table, run, options.max_events)
+        if code != RUNNING:
+            return code
+        if counts[COUNT_EVENTS] != before:
+            _start(model, work, clock[CLOCK_T], y, qdd, lam)
+            a[:] = qdd
     ratio = (1.0 - ALPHA_F) / (1.0 - ALPHA_M)
     dense = lu.shape[0] > 0 and counts[4] == 1
     factored = 0.0
@@ -100,8 +123,13 @@ def advance_generalized_alpha(
         reach = target - t
         lands = options.step >= reach * (1.0 - 1e-9)
         h = reach if lands else options.step
+        if watched:
+            searching = search[ACTIVE] != IDLE
+            if searching:
+                h = search[H_NEXT]
+                lands = h >= reach
         t_new = target if lands else t + h
-        if t_new == t:
+        if t_new == t and not searching:
             return STEP_TOO_SMALL
         converged = False
         contraction = 1.0
@@ -144,6 +172,12 @@ def advance_generalized_alpha(
         )  # fmt: skip
         if code != RUNNING:
             return code
+        verdict = 0
+        if watched:
+            verdict = watch(model, work, t, h, trial, search, table)
+            if verdict == RETRY:
+                lam[:] = old_lam
+                continue
         for k in range(n):
             y[k] = trial[k]
             y[n + k] = trial[n + k]
@@ -151,6 +185,13 @@ def advance_generalized_alpha(
             a[k] = new_a[k]
         clock[CLOCK_T] = t_new
         counts[COUNT_STEPS] += 1
+        if verdict == EVENT:
+            code = settle(model, work, t_new, y, table, run, options.max_events)
+            if code != RUNNING:
+                return code
+            _start(model, work, t_new, y, qdd, lam)
+            a[:] = qdd
+            factored = 0.0
         if lands:
             record(run, y, states, worst_per_time)
         if counts[COUNT_OUTPUT] == times.shape[0]:
@@ -160,16 +201,6 @@ def advance_generalized_alpha(
         if counts[COUNT_STEPS] >= budget:
             return RUNNING
     return DONE
-
-
-@jit
-def _start(model, work, t, y, qdd, lam):
-    """Set accelerations and multipliers that satisfy the equations at the start."""
-    n = qdd.shape[0]
-    dy = np.empty(2 * n)
-    derivative(model, work, t, y, dy)
-    qdd[:] = dy[n:]
-    multipliers(work, lam)
 
 
 DENSE_LIMIT = 900  # unknowns; a dense tangent beyond costs seconds a factorization and is not tried

@@ -11,6 +11,7 @@ from typing import Any
 from numba.extending import overload
 
 from mbs_ref.kernels.jit import jit
+from mbs_ref.kernels.planar import contact_events as planar_contacts
 from mbs_ref.kernels.planar import dynamics as planar
 from mbs_ref.kernels.planar import implicit as planar_implicit
 from mbs_ref.kernels.planar.model import PlanarModel, PlanarWork
@@ -26,6 +27,31 @@ _ANSWERS: dict[str, dict[type, Callable[..., Any]]] = {
     "tree_correction": {PlanarModel: planar_implicit.planar_tree_correction},
     "dense_correction": {PlanarModel: planar_implicit.planar_dense_correction},
     "factor_tangent": {PlanarModel: planar_implicit.planar_factor_tangent},
+}
+
+
+def _none(model):
+    return 0
+
+
+def _nothing(model, work, t, y, g, rate):
+    pass
+
+
+def _no_change(model, work, t, y, g, dy):
+    return 0, 0
+
+
+def _no_start(model, work, t, y, located):
+    pass
+
+
+# a core that knows no contact has no events
+_EVENTS: dict[str, tuple[Callable[..., Any], dict[type, Callable[..., Any]]]] = {
+    "root_count": (jit(_none), {PlanarModel: planar_contacts.planar_root_count}),
+    "roots": (jit(_nothing), {PlanarModel: planar_contacts.planar_roots}),
+    "transition": (jit(_no_change), {PlanarModel: planar_contacts.planar_transition}),
+    "start_modes": (jit(_no_start), {PlanarModel: planar_contacts.planar_start_modes}),
 }
 _OPTIONS: Any = {"error_model": "numpy", "fastmath": {"contract"}}
 
@@ -72,6 +98,26 @@ def dense_correction(model, work, t, y, qdd, lam, weight, velocity_level, row_sl
 
 def factor_tangent(model, work, t, y, lam, by_position, by_velocity, row_slot, row_row, lu, pivots) -> Any:
     """Form and factor the full tangent; return False where it is singular."""
+    raise NotImplementedError("called from compiled code only")
+
+
+def root_count(model) -> Any:
+    """Return the number of event functions watched."""
+    raise NotImplementedError("called from compiled code only")
+
+
+def roots(model, work, t, y, g, rate) -> Any:
+    """Fill the event functions, positive while the frozen modes hold, and their rates where known, else 0."""
+    raise NotImplementedError("called from compiled code only")
+
+
+def transition(model, work, t, y, g, dy) -> Any:
+    """Change the modes whose event functions are negative; return 0, or 1 and the contact that does not settle."""
+    raise NotImplementedError("called from compiled code only")
+
+
+def start_modes(model, work, t, y, located) -> Any:
+    """Set every contact's mode by the state."""
     raise NotImplementedError("called from compiled code only")
 
 
@@ -133,6 +179,59 @@ def _factor_tangent(model, work, t, y, lam, by_position, by_velocity, row_slot, 
     return lambda model, work, t, y, lam, by_position, by_velocity, row_slot, row_row, lu, pivots: answer(
         model, work, t, y, lam, by_position, by_velocity, row_slot, row_row, lu, pivots
     )
+
+
+def _event_answer(question, model):
+    default, answers = _EVENTS[question]
+    return answers.get(model.instance_class, default)
+
+
+@overload(root_count, jit_options=_OPTIONS)
+def _root_count(model):
+    answer = _event_answer("root_count", model)
+    return lambda model: answer(model)
+
+
+@overload(roots, jit_options=_OPTIONS)
+def _roots(model, work, t, y, g, rate):
+    answer = _event_answer("roots", model)
+    return lambda model, work, t, y, g, rate: answer(model, work, t, y, g, rate)
+
+
+@overload(transition, jit_options=_OPTIONS)
+def _transition(model, work, t, y, g, dy):
+    answer = _event_answer("transition", model)
+    return lambda model, work, t, y, g, dy: answer(model, work, t, y, g, dy)
+
+
+@overload(start_modes, jit_options=_OPTIONS)
+def _start_modes(model, work, t, y, located):
+    answer = _event_answer("start_modes", model)
+    return lambda model, work, t, y, located: answer(model, work, t, y, located)
+
+
+@jit
+def call_start_modes(model, work, t, y, located):
+    """Entry point from Python."""
+    start_modes(model, work, t, y, located)
+
+
+@jit
+def call_root_count(model):
+    """Entry point from Python."""
+    return root_count(model)
+
+
+@jit
+def call_roots(model, work, t, y, g, rate):
+    """Entry point from Python."""
+    roots(model, work, t, y, g, rate)
+
+
+@jit
+def call_transition(model, work, t, y, g, dy):
+    """Entry point from Python."""
+    return transition(model, work, t, y, g, dy)
 
 
 @jit
