@@ -137,7 +137,7 @@ class PlanarSystem(System):
                 self.scratch.rows.residual[slot, row : row + self._rows(k)].copy(),
                 self.scratch.rows.rate[slot, row : row + self._rows(k)].copy(),
             )
-            for k, (slot, row, _) in self.place.items()
+            for k, (slot, row, _) in sorted(self.place.items())
         }
 
     def poses(self, states: np.ndarray) -> Poses:
@@ -179,7 +179,8 @@ class PlanarSystem(System):
         scene_index = np.append(self.groups.bodies.scene_index, self.n_bodies)
         for r, (_, slot, row) in enumerate(rows):
             for side in range(2):
-                result[r, scene_index[self.groups.slots.body[slot, side]]] += self.scratch.rows.jacobian[slot, side, row]
+                body = scene_index[self.groups.slots.body[slot, side]]
+                result[r, body] += self.scratch.rows.jacobian[slot, side, row]
         return result[:, :-1].reshape(len(rows), 3 * self.n_bodies)
 
     def augmented(

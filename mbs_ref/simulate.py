@@ -208,8 +208,10 @@ def _redundancy(system: System, y: np.ndarray) -> list[str]:
     if rank == rows:
         return []
     freedom = system.n_coordinates - rank
-    return [f"{rows - rank} of {rows} constraint rows are redundant at t = 0 (rank {rank}, {freedom} degrees of freedom); "
-            "multipliers are the minimum-norm ones"]  # fmt: skip
+    return [
+        f"{rows - rank} of {rows} constraint rows are redundant at t = 0 (rank {rank}, {freedom} degrees of freedom); "
+        "multipliers are the minimum-norm ones"
+    ]
 
 
 def _unstable(system: System, plan: _Plan, y: np.ndarray) -> str:
@@ -238,7 +240,8 @@ def _first_call(system: System, plan: _Plan, y: np.ndarray) -> None:
     """Make one tiny leg on a copy: it compiles the method, or loads it from the cache, outside the timed loop."""
     span = min(1e-9, plan.times[1])
     with np.errstate(all="ignore"):
-        plan.integrator.advance(system, plan.options._replace(max_steps=2), progress(0.0), y.copy(), np.array([0.0, span]))
+        options = plan.options._replace(max_steps=2)
+        plan.integrator.advance(system, options, progress(0.0), y.copy(), np.array([0.0, span]))
 
 
 def _run_legs(system: System, plan: _Plan, y: np.ndarray):

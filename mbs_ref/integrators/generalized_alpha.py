@@ -31,6 +31,7 @@ from mbs_ref.integrators.leg import (
 from mbs_ref.integrators.step_control import close_step, record
 from mbs_ref.kernels.core import dense_correction, derivative, factor_tangent, multipliers, tree_correction
 from mbs_ref.kernels.jit import jit
+from mbs_ref.planar_system import PlanarSystem
 from mbs_ref.system import System
 
 SPECTRAL_RADIUS = 0.9  # at infinite frequency
@@ -39,6 +40,7 @@ ALPHA_F = SPECTRAL_RADIUS / (SPECTRAL_RADIUS + 1)
 GAMMA = 0.5 + ALPHA_F - ALPHA_M
 BETA = 0.25 * (GAMMA + 0.5) ** 2
 TREE_ITERATIONS, DENSE_ITERATIONS = 14, 12
+ATTEMPTS = 5  # renewals of the tangent at the latest iterate
 SLOW = 0.25  # contraction of the mass-only iteration above which the full tangent pays
 ROUNDOFF = 1e-13  # of the state's size: what a Newton correction may leave
 
@@ -49,7 +51,6 @@ def _iterate(model, work, t, h, y, qdd, a, lam, trial, new_qdd, new_a, dense, ro
     n = qdd.shape[0]
     ratio = (1.0 - ALPHA_F) / (1.0 - ALPHA_M)
     by_position = h * h * BETA * ratio
-    h * GAMMA * ratio
     size = 1.0
     for k in range(n):
         size = max(size, abs(y[k]))
@@ -133,25 +134,34 @@ def advance_generalized_alpha(
         converged = False
         contraction = 1.0
         old_lam[:] = lam
-        for attempt in range(3):
-            new_qdd[:] = qdd
-            lam[:] = old_lam
+        new_qdd[:] = qdd
+        for k in range(n):
+            trial[k] = y[k] + h * (y[n + k] + 0.5 * h * a[k])
+            trial[n + k] = y[n + k] + h * a[k]
+        for attempt in range(ATTEMPTS):
             if dense and (factored != h or attempt > 0):
                 if not factor_tangent(
-                    model, work, t_new, y, lam, h * h * BETA * ratio, h * GAMMA * ratio, row_slot, row_row, lu, pivots
-                ):
+                    model, work, t_new, trial, lam, h * h * BETA * ratio, h * GAMMA * ratio,
+                    row_slot, row_row, lu, pivots,
+                ):  # fmt: skip
                     break
                 counts[COUNT_RHS] += n
                 factored = h
             converged, contraction = _iterate(
-                model, work, t_new, h, y, qdd, a, lam, trial, new_qdd, new_a, dense, row_slot, row_row, lu, pivots, counts
-            )
+                model, work, t_new, h, y, qdd, a, lam, trial, new_qdd, new_a,
+                dense, row_slot, row_row, lu, pivots, counts,
+            )  # fmt: skip
             if converged:
                 break
             if not dense and lu.shape[0] > 0:
                 dense = True
                 counts[4] = 1
                 factored = 0.0
+                new_qdd[:] = qdd
+                lam[:] = old_lam
+                for k in range(n):
+                    trial[k] = y[k] + h * (y[n + k] + 0.5 * h * a[k])
+                    trial[n + k] = y[n + k] + h * a[k]
         if not converged:
             return NOT_CONVERGED
         if dense and contraction > SLOW:
@@ -198,6 +208,8 @@ DENSE_LIMIT = 900  # unknowns; a dense tangent beyond costs seconds a factorizat
 
 def advance(system: System, options: Options, run: Progress, y: np.ndarray, times: np.ndarray) -> Leg:
     """Integrate one leg."""
+    if not isinstance(system, PlanarSystem):
+        raise ValueError("method 'generalized_alpha' works on planar scenes only")
     states = np.empty((len(times), len(y)))
     worst = np.zeros(len(times))
     states[0] = y

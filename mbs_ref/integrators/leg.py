@@ -12,8 +12,8 @@ from mbs_ref.system import System
 from mbs_ref.trajectory import Status
 
 # Codes shared with compiled loops.
-RUNNING, DONE, NON_FINITE, STEP_TOO_SMALL, TOO_MANY_STEPS, COMPLIANCE, PROJECTION, NOT_CONVERGED, SINGULAR = range(9)
-ENDLESS_EVENTS = 9
+RUNNING, DONE, NON_FINITE, STEP_TOO_SMALL, TOO_MANY_STEPS = range(5)
+COMPLIANCE, PROJECTION, NOT_CONVERGED, SINGULAR, STALLED, ENDLESS_EVENTS = range(5, 11)
 STATUS = {
     DONE: Status.SUCCESS,
     NON_FINITE: Status.NON_FINITE,
@@ -23,6 +23,7 @@ STATUS = {
     PROJECTION: Status.PROJECTION,
     NOT_CONVERGED: Status.NOT_CONVERGED,
     SINGULAR: Status.SINGULAR,
+    STALLED: Status.STEP_TOO_SMALL,
     ENDLESS_EVENTS: Status.ENDLESS_EVENTS,
 }
 
@@ -68,6 +69,24 @@ class Leg:
     message: str = ""
 
 
+class Pace:
+    """Watches for a run that creeps: twice in a row a stretch of steps at which max_steps would not suffice."""
+
+    def __init__(self, start: float, end: float, max_steps: int, every: int) -> None:
+        self.least = (end - start) * every / max_steps  # s, progress expected of every stretch
+        self.every = every
+        self.mark, self.slow = start, 0
+        self.seen = 0
+
+    def is_hopeless(self, t: float, steps: int) -> bool:
+        """Return whether to give up, after `steps` steps that reached t (s)."""
+        if steps - self.seen < self.every:
+            return False
+        self.slow = self.slow + 1 if t - self.mark < self.least else 0
+        self.mark, self.seen = t, steps
+        return self.slow >= 2
+
+
 Advance = Callable[[System, Options, Progress, np.ndarray, np.ndarray], Leg]
 
 
@@ -96,6 +115,7 @@ MESSAGES = {
     TOO_MANY_STEPS: "the limit on steps was reached",
     COMPLIANCE: "the constraint-compliance test |C| < h failed",
     PROJECTION: "the constraints could not be restored by projection",
+    STALLED: "steps have become so short that the rest of the run is out of reach",
     SINGULAR: "the constraint Jacobian is rank-deficient and the motion's branch is ambiguous",
     ENDLESS_EVENTS: "contact events follow each other without end (endless bouncing, or more than max_events)",
     NOT_CONVERGED: "the iteration of an implicit step did not converge",

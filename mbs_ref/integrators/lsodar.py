@@ -16,9 +16,12 @@ from mbs_ref.integrators.leg import (
     CLOCK_T,
     COUNT_RHS,
     COUNT_STEPS,
+    MESSAGES,
+    STALLED,
     Integrator,
     Leg,
     Options,
+    Pace,
     Progress,
 )
 from mbs_ref.system import System
@@ -35,6 +38,7 @@ def advance(system: System, options: Options, run: Progress, y: np.ndarray, time
     t, reached, status, message = float(times[0]), 1, Status.SUCCESS, events.settle(float(times[0]), now)
     if message:
         return Leg(states, worst, reached, Status.ENDLESS_EVENTS, message)
+    pace = Pace(t, float(times[-1]), options.max_steps, every=2_000)
     while reached < len(times):
         if solver is None:
             solver = LSODA(system.derivative, t, now, float(times[-1]), rtol=options.rtol, atol=options.atol)
@@ -50,6 +54,9 @@ def advance(system: System, options: Options, run: Progress, y: np.ndarray, time
         if options.stop_on_compliance and gap >= t - before:
             status = Status.COMPLIANCE
             message = f"at t = {t:.9g} s |C| = {gap:.3g} is not below h = {t - before:.3g}"
+            break
+        if pace.is_hopeless(t, int(run.counts[COUNT_STEPS])):
+            status, message = Status.STEP_TOO_SMALL, f"at t = {t:.9g} s {MESSAGES[STALLED]}"
             break
         if run.counts[COUNT_STEPS] >= options.max_steps:
             status, message = Status.TOO_MANY_STEPS, f"at t = {t:.9g} s the limit on steps was reached"

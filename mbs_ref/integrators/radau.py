@@ -23,11 +23,13 @@ from mbs_ref.integrators.leg import (
     NON_FINITE,
     NOT_CONVERGED,
     RUNNING,
+    STALLED,
     STEP_TOO_SMALL,
     TOO_MANY_STEPS,
     Integrator,
     Leg,
     Options,
+    Pace,
     Progress,
     finish_leg,
 )
@@ -351,9 +353,12 @@ def advance(system: System, options: Options, run: Progress, y: np.ndarray, time
     worst = np.zeros(len(times))
     states[0] = y
     run.counts[COUNT_OUTPUT] = 1
+    pace = Pace(float(times[0]), float(times[-1]), options.max_steps, options.chunk)
     code = RUNNING
     while code == RUNNING:
         code = advance_radau(system.model, system.work, options, run, y, times, states, worst)
+        if code == RUNNING and pace.is_hopeless(float(run.clock[CLOCK_T]), int(run.counts[COUNT_STEPS])):
+            code = STALLED
     return finish_leg(code, states, worst, run)
 
 

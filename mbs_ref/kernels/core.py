@@ -53,70 +53,70 @@ _EVENTS: dict[str, tuple[Callable[..., Any], dict[type, Callable[..., Any]]]] = 
     "transition": (jit(_no_change), {PlanarModel: planar_contacts.planar_transition}),
     "start_modes": (jit(_no_start), {PlanarModel: planar_contacts.planar_start_modes}),
 }
-_OPTIONS = {"error_model": "numpy", "fastmath": {"contract"}}
+_OPTIONS: Any = {"error_model": "numpy", "fastmath": {"contract"}}
 
 
-def derivative(model, work, t, y, dy):
+def derivative(model, work, t, y, dy) -> Any:
     """Write dy/dt at (t, y)."""
     raise NotImplementedError("called from compiled code only")
 
 
-def compliance(model, work, t, y):
+def compliance(model, work, t, y) -> Any:
     """Return max |C| and max |C_dot|."""
     raise NotImplementedError("called from compiled code only")
 
 
-def project(model, work, t, y, tolerance, most):
+def project(model, work, t, y, tolerance, most) -> Any:
     """Move y onto the constraints; return max |C| left."""
     raise NotImplementedError("called from compiled code only")
 
 
-def tangent(model, work, x):
+def tangent(model, work, x) -> Any:
     """Remove from both halves of x what points off the constraints, at the last factorization."""
     raise NotImplementedError("called from compiled code only")
 
 
-def regularity(work):
+def regularity(work) -> Any:
     """Return how far the last factorization is from a singular pose: 1 far, 0 there."""
     raise NotImplementedError("called from compiled code only")
 
 
-def multipliers(work, lam):
+def multipliers(work, lam) -> Any:
     """Copy the multipliers of the last acceleration into lam (n_slots, 3)."""
     raise NotImplementedError("called from compiled code only")
 
 
-def tree_correction(model, work, t, y, qdd, lam, weight, velocity_level):
+def tree_correction(model, work, t, y, qdd, lam, weight, velocity_level) -> Any:
     """Correct (qdd, lam) towards the DAE at (t, y) with the mass matrix alone."""
     raise NotImplementedError("called from compiled code only")
 
 
-def dense_correction(model, work, t, y, qdd, lam, weight, velocity_level, row_slot, row_row, lu, pivots):
+def dense_correction(model, work, t, y, qdd, lam, weight, velocity_level, row_slot, row_row, lu, pivots) -> Any:
     """Correct (qdd, lam) with the factored full tangent."""
     raise NotImplementedError("called from compiled code only")
 
 
-def factor_tangent(model, work, t, y, lam, by_position, by_velocity, row_slot, row_row, lu, pivots):
+def factor_tangent(model, work, t, y, lam, by_position, by_velocity, row_slot, row_row, lu, pivots) -> Any:
     """Form and factor the full tangent; return False where it is singular."""
     raise NotImplementedError("called from compiled code only")
 
 
-def root_count(model):
+def root_count(model) -> Any:
     """Return the number of event functions watched."""
     raise NotImplementedError("called from compiled code only")
 
 
-def roots(model, work, t, y, g, rate):
+def roots(model, work, t, y, g, rate) -> Any:
     """Fill the event functions, positive while the frozen modes hold, and their rates where known, else 0."""
     raise NotImplementedError("called from compiled code only")
 
 
-def transition(model, work, t, y, g, dy):
+def transition(model, work, t, y, g, dy) -> Any:
     """Change the modes whose event functions are negative; return 0, or 1 and the contact that does not settle."""
     raise NotImplementedError("called from compiled code only")
 
 
-def start_modes(model, work, t, y, located):
+def start_modes(model, work, t, y, located) -> Any:
     """Set every contact's mode by the state."""
     raise NotImplementedError("called from compiled code only")
 
