@@ -95,7 +95,7 @@ class PlanarSystem(System):
         return modes.log[: modes.logged[0], :2].copy()
 
     def contact_oscillators(self, t: float, y: np.ndarray) -> np.ndarray:
-        """Return k W (1/s^2) and c W (1/s) of each contact (n_contacts, 2), W its normal mobility; c = 0 where F ~ d d'."""
+        """Return k W (1/s^2) and c W (1/s) of each contact (n, 2), W its normal mobility; c = 0 where F ~ d d'."""
         laws = self.groups.contact_laws
         mobility = [call_contact_mobility(self.model, self.work, float(t), y, k) for k in range(len(laws.stiffness))]
         steady = np.where(laws.damping_exponent == 0.0, laws.damping, 0.0)

@@ -302,8 +302,9 @@ def _part_complaints(part: Part, bodies: Mapping[str, Body], dimension: int) -> 
             yield f"{field} = {value} must have {dimension} components here"
 
 
-_VECTORS = ("point", "point_a", "point_b", "axis", "direction", "vector") + (
-    "center", "center_a", "center_b", "point_1", "point_2", "axle"
+_VECTORS = (
+    "point", "point_a", "point_b", "axis", "direction", "vector",
+    "center", "center_a", "center_b", "point_1", "point_2", "axle",
 )  # fmt: skip
 _SHAPED_PARTS = ("circle_on_line", "pin_on_sprocket")  # their body_b carries more than a circle
 _TURNING_PARTS = ("prismatic", "weld", "torque", "torsion_spring")

@@ -59,7 +59,7 @@ class System(ABC):
         return {}
 
     def contact_oscillators(self, t: float, y: np.ndarray) -> np.ndarray:
-        """Return k W (1/s^2) and c W (1/s) of each contact (n_contacts, 2), W its normal mobility; c = 0 where F ~ d d'."""
+        """Return k W (1/s^2) and c W (1/s) of each contact (n, 2), W its normal mobility; c = 0 where F ~ d d'."""
         return np.zeros((0, 2))
 
     def contact_events(self) -> np.ndarray:

@@ -394,7 +394,7 @@ def _contact_refusals(scene: Scene) -> list[Refusal]:
             if name == GROUND or center is None:
                 continue
             if name in jointed or math.dist(center, scene.bodies[scene.body_index(name)].position) > 1e-12:
-                reasons.append(f"{where}: its effective mass, which scales its stiffness, changes with the pose of {name!r}")
+                reasons.append(f"{where}: its effective mass, which scales the stiffness, changes as {name!r} moves")
     return [Refusal(reason, permanent=False) for reason in reasons]
 
 

@@ -12,7 +12,11 @@ RADIUS, WIDTH = 0.1, 1.0  # m
 
 
 def build(
-    *, law: Literal["spring", "rigid"] = "spring", stiffness: Positive = 1e5, speed: Positive = 5.0, mass: Positive = 1.0
+    *,
+    law: Literal["spring", "rigid"] = "spring",
+    stiffness: Positive = 1e5,
+    speed: Positive = 5.0,
+    mass: Positive = 1.0,
 ) -> Scene:
     """Bounce a disc without loss: its energy stays, and the period is exact.
 
@@ -28,7 +32,8 @@ def build(
         duration=2.0,
         bodies=(
             PlanarBody(
-                name="disc", mass=mass, inertia=0.5 * mass * RADIUS**2, position=(0.5 * WIDTH, 0.0), velocity=(speed, 0.0)
+                name="disc", mass=mass, inertia=0.5 * mass * RADIUS**2, position=(0.5 * WIDTH, 0.0),
+                velocity=(speed, 0.0),
             ),
         ),
         contacts=tuple(

@@ -67,8 +67,8 @@ def resting_block(
         ),
         contacts=tuple(
             CircleOnLine(
-                name=f"corner.{side}", body_a="block", center=corner, radius=0.0, point_1=(0.0, 0.0), point_2=(1.0, 0.0),
-                law=law, friction=friction,
+                name=f"corner.{side}", body_a="block", center=corner, radius=0.0, point_1=(0.0, 0.0),
+                point_2=(1.0, 0.0), law=law, friction=friction,
             )
             for side, corner in zip(("left", "right"), corners, strict=True)
         ),

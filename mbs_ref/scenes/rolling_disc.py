@@ -33,7 +33,8 @@ def build(
         gravity=(0.0, -gravity),
         bodies=(
             PlanarBody(
-                name="disc", mass=mass, inertia=inertia_factor * mass * RADIUS**2, position=center, velocity=(speed, 0.0)
+                name="disc", mass=mass, inertia=inertia_factor * mass * RADIUS**2, position=center,
+                velocity=(speed, 0.0),
             ),
         ),
         contacts=(

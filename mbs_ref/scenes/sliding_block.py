@@ -25,5 +25,5 @@ def build(
     grip = StickSlip(coefficient=friction, stiffness=stiffness, damping=damping)
     return resting_block(
         name="sliding_block", description="A block thrown along rough ground stops and stays.", angle=0.0, speed=speed,
-        friction=grip, mass=mass, stiffness=stiffness, damping=damping, gravity=gravity, pull=-friction if speed else 0.0,
+        friction=grip, mass=mass, stiffness=stiffness, damping=damping, gravity=gravity, pull=friction,
     )  # fmt: skip

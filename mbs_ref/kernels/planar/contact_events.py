@@ -285,7 +285,7 @@ def planar_start_modes(model, work, t, y, located):
 
 @jit
 def planar_contact_mobility(model, work, t, y, k):
-    """Return n^T W n (1/kg), the normal mobility of a contact within the joints; leave W n in the tree's acceleration."""
+    """Return n^T W n (1/kg), the normal mobility of a contact within the joints; leave W n as tree acceleration."""
     pairs, kin = contact_pairs_of(model), kinematics_of(work)
     tree, rows = tree_of(work), rows_of(work)
     load_state(model, work, y)

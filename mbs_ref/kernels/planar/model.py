@@ -200,7 +200,8 @@ def _no_contacts() -> tuple[ContactPairs, ContactLaws, ContactModes]:
         integers, integers, integers, points, floats, points, points, floats, integers, floats, points
     )  # fmt: skip
     laws = ContactLaws(*[floats] * 6, integers, floats, integers, *[floats] * 5)
-    modes = ContactModes(integers, integers, floats, floats, floats, integers, _integers(1), _floats(1), _floats(0, 6), _integers(1))
+    counters = (_integers(1), _floats(1), _floats(0, 6), _integers(1))
+    modes = ContactModes(integers, integers, floats, floats, floats, integers, *counters)
     return pairs, laws, modes
 
 
