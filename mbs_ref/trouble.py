@@ -42,11 +42,11 @@ class Stiffness:
     @property
     def fastest_decay(self) -> float:
         """The largest decay rate, 1/s."""
-        return float(np.max(-self.modes.real, initial=0.0))
+        return float(np.max(-np.real(self.modes), initial=0.0))
 
     def step_limit(self, stability: tuple[float, ...]) -> float:
         """Return the largest step (s) for a stability polynomial, lowest power first; inf where nothing is fast."""
-        fast = self.modes[self.modes.real <= UNSTABLE * self.fastest]
+        fast = self.modes[np.real(self.modes) <= UNSTABLE * self.fastest]
         fast = fast[np.abs(fast) > 1e-2 * self.fastest]
         if not len(fast):
             return np.inf

@@ -47,7 +47,7 @@ def resting_block(
     normal = mass * gravity * math.cos(angle)
     # moment about the centre: (N_r - N_l) L/2 - pull N H/2 = 0, uphill is -x
     split = pull * HEIGHT / LENGTH
-    depth = [0.5 * normal * (1.0 + sign * split) / stiffness for sign in (1.0, -1.0)]  # left, right
+    depth = [0.5 * normal * (1.0 + sign * split) / stiffness for sign in (-1.0, 1.0)]  # left, right
     tilt = math.asin((depth[0] - depth[1]) / LENGTH)
     center_y = 0.5 * HEIGHT * math.cos(tilt) - 0.5 * (depth[0] + depth[1])
     c, s = math.cos(tilt), math.sin(tilt)
