@@ -48,7 +48,7 @@ bench: venv  ## pytest-benchmark suites, alone on the machine
 	$(BIN)/python -m pytest benchmarks -m '' --benchmark-only -p no:xdist
 
 lock:  ## pin again what pyproject.toml asks for (needs uv)
-	uv pip compile pyproject.toml --extra engines --extra dev --universal --python-version 3.12 \
+	uv pip compile pyproject.toml --extra engines --extra cluster --extra dev --universal --python-version 3.12 \
 	  --generate-hashes --no-emit-index-url --no-header --no-annotate --upgrade --quiet -o requirements.lock
 
 clean:  ## remove everything that make made
