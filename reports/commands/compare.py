@@ -30,7 +30,7 @@ def command(baseline: str, current: str, only: str, as_json: bool) -> None:
     if not cases:
         raise click.UsageError(f"--only {only!r} fits none of: {', '.join(c.name for c in regression.CASES)}")
     with ExitStack() as stack:
-        trees = [stack.enter_context(_tree(name)) for name in (baseline, current)]
+        trees = [stack.enter_context(tree(name)) for name in (baseline, current)]
         report = stack.enter_context(progress("compare"))
         try:
             findings = list(regression.regressions(trees[0], trees[1], cases, report))
@@ -51,7 +51,7 @@ def command(baseline: str, current: str, only: str, as_json: bool) -> None:
 
 
 @contextmanager
-def _tree(name: str) -> Iterator[Path]:
+def tree(name: str) -> Iterator[Path]:
     """Yield the folder, or a passing checkout of the git revision."""
     if Path(name).is_dir():
         yield Path(name)
