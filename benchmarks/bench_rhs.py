@@ -50,5 +50,6 @@ def test_growth_is_linear(benchmark):
     benchmark.pedantic(measure, rounds=50, warmup_rounds=2)
     (few, short), (many, long) = best.items()
     exponents = {f"exponent_{a}_{b}": math.log(best[b] / best[a], b / a) for a, b in itertools.pairwise(best)}
-    benchmark.extra_info |= exponents | {"ns_per_body": {few: short / CALLS / few * 1e9, many: long / CALLS / many * 1e9}}
+    per_body = {few: short / CALLS / few * 1e9, many: long / CALLS / many * 1e9}
+    benchmark.extra_info |= exponents | {"ns_per_body": per_body}
     assert exponents["exponent_100_1000"] <= 1.1

@@ -12,6 +12,9 @@ from cross_checks.isolation import Isolated
 from cross_checks.record import Record
 
 
+NOWHERE: str = None  # type: ignore[assignment] - distributed's own way to have no dashboard
+
+
 def distributed(
     tasks: Iterable[Task], timeout: float, scheduler: str | None = None, workers: int | None = None
 ) -> Iterator[tuple[Task, Record]]:
@@ -20,7 +23,8 @@ def distributed(
         with Client(scheduler) as client:
             yield from gather(client, tasks, timeout)
         return
-    with LocalCluster(n_workers=workers, threads_per_worker=1, dashboard_address=None) as cluster, Client(cluster) as client:
+    local = LocalCluster(n_workers=workers, threads_per_worker=1, dashboard_address=NOWHERE)
+    with local as cluster, Client(cluster) as client:
         yield from gather(client, tasks, timeout)
 
 
@@ -29,6 +33,7 @@ def gather(client: Client, tasks: Iterable[Task], timeout: float) -> Iterator[tu
     futures = client.map(_on_worker, list(tasks), timeout=timeout, retries=RETRIES, pure=False)
     for future in as_completed(futures):
         yield future.result()
+        future.release()  # a worker that is lost later need not make it again
 
 
 def _on_worker(task: Task, timeout: float) -> tuple[Task, Record]:

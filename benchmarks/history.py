@@ -124,8 +124,11 @@ def _strongest(x: np.ndarray) -> tuple[int, float]:
 
 def from_benchmarks(data: dict[str, Any], job: str, made: str, commit_id: str, machine: str) -> list[Entry]:
     """Return the entries of a pytest-benchmark file, with the accuracy that the suites put in extra_info."""
-    return [
-        Entry(job, made, commit_id, machine, f"bench {item['name']}", float(item["extra_info"].get("loop_s", item["stats"]["min"])),
-              "s", "", item["extra_info"].get("error_m"))
-        for item in data["benchmarks"]
-    ]  # fmt: skip
+    entries = []
+    for item in data["benchmarks"]:
+        told = item["extra_info"]
+        seconds = float(told.get("loop_s", item["stats"]["min"]))
+        entries.append(
+            Entry(job, made, commit_id, machine, f"bench {item['name']}", seconds, "s", "", told.get("error_m"))
+        )
+    return entries

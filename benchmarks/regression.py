@@ -54,7 +54,10 @@ class Finding:
 
 
 def regressions(
-    baseline: Path, current: Path, cases: Sequence[Case] = CASES, progress: Callable[[int, int, str], None] | None = None
+    baseline: Path,
+    current: Path,
+    cases: Sequence[Case] = CASES,
+    progress: Callable[[int, int, str], None] | None = None,
 ) -> Iterator[Finding]:
     """Yield a finding for each case; ValueError where a folder is no source tree."""
     with Tree(baseline) as before, Tree(current) as after:
@@ -72,8 +75,8 @@ def examine(before: Tree, after: Tree, case: Case) -> Finding:
         if settings is None:
             text = f"no setting of the {name} reaches {case.error:g} m"
             return Finding(case.name, NOT_MEASURED, text, case.error)
-    runs = [lambda t=t, s=s: t.time(**what, settings=s) for t, s in zip((before, after), chosen, strict=True)]
-    timing = compare(*runs)
+    first, second = chosen
+    timing = compare(lambda: before.time(**what, settings=first), lambda: after.time(**what, settings=second))
     return Finding(case.name, timing.pace, _sentence(timing, case), case.error, timing)
 
 

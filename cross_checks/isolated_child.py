@@ -24,7 +24,7 @@ def serve(pipe: Connection) -> None:
 def _answer(function: Any, arguments: tuple[Any, ...]) -> tuple[bool, Any]:
     try:
         return True, function(*arguments)
-    except Exception as error:  # noqa: BLE001 - it is raised again where the call came from
+    except Exception as error:  # raised again where the call came from
         return False, error
 
 

@@ -34,7 +34,7 @@ def engine_name(pytestconfig: pytest.Config) -> str:
     file, name = pytestconfig.getoption("--mbs-adapter"), pytestconfig.getoption("--mbs-engine")
     if file is None and name is None:
         pytest.skip("choose an engine with --mbs-adapter FILE or --mbs-engine NAME")
-    return name or Path(file).stem.removesuffix("_")
+    return name or Path(str(file)).stem.removesuffix("_")
 
 
 @pytest.fixture(scope="session")

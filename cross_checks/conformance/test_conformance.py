@@ -132,8 +132,9 @@ def test_joints_close_better_with_finer_steps(engine):
                 continue
             times = np.linspace(0.0, 0.2, 11)
             records = [evaluate(scene, engine.name, settings_for(method, h), times) for h in (COARSE, FINE)]
-            gaps = [r.compliance["position"] for r in records if r.status == "success"]
-            if len(gaps) == 2 and None not in gaps:
+            found = [r.compliance["position"] for r in records if r.status == "success"]
+            gaps = [gap for gap in found if gap is not None]
+            if len(gaps) == 2:
                 told = f"{scene.name} by {method.name}: joints open from {gaps[0]} to {gaps[1]}"
                 assert gaps[1] <= max(gaps[0], ROUNDOFF), told
 
@@ -146,8 +147,7 @@ def test_a_hopeless_step_is_never_a_success_with_nonsense_in_it(engine):
             times = np.array([0.0, scene.duration / 2, scene.duration])
             try:
                 result = engine.run(scene, settings, times)
-            except ValueError as error:
-                assert str(error)
+            except ValueError:  # it refuses the setting, aloud
                 continue
             if result.ok:
                 assert np.isfinite(result.position).all()

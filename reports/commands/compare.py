@@ -57,7 +57,8 @@ def tree(name: str) -> Iterator[Path]:
         yield Path(name)
         return
     with tempfile.TemporaryDirectory(prefix="mbs-ref-") as folder:
-        done = subprocess.run(["git", "archive", "--output", f"{folder}/tree.tar", name], capture_output=True, text=True)
+        archive = ["git", "archive", "--output", f"{folder}/tree.tar", name]
+        done = subprocess.run(archive, capture_output=True, text=True, check=False)
         if done.returncode:
             raise click.UsageError(f"{name!r} is neither a folder nor a git revision: {done.stderr.strip()}")
         subprocess.run(["tar", "-xf", "tree.tar"], cwd=folder, check=True)

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import click
 
+from benchmarks import history
+from benchmarks.history import Entry
 from reports import inputs
 from reports.console import echo_json, number, show, table
 from reports.exit_codes import NothingSelected
@@ -20,8 +23,6 @@ FILE = click.Path(exists=True, dir_okay=False, path_type=Path)
 @click.option("-o", "output", metavar="FILE.html", help="Draw the trends.")
 def command(file: Path, text: str, as_json: bool, output: str | None) -> None:
     """Show every series over time with its change points."""
-    from benchmarks import history
-
     target = inputs.output(output, (".html",))
     database, problems = history.index(file)
     for problem in problems:
@@ -35,11 +36,14 @@ def command(file: Path, text: str, as_json: bool, output: str | None) -> None:
 
         write_trends(found, changes, target)
     if as_json:
-        facts = {n: {"values": [e.value for e in es], "changes": [es[k].made for k in changes[n]]} for n, es in found.items()}
-        echo_json(facts)
+        echo_json({name: _facts(entries, changes[name]) for name, entries in found.items()})
         return
     listing = table("", "series", "jobs", "last", "unit", "verdict", "changed at")
     for name, entries in found.items():
         last, when = entries[-1], ", ".join(entries[k].made for k in changes[name])
         listing.add_row(name, str(len(entries)), number(last.value), last.unit, last.verdict, when or "never")
     show(listing)
+
+
+def _facts(entries: list[Entry], changes: list[int]) -> dict[str, Any]:
+    return {"values": [e.value for e in entries], "changes": [entries[k].made for k in changes]}

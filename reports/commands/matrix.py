@@ -83,5 +83,6 @@ def _spread(tasks, serial: bool, timeout: float, scheduler: str | None, workers:
     except ModuleNotFoundError as error:
         if error.name != "distributed":
             raise
-        raise Failed("the package distributed is not installed (pip install mbs-ref[cluster]); or use --serial") from error
+        advice = "the package distributed is not installed (pip install mbs-ref[cluster]); or use --serial"
+        raise Failed(advice) from error
     return distributed(tasks, timeout, scheduler, workers)

@@ -9,7 +9,7 @@ import pytest
 
 from benchmarks.cluster import plan, same, serial, shard
 
-TIMEOUT = 60.0  # s
+TIMEOUT = 300.0  # s; far beyond the longest run, because a timeout depends on the machine
 
 
 def test_shards_are_disjoint_and_complete():

@@ -82,14 +82,14 @@ def test_the_worst_verdict_counts():
 
 
 def test_the_coarsest_rung_within_the_error_is_chosen():
-    rungs = [{"status": s, "error": e, "settings": {"step": h}} for s, e, h in
-             [("success", 1e-3, 0.1), ("diverged", None, 0.05), ("success", 1e-7, 0.01), ("success", 1e-9, 0.001)]]  # fmt: skip
+    runs = [("success", 1e-3, 0.1), ("diverged", None, 0.05), ("success", 1e-7, 0.01), ("success", 1e-9, 0.001)]
+    rungs = [{"status": s, "error": e, "settings": {"step": h}} for s, e, h in runs]
     assert cheapest(rungs, 1e-6) == {"step": 0.01}
     assert cheapest(rungs, 1e-12) is None
 
 
 def test_profiles(swing):
-    records = [r for r in sweep(scenes.make("pendulum"), ["swing"])]
+    records = list(sweep(scenes.make("pendulum"), ["swing"]))
     priced = [replace(r, times={"loop_s": 1e-4 / r.settings["step"]}) for r in records if r.status == "success"]
     found = {p.solver[1]: p for p in profiles([*priced, *(r for r in records if r.status != "success")], 1e-3)}
     assert found["second"].share(1.0) == 1.0
