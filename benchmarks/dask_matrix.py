@@ -11,7 +11,6 @@ from benchmarks.cluster import RETRIES, Task, isolated_task
 from cross_checks.isolation import Isolated
 from cross_checks.record import Record
 
-
 NOWHERE: str = None  # type: ignore[assignment] - distributed's own way to have no dashboard
 
 

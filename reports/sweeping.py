@@ -9,7 +9,7 @@ from pathlib import Path
 import click
 
 from cross_checks import engines, record_file
-from cross_checks.isolation import Caller, Isolated, direct
+from cross_checks.isolation import MEMORY, TIMEOUT, Caller, Isolated, direct
 from cross_checks.record import Record
 from mbs_ref.scene import Scene, UserForce
 from reports import inputs
@@ -53,9 +53,8 @@ def _caller(stack: ExitStack, scene: Scene, timeout: float | None, memory_mib: f
     """A user's Python force cannot travel to another process."""
     if any(isinstance(load, UserForce) for load in scene.loads):
         return direct
-    limits = {} if timeout is None else {"timeout": timeout}
-    limits |= {} if memory_mib is None else {"memory": int(memory_mib * 2**20)}
-    return stack.enter_context(Isolated(**limits))
+    memory = MEMORY if memory_mib is None else int(memory_mib * 2**20)
+    return stack.enter_context(Isolated(timeout or TIMEOUT, memory))
 
 
 def _begun(stack: ExitStack, target: Path | None) -> list[Record]:
