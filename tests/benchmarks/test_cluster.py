@@ -8,6 +8,7 @@ import signal
 import pytest
 
 from benchmarks.cluster import plan, same, serial, shard
+from benchmarks.scaling import makespan
 
 TIMEOUT = 300.0  # s; far beyond the longest run, because a timeout depends on the machine
 
@@ -41,3 +42,10 @@ def test_a_lost_worker_costs_only_time():
     assert found.keys() == alone.keys()
     different = [task for task in tasks if not same(found[task], alone[task])]
     assert not different
+
+
+def test_the_makespan_is_between_its_bounds():
+    seconds = [3.0, 1.0, 1.0, 1.0]
+    assert makespan(seconds, 1) == 6.0
+    assert makespan(seconds, 2) == 3.0
+    assert makespan(seconds, 1000) == 3.0
