@@ -158,7 +158,7 @@ def _consistent_start(system: System, y: np.ndarray, settings: Settings) -> list
     left = system.project(0.0, y)
     if not left <= settings.initial_tolerance:
         raise InconsistentScene(f"the initial positions cannot be projected: {left:.3g} left; {'; '.join(gaps[:8])}")
-    half = len(y) // 2
+    half = system.n_positions
     moved, kicked = np.abs(y - before)[:half].max(), np.abs(y - before)[half:].max()
     return [f"initial conditions were projected: largest correction {moved:.3g} m or rad, {kicked:.3g} m/s or rad/s"]
 

@@ -50,6 +50,11 @@ class System(ABC):
         """Move y onto the constraints in place; return max |C| left."""
         return core.call_project(self.model, self.work, float(t), y, tolerance, most)
 
+    @property
+    def n_positions(self) -> int:
+        """Entries of the state that are positions and orientations; the rates follow. Half of it unless said."""
+        return len(self.initial_state()) // 2
+
     # --- what a core defines ------------------------------------------------------------------------
 
     @abstractmethod
