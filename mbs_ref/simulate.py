@@ -14,6 +14,7 @@ from mbs_ref.integrators.leg import CLOCK_H, COUNT_REJECTED, COUNT_RHS, COUNT_ST
 from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings
 from mbs_ref.system import System
+from mbs_ref.traits import traits
 from mbs_ref.trajectory import Status, Timing, Trajectory
 
 DEFAULT_TOLERANCE = 1e-8  # rtol, and atol in m, rad, m/s, rad/s
@@ -72,6 +73,9 @@ def _plan(scene: Scene, settings: Settings, times: np.ndarray | None) -> _Plan:
     if name not in known:
         raise ValueError(f"method = {name!r} is unknown to mbs_ref; allowed: {', '.join(known)}")
     integrator = known[name]
+    missing = integrator.requires - traits(scene)
+    if missing:
+        raise ValueError(f"method = {name!r} needs a scene that is {', '.join(sorted(missing))}; {scene.name!r} is not")
     fixed = _wants_fixed_step(integrator, settings)
     notes: tuple[str, ...] = ()
     if times is None:

@@ -7,7 +7,7 @@ from typing import Annotated
 
 from pydantic import Field
 
-from mbs_ref.part import NonNegative, Positive
+from mbs_ref.part import Positive
 from mbs_ref.scene import GROUND, Distance, PointMass, Scene
 
 
@@ -16,7 +16,7 @@ def build(
     length: Positive = 1.0,
     gravity: Positive = 9.81,
     angle: Annotated[float, Field(gt=0.0, lt=3.1)] = 1.0,
-    speed: NonNegative = 1.0,
+    speed: Positive = 1.0,
 ) -> Scene:
     """Swing a point mass on a massless rod, sent off sideways.
 
