@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from mbs_ref.euler_parameters import parameter_matrix
+from mbs_ref.euler_parameters import parameter_matrix, rotation_matrices
 from mbs_ref.kernels import core
 from mbs_ref.kernels.spatial.model import (
     CONTROL_MODE_TIME,
@@ -34,7 +34,7 @@ class SpatialSystem(System):
     """A spatial scene as arrays and compiled functions.
 
     State y = concatenate(q, u) in scene order; a rigid body has q = R, theta0..theta3 (m, 1) and
-    u = R', omega (m/s, rad/s, world axes), a point mass q = R and u = R'. Raises ValueError where the
+    u = R', omega (m/s, rad/s, omega in body axes), a point mass q = R and u = R'. Raises ValueError where the
     scene is not spatial.
     """
 
@@ -81,7 +81,7 @@ class SpatialSystem(System):
             u += body.velocity
             if isinstance(body, SpatialBody):
                 q += (np.array(body.orientation) / np.linalg.norm(body.orientation)).tolist()
-                u += body.angular_velocity
+                u += (rotation_matrices(body.orientation).T @ body.angular_velocity).tolist()
         return np.array(q + u, dtype=float)
 
     @cached_property
@@ -155,7 +155,8 @@ class SpatialSystem(System):
             q, v = bodies.q[i], bodies.v[i]
             position[:, k], velocity[:, k] = states[:, q : q + 3], states[:, v : v + 3]
             if bodies.rigid[i]:
-                theta[:, k], omega[:, k] = states[:, q + 3 : q + 7], states[:, v + 3 : v + 6]
+                theta[:, k] = states[:, q + 3 : q + 7]
+                omega[:, k] = np.einsum("tij,tj->ti", rotation_matrices(theta[:, k]), states[:, v + 3 : v + 6])
         return Poses(position, theta, velocity, omega)
 
     @property
@@ -230,7 +231,7 @@ class SpatialSystem(System):
             e = parameter_matrix(theta)
             found[6 * k + 3 : 6 * k + 6, q + 3 : q + 7] = 2.0 * e
             norms[row, q + 3 : q + 7] = 2.0 * theta
-            rate = 0.5 * e.T @ y[v + 3 : v + 6]
+            rate = 0.5 * e.T @ rotation_matrices(theta) @ y[v + 3 : v + 6]
             squares[row] = -2.0 * rate @ rate
         return found, norms, squares
 

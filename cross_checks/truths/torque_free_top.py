@@ -60,7 +60,7 @@ def _rates(moments: np.ndarray, omega: np.ndarray) -> Rates:
     lack, excess = energy2 * i3 - momentum2, momentum2 - energy2 * i1
     size = np.array([np.sqrt(lack / (i1 * (i3 - i1))), np.sqrt(lack / (i2 * (i3 - i2))), np.sqrt(excess / (i3 * (i3 - i1)))])
     speed, m = np.sqrt((i3 - i2) * excess / (i1 * i2 * i3)), (i2 - i1) * lack / ((i3 - i2) * excess)
-    mirrored = -1 if place in ((0, 2, 1), (2, 1, 0), (1, 0, 2)) else 1  # an odd permutation of the axes runs backwards
+    mirrored = -1 if (low, middle, high) in ((0, 2, 1), (2, 1, 0), (1, 0, 2)) else 1  # left-handed axes run backwards
     down = np.sign(omega[place[2]])
     size = size * np.array([1, mirrored * down, down])
     c, s = omega[place[0]] / size[0], omega[place[1]] / size[1]

@@ -24,7 +24,7 @@ class Bodies(NamedTuple):
     alone: np.ndarray  # (n,) int: 1 where no joint row touches the body
     scene_index: np.ndarray  # (n,) int, place in the scene's order
     q: np.ndarray  # (n,) int, first place in the state of R, theta
-    v: np.ndarray  # (n,) int, first place in the state of R', omega
+    v: np.ndarray  # (n,) int, first place in the state of R', omega (body axes)
     parent: np.ndarray  # (n,) int, n for ground or none
 
 

@@ -10,6 +10,7 @@ import numpy as np
 
 from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.spatial.model import bodies_of, kinematics_of
+from mbs_ref.kernels.spatial.vectors import turn
 
 
 @jit
@@ -79,9 +80,8 @@ def load_state(model, work, y):
         if bodies.rigid[i] == 1:
             for c in range(4):
                 kin.theta[i, c] = y[q + 3 + c]
-            for c in range(3):
-                kin.omega[i, c] = y[v + 3 + c]
             kin.norm[i] = rotation(y[q + 3], y[q + 4], y[q + 5], y[q + 6], kin.turned[i]) - 1.0
+            kin.omega[i, 0], kin.omega[i, 1], kin.omega[i, 2] = turn(kin.turned[i], y[v + 3 : v + 6])
             _world_inertia(kin.turned[i], bodies.inertia[i], kin.inertia[i])
 
 
