@@ -13,6 +13,7 @@ from typing import Annotated, Any, Literal, Self
 import numpy as np
 from pydantic import BeforeValidator, Field, SkipValidation, model_validator
 
+from mbs_ref.contact import Contact
 from mbs_ref.part import Name, NonNegative, Part, Positive, Vector
 from mbs_ref.signals import Constant, Level, Signal, breakpoints
 
@@ -60,6 +61,7 @@ def _six_numbers(value: Any) -> Any:
 
 Inertia = Annotated[tuple[float, float, float, float, float, float], BeforeValidator(_six_numbers)]
 Vector3 = tuple[float, float, float]
+SixNonNegative = tuple[NonNegative, NonNegative, NonNegative, NonNegative, NonNegative, NonNegative]
 
 
 class SpatialBody(Part):
@@ -380,8 +382,8 @@ class Bushing(Part):
     body_a: Name
     body_b: Name
     point: Vector3  # m, world, t = 0
-    stiffness: tuple[NonNegative, NonNegative, NonNegative, NonNegative, NonNegative, NonNegative]  # N/m, N m/rad
-    damping: tuple[NonNegative, NonNegative, NonNegative, NonNegative, NonNegative, NonNegative] = (0.0,) * 6  # N s/m, N m s/rad
+    stiffness: SixNonNegative  # N/m, N m/rad
+    damping: SixNonNegative = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)  # N s/m, N m s/rad
     x_axis: Vector3 = (1.0, 0.0, 0.0)  # direction, world, t = 0
     y_axis: Vector3 = (0.0, 1.0, 0.0)  # direction, world, t = 0; perpendicular to x_axis
 
@@ -423,6 +425,7 @@ class Scene(Part):
     bodies: tuple[Body, ...] = Field(min_length=1, max_length=100_000)
     joints: tuple[Joint, ...] = ()
     loads: tuple[Load, ...] = ()
+    contacts: tuple[Contact, ...] = ()
     parameters: dict[str, float | int | str | bool] = {}  # what the scene was built with
 
     @model_validator(mode="after")
@@ -462,7 +465,8 @@ def _require_perpendicular(name: str, first: Vector3, other_name: str, second: V
     _require_direction(other_name, second)
     cosine = math.sumprod(first, second) / math.hypot(*first) / math.hypot(*second)
     if not abs(cosine) <= 1e-9:
-        raise ValueError(f"{name} = {first} and {other_name} = {second} must be perpendicular; their cosine is {cosine:.3g}")
+        pair = f"{name} = {first} and {other_name} = {second}"
+        raise ValueError(f"{pair} must be perpendicular; their cosine is {cosine:.3g}")
 
 
 def _complaints(scene: Scene) -> Iterator[str]:
@@ -475,10 +479,13 @@ def _complaints(scene: Scene) -> Iterator[str]:
             yield f"bodies[{k}] ({body.name}): position and velocity need {dimension} components"
         if body.name == GROUND:
             yield f"bodies[{k}]: a body may not be named {GROUND!r}, which is reserved"
+    if dimension == 3 and scene.contacts:
+        yield f"contacts[0] ({scene.contacts[0].name}): contacts are for the plane alone so far"
     bodies = {body.name: body for body in scene.bodies}
-    for kind, parts in (("bodies", scene.bodies), ("joints", scene.joints), ("loads", scene.loads)):
+    attached = (("joints", scene.joints), ("loads", scene.loads), ("contacts", scene.contacts))
+    for kind, parts in (("bodies", scene.bodies), *attached):
         yield from _name_clashes(kind, [part.name for part in parts])
-    for kind, parts in (("joints", scene.joints), ("loads", scene.loads)):
+    for kind, parts in attached:
         for k, part in enumerate(parts):
             yield from (f"{kind}[{k}] ({part.name}): {text}" for text in _part_complaints(part, bodies, dimension))
 
@@ -504,7 +511,7 @@ def _part_complaints(part: Part, bodies: Mapping[str, Body], dimension: int) -> 
         yield f"body_a and body_b are both {a!r}; they must differ"
     yield from _dimension_complaints(part, dimension)
     if _only_in(part) in (None, dimension):
-        for field in ("point", "point_a", "point_b", "axis", "direction", "vector"):
+        for field in _VECTORS:
             value = getattr(part, field, None)
             if value is not None and len(value) != dimension:
                 yield f"{field} = {value} must have {dimension} components here"
@@ -537,9 +544,15 @@ def _dimension_complaints(part: Any, dimension: int) -> Iterator[str]:
         yield f"coordinate = {part.coordinate!r} is for {place[5 - dimension]} alone{hint}"
 
 
-_TURNING_PARTS = (
-    "prismatic weld torque torsion_spring universal cylindrical rotation_drive torque_vector bushing".split()
-)
+_TURNING_PARTS = {
+    "prismatic", "weld", "torque", "torsion_spring", "universal", "cylindrical", "rotation_drive", "torque_vector",
+    "bushing",
+}  # fmt: skip
+_VECTORS = (
+    "point", "point_a", "point_b", "axis", "direction", "vector",
+    "center", "center_a", "center_b", "point_1", "point_2", "axle",
+)  # fmt: skip
+_SHAPED_PARTS = ("circle_on_line", "pin_on_sprocket")  # their body_b carries more than a circle
 
 
 def _particle_complaints(part: Any, field: str, body: Body) -> Iterator[str]:
@@ -547,6 +560,9 @@ def _particle_complaints(part: Any, field: str, body: Body) -> Iterator[str]:
     turning = part.type in _TURNING_PARTS or (isinstance(part, Revolute) and len(body.position) == 3)
     if turning or getattr(part, "coordinate", None) == "angle":
         yield f"{field} = {body.name!r} is a point mass and has no orientation; use a rigid body"
+        return
+    if getattr(part, "friction", None) is not None or (field == "body_b" and part.type in _SHAPED_PARTS):
+        yield f"{field} = {body.name!r} is a point mass: it carries circles without friction only; use a rigid body"
         return
     point = _attachment(part, field)
     if point is None or len(point) != len(body.position):
@@ -557,8 +573,9 @@ def _particle_complaints(part: Any, field: str, body: Body) -> Iterator[str]:
 
 def _attachment(part: Part, field: str) -> tuple[float, ...] | None:
     """Return where a part is attached to its body: the body's own mark, or the shared one."""
-    own = getattr(part, field.replace("body", "point"), None)
-    return own if own is not None else getattr(part, "point", None)
+    own = (getattr(part, field.replace("body", kind), None) for kind in ("point", "center"))
+    shared = (getattr(part, kind, None) for kind in ("point", "center"))
+    return next((mark for mark in (*own, *shared) if mark is not None), None)
 
 
 def _listing(names: Iterable[str], most: int = 12) -> str:

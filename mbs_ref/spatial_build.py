@@ -233,7 +233,8 @@ def _torsion_springs(build: _Builder) -> arrays.TorsionSprings:
 
 def _bushings(build: _Builder) -> arrays.Bushings:
     loads = [x for x in build.scene.loads if isinstance(x, Bushing)]
-    frames = [np.column_stack((unit(x.x_axis), unit(x.y_axis), np.cross(unit(x.x_axis), unit(x.y_axis)))) for x in loads]
+    directions = [(unit(x.x_axis), unit(x.y_axis)) for x in loads]
+    frames = [np.column_stack((x, y, np.cross(x, y))) for x, y in directions]
     pairs = list(zip(loads, frames, strict=True))
     return arrays.Bushings(
         *_ends(build, loads),

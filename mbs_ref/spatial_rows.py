@@ -155,8 +155,8 @@ def _fits(edge: Edge, joint: Any, scene: Scene) -> bool:
     present = [scene.joints[k] for k in edge.joints]
     kinds = {j.type for j in present}
     if isinstance(joint, RotationDrive):
-        keeper = present[0]
-        return len(present) == 1 and isinstance(keeper, Revolute | Cylindrical) and _is_parallel(keeper.axis, joint.axis)
+        keeps_axis = len(present) == 1 and isinstance(present[0], Revolute | Cylindrical)
+        return keeps_axis and _is_parallel(present[0].axis, joint.axis)
     if joint.type == "coordinate_drive":
         return kinds == {"coordinate_drive"} and all(j.coordinate != joint.coordinate for j in present)
     if isinstance(joint, PointDrive) and kinds == {"point_drive"}:

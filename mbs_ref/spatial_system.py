@@ -186,7 +186,8 @@ class SpatialSystem(System):
         scene_index = np.append(self.groups.bodies.scene_index, self.n_bodies)
         for r, (_, slot, row) in enumerate(rows):
             for side in range(2):
-                result[r, scene_index[self.groups.slots.body[slot, side]]] += self.scratch.rows.jacobian[slot, side, row]
+                body = scene_index[self.groups.slots.body[slot, side]]
+                result[r, body] += self.scratch.rows.jacobian[slot, side, row]
         return result[:, :-1].reshape(len(rows), 6 * self.n_bodies)
 
     def mass_matrix(self) -> np.ndarray:

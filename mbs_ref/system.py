@@ -55,6 +55,18 @@ class System(ABC):
         """Entries of the state that are positions and orientations; the rates follow. Half of it unless said."""
         return len(self.initial_state()) // 2
 
+    def start_contacts(self, t: float, y: np.ndarray, located: bool) -> None:
+        """Set every contact's mode by the state; without `located` forces are clipped by the state instead."""
+        core.call_start_modes(self.model, self.work, float(t), y, located)
+
+    def contact_forces(self, times: np.ndarray, states: np.ndarray) -> dict[str, np.ndarray]:
+        """Return for each contact depth (m), force on body_a (N, N) and its point (m, m), world axes."""
+        return {}
+
+    def contact_events(self) -> np.ndarray:
+        """Return time (s) and contact index (n_events, 2) of the events located so far."""
+        return np.zeros((0, 2))
+
     # --- what a core defines ------------------------------------------------------------------------
 
     @abstractmethod

@@ -18,14 +18,16 @@ def solve(scene: Scene, times: np.ndarray) -> Truth:
     """u = cos(theta): u'^2 = beta (u0 - u)(1 - u^2) - a^2 (u0 - u)^2 from rest at u0 (Goldstein sec. 5-7).
 
     With u1 < u0 < u3 its roots, u = u1 + (u0 - u1) sn^2(K + p t), p = sqrt(beta (u3 - u1)) / 2; precession
-    phi' = a (u0 - u) / (1 - u^2) and spin psi' = omega_3 - phi' u by quadrature. Steady: phi' is a root of its quadratic.
+    phi' = a (u0 - u) / (1 - u^2) and spin psi' = omega_3 - phi' u by quadrature. Steady: phi' is
+    a root of its quadratic.
     """
     given = scene.parameters
     spin, tilt, gravity = (float(given[key]) for key in ("spin", "tilt", "gravity"))
     grid = times.astype(np.longdouble)
     if given["motion"] == "steady":
         rate = np.longdouble(steady_precession(spin, tilt, gravity))
-        theta, phi, psi = np.full(len(times), np.longdouble(tilt)), rate * grid, (spin - rate * np.cos(np.longdouble(tilt))) * grid
+        theta, phi = np.full(len(times), np.longdouble(tilt)), rate * grid
+        psi = (spin - rate * np.cos(theta)) * grid
     else:
         theta, phi, psi = _nutation(np.longdouble(spin), np.longdouble(tilt), np.longdouble(gravity), grid)
     full = 2 * np.arctan2(np.longdouble(0), np.longdouble(-1))

@@ -16,7 +16,8 @@ def solve(scene: Scene, times: np.ndarray) -> Truth:
     u = u1 + (u2 - u1) sn^2(p t + offset), p = sqrt((2 g / l)(u3 - u1)) / 2; the azimuth is the integral of
     h / (1 - u^2), h = v / l sin(angle0) the angular momentum per m l^2.
     """
-    length, gravity, angle, speed = (np.longdouble(scene.parameters[k]) for k in ("length", "gravity", "angle", "speed"))
+    names = ("length", "gravity", "angle", "speed")
+    length, gravity, angle, speed = (np.longdouble(scene.parameters[name]) for name in names)
     u0 = -np.cos(angle)
     level = speed**2 / (2 * gravity * length) + u0  # energy over m g l
     half, constant = (level - u0) / 2, u0**2 - level * u0 - 1  # the other two roots: u^2 - 2 half u + constant = 0
@@ -41,4 +42,4 @@ def solve(scene: Scene, times: np.ndarray) -> Truth:
     steep = float(1 / (1 - u1**2))  # how the azimuth magnifies rounding near the bottom
     uncertainty = float(length) * (4e-16 + 3e-16 * steep * (1.0 + float(p) * float(times[-1])))
     return Truth(position[:, None].astype(float), theta, uncertainty, "exact",
-                 "elliptic functions by the arithmetic-geometric mean, azimuth by quadrature in extended precision")  # fmt: skip
+                 "elliptic functions by the arithmetic-geometric mean, azimuth by quadrature, extended precision")  # fmt: skip

@@ -28,7 +28,7 @@ def solve(scene: Scene, times: np.ndarray) -> Truth:
     position = np.zeros((len(times), 1, 3))
     return Truth(
         position + np.array(body.position), theta[:, None].astype(float), 4.6e-16 * (1.0 + sensitivity), "exact",
-        "Jacobi elliptic functions by the arithmetic-geometric mean, precession by Gauss quadrature, extended precision",
+        "Jacobi elliptic functions by the arithmetic-geometric mean, precession by quadrature, extended precision",
     )  # fmt: skip
 
 
@@ -58,7 +58,8 @@ def _rates(moments: np.ndarray, omega: np.ndarray) -> Rates:
     place = (low, middle, high) if momentum2 > energy2 * moments[middle] else (high, middle, low)
     i1, i2, i3 = (moments[k] for k in place)
     lack, excess = energy2 * i3 - momentum2, momentum2 - energy2 * i1
-    size = np.array([np.sqrt(lack / (i1 * (i3 - i1))), np.sqrt(lack / (i2 * (i3 - i2))), np.sqrt(excess / (i3 * (i3 - i1)))])
+    squares = np.array([lack / (i1 * (i3 - i1)), lack / (i2 * (i3 - i2)), excess / (i3 * (i3 - i1))])
+    size = np.sqrt(squares)
     speed, m = np.sqrt((i3 - i2) * excess / (i1 * i2 * i3)), (i2 - i1) * lack / ((i3 - i2) * excess)
     mirrored = -1 if (low, middle, high) in ((0, 2, 1), (2, 1, 0), (1, 0, 2)) else 1  # left-handed axes run backwards
     down = np.sign(omega[place[2]])
@@ -82,7 +83,8 @@ def _orientations(moments: np.ndarray, omega: np.ndarray, start: np.ndarray, tim
 
     size = np.sqrt(np.sum((moments * omega) ** 2))
     period = 4 * quarter_period(rates.m) / rates.speed
-    turned = running_integral(precession, times.astype(np.longdouble), min(float(period), 2 * np.pi / float(size / moments.min())) / 8)
+    piece = min(float(period), 2 * np.pi / float(size / moments.min())) / 8
+    turned = running_integral(precession, times.astype(np.longdouble), piece)
     up = start @ (moments * omega) / size  # the momentum in the world
     e = np.zeros(3, dtype=np.longdouble)
     e[axis] = 1

@@ -1,7 +1,7 @@
 """LSODAR, the papers' method: Adams and BDF with automatic switching, on the underlying ODE.
 
-SciPy carries LSODA, which is LSODAR without its root finder; declared breakpoints restart it and no
-scene part needs a located root yet. Steps of both are the same.
+SciPy carries LSODA, which is LSODAR without its root finder. Roots are found here, as LSODAR does, on the
+interpolant of the last step; events and declared breakpoints restart it. Steps of both are the same.
 Source: L. R. Petzold, SIAM J. Sci. Stat. Comput. 4 (1983) 136-148; A. C. Hindmarsh, ODEPACK, 1983.
 """
 
@@ -10,14 +10,18 @@ from __future__ import annotations
 import numpy as np
 from scipy.integrate import LSODA
 
+from mbs_ref.integrators.contact_events import ContactEvents
 from mbs_ref.integrators.leg import (
     CLOCK_COMPLIANCE,
     CLOCK_T,
     COUNT_RHS,
     COUNT_STEPS,
+    MESSAGES,
+    STALLED,
     Integrator,
     Leg,
     Options,
+    Pace,
     Progress,
 )
 from mbs_ref.system import System
@@ -28,34 +32,54 @@ def advance(system: System, options: Options, run: Progress, y: np.ndarray, time
     """Integrate one leg; outputs come from the method's own interpolant."""
     states, worst = np.empty((len(times), len(y))), np.zeros(len(times))
     states[0] = y
-    solver = LSODA(system.derivative, float(times[0]), y, float(times[-1]), rtol=options.rtol, atol=options.atol)
-    reached, status, message = 1, Status.SUCCESS, ""
+    events = ContactEvents(system, options, run)
+    solver: LSODA | None = None
+    now = y.copy()
+    t, reached, status, message = float(times[0]), 1, Status.SUCCESS, events.settle(float(times[0]), now)
+    if message:
+        return Leg(states, worst, reached, Status.ENDLESS_EVENTS, message)
+    pace = Pace(t, float(times[-1]), options.max_steps, every=2_000)
     while reached < len(times):
+        if solver is None:
+            solver = LSODA(system.derivative, t, now, float(times[-1]), rtol=options.rtol, atol=options.atol)
         before = solver.t
         failure = solver.step()
         if solver.status == "failed" or not np.isfinite(solver.y).all():
             status, message = _failure(solver, failure)
             break
         run.counts[COUNT_STEPS] += 1
-        gap, _ = system.compliance(solver.t, solver.y)
+        t, now = events.locate(before, solver)
+        gap, _ = system.compliance(t, now)
         run.clock[CLOCK_COMPLIANCE] = max(run.clock[CLOCK_COMPLIANCE], gap)
-        if options.stop_on_compliance and gap >= solver.t - before:
+        if options.stop_on_compliance and gap >= t - before:
             status = Status.COMPLIANCE
-            message = f"at t = {solver.t:.9g} s |C| = {gap:.3g} is not below h = {solver.t - before:.3g}"
+            message = f"at t = {t:.9g} s |C| = {gap:.3g} is not below h = {t - before:.3g}"
+            break
+        if pace.is_hopeless(t, int(run.counts[COUNT_STEPS])):
+            status, message = Status.STEP_TOO_SMALL, f"at t = {t:.9g} s {MESSAGES[STALLED]}"
             break
         if run.counts[COUNT_STEPS] >= options.max_steps:
-            status, message = Status.TOO_MANY_STEPS, f"at t = {solver.t:.9g} s the limit on steps was reached"
+            status, message = Status.TOO_MANY_STEPS, f"at t = {t:.9g} s the limit on steps was reached"
             break
-        reached = _output(solver, times, reached, states, worst, run)
-    run.clock[CLOCK_T] = solver.t
-    run.counts[COUNT_RHS] += solver.nfev
+        reached = _output(solver, t, times, reached, states, worst, run)
+        if events.found:
+            run.counts[COUNT_RHS] += solver.nfev
+            solver = None
+            message = events.settle(t, now)
+            if message:
+                status = Status.ENDLESS_EVENTS
+                break
+    run.clock[CLOCK_T] = t
+    run.counts[COUNT_RHS] += solver.nfev if solver is not None else 0
     return Leg(states, worst, reached, status, message)
 
 
-def _output(solver: LSODA, times: np.ndarray, reached: int, states: np.ndarray, worst: np.ndarray, run: Progress):
-    """Fill every asked time the last step passed."""
+def _output(
+    solver: LSODA, t: float, times: np.ndarray, reached: int, states: np.ndarray, worst: np.ndarray, run: Progress
+) -> int:
+    """Fill every asked time that the last step passed, up to t."""
     interpolant = None
-    while reached < len(times) and times[reached] <= solver.t:
+    while reached < len(times) and times[reached] <= t:
         interpolant = interpolant or solver.dense_output()
         states[reached] = solver.y if times[reached] == solver.t else interpolant(times[reached])
         worst[reached] = run.clock[CLOCK_COMPLIANCE]

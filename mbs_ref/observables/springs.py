@@ -42,7 +42,8 @@ def bushing_strain(motion: Motion, bushing: Bushing) -> tuple[np.ndarray, np.nda
     """Return offset and rotation vector (n_t, 6) along the bushing's axes in body a, and their rates for dampers."""
     x, y = (np.asarray(v) / np.linalg.norm(v) for v in (bushing.x_axis, bushing.y_axis))
     axes = (x, y, np.cross(x, y))
-    here, there = (np.stack([motion.direction(body, e)[0] for e in axes], axis=2) for body in (bushing.body_a, bushing.body_b))
+    bodies = (bushing.body_a, bushing.body_b)
+    here, there = (np.stack([motion.direction(body, e)[0] for e in axes], axis=2) for body in bodies)
     (a, a_rate), (b, b_rate) = motion.point(bushing.body_a, bushing.point), motion.point(bushing.body_b, bushing.point)
     carried = np.cross(motion.turning(bushing.body_a), b - a)
     relative = Rotation.from_matrix(np.swapaxes(here, 1, 2) @ there).as_rotvec()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from mbs_ref.part import NonNegative, Positive
+from mbs_ref.part import NonNegative
 from mbs_ref.scene import GROUND, Prismatic, Revolute, Scene, SpatialBody, SpringDamper
 
 DENSITY = 3000.0  # kg/m^3

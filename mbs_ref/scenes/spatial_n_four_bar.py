@@ -38,7 +38,8 @@ def build(*, loops: Annotated[int, Field(ge=1, le=1_000)] = 2, gravity: Positive
 def _lifted(body: Any) -> SpatialBody:
     half = 0.5 * body.angle
     return SpatialBody(
-        name=body.name, mass=body.mass, inertia=(OUT_OF_PLANE * body.inertia, body.inertia, body.inertia, 0.0, 0.0, 0.0),
+        name=body.name, mass=body.mass,
+        inertia=(OUT_OF_PLANE * body.inertia, body.inertia, body.inertia, 0.0, 0.0, 0.0),
         position=(*body.position, 0.0), orientation=(math.cos(half), 0.0, 0.0, math.sin(half)),
         velocity=(*body.velocity, 0.0), angular_velocity=(0.0, 0.0, body.angular_velocity),
     )  # fmt: skip

@@ -37,7 +37,8 @@ def build(
     speed = float(gap @ pin_rate) / reach  # d|gap|^2/dt = 0
     gap_rate = np.array([speed, 0.0, 0.0]) - pin_rate
     along = gap / rod_length
-    first = _unit(np.cross(along, [1.0, 0.0, 0.0]))  # the universal joint: this axis in the rod, one across in the slider
+    # the universal joint: the first axis in the rod, the second, across it, in the slider
+    first = _unit(np.cross(along, [1.0, 0.0, 0.0]))
     second = _unit(np.cross([1.0, 0.0, 0.0], first))
     rod_turn = _rod_rate(gap, gap_rate, first, second)
     return Scene(

@@ -192,7 +192,11 @@ def apply_bushings(model, work):
             share = 1.0 / 12.0
         else:
             share = 1.0 / (angle * angle) - (1.0 + np.cos(angle)) / (2.0 * angle * np.sin(angle))
-        force = (stiff[0] * x[0] + damp[0] * xd[0], stiff[1] * x[1] + damp[1] * xd[1], stiff[2] * x[2] + damp[2] * xd[2])
+        force = (
+            stiff[0] * x[0] + damp[0] * xd[0],
+            stiff[1] * x[1] + damp[1] * xd[1],
+            stiff[2] * x[2] + damp[2] * xd[2],
+        )
         torque = (
             m0 + 0.5 * c0 + share * e0 + damp[3] * w[0],
             m1 + 0.5 * c1 + share * e1 + damp[4] * w[1],

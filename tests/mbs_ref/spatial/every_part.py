@@ -41,7 +41,8 @@ def every_part() -> Scene:
         inertia = np.trace(root @ root.T) * np.eye(3) - root @ root.T  # a body's: moments obey the triangle rule
         theta = rng.standard_normal(4)
         return SpatialBody(
-            name=name, mass=float(rng.uniform(1.0, 3.0)), position=vector(), velocity=vector(), angular_velocity=vector(),
+            name=name, mass=float(rng.uniform(1.0, 3.0)),
+            position=vector(), velocity=vector(), angular_velocity=vector(),
             inertia=(inertia[0, 0], inertia[1, 1], inertia[2, 2], inertia[0, 1], inertia[0, 2], inertia[1, 2]),
             orientation=tuple((theta / np.linalg.norm(theta)).tolist()),
         )  # fmt: skip
