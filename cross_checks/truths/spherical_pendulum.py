@@ -41,5 +41,5 @@ def solve(scene: Scene, times: np.ndarray) -> Truth:
     theta = np.tile([1.0, 0.0, 0.0, 0.0], (len(times), 1, 1))
     steep = float(1 / (1 - u1**2))  # how the azimuth magnifies rounding near the bottom
     uncertainty = float(length) * (4e-16 + 3e-16 * steep * (1.0 + float(p) * float(times[-1])))
-    return Truth(position[:, None].astype(float), theta, uncertainty, "exact",
-                 "elliptic functions by the arithmetic-geometric mean, azimuth by quadrature, extended precision")  # fmt: skip
+    how = "elliptic functions by the arithmetic-geometric mean, azimuth by quadrature, extended precision"
+    return Truth(position[:, None].astype(float), theta, uncertainty, "exact", how)

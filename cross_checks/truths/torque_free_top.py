@@ -64,6 +64,8 @@ def _rates(moments: np.ndarray, omega: np.ndarray) -> Rates:
     mirrored = -1 if (low, middle, high) in ((0, 2, 1), (2, 1, 0), (1, 0, 2)) else 1  # left-handed axes run backwards
     down = np.sign(omega[place[2]])
     size = size * np.array([1, mirrored * down, down])
+    if lack == 0:  # steady about the dn axis
+        return Rates(place, size, m, speed, np.longdouble(0))
     c, s = omega[place[0]] / size[0], omega[place[1]] / size[1]
     return Rates(place, size, m, speed, argument(np.arctan2(s, c), m))
 
