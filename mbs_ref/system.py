@@ -67,6 +67,10 @@ class System(ABC):
         """Return time (s) and contact index (n_events, 2) of the events located so far."""
         return np.zeros((0, 2))
 
+    def regularity(self) -> float:
+        """Return how far the last evaluated pose is from a singular one: 1 far, 0 there."""
+        return core.call_regularity(self.work)
+
     # --- what a core defines ------------------------------------------------------------------------
 
     @abstractmethod

@@ -237,6 +237,12 @@ def call_transition(model, work, t, y, g, dy):
 
 
 @jit
+def call_regularity(work):
+    """Entry point from Python."""
+    return regularity(work)
+
+
+@jit
 def call_derivative(model, work, t, y, dy):
     """Entry point from Python."""
     derivative(model, work, t, y, dy)
