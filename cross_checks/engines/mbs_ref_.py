@@ -9,7 +9,7 @@ from typing import ClassVar
 import numpy as np
 
 from cross_checks.engine import Engine, Method, Refusal
-from cross_checks.outcome import refuse_spatial, stopped
+from cross_checks.outcome import stopped
 from mbs_ref.integrators import integrators
 from mbs_ref.integrators.leg import Integrator
 from mbs_ref.scene import Scene
@@ -18,8 +18,9 @@ from mbs_ref.simulate import InconsistentScene, simulate
 from mbs_ref.trajectory import Status, Trajectory
 
 PART_TYPES = (
-    "planar point_mass revolute prismatic weld distance coordinate_drive point_drive "
-    "force torque spring_damper torsion_spring user_force "
+    "planar spatial point_mass revolute spherical universal cylindrical prismatic weld distance point_on_plane "
+    "coordinate_drive point_drive rotation_drive "
+    "force torque torque_vector spring_damper torsion_spring bushing user_force "
     "circle_on_line circle_on_circle pin_on_sprocket "
     "spring_damper_law progressive_law hunt_crossley_law lankarani_nikravesh_law flores_law rigid_law "
     "regularised_coulomb stick_slip"
@@ -38,9 +39,6 @@ class MbsRef(Engine):
 
     def version(self) -> str:
         return version("mbs-ref")
-
-    def topology_refusals(self, scene: Scene) -> list[Refusal]:
-        return refuse_spatial(self, scene)
 
     def method_refusals(self, scene: Scene, method: Method) -> list[Refusal]:
         package = integrators()[method.name].package
@@ -62,7 +60,7 @@ class MbsRef(Engine):
 def _method(entry: Integrator) -> Method:
     """An integrator of either kind is listed as the adaptive one it is by default."""
     kind = "fixed" if entry.kind == "fixed" else "adaptive"
-    return Method(entry.name, kind, entry.order, entry.description, entry.ladder)
+    return Method(entry.name, kind, entry.order, entry.description, entry.ladder, entry.requires)
 
 
 ENGINE = MbsRef

@@ -20,8 +20,8 @@ from mbs_ref.scene import Scene
 class Truth:
     """World poses of every body at the asked times."""
 
-    position: np.ndarray  # (n_t, n_bodies, 2) m, centres of mass
-    angle: np.ndarray  # (n_t, n_bodies) rad
+    position: np.ndarray  # (n_t, n_bodies, dimension) m, centres of mass
+    angle: np.ndarray  # (n_t, n_bodies) rad; in space (n_t, n_bodies, 4) Euler parameters
     uncertainty: float  # m, of every world point at every time
     kind: Literal["exact", "published", "converged", "ephemeris"]
     how: str  # one sentence

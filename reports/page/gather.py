@@ -6,6 +6,7 @@ import time
 from collections.abc import Callable, Iterator
 from typing import Any
 
+from benchmarks import space
 from benchmarks.sweep import sweep
 from cross_checks import engines
 from cross_checks.engine import Method
@@ -30,6 +31,11 @@ SCENES: tuple[tuple[str, dict[str, Any]], ...] = (
     ("slider_crank", {}),
     ("driven_pendulum", {}),
     ("spring_pendulum", {}),
+    ("torque_free_top", {"turns": 10.0}),
+    ("heavy_top", {}),
+    ("spatial_chain", {"links": 10}),
+    ("spatial_n_four_bar", {"loops": 2}),
+    ("bricard", {}),
 )
 RUN_TIME = 200.0  # s for all runs, so that the report with its compilation stays within five minutes on two cores
 LEAST_SHARE = 0.2  # s for a method on a scene, however late it is
@@ -57,7 +63,8 @@ def gather(quick: bool = False, progress: Progress | None = None) -> ReportData:
     report(len(tasks), len(tasks), "writing the page")
     seconds = time.perf_counter() - begun
     facts = environment() | {"time of the runs": f"{seconds:.0f} s"}
-    return ReportData(tuple(cells), tuple(records), capabilities(chosen), facts, _orders(), quick, seconds)
+    return ReportData(tuple(cells), tuple(records), capabilities(chosen), facts, _orders(), quick, seconds,
+                      None if quick else space.measure())  # fmt: skip
 
 
 def _warm_up(scene: Scene, report: Progress) -> None:

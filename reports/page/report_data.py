@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import Any
 
+from benchmarks.space import SpaceFacts
 from cross_checks.record import Record
 from mbs_ref import scenes
 
@@ -46,6 +47,7 @@ class ReportData:
     orders: dict[tuple[str, str], int] = field(default_factory=dict)  # (engine, method) -> documented order
     quick: bool = False
     seconds: float = 0.0  # s, spent on the runs
+    space: SpaceFacts | None = None  # measured on spatial bodies; None in a quick report
 
     @property
     def scenes(self) -> list[str]:
