@@ -12,6 +12,7 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, SkipValidation, model_validator
 
+from mbs_ref.celestial import CELESTIAL_TYPES, CelestialLoad
 from mbs_ref.part import Name, NonNegative, Part, Positive, Vector
 from mbs_ref.signals import Constant, Level, Signal, breakpoints
 
@@ -204,7 +205,7 @@ class UserForce(Part):
 
 
 Load = Annotated[
-    Force | Torque | SpringDamper | TorsionSpring | UserForce, Field(discriminator="type")
+    Force | Torque | SpringDamper | TorsionSpring | UserForce | CelestialLoad, Field(discriminator="type")
 ]
 
 
@@ -282,7 +283,7 @@ def _name_clashes(kind: str, names: list[str]) -> Iterator[str]:
 
 
 def _part_complaints(part: Part, bodies: Mapping[str, Body], dimension: int) -> Iterator[str]:
-    for field in ("body", "body_a", "body_b"):
+    for field in ("body", "body_a", "body_b", "center", "raiser"):
         named = getattr(part, field, None)
         if named is None or (named == GROUND and field != "body"):
             continue
@@ -293,6 +294,8 @@ def _part_complaints(part: Part, bodies: Mapping[str, Body], dimension: int) -> 
     a, b = getattr(part, "body_a", None), getattr(part, "body_b", None)
     if a is not None and a == b:
         yield f"body_a and body_b are both {a!r}; they must differ"
+    if part.type in CELESTIAL_TYPES and dimension != 3:
+        yield f"type = {part.type!r} belongs to scenes in space; give positions three components"
     for field in ("point", "point_a", "point_b", "axis", "direction", "vector"):
         value = getattr(part, field, None)
         if value is not None and len(value) != dimension:

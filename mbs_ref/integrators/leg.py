@@ -83,6 +83,7 @@ class Integrator:
     source: str = ""
     keeps_constraints: bool = False  # the method imposes C = 0 itself
     package: str | None = None  # optional third-party package it needs
+    cores: tuple[str, ...] = ()  # the only cores it runs on (mbs_ref.cores.core_name); empty for all
 
 
 MESSAGES = {
