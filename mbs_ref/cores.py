@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from mbs_ref.particle_system import ParticleSystem, is_celestial
+from mbs_ref.particle_scene import is_celestial
+from mbs_ref.particle_system import ParticleSystem
 from mbs_ref.planar_system import PlanarSystem
 from mbs_ref.scene import Scene
 from mbs_ref.system import System

@@ -6,21 +6,10 @@ import itertools
 
 import numpy as np
 
-from mbs_ref.celestial import CELESTIAL_TYPES
 from mbs_ref.kernels.particles.model import bind_model, bind_work, particle_scratch
 from mbs_ref.particle_build import build_particles
-from mbs_ref.scene import PointMass, Scene
+from mbs_ref.scene import Scene
 from mbs_ref.system import Poses, System
-
-
-def is_celestial(scene: Scene) -> bool:
-    """Return whether the scene is made of free particles in space that celestial fields alone move."""
-    return (
-        scene.dimension == 3
-        and not scene.joints
-        and all(isinstance(body, PointMass) for body in scene.bodies)
-        and all(load.type in CELESTIAL_TYPES for load in scene.loads)
-    )
 
 
 class ParticleSystem(System):

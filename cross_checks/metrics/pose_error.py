@@ -13,7 +13,16 @@ def pose_error(trajectory: Trajectory, truth: Truth) -> np.ndarray:
 
     The truth may go on after the trajectory has stopped; the samples reached are compared.
     """
-    return distance(trajectory.position, truth.position)
+    if truth.origin is None:
+        return distance(trajectory.position, truth.position)
+    return _seen_from_origin(trajectory.position, truth)
+
+
+def _seen_from_origin(position: np.ndarray, truth: Truth) -> np.ndarray:
+    """Compare what the truth covers, as seen from its origin: the body whose name it gives comes first in the scene."""
+    kept = [k for k in range(position.shape[1]) if truth.covers(k)]
+    own, true = (part[:, kept] - part[:, :1] for part in (position, truth.position))
+    return distance(own, true)
 
 
 def distance(position: np.ndarray, other: np.ndarray) -> np.ndarray:

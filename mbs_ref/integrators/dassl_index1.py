@@ -15,4 +15,5 @@ INTEGRATOR = Integrator(
     ladder=(1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10),
     source="Petzold 1982; Hindmarsh et al. 2005; Gear, Gupta, Leimkuhler 1985",
     package=PACKAGE,
+    cores=("planar", "spatial"),
 )
