@@ -58,6 +58,34 @@ def _zonal(z, radius, harmonic, px, py, pz, gm, i, lanes):
 
 
 @jit
+def _j2_alone(factor, px, py, pz, gm, i, lanes):
+    """Add J2 of body i: 3/2 J2 R^2 / r^5 [(5 s^2 - 1) r - 2 (r.p) p]; `factor` is 3/2 J2 R^2."""
+    base, delta, out = lanes.base, lanes.delta, lanes.acceleration
+    for j in range(gm.shape[0]):
+        mi, mj = gm[i], gm[j]
+        if j == i or (mi == 0.0 and mj == 0.0):
+            continue
+        bx, by, bz = base[j, 0] - base[i, 0], base[j, 1] - base[i, 1], base[j, 2] - base[i, 2]
+        for k in range(LANES):
+            x = bx + (delta[j, 0, k] - delta[i, 0, k])
+            y = by + (delta[j, 1, k] - delta[i, 1, k])
+            z = bz + (delta[j, 2, k] - delta[i, 2, k])
+            r2 = x * x + y * y + z * z
+            inverse = 1.0 / r2
+            height = x * px[k] + y * py[k] + z * pz[k]
+            common = factor * inverse * inverse / np.sqrt(r2)
+            along = common * (5.0 * height * height * inverse - 1.0)
+            toward = 2.0 * common * height
+            ax, ay, az = along * x - toward * px[k], along * y - toward * py[k], along * z - toward * pz[k]
+            out[j, 0, k] += mi * ax
+            out[j, 1, k] += mi * ay
+            out[j, 2, k] += mi * az
+            out[i, 0, k] -= mj * ax
+            out[i, 1, k] -= mj * ay
+            out[i, 2, k] -= mj * az
+
+
+@jit
 def add_zonals(model, work):
     zonals, particles, lanes = zonals_of(model), particles_of(model), lanes_of(work)
     px, py, pz = lanes.pair[0], lanes.pair[1], lanes.pair[2]
@@ -70,6 +98,13 @@ def add_zonals(model, work):
                 for c in range(3):
                     axis[c] = zonals.axis[z, c]
             px[k], py[k], pz[k] = axis[0], axis[1], axis[2]
+        higher = 0.0
+        for q in range(1, zonals.harmonic.shape[1]):
+            higher += abs(zonals.harmonic[z, q])
+        if higher == 0.0:
+            factor = 1.5 * zonals.harmonic[z, 0] * zonals.radius[z] * zonals.radius[z]
+            _j2_alone(factor, px, py, pz, particles.gm, zonals.body[z], lanes)
+            continue
         _zonal(z, zonals.radius, zonals.harmonic, px, py, pz, particles.gm, zonals.body[z], lanes)
 
 
