@@ -6,6 +6,7 @@ import numpy as np
 
 from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.particles.model import LANES
+from mbs_ref.kernels.particles.pair import attract
 
 
 @jit
@@ -17,20 +18,8 @@ def newton_pairs(gm, base, delta, out):
             mi, mj = gm[i], gm[j]
             if mi == 0.0 and mj == 0.0:
                 continue
-            bx, by, bz = base[j, 0] - base[i, 0], base[j, 1] - base[i, 1], base[j, 2] - base[i, 2]
-            for k in range(LANES):
-                x = bx + (delta[j, 0, k] - delta[i, 0, k])
-                y = by + (delta[j, 1, k] - delta[i, 1, k])
-                z = bz + (delta[j, 2, k] - delta[i, 2, k])
-                r2 = x * x + y * y + z * z
-                w = 1.0 / (r2 * np.sqrt(r2))
-                wj, wi = mj * w, mi * w
-                out[i, 0, k] += wj * x
-                out[i, 1, k] += wj * y
-                out[i, 2, k] += wj * z
-                out[j, 0, k] -= wi * x
-                out[j, 1, k] -= wi * y
-                out[j, 2, k] -= wi * z
+            x, y, z = base[j, 0] - base[i, 0], base[j, 1] - base[i, 1], base[j, 2] - base[i, 2]
+            attract(delta, out, i, j, x, y, z, mi, mj)
 
 
 @jit
