@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from cross_checks import engines
 from cross_checks.engine import Engine, Method
 from mbs_ref import scenes
+from mbs_ref.contact import Contact, ContactLaw, Friction
 from mbs_ref.scene import Body, Joint, Load, Scene
 
 
@@ -26,7 +27,7 @@ class Capability:
 
 def part_types() -> list[str]:
     """Return every part type of the scene language, in its order."""
-    unions = (typing.get_args(typing.get_args(kind)[0]) for kind in (Body, Joint, Load))
+    unions = (typing.get_args(typing.get_args(kind)[0]) for kind in (Body, Joint, Load, Contact, ContactLaw, Friction))
     return [part.model_fields["type"].default for union in unions for part in union]
 
 

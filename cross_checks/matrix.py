@@ -21,6 +21,7 @@ from mbs_ref.settings import Settings
 from mbs_ref.trajectory import Trajectory
 
 BUDGET = 2.0  # s of wall time after which a cell climbs no further
+PATIENCE = 5.0  # budgets after which a cell stops even with fewer runs than it needs
 ENOUGH = 3  # runs; with these, a cell that agrees and shows its order is done
 ORDER_SHOWN = 0.15  # an observed order this close to the documented one needs no finer run
 
@@ -150,7 +151,8 @@ def _rung(settings: Settings, record: Record, path: Trajectory | None, before: T
 def _is_done(method: Method, climb: Climb, spent_s: float, budget_s: float) -> bool:
     good = [r for r in climb.rungs if r.ok]
     agrees = len(good) >= ENOUGH and good[-1].error is not None and good[-1].error <= AGREEMENT
-    return spent_s > budget_s or (agrees and (_shows_order(method, climb) or spent_s > 0.5 * budget_s))
+    over = spent_s > budget_s and (len(good) >= ENOUGH or spent_s > PATIENCE * budget_s)
+    return over or (agrees and (_shows_order(method, climb) or spent_s > 0.5 * budget_s))
 
 
 def _shows_order(method: Method, climb: Climb) -> bool:

@@ -154,6 +154,7 @@ def trajectory(
     """Return position, orientation, velocity and angular velocity up to the end."""
     message = end.message or f"reached t = {plan.times[-1]:g} s"
     whole = Trajectory(
-        plan.times, *poses, end.status, message, steps, 0, rhs_calls, timing, reactions or {}, notes=notes
-    )
+        plan.times, *poses, end.status, message,
+        steps=steps, rhs_calls=rhs_calls, timing=timing, reactions=reactions or {}, notes=notes,
+    )  # fmt: skip
     return whole.upto(end.samples)

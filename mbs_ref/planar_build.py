@@ -10,7 +10,18 @@ import numpy as np
 from mbs_ref.joint_graph import Edge, Layout, layout, row_count
 from mbs_ref.kernels.planar import model as arrays
 from mbs_ref.kernels.signals import SignalArrays
-from mbs_ref.scene import CoordinateDrive, Force, PlanarBody, PointMass, Scene, SpringDamper, Torque, TorsionSpring
+from mbs_ref.planar_contacts import contact_laws, contact_modes, contact_pairs
+from mbs_ref.scene import (
+    CoordinateDrive,
+    Force,
+    PlanarBody,
+    PointDrive,
+    PointMass,
+    Scene,
+    SpringDamper,
+    Torque,
+    TorsionSpring,
+)
 from mbs_ref.signals import DEGREE, Segment, motion_segments
 from mbs_ref.traits import joint_ends
 
@@ -116,7 +127,7 @@ def _kept_value(build: _Builder, joint: Any) -> float:
 
 
 def _drives(build: _Builder) -> arrays.Drives:
-    chosen = [(k, j) for k, j in enumerate(build.scene.joints) if j.type in ("coordinate_drive", "point_drive")]
+    chosen = [(k, j) for k, j in enumerate(build.scene.joints) if isinstance(j, CoordinateDrive | PointDrive)]
     rows = [_drive_row(build, joint) for _, joint in chosen]
     places = [build.place[k] for k, _ in chosen]
     return arrays.Drives(
@@ -234,6 +245,9 @@ def build_planar(scene: Scene) -> tuple[arrays.PlanarGroups, dict[int, tuple[int
         forces=forces,
         springs=_springs(build),
         torsion_springs=_torsion_springs(build),
+        contact_pairs=contact_pairs(scene, build),
+        contact_laws=contact_laws(scene),
+        contact_modes=contact_modes(scene),
         signals=signal_arrays(build.segments),
         world=arrays.World(np.array(scene.gravity, dtype=float), np.zeros(1, dtype=np.int64), np.zeros(3)),
     )

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from mbs_ref.kernels import core
-from mbs_ref.kernels.planar import dynamics
+from mbs_ref.kernels.planar import contact_events, dynamics
 from mbs_ref.kernels.planar.model import (
     CONTROL_MODE_TIME,
     CONTROL_POSITION_GAIN,
@@ -82,6 +82,38 @@ class PlanarSystem(System):
         self.groups.world.control[CONTROL_VELOCITY_GAIN] = 2.0 * gain
         self.groups.world.control[CONTROL_POSITION_GAIN] = gain * gain
 
+    # --- contacts ---------------------------------------------------------------------------------
+
+    def start_contacts(self, t: float, y: np.ndarray, located: bool) -> None:
+        super().start_contacts(t, y, located)
+        modes = self.groups.contact_modes
+        self._first_modes = [values.copy() for values in (modes.mode, modes.grip, modes.anchor, modes.dashpot)]
+
+    def contact_events(self) -> np.ndarray:
+        """Return time (s) and contact index (n_events, 2) of the events located so far."""
+        modes = self.groups.contact_modes
+        return modes.log[: modes.logged[0], :2].copy()
+
+    def contact_forces(self, times: np.ndarray, states: np.ndarray) -> dict[str, np.ndarray]:
+        """Return for each contact depth (m), force on body_a (N, N) and its point (m, m), world axes.
+
+        The modes of each time are replayed from the log of events, so the states must be the last run's.
+        """
+        modes = self.groups.contact_modes
+        frozen = (modes.mode, modes.grip, modes.anchor, modes.dashpot)
+        for values, first in zip(frozen, self._first_modes, strict=True):
+            values[:] = first
+        log = modes.log[: modes.logged[0]]
+        ends = np.searchsorted(log[:, 0], times, side="right")
+        found, seen = np.zeros((len(times), len(modes.mode), 5)), 0
+        for place, (t, y, end) in enumerate(zip(times, states, ends, strict=True)):
+            for row in log[seen:end]:
+                for values, value in zip(frozen, row[2:], strict=True):
+                    values[int(row[1])] = value
+            seen = end
+            call_contact_forces(self.model, self.work, float(t), y, found[place])
+        return {part.name: found[:, k] for k, part in enumerate(self.scene.contacts)}
+
     # --- evaluation -------------------------------------------------------------------------------
 
     def applied_forces(self, t: float, q: np.ndarray, v: np.ndarray) -> np.ndarray:
@@ -97,7 +129,7 @@ class PlanarSystem(System):
                 self.scratch.rows.residual[slot, row : row + self._rows(k)].copy(),
                 self.scratch.rows.rate[slot, row : row + self._rows(k)].copy(),
             )
-            for k, (slot, row, _) in self.place.items()
+            for k, (slot, row, _) in sorted(self.place.items())
         }
 
     def poses(self, states: np.ndarray) -> Poses:
@@ -139,7 +171,8 @@ class PlanarSystem(System):
         scene_index = np.append(self.groups.bodies.scene_index, self.n_bodies)
         for r, (_, slot, row) in enumerate(rows):
             for side in range(2):
-                result[r, scene_index[self.groups.slots.body[slot, side]]] += self.scratch.rows.jacobian[slot, side, row]
+                body = scene_index[self.groups.slots.body[slot, side]]
+                result[r, body] += self.scratch.rows.jacobian[slot, side, row]
         return result[:, :-1].reshape(len(rows), 3 * self.n_bodies)
 
     def augmented(
@@ -213,6 +246,12 @@ class PlanarSystem(System):
         turn = y[k + 2] - (body.angle if isinstance(body, PlanarBody) else 0.0)
         c, s = np.cos(turn), np.sin(turn)
         return y[k : k + 2] + np.array([[c, -s], [s, c]]) @ (np.array(mark) - np.array(body.position))
+
+
+@core.jit
+def call_contact_forces(model, work, t, y, out):
+    """Entry point from Python."""
+    contact_events.planar_contact_forces(model, work, t, y, out)
 
 
 @core.jit

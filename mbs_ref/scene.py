@@ -13,6 +13,7 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import Field, SkipValidation, model_validator
 
 from mbs_ref.celestial import CELESTIAL_TYPES, CelestialLoad
+from mbs_ref.contact import Contact
 from mbs_ref.part import Name, NonNegative, Part, Positive, Vector
 from mbs_ref.signals import Constant, Level, Signal, breakpoints
 
@@ -223,6 +224,7 @@ class Scene(Part):
     bodies: tuple[Body, ...] = Field(min_length=1, max_length=100_000)
     joints: tuple[Joint, ...] = ()
     loads: tuple[Load, ...] = ()
+    contacts: tuple[Contact, ...] = ()
     parameters: dict[str, float | int | str | bool] = {}  # what the scene was built with
 
     @model_validator(mode="after")
@@ -268,9 +270,10 @@ def _complaints(scene: Scene) -> Iterator[str]:
         if body.name == GROUND:
             yield f"bodies[{k}]: a body may not be named {GROUND!r}, which is reserved"
     bodies = {body.name: body for body in scene.bodies}
-    for kind, parts in (("bodies", scene.bodies), ("joints", scene.joints), ("loads", scene.loads)):
+    attached = (("joints", scene.joints), ("loads", scene.loads), ("contacts", scene.contacts))
+    for kind, parts in (("bodies", scene.bodies), *attached):
         yield from _name_clashes(kind, [part.name for part in parts])
-    for kind, parts in (("joints", scene.joints), ("loads", scene.loads)):
+    for kind, parts in attached:
         for k, part in enumerate(parts):
             yield from (f"{kind}[{k}] ({part.name}): {text}" for text in _part_complaints(part, bodies, dimension))
 
@@ -296,12 +299,16 @@ def _part_complaints(part: Part, bodies: Mapping[str, Body], dimension: int) -> 
         yield f"body_a and body_b are both {a!r}; they must differ"
     if part.type in CELESTIAL_TYPES and dimension != 3:
         yield f"type = {part.type!r} belongs to scenes in space; give positions three components"
-    for field in ("point", "point_a", "point_b", "axis", "direction", "vector"):
+    for field in _VECTORS:
         value = getattr(part, field, None)
         if value is not None and len(value) != dimension:
             yield f"{field} = {value} must have {dimension} components here"
 
 
+_VECTORS = ("point", "point_a", "point_b", "axis", "direction", "vector") + (
+    "center", "center_a", "center_b", "point_1", "point_2", "axle"
+)  # fmt: skip
+_SHAPED_PARTS = ("circle_on_line", "pin_on_sprocket")  # their body_b carries more than a circle
 _TURNING_PARTS = ("prismatic", "weld", "torque", "torsion_spring")
 
 
@@ -309,6 +316,9 @@ def _particle_complaints(part: Any, field: str, body: Body) -> Iterator[str]:
     """Yield what a particle cannot bear: a torque, or an attachment away from its place."""
     if part.type in _TURNING_PARTS or getattr(part, "coordinate", None) == "angle":
         yield f"{field} = {body.name!r} is a point mass and has no orientation; use a rigid body"
+        return
+    if getattr(part, "friction", None) is not None or (field == "body_b" and part.type in _SHAPED_PARTS):
+        yield f"{field} = {body.name!r} is a point mass: it carries circles without friction only; use a rigid body"
         return
     point = _attachment(part, field)
     if point is None or len(point) != len(body.position):
@@ -319,8 +329,9 @@ def _particle_complaints(part: Any, field: str, body: Body) -> Iterator[str]:
 
 def _attachment(part: Part, field: str) -> tuple[float, ...] | None:
     """Return where a part is attached to its body: the body's own mark, or the shared one."""
-    own = getattr(part, field.replace("body", "point"), None)
-    return own if own is not None else getattr(part, "point", None)
+    own = (getattr(part, field.replace("body", kind), None) for kind in ("point", "center"))
+    shared = (getattr(part, kind, None) for kind in ("point", "center"))
+    return next((mark for mark in (*own, *shared) if mark is not None), None)
 
 
 def _listing(names: Iterable[str], most: int = 12) -> str:

@@ -24,6 +24,8 @@ class Settings(Part):
     samples: int = Field(default=101, ge=2, le=1_000_000)  # output times, evenly spaced from 0 to t_end
     max_steps: int = Field(default=50_000_000, ge=1)
     stop_on_compliance: bool = False  # the papers' test |C(q, t)| < h ends the run
+    events: Literal["located", "none"] = "located"  # touch-down, lift-off, slip: roots found, or forces merely clipped
+    max_events: int = Field(default=1_000_000, ge=1)  # located in one run
     project_initial: bool = False  # repair inconsistent initial conditions and report the correction
     reactions: bool = True  # evaluate joint reactions at the output times, after the timed loop
     initial_tolerance: NonNegative = 1e-9  # m or rad (m/s, rad/s), largest inconsistency accepted at t = 0

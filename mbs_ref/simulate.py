@@ -8,9 +8,20 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from mbs_ref.contact import FloresLaw, LankaraniNikraveshLaw, RigidLaw, StickSlip
 from mbs_ref.cores import compile_scene
 from mbs_ref.integrators import DEFAULT, integrators
-from mbs_ref.integrators.leg import CLOCK_H, COUNT_REJECTED, COUNT_RHS, COUNT_STEPS, Integrator, Options, progress
+from mbs_ref.integrators.leg import (
+    CLOCK_H,
+    COUNT_CONTACT,
+    COUNT_EVENTS,
+    COUNT_REJECTED,
+    COUNT_RHS,
+    COUNT_STEPS,
+    Integrator,
+    Options,
+    progress,
+)
 from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings
 from mbs_ref.system import System
@@ -55,7 +66,10 @@ def simulate(scene: Scene, settings: Settings | None = None, times: np.ndarray |
     system.set_mode_time(0.0)
     notes = [*plan.notes, *_consistent_start(system, y, settings), *_redundancy(system, y)]
     system.set_baumgarte(plan.baumgarte_gain)
+    located = settings.events == "located"
+    system.start_contacts(0.0, y, located)
     _first_call(system, plan, y)
+    system.start_contacts(0.0, y, located)
     ready = time.perf_counter()
     states, compliance, counts, status, message = _run_legs(system, plan, y)
     ended = time.perf_counter()
@@ -84,6 +98,7 @@ def _plan(scene: Scene, settings: Settings, times: np.ndarray | None) -> _Plan:
     if stabilization not in integrator.stabilizations:
         allowed = ", ".join(integrator.stabilizations)
         raise ValueError(f"stabilization = {stabilization!r} does not go with method {name!r}; allowed: {allowed}")
+    _check_events(scene, settings, integrator)
     rtol = settings.rtol or DEFAULT_TOLERANCE
     size = max([1.0, *(abs(x) for body in scene.bodies for x in body.position)])
     options = Options(
@@ -93,11 +108,25 @@ def _plan(scene: Scene, settings: Settings, times: np.ndarray | None) -> _Plan:
         project=stabilization == "projection",
         stop_on_compliance=settings.stop_on_compliance,
         max_steps=settings.max_steps,
+        max_events=settings.max_events,
         projection_tolerance=PROJECTION_TOLERANCE * size,
         chunk=CHUNK,
     )
     gain = settings.baumgarte_gain if stabilization == "baumgarte" else 0.0
     return _Plan(integrator, settings, times, options, gain, notes)
+
+
+def _check_events(scene: Scene, settings: Settings, integrator: Integrator) -> None:
+    if not scene.contacts:
+        return
+    if settings.events == "located" and not integrator.locates_events:
+        raise ValueError(f"method {integrator.name!r} locates no events; give events = 'none', or another method")
+    needs = [c.name for c in scene.contacts if isinstance(c.law, RigidLaw) or isinstance(c.friction, StickSlip)]
+    if settings.events == "none" and needs:
+        raise ValueError(f"events = 'none' cannot run {', '.join(needs[:8])}: impacts and sticking are events")
+    needs = [c.name for c in scene.contacts if isinstance(c.law, LankaraniNikraveshLaw | FloresLaw)]
+    if settings.events == "none" and needs:
+        raise ValueError(f"events = 'none' cannot run {', '.join(needs[:8])}: the law needs the speed at touch-down")
 
 
 def _wants_fixed_step(integrator: Integrator, settings: Settings) -> bool:
@@ -175,8 +204,10 @@ def _redundancy(system: System, y: np.ndarray) -> list[str]:
     if rank == rows:
         return []
     freedom = system.n_coordinates - rank
-    return [f"{rows - rank} of {rows} constraint rows are redundant at t = 0 (rank {rank}, {freedom} degrees of freedom); "
-            "multipliers are the minimum-norm ones"]  # fmt: skip
+    return [
+        f"{rows - rank} of {rows} constraint rows are redundant at t = 0 (rank {rank}, {freedom} degrees of freedom); "
+        "multipliers are the minimum-norm ones"
+    ]
 
 
 # --- the run --------------------------------------------------------------------------------------
@@ -186,7 +217,8 @@ def _first_call(system: System, plan: _Plan, y: np.ndarray) -> None:
     """Make one tiny leg on a copy: it compiles the method, or loads it from the cache, outside the timed loop."""
     span = min(1e-9, plan.times[1])
     with np.errstate(all="ignore"):
-        plan.integrator.advance(system, plan.options._replace(max_steps=2), progress(0.0), y.copy(), np.array([0.0, span]))
+        options = plan.options._replace(max_steps=2)
+        plan.integrator.advance(system, options, progress(0.0), y.copy(), np.array([0.0, span]))
 
 
 def _run_legs(system: System, plan: _Plan, y: np.ndarray):
@@ -197,7 +229,7 @@ def _run_legs(system: System, plan: _Plan, y: np.ndarray):
     states[0] = y
     filled = 1
     run = progress(0.0)
-    total = np.zeros(3, dtype=np.int64)
+    total = np.zeros(4, dtype=np.int64)
     inner = [t for t in system.scene.breakpoints() if 0.0 < t < times[-1]]
     edges = np.array([0.0, *inner, times[-1]])
     status, message, carried = Status.SUCCESS, "", 0.0
@@ -221,7 +253,9 @@ def _run_legs(system: System, plan: _Plan, y: np.ndarray):
         if status is not Status.SUCCESS:
             break
         y[:] = leg.states[leg.reached - 1]
-    total[:] = run.counts[[COUNT_STEPS, COUNT_REJECTED, COUNT_RHS]]
+    if status is Status.ENDLESS_EVENTS:
+        message += f"; contact {system.scene.contacts[run.counts[COUNT_CONTACT]].name!r} was the last"
+    total[:] = run.counts[[COUNT_STEPS, COUNT_REJECTED, COUNT_RHS, COUNT_EVENTS]]
     if system.user_error is not None:
         status, message = Status.ENGINE_ERROR, f"a user force raised {system.user_error!r}"
     if not message and status is Status.SUCCESS:
@@ -233,6 +267,7 @@ def _run_legs(system: System, plan: _Plan, y: np.ndarray):
 
 def _trajectory(system, plan, states, compliance, counts, status, message, notes, timing) -> Trajectory:
     times = plan.times[: len(states)]
+    contacts = system.contact_forces(times, states) if system.scene.contacts and plan.settings.reactions else {}
     return Trajectory(
         times=times,
         **system.poses(states)._asdict(),
@@ -241,9 +276,12 @@ def _trajectory(system, plan, states, compliance, counts, status, message, notes
         steps=int(counts[0]),
         rejected_steps=int(counts[1]),
         rhs_calls=int(counts[2]),
+        events=int(counts[3]),
         timing=timing,
         step_compliance=np.column_stack((times, compliance)),
         notes=tuple(notes),
+        contacts=contacts,
+        event_times=system.contact_events() if system.scene.contacts else None,
         reactions=_reactions(system, plan, times, states),
     )
 

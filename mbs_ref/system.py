@@ -50,6 +50,22 @@ class System(ABC):
         """Move y onto the constraints in place; return max |C| left."""
         return core.call_project(self.model, self.work, float(t), y, tolerance, most)
 
+    def start_contacts(self, t: float, y: np.ndarray, located: bool) -> None:
+        """Set every contact's mode by the state; without `located` forces are clipped by the state instead."""
+        core.call_start_modes(self.model, self.work, float(t), y, located)
+
+    def contact_forces(self, times: np.ndarray, states: np.ndarray) -> dict[str, np.ndarray]:
+        """Return for each contact depth (m), force on body_a (N, N) and its point (m, m), world axes."""
+        return {}
+
+    def contact_events(self) -> np.ndarray:
+        """Return time (s) and contact index (n_events, 2) of the events located so far."""
+        return np.zeros((0, 2))
+
+    def regularity(self) -> float:
+        """Return how far the last evaluated pose is from a singular one: 1 far, 0 there."""
+        return core.call_regularity(self.work)
+
     # --- what a core defines ------------------------------------------------------------------------
 
     @abstractmethod

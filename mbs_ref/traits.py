@@ -13,13 +13,16 @@ ALL_TRAITS = {
     "point-mass": "some body is a particle",
     "free-body": "some body has no chain of joints to ground",
     "breakpoints": "a declared signal has a jump or kink",
+    "contact": "bodies touch and part: forces or speeds jump",
     "user-force": "a force law is the user's own function",
 }
 
 
 def part_types(scene: Scene) -> frozenset[str]:
-    """Return the `type` of every part the scene contains."""
-    return frozenset(part.type for part in (*scene.bodies, *scene.joints, *scene.loads))
+    """Return the `type` of every part the scene contains, contact laws and friction included."""
+    parts = {part.type for part in (*scene.bodies, *scene.joints, *scene.loads, *scene.contacts)}
+    laws = {contact.law.type for contact in scene.contacts}
+    return frozenset(parts | laws | {c.friction.type for c in scene.contacts if c.friction is not None})
 
 
 def traits(scene: Scene) -> frozenset[str]:
@@ -34,6 +37,7 @@ def traits(scene: Scene) -> frozenset[str]:
         "point-mass": any(isinstance(b, PointMass) for b in scene.bodies),
         "free-body": free,
         "breakpoints": bool(scene.breakpoints()),
+        "contact": bool(scene.contacts),
         "user-force": any(isinstance(load, UserForce) for load in scene.loads),
     }
     assert present.keys() == ALL_TRAITS.keys()

@@ -21,6 +21,7 @@ class Status(StrEnum):
     NOT_CONVERGED = "not-converged"  # an implicit step's iteration failed
     SINGULAR = "singular"  # a singular pose where the branch of the motion is ambiguous
     COLLISION = "collision"  # two bodies came closer than the sum of their radii
+    ENDLESS_EVENTS = "endless-events"  # contact events accumulate: endless bouncing (Zeno), or more than allowed
     REFUSED = "refused"  # stopped before the first step, with the reason
     RESET = "reset"  # the engine restarted or skipped time behind the caller's back
     INTERRUPTED = "interrupted"
@@ -50,8 +51,11 @@ class Trajectory:
     steps: int = 0
     rejected_steps: int = 0
     rhs_calls: int = 0
+    events: int = 0  # contact events located
     timing: Timing = field(default_factory=Timing)
     reactions: dict[str, np.ndarray] = field(default_factory=dict)  # joint -> (n_t, 3): force on body_b at the joint point (N, N, world) and torque (N m)
+    contacts: dict[str, np.ndarray] = field(default_factory=dict)  # contact -> (n_t, 5): depth (m), force on body_a (N, N, world), its point (m, m)
+    event_times: np.ndarray | None = None  # (n_events, 2) time s and contact's index, where the engine locates events
     step_compliance: np.ndarray | None = None  # (n_samples, 2) time s, max |C| over the steps since the last sample
     notes: tuple[str, ...] = ()  # what the user should know: corrections applied, redundant rows, warnings
 
@@ -71,4 +75,5 @@ class Trajectory:
             velocity=self.velocity[:count],
             angular_velocity=self.angular_velocity[:count],
             reactions={name: value[:count] for name, value in self.reactions.items()},
+            contacts={name: value[:count] for name, value in self.contacts.items()},
         )

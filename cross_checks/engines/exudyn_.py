@@ -20,8 +20,10 @@ from cross_checks.engine import Engine, Method, Refusal
 from cross_checks.joint_tree import FIXED, JointTree, joint_tree
 from cross_checks.outcome import End, Plan, end_of, plan_run, refuse_spatial, trajectory
 from cross_checks.prescribed import constant_value, displacement, factor
+from mbs_ref.contact import CircleOnCircle, CircleOnLine
 from mbs_ref.observables.attachment import Motion
 from mbs_ref.scene import (
+    GROUND,
     CoordinateDrive,
     Distance,
     Force,
@@ -45,20 +47,25 @@ SMALLEST_STEP = 1e-13  # s, adaptive methods
 STEPS = (2e-2, 1e-2, 5e-3, 2.5e-3, 1e-3, 5e-4, 2.5e-4, 1e-4)  # s
 RTOLS = (1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
 TREE = "tree_"
+CONTACT = "contact_rk44"
+REACH = 100.0  # m, how far floors and the search for contact extend
 SINGULAR = "stops at singular poses, or leaves them on another branch and reports success"
 
 SOLVERS = {
     "generalized_alpha": exu.DynamicSolverType.GeneralizedAlpha,
     "trapezoidal": exu.DynamicSolverType.TrapezoidalIndex2,
+    "contact_rk44": exu.DynamicSolverType.RK44,
     "tree_dopri5": exu.DynamicSolverType.DOPRI5,
     "tree_rk44": exu.DynamicSolverType.RK44,
     "tree_rk67": exu.DynamicSolverType.RK67,
     "tree_euler": exu.DynamicSolverType.ExplicitEuler,
 }
-STAGES = {"tree_rk44": 4, "tree_rk67": 9, "tree_euler": 1, "tree_dopri5": 7}  # right-hand sides a step
+STAGES = {"contact_rk44": 4, "tree_rk44": 4, "tree_rk67": 9, "tree_euler": 1, "tree_dopri5": 7}  # right-hand sides a step
 METHODS = (
     Method("generalized_alpha", "fixed", 2, "generalized-alpha, index 3, redundant coordinates", STEPS),
     Method("trapezoidal", "fixed", 2, "trapezoidal rule, index 2, redundant coordinates", STEPS, wrong_limit=SINGULAR),
+    Method("contact_rk44", "fixed", None, "Runge-Kutta 4 with GeneralContact; bodies without joints", STEPS,
+           requires=frozenset({"contact"})),
     Method("tree_dopri5", "adaptive", 5, "KinematicTree, Dormand-Prince 5", RTOLS),
     Method("tree_rk44", "fixed", 4, "KinematicTree, Runge-Kutta 4", STEPS),
     Method("tree_rk67", "fixed", 6, "KinematicTree, Runge-Kutta 6 of 7 stages", STEPS),
@@ -74,6 +81,7 @@ class Exudyn(Engine):
     part_types: ClassVar[frozenset[str]] = frozenset(
         {"planar", "point_mass", "revolute", "prismatic", "weld", "distance", "coordinate_drive"}
         | {"force", "torque", "spring_damper", "torsion_spring"}
+        | {"circle_on_line", "circle_on_circle", "spring_damper_law"}
     )
 
     def methods(self) -> tuple[Method, ...]:
@@ -87,6 +95,8 @@ class Exudyn(Engine):
 
     def method_refusals(self, scene: Scene, method: Method) -> list[Refusal]:
         reasons = super().method_refusals(scene, method)
+        if scene.contacts:
+            reasons += _contact_refusals(scene, method)
         if method.name.startswith(TREE) and scene.dimension == 2:
             reasons += _tree_refusals(scene)
         return reasons
@@ -224,6 +234,8 @@ def _build_redundant(scene: Scene) -> Redundant:
         JOINTS[type(joint)](model, joint)
     for load in scene.loads:
         LOADS[type(load)](model, load)
+    if scene.contacts:
+        _add_contacts(model)
     return model
 
 
@@ -379,6 +391,70 @@ JOINTS = {
     CoordinateDrive: _add_drive,
 }
 LOADS = {Force: _add_force, Torque: _add_torque, SpringDamper: _add_spring, TorsionSpring: _add_torsion}
+
+
+# --- contact ---------------------------------------------------------------------------------------
+
+
+def _contact_refusals(scene: Scene, method: Method) -> list[Refusal]:
+    reasons = []
+    if method.name != CONTACT:
+        reasons.append(f"{method.name}: contact is taught to {CONTACT} alone")
+    reasons += [f"joint {joint.name!r}: Exudyn's explicit solvers take no joint" for joint in scene.joints]
+    for contact in scene.contacts:
+        where = f"contact {contact.name!r}"
+        if contact.friction is not None:
+            reasons.append(f"{where}: friction is not yet taught to exudyn here")
+        rule = "gap" if isinstance(contact, CircleOnLine) else "force"
+        if getattr(contact.law, "release", rule) != rule:
+            reasons.append(f"{where}: GeneralContact lets go of {contact.type} by release = {rule!r}")
+        if isinstance(contact, CircleOnLine) and (contact.body_b != GROUND or contact.extent != "line"):
+            reasons.append(f"{where}: only an endless line on ground is taught")
+    reasons += _mixed_refusals(scene)
+    return [Refusal(reason, permanent=False) for reason in reasons]
+
+
+def _mixed_refusals(scene: Scene) -> list[str]:
+    """GeneralContact gives stiffness to shapes, not to pairs, and lets every pair touch."""
+    laws = {contact.law for contact in scene.contacts}
+    shapes = {shape for contact in scene.contacts for shape in _circles(contact)}
+    bodies = [body for body, _, _ in shapes]
+    reasons = ["GeneralContact gives laws to shapes, not to pairs: all contacts must share one"] if len(laws) > 1 else []
+    if len(bodies) != len(set(bodies)):
+        reasons.append("a body with two circles would touch with both")
+    return reasons
+
+
+def _circles(contact: CircleOnLine | CircleOnCircle) -> list[tuple[str, tuple[float, ...], float]]:
+    if isinstance(contact, CircleOnLine):
+        return [(contact.body_a, contact.center, contact.radius)]
+    return [(contact.body_a, contact.center_a, contact.radius_a), (contact.body_b, contact.center_b, contact.radius_b)]
+
+
+def _add_contacts(model: Redundant) -> None:
+    """Two shapes in series: each has twice the pair's stiffness and half its damping."""
+    contacts = model.scene.contacts
+    law: Any = contacts[0].law
+    general = model.mbs.AddGeneralContact()
+    general.SetFrictionPairings(np.zeros((1, 1)))
+    general.verboseMode = 0
+    shape = {"contactStiffness": 2.0 * law.stiffness, "contactDamping": 0.5 * law.damping, "frictionMaterialIndex": 0}
+    for line in {c for c in contacts if isinstance(c, CircleOnLine)}:
+        _add_plane(model, general, line, shape)
+    for body, center, radius in sorted({circle for contact in contacts for circle in _circles(contact)}):
+        general.AddSphereWithMarker(markerIndex=model.marker(body, center), radius=radius, **shape)
+    general.SetSearchTreeCellSize([1, 1, 1])
+    general.SetSearchTreeBox(pMin=[-REACH, -REACH, -REACH], pMax=[REACH, REACH, REACH])
+
+
+def _add_plane(model: Redundant, general, line: CircleOnLine, shape: dict) -> None:
+    """A line as two triangles, wide and deep enough for the scene."""
+    along = np.subtract(line.point_2, line.point_1) / np.hypot(*np.subtract(line.point_2, line.point_1))
+    ends = [np.array([*(np.array(line.point_1) + s * REACH * along), z]) for s in (-1, 1) for z in (-REACH, REACH)]
+    marker = model.mbs.AddMarker(item.MarkerBodyRigid(bodyNumber=model.bodies[FIXED], localPosition=[0.0, 0.0, 0.0]))
+    general.AddTrianglesRigidBodyBased(
+        rigidBodyMarkerIndex=marker, pointList=ends, triangleList=[[0, 1, 3], [0, 3, 2]], **shape
+    )
 
 
 # --- minimal coordinates ---------------------------------------------------------------------------

@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+import math
 from time import perf_counter
 from typing import ClassVar
 
@@ -16,7 +17,9 @@ from cross_checks.joint_tree import FIXED, Edge, JointTree, joint_tree, local
 from cross_checks.outcome import End, Plan, end_of, plan_run, refuse_spatial, trajectory
 from cross_checks.prescribed import constant_value
 from cross_checks.reactions import tree_reactions
+from mbs_ref.contact import CircleOnCircle, CircleOnLine
 from mbs_ref.scene import (
+    GROUND,
     Distance,
     Force,
     PlanarBody,
@@ -29,6 +32,7 @@ from mbs_ref.scene import (
     Weld,
 )
 from mbs_ref.settings import Settings
+from mbs_ref.traits import joint_ends
 from mbs_ref.trajectory import Status, Timing, Trajectory
 
 INTEGRATORS = {
@@ -40,6 +44,10 @@ INTEGRATORS = {
 LADDER = (2e-2, 1e-2, 5e-3, 2.5e-3, 1e-3, 5e-4, 2.5e-4, 1e-4)  # s
 DEFAULT_SOLREF = (0.02, 1.0)  # s, damping ratio: MuJoCo's default, pinned
 TIGHT = "_tight"
+STOCK = "_stock_contact"
+# solimp with the least impedance MuJoCo allows: F = m_eff (K d + B d' + impedance * a), a the acceleration without it
+PENALTY_SOLIMP = (1e-4, 1e-4, 0.001, 0.5, 2.0)
+STOCK_SOLREF, STOCK_SOLIMP = (0.02, 1.0), (0.9, 0.95, 0.001, 0.5, 2.0)  # MuJoCo's defaults, pinned
 # How much is lost depends on which joints close the loops: A02 loses 1.4 J over this tree, 7.1 J over a serial one.
 SOFT = "loop closures are springs of 0.02 s time constant whatever the step: the energy of a loop is lost at every step"
 STEP_SOFT = "loop closures are springs whose time constant is two steps"
@@ -54,7 +62,9 @@ def _methods() -> tuple[Method, ...]:
         for m in plain
         if m.name in ("rk4", "implicitfast")
     ]
-    return tuple(plain + tight)
+    stock = Method("rk4" + STOCK, "fixed", None, "explicit Runge-Kutta 4; MuJoCo's default contacts", LADDER,
+                   wrong_limit="contacts have MuJoCo's default stiffness and damping, not the scene's")  # fmt: skip
+    return (*plain, *tight, stock)
 
 
 METHODS = _methods()
@@ -68,6 +78,7 @@ class MuJoCo(Engine):
     part_types: ClassVar[frozenset[str]] = frozenset(
         {"planar", "point_mass", "revolute", "prismatic", "weld", "distance"}
         | {"force", "torque", "spring_damper", "torsion_spring"}
+        | {"circle_on_line", "circle_on_circle", "spring_damper_law"}
     )
 
     def methods(self) -> tuple[Method, ...]:
@@ -78,12 +89,14 @@ class MuJoCo(Engine):
 
     def topology_refusals(self, scene: Scene) -> list[Refusal]:
         spatial = refuse_spatial(self, scene)
-        return spatial or _part_refusals(scene) + _closure_refusals(scene)
+        return spatial or _part_refusals(scene) + _closure_refusals(scene) + _contact_refusals(scene)
 
     def method_refusals(self, scene: Scene, method: Method) -> list[Refusal]:
         reasons = super().method_refusals(scene, method)
         if method.name.endswith(TIGHT) and not reasons and scene.dimension == 2 and not joint_tree(scene).closures:
             reasons.append(Refusal(f"{method.name} differs only where a joint closes a loop, and none does", True))
+        if method.name.endswith(STOCK) and not scene.contacts:
+            reasons.append(Refusal(f"{method.name} differs only in contact, and there is none", True))
         return reasons
 
     def run(self, scene: Scene, settings: Settings, times: np.ndarray | None = None) -> Trajectory:
@@ -102,7 +115,7 @@ class MuJoCo(Engine):
         steps = sum(plan.counts[: max(0, end.samples - 1)])
         stages = 4 if model.opt.integrator == mujoco.mjtIntegrator.mjINT_RK4 else 1
         poses, wrench = _observe(model, tree, states[: end.samples])
-        known = settings.reactions and not scene.loads  # cfrc_int leaves out tendons and actuators
+        known = settings.reactions and not scene.loads and not scene.contacts  # cfrc_int leaves out tendons and actuators
         return trajectory(
             plan,
             poses,
@@ -151,6 +164,8 @@ def _compile(tree: JointTree, plan: Plan) -> mujoco.MjModel:
         _add_closure(spec, frames, tree, joint, _solref(plan))
     for load in tree.scene.loads:
         LOADS[type(load)](spec, frames, tree, load)
+    for contact in tree.scene.contacts:
+        _add_contact(spec, frames, tree, contact, plan.method.name.endswith(STOCK))
     return spec.compile()
 
 
@@ -158,7 +173,7 @@ def _pin_options(spec: mujoco.MjSpec, plan: Plan, scene: Scene) -> None:
     """Leave no option to a default that a release may change."""
     option = spec.option
     option.timestep = plan.step
-    option.integrator = INTEGRATORS[plan.method.name.removesuffix(TIGHT)][0]
+    option.integrator = INTEGRATORS[plan.method.name.removesuffix(TIGHT).removesuffix(STOCK)][0]
     option.gravity = (*scene.gravity, 0.0)
     option.solver = mujoco.mjtSolver.mjSOL_NEWTON
     option.tolerance, option.iterations, option.ls_tolerance, option.ls_iterations = 1e-15, 200, 0.01, 50
@@ -166,9 +181,10 @@ def _pin_options(spec: mujoco.MjSpec, plan: Plan, scene: Scene) -> None:
     option.cone, option.jacobian = mujoco.mjtCone.mjCONE_ELLIPTIC, mujoco.mjtJacobian.mjJAC_DENSE
     option.wind, option.density, option.viscosity = (0.0, 0.0, 0.0), 0.0, 0.0
     flags = mujoco.mjtDisableBit
-    # without warm starts a run repeats bit for bit; planar scenes have no contact yet
-    option.disableflags = int(flags.mjDSBL_WARMSTART) | int(flags.mjDSBL_CONTACT)
-    option.enableflags = 0
+    # without warm starts a run repeats bit for bit
+    option.disableflags = int(flags.mjDSBL_WARMSTART) | (0 if scene.contacts else int(flags.mjDSBL_CONTACT))
+    # without it the effective mass of a jointed body is guessed, and was seen wrong by 7.5x
+    option.enableflags = int(mujoco.mjtEnableBit.mjENBL_DIAGEXACT) if scene.contacts else 0
     spec.compiler.autolimits = False
 
 
@@ -317,6 +333,67 @@ def _add_torque(spec, frames, tree: JointTree, load: Torque) -> None:
 
 
 LOADS = {Force: _add_force, Torque: _add_torque, SpringDamper: _add_spring, TorsionSpring: _add_torsion}
+
+
+def _add_contact(spec, frames, tree: JointTree, contact, stock: bool) -> None:
+    """A sphere against a plane or another sphere, paired explicitly so that nothing else touches."""
+    if isinstance(contact, CircleOnCircle):
+        ends = ((contact.body_a, contact.center_a, contact.radius_a), (contact.body_b, contact.center_b, contact.radius_b))
+        geoms = [_sphere(frames, tree, f"{contact.name}/{side}", *end) for side, end in zip("ab", ends, strict=True)]
+    else:
+        sphere = _sphere(frames, tree, f"{contact.name}/a", contact.body_a, contact.center, contact.radius)
+        geoms = [_plane(spec, f"{contact.name}/b", contact), sphere]
+    pair = spec.add_pair(name=contact.name, geomname1=geoms[0], geomname2=geoms[1], condim=1)
+    pair.margin, pair.gap = 0.0, 0.0
+    mass = _contact_mass(tree.scene, contact)
+    law = contact.law
+    pair.solref = STOCK_SOLREF if stock else (-law.stiffness / mass, -law.damping / mass)
+    pair.solimp = STOCK_SOLIMP if stock else PENALTY_SOLIMP
+
+
+def _sphere(frames, tree: JointTree, label: str, body: str, center, radius: float) -> str:
+    k = tree.scene.body_index(body)
+    size = (radius, 0.0, 0.0)
+    frame = frames[k]
+    frame.add_geom(name=label, type=mujoco.mjtGeom.mjGEOM_SPHERE, size=size, pos=_anchor(tree, body, center), mass=0.0,
+                   contype=0, conaffinity=0)  # fmt: skip
+    return label
+
+
+def _plane(spec, label: str, contact: CircleOnLine) -> str:
+    along = np.subtract(contact.point_2, contact.point_1) / np.hypot(*np.subtract(contact.point_2, contact.point_1))
+    spec.worldbody.add_geom(
+        name=label, type=mujoco.mjtGeom.mjGEOM_PLANE, size=(0.0, 0.0, 1.0), pos=(*contact.point_1, 0.0),
+        zaxis=(-along[1], along[0], 0.0), contype=0, conaffinity=0,
+    )  # fmt: skip
+    return label
+
+
+def _contact_mass(scene: Scene, contact) -> float:
+    """Return the effective mass of a central contact of free bodies, which no pose changes."""
+    names = [contact.body_a, contact.body_b]
+    return 1.0 / sum(1.0 / scene.bodies[scene.body_index(name)].mass for name in names if name != GROUND)
+
+
+def _contact_refusals(scene: Scene) -> list[Refusal]:
+    reasons = []
+    jointed = {end for joint in scene.joints for end in joint_ends(joint)}
+    for contact in scene.contacts:
+        where = f"contact {contact.name!r}"
+        if contact.friction is not None:
+            reasons.append(f"{where}: friction is not yet taught to mujoco here")
+        if getattr(contact.law, "release", "force") != "force":
+            reasons.append(f"{where}: mujoco's contact force is never negative; it needs release = 'force'")
+        if isinstance(contact, CircleOnLine) and (contact.body_b != GROUND or contact.extent != "line"):
+            reasons.append(f"{where}: a mujoco plane is endless and fixed to the world")
+        centers = ((contact.body_a, getattr(contact, "center_a", None) or getattr(contact, "center", None)),
+                   (contact.body_b, getattr(contact, "center_b", None)))  # fmt: skip
+        for name, center in centers:
+            if name == GROUND or center is None:
+                continue
+            if name in jointed or math.dist(center, scene.bodies[scene.body_index(name)].position) > 1e-12:
+                reasons.append(f"{where}: the stiffness scales with an effective mass that changes with the pose of {name!r}")
+    return [Refusal(reason, permanent=False) for reason in reasons]
 
 
 # --- the run ---------------------------------------------------------------------------------------

@@ -66,7 +66,8 @@ def _is_ours(scene: Scene) -> bool:
         ours = scenes.make(scene.name, **scene.parameters)
     except ValueError:
         return False
-    return all(getattr(ours, part) == getattr(scene, part) for part in ("gravity", "bodies", "joints", "loads"))
+    physics = ("gravity", "bodies", "joints", "loads", "contacts")
+    return all(getattr(ours, part) == getattr(scene, part) for part in physics)
 
 
 @lru_cache(maxsize=64)

@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from mbs_ref.integrators.events import ACTIVE, EVENT, H_NEXT, IDLE, RETRY, event_tables, settle, watch
 from mbs_ref.integrators.leg import (
     CLOCK_COMPLIANCE,
     CLOCK_H,
@@ -18,11 +19,13 @@ from mbs_ref.integrators.leg import (
     NON_FINITE,
     RUNNING,
     SINGULAR,
+    STALLED,
     STEP_TOO_SMALL,
     TOO_MANY_STEPS,
     Advance,
     Leg,
     Options,
+    Pace,
     Progress,
     finish_leg,
 )
@@ -31,12 +34,16 @@ from mbs_ref.kernels.core import derivative, project, regularity, tangent
 from mbs_ref.kernels.jit import jit
 from mbs_ref.system import System
 
-# Roundoff in an acceleration grows as eps / pivot: a pose whose relative closure pivot is below this
-# number over rtol is too close to a singular one to continue from, and is stepped over.
-SINGULAR_PIVOT = 1e-17
-MOST_AVOIDED = 60  # attempts in a row to end a step away from a singular pose
+# Roundoff in an acceleration grows as eps / sigma^3 near a singular pose, with the relative closure pivot
+# sigma^2. A step that ends where this harms the asked accuracy is shortened once, so that the next one
+# passes over the pose; where that does not help it may end there, unless even positions would suffer.
+NOISY_PIVOT = 2e-17  # over rtol, to the power 2/3
+NOISY_STAGE = 1e-19  # likewise for a stage inside a step, whose weight is smaller
+SINGULAR_PIVOT = 1e-17  # over rtol
+PATIENT_AVOIDED, MOST_AVOIDED = 6, 60  # attempts in a row to end a step away from a singular pose
 NEAR_SINGULAR = 0.1  # relative closure pivot below which stages are projected
 STAGE_ITERATIONS = 6
+AVOID_STAGE = 0.93  # step factor after a stage came too close to one
 AVOID = 0.77  # step factor after ending too close to a singular pose
 SAFETY, SHRINK, GROW = 0.9, 0.2, 6.0  # step factors (Hairer, Norsett, Wanner I, sec. II.4)
 
@@ -55,13 +62,14 @@ class Tableau(NamedTuple):
 
 @jit
 def _stages(model, work, tableau, t, h, y, slopes, trial, restore, tolerance):
-    """Fill slopes[1:s]; slopes[0] is given. Leave the new state in `trial`.
+    """Fill slopes[1:s]; slopes[0] is given. Leave the new state in `trial`; return the worst stage's pivot.
 
     With `restore` every stage is first projected onto the constraints. Near a singular pose the
     accelerations off the manifold grow without bound while those on it stay smooth.
     """
     stages = tableau.b.shape[0]
     n = y.shape[0]
+    pivot = 1.0
     for i in range(1, stages):
         for k in range(n):
             trial[k] = y[k]
@@ -74,6 +82,8 @@ def _stages(model, work, tableau, t, h, y, slopes, trial, restore, tolerance):
         if restore:
             project(model, work, t_stage, trial, tolerance, STAGE_ITERATIONS)
         derivative(model, work, t_stage, trial, slopes[i])
+        if restore:
+            pivot = min(pivot, regularity(work))
     for k in range(n):
         trial[k] = y[k]
     for j in range(stages):
@@ -81,6 +91,7 @@ def _stages(model, work, tableau, t, h, y, slopes, trial, restore, tolerance):
         if weight != 0.0:
             for k in range(n):
                 trial[k] += weight * slopes[j, k]
+    return pivot
 
 
 @jit
@@ -111,7 +122,7 @@ def _error_norm(model, work, tableau, slopes, h, y, trial, scratch, rtol, atol, 
         tangent(model, work, scratch)
     low = weighted_norm(scratch, y, trial, rtol, atol)
     scale = main * main + 0.01 * low * low
-    return main * main / np.sqrt(scale) if scale > 0.0 else 0.0
+    return 0.0 if scale == 0.0 else main * main / np.sqrt(scale)  # NaN must stay NaN, and be rejected
 
 
 @jit
@@ -125,6 +136,13 @@ def advance_explicit(model, work, tableau, options, run, y, times, states, worst
     trial = np.empty(n)
     scratch = np.empty(n)
     budget = counts[COUNT_STEPS] + options.chunk
+    search, table = event_tables(model)
+    watched = table.shape[1] > 0
+    searching = False
+    if watched:
+        code = settle(model, work, clock[CLOCK_T], y, table, run, options.max_events)
+        if code != RUNNING:
+            return code
     derivative(model, work, clock[CLOCK_T], y, slopes[0])
     counts[COUNT_RHS] += 1
     if adaptive and clock[CLOCK_H] == 0.0:
@@ -134,6 +152,7 @@ def advance_explicit(model, work, tableau, options, run, y, times, states, worst
         counts[COUNT_RHS] += 1
     rejected = False
     avoided = 0
+    natural = 0.0  # the step that accuracy allows, while one is shortened to avoid a singular pose
     while counts[COUNT_OUTPUT] < times.shape[0]:
         t = clock[CLOCK_T]
         target = times[counts[COUNT_OUTPUT]]
@@ -141,15 +160,21 @@ def advance_explicit(model, work, tableau, options, run, y, times, states, worst
         reach = target - t
         lands = proposed >= reach * (1.0 - 1e-9)
         h = reach if lands else proposed
-        if adaptive and not lands and proposed > 0.5 * reach:
+        if adaptive and not lands and proposed > 0.5 * reach and natural == 0.0:
             h = 0.5 * reach  # two even steps rather than a whole one and a sliver
+        if watched:
+            searching = search[ACTIVE] != IDLE
+            if searching:
+                h = search[H_NEXT]
+                lands = h >= reach
         t_new = target if lands else t + h
-        if t_new == t:
+        if t_new == t and not searching:
             return STEP_TOO_SMALL
         restore = options.project and (rejected or regularity(work) < NEAR_SINGULAR)
-        _stages(model, work, tableau, t, h, y, slopes, trial, restore, options.projection_tolerance)
+        pivot = _stages(model, work, tableau, t, h, y, slopes, trial, restore, options.projection_tolerance)
         counts[COUNT_RHS] += stages - 1
-        if adaptive:
+        noisy_stage = adaptive and pivot < (NOISY_STAGE / options.rtol) ** (2.0 / 3.0)
+        if adaptive and not searching:  # a shorter step than an accepted one needs no second judgement
             if restore:
                 project(model, work, t_new, trial, options.projection_tolerance, STAGE_ITERATIONS)
             derivative(model, work, t_new, trial, slopes[stages])
@@ -182,7 +207,17 @@ def advance_explicit(model, work, tableau, options, run, y, times, states, worst
         )  # fmt: skip
         if code != RUNNING:
             return code
-        if adaptive and options.project and regularity(work) < SINGULAR_PIVOT / options.rtol:
+        verdict = 0
+        if watched:
+            verdict = watch(model, work, t, h, trial, search, table)
+            if verdict == RETRY:
+                if adaptive:
+                    clock[CLOCK_H] = proposed
+                continue
+        pivot = regularity(work) if adaptive and options.project else 1.0
+        noisy_end = pivot < (NOISY_PIVOT / options.rtol) ** (2.0 / 3.0)
+        noisy = avoided < PATIENT_AVOIDED and (noisy_stage or noisy_end)
+        if verdict != EVENT and (noisy or pivot < SINGULAR_PIVOT / options.rtol):
             avoided += 1
             if avoided > MOST_AVOIDED:
                 return SINGULAR
@@ -191,21 +226,28 @@ def advance_explicit(model, work, tableau, options, run, y, times, states, worst
                 if counts[COUNT_OUTPUT] == times.shape[0]:
                     return DONE
                 continue
-            clock[CLOCK_H] = AVOID * h
-            rejected = True
+            natural = max(natural, clock[CLOCK_H])
+            clock[CLOCK_H] = (AVOID if noisy_end else AVOID_STAGE) * h
             continue
+        if natural > 0.0:
+            clock[CLOCK_H] = natural
+        natural = 0.0
         avoided = 0
         for k in range(n):
             y[k] = trial[k]
         clock[CLOCK_T] = t_new
         counts[COUNT_STEPS] += 1
+        if verdict == EVENT:
+            code = settle(model, work, t_new, y, table, run, options.max_events)
+            if code != RUNNING:
+                return code
         if lands:
             record(run, y, states, worst_per_time)
         if counts[COUNT_OUTPUT] == times.shape[0]:
             return DONE
         if counts[COUNT_STEPS] >= options.max_steps:
             return TOO_MANY_STEPS
-        if adaptive and not options.project:
+        if adaptive and not options.project and not searching and verdict != EVENT:
             for k in range(n):
                 slopes[0, k] = slopes[stages, k]  # first same as last
         else:
@@ -224,9 +266,12 @@ def explicit(tableau: Tableau) -> Advance:
         worst = np.zeros(len(times))
         states[0] = y
         run.counts[COUNT_OUTPUT] = 1
+        pace = Pace(float(times[0]), float(times[-1]), options.max_steps, options.chunk)
         code = RUNNING
         while code == RUNNING:
             code = advance_explicit(system.model, system.work, tableau, options, run, y, times, states, worst)
+            if code == RUNNING and pace.is_hopeless(float(run.clock[CLOCK_T]), int(run.counts[COUNT_STEPS])):
+                code = STALLED
         return finish_leg(code, states, worst, run)
 
     return advance

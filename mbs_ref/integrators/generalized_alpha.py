@@ -9,9 +9,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from mbs_ref.integrators.events import ACTIVE, EVENT, H_NEXT, IDLE, RETRY, event_tables, settle, watch
 from mbs_ref.integrators.leg import (
     CLOCK_COMPLIANCE,
     CLOCK_T,
+    COUNT_EVENTS,
     COUNT_OUTPUT,
     COUNT_RHS,
     COUNT_STEPS,
@@ -29,6 +31,7 @@ from mbs_ref.integrators.leg import (
 from mbs_ref.integrators.step_control import close_step, record
 from mbs_ref.kernels.core import dense_correction, derivative, factor_tangent, multipliers, tree_correction
 from mbs_ref.kernels.jit import jit
+from mbs_ref.planar_system import PlanarSystem
 from mbs_ref.system import System
 
 SPECTRAL_RADIUS = 0.9  # at infinite frequency
@@ -37,6 +40,7 @@ ALPHA_F = SPECTRAL_RADIUS / (SPECTRAL_RADIUS + 1)
 GAMMA = 0.5 + ALPHA_F - ALPHA_M
 BETA = 0.25 * (GAMMA + 0.5) ** 2
 TREE_ITERATIONS, DENSE_ITERATIONS = 14, 12
+ATTEMPTS = 5  # renewals of the tangent at the latest iterate
 SLOW = 0.25  # contraction of the mass-only iteration above which the full tangent pays
 ROUNDOFF = 1e-13  # of the state's size: what a Newton correction may leave
 
@@ -47,7 +51,6 @@ def _iterate(model, work, t, h, y, qdd, a, lam, trial, new_qdd, new_a, dense, ro
     n = qdd.shape[0]
     ratio = (1.0 - ALPHA_F) / (1.0 - ALPHA_M)
     by_position = h * h * BETA * ratio
-    h * GAMMA * ratio
     size = 1.0
     for k in range(n):
         size = max(size, abs(y[k]))
@@ -79,6 +82,16 @@ def _iterate(model, work, t, h, y, qdd, a, lam, trial, new_qdd, new_a, dense, ro
 
 
 @jit
+def _start(model, work, t, y, qdd, lam):
+    """Set accelerations and multipliers that satisfy the equations at the start."""
+    n = qdd.shape[0]
+    dy = np.empty(2 * n)
+    derivative(model, work, t, y, dy)
+    qdd[:] = dy[n:]
+    multipliers(work, lam)
+
+
+@jit
 def advance_generalized_alpha(
     model, work, options, run, y, qdd, a, lam, row_slot, row_row, lu, pivots, times, states, worst_per_time
 ):
@@ -90,6 +103,17 @@ def advance_generalized_alpha(
     new_a = np.empty(n)
     old_lam = lam.copy()
     budget = counts[COUNT_STEPS] + options.chunk
+    search, table = event_tables(model)
+    watched = table.shape[1] > 0
+    searching = False
+    if watched:
+        before = counts[COUNT_EVENTS]
+        code = settle(model, work, clock[CLOCK_T], y, table, run, options.max_events)
+        if code != RUNNING:
+            return code
+        if counts[COUNT_EVENTS] != before:
+            _start(model, work, clock[CLOCK_T], y, qdd, lam)
+            a[:] = qdd
     ratio = (1.0 - ALPHA_F) / (1.0 - ALPHA_M)
     dense = lu.shape[0] > 0 and counts[4] == 1
     factored = 0.0
@@ -99,31 +123,45 @@ def advance_generalized_alpha(
         reach = target - t
         lands = options.step >= reach * (1.0 - 1e-9)
         h = reach if lands else options.step
+        if watched:
+            searching = search[ACTIVE] != IDLE
+            if searching:
+                h = search[H_NEXT]
+                lands = h >= reach
         t_new = target if lands else t + h
-        if t_new == t:
+        if t_new == t and not searching:
             return STEP_TOO_SMALL
         converged = False
         contraction = 1.0
         old_lam[:] = lam
-        for attempt in range(3):
-            new_qdd[:] = qdd
-            lam[:] = old_lam
+        new_qdd[:] = qdd
+        for k in range(n):
+            trial[k] = y[k] + h * (y[n + k] + 0.5 * h * a[k])
+            trial[n + k] = y[n + k] + h * a[k]
+        for attempt in range(ATTEMPTS):
             if dense and (factored != h or attempt > 0):
                 if not factor_tangent(
-                    model, work, t_new, y, lam, h * h * BETA * ratio, h * GAMMA * ratio, row_slot, row_row, lu, pivots
-                ):
+                    model, work, t_new, trial, lam, h * h * BETA * ratio, h * GAMMA * ratio,
+                    row_slot, row_row, lu, pivots,
+                ):  # fmt: skip
                     break
                 counts[COUNT_RHS] += n
                 factored = h
             converged, contraction = _iterate(
-                model, work, t_new, h, y, qdd, a, lam, trial, new_qdd, new_a, dense, row_slot, row_row, lu, pivots, counts
-            )
+                model, work, t_new, h, y, qdd, a, lam, trial, new_qdd, new_a,
+                dense, row_slot, row_row, lu, pivots, counts,
+            )  # fmt: skip
             if converged:
                 break
             if not dense and lu.shape[0] > 0:
                 dense = True
                 counts[4] = 1
                 factored = 0.0
+                new_qdd[:] = qdd
+                lam[:] = old_lam
+                for k in range(n):
+                    trial[k] = y[k] + h * (y[n + k] + 0.5 * h * a[k])
+                    trial[n + k] = y[n + k] + h * a[k]
         if not converged:
             return NOT_CONVERGED
         if dense and contraction > SLOW:
@@ -134,6 +172,12 @@ def advance_generalized_alpha(
         )  # fmt: skip
         if code != RUNNING:
             return code
+        verdict = 0
+        if watched:
+            verdict = watch(model, work, t, h, trial, search, table)
+            if verdict == RETRY:
+                lam[:] = old_lam
+                continue
         for k in range(n):
             y[k] = trial[k]
             y[n + k] = trial[n + k]
@@ -141,6 +185,13 @@ def advance_generalized_alpha(
             a[k] = new_a[k]
         clock[CLOCK_T] = t_new
         counts[COUNT_STEPS] += 1
+        if verdict == EVENT:
+            code = settle(model, work, t_new, y, table, run, options.max_events)
+            if code != RUNNING:
+                return code
+            _start(model, work, t_new, y, qdd, lam)
+            a[:] = qdd
+            factored = 0.0
         if lands:
             record(run, y, states, worst_per_time)
         if counts[COUNT_OUTPUT] == times.shape[0]:
@@ -152,21 +203,13 @@ def advance_generalized_alpha(
     return DONE
 
 
-@jit
-def _start(model, work, t, y, qdd, lam):
-    """Set accelerations and multipliers that satisfy the equations at the start."""
-    n = qdd.shape[0]
-    dy = np.empty(2 * n)
-    derivative(model, work, t, y, dy)
-    qdd[:] = dy[n:]
-    multipliers(work, lam)
-
-
 DENSE_LIMIT = 900  # unknowns; a dense tangent beyond costs seconds a factorization and is not tried
 
 
 def advance(system: System, options: Options, run: Progress, y: np.ndarray, times: np.ndarray) -> Leg:
     """Integrate one leg."""
+    if not isinstance(system, PlanarSystem):
+        raise ValueError("method 'generalized_alpha' works on planar scenes only")
     states = np.empty((len(times), len(y)))
     worst = np.zeros(len(times))
     states[0] = y

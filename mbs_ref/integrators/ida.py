@@ -9,22 +9,30 @@ from typing import Any
 
 import numpy as np
 
+from mbs_ref.integrators.crossing import is_near_singular, leap
 from mbs_ref.integrators.leg import (
     CLOCK_COMPLIANCE,
     CLOCK_T,
     COUNT_REJECTED,
     COUNT_RHS,
     COUNT_STEPS,
+    MESSAGES,
+    STALLED,
     Advance,
     Leg,
     Options,
+    Pace,
     Progress,
 )
 from mbs_ref.kernels.planar.residual import GGL, planar_residual, residual_scratch
+from mbs_ref.planar_system import PlanarSystem
 from mbs_ref.system import System
 from mbs_ref.trajectory import Status
 
 PACKAGE = "sundials4py"
+PROXIMAL = 1e-12  # of a multiplier left in its own row
+MULTIPLIER_SHARE = 1e-4  # of the largest applied force at the start
+HOPELESS_FAILURES, HOPELESS_SHARE = 500, 0.4  # error-test failures, in all and per step taken, that end a run
 STOPPED = {  # IDA's return values, in words
     -1: ("too much work between outputs", Status.TOO_MANY_STEPS),
     -2: ("the asked accuracy is beyond double precision", Status.STEP_TOO_SMALL),
@@ -41,7 +49,7 @@ STOPPED = {  # IDA's return values, in words
 class _Ida:
     """One IDA memory with everything it refers to kept alive."""
 
-    def __init__(self, system: System, options: Options, form: int, y: np.ndarray, t0: float) -> None:
+    def __init__(self, system: PlanarSystem, options: Options, form: int, y: np.ndarray, t0: float) -> None:
         from sundials4py import core, idas
 
         self.core, self.idas = core, idas
@@ -52,13 +60,16 @@ class _Ida:
         self.residuals = 0
         size = len(y) + len(rows) * (2 if form == GGL else 1)
         _, self.context = core.SUNContext_Create(core.SUN_COMM_NULL)
-        self.context.ClearErrHandlers() if "ClearErrHandlers" in dir(self.context) else None
+        core.SUNContext_ClearErrHandlers(self.context)  # failures are reported by flag, not on stderr
         self.yy, self.yp, self.ids = (core.N_VNew_Serial(size, self.context) for _ in range(3))
         self._start(y, t0, len(rows))
         self.view = idas.IDACreate(self.context)
         self.memory = self.view.get()
         self._ok(idas.IDAInit(self.memory, self._residual, t0, self.yy, self.yp), "IDAInit")
-        self._ok(idas.IDASStolerances(self.memory, options.rtol, options.atol), "IDASStolerances")
+        self.atol = core.N_VNew_Serial(size, self.context)
+        core.N_VGetArrayPointer(self.atol)[:] = options.atol
+        core.N_VGetArrayPointer(self.atol)[len(y) :] = self._multiplier_tolerance(options, y, t0)
+        self._ok(idas.IDASVtolerances(self.memory, options.rtol, self.atol), "IDASVtolerances")
         self._ok(idas.IDASetId(self.memory, self.ids), "IDASetId")
         # Without this the error test includes the multipliers: 91 000 steps and a wrong answer at rtol 1e-4.
         self._ok(idas.IDASetSuppressAlg(self.memory, 1), "IDASetSuppressAlg")
@@ -78,11 +89,20 @@ class _Ida:
         xp[:half], xp[half : len(y)] = y[half:], dy[half:]
         ids[: len(y)] = 1.0
 
+    def _multiplier_tolerance(self, options: Options, y: np.ndarray, t0: float) -> float:
+        """Return what Newton may leave in a multiplier (N): it enters velocities only through h lambda / m.
+
+        Held to the states' own tolerance, lambda's roundoff of eps / h stops every small step.
+        """
+        half = len(y) // 2
+        force = self.system.applied_forces(t0, y[:half].reshape(-1, 3), y[half:].reshape(-1, 3))
+        return max(options.atol, MULTIPLIER_SHARE * max(1.0, float(np.abs(force).max())))
+
     def _residual(self, t: float, yy: Any, yp: Any, rr: Any, _data: Any = None) -> int:
         point = self.core.N_VGetArrayPointer
         out = point(rr)
         planar_residual(
-            self.system.model, self.system.work, t, point(yy), point(yp), self.form,
+            self.system.model, self.system.work, t, point(yy), point(yp), self.form, PROXIMAL,
             self.row_slot, self.row_row, self.lam, self.balance, out,
         )  # fmt: skip
         self.residuals += 1
@@ -108,10 +128,14 @@ def ida(form: int) -> Advance:
     """Return the leg-by-leg driver of one index form."""
 
     def advance(system: System, options: Options, run: Progress, y: np.ndarray, times: np.ndarray) -> Leg:
+        if not isinstance(system, PlanarSystem):
+            raise ValueError("DASSL works on planar scenes only")
         states, worst = np.empty((len(times), len(y))), np.zeros(len(times))
         states[0] = y
         solver = _Ida(system, options, form, y, float(times[0]))
         t, reached = float(times[0]), 1
+        loops = options.project and system.n_closure_rows > 0
+        pace = Pace(t, float(times[-1]), options.max_steps, every=2_000)
         status, message = Status.SUCCESS, ""
         while reached < len(times):
             flag, t_new = solver.step(float(times[reached]))
@@ -127,6 +151,17 @@ def ida(form: int) -> Advance:
             if options.stop_on_compliance and gap >= step:
                 status, message = Status.COMPLIANCE, f"at t = {t:.9g} s |C| = {gap:.3g} is not below h = {step:.3g}"
                 break
+            failed = solver.failed_error_tests()
+            if failed > HOPELESS_FAILURES and failed > HOPELESS_SHARE * run.counts[COUNT_STEPS]:
+                status = Status.NOT_CONVERGED
+                message = (
+                    f"at t = {t:.9g} s the error test has failed {failed} times in {run.counts[COUNT_STEPS]} steps: "
+                    "its estimate does not shrink with the step, as is known of raw index 3"
+                )
+                break
+            if pace.is_hopeless(t, int(run.counts[COUNT_STEPS])):
+                status, message = Status.STEP_TOO_SMALL, f"at t = {t:.9g} s {MESSAGES[STALLED]}"
+                break
             if run.counts[COUNT_STEPS] >= options.max_steps:
                 status, message = Status.TOO_MANY_STEPS, f"at t = {t:.9g} s the limit on steps was reached"
                 break
@@ -134,6 +169,15 @@ def ida(form: int) -> Advance:
                 states[reached], worst[reached] = now, run.clock[CLOCK_COMPLIANCE]
                 run.clock[CLOCK_COMPLIANCE] = 0.0
                 reached += 1
+            if loops and reached < len(times) and is_near_singular(system, t, now):
+                run.counts[COUNT_RHS] += solver.residuals
+                run.counts[COUNT_REJECTED] += solver.failed_error_tests()
+                landing = leap(system, options, run, t, now, times, reached, states)
+                t, reached = landing.t, landing.reached
+                if landing.failed is not None:
+                    status, message = landing.failed.status, landing.failed.message
+                    break
+                solver = _Ida(system, options, form, landing.y, t)
         run.clock[CLOCK_T] = t
         run.counts[COUNT_RHS] += solver.residuals
         run.counts[COUNT_REJECTED] += solver.failed_error_tests()

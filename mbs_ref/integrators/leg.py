@@ -12,7 +12,8 @@ from mbs_ref.system import System
 from mbs_ref.trajectory import Status
 
 # Codes shared with compiled loops.
-RUNNING, DONE, NON_FINITE, STEP_TOO_SMALL, TOO_MANY_STEPS, COMPLIANCE, PROJECTION, NOT_CONVERGED, SINGULAR = range(9)
+RUNNING, DONE, NON_FINITE, STEP_TOO_SMALL, TOO_MANY_STEPS = range(5)
+COMPLIANCE, PROJECTION, NOT_CONVERGED, SINGULAR, STALLED, ENDLESS_EVENTS = range(5, 11)
 STATUS = {
     DONE: Status.SUCCESS,
     NON_FINITE: Status.NON_FINITE,
@@ -22,6 +23,8 @@ STATUS = {
     PROJECTION: Status.PROJECTION,
     NOT_CONVERGED: Status.NOT_CONVERGED,
     SINGULAR: Status.SINGULAR,
+    STALLED: Status.STEP_TOO_SMALL,
+    ENDLESS_EVENTS: Status.ENDLESS_EVENTS,
 }
 
 
@@ -35,6 +38,7 @@ class Options(NamedTuple):
     stop_on_compliance: bool
     max_steps: int
     projection_tolerance: float  # m, rad
+    max_events: int
     chunk: int  # steps before compiled code returns to Python, so that Ctrl-C is heard
 
 
@@ -42,16 +46,16 @@ class Progress(NamedTuple):
     """Mutable state of a run, kept over chunks and legs."""
 
     clock: np.ndarray  # (4,) s: time, next step, largest |C| since the last sample, step before
-    counts: np.ndarray  # (5,) int: steps, rejected, right-hand sides, next output, spare
+    counts: np.ndarray  # (7,) int: steps, rejected, right-hand sides, next output, spare, events, last contact
 
 
 def progress(t: float) -> Progress:
     """Return the state of a run that starts at t."""
-    return Progress(np.array([t, 0.0, 0.0, 0.0]), np.zeros(5, dtype=np.int64))
+    return Progress(np.array([t, 0.0, 0.0, 0.0]), np.zeros(7, dtype=np.int64))
 
 
 CLOCK_T, CLOCK_H, CLOCK_COMPLIANCE, CLOCK_ERROR = range(4)
-COUNT_STEPS, COUNT_REJECTED, COUNT_RHS, COUNT_OUTPUT = range(4)
+COUNT_STEPS, COUNT_REJECTED, COUNT_RHS, COUNT_OUTPUT, COUNT_SPARE, COUNT_EVENTS, COUNT_CONTACT = range(7)
 
 
 @dataclass
@@ -63,6 +67,24 @@ class Leg:
     reached: int
     status: Status
     message: str = ""
+
+
+class Pace:
+    """Watches for a run that creeps: twice in a row a stretch of steps at which max_steps would not suffice."""
+
+    def __init__(self, start: float, end: float, max_steps: int, every: int) -> None:
+        self.least = (end - start) * every / max_steps  # s, progress expected of every stretch
+        self.every = every
+        self.mark, self.slow = start, 0
+        self.seen = 0
+
+    def is_hopeless(self, t: float, steps: int) -> bool:
+        """Return whether to give up, after `steps` steps that reached t (s)."""
+        if steps - self.seen < self.every:
+            return False
+        self.slow = self.slow + 1 if t - self.mark < self.least else 0
+        self.mark, self.seen = t, steps
+        return self.slow >= 2
 
 
 Advance = Callable[[System, Options, Progress, np.ndarray, np.ndarray], Leg]
@@ -82,6 +104,7 @@ class Integrator:
     ladder: tuple[float, ...] = ()  # steps (s) or rtols for sweeps, coarse to fine
     source: str = ""
     keeps_constraints: bool = False  # the method imposes C = 0 itself
+    locates_events: bool = True  # touch-down, lift-off and slip are found; else contact forces are merely clipped
     package: str | None = None  # optional third-party package it needs
     cores: tuple[str, ...] = ()  # the only cores it runs on (mbs_ref.cores.core_name); empty for all
 
@@ -92,7 +115,9 @@ MESSAGES = {
     TOO_MANY_STEPS: "the limit on steps was reached",
     COMPLIANCE: "the constraint-compliance test |C| < h failed",
     PROJECTION: "the constraints could not be restored by projection",
+    STALLED: "steps have become so short that the rest of the run is out of reach",
     SINGULAR: "the constraint Jacobian is rank-deficient and the motion's branch is ambiguous",
+    ENDLESS_EVENTS: "contact events follow each other without end (endless bouncing, or more than max_events)",
     NOT_CONVERGED: "the iteration of an implicit step did not converge",
 }
 

@@ -1,7 +1,7 @@
 """LSODAR, the papers' method: Adams and BDF with automatic switching, on the underlying ODE.
 
-SciPy carries LSODA, which is LSODAR without its root finder; declared breakpoints restart it and no
-scene part needs a located root yet. Steps of both are the same.
+SciPy carries LSODA, which is LSODAR without its root finder. Roots are found here, as LSODAR does, on the
+interpolant of the last step; events and declared breakpoints restart it. Steps of both are the same.
 Source: L. R. Petzold, SIAM J. Sci. Stat. Comput. 4 (1983) 136-148; A. C. Hindmarsh, ODEPACK, 1983.
 """
 
@@ -10,14 +10,19 @@ from __future__ import annotations
 import numpy as np
 from scipy.integrate import LSODA
 
+from mbs_ref.integrators.contact_events import ContactEvents
+from mbs_ref.integrators.crossing import is_near_singular, leap
 from mbs_ref.integrators.leg import (
     CLOCK_COMPLIANCE,
     CLOCK_T,
     COUNT_RHS,
     COUNT_STEPS,
+    MESSAGES,
+    STALLED,
     Integrator,
     Leg,
     Options,
+    Pace,
     Progress,
 )
 from mbs_ref.system import System
@@ -28,40 +33,81 @@ def advance(system: System, options: Options, run: Progress, y: np.ndarray, time
     """Integrate one leg; outputs come from the method's own interpolant."""
     states, worst = np.empty((len(times), len(y))), np.zeros(len(times))
     states[0] = y
-    solver = LSODA(system.derivative, float(times[0]), y, float(times[-1]), rtol=options.rtol, atol=options.atol)
-    reached, status, message = 1, Status.SUCCESS, ""
+    loops = options.project and system.n_closure_rows > 0
+    slope = _projected(system, options) if options.project else system.derivative
+    events = ContactEvents(system, options, run)
+    solver: LSODA | None = None
+    now = y.copy()
+    t, reached, status, message = float(times[0]), 1, Status.SUCCESS, events.settle(float(times[0]), now)
+    if message:
+        return Leg(states, worst, reached, Status.ENDLESS_EVENTS, message)
+    pace = Pace(t, float(times[-1]), options.max_steps, every=2_000)
     while reached < len(times):
+        if solver is None:
+            solver = LSODA(slope, t, now, float(times[-1]), rtol=options.rtol, atol=options.atol)
         before = solver.t
         failure = solver.step()
         if solver.status == "failed" or not np.isfinite(solver.y).all():
             status, message = _failure(solver, failure)
             break
         run.counts[COUNT_STEPS] += 1
-        gap, _ = system.compliance(solver.t, solver.y)
+        t, now = events.locate(before, solver)
+        gap, _ = system.compliance(t, now)
         run.clock[CLOCK_COMPLIANCE] = max(run.clock[CLOCK_COMPLIANCE], gap)
-        if options.stop_on_compliance and gap >= solver.t - before:
+        if options.stop_on_compliance and gap >= t - before:
             status = Status.COMPLIANCE
-            message = f"at t = {solver.t:.9g} s |C| = {gap:.3g} is not below h = {solver.t - before:.3g}"
+            message = f"at t = {t:.9g} s |C| = {gap:.3g} is not below h = {t - before:.3g}"
+            break
+        if pace.is_hopeless(t, int(run.counts[COUNT_STEPS])):
+            status, message = Status.STEP_TOO_SMALL, f"at t = {t:.9g} s {MESSAGES[STALLED]}"
             break
         if run.counts[COUNT_STEPS] >= options.max_steps:
-            status, message = Status.TOO_MANY_STEPS, f"at t = {solver.t:.9g} s the limit on steps was reached"
+            status, message = Status.TOO_MANY_STEPS, f"at t = {t:.9g} s the limit on steps was reached"
             break
-        reached = _output(solver, times, reached, states, worst, run)
-    run.clock[CLOCK_T] = solver.t
-    run.counts[COUNT_RHS] += solver.nfev
+        reached = _output(solver, t, times, reached, states, worst, run)
+        if events.found:
+            run.counts[COUNT_RHS] += solver.nfev
+            solver = None
+            message = events.settle(t, now)
+            if message:
+                status = Status.ENDLESS_EVENTS
+                break
+        elif loops and reached < len(times) and is_near_singular(system, t, now):
+            run.counts[COUNT_RHS] += solver.nfev
+            solver = None
+            landing = leap(system, options, run, t, now, times, reached, states)
+            t, now, reached = landing.t, landing.y, landing.reached
+            if landing.failed is not None:
+                status, message = landing.failed.status, landing.failed.message
+                break
+    run.clock[CLOCK_T] = t
+    run.counts[COUNT_RHS] += solver.nfev if solver is not None else 0
     return Leg(states, worst, reached, status, message)
 
 
-def _output(solver: LSODA, times: np.ndarray, reached: int, states: np.ndarray, worst: np.ndarray, run: Progress):
-    """Fill every asked time the last step passed."""
+def _output(
+    solver: LSODA, t: float, times: np.ndarray, reached: int, states: np.ndarray, worst: np.ndarray, run: Progress
+) -> int:
+    """Fill every asked time that the last step passed, up to t."""
     interpolant = None
-    while reached < len(times) and times[reached] <= solver.t:
+    while reached < len(times) and times[reached] <= t:
         interpolant = interpolant or solver.dense_output()
         states[reached] = solver.y if times[reached] == solver.t else interpolant(times[reached])
         worst[reached] = run.clock[CLOCK_COMPLIANCE]
         run.clock[CLOCK_COMPLIANCE] = 0.0
         reached += 1
     return reached
+
+
+def _projected(system: System, options: Options):
+    """Return y' = f(P(y)), P the projection: smooth through singular poses, where f off the constraints is not."""
+
+    def slope(t: float, y: np.ndarray) -> np.ndarray:
+        on = y.copy()
+        system.project(t, on, options.projection_tolerance)
+        return system.derivative(t, on)
+
+    return slope
 
 
 def _failure(solver: LSODA, words: str | None) -> tuple[Status, str]:
@@ -76,8 +122,7 @@ INTEGRATOR = Integrator(
     order=12,
     description="Adams (order up to 12) and BDF (up to 5) with automatic switching: the papers' LSODAR, through SciPy",
     advance=advance,
-    stabilization="none",
-    stabilizations=("none", "baumgarte"),
+    stabilizations=("none", "baumgarte", "projection"),
     ladder=(1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12),
     source="Petzold 1983; Hindmarsh 1983",
 )

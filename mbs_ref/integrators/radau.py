@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from mbs_ref.integrators.events import ACTIVE, EVENT, H_NEXT, IDLE, RETRY, event_tables, settle, watch
 from mbs_ref.integrators.leg import (
     CLOCK_COMPLIANCE,
     CLOCK_ERROR,
@@ -22,11 +23,13 @@ from mbs_ref.integrators.leg import (
     NON_FINITE,
     NOT_CONVERGED,
     RUNNING,
+    STALLED,
     STEP_TOO_SMALL,
     TOO_MANY_STEPS,
     Integrator,
     Leg,
     Options,
+    Pace,
     Progress,
     finish_leg,
 )
@@ -206,6 +209,13 @@ def advance_radau(model, work, options, run, y, times, states, worst_per_time):
     trial = np.empty(n)
     scale = np.empty(n)
     budget = counts[COUNT_STEPS] + options.chunk
+    search, table = event_tables(model)
+    watched = table.shape[1] > 0
+    searching = False
+    if watched:
+        code = settle(model, work, clock[CLOCK_T], y, table, run, options.max_events)
+        if code != RUNNING:
+            return code
     derivative(model, work, clock[CLOCK_T], y, f)
     counts[COUNT_RHS] += 1
     if adaptive and clock[CLOCK_H] == 0.0:
@@ -229,8 +239,16 @@ def advance_radau(model, work, options, run, y, times, states, worst_per_time):
         h = reach if lands else proposed
         if adaptive and not lands and proposed > 0.5 * reach:
             h = 0.5 * reach
+        if watched:
+            searching = search[ACTIVE] != IDLE
+            if searching:
+                h = search[H_NEXT]
+                lands = h >= reach
+                h_last = 0.0
         t_new = target if lands else t + h
-        if t_new == t or h < 1e-14 * (times[-1] - times[0]):
+        if searching:
+            pass
+        elif t_new == t or h < 1e-14 * (times[-1] - times[0]):
             return STEP_TOO_SMALL
         if stale:
             _jacobian(model, work, t, y, f, trial, jac)
@@ -256,14 +274,14 @@ def advance_radau(model, work, options, run, y, times, states, worst_per_time):
                 stale = True
                 continue
             failures += 1
-            if not adaptive:
+            if not adaptive or searching:
                 return NOT_CONVERGED
             if failures > 60:
                 return NON_FINITE
             clock[CLOCK_H] = 0.5 * h
             counts[COUNT_REJECTED] += 1
             continue
-        if adaptive:
+        if adaptive and not searching:
             error = _error(model, work, t, h, y, f, z, lus, rtol, atol, rejected or counts[COUNT_STEPS] == 0)
             safety = 0.9 * (2 * NEWTON_ITERATIONS + 1) / (2 * NEWTON_ITERATIONS + iterations)
             if not error < 1.0:
@@ -295,12 +313,25 @@ def advance_radau(model, work, options, run, y, times, states, worst_per_time):
         )  # fmt: skip
         if code != RUNNING:
             return code
+        verdict = 0
+        if watched:
+            verdict = watch(model, work, t, h, trial, search, table)
+            if verdict == RETRY:
+                if adaptive:
+                    clock[CLOCK_H] = proposed
+                continue
         for k in range(n):
             y[k] = trial[k]
         h_last = h
         failures = 0
         clock[CLOCK_T] = t_new
         counts[COUNT_STEPS] += 1
+        if verdict == EVENT:
+            h_last = 0.0
+            error_last = 0.0
+            code = settle(model, work, t_new, y, table, run, options.max_events)
+            if code != RUNNING:
+                return code
         if lands:
             record(run, y, states, worst_per_time)
         if counts[COUNT_OUTPUT] == times.shape[0]:
@@ -310,7 +341,7 @@ def advance_radau(model, work, options, run, y, times, states, worst_per_time):
         derivative(model, work, t_new, y, f)
         counts[COUNT_RHS] += 1
         fresh = False
-        stale = rate > STALE_RATE
+        stale = rate > STALE_RATE or verdict == EVENT
         if counts[COUNT_STEPS] >= budget:
             return RUNNING
     return DONE
@@ -322,9 +353,12 @@ def advance(system: System, options: Options, run: Progress, y: np.ndarray, time
     worst = np.zeros(len(times))
     states[0] = y
     run.counts[COUNT_OUTPUT] = 1
+    pace = Pace(float(times[0]), float(times[-1]), options.max_steps, options.chunk)
     code = RUNNING
     while code == RUNNING:
         code = advance_radau(system.model, system.work, options, run, y, times, states, worst)
+        if code == RUNNING and pace.is_hopeless(float(run.clock[CLOCK_T]), int(run.counts[COUNT_STEPS])):
+            code = STALLED
     return finish_leg(code, states, worst, run)
 
 

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from llvmlite import ir
 from numba import types
 from numba.extending import intrinsic
 
 
 @intrinsic
-def call_user_force(typingctx, address, t, data):
+def call_user_force(typingctx: Any, address: Any, t: Any, data: Any) -> Any:
     """Call the function at `address` with the time and the address of the (3, n, 3) array q, v, f."""
     signature = types.void(types.int64, types.float64, types.uintp)
 

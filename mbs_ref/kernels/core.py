@@ -13,6 +13,7 @@ from numba.extending import overload
 from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.particles import dynamics as particles
 from mbs_ref.kernels.particles.model import ParticleModel, ParticleWork
+from mbs_ref.kernels.planar import contact_events as planar_contacts
 from mbs_ref.kernels.planar import dynamics as planar
 from mbs_ref.kernels.planar import implicit as planar_implicit
 from mbs_ref.kernels.planar.model import PlanarModel, PlanarWork
@@ -29,51 +30,96 @@ _ANSWERS: dict[str, dict[type, Callable[..., Any]]] = {
     "dense_correction": {PlanarModel: planar_implicit.planar_dense_correction},
     "factor_tangent": {PlanarModel: planar_implicit.planar_factor_tangent},
 }
-_OPTIONS = {"error_model": "numpy", "fastmath": {"contract"}}
 
 
-def derivative(model, work, t, y, dy):
+def _none(model):
+    return 0
+
+
+def _nothing(model, work, t, y, g, rate):
+    pass
+
+
+def _no_change(model, work, t, y, g, dy):
+    return 0, 0
+
+
+def _no_start(model, work, t, y, located):
+    pass
+
+
+# a core that knows no contact has no events
+_EVENTS: dict[str, tuple[Callable[..., Any], dict[type, Callable[..., Any]]]] = {
+    "root_count": (jit(_none), {PlanarModel: planar_contacts.planar_root_count}),
+    "roots": (jit(_nothing), {PlanarModel: planar_contacts.planar_roots}),
+    "transition": (jit(_no_change), {PlanarModel: planar_contacts.planar_transition}),
+    "start_modes": (jit(_no_start), {PlanarModel: planar_contacts.planar_start_modes}),
+}
+_OPTIONS: Any = {"error_model": "numpy", "fastmath": {"contract"}}
+
+
+def derivative(model, work, t, y, dy) -> Any:
     """Write dy/dt at (t, y)."""
     raise NotImplementedError("called from compiled code only")
 
 
-def compliance(model, work, t, y):
+def compliance(model, work, t, y) -> Any:
     """Return max |C| and max |C_dot|."""
     raise NotImplementedError("called from compiled code only")
 
 
-def project(model, work, t, y, tolerance, most):
+def project(model, work, t, y, tolerance, most) -> Any:
     """Move y onto the constraints; return max |C| left."""
     raise NotImplementedError("called from compiled code only")
 
 
-def tangent(model, work, x):
+def tangent(model, work, x) -> Any:
     """Remove from both halves of x what points off the constraints, at the last factorization."""
     raise NotImplementedError("called from compiled code only")
 
 
-def regularity(work):
+def regularity(work) -> Any:
     """Return how far the last factorization is from a singular pose: 1 far, 0 there."""
     raise NotImplementedError("called from compiled code only")
 
 
-def multipliers(work, lam):
+def multipliers(work, lam) -> Any:
     """Copy the multipliers of the last acceleration into lam (n_slots, 3)."""
     raise NotImplementedError("called from compiled code only")
 
 
-def tree_correction(model, work, t, y, qdd, lam, weight, velocity_level):
+def tree_correction(model, work, t, y, qdd, lam, weight, velocity_level) -> Any:
     """Correct (qdd, lam) towards the DAE at (t, y) with the mass matrix alone."""
     raise NotImplementedError("called from compiled code only")
 
 
-def dense_correction(model, work, t, y, qdd, lam, weight, velocity_level, row_slot, row_row, lu, pivots):
+def dense_correction(model, work, t, y, qdd, lam, weight, velocity_level, row_slot, row_row, lu, pivots) -> Any:
     """Correct (qdd, lam) with the factored full tangent."""
     raise NotImplementedError("called from compiled code only")
 
 
-def factor_tangent(model, work, t, y, lam, by_position, by_velocity, row_slot, row_row, lu, pivots):
+def factor_tangent(model, work, t, y, lam, by_position, by_velocity, row_slot, row_row, lu, pivots) -> Any:
     """Form and factor the full tangent; return False where it is singular."""
+    raise NotImplementedError("called from compiled code only")
+
+
+def root_count(model) -> Any:
+    """Return the number of event functions watched."""
+    raise NotImplementedError("called from compiled code only")
+
+
+def roots(model, work, t, y, g, rate) -> Any:
+    """Fill the event functions, positive while the frozen modes hold, and their rates where known, else 0."""
+    raise NotImplementedError("called from compiled code only")
+
+
+def transition(model, work, t, y, g, dy) -> Any:
+    """Change the modes whose event functions are negative; return 0, or 1 and the contact that does not settle."""
+    raise NotImplementedError("called from compiled code only")
+
+
+def start_modes(model, work, t, y, located) -> Any:
+    """Set every contact's mode by the state."""
     raise NotImplementedError("called from compiled code only")
 
 
@@ -135,6 +181,65 @@ def _factor_tangent(model, work, t, y, lam, by_position, by_velocity, row_slot, 
     return lambda model, work, t, y, lam, by_position, by_velocity, row_slot, row_row, lu, pivots: answer(
         model, work, t, y, lam, by_position, by_velocity, row_slot, row_row, lu, pivots
     )
+
+
+def _event_answer(question, model):
+    default, answers = _EVENTS[question]
+    return answers.get(model.instance_class, default)
+
+
+@overload(root_count, jit_options=_OPTIONS)
+def _root_count(model):
+    answer = _event_answer("root_count", model)
+    return lambda model: answer(model)
+
+
+@overload(roots, jit_options=_OPTIONS)
+def _roots(model, work, t, y, g, rate):
+    answer = _event_answer("roots", model)
+    return lambda model, work, t, y, g, rate: answer(model, work, t, y, g, rate)
+
+
+@overload(transition, jit_options=_OPTIONS)
+def _transition(model, work, t, y, g, dy):
+    answer = _event_answer("transition", model)
+    return lambda model, work, t, y, g, dy: answer(model, work, t, y, g, dy)
+
+
+@overload(start_modes, jit_options=_OPTIONS)
+def _start_modes(model, work, t, y, located):
+    answer = _event_answer("start_modes", model)
+    return lambda model, work, t, y, located: answer(model, work, t, y, located)
+
+
+@jit
+def call_start_modes(model, work, t, y, located):
+    """Entry point from Python."""
+    start_modes(model, work, t, y, located)
+
+
+@jit
+def call_root_count(model):
+    """Entry point from Python."""
+    return root_count(model)
+
+
+@jit
+def call_roots(model, work, t, y, g, rate):
+    """Entry point from Python."""
+    roots(model, work, t, y, g, rate)
+
+
+@jit
+def call_transition(model, work, t, y, g, dy):
+    """Entry point from Python."""
+    return transition(model, work, t, y, g, dy)
+
+
+@jit
+def call_regularity(work):
+    """Entry point from Python."""
+    return regularity(work)
 
 
 @jit

@@ -37,7 +37,8 @@ def pivoted_cholesky(a, scale, tolerance, lower, order):
 
     a (n, n) is overwritten; scale (n,) > 0 makes pivots comparable: a row counts as dependent once its
     remaining pivot is below tolerance * scale. lower (n, n) receives P^T a P = L L^T in its first `rank`
-    columns and order (n,) the permutation. Returns the rank and the smallest accepted relative pivot (Higham, Accuracy and Stability, 2nd ed., sec. 10.3).
+    columns and order (n,) the permutation. Returns the rank and the smallest accepted relative pivot
+    (Higham, Accuracy and Stability of Numerical Algorithms, 2nd ed., sec. 10.3).
     """
     n = a.shape[0]
     for i in range(n):

@@ -36,6 +36,14 @@ class Motion:
         arm_t, arm_rate = self.direction(body, arm)
         return self.trajectory.position[:, k] + arm_t, self.trajectory.velocity[:, k] + arm_rate
 
+    def rate_at(self, body: str, place: np.ndarray) -> np.ndarray:
+        """Return the velocity (n_t, 2) of the body's matter that is at `place` (n_t, 2) at each time."""
+        k = self.scene.body_index(body)
+        if k < 0:
+            return np.zeros_like(place)
+        arm = place - self.trajectory.position[:, k]
+        return self.trajectory.velocity[:, k] + self.spin(body)[:, None] * (arm @ PERP.T)
+
     def direction(self, body: str, world) -> tuple[np.ndarray, np.ndarray]:
         """Return a body-fixed vector (n_t, 2) that equals `world` at t = 0, and its rate."""
         k = self.scene.body_index(body)

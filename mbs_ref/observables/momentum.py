@@ -49,4 +49,6 @@ def _is_held(scene: Scene) -> bool:
     inner = (SpringDamper, TorsionSpring)
     if any(GROUND in joint_ends(joint) for joint in scene.joints):
         return True
+    if any(GROUND in (contact.body_a, contact.body_b) for contact in scene.contacts):
+        return True
     return any(not isinstance(load, inner) or GROUND in (load.body_a, load.body_b) for load in scene.loads)

@@ -6,6 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from mbs_ref.contact import Contact
 from mbs_ref.observables.attachment import Motion
 from mbs_ref.observables.signal_values import motion as prescribed
 from mbs_ref.observables.signal_values import values
@@ -17,7 +18,16 @@ def powers(motion: Motion, is_conservative: Callable) -> np.ndarray | None:
     """Return the power (n_t,), W, of all that has no potential; None where there is nothing of the kind."""
     terms = [LOADS[type(load)](motion, load) for load in motion.scene.loads if _works(load, is_conservative)]
     terms += [DRIVES[type(j)](motion, j) for j in motion.scene.joints if type(j) in DRIVES]
+    terms += [_contact(motion, contact) for contact in motion.scene.contacts]
     return np.sum(terms, axis=0) if terms else None
+
+
+def _contact(motion: Motion, contact: Contact) -> np.ndarray:
+    """The power of a contact's force on both bodies, at the point where it acts."""
+    found = motion.trajectory.contacts[contact.name]
+    force, place = found[:, 1:3], found[:, 3:5]
+    slip = motion.rate_at(contact.body_a, place) - motion.rate_at(contact.body_b, place)
+    return np.sum(force * slip, axis=1)
 
 
 def _works(load, is_conservative: Callable) -> bool:

@@ -62,4 +62,4 @@ def lines(*parts: str) -> str:
 
 def to_data(figure: go.Figure) -> dict[str, Any]:
     """Return the figure as plain JSON data without NaN."""
-    return json.loads(figure.to_json())
+    return json.loads(str(figure.to_json()))

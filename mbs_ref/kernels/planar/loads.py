@@ -6,6 +6,7 @@ import numpy as np
 
 from mbs_ref.kernels.callback import call_user_force
 from mbs_ref.kernels.jit import jit
+from mbs_ref.kernels.planar.contacts import apply_contacts
 from mbs_ref.kernels.planar.joints import arm
 from mbs_ref.kernels.planar.model import (
     CONTROL_MODE_TIME,
@@ -108,7 +109,7 @@ def apply_user_force(model, work, t):
         for c in range(3):
             kin.user[1, k, c] = kin.motion[i, c]
             kin.user[2, k, c] = 0.0
-    call_user_force(world_of(model).user_force[0], t, kin.user.ctypes.data)
+    call_user_force(world_of(model).user_force[0], t, kin.user.ctypes.data)  # pyright: ignore[reportCallIssue]
     for i in range(n):
         for c in range(3):
             kin.force[i, c] += kin.user[2, bodies.scene_index[i], c]
@@ -121,5 +122,6 @@ def apply_loads(model, work, t):
     apply_forces(model, work, t)
     apply_springs(model, work)
     apply_torsion_springs(model, work)
+    apply_contacts(model, work)
     if world_of(model).user_force[0] != 0:
         apply_user_force(model, work, t)

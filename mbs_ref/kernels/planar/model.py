@@ -83,6 +83,67 @@ class TorsionSprings(NamedTuple):
     rest_angle: np.ndarray  # (k,) rad
 
 
+class ContactPairs(NamedTuple):
+    """Shapes that may touch; see PAIR_* for the kinds and mbs_ref.contact for the meaning."""
+
+    kind: np.ndarray  # (k,) int, PAIR_*
+    a: np.ndarray  # (k,) int
+    b: np.ndarray  # (k,) int
+    center: np.ndarray  # (k, 2) m, the circle's centre in body a
+    radius: np.ndarray  # (k,) m, of the circle; clearance of a pin
+    origin: np.ndarray  # (k, 2) m, in body b: middle of the line, centre of the other circle, axle
+    direction: np.ndarray  # (k, 2) in body b: unit vector along the line, or towards the first seat
+    half: np.ndarray  # (k,) m: half length of a segment, inf for a line; other circle's radius; pitch radius
+    ends: np.ndarray  # (k,) int, ENDS_*; number of teeth
+    thickness: np.ndarray  # (k,) m, inf where unlimited; reach of the teeth beyond the pitch circle
+    flank: np.ndarray  # (k, 2) cosine and sine of a flank's angle
+
+
+class ContactLaws(NamedTuple):
+    """F = k d^n + c d^m d' with c = damping + impact_damping k / v0, and friction."""
+
+    stiffness: np.ndarray  # (k,) N/m^n
+    damping: np.ndarray  # (k,) N s/m^(m + 1)
+    exponent: np.ndarray  # (k,) n
+    damping_exponent: np.ndarray  # (k,) m
+    impact_damping: np.ndarray  # (k,) -, what stands before d'/v0
+    slowest: np.ndarray  # (k,) m/s, least v0
+    release: np.ndarray  # (k,) int, RELEASE_*
+    restitution: np.ndarray  # (k,) -, of a rigid contact
+    friction: np.ndarray  # (k,) int, FRICTION_*
+    coefficient: np.ndarray  # (k,) mu
+    static: np.ndarray  # (k,) mu_s
+    creep: np.ndarray  # (k,) m/s, v_s
+    grip_stiffness: np.ndarray  # (k,) N/m
+    grip_damping: np.ndarray  # (k,) N s/m
+
+
+class ContactModes(NamedTuple):
+    """What changes at events alone: frozen inside a step."""
+
+    mode: np.ndarray  # (k,) int, MODE_*
+    grip: np.ndarray  # (k,) int, GRIP_*
+    anchor: np.ndarray  # (k,) m, where a sticking contact's spring is slack; N while GRIP_PROBE
+    dashpot: np.ndarray  # (k,) N s/m^(m + 1), c in force
+    stamp: np.ndarray  # (k,) s, time of the contact's last event
+    burst: np.ndarray  # (k,) int, events since then without a pause
+    roots: np.ndarray  # (1,) int, event functions watched; 0 without contacts and in the plain mode
+    noise: np.ndarray  # (1,) m and m/s, how far past its root a function must be: roundoff must not switch modes
+    log: np.ndarray  # (most, 6) time (s), contact, mode, grip, anchor, dashpot after each event
+    logged: np.ndarray  # (1,) int, events so far; beyond `most` they are only counted
+
+
+PAIR_LINE, PAIR_CIRCLE, PAIR_SPROCKET = range(3)
+ENDS_NONE, ENDS_OPEN, ENDS_CAPPED = range(3)
+RELEASE_GAP, RELEASE_FORCE, RELEASE_RIGID = range(3)
+FRICTION_NONE, FRICTION_SMOOTH, FRICTION_STICK_SLIP = range(3)
+# PLAIN: no events, the force is clipped by the state. LIFTED: still inside after a release at F = 0.
+# BEHIND: found too deep to have come through the front. LEAVING: rigid, just hit, not yet clear.
+MODE_OPEN, MODE_CLOSED, MODE_LIFTED, MODE_BEHIND, MODE_LEAVING, MODE_PLAIN = range(6)
+GRIP_BACKWARD, GRIP_STICK, GRIP_FORWARD, GRIP_PROBE = -1, 0, 1, 2
+ROOTS_PER_CONTACT = 3
+
+
 class World(NamedTuple):
     gravity: np.ndarray  # (2,) m/s^2
     user_force: np.ndarray  # (1,) int: address of a C callback, or 0
@@ -102,6 +163,9 @@ class PlanarGroups(NamedTuple):
     forces: Forces
     springs: Springs
     torsion_springs: TorsionSprings
+    contact_pairs: ContactPairs
+    contact_laws: ContactLaws
+    contact_modes: ContactModes
     signals: SignalArrays
     world: World
 
@@ -130,6 +194,17 @@ def _no_pair_joints() -> PairJoints:
     return PairJoints(*integers, _floats(0, 2), _floats(0, 2), _floats(0, 2), _floats(0))
 
 
+def _no_contacts() -> tuple[ContactPairs, ContactLaws, ContactModes]:
+    integers, floats, points = _integers(0), _floats(0), _floats(0, 2)
+    pairs = ContactPairs(
+        integers, integers, integers, points, floats, points, points, floats, integers, floats, points
+    )  # fmt: skip
+    laws = ContactLaws(*[floats] * 6, integers, floats, integers, *[floats] * 5)
+    modes = ContactModes(integers, integers, floats, floats, floats, integers, _integers(1), _floats(1), _floats(0, 6), _integers(1))
+    return pairs, laws, modes
+
+
+_NO_CONTACTS = _no_contacts()
 _EMPTY = PlanarGroups(
     bodies=Bodies(_floats(0), _floats(0), _integers(0), _integers(0)),
     slots=Slots(_integers(0, 2), _floats(0, 3), _integers(0), _integers(0)),
@@ -145,6 +220,9 @@ _EMPTY = PlanarGroups(
         _integers(0), _integers(0), _floats(0, 2), _floats(0, 2), _floats(0), _floats(0), _floats(0), _integers(0)
     ),
     torsion_springs=TorsionSprings(_integers(0), _integers(0), _floats(0), _floats(0), _floats(0)),
+    contact_pairs=_NO_CONTACTS[0],
+    contact_laws=_NO_CONTACTS[1],
+    contact_modes=_NO_CONTACTS[2],
     signals=SignalArrays(_integers(0), _floats(0), _floats(0, 1), _floats(0), _floats(0), _floats(0)),
     world=World(_floats(2), _integers(1), _floats(3)),
 )
@@ -158,6 +236,9 @@ drives_of = accessor(_EMPTY, "drives")
 forces_of = accessor(_EMPTY, "forces")
 springs_of = accessor(_EMPTY, "springs")
 torsion_springs_of = accessor(_EMPTY, "torsion_springs")
+contact_pairs_of = accessor(_EMPTY, "contact_pairs")
+contact_laws_of = accessor(_EMPTY, "contact_laws")
+contact_modes_of = accessor(_EMPTY, "contact_modes")
 signals_of = accessor(_EMPTY, "signals")
 world_of = accessor(_EMPTY, "world")
 

@@ -1,0 +1,139 @@
+"""One free impact on a floor: closed forms of restitution, penetration and duration, and the motion itself.
+
+For F = k d + c d' the contact is a linear oscillator. For F = d^n (k + c d') the phase curve is known:
+d^(n+1) = (n + 1) m k / c^2 [D - u - ln((1 + D)/(1 + u))] with u = c d'/k and D = c v0/k, hence
+D (1 + e) = ln((1 + D)/(1 - D e)), for every n.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from scipy.integrate import quad
+from scipy.special import lambertw
+
+from cross_checks.truths import NoTruth, Truth
+from mbs_ref.contact import FloresLaw, HuntCrossleyLaw, LankaraniNikraveshLaw, ProgressiveLaw, RigidLaw, SpringDamperLaw
+from mbs_ref.scene import Scene
+
+ROUNDOFF = 1e-14  # m, of elementary functions at these magnitudes
+
+
+@dataclass(frozen=True)
+class Impact:
+    """A free impact of mass m at speed v0."""
+
+    restitution: float  # -
+    penetration: float  # m, largest
+    duration: float  # s
+
+
+def impact(law: Any, mass: float, speed: float) -> Impact:
+    """Return the exact impact of a law without gravity."""
+    if isinstance(law, RigidLaw):
+        return Impact(law.restitution, 0.0, 0.0)
+    if isinstance(law, SpringDamperLaw):
+        return _linear(law, mass, speed)
+    stiffness, damping, exponent = power_law(law, speed)
+    return _power(stiffness, damping, exponent, mass, speed)
+
+
+def power_law(law: Any, speed: float) -> tuple[float, float, float]:
+    """Return k, c and n of F = d^n (k + c d') at an impact speed."""
+    if isinstance(law, ProgressiveLaw):
+        return law.stiffness, law.damping, 1.0
+    if isinstance(law, HuntCrossleyLaw):
+        return law.stiffness, law.damping, law.exponent
+    if isinstance(law, LankaraniNikraveshLaw):
+        return law.stiffness, 0.75 * (1.0 - law.restitution**2) * law.stiffness / speed, law.exponent
+    assert isinstance(law, FloresLaw)
+    return law.stiffness, 1.6 * (1.0 / law.restitution - 1.0) * law.stiffness / speed, law.exponent
+
+
+def _linear(law: SpringDamperLaw, mass: float, speed: float) -> Impact:
+    """The damped oscillator with z = c / (2 sqrt(k m))."""
+    omega = math.sqrt(law.stiffness / mass)
+    z = law.damping / (2.0 * math.sqrt(law.stiffness * mass))
+    if z >= 1.0:
+        return _overdamped(law, mass, speed, omega, z)
+    s = math.sqrt(1.0 - z * z)
+    deepest = speed / omega * math.exp(-z / s * math.atan2(s, z))
+    if law.release == "gap":
+        return Impact(math.exp(-math.pi * z / s), deepest, math.pi / (omega * s))
+    phase = math.pi - math.atan2(2.0 * z * s, 1.0 - 2.0 * z * z)
+    return Impact(math.exp(-z / s * phase), deepest, phase / (omega * s))
+
+
+def _overdamped(law: SpringDamperLaw, mass: float, speed: float, omega: float, z: float) -> Impact:
+    w = math.sqrt(z * z - 1.0)
+    peak = 1.0 / omega if w == 0.0 else math.atanh(w / z) / (omega * w)
+    deepest = speed * math.exp(-z * omega * peak) * (peak if w == 0.0 else math.sinh(omega * w * peak) / (omega * w))
+    if law.release == "gap":
+        return Impact(0.0, deepest, math.inf)
+    if w == 0.0:
+        return Impact(math.exp(-2.0), deepest, 2.0 / omega)
+    logarithm = math.log((z + w) / (z - w))
+    return Impact(math.exp(-z / w * logarithm), deepest, logarithm / (omega * w))
+
+
+def _power(stiffness: float, damping: float, exponent: float, mass: float, speed: float) -> Impact:
+    big = damping * speed / stiffness
+    power = exponent + 1.0
+    if big == 0.0:
+        deepest = (0.5 * power * mass * speed**2 / stiffness) ** (1.0 / power)
+        half, _ = quad(lambda s: 2.0 * s / math.sqrt(1.0 - (1.0 - s * s) ** power), 0.0, 1.0, epsabs=1e-14)
+        return Impact(1.0, deepest, 2.0 * deepest / speed * half)
+    e = (1.0 + float(lambertw(-(1.0 + big) * math.exp(-(1.0 + big))).real)) / big
+    scale = power * mass * stiffness / damping**2
+    deepest = (scale * (big - math.log1p(big))) ** (1.0 / power)
+    # dt = -m dv / F along the phase curve, over d' from v0 to -e v0; the ends are integrable
+    return Impact(e, deepest, _duration(damping, exponent, mass, e, scale, big))
+
+
+def _duration(c, n, m, e, scale, big) -> float:
+    def between(start: float, sign: float, span: float) -> float:
+        """Integrate m dv / F from u = start over `span`, in distances from the end, where d = 0."""
+
+        def slowness(w: float) -> float:  # delta = w^(n+1) takes the singularity of d^-n away
+            delta = w ** (n + 1.0)
+            bracket = sign * delta + math.log1p(-sign * delta / (1.0 + start))
+            depth = (scale * bracket) ** (1.0 / (n + 1.0))
+            return (n + 1.0) * w**n * m / (depth**n * c * (1.0 + start - sign * delta))
+
+        return quad(slowness, 0.0, span ** (1.0 / (n + 1.0)), epsabs=1e-14, epsrel=1e-11)[0]
+
+    return between(big, 1.0, big) + between(-e * big, -1.0, e * big)
+
+
+def solve(scene: Scene, times: np.ndarray) -> Truth | NoTruth:
+    """The height of the ball before and after its one bounce, exactly."""
+    ball: Any = scene.bodies[0]
+    contact: Any = scene.contacts[0]
+    if scene.gravity[1] != 0.0:
+        return NoTruth("the closed form is of a free impact: gravity = 0")
+    speed, height = -ball.velocity[1], ball.position[1] - contact.radius
+    touch = height / speed if speed > 0.0 else math.inf
+    found = impact(contact.law, ball.mass, speed)
+    clear = touch + found.duration
+    if np.any((times > touch) & (times < clear)):
+        return NoTruth("the closed form gives the motion before and after contact; an asked time lies inside")
+    y = np.where(times <= touch, height - speed * times, found.restitution * speed * (times - clear))
+    if isinstance(contact.law, SpringDamperLaw) and contact.law.release == "force":
+        y = np.where(times <= touch, y, y - _left_inside(contact.law, ball.mass, speed, found))
+    position = np.zeros((len(times), 1, 2))
+    position[:, 0, 1] = y + contact.radius
+    how = "closed form of the free impact; the duration of a power law by quadrature"
+    uncertainty = ROUNDOFF if _is_linear(contact.law) else 1e-11
+    return Truth(position, np.full((len(times), 1), ball.angle), uncertainty, "exact", how)
+
+
+def _is_linear(law: Any) -> bool:
+    return isinstance(law, SpringDamperLaw | RigidLaw)
+
+
+def _left_inside(law: SpringDamperLaw, mass: float, speed: float, found: Impact) -> float:
+    """Return the depth where F = 0: k d = c e v0."""
+    return law.damping * found.restitution * speed / law.stiffness

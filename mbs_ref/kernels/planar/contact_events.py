@@ -1,0 +1,306 @@
+"""Contact modes: the functions whose roots end a mode, and what happens there.
+
+Three functions a contact, all positive while its mode holds: the gap's, the force's and friction's. Each
+mode holds a little beyond its root, by `noise`, or contacts at rest exactly at d = 0 would chatter.
+"""
+
+from __future__ import annotations
+
+from mbs_ref.kernels.jit import jit
+from mbs_ref.kernels.planar.contacts import contact_geometry, friction_force, is_behind, normal_force
+from mbs_ref.kernels.planar.dynamics import factor, load_state, planar_derivative, solve
+from mbs_ref.kernels.planar.joints import fill_joints
+from mbs_ref.kernels.planar.model import (
+    FRICTION_STICK_SLIP,
+    GRIP_PROBE,
+    GRIP_STICK,
+    MODE_BEHIND,
+    MODE_CLOSED,
+    MODE_LEAVING,
+    MODE_LIFTED,
+    MODE_OPEN,
+    MODE_PLAIN,
+    RELEASE_FORCE,
+    RELEASE_RIGID,
+    ROOTS_PER_CONTACT,
+    bodies_of,
+    contact_laws_of,
+    contact_modes_of,
+    contact_pairs_of,
+    kinematics_of,
+    rows_of,
+    tree_of,
+)
+
+SETTLED, ENDLESS = 0, 1
+AT_ONCE = 1e-9  # s, events of one contact closer than this form a burst ...
+LONGEST_BURST = 60  # ... and a burst longer than this is endless
+PROBE_SWEEPS = 30  # Gauss-Seidel sweeps for the friction of contacts that stop sliding together
+
+
+@jit
+def planar_root_count(model):
+    """Return the number of event functions; 0 in the plain mode."""
+    return contact_modes_of(model).roots[0]
+
+
+@jit
+def planar_roots(model, work, t, y, g, rate):
+    """Fill g and, where known, its rate, else 0; g > 0 while the frozen modes hold."""
+    pairs, laws, modes = contact_pairs_of(model), contact_laws_of(model), contact_modes_of(model)
+    kin = kinematics_of(work)
+    noise = modes.noise[0]
+    load_state(model, work, y)
+    for k in range(pairs.kind.shape[0]):
+        gap, closing, _, _, speed, along, beyond, _, _, _, _ = contact_geometry(pairs, kin, k)
+        i = ROOTS_PER_CONTACT * k
+        mode = modes.mode[k]
+        g[i + 1] = 1.0
+        g[i + 2] = 1.0
+        rate[i] = 0.0
+        rate[i + 1] = 0.0
+        rate[i + 2] = 0.0
+        if mode == MODE_OPEN:
+            g[i] = max(gap, beyond) + noise
+            if gap >= beyond:
+                rate[i] = closing
+        elif mode == MODE_CLOSED:
+            g[i] = min(-gap, -beyond) + noise
+            if -gap <= -beyond:
+                rate[i] = -closing
+            if laws.release[k] == RELEASE_FORCE:
+                g[i + 1] = normal_force(laws, modes, k, -gap, -closing) + noise * (laws.stiffness[k] + modes.dashpot[k])
+            if laws.friction[k] == FRICTION_STICK_SLIP:
+                g[i + 2] = _grip_margin(laws, modes, k, gap, closing, speed, along) + noise
+        elif mode == MODE_LIFTED:
+            g[i] = min(-gap, -beyond) + noise
+            g[i + 1] = noise * (laws.stiffness[k] + modes.dashpot[k]) - normal_force(laws, modes, k, -gap, -closing)
+        else:
+            g[i] = -max(gap, beyond)
+            if mode == MODE_LEAVING:
+                g[i + 1] = closing + noise
+
+
+@jit
+def _grip_margin(laws, modes, k, gap, closing, speed, along):
+    if modes.grip[k] == GRIP_STICK:
+        normal = normal_force(laws, modes, k, -gap, -closing)
+        return laws.static[k] * normal - abs(friction_force(laws, modes, k, normal, speed, along))
+    return modes.grip[k] * speed
+
+
+@jit
+def planar_start_modes(model, work, t, y, located):
+    """Set every mode by the state; event functions are watched only where `located`."""
+    pairs, laws, modes = contact_pairs_of(model), contact_laws_of(model), contact_modes_of(model)
+    kin = kinematics_of(work)
+    count = pairs.kind.shape[0]
+    modes.logged[0] = 0
+    modes.roots[0] = ROOTS_PER_CONTACT * count if located else 0
+    load_state(model, work, y)
+    for k in range(count):
+        modes.stamp[k] = -1e300
+        modes.burst[k] = 0
+        gap, closing, _, _, speed, along, beyond, _, _, _, _ = contact_geometry(pairs, kin, k)
+        modes.dashpot[k] = laws.damping[k] + laws.impact_damping[k] * laws.stiffness[k] / laws.slowest[k]
+        modes.grip[k] = GRIP_STICK
+        modes.anchor[k] = along
+        if not located:
+            modes.mode[k] = MODE_PLAIN
+        elif beyond > 0.0 or gap > 0.0 or laws.release[k] == RELEASE_RIGID:
+            modes.mode[k] = MODE_OPEN
+        elif is_behind(pairs, k, gap):
+            modes.mode[k] = MODE_BEHIND
+        else:
+            _close(laws, modes, k, max(-closing, 0.0))
+            _take_grip(laws, modes, k, speed, along)
+
+
+@jit
+def _close(laws, modes, k, speed):
+    modes.mode[k] = MODE_CLOSED
+    modes.dashpot[k] = laws.damping[k]
+    if laws.impact_damping[k] != 0.0:
+        modes.dashpot[k] += laws.impact_damping[k] * laws.stiffness[k] / max(speed, laws.slowest[k])
+
+
+@jit
+def _take_grip(laws, modes, k, speed, along):
+    """Slide where there is a sliding speed; stick, unloaded, where there is none."""
+    modes.anchor[k] = along
+    if speed > 0.0:
+        modes.grip[k] = 1
+    elif speed < 0.0:
+        modes.grip[k] = -1
+    else:
+        modes.grip[k] = GRIP_STICK
+
+
+@jit
+def planar_transition(model, work, t, y, g, dy):
+    """Change the modes whose functions are negative, with impulses where rigid; return code and contact.
+
+    dy is scratch of y's shape. y changes at rigid impacts only.
+    """
+    pairs, laws, modes = contact_pairs_of(model), contact_laws_of(model), contact_modes_of(model)
+    kin = kinematics_of(work)
+    regrip = False
+    for k in range(pairs.kind.shape[0]):
+        i = ROOTS_PER_CONTACT * k
+        if not (g[i] < 0.0 or g[i + 1] < 0.0 or g[i + 2] < 0.0):
+            continue
+        modes.burst[k] = modes.burst[k] + 1 if t - modes.stamp[k] < AT_ONCE else 0
+        modes.stamp[k] = t
+        if modes.burst[k] > LONGEST_BURST:
+            return ENDLESS, k
+        load_state(model, work, y)
+        gap, closing, _, _, speed, along, _, _, _, _, _ = contact_geometry(pairs, kin, k)
+        mode = modes.mode[k]
+        if mode == MODE_OPEN or (mode == MODE_LEAVING and g[i] >= 0.0):
+            if laws.release[k] == RELEASE_RIGID:
+                _impact(model, work, t, y, k)
+                modes.mode[k] = MODE_LEAVING
+            elif is_behind(pairs, k, gap):
+                modes.mode[k] = MODE_BEHIND
+            else:
+                _close(laws, modes, k, max(-closing, 0.0))
+                _take_grip(laws, modes, k, speed, along)
+        elif g[i] < 0.0:
+            modes.mode[k] = MODE_OPEN
+        elif g[i + 1] < 0.0:
+            modes.mode[k] = MODE_CLOSED if mode == MODE_LIFTED else MODE_LIFTED
+        elif modes.grip[k] == GRIP_STICK:
+            normal = normal_force(laws, modes, k, -gap, -closing)
+            modes.grip[k] = -1 if friction_force(laws, modes, k, normal, speed, along) > 0.0 else 1
+        else:
+            modes.grip[k] = GRIP_PROBE
+            modes.anchor[k] = 0.0
+            regrip = True
+    if regrip:
+        _settle_grips(model, work, t, y, dy)
+    _log(modes, t, g)
+    return SETTLED, 0
+
+
+@jit
+def _log(modes, t, g):
+    for k in range(modes.mode.shape[0]):
+        i = ROOTS_PER_CONTACT * k
+        if g[i] < 0.0 or g[i + 1] < 0.0 or g[i + 2] < 0.0:
+            place = modes.logged[0]
+            modes.logged[0] += 1
+            if place < modes.log.shape[0]:
+                row = modes.log[place]
+                row[0] = t
+                row[1] = k
+                row[2] = modes.mode[k]
+                row[3] = modes.grip[k]
+                row[4] = modes.anchor[k]
+                row[5] = modes.dashpot[k]
+
+
+@jit
+def _slide_rate(model, work, t, y, dy, k):
+    """Return the rate of a contact's sliding speed in the present modes, by differences along the motion."""
+    pairs, kin = contact_pairs_of(model), kinematics_of(work)
+    planar_derivative(model, work, t, y, dy)
+    step = 1e-6
+    ahead = y + step * dy
+    load_state(model, work, ahead)
+    later = contact_geometry(pairs, kin, k)[4]
+    ahead = y - step * dy
+    load_state(model, work, ahead)
+    return (later - contact_geometry(pairs, kin, k)[4]) / (2.0 * step)
+
+
+@jit
+def _settle_grips(model, work, t, y, dy):
+    """Find the friction that keeps the stopped contacts at rest; stick where mu_s allows it, else slide on.
+
+    Each probe force changes its own sliding rate linearly; contacts that stop together share by sweeps.
+    """
+    pairs, laws, modes = contact_pairs_of(model), contact_laws_of(model), contact_modes_of(model)
+    kin = kinematics_of(work)
+    for _ in range(PROBE_SWEEPS):
+        largest = 0.0
+        for k in range(pairs.kind.shape[0]):
+            if modes.grip[k] != GRIP_PROBE:
+                continue
+            before = modes.anchor[k]
+            rate = _slide_rate(model, work, t, y, dy, k)
+            modes.anchor[k] = before + 1.0
+            compliance = _slide_rate(model, work, t, y, dy, k) - rate
+            change = -rate / compliance if compliance > 0.0 else 0.0
+            modes.anchor[k] = before + change
+            largest = max(largest, abs(change))
+        if largest <= 1e-12:
+            break
+    for k in range(pairs.kind.shape[0]):
+        if modes.grip[k] != GRIP_PROBE:
+            continue
+        load_state(model, work, y)
+        gap, closing, _, _, _, along, _, _, _, _, _ = contact_geometry(pairs, kin, k)
+        needed = modes.anchor[k]
+        if abs(needed) <= laws.static[k] * normal_force(laws, modes, k, -gap, -closing):
+            modes.grip[k] = GRIP_STICK
+            modes.anchor[k] = along + needed / laws.grip_stiffness[k]
+        else:
+            modes.grip[k] = -1 if needed > 0.0 else 1
+
+
+@jit
+def _impact(model, work, t, y, k):
+    """Reverse the normal speed by an impulse, v+ = -e v-, within the joints: dv = W J^T p."""
+    pairs, laws, kin = contact_pairs_of(model), contact_laws_of(model), kinematics_of(work)
+    tree, rows = tree_of(work), rows_of(work)
+    bodies = bodies_of(model)
+    n = bodies.mass.shape[0]
+    load_state(model, work, y)
+    fill_joints(model, work, t)
+    factor(model, work)
+    _, closing, nx, ny, _, _, _, ax, ay, bx, by = contact_geometry(pairs, kin, k)
+    a = pairs.a[k]
+    b = pairs.b[k]
+    for i in range(n + 1):
+        for c in range(3):
+            tree.load[i, c] = 0.0
+    tree.load[a, 0] += nx
+    tree.load[a, 1] += ny
+    tree.load[a, 2] += ax * ny - ay * nx
+    tree.load[b, 0] -= nx
+    tree.load[b, 1] -= ny
+    tree.load[b, 2] -= bx * ny - by * nx
+    for slot in range(rows.gamma.shape[0]):
+        for row in range(3):
+            rows.gamma[slot, row] = 0.0
+    solve(model, work, rows.gamma)
+    response = tree.acceleration
+    mobility = nx * (response[a, 0] - ay * response[a, 2] - response[b, 0] + by * response[b, 2])
+    mobility += ny * (response[a, 1] + ax * response[a, 2] - response[b, 1] - bx * response[b, 2])
+    impulse = -(1.0 + laws.restitution[k]) * closing / mobility
+    for i in range(n):
+        place = 3 * (n + bodies.scene_index[i])
+        for c in range(3):
+            y[place + c] += impulse * response[i, c]
+
+
+@jit
+def planar_contact_forces(model, work, t, y, out):
+    """Fill out (n_contacts, 5): depth d (m), force on body a (N, N), its point (m, m), in the present modes."""
+    pairs, laws, modes = contact_pairs_of(model), contact_laws_of(model), contact_modes_of(model)
+    kin = kinematics_of(work)
+    load_state(model, work, y)
+    for k in range(pairs.kind.shape[0]):
+        gap, rate, nx, ny, speed, along, beyond, ax, ay, _, _ = contact_geometry(pairs, kin, k)
+        touching = gap < 0.0 and beyond <= 0.0 and not is_behind(pairs, k, gap)
+        if modes.mode[k] != MODE_PLAIN:
+            touching = modes.mode[k] == MODE_CLOSED
+        normal = normal_force(laws, modes, k, -gap, -rate) if touching else 0.0
+        if modes.mode[k] == MODE_PLAIN and laws.release[k] == RELEASE_FORCE:
+            normal = max(normal, 0.0)
+        tangential = friction_force(laws, modes, k, normal, speed, along) if touching else 0.0
+        out[k, 0] = -gap
+        out[k, 1] = normal * nx + tangential * ny
+        out[k, 2] = normal * ny - tangential * nx
+        out[k, 3] = kin.pose[pairs.a[k], 0] + ax
+        out[k, 4] = kin.pose[pairs.a[k], 1] + ay
