@@ -118,7 +118,7 @@ class Drag(Part):
     type: Literal["drag"] = "drag"
     name: Name
     body: Name
-    center: Name
+    planet: Name
     coefficient: NonNegative  # c_D A / m, m^2/kg
     density: Positive  # kg/m^3, at `altitude`
     altitude: float  # m
@@ -133,7 +133,7 @@ class RadiationPressure(Part):
     type: Literal["radiation_pressure"] = "radiation_pressure"
     name: Name
     body: Name
-    center: Name
+    planet: Name
     coefficient: NonNegative  # c_R A / m, m^2/kg
     radius: Positive  # m, of the body that casts the shadow
     pressure: Positive = 4.56e-6  # N/m^2 at 1 au; Montenbruck and Gill, eq 3.69
@@ -156,6 +156,4 @@ class Epoch(Part):
 CelestialLoad = (
     Newton | Relativity | Oblateness | LunarFigure | Tide | Ring | ThirdBody | Drag | RadiationPressure | Epoch
 )
-CELESTIAL_TYPES = frozenset(
-    "newton relativity oblateness lunar_figure tide ring third_body drag radiation_pressure epoch".split()
-)
+CELESTIAL_TYPES = frozenset(part.model_fields["type"].default for part in CelestialLoad.__args__)

@@ -56,11 +56,11 @@ def build_particles(scene: Scene) -> arrays.ParticleGroups:
             _floats([x.gm for x in third]),
         ),
         drags=arrays.Drags(
-            _ints([place(x.body) for x in drags]), _ints([place(x.center) for x in drags]),
+            _ints([place(x.body) for x in drags]), _ints([place(x.planet) for x in drags]),
             _floats([(x.coefficient, x.density, x.altitude, x.scale_height, x.radius, x.spin) for x in drags], 6),
         ),
         lights=arrays.Lights(
-            _ints([place(x.body) for x in lights]), _ints([place(x.center) for x in lights]),
+            _ints([place(x.body) for x in lights]), _ints([place(x.planet) for x in lights]),
             _floats([(x.coefficient, x.radius, x.pressure) for x in lights], 3),
         ),
     )  # fmt: skip
@@ -78,7 +78,8 @@ def _particles(scene: Scene, found: dict[type, list[Any]]) -> arrays.Particles:
     gm = np.array(newton.gm if newton else np.zeros(n), dtype=float)
     radius = np.array(newton.radius if newton and newton.radius else np.zeros(n), dtype=float)
     if len(gm) != n or len(radius) != n:
-        raise ValueError(f"load {newton.name!r}: gm and radius need {n} entries, one a body; got {len(gm)}, {len(radius)}")
+        got = f"{len(gm)}, {len(radius)}"
+        raise ValueError(f"load {newton.name!r}: gm and radius need {n} entries, one a body; got {got}")
     velocity = (celestial.Relativity, celestial.Tide, celestial.Drag)
     seconds = (epoch.jd_tdb - celestial.J2000_JD) * celestial.DAY_S if epoch else 0.0
     return arrays.Particles(

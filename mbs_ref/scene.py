@@ -286,7 +286,7 @@ def _name_clashes(kind: str, names: list[str]) -> Iterator[str]:
 
 
 def _part_complaints(part: Part, bodies: Mapping[str, Body], dimension: int) -> Iterator[str]:
-    for field in ("body", "body_a", "body_b", "center", "raiser"):
+    for field in ("body", "body_a", "body_b", "planet", "raiser"):
         named = getattr(part, field, None)
         if named is None or (named == GROUND and field != "body"):
             continue

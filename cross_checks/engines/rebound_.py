@@ -84,7 +84,8 @@ def _untaught(scene: Scene) -> list[str]:
         if load.pole != "fixed" or load.axis != (0.0, 0.0, 1.0) or any(load.zonal[1:])
     ]
     needs = any(isinstance(load, Relativity | Oblateness) for load in scene.loads)
-    return found + (["relativity and oblateness need the package reboundx"] if needs and not find_spec("reboundx") else [])
+    missing = needs and find_spec("reboundx") is None
+    return [*found, "relativity and oblateness need the package reboundx"] if missing else found
 
 
 def _impossible(scene: Scene) -> list[str]:

@@ -23,9 +23,9 @@ def not_newtonian(scene: Scene) -> str:
 
 
 def energy(scene: Scene, trajectory: Trajectory) -> np.ndarray:
-    """Return kinetic plus potential energy (n_t,), J; a test particle counts per unit of its own mass, in a fixed field.
+    """Return kinetic plus potential energy (n_t,), J; a test particle counts with its own mass, in a fixed field.
 
-    With gm in place of masses the sum is G times the energy; each scene's masses fix G (its heaviest body's gm / m).
+    With gm in place of masses the sum is G times the energy; a scene's masses fix G (its heaviest body's gm / m).
     """
     gm = np.array(_gm(scene), dtype=np.longdouble)
     x, v = (part.astype(np.longdouble) for part in (trajectory.position, trajectory.velocity))
@@ -47,7 +47,7 @@ def drift(scene: Scene, trajectory: Trajectory) -> np.ndarray:
 
 
 def momentum_drift(scene: Scene, trajectory: Trajectory) -> np.ndarray | None:
-    """Return the largest drift of linear (kg m/s) and angular momentum (kg m^2/s), (n_t,); None where neither is kept."""
+    """Return the largest drift of momentum, kg m/s and kg m^2/s, (n_t,); None where it is not kept."""
     gm = np.array(_gm(scene), dtype=np.longdouble)
     if not is_newtonian(scene) or np.any(gm == 0.0) or any(scene.gravity):
         return None

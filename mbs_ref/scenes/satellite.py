@@ -94,13 +94,13 @@ def _forces(j2: bool, zonals: bool, third_bodies: bool, drag: bool, radiation: b
         density, altitude, scale = AIR
         parts.append(
             Drag(
-                name="air", body="satellite", center="earth", coefficient=DRAG_COEFFICIENT * AREA / MASS,
+                name="air", body="satellite", planet="earth", coefficient=DRAG_COEFFICIENT * AREA / MASS,
                 density=density, altitude=altitude, scale_height=scale, radius=R_EARTH,
             )
         )  # fmt: skip
     if radiation:
         ratio = LIGHT_COEFFICIENT * AREA / MASS
         parts.append(
-            RadiationPressure(name="light", body="satellite", center="earth", coefficient=ratio, radius=R_EARTH)
+            RadiationPressure(name="light", body="satellite", planet="earth", coefficient=ratio, radius=R_EARTH)
         )
     return parts

@@ -131,9 +131,10 @@ def test_every_force_of_a_satellite_moves_it_and_two_methods_agree(switch):
     plain = simulate(scenes.make("satellite", days=0.2), Settings(method="gauss", rtol=1e-13, samples=2))
     scene = scenes.make("satellite", days=0.2, **{switch: True})
     run = simulate(scene, Settings(method="gauss", rtol=1e-13, samples=2))
-    other = simulate(scene, Settings(method="dop853", rtol=1e-12, atol=1e-6, samples=2))
+    # fixed steps: where sunlight jumps, dop853 with error control at 1e-12 is 2 cm off and does not notice
+    other = simulate(scene, Settings(method="dop853", step=4.0, samples=2))
     assert np.linalg.norm(run.position[-1, 1] - plain.position[-1, 1]) > 0.1
-    assert np.linalg.norm(run.position[-1, 1] - other.position[-1, 1]) < 1e-2
+    assert np.linalg.norm(run.position[-1, 1] - other.position[-1, 1]) < 1e-3
 
 
 def test_drag_takes_energy():
