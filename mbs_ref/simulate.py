@@ -25,6 +25,7 @@ from mbs_ref.integrators.leg import (
 from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings
 from mbs_ref.system import System
+from mbs_ref.traits import traits
 from mbs_ref.trajectory import Status, Timing, Trajectory
 from mbs_ref.trouble import may_be_stiff, stiffness
 
@@ -90,6 +91,9 @@ def _plan(scene: Scene, settings: Settings, times: np.ndarray | None) -> _Plan:
     if name not in known:
         raise ValueError(f"method = {name!r} is unknown to mbs_ref; allowed: {', '.join(known)}")
     integrator = known[name]
+    missing = integrator.requires - traits(scene)
+    if missing:
+        raise ValueError(f"method = {name!r} needs a scene that is {', '.join(sorted(missing))}; {scene.name!r} is not")
     fixed = _wants_fixed_step(integrator, settings)
     notes: tuple[str, ...] = ()
     if times is None:
@@ -191,7 +195,7 @@ def _consistent_start(system: System, y: np.ndarray, settings: Settings) -> list
     left = system.project(0.0, y)
     if not left <= settings.initial_tolerance:
         raise InconsistentScene(f"the initial positions cannot be projected: {left:.3g} left; {'; '.join(gaps[:8])}")
-    half = len(y) // 2
+    half = system.n_positions
     moved, kicked = np.abs(y - before)[:half].max(), np.abs(y - before)[half:].max()
     return [f"initial conditions were projected: largest correction {moved:.3g} m or rad, {kicked:.3g} m/s or rad/s"]
 

@@ -50,6 +50,11 @@ class System(ABC):
         """Move y onto the constraints in place; return max |C| left."""
         return core.call_project(self.model, self.work, float(t), y, tolerance, most)
 
+    @property
+    def n_positions(self) -> int:
+        """Entries of the state that are positions and orientations; the rates follow. Half of it unless said."""
+        return len(self.initial_state()) // 2
+
     def start_contacts(self, t: float, y: np.ndarray, located: bool) -> None:
         """Set every contact's mode by the state; without `located` forces are clipped by the state instead."""
         core.call_start_modes(self.model, self.work, float(t), y, located)
