@@ -31,7 +31,10 @@ def moving(scene: Scene, end: float) -> tuple[Truth, Trajectory]:
     return truth, path
 
 
-@pytest.mark.parametrize("name", sorted(set(known()) - {"driven_pendulum", "bouncing_ball"}))
+IN_THE_SKY = {"kepler", "pleiades", "solar_system"}  # judged in test_against_de440.py: three dimensions, no joints
+
+
+@pytest.mark.parametrize("name", sorted(set(known()) - {"driven_pendulum", "bouncing_ball"} - IN_THE_SKY))
 def test_every_truth_obeys_the_joints_and_keeps_the_energy(name):
     scene = scenes.make(name, **({"links": 3} if name == "pendulum_chain" else {}))
     _, path = moving(scene, 0.5)
