@@ -26,7 +26,7 @@ class Record:
     engine: str
     method: str
     settings: dict[str, Any]
-    status: str  # of mbs_ref.trajectory.Status, or cannot | engine-missing | crashed | timeout
+    status: str  # of mbs_ref.trajectory.Status, or cannot | engine-missing | crashed | timeout | out-of-memory
     message: str
     t_end: float  # s, reached
     steps: int

@@ -63,6 +63,10 @@ class System(ABC):
         """Return for each contact depth (m), force on body_a (N, N) and its point (m, m), world axes."""
         return {}
 
+    def contact_oscillators(self, t: float, y: np.ndarray) -> np.ndarray:
+        """Return k W (1/s^2) and c W (1/s) of each contact (n, 2), W its normal mobility; c = 0 where F ~ d d'."""
+        return np.zeros((0, 2))
+
     def contact_events(self) -> np.ndarray:
         """Return time (s) and contact index (n_events, 2) of the events located so far."""
         return np.zeros((0, 2))

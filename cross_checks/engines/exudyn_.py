@@ -433,10 +433,12 @@ def _contact_refusals(scene: Scene, method: Method) -> list[Refusal]:
 
 def _mixed_refusals(scene: Scene) -> list[str]:
     """GeneralContact gives stiffness to shapes, not to pairs, and lets every pair touch."""
-    laws = {contact.law for contact in scene.contacts}
+    laws = {repr(contact.law) for contact in scene.contacts}
     shapes = {shape for contact in scene.contacts for shape in _circles(contact)}
     bodies = [body for body, _, _ in shapes]
-    reasons = ["GeneralContact gives laws to shapes, not to pairs: all contacts must share one"] if len(laws) > 1 else []
+    reasons = []
+    if len(laws) > 1:
+        reasons.append("GeneralContact gives laws to shapes, not to pairs: all contacts must share one")
     if len(bodies) != len(set(bodies)):
         reasons.append("a body with two circles would touch with both")
     return reasons
@@ -456,7 +458,8 @@ def _add_contacts(model: Redundant) -> None:
     general.SetFrictionPairings(np.zeros((1, 1)))
     general.verboseMode = 0
     shape = {"contactStiffness": 2.0 * law.stiffness, "contactDamping": 0.5 * law.damping, "frictionMaterialIndex": 0}
-    for line in {c for c in contacts if isinstance(c, CircleOnLine)}:
+    lines = [c for c in contacts if isinstance(c, CircleOnLine)]
+    for line in {(c.point_1, c.point_2): c for c in lines}.values():
         _add_plane(model, general, line, shape)
     for body, center, radius in sorted({circle for contact in contacts for circle in _circles(contact)}):
         general.AddSphereWithMarker(markerIndex=model.marker(body, center), radius=radius, **shape)

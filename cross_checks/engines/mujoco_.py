@@ -363,8 +363,9 @@ LOADS = {Force: _add_force, Torque: _add_torque, SpringDamper: _add_spring, Tors
 def _add_contact(spec, frames, tree: JointTree, contact, stock: bool) -> None:
     """A sphere against a plane or another sphere, paired explicitly so that nothing else touches."""
     if isinstance(contact, CircleOnCircle):
-        ends = ((contact.body_a, contact.center_a, contact.radius_a), (contact.body_b, contact.center_b, contact.radius_b))
-        geoms = [_sphere(frames, tree, f"{contact.name}/{side}", *end) for side, end in zip("ab", ends, strict=True)]
+        a = (contact.body_a, contact.center_a, contact.radius_a)
+        b = (contact.body_b, contact.center_b, contact.radius_b)
+        geoms = [_sphere(frames, tree, f"{contact.name}/{side}", *end) for side, end in (("a", a), ("b", b))]
     else:
         sphere = _sphere(frames, tree, f"{contact.name}/a", contact.body_a, contact.center, contact.radius)
         geoms = [_plane(spec, f"{contact.name}/b", contact), sphere]
@@ -417,7 +418,7 @@ def _contact_refusals(scene: Scene) -> list[Refusal]:
             if name == GROUND or center is None:
                 continue
             if name in jointed or math.dist(center, scene.bodies[scene.body_index(name)].position) > 1e-12:
-                reasons.append(f"{where}: the stiffness scales with an effective mass that changes with the pose of {name!r}")
+                reasons.append(f"{where}: its effective mass, which scales the stiffness, changes as {name!r} moves")
     return [Refusal(reason, permanent=False) for reason in reasons]
 
 

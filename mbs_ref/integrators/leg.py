@@ -106,6 +106,7 @@ class Integrator:
     keeps_constraints: bool = False  # the method imposes C = 0 itself
     requires: frozenset[str] = frozenset()  # traits the scene must have: the cores that answer what the method asks
     locates_events: bool = True  # touch-down, lift-off and slip are found; else contact forces are merely clipped
+    stability: tuple[float, ...] = ()  # explicit methods: coefficients of R(z), lowest power first
     package: str | None = None  # optional third-party package it needs
 
 
