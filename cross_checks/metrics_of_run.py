@@ -12,6 +12,7 @@ from cross_checks.metrics.momentum_drift import momentum_drift
 from cross_checks.metrics.orientation_error import orientation_error
 from cross_checks.metrics.pose_error import pose_error
 from cross_checks.metrics.reaction_error import reaction_error
+from cross_checks.metrics.significant_figures import significant_figures
 from cross_checks.record import Error
 from cross_checks.truths import NoTruth, Truth
 from mbs_ref.scene import Scene
@@ -35,6 +36,7 @@ def measure(scene: Scene, path: Trajectory, truth: Truth | NoTruth, reference: T
         "momentum_drift": _largest(momentum),
         "error": _error(error, truth),
         "orientation_error": _orientation(scene, path, truth),
+        "figures": significant_figures(scene, path, truth) if isinstance(truth, Truth) else {},
         "reaction_error": None if reference is None else reaction_error(path.reactions, reference.reactions),
         "notes": _notes(scene, path, truth, why_no_energy),
         "history": {key: part.tolist() for key, part in history.items() if part is not None and _is_finite(part)},

@@ -41,6 +41,7 @@ class Record:
     versions: dict[str, str]
     notes: tuple[str, ...] = ()
     orientation_error: float | None = None  # rad, largest geodesic angle from the truth; spatial scenes
+    figures: dict[str, float] = field(default_factory=dict)  # body -> significant figures at the end, against an ephemeris
     history: dict[str, list[float]] = field(default_factory=dict)  # t, compliance, energy_drift, error: for the plots
 
     def to_dict(self) -> dict[str, Any]:

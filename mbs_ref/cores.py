@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from mbs_ref.particle_scene import is_celestial
+from mbs_ref.particle_system import ParticleSystem
 from mbs_ref.planar_system import PlanarSystem
 from mbs_ref.scene import Scene
 from mbs_ref.spatial_system import SpatialSystem
@@ -12,4 +14,11 @@ _CORES = {2: PlanarSystem, 3: SpatialSystem}  # by the scene's dimension
 
 def compile_scene(scene: Scene) -> System:
     """Return the scene compiled for the core its bodies call for."""
-    return _CORES[scene.dimension](scene)
+    return ParticleSystem(scene) if is_celestial(scene) else _CORES[scene.dimension](scene)
+
+
+def core_name(scene: Scene) -> str:
+    """Return the name of the core a scene runs on: particles, planar or spatial."""
+    if is_celestial(scene):
+        return "particles"
+    return "planar" if scene.dimension == 2 else "spatial"

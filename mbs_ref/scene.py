@@ -13,6 +13,7 @@ from typing import Annotated, Any, Literal, Self
 import numpy as np
 from pydantic import BeforeValidator, Field, SkipValidation, model_validator
 
+from mbs_ref.celestial import CELESTIAL_TYPES, CelestialLoad
 from mbs_ref.contact import Contact
 from mbs_ref.part import Name, NonNegative, Part, Positive, Vector
 from mbs_ref.signals import Constant, Level, Signal, breakpoints
@@ -407,7 +408,8 @@ class UserForce(Part):
 
 
 Load = Annotated[
-    Force | Torque | TorqueVector | SpringDamper | TorsionSpring | Bushing | UserForce, Field(discriminator="type")
+    Force | Torque | TorqueVector | SpringDamper | TorsionSpring | Bushing | UserForce | CelestialLoad,
+    Field(discriminator="type"),
 ]
 
 
@@ -498,7 +500,7 @@ def _name_clashes(kind: str, names: list[str]) -> Iterator[str]:
 
 
 def _part_complaints(part: Part, bodies: Mapping[str, Body], dimension: int) -> Iterator[str]:
-    for field in ("body", "body_a", "body_b"):
+    for field in ("body", "body_a", "body_b", "planet", "raiser"):
         named = getattr(part, field, None)
         if named is None or (named == GROUND and field != "body"):
             continue
@@ -509,6 +511,8 @@ def _part_complaints(part: Part, bodies: Mapping[str, Body], dimension: int) -> 
     a, b = getattr(part, "body_a", None), getattr(part, "body_b", None)
     if a is not None and a == b:
         yield f"body_a and body_b are both {a!r}; they must differ"
+    if part.type in CELESTIAL_TYPES and dimension != 3:
+        yield f"type = {part.type!r} belongs to scenes in space; give positions three components"
     yield from _dimension_complaints(part, dimension)
     if _only_in(part) in (None, dimension):
         for field in _VECTORS:

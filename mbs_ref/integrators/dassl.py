@@ -16,4 +16,5 @@ INTEGRATOR = Integrator(
     source="Petzold 1982; Hindmarsh et al. 2005; Gear, Gupta, Leimkuhler 1985",
     locates_events=False,
     package=PACKAGE,
+    cores=("planar", "spatial"),
 )

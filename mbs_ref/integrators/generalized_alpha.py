@@ -243,4 +243,5 @@ INTEGRATOR = Integrator(
     requires=frozenset({"planar"}),  # not yet taught spatial bodies
     source="Arnold and Bruls 2007; Chung and Hulbert 1993",
     keeps_constraints=True,
+    cores=("planar", "spatial"),
 )

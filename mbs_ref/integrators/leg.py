@@ -108,6 +108,7 @@ class Integrator:
     locates_events: bool = True  # touch-down, lift-off and slip are found; else contact forces are merely clipped
     stability: tuple[float, ...] = ()  # explicit methods: coefficients of R(z), lowest power first
     package: str | None = None  # optional third-party package it needs
+    cores: tuple[str, ...] = ()  # the only cores it runs on (mbs_ref.cores.core_name); empty for all
 
 
 MESSAGES = {

@@ -11,6 +11,8 @@ from typing import Any
 from numba.extending import overload
 
 from mbs_ref.kernels.jit import jit
+from mbs_ref.kernels.particles import dynamics as particles
+from mbs_ref.kernels.particles.model import ParticleModel, ParticleWork
 from mbs_ref.kernels.planar import contact_events as planar_contacts
 from mbs_ref.kernels.planar import dynamics as planar
 from mbs_ref.kernels.planar import implicit as planar_implicit
@@ -20,12 +22,36 @@ from mbs_ref.kernels.spatial.model import SpatialModel, SpatialWork
 
 # question -> {type of its first argument: answer}
 _ANSWERS: dict[str, dict[type, Callable[..., Any]]] = {
-    "derivative": {PlanarModel: planar.planar_derivative, SpatialModel: spatial.spatial_derivative},
-    "compliance": {PlanarModel: planar.planar_compliance, SpatialModel: spatial.spatial_compliance},
-    "project": {PlanarModel: planar.planar_project, SpatialModel: spatial.spatial_project},
-    "tangent": {PlanarModel: planar.planar_tangent, SpatialModel: spatial.spatial_tangent},
-    "regularity": {PlanarWork: planar.planar_regularity, SpatialWork: spatial.spatial_regularity},
-    "multipliers": {PlanarWork: planar.planar_multipliers, SpatialWork: spatial.spatial_multipliers},
+    "derivative": {
+        PlanarModel: planar.planar_derivative,
+        SpatialModel: spatial.spatial_derivative,
+        ParticleModel: particles.particle_derivative,
+    },
+    "compliance": {
+        PlanarModel: planar.planar_compliance,
+        SpatialModel: spatial.spatial_compliance,
+        ParticleModel: particles.particle_compliance,
+    },
+    "project": {
+        PlanarModel: planar.planar_project,
+        SpatialModel: spatial.spatial_project,
+        ParticleModel: particles.particle_project,
+    },
+    "tangent": {
+        PlanarModel: planar.planar_tangent,
+        SpatialModel: spatial.spatial_tangent,
+        ParticleModel: particles.particle_tangent,
+    },
+    "regularity": {
+        PlanarWork: planar.planar_regularity,
+        SpatialWork: spatial.spatial_regularity,
+        ParticleWork: particles.particle_regularity,
+    },
+    "multipliers": {
+        PlanarWork: planar.planar_multipliers,
+        SpatialWork: spatial.spatial_multipliers,
+        ParticleWork: particles.particle_multipliers,
+    },
     "tree_correction": {PlanarModel: planar_implicit.planar_tree_correction},
     "dense_correction": {PlanarModel: planar_implicit.planar_dense_correction},
     "factor_tangent": {PlanarModel: planar_implicit.planar_factor_tangent},

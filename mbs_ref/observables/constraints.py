@@ -24,6 +24,8 @@ class Rows:
 
 def rows(scene: Scene, trajectory: Trajectory) -> Rows:
     """Evaluate C and dC/dt of every joint at every sample; references are the poses at t = 0 in the scene."""
+    if not scene.joints:
+        return Rows((), *np.zeros((2, len(trajectory.times), 0)))
     motion = Motion(scene, trajectory)
     names: list[str] = []
     columns: list[tuple[np.ndarray, np.ndarray]] = []

@@ -9,9 +9,11 @@ from scipy.integrate import cumulative_trapezoid
 from scipy.interpolate import make_interp_spline
 
 from mbs_ref.euler_parameters import rotation_matrices
+from mbs_ref.observables import celestial
 from mbs_ref.observables.attachment import Motion
 from mbs_ref.observables.powers import powers
 from mbs_ref.observables.springs import bushing_strain, length_of, twist_of
+from mbs_ref.particle_scene import is_celestial
 from mbs_ref.scene import DRIVES, Bushing, Force, PlanarBody, Scene, SpatialBody, SpringDamper, Torque, TorsionSpring
 from mbs_ref.signals import Constant, Signal
 from mbs_ref.trajectory import Trajectory
@@ -75,6 +77,11 @@ def energy_balance(scene: Scene, trajectory: Trajectory) -> EnergyBalance:
 
     Fourth-order splines integrate the power; comparing with every second sample gives `resolution`.
     """
+    if is_celestial(scene):
+        if not celestial.is_newtonian(scene):
+            return EnergyBalance(np.zeros(len(trajectory.times)), None, None, 0.0, celestial.not_newtonian(scene))
+        found = celestial.energy(scene, trajectory).astype(float)
+        return EnergyBalance(found, np.zeros_like(found), celestial.drift(scene, trajectory), 0.0)
     energy = kinetic_energy(scene, trajectory) + potential_energy(scene, trajectory)
     reason = _undefined(scene, trajectory)
     if reason:

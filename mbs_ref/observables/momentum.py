@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from mbs_ref.euler_parameters import rotation_matrices
+from mbs_ref.observables import celestial
+from mbs_ref.particle_scene import is_celestial
 from mbs_ref.scene import GROUND, Bushing, PlanarBody, Scene, SpatialBody, SpringDamper, TorsionSpring
 from mbs_ref.traits import joint_ends
 from mbs_ref.trajectory import Trajectory
@@ -45,6 +47,8 @@ def momentum_drift(scene: Scene, trajectory: Trajectory) -> np.ndarray | None:
     Without anything tied to ground and without outer loads, linear momentum across gravity is
     conserved, and all of linear and angular momentum where gravity is zero.
     """
+    if is_celestial(scene):
+        return celestial.momentum_drift(scene, trajectory)
     if _is_held(scene):
         return None
     gravity = np.asarray(scene.gravity)

@@ -46,6 +46,7 @@ class ReportData:
     environment: dict[str, str] = field(default_factory=dict)
     orders: dict[tuple[str, str], int] = field(default_factory=dict)  # (engine, method) -> documented order
     quick: bool = False
+    sky: tuple[Record, ...] = ()  # the solar system at each level of physics, with figures per body
     seconds: float = 0.0  # s, spent on the runs
     space: SpaceFacts | None = None  # measured on spatial bodies; None in a quick report
 
