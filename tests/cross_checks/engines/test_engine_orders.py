@@ -15,6 +15,7 @@ FIXED = [
     (name, method)
     for name, method in every_method()
     if engine(name).method(method).kind == "fixed" and not method.endswith(("_tight", "_gains"))
+    and engine(name).method(method).requires <= {"planar"}
 ]
 ADAPTIVE = [(name, method) for name, method in every_method() if engine(name).method(method).kind == "adaptive"]
 LOOPS = [("pinocchio", "rk4"), ("exudyn", "generalized_alpha"), ("exudyn", "trapezoidal")]
