@@ -11,8 +11,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from mbs_ref import scene as language
-from mbs_ref.celestial import CelestialLoad
 from mbs_ref import scene_file, scenes
+from mbs_ref.celestial import CelestialLoad
 from mbs_ref.problems import Problem
 from mbs_ref.scene_file import SceneFileError, dumps, loads, read_scene, write_scene
 from mbs_ref.signals import Constant, HalfSine, Harmonic, Polynomial, Table
