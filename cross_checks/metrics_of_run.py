@@ -15,7 +15,7 @@ from cross_checks.metrics.reaction_error import reaction_error
 from cross_checks.metrics.significant_figures import significant_figures
 from cross_checks.record import Error
 from cross_checks.truths import NoTruth, Truth
-from mbs_ref.scene import Scene
+from mbs_ref.scene import Scene, SpatialBody
 from mbs_ref.trajectory import Trajectory
 
 BROKEN = 1e-3  # m, rad: a joint this far open is named in the notes
@@ -70,7 +70,8 @@ def _error(error: np.ndarray | None, truth: Truth | NoTruth) -> Error | None:
 
 def _orientation(scene: Scene, path: Trajectory, truth: Truth | NoTruth) -> float | None:
     """The largest geodesic angle (rad) from the truth, in space."""
-    if scene.dimension == 2 or isinstance(truth, NoTruth):
+    turning = any(isinstance(body, SpatialBody) for body in scene.bodies)
+    if not turning or isinstance(truth, NoTruth):
         return None
     return _largest(orientation_error(path, truth).ravel())
 

@@ -19,7 +19,7 @@ def pose_error(scene: Scene, trajectory: Trajectory, truth: Truth) -> np.ndarray
     if truth.origin is not None:
         return _seen_from_origin(trajectory.position, truth)
     centres = distance(trajectory.position, truth.position)
-    if scene.dimension == 2:
+    if not any(isinstance(body, SpatialBody) for body in scene.bodies):
         return centres
     return np.maximum(centres, np.max(orientation_error(trajectory, truth) * arms(scene), axis=1))
 

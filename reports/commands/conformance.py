@@ -41,6 +41,8 @@ def command(engine: str) -> None:
 
 
 def _is_installed() -> bool:
-    from importlib.metadata import entry_points
+    """Look at every distribution, as pytest does: an older one on the path must not hide the one installed."""
+    from importlib.metadata import distributions
 
-    return any(entry.value == PLUGIN for entry in entry_points(group="pytest11"))
+    entries = (entry for found in distributions() for entry in found.entry_points)
+    return any(entry.group == "pytest11" and entry.value == PLUGIN for entry in entries)

@@ -56,7 +56,8 @@ def test_a02_equals_its_differential_equation(loops):
 
 
 def test_scenes_start_where_their_truths_do():
-    for name in known():
+    elsewhere = {"solar_system", "pleiades"}  # seen from a body, known at the end alone: test_against_de440.py
+    for name in sorted(set(known()) - elsewhere):
         scene = scenes.make(name)
         start = [body.position for body in scene.bodies]
         np.testing.assert_allclose(truth_at(name, 0.0, 0.1).position[0], start, atol=1e-15, err_msg=name)

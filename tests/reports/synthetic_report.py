@@ -106,4 +106,4 @@ def report_data() -> ReportData:
     ]
     orders = {(m[0], m[1]): m[3] for m in METHODS if m[2] == "fixed"}
     environment = {"made": "2026-01-02 03:04 UTC", "python": "3.12.1", "processor": HOSTILE, "exudyn": "1.2.3"}
-    return ReportData(tuple(cells), tuple(records), tuple(capabilities), environment, orders, False, 12.0)
+    return ReportData(tuple(cells), tuple(records), tuple(capabilities), environment, orders, seconds=12.0)
