@@ -192,6 +192,21 @@ class TorsionSpring(Part):
     rest_angle: float | None = None  # rad, of b relative to a; the initial one unless given
 
 
+class Bushing(Part):
+    """An isotropic spring and damper between two marks that coincide at t = 0: F = k e + c de/dt, e their gap.
+
+    Both forces act at body b's mark, so no couple is left over: momentum is kept, and the damper only takes energy.
+    """
+
+    type: Literal["bushing"] = "bushing"
+    name: Name
+    body_a: Name
+    body_b: Name
+    point: Vector  # m, world, t = 0
+    stiffness: NonNegative  # N/m
+    damping: NonNegative = 0.0  # N s/m
+
+
 class UserForce(Part):
     """A user's own force law, called as function(t, q, v) -> generalized forces.
 
@@ -205,7 +220,7 @@ class UserForce(Part):
 
 
 Load = Annotated[
-    Force | Torque | SpringDamper | TorsionSpring | UserForce, Field(discriminator="type")
+    Force | Torque | SpringDamper | TorsionSpring | Bushing | UserForce, Field(discriminator="type")
 ]
 
 

@@ -19,7 +19,7 @@ from mbs_ref.trajectory import Status, Trajectory
 
 PART_TYPES = (
     "planar point_mass revolute prismatic weld distance coordinate_drive point_drive "
-    "force torque spring_damper torsion_spring user_force "
+    "force torque spring_damper torsion_spring bushing user_force "
     "circle_on_line circle_on_circle pin_on_sprocket "
     "spring_damper_law progressive_law hunt_crossley_law lankarani_nikravesh_law flores_law rigid_law "
     "regularised_coulomb stick_slip"

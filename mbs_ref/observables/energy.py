@@ -10,8 +10,18 @@ from scipy.interpolate import make_interp_spline
 
 from mbs_ref.observables.attachment import Motion
 from mbs_ref.observables.powers import powers
-from mbs_ref.observables.springs import length_of, twist_of
-from mbs_ref.scene import CoordinateDrive, Force, PlanarBody, PointDrive, Scene, SpringDamper, Torque, TorsionSpring
+from mbs_ref.observables.springs import gap_of, length_of, twist_of
+from mbs_ref.scene import (
+    Bushing,
+    CoordinateDrive,
+    Force,
+    PlanarBody,
+    PointDrive,
+    Scene,
+    SpringDamper,
+    Torque,
+    TorsionSpring,
+)
 from mbs_ref.signals import Constant, Signal
 from mbs_ref.trajectory import Trajectory
 
@@ -53,7 +63,7 @@ def is_conservative(load) -> bool:
         return isinstance(load.factor, Constant) and load.frame == "world"
     if isinstance(load, Torque):
         return isinstance(load.factor, Constant)
-    return isinstance(load, SpringDamper | TorsionSpring)
+    return isinstance(load, SpringDamper | TorsionSpring | Bushing)
 
 
 def energy_balance(scene: Scene, trajectory: Trajectory) -> EnergyBalance:
@@ -126,6 +136,10 @@ def _torsion(motion: Motion, load: TorsionSpring) -> np.ndarray:
     return 0.5 * load.stiffness * twist_of(motion, load)[0] ** 2
 
 
+def _bushing(motion: Motion, load: Bushing) -> np.ndarray:
+    return 0.5 * load.stiffness * np.sum(gap_of(motion, load)[0] ** 2, axis=1)
+
+
 def _force(motion: Motion, load: Force) -> np.ndarray:
     place, _ = motion.point(load.body, load.point)
     return -_constant(load.factor) * ((place - np.asarray(load.point)) @ np.asarray(load.vector))
@@ -139,4 +153,4 @@ def _constant(factor: Signal) -> float:
     return factor.segments()[0].coefficients[0]
 
 
-POTENTIALS = {SpringDamper: _spring, TorsionSpring: _torsion, Force: _force, Torque: _torque}
+POTENTIALS = {SpringDamper: _spring, TorsionSpring: _torsion, Bushing: _bushing, Force: _force, Torque: _torque}

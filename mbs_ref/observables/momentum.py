@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from mbs_ref.scene import GROUND, PlanarBody, Scene, SpringDamper, TorsionSpring
+from mbs_ref.scene import GROUND, Bushing, PlanarBody, Scene, SpringDamper, TorsionSpring
 from mbs_ref.traits import joint_ends
 from mbs_ref.trajectory import Trajectory
 
@@ -42,7 +42,7 @@ def momentum_drift(scene: Scene, trajectory: Trajectory) -> np.ndarray | None:
 
 
 def _is_held(scene: Scene) -> bool:
-    inner = (SpringDamper, TorsionSpring)
+    inner = (SpringDamper, TorsionSpring, Bushing)
     if any(GROUND in joint_ends(joint) for joint in scene.joints):
         return True
     if any(GROUND in (contact.body_a, contact.body_b) for contact in scene.contacts):

@@ -10,8 +10,17 @@ from mbs_ref.contact import Contact
 from mbs_ref.observables.attachment import Motion
 from mbs_ref.observables.signal_values import motion as prescribed
 from mbs_ref.observables.signal_values import values
-from mbs_ref.observables.springs import length_of, twist_of
-from mbs_ref.scene import CoordinateDrive, Force, PointDrive, SpringDamper, Torque, TorsionSpring, UserForce
+from mbs_ref.observables.springs import gap_of, length_of, twist_of
+from mbs_ref.scene import (
+    Bushing,
+    CoordinateDrive,
+    Force,
+    PointDrive,
+    SpringDamper,
+    Torque,
+    TorsionSpring,
+    UserForce,
+)
 
 
 def powers(motion: Motion, is_conservative: Callable) -> np.ndarray | None:
@@ -31,7 +40,7 @@ def _contact(motion: Motion, contact: Contact) -> np.ndarray:
 
 
 def _works(load, is_conservative: Callable) -> bool:
-    if isinstance(load, SpringDamper | TorsionSpring):
+    if isinstance(load, SpringDamper | TorsionSpring | Bushing):
         return load.damping > 0.0
     return not is_conservative(load)
 
@@ -47,6 +56,10 @@ def _damper(motion: Motion, load: SpringDamper) -> np.ndarray:
 
 def _torsion_damper(motion: Motion, load: TorsionSpring) -> np.ndarray:
     return -load.damping * twist_of(motion, load)[1] ** 2
+
+
+def _bushing_damper(motion: Motion, load: Bushing) -> np.ndarray:
+    return -load.damping * np.sum(gap_of(motion, load)[1] ** 2, axis=1)
 
 
 def _force(motion: Motion, load: Force) -> np.ndarray:
@@ -80,6 +93,7 @@ def _point_drive(motion: Motion, joint: PointDrive) -> np.ndarray:
 LOADS = {
     SpringDamper: _damper,
     TorsionSpring: _torsion_damper,
+    Bushing: _bushing_damper,
     Force: _force,
     Torque: _torque,
     UserForce: _user_force,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from mbs_ref.observables.attachment import Motion
-from mbs_ref.scene import SpringDamper, TorsionSpring
+from mbs_ref.scene import Bushing, SpringDamper, TorsionSpring
 
 
 def length_of(motion: Motion, spring: SpringDamper) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -32,3 +32,10 @@ def twist_of(motion: Motion, spring: TorsionSpring) -> tuple[np.ndarray, np.ndar
 def _initial_angle(motion: Motion, body: str) -> float:
     k = motion.scene.body_index(body)
     return 0.0 if k < 0 else getattr(motion.scene.bodies[k], "angle", 0.0)
+
+
+def gap_of(motion: Motion, bushing: Bushing) -> tuple[np.ndarray, np.ndarray]:
+    """Return the gap between the marks (n_t, 2), m, and the slip at b's mark (m/s), where both forces act."""
+    a, _ = motion.point(bushing.body_a, bushing.point)
+    b, b_rate = motion.point(bushing.body_b, bushing.point)
+    return b - a, b_rate - motion.rate_at(bushing.body_a, b)
