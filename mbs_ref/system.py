@@ -58,6 +58,10 @@ class System(ABC):
         """Return for each contact depth (m), force on body_a (N, N) and its point (m, m), world axes."""
         return {}
 
+    def recall_modes(self, t: float) -> None:
+        """Set every contact's mode to the one that held at t (s) in the last run."""
+        return None
+
     def contact_events(self) -> np.ndarray:
         """Return time (s) and contact index (n_events, 2) of the events located so far."""
         return np.zeros((0, 2))
