@@ -6,6 +6,8 @@ SHELL := /bin/bash
 
 BIN := .venv/bin
 STAMP := .venv/.installed
+# What the nightly run compares with: a git revision or a folder.
+BASELINE ?= HEAD~1
 CANDIDATES := python3.12 python3.13 python3.14 python3 python
 
 help:  ## this list
@@ -39,16 +41,18 @@ lint: venv  ## ruff and pyright
 	$(BIN)/ruff check .
 	$(BIN)/pyright
 
-nightly: venv  ## the slow tests, the benchmarks and the full report
+nightly: venv  ## the slow tests, the benchmarks, the full report and the regression verdicts
+	@mkdir -p reports/out
 	$(BIN)/python -m pytest -n auto -m slow
-	$(MAKE) bench
+	$(BIN)/python -m pytest benchmarks -m '' --benchmark-only -p no:xdist --benchmark-json=reports/out/bench.json
 	$(BIN)/mbs-ref report
+	$(BIN)/mbs-ref nightly --baseline $(BASELINE) --bench reports/out/bench.json
 
 bench: venv  ## pytest-benchmark suites, alone on the machine
 	$(BIN)/python -m pytest benchmarks -m '' --benchmark-only -p no:xdist
 
 lock:  ## pin again what pyproject.toml asks for (needs uv)
-	uv pip compile pyproject.toml --extra engines --extra dev --universal --python-version 3.12 \
+	uv pip compile pyproject.toml --extra engines --extra cluster --extra dev --universal --python-version 3.12 \
 	  --generate-hashes --no-emit-index-url --no-header --no-annotate --upgrade --quiet -o requirements.lock
 
 clean:  ## remove everything that make made

@@ -14,16 +14,17 @@ from mbs_ref.contact import FloresLaw, LankaraniNikraveshLaw, RigidLaw, StickSli
 from mbs_ref.planar_system import PlanarSystem
 from mbs_ref.scene import Scene
 
+# what gives a force that follows from the state alone
 CLIPPED_CONTACTS = frozenset(
-    "circle_on_line circle_on_circle pin_on_sprocket "
-    "spring_damper_law progressive_law hunt_crossley_law regularised_coulomb".split()
-)  # whose force follows from the state alone
+    {"circle_on_line", "circle_on_circle", "pin_on_sprocket"}
+    | {"spring_damper_law", "progressive_law", "hunt_crossley_law", "regularised_coulomb"}
+)
 
 
 def contact_refusals(scene: Scene) -> list[Refusal]:
     """Return why the scene's contacts need located events, contact by contact."""
     return [
-        Refusal(f"contact {c.name!r}: {c.law.type} or its friction needs events, which this engine does not locate", False)
+        Refusal(f"contact {c.name!r}: {c.law.type} or its friction needs located events", False)
         for c in scene.contacts
         if isinstance(c.law, RigidLaw | LankaraniNikraveshLaw | FloresLaw) or isinstance(c.friction, StickSlip)
     ]

@@ -53,17 +53,17 @@ def judged_run(
     try:
         engine = engines.get(engine_name)
     except engines.EngineMissing as error:
-        return _without_run(scene, engine_name, settings, MISSING, str(error)), None
+        return without_run(scene, engine_name, settings, MISSING, str(error)), None
     method = engine.method(settings.method)
     settings = settings.model_copy(update={"method": method.name})
     reasons = [r.reason for r in (*engine.refusals(scene), *engine.method_refusals(scene, method))]
     if reasons:
-        return _without_run(scene, engine_name, settings, CANNOT, "; ".join(dict.fromkeys(reasons)), engine), None
+        return without_run(scene, engine_name, settings, CANNOT, "; ".join(dict.fromkeys(reasons)), engine), None
     asked = output_times(scene, settings, times)
     found = _attempt(lambda: engine.run(scene, settings, asked))
     if not isinstance(found, Trajectory):
         status, message = found
-        return _without_run(scene, engine_name, settings, status, message, engine), None
+        return without_run(scene, engine_name, settings, status, message, engine), None
     kept = _on_time(_finite(found), asked)
     return _record(scene, engine, settings, kept, asked, reference), kept
 
@@ -166,9 +166,10 @@ def _versions(engine: Engine | None) -> dict[str, str]:
         return {engine.name: "not installed", **common}
 
 
-def _without_run(
+def without_run(
     scene: Scene, engine_name: str, settings: Settings, status: str, message: str, engine: Engine | None = None
 ) -> Record:
+    """Return the record of a run that has no result, with the sentence why."""
     return Record(
         scene=scene.name,
         parameters=dict(scene.parameters),

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from mbs_ref.observables import rows
-from mbs_ref.scene import PlanarBody, Revolute, Scene, Weld
+from mbs_ref.scene import PlanarBody, Revolute, Scene, SpatialBody, Weld
 from mbs_ref.trajectory import Trajectory
 
 
@@ -22,12 +22,23 @@ class Gap:
 
 
 def initial_sample(scene: Scene) -> Trajectory:
-    """Return the planar scene's own initial state as a trajectory of one sample."""
+    """Return the scene's own initial state as a trajectory of one sample."""
+    if scene.dimension == 3:
+        return _spatial_sample(scene)
     turning = [(b.angle, b.angular_velocity) if isinstance(b, PlanarBody) else (0.0, 0.0) for b in scene.bodies]
     angle, rate = np.array(turning, dtype=float).T
     position = np.array([body.position for body in scene.bodies], dtype=float)
     velocity = np.array([body.velocity for body in scene.bodies], dtype=float)
     return Trajectory(np.zeros(1), position[None], angle[None], velocity[None], rate[None])
+
+
+def _spatial_sample(scene: Scene) -> Trajectory:
+    still = ((1.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0))  # a particle's
+    turning = [(b.orientation, b.angular_velocity) if isinstance(b, SpatialBody) else still for b in scene.bodies]
+    theta, omega = (np.array(part, dtype=float)[None] for part in zip(*turning, strict=True))
+    position = np.array([body.position for body in scene.bodies], dtype=float)
+    velocity = np.array([body.velocity for body in scene.bodies], dtype=float)
+    return Trajectory(np.zeros(1), position[None], theta, velocity[None], omega)
 
 
 def worst_gap(scene: Scene) -> Gap | None:

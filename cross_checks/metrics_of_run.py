@@ -9,8 +9,10 @@ import numpy as np
 from cross_checks.metrics.compliance import compliance, worst_joint
 from cross_checks.metrics.energy_drift import energy_drift
 from cross_checks.metrics.momentum_drift import momentum_drift
+from cross_checks.metrics.orientation_error import orientation_error
 from cross_checks.metrics.pose_error import pose_error
 from cross_checks.metrics.reaction_error import reaction_error
+from cross_checks.metrics.significant_figures import significant_figures
 from cross_checks.record import Error
 from cross_checks.truths import NoTruth, Truth
 from mbs_ref.scene import Scene
@@ -26,13 +28,15 @@ def measure(scene: Scene, path: Trajectory, truth: Truth | NoTruth, reference: T
     position, velocity = compliance(scene, path)
     energy, why_no_energy = energy_drift(scene, path)
     momentum = momentum_drift(scene, path)
-    error = pose_error(path, truth) if isinstance(truth, Truth) else None
+    error = pose_error(scene, path, truth) if isinstance(truth, Truth) else None
     history = {"t": path.times, "compliance": position, "energy_drift": energy, "error": error}
     return {
         "compliance": {"position": _largest(position, _between_samples(path)), "velocity": _largest(velocity)},
         "energy_drift": _largest(energy),
         "momentum_drift": _largest(momentum),
         "error": _error(error, truth),
+        "orientation_error": _orientation(scene, path, truth),
+        "figures": significant_figures(scene, path, truth) if isinstance(truth, Truth) else {},
         "reaction_error": None if reference is None else reaction_error(path.reactions, reference.reactions),
         "notes": _notes(scene, path, truth, why_no_energy),
         "history": {key: part.tolist() for key, part in history.items() if part is not None and _is_finite(part)},
@@ -62,6 +66,13 @@ def _error(error: np.ndarray | None, truth: Truth | NoTruth) -> Error | None:
     if error is None or isinstance(truth, NoTruth) or not _is_finite(error):
         return None
     return Error(float(np.max(error)), "m", f"{truth.kind}: {truth.how}", truth.uncertainty, float(error[-1]))
+
+
+def _orientation(scene: Scene, path: Trajectory, truth: Truth | NoTruth) -> float | None:
+    """The largest geodesic angle (rad) from the truth, in space."""
+    if scene.dimension == 2 or isinstance(truth, NoTruth):
+        return None
+    return _largest(orientation_error(path, truth).ravel())
 
 
 def _notes(scene: Scene, path: Trajectory, truth: Truth | NoTruth, why_no_energy: str) -> tuple[str, ...]:

@@ -26,7 +26,7 @@ class Record:
     engine: str
     method: str
     settings: dict[str, Any]
-    status: str  # of mbs_ref.trajectory.Status, or cannot | engine-missing | crashed | timeout
+    status: str  # of mbs_ref.trajectory.Status, or cannot | engine-missing | crashed | timeout | out-of-memory
     message: str
     t_end: float  # s, reached
     steps: int
@@ -40,6 +40,8 @@ class Record:
     times: dict[str, float]  # build_s, first_call_s, loop_s
     versions: dict[str, str]
     notes: tuple[str, ...] = ()
+    orientation_error: float | None = None  # rad, largest geodesic angle from the truth; spatial scenes
+    figures: dict[str, float] = field(default_factory=dict)  # body -> significant figures at the end, against an ephemeris
     history: dict[str, list[float]] = field(default_factory=dict)  # t, compliance, energy_drift, error: for the plots
 
     def to_dict(self) -> dict[str, Any]:

@@ -2,13 +2,22 @@
 
 from __future__ import annotations
 
+import fcntl
 import json
 import os
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 from cross_checks.record import Error, Record
+
+LONGEST_LINE = 64 * 2**20  # bytes; a longer line is no record
+Key = str  # what makes two records the same run
+
+
+class Busy(RuntimeError):
+    """Another process is writing the file."""
 
 
 def append(path: Path, records: Iterable[Record]) -> None:
@@ -40,10 +49,17 @@ def read(path: Path) -> tuple[list[Record], list[str]]:
         if not line.strip():
             continue
         try:
-            records.append(from_dict(json.loads(line, parse_constant=_refuse)))
-        except (ValueError, TypeError) as error:  # UnicodeDecodeError and JSONDecodeError are ValueErrors
+            records.append(from_line(line))
+        except (ValueError, TypeError, RecursionError) as error:  # UnicodeDecode and JSONDecode are ValueErrors
             problems.append(f"{path}:{number}: no record, skipped: {error}")
     return records, problems
+
+
+def from_line(line: bytes) -> Record:
+    """Return the record in a line of JSON; ValueError or TypeError where it holds none."""
+    if len(line) > LONGEST_LINE:
+        raise ValueError(f"the line is longer than {LONGEST_LINE // 2**20} MiB")
+    return from_dict(json.loads(line, parse_constant=_refuse))
 
 
 def from_dict(data: Any) -> Record:
@@ -53,6 +69,27 @@ def from_dict(data: Any) -> Record:
     error = data.get("error")
     plain = data | {"error": Error(**error) if error else None, "notes": tuple(data.get("notes", ()))}
     return Record(**plain)
+
+
+def key_of(record: Record) -> Key:
+    """Return what identifies the run: scene, parameters, engine, method and settings."""
+    method = record.settings.get("method") or record.method
+    settings = {name: value for name, value in record.settings.items() if name != "method"}
+    return json.dumps([record.scene, record.parameters, record.engine, method, settings], sort_keys=True)
+
+
+@contextmanager
+def exclusive(path: Path) -> Iterator[None]:
+    """Keep other sweeps from writing the same file; the lock dies with its process. Busy where one does."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    handle = os.open(path, os.O_RDWR | os.O_CREAT, 0o644)
+    try:
+        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        yield
+    except BlockingIOError:
+        raise Busy(f"{path} is being written by another process") from None
+    finally:
+        os.close(handle)
 
 
 def _refuse(constant: str) -> float:

@@ -22,6 +22,9 @@ class Verdict(StrEnum):
     FAILED = "failed"
     BELOW_TRUTH = "below-truth"
     ENGINE_MISSING = "engine-missing"
+    TIMEOUT = "timeout"
+    CRASHED = "crashed"
+    OUT_OF_MEMORY = "out-of-memory"
 
 
 @dataclass(frozen=True)
@@ -70,6 +73,8 @@ def telling(rungs: Sequence[Rung]) -> int:
 
 
 def _stopped(last: Rung) -> tuple[Verdict, str]:
+    if last.status in (Verdict.TIMEOUT, Verdict.CRASHED, Verdict.OUT_OF_MEMORY):
+        return Verdict(last.status), f"{last.setting}: {last.message}"
     blown = last.status in ("non-finite", "reset")
     return (Verdict.DIVERGED if blown else Verdict.FAILED), f"{last.setting}: {last.status}: {last.message}"
 

@@ -15,12 +15,12 @@ from typing import Any, Literal
 from mbs_ref.contact import CircleOnLine, Contact, ContactLaw, ProgressiveLaw, SpringDamperLaw
 from mbs_ref.scene import (
     GROUND,
-    Bushing,
     CoordinateDrive,
     Force,
     Joint,
     Load,
     PlanarBody,
+    PointBushing,
     Revolute,
     Scene,
     SpringDamper,
@@ -87,7 +87,9 @@ def _consequences(crash: Crash) -> list[str]:
             f"which sees {100 * share:.0f} % of the speed change."
         )
     if crash.lift > 0.0:
-        found.append(f"The android floats {crash.lift:g} m above its seat at t = 0: it falls, and its belts start taut.")
+        found.append(
+            f"The android floats {crash.lift:g} m above its seat at t = 0: it falls, and its belts do not start at rest."
+        )
     return found
 
 
@@ -127,7 +129,9 @@ class _Model:
 
     def revolutes(self) -> list[Revolute]:
         return [
-            Revolute(name=_pair(j), body_a=j["body_j"], body_b=j["body_i"], point=self._point(j["body_i"], j["point_i"]))
+            Revolute(
+                name=_pair(j), body_a=j["body_j"], body_b=j["body_i"], point=self._point(j["body_i"], j["point_i"])
+            )
             for j in self.data["joints"]
         ]
 
@@ -155,10 +159,10 @@ class _Model:
             for j in self.data["joints"]
         ]  # fmt: skip
 
-    def bushings(self) -> list[Bushing]:
+    def bushings(self) -> list[PointBushing]:
         """Shoulder tissue and costal cartilage, free of force at t = 0."""
         return [
-            Bushing(
+            PointBushing(
                 name=b["name"], body_a=b["body_j"], body_b=b["body_i"], point=self._point(b["body_i"], b["point_i"]),
                 stiffness=b["k"], damping=b["c"],
             )
@@ -231,4 +235,5 @@ def _pulse(crash: Crash, peak: float) -> Signal:
     n = TABLE_POINTS - 1
     sines = [0.0 if k in (0, n) else math.sin(math.pi * k / n) for k in range(TABLE_POINTS)]
     kept = 2.0 / math.pi * n / sum(sines)
-    return Table(times=tuple(duration * k / n for k in range(TABLE_POINTS)), values=tuple(kept * peak * s for s in sines))
+    times = tuple(duration * k / n for k in range(TABLE_POINTS))
+    return Table(times=times, values=tuple(kept * peak * s for s in sines))

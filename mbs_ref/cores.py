@@ -2,13 +2,23 @@
 
 from __future__ import annotations
 
+from mbs_ref.particle_scene import is_celestial
+from mbs_ref.particle_system import ParticleSystem
 from mbs_ref.planar_system import PlanarSystem
 from mbs_ref.scene import Scene
+from mbs_ref.spatial_system import SpatialSystem
 from mbs_ref.system import System
+
+_CORES = {2: PlanarSystem, 3: SpatialSystem}  # by the scene's dimension
 
 
 def compile_scene(scene: Scene) -> System:
-    """Return the scene compiled for the core its bodies call for; ValueError where there is none."""
-    if scene.dimension == 2:
-        return PlanarSystem(scene)
-    raise ValueError(f"scene {scene.name!r} is spatial; mbs_ref has no core for it yet")
+    """Return the scene compiled for the core its bodies call for."""
+    return ParticleSystem(scene) if is_celestial(scene) else _CORES[scene.dimension](scene)
+
+
+def core_name(scene: Scene) -> str:
+    """Return the name of the core a scene runs on: particles, planar or spatial."""
+    if is_celestial(scene):
+        return "particles"
+    return "planar" if scene.dimension == 2 else "spatial"

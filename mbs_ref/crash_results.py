@@ -14,7 +14,7 @@ from mbs_ref.observables.energy import kinetic_energy, potential_energy
 from mbs_ref.observables.powers import LOADS
 from mbs_ref.observables.signal_values import values
 from mbs_ref.observables.springs import length_of
-from mbs_ref.scene import Bushing, Force, Revolute, Scene, SpringDamper, TorsionSpring
+from mbs_ref.scene import Force, PointBushing, Revolute, Scene, SpringDamper, TorsionSpring
 from mbs_ref.trajectory import Trajectory
 
 CRASH, BELT = "crash.", "belt."
@@ -100,7 +100,7 @@ def _neck_axial(motion: Motion) -> np.ndarray:
 def _powers(motion: Motion) -> dict[str, np.ndarray]:
     """Return the power (n_t,), W, of each kind of part that is not conservative."""
     found = {name: np.zeros(len(motion.times)) for name in ("pulse", "belts", "joint dampers", "tissue", "contacts")}
-    kinds = {Force: "pulse", SpringDamper: "belts", TorsionSpring: "joint dampers", Bushing: "tissue"}
+    kinds = {Force: "pulse", SpringDamper: "belts", TorsionSpring: "joint dampers", PointBushing: "tissue"}
     for load in motion.scene.loads:
         found[kinds[type(load)]] += LOADS[type(load)](motion, load)
     for contact in motion.scene.contacts:

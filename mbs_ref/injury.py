@@ -85,8 +85,8 @@ def _longest_above(times: np.ndarray, a_g: np.ndarray, level: float) -> float:
     over = a_g - level
     crossing = np.flatnonzero(over[:-1] * over[1:] < 0.0)
     share = over[crossing] / (over[crossing] - over[crossing + 1])
-    cuts = np.concatenate(([times[0]], times[crossing] + share * np.diff(times)[crossing], times[over == 0.0], [times[-1]]))
-    cuts = np.unique(cuts)
+    between = times[crossing] + share * np.diff(times)[crossing]
+    cuts = np.unique(np.concatenate((times[[0, -1]], between, times[over == 0.0])))
     held = np.interp(0.5 * (cuts[1:] + cuts[:-1]), times, over) >= 0.0
     longest = run = 0.0
     for length, above in zip(np.diff(cuts), held, strict=True):

@@ -1,8 +1,9 @@
-"""The joint graph of a planar scene: which joints share a slot, the spanning tree, the loop closures."""
+"""The joint graph: which joints share a slot, the spanning tree, the loop closures."""
 
 from __future__ import annotations
 
 from collections import deque
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -56,7 +57,7 @@ def _fixes_angle(joint: Any) -> bool:
 
 
 def _fits(edge: Edge, joint: Any, scene: Scene) -> bool:
-    """Return whether the joint's rows stay independent of the edge's in every pose."""
+    """Return whether a planar joint's rows stay independent of the edge's in every pose."""
     present = [scene.joints[k] for k in edge.joints]
     if edge.rows + row_count(joint) > MAX_ROWS:
         return False
@@ -71,26 +72,30 @@ def _fits(edge: Edge, joint: Any, scene: Scene) -> bool:
     return np.linalg.matrix_rank(directions, tol=0.1) == len(directions)
 
 
-def edges(scene: Scene) -> list[Edge]:
-    """Group the joints into slots."""
+def edges(scene: Scene, rows: Callable[[Any], int], fits: Callable[[Edge, Any, Scene], bool]) -> list[Edge]:
+    """Group the joints into slots: those of a pair of bodies whose rows `fits` finds independent."""
     result: list[Edge] = []
     by_pair: dict[frozenset[int], list[Edge]] = {}
     for k, joint in enumerate(scene.joints):
         a, b = (scene.body_index(end) for end in joint_ends(joint))
         group = by_pair.setdefault(frozenset((a, b)), [])
-        edge = next((e for e in group if _fits(e, joint, scene)), None)
+        edge = next((e for e in group if fits(e, joint, scene)), None)
         if edge is None:
             edge = Edge(a, b)
             group.append(edge)
             result.append(edge)
         edge.joints.append(k)
-        edge.rows += row_count(joint)
+        edge.rows += rows(joint)
     return result
 
 
 def layout(scene: Scene) -> Layout:
+    """Lay out a planar scene."""
+    return span_graph(scene, edges(scene, row_count, _fits))
+
+
+def span_graph(scene: Scene, every: list[Edge]) -> Layout:
     """Span the joint graph breadth first, ground first, stronger joints first."""
-    every = edges(scene)
     neighbours: dict[int, list[Edge]] = {i: [] for i in range(-1, len(scene.bodies))}
     for edge in sorted(every, key=lambda e: -e.rows):
         neighbours[edge.a].append(edge)

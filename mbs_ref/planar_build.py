@@ -12,10 +12,10 @@ from mbs_ref.kernels.planar import model as arrays
 from mbs_ref.kernels.signals import SignalArrays
 from mbs_ref.planar_contacts import contact_laws, contact_modes, contact_pairs
 from mbs_ref.scene import (
-    Bushing,
     CoordinateDrive,
     Force,
     PlanarBody,
+    PointBushing,
     PointDrive,
     PointMass,
     Scene,
@@ -81,11 +81,11 @@ class _Builder:
         return len(self.segments) - 1
 
 
-def _ints(values: list[int]) -> np.ndarray:
+def ints(values: list[int]) -> np.ndarray:
     return np.array(values, dtype=np.int64)
 
 
-def _table(rows: list, width: int) -> np.ndarray:
+def table(rows: list, width: int) -> np.ndarray:
     return np.array(rows, dtype=float).reshape(len(rows), width)
 
 
@@ -94,12 +94,12 @@ def _pair_joints(build: _Builder, kind: str) -> arrays.PairJoints:
     joints: list[Any] = [j for _, j in chosen]
     places = [build.place[k] for k, _ in chosen]
     return arrays.PairJoints(
-        slot=_ints([p[0] for p in places]),
-        row=_ints([p[1] for p in places]),
-        side_a=_ints([p[2] for p in places]),
-        point_a=_table([build.local(j.body_a, _mark_a(j)) for j in joints], 2),
-        point_b=_table([build.local(j.body_b, _mark_b(j)) for j in joints], 2),
-        normal=_table([_normal(build, j) for j in joints], 2),
+        slot=ints([p[0] for p in places]),
+        row=ints([p[1] for p in places]),
+        side_a=ints([p[2] for p in places]),
+        point_a=table([build.local(j.body_a, _mark_a(j)) for j in joints], 2),
+        point_b=table([build.local(j.body_b, _mark_b(j)) for j in joints], 2),
+        normal=table([_normal(build, j) for j in joints], 2),
         value=np.array([_kept_value(build, j) for j in joints], dtype=float),
     )
 
@@ -132,14 +132,14 @@ def _drives(build: _Builder) -> arrays.Drives:
     rows = [_drive_row(build, joint) for _, joint in chosen]
     places = [build.place[k] for k, _ in chosen]
     return arrays.Drives(
-        slot=_ints([p[0] for p in places]),
-        row=_ints([p[1] for p in places]),
-        side=_ints([1 - p[2] for p in places]),  # a drive's first end is ground
-        point=_table([r[0] for r in rows], 2),
-        direction=_table([r[1] for r in rows], 2),
+        slot=ints([p[0] for p in places]),
+        row=ints([p[1] for p in places]),
+        side=ints([1 - p[2] for p in places]),  # a drive's first end is ground
+        point=table([r[0] for r in rows], 2),
+        direction=table([r[1] for r in rows], 2),
         turn=np.array([r[2] for r in rows], dtype=float),
         start=np.array([r[3] for r in rows], dtype=float),
-        signal=_ints([build.signal(motion_segments(j.motion, j.level)) for _, j in chosen]),
+        signal=ints([build.signal(motion_segments(j.motion, j.level)) for _, j in chosen]),
     )
 
 
@@ -164,33 +164,33 @@ def _forces(build: _Builder) -> arrays.Forces:
         for f, body_axes, x in zip(forces, follows, loads, strict=True)
     ]
     return arrays.Forces(
-        body=_ints([build.body(x.body) for x in loads]),
-        point=_table([build.local(x.body, x.point) if f else (0, 0) for f, x in zip(forces, loads, strict=True)], 2),
-        vector=_table(vectors, 2),
-        follows=_ints([int(f) for f in follows]),
+        body=ints([build.body(x.body) for x in loads]),
+        point=table([build.local(x.body, x.point) if f else (0, 0) for f, x in zip(forces, loads, strict=True)], 2),
+        vector=table(vectors, 2),
+        follows=ints([int(f) for f in follows]),
         torque=np.array([0.0 if f else x.torque for f, x in zip(forces, loads, strict=True)], dtype=float),
-        signal=_ints([build.signal(x.factor.segments()) for x in loads]),
+        signal=ints([build.signal(x.factor.segments()) for x in loads]),
     )
 
 
 def _springs(build: _Builder) -> arrays.Springs:
-    loads = [x for x in build.scene.loads if isinstance(x, SpringDamper | Bushing)]
-    marks = [(x.point, x.point) if isinstance(x, Bushing) else (x.point_a, x.point_b) for x in loads]
+    loads = [x for x in build.scene.loads if isinstance(x, SpringDamper | PointBushing)]
+    marks = [(x.point, x.point) if isinstance(x, PointBushing) else (x.point_a, x.point_b) for x in loads]
     return arrays.Springs(
-        a=_ints([build.body(x.body_a) for x in loads]),
-        b=_ints([build.body(x.body_b) for x in loads]),
-        point_a=_table([build.local(x.body_a, a) for x, (a, _) in zip(loads, marks, strict=True)], 2),
-        point_b=_table([build.local(x.body_b, b) for x, (_, b) in zip(loads, marks, strict=True)], 2),
+        a=ints([build.body(x.body_a) for x in loads]),
+        b=ints([build.body(x.body_b) for x in loads]),
+        point_a=table([build.local(x.body_a, a) for x, (a, _) in zip(loads, marks, strict=True)], 2),
+        point_b=table([build.local(x.body_b, b) for x, (_, b) in zip(loads, marks, strict=True)], 2),
         stiffness=np.array([x.stiffness for x in loads], dtype=float),
         damping=np.array([x.damping for x in loads], dtype=float),
         rest_length=np.array([_rest_length(x) for x in loads], dtype=float),
-        tension_only=_ints([int(isinstance(x, SpringDamper) and x.tension_only) for x in loads]),
-        isotropic=_ints([int(isinstance(x, Bushing)) for x in loads]),
+        tension_only=ints([int(isinstance(x, SpringDamper) and x.tension_only) for x in loads]),
+        isotropic=ints([int(isinstance(x, PointBushing)) for x in loads]),
     )
 
 
-def _rest_length(load: SpringDamper | Bushing) -> float:
-    if isinstance(load, Bushing):
+def _rest_length(load: SpringDamper | PointBushing) -> float:
+    if isinstance(load, PointBushing):
         return 0.0
     return math.dist(load.point_a, load.point_b) if load.rest_length is None else load.rest_length
 
@@ -200,8 +200,8 @@ def _torsion_springs(build: _Builder) -> arrays.TorsionSprings:
     initial = [build.angle(x.body_b) - build.angle(x.body_a) for x in loads]
     rest = [i if x.rest_angle is None else x.rest_angle for i, x in zip(initial, loads, strict=True)]
     return arrays.TorsionSprings(
-        a=_ints([build.body(x.body_a) for x in loads]),
-        b=_ints([build.body(x.body_b) for x in loads]),
+        a=ints([build.body(x.body_a) for x in loads]),
+        b=ints([build.body(x.body_b) for x in loads]),
         stiffness=np.array([x.stiffness for x in loads], dtype=float),
         damping=np.array([x.damping for x in loads], dtype=float),
         rest_angle=np.array(rest, dtype=float),
@@ -215,7 +215,7 @@ def signal_arrays(signals: list[list[Segment]]) -> SignalArrays:
     for k, segment in enumerate(flat):
         coefficients[k, : len(segment.coefficients)] = segment.coefficients
     return SignalArrays(
-        first=_ints([0, *np.cumsum([len(s) for s in signals], dtype=int).tolist()]),
+        first=ints([0, *np.cumsum([len(s) for s in signals], dtype=int).tolist()]),
         start=np.array([s.start if math.isfinite(s.start) else 0.0 for s in flat], dtype=float),
         coefficients=coefficients,
         amplitude=np.array([s.amplitude for s in flat], dtype=float),
@@ -224,7 +224,7 @@ def signal_arrays(signals: list[list[Segment]]) -> SignalArrays:
     )
 
 
-def _contiguous(group: Any) -> Any:
+def contiguous(group: Any) -> Any:
     return type(group)(*map(np.ascontiguousarray, group))
 
 
@@ -239,14 +239,14 @@ def build_planar(scene: Scene) -> tuple[arrays.PlanarGroups, dict[int, tuple[int
         bodies=arrays.Bodies(
             mass=np.array([b.mass for b in ordered], dtype=float),
             inertia=np.array([_HELD_INERTIA if isinstance(b, PointMass) else b.inertia for b in ordered], dtype=float),
-            scene_index=_ints(build.layout.order),
-            parent=_ints(build.layout.parent),
+            scene_index=ints(build.layout.order),
+            parent=ints(build.layout.parent),
         ),
         slots=arrays.Slots(
             body=np.array(build.slot_bodies, dtype=np.int64).reshape(-1, 2),
             padding=np.array([[float(r >= rows) for r in range(3)] for rows in build.slot_rows]).reshape(-1, 3),
-            closure_slot=_ints([slot for slot, _ in closures]),
-            closure_row=_ints([row for _, row in closures]),
+            closure_slot=ints([slot for slot, _ in closures]),
+            closure_row=ints([row for _, row in closures]),
         ),
         **joints,
         drives=drives,
@@ -259,4 +259,4 @@ def build_planar(scene: Scene) -> tuple[arrays.PlanarGroups, dict[int, tuple[int
         signals=signal_arrays(build.segments),
         world=arrays.World(np.array(scene.gravity, dtype=float), np.zeros(1, dtype=np.int64), np.zeros(3)),
     )
-    return arrays.PlanarGroups(*map(_contiguous, groups)), build.place
+    return arrays.PlanarGroups(*map(contiguous, groups)), build.place

@@ -95,6 +95,14 @@ class PlanarSystem(System):
         modes = self.groups.contact_modes
         return modes.log[: modes.logged[0], :2].copy()
 
+    def contact_oscillators(self, t: float, y: np.ndarray) -> np.ndarray:
+        """Return k W (1/s^2) and c W (1/s) of each contact (n, 2), W its normal mobility; c = 0 where F ~ d d'."""
+        laws = self.groups.contact_laws
+        mobility = [call_contact_mobility(self.model, self.work, float(t), y, k) for k in range(len(laws.stiffness))]
+        steady = np.where(laws.damping_exponent == 0.0, laws.damping, 0.0)
+        linear = np.where(laws.exponent == 1.0, laws.stiffness, 0.0)
+        return np.array(mobility)[:, None] * np.column_stack((linear, steady))
+
     def recall_modes(self, t: float) -> None:
         """Set every contact's mode to the one that held at t (s) in the last run; quickest in the order of time."""
         modes = self.groups.contact_modes
@@ -259,6 +267,12 @@ class PlanarSystem(System):
 def call_contact_forces(model, work, t, y, out):
     """Entry point from Python."""
     contact_events.planar_contact_forces(model, work, t, y, out)
+
+
+@core.jit
+def call_contact_mobility(model, work, t, y, k):
+    """Entry point from Python."""
+    return contact_events.planar_contact_mobility(model, work, t, y, k)
 
 
 @core.jit

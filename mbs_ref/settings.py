@@ -26,6 +26,7 @@ class Settings(Part):
     stop_on_compliance: bool = False  # the papers' test |C(q, t)| < h ends the run
     events: Literal["located", "none"] = "located"  # touch-down, lift-off, slip: roots found, or forces merely clipped
     max_events: int = Field(default=1_000_000, ge=1)  # located in one run
+    refuse_unstable: bool = True  # an explicit fixed step that the linearised motion cannot bear does not run
     project_initial: bool = False  # repair inconsistent initial conditions and report the correction
     reactions: bool = True  # evaluate joint reactions at the output times, after the timed loop
     initial_tolerance: NonNegative = 1e-9  # m or rad (m/s, rad/s), largest inconsistency accepted at t = 0

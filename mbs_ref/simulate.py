@@ -25,7 +25,9 @@ from mbs_ref.integrators.leg import (
 from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings
 from mbs_ref.system import System
+from mbs_ref.traits import traits
 from mbs_ref.trajectory import Status, Timing, Trajectory
+from mbs_ref.trouble import may_be_stiff, stiffness
 
 DEFAULT_TOLERANCE = 1e-8  # rtol, and atol in m, rad, m/s, rad/s
 PROJECTION_TOLERANCE = 1e-14  # of the scene's size in metres (at least 1 m): a little above roundoff
@@ -68,6 +70,9 @@ def simulate(scene: Scene, settings: Settings | None = None, times: np.ndarray |
     system.set_baumgarte(plan.baumgarte_gain)
     located = settings.events == "located"
     system.start_contacts(0.0, y, located)
+    refusal = _unstable(system, plan, y)
+    if refusal:
+        return _refused(system, refusal)
     _first_call(system, plan, y)
     system.start_contacts(0.0, y, located)
     ready = time.perf_counter()
@@ -86,6 +91,9 @@ def _plan(scene: Scene, settings: Settings, times: np.ndarray | None) -> _Plan:
     if name not in known:
         raise ValueError(f"method = {name!r} is unknown to mbs_ref; allowed: {', '.join(known)}")
     integrator = known[name]
+    missing = integrator.requires - traits(scene)
+    if missing:
+        raise ValueError(f"method = {name!r} needs a scene that is {', '.join(sorted(missing))}; {scene.name!r} is not")
     fixed = _wants_fixed_step(integrator, settings)
     notes: tuple[str, ...] = ()
     if times is None:
@@ -187,7 +195,7 @@ def _consistent_start(system: System, y: np.ndarray, settings: Settings) -> list
     left = system.project(0.0, y)
     if not left <= settings.initial_tolerance:
         raise InconsistentScene(f"the initial positions cannot be projected: {left:.3g} left; {'; '.join(gaps[:8])}")
-    half = len(y) // 2
+    half = system.n_positions
     moved, kicked = np.abs(y - before)[:half].max(), np.abs(y - before)[half:].max()
     return [f"initial conditions were projected: largest correction {moved:.3g} m or rad, {kicked:.3g} m/s or rad/s"]
 
@@ -208,6 +216,25 @@ def _redundancy(system: System, y: np.ndarray) -> list[str]:
         f"{rows - rank} of {rows} constraint rows are redundant at t = 0 (rank {rank}, {freedom} degrees of freedom); "
         "multipliers are the minimum-norm ones"
     ]
+
+
+def _unstable(system: System, plan: _Plan, y: np.ndarray) -> str:
+    """Return why an explicit fixed step cannot work from the start on, or nothing."""
+    asked = plan.options.step
+    if not (asked and plan.integrator.stability and plan.settings.refuse_unstable and may_be_stiff(system.scene)):
+        return ""
+    found = stiffness(system, 0.0, y)
+    limit = found.step_limit(plan.integrator.stability)
+    if asked <= limit:
+        return ""
+    return (f"step = {asked:g} s is beyond what {plan.integrator.name} can bear: the fastest motion has |lambda| = "
+            f"{found.fastest:.4g} 1/s and needs a step of at most {limit:.3g} s; take that, an implicit or adaptive "
+            "method, or refuse_unstable = False")  # fmt: skip
+
+
+def _refused(system: System, reason: str) -> Trajectory:
+    none = system.poses(np.zeros((0, len(system.initial_state()))))
+    return Trajectory(times=np.zeros(0), **none._asdict(), status=Status.REFUSED, message=reason)
 
 
 # --- the run --------------------------------------------------------------------------------------

@@ -50,6 +50,11 @@ class System(ABC):
         """Move y onto the constraints in place; return max |C| left."""
         return core.call_project(self.model, self.work, float(t), y, tolerance, most)
 
+    @property
+    def n_positions(self) -> int:
+        """Entries of the state that are positions and orientations; the rates follow. Half of it unless said."""
+        return len(self.initial_state()) // 2
+
     def start_contacts(self, t: float, y: np.ndarray, located: bool) -> None:
         """Set every contact's mode by the state; without `located` forces are clipped by the state instead."""
         core.call_start_modes(self.model, self.work, float(t), y, located)
@@ -58,6 +63,10 @@ class System(ABC):
         """Return for each contact depth (m), force on body_a (N, N) and its point (m, m), world axes."""
         return {}
 
+    def contact_oscillators(self, t: float, y: np.ndarray) -> np.ndarray:
+        """Return k W (1/s^2) and c W (1/s) of each contact (n, 2), W its normal mobility; c = 0 where F ~ d d'."""
+        return np.zeros((0, 2))
+
     def recall_modes(self, t: float) -> None:
         """Set every contact's mode to the one that held at t (s) in the last run."""
         return None
@@ -65,6 +74,10 @@ class System(ABC):
     def contact_events(self) -> np.ndarray:
         """Return time (s) and contact index (n_events, 2) of the events located so far."""
         return np.zeros((0, 2))
+
+    def regularity(self) -> float:
+        """Return how far the last evaluated pose is from a singular one: 1 far, 0 there."""
+        return core.call_regularity(self.work)
 
     # --- what a core defines ------------------------------------------------------------------------
 

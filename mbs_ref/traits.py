@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from mbs_ref.scene import GROUND, CoordinateDrive, PlanarBody, PointDrive, PointMass, Scene, UserForce
+from mbs_ref.scene import DRIVES, GROUND, CoordinateDrive, PlanarBody, PointDrive, PointMass, Scene, UserForce
 
 ALL_TRAITS = {
     "planar": "every body moves in the plane",
@@ -32,7 +32,7 @@ def traits(scene: Scene) -> frozenset[str]:
         "planar": scene.dimension == 2,
         "spatial": scene.dimension == 3,
         "closed-loop": loops,
-        "rheonomic": any(isinstance(j, CoordinateDrive | PointDrive) for j in scene.joints),
+        "rheonomic": any(isinstance(j, DRIVES) for j in scene.joints),
         "unconstrained": not scene.joints,
         "point-mass": any(isinstance(b, PointMass) for b in scene.bodies),
         "free-body": free,
@@ -64,7 +64,7 @@ def _cycles_and_free(scene: Scene) -> tuple[bool, bool]:
     cycle = False
     for joint in scene.joints:
         a, b = (root(end) for end in joint_ends(joint))
-        drive = isinstance(joint, CoordinateDrive | PointDrive)
+        drive = isinstance(joint, DRIVES)
         cycle |= a == b and not drive
         parent[a] = b
     free = any(root(name) != root(GROUND) for name in scene.body_names)

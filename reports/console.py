@@ -15,6 +15,9 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 from rich.table import Table
 
+from cross_checks import record_file
+from cross_checks.record import Record
+
 Report = Callable[[int, int, str], None]  # done, total, what comes next
 
 
@@ -59,6 +62,11 @@ def progress(title: str) -> Iterator[Report]:
             bar.update(task, completed=done, total=total, description=f"{title} {what}".rstrip())
 
         yield report
+
+
+def finite_record(record: Record) -> Record:
+    """Return the record with None for every number that is not finite."""
+    return record_file.from_dict(_plain(record.to_dict()))
 
 
 def _plain(value: Any) -> Any:

@@ -29,3 +29,13 @@ def _means(m) -> tuple[np.longdouble, list[np.longdouble]]:
         a, b, c = (a + b) / 2, np.sqrt(a * b), (a - b) / 2
         ratios.append(c / a)
     return a, ratios
+
+
+def argument(phi, m) -> np.longdouble:
+    """Return u with am(u | m) = phi (rad, in [-pi, pi]), 0 <= m < 1, in numpy's longdouble, by Newton's method."""
+    phi, m = np.longdouble(phi), np.longdouble(m)
+    u = phi * quarter_period(m) / quarter_period(np.longdouble(0))
+    for _ in range(50):
+        gap = phi - amplitude(u, m)
+        u = u + gap / np.sqrt(1 - m * np.sin(phi) ** 2) / (2 if abs(gap) > 0.1 else 1)
+    return u

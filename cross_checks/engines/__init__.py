@@ -1,17 +1,23 @@
-"""The engines: every file named *_.py in this folder, and entry points of the group mbs_ref.engines."""
+"""The engines: the files *_.py of this folder, entry points of the group mbs_ref.engines, and files named on the way.
+
+MBS_REF_ADAPTERS may list adapter files (separated as in PATH) that are neither here nor installed.
+"""
 
 from __future__ import annotations
 
+import os
 import re
+import sys
 from difflib import get_close_matches
 from importlib import import_module
 from importlib.metadata import EntryPoint, entry_points
-from importlib.util import find_spec
+from importlib.util import find_spec, module_from_spec, spec_from_file_location
 from pathlib import Path
 
 from cross_checks.engine import Engine
 
 GROUP = "mbs_ref.engines"
+ADAPTERS = "MBS_REF_ADAPTERS"  # an environment variable, so that child processes know the same engines
 
 
 class EngineMissing(ImportError):
@@ -26,9 +32,15 @@ def _files() -> list[str]:
     return sorted(path.stem.removesuffix("_") for path in Path(__file__).parent.glob("*[!_]_.py"))
 
 
+def _adapters() -> dict[str, Path]:
+    """Return the adapter files that the environment names: <engine>_.py or <engine>.py."""
+    listed = [Path(text) for text in os.environ.get(ADAPTERS, "").split(os.pathsep) if text]
+    return {path.stem.removesuffix("_"): path for path in listed}
+
+
 def names() -> list[str]:
-    """Return every engine's name: the reference first, then the folder's, then the entry points'."""
-    known = sorted({*_files(), *_entry_points()})
+    """Return every engine's name: the reference first, then the others sorted."""
+    known = sorted({*_files(), *_entry_points(), *_adapters()})
     return sorted(known, key=lambda name: name != "mbs_ref")
 
 
@@ -40,10 +52,38 @@ def get(name: str) -> Engine:
     """
     if name in _files():
         return _create(f"cross_checks.engines.{name}_", name)
+    named = _adapters()
+    if name in named:
+        return _create_from_file(named[name], name)
     outside = _entry_points()
     if name in outside:
         return _create(outside[name].module, name, outside[name].attr or None)
     raise ValueError(f"engine = {name!r} is unknown; {_suggestion(name)}allowed: {', '.join(names())}")
+
+
+def _create_from_file(path: Path, name: str) -> Engine:
+    try:
+        return getattr(sys.modules[_load(path)], "ENGINE")()  # noqa: B009 - the adapter's contract, not an attribute
+    except ModuleNotFoundError as error:
+        if error.name != _declared_package(path):
+            raise
+        raise EngineMissing(f"engine {name!r} needs the package {error.name!r}: {error}", name=error.name) from error
+
+
+def _load(path: Path) -> str:
+    """Make an adapter file importable under a name of its own, and return that name."""
+    name = f"mbs_ref_adapter_{path.stem}"
+    if name not in sys.modules:
+        spec = spec_from_file_location(name, path)
+        if spec is None or spec.loader is None or not path.is_file():
+            raise ValueError(f"{ADAPTERS} names {path}, which is no Python file")
+        sys.modules[name] = module = module_from_spec(spec)
+        try:
+            spec.loader.exec_module(module)
+        except BaseException:
+            del sys.modules[name]
+            raise
+    return name
 
 
 def _suggestion(name: str) -> str:
@@ -67,5 +107,9 @@ def _package(module_name: str) -> str | None:
     spec = find_spec(module_name)
     if spec is None or spec.origin is None:
         return None
-    declared = re.search(r"^\s+package\b[^=]*=\s*[\"']([\w.]+)[\"']", Path(spec.origin).read_text(), re.MULTILINE)
+    return _declared_package(Path(spec.origin))
+
+
+def _declared_package(path: Path) -> str | None:
+    declared = re.search(r"^\s+package\b[^=]*=\s*[\"']([\w.]+)[\"']", path.read_text(), re.MULTILINE)
     return declared.group(1) if declared else None

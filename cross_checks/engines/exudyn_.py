@@ -19,26 +19,33 @@ from exudyn.exudynCPP import SolverError
 from cross_checks.applied import CLIPPED_CONTACTS, AppliedForces, contact_refusals
 from cross_checks.engine import Engine, Method, Refusal
 from cross_checks.joint_tree import FIXED, JointTree, joint_tree
-from cross_checks.outcome import End, Plan, end_of, plan_run, refuse_spatial, trajectory
+from cross_checks.outcome import End, Plan, end_of, plan_run, trajectory
 from cross_checks.prescribed import constant_value, displacement, factor
-from mbs_ref.contact import CircleOnCircle, CircleOnLine
+from mbs_ref.contact import CircleOnCircle, CircleOnLine, SpringDamperLaw
+from mbs_ref.euler_parameters import from_matrix, parameter_matrix, rotation_matrices
 from mbs_ref.observables.attachment import Motion
 from mbs_ref.scene import (
     GROUND,
-    Bushing,
     CoordinateDrive,
+    Cylindrical,
     Distance,
     Force,
     PlanarBody,
+    PointBushing,
     Prismatic,
     Revolute,
     Scene,
+    SpatialBody,
+    Spherical,
     SpringDamper,
     Torque,
+    TorqueVector,
     TorsionSpring,
     Weld,
 )
 from mbs_ref.settings import Settings
+from mbs_ref.spatial_rows import normals
+from mbs_ref.traits import traits
 from mbs_ref.trajectory import Status, Timing, Trajectory
 
 ORIGIN = (0.0, 0.0)
@@ -56,6 +63,7 @@ SINGULAR = "stops at singular poses, or leaves them on another branch and report
 
 SOLVERS = {
     "generalized_alpha": exu.DynamicSolverType.GeneralizedAlpha,
+    "rotation_vector": exu.DynamicSolverType.GeneralizedAlpha,
     "trapezoidal": exu.DynamicSolverType.TrapezoidalIndex2,
     "contact_rk44": exu.DynamicSolverType.RK44,
     "tree_dopri5": exu.DynamicSolverType.DOPRI5,
@@ -63,16 +71,19 @@ SOLVERS = {
     "tree_rk67": exu.DynamicSolverType.RK67,
     "tree_euler": exu.DynamicSolverType.ExplicitEuler,
 }
-STAGES = {"contact_rk44": 4, "tree_rk44": 4, "tree_rk67": 9, "tree_euler": 1, "tree_dopri5": 7}  # right-hand sides a step
+PLANAR, SPATIAL = frozenset({"planar"}), frozenset({"spatial"})
+# right-hand sides a step
+STAGES = {"contact_rk44": 4, "tree_rk44": 4, "tree_rk67": 9, "tree_euler": 1, "tree_dopri5": 7}
 METHODS = (
     Method("generalized_alpha", "fixed", 2, "generalized-alpha, index 3, redundant coordinates", STEPS),
     Method("trapezoidal", "fixed", 2, "trapezoidal rule, index 2, redundant coordinates", STEPS, wrong_limit=SINGULAR),
+    Method("rotation_vector", "fixed", 2, "generalized-alpha on rotation vectors (Lie group)", STEPS, requires=SPATIAL),
     Method("contact_rk44", "fixed", None, "Runge-Kutta 4 with GeneralContact; bodies without joints", STEPS,
            requires=frozenset({"contact"})),
-    Method("tree_dopri5", "adaptive", 5, "KinematicTree, Dormand-Prince 5", RTOLS),
-    Method("tree_rk44", "fixed", 4, "KinematicTree, Runge-Kutta 4", STEPS),
-    Method("tree_rk67", "fixed", 6, "KinematicTree, Runge-Kutta 6 of 7 stages", STEPS),
-    Method("tree_euler", "fixed", 1, "KinematicTree, explicit Euler", STEPS),
+    Method("tree_dopri5", "adaptive", 5, "KinematicTree, Dormand-Prince 5", RTOLS, requires=PLANAR),
+    Method("tree_rk44", "fixed", 4, "KinematicTree, Runge-Kutta 4", STEPS, requires=PLANAR),
+    Method("tree_rk67", "fixed", 6, "KinematicTree, Runge-Kutta 6 of 7 stages", STEPS, requires=PLANAR),
+    Method("tree_euler", "fixed", 1, "KinematicTree, explicit Euler", STEPS, requires=PLANAR),
 )
 
 
@@ -84,7 +95,8 @@ class Exudyn(Engine):
     part_types: ClassVar[frozenset[str]] = frozenset(
         {"planar", "point_mass", "revolute", "prismatic", "weld", "distance", "coordinate_drive"}
         | {"force", "torque", "spring_damper", "torsion_spring"}
-        | {"bushing"}
+        | {"spatial", "spherical", "cylindrical", "torque_vector"}
+        | {"point_bushing"}
         | CLIPPED_CONTACTS
     )
 
@@ -95,7 +107,12 @@ class Exudyn(Engine):
         return exu.__version__
 
     def topology_refusals(self, scene: Scene) -> list[Refusal]:
-        return refuse_spatial(self, scene)
+        """In space some parts of the plane are not yet taught."""
+        if scene.dimension == 2:
+            return []
+        parts = [*scene.joints, *scene.loads]
+        untaught = [part for part in parts if type(part) not in SPATIAL_PARTS]
+        return [Refusal(f"{p.name!r}: exudyn is not yet taught {p.type} in space", permanent=False) for p in untaught]
 
     def method_refusals(self, scene: Scene, method: Method) -> list[Refusal]:
         reasons = super().method_refusals(scene, method)
@@ -114,8 +131,7 @@ class Exudyn(Engine):
             return plan
         exu.config.printToConsole = False
         start = perf_counter()
-        build = _build_tree if plan.method.name.startswith(TREE) else _build_redundant
-        model = build(scene)
+        model = _build(scene, plan.method.name)
         model.mbs.Assemble()
         options = _options(plan, scene)
         built = perf_counter()
@@ -140,11 +156,18 @@ class Exudyn(Engine):
 ENGINE = Exudyn
 
 
+def _build(scene: Scene, method: str):
+    if scene.dimension == 3:
+        return _build_spatial(scene, method)
+    return _build_tree(scene) if method.startswith(TREE) else _build_redundant(scene, method)
+
+
 def _tree_refusals(scene: Scene) -> list[Refusal]:
     tree = joint_tree(scene)
     reasons = [Refusal(f"joint {j.name!r} closes a loop, which a KinematicTree cannot", True) for j in tree.closures]
     for joint in scene.joints:
-        if isinstance(joint, CoordinateDrive) or (isinstance(joint, Weld) and GROUND not in (joint.body_a, joint.body_b)):
+        inner_weld = isinstance(joint, Weld) and GROUND not in (joint.body_a, joint.body_b)
+        if inner_weld or isinstance(joint, CoordinateDrive):
             reasons.append(Refusal(f"joint {joint.name!r}: a KinematicTree is not yet taught {joint.type}", False))
     return reasons
 
@@ -229,7 +252,7 @@ def _in_body(angle: float, r: np.ndarray) -> np.ndarray:
     return np.array([c * r[0] + s * r[1], c * r[1] - s * r[0]])
 
 
-def _build_redundant(scene: Scene) -> Redundant:
+def _build_redundant(scene: Scene, method: str) -> Redundant:
     container = exu.SystemContainer()
     model = Redundant(scene, container, container.AddSystem())
     model.bodies[FIXED] = model.mbs.AddObject(item.ObjectGround())
@@ -237,7 +260,7 @@ def _build_redundant(scene: Scene) -> Redundant:
         _add_body(model, k, body)
     for joint in scene.joints:
         JOINTS[type(joint)](model, joint)
-    if any(isinstance(load, Bushing) for load in scene.loads) or (scene.contacts and scene.joints):
+    if method != CONTACT and (scene.contacts or any(isinstance(load, PointBushing) for load in scene.loads)):
         _add_shared_forces(model)
         return model
     for load in scene.loads:
@@ -418,8 +441,8 @@ def _add_shared_forces(model: Redundant) -> None:
     zero = np.zeros((size, size))
     model.mbs.AddObject(
         item.ObjectGenericODE2(
-            nodeNumbers=model.nodes, massMatrix=zero, stiffnessMatrix=zero, dampingMatrix=zero, forceVector=np.zeros(size),
-            forceUserFunction=forces,
+            nodeNumbers=model.nodes, massMatrix=zero, stiffnessMatrix=zero, dampingMatrix=zero,
+            forceVector=np.zeros(size), forceUserFunction=forces,
         )
     )  # fmt: skip
     model.notes += (SHARED,)
@@ -432,6 +455,9 @@ def _contact_refusals(scene: Scene) -> list[Refusal]:
     reasons = [f"joint {joint.name!r}: Exudyn's explicit solvers take no joint" for joint in scene.joints]
     for contact in scene.contacts:
         where = f"contact {contact.name!r}"
+        if not isinstance(contact.law, SpringDamperLaw) or not isinstance(contact, CircleOnLine | CircleOnCircle):
+            reasons.append(f"{where}: GeneralContact is taught spring_damper_law alone, not {contact.law.type}, on circles")
+            continue
         if contact.friction is not None:
             reasons.append(f"{where}: friction is not yet taught to exudyn here")
         rule = "gap" if isinstance(contact, CircleOnLine) else "force"
@@ -445,10 +471,12 @@ def _contact_refusals(scene: Scene) -> list[Refusal]:
 
 def _mixed_refusals(scene: Scene) -> list[str]:
     """GeneralContact gives stiffness to shapes, not to pairs, and lets every pair touch."""
-    laws = {contact.law for contact in scene.contacts}
+    laws = {repr(contact.law) for contact in scene.contacts}
     shapes = {shape for contact in scene.contacts for shape in _circles(contact)}
     bodies = [body for body, _, _ in shapes]
-    reasons = ["GeneralContact gives laws to shapes, not to pairs: all contacts must share one"] if len(laws) > 1 else []
+    reasons = []
+    if len(laws) > 1:
+        reasons.append("GeneralContact gives laws to shapes, not to pairs: all contacts must share one")
     if len(bodies) != len(set(bodies)):
         reasons.append("a body with two circles would touch with both")
     return reasons
@@ -468,7 +496,8 @@ def _add_contacts(model: Redundant) -> None:
     general.SetFrictionPairings(np.zeros((1, 1)))
     general.verboseMode = 0
     shape = {"contactStiffness": 2.0 * law.stiffness, "contactDamping": 0.5 * law.damping, "frictionMaterialIndex": 0}
-    for line in {c for c in contacts if isinstance(c, CircleOnLine)}:
+    lines = [c for c in contacts if isinstance(c, CircleOnLine)]
+    for line in {(c.point_1, c.point_2): c for c in lines}.values():
         _add_plane(model, general, line, shape)
     for body, center, radius in sorted({circle for contact in contacts for circle in _circles(contact)}):
         general.AddSphereWithMarker(markerIndex=model.marker(body, center), radius=radius, **shape)
@@ -599,6 +628,159 @@ def _links(tree: JointTree) -> Links:
     return links
 
 
+# --- space -----------------------------------------------------------------------------------------
+
+
+@dataclass
+class Spatial:
+    """An Exudyn system of spatial bodies, read through sensors of world positions and rotation matrices."""
+
+    scene: Scene
+    container: Any
+    mbs: Any
+    bodies: dict[int, int] = field(default_factory=dict)  # scene body -> Exudyn object
+    sensors: list[int] = field(default_factory=list)
+    notes: tuple[str, ...] = ()
+
+    def poses(self, rows: np.ndarray):
+        n = len(self.scene.bodies)
+        position, velocity, omega = np.zeros((3, len(rows), n, 3))
+        theta = np.tile([1.0, 0.0, 0.0, 0.0], (len(rows), n, 1))
+        column = 0
+        for k, body in enumerate(self.scene.bodies):
+            position[:, k], velocity[:, k] = rows[:, column : column + 3], rows[:, column + 3 : column + 6]
+            column += 6
+            if isinstance(body, SpatialBody):
+                omega[:, k] = rows[:, column : column + 3]
+                turned = rows[:, column + 3 : column + 12].reshape(-1, 3, 3)
+                theta[:, k] = [from_matrix(m) if np.isfinite(m).all() else np.full(4, np.nan) for m in turned]
+                column += 12
+        return position, theta, velocity, omega
+
+    def reactions(self, rows: np.ndarray) -> dict[str, np.ndarray]:
+        return {}
+
+    def axes(self, body: str) -> np.ndarray:
+        """Return the body's axes (3, 3) at t = 0."""
+        k = self.scene.body_index(body)
+        owner = self.scene.bodies[k] if k != FIXED else None
+        return rotation_matrices(owner.orientation) if isinstance(owner, SpatialBody) else np.eye(3)
+
+    def marker(self, body: str, point) -> int:
+        """Return a marker at a world point (t = 0)."""
+        k = self.scene.body_index(body)
+        where = np.array(point, dtype=float)
+        if k != FIXED:
+            where = self.axes(body).T @ (where - self.scene.bodies[k].position)
+        rigid = k == FIXED or isinstance(self.scene.bodies[k], SpatialBody)
+        kind = item.MarkerBodyRigid if rigid else item.MarkerBodyPosition
+        return self.mbs.AddMarker(kind(bodyNumber=self.bodies[k], localPosition=where.tolist()))
+
+    def pair(self, part, point_a, point_b) -> list[int]:
+        return [self.marker(part.body_a, point_a), self.marker(part.body_b, point_b)]
+
+
+def _build_spatial(scene: Scene, method: str) -> Spatial:
+    container = exu.SystemContainer()
+    model = Spatial(scene, container, container.AddSystem())
+    model.bodies[FIXED] = model.mbs.AddObject(item.ObjectGround())
+    for k, body in enumerate(scene.bodies):
+        model.bodies[k] = model.mbs.AddObject(_spatial_body(model, body, method))
+        weight = model.mbs.AddMarker(item.MarkerBodyMass(bodyNumber=model.bodies[k]))
+        model.mbs.AddLoad(item.LoadMassProportional(markerNumber=weight, loadVector=list(scene.gravity)))
+        _watch_body(model, k, isinstance(body, SpatialBody))
+    for part in (*scene.joints, *scene.loads):
+        SPATIAL_PARTS[type(part)](model, part)
+    return model
+
+
+def _spatial_body(model: Spatial, body, method: str):
+    if not isinstance(body, SpatialBody):
+        start = {"referenceCoordinates": list(body.position), "initialVelocities": list(body.velocity)}
+        return item.ObjectMassPoint(mass=body.mass, nodeNumber=model.mbs.AddNode(item.NodePoint(**start)))
+    xx, yy, zz, xy, xz, yz = body.inertia
+    theta = np.array(body.orientation)
+    if method == "rotation_vector":
+        angle = 2.0 * np.arctan2(np.linalg.norm(theta[1:]), theta[0])
+        scale = angle / np.linalg.norm(theta[1:]) if angle else 0.0
+        turn, turning = scale * theta[1:], rotation_matrices(theta).T @ body.angular_velocity
+        kind = item.NodeRigidBodyRotVecLG
+    else:
+        turn, turning = theta, 0.5 * parameter_matrix(theta).T @ body.angular_velocity
+        kind = item.NodeRigidBodyEP
+    node = model.mbs.AddNode(
+        kind(referenceCoordinates=[*body.position, *turn], initialVelocities=[*body.velocity, *turning])
+    )
+    return item.ObjectRigidBody(mass=body.mass, inertia=[xx, yy, zz, yz, xz, xy], nodeNumber=node)
+
+
+def _watch_body(model: Spatial, k: int, turns: bool) -> None:
+    kinds = exu.OutputVariableType
+    for kind in (kinds.Position, kinds.Velocity, *((kinds.AngularVelocity, kinds.RotationMatrix) if turns else ())):
+        sensor = item.SensorBody(
+            bodyNumber=model.bodies[k], storeInternal=True, writeToFile=False, outputVariableType=kind
+        )
+        model.sensors.append(model.mbs.AddSensor(sensor))
+
+
+def _generic(model: Spatial, joint, axis, fixed: list[int]) -> None:
+    """A joint along z of a frame whose z axis is the joint's; `fixed` tells the six relative motions it stops."""
+    first, second = normals(axis)
+    frame = np.column_stack((first, second, np.asarray(axis, dtype=float) / np.linalg.norm(axis)))
+    rotations = [model.axes(body).T @ frame for body in (joint.body_a, joint.body_b)]
+    model.mbs.AddObject(
+        item.ObjectJointGeneric(
+            markerNumbers=model.pair(joint, joint.point, joint.point), constrainedAxes=fixed,
+            rotationMarker0=rotations[0], rotationMarker1=rotations[1],
+        )
+    )  # fmt: skip
+
+
+def _spatial_spherical(model: Spatial, joint: Spherical) -> None:
+    model.mbs.AddObject(item.ObjectJointSpherical(markerNumbers=model.pair(joint, joint.point, joint.point)))
+
+
+def _spatial_distance(model: Spatial, joint: Distance) -> None:
+    length = joint.length or float(np.linalg.norm(np.subtract(joint.point_b, joint.point_a)))
+    model.mbs.AddObject(_rod(model.pair(joint, joint.point_a, joint.point_b), length))
+
+
+def _spatial_spring(model: Spatial, load: SpringDamper) -> None:
+    initial = float(np.linalg.norm(np.subtract(load.point_b, load.point_a)))
+    rest = initial if load.rest_length is None else load.rest_length
+    law = {"springForceUserFunction": _pull_only} if load.tension_only else {}
+    model.mbs.AddObject(
+        item.ObjectConnectorSpringDamper(
+            markerNumbers=model.pair(load, load.point_a, load.point_b),
+            referenceLength=rest, stiffness=load.stiffness, damping=load.damping, **law,
+        )
+    )  # fmt: skip
+
+
+def _spatial_push(model: Spatial, load: Force | TorqueVector) -> None:
+    """A force or torque; along body axes Exudyn takes it in the body's own."""
+    force = isinstance(load, Force)
+    centre = model.scene.bodies[model.scene.body_index(load.body)].position
+    marker = model.marker(load.body, load.point if force else centre)
+    follows = load.frame == "body"
+    vector = model.axes(load.body).T @ load.vector if follows else np.array(load.vector)
+    kind = item.LoadForceVector if force else item.LoadTorqueVector
+    _add_load(model, kind, marker, vector.tolist(), load, bodyFixed=follows)
+
+
+SPATIAL_PARTS = {
+    Spherical: _spatial_spherical,
+    Revolute: lambda model, joint: _generic(model, joint, joint.axis, [1, 1, 1, 1, 1, 0]),
+    Cylindrical: lambda model, joint: _generic(model, joint, joint.axis, [1, 1, 0, 1, 1, 0]),
+    Prismatic: lambda model, joint: _generic(model, joint, joint.axis, [1, 1, 0, 1, 1, 1]),
+    Weld: lambda model, joint: _generic(model, joint, (0.0, 0.0, 1.0), [1, 1, 1, 1, 1, 1]),
+    Distance: _spatial_distance,
+    SpringDamper: _spatial_spring,
+    Force: _spatial_push,
+    TorqueVector: _spatial_push,
+}
+
+
 # --- the run ---------------------------------------------------------------------------------------
 
 
@@ -607,7 +789,7 @@ def _options(plan: Plan, scene: Scene):
     options = exu.SimulationSettings()
     options.solution.file.write = False
     options.linearSolver.solverType = exu.LinearSolverType.EigenSparse
-    if joint_tree(scene).closures:  # sparse elimination fails at once on redundant rows and singular poses
+    if "closed-loop" in traits(scene):  # sparse elimination fails at once on redundant rows and singular poses
         options.linearSolver.solverType = exu.LinearSolverType.EigenDense
         options.linearSolver.ignoreSingularJacobian = True
     options.parallel.numberOfThreads = 1

@@ -9,17 +9,21 @@ from typing import ClassVar
 import numpy as np
 
 from cross_checks.engine import Engine, Method, Refusal
-from cross_checks.outcome import refuse_spatial, stopped
+from cross_checks.outcome import stopped
+from mbs_ref.celestial import CELESTIAL_TYPES
+from mbs_ref.cores import compile_scene, core_name
 from mbs_ref.integrators import integrators
 from mbs_ref.integrators.leg import Integrator
+from mbs_ref.particle_scene import is_celestial
 from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import InconsistentScene, simulate
 from mbs_ref.trajectory import Status, Trajectory
 
 PART_TYPES = (
-    "planar point_mass revolute prismatic weld distance coordinate_drive point_drive "
-    "force torque spring_damper torsion_spring bushing user_force "
+    "planar spatial point_mass revolute spherical universal cylindrical prismatic weld distance point_on_plane "
+    "coordinate_drive point_drive rotation_drive "
+    "force torque torque_vector spring_damper torsion_spring bushing point_bushing user_force "
     "circle_on_line circle_on_circle pin_on_sprocket "
     "spring_damper_law progressive_law hunt_crossley_law lankarani_nikravesh_law flores_law rigid_law "
     "regularised_coulomb stick_slip"
@@ -31,7 +35,7 @@ class MbsRef(Engine):
 
     name: ClassVar[str] = "mbs_ref"
     package: ClassVar[str] = "mbs_ref"
-    part_types: ClassVar[frozenset[str]] = frozenset(PART_TYPES.split())
+    part_types: ClassVar[frozenset[str]] = frozenset(PART_TYPES.split()) | CELESTIAL_TYPES
 
     def methods(self) -> tuple[Method, ...]:
         return tuple(_method(entry) for entry in integrators().values())
@@ -40,13 +44,17 @@ class MbsRef(Engine):
         return version("mbs-ref")
 
     def topology_refusals(self, scene: Scene) -> list[Refusal]:
-        return refuse_spatial(self, scene)
+        if is_celestial(scene):
+            return _impossible(scene)
+        return []
 
     def method_refusals(self, scene: Scene, method: Method) -> list[Refusal]:
-        package = integrators()[method.name].package
+        package, cores = integrators()[method.name].package, integrators()[method.name].cores
         missing = package is not None and find_spec(package) is None
         absent = [Refusal(f"{method.name} needs the package {package!r}, which is not installed", False)]
-        return super().method_refusals(scene, method) + (absent if missing else [])
+        foreign = bool(cores) and core_name(scene) not in cores
+        only = [Refusal(f"{method.name} is made for {', '.join(cores)}; this scene is {core_name(scene)}", True)]
+        return super().method_refusals(scene, method) + (absent if missing else []) + (only if foreign else [])
 
     def run(self, scene: Scene, settings: Settings, times: np.ndarray | None = None) -> Trajectory:
         method = self.method(settings.method)
@@ -59,10 +67,19 @@ class MbsRef(Engine):
             return stopped(scene, Status.INCONSISTENT, str(error))
 
 
+def _impossible(scene: Scene) -> list[Refusal]:
+    """Return what compiling a scene of particles complains about: coincident bodies, parts that contradict."""
+    try:
+        compile_scene(scene)
+    except ValueError as error:
+        return [Refusal(str(error), True)]
+    return []
+
+
 def _method(entry: Integrator) -> Method:
     """An integrator of either kind is listed as the adaptive one it is by default."""
     kind = "fixed" if entry.kind == "fixed" else "adaptive"
-    return Method(entry.name, kind, entry.order, entry.description, entry.ladder)
+    return Method(entry.name, kind, entry.order, entry.description, entry.ladder, entry.requires)
 
 
 ENGINE = MbsRef

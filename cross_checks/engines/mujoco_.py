@@ -14,18 +14,22 @@ import numpy as np
 
 from cross_checks.engine import Engine, Method, Refusal
 from cross_checks.joint_tree import FIXED, Edge, JointTree, joint_tree, local
-from cross_checks.outcome import End, Plan, end_of, plan_run, refuse_spatial, trajectory
+from cross_checks.outcome import End, Plan, end_of, plan_run, trajectory
 from cross_checks.prescribed import constant_value
 from cross_checks.reactions import tree_reactions
+from cross_checks.spatial_tree import SpatialEdge, SpatialTree, spatial_tree
 from mbs_ref.contact import CircleOnCircle, CircleOnLine
 from mbs_ref.scene import (
     GROUND,
+    Cylindrical,
     Distance,
     Force,
     PlanarBody,
     Prismatic,
     Revolute,
     Scene,
+    SpatialBody,
+    Spherical,
     SpringDamper,
     Torque,
     TorsionSpring,
@@ -78,6 +82,7 @@ class MuJoCo(Engine):
     part_types: ClassVar[frozenset[str]] = frozenset(
         {"planar", "point_mass", "revolute", "prismatic", "weld", "distance"}
         | {"force", "torque", "spring_damper", "torsion_spring"}
+        | {"spatial", "spherical", "cylindrical"}
         | {"circle_on_line", "circle_on_circle", "spring_damper_law"}
     )
 
@@ -88,12 +93,13 @@ class MuJoCo(Engine):
         return mujoco.__version__
 
     def topology_refusals(self, scene: Scene) -> list[Refusal]:
-        spatial = refuse_spatial(self, scene)
-        return spatial or _part_refusals(scene) + _closure_refusals(scene) + _contact_refusals(scene)
+        if scene.dimension == 3:
+            return _spatial_refusals(scene)
+        return _part_refusals(scene) + _closure_refusals(scene) + _contact_refusals(scene)
 
     def method_refusals(self, scene: Scene, method: Method) -> list[Refusal]:
         reasons = super().method_refusals(scene, method)
-        if method.name.endswith(TIGHT) and not reasons and scene.dimension == 2 and not joint_tree(scene).closures:
+        if method.name.endswith(TIGHT) and not reasons and not _closures(scene):
             reasons.append(Refusal(f"{method.name} differs only where a joint closes a loop, and none does", True))
         if method.name.endswith(STOCK) and not scene.contacts:
             reasons.append(Refusal(f"{method.name} differs only in contact, and there is none", True))
@@ -104,8 +110,8 @@ class MuJoCo(Engine):
         if isinstance(plan, Trajectory):
             return plan
         start = perf_counter()
-        tree = joint_tree(scene)
-        model = _compile(tree, plan)
+        tree = joint_tree(scene) if scene.dimension == 2 else spatial_tree(scene)
+        model = _compile(tree, plan) if isinstance(tree, JointTree) else _compile_spatial(tree, plan)
         data = _at_start(model, tree)
         built = perf_counter()
         _advance(model, _at_start(model, tree), plan, 1)
@@ -114,8 +120,12 @@ class MuJoCo(Engine):
         looped = perf_counter()
         steps = sum(plan.counts[: max(0, end.samples - 1)])
         stages = 4 if model.opt.integrator == mujoco.mjtIntegrator.mjINT_RK4 else 1
-        poses, wrench = _observe(model, tree, states[: end.samples])
-        known = settings.reactions and not scene.loads and not scene.contacts  # cfrc_int leaves out tendons and actuators
+        if isinstance(tree, SpatialTree):
+            poses, reactions = _observe_spatial(model, tree, states[: end.samples]), {}
+        else:
+            poses, wrench = _observe(model, tree, states[: end.samples])
+            known = settings.reactions and not scene.loads and not scene.contacts
+            reactions = tree_reactions(tree, poses, wrench) if known else {}  # cfrc_int leaves out tendons, actuators
         return trajectory(
             plan,
             poses,
@@ -123,7 +133,7 @@ class MuJoCo(Engine):
             Timing(built - start, called - built, looped - called),
             steps=steps,
             rhs_calls=steps * stages,
-            reactions=tree_reactions(tree, poses, wrench) if known else {},
+            reactions=reactions,
         )
 
 
@@ -151,6 +161,21 @@ def _closure_refusals(scene: Scene) -> list[Refusal]:
     ]
 
 
+def _closures(scene: Scene) -> tuple:
+    return tuple((joint_tree(scene) if scene.dimension == 2 else spatial_tree(scene)).closures)
+
+
+SPATIAL_PARTS = (Spherical, Revolute, Prismatic, Cylindrical, Weld, Distance, SpringDamper)
+
+
+def _spatial_refusals(scene: Scene) -> list[Refusal]:
+    parts = [part for part in (*scene.joints, *scene.loads) if not isinstance(part, SPATIAL_PARTS)]
+    reasons = [f"{part.name!r}: mujoco is not yet taught {part.type} in space" for part in parts]
+    slides = [j for j in spatial_tree(scene).closures if isinstance(j, Prismatic | Cylindrical)]
+    reasons += [f"joint {joint.name!r} closes a loop by a slide, which mujoco is not yet taught" for joint in slides]
+    return [Refusal(reason, permanent=False) for reason in reasons] + _part_refusals(scene)
+
+
 # --- the model -------------------------------------------------------------------------------------
 
 
@@ -174,7 +199,7 @@ def _pin_options(spec: mujoco.MjSpec, plan: Plan, scene: Scene) -> None:
     option = spec.option
     option.timestep = plan.step
     option.integrator = INTEGRATORS[plan.method.name.removesuffix(TIGHT).removesuffix(STOCK)][0]
-    option.gravity = (*scene.gravity, 0.0)
+    option.gravity = tuple(np.resize((*scene.gravity, 0.0), 3))
     option.solver = mujoco.mjtSolver.mjSOL_NEWTON
     option.tolerance, option.iterations, option.ls_tolerance, option.ls_iterations = 1e-15, 200, 0.01, 50
     option.noslip_iterations, option.impratio = 0, 1.0
@@ -338,8 +363,9 @@ LOADS = {Force: _add_force, Torque: _add_torque, SpringDamper: _add_spring, Tors
 def _add_contact(spec, frames, tree: JointTree, contact, stock: bool) -> None:
     """A sphere against a plane or another sphere, paired explicitly so that nothing else touches."""
     if isinstance(contact, CircleOnCircle):
-        ends = ((contact.body_a, contact.center_a, contact.radius_a), (contact.body_b, contact.center_b, contact.radius_b))
-        geoms = [_sphere(frames, tree, f"{contact.name}/{side}", *end) for side, end in zip("ab", ends, strict=True)]
+        a = (contact.body_a, contact.center_a, contact.radius_a)
+        b = (contact.body_b, contact.center_b, contact.radius_b)
+        geoms = [_sphere(frames, tree, f"{contact.name}/{side}", *end) for side, end in (("a", a), ("b", b))]
     else:
         sphere = _sphere(frames, tree, f"{contact.name}/a", contact.body_a, contact.center, contact.radius)
         geoms = [_plane(spec, f"{contact.name}/b", contact), sphere]
@@ -392,15 +418,152 @@ def _contact_refusals(scene: Scene) -> list[Refusal]:
             if name == GROUND or center is None:
                 continue
             if name in jointed or math.dist(center, scene.bodies[scene.body_index(name)].position) > 1e-12:
-                reasons.append(f"{where}: the stiffness scales with an effective mass that changes with the pose of {name!r}")
+                reasons.append(f"{where}: its effective mass, which scales the stiffness, changes as {name!r} moves")
     return [Refusal(reason, permanent=False) for reason in reasons]
+
+
+# --- space -----------------------------------------------------------------------------------------
+
+
+def _compile_spatial(tree: SpatialTree, plan: Plan) -> mujoco.MjModel:
+    spec = mujoco.MjSpec()
+    _pin_options(spec, plan, tree.scene)
+    frames = {FIXED: spec.worldbody}
+    for edge in tree.edges:
+        frames[edge.body] = _add_spatial_body(frames[edge.parent], edge, tree)
+    for joint in tree.closures:
+        _add_spatial_closure(spec, frames, tree, joint, _solref(plan))
+    for load in tree.scene.loads:
+        _add_spatial_spring(spec, frames, tree, load)
+    return spec.compile()
+
+
+def _add_spatial_body(parent: mujoco.MjsBody, edge: SpatialEdge, tree: SpatialTree) -> mujoco.MjsBody:
+    """The frame sits at the centre of mass along the body's axes."""
+    body = tree.scene.bodies[edge.body]
+    place, theta = tree.seen_from(edge.parent, edge.body)
+    frame = parent.add_body(name=body.name, pos=place, quat=theta)
+    frame.explicitinertial, frame.mass, frame.ipos = True, body.mass, (0.0, 0.0, 0.0)
+    if isinstance(body, SpatialBody):
+        frame.fullinertia = body.inertia
+    else:
+        frame.inertia = (1.0,) * 3  # a particle that only slides never turns
+    kinds = mujoco.mjtJoint
+    joint = edge.joint
+    pos = tree.local(edge.body, joint.point) if joint is not None else np.zeros(3)
+    axis = tree.axes(edge.body).T @ joint.axis if getattr(joint, "axis", None) is not None else np.zeros(3)
+    for kind in _kinds(edge, body):
+        for k, direction in enumerate(np.eye(3) if kind == "slides" else [axis]):
+            code = {"slides": kinds.mjJNT_SLIDE, "slide": kinds.mjJNT_SLIDE, "hinge": kinds.mjJNT_HINGE,
+                    "ball": kinds.mjJNT_BALL, "free": kinds.mjJNT_FREE}[kind]  # fmt: skip
+            options = {} if kind == "free" else {"pos": pos}
+            options |= {"axis": direction} if kind in ("slides", "slide", "hinge") else {}
+            frame.add_joint(name=f"{body.name}/{kind}{k}", type=code, **options)
+    return frame
+
+
+def _kinds(edge: SpatialEdge, body) -> tuple[str, ...]:
+    """Return MuJoCo's joints that an edge is made of."""
+    if edge.joint is None:
+        return ("free",) if isinstance(body, SpatialBody) else ("slides",)
+    by_type = {"spherical": ("ball",), "revolute": ("hinge",), "prismatic": ("slide",), "weld": ()}
+    return by_type.get(edge.joint.type, ("slide", "hinge"))
+
+
+def _depth_first(tree: SpatialTree) -> list[SpatialEdge]:
+    """MuJoCo numbers bodies depth first, children in the order they were added."""
+    children: dict[int, list[SpatialEdge]] = {}
+    for edge in tree.edges:
+        children.setdefault(edge.parent, []).append(edge)
+    result: list[SpatialEdge] = []
+    stack = children.get(FIXED, [])[::-1]
+    while stack:
+        edge = stack.pop()
+        result.append(edge)
+        stack += children.get(edge.body, [])[::-1]
+    return result
+
+
+def _start_rates(tree: SpatialTree, edge: SpatialEdge) -> np.ndarray:
+    body, joint = tree.scene.bodies[edge.body], edge.joint
+    to_body = tree.axes(edge.body).T
+    point = joint.point if joint is not None else body.position
+    sliding = tree.velocity(edge.body, point) - tree.velocity(edge.parent, point)
+    turning = tree.relative_spin(edge)
+    axis = np.asarray(getattr(joint, "axis", None) or (0.0, 0.0, 0.0))
+    axis = axis / (np.linalg.norm(axis) or 1.0)
+    rates = {
+        "free": np.concatenate((sliding, to_body @ turning)), "slides": sliding, "ball": to_body @ turning,
+        "slide": np.array([axis @ sliding]), "hinge": np.array([axis @ turning]),
+    }  # fmt: skip
+    return np.concatenate([rates[kind] for kind in _kinds(edge, body)] or [np.zeros(0)])
+
+
+def _add_spatial_closure(spec, frames, tree: SpatialTree, joint, solref: tuple[float, float]) -> None:
+    if isinstance(joint, Distance):
+        tendon = _spatial_tendon(spec, frames, tree, joint)
+        initial = float(np.linalg.norm(np.subtract(joint.point_b, joint.point_a)))
+        row = spec.add_equality(name=joint.name, type=mujoco.mjtEq.mjEQ_TENDON, name1=tendon.name)
+        row.data[0] = 0.0 if joint.length is None else joint.length - initial
+        row.active, row.solref = True, solref
+        return
+    weld = isinstance(joint, Weld)
+    points = [np.array(joint.point, dtype=float)]
+    if isinstance(joint, Revolute):  # a hinge is two shared points on its axis
+        axis = np.asarray(joint.axis) / np.linalg.norm(joint.axis)
+        points = [points[0] - 0.5 * axis, points[0] + 0.5 * axis]
+    first, second = (joint.body_b, joint.body_a) if weld else (joint.body_a, joint.body_b)
+    for k, point in enumerate(points):
+        kind = mujoco.mjtEq.mjEQ_WELD if weld else mujoco.mjtEq.mjEQ_CONNECT
+        row = spec.add_equality(name=f"{joint.name}/{k}", type=kind, objtype=mujoco.mjtObj.mjOBJ_BODY)
+        row.name1, row.name2 = _world_name(first), _world_name(second)
+        row.data[0:3] = tree.local(tree.scene.body_index(joint.body_a), point)
+        if weld:
+            row.data[10] = 1.0  # m/rad, torque scale
+        row.active, row.solref = True, solref
+
+
+def _spatial_tendon(spec, frames, tree: SpatialTree, part):
+    tendon = spec.add_tendon(name=part.name)
+    for end, (body, point) in enumerate(((part.body_a, part.point_a), (part.body_b, part.point_b))):
+        k = tree.scene.body_index(body)
+        frames[k].add_site(name=f"{part.name}/{end}", pos=tree.local(k, point))
+        tendon.wrap_site(f"{part.name}/{end}")
+    return tendon
+
+
+def _add_spatial_spring(spec, frames, tree: SpatialTree, load: SpringDamper) -> None:
+    tendon = _spatial_tendon(spec, frames, tree, load)
+    initial = float(np.linalg.norm(np.subtract(load.point_b, load.point_a)))
+    rest = initial if load.rest_length is None else load.rest_length
+    tendon.stiffness, tendon.damping = _linear(load.stiffness), _linear(load.damping)
+    tendon.springlength = (0.0 if load.tension_only else rest, rest)
+
+
+def _observe_spatial(model: mujoco.MjModel, tree: SpatialTree, states: np.ndarray):
+    """Return MuJoCo's own poses."""
+    n = len(tree.scene.bodies)
+    position, velocity, omega = np.zeros((3, len(states), n, 3))
+    theta = np.zeros((len(states), n, 4))
+    data = mujoco.MjData(model)
+    index = np.array([model.body(name).id for name in tree.scene.body_names])
+    for k, state in enumerate(states):
+        data.qpos[:], data.qvel[:] = state[: model.nq], state[model.nq :]
+        mujoco.mj_forward(model, data)
+        arm = data.xipos[index] - data.subtree_com[model.body_rootid[index]]  # cvel is about that point
+        position[k], theta[k], omega[k] = data.xipos[index], data.xquat[index], data.cvel[index, :3]
+        velocity[k] = data.cvel[index, 3:] + np.cross(data.cvel[index, :3], arm)
+    return position, theta, velocity, omega
 
 
 # --- the run ---------------------------------------------------------------------------------------
 
 
-def _at_start(model: mujoco.MjModel, tree: JointTree) -> mujoco.MjData:
+def _at_start(model: mujoco.MjModel, tree: JointTree | SpatialTree) -> mujoco.MjData:
     data = mujoco.MjData(model)
+    if isinstance(tree, SpatialTree):  # the reference configuration is the start
+        data.qvel[:] = np.concatenate([_start_rates(tree, edge) for edge in _depth_first(tree)])
+        return data
     data.qpos[:], data.qvel[:] = 0.0, tree.rates()
     return data
 

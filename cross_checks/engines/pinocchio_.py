@@ -61,7 +61,7 @@ class Pinocchio(Engine):
     package: ClassVar[str] = "pinocchio"
     part_types: ClassVar[frozenset[str]] = frozenset(
         {"planar", "point_mass", "revolute", "prismatic", "weld", "distance"}
-        | {"force", "torque", "spring_damper", "torsion_spring", "bushing", "user_force"}
+        | {"force", "torque", "spring_damper", "torsion_spring", "point_bushing", "user_force"}
         | CLIPPED_CONTACTS
     )
 

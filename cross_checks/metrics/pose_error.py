@@ -4,16 +4,40 @@ from __future__ import annotations
 
 import numpy as np
 
+from cross_checks.metrics.orientation_error import orientation_error
 from cross_checks.truths import Truth
+from mbs_ref.scene import Scene, SpatialBody
 from mbs_ref.trajectory import Trajectory
 
 
-def pose_error(trajectory: Trajectory, truth: Truth) -> np.ndarray:
-    """Return the largest distance over bodies of centres of mass from the truth (n_t,), m.
+def pose_error(scene: Scene, trajectory: Trajectory, truth: Truth) -> np.ndarray:
+    """Return the largest distance over bodies of world points from the truth (n_t,), m.
 
-    The truth may go on after the trajectory has stopped; the samples reached are compared.
+    The points are the centres of mass and, in space, also points one radius of gyration away: a body that
+    turns about a centre at rest is elsewhere too. The samples that both reached are compared.
     """
-    return distance(trajectory.position, truth.position)
+    if truth.origin is not None:
+        return _seen_from_origin(trajectory.position, truth)
+    centres = distance(trajectory.position, truth.position)
+    if scene.dimension == 2:
+        return centres
+    return np.maximum(centres, np.max(orientation_error(trajectory, truth) * arms(scene), axis=1))
+
+
+def arms(scene: Scene) -> np.ndarray:
+    """Return each body's largest radius of gyration (n_bodies,), m; zero for a particle."""
+    return np.array([_arm(body) if isinstance(body, SpatialBody) else 0.0 for body in scene.bodies])
+
+
+def _arm(body: SpatialBody) -> float:
+    return float(np.sqrt(np.linalg.eigvalsh(body.inertia_matrix)[-1] / body.mass))
+
+
+def _seen_from_origin(position: np.ndarray, truth: Truth) -> np.ndarray:
+    """Compare what the truth covers, as seen from its origin: the body whose name it gives comes first in the scene."""
+    kept = [k for k in range(position.shape[1]) if truth.covers(k)]
+    own, true = (part[:, kept] - part[:, :1] for part in (position, truth.position))
+    return distance(own, true)
 
 
 def distance(position: np.ndarray, other: np.ndarray) -> np.ndarray:

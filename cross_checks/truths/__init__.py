@@ -20,11 +20,16 @@ from mbs_ref.scene import Scene
 class Truth:
     """World poses of every body at the asked times."""
 
-    position: np.ndarray  # (n_t, n_bodies, 2) m, centres of mass
-    angle: np.ndarray  # (n_t, n_bodies) rad
+    position: np.ndarray  # (n_t, n_bodies, dimension) m, centres of mass
+    angle: np.ndarray  # (n_t, n_bodies) rad; in space (n_t, n_bodies, 4) Euler parameters
     uncertainty: float  # m, of every world point at every time
     kind: Literal["exact", "published", "converged", "ephemeris"]
     how: str  # one sentence
+    origin: str | None = None  # the body that places are seen from; None for the world's origin
+
+    def covers(self, body: int) -> bool:
+        """Return whether the truth knows where the body (its index in the scene) is."""
+        return bool(np.all(np.isfinite(self.position[:, body])))
 
 
 @dataclass(frozen=True)
@@ -72,7 +77,7 @@ def _solved(name: str, parameters: tuple, times: tuple[float, ...]) -> Truth | N
         found = solver.solve(scenes.make(name, **dict(parameters)), np.array(times))
     except NoConvergenceError as error:
         return NoTruth(f"the truth does not converge: {error}")
-    if isinstance(found, Truth) and not found.uncertainty <= LARGEST_UNCERTAINTY:
+    if isinstance(found, Truth) and found.kind != "ephemeris" and not found.uncertainty <= LARGEST_UNCERTAINTY:
         known_to, limit = f"{found.uncertainty:.1e} m", f"{LARGEST_UNCERTAINTY:.0e} m"
         return NoTruth(f"the truth is uncertain by {known_to}, more than {limit}: the motion is too sensitive")
     return found

@@ -118,16 +118,30 @@ def solve(scene: Scene, times: np.ndarray) -> Truth | NoTruth:
     touch = height / speed if speed > 0.0 else math.inf
     found = impact(contact.law, ball.mass, speed)
     clear = touch + found.duration
-    if np.any((times > touch) & (times < clear)):
+    inside = (times > touch) & (times < clear)
+    if np.any(inside) and not _swings(contact.law, ball.mass):
         return NoTruth("the closed form gives the motion before and after contact; an asked time lies inside")
     y = np.where(times <= touch, height - speed * times, found.restitution * speed * (times - clear))
     if isinstance(contact.law, SpringDamperLaw) and contact.law.release == "force":
         y = np.where(times <= touch, y, y - _left_inside(contact.law, ball.mass, speed, found))
+    if np.any(inside):
+        y[inside] = -_depth(contact.law, ball.mass, speed, times[inside] - touch)
     position = np.zeros((len(times), 1, 2))
     position[:, 0, 1] = y + contact.radius
     how = "closed form of the free impact; the duration of a power law by quadrature"
     uncertainty = ROUNDOFF if _is_linear(contact.law) else 1e-11
     return Truth(position, np.full((len(times), 1), ball.angle), uncertainty, "exact", how)
+
+
+def _swings(law: Any, mass: float) -> bool:
+    return isinstance(law, SpringDamperLaw) and law.damping**2 < 4.0 * law.stiffness * mass
+
+
+def _depth(law: SpringDamperLaw, mass: float, speed: float, since: np.ndarray) -> np.ndarray:
+    """Return the underdamped oscillation from d = 0 at `speed`."""
+    decay = 0.5 * law.damping / mass
+    turn = math.sqrt(law.stiffness / mass - decay**2)
+    return speed / turn * np.exp(-decay * since) * np.sin(turn * since)
 
 
 def _is_linear(law: Any) -> bool:

@@ -6,7 +6,7 @@ Springer 1993, sec. II.10, and the authors' dop853.f.
 
 import numpy as np
 
-from mbs_ref.integrators.explicit import Tableau, explicit
+from mbs_ref.integrators.explicit import Tableau, explicit, stability_polynomial
 from mbs_ref.integrators.leg import Integrator
 
 _A = {  # (stage, earlier stage): coefficient
@@ -128,5 +128,6 @@ INTEGRATOR = Integrator(
     order=8,
     description="Dormand-Prince of order 8, adaptive; fixed step when a step is given",
     advance=explicit(TABLEAU),
+    stability=stability_polynomial(TABLEAU),
     ladder=(1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12),
 )

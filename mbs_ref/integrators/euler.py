@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from mbs_ref.integrators.explicit import Tableau, explicit
+from mbs_ref.integrators.explicit import Tableau, explicit, stability_polynomial
 from mbs_ref.integrators.leg import Integrator
 
 TABLEAU = Tableau(np.zeros((1, 1)), np.ones(1), np.zeros(1), np.zeros(0), np.zeros(0), 1, 0)
@@ -12,5 +12,6 @@ INTEGRATOR = Integrator(
     order=1,
     description="explicit Euler",
     advance=explicit(TABLEAU),
+    stability=stability_polynomial(TABLEAU),
     ladder=(4e-3, 2e-3, 1e-3, 5e-4, 2.5e-4, 1.25e-4),
 )

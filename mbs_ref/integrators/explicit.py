@@ -258,6 +258,15 @@ def advance_explicit(model, work, tableau, options, run, y, times, states, worst
     return DONE
 
 
+def stability_polynomial(tableau: Tableau) -> tuple[float, ...]:
+    """Return the coefficients of R(z) = 1 + z b^T (I - z A)^-1 1, lowest power first."""
+    power, coefficients = np.ones(len(tableau.b)), [1.0]
+    for _ in range(len(tableau.b)):
+        coefficients.append(float(tableau.b @ power))
+        power = tableau.a @ power
+    return tuple(coefficients)
+
+
 def explicit(tableau: Tableau) -> Advance:
     """Return the leg-by-leg driver of a tableau."""
 

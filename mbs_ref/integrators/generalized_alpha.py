@@ -240,6 +240,8 @@ INTEGRATOR = Integrator(
     stabilization="none",
     stabilizations=("none", "projection"),
     ladder=(2e-2, 1e-2, 5e-3, 2.5e-3, 1.25e-3, 6.25e-4),
+    requires=frozenset({"planar"}),  # not yet taught spatial bodies
     source="Arnold and Bruls 2007; Chung and Hulbert 1993",
     keeps_constraints=True,
+    cores=("planar", "spatial"),
 )

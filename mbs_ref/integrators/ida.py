@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from mbs_ref.integrators.crossing import is_near_singular, leap
 from mbs_ref.integrators.leg import (
     CLOCK_COMPLIANCE,
     CLOCK_T,
@@ -29,6 +30,7 @@ from mbs_ref.system import System
 from mbs_ref.trajectory import Status
 
 PACKAGE = "sundials4py"
+PROXIMAL = 1e-12  # of a multiplier left in its own row
 MULTIPLIER_SHARE = 1e-4  # of the largest applied force at the start
 HOPELESS_FAILURES, HOPELESS_SHARE = 500, 0.4  # error-test failures, in all and per step taken, that end a run
 STOPPED = {  # IDA's return values, in words
@@ -100,7 +102,7 @@ class _Ida:
         point = self.core.N_VGetArrayPointer
         out = point(rr)
         planar_residual(
-            self.system.model, self.system.work, t, point(yy), point(yp), self.form,
+            self.system.model, self.system.work, t, point(yy), point(yp), self.form, PROXIMAL,
             self.row_slot, self.row_row, self.lam, self.balance, out,
         )  # fmt: skip
         self.residuals += 1
@@ -132,6 +134,7 @@ def ida(form: int) -> Advance:
         states[0] = y
         solver = _Ida(system, options, form, y, float(times[0]))
         t, reached = float(times[0]), 1
+        loops = options.project and system.n_closure_rows > 0
         pace = Pace(t, float(times[-1]), options.max_steps, every=2_000)
         status, message = Status.SUCCESS, ""
         while reached < len(times):
@@ -166,6 +169,15 @@ def ida(form: int) -> Advance:
                 states[reached], worst[reached] = now, run.clock[CLOCK_COMPLIANCE]
                 run.clock[CLOCK_COMPLIANCE] = 0.0
                 reached += 1
+            if loops and reached < len(times) and is_near_singular(system, t, now):
+                run.counts[COUNT_RHS] += solver.residuals
+                run.counts[COUNT_REJECTED] += solver.failed_error_tests()
+                landing = leap(system, options, run, t, now, times, reached, states)
+                t, reached = landing.t, landing.reached
+                if landing.failed is not None:
+                    status, message = landing.failed.status, landing.failed.message
+                    break
+                solver = _Ida(system, options, form, landing.y, t)
         run.clock[CLOCK_T] = t
         run.counts[COUNT_RHS] += solver.residuals
         run.counts[COUNT_REJECTED] += solver.failed_error_tests()

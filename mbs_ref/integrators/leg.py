@@ -104,8 +104,11 @@ class Integrator:
     ladder: tuple[float, ...] = ()  # steps (s) or rtols for sweeps, coarse to fine
     source: str = ""
     keeps_constraints: bool = False  # the method imposes C = 0 itself
+    requires: frozenset[str] = frozenset()  # traits the scene must have: the cores that answer what the method asks
     locates_events: bool = True  # touch-down, lift-off and slip are found; else contact forces are merely clipped
+    stability: tuple[float, ...] = ()  # explicit methods: coefficients of R(z), lowest power first
     package: str | None = None  # optional third-party package it needs
+    cores: tuple[str, ...] = ()  # the only cores it runs on (mbs_ref.cores.core_name); empty for all
 
 
 MESSAGES = {

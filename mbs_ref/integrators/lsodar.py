@@ -11,6 +11,7 @@ import numpy as np
 from scipy.integrate import LSODA
 
 from mbs_ref.integrators.contact_events import ContactEvents
+from mbs_ref.integrators.crossing import is_near_singular, leap
 from mbs_ref.integrators.leg import (
     CLOCK_COMPLIANCE,
     CLOCK_T,
@@ -32,6 +33,8 @@ def advance(system: System, options: Options, run: Progress, y: np.ndarray, time
     """Integrate one leg; outputs come from the method's own interpolant."""
     states, worst = np.empty((len(times), len(y))), np.zeros(len(times))
     states[0] = y
+    loops = options.project and system.n_closure_rows > 0
+    slope = _projected(system, options) if options.project else system.derivative
     events = ContactEvents(system, options, run)
     solver: LSODA | None = None
     now = y.copy()
@@ -41,7 +44,7 @@ def advance(system: System, options: Options, run: Progress, y: np.ndarray, time
     pace = Pace(t, float(times[-1]), options.max_steps, every=2_000)
     while reached < len(times):
         if solver is None:
-            solver = LSODA(system.derivative, t, now, float(times[-1]), rtol=options.rtol, atol=options.atol)
+            solver = LSODA(slope, t, now, float(times[-1]), rtol=options.rtol, atol=options.atol)
         before = solver.t
         failure = solver.step()
         if solver.status == "failed" or not np.isfinite(solver.y).all():
@@ -69,6 +72,14 @@ def advance(system: System, options: Options, run: Progress, y: np.ndarray, time
             if message:
                 status = Status.ENDLESS_EVENTS
                 break
+        elif loops and reached < len(times) and is_near_singular(system, t, now):
+            run.counts[COUNT_RHS] += solver.nfev
+            solver = None
+            landing = leap(system, options, run, t, now, times, reached, states)
+            t, now, reached = landing.t, landing.y, landing.reached
+            if landing.failed is not None:
+                status, message = landing.failed.status, landing.failed.message
+                break
     run.clock[CLOCK_T] = t
     run.counts[COUNT_RHS] += solver.nfev if solver is not None else 0
     return Leg(states, worst, reached, status, message)
@@ -88,6 +99,17 @@ def _output(
     return reached
 
 
+def _projected(system: System, options: Options):
+    """Return y' = f(P(y)), P the projection: smooth through singular poses, where f off the constraints is not."""
+
+    def slope(t: float, y: np.ndarray) -> np.ndarray:
+        on = y.copy()
+        system.project(t, on, options.projection_tolerance)
+        return system.derivative(t, on)
+
+    return slope
+
+
 def _failure(solver: LSODA, words: str | None) -> tuple[Status, str]:
     if not np.isfinite(solver.y).all():
         return Status.NON_FINITE, f"at t = {solver.t:.9g} s a state became infinite or NaN"
@@ -100,8 +122,7 @@ INTEGRATOR = Integrator(
     order=12,
     description="Adams (order up to 12) and BDF (up to 5) with automatic switching: the papers' LSODAR, through SciPy",
     advance=advance,
-    stabilization="none",
-    stabilizations=("none", "baumgarte"),
+    stabilizations=("none", "baumgarte", "projection"),
     ladder=(1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12),
     source="Petzold 1983; Hindmarsh 1983",
 )

@@ -370,4 +370,5 @@ INTEGRATOR = Integrator(
     advance=advance,
     ladder=(1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10),
     source="Hairer and Wanner, Solving Ordinary Differential Equations II, sec. IV.8",
+    cores=("planar", "spatial"),
 )

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from mbs_ref.integrators.explicit import Tableau, explicit
+from mbs_ref.integrators.explicit import Tableau, explicit, stability_polynomial
 from mbs_ref.integrators.leg import Integrator
 
 TABLEAU = Tableau(
@@ -20,5 +20,6 @@ INTEGRATOR = Integrator(
     order=4,
     description="classical Runge-Kutta, fixed step",
     advance=explicit(TABLEAU),
+    stability=stability_polynomial(TABLEAU),
     ladder=(2e-2, 1e-2, 5e-3, 2.5e-3, 1.25e-3, 6.25e-4),
 )

@@ -11,19 +11,47 @@ from typing import Any
 from numba.extending import overload
 
 from mbs_ref.kernels.jit import jit
+from mbs_ref.kernels.particles import dynamics as particles
+from mbs_ref.kernels.particles.model import ParticleModel, ParticleWork
 from mbs_ref.kernels.planar import contact_events as planar_contacts
 from mbs_ref.kernels.planar import dynamics as planar
 from mbs_ref.kernels.planar import implicit as planar_implicit
 from mbs_ref.kernels.planar.model import PlanarModel, PlanarWork
+from mbs_ref.kernels.spatial import dynamics as spatial
+from mbs_ref.kernels.spatial.model import SpatialModel, SpatialWork
 
 # question -> {type of its first argument: answer}
 _ANSWERS: dict[str, dict[type, Callable[..., Any]]] = {
-    "derivative": {PlanarModel: planar.planar_derivative},
-    "compliance": {PlanarModel: planar.planar_compliance},
-    "project": {PlanarModel: planar.planar_project},
-    "tangent": {PlanarModel: planar.planar_tangent},
-    "regularity": {PlanarWork: planar.planar_regularity},
-    "multipliers": {PlanarWork: planar.planar_multipliers},
+    "derivative": {
+        PlanarModel: planar.planar_derivative,
+        SpatialModel: spatial.spatial_derivative,
+        ParticleModel: particles.particle_derivative,
+    },
+    "compliance": {
+        PlanarModel: planar.planar_compliance,
+        SpatialModel: spatial.spatial_compliance,
+        ParticleModel: particles.particle_compliance,
+    },
+    "project": {
+        PlanarModel: planar.planar_project,
+        SpatialModel: spatial.spatial_project,
+        ParticleModel: particles.particle_project,
+    },
+    "tangent": {
+        PlanarModel: planar.planar_tangent,
+        SpatialModel: spatial.spatial_tangent,
+        ParticleModel: particles.particle_tangent,
+    },
+    "regularity": {
+        PlanarWork: planar.planar_regularity,
+        SpatialWork: spatial.spatial_regularity,
+        ParticleWork: particles.particle_regularity,
+    },
+    "multipliers": {
+        PlanarWork: planar.planar_multipliers,
+        SpatialWork: spatial.spatial_multipliers,
+        ParticleWork: particles.particle_multipliers,
+    },
     "tree_correction": {PlanarModel: planar_implicit.planar_tree_correction},
     "dense_correction": {PlanarModel: planar_implicit.planar_dense_correction},
     "factor_tangent": {PlanarModel: planar_implicit.planar_factor_tangent},
@@ -82,7 +110,7 @@ def regularity(work) -> Any:
 
 
 def multipliers(work, lam) -> Any:
-    """Copy the multipliers of the last acceleration into lam (n_slots, 3)."""
+    """Copy the multipliers of the last acceleration into lam (n_slots, rows a slot)."""
     raise NotImplementedError("called from compiled code only")
 
 
@@ -235,6 +263,12 @@ def call_transition(model, work, t, y, g, dy):
 
 
 @jit
+def call_regularity(work):
+    """Entry point from Python."""
+    return regularity(work)
+
+
+@jit
 def call_derivative(model, work, t, y, dy):
     """Entry point from Python."""
     derivative(model, work, t, y, dy)
@@ -250,3 +284,9 @@ def call_compliance(model, work, t, y):
 def call_project(model, work, t, y, tolerance, most):
     """Entry point from Python."""
     return project(model, work, t, y, tolerance, most)
+
+
+@jit
+def call_tangent(model, work, x):
+    """Entry point from Python."""
+    tangent(model, work, x)

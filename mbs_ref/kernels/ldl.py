@@ -32,13 +32,13 @@ def ldl3_solve(i0, i1, i2, l10, l20, l21, b0, b1, b2):
 
 
 @jit
-def pivoted_cholesky(a, scale, tolerance, lower, order):
+def pivoted_cholesky(a, scale, tolerance, lower, order, most):
     """Factor a positive semidefinite matrix with complete pivoting.
 
     a (n, n) is overwritten; scale (n,) > 0 makes pivots comparable: a row counts as dependent once its
     remaining pivot is below tolerance * scale. lower (n, n) receives P^T a P = L L^T in its first `rank`
-    columns and order (n,) the permutation. Returns the rank and the smallest accepted relative pivot
-    (Higham, Accuracy and Stability of Numerical Algorithms, 2nd ed., sec. 10.3).
+    columns and order (n,) the permutation. The rank is `most` at most. Returns the rank and the smallest
+    accepted relative pivot (Higham, Accuracy and Stability of Numerical Algorithms, 2nd ed., sec. 10.3).
     """
     n = a.shape[0]
     for i in range(n):
@@ -47,6 +47,8 @@ def pivoted_cholesky(a, scale, tolerance, lower, order):
             lower[i, j] = 0.0
     smallest = 1.0
     for k in range(n):
+        if k == most:
+            return k, smallest
         best = k
         largest = -1.0
         for i in range(k, n):
@@ -142,3 +144,32 @@ def _solve_in_place(a, n, y):
         for j in range(i + 1, n):
             y[i] -= a[j, i] * y[j]
         y[i] /= a[i, i]
+
+
+@jit
+def factor_ldl(a, n):
+    """Factor the leading n x n lower triangle in place: strict part L, diagonal 1 / D."""
+    for j in range(n):
+        inverse = 1.0 / a[j, j]
+        for i in range(j + 1, n):
+            low = a[i, j] * inverse
+            for k in range(j + 1, i + 1):
+                a[i, k] -= low * a[k, j]
+        for i in range(j + 1, n):
+            a[i, j] *= inverse
+        a[j, j] = inverse
+
+
+@jit
+def solve_ldl(a, n, b):
+    """Solve in place with the factors of `factor_ldl`."""
+    for i in range(1, n):
+        total = b[i]
+        for k in range(i):
+            total -= a[i, k] * b[k]
+        b[i] = total
+    for i in range(n - 1, -1, -1):
+        total = b[i] * a[i, i]
+        for k in range(i + 1, n):
+            total -= a[k, i] * b[k]
+        b[i] = total

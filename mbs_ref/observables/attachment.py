@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mbs_ref.scene import GROUND, PlanarBody, Scene
+from mbs_ref.euler_parameters import rotation_matrices
+from mbs_ref.scene import GROUND, PlanarBody, PointMass, Scene
 from mbs_ref.trajectory import Trajectory
 
 PERP = np.array([[0.0, -1.0], [1.0, 0.0]])  # turns a plane vector by +90 degrees
@@ -19,16 +20,12 @@ class Motion:
     scene: Scene
     trajectory: Trajectory
 
-    def __post_init__(self) -> None:
-        if self.scene.dimension != 2:
-            raise ValueError(f"scene {self.scene.name} has dimension {self.scene.dimension}; known here: 2")
-
     @property
     def times(self) -> np.ndarray:
         return self.trajectory.times
 
     def point(self, body: str, world: tuple[float, ...]) -> tuple[np.ndarray, np.ndarray]:
-        """Return position and velocity (n_t, 2) of the point that is at `world` (m) at t = 0."""
+        """Return position and velocity (n_t, dimension) of the point that is at `world` (m) at t = 0."""
         if body == GROUND:
             return self._fixed(world)
         k = self.scene.body_index(body)
@@ -45,14 +42,36 @@ class Motion:
         return self.trajectory.velocity[:, k] + self.spin(body)[:, None] * (arm @ PERP.T)
 
     def direction(self, body: str, world) -> tuple[np.ndarray, np.ndarray]:
-        """Return a body-fixed vector (n_t, 2) that equals `world` at t = 0, and its rate."""
+        """Return a body-fixed vector (n_t, dimension) that equals `world` at t = 0, and its rate."""
         k = self.scene.body_index(body)
-        if k < 0 or not isinstance(self.scene.bodies[k], PlanarBody):
+        if k < 0 or isinstance(self.scene.bodies[k], PointMass):
             return self._fixed(world)  # a particle does not turn
+        if self.scene.dimension == 3:
+            return self._turned(k, np.asarray(world, dtype=float))
         turned = self.angle(body)
         vector = np.asarray(world, dtype=float)
         now = np.cos(turned)[:, None] * vector + np.sin(turned)[:, None] * (PERP @ vector)
         return now, self.trajectory.angular_velocity[:, k, None] * (now @ PERP.T)
+
+    def _turned(self, k: int, world: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        body_axes = rotation_matrices(self.scene.bodies[k].orientation).T @ world
+        now = rotation_matrices(self.trajectory.orientation[:, k]) @ body_axes
+        return now, np.cross(self.trajectory.angular_velocity[:, k], now)
+
+    def turning(self, body: str) -> np.ndarray:
+        """Return the angular velocity (n_t, 3), rad/s, in space; zero for ground and particles."""
+        k = self.scene.body_index(body)
+        if k < 0 or isinstance(self.scene.bodies[k], PointMass):
+            return np.zeros((len(self.times), 3))
+        return self.trajectory.angular_velocity[:, k]
+
+    def angle_about(self, body_a: str, body_b: str, axis) -> tuple[np.ndarray, np.ndarray]:
+        """Return the angle (n_t,) in (-pi, pi] of b about an axis fixed in a since t = 0, and its rate."""
+        zero, quarter = perpendiculars(axis)
+        (z, _), (q, _) = self.direction(body_a, zero), self.direction(body_a, quarter)
+        mark, _ = self.direction(body_b, zero)
+        rate = np.sum((self.turning(body_b) - self.turning(body_a)) * np.cross(z, q), axis=1)
+        return np.arctan2(np.sum(q * mark, axis=1), np.sum(z * mark, axis=1)), rate
 
     def angle(self, body: str) -> np.ndarray:
         """Return the angle turned since t = 0 (n_t,), rad; zero for ground and particles."""
@@ -70,5 +89,15 @@ class Motion:
         return self.trajectory.angular_velocity[:, k]
 
     def _fixed(self, world) -> tuple[np.ndarray, np.ndarray]:
-        shape = (len(self.times), 2)
+        shape = (len(self.times), self.scene.dimension)
         return np.broadcast_to(np.asarray(world, dtype=float), shape), np.zeros(shape)
+
+
+def perpendiculars(axis) -> tuple[np.ndarray, np.ndarray]:
+    """Return two unit vectors u, w with u x w along the axis."""
+    axis = np.asarray(axis, dtype=float) / np.linalg.norm(axis)
+    helper = np.zeros(3)
+    helper[np.argmin(np.abs(axis))] = 1.0
+    u = np.cross(helper, axis)
+    u /= np.linalg.norm(u)
+    return u, np.cross(axis, u)

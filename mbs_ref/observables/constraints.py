@@ -8,7 +8,8 @@ import numpy as np
 
 from mbs_ref.observables.attachment import PERP, Motion
 from mbs_ref.observables.signal_values import motion as prescribed
-from mbs_ref.scene import CoordinateDrive, Distance, PointDrive, Prismatic, Revolute, Scene, Weld
+from mbs_ref.observables.spatial_rows import SPATIAL_ROWS, norm_row
+from mbs_ref.scene import CoordinateDrive, Distance, PointDrive, Prismatic, Revolute, Scene, SpatialBody, Weld
 from mbs_ref.trajectory import Trajectory
 
 
@@ -16,18 +17,25 @@ from mbs_ref.trajectory import Trajectory
 class Rows:
     """Every constraint row of a scene along a motion."""
 
-    joints: tuple[str, ...]  # (n_rows,) the joint each row belongs to
+    joints: tuple[str, ...]  # (n_rows,) the joint each row belongs to; a body for the norm of its Euler parameters
     residual: np.ndarray  # (n_t, n_rows) m or rad
     rate: np.ndarray  # (n_t, n_rows) m/s or rad/s
 
 
 def rows(scene: Scene, trajectory: Trajectory) -> Rows:
     """Evaluate C and dC/dt of every joint at every sample; references are the poses at t = 0 in the scene."""
+    if not scene.joints:
+        return Rows((), *np.zeros((2, len(trajectory.times), 0)))
     motion = Motion(scene, trajectory)
     names: list[str] = []
     columns: list[tuple[np.ndarray, np.ndarray]] = []
+    table = ROWS if scene.dimension == 2 else SPATIAL_ROWS
+    for k, body in enumerate(scene.bodies):
+        if isinstance(body, SpatialBody):
+            columns.append(norm_row(trajectory.orientation[:, k]))
+            names.append(body.name)
     for joint in scene.joints:
-        found = ROWS[type(joint)](motion, joint)
+        found = table[type(joint)](motion, joint)
         columns += found
         names += [joint.name] * len(found)
     if not columns:

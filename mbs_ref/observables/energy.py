@@ -8,16 +8,20 @@ import numpy as np
 from scipy.integrate import cumulative_trapezoid
 from scipy.interpolate import make_interp_spline
 
+from mbs_ref.euler_parameters import rotation_matrices
+from mbs_ref.observables import celestial
 from mbs_ref.observables.attachment import Motion
 from mbs_ref.observables.powers import powers
-from mbs_ref.observables.springs import gap_of, length_of, twist_of
+from mbs_ref.observables.springs import bushing_strain, gap_of, length_of, twist_of
+from mbs_ref.particle_scene import is_celestial
 from mbs_ref.scene import (
+    DRIVES,
     Bushing,
-    CoordinateDrive,
     Force,
     PlanarBody,
-    PointDrive,
+    PointBushing,
     Scene,
+    SpatialBody,
     SpringDamper,
     Torque,
     TorsionSpring,
@@ -40,10 +44,23 @@ class EnergyBalance:
 def kinetic_energy(scene: Scene, trajectory: Trajectory) -> np.ndarray:
     """Return the kinetic energy (n_t,), J."""
     mass = np.array([body.mass for body in scene.bodies])
+    if scene.dimension == 3:
+        return 0.5 * np.sum(trajectory.velocity**2, axis=2) @ mass + _spatial_rotation(scene, trajectory)
     inertia = np.array([body.inertia if isinstance(body, PlanarBody) else 0.0 for body in scene.bodies])
     rigid = inertia > 0.0  # a particle's spin means nothing
     translation = 0.5 * np.sum(trajectory.velocity**2, axis=2) @ mass
     return translation + 0.5 * trajectory.angular_velocity[:, rigid] ** 2 @ inertia[rigid]
+
+
+def _spatial_rotation(scene: Scene, trajectory: Trajectory) -> np.ndarray:
+    """omega^T A J A^T omega / 2 of every rigid body."""
+    total = np.zeros(len(trajectory.times))
+    for k, body in enumerate(scene.bodies):
+        if isinstance(body, SpatialBody):
+            turned = rotation_matrices(trajectory.orientation[:, k])
+            omega = np.einsum("tij,ti->tj", turned, trajectory.angular_velocity[:, k])  # body axes
+            total += 0.5 * np.einsum("ti,ij,tj->t", omega, body.inertia_matrix, omega)
+    return total
 
 
 def potential_energy(scene: Scene, trajectory: Trajectory) -> np.ndarray:
@@ -63,7 +80,7 @@ def is_conservative(load) -> bool:
         return isinstance(load.factor, Constant) and load.frame == "world"
     if isinstance(load, Torque):
         return isinstance(load.factor, Constant)
-    return isinstance(load, SpringDamper | TorsionSpring | Bushing)
+    return isinstance(load, SpringDamper | TorsionSpring | Bushing | PointBushing)
 
 
 def energy_balance(scene: Scene, trajectory: Trajectory) -> EnergyBalance:
@@ -71,6 +88,11 @@ def energy_balance(scene: Scene, trajectory: Trajectory) -> EnergyBalance:
 
     Fourth-order splines integrate the power; comparing with every second sample gives `resolution`.
     """
+    if is_celestial(scene):
+        if not celestial.is_newtonian(scene):
+            return EnergyBalance(np.zeros(len(trajectory.times)), None, None, 0.0, celestial.not_newtonian(scene))
+        found = celestial.energy(scene, trajectory).astype(float)
+        return EnergyBalance(found, np.zeros_like(found), celestial.drift(scene, trajectory), 0.0)
     energy = kinetic_energy(scene, trajectory) + potential_energy(scene, trajectory)
     reason = _undefined(scene, trajectory)
     if reason:
@@ -86,7 +108,7 @@ def energy_balance(scene: Scene, trajectory: Trajectory) -> EnergyBalance:
 
 
 def _undefined(scene: Scene, trajectory: Trajectory) -> str:
-    drives = [j.name for j in scene.joints if isinstance(j, CoordinateDrive | PointDrive)]
+    drives = [j.name for j in scene.joints if isinstance(j, DRIVES)]
     missing = [name for name in drives if name not in trajectory.reactions]
     if missing:
         return f"energy is not conserved: {', '.join(missing)} does work, and the engine reports no reaction there"
@@ -137,6 +159,10 @@ def _torsion(motion: Motion, load: TorsionSpring) -> np.ndarray:
 
 
 def _bushing(motion: Motion, load: Bushing) -> np.ndarray:
+    return 0.5 * bushing_strain(motion, load)[0] ** 2 @ np.asarray(load.stiffness)
+
+
+def _point_bushing(motion: Motion, load: PointBushing) -> np.ndarray:
     return 0.5 * load.stiffness * np.sum(gap_of(motion, load)[0] ** 2, axis=1)
 
 
@@ -153,4 +179,11 @@ def _constant(factor: Signal) -> float:
     return factor.segments()[0].coefficients[0]
 
 
-POTENTIALS = {SpringDamper: _spring, TorsionSpring: _torsion, Bushing: _bushing, Force: _force, Torque: _torque}
+POTENTIALS = {
+    SpringDamper: _spring,
+    TorsionSpring: _torsion,
+    Bushing: _bushing,
+    PointBushing: _point_bushing,
+    Force: _force,
+    Torque: _torque,
+}

@@ -10,14 +10,17 @@ from mbs_ref.contact import Contact
 from mbs_ref.observables.attachment import Motion
 from mbs_ref.observables.signal_values import motion as prescribed
 from mbs_ref.observables.signal_values import values
-from mbs_ref.observables.springs import gap_of, length_of, twist_of
+from mbs_ref.observables.springs import bushing_strain, gap_of, length_of, twist_of
 from mbs_ref.scene import (
     Bushing,
     CoordinateDrive,
     Force,
+    PointBushing,
     PointDrive,
+    RotationDrive,
     SpringDamper,
     Torque,
+    TorqueVector,
     TorsionSpring,
     UserForce,
 )
@@ -40,8 +43,10 @@ def _contact(motion: Motion, contact: Contact) -> np.ndarray:
 
 
 def _works(load, is_conservative: Callable) -> bool:
-    if isinstance(load, SpringDamper | TorsionSpring | Bushing):
+    if isinstance(load, SpringDamper | TorsionSpring | PointBushing):
         return load.damping > 0.0
+    if isinstance(load, Bushing):
+        return any(c > 0.0 for c in load.damping)
     return not is_conservative(load)
 
 
@@ -58,7 +63,7 @@ def _torsion_damper(motion: Motion, load: TorsionSpring) -> np.ndarray:
     return -load.damping * twist_of(motion, load)[1] ** 2
 
 
-def _bushing_damper(motion: Motion, load: Bushing) -> np.ndarray:
+def _point_bushing_damper(motion: Motion, load: PointBushing) -> np.ndarray:
     return -load.damping * np.sum(gap_of(motion, load)[1] ** 2, axis=1)
 
 
@@ -72,30 +77,48 @@ def _torque(motion: Motion, load: Torque) -> np.ndarray:
     return values(load.factor, motion.times) * load.torque * motion.spin(load.body)
 
 
+def _torque_vector(motion: Motion, load: TorqueVector) -> np.ndarray:
+    vector = np.asarray(load.vector) if load.frame == "world" else motion.direction(load.body, load.vector)[0]
+    return values(load.factor, motion.times) * np.sum(motion.turning(load.body) * vector, axis=1)
+
+
+def _bushing_damper(motion: Motion, load: Bushing) -> np.ndarray:
+    return -(bushing_strain(motion, load)[1] ** 2) @ np.asarray(load.damping)
+
+
 def _user_force(motion: Motion, load: UserForce) -> np.ndarray:
     path = motion.trajectory
-    q = np.concatenate([path.position, path.orientation[:, :, None]], axis=2)
-    v = np.concatenate([path.velocity, path.angular_velocity[:, :, None]], axis=2)
+    shape = (len(path.times), len(motion.scene.bodies), -1)
+    q = np.concatenate([path.position, path.orientation.reshape(shape)], axis=2)
+    v = np.concatenate([path.velocity, path.angular_velocity.reshape(shape)], axis=2)
     return np.array([np.sum(np.asarray(load.function(t, q[k], v[k])) * v[k]) for k, t in enumerate(path.times)])
 
 
 def _coordinate_drive(motion: Motion, joint: CoordinateDrive) -> np.ndarray:
     _, rate = prescribed(joint.motion, joint.level, motion.times)
-    return motion.trajectory.reactions[joint.name][:, ("x", "y", "angle").index(joint.coordinate)] * rate
+    names = ("x", "y", "angle") if motion.scene.dimension == 2 else ("x", "y", "z")
+    return motion.trajectory.reactions[joint.name][:, names.index(joint.coordinate)] * rate
+
+
+def _rotation_drive(motion: Motion, joint: RotationDrive) -> np.ndarray:
+    torque = motion.trajectory.reactions[joint.name][:, 3:]
+    return np.sum(torque * (motion.turning(joint.body_b) - motion.turning(joint.body_a)), axis=1)
 
 
 def _point_drive(motion: Motion, joint: PointDrive) -> np.ndarray:
     _, rate = prescribed(joint.motion, joint.level, motion.times)
     along = np.asarray(joint.direction) / np.linalg.norm(joint.direction)
-    return motion.trajectory.reactions[joint.name][:, :2] @ along * rate
+    return motion.trajectory.reactions[joint.name][:, : motion.scene.dimension] @ along * rate
 
 
 LOADS = {
     SpringDamper: _damper,
     TorsionSpring: _torsion_damper,
-    Bushing: _bushing_damper,
     Force: _force,
     Torque: _torque,
+    TorqueVector: _torque_vector,
+    Bushing: _bushing_damper,
+    PointBushing: _point_bushing_damper,
     UserForce: _user_force,
 }
-DRIVES = {CoordinateDrive: _coordinate_drive, PointDrive: _point_drive}
+DRIVES = {CoordinateDrive: _coordinate_drive, PointDrive: _point_drive, RotationDrive: _rotation_drive}

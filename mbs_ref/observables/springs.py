@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from mbs_ref.observables.attachment import Motion
-from mbs_ref.scene import Bushing, SpringDamper, TorsionSpring
+from mbs_ref.scene import Bushing, PointBushing, SpringDamper, TorsionSpring
 
 
 def length_of(motion: Motion, spring: SpringDamper) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -22,6 +23,9 @@ def length_of(motion: Motion, spring: SpringDamper) -> tuple[np.ndarray, np.ndar
 
 def twist_of(motion: Motion, spring: TorsionSpring) -> tuple[np.ndarray, np.ndarray]:
     """Return the relative angle beyond the rest angle (rad) and its rate (rad/s); each (n_t,)."""
+    if spring.axis is not None:
+        angle, rate = motion.angle_about(spring.body_a, spring.body_b, spring.axis)
+        return angle - (spring.rest_angle or 0.0), rate
     turned = motion.angle(spring.body_b) - motion.angle(spring.body_a)
     offset = 0.0
     if spring.rest_angle is not None:
@@ -34,7 +38,21 @@ def _initial_angle(motion: Motion, body: str) -> float:
     return 0.0 if k < 0 else getattr(motion.scene.bodies[k], "angle", 0.0)
 
 
-def gap_of(motion: Motion, bushing: Bushing) -> tuple[np.ndarray, np.ndarray]:
+def bushing_strain(motion: Motion, bushing: Bushing) -> tuple[np.ndarray, np.ndarray]:
+    """Return offset and rotation vector (n_t, 6) along the bushing's axes in body a, and their rates for dampers."""
+    x, y = (np.asarray(v) / np.linalg.norm(v) for v in (bushing.x_axis, bushing.y_axis))
+    axes = (x, y, np.cross(x, y))
+    bodies = (bushing.body_a, bushing.body_b)
+    here, there = (np.stack([motion.direction(body, e)[0] for e in axes], axis=2) for body in bodies)
+    (a, a_rate), (b, b_rate) = motion.point(bushing.body_a, bushing.point), motion.point(bushing.body_b, bushing.point)
+    carried = np.cross(motion.turning(bushing.body_a), b - a)
+    relative = Rotation.from_matrix(np.swapaxes(here, 1, 2) @ there).as_rotvec()
+    seen = [b - a, b_rate - a_rate - carried, motion.turning(bushing.body_b) - motion.turning(bushing.body_a)]
+    offset, offset_rate, spin = (np.einsum("tij,ti->tj", here, v) for v in seen)
+    return np.concatenate((offset, relative), axis=1), np.concatenate((offset_rate, spin), axis=1)
+
+
+def gap_of(motion: Motion, bushing: PointBushing) -> tuple[np.ndarray, np.ndarray]:
     """Return the gap between the marks (n_t, 2), m, and the slip at b's mark (m/s), where both forces act."""
     a, _ = motion.point(bushing.body_a, bushing.point)
     b, b_rate = motion.point(bushing.body_b, bushing.point)

@@ -11,8 +11,8 @@ from mbs_ref.part import NonNegative
 from mbs_ref.scene import Scene
 
 DESCRIPTION = (
-    "48 bodies: every vertebra, the ribs and the shoulder of a person, joined by 45 revolutes, seat base and seat back; "
-    "no friction and no joint stops."
+    "48 bodies: every vertebra, the ribs and the shoulder of a person, joined by 45 revolutes, seat base and "
+    "seat back; no friction and no joint stops."
 )
 
 

@@ -36,13 +36,15 @@ def build(
     height: NonNegative = 0.1,
     speed: NonNegative = 1.0,
     gravity: NonNegative = 0.0,
+    plate: NonNegative = 0.0,
     duration: Positive = 0.4,
 ) -> Scene:
     """Bounce a ball off a floor by a chosen contact law.
 
     law; stiffness (N/m^n), damping (N s/m, or N s/m^(n + 1) where the law multiplies it by d^n), exponent
     n of the power laws, nominal restitution; mass (kg), height above the floor (m), speed downwards
-    (m/s), gravity (m/s^2; 0 leaves a single free impact), duration (s).
+    (m/s), gravity (m/s^2; 0 leaves a single free impact), thickness of the floor if it is a plate (m; 0 is
+    endless: deeper than a plate is behind it), duration (s).
     """
     return Scene(
         name="bouncing_ball",
@@ -60,6 +62,7 @@ def build(
             CircleOnLine(
                 name="floor", body_a="ball", center=(0.0, RADIUS + height), radius=RADIUS,
                 point_1=(-1.0, 0.0), point_2=(1.0, 0.0), law=_law(law, stiffness, damping, exponent, restitution),
+                thickness=plate or None,
             ),
         ),
     )  # fmt: skip

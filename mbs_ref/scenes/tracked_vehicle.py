@@ -75,7 +75,7 @@ def _pins(links: int) -> np.ndarray:
     below = np.column_stack((inner, np.full(straight - 1, -PITCH_RADIUS)))
     above = np.column_stack((base - inner, np.full(straight - 1, PITCH_RADIUS)))
     pins = np.vstack((left, below, (base, 0.0) - left, above))
-    return pins + (0.0, AXLE_HEIGHT)
+    return pins + np.array([0.0, AXLE_HEIGHT])
 
 
 def _wheels(base: float, rollers: int, upper: int) -> dict[str, tuple[tuple[float, float], float]]:
@@ -85,7 +85,8 @@ def _wheels(base: float, rollers: int, upper: int) -> dict[str, tuple[tuple[floa
     found = {"sprocket": ((0.0, AXLE_HEIGHT), PITCH_RADIUS), "idler": ((base, AXLE_HEIGHT), APOTHEM - 0.5 * HEIGHT)}
     found |= {f"roller{k + 1}": ((float(x), HEIGHT + ROLLER_RADIUS), ROLLER_RADIUS) for k, x in enumerate(spread)}
     top = AXLE_HEIGHT + PITCH_RADIUS - 0.5 * HEIGHT
-    return found | {f"upper{k + 1}": ((float(x), top - 0.5 * ROLLER_RADIUS), 0.5 * ROLLER_RADIUS) for k, x in enumerate(over)}
+    small = 0.5 * ROLLER_RADIUS
+    return found | {f"upper{k + 1}": ((float(x), top - small), small) for k, x in enumerate(over)}
 
 
 def _chassis(base: float) -> PlanarBody:

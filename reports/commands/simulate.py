@@ -24,6 +24,7 @@ from reports.poses_file import FORMATS, write_poses
 @click.option("--stabilization", metavar="S", help="none, baumgarte or projection.")
 @click.option("--t-end", type=float, metavar="T", help="Duration, s; the scene's own unless given.")
 @click.option("--samples", type=int, metavar="N", help="Output times, evenly spaced from 0 to the end.")
+@click.option("--events", type=click.Choice(["located", "none"]), help="Locate contact events, or merely clip forces.")
 @click.option("--project-initial", is_flag=True, help="Repair inconsistent initial conditions and report by how much.")
 @click.option("--stop-on-compliance", is_flag=True, help="End the run where |C(q, t)| < step fails (the papers' test).")
 @click.option("--json", "as_json", is_flag=True, help="Print the whole record as JSON.")

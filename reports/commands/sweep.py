@@ -17,7 +17,9 @@ from reports.sweeping import sweep_records
 @click.option("--engine", "chosen", multiple=True, metavar="E", help="Only this engine; repeatable.")
 @click.option("--method", "methods", multiple=True, metavar="M", help="Only this method; repeatable.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON lines, one a run.")
-@click.option("-o", "output", metavar="FILE.jsonl", help="Write the JSON lines to a file.")
+@click.option("-o", "output", metavar="FILE.jsonl", help="Keep the lines in a file; what it holds already is not run.")
+@click.option("--timeout", type=float, callback=inputs.positive, help="Longest time of one run, s.  [default: 120]")
+@click.option("--memory", type=float, callback=inputs.positive, help="Most memory of one run, MiB.  [default: 4096]")
 def command(
     scene: str,
     parameters: tuple[str, ...],
@@ -25,10 +27,16 @@ def command(
     methods: tuple[str, ...],
     as_json: bool,
     output: str | None,
+    timeout: float | None,
+    memory: float | None,
 ) -> None:
-    """Measure work against precision on SCENE."""
+    """Measure work against precision on SCENE.
+
+    Engines run in a process of their own: one that hangs, crashes or eats memory costs that one run.
+    A sweep that was interrupted, or killed, goes on where it stopped.
+    """
     target = inputs.output(output, (".jsonl",))
-    records = sweep_records(inputs.scene(scene, parameters), chosen, methods, target)
+    records = sweep_records(inputs.scene(scene, parameters), chosen, methods, target, timeout, memory)
     if not records:
         raise NothingSelected("no engine and method to sweep")
     for record in records if as_json else ():

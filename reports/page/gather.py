@@ -6,13 +6,16 @@ import time
 from collections.abc import Callable, Iterator
 from typing import Any
 
+from benchmarks import space
 from benchmarks.sweep import sweep
 from cross_checks import engines
+from cross_checks.compare import evaluate
 from cross_checks.engine import Method
 from cross_checks.matrix import judge_method, missing
 from cross_checks.record import Record
 from mbs_ref import scenes
 from mbs_ref.scene import Scene
+from mbs_ref.settings import Settings
 from reports.page.capability import capabilities
 from reports.page.environment import environment
 from reports.page.numbers import finite
@@ -30,7 +33,13 @@ SCENES: tuple[tuple[str, dict[str, Any]], ...] = (
     ("slider_crank", {}),
     ("driven_pendulum", {}),
     ("spring_pendulum", {}),
+    ("torque_free_top", {"turns": 10.0}),
+    ("heavy_top", {}),
+    ("spatial_chain", {"links": 10}),
+    ("spatial_n_four_bar", {"loops": 2}),
+    ("bricard", {}),
 )
+SKY_LEVELS = ("lumped", "newton", "gr_sun", "gr", "j2", "asteroids", "full")
 RUN_TIME = 200.0  # s for all runs, so that the report with its compilation stays within five minutes on two cores
 LEAST_SHARE = 0.2  # s for a method on a scene, however late it is
 QUICK = (("pendulum", {}), ("pendulum_chain", {"links": 3}), ("n_four_bar", {"loops": 1}))
@@ -57,7 +66,18 @@ def gather(quick: bool = False, progress: Progress | None = None) -> ReportData:
     report(len(tasks), len(tasks), "writing the page")
     seconds = time.perf_counter() - begun
     facts = environment() | {"time of the runs": f"{seconds:.0f} s"}
-    return ReportData(tuple(cells), tuple(records), capabilities(chosen), facts, _orders(), quick, seconds)
+    return ReportData(
+        tuple(cells), tuple(records), capabilities(chosen), facts, _orders(), quick, seconds=seconds,
+        space=None if quick else space.measure(), sky=() if quick else digits_ladder(),
+    )  # fmt: skip
+
+
+def digits_ladder() -> tuple[Record, ...]:
+    """Return the solar system over 360 days at each level of physics, and the same with WHFast at one day."""
+    fine = Settings(method="gauss", rtol=1e-16, samples=2)
+    found = [evaluate(scenes.make("solar_system", model=level), "mbs_ref", fine) for level in SKY_LEVELS]
+    coarse = Settings(method="whfast", step=86_400.0, samples=2)
+    return (*found, evaluate(scenes.make("solar_system", model="newton"), "rebound", coarse))
 
 
 def _warm_up(scene: Scene, report: Progress) -> None:

@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import Any
 
+from benchmarks.space import SpaceFacts
 from cross_checks.record import Record
 from mbs_ref import scenes
 
@@ -45,7 +46,9 @@ class ReportData:
     environment: dict[str, str] = field(default_factory=dict)
     orders: dict[tuple[str, str], int] = field(default_factory=dict)  # (engine, method) -> documented order
     quick: bool = False
+    sky: tuple[Record, ...] = ()  # the solar system at each level of physics, with figures per body
     seconds: float = 0.0  # s, spent on the runs
+    space: SpaceFacts | None = None  # measured on spatial bodies; None in a quick report
 
     @property
     def scenes(self) -> list[str]:

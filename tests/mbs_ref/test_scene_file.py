@@ -15,6 +15,7 @@ from mbs_ref import scene_file, scenes
 from mbs_ref.problems import Problem
 from mbs_ref.scene_file import SceneFileError, dumps, loads, read_scene, write_scene
 from mbs_ref.signals import Constant, HalfSine, Harmonic, Polynomial, Table
+from tests.mbs_ref.spatial.every_part import every_part
 
 finite = st.floats(allow_nan=False, allow_infinity=False)
 positive = st.floats(min_value=1e-300, max_value=1e300)
@@ -98,10 +99,18 @@ def test_every_scene_goes_through_a_file(name, tmp_path):
     assert read_scene(tmp_path / "scene.toml") == scene
 
 
+SPATIAL = {type(part) for scene in (every_part(),) for part in (*scene.bodies, *scene.joints, *scene.loads)}
+
+
+def test_every_spatial_part_reads_back_equal():
+    scene = every_part()
+    assert loads(dumps(scene)) == scene
+
+
 def test_every_part_type_is_tried():
     tried = {kind for kind, _ in [*BODIES, *JOINTS, *LOADS]}
     every = {part for union in (language.Body, language.Joint, language.Load) for part in get_args(get_args(union)[0])}
-    assert tried == every - {language.UserForce}
+    assert tried | SPATIAL == every - {language.UserForce}
 
 
 def test_defaults_are_left_out():
@@ -130,8 +139,8 @@ def problems_of(body: str) -> list[Problem]:
         (ROD.replace("mass = 1\n", ""), "bodies[0].mass (rod): is missing"),
         (ROD + "velocity = [0, inf]", "bodies[0].velocity[1] (rod) = inf: must be a finite number"),
         (ROD.replace('"planar"', '"plannar"'), "bodies[0].type (rod) = 'plannar': is no type allowed here; "
-         "allowed: planar, point_mass; did you mean 'planar'?"),
-        (ROD.replace('type = "planar"', ""), "bodies[0] (rod): needs a type; allowed: planar, point_mass"),
+         "allowed: planar, spatial, point_mass; did you mean 'planar'?"),
+        (ROD.replace('type = "planar"', ""), "bodies[0] (rod): needs a type; allowed: planar, spatial, point_mass"),
         ("bodies = 3", "bodies = 3: must be a list"),
         ("bodies = [3]", "bodies[0] = 3: must be a table"),
         ("parameters = {a = [1]}\n" + ROD, "parameters.a = [1]: must be a number, a text, true or false"),

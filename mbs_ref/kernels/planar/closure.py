@@ -62,7 +62,7 @@ def factor_closures(model, work, zero_gamma):
             closures.schur[r, other] = value
             closures.schur[other, r] = value
     closures.rank[0], closures.regularity[0] = pivoted_cholesky(
-        closures.schur, closures.scale, RANK_TOLERANCE, closures.lower, closures.order
+        closures.schur, closures.scale, RANK_TOLERANCE, closures.lower, closures.order, closures.scale.shape[0]
     )
 
 

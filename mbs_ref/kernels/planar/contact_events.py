@@ -6,6 +6,8 @@ mode holds a little beyond its root, by `noise`, or contacts at rest exactly at 
 
 from __future__ import annotations
 
+import numpy as np
+
 from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.planar.contacts import contact_geometry, friction_force, is_behind, normal_force
 from mbs_ref.kernels.planar.dynamics import factor, load_state, planar_derivative, solve
@@ -35,7 +37,7 @@ from mbs_ref.kernels.planar.model import (
 SETTLED, ENDLESS = 0, 1
 AT_ONCE = 1e-9  # s, events of one contact closer than this form a burst ...
 LONGEST_BURST = 60  # ... and a burst longer than this is endless
-PROBE_SWEEPS = 30  # Gauss-Seidel sweeps for the friction of contacts that stop sliding together
+PROBE_SWEEPS = 200  # for the friction of contacts that stop sliding together
 
 
 @jit
@@ -87,33 +89,6 @@ def _grip_margin(laws, modes, k, gap, closing, speed, along):
         normal = normal_force(laws, modes, k, -gap, -closing)
         return laws.static[k] * normal - abs(friction_force(laws, modes, k, normal, speed, along))
     return modes.grip[k] * speed
-
-
-@jit
-def planar_start_modes(model, work, t, y, located):
-    """Set every mode by the state; event functions are watched only where `located`."""
-    pairs, laws, modes = contact_pairs_of(model), contact_laws_of(model), contact_modes_of(model)
-    kin = kinematics_of(work)
-    count = pairs.kind.shape[0]
-    modes.logged[0] = 0
-    modes.roots[0] = ROOTS_PER_CONTACT * count if located else 0
-    load_state(model, work, y)
-    for k in range(count):
-        modes.stamp[k] = -1e300
-        modes.burst[k] = 0
-        gap, closing, _, _, speed, along, beyond, _, _, _, _ = contact_geometry(pairs, kin, k)
-        modes.dashpot[k] = laws.damping[k] + laws.impact_damping[k] * laws.stiffness[k] / laws.slowest[k]
-        modes.grip[k] = GRIP_STICK
-        modes.anchor[k] = along
-        if not located:
-            modes.mode[k] = MODE_PLAIN
-        elif beyond > 0.0 or gap > 0.0 or laws.release[k] == RELEASE_RIGID:
-            modes.mode[k] = MODE_OPEN
-        elif is_behind(pairs, k, gap):
-            modes.mode[k] = MODE_BEHIND
-        else:
-            _close(laws, modes, k, max(-closing, 0.0))
-            _take_grip(laws, modes, k, speed, along)
 
 
 @jit
@@ -214,26 +189,52 @@ def _slide_rate(model, work, t, y, dy, k):
 
 
 @jit
+def _probed_load(pairs, laws, modes, kin):
+    """Return the sum of the normal forces of the contacts under probe, and their number."""
+    total = 0.0
+    count = 0
+    for k in range(pairs.kind.shape[0]):
+        if modes.grip[k] == GRIP_PROBE:
+            gap, closing, _, _, _, _, _, _, _, _, _ = contact_geometry(pairs, kin, k)
+            total += max(normal_force(laws, modes, k, -gap, -closing), 0.0)
+            count += 1
+    return total, count
+
+
+@jit
 def _settle_grips(model, work, t, y, dy):
     """Find the friction that keeps the stopped contacts at rest; stick where mu_s allows it, else slide on.
 
-    Each probe force changes its own sliding rate linearly; contacts that stop together share by sweeps.
+    Each probe force changes its own sliding rate linearly. Where friction is not unique, as under two
+    corners of one block, weights by the normal force make the contacts share in proportion to it.
     """
     pairs, laws, modes = contact_pairs_of(model), contact_laws_of(model), contact_modes_of(model)
     kin = kinematics_of(work)
+    load_state(model, work, y)
+    total, count = _probed_load(pairs, laws, modes, kin)
+    change = np.zeros(pairs.kind.shape[0])
     for _ in range(PROBE_SWEEPS):
         largest = 0.0
+        most = 0.0
         for k in range(pairs.kind.shape[0]):
             if modes.grip[k] != GRIP_PROBE:
                 continue
             before = modes.anchor[k]
             rate = _slide_rate(model, work, t, y, dy, k)
             modes.anchor[k] = before + 1.0
-            compliance = _slide_rate(model, work, t, y, dy, k) - rate
-            change = -rate / compliance if compliance > 0.0 else 0.0
-            modes.anchor[k] = before + change
-            largest = max(largest, abs(change))
-        if largest <= 1e-12:
+            mobility = _slide_rate(model, work, t, y, dy, k) - rate
+            modes.anchor[k] = before
+            load_state(model, work, y)
+            gap, closing, _, _, _, _, _, _, _, _, _ = contact_geometry(pairs, kin, k)
+            normal = max(normal_force(laws, modes, k, -gap, -closing), 0.0)
+            share = normal / total if total > 0.0 else 1.0 / count
+            change[k] = -share * rate / mobility if mobility > 0.0 else 0.0
+            largest = max(largest, abs(change[k]))
+        for k in range(pairs.kind.shape[0]):
+            if modes.grip[k] == GRIP_PROBE:
+                modes.anchor[k] += change[k]
+                most = max(most, abs(modes.anchor[k]))
+        if largest <= 1e-10 * most:
             break
     for k in range(pairs.kind.shape[0]):
         if modes.grip[k] != GRIP_PROBE:
@@ -249,19 +250,51 @@ def _settle_grips(model, work, t, y, dy):
 
 
 @jit
-def _impact(model, work, t, y, k):
-    """Reverse the normal speed by an impulse, v+ = -e v-, within the joints: dv = W J^T p."""
-    pairs, laws, kin = contact_pairs_of(model), contact_laws_of(model), kinematics_of(work)
+def planar_start_modes(model, work, t, y, located):
+    """Set every mode by the state; event functions are watched only where `located`."""
+    pairs, laws, modes = contact_pairs_of(model), contact_laws_of(model), contact_modes_of(model)
+    kin = kinematics_of(work)
+    count = pairs.kind.shape[0]
+    resting = False
+    modes.logged[0] = 0
+    modes.roots[0] = ROOTS_PER_CONTACT * count if located else 0
+    load_state(model, work, y)
+    for k in range(count):
+        modes.stamp[k] = -1e300
+        modes.burst[k] = 0
+        gap, closing, _, _, speed, along, beyond, _, _, _, _ = contact_geometry(pairs, kin, k)
+        modes.dashpot[k] = laws.damping[k] + laws.impact_damping[k] * laws.stiffness[k] / laws.slowest[k]
+        modes.grip[k] = GRIP_STICK
+        modes.anchor[k] = along
+        if not located:
+            modes.mode[k] = MODE_PLAIN
+        elif beyond > 0.0 or gap > 0.0 or laws.release[k] == RELEASE_RIGID:
+            modes.mode[k] = MODE_OPEN
+        elif is_behind(pairs, k, gap):
+            modes.mode[k] = MODE_BEHIND
+        else:
+            _close(laws, modes, k, max(-closing, 0.0))
+            _take_grip(laws, modes, k, speed, along)
+            if laws.friction[k] == FRICTION_STICK_SLIP and speed == 0.0:
+                modes.grip[k] = GRIP_PROBE
+                modes.anchor[k] = 0.0
+                resting = True
+    if resting:
+        _settle_grips(model, work, t, y, np.empty_like(y))
+
+
+@jit
+def planar_contact_mobility(model, work, t, y, k):
+    """Return n^T W n (1/kg), the normal mobility of a contact within the joints; leave W n as tree acceleration."""
+    pairs, kin = contact_pairs_of(model), kinematics_of(work)
     tree, rows = tree_of(work), rows_of(work)
-    bodies = bodies_of(model)
-    n = bodies.mass.shape[0]
     load_state(model, work, y)
     fill_joints(model, work, t)
     factor(model, work)
-    _, closing, nx, ny, _, _, _, ax, ay, bx, by = contact_geometry(pairs, kin, k)
+    _, _, nx, ny, _, _, _, ax, ay, bx, by = contact_geometry(pairs, kin, k)
     a = pairs.a[k]
     b = pairs.b[k]
-    for i in range(n + 1):
+    for i in range(tree.load.shape[0]):
         for c in range(3):
             tree.load[i, c] = 0.0
     tree.load[a, 0] += nx
@@ -276,8 +309,18 @@ def _impact(model, work, t, y, k):
     solve(model, work, rows.gamma)
     response = tree.acceleration
     mobility = nx * (response[a, 0] - ay * response[a, 2] - response[b, 0] + by * response[b, 2])
-    mobility += ny * (response[a, 1] + ax * response[a, 2] - response[b, 1] - bx * response[b, 2])
+    return mobility + ny * (response[a, 1] + ax * response[a, 2] - response[b, 1] - bx * response[b, 2])
+
+
+@jit
+def _impact(model, work, t, y, k):
+    """Reverse the normal speed by an impulse, v+ = -e v-, within the joints: dv = W n p."""
+    pairs, laws, bodies = contact_pairs_of(model), contact_laws_of(model), bodies_of(model)
+    mobility = planar_contact_mobility(model, work, t, y, k)
+    closing = contact_geometry(pairs, kinematics_of(work), k)[1]
+    response = tree_of(work).acceleration
     impulse = -(1.0 + laws.restitution[k]) * closing / mobility
+    n = bodies.mass.shape[0]
     for i in range(n):
         place = 3 * (n + bodies.scene_index[i])
         for c in range(3):

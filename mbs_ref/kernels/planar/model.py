@@ -200,8 +200,10 @@ def _no_contacts() -> tuple[ContactPairs, ContactLaws, ContactModes]:
     pairs = ContactPairs(
         integers, integers, integers, points, floats, points, points, floats, integers, floats, points
     )  # fmt: skip
-    laws = ContactLaws(*[floats] * 6, integers, floats, integers, *[floats] * 5)
-    modes = ContactModes(integers, integers, floats, floats, floats, integers, _integers(1), _floats(1), _floats(0, 6), _integers(1))
+    kinds = {name: integers for name in ("release", "friction")}
+    laws = ContactLaws(**{name: kinds.get(name, floats) for name in ContactLaws._fields})
+    counters = (_integers(1), _floats(1), _floats(0, 6), _integers(1))
+    modes = ContactModes(integers, integers, floats, floats, floats, integers, *counters)
     return pairs, laws, modes
 
 
@@ -218,9 +220,16 @@ _EMPTY = PlanarGroups(
     ),
     forces=Forces(_integers(0), _floats(0, 2), _floats(0, 2), _integers(0), _floats(0), _integers(0)),
     springs=Springs(
-        _integers(0), _integers(0), _floats(0, 2), _floats(0, 2), _floats(0), _floats(0), _floats(0),
-        _integers(0), _integers(0),
-    ),  # fmt: skip
+        _integers(0),
+        _integers(0),
+        _floats(0, 2),
+        _floats(0, 2),
+        _floats(0),
+        _floats(0),
+        _floats(0),
+        _integers(0),
+        _integers(0),
+    ),
     torsion_springs=TorsionSprings(_integers(0), _integers(0), _floats(0), _floats(0), _floats(0)),
     contact_pairs=_NO_CONTACTS[0],
     contact_laws=_NO_CONTACTS[1],

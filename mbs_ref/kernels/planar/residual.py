@@ -15,12 +15,13 @@ from mbs_ref.kernels.planar.implicit import planar_force_balance
 from mbs_ref.kernels.planar.model import bodies_of, rows_of, slots_of
 
 INDEX_1, GGL, INDEX_3 = 1, 2, 3
-PROXIMAL = 1e-12  # of a multiplier in its own row: keeps dependent rows solvable, far below any tolerance
-
 
 @jit
-def planar_residual(model, work, t, x, xp, form, row_slot, row_row, lam, balance, out):
-    """Write F(t, x, x') of the chosen form; lam (n_slots, 3) and balance (3 n,) are scratch."""
+def planar_residual(model, work, t, x, xp, form, proximal, row_slot, row_row, lam, balance, out):
+    """Write F(t, x, x') of the chosen form; lam (n_slots, 3) and balance (3 n,) are scratch.
+
+    `proximal` times a multiplier is left in its own row: it keeps dependent rows solvable.
+    """
     bodies, slots, rows = bodies_of(model), slots_of(model), rows_of(work)
     n = bodies.mass.shape[0]
     half = 3 * n
@@ -40,12 +41,12 @@ def planar_residual(model, work, t, x, xp, form, row_slot, row_row, lam, balance
         slot, row = row_slot[r], row_row[r]
         if form == GGL:
             mu = x[2 * half + m + r]
-            out[2 * half + r] = rows.rate[slot, row] - PROXIMAL * x[2 * half + r]
-            out[2 * half + m + r] = rows.residual[slot, row] - PROXIMAL * mu
+            out[2 * half + r] = rows.rate[slot, row] - proximal * x[2 * half + r]
+            out[2 * half + m + r] = rows.residual[slot, row] - proximal * mu
         elif form == INDEX_3:
             out[2 * half + r] = rows.residual[slot, row]
         else:
-            out[2 * half + r] = -rows.gamma[slot, row] - PROXIMAL * x[2 * half + r]
+            out[2 * half + r] = -rows.gamma[slot, row] - proximal * x[2 * half + r]
         for side in range(2):
             body = slots.body[slot, side]
             if body < n:

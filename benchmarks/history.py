@@ -1,0 +1,134 @@
+"""What every nightly job found: JSON lines are the truth, and an SQLite index is derived from them."""
+
+from __future__ import annotations
+
+import json
+import os
+import sqlite3
+from collections.abc import Iterable, Sequence
+from contextlib import closing
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+COLUMNS = ("job", "made", "commit_id", "machine", "series", "value", "unit", "verdict", "error")
+EFFECT = 1.05  # a level that changes by less is no change
+CHANCE = 0.01  # of a permutation doing as well
+SHUFFLES = 500
+LEAST = 4  # entries on either side of a change
+
+
+@dataclass(frozen=True)
+class Entry:
+    """One figure of one job."""
+
+    job: str  # entries of one job were measured on one machine within one run
+    made: str  # UTC, ISO 8601
+    commit_id: str
+    machine: str
+    series: str  # what is followed over time
+    value: float  # a ratio to the job's own baseline where unit is 1, else s
+    unit: str
+    verdict: str = ""
+    error: float | None = None  # m, the accuracy at which it was timed
+
+
+def append(path: Path, entries: Iterable[Entry]) -> None:
+    """Add entries, in one write that a crash leaves whole or torn at its last line only."""
+    lines = "".join(json.dumps(asdict(entry), allow_nan=False) + "\n" for entry in entries)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    handle = os.open(path, os.O_RDWR | os.O_APPEND | os.O_CREAT, 0o644)
+    try:
+        size = os.fstat(handle).st_size
+        torn = size > 0 and os.pread(handle, 1, size - 1) != b"\n"
+        os.write(handle, ("\n" * torn + lines).encode())
+        os.fsync(handle)
+    finally:
+        os.close(handle)
+
+
+def read(path: Path) -> tuple[list[Entry], list[str]]:
+    """Return the entries, and a sentence for every line that is none."""
+    entries, problems = [], []
+    for number, line in enumerate(path.read_bytes().split(b"\n"), start=1):
+        if not line.strip():
+            continue
+        try:
+            entries.append(Entry(**json.loads(line)))
+        except (ValueError, TypeError) as error:
+            problems.append(f"{path}:{number}: no entry, skipped: {error}")
+    return entries, problems
+
+
+def index(path: Path) -> tuple[Path, list[str]]:
+    """Return the SQLite index beside the lines, made anew, and what was skipped; delete it at will."""
+    entries, problems = read(path)
+    target = path.with_suffix(".sqlite")
+    draft = target.with_name(f".{target.name}.{os.getpid()}.tmp")
+    draft.unlink(missing_ok=True)
+    with closing(sqlite3.connect(draft)) as database, database:
+        database.execute(f"CREATE TABLE entries ({', '.join(COLUMNS)})")
+        marks = ", ".join("?" * len(COLUMNS))
+        database.executemany(f"INSERT INTO entries VALUES ({marks})", [tuple(asdict(e).values()) for e in entries])
+        database.execute("CREATE INDEX by_series ON entries (series, made)")
+    draft.replace(target)
+    return target, problems
+
+
+def series(database: Path, name_contains: str = "") -> dict[str, list[Entry]]:
+    """Return every series whose name holds the text, each in the order of time."""
+    asked = f"SELECT {', '.join(COLUMNS)} FROM entries WHERE instr(series, ?) ORDER BY series, made"
+    found: dict[str, list[Entry]] = {}
+    with closing(sqlite3.connect(database)) as connection:
+        for row in connection.execute(asked, (name_contains,)):
+            entry = Entry(*row)
+            found.setdefault(entry.series, []).append(entry)
+    return found
+
+
+def change_points(values: Sequence[float], seed: int = 0) -> list[int]:
+    """Return where the level of positive values changes: indices of the first value of each new level.
+
+    Binary segmentation on log values; a split counts when its t statistic beats all but CHANCE of random
+    permutations (Matteson & James 2014 use the same test) and the levels differ by EFFECT.
+    """
+    logs = np.log(np.asarray(values, dtype=float))
+    return sorted(_split(logs, 0, np.random.default_rng(seed)))
+
+
+def _split(x: np.ndarray, offset: int, random: np.random.Generator) -> list[int]:
+    place, strength = _strongest(x)
+    if place == 0:
+        return []
+    if abs(np.median(x[place:]) - np.median(x[:place])) < np.log(EFFECT):
+        return []
+    by_chance = [_strongest(random.permutation(x))[1] for _ in range(SHUFFLES)]
+    if np.mean(np.array(by_chance) >= strength) > CHANCE:
+        return []
+    return [offset + place, *_split(x[:place], offset, random), *_split(x[place:], offset + place, random)]
+
+
+def _strongest(x: np.ndarray) -> tuple[int, float]:
+    """Return the best place to split, and its t statistic; place 0 where there is none."""
+    best, where = 0.0, 0
+    for k in range(LEAST, len(x) - LEAST + 1):
+        a, b = x[:k], x[k:]
+        spread = np.sqrt(a.var() / len(a) + b.var() / len(b)) + 1e-12
+        strength = abs(a.mean() - b.mean()) / spread
+        if strength > best:
+            best, where = float(strength), k
+    return where, best
+
+
+def from_benchmarks(data: dict[str, Any], job: str, made: str, commit_id: str, machine: str) -> list[Entry]:
+    """Return the entries of a pytest-benchmark file, with the accuracy that the suites put in extra_info."""
+    entries = []
+    for item in data["benchmarks"]:
+        told = item["extra_info"]
+        seconds = float(told.get("loop_s", item["stats"]["min"]))
+        entries.append(
+            Entry(job, made, commit_id, machine, f"bench {item['name']}", seconds, "s", "", told.get("error_m"))
+        )
+    return entries

@@ -1,0 +1,111 @@
+"""What Euler parameters do and cost: three small measurements for the report."""
+
+from __future__ import annotations
+
+import random
+from dataclasses import dataclass
+
+import numpy as np
+
+from cross_checks.metrics.orientation_error import orientation_error
+from cross_checks.truths import Truth, seek_truth
+from mbs_ref import observables, scenes
+from mbs_ref.scene import PointMass, Scene, SpatialBody
+from mbs_ref.settings import Settings
+from mbs_ref.simulate import simulate
+from mbs_ref.trajectory import Trajectory
+
+FALLING = 20  # bodies in the scenes whose cost is compared
+PAIRS = 9  # interleaved runs of each; the least counts
+
+
+@dataclass(frozen=True)
+class NormDrift:
+    """A steady spin by RK4 without projection, against N (w h / 2)^6 / 144, and the same run normalised."""
+
+    half_angle: float  # rad, w h / 2 of a step
+    steps: int
+    measured: float  # 1 - |theta|
+    formula: float
+    error_free: float  # rad, orientation error without ...
+    error_normalised: float  # rad, ... and with projection of the norm
+
+
+@dataclass(frozen=True)
+class LongSteps:
+    """A spin that makes 10 rad a step."""
+
+    radians_a_step: float
+    energy_error: float  # relative, largest
+    orientation_error: float  # rad, largest
+
+
+@dataclass(frozen=True)
+class SpaceFacts:
+    """Everything measured."""
+
+    drift: tuple[NormDrift, ...]
+    long_steps: LongSteps
+    cost_ratio: float  # loop time of rigid bodies over point masses on the same free fall, paired in one run
+    states: tuple[int, int]  # numbers in the state of one: rigid, point mass
+
+
+def measure() -> SpaceFacts:
+    """Run everything; a few seconds with compiled code at hand."""
+    drift = tuple(_norm_drift(half) for half in (0.05, 0.1, 0.2))
+    return SpaceFacts(drift, _long_steps(), _cost_ratio(), (13, 6))
+
+
+def _rk4(scene: Scene, step: float, kept: bool, samples: int = 2) -> Trajectory:
+    stabilization = "projection" if kept else "none"
+    return simulate(scene, Settings(method="rk4", step=step, stabilization=stabilization, samples=samples))
+
+
+def _turned_away(scene: Scene, path: Trajectory) -> float:
+    truth = seek_truth(scene, path.times)
+    assert isinstance(truth, Truth), truth
+    return float(orientation_error(path, truth).max())
+
+
+def _norm_drift(half: float) -> NormDrift:
+    spin = 10.0  # rad/s
+    scene = scenes.make("torque_free_top", tilt=0.0, axis=3, spin=spin, turns=20.0)
+    step = 2.0 * half / spin
+    free, kept = (_rk4(scene, step, kept) for kept in (False, True))
+    measured = 1.0 - float(np.linalg.norm(free.orientation[-1, 0]))
+    formula = free.steps * half**6 / 144.0
+    return NormDrift(half, free.steps, measured, formula, _turned_away(scene, free), _turned_away(scene, kept))
+
+
+def _long_steps() -> LongSteps:
+    spin, step = 1e4, 1e-3  # rad/s, s
+    moments = {"inertia_1": 1.0, "inertia_2": 1.0, "inertia_3": 1.02}  # slow nutation: the rates stay resolved
+    scene = scenes.make("torque_free_top", tilt=0.1, axis=3, spin=spin, turns=200.0, **moments)
+    path = _rk4(scene, step, kept=True, samples=21)
+    assert path.ok, path.message
+    energy = observables.kinetic_energy(scene, path)
+    return LongSteps(spin * step, float(np.abs(energy / energy[0] - 1.0).max()), _turned_away(scene, path))
+
+
+def _falling(rigid: bool) -> Scene:
+    """The same free fall, as rigid bodies or as point masses."""
+    places = [(float(k), 0.0, 0.0) for k in range(FALLING)]
+    still = (0.0, 0.0, 0.0)
+    bodies = tuple(
+        SpatialBody(name=f"b{k}", mass=1.0, inertia=(1.0, 1.0, 1.0, 0.0, 0.0, 0.0), position=place)
+        if rigid
+        else PointMass(name=f"b{k}", mass=1.0, position=place, velocity=still)
+        for k, place in enumerate(places)
+    )
+    return Scene(name="falling", gravity=(0.0, 0.0, -9.81), bodies=bodies)
+
+
+def _cost_ratio() -> float:
+    settings = Settings(method="rk4", step=1e-4, t_end=0.2, samples=2, stabilization="none")
+    pair = {rigid: _falling(rigid) for rigid in (True, False)}
+    times: dict[bool, list[float]] = {True: [], False: []}
+    order = random.Random(0)
+    for _ in range(PAIRS):
+        for rigid in order.sample((True, False), 2):
+            times[rigid].append(simulate(pair[rigid], settings).timing.loop_s)
+    return min(times[True]) / min(times[False])

@@ -1,0 +1,171 @@
+"""REBOUND: N-body integrators in C; REBOUNDx adds relativity and J2. No Python callback is ever used."""
+
+from __future__ import annotations
+
+from importlib.util import find_spec
+from time import perf_counter
+from typing import Any, ClassVar
+
+import numpy as np
+import rebound
+
+from cross_checks.engine import Engine, Method, Refusal
+from cross_checks.outcome import End, Plan, end_of, plan_run, trajectory
+from mbs_ref.celestial import Newton, Oblateness, Relativity
+from mbs_ref.cores import compile_scene
+from mbs_ref.particle_scene import is_celestial
+from mbs_ref.scene import Scene
+from mbs_ref.settings import Settings
+from mbs_ref.trajectory import Status, Timing, Trajectory
+
+STEPS = (4e-2, 2e-2, 1e-2, 5e-3, 2.5e-3)  # s; WHFast and SABA, in time units of the Kepler scene
+EPSILONS = (1e-3, 1e-5, 1e-7, 1e-9)  # IAS15's own measure; its default 1e-9 is machine precision
+RTOLS = (1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
+START = 1e-3  # of the shortest free-fall time: the first step of the adaptive methods
+VELOCITY_BLIND = frozenset({"whfast", "saba"})
+METHODS = (
+    Method("ias15", "adaptive", 15, "IAS15 (Rein and Spiegel 2015), compiled; rtol is its epsilon", EPSILONS),
+    Method("whfast", "fixed", 2, "WHFast, Wisdom-Holman (Rein and Tamayo 2015), Jacobi coordinates", STEPS),
+    Method("saba", "fixed", None, "SABA(10,6,4) (Blanes et al. 2013), a Wisdom-Holman splitting of high order", STEPS),
+    Method("bs", "adaptive", None, "Gragg-Bulirsch-Stoer with variable order", RTOLS),
+)
+
+
+class Rebound(Engine):
+    """REBOUND's integrators on free particles."""
+
+    name: ClassVar[str] = "rebound"
+    package: ClassVar[str] = "rebound"
+    part_types: ClassVar[frozenset[str]] = frozenset({"point_mass", "newton", "epoch", "relativity", "oblateness"})
+
+    def methods(self) -> tuple[Method, ...]:
+        return METHODS
+
+    def version(self) -> str:
+        return rebound.__version__
+
+    def topology_refusals(self, scene: Scene) -> list[Refusal]:
+        if not is_celestial(scene):
+            return [Refusal("rebound moves free particles in space under gravity, and nothing else", True)]
+        return [Refusal(reason, False) for reason in [*_untaught(scene), *_impossible(scene)]]
+
+    def method_refusals(self, scene: Scene, method: Method) -> list[Refusal]:
+        extra = any(isinstance(load, Relativity | Oblateness) for load in scene.loads)
+        if extra and method.name in VELOCITY_BLIND:
+            return [Refusal(f"{method.name} splits Newton's forces alone; with reboundx's it loses its order", True)]
+        return super().method_refusals(scene, method)
+
+    def run(self, scene: Scene, settings: Settings, times: np.ndarray | None = None) -> Trajectory:
+        plan = plan_run(self, scene, settings, times)
+        if isinstance(plan, Trajectory):
+            return plan
+        begun = perf_counter()
+        simulation, extras = _simulation(scene)
+        _choose(simulation, plan)
+        built = perf_counter()
+        states, end, steps = _advance(simulation, plan, len(scene.bodies))
+        looped = perf_counter()
+        del extras
+        kept = states[: end.samples]
+        turn = np.zeros((len(kept), len(scene.bodies), 4))
+        turn[:, :, 0] = 1.0
+        poses = (kept[:, :, :3], turn, kept[:, :, 3:], np.zeros_like(kept[:, :, 3:]))
+        return trajectory(plan, poses, end, Timing(built - begun, 0.0, looped - built), steps=steps)
+
+
+ENGINE = Rebound
+
+
+def _untaught(scene: Scene) -> list[str]:
+    zonal = [load for load in scene.loads if isinstance(load, Oblateness)]
+    found = [
+        f"oblateness {load.name!r}: rebound is taught J2 about a fixed z axis alone"
+        for load in zonal
+        if load.pole != "fixed" or load.axis != (0.0, 0.0, 1.0) or any(load.zonal[1:])
+    ]
+    needs = any(isinstance(load, Relativity | Oblateness) for load in scene.loads)
+    missing = needs and find_spec("reboundx") is None
+    return [*found, "relativity and oblateness need the package reboundx"] if missing else found
+
+
+def _impossible(scene: Scene) -> list[str]:
+    """NaN in gives NaN out without a word, so coincident bodies are refused here."""
+    try:
+        compile_scene(scene)
+    except ValueError as error:
+        return [str(error)]
+    return []
+
+
+def _simulation(scene: Scene) -> tuple[Any, Any]:
+    """Return the simulation in SI units with G = 1 and gm as masses, and its extras, which must stay alive."""
+    newton = [load for load in scene.loads if isinstance(load, Newton)]
+    gm = newton[0].gm if newton else (0.0,) * len(scene.bodies)
+    simulation = rebound.Simulation()
+    simulation.G = 1.0
+    for mass, body in zip(gm, scene.bodies, strict=True):
+        (x, y, z), (u, v, w) = body.position, body.velocity
+        simulation.add(m=mass, x=x, y=y, z=z, vx=u, vy=v, vz=w)
+    return simulation, _extras(simulation, scene)
+
+
+def _extras(simulation: Any, scene: Scene) -> Any:
+    parts = [load for load in scene.loads if isinstance(load, Relativity | Oblateness)]
+    if not parts:
+        return None
+    import reboundx
+
+    extras = reboundx.Extras(simulation)
+    for part in parts:
+        if isinstance(part, Relativity):
+            force = extras.load_force("gr_full" if part.form == "eih" else "gr")
+            force.params["c"] = part.c
+        else:
+            force = extras.load_force("gravitational_harmonics")
+            particle = simulation.particles[scene.body_index(part.body)]
+            particle.params["J2"], particle.params["R_eq"] = part.zonal[0], part.radius
+        extras.add_force(force)
+    return extras
+
+
+def _choose(simulation: Any, plan: Plan) -> None:
+    name = plan.method.name
+    simulation.integrator = "saba10,6,4" if name == "saba" else name
+    if plan.method.kind == "fixed":
+        simulation.dt = plan.step
+        return
+    simulation.dt = START * _free_fall(simulation)
+    if name == "ias15":
+        simulation.integrator.epsilon = plan.rtol
+    else:
+        simulation.integrator.eps_rel, simulation.integrator.eps_abs = plan.rtol, plan.atol
+
+
+def _free_fall(simulation: Any) -> float:
+    """Return the least sqrt(r^3 / gm) of any pair (s)."""
+    particles = list(simulation.particles)
+    pairs = [(p, q) for k, p in enumerate(particles) for q in particles[:k] if p.m + q.m > 0.0]
+    gaps = [((p.x - q.x) ** 2 + (p.y - q.y) ** 2 + (p.z - q.z) ** 2, p.m + q.m) for p, q in pairs]
+    return min(((r2**1.5 / m) ** 0.5 for r2, m in gaps), default=1.0)
+
+
+def _advance(simulation: Any, plan: Plan, n: int) -> tuple[np.ndarray, End, int]:
+    states = np.full((len(plan.times), n, 6), np.nan)
+    fixed = plan.method.kind == "fixed"
+    for k, t in enumerate(plan.times):
+        if t > 0.0:
+            if fixed:
+                simulation.steps(plan.counts[k - 1])
+                simulation.synchronize()
+            else:
+                simulation.integrate(t)
+        _read(simulation, states[k])
+    late = abs(simulation.t - plan.times[-1]) > 1e-9 * plan.times[-1]
+    end = End(len(states), Status.RESET, f"the clock stands at {simulation.t:g} s") if late else End(len(states))
+    return states, end_of(states.reshape(len(states), -1), plan.times, end), int(simulation.steps_done)
+
+
+def _read(simulation: Any, out: np.ndarray) -> None:
+    flat = np.empty((2, len(out), 3))
+    simulation.serialize_particle_data(xyz=flat[0], vxvyvz=flat[1])
+    out[:, :3], out[:, 3:] = flat

@@ -1,0 +1,129 @@
+"""Calls in a process of their own: an engine that hangs, crashes or eats memory costs that one call."""
+
+from __future__ import annotations
+
+import os
+import signal
+import socket
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from multiprocessing.connection import Connection
+from pathlib import Path
+from typing import Any, Self
+
+ONE_THREAD = dict.fromkeys(
+    ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"), "1"
+)
+TIMEOUT = 120.0  # s for one call, compilation included
+MEMORY = 4 * 2**30  # bytes of resident memory
+LOOK = 0.05  # s between looks at the child
+PAGE = 4096 if sys.platform == "win32" else os.sysconf("SC_PAGE_SIZE")  # bytes
+ABORTED = frozenset({signal.SIGABRT, signal.SIGKILL, signal.SIGSEGV})  # how native code ends without memory
+NEARLY = 0.8  # of the memory limit: an abort beyond is blamed on memory
+
+Caller = Callable[..., Any]  # (function, *arguments) -> what the function returns
+
+
+class Lost(RuntimeError):
+    """The call did not come back: `status` is timeout, crashed or out-of-memory."""
+
+    def __init__(self, status: str, message: str) -> None:
+        super().__init__(message)
+        self.status = status
+
+
+def direct(function: Callable[..., Any], *arguments: Any) -> Any:
+    """Call in this process: for tests, and where the caller is isolated already."""
+    return function(*arguments)
+
+
+@dataclass
+class Isolated:
+    """A child process that makes calls one after the other, and is replaced when it is lost.
+
+    Functions and arguments are pickled, so they must be importable by name. Limits hold for each call:
+    `timeout` in s, `memory` in bytes. Use as a context manager.
+    """
+
+    timeout: float = TIMEOUT
+    memory: int = MEMORY
+    _child: subprocess.Popen[bytes] | None = None
+    _pipe: Connection | None = None
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def __call__(self, function: Callable[..., Any], *arguments: Any) -> Any:
+        """Return the function's result; Lost where there is none; its own exception where it raised one."""
+        if self._child is None or self._child.poll() is not None:
+            self._start()
+        assert self._pipe is not None
+        self._pipe.send((function, arguments))
+        worked, answer = self._wait()
+        if not worked:
+            raise answer
+        return answer
+
+    def close(self) -> None:
+        """End the child, whatever it is doing."""
+        if self._child is not None:
+            self._child.kill()
+            self._child.wait()
+        if self._pipe is not None:
+            self._pipe.close()
+        self._child = self._pipe = None
+
+    def _start(self) -> None:
+        self.close()
+        ours, theirs = socket.socketpair()
+        with theirs:
+            command = [sys.executable, "-m", "cross_checks.isolated_child", str(theirs.fileno()), str(self.memory)]
+            paths = os.pathsep.join(path or os.getcwd() for path in sys.path)
+            self._child = subprocess.Popen(
+                command, env=os.environ | ONE_THREAD | {"PYTHONPATH": paths}, pass_fds=(theirs.fileno(),),
+                stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+            )  # fmt: skip
+        self._pipe = Connection(ours.detach())
+
+    def _wait(self) -> tuple[bool, Any]:
+        assert self._child is not None
+        assert self._pipe is not None
+        end, peak = time.monotonic() + self.timeout, 0
+        while not self._pipe.poll(LOOK):
+            used = resident(self._child.pid)
+            peak = max(peak, used)
+            if used > self.memory:
+                self.close()
+                raise Lost("out-of-memory", f"used more than {self.memory / 2**20:.0f} MiB and was stopped")
+            if time.monotonic() > end:
+                self.close()
+                raise Lost("timeout", f"gave no answer within {self.timeout:g} s and was stopped")
+        try:
+            return self._pipe.recv()
+        except (EOFError, ConnectionError):
+            code = self._child.wait()
+            self.close()
+            raise _loss(code, peak, self.memory) from None
+
+
+def resident(pid: int) -> int:
+    """Return a process's resident memory in bytes; 0 where the system does not tell."""
+    try:
+        return int(Path(f"/proc/{pid}/statm").read_text().split()[1]) * PAGE
+    except (OSError, IndexError):
+        return 0
+
+
+def _loss(code: int, peak: int, memory: int) -> Lost:
+    if code >= 0:
+        return Lost("crashed", f"its process ended with exit code {code}")
+    name = signal.Signals(-code).name
+    if -code in ABORTED and peak > NEARLY * memory:
+        return Lost("out-of-memory", f"its process was ended by {name} at {peak / 2**20:.0f} MiB")
+    return Lost("crashed", f"its process was ended by {name}")

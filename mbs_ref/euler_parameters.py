@@ -1,0 +1,77 @@
+"""Euler parameters in NumPy: theta0 = cos(angle / 2), (theta1, theta2, theta3) = axis sin(angle / 2).
+
+Arrays theta have the shape (..., 4). Source: Fox 1999, appendix; Haug, Computer Aided Kinematics and
+Dynamics of Mechanical Systems (1989), sec. 9.3.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+
+def from_axis_angle(axis, angle) -> np.ndarray:
+    """Return theta (..., 4) of a turn by `angle` (rad) about `axis` (any length but zero)."""
+    axis = np.asarray(axis, dtype=float)
+    half = 0.5 * np.asarray(angle, dtype=float)[..., None]
+    return np.concatenate((np.cos(half), np.sin(half) * axis / np.linalg.norm(axis)), axis=-1)
+
+
+def product(first, second) -> np.ndarray:
+    """Return theta of the rotation `second` followed by `first`: A(first) A(second)."""
+    p, q = np.asarray(first, dtype=float), np.asarray(second, dtype=float)
+    scalar = p[..., :1] * q[..., :1] - np.sum(p[..., 1:] * q[..., 1:], axis=-1, keepdims=True)
+    vector = p[..., :1] * q[..., 1:] + q[..., :1] * p[..., 1:] + np.cross(p[..., 1:], q[..., 1:])
+    return np.concatenate((scalar, vector), axis=-1)
+
+
+def conjugate(theta) -> np.ndarray:
+    """Return theta of the inverse rotation."""
+    return np.asarray(theta, dtype=float) * np.array([1.0, -1.0, -1.0, -1.0])
+
+
+def rotation_matrices(theta) -> np.ndarray:
+    """Return A(theta / |theta|), shape (..., 3, 3): from body axes into world axes."""
+    theta = np.asarray(theta, dtype=float)
+    e0, e1, e2, e3 = np.moveaxis(theta, -1, 0)
+    s = 2.0 / np.sum(theta**2, axis=-1)
+    rows = (
+        (1.0 - s * (e2**2 + e3**2), s * (e1 * e2 - e0 * e3), s * (e1 * e3 + e0 * e2)),
+        (s * (e1 * e2 + e0 * e3), 1.0 - s * (e1**2 + e3**2), s * (e2 * e3 - e0 * e1)),
+        (s * (e1 * e3 - e0 * e2), s * (e2 * e3 + e0 * e1), 1.0 - s * (e1**2 + e2**2)),
+    )
+    return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
+
+
+def from_matrix(matrix) -> np.ndarray:
+    """Return theta (4,) of a rotation matrix (3, 3), theta0 >= 0; by the largest parameter (Shepperd 1978)."""
+    m = np.asarray(matrix, dtype=float)
+    squares = np.array([m.trace(), *m.diagonal()])
+    k = int(np.argmax(squares))
+    if k == 0:
+        theta = np.array([1.0 + m.trace(), m[2, 1] - m[1, 2], m[0, 2] - m[2, 0], m[1, 0] - m[0, 1]])
+    else:
+        i, j, n = k - 1, k % 3, (k + 1) % 3
+        theta = np.empty(4)
+        theta[0] = m[n, j] - m[j, n]
+        theta[1 + i] = 1.0 + m[i, i] - m[j, j] - m[n, n]
+        theta[1 + j] = m[j, i] + m[i, j]
+        theta[1 + n] = m[n, i] + m[i, n]
+    theta /= np.linalg.norm(theta)
+    return -theta if theta[0] < 0.0 else theta
+
+
+def parameter_matrix(theta) -> np.ndarray:
+    """Return E (3, 4): omega = 2 E theta' in world axes, theta' = E^T omega / 2."""
+    e0, e1, e2, e3 = theta
+    return np.array([[-e1, e0, -e3, e2], [-e2, e3, e0, -e1], [-e3, -e2, e1, e0]])
+
+
+def geodesic_angle(first, second) -> np.ndarray:
+    """Return the angle (...), rad in [0, pi], of the turn between two orientations; signs of theta are no matter.
+
+    4 asin(|p - q| / 2) with the nearer sign: exact to rounding for small angles, where acos is not.
+    """
+    p, q = (np.asarray(x, dtype=float) for x in (first, second))
+    p, q = (x / np.linalg.norm(x, axis=-1, keepdims=True) for x in (p, q))
+    gap = np.minimum(np.linalg.norm(p - q, axis=-1), np.linalg.norm(p + q, axis=-1))
+    return 4.0 * np.arcsin(np.minimum(0.5 * gap, 1.0))

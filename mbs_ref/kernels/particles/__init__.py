@@ -1,0 +1,1 @@
+"""Particles under gravity: eight instants are evaluated side by side, so that processors work on vectors."""

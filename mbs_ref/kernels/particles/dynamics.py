@@ -1,0 +1,114 @@
+"""The right-hand side of a scene of particles; it is free of constraints."""
+
+from __future__ import annotations
+
+from mbs_ref.kernels.jit import jit
+from mbs_ref.kernels.particles.figures import add_figures, add_tides, add_zonals
+from mbs_ref.kernels.particles.model import (
+    LANES,
+    drags_of,
+    figures_of,
+    lanes_of,
+    lights_of,
+    particles_of,
+    points_of,
+    relativity_of,
+    third_bodies_of,
+    tides_of,
+    zonals_of,
+)
+from mbs_ref.kernels.particles.newton import central_relativity, einstein_infeld_hoffmann, newton_pairs
+from mbs_ref.kernels.particles.satellites import add_drags, add_lights, add_points, add_third_bodies
+
+EIH = 2
+
+
+@jit
+def accelerate(model, work):
+    """Fill `acceleration` from time, base, delta and velocity in `work`; a field not in use costs a comparison."""
+    particles, lanes, relativity = particles_of(model), lanes_of(work), relativity_of(model)
+    out = lanes.acceleration
+    for i in range(out.shape[0]):
+        for c in range(3):
+            for k in range(LANES):
+                out[i, c, k] = particles.gravity[c]
+    newton_pairs(particles.gm, lanes.base, lanes.delta, out)
+    if relativity.form[0] != 0:
+        _relativity(particles.gm, relativity.form[0], relativity.inverse_c2[0], lanes)
+    if zonals_of(model).body.shape[0] > 0:
+        add_zonals(model, work)
+    if figures_of(model).body.shape[0] > 0:
+        add_figures(model, work)
+    if tides_of(model).body.shape[0] > 0:
+        add_tides(model, work)
+    if points_of(model).gm.shape[0] > 0:
+        add_points(model, work)
+    if third_bodies_of(model).body.shape[0] > 0:
+        add_third_bodies(model, work)
+    if drags_of(model).body.shape[0] > 0:
+        add_drags(model, work)
+    if lights_of(model).body.shape[0] > 0:
+        add_lights(model, work)
+
+
+@jit
+def _relativity(gm, form, inverse_c2, lanes):
+    out = lanes.acceleration
+    if form != EIH:
+        central_relativity(gm, inverse_c2, lanes.base, lanes.delta, lanes.velocity, out)
+        return
+    for i in range(out.shape[0]):
+        for c in range(3):
+            for k in range(LANES):
+                lanes.newton[i, c, k] = out[i, c, k]
+    einstein_infeld_hoffmann(
+        gm, inverse_c2, lanes.base, lanes.delta, lanes.velocity, lanes.newton, lanes.potential, lanes.speed, out
+    )
+
+
+@jit
+def particle_derivative(model, work, t, y, dy):
+    """Write dy/dt = [v, a]: one instant, in every lane."""
+    lanes = lanes_of(work)
+    n = lanes.base.shape[0]
+    for k in range(LANES):
+        lanes.time[k] = t
+    for i in range(n):
+        for c in range(3):
+            lanes.base[i, c] = y[3 * i + c]
+            dy[3 * i + c] = y[3 * (n + i) + c]
+            for k in range(LANES):
+                lanes.delta[i, c, k] = 0.0
+                lanes.velocity[i, c, k] = y[3 * (n + i) + c]
+    accelerate(model, work)
+    for i in range(n):
+        for c in range(3):
+            dy[3 * (n + i) + c] = lanes.acceleration[i, c, 0]
+
+
+@jit
+def particle_compliance(model, work, t, y):
+    """There are no constraints to break."""
+    return 0.0, 0.0
+
+
+@jit
+def particle_project(model, work, t, y, tolerance, most):
+    """There are no constraints to restore."""
+    return 0.0
+
+
+@jit
+def particle_tangent(model, work, x):
+    """Every direction is allowed."""
+
+
+@jit
+def particle_regularity(work):
+    """No pose is singular."""
+    return 1.0
+
+
+@jit
+def particle_multipliers(work, lam):
+    """There are no multipliers."""

@@ -1,0 +1,106 @@
+"""One pair's attraction at eight instants, in vector instructions: the one loop that costs the time.
+
+The compiler does not vectorize it by itself, because it cannot know that the arrays are apart.
+"""
+
+from __future__ import annotations
+
+from llvmlite import ir
+from numba import types
+from numba.core import cgutils
+from numba.extending import intrinsic
+from numba.np.arrayobj import make_array
+
+from mbs_ref.kernels.particles.model import LANES
+
+_DOUBLE = ir.DoubleType()
+_VECTOR = ir.VectorType(_DOUBLE, LANES)
+_CONTRACT = ("contract",)
+
+
+def _splat(builder, value):
+    first = builder.insert_element(ir.Constant(_VECTOR, ir.Undefined), value, ir.Constant(ir.IntType(32), 0))
+    zeros = ir.Constant(ir.VectorType(ir.IntType(32), LANES), [0] * LANES)
+    return builder.shuffle_vector(first, ir.Constant(_VECTOR, ir.Undefined), zeros)
+
+
+def _lane(builder, array, body, axis):
+    """Return a pointer to array[body, axis, :]."""
+    word = body.type
+    row = builder.add(builder.mul(body, ir.Constant(word, 3)), ir.Constant(word, axis))
+    place = builder.gep(array.data, [builder.mul(row, ir.Constant(word, LANES))])
+    return builder.bitcast(place, _VECTOR.as_pointer())
+
+
+def _load(builder, pointer):
+    value = builder.load(pointer)
+    value.align = 8
+    return value
+
+
+def _add_to(builder, pointer, value):
+    store = builder.store(builder.fadd(_load(builder, pointer), value, flags=_CONTRACT), pointer)
+    store.align = 8
+
+
+def _attract(context, builder, signature, args):
+    """out[i] += gm_j d / r^3, out[j] -= gm_i d / r^3, d = gap + delta[j] - delta[i]."""
+    kinds = signature.args
+    delta, out = (make_array(kind)(context, builder, value) for kind, value in zip(kinds[:2], args[:2], strict=True))
+    i, j, gap, gm_i, gm_j = args[2], args[3], args[4:7], args[7], args[8]
+    d = []
+    for axis in range(3):
+        apart = builder.fsub(
+            _load(builder, _lane(builder, delta, j, axis)), _load(builder, _lane(builder, delta, i, axis))
+        )
+        d.append(builder.fadd(_splat(builder, gap[axis]), apart))
+    square = [builder.fmul(x, x, flags=_CONTRACT) for x in d]
+    r2 = builder.fadd(builder.fadd(square[0], square[1], flags=_CONTRACT), square[2], flags=_CONTRACT)
+    root = cgutils.get_or_insert_function(
+        builder.module, ir.FunctionType(_VECTOR, [_VECTOR]), f"llvm.sqrt.v{LANES}f64"
+    )
+    cube = builder.fmul(r2, builder.call(root, [r2]))
+    inverse = builder.fdiv(_splat(builder, ir.Constant(_DOUBLE, 1.0)), cube)
+    on_i = builder.fmul(inverse, _splat(builder, gm_j))
+    on_j = builder.fmul(inverse, _splat(builder, builder.fneg(gm_i)))
+    for axis in range(3):
+        _add_to(builder, _lane(builder, out, i, axis), builder.fmul(on_i, d[axis], flags=_CONTRACT))
+        _add_to(builder, _lane(builder, out, j, axis), builder.fmul(on_j, d[axis], flags=_CONTRACT))
+    return context.get_dummy_value()
+
+
+@intrinsic
+def attract(typingctx, delta, out, i, j, x, y, z, gm_i, gm_j):
+    """Add the attraction of bodies i and j to `out` (n, 3, LANES); (x, y, z) is base[j] - base[i], m."""
+    number = types.float64
+    signature = types.void(delta, out, types.int64, types.int64, number, number, number, number, number)
+    return signature, _attract
+
+
+def _combine(context, builder, signature, args):
+    """target[body, axis, :] = start + sum_j factors[j] * table[j, :]."""
+    kinds = signature.args
+    target, start, table, source = (
+        make_array(kind)(context, builder, value) for kind, value in zip(kinds[:4], args[:4], strict=True)
+    )
+    body, axis, scale = args[4:]
+    word = body.type
+    row = builder.mul(builder.add(builder.mul(body, ir.Constant(word, 3)), axis), ir.Constant(word, LANES))
+    total = ir.Constant(_VECTOR, [0.0] * LANES)
+    for j in range(LANES):
+        factor = builder.load(builder.gep(source.data, [builder.add(row, ir.Constant(word, j))]))
+        line = builder.bitcast(builder.gep(table.data, [ir.Constant(word, j * LANES)]), _VECTOR.as_pointer())
+        term = builder.fmul(_splat(builder, builder.fmul(factor, scale)), _load(builder, line), flags=_CONTRACT)
+        total = builder.fadd(total, term, flags=_CONTRACT)
+    first = builder.bitcast(builder.gep(start.data, [row]), _VECTOR.as_pointer())
+    total = builder.fadd(total, _load(builder, first))
+    place = builder.bitcast(builder.gep(target.data, [row]), _VECTOR.as_pointer())
+    builder.store(total, place).align = 8
+    return context.get_dummy_value()
+
+
+@intrinsic
+def combine(typingctx, target, start, table, source, body, axis, scale):
+    """Set target[body, axis, :] = start[body, axis, :] + scale * source[body, axis, :] @ table (LANES, LANES)."""
+    signature = types.void(target, start, table, source, types.int64, types.int64, types.float64)
+    return signature, _combine

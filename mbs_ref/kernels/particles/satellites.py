@@ -1,0 +1,122 @@
+"""What acts on satellites beside gravity of the bodies: third bodies, a ring, drag, sunlight."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from mbs_ref.kernels.jit import jit
+from mbs_ref.kernels.particles.directions import moon_place, sun_place
+from mbs_ref.kernels.particles.model import (
+    LANES,
+    drags_of,
+    lanes_of,
+    lights_of,
+    particles_of,
+    points_of,
+    third_bodies_of,
+)
+
+DAY = 86_400.0  # s
+AU = 149_597_870_700.0  # m
+SUN_RADIUS = 6.957e8  # m, IAU 2015 Resolution B3
+
+
+@jit
+def add_points(model, work):
+    points, lanes = points_of(model), lanes_of(work)
+    base, delta, out = lanes.base, lanes.delta, lanes.acceleration
+    for i in range(base.shape[0]):
+        for p in range(points.gm.shape[0]):
+            for k in range(LANES):
+                x = points.place[p, 0] - base[i, 0] - delta[i, 0, k]
+                y = points.place[p, 1] - base[i, 1] - delta[i, 1, k]
+                z = points.place[p, 2] - base[i, 2] - delta[i, 2, k]
+                r2 = x * x + y * y + z * z
+                w = points.gm[p] / (r2 * np.sqrt(r2))
+                out[i, 0, k] += w * x
+                out[i, 1, k] += w * y
+                out[i, 2, k] += w * z
+
+
+@jit
+def add_third_bodies(model, work):
+    """gm [(s - r)/|s - r|^3 - s/|s|^3] with r from the origin, where the body at rest is."""
+    third, particles, lanes = third_bodies_of(model), particles_of(model), lanes_of(work)
+    place = lanes.axes[0]
+    for q in range(third.body.shape[0]):
+        i = third.body[q]
+        for k in range(LANES):
+            d = (particles.epoch[0] + lanes.time[k]) / DAY
+            if third.source[q] == 0:
+                sun_place(d, place)
+            else:
+                moon_place(d, place)
+            away = np.sqrt(place[0] * place[0] + place[1] * place[1] + place[2] * place[2])
+            gap = 0.0
+            for c in range(3):
+                gap += (place[c] - lanes.base[i, c] - lanes.delta[i, c, k]) ** 2
+            gap = np.sqrt(gap)
+            for c in range(3):
+                near = (place[c] - lanes.base[i, c] - lanes.delta[i, c, k]) / gap**3
+                lanes.acceleration[i, c, k] += third.gm[q] * (near - place[c] / away**3)
+
+
+@jit
+def add_drags(model, work):
+    """-(1/2) rho (c_D A / m) |u| u with u the velocity in the turning air."""
+    drags, lanes = drags_of(model), lanes_of(work)
+    base, delta, velocity = lanes.base, lanes.delta, lanes.velocity
+    for q in range(drags.body.shape[0]):
+        i, j, number = drags.body[q], drags.center[q], drags.number[q]
+        for k in range(LANES):
+            x = base[i, 0] - base[j, 0] + (delta[i, 0, k] - delta[j, 0, k])
+            y = base[i, 1] - base[j, 1] + (delta[i, 1, k] - delta[j, 1, k])
+            z = base[i, 2] - base[j, 2] + (delta[i, 2, k] - delta[j, 2, k])
+            altitude = np.sqrt(x * x + y * y + z * z) - number[4]
+            density = number[1] * np.exp(-(altitude - number[2]) / number[3])
+            u = velocity[i, 0, k] - velocity[j, 0, k] + number[5] * y
+            v = velocity[i, 1, k] - velocity[j, 1, k] - number[5] * x
+            w = velocity[i, 2, k] - velocity[j, 2, k]
+            factor = -0.5 * density * number[0] * np.sqrt(u * u + v * v + w * w)
+            lanes.acceleration[i, 0, k] += factor * u
+            lanes.acceleration[i, 1, k] += factor * v
+            lanes.acceleration[i, 2, k] += factor * w
+
+
+@jit
+def lit_share(a, b, c):
+    """Return the visible share of a disc of radius a, another of radius b being c away (all rad; M&G eq 3.87-3.94)."""
+    if c >= a + b:
+        return 1.0
+    if c <= b - a:
+        return 0.0
+    if c <= a - b:
+        return 1.0 - b * b / (a * a)
+    x = (c * c + a * a - b * b) / (2.0 * c)
+    y = np.sqrt(max(a * a - x * x, 0.0))
+    area = a * a * np.arccos(x / a) + b * b * np.arccos((c - x) / b) - c * y
+    return 1.0 - area / (np.pi * a * a)
+
+
+@jit
+def add_lights(model, work):
+    """P (c_R A / m) (1 au)^2 (r - s)/|r - s|^3 times the visible share of the Sun."""
+    lights, particles, lanes = lights_of(model), particles_of(model), lanes_of(work)
+    sun, away, here = lanes.axes[0], lanes.axes[1], lanes.axes[2]
+    for q in range(lights.body.shape[0]):
+        i, j, number = lights.body[q], lights.center[q], lights.number[q]
+        for k in range(LANES):
+            sun_place((particles.epoch[0] + lanes.time[k]) / DAY, sun)
+            gap, high, dot = 0.0, 0.0, 0.0
+            for c in range(3):
+                here[c] = lanes.base[i, c] - lanes.base[j, c] + (lanes.delta[i, c, k] - lanes.delta[j, c, k])
+                away[c] = here[c] - sun[c]
+                gap += away[c] * away[c]
+                high += here[c] * here[c]
+                dot += away[c] * here[c]
+            gap, high = np.sqrt(gap), np.sqrt(high)
+            angle = np.arccos(min(1.0, max(-1.0, dot / (gap * high))))  # between the body and the Sun, as seen
+            lit = lit_share(np.arcsin(SUN_RADIUS / gap), np.arcsin(min(1.0, number[1] / high)), angle)
+            factor = lit * number[2] * number[0] * AU * AU / gap**3
+            for c in range(3):
+                lanes.acceleration[i, c, k] += factor * away[c]

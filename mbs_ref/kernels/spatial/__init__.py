@@ -1,0 +1,1 @@
+"""Compiled equations of rigid bodies in space, in Euler parameters."""

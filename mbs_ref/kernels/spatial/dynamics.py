@@ -1,0 +1,289 @@
+"""The spatial system as an ODE, its constraints, and their coordinate projection.
+
+State y = [q, u] in scene order: q = R, theta0..theta3 of a rigid body and R of a point mass, u = R', omega
+and R'. The state holds omega in body axes: on a free top at rtol 1e-12 that is 500 times more accurate than
+in world axes, where a steady spin already moves omega; everything else is in world axes. The index-3 DAE is
+reduced to its underlying ODE (Fox 1999 eq 9; Fox 2001 eq 19), optionally with Baumgarte's terms.
+theta^T theta = 1 is part of C; its multiplier and the four parameters are eliminated exactly (see `tree`),
+and projection restores it.
+"""
+
+from __future__ import annotations
+
+from mbs_ref.kernels.jit import jit
+from mbs_ref.kernels.spatial.closure import correct_for_closures, factor_closures, row_times
+from mbs_ref.kernels.spatial.joints import fill_joints
+from mbs_ref.kernels.spatial.loads import apply_loads
+from mbs_ref.kernels.spatial.model import (
+    CONTROL_POSITION_GAIN,
+    CONTROL_VELOCITY_GAIN,
+    bodies_of,
+    closures_of,
+    kinematics_of,
+    rows_of,
+    slots_of,
+    tree_of,
+    world_of,
+)
+from mbs_ref.kernels.spatial.orientation import load_state, theta_rate, turn_theta, turning_of
+from mbs_ref.kernels.spatial.tree import factor_tree, solve_tree
+from mbs_ref.kernels.spatial.vectors import turn, turn_back
+
+
+@jit
+def factor(model, work):
+    """Factor the augmented matrix at the Jacobians in `work`."""
+    factor_tree(model, work)
+    if slots_of(model).closure_slot.shape[0] > 0:
+        zero = rows_of(work).multiplier
+        for i in range(zero.shape[0]):
+            for c in range(6):
+                zero[i, c] = 0.0
+        factor_closures(model, work, zero)
+
+
+@jit
+def solve(model, work, gamma):
+    """Solve the augmented system for the tree's load and `gamma` into its acceleration and the multipliers."""
+    acceleration, multiplier = tree_of(work).acceleration, rows_of(work).multiplier
+    solve_tree(model, work, gamma, acceleration, multiplier)
+    if slots_of(model).closure_slot.shape[0] > 0:
+        correct_for_closures(model, work, gamma, acceleration, multiplier)
+
+
+@jit
+def _stabilize(model, work):
+    """gamma -= 2 g C_dot + g^2 C (Baumgarte 1972); the norms need none, their size has no effect."""
+    control, rows = world_of(model).control, rows_of(work)
+    twice = control[CONTROL_VELOCITY_GAIN]
+    square = control[CONTROL_POSITION_GAIN]
+    if twice == 0.0 and square == 0.0:
+        return
+    for i in range(rows.gamma.shape[0]):
+        for c in range(6):
+            rows.gamma[i, c] -= twice * rows.rate[i, c] + square * rows.residual[i, c]
+
+
+@jit
+def accelerate(model, work, t, y):
+    """Compute accelerations and multipliers at (t, y) into `work`."""
+    load_state(model, work, y)
+    apply_loads(model, work, t)
+    fill_joints(model, work, t)
+    _stabilize(model, work)
+    factor(model, work)
+    load, force = tree_of(work).load, kinematics_of(work).force
+    for i in range(load.shape[0]):
+        for c in range(6):
+            load[i, c] = force[i, c]
+    solve(model, work, rows_of(work).gamma)
+
+
+@jit
+def spatial_derivative(model, work, t, y, dy):
+    """Write dy/dt = [R', E^T omega / 2; R'', alpha]."""
+    accelerate(model, work, t, y)
+    bodies, kin, acceleration = bodies_of(model), kinematics_of(work), tree_of(work).acceleration
+    for i in range(bodies.mass.shape[0]):
+        q = bodies.q[i]
+        v = bodies.v[i]
+        a = acceleration[i]
+        for c in range(3):
+            dy[q + c] = y[v + c]
+            dy[v + c] = acceleration[i, c]
+        if bodies.rigid[i] == 1:
+            dy[q + 3], dy[q + 4], dy[q + 5], dy[q + 6] = theta_rate(
+                y[q + 3], y[q + 4], y[q + 5], y[q + 6], kin.omega[i, 0], kin.omega[i, 1], kin.omega[i, 2]
+            )
+            # omega_body' = A^T alpha: the body axes' own turning drops out
+            dy[v + 3], dy[v + 4], dy[v + 5] = turn_back(kin.turned[i], a[3], a[4], a[5])
+
+
+@jit
+def spatial_compliance(model, work, t, y):
+    """Return max |C| with the norm constraints and max |C_dot| over all rows (m, rad; m/s, rad/s)."""
+    load_state(model, work, y)
+    fill_joints(model, work, t)
+    return max(_largest(rows_of(work).residual), _largest_norm(model, work)), _largest(rows_of(work).rate)
+
+
+@jit
+def spatial_regularity(work):
+    """Return the smallest relative closure pivot of the last factorization; 1 without closures."""
+    return closures_of(work).regularity[0]
+
+
+@jit
+def spatial_multipliers(work, lam):
+    """Copy the multipliers of the last solution into lam (n_slots, 6)."""
+    multiplier = rows_of(work).multiplier
+    for slot in range(lam.shape[0]):
+        for row in range(6):
+            lam[slot, row] = multiplier[slot, row]
+
+
+@jit
+def _largest(values):
+    largest = 0.0
+    for i in range(values.shape[0]):
+        for c in range(6):
+            size = abs(values[i, c])
+            if not size <= largest:  # a NaN must win
+                largest = size
+    return largest
+
+
+@jit
+def _largest_norm(model, work):
+    largest = 0.0
+    norm, rigid = kinematics_of(work).norm, bodies_of(model).rigid
+    for i in range(rigid.shape[0]):
+        if rigid[i] == 1 and not abs(norm[i]) <= largest:
+            largest = abs(norm[i])
+    return largest
+
+
+@jit
+def _response(model, work, defect):
+    """Solve for the mass-weighted least-squares correction that removes `defect`."""
+    tree, gamma = tree_of(work), rows_of(work).gamma
+    for i in range(defect.shape[0]):
+        for c in range(6):
+            gamma[i, c] = -defect[i, c]
+    for i in range(tree.load.shape[0]):
+        for c in range(6):
+            tree.load[i, c] = 0.0
+    solve(model, work, gamma)
+
+
+@jit
+def _correct_rates(model, work, y):
+    """Add the correction in `work` to the rates in y."""
+    bodies, kin, acceleration = bodies_of(model), kinematics_of(work), tree_of(work).acceleration
+    for i in range(bodies.mass.shape[0]):
+        v = bodies.v[i]
+        a = acceleration[i]
+        for c in range(3):
+            y[v + c] += a[c]
+        if bodies.rigid[i] == 1:
+            w0, w1, w2 = turn_back(kin.turned[i], a[3], a[4], a[5])
+            y[v + 3] += w0
+            y[v + 4] += w1
+            y[v + 5] += w2
+
+
+@jit
+def _correct_places(model, work, y):
+    """Move and turn the bodies in y by the correction in `work`."""
+    bodies, acceleration = bodies_of(model), tree_of(work).acceleration
+    for i in range(bodies.mass.shape[0]):
+        q = bodies.q[i]
+        for c in range(3):
+            y[q + c] += acceleration[i, c]
+        if bodies.rigid[i] == 1:
+            turn_theta(y, q + 3, acceleration[i, 3], acceleration[i, 4], acceleration[i, 5])
+
+
+@jit
+def _removed(model, work):
+    """Turn the increments in the tree's acceleration into the correction that lets them keep the rows."""
+    acceleration, rate = tree_of(work).acceleration, rows_of(work).rate
+    for slot in range(rate.shape[0]):
+        for row in range(slots_of(model).count[slot]):
+            rate[slot, row] = row_times(model, work, slot, row, acceleration)
+        for row in range(slots_of(model).count[slot], 6):
+            rate[slot, row] = 0.0
+    _response(model, work, rate)
+
+
+@jit
+def spatial_tangent(model, work, x):
+    """Remove from both halves of x, in the mass norm, what points off the constraints and the norms.
+
+    Uses the factorization in `work`, of the last acceleration or projection.
+    """
+    bodies, kin, acceleration = bodies_of(model), kinematics_of(work), tree_of(work).acceleration
+    n = bodies.mass.shape[0]
+    for i in range(n):
+        q = bodies.q[i]
+        e = kin.theta[i]
+        for c in range(3):
+            acceleration[i, c] = x[q + c]
+        if bodies.rigid[i] == 1:
+            acceleration[i, 3], acceleration[i, 4], acceleration[i, 5] = turning_of(
+                e[0], e[1], e[2], e[3], x[q + 3], x[q + 4], x[q + 5], x[q + 6]
+            )
+            x[q + 3], x[q + 4], x[q + 5], x[q + 6] = theta_rate(
+                e[0], e[1], e[2], e[3], acceleration[i, 3], acceleration[i, 4], acceleration[i, 5]
+            )
+    _removed(model, work)
+    for i in range(n):
+        q = bodies.q[i]
+        e = kin.theta[i]
+        for c in range(3):
+            x[q + c] += acceleration[i, c]
+        if bodies.rigid[i] == 1:
+            d0, d1, d2, d3 = theta_rate(
+                e[0], e[1], e[2], e[3], acceleration[i, 3], acceleration[i, 4], acceleration[i, 5]
+            )
+            x[q + 3] += d0
+            x[q + 4] += d1
+            x[q + 5] += d2
+            x[q + 6] += d3
+    for i in range(n):
+        v = bodies.v[i]
+        for c in range(3):
+            acceleration[i, c] = x[v + c]
+        if bodies.rigid[i] == 1:
+            acceleration[i, 3], acceleration[i, 4], acceleration[i, 5] = turn(kin.turned[i], x[v + 3 : v + 6])
+    _removed(model, work)
+    _correct_rates(model, work, x)
+
+
+@jit
+def _normalize(model, y):
+    """Scale every body's Euler parameters to norm one: the orientation does not change."""
+    bodies = bodies_of(model)
+    for i in range(bodies.mass.shape[0]):
+        if bodies.rigid[i] == 1:
+            turn_theta(y, bodies.q[i] + 3, 0.0, 0.0, 0.0)
+
+
+@jit
+def spatial_project(model, work, t, y, tolerance, most):
+    """Project positions, then velocities, onto the constraints in the mass norm; return max |C| left.
+
+    At most `most` Gauss-Newton iterations for the positions; velocities are linear and need one.
+    """
+    rows = rows_of(work)
+    _normalize(model, y)
+    load_state(model, work, y)
+    if rows.residual.shape[0] == 0 or _no_rows(model):
+        return _largest_norm(model, work)
+    fill_joints(model, work, t)
+    left = _largest(rows.residual)
+    for _ in range(most):
+        if not left > tolerance:
+            break
+        factor(model, work)
+        _response(model, work, rows.residual)
+        _correct_places(model, work, y)
+        load_state(model, work, y)
+        fill_joints(model, work, t)
+        previous = left
+        left = _largest(rows.residual)
+        if left > 0.5 * previous:
+            break
+    factor(model, work)
+    _response(model, work, rows.rate)
+    _correct_rates(model, work, y)
+    return max(left, _largest_norm(model, work))
+
+
+@jit
+def _no_rows(model):
+    alone = bodies_of(model).alone
+    count = 0
+    for i in range(alone.shape[0]):
+        count += alone[i]
+    return count == alone.shape[0]

@@ -1,0 +1,100 @@
+"""Euler parameters theta: the state into world axes, and rates of theta from angular velocities.
+
+A = I + 2 th0 [e~] + 2 [e~]^2 with e = (th1, th2, th3) (Fox 1999, appendix), divided by |theta|^2 so that a
+rotation results whatever the norm; theta' = E^T omega / 2 with the world angular velocity.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from mbs_ref.kernels.jit import jit
+from mbs_ref.kernels.spatial.model import bodies_of, kinematics_of
+from mbs_ref.kernels.spatial.vectors import turn
+
+
+@jit
+def rotation(e0, e1, e2, e3, turned):
+    """Write A(theta / |theta|) and return theta . theta."""
+    square = e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3
+    s = 2.0 / square
+    turned[0, 0] = 1.0 - s * (e2 * e2 + e3 * e3)
+    turned[0, 1] = s * (e1 * e2 - e0 * e3)
+    turned[0, 2] = s * (e1 * e3 + e0 * e2)
+    turned[1, 0] = s * (e1 * e2 + e0 * e3)
+    turned[1, 1] = 1.0 - s * (e1 * e1 + e3 * e3)
+    turned[1, 2] = s * (e2 * e3 - e0 * e1)
+    turned[2, 0] = s * (e1 * e3 - e0 * e2)
+    turned[2, 1] = s * (e2 * e3 + e0 * e1)
+    turned[2, 2] = 1.0 - s * (e1 * e1 + e2 * e2)
+    return square
+
+
+@jit
+def theta_rate(e0, e1, e2, e3, w0, w1, w2):
+    """Return E^T w / 2."""
+    return (
+        -0.5 * (w0 * e1 + w1 * e2 + w2 * e3),
+        0.5 * (e0 * w0 + w1 * e3 - w2 * e2),
+        0.5 * (e0 * w1 + w2 * e1 - w0 * e3),
+        0.5 * (e0 * w2 + w0 * e2 - w1 * e1),
+    )
+
+
+@jit
+def turning_of(e0, e1, e2, e3, d0, d1, d2, d3):
+    """Return 2 E d / |theta|^2: the small rotation (world) that a change d of theta means."""
+    s = 2.0 / (e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3)
+    return (
+        s * (e0 * d1 - d0 * e1 + e2 * d3 - e3 * d2),
+        s * (e0 * d2 - d0 * e2 + e3 * d1 - e1 * d3),
+        s * (e0 * d3 - d0 * e3 + e1 * d2 - e2 * d1),
+    )
+
+
+@jit
+def _world_inertia(a, j, out):
+    """out = A J A^T; both as xx, yy, zz, xy, xz, yz."""
+    for r in range(3):
+        h0 = a[r, 0] * j[0] + a[r, 1] * j[3] + a[r, 2] * j[4]
+        h1 = a[r, 0] * j[3] + a[r, 1] * j[1] + a[r, 2] * j[5]
+        h2 = a[r, 0] * j[4] + a[r, 1] * j[5] + a[r, 2] * j[2]
+        out[r] = h0 * a[r, 0] + h1 * a[r, 1] + h2 * a[r, 2]
+        if r == 0:
+            out[3] = h0 * a[1, 0] + h1 * a[1, 1] + h2 * a[1, 2]
+            out[4] = h0 * a[2, 0] + h1 * a[2, 1] + h2 * a[2, 2]
+        elif r == 1:
+            out[5] = h0 * a[2, 0] + h1 * a[2, 1] + h2 * a[2, 2]
+
+
+@jit
+def load_state(model, work, y):
+    """Copy the state into elimination order; turn Euler parameters into world axes and inertias."""
+    bodies, kin = bodies_of(model), kinematics_of(work)
+    for i in range(bodies.mass.shape[0]):
+        q = bodies.q[i]
+        v = bodies.v[i]
+        for c in range(3):
+            kin.position[i, c] = y[q + c]
+            kin.velocity[i, c] = y[v + c]
+        if bodies.rigid[i] == 1:
+            for c in range(4):
+                kin.theta[i, c] = y[q + 3 + c]
+            kin.norm[i] = rotation(y[q + 3], y[q + 4], y[q + 5], y[q + 6], kin.turned[i]) - 1.0
+            kin.omega[i, 0], kin.omega[i, 1], kin.omega[i, 2] = turn(kin.turned[i], y[v + 3 : v + 6])
+            _world_inertia(kin.turned[i], bodies.inertia[i], kin.inertia[i])
+
+
+@jit
+def turn_theta(y, q, d0, d1, d2):
+    """Turn the Euler parameters at y[q:q + 4] by a small world rotation, to norm one."""
+    p0, p1, p2, p3 = theta_rate(y[q], y[q + 1], y[q + 2], y[q + 3], d0, d1, d2)
+    e0 = y[q] + p0
+    e1 = y[q + 1] + p1
+    e2 = y[q + 2] + p2
+    e3 = y[q + 3] + p3
+    s = 1.0 / np.sqrt(e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3)
+    y[q] = s * e0
+    y[q + 1] = s * e1
+    y[q + 2] = s * e2
+    y[q + 3] = s * e3

@@ -1,0 +1,171 @@
+"""O(N) elimination of the augmented system along the joint tree, in 6 x 6 blocks.
+
+With Euler parameters a body's part of the augmented matrix (Fox 1999 eq 9 and appendix) is, with omega = 2 E theta',
+E theta = 0, E E^T = I and nu the multiplier of theta^T theta = 1,
+
+    [ 4 E^T J E   2 theta ] [ theta'' ]   [ 2 E^T (tau - omega x J omega) ]
+    [ 2 theta^T   0       ] [ nu      ] = [ -2 theta'^T theta'            ]
+
+whose upper-left block is singular (rank 3), so that it is factored whole: alpha = 2 E theta'' and the first rows
+times E / 2 give J alpha = tau - omega x J omega; theta'' = E^T alpha / 2 - theta |theta'|^2 keeps the last row, and
+joint rows in theta'' are rows in omega times 2 E. Eliminating the four parameters and their norm row first is
+thus exact and leaves the 6 x 6 block diag(m I, J) of (R'', alpha). `SpatialSystem.augmented` forms the whole matrix
+densely; the tests compare.
+
+Leaf to root, a body with block M, force f and joint rows J a + K a_parent = gamma is condensed into its
+parent: with S = J M^-1 J^T,
+    M_parent += K^T S^-1 K        f_parent -= K^T S^-1 (J M^-1 f - gamma)
+Root to leaf, lambda = S^-1 (J M^-1 f + K a_parent - gamma) and a = M^-1 (f - J^T lambda).
+"""
+
+from __future__ import annotations
+
+from mbs_ref.kernels.jit import jit
+from mbs_ref.kernels.ldl import factor_ldl, ldl3, ldl3_solve, solve_ldl
+from mbs_ref.kernels.spatial.model import bodies_of, kinematics_of, rows_of, slots_of, tree_of
+
+
+@jit
+def _start_blocks(model, work):
+    """Set every body's block to diag(m I, J)."""
+    bodies, tree, kin = bodies_of(model), tree_of(work), kinematics_of(work)
+    for i in range(bodies.mass.shape[0]):
+        art = tree.articulated[i]
+        j = kin.inertia[i]
+        if bodies.alone[i] == 1:
+            art[3, 3], art[4, 3], art[4, 4], art[5, 3], art[5, 4], art[5, 5] = ldl3(j[0], j[3], j[1], j[4], j[5], j[2])
+            continue
+        for r in range(6):
+            for c in range(r + 1):
+                art[r, c] = 0.0
+        for r in range(3):
+            art[r, r] = bodies.mass[i]
+        art[3, 3] = j[0]
+        art[4, 4] = j[1]
+        art[5, 5] = j[2]
+        art[4, 3] = j[3]
+        art[5, 3] = j[4]
+        art[5, 4] = j[5]
+
+
+@jit
+def _factor_rows(jac, lift, factor, count):
+    """Factor S = J M^-1 J^T of one joint."""
+    for r in range(count):
+        for s in range(r + 1):
+            total = 0.0
+            for c in range(6):
+                total += jac[r, c] * lift[s, c]
+            factor[r, s] = total
+    factor_ldl(factor, count)
+
+
+@jit
+def _transfer(far, factor, count, transfer):
+    """transfer = S^-1 K."""
+    for r in range(count):
+        for c in range(6):
+            transfer[r, c] = far[r, c]
+        for s in range(r):
+            low = factor[r, s]
+            for c in range(6):
+                transfer[r, c] -= low * transfer[s, c]
+    for r in range(count - 1, -1, -1):
+        inverse = factor[r, r]
+        for c in range(6):
+            transfer[r, c] *= inverse
+        for s in range(r + 1, count):
+            low = factor[s, r]
+            for c in range(6):
+                transfer[r, c] -= low * transfer[s, c]
+
+
+@jit
+def factor_tree(model, work):
+    """Factor every body's block and joint, leaf to root."""
+    bodies, slots, tree, rows = bodies_of(model), slots_of(model), tree_of(work), rows_of(work)
+    n = bodies.mass.shape[0]
+    _start_blocks(model, work)
+    for i in range(n - 1, -1, -1):
+        if bodies.alone[i] == 1:
+            continue
+        art = tree.articulated[i]
+        factor_ldl(art, 6)
+        count = slots.count[i]
+        jac, far, lift = rows.jacobian[i, 0], rows.jacobian[i, 1], tree.lift[i]
+        for r in range(count):
+            for c in range(6):
+                lift[r, c] = jac[r, c]
+            solve_ldl(art, 6, lift[r])
+        _factor_rows(jac, lift, tree.row_factor[i], count)
+        p = bodies.parent[i]
+        if p == n:
+            continue
+        transfer = tree.transfer[i]
+        _transfer(far, tree.row_factor[i], count, transfer)
+        up = tree.articulated[p]
+        for k in range(count):
+            for r in range(6):
+                weight = far[k, r]
+                for c in range(r + 1):
+                    up[r, c] += weight * transfer[k, c]
+
+
+@jit
+def _solve_alone(mass, art, load, out):
+    """a = f / m, alpha = J^-1 tau of a body without joints."""
+    for c in range(3):
+        out[c] = load[c] / mass
+    out[3], out[4], out[5] = ldl3_solve(
+        art[3, 3], art[4, 3], art[4, 4], art[5, 3], art[5, 4], art[5, 5], load[3], load[4], load[5]
+    )
+
+
+@jit
+def solve_tree(model, work, gamma, acceleration, multiplier):
+    """Solve with the forces in the tree's load (overwritten) and the tree rows' right-hand side `gamma`.
+
+    acceleration (n + 1, 6) and multiplier (>= n, 6) receive the result; ground's row stays zero.
+    """
+    bodies, slots, tree, rows = bodies_of(model), slots_of(model), tree_of(work), rows_of(work)
+    n = bodies.mass.shape[0]
+    load = tree.load
+    for i in range(n - 1, -1, -1):
+        if bodies.alone[i] == 1:
+            continue
+        free, jac, far, u = tree.free[i], rows.jacobian[i, 0], rows.jacobian[i, 1], multiplier[i]
+        count = slots.count[i]
+        for c in range(6):
+            free[c] = load[i, c]
+        solve_ldl(tree.articulated[i], 6, free)
+        for r in range(count):
+            total = -gamma[i, r]
+            for c in range(6):
+                total += jac[r, c] * free[c]
+            u[r] = total
+        solve_ldl(tree.row_factor[i], count, u)
+        p = bodies.parent[i]
+        if p == n:
+            continue
+        for r in range(count):
+            for c in range(6):
+                load[p, c] -= far[r, c] * u[r]
+    for i in range(n):
+        if bodies.alone[i] == 1:
+            _solve_alone(bodies.mass[i], tree.articulated[i], load[i], acceleration[i])
+            continue
+        p = bodies.parent[i]
+        count = slots.count[i]
+        if p != n:
+            transfer = tree.transfer[i]
+            for r in range(count):
+                total = 0.0
+                for c in range(6):
+                    total += transfer[r, c] * acceleration[p, c]
+                multiplier[i, r] += total
+        for c in range(6):
+            acceleration[i, c] = tree.free[i, c]
+        for r in range(count):
+            u = multiplier[i, r]
+            for c in range(6):
+                acceleration[i, c] -= tree.lift[i, r, c] * u

@@ -1,0 +1,75 @@
+"""A block on an incline: it stays below the angle of friction and slides above it."""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated
+
+from pydantic import Field
+
+from mbs_ref.contact import CircleOnLine, Friction, SpringDamperLaw, StickSlip
+from mbs_ref.part import NonNegative, Positive
+from mbs_ref.scene import PlanarBody, Scene
+
+LENGTH, HEIGHT = 0.4, 0.1  # m
+
+
+def build(
+    *,
+    angle: Annotated[float, Field(ge=0.0, lt=1.5)] = 0.17453292519943295,
+    friction: NonNegative = 0.3,
+    mass: Positive = 2.0,
+    stiffness: Positive = 1e5,
+    damping: NonNegative = 400.0,
+    gravity: Positive = 9.81,
+) -> Scene:
+    """Rest a block on an incline: it sticks where tan(angle) <= mu, else slides at g (sin - mu cos).
+
+    angle of the incline (rad; 10 degrees), friction (mu), mass (kg), contact stiffness (N/m) and damping
+    (N s/m) of each corner, gravity (m/s^2).
+    """
+    grip = StickSlip(coefficient=friction, stiffness=stiffness, damping=damping)
+    pull = min(math.tan(angle), friction)
+    return resting_block(
+        name="incline", description="A block laid on an incline.", angle=angle, speed=0.0, friction=grip, mass=mass,
+        stiffness=stiffness, damping=damping, gravity=gravity, pull=pull,
+    )  # fmt: skip
+
+
+def resting_block(
+    *, name: str, description: str, angle: float, speed: float, friction: Friction, mass: float, stiffness: float,
+    damping: float, gravity: float, pull: float,
+) -> Scene:  # fmt: skip
+    """Return a block on two corners in equilibrium of normal force and of moments.
+
+    `pull` is friction over normal force, uphill positive. The axes are those of the incline; gravity is turned.
+    """
+    normal = mass * gravity * math.cos(angle)
+    # moment about the centre: (N_r - N_l) L/2 - pull N H/2 = 0, uphill is -x
+    split = pull * HEIGHT / LENGTH
+    depth = [0.5 * normal * (1.0 + sign * split) / stiffness for sign in (-1.0, 1.0)]  # left, right
+    tilt = math.asin((depth[0] - depth[1]) / LENGTH)
+    center_y = 0.5 * HEIGHT * math.cos(tilt) - 0.5 * (depth[0] + depth[1])
+    c, s = math.cos(tilt), math.sin(tilt)
+    corners = [(c * x + s * 0.5 * HEIGHT, center_y + s * x - c * 0.5 * HEIGHT) for x in (-0.5 * LENGTH, 0.5 * LENGTH)]
+    law = SpringDamperLaw(stiffness=stiffness, damping=damping, release="force")
+    return Scene(
+        name=name,
+        description=description,
+        source="Coulomb 1785",
+        duration=1.5,
+        gravity=(gravity * math.sin(angle), -gravity * math.cos(angle)),
+        bodies=(
+            PlanarBody(
+                name="block", mass=mass, inertia=mass * (LENGTH**2 + HEIGHT**2) / 12.0, position=(0.0, center_y),
+                angle=tilt, velocity=(speed, 0.0),
+            ),
+        ),
+        contacts=tuple(
+            CircleOnLine(
+                name=f"corner.{side}", body_a="block", center=corner, radius=0.0, point_1=(0.0, 0.0),
+                point_2=(1.0, 0.0), law=law, friction=friction,
+            )
+            for side, corner in zip(("left", "right"), corners, strict=True)
+        ),
+    )  # fmt: skip

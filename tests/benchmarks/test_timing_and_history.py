@@ -1,0 +1,110 @@
+"""The timing verdict on known clocks, change points, the history's files, and performance profiles."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from benchmarks.history import Entry, append, change_points, from_benchmarks, index, series
+from benchmarks.profiles import profiles
+from benchmarks.regression import Finding, cheapest, overall
+from benchmarks.sweep import sweep
+from benchmarks.timing import Pace, Sample, compare
+from cross_checks.record_file import Busy, exclusive
+from mbs_ref import scenes
+
+
+def clock(seconds: float, seed: int, noise: float = 0.02):
+    """A machine whose noise only ever adds time, as real ones do."""
+    random = np.random.default_rng(seed)
+    return lambda: Sample(seconds * (1.0 + random.exponential(noise)))
+
+
+@pytest.mark.parametrize(
+    ("factor", "pace"), [(1.0, Pace.SAME), (1.1, Pace.SLOWER), (1.15, Pace.SLOWER), (0.85, Pace.FASTER)]
+)
+def test_known_clocks(factor, pace):
+    for seed in range(10):
+        assert compare(clock(1.0, seed), clock(factor, 100 + seed), seed).pace is pace
+
+
+def test_a_machine_too_noisy_is_inconclusive_and_flagged():
+    random = np.random.default_rng(1)
+    wild = lambda: Sample(math.exp(random.normal(0.0, 2.0)), 0.5)  # noqa: E731
+    found = compare(wild, wild)
+    assert found.pace is Pace.INCONCLUSIVE
+    assert found.disturbed == 1.0
+
+
+def test_change_points():
+    random = np.random.default_rng(3)
+    steady = np.exp(random.normal(0.0, 0.02, 40))
+    assert change_points(list(steady)) == []
+    jumped = steady * np.where(np.arange(40) < 25, 1.0, 1.15)
+    (place,) = change_points(list(jumped))
+    assert abs(place - 25) <= 1
+
+
+def entry(k: int) -> Entry:
+    return Entry(f"job{k}", f"2026-01-{k + 1:02d}T00:00:00+00:00", "abc", "box", "ratio chain", 1.0 + k, "1")
+
+
+def test_the_index_follows_the_lines_and_skips_what_is_corrupt(tmp_path):
+    file = tmp_path / "history.jsonl"
+    append(file, [entry(0)])
+    with file.open("ab") as torn:
+        torn.write(b'{"job": "cut off')
+    append(file, [entry(1)])
+    database, problems = index(file)
+    assert [e.value for e in series(database)["ratio chain"]] == [1.0, 2.0]
+    assert len(problems) == 1
+    assert "history.jsonl:2" in problems[0]
+    assert series(database, "nothing") == {}
+
+
+def test_benchmarks_become_entries():
+    data = {"benchmarks": [{"name": "chain", "stats": {"min": 2.0}, "extra_info": {"error_m": 1e-7, "loop_s": 0.5}}]}
+    (found,) = from_benchmarks(data, "job", "now", "abc", "box")
+    assert (found.value, found.error) == (0.5, 1e-7)
+
+
+def test_the_worst_verdict_counts():
+    def of(*words):
+        return overall([Finding("case", word, "", 1e-6) for word in words])
+
+    assert of("same", "slower", "not measured") == "slower"
+    assert of("same", "not measured", "inconclusive") == "not measured"
+    assert of("same", "same") == "same"
+    assert of() == "not measured"
+
+
+def test_the_coarsest_rung_within_the_error_is_chosen():
+    runs = [("success", 1e-3, 0.1), ("diverged", None, 0.05), ("success", 1e-7, 0.01), ("success", 1e-9, 0.001)]
+    rungs = [{"status": s, "error": e, "settings": {"step": h}} for s, e, h in runs]
+    assert cheapest(rungs, 1e-6) == {"step": 0.01}
+    assert cheapest(rungs, 1e-12) is None
+
+
+def test_profiles(swing):
+    records = list(sweep(scenes.make("pendulum"), ["swing"]))
+    priced = [replace(r, times={"loop_s": 1e-4 / r.settings["step"]}) for r in records if r.status == "success"]
+    found = {p.solver[1]: p for p in profiles([*priced, *(r for r in records if r.status != "success")], 1e-3)}
+    assert found["second"].share(1.0) == 1.0
+    assert found["biased"].share(1e9) == 0.0
+    assert found["loops"].factors == ()
+    assert profiles(priced, 1e-30) == []
+
+
+def test_a_known_record_is_not_run_again(swing):
+    records = list(sweep(scenes.make("pendulum"), ["swing"]))
+    assert list(sweep(scenes.make("pendulum"), ["swing"], known=records)) == []
+    rest = list(sweep(scenes.make("pendulum"), ["swing"], known=records[:3]))
+    assert [r.settings for r in rest] == [r.settings for r in records[3:]]
+
+
+def test_two_sweeps_do_not_write_one_file(tmp_path):
+    with exclusive(tmp_path / "r.jsonl"), pytest.raises(Busy, match="another process"), exclusive(tmp_path / "r.jsonl"):
+        pass

