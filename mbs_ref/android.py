@@ -88,7 +88,7 @@ def _consequences(crash: Crash) -> list[str]:
         )
     if crash.lift > 0.0:
         found.append(
-            f"The android floats {crash.lift:g} m above its seat at t = 0: it falls, and its belts do not start at rest."
+            f"The android floats {crash.lift:g} m above its seat at t = 0: it falls, and its belts are strained."
         )
     return found
 

@@ -456,7 +456,7 @@ def _contact_refusals(scene: Scene) -> list[Refusal]:
     for contact in scene.contacts:
         where = f"contact {contact.name!r}"
         if not isinstance(contact.law, SpringDamperLaw) or not isinstance(contact, CircleOnLine | CircleOnCircle):
-            reasons.append(f"{where}: GeneralContact is taught spring_damper_law alone, not {contact.law.type}, on circles")
+            reasons.append(f"{where}: GeneralContact takes circles with spring_damper_law, not {contact.law.type}")
             continue
         if contact.friction is not None:
             reasons.append(f"{where}: friction is not yet taught to exudyn here")

@@ -38,7 +38,8 @@ def command(
     if len(path.times) < 2:
         raise Failed(f"nothing to draw: {path.status}: {path.message}")
     assert target is not None
-    for file, content in ((target, gif(chosen, path, seconds)), (Path(target).with_suffix(".png"), filmstrip(chosen, path, strip))):
+    pictures = {target: gif(chosen, path, seconds), Path(target).with_suffix(".png"): filmstrip(chosen, path, strip)}
+    for file, content in pictures.items():
         try:
             write_atomic(file, content)
         except OSError as error:
