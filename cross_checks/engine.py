@@ -24,7 +24,7 @@ class Method:
     ladder: tuple[float, ...] = ()  # steps (s) or rtols a sweep tries, coarse to fine
     requires: frozenset[str] = frozenset()  # traits the scene must have ...
     excludes: frozenset[str] = frozenset()  # ... or must not have (see mbs_ref.traits)
-    wrong_limit: str = ""  # why the method is known to converge elsewhere on some scenes (shown, never used to judge)
+    wrong_limit: str = ""  # why it is known to fail or converge elsewhere on some scenes (shown, never used to judge)
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ from __future__ import annotations
 import heapq
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
@@ -236,7 +236,8 @@ def _depth_first(scene: Scene, chosen: dict, children: dict[int, list[int]]) -> 
     while stack:
         body = stack.pop()
         parent, joint = chosen[body]
-        kind = _kind(joint, scene.bodies[body])
+        planar: Any = scene.bodies[body]
+        kind = _kind(joint, planar)
         point = _hanging_point(scene, joint, body)
         axis = np.array(joint.axis) if isinstance(joint, Prismatic) else np.zeros(2)
         axis = axis / (np.linalg.norm(axis) or 1.0)

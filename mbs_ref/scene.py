@@ -526,8 +526,8 @@ def _part_complaints(part: Part, bodies: Mapping[str, Body], dimension: int) -> 
     a, b = getattr(part, "body_a", None), getattr(part, "body_b", None)
     if a is not None and a == b:
         yield f"body_a and body_b are both {a!r}; they must differ"
-    if part.type in CELESTIAL_TYPES and dimension != 3:
-        yield f"type = {part.type!r} belongs to scenes in space; give positions three components"
+    if getattr(part, "type", "") in CELESTIAL_TYPES and dimension != 3:
+        yield f"type = {getattr(part, 'type', '')!r} belongs to scenes in space; give positions three components"
     yield from _dimension_complaints(part, dimension)
     if _only_in(part) in (None, dimension):
         for field in _VECTORS:

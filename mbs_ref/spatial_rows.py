@@ -152,7 +152,7 @@ def _fits(edge: Edge, joint: Any, scene: Scene) -> bool:
 
     A drive goes with the joint that keeps its axis; three drives along x, y, z go together.
     """
-    present = [scene.joints[k] for k in edge.joints]
+    present: list[Any] = [scene.joints[k] for k in edge.joints]
     kinds = {j.type for j in present}
     if isinstance(joint, RotationDrive):
         keeps_axis = len(present) == 1 and isinstance(present[0], Revolute | Cylindrical)

@@ -36,6 +36,6 @@ def argument(phi, m) -> np.longdouble:
     phi, m = np.longdouble(phi), np.longdouble(m)
     u = phi * quarter_period(m) / quarter_period(np.longdouble(0))
     for _ in range(50):
-        gap = phi - amplitude(u, m)
+        gap = phi - amplitude(np.asarray(u), m)
         u = u + gap / np.sqrt(1 - m * np.sin(phi) ** 2) / (2 if abs(gap) > 0.1 else 1)
     return u

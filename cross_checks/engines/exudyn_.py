@@ -676,6 +676,14 @@ class Spatial:
         kind = item.MarkerBodyRigid if rigid else item.MarkerBodyPosition
         return self.mbs.AddMarker(kind(bodyNumber=self.bodies[k], localPosition=where.tolist()))
 
+    def frame(self, body: str, point, axes: np.ndarray) -> int:
+        """Return a marker at a world point (t = 0) with the given world axes (3, 3)."""
+        k = self.scene.body_index(body)
+        centre = self.scene.bodies[k].position if k != FIXED else np.zeros(3)
+        to_body = self.axes(body).T
+        place = exu.HT(rotation=to_body @ axes, translation=to_body @ np.subtract(point, centre))
+        return self.mbs.AddMarker(item.MarkerBodyRigid(bodyNumber=self.bodies[k], localHT=place))
+
     def pair(self, part, point_a, point_b) -> list[int]:
         return [self.marker(part.body_a, point_a), self.marker(part.body_b, point_b)]
 
@@ -727,13 +735,8 @@ def _generic(model: Spatial, joint, axis, fixed: list[int]) -> None:
     """A joint along z of a frame whose z axis is the joint's; `fixed` tells the six relative motions it stops."""
     first, second = normals(axis)
     frame = np.column_stack((first, second, np.asarray(axis, dtype=float) / np.linalg.norm(axis)))
-    rotations = [model.axes(body).T @ frame for body in (joint.body_a, joint.body_b)]
-    model.mbs.AddObject(
-        item.ObjectJointGeneric(
-            markerNumbers=model.pair(joint, joint.point, joint.point), constrainedAxes=fixed,
-            rotationMarker0=rotations[0], rotationMarker1=rotations[1],
-        )
-    )  # fmt: skip
+    markers = [model.frame(body, joint.point, frame) for body in (joint.body_a, joint.body_b)]
+    model.mbs.AddObject(item.ObjectJointGeneric(markerNumbers=markers, constrainedAxes=fixed))
 
 
 def _spatial_spherical(model: Spatial, joint: Spherical) -> None:

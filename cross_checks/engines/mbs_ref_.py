@@ -79,7 +79,9 @@ def _impossible(scene: Scene) -> list[Refusal]:
 def _method(entry: Integrator) -> Method:
     """An integrator of either kind is listed as the adaptive one it is by default."""
     kind = "fixed" if entry.kind == "fixed" else "adaptive"
-    return Method(entry.name, kind, entry.order, entry.description, entry.ladder, entry.requires)
+    return Method(
+        entry.name, kind, entry.order, entry.description, entry.ladder, entry.requires, wrong_limit=entry.weakness
+    )
 
 
 ENGINE = MbsRef

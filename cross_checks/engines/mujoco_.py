@@ -434,6 +434,7 @@ def _compile_spatial(tree: SpatialTree, plan: Plan) -> mujoco.MjModel:
     for joint in tree.closures:
         _add_spatial_closure(spec, frames, tree, joint, _solref(plan))
     for load in tree.scene.loads:
+        assert isinstance(load, SpringDamper)  # every other load is refused before
         _add_spatial_spring(spec, frames, tree, load)
     return spec.compile()
 
@@ -451,7 +452,8 @@ def _add_spatial_body(parent: mujoco.MjsBody, edge: SpatialEdge, tree: SpatialTr
     kinds = mujoco.mjtJoint
     joint = edge.joint
     pos = tree.local(edge.body, joint.point) if joint is not None else np.zeros(3)
-    axis = tree.axes(edge.body).T @ joint.axis if getattr(joint, "axis", None) is not None else np.zeros(3)
+    turns = joint is not None and getattr(joint, "axis", None) is not None
+    axis = tree.axes(edge.body).T @ joint.axis if turns else np.zeros(3)  # pyright: ignore[reportOptionalMemberAccess]
     for kind in _kinds(edge, body):
         for k, direction in enumerate(np.eye(3) if kind == "slides" else [axis]):
             code = {"slides": kinds.mjJNT_SLIDE, "slide": kinds.mjJNT_SLIDE, "hinge": kinds.mjJNT_HINGE,
@@ -509,7 +511,7 @@ def _add_spatial_closure(spec, frames, tree: SpatialTree, joint, solref: tuple[f
         return
     weld = isinstance(joint, Weld)
     points = [np.array(joint.point, dtype=float)]
-    if isinstance(joint, Revolute):  # a hinge is two shared points on its axis
+    if isinstance(joint, Revolute) and joint.axis is not None:  # a hinge is two shared points on its axis
         axis = np.asarray(joint.axis) / np.linalg.norm(joint.axis)
         points = [points[0] - 0.5 * axis, points[0] + 0.5 * axis]
     first, second = (joint.body_b, joint.body_a) if weld else (joint.body_a, joint.body_b)

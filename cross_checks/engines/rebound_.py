@@ -1,5 +1,8 @@
 """REBOUND: N-body integrators in C; REBOUNDx adds relativity and J2. No Python callback is ever used."""
 
+# The package has no type information for its integrators' settings.
+# pyright: reportAttributeAccessIssue=false
+
 from __future__ import annotations
 
 from importlib.util import find_spec
@@ -104,7 +107,7 @@ def _simulation(scene: Scene) -> tuple[Any, Any]:
     simulation = rebound.Simulation()
     simulation.G = 1.0
     for mass, body in zip(gm, scene.bodies, strict=True):
-        (x, y, z), (u, v, w) = body.position, body.velocity
+        (x, y, z), (u, v, w) = body.position, body.velocity  # pyright: ignore[reportAssignmentType]
         simulation.add(m=mass, x=x, y=y, z=z, vx=u, vy=v, vz=w)
     return simulation, _extras(simulation, scene)
 

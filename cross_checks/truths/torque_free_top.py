@@ -8,11 +8,13 @@ from typing import Any
 import numpy as np
 
 from cross_checks.certify.elliptic import amplitude, argument, quarter_period
+from cross_checks.certify.extrapolation import NoConvergenceError
 from cross_checks.certify.quadrature import running_integral
 from cross_checks.truths import Truth
 from mbs_ref.euler_parameters import rotation_matrices
 from mbs_ref.scene import Scene
 
+CLOSEST = 1e-9  # of 1 - m: closer to the separatrix rounded data decide the motion
 NUDGE = 1e-10  # of the start's rates, to measure how the motion magnifies rounded data
 
 
@@ -64,6 +66,8 @@ def _rates(moments: np.ndarray, omega: np.ndarray) -> Rates:
     mirrored = -1 if (low, middle, high) in ((0, 2, 1), (2, 1, 0), (1, 0, 2)) else 1  # left-handed axes run backwards
     down = np.sign(omega[place[2]])
     size = size * np.array([1, mirrored * down, down])
+    if not 1 - m > CLOSEST:
+        raise NoConvergenceError("the spin about the intermediate axis is on the separatrix: no period, no way to tell")
     if lack == 0:  # steady about the dn axis
         return Rates(place, size, m, speed, np.longdouble(0))
     c, s = omega[place[0]] / size[0], omega[place[1]] / size[1]

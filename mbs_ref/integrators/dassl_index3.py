@@ -16,6 +16,7 @@ INTEGRATOR = Integrator(
     requires=frozenset({"planar"}),  # not yet taught spatial bodies
     source="Petzold 1982; Hindmarsh et al. 2005; Gear, Gupta, Leimkuhler 1985",
     locates_events=False,
+    weakness="the error test and Newton's iteration of raw index 3 do not improve with the step",
     package=PACKAGE,
     cores=("planar", "spatial"),
 )

@@ -107,6 +107,7 @@ class Integrator:
     requires: frozenset[str] = frozenset()  # traits the scene must have: the cores that answer what the method asks
     locates_events: bool = True  # touch-down, lift-off and slip are found; else contact forces are merely clipped
     stability: tuple[float, ...] = ()  # explicit methods: coefficients of R(z), lowest power first
+    weakness: str = ""  # why the method is known to fail or stand wrong where others do not: shown, never judged by
     package: str | None = None  # optional third-party package it needs
     cores: tuple[str, ...] = ()  # the only cores it runs on (mbs_ref.cores.core_name); empty for all
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -54,7 +55,8 @@ class Motion:
         return now, self.trajectory.angular_velocity[:, k, None] * (now @ PERP.T)
 
     def _turned(self, k: int, world: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        body_axes = rotation_matrices(self.scene.bodies[k].orientation).T @ world
+        body: Any = self.scene.bodies[k]
+        body_axes = rotation_matrices(body.orientation).T @ world
         now = rotation_matrices(self.trajectory.orientation[:, k]) @ body_axes
         return now, np.cross(self.trajectory.angular_velocity[:, k], now)
 

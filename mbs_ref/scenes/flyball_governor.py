@@ -1,5 +1,8 @@
 """The stiff flyball governor, problem A05 of the IFToMM benchmark library."""
 
+# Vectors are built as tuples of floats whose length the checker cannot see.
+# pyright: reportArgumentType=false
+
 from __future__ import annotations
 
 import math

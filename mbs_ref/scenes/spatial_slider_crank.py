@@ -1,5 +1,8 @@
 """The spatial slider-crank: a loop of a revolute, a spherical, a universal and a prismatic joint."""
 
+# Vectors are built as tuples of floats whose length the checker cannot see.
+# pyright: reportArgumentType=false
+
 from __future__ import annotations
 
 import math

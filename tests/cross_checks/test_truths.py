@@ -26,12 +26,31 @@ def moving(scene: Scene, end: float) -> tuple[Truth, Trajectory]:
     inner = slice(4, -4)
     weights = np.array([1 / 280, -4 / 105, 1 / 5, -4 / 5, 0.0, 4 / 5, -1 / 5, 4 / 105, -1 / 280]) / SPACING
     n = len(times)
-    velocity, spin = (sum(w * q[k : n - 8 + k] for k, w in enumerate(weights)) for q in (truth.position, truth.angle))
-    path = Trajectory(times[inner], truth.position[inner], truth.angle[inner], np.asarray(velocity), np.asarray(spin))
-    return truth, path
+    angle = truth.angle if scene.dimension == 2 else continuous(truth.angle)
+    velocity, spin = (
+        np.asarray(sum(w * q[k : n - 8 + k] for k, w in enumerate(weights))) for q in (truth.position, angle)
+    )
+    if scene.dimension == 3:
+        spin = turning(angle[inner], spin)
+    return truth, Trajectory(times[inner], truth.position[inner], angle[inner], velocity, spin)
 
 
-@pytest.mark.parametrize("name", sorted(set(known()) - {"driven_pendulum"}))
+def continuous(theta: np.ndarray) -> np.ndarray:
+    """Euler parameters (n_t, n_bodies, 4) without jumps of sign."""
+    signs = np.where(np.sum(theta[1:] * theta[:-1], axis=2) < 0.0, -1.0, 1.0)
+    return theta * np.concatenate((np.ones((1, theta.shape[1])), np.cumprod(signs, axis=0)))[:, :, None]
+
+
+def turning(theta: np.ndarray, rate: np.ndarray) -> np.ndarray:
+    """omega = 2 E theta', world axes."""
+    e0, e, d0, d = theta[..., :1], theta[..., 1:], rate[..., :1], rate[..., 1:]
+    return 2.0 * (e0 * d - d0 * e + np.cross(e, d))
+
+
+IN_THE_SKY = {"kepler", "pleiades", "solar_system"}  # judged in test_against_de440.py: three dimensions, no joints
+
+
+@pytest.mark.parametrize("name", sorted(set(known()) - {"driven_pendulum", "bouncing_ball"} - IN_THE_SKY))
 def test_every_truth_obeys_the_joints_and_keeps_the_energy(name):
     scene = scenes.make(name, **({"links": 3} if name == "pendulum_chain" else {}))
     _, path = moving(scene, 0.5)

@@ -180,7 +180,9 @@ def test_a_step_too_large_for_a_stiff_spring_ends_in_a_status():
     spring = SpringDamper(
         name="k", body_a="ground", body_b="ball", point_a=(0, 0), point_b=(1, 0), stiffness=1e10, rest_length=0.9
     )
-    run = simulate(Scene(name="stiff", bodies=(ball,), loads=(spring,)), Settings(method="rk4", step=1e-3))
+    scene = Scene(name="stiff", bodies=(ball,), loads=(spring,))
+    assert simulate(scene, Settings(method="rk4", step=1e-3)).status is Status.REFUSED
+    run = simulate(scene, Settings(method="rk4", step=1e-3, refuse_unstable=False))
     assert run.status is Status.NON_FINITE
     assert np.isfinite(run.position).all()
 

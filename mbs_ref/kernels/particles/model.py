@@ -1,5 +1,8 @@
 """The arrays of a compiled scene of particles, one group a field; a field that is not in use is empty."""
 
+# Groups are filled from lists of arrays whose length the checker cannot see.
+# pyright: reportCallIssue=false
+
 from __future__ import annotations
 
 from typing import NamedTuple

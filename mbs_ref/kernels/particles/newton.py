@@ -1,5 +1,8 @@
 """Newton's pairs and the post-Newtonian terms, eight instants side by side."""
 
+# An intrinsic takes one argument fewer than its definition.
+# pyright: reportCallIssue=false
+
 from __future__ import annotations
 
 import numpy as np

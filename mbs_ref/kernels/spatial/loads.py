@@ -3,6 +3,9 @@
 Forces act at the centre of mass along world axes, with their torque about it: N and N m.
 """
 
+# An intrinsic takes one argument fewer than its definition.
+# pyright: reportCallIssue=false
+
 from __future__ import annotations
 
 import numpy as np

@@ -7,6 +7,9 @@ planes, distances and prescribed turns. Rows live in slots of up to six: slot i 
 its parent in the spanning tree, later slots close loops; in a tree slot side 0 is the child.
 """
 
+# Groups are filled from lists of arrays whose length the checker cannot see.
+# pyright: reportCallIssue=false
+
 from __future__ import annotations
 
 from typing import NamedTuple

@@ -10,7 +10,8 @@ from reports.page.section import Section
 
 LEAD = (
     "Significant figures of each body's place after 360 days against JPL DE440: planets seen from the Sun, the Moon "
-    "from the Earth. Each row adds physics to the one before; an integrator that keeps the energy can still lose the Moon."
+    "from the Earth. Each row adds physics to the one before; an integrator that keeps the "
+    "energy can still lose the Moon."
 )
 NAMES = {
     "lumped": "Newton, Earth and Moon as one", "newton": "Newton", "gr_sun": "+ relativity of the Sun alone",
