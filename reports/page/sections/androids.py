@@ -28,7 +28,7 @@ SHOWN = {"android_simplified": ("head", "thorax", "bottom", "thigh"), "android_v
 COMPONENTS = ("x, N", "y, N", "torque, N m")
 CLAIM = (
     "The paper reports that RK4 at h = 1e-4 s ends at t = 0.1115 s with a compliance of 1.8e-4. These data do not "
-    "reproduce that: RK4 at its step runs to the end, with the constraints kept to roundoff."
+    "reproduce that: RK4 at this step, without stabilization, reaches 0.2 s with 1.3e-12 m; Euler ends at 4.0e-4 m."
 )
 
 
