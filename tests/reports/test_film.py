@@ -18,7 +18,7 @@ def test_every_sample_is_a_frame(name):
     scene = scenes.make(name)
     path = simulate(scene, Settings(samples=9, t_end=0.05, reactions=False))
     film = Image.open(io.BytesIO(gif(scene, path)))
-    assert getattr(film, "n_frames") == 9
+    assert film.n_frames == 9
     strip = Image.open(io.BytesIO(filmstrip(scene, path, 8)))
     wide, high = Camera(drawing(scene, path)).size
     assert strip.size == (4 * wide, 2 * high)
