@@ -15,6 +15,7 @@ from mbs_ref.scene import (
     CoordinateDrive,
     Force,
     PlanarBody,
+    PointBushing,
     PointDrive,
     PointMass,
     Scene,
@@ -173,18 +174,25 @@ def _forces(build: _Builder) -> arrays.Forces:
 
 
 def _springs(build: _Builder) -> arrays.Springs:
-    loads = [x for x in build.scene.loads if isinstance(x, SpringDamper)]
-    rest = [math.dist(x.point_a, x.point_b) if x.rest_length is None else x.rest_length for x in loads]
+    loads = [x for x in build.scene.loads if isinstance(x, SpringDamper | PointBushing)]
+    marks = [(x.point, x.point) if isinstance(x, PointBushing) else (x.point_a, x.point_b) for x in loads]
     return arrays.Springs(
         a=ints([build.body(x.body_a) for x in loads]),
         b=ints([build.body(x.body_b) for x in loads]),
-        point_a=table([build.local(x.body_a, x.point_a) for x in loads], 2),
-        point_b=table([build.local(x.body_b, x.point_b) for x in loads], 2),
+        point_a=table([build.local(x.body_a, a) for x, (a, _) in zip(loads, marks, strict=True)], 2),
+        point_b=table([build.local(x.body_b, b) for x, (_, b) in zip(loads, marks, strict=True)], 2),
         stiffness=np.array([x.stiffness for x in loads], dtype=float),
         damping=np.array([x.damping for x in loads], dtype=float),
-        rest_length=np.array(rest, dtype=float),
-        tension_only=ints([int(x.tension_only) for x in loads]),
+        rest_length=np.array([_rest_length(x) for x in loads], dtype=float),
+        tension_only=ints([int(isinstance(x, SpringDamper) and x.tension_only) for x in loads]),
+        isotropic=ints([int(isinstance(x, PointBushing)) for x in loads]),
     )
+
+
+def _rest_length(load: SpringDamper | PointBushing) -> float:
+    if isinstance(load, PointBushing):
+        return 0.0
+    return math.dist(load.point_a, load.point_b) if load.rest_length is None else load.rest_length
 
 
 def _torsion_springs(build: _Builder) -> arrays.TorsionSprings:

@@ -394,6 +394,21 @@ class Bushing(Part):
         return self
 
 
+class PointBushing(Part):
+    """An isotropic spring and damper between two marks that coincide at t = 0: F = k e + c de/dt, e their gap (plane).
+
+    Both forces act at body b's mark, so no couple is left over: momentum is kept, and the damper only takes energy.
+    """
+
+    type: Literal["point_bushing"] = "point_bushing"
+    name: Name
+    body_a: Name
+    body_b: Name
+    point: Vector  # m, world, t = 0
+    stiffness: NonNegative  # N/m
+    damping: NonNegative = 0.0  # N s/m
+
+
 class UserForce(Part):
     """A user's own force law, called as function(t, q, v) -> generalized forces.
 
@@ -408,7 +423,7 @@ class UserForce(Part):
 
 
 Load = Annotated[
-    Force | Torque | TorqueVector | SpringDamper | TorsionSpring | Bushing | UserForce | CelestialLoad,
+    Force | Torque | TorqueVector | SpringDamper | TorsionSpring | Bushing | PointBushing | UserForce | CelestialLoad,
     Field(discriminator="type"),
 ]
 
@@ -521,7 +536,7 @@ def _part_complaints(part: Part, bodies: Mapping[str, Body], dimension: int) -> 
                 yield f"{field} = {value} must have {dimension} components here"
 
 
-_PLANAR_PARTS = (Torque,)
+_PLANAR_PARTS = (Torque, PointBushing)
 _SPATIAL_PARTS = (Spherical, Universal, Cylindrical, PointOnPlane, RotationDrive, TorqueVector, Bushing)
 _HINTS = {"spherical": "; use revolute", "torque_vector": "; use torque", "torque": "; use torque_vector"}
 

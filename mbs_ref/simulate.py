@@ -321,5 +321,7 @@ def _reactions(system: System, plan: _Plan, times: np.ndarray, states: np.ndarra
     samples = []
     for t, y in zip(times, states, strict=True):
         system.set_mode_time(t)
+        if system.scene.contacts:
+            system.recall_modes(t)  # not the modes that the run ended in
         samples.append(system.reactions(t, y))
     return {name: np.array([sample[name] for sample in samples]) for name in samples[0]} if samples else {}

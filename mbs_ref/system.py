@@ -67,6 +67,10 @@ class System(ABC):
         """Return k W (1/s^2) and c W (1/s) of each contact (n, 2), W its normal mobility; c = 0 where F ~ d d'."""
         return np.zeros((0, 2))
 
+    def recall_modes(self, t: float) -> None:
+        """Set every contact's mode to the one that held at t (s) in the last run."""
+        return None
+
     def contact_events(self) -> np.ndarray:
         """Return time (s) and contact index (n_events, 2) of the events located so far."""
         return np.zeros((0, 2))

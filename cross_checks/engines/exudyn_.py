@@ -16,11 +16,12 @@ import exudyn.itemInterface as item
 import numpy as np
 from exudyn.exudynCPP import SolverError
 
+from cross_checks.applied import CLIPPED_CONTACTS, AppliedForces, contact_refusals
 from cross_checks.engine import Engine, Method, Refusal
 from cross_checks.joint_tree import FIXED, JointTree, joint_tree
 from cross_checks.outcome import End, Plan, end_of, plan_run, trajectory
 from cross_checks.prescribed import constant_value, displacement, factor
-from mbs_ref.contact import CircleOnCircle, CircleOnLine
+from mbs_ref.contact import CircleOnCircle, CircleOnLine, SpringDamperLaw
 from mbs_ref.euler_parameters import from_matrix, parameter_matrix, rotation_matrices
 from mbs_ref.observables.attachment import Motion
 from mbs_ref.scene import (
@@ -30,6 +31,7 @@ from mbs_ref.scene import (
     Distance,
     Force,
     PlanarBody,
+    PointBushing,
     Prismatic,
     Revolute,
     Scene,
@@ -53,6 +55,7 @@ NEWTON = {"relativeTolerance": 1e-9, "absoluteTolerance": 1e-9, "maxIterations":
 SMALLEST_STEP = 1e-13  # s, adaptive methods
 STEPS = (2e-2, 1e-2, 5e-3, 2.5e-3, 1e-3, 5e-4, 2.5e-4, 1e-4)  # s
 RTOLS = (1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
+SHARED = "loads and contacts come from the shared force code, called through Python"
 TREE = "tree_"
 CONTACT = "contact_rk44"
 REACH = 100.0  # m, how far floors and the search for contact extend
@@ -93,7 +96,8 @@ class Exudyn(Engine):
         {"planar", "point_mass", "revolute", "prismatic", "weld", "distance", "coordinate_drive"}
         | {"force", "torque", "spring_damper", "torsion_spring"}
         | {"spatial", "spherical", "cylindrical", "torque_vector"}
-        | {"circle_on_line", "circle_on_circle", "spring_damper_law"}
+        | {"point_bushing"}
+        | CLIPPED_CONTACTS
     )
 
     def methods(self) -> tuple[Method, ...]:
@@ -112,8 +116,11 @@ class Exudyn(Engine):
 
     def method_refusals(self, scene: Scene, method: Method) -> list[Refusal]:
         reasons = super().method_refusals(scene, method)
-        if scene.contacts:
-            reasons += _contact_refusals(scene, method)
+        if scene.contacts and method.name == CONTACT:
+            reasons += _contact_refusals(scene)
+        elif method.name == CONTACT:
+            reasons += [Refusal("loads are not taught", False)] if scene.loads else []
+        reasons += contact_refusals(scene)
         if method.name.startswith(TREE) and scene.dimension == 2:
             reasons += _tree_refusals(scene)
         return reasons
@@ -124,8 +131,7 @@ class Exudyn(Engine):
             return plan
         exu.config.printToConsole = False
         start = perf_counter()
-        build = _build_tree if plan.method.name.startswith(TREE) else _build_redundant
-        model = _build_spatial(scene, plan.method.name) if scene.dimension == 3 else build(scene)
+        model = _build(scene, plan.method.name)
         model.mbs.Assemble()
         options = _options(plan, scene)
         built = perf_counter()
@@ -150,14 +156,19 @@ class Exudyn(Engine):
 ENGINE = Exudyn
 
 
+def _build(scene: Scene, method: str):
+    if scene.dimension == 3:
+        return _build_spatial(scene, method)
+    return _build_tree(scene) if method.startswith(TREE) else _build_redundant(scene, method)
+
+
 def _tree_refusals(scene: Scene) -> list[Refusal]:
     tree = joint_tree(scene)
     reasons = [Refusal(f"joint {j.name!r} closes a loop, which a KinematicTree cannot", True) for j in tree.closures]
     for joint in scene.joints:
-        if isinstance(joint, CoordinateDrive | Weld):
+        inner_weld = isinstance(joint, Weld) and GROUND not in (joint.body_a, joint.body_b)
+        if inner_weld or isinstance(joint, CoordinateDrive):
             reasons.append(Refusal(f"joint {joint.name!r}: a KinematicTree is not yet taught {joint.type}", False))
-    for load in scene.loads:
-        reasons.append(Refusal(f"load {load.name!r}: a KinematicTree is not yet taught {load.type}", False))
     return reasons
 
 
@@ -241,7 +252,7 @@ def _in_body(angle: float, r: np.ndarray) -> np.ndarray:
     return np.array([c * r[0] + s * r[1], c * r[1] - s * r[0]])
 
 
-def _build_redundant(scene: Scene) -> Redundant:
+def _build_redundant(scene: Scene, method: str) -> Redundant:
     container = exu.SystemContainer()
     model = Redundant(scene, container, container.AddSystem())
     model.bodies[FIXED] = model.mbs.AddObject(item.ObjectGround())
@@ -249,6 +260,9 @@ def _build_redundant(scene: Scene) -> Redundant:
         _add_body(model, k, body)
     for joint in scene.joints:
         JOINTS[type(joint)](model, joint)
+    if method != CONTACT and (scene.contacts or any(isinstance(load, PointBushing) for load in scene.loads)):
+        _add_shared_forces(model)
+        return model
     for load in scene.loads:
         LOADS[type(load)](model, load)
     if scene.contacts:
@@ -410,16 +424,40 @@ JOINTS = {
 LOADS = {Force: _add_force, Torque: _add_torque, SpringDamper: _add_spring, TorsionSpring: _add_torsion}
 
 
+# --- forces of the shared force code ------------------------------------------------------------------
+
+
+def _add_shared_forces(model: Redundant) -> None:
+    """Apply all loads and contacts through one item over all nodes, which calls Python."""
+    applied = AppliedForces(joint_tree(model.scene))
+    weight = np.outer([body.mass for body in model.scene.bodies], [*model.scene.gravity, 0.0])
+    start = np.array([[*body.position, getattr(body, "angle", 0.0)] for body in model.scene.bodies])
+
+    def forces(mbs, t, number, q, v) -> np.ndarray:
+        q, v = np.reshape(q, (-1, 3)) + start, np.reshape(v, (-1, 3))
+        return (applied.of_poses(t, q, v) - weight).ravel()  # the bodies have their weight already
+
+    size = 3 * len(model.nodes)
+    zero = np.zeros((size, size))
+    model.mbs.AddObject(
+        item.ObjectGenericODE2(
+            nodeNumbers=model.nodes, massMatrix=zero, stiffnessMatrix=zero, dampingMatrix=zero,
+            forceVector=np.zeros(size), forceUserFunction=forces,
+        )
+    )  # fmt: skip
+    model.notes += (SHARED,)
+
+
 # --- contact ---------------------------------------------------------------------------------------
 
 
-def _contact_refusals(scene: Scene, method: Method) -> list[Refusal]:
-    reasons = []
-    if method.name != CONTACT:
-        reasons.append(f"{method.name}: contact is taught to {CONTACT} alone")
-    reasons += [f"joint {joint.name!r}: Exudyn's explicit solvers take no joint" for joint in scene.joints]
+def _contact_refusals(scene: Scene) -> list[Refusal]:
+    reasons = [f"joint {joint.name!r}: Exudyn's explicit solvers take no joint" for joint in scene.joints]
     for contact in scene.contacts:
         where = f"contact {contact.name!r}"
+        if not isinstance(contact.law, SpringDamperLaw) or not isinstance(contact, CircleOnLine | CircleOnCircle):
+            reasons.append(f"{where}: GeneralContact takes circles with spring_damper_law, not {contact.law.type}")
+            continue
         if contact.friction is not None:
             reasons.append(f"{where}: friction is not yet taught to exudyn here")
         rule = "gap" if isinstance(contact, CircleOnLine) else "force"
@@ -538,10 +576,14 @@ def _build_tree(scene: Scene) -> Tree:
         )
     )
     links = _links(tree)
+    options: dict[str, Any] = {"gravity": [*scene.gravity, 0.0]}
+    if scene.loads or scene.contacts:
+        applied = AppliedForces(tree)
+        options = {"forceUserFunction": lambda mbs, t, number, q, v: applied.generalized(t, np.array(q), np.array(v))}
     number = mbs.AddObject(
         item.ObjectKinematicTree(
             nodeNumber=node,
-            gravity=[*scene.gravity, 0.0],
+            **options,
             jointTypes=links.types,
             linkParents=links.parents,
             jointTransformations=exu.Matrix3DList(links.turns),
@@ -552,7 +594,8 @@ def _build_tree(scene: Scene) -> Tree:
         )
     )
     kinds = (exu.OutputVariableType.Coordinates, exu.OutputVariableType.Coordinates_t)
-    return Tree(tree, container, mbs, number, [mbs.AddSensor(_node_sensor(node, kind)) for kind in kinds])
+    sensors = [mbs.AddSensor(_node_sensor(node, kind)) for kind in kinds]
+    return Tree(tree, container, mbs, number, sensors, () if "gravity" in options else (SHARED,))
 
 
 def _links(tree: JointTree) -> Links:
@@ -568,6 +611,9 @@ def _links(tree: JointTree) -> Links:
         phi = float(np.arctan2(edge.axis[1], edge.axis[0])) if edge.kind == "prismatic" else 0.0
         offset = _in_body(heading[p], edge.point - origin[p])
         centre = _in_body(phi, tree.position[b] - edge.point)
+        if edge.kind == "weld":  # to ground: a link of it
+            last[b], heading[b], origin[b] = last[p], heading[p], origin[p]
+            continue
         chain = {
             "revolute": [kinds.RevoluteZ],
             "prismatic": [kinds.PrismaticX],

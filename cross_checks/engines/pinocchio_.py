@@ -19,6 +19,7 @@ import numpy as np
 import pinocchio as pin
 from scipy.integrate import DOP853
 
+from cross_checks.applied import CLIPPED_CONTACTS, AppliedForces, contact_refusals
 from cross_checks.engine import Engine, Method, Refusal
 from cross_checks.joint_tree import FIXED, Edge, JointTree, joint_tree, local
 from cross_checks.outcome import End, Plan, end_of, plan_run, refuse_spatial, trajectory
@@ -60,7 +61,8 @@ class Pinocchio(Engine):
     package: ClassVar[str] = "pinocchio"
     part_types: ClassVar[frozenset[str]] = frozenset(
         {"planar", "point_mass", "revolute", "prismatic", "weld", "distance"}
-        | {"force", "torque", "spring_damper", "torsion_spring", "user_force"}
+        | {"force", "torque", "spring_damper", "torsion_spring", "point_bushing", "user_force"}
+        | CLIPPED_CONTACTS
     )
 
     def methods(self) -> tuple[Method, ...]:
@@ -81,7 +83,7 @@ class Pinocchio(Engine):
         ]
         if size > MOST_BYTES:
             reasons.append(Refusal(f"pinocchio's data take {size / 1e9:.1f} GB for {tree.size} coordinates", True))
-        return reasons
+        return reasons + contact_refusals(scene)
 
     def run(self, scene: Scene, settings: Settings, times: np.ndarray | None = None) -> Trajectory:
         plan = plan_run(self, scene, settings, times)
@@ -100,7 +102,8 @@ class Pinocchio(Engine):
         states, end, steps, calls = advance(rhs, initial, plan, settings.max_steps, scene.breakpoints())
         looped = perf_counter()
         poses = _poses(mechanism, states[: end.samples])
-        known = settings.reactions and not scene.loads
+        reached = plan.times[: end.samples]
+        states = states[: end.samples]
         return trajectory(
             plan,
             poses,
@@ -108,8 +111,8 @@ class Pinocchio(Engine):
             Timing(built - start, called - built, looped - called),
             steps=steps,
             rhs_calls=calls,
-            reactions=_reactions(mechanism, rhs, contact_data, states[: end.samples], poses) if known else {},
-            notes=(DRIVEN,) + (("loads are computed in Python",) if scene.loads else ()),
+            reactions=_reactions(mechanism, rhs, contact_data, reached, states, poses) if settings.reactions else {},
+            notes=(DRIVEN,) + (("loads and contacts come from the shared force code",) if mechanism.applied else ()),
         )
 
 
@@ -128,6 +131,7 @@ class Mechanism:
     data: Any
     joint: dict[int, int]  # body -> joint that carries it
     placement: dict[int, Any]  # body -> its centre of mass, with its axes, in that joint's frame
+    applied: AppliedForces | None  # loads, contacts and gravity; None where gravity is all
     contacts: Any = field(default_factory=lambda: pin.StdVec_RigidConstraintModel())
 
 
@@ -153,9 +157,9 @@ def _joint_models(edge: Edge, tree: JointTree) -> list:
 
 def _mechanism(tree: JointTree, gains: tuple[float, float]) -> Mechanism:
     model = pin.Model()
-    loaded = bool(tree.scene.loads)
+    applied = AppliedForces(tree) if tree.scene.loads or tree.scene.contacts else None
     # with loads, gravity comes with them from the one system of applied forces
-    model.gravity.linear = np.zeros(3) if loaded else np.array([*tree.scene.gravity, 0.0])
+    model.gravity.linear = np.zeros(3) if applied else np.array([*tree.scene.gravity, 0.0])
     joint = {FIXED: 0}
     origin = {0: pin.SE3.Identity()}  # a joint's world frame at t = 0
     placement: dict[int, Any] = {}
@@ -173,7 +177,7 @@ def _mechanism(tree: JointTree, gains: tuple[float, float]) -> Mechanism:
     contacts = pin.StdVec_RigidConstraintModel()
     for closure in tree.closures:
         contacts.append(_contact(tree, model, closure, joint, origin, gains))
-    return Mechanism(tree, model, model.createData(), joint, placement, contacts)
+    return Mechanism(tree, model, model.createData(), joint, placement, applied, contacts)
 
 
 def _contact(tree: JointTree, model, closure, joint: dict, origin: dict, gains: tuple[float, float]):
@@ -226,20 +230,11 @@ def _right_hand_side(mechanism: Mechanism, contact_data: Any) -> RightHandSide:
 def _torques(mechanism: Mechanism) -> RightHandSide:
     """Return tau(t, y): zero, or the scene's applied forces projected on the joints."""
     n = mechanism.tree.size
-    if not mechanism.tree.scene.loads:
+    if mechanism.applied is None:
         zero = np.zeros(n)
         return lambda t, y: zero
-    from mbs_ref.planar_system import PlanarSystem
-
-    system = PlanarSystem(mechanism.tree.scene)
-
-    def loaded(t: float, y: np.ndarray) -> np.ndarray:
-        position, angle, velocity, rate = mechanism.tree.poses(y[None, :n], y[None, n:])
-        q = np.column_stack((position[0], angle[0]))
-        v = np.column_stack((velocity[0], rate[0]))
-        return mechanism.tree.project(y[:n], position[0], system.applied_forces(t, q, v))
-
-    return loaded
+    applied = mechanism.applied
+    return lambda t, y: applied.generalized(t, y[:n], y[n:])
 
 
 # --- the loop --------------------------------------------------------------------------------------
@@ -321,16 +316,22 @@ def _poses(mechanism: Mechanism, states: np.ndarray):
     return position, angle, velocity, rate
 
 
-def _reactions(mechanism: Mechanism, rhs: RightHandSide, contact_data, states: np.ndarray, poses) -> dict:
-    """Return reactions by recursive Newton-Euler with the loop forces applied from outside (no other loads)."""
+def _reactions(mechanism: Mechanism, rhs: RightHandSide, contact_data, times, states: np.ndarray, poses) -> dict:
+    """Return reactions by recursive Newton-Euler with loads and loop forces applied from outside."""
     tree, model, data = mechanism.tree, mechanism.model, mechanism.data
     n = tree.size
     wrench = np.zeros((len(states), len(tree.scene.bodies), 3))
     loops = np.zeros((len(tree.closures), len(states), 3))
-    for k, y in enumerate(states):
-        acceleration = rhs(0.0, y)[n:].copy()
+    for k, (t, y) in enumerate(zip(times, states, strict=True)):
+        acceleration = rhs(t, y)[n:].copy()
         pin.forwardKinematics(model, data, y[:n], y[n:])  # neither ABA nor RNEA leaves world placements behind
         outside = [pin.Force.Zero() for _ in range(model.njoints)]
+        if mechanism.applied is not None:
+            for body, (fx, fy, turn) in enumerate(mechanism.applied.on_bodies(t, y[:n], y[n:])):
+                load = pin.Force(np.array([fx, fy, 0.0]), np.array([0.0, 0.0, turn]))
+                joint = mechanism.joint[body]
+                at_centre = pin.SE3(np.eye(3), data.oMi[joint].act(mechanism.placement[body].translation))
+                outside[joint] += data.oMi[joint].actInv(at_centre.act(load))
         for c, (contact, found) in enumerate(zip(mechanism.contacts, contact_data, strict=True)):
             on_first = found.oMc1.act(found.contact_force)
             loops[c, k] = -_planar(on_first)

@@ -12,9 +12,20 @@ from mbs_ref.euler_parameters import rotation_matrices
 from mbs_ref.observables import celestial
 from mbs_ref.observables.attachment import Motion
 from mbs_ref.observables.powers import powers
-from mbs_ref.observables.springs import bushing_strain, length_of, twist_of
+from mbs_ref.observables.springs import bushing_strain, gap_of, length_of, twist_of
 from mbs_ref.particle_scene import is_celestial
-from mbs_ref.scene import DRIVES, Bushing, Force, PlanarBody, Scene, SpatialBody, SpringDamper, Torque, TorsionSpring
+from mbs_ref.scene import (
+    DRIVES,
+    Bushing,
+    Force,
+    PlanarBody,
+    PointBushing,
+    Scene,
+    SpatialBody,
+    SpringDamper,
+    Torque,
+    TorsionSpring,
+)
 from mbs_ref.signals import Constant, Signal
 from mbs_ref.trajectory import Trajectory
 
@@ -69,7 +80,7 @@ def is_conservative(load) -> bool:
         return isinstance(load.factor, Constant) and load.frame == "world"
     if isinstance(load, Torque):
         return isinstance(load.factor, Constant)
-    return isinstance(load, SpringDamper | TorsionSpring | Bushing)
+    return isinstance(load, SpringDamper | TorsionSpring | Bushing | PointBushing)
 
 
 def energy_balance(scene: Scene, trajectory: Trajectory) -> EnergyBalance:
@@ -151,6 +162,10 @@ def _bushing(motion: Motion, load: Bushing) -> np.ndarray:
     return 0.5 * bushing_strain(motion, load)[0] ** 2 @ np.asarray(load.stiffness)
 
 
+def _point_bushing(motion: Motion, load: PointBushing) -> np.ndarray:
+    return 0.5 * load.stiffness * np.sum(gap_of(motion, load)[0] ** 2, axis=1)
+
+
 def _force(motion: Motion, load: Force) -> np.ndarray:
     place, _ = motion.point(load.body, load.point)
     return -_constant(load.factor) * ((place - np.asarray(load.point)) @ np.asarray(load.vector))
@@ -164,4 +179,11 @@ def _constant(factor: Signal) -> float:
     return factor.segments()[0].coefficients[0]
 
 
-POTENTIALS = {SpringDamper: _spring, TorsionSpring: _torsion, Bushing: _bushing, Force: _force, Torque: _torque}
+POTENTIALS = {
+    SpringDamper: _spring,
+    TorsionSpring: _torsion,
+    Bushing: _bushing,
+    PointBushing: _point_bushing,
+    Force: _force,
+    Torque: _torque,
+}

@@ -7,7 +7,7 @@ import numpy as np
 from mbs_ref.euler_parameters import rotation_matrices
 from mbs_ref.observables import celestial
 from mbs_ref.particle_scene import is_celestial
-from mbs_ref.scene import GROUND, Bushing, PlanarBody, Scene, SpatialBody, SpringDamper, TorsionSpring
+from mbs_ref.scene import GROUND, Bushing, PlanarBody, PointBushing, Scene, SpatialBody, SpringDamper, TorsionSpring
 from mbs_ref.traits import joint_ends
 from mbs_ref.trajectory import Trajectory
 
@@ -61,7 +61,7 @@ def momentum_drift(scene: Scene, trajectory: Trajectory) -> np.ndarray | None:
 
 
 def _is_held(scene: Scene) -> bool:
-    inner = (SpringDamper, TorsionSpring, Bushing)
+    inner = (SpringDamper, TorsionSpring, Bushing, PointBushing)
     if any(GROUND in joint_ends(joint) for joint in scene.joints):
         return True
     if any(GROUND in (contact.body_a, contact.body_b) for contact in scene.contacts):

@@ -10,11 +10,12 @@ from mbs_ref.contact import Contact
 from mbs_ref.observables.attachment import Motion
 from mbs_ref.observables.signal_values import motion as prescribed
 from mbs_ref.observables.signal_values import values
-from mbs_ref.observables.springs import bushing_strain, length_of, twist_of
+from mbs_ref.observables.springs import bushing_strain, gap_of, length_of, twist_of
 from mbs_ref.scene import (
     Bushing,
     CoordinateDrive,
     Force,
+    PointBushing,
     PointDrive,
     RotationDrive,
     SpringDamper,
@@ -42,7 +43,7 @@ def _contact(motion: Motion, contact: Contact) -> np.ndarray:
 
 
 def _works(load, is_conservative: Callable) -> bool:
-    if isinstance(load, SpringDamper | TorsionSpring):
+    if isinstance(load, SpringDamper | TorsionSpring | PointBushing):
         return load.damping > 0.0
     if isinstance(load, Bushing):
         return any(c > 0.0 for c in load.damping)
@@ -60,6 +61,10 @@ def _damper(motion: Motion, load: SpringDamper) -> np.ndarray:
 
 def _torsion_damper(motion: Motion, load: TorsionSpring) -> np.ndarray:
     return -load.damping * twist_of(motion, load)[1] ** 2
+
+
+def _point_bushing_damper(motion: Motion, load: PointBushing) -> np.ndarray:
+    return -load.damping * np.sum(gap_of(motion, load)[1] ** 2, axis=1)
 
 
 def _force(motion: Motion, load: Force) -> np.ndarray:
@@ -113,6 +118,7 @@ LOADS = {
     Torque: _torque,
     TorqueVector: _torque_vector,
     Bushing: _bushing_damper,
+    PointBushing: _point_bushing_damper,
     UserForce: _user_force,
 }
 DRIVES = {CoordinateDrive: _coordinate_drive, PointDrive: _point_drive, RotationDrive: _rotation_drive}

@@ -6,7 +6,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from mbs_ref.observables.attachment import Motion
-from mbs_ref.scene import Bushing, SpringDamper, TorsionSpring
+from mbs_ref.scene import Bushing, PointBushing, SpringDamper, TorsionSpring
 
 
 def length_of(motion: Motion, spring: SpringDamper) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -50,3 +50,10 @@ def bushing_strain(motion: Motion, bushing: Bushing) -> tuple[np.ndarray, np.nda
     seen = [b - a, b_rate - a_rate - carried, motion.turning(bushing.body_b) - motion.turning(bushing.body_a)]
     offset, offset_rate, spin = (np.einsum("tij,ti->tj", here, v) for v in seen)
     return np.concatenate((offset, relative), axis=1), np.concatenate((offset_rate, spin), axis=1)
+
+
+def gap_of(motion: Motion, bushing: PointBushing) -> tuple[np.ndarray, np.ndarray]:
+    """Return the gap between the marks (n_t, 2), m, and the slip at b's mark (m/s), where both forces act."""
+    a, _ = motion.point(bushing.body_a, bushing.point)
+    b, b_rate = motion.point(bushing.body_b, bushing.point)
+    return b - a, b_rate - motion.rate_at(bushing.body_a, b)

@@ -67,7 +67,14 @@ def apply_springs(model, work):
         uy = kin.motion[b, 1] + bx * kin.motion[b, 2] - kin.motion[a, 1] - ax * kin.motion[a, 2]
         length = np.sqrt(dx * dx + dy * dy)
         stretch = length - spring.rest_length[k]
-        if length == 0.0:
+        if spring.isotropic[k] == 1:
+            ux -= dy * kin.motion[a, 2]  # of body a's matter at b's mark, where both forces act
+            uy += dx * kin.motion[a, 2]
+            ax += dx
+            ay += dy
+            fx = spring.stiffness[k] * dx + spring.damping[k] * ux
+            fy = spring.stiffness[k] * dy + spring.damping[k] * uy
+        elif length == 0.0:
             fx = spring.damping[k] * ux  # no line of action: only the isotropic limit of the damper
             fy = spring.damping[k] * uy
         else:

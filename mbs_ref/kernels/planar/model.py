@@ -73,6 +73,7 @@ class Springs(NamedTuple):
     damping: np.ndarray  # (k,) N s/m
     rest_length: np.ndarray  # (k,) m
     tension_only: np.ndarray  # (k,) int
+    isotropic: np.ndarray  # (k,) int: 1 for a bushing, whose force follows the gap as a vector
 
 
 class TorsionSprings(NamedTuple):
@@ -219,7 +220,15 @@ _EMPTY = PlanarGroups(
     ),
     forces=Forces(_integers(0), _floats(0, 2), _floats(0, 2), _integers(0), _floats(0), _integers(0)),
     springs=Springs(
-        _integers(0), _integers(0), _floats(0, 2), _floats(0, 2), _floats(0), _floats(0), _floats(0), _integers(0)
+        _integers(0),
+        _integers(0),
+        _floats(0, 2),
+        _floats(0, 2),
+        _floats(0),
+        _floats(0),
+        _floats(0),
+        _integers(0),
+        _integers(0),
     ),
     torsion_springs=TorsionSprings(_integers(0), _integers(0), _floats(0), _floats(0), _floats(0)),
     contact_pairs=_NO_CONTACTS[0],

@@ -1,0 +1,58 @@
+"""Loads and contacts for tree mechanisms of other engines, by our own force code: then dynamics is what is compared.
+
+Contact forces are clipped by the state instead of switched at located events, so a one-step method is of
+order 2 where a force starts with a kink, and of order 1 where it jumps.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from cross_checks.engine import Refusal
+from cross_checks.joint_tree import JointTree
+from mbs_ref.contact import FloresLaw, LankaraniNikraveshLaw, RigidLaw, StickSlip
+from mbs_ref.planar_system import PlanarSystem
+from mbs_ref.scene import Scene
+
+# what gives a force that follows from the state alone
+CLIPPED_CONTACTS = frozenset(
+    {"circle_on_line", "circle_on_circle", "pin_on_sprocket"}
+    | {"spring_damper_law", "progressive_law", "hunt_crossley_law", "regularised_coulomb"}
+)
+
+
+def contact_refusals(scene: Scene) -> list[Refusal]:
+    """Return why the scene's contacts need located events, contact by contact."""
+    return [
+        Refusal(f"contact {c.name!r}: {c.law.type} or its friction needs located events", False)
+        for c in scene.contacts
+        if isinstance(c.law, RigidLaw | LankaraniNikraveshLaw | FloresLaw) or isinstance(c.friction, StickSlip)
+    ]
+
+
+class AppliedForces:
+    """Generalized applied forces of a scene, gravity included, in the coordinates of its joint tree."""
+
+    def __init__(self, tree: JointTree) -> None:
+        self.tree = tree
+        self.system = PlanarSystem(tree.scene)
+        self.system.start_contacts(0.0, self.system.initial_state(), located=False)
+
+    def on_bodies(self, t: float, q: np.ndarray, v: np.ndarray) -> np.ndarray:
+        """Return the forces (n_bodies, 3) at the centres of mass of tree coordinates q, v (n_q,): N, N, N m."""
+        return self._evaluate(t, q, v)[1]
+
+    def generalized(self, t: float, q: np.ndarray, v: np.ndarray) -> np.ndarray:
+        """Return the generalized forces (n_q,)."""
+        position, forces = self._evaluate(t, q, v)
+        return self.tree.project(q, position, forces)
+
+    def of_poses(self, t: float, q: np.ndarray, v: np.ndarray) -> np.ndarray:
+        """Return the forces (n_bodies, 3) of world poses and velocities (n_bodies, 3)."""
+        self.system.set_mode_time(t)
+        return self.system.applied_forces(t, q, v)
+
+    def _evaluate(self, t: float, q: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        position, angle, velocity, rate = self.tree.poses(q[None], v[None])
+        poses = np.column_stack((position[0], angle[0]))
+        return position[0], self.of_poses(t, poses, np.column_stack((velocity[0], rate[0])))
