@@ -121,5 +121,5 @@ def _measures(times: np.ndarray, head: np.ndarray, thorax: np.ndarray, axial: np
         "head peak before 120 ms, g": float(np.max(head[early])),
         "neck tension, N": float(max(np.max(axial), 0.0)),
         "neck compression, N": float(max(-np.min(axial), 0.0)),
-        "Nij, axial force alone": float(np.max(injury.nij(axial, 0.0))),
+        "Nij, axial force alone": float(np.max(injury.nij(axial, np.zeros_like(axial)))),
     }

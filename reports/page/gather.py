@@ -17,6 +17,7 @@ from mbs_ref import scenes
 from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings
 from reports.page.capability import capabilities
+from reports.page.crashes import crashes
 from reports.page.environment import environment
 from reports.page.numbers import finite
 from reports.page.report_data import Cell, ReportData, scene_label
@@ -69,6 +70,7 @@ def gather(quick: bool = False, progress: Progress | None = None) -> ReportData:
     return ReportData(
         tuple(cells), tuple(records), capabilities(chosen), facts, _orders(), quick, seconds=seconds,
         space=None if quick else space.measure(), sky=() if quick else digits_ladder(),
+        crashes=() if quick else crashes(),
     )  # fmt: skip
 
 

@@ -9,6 +9,7 @@ from typing import Any
 from benchmarks.space import SpaceFacts
 from cross_checks.record import Record
 from mbs_ref import scenes
+from reports.page.crashes import Crash
 
 
 @dataclass(frozen=True)
@@ -47,6 +48,7 @@ class ReportData:
     orders: dict[tuple[str, str], int] = field(default_factory=dict)  # (engine, method) -> documented order
     quick: bool = False
     sky: tuple[Record, ...] = ()  # the solar system at each level of physics, with figures per body
+    crashes: tuple[Crash, ...] = ()  # the androids; empty in a quick report
     seconds: float = 0.0  # s, spent on the runs
     space: SpaceFacts | None = None  # measured on spatial bodies; None in a quick report
 

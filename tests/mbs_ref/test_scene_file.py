@@ -69,6 +69,7 @@ LOADS = [
     (language.Torque, {"body": st.just("anchor"), "torque": finite, "factor": signal}),
     (language.SpringDamper, marks | {"stiffness": non_negative, "damping": non_negative, "tension_only": st.booleans(),
                                      "rest_length": st.none() | non_negative}),
+    (language.PointBushing, ends | {"point": pair, "stiffness": non_negative, "damping": non_negative}),
     (language.TorsionSpring, ends | {"stiffness": non_negative, "rest_angle": st.none() | finite}),
 ]  # fmt: skip
 scene_strategy = st.builds(
