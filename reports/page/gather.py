@@ -41,7 +41,7 @@ SCENES: tuple[tuple[str, dict[str, Any]], ...] = (
     ("bricard", {}),
 )
 SKY_LEVELS = ("lumped", "newton", "gr_sun", "gr", "j2", "asteroids", "full")
-RUN_TIME = 200.0  # s for all runs, so that the report with its compilation stays within five minutes on two cores
+RUN_TIME = 150.0  # s for all runs, so that the report with its compilation stays within five minutes on two cores
 LEAST_SHARE = 0.2  # s for a method on a scene, however late it is
 QUICK = (("pendulum", {}), ("pendulum_chain", {"links": 3}), ("n_four_bar", {"loops": 1}))
 
