@@ -45,4 +45,4 @@ def context(data: ReportData) -> dict[str, Any]:
     return {"blocks": blocks}
 
 
-SECTION = Section("profiles", "Performance profiles", LEAD, 35, context)
+SECTION = Section("profiles", "Performance profiles", LEAD, 72, context)
