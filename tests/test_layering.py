@@ -10,7 +10,7 @@ import pytest
 
 ROOT = Path(__file__).parent.parent
 LAYERS = ("mbs_ref", "cross_checks", "benchmarks", "reports", "tests")  # lowest first
-ENGINE_PACKAGES = frozenset({"exudyn", "pinocchio", "mujoco", "rebound", "reboundx", "astropy"})
+ENGINE_PACKAGES = frozenset({"exudyn", "pinocchio", "mujoco", "rebound", "reboundx", "heyoka", "astropy"})
 FILES = sorted(path for layer in LAYERS for path in (ROOT / layer).rglob("*.py"))
 
 
@@ -37,7 +37,8 @@ def test_imports_point_downward(path):
 
 @pytest.mark.parametrize("path", [p for p in FILES if "tests" not in p.relative_to(ROOT).parts], ids=label)
 def test_an_engine_package_is_imported_in_its_adapter_alone(path):
-    adapter = path.parent == ROOT / "cross_checks" / "engines" and path.stem.endswith("_")
+    folders = (ROOT / "cross_checks" / "engines", ROOT / "cross_checks" / "ephemerides")
+    adapter = path.parent in folders and path.stem.endswith("_")
     engines = set(imported(path)) & ENGINE_PACKAGES
     assert not engines or adapter, f"{label(path)} imports {engines}"
     assert len(engines - {"reboundx"}) <= 1, f"{label(path)} mixes engines {engines}"
