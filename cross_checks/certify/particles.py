@@ -55,7 +55,7 @@ def converge(scene: Scene, times: np.ndarray) -> Truth | NoTruth:
     gap = float(np.abs(best - other).max())
     uncertainty = gap + float(np.spacing(float(np.abs(best).max())))
     kept = best[len(grid) - len(times) :].astype(float)
-    return Truth(kept, _unturned(kept), uncertainty, "converged", f"{how}, which differ by {gap:.1e} m")
+    return Truth(kept, _unturned(kept), uncertainty, "converged", f"{how}, which differ by {gap:.1e} m", gap)
 
 
 def _unlike(scene: Scene, units: Units) -> Settings:

@@ -26,6 +26,7 @@ class Truth:
     uncertainty: float  # m, of every world point at every time
     kind: Literal["exact", "published", "converged"]
     how: str  # one sentence
+    difference: float | None = None  # m, between two unlike ways to it; None where it was found in one
 
 
 @dataclass(frozen=True)
