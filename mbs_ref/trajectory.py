@@ -58,6 +58,7 @@ class Trajectory:
     event_times: np.ndarray | None = None  # (n_events, 2) time s and contact's index, where the engine locates events
     step_compliance: np.ndarray | None = None  # (n_samples, 2) time s, max |C| over the steps since the last sample
     notes: tuple[str, ...] = ()  # what the user should know: corrections applied, redundant rows, warnings
+    unreported: bool = False  # the engine itself said nothing: the failure in `status` was found by looking at its numbers
 
     @property
     def ok(self) -> bool:

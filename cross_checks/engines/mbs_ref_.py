@@ -35,6 +35,7 @@ class MbsRef(Engine):
 
     name: ClassVar[str] = "mbs_ref"
     package: ClassVar[str] = "mbs_ref"
+    checks_start: ClassVar[bool] = True
     part_types: ClassVar[frozenset[str]] = frozenset(PART_TYPES.split()) | CELESTIAL_TYPES
 
     def methods(self) -> tuple[Method, ...]:
