@@ -45,6 +45,8 @@ nightly: venv  ## the slow tests, the benchmarks, the full report and the regres
 	@mkdir -p reports/out
 	$(BIN)/python -m pytest -n auto -m slow
 	$(BIN)/python -m pytest benchmarks -m '' --benchmark-only -p no:xdist --benchmark-json=reports/out/bench.json
+	rm -f reports/out/extremes.jsonl
+	$(BIN)/mbs-ref extremes --full -o reports/out/extremes.jsonl
 	$(BIN)/mbs-ref report
 	$(BIN)/mbs-ref nightly --baseline $(BASELINE) --bench reports/out/bench.json
 
