@@ -53,7 +53,10 @@ def read(path: Path) -> tuple[list[Record], list[str]]:
 
 
 def read_data[Item](path: Path, build: Callable[[Any], Item]) -> tuple[list[Item], list[str]]:
-    """Return what `build` makes of each line's JSON, and a sentence for every line it refuses by ValueError or TypeError."""
+    """Return what `build` makes of each line's JSON, and a sentence for every line that it refuses.
+
+    It refuses by a ValueError or TypeError.
+    """
     records, problems = [], []
     for number, line in enumerate(path.read_bytes().split(b"\n"), start=1):
         if not line.strip():

@@ -20,6 +20,7 @@ class Status(StrEnum):
     INCONSISTENT = "inconsistent"  # initial conditions break a constraint
     NOT_CONVERGED = "not-converged"  # an implicit step's iteration failed
     SINGULAR = "singular"  # a singular pose where the branch of the motion is ambiguous
+    UNRESOLVED = "unresolved"  # a fixed step so long that what came out is another motion
     COLLISION = "collision"  # two bodies came closer than the sum of their radii
     ENDLESS_EVENTS = "endless-events"  # contact events accumulate: endless bouncing (Zeno), or more than allowed
     REFUSED = "refused"  # stopped before the first step, with the reason

@@ -13,7 +13,8 @@ from cross_checks.extremes.extreme import Extreme
 @cache
 def every() -> tuple[Extreme, ...]:
     """Return all extremes, by family in the order of the folder."""
-    modules = (importlib.import_module(f"{families.__name__}.{m.name}") for m in pkgutil.iter_modules(families.__path__))
+    names = [module.name for module in pkgutil.iter_modules(families.__path__)]
+    modules = [importlib.import_module(f"{families.__name__}.{name}") for name in names]
     return tuple(extreme for module in modules for extreme in module.EXTREMES)
 
 

@@ -20,7 +20,7 @@ def swing(times: np.ndarray, rate: float, start: float) -> np.ndarray:
 
 
 def half_sine_push(since: np.ndarray, duration: float, peak: float) -> np.ndarray:
-    """Return the way (n_t,) m of a body at rest under the acceleration peak sin(pi s / duration) (m/s^2), since s = 0."""
+    """Return the way (n_t,) m of a body at rest accelerated by peak sin(pi s / duration) (m/s^2) from s = 0 s on."""
     inside = np.clip(since, 0.0, duration)
     turn = math.pi / duration
     way = peak / turn * (inside - np.sin(turn * inside) / turn)

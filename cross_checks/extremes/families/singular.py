@@ -90,7 +90,7 @@ EXTREMES = (
             Axis("loops", "", (1.0, 2.0, 4.0, 8.0, 16.0), full=(32.0, 64.0)), _loops),
     Extreme("near-flat-start", FAMILY, "A parallelogram released at rest ever closer to flat, and flat at last.",
             Axis("angle to flat", "rad", (*decades(1e-1, 1e-15, 2.0), 0.0)), _near_flat, good=1e-2),
-    Extreme("dead-centre", FAMILY, "A slider-crank whose rod is hardly longer than its crank; energy and joints judged.",
+    Extreme("dead-centre", FAMILY, "A slider-crank whose rod is hardly longer than its crank; energy and joints.",
             Axis("excess of the rod", "m", (0.7, 0.1, 1e-2, 1e-3, 1e-4, 1e-6, 1e-8, 1e-10)), _dead_centre, good=1e-2),
     Extreme("driven-lock", FAMILY, "A motor turns a crank further than the rod reaches: the mechanism locks.",
             Axis("lack of the rod", "", (0.0, 1e-3, 1e-2, 1e-1, 0.3)), _lock, good=1e-2),

@@ -72,7 +72,7 @@ EXTREMES = (
     ),
     Extreme(
         "stiff-spring-ringing", FAMILY,
-        "A slider rings on an ever stiffer spring: a fixed step of 1 ms cannot follow, and damping it away is no answer.",
+        "A slider rings on an ever stiffer spring: steps of 1 ms cannot follow, and damping it away is no answer.",
         STIFFNESS, _ringing, good=1e-2,
     ),
 )  # fmt: skip

@@ -16,7 +16,7 @@ from reports.plots.fates import chart, tick
 from reports.plots.palette import colours
 
 LEAD = "Up to here you can trust an engine's method: scenes driven from mild to hopeless, and what became of each."
-TONES = {Fate.SURVIVED: "good", Fate.STOPPED: "plain", Fate.DEGRADED: "fair", Fate.SILENTLY_WRONG: "bad", Fate.CANNOT: "plain"}
+TONES = {Fate.SURVIVED: "good", Fate.STOPPED: "plain", Fate.DEGRADED: "fair", Fate.SILENTLY_WRONG: "bad"}
 
 
 def context(data: ReportData) -> dict[str, Any]:
