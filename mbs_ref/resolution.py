@@ -58,12 +58,16 @@ def resolution(
 def _doubled(
     system: System, integrator: Integrator, options: Options, t: float, y: np.ndarray
 ) -> np.ndarray | None:
-    """Return |one step - two half steps| (n_state,); None where one of them fails."""
+    """Return |one step - two half steps| (n_state,); None where one of them fails.
+
+    A declared breakpoint ends a step, as it does in the run.
+    """
     found = []
-    system.set_mode_time(t + 0.5 * options.step)
+    end = min([t + options.step, *(b for b in system.scene.breakpoints() if b > t)])
+    system.set_mode_time(0.5 * (t + end))
     with np.errstate(all="ignore"):
-        for step in (options.step, 0.5 * options.step):
-            leg = np.array([t, t + options.step])
+        for step in (end - t, 0.5 * (end - t)):
+            leg = np.array([t, end])
             run = progress(t)
             done = integrator.advance(system, options._replace(step=step), run, y.copy(), leg)
             if done.reached < 2:

@@ -36,6 +36,7 @@ from mbs_ref.trouble import may_be_stiff, stiffness
 
 DEFAULT_TOLERANCE = 1e-8  # rtol, and atol in m, rad, m/s, rad/s
 PROJECTION_TOLERANCE = 1e-14  # of the scene's size in metres (at least 1 m): a little above roundoff
+EPS = float(np.finfo(float).eps)
 CHUNK = 20_000  # steps between looks at the keyboard
 ON_GRID = 1e-9  # of a step: how far an asked time may be from a multiple of the step
 
@@ -301,6 +302,9 @@ def _run_legs(system: System, plan: _Plan, y: np.ndarray):
         status, message = Status.INTERRUPTED, f"interrupted at t = {run.clock[CLOCK_T]:.9g} s"
     elif status is Status.ENDLESS_EVENTS:
         message += f"; contact {system.scene.contacts[run.counts[COUNT_CONTACT]].name!r} was the last"
+    elif status is Status.SINGULAR and plan.options.rtol < EPS:
+        status = Status.STEP_TOO_SMALL
+        message = f"at t = {run.clock[CLOCK_T]:.9g} s rtol = {plan.options.rtol:.3g} asks for more than roundoff leaves"
     elif status is not Status.SUCCESS:
         message += culprit(system, float(run.clock[CLOCK_T]), y)
     if status is Status.SUCCESS:

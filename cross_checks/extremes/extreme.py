@@ -46,6 +46,7 @@ class Case:
     step: float | None = None  # s; None where fixed-step methods have no say
     rtol: float | None = None  # None where adaptive methods have no say
     must_stop: bool = False  # there is no right answer but a refusal
+    may_stop: bool = False  # a refusal is as right as an answer
     unchecked: bool = False  # let an inconsistent start pass to engines that do not look by themselves
     max_steps: int = MAX_STEPS
 

@@ -76,7 +76,8 @@ def lost(value: float, status: str, message: str) -> Point:
 
 def _stopped(case: Case, value: float, status: str, message: str) -> Point:
     # a setting that is refused at this place of the axis is a stop with a reason
-    return Point(value, Fate.STOPPED, case.must_stop, False, None, "refused" if status == CANNOT else status, message)
+    right = case.must_stop or case.may_stop
+    return Point(value, Fate.STOPPED, right, False, None, "refused" if status == CANNOT else status, message)
 
 
 def _by_error(extreme: Extreme, case: Case, value: float, error: float) -> Point:

@@ -16,6 +16,7 @@ from mbs_ref.scene import GROUND, PlanarBody, Revolute, Scene
 
 FAMILY = "inertia"
 STEP, RTOL = 1e-3, 1e-8
+THINNEST = 1e-3  # moment ratio
 
 
 def _needle(ratio: float) -> Case:
@@ -23,7 +24,9 @@ def _needle(ratio: float) -> Case:
         "torque_free_top", spin=10.0, axis=3, tilt=0.1, turns=2.0,
         inertia_1=ratio, inertia_2=1.0, inertia_3=1.0 + 0.5 * ratio,
     )  # fmt: skip
-    return Case(scene, grid(1.256, STEP), measures.truth(torque_free_top.solve), step=STEP, rtol=RTOL)
+    # thinner needles turn so fast about themselves that the truth's quadrature has too many pieces
+    measure = measures.truth(torque_free_top.solve) if ratio >= THINNEST else measures.invariants()
+    return Case(scene, grid(1.256, STEP), measure, step=STEP, rtol=RTOL)
 
 
 def _wheel(inertia: float) -> Case:

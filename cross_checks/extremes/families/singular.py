@@ -47,7 +47,7 @@ def _near_flat(gap: float) -> Case:
         reach = np.stack([np.sin(theta), -np.cos(theta)], axis=1)[:, None]
         return np.concatenate([np.array(feet) + 0.5 * reach, np.array([0.5, 0.0]) + reach], axis=1)
 
-    return Case(scene, grid(0.8, STEP), measures.positions(exact), step=STEP, rtol=RTOL)
+    return Case(scene, grid(0.8, STEP), measures.positions(exact), step=STEP, rtol=RTOL, may_stop=not gap)
 
 
 def _dead_centre(excess: float) -> Case:
