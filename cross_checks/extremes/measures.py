@@ -9,7 +9,7 @@ import numpy as np
 from cross_checks.extremes.extreme import Measure
 from cross_checks.metrics.compliance import compliance
 from cross_checks.metrics.pose_error import pose_error
-from cross_checks.truths import Truth
+from cross_checks.truths import NoTruth, Truth
 from mbs_ref import observables
 from mbs_ref.scene import Scene
 from mbs_ref.trajectory import Trajectory
@@ -27,7 +27,7 @@ def positions(exact: Positions, size: float = 1.0) -> Measure:
     return measure
 
 
-def truth(solve: Callable[[Scene, np.ndarray], Truth], size: float = 1.0) -> Measure:
+def truth(solve: Callable[[Scene, np.ndarray], Truth | NoTruth], size: float = 1.0) -> Measure:
     """Judge world points by a truth's solver; `size` in m."""
 
     def measure(scene: Scene, path: Trajectory) -> float:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from cross_checks.extremes import measures
@@ -42,7 +44,7 @@ def _case(scene: Scene, gap: float) -> Case:
 
 def _norm(gap: float) -> Case:
     sound = scenes.make("torque_free_top", turns=1.0, axis=3)
-    top = sound.bodies[0]
+    top: Any = sound.bodies[0]
     stretched = tuple((np.array(top.orientation) * (1.0 + gap)).tolist())
     scene: Scene = sound.model_copy(update={"bodies": (top.model_copy(update={"orientation": stretched}),)})
     solve = torque_free_top.solve

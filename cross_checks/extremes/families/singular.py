@@ -56,20 +56,26 @@ def _dead_centre(excess: float) -> Case:
     return Case(scene, grid(1.0, STEP, 41), measures.invariants(), step=STEP, rtol=RTOL)
 
 
-SPEED, CRANK = 2.0, 0.5  # rad/s, m
+SPEED, CRANK, START = 2.0, 0.5, 0.25  # rad/s, m, rad
 
 
 def _lock(lack: float) -> Case:
     """A drive turns the crank beyond where the rod reaches: r sin(phi) = l, and no motion satisfies the joints."""
-    scene = _driven(CRANK * (1.0 - lack) if lack else 1.2 * CRANK)
-    return Case(scene, grid(1.0, STEP), measures.invariants(), step=STEP, rtol=RTOL, must_stop=bool(lack))
+    length = CRANK * (1.0 - lack) if lack else 1.2 * CRANK
+    measure = measures.unjudged if lack else measures.positions(lambda times: _prescribed(length, times))
+    return Case(_driven(length), grid(1.0, STEP), measure, step=STEP, rtol=RTOL, must_stop=bool(lack))
+
+
+def _prescribed(length: float, times: np.ndarray) -> np.ndarray:
+    """The motor turns evenly, so every place follows."""
+    parts = [crank_rod_slider(CRANK, length, 1.0, 1.5, 2.0, START + SPEED * float(t), SPEED) for t in times]
+    return np.array([[body.position for body in bodies] for bodies in parts])
 
 
 def _driven(length: float) -> Scene:
     """Return a slider-crank with a motor on its crank and a rod that may be the shorter."""
-    start = 0.25  # rad
-    crank, link, slider = crank_rod_slider(CRANK, length, 1.0, 1.5, 2.0, start, SPEED)
-    pin = (CRANK * math.cos(start), CRANK * math.sin(start))
+    crank, link, slider = crank_rod_slider(CRANK, length, 1.0, 1.5, 2.0, START, SPEED)
+    pin = (CRANK * math.cos(START), CRANK * math.sin(START))
     joints = (
         Revolute(name="bearing", body_a=GROUND, body_b="crank", point=(0.0, 0.0)),
         Revolute(name="crank_pin", body_a="crank", body_b="rod", point=pin),

@@ -23,8 +23,10 @@ def _slider(name: str, x: float) -> tuple[PlanarBody, Prismatic]:
 
 
 def _spring(name: str, a: str, b: str, ends: tuple[float, float], stiffness: float) -> SpringDamper:
-    points = {"point_a": (ends[0], 0.0), "point_b": (ends[1], 0.0)}
-    return SpringDamper(name=name, body_a=a, body_b=b, stiffness=stiffness, rest_length=1.0, **points)
+    return SpringDamper(
+        name=name, body_a=a, body_b=b, point_a=(ends[0], 0.0), point_b=(ends[1], 0.0), stiffness=stiffness,
+        rest_length=1.0,
+    )  # fmt: skip
 
 
 def _quiet(stiffness: float) -> Case:
