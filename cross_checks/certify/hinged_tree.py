@@ -91,17 +91,17 @@ def _hamilton(scene: Scene, free: list[str], tree: Tree, loads: Loads) -> Formul
         return _hamilton_slope(tree, loads.arrays, loads.factors(t), y, on)
 
     def switches(t, y):
-        return _switches(tree, loads.arrays, _with_rates(tree, y))
+        return _switches(tree, loads.arrays, _with_rates(tree, _turned_arms(tree, y), y))
 
     start = _start(scene, free)
     n = len(start) // 2
-    start[n:] = _mass_matrix(tree, start) @ start[n:]
+    start[n:] = _mass_matrix(tree, _turned_arms(tree, start), start) @ start[n:]
     return _formulation(scene, free, tree, loads, frozen, switches, start)
 
 
 def _formulation(scene, free, tree, loads, frozen, switches, start) -> Formulation:
     def poses(t, y):
-        return _all_poses(scene, free, _poses(tree, y))
+        return _all_poses(scene, free, _motion(tree, _turned_arms(tree, y), y)[0][:-1])
 
     return Formulation(
         lambda t, y: frozen(t, y, switches(t, y) > 0.0), start, poses, frozen, switches, tuple(scene.breakpoints())
@@ -119,21 +119,6 @@ def _all_poses(scene: Scene, free: list[str], moving: np.ndarray) -> tuple[np.nd
     poses = np.array([[*b.position, b.angle] for b in bodies])
     poses[[scene.body_index(name) for name in free]] = moving
     return poses[:, :2], poses[:, 2]
-
-
-@numba.njit(cache=True)
-def _poses(tree, y):
-    n = tree.mass.shape[0]
-    pose = np.zeros((n, 3))
-    for i in range(n):
-        pose[i, 0], pose[i, 1], pose[i, 2] = y[0], y[1], y[2 + i]
-        for k in range(n):
-            ux, uy = tree.arm[i, k]
-            if ux != 0.0 or uy != 0.0:
-                c, s = np.cos(y[2 + k]), np.sin(y[2 + k])
-                pose[i, 0] += c * ux - s * uy
-                pose[i, 1] += s * ux + c * uy
-    return pose
 
 
 @numba.njit(cache=True)
@@ -172,9 +157,8 @@ def _motion(tree, turned, y):
 
 
 @numba.njit(cache=True)
-def _mass_matrix(tree, y):
+def _mass_matrix(tree, turned, y):
     n = tree.mass.shape[0]
-    turned = _turned_arms(tree, y)
     m = np.zeros((n + 2, n + 2))
     for i in range(n):
         m[0, 0] += tree.mass[i]
@@ -182,11 +166,12 @@ def _mass_matrix(tree, y):
         for k in range(n):
             m[0, 2 + k] -= tree.mass[i] * turned[i, k, 1]
             m[1, 2 + k] += tree.mass[i] * turned[i, k, 0]
+    c, s = np.cos(y[2 : n + 2]), np.sin(y[2 : n + 2])
     for j in range(n):
         m[2 + j, 0], m[2 + j, 1] = m[0, 2 + j], m[1, 2 + j]
         for k in range(n):
-            gap = y[2 + j] - y[2 + k]
-            m[2 + j, 2 + k] = tree.coupling[0, j, k] * np.cos(gap) + tree.coupling[1, j, k] * np.sin(gap)
+            cosine, sine = c[j] * c[k] + s[j] * s[k], s[j] * c[k] - c[j] * s[k]
+            m[2 + j, 2 + k] = tree.coupling[0, j, k] * cosine + tree.coupling[1, j, k] * sine
     return m
 
 
@@ -221,16 +206,16 @@ def _lagrange_slope(tree, arrays, factors, y, on):
         force[i, 1] += tree.mass[i] * bend[i, 1]
     slope = np.empty(2 * n + 4)
     slope[: n + 2] = y[n + 2 :]
-    slope[n + 2 :] = factor_and_solve(_mass_matrix(tree, y), _generalized(turned, force))
+    slope[n + 2 :] = factor_and_solve(_mass_matrix(tree, turned, y), _generalized(turned, force))
     return slope
 
 
 @numba.njit(cache=True)
-def _with_rates(tree, y):
+def _with_rates(tree, turned, y):
     """Momenta to rates."""
     n = tree.mass.shape[0]
     moving = y.copy()
-    moving[n + 2 :] = factor_and_solve(_mass_matrix(tree, y), y[n + 2 :])
+    moving[n + 2 :] = factor_and_solve(_mass_matrix(tree, turned, y), y[n + 2 :])
     return moving
 
 
@@ -238,7 +223,7 @@ def _with_rates(tree, y):
 def _hamilton_slope(tree, arrays, factors, y, on):
     n = tree.mass.shape[0]
     turned = _turned_arms(tree, y)
-    moving = _with_rates(tree, y)
+    moving = _with_rates(tree, turned, y)
     pose, rate, _ = _motion(tree, turned, moving)
     q = _generalized(turned, apply_loads(arrays, tree.mass, factors, pose, rate, on))
     slope = np.empty(2 * n + 4)
