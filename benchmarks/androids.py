@@ -203,8 +203,10 @@ def peers(scene: Scene, names: Sequence[str] | None = None, budget_s: float = EN
 def _peer(scene: Scene, engine: str, cell: Cell, ours: Trajectory) -> Peer:
     if not cell.setting:
         return Peer(cell, None, 0)
-    kind, value = cell.setting.split("=")
-    settings = Settings(method=cell.method, **({"step": float(value)} if kind == "step" else {"rtol": float(value)}))
+    kind, text = cell.setting.split("=")
+    value = float(text)
+    fixed = kind == "step"
+    settings = Settings(method=cell.method, step=value) if fixed else Settings(method=cell.method, rtol=value)
     _, path = judged_run(scene, engine, settings, ladder.grid(scene))
     if path is None or not path.ok:
         return Peer(cell, None, 0)
