@@ -70,7 +70,7 @@ or rear impact; mass (kg) scales masses and inertias; belts, and their stiffness
 belt_stiffness; contact law; seat fixed with mass-proportional forces, or driven; lift (m) off the seat."""
 
 
-def scene_builder(name: str, summary: str, description: str) -> Callable[..., Scene]:
+def scene_builder(name: str, summary: str | None, description: str) -> Callable[..., Scene]:
     """Return the `build` of the scene with the android of mbs_ref/data/<name>.json."""
 
     def build(
