@@ -51,8 +51,10 @@ IN_THE_SKY = {  # judged in test_against_de440.py and test_sky_truths.py: three 
     "figure_eight", "kepler", "outer_solar_system", "pleiades", "satellite", "solar_system",
 }  # fmt: skip
 
+DAMPED = {"android_simplified", "android_vertebral"}  # judged in test_android_truths.py: the energy is not kept
 
-@pytest.mark.parametrize("name", sorted(set(known()) - {"driven_pendulum", "bouncing_ball"} - IN_THE_SKY))
+
+@pytest.mark.parametrize("name", sorted(set(known()) - {"driven_pendulum", "bouncing_ball"} - IN_THE_SKY - DAMPED))
 def test_every_truth_obeys_the_joints_and_keeps_the_energy(name):
     scene = scenes.make(name, **({"links": 3} if name == "pendulum_chain" else {}))
     _, path = moving(scene, 0.5)
