@@ -60,7 +60,7 @@ class System(ABC):
         core.call_start_modes(self.model, self.work, float(t), y, located)
 
     def contact_forces(self, times: np.ndarray, states: np.ndarray) -> dict[str, np.ndarray]:
-        """Return for each contact depth (m), force on body_a (N, N) and its point (m, m), world axes."""
+        """Return for each contact depth (m), force on body_a (N) and its point (m), world axes: (n_t, 5 or 7)."""
         return {}
 
     def contact_oscillators(self, t: float, y: np.ndarray) -> np.ndarray:

@@ -54,7 +54,7 @@ class Trajectory:
     events: int = 0  # contact events located
     timing: Timing = field(default_factory=Timing)
     reactions: dict[str, np.ndarray] = field(default_factory=dict)  # joint -> (n_t, 3): force on body_b at the joint point (N, N, world) and torque (N m)
-    contacts: dict[str, np.ndarray] = field(default_factory=dict)  # contact -> (n_t, 5): depth (m), force on body_a (N, N, world), its point (m, m)
+    contacts: dict[str, np.ndarray] = field(default_factory=dict)  # contact -> (n_t, 5), in space (n_t, 7): depth (m), force on body_a (N, world), its point (m)
     event_times: np.ndarray | None = None  # (n_events, 2) time s and contact's index, where the engine locates events
     step_compliance: np.ndarray | None = None  # (n_samples, 2) time s, max |C| over the steps since the last sample
     notes: tuple[str, ...] = ()  # what the user should know: corrections applied, redundant rows, warnings
