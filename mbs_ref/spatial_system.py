@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from mbs_ref.euler_parameters import parameter_matrix, rotation_matrices
 from mbs_ref.contact_system import ContactSystem
+from mbs_ref.euler_parameters import parameter_matrix, rotation_matrices
 from mbs_ref.kernels import core
 from mbs_ref.kernels.spatial.model import (
     CONTROL_MODE_TIME,

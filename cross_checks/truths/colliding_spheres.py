@@ -44,7 +44,7 @@ def _central(omega2: float, normal: float, tangential: float) -> Encounter:
     def square(r: float) -> float:
         return normal**2 + tangential**2 * (1.0 - (reach / r) ** 2) - omega2 * (reach - r) ** 2
 
-    least = brentq(square, 1e-6 * reach, reach * (1.0 - 1e-15), xtol=1e-17, rtol=1e-15)
+    least: Any = brentq(square, 1e-6 * reach, reach * (1.0 - 1e-15), xtol=1e-17, rtol=np.float64(1e-15))
     span = reach - least
 
     def slope(r: float) -> float:
@@ -93,4 +93,5 @@ def solve(scene: Scene, times: np.ndarray) -> Truth | NoTruth:
     position = np.stack((middle + share * apart, middle - (1.0 - share) * apart), axis=1)
     still = np.tile([1.0, 0.0, 0.0, 0.0], (len(times), 2, 1))
     uncertainty = 1e-14 if found.duration == 0.0 else QUADRATURE
-    return Truth(position, still, uncertainty, "exact", "impulse along the line of centres, or its motion by quadrature")
+    how = "impulse along the line of centres, or its motion by quadrature"
+    return Truth(position, still, uncertainty, "exact", how)

@@ -141,8 +141,7 @@ def refresh(near, modes):
         return
     near.stale[0] = 0
     for k in range(near.flag.shape[0]):
-        mode = modes.mode[k]
-        near.flag[k] = 0 if mode == MODE_OPEN or mode == MODE_PLAIN else 1
+        near.flag[k] = 0 if modes.mode[k] in (MODE_OPEN, MODE_PLAIN) else 1
     for k in near.always:
         near.flag[k] = 1
     _sweep(near)

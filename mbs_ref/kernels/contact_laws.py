@@ -45,8 +45,9 @@ class ContactModes(NamedTuple):
     """What changes at events alone: frozen inside a step."""
 
     mode: np.ndarray  # (k,) int, MODE_*
-    grip: np.ndarray  # (k,) int, GRIP_*; in space FORWARD is sliding in whatever direction
-    anchor: np.ndarray  # plane (k,) m, where a sticking contact's spring is slack; N while GRIP_PROBE. Space (k, 2): the direction of sliding; N while GRIP_PROBE
+    grip: np.ndarray  # (k,) int, GRIP_*; in space FORWARD is sliding in any direction
+    anchor: np.ndarray  # (k,) m, where a sticking contact's spring is slack; in space (k, 2) the direction of sliding;
+    # in both a force (N) while GRIP_PROBE
     dashpot: np.ndarray  # (k,) N s/m^(m + 1), c in force
     stamp: np.ndarray  # (k,) s, time of the contact's last event
     burst: np.ndarray  # (k,) int, events since then without a pause

@@ -10,6 +10,7 @@ from pydantic import Field
 from mbs_ref.contact import SphereOnPlane, SpringDamperLaw
 from mbs_ref.part import NonNegative, Positive
 from mbs_ref.scene import GROUND, Scene, SpatialBody
+from mbs_ref.uniform import block
 
 LENGTH, WIDTH, HEIGHT = 0.4, 0.3, 0.2  # m
 
@@ -43,8 +44,7 @@ def build(
 
 
 def _block(k: int, mass: float) -> SpatialBody:
-    squares = (WIDTH**2 + HEIGHT**2, LENGTH**2 + HEIGHT**2, LENGTH**2 + WIDTH**2)
-    inertia = (*(mass * s / 12.0 for s in squares), 0.0, 0.0, 0.0)
+    inertia = block(mass, LENGTH, WIDTH, HEIGHT)
     return SpatialBody(name=f"block{k}", mass=mass, inertia=inertia, position=(0.0, 0.0, (k + 0.5) * HEIGHT))
 
 

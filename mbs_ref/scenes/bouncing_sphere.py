@@ -13,6 +13,7 @@ from mbs_ref.part import NonNegative, Positive
 from mbs_ref.scene import Scene, SpatialBody
 from mbs_ref.scenes import bouncing_ball
 from mbs_ref.scenes.bouncing_ball import RADIUS, Law
+from mbs_ref.uniform import sphere
 
 
 def build(
@@ -51,7 +52,7 @@ def build(
         gravity=tuple((-gravity * normal).tolist()),
         bodies=(
             SpatialBody(
-                name="ball", mass=mass, inertia=(0.4 * mass * RADIUS**2,) * 3 + (0.0,) * 3, position=center,
+                name="ball", mass=mass, inertia=sphere(mass, RADIUS), position=center,
                 velocity=tuple((-speed * normal).tolist()),
             ),
         ),

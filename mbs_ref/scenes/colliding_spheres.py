@@ -11,6 +11,7 @@ from pydantic import Field
 from mbs_ref.contact import ContactLaw, RigidLaw, SphereOnSphere, SpringDamperLaw
 from mbs_ref.part import NonNegative, Positive
 from mbs_ref.scene import Scene, SpatialBody
+from mbs_ref.uniform import sphere
 
 RADIUS_A, RADIUS_B = 0.05, 0.08  # m
 RUN_UP = 0.0876543  # m, no whole number of steps, so that no engine meets touch-down at the end of a step
@@ -67,5 +68,4 @@ def line_of_centres(obliquity: float, azimuth: float) -> np.ndarray:
 
 
 def _sphere(name: str, mass: float, radius: float, position, velocity) -> SpatialBody:
-    inertia = (0.4 * mass * radius**2,) * 3 + (0.0,) * 3
-    return SpatialBody(name=name, mass=mass, inertia=inertia, position=position, velocity=velocity)
+    return SpatialBody(name=name, mass=mass, inertia=sphere(mass, radius), position=position, velocity=velocity)

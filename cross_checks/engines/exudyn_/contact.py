@@ -24,24 +24,25 @@ from mbs_ref.spatial_rows import normals, unit
 REACH = 100.0  # m, how far floors and the search for contact extend
 
 
-SLOW = 1e-4  # m/s, below it Exudyn's friction falls linearly where Coulomb's law would stick
-Flat, Round = CircleOnLine | SphereOnPlane, CircleOnCircle | SphereOnSphere
+SLOW = 1e-3  # m/s, its default, pinned: below it Exudyn's friction falls linearly where Coulomb's law would stick
+type Flat = CircleOnLine | SphereOnPlane
+FLAT, ROUND = (CircleOnLine, SphereOnPlane), (CircleOnCircle, SphereOnSphere)
 
 
 def general_contact_refusals(scene: Scene) -> list[Refusal]:
     reasons = [f"joint {joint.name!r}: Exudyn's explicit solvers take no joint" for joint in scene.joints]
     for contact in scene.contacts:
         where = f"contact {contact.name!r}"
-        if not isinstance(contact.law, SpringDamperLaw) or not isinstance(contact, Flat | Round):
+        if not isinstance(contact.law, SpringDamperLaw) or not isinstance(contact, (*FLAT, *ROUND)):
             reasons.append(f"{where}: GeneralContact takes circles with spring_damper_law, not {contact.law.type}")
             continue
         if getattr(contact.friction, "static", None) not in (None, getattr(contact.friction, "coefficient", None)):
             reasons.append(f"{where}: Exudyn has one coefficient of friction; leave static out")
-        rule = "gap" if isinstance(contact, Flat) else "force"
+        rule = "gap" if isinstance(contact, FLAT) else "force"
         if contact.law.damping and getattr(contact.law, "release", rule) != rule:
             reasons.append(f"{where}: GeneralContact lets go of {contact.type} by release = {rule!r}")
-        endless = getattr(contact, "extent", "plane") in ("line", "plane") and getattr(contact, "thickness", None) is None
-        if isinstance(contact, Flat) and (contact.body_b != GROUND or not endless):
+        endless = getattr(contact, "extent", "") in ("line", "plane") and getattr(contact, "thickness", None) is None
+        if isinstance(contact, FLAT) and (contact.body_b != GROUND or not endless):
             reasons.append(f"{where}: only an endless line or plane on ground is taught")
     reasons += _mixed_refusals(scene)
     return [Refusal(reason, permanent=False) for reason in reasons]
@@ -50,7 +51,7 @@ def general_contact_refusals(scene: Scene) -> list[Refusal]:
 def _mixed_refusals(scene: Scene) -> list[str]:
     """GeneralContact gives stiffness to shapes, not to pairs, and lets every pair touch."""
     laws = {repr((contact.law, contact.friction)) for contact in scene.contacts}
-    shapes = {shape for contact in scene.contacts if isinstance(contact, Flat | Round) for shape in _circles(contact)}
+    shapes = {shape for contact in scene.contacts if isinstance(contact, (*FLAT, *ROUND)) for shape in _circles(contact)}
     bodies = [body for body, _, _ in shapes]
     reasons = []
     if len(laws) > 1:
@@ -60,8 +61,8 @@ def _mixed_refusals(scene: Scene) -> list[str]:
     return reasons
 
 
-def _circles(contact: Flat | Round) -> list[tuple[str, tuple[float, ...], float]]:
-    if isinstance(contact, Flat):
+def _circles(contact: Any) -> list[tuple[str, tuple[float, ...], float]]:
+    if isinstance(contact, FLAT):
         return [(contact.body_a, contact.center, contact.radius)]
     return [(contact.body_a, contact.center_a, contact.radius_a), (contact.body_b, contact.center_b, contact.radius_b)]
 
@@ -76,7 +77,7 @@ def add_contacts(model: Redundant | Spatial) -> None:
     general.frictionProportionalZone = getattr(friction, "speed", SLOW)
     general.verboseMode = 0
     shape = {"contactStiffness": 2.0 * law.stiffness, "contactDamping": 0.5 * law.damping, "frictionMaterialIndex": 0}
-    surfaces = {_surface(c): None for c in contacts if isinstance(c, Flat)}
+    surfaces = {_surface(c): None for c in contacts if isinstance(c, FLAT)}
     for point, normal in surfaces:
         _add_plane(model, general, np.array(point), np.array(normal), shape)
     for body, center, radius in sorted({circle for contact in contacts for circle in _circles(contact)}):

@@ -37,7 +37,8 @@ class MuJoCo(Engine):
         {"planar", "point_mass", "revolute", "prismatic", "weld", "distance"}
         | {"force", "torque", "spring_damper", "torsion_spring"}
         | {"spatial", "spherical", "cylindrical"}
-        | {"circle_on_line", "circle_on_circle", "sphere_on_plane", "sphere_on_sphere", "spring_damper_law", "stick_slip"}
+        | {"circle_on_line", "circle_on_circle", "sphere_on_plane", "sphere_on_sphere"}
+        | {"spring_damper_law", "stick_slip"}
     )
 
     def methods(self) -> tuple[Method, ...]:

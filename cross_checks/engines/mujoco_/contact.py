@@ -97,7 +97,7 @@ def contact_refusals(scene: Scene) -> list[Refusal]:
             reasons.append(f"{where}: mujoco has one coefficient of friction; leave static out")
         if getattr(contact.law, "release", "force") != "force":
             reasons.append(f"{where}: mujoco's contact force is never negative; it needs release = 'force'")
-        endless = getattr(contact, "extent", "plane") in ("line", "plane") and getattr(contact, "thickness", None) is None
+        endless = getattr(contact, "extent", "") in ("line", "plane") and getattr(contact, "thickness", None) is None
         if isinstance(contact, CircleOnLine | SphereOnPlane) and (contact.body_b != GROUND or not endless):
             reasons.append(f"{where}: a mujoco plane is endless and fixed to the world")
         centers = ((contact.body_a, getattr(contact, "center_a", None) or getattr(contact, "center", None)),

@@ -131,8 +131,10 @@ def is_behind(pairs, k, gap):
 
 @jit
 def _slide(laws, modes, k, normal, along, across):
-    """Return mu N against the slip velocity, smooth through a stop: its part along the frozen direction counts
-    as positive, and as no less than SLOW."""
+    """Return mu N against the slip velocity.
+
+    Smooth through a stop: the slip along the frozen direction counts as positive, and as no less than SLOW.
+    """
     d0 = modes.anchor[k, 0]
     d1 = modes.anchor[k, 1]
     ahead = d0 * along + d1 * across

@@ -1,9 +1,10 @@
 """The spatial system as an ODE, its constraints, and their coordinate projection.
 
 State y = [q, u, s] in scene order: q = R, theta0..theta3 of a rigid body and R of a point mass, u = R', omega
-and R', s the deflections of contacts that can stick. The state holds omega in body axes: on a free top at rtol 1e-12 that is 500 times more accurate than
-in world axes, where a steady spin already moves omega; everything else is in world axes. The index-3 DAE is
-reduced to its underlying ODE (Fox 1999 eq 9; Fox 2001 eq 19), optionally with Baumgarte's terms.
+and R', s the deflections of contacts that can stick. The state holds omega in body axes: on a free top at rtol
+1e-12 that is 500 times more accurate than in world axes, where a steady spin already moves omega; everything
+else is in world axes. The index-3 DAE is reduced to its underlying ODE (Fox 1999 eq 9; Fox 2001 eq 19),
+optionally with Baumgarte's terms.
 theta^T theta = 1 is part of C; its multiplier and the four parameters are eliminated exactly (see `tree`),
 and projection restores it.
 """
