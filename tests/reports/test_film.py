@@ -12,7 +12,6 @@ from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
 from reports.film import Camera, drawing, filmstrip, gif
 
-
 SCENES = ["android_simplified", "pendulum_chain", "spring_pendulum", "bouncing_ball", "rolling_sphere"]
 
 

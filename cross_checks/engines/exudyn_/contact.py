@@ -51,7 +51,8 @@ def general_contact_refusals(scene: Scene) -> list[Refusal]:
 def _mixed_refusals(scene: Scene) -> list[str]:
     """GeneralContact gives stiffness to shapes, not to pairs, and lets every pair touch."""
     laws = {repr((contact.law, contact.friction)) for contact in scene.contacts}
-    shapes = {shape for contact in scene.contacts if isinstance(contact, (*FLAT, *ROUND)) for shape in _circles(contact)}
+    simple = [contact for contact in scene.contacts if isinstance(contact, (*FLAT, *ROUND))]
+    shapes = {shape for contact in simple for shape in _circles(contact)}
     bodies = [body for body, _, _ in shapes]
     reasons = []
     if len(laws) > 1:
