@@ -15,6 +15,7 @@ from mbs_ref.integrators.leg import (
     CLOCK_H,
     COUNT_CONTACT,
     COUNT_EVENTS,
+    COUNT_OWN,
     COUNT_REJECTED,
     COUNT_RHS,
     COUNT_STEPS,
@@ -261,7 +262,7 @@ def _run_legs(system: System, plan: _Plan, y: np.ndarray):
     states[0] = y
     filled = 1
     run = progress(0.0)
-    total = np.zeros(4, dtype=np.int64)
+    total = np.zeros(5, dtype=np.int64)
     inner = [t for t in system.scene.breakpoints() if 0.0 < t < times[-1]]
     edges = np.array([0.0, *inner, times[-1]])
     status, message, carried = Status.SUCCESS, "", 0.0
@@ -287,7 +288,7 @@ def _run_legs(system: System, plan: _Plan, y: np.ndarray):
         y[:] = leg.states[leg.reached - 1]
     if status is Status.ENDLESS_EVENTS:
         message += f"; contact {system.scene.contacts[run.counts[COUNT_CONTACT]].name!r} was the last"
-    total[:] = run.counts[[COUNT_STEPS, COUNT_REJECTED, COUNT_RHS, COUNT_EVENTS]]
+    total[:] = run.counts[[COUNT_STEPS, COUNT_REJECTED, COUNT_RHS, COUNT_EVENTS, COUNT_OWN]]
     if system.user_error is not None:
         status, message = Status.ENGINE_ERROR, f"a user force raised {system.user_error!r}"
     if not message and status is Status.SUCCESS:
@@ -309,13 +310,20 @@ def _trajectory(system, plan, states, compliance, counts, status, message, notes
         rejected_steps=int(counts[1]),
         rhs_calls=int(counts[2]),
         events=int(counts[3]),
+        method_switches=int(counts[4]) if plan.integrator.switches else None,
         timing=timing,
         step_compliance=np.column_stack((times, compliance)),
-        notes=tuple(notes),
+        notes=(*notes, *_switching(plan, int(counts[4]))),
         contacts=contacts,
         event_times=system.contact_events() if system.scene.contacts else None,
         reactions=_reactions(system, plan, times, states),
     )
+
+
+def _switching(plan: _Plan, count: int) -> tuple[str, ...]:
+    if not plan.integrator.switches:
+        return ()
+    return (f"{plan.integrator.name} changed {count} times between {plan.integrator.switches}",)
 
 
 def _reactions(system: System, plan: _Plan, times: np.ndarray, states: np.ndarray) -> dict[str, np.ndarray]:
