@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from benchmarks.space import SpaceFacts
+from cross_checks.extremes.cell import Cell as ExtremeCell
 from cross_checks.record import Record
 from mbs_ref import scenes
 from reports.page.crashes import Crash
@@ -52,6 +53,7 @@ class ReportData:
     crashes: tuple[Crash, ...] = ()  # the androids; empty in a quick report
     seconds: float = 0.0  # s, spent on the runs
     truths: tuple[TruthFacts, ...] = ()  # what the errors are measured from
+    extremes: tuple[ExtremeCell, ...] = ()  # read from a file beside the page, or a few cells
     space: SpaceFacts | None = None  # measured on spatial bodies; None in a quick report
 
     @property
