@@ -172,6 +172,12 @@ class ContactPairs(NamedTuple):
 PAIR_PLANE, PAIR_SPHERE = range(2)
 
 
+class Attraction(NamedTuple):
+    """Newton's gravity between all pairs of centres of mass."""
+
+    gm: np.ndarray  # (n,) m^3/s^2; empty where bodies do not attract each other
+
+
 class World(NamedTuple):
     gravity: np.ndarray  # (3,) m/s^2
     user_force: np.ndarray  # (1,) int: address of a C callback, or 0
@@ -197,6 +203,7 @@ class SpatialGroups(NamedTuple):
     contact_laws: ContactLaws
     contact_modes: ContactModes
     near_pairs: NearPairs
+    attraction: Attraction
     signals: SignalArrays
     world: World
 
@@ -248,6 +255,7 @@ _EMPTY = SpatialGroups(
     contact_laws=no_laws(),
     contact_modes=fresh_modes(0, 0.0, 0, 2),
     near_pairs=no_pairs(3),
+    attraction=Attraction(_floats(0)),
     signals=SignalArrays(_integers(0), _floats(0), _floats(0, 1), _floats(0), _floats(0), _floats(0)),
     world=World(_floats(3), _integers(1), _floats(3)),
 )
@@ -267,6 +275,7 @@ contact_pairs_of = accessor(_EMPTY, "contact_pairs")
 contact_laws_of = accessor(_EMPTY, "contact_laws")
 contact_modes_of = accessor(_EMPTY, "contact_modes")
 near_pairs_of = accessor(_EMPTY, "near_pairs")
+attraction_of = accessor(_EMPTY, "attraction")
 signals_of = accessor(_EMPTY, "signals")
 world_of = accessor(_EMPTY, "world")
 
