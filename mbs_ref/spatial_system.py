@@ -147,7 +147,7 @@ class SpatialSystem(ContactSystem):
 
     def poses(self, states: np.ndarray) -> Poses:
         """Turn states into world poses; a point mass keeps the orientation 1, 0, 0, 0."""
-        states = np.asarray(states).reshape(len(states), -1)
+        states = np.asarray(states)
         bodies, order = self.groups.bodies, self.groups.bodies.scene_index
         shape = (len(states), self.n_bodies)
         position, velocity, omega = (np.zeros((*shape, 3)) for _ in range(3))

@@ -38,6 +38,7 @@ from mbs_ref.kernels.contact_modes import (
 )
 from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.spatial.contacts import (
+    SLOW,
     contact_force,
     contact_geometry,
     find_near,
@@ -63,9 +64,8 @@ from mbs_ref.kernels.spatial.orientation import load_state
 from mbs_ref.kernels.spatial.vectors import cross, dot, turn_back
 
 COSINE = 0.5  # of the angle between slip and frozen direction at which the direction is frozen anew
-PROBE_SWEEPS = 200  # for the friction of contacts that stop sliding together
 DIFFERENCE = 1e-6  # s, for the rate of a slip velocity
-BISECTIONS = 80
+ACCURACY = 1e-18  # of the square of what is left of the slip rates: what differences resolve
 
 
 @jit
@@ -146,8 +146,7 @@ def _change_grip(model, work, k, touch):
         p, q = grip_force(laws, modes, grips_of(work), contact_pairs_of(model), k, normal, along, across)
         _aim(modes, k, -p, -q)
         return False
-    ahead = modes.anchor[k, 0] * along + modes.anchor[k, 1] * across
-    if ahead > 2.0 * modes.noise[0]:  # it turns
+    if math.sqrt(along * along + across * across) > SLOW * modes.noise[0]:  # it turns
         _aim(modes, k, along, across)
         return False
     modes.grip[k] = GRIP_PROBE
@@ -203,125 +202,88 @@ def _log(modes, t, g):
 
 
 @jit
-def _slip_rate(model, work, t, y, dy, k):
-    """Return the rate of a contact's slip velocity in the present modes, by differences along the motion."""
-    pairs, kin = contact_pairs_of(model), kinematics_of(work)
-    spatial_derivative(model, work, t, y, dy)
-    load_state(model, work, y + DIFFERENCE * dy)
-    p1, q1 = slip_along(contact_geometry(pairs, kin, k))
-    load_state(model, work, y - DIFFERENCE * dy)
-    p0, q0 = slip_along(contact_geometry(pairs, kin, k))
-    return (p1 - p0) / (2.0 * DIFFERENCE), (q1 - q0) / (2.0 * DIFFERENCE)
-
-
-@jit
-def _slip_mobility(model, work, t, y, dy, k, mobility):
-    """Fill mobility (2, 2) with the change of the slip rate by a unit of each probe force; return the rate."""
-    modes = contact_modes_of(model)
-    p, q = _slip_rate(model, work, t, y, dy, k)
-    for c in range(2):
-        before = modes.anchor[k, c]
-        modes.anchor[k, c] = before + 1.0
-        u, v = _slip_rate(model, work, t, y, dy, k)
-        modes.anchor[k, c] = before
-        mobility[0, c] = u - p
-        mobility[1, c] = v - q
-    return p, q
-
-
-@jit
-def _normal_now(model, work, y, k):
-    """Return the normal force of a contact, no less than 0."""
-    load_state(model, work, y)
-    touch = contact_geometry(contact_pairs_of(model), kinematics_of(work), k)
-    laws, modes = contact_laws_of(model), contact_modes_of(model)
-    return max(normal_force(laws, modes, k, -touch.gap, -touch.closing), 0.0)
-
-
-@jit
-def _probed_load(model, work, y):
-    """Return the sum of the normal forces of the contacts under probe, and their number."""
-    modes = contact_modes_of(model)
-    total = 0.0
-    count = 0
-    for k in range(modes.grip.shape[0]):
+def _slip_rates(model, work, t, y, dy, force, rates):
+    """Fill the rates of the slip velocities under probe forces (N), by differences along the motion."""
+    pairs, modes, kin = contact_pairs_of(model), contact_modes_of(model), kinematics_of(work)
+    count = pairs.kind.shape[0]
+    for k in range(count):
         if modes.grip[k] == GRIP_PROBE:
-            total += _normal_now(model, work, y, k)
-            count += 1
-    return total, count
+            modes.anchor[k] = force[k]
+    spatial_derivative(model, work, t, y, dy)
+    rates[:, :] = 0.0
+    for sign in (1.0, -1.0):
+        load_state(model, work, y + sign * DIFFERENCE * dy)
+        for k in range(count):
+            if modes.grip[k] == GRIP_PROBE:
+                along, across = slip_along(contact_geometry(pairs, kin, k))
+                rates[k, 0] += 0.5 * sign / DIFFERENCE * along
+                rates[k, 1] += 0.5 * sign / DIFFERENCE * across
+
+
+@jit
+def _normal_loads(model, work, y, loads):
+    """Fill the normal forces of the contacts under probe, no less than 0; return their sum."""
+    pairs, laws, modes = contact_pairs_of(model), contact_laws_of(model), contact_modes_of(model)
+    load_state(model, work, y)
+    total = 0.0
+    for k in range(loads.shape[0]):
+        loads[k] = 0.0
+        if modes.grip[k] == GRIP_PROBE:
+            touch = contact_geometry(pairs, kinematics_of(work), k)
+            loads[k] = max(normal_force(laws, modes, k, -touch.gap, -touch.closing), 0.0)
+            total += loads[k]
+    return total
+
+
+@jit
+def _holding_forces(model, work, t, y, dy, loads, force):
+    """Find the friction that keeps the stopped contacts from slipping, by conjugate gradients.
+
+    The slip rates are linear in it. Where it is not unique, as under the corners of one block, preconditioning by
+    the normal loads gives the smallest in proportion to them: sum |F|^2 / N is least.
+    """
+    base = np.zeros_like(force)
+    change = np.zeros_like(force)
+    force[:, :] = 0.0
+    _slip_rates(model, work, t, y, dy, force, base)
+    residual = -base
+    direction = loads.reshape(-1, 1) * residual
+    square = np.sum(residual * direction)
+    least = ACCURACY * square
+    for _ in range(2 * force.shape[0] + 2):
+        if square <= least:
+            break
+        _slip_rates(model, work, t, y, dy, direction, change)
+        change -= base
+        curvature = np.sum(direction * change)
+        if not curvature > 0.0:
+            break
+        step = square / curvature
+        force += step * direction
+        residual -= step * change
+        before = square
+        square = np.sum(residual * (loads.reshape(-1, 1) * residual))
+        direction = loads.reshape(-1, 1) * residual + square / before * direction
 
 
 @jit
 def _settle_grips(model, work, t, y, dy):
-    """Find the friction that keeps the stopped contacts at rest; stick where mu_s allows it, else slide on.
-
-    Each probe force changes its own slip rate linearly. Where friction is not unique, as under the corners of
-    one block, weights by the normal force make the contacts share in proportion to it.
-    """
+    """Let the stopped contacts stick where mu_s allows what holds them, else slide on against it."""
     laws, modes = contact_laws_of(model), contact_modes_of(model)
-    count = modes.grip.shape[0]
-    total, probed = _probed_load(model, work, y)
-    change = np.zeros((count, 2))
-    mobility = np.zeros((count, 2, 2))
-    for _ in range(PROBE_SWEEPS):
-        largest = 0.0
-        most = 0.0
-        for k in range(count):
-            if modes.grip[k] != GRIP_PROBE:
-                continue
-            p, q = _slip_mobility(model, work, t, y, dy, k, mobility[k])
-            share = _normal_now(model, work, y, k) / total if total > 0.0 else 1.0 / probed
-            m = mobility[k]
-            determinant = m[0, 0] * m[1, 1] - m[0, 1] * m[1, 0]
-            change[k, 0] = -share * (m[1, 1] * p - m[0, 1] * q) / determinant if determinant > 0.0 else 0.0
-            change[k, 1] = -share * (m[0, 0] * q - m[1, 0] * p) / determinant if determinant > 0.0 else 0.0
-            largest = max(largest, abs(change[k, 0]), abs(change[k, 1]))
-        for k in range(count):
-            if modes.grip[k] == GRIP_PROBE:
-                for c in range(2):
-                    modes.anchor[k, c] += change[k, c]
-                    most = max(most, abs(modes.anchor[k, c]))
-        if largest <= 1e-10 * most:
-            break
-    for k in range(count):
+    loads = np.zeros(modes.grip.shape[0])
+    force = np.zeros((modes.grip.shape[0], 2))
+    if _normal_loads(model, work, y, loads) > 0.0:
+        _holding_forces(model, work, t, y, dy, loads, force)
+    for k in range(modes.grip.shape[0]):
         if modes.grip[k] != GRIP_PROBE:
             continue
-        normal = _normal_now(model, work, y, k)
-        p = modes.anchor[k, 0]
-        q = modes.anchor[k, 1]
-        if math.sqrt(p * p + q * q) <= laws.static[k] * normal:
+        p = force[k, 0]
+        q = force[k, 1]
+        if math.sqrt(p * p + q * q) <= laws.static[k] * loads[k]:
             modes.grip[k] = GRIP_STICK
             _let_go(model, y, k, p, q)
         else:
-            _break_away(modes, k, mobility[k], laws.coefficient[k] * normal, p, q)
-
-
-@jit
-def _break_away(modes, k, m, friction, p, q):
-    """Slide from rest in the direction d of its own acceleration: r d = -M (p, q) - mu N M d with r > 0.
-
-    M is the slip mobility and (p, q) the force (N) that would hold; |(r + mu N M)^-1 M (p, q)| = 1 falls with r.
-    """
-    f0 = -m[0, 0] * p - m[0, 1] * q
-    f1 = -m[1, 0] * p - m[1, 1] * q
-    low = 0.0
-    high = math.sqrt(f0 * f0 + f1 * f1)
-    d0 = f0
-    d1 = f1
-    for _ in range(BISECTIONS):
-        r = 0.5 * (low + high)
-        a = r + friction * m[0, 0]
-        b = friction * m[0, 1]
-        c = friction * m[1, 0]
-        d = r + friction * m[1, 1]
-        determinant = a * d - b * c
-        d0 = (d * f0 - b * f1) / determinant
-        d1 = (a * f1 - c * f0) / determinant
-        if d0 * d0 + d1 * d1 > 1.0:
-            low = r
-        else:
-            high = r
-    _aim(modes, k, d0, d1)
+            _aim(modes, k, -p, -q)
 
 
 @jit
