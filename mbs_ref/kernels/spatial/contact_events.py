@@ -65,6 +65,7 @@ from mbs_ref.kernels.spatial.vectors import cross, dot, turn_back
 
 COSINE = 0.5  # of the angle between slip and frozen direction at which the direction is frozen anew
 DIFFERENCE = 1e-6  # s, for the rate of a slip velocity
+TOGETHER = 10.0  # of the slip velocity that counts as a stop: so slow, a contact stops along with another one
 ACCURACY = 1e-18  # of the square of what is left of the slip rates: what differences resolve
 
 
@@ -156,6 +157,25 @@ def _change_grip(model, work, k, touch):
 
 
 @jit
+def _stop_together(model, work, y, g):
+    """Probe every other sliding contact that is as good as at rest: the corners of one block stop at once.
+
+    Their functions in g turn negative, as of all that change.
+    """
+    pairs, laws, modes = contact_pairs_of(model), contact_laws_of(model), contact_modes_of(model)
+    kin = kinematics_of(work)
+    load_state(model, work, y)
+    for k in range(modes.grip.shape[0]):
+        closed = modes.mode[k] == MODE_CLOSED and laws.friction[k] == FRICTION_STICK_SLIP
+        if not closed or modes.grip[k] != GRIP_FORWARD:
+            continue
+        along, across = slip_along(contact_geometry(pairs, kin, k))
+        if math.sqrt(along * along + across * across) <= TOGETHER * SLOW * modes.noise[0]:
+            modes.grip[k] = GRIP_PROBE
+            g[ROOTS_PER_CONTACT * k + 2] = -1.0
+
+
+@jit
 def spatial_transition(model, work, t, y, g, dy):
     """Change the modes whose functions are negative, with impulses where rigid; return code and contact.
 
@@ -179,6 +199,7 @@ def spatial_transition(model, work, t, y, g, dy):
         elif left == FRICTION and _change_grip(model, work, k, touch):
             stopped = True
     if stopped:
+        _stop_together(model, work, y, g)
         _settle_grips(model, work, t, y, dy)
     _log(modes, t, g)
     return SETTLED, 0
