@@ -8,11 +8,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mbs_ref.contact import FloresLaw, LankaraniNikraveshLaw, RigidLaw, StickSlip
+from mbs_ref.contact import ConstraintLaw, FloresLaw, LankaraniNikraveshLaw, RigidLaw, StickSlip
 from mbs_ref.cores import compile_scene
 from mbs_ref.integrators import DEFAULT, integrators
 from mbs_ref.integrators.leg import (
     CLOCK_H,
+    CLOCK_T,
     COUNT_CONTACT,
     COUNT_EVENTS,
     COUNT_REJECTED,
@@ -68,7 +69,7 @@ def simulate(scene: Scene, settings: Settings | None = None, times: np.ndarray |
     system.set_mode_time(0.0)
     notes = [*plan.notes, *_consistent_start(system, y, settings), *_redundancy(system, y)]
     system.set_baumgarte(plan.baumgarte_gain)
-    located = settings.events == "located"
+    located = settings.events != "none"
     system.start_contacts(0.0, y, located)
     refusal = _unstable(system, plan, y)
     if refusal:
@@ -76,10 +77,10 @@ def simulate(scene: Scene, settings: Settings | None = None, times: np.ndarray |
     _first_call(system, plan, y)
     system.start_contacts(0.0, y, located)
     ready = time.perf_counter()
-    states, compliance, counts, status, message = _run_legs(system, plan, y)
+    times, states, compliance, counts, status, message = _run_legs(system, plan, y)
     ended = time.perf_counter()
     timing = Timing(build_s=built - started, first_call_s=ready - built, loop_s=ended - ready)
-    return _trajectory(system, plan, states, compliance, counts, status, message, notes, timing)
+    return _trajectory(system, plan, times, states, compliance, counts, status, message, notes, timing)
 
 
 # --- before the run -------------------------------------------------------------------------------
@@ -125,11 +126,11 @@ def _plan(scene: Scene, settings: Settings, times: np.ndarray | None) -> _Plan:
 
 
 def _check_events(scene: Scene, settings: Settings, integrator: Integrator) -> None:
-    if not scene.contacts:
-        return
-    if settings.events == "located" and not integrator.locates_events:
+    if settings.events == "none" and scene.events:
+        raise ValueError(f"events = 'none' cannot run {scene.events[0].name}: a declared event must be located")
+    if (scene.contacts or scene.events) and settings.events != "none" and not integrator.locates_events:
         raise ValueError(f"method {integrator.name!r} locates no events; give events = 'none', or another method")
-    needs = [c.name for c in scene.contacts if isinstance(c.law, RigidLaw) or isinstance(c.friction, StickSlip)]
+    needs = [c.name for c in scene.contacts if isinstance(c.law, RigidLaw | ConstraintLaw) or isinstance(c.friction, StickSlip)]
     if settings.events == "none" and needs:
         raise ValueError(f"events = 'none' cannot run {', '.join(needs[:8])}: impacts and sticking are events")
     needs = [c.name for c in scene.contacts if isinstance(c.law, LankaraniNikraveshLaw | FloresLaw)]
@@ -281,19 +282,22 @@ def _run_legs(system: System, plan: _Plan, y: np.ndarray):
             break
         y[:] = leg.states[leg.reached - 1]
     if status is Status.ENDLESS_EVENTS:
-        message += f"; contact {system.scene.contacts[run.counts[COUNT_CONTACT]].name!r} was the last"
+        message += f"; {system.event_sources[run.counts[COUNT_CONTACT]]!r} was the last"
+    if status is Status.STOP_EVENT:
+        states, compliance = np.vstack((states[:filled], y)), np.append(compliance[:filled], 0.0)
+        times, filled = np.append(times[:filled], run.clock[CLOCK_T]), filled + 1
+        message += f": {system.event_sources[run.counts[COUNT_CONTACT]]!r}"
     total[:] = run.counts[[COUNT_STEPS, COUNT_REJECTED, COUNT_RHS, COUNT_EVENTS]]
     if system.user_error is not None:
         status, message = Status.ENGINE_ERROR, f"a user force raised {system.user_error!r}"
     if not message and status is Status.SUCCESS:
         message = f"reached t = {times[-1]:g} s"
-    elif status is not Status.SUCCESS and status is not Status.INTERRUPTED:
+    elif status not in (Status.SUCCESS, Status.INTERRUPTED, Status.STOP_EVENT):
         message += f"; the last good output is at t = {times[filled - 1]:.9g} s"
-    return states[:filled], compliance[:filled], total, status, message
+    return times[:filled], states[:filled], compliance[:filled], total, status, message
 
 
-def _trajectory(system, plan, states, compliance, counts, status, message, notes, timing) -> Trajectory:
-    times = plan.times[: len(states)]
+def _trajectory(system, plan, times, states, compliance, counts, status, message, notes, timing) -> Trajectory:
     contacts = system.contact_forces(times, states) if system.scene.contacts and plan.settings.reactions else {}
     return Trajectory(
         times=times,
@@ -308,7 +312,8 @@ def _trajectory(system, plan, states, compliance, counts, status, message, notes
         step_compliance=np.column_stack((times, compliance)),
         notes=tuple(notes),
         contacts=contacts,
-        event_times=system.contact_events() if system.scene.contacts else None,
+        event_times=system.contact_events() if system.event_sources else None,
+        event_names=system.event_sources,
         reactions=_reactions(system, plan, times, states),
     )
 
@@ -321,7 +326,6 @@ def _reactions(system: System, plan: _Plan, times: np.ndarray, states: np.ndarra
     samples = []
     for t, y in zip(times, states, strict=True):
         system.set_mode_time(t)
-        if system.scene.contacts:
-            system.recall_modes(t)  # not the modes that the run ended in
+        system.recall_modes(t)  # not the modes that the run ended in
         samples.append(system.reactions(t, y))
     return {name: np.array([sample[name] for sample in samples]) for name in samples[0]} if samples else {}
