@@ -42,6 +42,8 @@ class Record:
     notes: tuple[str, ...] = ()
     orientation_error: float | None = None  # rad, largest geodesic angle from the truth; spatial scenes
     figures: dict[str, float] = field(default_factory=dict)  # body -> significant figures at the end, against an ephemeris
+    contact: dict[str, float] = field(default_factory=dict)  # restitution, penetration, ... by "contact: figure, unit"
+    events: dict[str, list[float]] = field(default_factory=dict)  # declared event -> its times, s, where the engine locates them
     history: dict[str, list[float]] = field(default_factory=dict)  # t, compliance, energy_drift, error: for the plots
 
     def to_dict(self) -> dict[str, Any]:

@@ -29,7 +29,7 @@ from mbs_ref.scene_events import CoordinateEvent, DistanceEvent
 NOISE = 1e-13  # of the scene's size in metres (at least 1 m): above what roundoff and projection leave of a gap
 MOST_LOGGED = 100_000  # events of one run whose modes are kept for output
 _COMPONENTS = {"x": 0, "y": 1, "angle": 2}
-_DIRECTIONS = {"either": 0, "rising": 1, "falling": -1}
+_CROSSINGS = {"either": 0, "rising": 1, "falling": -1}
 _ENDS = {"line": arrays.ENDS_NONE, "segment": arrays.ENDS_OPEN, "capped": arrays.ENDS_CAPPED}
 
 
@@ -212,7 +212,7 @@ def watches(scene: Scene, places: Places) -> arrays.Watches:
         quantity=np.array([_quantity(e) for e in scene.events], dtype=np.int64),
         component=np.array([_COMPONENTS[getattr(e, "coordinate", "x")] for e in scene.events], dtype=np.int64),
         value=np.array([e.value for e in scene.events], dtype=float),
-        direction=np.array([_DIRECTIONS[e.direction] for e in scene.events], dtype=np.int64),
+        direction=np.array([_CROSSINGS[e.crossing] for e in scene.events], dtype=np.int64),
         stops=np.array([e.action == "stop" for e in scene.events], dtype=np.int64),
     )
 

@@ -8,7 +8,7 @@ from pydantic import Field
 
 from mbs_ref.part import Name, Part, Vector
 
-Direction = Literal["either", "rising", "falling"]
+Crossing = Literal["either", "rising", "falling"]
 Action = Literal["record", "stop"]
 
 
@@ -21,7 +21,7 @@ class CoordinateEvent(Part):
     coordinate: Literal["x", "y", "angle"]
     rate: bool = False  # watch the coordinate's rate instead
     value: float = 0.0  # m or rad; m/s or rad/s
-    direction: Direction = "either"
+    crossing: Crossing = "either"
     action: Action = "record"
 
 
@@ -35,7 +35,7 @@ class DistanceEvent(Part):
     point_a: Vector  # m, world, t = 0
     point_b: Vector  # m, world, t = 0
     value: Annotated[float, Field(gt=0.0)]  # m
-    direction: Direction = "either"
+    crossing: Crossing = "either"
     action: Action = "record"
 
 

@@ -29,16 +29,17 @@ def _tether(damping: float = 0.0, **more) -> Scene:
     return Scene(name="tether", duration=2.0, bodies=(mass,), loads=(spring,), **more)
 
 
-@pytest.mark.parametrize(("method", "events", "order"), [("rk4", "located", 3.7), ("rk4", "none", 0.0)])
-def test_a_tether_that_goes_slack_keeps_the_order_where_its_kinks_are_located(method, events, order):
+def _tether_error(count: int, events: str) -> float:
+    """The mean over some steps near 2 s / count: where in a step a kink falls decides the error without events."""
+    settings = [Settings(method="rk4", step=2.0 / (count + k), events=events) for k in range(0, 12, 3)]  # type: ignore[arg-type]
+    return float(np.mean([abs(simulate(_tether(), each).position[-1, 0, 0] - 1.0) for each in settings]))
+
+
+@pytest.mark.parametrize(("events", "least", "most"), [("located", 3.7, 4.3), ("none", 1.5, 3.2)])
+def test_a_tether_that_goes_slack_keeps_the_order_where_its_kinks_are_located(events, least, most):
     """Taut from t = 0.5 to 1.5, back at x = 1 at t = 2."""
-    errors = [
-        abs(simulate(_tether(), Settings(method=method, step=2.0 / n, events=events)).position[-1, 0, 0] - 1.0)
-        for n in (37, 111)
-    ]
-    observed = math.log(errors[0] / errors[1]) / math.log(3.0)
-    assert observed > order
-    assert events == "located" or observed < 3.0
+    observed = math.log(_tether_error(37, events) / _tether_error(333, events)) / math.log(9.0)
+    assert least < observed < most
 
 
 @pytest.mark.parametrize("method", ["dop853", "radau", "lsodar", "dassl"])
@@ -60,20 +61,21 @@ def test_a_pendulum_reports_where_it_passes():
     pendulum = scenes.make("pendulum")
     name = pendulum.bodies[0].name
     watched = pendulum.model_copy(update={"events": (
-        CoordinateEvent(name="lowest", body=name, coordinate="angle", value=-0.5 * math.pi),
-        CoordinateEvent(name="turns", body=name, coordinate="angle", rate=True, direction="rising"),
+        CoordinateEvent(name="lowest", body=name, coordinate="x"),
+        CoordinateEvent(name="turns", body=name, coordinate="x", rate=True, crossing="rising"),
     )})  # fmt: skip
-    run = simulate(watched, FINE)
-    plain = simulate(pendulum, FINE)
+    long = FINE.model_copy(update={"t_end": 6.0})
+    run, plain = simulate(watched, long), simulate(pendulum, long)
     assert run.event_times is not None
     lowest = run.event_times[run.event_times[:, 1] == 0, 0]
     turns = run.event_times[run.event_times[:, 1] == 1, 0]
     assert len(lowest) > 1
     assert np.abs(run.position - plain.position).max() < 1e-9  # looking changes nothing
     at = np.array([0.0, *lowest])
-    angles = simulate(pendulum, FINE, times=at).orientation[1:, 0]
-    assert angles == pytest.approx(np.full(len(lowest), -0.5 * math.pi), abs=1e-9)
-    assert np.all(simulate(pendulum, FINE, times=np.array([0.0, *turns])).angular_velocity[1:, 0] < 1e-9)
+    assert np.abs(simulate(pendulum, FINE, times=at).position[1:, 0, 0]).max() < 1e-9
+    turned = simulate(pendulum, FINE, times=np.array([0.0, *turns]))
+    assert np.abs(turned.velocity[1:, 0, 0]).max() < 1e-8
+    assert np.all(turned.position[1:, 0, 0] < 0.0)  # on the left alone
 
 
 @pytest.mark.parametrize("settings", [FINE, Settings(method="rk4", step=1e-2), Settings(method="radau", rtol=1e-10),
@@ -90,7 +92,7 @@ def test_a_run_stops_at_a_declared_distance_with_its_state(settings):
 
 
 def test_declared_events_go_through_toml_and_refuse_nonsense():
-    event = CoordinateEvent(name="low", body="mass", coordinate="y", direction="falling", action="stop")
+    event = CoordinateEvent(name="low", body="mass", coordinate="y", crossing="falling", action="stop")
     scene = _tether(events=(event,))
     assert loads(dumps(scene)) == scene
     with pytest.raises(ValueError, match="no body of the scene"):
