@@ -86,8 +86,8 @@ class ContactEvents:
             if turn % 2 == 0 or not 0.0 < share < 1.0:
                 share = 0.5
             t = t0 + share * (t1 - t0)
-            if not t0 < t < t1:
-                break
+            if not t0 < t < t1:  # a root found to roundoff at t0: the far end has yet to come near
+                t = 0.5 * (t0 + t1)
             y = interpolant(t)
             g = self._roots(t, y)
             if np.any(g < 0.0):

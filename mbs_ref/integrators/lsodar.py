@@ -1,8 +1,7 @@
 """LSODAR, the papers' method: Adams and BDF with automatic switching, on the underlying ODE.
 
 SciPy carries LSODA, which is LSODAR without its root finder. Roots are found here, as LSODAR does, on the
-interpolant of the last step; events and declared breakpoints restart it. A step may end
-beyond the last output, which is then interpolated. Steps of both are the same.
+interpolant of the last step; events and declared breakpoints restart it. Steps of both are the same.
 Source: L. R. Petzold, SIAM J. Sci. Stat. Comput. 4 (1983) 136-148; A. C. Hindmarsh, ODEPACK, 1983.
 """
 
@@ -44,13 +43,10 @@ def advance(system: System, options: Options, run: Progress, y: np.ndarray, time
     code = events.settle(t, now)
     if code != RUNNING:
         return event_end(code, t, y, now, Leg(states, worst, reached, status))
-    span = float(times[-1]) - t
     pace = Pace(t, float(times[-1]), options.max_steps, every=2_000)
     while reached < len(times):
         if solver is None:
-            # a bound that is never met: SciPy's interpolant is wrong in the step before one is
-            bound = float(times[-1]) + 2.0 * span
-            solver = LSODA(slope, t, now, bound, rtol=options.rtol, atol=options.atol, max_step=span)
+            solver = LSODA(slope, t, now, float(times[-1]), rtol=options.rtol, atol=options.atol)
         before = solver.t
         failure = solver.step()
         if solver.status == "failed" or not np.isfinite(solver.y).all():
