@@ -72,6 +72,7 @@ class _Walk:
         self.looks = looks
         self.modes: list[int] = []
         self.broken, self.which = 0, 0
+        self.seen: tuple[float, float, np.ndarray] | None = None  # s: event looked from, how far beyond; state there
 
     def through(self, times: np.ndarray) -> np.ndarray:
         t, z = 0.0, np.concatenate((self.line.position, self.line.velocity, [1.0]))
@@ -135,8 +136,9 @@ class _Walk:
             (after, self.broken), self.which = self._flight(z), 0
             return (t + after, self._at(z, after)) if t + after <= end else (None, z)
         fastest = float(np.max(np.abs(np.linalg.eigvals(self._generator()[:-1, :-1]))))
-        look = min(1.0 / (self.looks * fastest) if fastest > 0.0 else LONGEST_LOOK, end - t)
-        step, ahead, before = expm(self._generator() * look), [z], 0.0
+        look = 1.0 / (self.looks * fastest) if fastest > 0.0 else LONGEST_LOOK
+        before, now = self.seen[1:] if self.seen and self.seen[0] == t else (0.0, z)
+        step, ahead = expm(self._generator() * look), [now]
         while before < end - t:
             for _ in range(TOGETHER):
                 ahead.append(step @ ahead[-1])
@@ -146,6 +148,7 @@ class _Walk:
                 after = self._first(z, ahead[k], before + k * look, before + (k + 1) * look)
                 return (t + after, self._at(z, after)) if t + after <= end else (None, z)
             ahead, before = ahead[-1:], before + TOGETHER * look
+            self.seen = (t, before, ahead[0])
         return None, z
 
     def _flight(self, z: np.ndarray) -> tuple[float, int]:
@@ -171,7 +174,7 @@ class _Walk:
 
     def _switch(self, z: np.ndarray) -> np.ndarray:
         """Change the mode, or the speeds, of the contact whose event this is."""
-        z, k = z.copy(), self.broken
+        z, k, self.seen = z.copy(), self.broken, None
         restitution = self.line.contacts[k].restitution
         if restitution is not None:
             self._impact(k, restitution, z)
