@@ -184,8 +184,8 @@ class PlanarSystem(System):
         """
         joints = [(k, slot, row + r) for k, (slot, row, _) in sorted(self.place.items()) for r in range(self._rows(k))]
         slots, modes = self.groups.contact_laws.slot, self.groups.contact_modes.mode
-        closed = [int(slot) for slot, mode in zip(slots, modes, strict=False) if slot >= 0 and (every or mode == MODE_CLOSED)]
-        return joints + [(-1, slot, 0) for slot in closed]
+        held = [slot for slot, mode in zip(slots, modes, strict=False) if slot >= 0 and (every or mode == MODE_CLOSED)]
+        return joints + [(-1, int(slot), 0) for slot in held]
 
     def _rows(self, joint: int) -> int:
         from mbs_ref.joint_graph import row_count

@@ -130,7 +130,8 @@ def _check_events(scene: Scene, settings: Settings, integrator: Integrator) -> N
         raise ValueError(f"events = 'none' cannot run {scene.events[0].name}: a declared event must be located")
     if (scene.contacts or scene.events) and settings.events != "none" and not integrator.locates_events:
         raise ValueError(f"method {integrator.name!r} locates no events; give events = 'none', or another method")
-    needs = [c.name for c in scene.contacts if isinstance(c.law, RigidLaw | ConstraintLaw) or isinstance(c.friction, StickSlip)]
+    impulsive = RigidLaw | ConstraintLaw
+    needs = [c.name for c in scene.contacts if isinstance(c.law, impulsive) or isinstance(c.friction, StickSlip)]
     if settings.events == "none" and needs:
         raise ValueError(f"events = 'none' cannot run {', '.join(needs[:8])}: impacts and sticking are events")
     needs = [c.name for c in scene.contacts if isinstance(c.law, LankaraniNikraveshLaw | FloresLaw)]

@@ -51,7 +51,8 @@ def _deepest(times: np.ndarray, gap: np.ndarray, rate: np.ndarray) -> float:
     if not inside.any():
         return -lowest
     g0, g1, r0, r1 = gap[:-1], gap[1:], h * rate[:-1], h * rate[1:]
-    cubic = (2 * s**3 - 3 * s**2 + 1) * g0 + (s**3 - 2 * s**2 + s) * r0 + (3 * s**2 - 2 * s**3) * g1 + (s**3 - s**2) * r1
+    cubic = (2 * s**3 - 3 * s**2 + 1) * g0 + (s**3 - 2 * s**2 + s) * r0
+    cubic += (3 * s**2 - 2 * s**3) * g1 + (s**3 - s**2) * r1
     return -min(lowest, float(np.min(cubic[:, inside])))
 
 

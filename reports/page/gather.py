@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable, Iterator
 from typing import Any
 
-from benchmarks import space
+from benchmarks import contact, space
 from benchmarks.sweep import sweep
 from cross_checks import engines
 from cross_checks.compare import evaluate
@@ -70,7 +70,7 @@ def gather(quick: bool = False, progress: Progress | None = None) -> ReportData:
     return ReportData(
         tuple(cells), tuple(records), capabilities(chosen), facts, _orders(), quick, seconds=seconds,
         space=None if quick else space.measure(), sky=() if quick else digits_ladder(),
-        crashes=() if quick else crashes(),
+        crashes=() if quick else crashes(), contact=None if quick else contact.measure(),
     )  # fmt: skip
 
 

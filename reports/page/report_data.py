@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import Any
 
+from benchmarks.contact import ContactFacts
 from benchmarks.space import SpaceFacts
 from cross_checks.record import Record
 from mbs_ref import scenes
@@ -50,6 +51,7 @@ class ReportData:
     sky: tuple[Record, ...] = ()  # the solar system at each level of physics, with figures per body
     crashes: tuple[Crash, ...] = ()  # the androids; empty in a quick report
     seconds: float = 0.0  # s, spent on the runs
+    contact: ContactFacts | None = None  # the ball and the tracked vehicle; None in a quick report
     space: SpaceFacts | None = None  # measured on spatial bodies; None in a quick report
 
     @property

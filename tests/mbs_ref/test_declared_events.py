@@ -78,8 +78,16 @@ def test_a_pendulum_reports_where_it_passes():
     assert np.all(turned.position[1:, 0, 0] < 0.0)  # on the left alone
 
 
-@pytest.mark.parametrize("settings", [FINE, Settings(method="rk4", step=1e-2), Settings(method="radau", rtol=1e-10),
-                                      Settings(method="lsodar", rtol=1e-11), Settings(method="dassl", rtol=1e-9)])  # fmt: skip
+@pytest.mark.parametrize(
+    "settings",
+    [
+        FINE,
+        Settings(method="rk4", step=1e-2),
+        Settings(method="radau", rtol=1e-10),
+        Settings(method="lsodar", rtol=1e-11),
+        Settings(method="dassl", rtol=1e-9),
+    ],
+)
 def test_a_run_stops_at_a_declared_distance_with_its_state(settings):
     stop = DistanceEvent(name="far", body_a="ground", body_b="ball", point_a=(0.0, 0.0), point_b=(1.0, 0.0),
                          value=2.0, action="stop")  # fmt: skip

@@ -29,7 +29,7 @@ def general_contact_refusals(scene: Scene) -> list[Refusal]:
         if contact.friction is not None:
             reasons.append(f"{where}: friction is not yet taught to exudyn here")
         rule = "gap" if isinstance(contact, CircleOnLine) else "force"
-        if getattr(contact.law, "release", rule) != rule:
+        if contact.law.damping and getattr(contact.law, "release", rule) != rule:
             reasons.append(f"{where}: GeneralContact lets go of {contact.type} by release = {rule!r}")
         if isinstance(contact, CircleOnLine) and (contact.body_b != GROUND or contact.extent != "line"):
             reasons.append(f"{where}: only an endless line on ground is taught")

@@ -70,7 +70,7 @@ def contact_refusals(scene: Scene) -> list[Refusal]:
         where = f"contact {contact.name!r}"
         if contact.friction is not None:
             reasons.append(f"{where}: friction is not yet taught to mujoco here")
-        if getattr(contact.law, "release", "force") != "force":
+        if getattr(contact.law, "damping", 0.0) and getattr(contact.law, "release", "force") != "force":
             reasons.append(f"{where}: mujoco's contact force is never negative; it needs release = 'force'")
         if isinstance(contact, CircleOnLine) and (contact.body_b != GROUND or contact.extent != "line"):
             reasons.append(f"{where}: a mujoco plane is endless and fixed to the world")

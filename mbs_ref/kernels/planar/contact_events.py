@@ -84,10 +84,10 @@ def contact_roots(model, work, t, y, g, rate):
 
 @jit
 def _some_constrained(laws, modes):
+    closed = 0
     for k in range(laws.slot.shape[0]):
-        if laws.slot[k] >= 0 and modes.mode[k] == MODE_CLOSED:
-            return True
-    return False
+        closed += laws.slot[k] >= 0 and modes.mode[k] == MODE_CLOSED
+    return closed > 0
 
 
 @jit
