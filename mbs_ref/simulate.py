@@ -16,6 +16,7 @@ from mbs_ref.integrators.leg import (
     CLOCK_T,
     COUNT_CONTACT,
     COUNT_EVENTS,
+    COUNT_OWN,
     COUNT_REJECTED,
     COUNT_RHS,
     COUNT_STEPS,
@@ -81,6 +82,11 @@ def simulate(scene: Scene, settings: Settings | None = None, times: np.ndarray |
     ended = time.perf_counter()
     timing = Timing(build_s=built - started, first_call_s=ready - built, loop_s=ended - ready)
     return _trajectory(system, plan, times, states, compliance, counts, status, message, notes, timing)
+
+
+def integration_options(scene: Scene, settings: Settings, times: np.ndarray | None = None) -> Options:
+    """Return what `simulate` hands to its integrator: for callers that time the bare integrator."""
+    return _plan(scene, settings, times).options
 
 
 # --- before the run -------------------------------------------------------------------------------
@@ -258,7 +264,7 @@ def _run_legs(system: System, plan: _Plan, y: np.ndarray):
     states[0] = y
     filled = 1
     run = progress(0.0)
-    total = np.zeros(4, dtype=np.int64)
+    total = np.zeros(5, dtype=np.int64)
     inner = [t for t in system.scene.breakpoints() if 0.0 < t < times[-1]]
     edges = np.array([0.0, *inner, times[-1]])
     status, message, carried = Status.SUCCESS, "", 0.0
@@ -288,7 +294,7 @@ def _run_legs(system: System, plan: _Plan, y: np.ndarray):
         states, compliance = np.vstack((states[:filled], y)), np.append(compliance[:filled], 0.0)
         times, filled = np.append(times[:filled], run.clock[CLOCK_T]), filled + 1
         message += f": {system.event_sources[run.counts[COUNT_CONTACT]]!r}"
-    total[:] = run.counts[[COUNT_STEPS, COUNT_REJECTED, COUNT_RHS, COUNT_EVENTS]]
+    total[:] = run.counts[[COUNT_STEPS, COUNT_REJECTED, COUNT_RHS, COUNT_EVENTS, COUNT_OWN]]
     if system.user_error is not None:
         status, message = Status.ENGINE_ERROR, f"a user force raised {system.user_error!r}"
     if not message and status is Status.SUCCESS:
@@ -309,14 +315,21 @@ def _trajectory(system, plan, times, states, compliance, counts, status, message
         rejected_steps=int(counts[1]),
         rhs_calls=int(counts[2]),
         events=int(counts[3]),
+        method_switches=int(counts[4]) if plan.integrator.switches else None,
         timing=timing,
         step_compliance=np.column_stack((times, compliance)),
-        notes=tuple(notes),
+        notes=(*notes, *_switching(plan, int(counts[4]))),
         contacts=contacts,
         event_times=system.contact_events() if system.event_sources else None,
         event_names=system.event_sources,
         reactions=_reactions(system, plan, times, states),
     )
+
+
+def _switching(plan: _Plan, count: int) -> tuple[str, ...]:
+    if not plan.integrator.switches:
+        return ()
+    return (f"{plan.integrator.name} changed {count} times between {plan.integrator.switches}",)
 
 
 def _reactions(system: System, plan: _Plan, times: np.ndarray, states: np.ndarray) -> dict[str, np.ndarray]:

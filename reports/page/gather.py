@@ -21,6 +21,7 @@ from reports.page.crashes import crashes
 from reports.page.environment import environment
 from reports.page.numbers import finite
 from reports.page.report_data import Cell, ReportData, scene_label
+from reports.page.truth_facts import truth_facts
 
 Progress = Callable[[int, int, str], None]  # done, total, what comes next
 
@@ -70,7 +71,7 @@ def gather(quick: bool = False, progress: Progress | None = None) -> ReportData:
     return ReportData(
         tuple(cells), tuple(records), capabilities(chosen), facts, _orders(), quick, seconds=seconds,
         space=None if quick else space.measure(), sky=() if quick else digits_ladder(),
-        crashes=() if quick else crashes(), contact=None if quick else contact.measure(),
+        crashes=() if quick else crashes(), truths=truth_facts(chosen), contact=None if quick else contact.measure(),
     )  # fmt: skip
 
 

@@ -11,6 +11,7 @@ from benchmarks.space import SpaceFacts
 from cross_checks.record import Record
 from mbs_ref import scenes
 from reports.page.crashes import Crash
+from reports.page.truth_facts import TruthFacts
 
 
 @dataclass(frozen=True)
@@ -52,6 +53,7 @@ class ReportData:
     crashes: tuple[Crash, ...] = ()  # the androids; empty in a quick report
     seconds: float = 0.0  # s, spent on the runs
     contact: ContactFacts | None = None  # the ball and the tracked vehicle; None in a quick report
+    truths: tuple[TruthFacts, ...] = ()  # what the errors are measured from
     space: SpaceFacts | None = None  # measured on spatial bodies; None in a quick report
 
     @property
