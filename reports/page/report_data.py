@@ -8,6 +8,7 @@ from typing import Any
 
 from benchmarks.contact import ContactFacts
 from benchmarks.space import SpaceFacts
+from cross_checks.extremes.cell import Cell as ExtremeCell
 from cross_checks.record import Record
 from mbs_ref import scenes
 from reports.page.crashes import Crash
@@ -54,6 +55,7 @@ class ReportData:
     seconds: float = 0.0  # s, spent on the runs
     contact: ContactFacts | None = None  # the ball and the tracked vehicle; None in a quick report
     truths: tuple[TruthFacts, ...] = ()  # what the errors are measured from
+    extremes: tuple[ExtremeCell, ...] = ()  # read from a file beside the page, or a few cells
     space: SpaceFacts | None = None  # measured on spatial bodies; None in a quick report
 
     @property
