@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.linalg import expm
-from scipy.optimize import brentq
+from scipy.optimize import root_scalar
 
 from cross_checks.certify.extrapolation import NoConvergenceError
 
@@ -164,10 +164,13 @@ class _Walk:
         found = []
         for place in zip(*np.nonzero(stop < 0.0), strict=True):
             late = start[place] <= 0.0
-            root = low if late else brentq(self._guard, low, high, args=(z, place), xtol=1e-16, rtol=1e-15)
-            found.append((float(root), int(place[0]), int(place[1])))  # type: ignore[arg-type]
+            root = low if late else self._root(z, place, low, high)
+            found.append((root, int(place[0]), int(place[1])))
         after, self.broken, self.which = min(found) if found else (high, self.broken, self.which)
         return after
+
+    def _root(self, z: np.ndarray, place: tuple[int, int], low: float, high: float) -> float:
+        return float(root_scalar(self._guard, (z, place), bracket=(low, high), xtol=1e-16, rtol=1e-15).root)
 
     def _guard(self, after: float, z: np.ndarray, place: tuple[int, int]) -> float:
         return float(self._guards(self._at(z, after)[None])[0][place])

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy.optimize import brentq
+from scipy.optimize import root_scalar
 
 from cross_checks.truths import NoTruth, Truth
 from mbs_ref.contact import ConstraintLaw
@@ -82,7 +82,7 @@ def _landing(seat: Shaker, flight: Flight) -> float:
     before = flight.t0 + look
     while gap(before + look) > 0.0:
         before += look
-    return float(brentq(gap, before, before + look, xtol=1e-16, rtol=8.9e-16))
+    return float(root_scalar(gap, bracket=(before, before + look), xtol=1e-16, rtol=1e-15).root)
 
 
 def solve(scene: Scene, times: np.ndarray) -> Truth | NoTruth:

@@ -6,7 +6,7 @@ import math
 from typing import Annotated
 
 from pydantic import Field
-from scipy.optimize import brentq
+from scipy.optimize import root_scalar
 
 from mbs_ref.contact import CircleOnLine, Friction, SpringDamperLaw, StickSlip
 from mbs_ref.part import NonNegative, Positive
@@ -50,7 +50,7 @@ def _tilt(height: float, sink: float, pull: float) -> float:
         y = 0.5 * LENGTH * s * (right - left) - 0.5 * height * c * (left + right)
         return x + pull * y
 
-    return brentq(moment, -0.1, 0.1, xtol=1e-18, rtol=1e-15) if height else 0.0  # type: ignore[return-value]
+    return float(root_scalar(moment, bracket=(-0.1, 0.1), xtol=1e-18, rtol=1e-15).root) if height else 0.0
 
 
 def resting_block(
