@@ -7,7 +7,7 @@ by which it lets go. Points are world points at t = 0.
 from __future__ import annotations
 
 import math
-from typing import Annotated, Literal, Self
+from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, model_validator
 
@@ -82,8 +82,24 @@ class RigidLaw(Part):
     restitution: Restitution
 
 
+class ConstraintLaw(Part):
+    """No penetration and no rebound: while contact lasts the constraint gap = 0 stands for the force.
+
+    The papers' other cure (Fox 2001). At touch-down an impulse takes the approach speed away (restitution 0);
+    the contact lets go where the multiplier would pull. Circles on lines and circles alone, without friction.
+    """
+
+    type: Literal["constraint_law"] = "constraint_law"
+
+
 ContactLaw = Annotated[
-    SpringDamperLaw | ProgressiveLaw | HuntCrossleyLaw | LankaraniNikraveshLaw | FloresLaw | RigidLaw,
+    SpringDamperLaw
+    | ProgressiveLaw
+    | HuntCrossleyLaw
+    | LankaraniNikraveshLaw
+    | FloresLaw
+    | RigidLaw
+    | ConstraintLaw,
     Field(discriminator="type"),
 ]
 
@@ -121,6 +137,11 @@ class StickSlip(Part):
 Friction = Annotated[RegularisedCoulomb | StickSlip, Field(discriminator="type")]
 
 
+def _no_friction_on_a_constraint(law: Any, friction: Any) -> None:
+    if isinstance(law, ConstraintLaw) and friction is not None:
+        raise ValueError(f"friction = {friction.type} does not go with constraint_law; leave it out")
+
+
 # --- pairs ----------------------------------------------------------------------------------------
 
 
@@ -148,6 +169,9 @@ class CircleOnLine(Part):
     def _check(self) -> Self:
         if math.dist(self.point_1, self.point_2) == 0.0:
             raise ValueError("point_1 and point_2 coincide; the surface has no direction")
+        if isinstance(self.law, ConstraintLaw) and self.extent == "capped":
+            raise ValueError("extent = 'capped' does not go with constraint_law; allowed: 'line', 'segment'")
+        _no_friction_on_a_constraint(self.law, self.friction)
         return self
 
 
@@ -169,6 +193,7 @@ class CircleOnCircle(Part):
     def _check(self) -> Self:
         if self.radius_a + self.radius_b == 0.0:
             raise ValueError("radius_a and radius_b are both 0; one must be positive")
+        _no_friction_on_a_constraint(self.law, self.friction)
         return self
 
 
@@ -193,6 +218,12 @@ class PinOnSprocket(Part):
     flank_angle: Annotated[float, Field(ge=0.0, lt=1.5)] = 0.3490658503988659  # rad (20 degrees), from the radius
     law: ContactLaw
     friction: RegularisedCoulomb | None = None
+
+    @model_validator(mode="after")
+    def _check(self) -> Self:
+        if isinstance(self.law, ConstraintLaw):
+            raise ValueError("law = constraint_law is for circle_on_line and circle_on_circle, not for pin_on_sprocket")
+        return self
 
 
 class SphereOnPlane(Part):
@@ -260,6 +291,8 @@ class SphereOnSphere(Part):
 def _require_force(law: ContactLaw, friction: Friction | None) -> None:
     if friction is not None and isinstance(law, RigidLaw):
         raise ValueError(f"law = {law.type!r} acts in an instant and has no force for friction; leave friction out")
+    if isinstance(law, ConstraintLaw):
+        raise ValueError("law = constraint_law is for circle_on_line and circle_on_circle, not yet for space")
 
 
 Contact = Annotated[

@@ -26,8 +26,12 @@ class ContactSystem(System):
         modes = self.groups.contact_modes
         return modes.mode, modes.grip, modes.anchor, modes.dashpot
 
+    @property
+    def event_sources(self) -> tuple[str, ...]:
+        return tuple(contact.name for contact in self.scene.contacts)
+
     def contact_events(self) -> np.ndarray:
-        """Return time (s) and contact index (n_events, 2) of the events located so far."""
+        """Return time (s) and place in `event_sources` (n_events, 2) of the events located so far."""
         modes = self.groups.contact_modes
         return modes.log[: modes.logged[0], :2].copy()
 

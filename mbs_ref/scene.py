@@ -16,6 +16,7 @@ from pydantic import BeforeValidator, Field, SkipValidation, model_validator
 from mbs_ref.celestial import CELESTIAL_TYPES, CelestialLoad
 from mbs_ref.contact import CircleOnCircle, CircleOnLine, Contact, PinOnSprocket, SphereOnPlane, SphereOnSphere
 from mbs_ref.part import Name, NonNegative, Part, Positive, Vector
+from mbs_ref.scene_events import Event
 from mbs_ref.signals import Constant, Level, Signal, breakpoints
 
 GROUND = "ground"
@@ -443,6 +444,7 @@ class Scene(Part):
     joints: tuple[Joint, ...] = ()
     loads: tuple[Load, ...] = ()
     contacts: tuple[Contact, ...] = ()
+    events: tuple[Event, ...] = ()
     parameters: dict[str, float | int | str | bool] = {}  # what the scene was built with
 
     @model_validator(mode="after")
@@ -496,8 +498,12 @@ def _complaints(scene: Scene) -> Iterator[str]:
             yield f"bodies[{k}] ({body.name}): position and velocity need {dimension} components"
         if body.name == GROUND:
             yield f"bodies[{k}]: a body may not be named {GROUND!r}, which is reserved"
+    if dimension == 3 and scene.events:
+        yield f"events[0] ({scene.events[0].name}): declared events are for the plane alone so far"
     bodies = {body.name: body for body in scene.bodies}
-    attached = (("joints", scene.joints), ("loads", scene.loads), ("contacts", scene.contacts))
+    attached = (
+        ("joints", scene.joints), ("loads", scene.loads), ("contacts", scene.contacts), ("events", scene.events),
+    )  # fmt: skip
     for kind, parts in (("bodies", scene.bodies), *attached):
         yield from _name_clashes(kind, [part.name for part in parts])
     for kind, parts in attached:

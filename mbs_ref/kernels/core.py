@@ -13,8 +13,8 @@ from numba.extending import overload
 from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.particles import dynamics as particles
 from mbs_ref.kernels.particles.model import ParticleModel, ParticleWork
-from mbs_ref.kernels.planar import contact_events as planar_contacts
 from mbs_ref.kernels.planar import dynamics as planar
+from mbs_ref.kernels.planar import events as planar_events
 from mbs_ref.kernels.planar import implicit as planar_implicit
 from mbs_ref.kernels.planar.model import PlanarModel, PlanarWork
 from mbs_ref.kernels.spatial import contact_events as spatial_contacts
@@ -87,19 +87,19 @@ def _no_mobility(model, work, t, y, k):
 _EVENTS: dict[str, tuple[Callable[..., Any], dict[type, Callable[..., Any]]]] = {
     "root_count": (
         jit(_none),
-        {PlanarModel: planar_contacts.planar_root_count, SpatialModel: spatial_contacts.spatial_root_count},
+        {PlanarModel: planar_events.planar_root_count, SpatialModel: spatial_contacts.spatial_root_count},
     ),
     "roots": (
         jit(_nothing),
-        {PlanarModel: planar_contacts.planar_roots, SpatialModel: spatial_contacts.spatial_roots},
+        {PlanarModel: planar_events.planar_roots, SpatialModel: spatial_contacts.spatial_roots},
     ),
     "transition": (
         jit(_no_change),
-        {PlanarModel: planar_contacts.planar_transition, SpatialModel: spatial_contacts.spatial_transition},
+        {PlanarModel: planar_events.planar_transition, SpatialModel: spatial_contacts.spatial_transition},
     ),
     "start_modes": (
         jit(_no_start),
-        {PlanarModel: planar_contacts.planar_start_modes, SpatialModel: spatial_contacts.spatial_start_modes},
+        {PlanarModel: planar_events.planar_start_modes, SpatialModel: spatial_contacts.spatial_start_modes},
     ),
     "contact_forces": (jit(_no_forces), {SpatialModel: spatial_contacts.spatial_contact_forces}),
     "contact_mobility": (jit(_no_mobility), {SpatialModel: spatial_contacts.spatial_contact_mobility}),
@@ -163,7 +163,7 @@ def roots(model, work, t, y, g, rate) -> Any:
 
 
 def transition(model, work, t, y, g, dy) -> Any:
-    """Change the modes whose event functions are negative; return 0, or 1 and the contact that does not settle."""
+    """Change the modes whose event functions are negative; return 0, 1 (endless) or 2 (stop), and the last source."""
     raise NotImplementedError("called from compiled code only")
 
 

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
-from benchmarks import space
+from benchmarks import contact, space
 from benchmarks.sweep import sweep
 from cross_checks import engines
 from cross_checks.compare import evaluate
@@ -81,6 +81,7 @@ def gather(
         tuple(cells), tuple(records), capabilities(chosen), facts, _orders(), quick, seconds=seconds,
         space=None if quick else space.measure(), sky=() if quick else digits_ladder(),
         crashes=() if quick else crashes(), truths=truth_facts(chosen), extremes=extreme_cells(extremes_file, quick),
+        contact=None if quick else contact.measure(),
     )  # fmt: skip
 
 

@@ -53,11 +53,11 @@ IN_THE_SKY = {  # judged in test_against_de440.py and test_sky_truths.py: three 
 
 DAMPED = {"android_simplified", "android_vertebral"}  # judged in test_android_truths.py: the energy is not kept
 
-# judged in test_contact.py and test_spatial_contact.py: they lose energy
-IN_CONTACT = {"bouncing_ball", "bouncing_sphere", "rolling_sphere", "colliding_spheres", "block_stack"}
+FREE = sorted(set(known()) - {"driven_pendulum"} - IN_THE_SKY - DAMPED)
 
 
-@pytest.mark.parametrize("name", sorted(set(known()) - {"driven_pendulum"} - IN_CONTACT - IN_THE_SKY - DAMPED))
+# contacts are judged in test_contact.py and test_spatial_contact.py: they lose energy
+@pytest.mark.parametrize("name", [name for name in FREE if not scenes.make(name).contacts])
 def test_every_truth_obeys_the_joints_and_keeps_the_energy(name):
     scene = scenes.make(name, **({"links": 3} if name == "pendulum_chain" else {}))
     _, path = moving(scene, 0.5)

@@ -95,7 +95,7 @@ def contact_refusals(scene: Scene) -> list[Refusal]:
             reasons.append(f"{where}: mujoco brakes slip by the law's damping, and without it has no friction at all")
         if getattr(contact.friction, "static", None) not in (None, getattr(contact.friction, "coefficient", None)):
             reasons.append(f"{where}: mujoco has one coefficient of friction; leave static out")
-        if getattr(contact.law, "release", "force") != "force":
+        if getattr(contact.law, "damping", 0.0) and getattr(contact.law, "release", "force") != "force":
             reasons.append(f"{where}: mujoco's contact force is never negative; it needs release = 'force'")
         endless = getattr(contact, "extent", "") in ("line", "plane") and getattr(contact, "thickness", None) is None
         if isinstance(contact, CircleOnLine | SphereOnPlane) and (contact.body_b != GROUND or not endless):
