@@ -54,7 +54,13 @@ IN_THE_SKY = {  # judged in test_against_de440.py and test_sky_truths.py: three 
 DAMPED = {"android_simplified", "android_vertebral"}  # judged in test_android_truths.py: the energy is not kept
 
 
-@pytest.mark.parametrize("name", sorted(set(known()) - {"driven_pendulum", "bouncing_ball"} - IN_THE_SKY - DAMPED))
+IN_CONTACT = {  # judged in test_contact_truths.py: velocities jump or energy is lost where bodies touch
+    "ball_on_driven_seat", "bouncing_ball", "box_stack", "disc_between_walls", "incline", "newtons_cradle",
+    "oblique_disc", "rolling_disc", "sliding_block",
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", sorted(set(known()) - {"driven_pendulum"} - IN_CONTACT - IN_THE_SKY - DAMPED))
 def test_every_truth_obeys_the_joints_and_keeps_the_energy(name):
     scene = scenes.make(name, **({"links": 3} if name == "pendulum_chain" else {}))
     _, path = moving(scene, 0.5)
