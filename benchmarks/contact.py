@@ -104,7 +104,7 @@ def measure() -> ContactFacts:
         vehicle=vehicle,
         path=paths[0],
         runs=runs,
-        energy=balance(vehicle, Settings(method="dop853", rtol=1e-8, t_end=0.5, reactions=False), longest=2e-3),
+        energy=balance(vehicle, Settings(method="dop853", rtol=1e-8, t_end=0.1), longest=2e-4),
     )
 
 

@@ -38,12 +38,13 @@ class Balance:
 
 def balance(scene: Scene, settings: Settings, longest: float) -> Balance:
     """Run twice and balance the energy; panels are `longest` (s) at most. ValueError where a run fails."""
-    found = _good(simulate(scene, settings))
+    found = _good(simulate(scene, settings.model_copy(update={"reactions": False})))
     edges = _edges(scene, found, longest)
     points, weights = np.polynomial.legendre.leggauss(POINTS)
     width = np.diff(edges)
     inside = edges[:-1, None] + 0.5 * width[:, None] * (1.0 + points)
-    path = _good(simulate(scene, settings, np.unique(np.concatenate((edges, inside.ravel())))))
+    every = np.unique(np.concatenate((edges, inside.ravel())))
+    path = _good(simulate(scene, settings.model_copy(update={"reactions": True}), every))  # with contact forces
     power = powers(Motion(scene, path), is_conservative)
     if power is None:
         power = np.zeros(len(path.times))

@@ -59,7 +59,7 @@ def _show(rows: list[dict[str, Any]]) -> None:
         figures = (number(row[key]) for key in ("error", "compliance", "order"))
         listing.add_row(row["scene"], row["engine"], row["method"] or "", row["verdict"], *figures, row["reason"] or "")
     show(listing)
-    _show_contact([row for row in rows if row["contact"]])
+    _show_contact([row for row in rows if row.get("contact")])
 
 
 def _show_contact(rows: list[dict[str, Any]]) -> None:

@@ -66,7 +66,7 @@ def test_what_is_not_known_is_said(name, parameters, words):
 
 @pytest.mark.parametrize("law", ["spring_damper", "hunt_crossley", "flores"])
 def test_figures_of_a_free_impact_are_the_exact_ones(law):
-    more = {} if law == "spring_damper" else {"stiffness": 1e6}
+    more = {"spring_damper": {}, "hunt_crossley": {"stiffness": 1e6, "damping": 3e5}, "flores": {"stiffness": 1e6}}[law]
     ball = scenes.make("bouncing_ball", law=law, **more)
     exact = impact(ball.contacts[0].law, 1.0, 1.0)
     found = contact_figures(ball, simulate(ball, FINE.model_copy(update={"samples": 2001})))

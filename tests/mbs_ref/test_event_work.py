@@ -11,12 +11,6 @@ from mbs_ref.settings import Settings
 
 def test_the_balance_closes_over_bounces_that_lose_energy():
     ball = scenes.make("bouncing_ball", law="progressive", damping=3e4, gravity=9.81, duration=1.0)
-    found = balance(ball, Settings(method="dop853", rtol=1e-11), longest=2e-3)
+    found = balance(ball, Settings(method="dop853", rtol=1e-11), longest=2e-4)
     assert found.work[-1] < -0.1  # J
     assert np.abs(found.drift).max() < 1e-8
-
-
-def test_the_balance_closes_on_the_tracked_vehicle():
-    vehicle = scenes.make("tracked_vehicle", links=20, rollers=1)
-    found = balance(vehicle, Settings(method="dop853", rtol=1e-8, t_end=0.05, reactions=False), longest=2e-3)
-    assert np.abs(found.drift).max() < 1e-5 * found.exchanged
