@@ -53,7 +53,7 @@ IN_THE_SKY = {  # judged in test_against_de440.py and test_sky_truths.py: three 
 
 DAMPED = {"android_simplified", "android_vertebral"}  # judged in test_android_truths.py: the energy is not kept
 
-IN_CONTACT = {  # judged in test_contact_truths.py and test_spatial_contact.py: bodies touch, speeds jump, energy is lost
+IN_CONTACT = {  # judged in test_contact_truths.py and test_spatial_contact.py: speeds jump, energy is lost
     "ball_on_driven_seat", "bouncing_ball", "box_stack", "disc_between_walls", "incline", "newtons_cradle",
     "oblique_disc", "rolling_disc", "sliding_block", "bouncing_sphere", "rolling_sphere", "colliding_spheres",
     "block_stack",
