@@ -38,7 +38,7 @@ def measure(scene: Scene, path: Trajectory, truth: Truth | NoTruth, reference: T
         "orientation_error": _orientation(scene, path, truth),
         "figures": significant_figures(scene, path, truth) if isinstance(truth, Truth) else {},
         "reaction_error": None if reference is None else reaction_error(path.reactions, reference.reactions),
-        "notes": _notes(scene, path, truth, why_no_energy),
+        "notes": (*_notes(scene, path, truth, why_no_energy), *_unjudged(_error(error, truth))),
         "history": {key: part.tolist() for key, part in history.items() if part is not None and _is_finite(part)},
     }
 
@@ -66,6 +66,13 @@ def _error(error: np.ndarray | None, truth: Truth | NoTruth) -> Error | None:
     if error is None or isinstance(truth, NoTruth) or not _is_finite(error):
         return None
     return Error(float(np.max(error)), "m", f"{truth.kind}: {truth.how}", truth.uncertainty, float(error[-1]))
+
+
+def _unjudged(error: Error | None) -> tuple[str, ...]:
+    if error is None or error.is_judged:
+        return ()
+    told = f"the truth, known to {error.uncertainty:.1e} m, judges no error below {error.floor:.1e} m"
+    return (f"error not judged: {told}",)
 
 
 def _orientation(scene: Scene, path: Trajectory, truth: Truth | NoTruth) -> float | None:

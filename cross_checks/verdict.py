@@ -6,8 +6,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 
+from cross_checks.record import MARGIN
+
 AGREEMENT = 1e-6  # m: closer to the truth than this is agreement
-MARGIN = 30.0  # a truth this many times better known than an error judges it
 SETTLED = 0.1  # of the error: refinements that differ by less no longer approach the truth
 SETTLING = 0.3  # of the error: the same, where the error does not shrink at all
 PROGRESS = 0.7  # of the error before: less than this is progress
@@ -84,9 +85,10 @@ def _by_error(good: Sequence[Rung], uncertainty: float) -> tuple[Verdict, str]:
     finest = errors[-1]
     if finest <= AGREEMENT and uncertainty <= AGREEMENT / MARGIN:
         return Verdict.AGREES, f"{finest:.1e} m from the truth at {good[-1].setting}"
-    if finest <= uncertainty:
-        return Verdict.BELOW_TRUTH, f"{finest:.1e} m, and the truth is known to {uncertainty:.1e} m only"
-    if _is_settled(good) and finest > MARGIN * uncertainty:
+    if finest < MARGIN * uncertainty:
+        known = f"the truth, known to {uncertainty:.1e} m, judges no error below {MARGIN * uncertainty:.1e} m"
+        return Verdict.BELOW_TRUTH, f"{finest:.1e} m at {good[-1].setting}, and {known}"
+    if _is_settled(good):
         return Verdict.WRONG_LIMIT, (
             f"refinements differ by {good[-1].difference:.1e} m and less, and the error stays at {finest:.1e} m"
         )

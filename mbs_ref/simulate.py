@@ -97,6 +97,11 @@ def simulate(scene: Scene, settings: Settings | None = None, times: np.ndarray |
     return _trajectory(system, plan, states, compliance, counts, status, message, notes, timing)
 
 
+def integration_options(scene: Scene, settings: Settings, times: np.ndarray | None = None) -> Options:
+    """Return what `simulate` hands to its integrator: for callers that time the bare integrator."""
+    return _plan(scene, settings, times).options
+
+
 # --- before the run -------------------------------------------------------------------------------
 
 

@@ -26,6 +26,7 @@ class Truth:
     kind: Literal["exact", "published", "converged", "ephemeris"]
     how: str  # one sentence
     origin: str | None = None  # the body that places are seen from; None for the world's origin
+    difference: float | None = None  # m, between two unlike ways to it; None where it was found in one
 
     def covers(self, body: int) -> bool:
         """Return whether the truth knows where the body (its index in the scene) is."""

@@ -26,6 +26,7 @@ from reports.page.crashes import crashes
 from reports.page.environment import environment
 from reports.page.numbers import finite
 from reports.page.report_data import Cell, ReportData, scene_label
+from reports.page.truth_facts import truth_facts
 
 Progress = Callable[[int, int, str], None]  # done, total, what comes next
 
@@ -79,7 +80,7 @@ def gather(
     return ReportData(
         tuple(cells), tuple(records), capabilities(chosen), facts, _orders(), quick, seconds=seconds,
         space=None if quick else space.measure(), sky=() if quick else digits_ladder(),
-        crashes=() if quick else crashes(), extremes=extreme_cells(extremes_file, quick),
+        crashes=() if quick else crashes(), truths=truth_facts(chosen), extremes=extreme_cells(extremes_file, quick),
     )  # fmt: skip
 
 
