@@ -16,6 +16,7 @@ from mbs_ref.integrators.leg import (
     CLOCK_T,
     COUNT_CONTACT,
     COUNT_EVENTS,
+    COUNT_OWN,
     COUNT_REJECTED,
     COUNT_RHS,
     COUNT_STEPS,
@@ -299,7 +300,7 @@ def _run_legs(system: System, plan: _Plan, y: np.ndarray):
     run = progress(0.0)
     with Interrupts(run.counts, plan.options.max_steps) as interrupts:
         filled, status, message = _legs(system, plan, run, y, states, compliance)
-    total = run.counts[[COUNT_STEPS, COUNT_REJECTED, COUNT_RHS, COUNT_EVENTS]]
+    total = run.counts[[COUNT_STEPS, COUNT_REJECTED, COUNT_RHS, COUNT_EVENTS, COUNT_OWN]]
     total[0] = interrupts.steps
     if system.user_error is not None:
         status, message = Status.ENGINE_ERROR, f"a user force raised {system.user_error!r}"
@@ -354,13 +355,20 @@ def _trajectory(system, plan, states, compliance, counts, status, message, notes
         rejected_steps=int(counts[1]),
         rhs_calls=int(counts[2]),
         events=int(counts[3]),
+        method_switches=int(counts[4]) if plan.integrator.switches else None,
         timing=timing,
         step_compliance=np.column_stack((times, compliance)),
-        notes=tuple(notes),
+        notes=(*notes, *_switching(plan, int(counts[4]))),
         contacts=contacts,
         event_times=system.contact_events() if system.scene.contacts else None,
         reactions=_reactions(system, plan, times, states),
     )
+
+
+def _switching(plan: _Plan, count: int) -> tuple[str, ...]:
+    if not plan.integrator.switches:
+        return ()
+    return (f"{plan.integrator.name} changed {count} times between {plan.integrator.switches}",)
 
 
 def _reactions(system: System, plan: _Plan, times: np.ndarray, states: np.ndarray) -> dict[str, np.ndarray]:

@@ -53,6 +53,7 @@ class Trajectory:
     rejected_steps: int = 0
     rhs_calls: int = 0
     events: int = 0  # contact events located
+    method_switches: int | None = None  # changes between families such as Adams and BDF, where the method tells
     timing: Timing = field(default_factory=Timing)
     reactions: dict[str, np.ndarray] = field(default_factory=dict)  # joint -> (n_t, 3): force on body_b at the joint point (N, N, world) and torque (N m)
     contacts: dict[str, np.ndarray] = field(default_factory=dict)  # contact -> (n_t, 5): depth (m), force on body_a (N, N, world), its point (m, m)

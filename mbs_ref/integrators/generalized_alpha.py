@@ -15,6 +15,7 @@ from mbs_ref.integrators.leg import (
     CLOCK_T,
     COUNT_EVENTS,
     COUNT_OUTPUT,
+    COUNT_OWN,
     COUNT_RHS,
     COUNT_STEPS,
     DONE,
@@ -115,7 +116,7 @@ def advance_generalized_alpha(
             _start(model, work, clock[CLOCK_T], y, qdd, lam)
             a[:] = qdd
     ratio = (1.0 - ALPHA_F) / (1.0 - ALPHA_M)
-    dense = lu.shape[0] > 0 and counts[4] == 1
+    dense = lu.shape[0] > 0 and counts[COUNT_OWN] == 1
     factored = 0.0
     while counts[COUNT_OUTPUT] < times.shape[0]:
         t = clock[CLOCK_T]
@@ -155,7 +156,7 @@ def advance_generalized_alpha(
                 break
             if not dense and lu.shape[0] > 0:
                 dense = True
-                counts[4] = 1
+                counts[COUNT_OWN] = 1
                 factored = 0.0
                 new_qdd[:] = qdd
                 lam[:] = old_lam

@@ -46,7 +46,7 @@ class Progress(NamedTuple):
     """Mutable state of a run, kept over chunks and legs."""
 
     clock: np.ndarray  # (4,) s: time, next step, largest |C| since the last sample, step before
-    counts: np.ndarray  # (7,) int: steps, rejected, right-hand sides, next output, spare, events, last contact
+    counts: np.ndarray  # (7,) int: steps, rejected, right-hand sides, next output, a method's own, events, last contact
 
 
 def progress(t: float) -> Progress:
@@ -55,7 +55,7 @@ def progress(t: float) -> Progress:
 
 
 CLOCK_T, CLOCK_H, CLOCK_COMPLIANCE, CLOCK_ERROR = range(4)
-COUNT_STEPS, COUNT_REJECTED, COUNT_RHS, COUNT_OUTPUT, COUNT_SPARE, COUNT_EVENTS, COUNT_CONTACT = range(7)
+COUNT_STEPS, COUNT_REJECTED, COUNT_RHS, COUNT_OUTPUT, COUNT_OWN, COUNT_EVENTS, COUNT_CONTACT = range(7)
 
 
 @dataclass
@@ -108,6 +108,7 @@ class Integrator:
     locates_events: bool = True  # touch-down, lift-off and slip are found; else contact forces are merely clipped
     stability: tuple[float, ...] = ()  # explicit methods: coefficients of R(z), lowest power first
     weakness: str = ""  # why the method is known to fail or stand wrong where others do not: shown, never judged by
+    switches: str = ""  # the families between which the method changes and says so
     package: str | None = None  # optional third-party package it needs
     cores: tuple[str, ...] = ()  # the only cores it runs on (mbs_ref.cores.core_name); empty for all
 
