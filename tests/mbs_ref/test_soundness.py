@@ -51,7 +51,7 @@ def test_a_pulse_that_the_clock_cannot_tell_from_nothing_is_refused():
     assert len(clock_troubles(pushed(Table(times=(0.0, 1.0, 1.0 + 1e-15), values=(0.0, 1.0, 2.0))))) == 1
 
 
-@pytest.mark.parametrize(("step", "status"), [(0.01, Status.SUCCESS), (1.0, Status.UNRESOLVED)])
+@pytest.mark.parametrize(("step", "status"), [(0.01, Status.SUCCESS), (0.4, Status.UNRESOLVED)])
 def test_a_fixed_step_that_is_too_long_for_the_motion_says_so(step, status):
     path = simulate(scenes.make("pendulum"), Settings(method="rk4", step=step, samples=11))
     assert path.status is status, path.message
@@ -83,13 +83,11 @@ def test_ctrl_c_keeps_what_was_computed():
         if t > 0.5 and not rung:
             rung.append(t)
             signal.raise_signal(signal.SIGINT)
-        return np.zeros((1, 3))
+        return np.zeros((2, 3))
 
-    scene = pushed(HalfSine(peak=0.0, duration=1.0)).model_copy(
-        update={"loads": (UserForce(name="slow", function=slow),)}
-    )
-    path = simulate(scene, Settings(method="lsodar", rtol=1e-10, t_end=100.0, samples=1001))
+    scene = scenes.make("double_pendulum").model_copy(update={"loads": (UserForce(name="slow", function=slow),)})
+    path = simulate(scene, Settings(method="dop853", rtol=1e-10, t_end=3.0, samples=301))
     assert path.status is Status.INTERRUPTED, path.message
-    assert 1 < len(path.times) < 1001
+    assert 1 < len(path.times) < 301
     assert np.all(np.isfinite(path.position))
     assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
