@@ -121,11 +121,10 @@ def test_pinocchio_closes_loops_in_space_and_refuses_what_it_cannot():
         times = np.linspace(0.0, end, 3)
         truth = seek_truth(scene, times)
         assert isinstance(truth, Truth)
-        path = pinocchio.run(scene, Settings(method="rk4", step=2.5e-3, reactions=False), times)
+        path = pinocchio.run(scene, Settings(method="dop853", rtol=1e-10, reactions=False), times)
         assert path.ok, path.message
-        baumgarte = 1e-8  # m, what stabilized loops leave at this step
-        assert np.abs(path.position - truth.position).max() < baumgarte
-        assert geodesic_angle(path.orientation, truth.angle).max() < 10 * baumgarte
+        assert np.abs(path.position - truth.position).max() < 1e-9
+        assert geodesic_angle(path.orientation, truth.angle).max() < 1e-9
     refused = pinocchio.refusals(scenes.make("spherical_pendulum"))
     assert "closes a loop as distance" in refused[0].reason
 
