@@ -8,14 +8,14 @@ from cross_checks.certify import jet
 from cross_checks.certify.jet import Jet
 from cross_checks.certify.one_freedom import agree_on
 from cross_checks.truths import Truth, converged
-from mbs_ref.scene import Scene
+from mbs_ref.scene import Scene, Universal
 from mbs_ref.scenes.spatial_slider_crank import PIVOT
 
 
 def solve(scene: Scene, times: np.ndarray) -> Truth:
     """Crank about x from upright; the rod from its pin to the slider, turned as the universal joint lets it."""
     crank, rod = float(scene.parameters["crank_length"]), float(scene.parameters["rod_length"])
-    wrist = next(joint for joint in scene.joints if joint.name == "wrist")
+    wrist = next(joint for joint in scene.joints if isinstance(joint, Universal))
     second, first = (np.array(axis) / np.linalg.norm(axis) for axis in (wrist.axis_a, wrist.axis_b))
 
     def poses(angle: Jet) -> tuple[Jet, Jet]:
