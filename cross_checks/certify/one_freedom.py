@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -22,8 +23,8 @@ class OneFreedom:
     mass: np.ndarray  # (n,) kg
     inertia: np.ndarray  # (n, 3, 3) kg m^2 about the centres, body axes
     gravity: np.ndarray  # (3,) m/s^2
-    start: float  # s at t = 0
-    rate: float  # s' at t = 0
+    start: Any  # s at t = 0, in any precision
+    rate: Any  # s' at t = 0
 
     def at(self, s):
         """Return J, J' / 2, V and V' at s."""
@@ -71,7 +72,7 @@ def hamilton(given: OneFreedom) -> Formulation:
     return Formulation(derivative, start, lambda t, y: given.world(y[0]))
 
 
-def agree_on(scene: Scene, poses: Callable[[Jet], tuple[Jet, Jet]], start: float, rate: float, times) -> Agreement:
+def agree_on(scene: Scene, poses: Callable[[Jet], tuple[Jet, Jet]], start: Any, rate: Any, times) -> Agreement:
     """Solve both ways the motion of a scene whose bodies, in its order, are where `poses` says."""
     mass = np.array([body.mass for body in scene.bodies])
     inertia = np.array([symmetric(body.inertia) for body in scene.bodies if isinstance(body, SpatialBody)])
