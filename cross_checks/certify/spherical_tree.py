@@ -13,7 +13,7 @@ import numpy as np
 from cross_checks.certify.agreement import Formulation
 from cross_checks.certify.rod_chain import solve
 from mbs_ref.euler_parameters import rotation_matrices
-from mbs_ref.scene import GROUND, Scene, SpatialBody, symmetric
+from mbs_ref.scene import GROUND, Scene, SpatialBody, Spherical, symmetric
 
 EXTENDED_UP_TO = 4  # bodies; beyond, an elimination in Python takes minutes
 
@@ -59,7 +59,7 @@ def spherical_tree(scene: Scene) -> SphericalTree:
     back = np.swapaxes(rotation_matrices(theta), 1, 2)
     centre = np.array([body.position for body in bodies])
     pivot, arms = np.zeros((n, 3)), np.zeros((n, n, 3))
-    for joint in scene.joints:
+    for joint in (joint for joint in scene.joints if isinstance(joint, Spherical)):
         a, b, point = joint.body_a, scene.body_index(joint.body_b), np.array(joint.point)
         if a == GROUND:
             pivot[b] = point

@@ -11,7 +11,7 @@ from cross_checks.certify.jet import Jet
 from cross_checks.certify.one_freedom import agree_on
 from cross_checks.truths import Truth, converged
 from mbs_ref.euler_parameters import rotation_matrices
-from mbs_ref.scene import Scene
+from mbs_ref.scene import Scene, SpatialBody
 from mbs_ref.scenes.bricard import AXES, CORNERS
 
 ROOT3 = np.sqrt(np.longdouble(3))
@@ -26,7 +26,8 @@ def solve(scene: Scene, times: np.ndarray) -> Truth:
     spherical triangle of hypotenuse 60 degrees; its angle s is a coordinate without turning points.
     """
     rods = [np.subtract(b, a) for a, b in pairwise(CORNERS)]
-    start = [rotation_matrices(body.orientation).astype(np.longdouble) for body in scene.bodies]
+    bodies = (body for body in scene.bodies if isinstance(body, SpatialBody))
+    start = [rotation_matrices(body.orientation).astype(np.longdouble) for body in bodies]
     right = 2 * np.arctan(np.longdouble(1))
 
     def poses(s: Jet) -> tuple[Jet, Jet]:

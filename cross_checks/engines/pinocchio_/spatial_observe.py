@@ -20,7 +20,8 @@ def poses_in_space(mechanism: SpatialMechanism, states: np.ndarray):
     for y in states:
         pin.forwardKinematics(mechanism.model, mechanism.data, mechanism.configured(y[:n]), y[n:])
         found.append(mechanism.poses())
-    return tuple(np.array(part) for part in zip(*found, strict=True))
+    position, theta, velocity, omega = (np.array(part) for part in zip(*found, strict=True))
+    return position, theta, velocity, omega
 
 
 def reactions_in_space(mechanism: SpatialMechanism, rhs: RightHandSide, contact_data, times, states, poses) -> dict:
