@@ -23,7 +23,7 @@ from cross_checks.engines.pinocchio_.spatial_observe import poses_in_space, reac
 from cross_checks.joint_tree import joint_tree
 from cross_checks.outcome import plan_run, trajectory
 from cross_checks.spatial_tree import spatial_tree
-from mbs_ref.scene import DRIVES, Revolute, Scene, Spherical, Weld
+from mbs_ref.scene import DRIVES, Revolute, Scene, Spherical, UserForce, Weld
 from mbs_ref.settings import Settings
 from mbs_ref.trajectory import Timing, Trajectory
 
@@ -63,6 +63,8 @@ class Pinocchio(Engine):
         if scene.dimension == 3:
             drives = [j for j in scene.joints if isinstance(j, DRIVES)]
             reasons += [Refusal(f"joint {j.name!r}: pinocchio has no drive; its joints are free", True) for j in drives]
+            own = [load for load in scene.loads if isinstance(load, UserForce)]
+            reasons += [Refusal(f"{x.name!r}: pinocchio is not yet taught {x.type} in space", False) for x in own]
         if DATA_BYTES * float(size) ** 3 > MOST_BYTES:
             needs = DATA_BYTES * float(size) ** 3 / 1e9
             reasons.append(Refusal(f"pinocchio's data take {needs:.1f} GB for {size} coordinates", True))

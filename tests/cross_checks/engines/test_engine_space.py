@@ -43,11 +43,8 @@ def test_the_order_shows_on_a_tumbling_body(engine, method, order):
     ("name", "step", "bound"),
     [("spatial_chain", 2.5e-3, 2e-4), ("double_gyroscope", 2.5e-4, 2e-2), ("flyball_governor", 2e-4, 1e-5)],
 )
-def test_trees_agree_with_the_reference(engine, method, order, name, step, bound, request):
+def test_trees_agree_with_the_reference(engine, method, order, name, step, bound):
     """The bound (m) is what generalized-alpha owes at this step; Runge-Kutta is far below."""
-    if (method, name) == ("rotation_vector", "double_gyroscope"):
-        stops = "Exudyn's Lie-group Newton stops on fast spins at this step"
-        request.applymarker(pytest.mark.xfail(reason=stops, strict=True, raises=AssertionError))
     installed(engine)
     scene = scenes.make(name)
     times = np.linspace(0.0, 0.1, 3)
