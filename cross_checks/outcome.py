@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cross_checks.engine import Engine, Method, Refusal, output_times
+from cross_checks.engine import Engine, Method, output_times
 from cross_checks.initial_state import inconsistency
 from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings
@@ -67,6 +67,8 @@ def _check_settings(engine: Engine, method: Method, settings: Settings, supporte
         value, default = getattr(settings, name), getattr(defaults, name)
         if name not in supported and value != default:
             raise ValueError(f"{name} = {value!r} is not offered by {engine.name}; allowed: {default!r}")
+    if settings.events == "located" and not method.locates_events:
+        raise ValueError(f"events = 'located': {method.name} of {engine.name} locates no events; allowed: 'none'")
 
 
 def _check_times(times: np.ndarray) -> None:
@@ -133,13 +135,6 @@ def end_of(states: np.ndarray, times: np.ndarray, end: End) -> End:
     cause = f" ({end.message})" if end.message else ""
     silent = end.status in (Status.SUCCESS, Status.RESET)
     return End(good, Status.NON_FINITE, f"NaN or infinity arose before t = {times[good]:g} s; {last}{cause}", silent)
-
-
-def refuse_spatial(engine: Engine, scene: Scene) -> list[Refusal]:
-    """Return the refusal of a spatial scene by an adapter that speaks planar scenes alone."""
-    if scene.dimension == 2:
-        return []
-    return [Refusal(f"{engine.name} is not yet taught spatial scenes", permanent=False)]
 
 
 def trajectory(

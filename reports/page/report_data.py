@@ -6,6 +6,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import Any
 
+from benchmarks.contact import ContactFacts
+from benchmarks.sky import SkyFacts
 from benchmarks.space import SpaceFacts
 from cross_checks.extremes.cell import Cell as ExtremeCell
 from cross_checks.record import Record
@@ -49,9 +51,10 @@ class ReportData:
     environment: dict[str, str] = field(default_factory=dict)
     orders: dict[tuple[str, str], int] = field(default_factory=dict)  # (engine, method) -> documented order
     quick: bool = False
-    sky: tuple[Record, ...] = ()  # the solar system at each level of physics, with figures per body
+    sky: SkyFacts | None = None  # digits against physics, races, formulations; None in a quick report
     crashes: tuple[Crash, ...] = ()  # the androids; empty in a quick report
     seconds: float = 0.0  # s, spent on the runs
+    contact: ContactFacts | None = None  # the ball and the tracked vehicle; None in a quick report
     truths: tuple[TruthFacts, ...] = ()  # what the errors are measured from
     extremes: tuple[ExtremeCell, ...] = ()  # read from a file beside the page, or a few cells
     space: SpaceFacts | None = None  # measured on spatial bodies; None in a quick report

@@ -8,7 +8,8 @@ from __future__ import annotations
 import mujoco
 import numpy as np
 
-from cross_checks.engines.mujoco_.methods import pin_options, solref_of
+from cross_checks.engines.mujoco_.contact import add_contact
+from cross_checks.engines.mujoco_.methods import STOCK, pin_options, solref_of
 from cross_checks.engines.mujoco_.spatial_closures import add_closure, add_spring
 from cross_checks.joint_tree import FIXED
 from cross_checks.outcome import Plan
@@ -20,6 +21,11 @@ def compile_spatial(tree: SpatialTree, plan: Plan) -> mujoco.MjModel:
     spec = mujoco.MjSpec()
     pin_options(spec, plan, tree.scene)
     frames = {FIXED: spec.worldbody}
+
+    def place(body: str, point: tuple[float, ...]):
+        k = tree.scene.body_index(body)
+        return frames[k], tree.local(k, point)
+
     for edge in tree.edges:
         frames[edge.body] = _add_spatial_body(frames[edge.parent], edge, tree)
     for joint in tree.closures:
@@ -27,6 +33,8 @@ def compile_spatial(tree: SpatialTree, plan: Plan) -> mujoco.MjModel:
     for load in tree.scene.loads:
         assert isinstance(load, SpringDamper)  # every other load is refused before
         add_spring(spec, frames, tree, load)
+    for contact in tree.scene.contacts:
+        add_contact(spec, place, tree.scene, contact, plan.method.name.endswith(STOCK))
     return spec.compile()
 
 
@@ -61,20 +69,6 @@ def _kinds(edge: SpatialEdge, body) -> tuple[str, ...]:
         return ("free",) if isinstance(body, SpatialBody) else ("slides",)
     by_type = {"spherical": ("ball",), "revolute": ("hinge",), "prismatic": ("slide",), "weld": ()}
     return by_type.get(edge.joint.type, ("slide", "hinge"))
-
-
-def depth_first(tree: SpatialTree) -> list[SpatialEdge]:
-    """MuJoCo numbers bodies depth first, children in the order they were added."""
-    children: dict[int, list[SpatialEdge]] = {}
-    for edge in tree.edges:
-        children.setdefault(edge.parent, []).append(edge)
-    result: list[SpatialEdge] = []
-    stack = children.get(FIXED, [])[::-1]
-    while stack:
-        edge = stack.pop()
-        result.append(edge)
-        stack += children.get(edge.body, [])[::-1]
-    return result
 
 
 def start_rates(tree: SpatialTree, edge: SpatialEdge) -> np.ndarray:
