@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable, Iterator
 from typing import Any
 
-from benchmarks import space
+from benchmarks import androids, space
 from benchmarks.sweep import sweep
 from cross_checks import engines
 from cross_checks.compare import evaluate

@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import Any
 
+from benchmarks.androids import AndroidFacts
 from benchmarks.space import SpaceFacts
 from cross_checks.record import Record
 from mbs_ref import scenes
@@ -50,6 +51,7 @@ class ReportData:
     quick: bool = False
     sky: tuple[Record, ...] = ()  # the solar system at each level of physics, with figures per body
     crashes: tuple[Crash, ...] = ()  # the androids; empty in a quick report
+    androids: AndroidFacts | None = None  # under many methods and engines; None in a quick report
     seconds: float = 0.0  # s, spent on the runs
     truths: tuple[TruthFacts, ...] = ()  # what the errors are measured from
     space: SpaceFacts | None = None  # measured on spatial bodies; None in a quick report
