@@ -20,6 +20,7 @@ class Status(StrEnum):
     INCONSISTENT = "inconsistent"  # initial conditions break a constraint
     NOT_CONVERGED = "not-converged"  # an implicit step's iteration failed
     SINGULAR = "singular"  # a singular pose where the branch of the motion is ambiguous
+    UNRESOLVED = "unresolved"  # a fixed step so long that what came out is another motion
     COLLISION = "collision"  # two bodies came closer than the sum of their radii
     ENDLESS_EVENTS = "endless-events"  # contact events accumulate: endless bouncing (Zeno), or more than allowed
     REFUSED = "refused"  # stopped before the first step, with the reason
@@ -59,6 +60,7 @@ class Trajectory:
     event_times: np.ndarray | None = None  # (n_events, 2) time s and contact's index, where the engine locates events
     step_compliance: np.ndarray | None = None  # (n_samples, 2) time s, max |C| over the steps since the last sample
     notes: tuple[str, ...] = ()  # what the user should know: corrections applied, redundant rows, warnings
+    unreported: bool = False  # the engine itself said nothing: the failure in `status` was found by looking at its numbers
 
     @property
     def ok(self) -> bool:

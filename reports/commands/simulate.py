@@ -9,7 +9,7 @@ import click
 from cross_checks.record import Record
 from reports import inputs
 from reports.console import echo_json, number, show, table
-from reports.exit_codes import EngineAbsent, Failed
+from reports.exit_codes import EngineAbsent, Failed, Incomplete
 from reports.poses_file import FORMATS, write_poses
 
 
@@ -49,7 +49,7 @@ def command(
 
     try:
         record, trajectory = compare.judged_run(chosen_scene, engine, chosen)
-        if target is not None and trajectory is not None and record.status == "success":
+        if target is not None and trajectory is not None and record.status in ("success", "interrupted"):
             write_poses(trajectory, chosen_scene.body_names, target)
     except OSError as error:
         raise Failed(f"-o {output}: cannot be written: {error.strerror}") from error
@@ -59,6 +59,8 @@ def command(
         _show(record)
     if record.status == "engine-missing":
         raise EngineAbsent(record.message)
+    if record.status == "interrupted":
+        raise Incomplete(record.message)
     if record.status != "success":
         raise Failed(f"{record.status}: {record.message}")
 

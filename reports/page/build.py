@@ -7,10 +7,13 @@ from pathlib import Path
 from reports.page.gather import Progress, gather
 from reports.page.publish import publish
 
+EXTREMES = "extremes.jsonl"  # beside the page: what `mbs-ref extremes -o` kept
+
 
 def write_report(out_dir: Path, quick: bool = False, progress: Progress | None = None) -> Path:
     """Run the default scenes on every engine and write the report; return the path of index.html.
 
-    `quick` runs fewer scenes. `progress` is called with (done, total, what comes next).
+    `quick` runs fewer scenes. What EXTREMES holds there is shown, else a few extremes are run.
+    `progress` is called with (done, total, what comes next).
     """
-    return publish(gather(quick, progress), Path(out_dir))
+    return publish(gather(quick, progress, Path(out_dir) / EXTREMES), Path(out_dir))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterator
+from pathlib import Path
 from typing import Any
 
 from benchmarks import androids, space
@@ -11,6 +12,10 @@ from benchmarks.sweep import sweep
 from cross_checks import engines
 from cross_checks.compare import evaluate
 from cross_checks.engine import Method
+from cross_checks.extremes import named
+from cross_checks.extremes.cell import Cell as ExtremeCell
+from cross_checks.extremes.cell import read as read_cells
+from cross_checks.extremes.run import matrix
 from cross_checks.matrix import judge_method, missing
 from cross_checks.record import Record
 from mbs_ref import scenes
@@ -44,10 +49,14 @@ SCENES: tuple[tuple[str, dict[str, Any]], ...] = (
 SKY_LEVELS = ("lumped", "newton", "gr_sun", "gr", "j2", "asteroids", "full")
 RUN_TIME = 150.0  # s for all runs, so that the report with its compilation stays within five minutes on two cores
 LEAST_SHARE = 0.2  # s for a method on a scene, however late it is
+FEW_EXTREMES = ("stiff-spring-quiet", "crash-pulse", "overflow")
+EXTREME_TIME = 20.0  # s
 QUICK = (("pendulum", {}), ("pendulum_chain", {"links": 3}), ("n_four_bar", {"loops": 1}))
 
 
-def gather(quick: bool = False, progress: Progress | None = None) -> ReportData:
+def gather(
+    quick: bool = False, progress: Progress | None = None, extremes_file: Path | None = None
+) -> ReportData:
     """Return cells and records of the default scenes (few of them when quick), within RUN_TIME."""
     begun = time.perf_counter()
     made = [scenes.make(name, **parameters) for name, parameters in (QUICK if quick else SCENES)]
@@ -71,8 +80,23 @@ def gather(quick: bool = False, progress: Progress | None = None) -> ReportData:
     return ReportData(
         tuple(cells), tuple(records), capabilities(chosen), facts, _orders(), quick, seconds=seconds,
         space=None if quick else space.measure(), sky=() if quick else digits_ladder(),
-        crashes=() if quick else crashes(), truths=truth_facts(chosen),
+        crashes=() if quick else crashes(), truths=truth_facts(chosen), extremes=extreme_cells(extremes_file, quick),
     )  # fmt: skip
+
+
+def extreme_cells(kept: Path | None, quick: bool) -> tuple[ExtremeCell, ...]:
+    """Return the cells kept in a file, full ones first; without a file a few, within EXTREME_TIME."""
+    if kept is not None and kept.is_file():
+        found = {(c.extreme, c.engine, c.method): c for c in sorted(read_cells(kept)[0], key=lambda c: c.full)}
+        return tuple(found.values())
+    if quick:
+        return ()
+    cells, begun = [], time.perf_counter()
+    for cell in matrix([named(name) for name in FEW_EXTREMES], engines.names()):
+        cells.append(cell)
+        if time.perf_counter() - begun > EXTREME_TIME:
+            break
+    return tuple(cells)
 
 
 def digits_ladder() -> tuple[Record, ...]:

@@ -8,6 +8,7 @@ from typing import Any
 
 from benchmarks.androids import AndroidFacts
 from benchmarks.space import SpaceFacts
+from cross_checks.extremes.cell import Cell as ExtremeCell
 from cross_checks.record import Record
 from mbs_ref import scenes
 from reports.page.crashes import Crash
@@ -54,6 +55,7 @@ class ReportData:
     androids: AndroidFacts | None = None  # under many methods and engines; None in a quick report
     seconds: float = 0.0  # s, spent on the runs
     truths: tuple[TruthFacts, ...] = ()  # what the errors are measured from
+    extremes: tuple[ExtremeCell, ...] = ()  # read from a file beside the page, or a few cells
     space: SpaceFacts | None = None  # measured on spatial bodies; None in a quick report
 
     @property
