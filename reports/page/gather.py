@@ -80,7 +80,8 @@ def gather(
     return ReportData(
         tuple(cells), tuple(records), capabilities(chosen), facts, _orders(), quick, seconds=seconds,
         space=None if quick else space.measure(), sky=() if quick else digits_ladder(),
-        crashes=() if quick else crashes(), truths=truth_facts(chosen), extremes=extreme_cells(extremes_file, quick),
+        crashes=() if quick else crashes(), androids=None if quick else androids.measure(),
+        truths=truth_facts(chosen), extremes=extreme_cells(extremes_file, quick),
     )  # fmt: skip
 
 
