@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from importlib.util import find_spec
 
 import numpy as np
 
@@ -119,8 +120,14 @@ def numerics(scene: Scene) -> list[Run]:
         Settings(method=method, rtol=rtol, stabilization="none" if method == "lsodar" else None, samples=SAMPLES)
         for method, rtols in RTOLS[scene.name].items()
         for rtol in rtols
+        if _is_installed(method)
     ]
     return [run(scene, _with_events(settings)) for settings in (*fixed, *adaptive)]
+
+
+def _is_installed(method: str) -> bool:
+    package = integrators()[method].package
+    return package is None or find_spec(package) is not None
 
 
 def _with_events(settings: Settings) -> Settings:

@@ -26,12 +26,12 @@ def facts() -> androids.AndroidFacts:
     scene = scenes.make(androids.SIMPLIFIED)
     settings = Settings(method="rk4", step=1e-3, stabilization="none", samples=androids.SAMPLES)
     kept = androids.run(scene, settings)
-    stopped = androids.run(scene, settings.model_copy(update={"step": 8e-3, "refuse_unstable": False}))
+    refused = androids.run(scene, settings.model_copy(update={"step": 8e-3}))
     apart = {"head": np.array([0.0, 1e-12]), "hip": np.array([0.0, 2e-12])}
     close = androids.Convergence(
         scene.name, "front", np.array([0.0, 0.2]), apart, {"dop853": 1e-15, "radau": 1e-15}, 1e-10, 1e-12
     )
-    return androids.AndroidFacts((kept, stopped), (androids.stable(scene),), (close,), ())
+    return androids.AndroidFacts((kept, refused), (androids.stable(scene),), (close,), ())
 
 
 def test_runs_stable_steps_and_convergence_are_told():

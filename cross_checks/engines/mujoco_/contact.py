@@ -13,7 +13,7 @@ import numpy as np
 from cross_checks.engine import Refusal
 from cross_checks.engines.mujoco_.planar_places import anchor
 from cross_checks.joint_tree import JointTree
-from mbs_ref.contact import CircleOnCircle, CircleOnLine
+from mbs_ref.contact import CircleOnCircle, CircleOnLine, SpringDamperLaw
 from mbs_ref.scene import GROUND, Scene
 from mbs_ref.traits import joint_ends
 
@@ -68,6 +68,8 @@ def contact_refusals(scene: Scene) -> list[Refusal]:
     jointed = {end for joint in scene.joints for end in joint_ends(joint)}
     for contact in scene.contacts:
         where = f"contact {contact.name!r}"
+        if not isinstance(contact.law, SpringDamperLaw) or not isinstance(contact, CircleOnLine | CircleOnCircle):
+            reasons.append(f"{where}: mujoco's own contact takes circles with spring_damper_law here")
         if contact.friction is not None:
             reasons.append(f"{where}: friction is not yet taught to mujoco here")
         if getattr(contact.law, "release", "force") != "force":
