@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from benchmarks.androids import AndroidFacts
+from benchmarks.sky import SkyFacts
 from benchmarks.space import SpaceFacts
 from cross_checks.extremes.cell import Cell as ExtremeCell
 from cross_checks.record import Record
@@ -50,7 +51,7 @@ class ReportData:
     environment: dict[str, str] = field(default_factory=dict)
     orders: dict[tuple[str, str], int] = field(default_factory=dict)  # (engine, method) -> documented order
     quick: bool = False
-    sky: tuple[Record, ...] = ()  # the solar system at each level of physics, with figures per body
+    sky: SkyFacts | None = None  # digits against physics, races, formulations; None in a quick report
     crashes: tuple[Crash, ...] = ()  # the androids; empty in a quick report
     androids: AndroidFacts | None = None  # under many methods and engines; None in a quick report
     seconds: float = 0.0  # s, spent on the runs
