@@ -69,7 +69,8 @@ def contact_refusals(scene: Scene) -> list[Refusal]:
     for contact in scene.contacts:
         where = f"contact {contact.name!r}"
         if not isinstance(contact.law, SpringDamperLaw) or not isinstance(contact, CircleOnLine | CircleOnCircle):
-            reasons.append(f"{where}: mujoco's own contact takes circles with spring_damper_law here")
+            given = f"{contact.type} with {contact.law.type}"
+            reasons.append(f"{where}: mujoco's own contact takes circles with spring_damper_law, not {given}")
         if contact.friction is not None:
             reasons.append(f"{where}: friction is not yet taught to mujoco here")
         if getattr(contact.law, "release", "force") != "force":
