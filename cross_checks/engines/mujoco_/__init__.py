@@ -14,6 +14,7 @@ import numpy as np
 
 from cross_checks.applied import CLIPPED_CONTACTS
 from cross_checks.engine import Engine, Method, Refusal
+from cross_checks.engines.mujoco_.contact import contact_refusals
 from cross_checks.engines.mujoco_.methods import METHODS, STOCK, TIGHT
 from cross_checks.engines.mujoco_.observe import observe_planar, observe_spatial
 from cross_checks.engines.mujoco_.planar_build import compile_planar
@@ -41,6 +42,7 @@ class MuJoCo(Engine):
         | {"spatial", "spherical", "cylindrical"}
         | {"point_bushing"}
         | CLIPPED_CONTACTS
+        | {"sphere_on_plane", "sphere_on_sphere", "stick_slip"}
     )
 
     def methods(self) -> tuple[Method, ...]:
@@ -51,7 +53,7 @@ class MuJoCo(Engine):
 
     def topology_refusals(self, scene: Scene) -> list[Refusal]:
         if scene.dimension == 3:
-            return spatial_refusals(scene)
+            return spatial_refusals(scene) + contact_refusals(scene)
         return closure_refusals(scene) + force_refusals(scene)
 
     def method_refusals(self, scene: Scene, method: Method) -> list[Refusal]:
