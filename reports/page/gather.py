@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
-from benchmarks import contact, sky, space
+from benchmarks import androids, contact, sky, space
 from benchmarks.sweep import sweep
 from cross_checks import engines
 from cross_checks.engine import Method
@@ -80,7 +80,8 @@ def gather(
     return ReportData(
         tuple(cells), tuple(records), capabilities(chosen), facts, _orders(), quick, seconds=seconds,
         space=None if quick else space.measure(), sky=None if quick else sky.measure(),
-        crashes=() if quick else crashes(), truths=truth_facts(chosen), extremes=extreme_cells(extremes_file, quick),
+        crashes=() if quick else crashes(), androids=None if quick else androids.measure(),
+        truths=truth_facts(chosen), extremes=extreme_cells(extremes_file, quick),
         contact=None if quick else contact.measure(),
     )  # fmt: skip
 

@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import Any
 
+from benchmarks.androids import AndroidFacts
 from benchmarks.contact import ContactFacts
 from benchmarks.sky import SkyFacts
 from benchmarks.space import SpaceFacts
@@ -53,6 +54,7 @@ class ReportData:
     quick: bool = False
     sky: SkyFacts | None = None  # digits against physics, races, formulations; None in a quick report
     crashes: tuple[Crash, ...] = ()  # the androids; empty in a quick report
+    androids: AndroidFacts | None = None  # under many methods and engines; None in a quick report
     seconds: float = 0.0  # s, spent on the runs
     contact: ContactFacts | None = None  # the ball and the tracked vehicle; None in a quick report
     truths: tuple[TruthFacts, ...] = ()  # what the errors are measured from

@@ -5,19 +5,22 @@
 
 from __future__ import annotations
 
+from contextlib import nullcontext
 from time import perf_counter
 from typing import ClassVar
 
 import mujoco
 import numpy as np
 
+from cross_checks.applied import CLIPPED_CONTACTS
 from cross_checks.engine import Engine, Method, Refusal
 from cross_checks.engines.mujoco_.contact import contact_refusals
 from cross_checks.engines.mujoco_.methods import METHODS, STOCK, TIGHT
 from cross_checks.engines.mujoco_.observe import observe_planar, observe_spatial
 from cross_checks.engines.mujoco_.planar_build import compile_planar
-from cross_checks.engines.mujoco_.refusals import closure_refusals, part_refusals, spatial_refusals
+from cross_checks.engines.mujoco_.refusals import closure_refusals, spatial_refusals
 from cross_checks.engines.mujoco_.run import advance, at_start
+from cross_checks.engines.mujoco_.shared_forces import SHARED, force_refusals, shared_forces, takes_shared_forces
 from cross_checks.engines.mujoco_.spatial_build import compile_spatial
 from cross_checks.joint_tree import JointTree, joint_tree
 from cross_checks.outcome import plan_run, trajectory
@@ -37,8 +40,9 @@ class MuJoCo(Engine):
         {"planar", "point_mass", "revolute", "prismatic", "weld", "distance"}
         | {"force", "torque", "spring_damper", "torsion_spring"}
         | {"spatial", "spherical", "cylindrical"}
-        | {"circle_on_line", "circle_on_circle", "sphere_on_plane", "sphere_on_sphere"}
-        | {"spring_damper_law", "stick_slip"}
+        | {"point_bushing"}
+        | CLIPPED_CONTACTS
+        | {"sphere_on_plane", "sphere_on_sphere", "stick_slip"}
     )
 
     def methods(self) -> tuple[Method, ...]:
@@ -50,7 +54,7 @@ class MuJoCo(Engine):
     def topology_refusals(self, scene: Scene) -> list[Refusal]:
         if scene.dimension == 3:
             return spatial_refusals(scene) + contact_refusals(scene)
-        return part_refusals(scene) + closure_refusals(scene) + contact_refusals(scene)
+        return closure_refusals(scene) + force_refusals(scene)
 
     def method_refusals(self, scene: Scene, method: Method) -> list[Refusal]:
         reasons = super().method_refusals(scene, method)
@@ -58,6 +62,8 @@ class MuJoCo(Engine):
             reasons.append(Refusal(f"{method.name} differs only where a joint closes a loop, and none does", True))
         if method.name.endswith(STOCK) and not scene.contacts:
             reasons.append(Refusal(f"{method.name} differs only in contact, and there is none", True))
+        if method.name.endswith(STOCK) and takes_shared_forces(scene):
+            reasons.append(Refusal(f"{method.name} differs only in MuJoCo's own contacts, and {SHARED}", True))
         return reasons
 
     def run(self, scene: Scene, settings: Settings, times: np.ndarray | None = None) -> Trajectory:
@@ -68,19 +74,24 @@ class MuJoCo(Engine):
         tree = joint_tree(scene) if scene.dimension == 2 else spatial_tree(scene)
         model = compile_planar(tree, plan) if isinstance(tree, JointTree) else compile_spatial(tree, plan)
         data = at_start(model, tree)
+        shared = isinstance(tree, JointTree) and takes_shared_forces(scene)
+        forces = shared_forces(model, tree) if isinstance(tree, JointTree) and shared else nullcontext()
         built = perf_counter()
-        advance(model, at_start(model, tree), plan, 1)
-        called = perf_counter()
-        states, end = advance(model, data, plan, len(plan.times))
-        looped = perf_counter()
+        with forces:
+            advance(model, at_start(model, tree), plan, 1)
+            called = perf_counter()
+            states, end = advance(model, data, plan, len(plan.times))
+            looped = perf_counter()
+            states = states[: end.samples]
+            if isinstance(tree, SpatialTree):
+                poses, reactions = observe_spatial(model, tree, states), {}
+            else:
+                poses, wrench = observe_planar(model, tree, plan.times[: end.samples], states)
+                bare = not scene.loads and not scene.contacts  # cfrc_int leaves out tendons and actuators
+                known = settings.reactions and (bare or shared)
+                reactions = tree_reactions(tree, poses, wrench) if known else {}
         steps = sum(plan.counts[: max(0, end.samples - 1)])
         stages = 4 if model.opt.integrator == mujoco.mjtIntegrator.mjINT_RK4 else 1
-        if isinstance(tree, SpatialTree):
-            poses, reactions = observe_spatial(model, tree, states[: end.samples]), {}
-        else:
-            poses, wrench = observe_planar(model, tree, states[: end.samples])
-            known = settings.reactions and not scene.loads and not scene.contacts
-            reactions = tree_reactions(tree, poses, wrench) if known else {}  # cfrc_int leaves out tendons, actuators
         return trajectory(
             plan,
             poses,
@@ -89,6 +100,7 @@ class MuJoCo(Engine):
             steps=steps,
             rhs_calls=steps * stages,
             reactions=reactions,
+            notes=(SHARED,) if shared else (),
         )
 
 

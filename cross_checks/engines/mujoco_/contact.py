@@ -24,6 +24,7 @@ from mbs_ref.contact import (
     RegularisedCoulomb,
     SphereOnPlane,
     SphereOnSphere,
+    SpringDamperLaw,
 )
 from mbs_ref.scene import GROUND, Scene
 from mbs_ref.traits import joint_ends
@@ -89,6 +90,10 @@ def contact_refusals(scene: Scene) -> list[Refusal]:
     jointed = {end for joint in scene.joints for end in joint_ends(joint)}
     for contact in scene.contacts:
         where = f"contact {contact.name!r}"
+        known = isinstance(contact, CircleOnLine | CircleOnCircle | SphereOnPlane | SphereOnSphere)
+        if not known or not isinstance(contact.law, SpringDamperLaw):
+            given = f"{contact.type} with {contact.law.type}"
+            reasons.append(f"{where}: mujoco's own contact takes round things with spring_damper_law, not {given}")
         if isinstance(contact.friction, RegularisedCoulomb):
             reasons.append(f"{where}: mujoco regularises friction in its own way; it needs stick_slip")
         if contact.friction is not None and not getattr(contact.law, "damping", 1.0):

@@ -12,14 +12,14 @@ from cross_checks.joint_tree import JointTree
 from cross_checks.spatial_tree import SpatialTree
 
 
-def observe_planar(model: mujoco.MjModel, tree: JointTree, states: np.ndarray):
+def observe_planar(model: mujoco.MjModel, tree: JointTree, times: np.ndarray, states: np.ndarray):
     """Return MuJoCo's own poses and the wrenches from parents; angles add up along the tree, beyond one turn."""
     n = len(tree.scene.bodies)
     position, velocity = np.zeros((2, len(states), n, 2))
     wrench = np.zeros((len(states), n, 3))
     data = mujoco.MjData(model)
     index = np.array([model.body(name).id for name in tree.scene.body_names])
-    for k, state in enumerate(states):
+    for k, (data.time, state) in enumerate(zip(times, states, strict=True)):
         data.qpos[:], data.qvel[:] = state[: model.nq], state[model.nq :]
         mujoco.mj_forward(model, data)
         mujoco.mj_rnePostConstraint(model, data)

@@ -13,6 +13,7 @@ from cross_checks.engines.mujoco_.methods import STOCK, pin_options, solref_of
 from cross_checks.engines.mujoco_.planar_closures import add_closure
 from cross_checks.engines.mujoco_.planar_loads import LOADS
 from cross_checks.engines.mujoco_.planar_places import Z, anchor, hinge_name
+from cross_checks.engines.mujoco_.shared_forces import takes_shared_forces
 from cross_checks.joint_tree import FIXED, Edge, JointTree, local
 from cross_checks.outcome import Plan
 from mbs_ref.scene import PlanarBody
@@ -30,6 +31,9 @@ def compile_planar(tree: JointTree, plan: Plan) -> mujoco.MjModel:
         frames[edge.body] = _add_body(frames[edge.parent], edge, tree)
     for joint in tree.closures:
         add_closure(spec, frames, tree, joint, solref_of(plan))
+    if takes_shared_forces(tree.scene):
+        spec.option.gravity = (0.0, 0.0, 0.0)  # the weight comes with all other forces
+        return spec.compile()
     for load in tree.scene.loads:
         LOADS[type(load)](spec, frames, tree, load)
     for contact in tree.scene.contacts:

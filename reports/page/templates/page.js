@@ -40,6 +40,12 @@ async function drawShown() {
   }
 }
 
+// plots that no panel shows or hides wait until they come near the screen, or until their details are opened
+const near = new IntersectionObserver((entries) => {
+  for (const entry of entries) if (entry.isIntersecting) { near.unobserve(entry.target); draw(entry.target); }
+}, { rootMargin: "800px" });
+document.querySelectorAll(".plot").forEach((div) => { if (!div.closest(".panel")) near.observe(div); });
+
 function drawnPlots() { return document.querySelectorAll(".plot[data-drawn]"); }
 
 function chooseScene() {

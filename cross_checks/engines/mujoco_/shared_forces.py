@@ -1,0 +1,70 @@
+"""Loads and contacts of jointed bodies that MuJoCo's own cannot be, applied by the shared force code at every stage."""
+
+# Its names live in a compiled module.
+# pyright: reportAttributeAccessIssue=false
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import mujoco
+import numpy as np
+
+from cross_checks.applied import AppliedForces
+from cross_checks.applied import contact_refusals as located_refusals
+from cross_checks.engine import Refusal
+from cross_checks.engines.mujoco_.contact import contact_refusals
+from cross_checks.engines.mujoco_.refusals import part_refusals
+from cross_checks.joint_tree import JointTree, joint_tree
+from mbs_ref.scene import PointBushing, Scene
+
+SHARED = "loads and contacts come from the shared force code, called through Python"
+
+
+def takes_shared_forces(scene: Scene) -> bool:
+    """Return whether a planar tree touches things in a way that only the shared force code knows."""
+    if scene.dimension == 3 or not (scene.contacts and scene.joints) or joint_tree(scene).closures:
+        return False
+    bushed = any(isinstance(load, PointBushing) for load in scene.loads)
+    return bool(bushed or part_refusals(scene) or contact_refusals(scene))
+
+
+def force_refusals(scene: Scene) -> list[Refusal]:
+    """Return what of a planar scene's loads and contacts neither MuJoCo nor the shared force code can be."""
+    if takes_shared_forces(scene):
+        return located_refusals(scene)
+    bushings = [load for load in scene.loads if isinstance(load, PointBushing)]
+    untaught = [Refusal(f"load {b.name!r}: mujoco is not yet taught point_bushing", False) for b in bushings]
+    return untaught + part_refusals(scene) + contact_refusals(scene)
+
+
+@contextmanager
+def shared_forces(model: mujoco.MjModel, tree: JointTree) -> Iterator[None]:
+    """Set the forces on all bodies whenever MuJoCo asks for passive ones: at every stage of every step."""
+    applied = AppliedForces(tree)
+    index = np.array([model.body(name).id for name in tree.scene.body_names])
+    turns, start = _turns(model, tree), tree.angle[:-1]
+
+    def act(model: mujoco.MjModel, data: mujoco.MjData) -> None:
+        arm = data.xipos[index] - data.subtree_com[model.body_rootid[index]]  # cvel is about that point
+        speed = data.cvel[index, 3:] + np.cross(data.cvel[index, :3], arm)
+        q = np.column_stack((data.xipos[index, :2], start + turns @ data.qpos))
+        v = np.column_stack((speed[:, :2], data.cvel[index, 2]))
+        data.xfrc_applied[np.ix_(index, (0, 1, 5))] = applied.of_poses(data.time, q, v)
+
+    mujoco.set_mjcb_passive(act)
+    try:
+        yield
+    finally:
+        mujoco.set_mjcb_passive(None)
+
+
+def _turns(model: mujoco.MjModel, tree: JointTree) -> np.ndarray:
+    """Return which coordinates turn each body, (n_bodies, n_q)."""
+    found = np.zeros((len(tree.scene.bodies), model.nq))
+    for k in range(len(tree.scene.bodies)):
+        for edge in tree.path(k):
+            if edge.kind in ("revolute", "free"):
+                found[k, edge.start + edge.size - 1] = 1.0
+    return found
