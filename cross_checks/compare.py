@@ -48,8 +48,13 @@ def judged_run(
     times: np.ndarray | None = None,
     *,
     reference: Trajectory | None = None,
+    partial: bool = False,
 ) -> tuple[Record, Trajectory | None]:
-    """As `evaluate`, with the trajectory's finite samples beside the record; None where nothing ran."""
+    """As `evaluate`, with the trajectory's finite samples beside the record; None where nothing ran.
+
+    A run that Ctrl-C ended raises KeyboardInterrupt, because it ends what it is part of, unless `partial` runs are
+    wanted.
+    """
     try:
         engine = engines.get(engine_name)
     except engines.EngineMissing as error:
@@ -64,6 +69,8 @@ def judged_run(
     if not isinstance(found, Trajectory):
         status, message = found
         return without_run(scene, engine_name, settings, status, message, engine), None
+    if found.status is Status.INTERRUPTED and not partial:
+        raise KeyboardInterrupt(found.message)
     kept = _on_time(_finite(found), asked)
     return _record(scene, engine, settings, kept, asked, reference), kept
 

@@ -64,23 +64,21 @@ class Climb:
 def check(
     scenes: Iterable[Scene], engines: Iterable[str] | None = None, progress: Progress | None = None, *,
     budget_s: float = BUDGET,
-) -> list[Cell]:  # fmt: skip
-    """Return a verdict for every (scene, engine, method). ValueError where an engine is unknown."""
+) -> Iterator[Cell]:  # fmt: skip
+    """Yield a verdict for every (scene, engine, method) as it is reached. ValueError where an engine is unknown."""
     tasks = [
         (scene, engine, method)
         for scene in scenes
         for engine in (registry.names() if engines is None else list(engines))
         for method in _methods(engine)
     ]
-    cells = []
     for done, (scene, engine, method) in enumerate(tasks):
         name = method.name if method else ""
         if progress is not None:
             progress(done, len(tasks), f"{scene.name} {engine} {name}".strip())
-        cells.append(missing(scene, engine) if method is None else judge_method(scene, engine, method, budget_s))
+        yield missing(scene, engine) if method is None else judge_method(scene, engine, method, budget_s)
     if progress is not None:
         progress(len(tasks), len(tasks), "")
-    return cells
 
 
 def _methods(engine: str) -> tuple[Method | None, ...]:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from itertools import islice
 from typing import Annotated, Any, Literal, Self
 
 import numpy as np
@@ -19,6 +20,7 @@ from mbs_ref.part import Name, NonNegative, Part, Positive, Vector
 from mbs_ref.signals import Constant, Level, Signal, breakpoints
 
 GROUND = "ground"
+MOST_COMPLAINTS = 100  # about one scene at once: each may list the bodies, and there may be 100 000
 
 
 # --- bodies ---------------------------------------------------------------------------------------
@@ -447,7 +449,9 @@ class Scene(Part):
 
     @model_validator(mode="after")
     def _check(self) -> Self:
-        found = list(_complaints(self))
+        found = list(islice(_complaints(self), MOST_COMPLAINTS))
+        if len(found) == MOST_COMPLAINTS:
+            found.append("and perhaps more: no further complaints were looked for")
         if found:
             raise ValueError("\n".join(found))
         return self

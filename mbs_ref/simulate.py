@@ -10,9 +10,11 @@ import numpy as np
 
 from mbs_ref.contact import FloresLaw, LankaraniNikraveshLaw, RigidLaw, StickSlip
 from mbs_ref.cores import compile_scene
+from mbs_ref.diagnosis import culprit
 from mbs_ref.integrators import DEFAULT, integrators
 from mbs_ref.integrators.leg import (
     CLOCK_H,
+    CLOCK_T,
     COUNT_CONTACT,
     COUNT_EVENTS,
     COUNT_REJECTED,
@@ -22,6 +24,7 @@ from mbs_ref.integrators.leg import (
     Options,
     progress,
 )
+from mbs_ref.interrupt import heard
 from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings
 from mbs_ref.system import System
@@ -31,7 +34,8 @@ from mbs_ref.trouble import may_be_stiff, stiffness
 
 DEFAULT_TOLERANCE = 1e-8  # rtol, and atol in m, rad, m/s, rad/s
 PROJECTION_TOLERANCE = 1e-14  # of the scene's size in metres (at least 1 m): a little above roundoff
-CHUNK = 20_000  # steps between looks at the keyboard
+CHUNK_NUMBERS = 200_000  # numbers of state advanced between looks at the keyboard: about a second at most ...
+CHUNK_STEPS = (50, 20_000)  # ... within these steps
 ON_GRID = 1e-9  # of a step: how far an asked time may be from a multiple of the step
 
 
@@ -118,7 +122,7 @@ def _plan(scene: Scene, settings: Settings, times: np.ndarray | None) -> _Plan:
         max_steps=settings.max_steps,
         max_events=settings.max_events,
         projection_tolerance=PROJECTION_TOLERANCE * size,
-        chunk=CHUNK,
+        chunk=int(np.clip(CHUNK_NUMBERS // (6 * len(scene.bodies)), *CHUNK_STEPS)),
     )
     gain = settings.baumgarte_gain if stabilization == "baumgarte" else 0.0
     return _Plan(integrator, settings, times, options, gain, notes)
@@ -266,11 +270,8 @@ def _run_legs(system: System, plan: _Plan, y: np.ndarray):
         leg_times = np.unique(np.concatenate(([start], inside, [end])))
         run.clock[0] = start
         run.clock[CLOCK_H] = 0.0
-        try:
+        with heard(run):
             leg = plan.integrator.advance(system, plan.options, run, y, leg_times)
-        except KeyboardInterrupt:
-            status, message = Status.INTERRUPTED, f"interrupted after t = {times[filled - 1]:.9g} s"
-            break
         for k in range(1, leg.reached):
             carried = max(carried, leg.compliance[k])
             if filled < len(times) and leg_times[k] == times[filled]:
@@ -287,8 +288,9 @@ def _run_legs(system: System, plan: _Plan, y: np.ndarray):
         status, message = Status.ENGINE_ERROR, f"a user force raised {system.user_error!r}"
     if not message and status is Status.SUCCESS:
         message = f"reached t = {times[-1]:g} s"
-    elif status is not Status.SUCCESS and status is not Status.INTERRUPTED:
-        message += f"; the last good output is at t = {times[filled - 1]:.9g} s"
+    elif status is not Status.SUCCESS:
+        blamed = culprit(system, status, float(run.clock[CLOCK_T]), y)
+        message += f"{'; ' if blamed else ''}{blamed}; the last good output is at t = {times[filled - 1]:.9g} s"
     return states[:filled], compliance[:filled], total, status, message
 
 

@@ -35,6 +35,7 @@ from mbs_ref.integrators.leg import (
     Leg,
     Options,
     Progress,
+    drive,
     finish_leg,
 )
 from mbs_ref.integrators.step_control import all_finite
@@ -351,9 +352,8 @@ def advance(system: System, options: Options, run: Progress, y: np.ndarray, time
     f = np.zeros((len(y) // 6, 3, STAGES))
     g = gauss()
     g = g._replace(abar=g.abar.T.copy(), a=g.a.T.copy(), abar_low=g.abar_low.T.copy(), a_low=g.a_low.T.copy())
-    code = RUNNING
-    while code == RUNNING:
-        code = advance_gauss(system.model, system.work, g, options, run, y, low, f, times, states)
+    arguments = (system.model, system.work, g, options, run, y, low, f, times, states)
+    code = drive(lambda: advance_gauss(*arguments), run)
     worst, at = np.zeros(len(times)), f"at t = {run.clock[CLOCK_T]:.9g} s"
     if code == COLLISION:
         message = f"{at} two bodies collided: {_closest(system, y)}"

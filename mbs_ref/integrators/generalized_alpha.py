@@ -26,6 +26,7 @@ from mbs_ref.integrators.leg import (
     Leg,
     Options,
     Progress,
+    drive,
     finish_leg,
 )
 from mbs_ref.integrators.step_control import close_step, record
@@ -223,12 +224,10 @@ def advance(system: System, options: Options, run: Progress, y: np.ndarray, time
     unknowns = n + len(rows) if n + len(rows) <= DENSE_LIMIT else 0
     lu, pivots = np.empty((unknowns, unknowns)), np.empty(unknowns, dtype=np.int64)
     row_slot, row_row = np.ascontiguousarray(rows[:, 0]), np.ascontiguousarray(rows[:, 1])
-    code = RUNNING
-    while code == RUNNING:
-        code = advance_generalized_alpha(
-            system.model, system.work, options, run, y, qdd, a, lam, row_slot, row_row, lu, pivots, times, states, worst
-        )
-    return finish_leg(code, states, worst, run)
+    arguments = (
+        system.model, system.work, options, run, y, qdd, a, lam, row_slot, row_row, lu, pivots, times, states, worst
+    )  # fmt: skip
+    return finish_leg(drive(lambda: advance_generalized_alpha(*arguments), run), states, worst, run)
 
 
 INTEGRATOR = Integrator(

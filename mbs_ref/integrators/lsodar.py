@@ -15,8 +15,10 @@ from mbs_ref.integrators.crossing import is_near_singular, leap
 from mbs_ref.integrators.leg import (
     CLOCK_COMPLIANCE,
     CLOCK_T,
+    COUNT_INTERRUPTED,
     COUNT_RHS,
     COUNT_STEPS,
+    INTERRUPTED,
     MESSAGES,
     STALLED,
     Integrator,
@@ -58,6 +60,9 @@ def advance(system: System, options: Options, run: Progress, y: np.ndarray, time
             status = Status.COMPLIANCE
             message = f"at t = {t:.9g} s |C| = {gap:.3g} is not below h = {t - before:.3g}"
             break
+        if run.counts[COUNT_INTERRUPTED]:
+            status, message = Status.INTERRUPTED, f"at t = {t:.9g} s {MESSAGES[INTERRUPTED]}"
+            break
         if pace.is_hopeless(t, int(run.counts[COUNT_STEPS])):
             status, message = Status.STEP_TOO_SMALL, f"at t = {t:.9g} s {MESSAGES[STALLED]}"
             break
@@ -80,7 +85,7 @@ def advance(system: System, options: Options, run: Progress, y: np.ndarray, time
             if landing.failed is not None:
                 status, message = landing.failed.status, landing.failed.message
                 break
-    run.clock[CLOCK_T] = t
+    run.clock[CLOCK_T], y[:] = t, now
     run.counts[COUNT_RHS] += solver.nfev if solver is not None else 0
     return Leg(states, worst, reached, status, message)
 

@@ -10,7 +10,7 @@ from cross_checks import engines
 from mbs_ref import scenes
 from reports import inputs
 from reports.console import echo_json, number, progress, show, table
-from reports.exit_codes import Failed, NothingSelected
+from reports.exit_codes import Failed, Incomplete, NothingSelected
 
 WRONG = frozenset({"failed", "wrong-limit", "diverged", "crashed", "timeout"})
 
@@ -30,13 +30,19 @@ def command(scene: tuple[str, ...], chosen: tuple[str, ...], as_json: bool) -> N
 
     from cross_checks import matrix
 
-    with progress("check") as report:
-        cells = matrix.check(selected, list(chosen) or engines.names(), report)
-    rows = [cell.to_dict() for cell in cells]
+    rows, interrupted = [], False
+    try:
+        with progress("check") as report:
+            for cell in matrix.check(selected, list(chosen) or engines.names(), report):
+                rows.append(cell.to_dict())
+    except KeyboardInterrupt:
+        interrupted = True
     if as_json:
         echo_json(rows)
     else:
         _show(rows)
+    if interrupted:
+        raise Incomplete(f"interrupted after {len(rows)} cells")
     if not any(row["verdict"] not in ("cannot", "engine-missing") for row in rows):
         raise NothingSelected("no engine runs any of the scenes; the reasons are in the table")
     unexpected = [row for row in rows if row["verdict"] in WRONG and not _declared(row["engine"], row["method"])]

@@ -8,9 +8,11 @@ from reports.page.gather import Progress, gather
 from reports.page.publish import publish
 
 
-def write_report(out_dir: Path, quick: bool = False, progress: Progress | None = None) -> Path:
-    """Run the default scenes on every engine and write the report; return the path of index.html.
+def write_report(out_dir: Path, quick: bool = False, progress: Progress | None = None) -> tuple[Path, str]:
+    """Run the default scenes on every engine and write the report.
 
-    `quick` runs fewer scenes. `progress` is called with (done, total, what comes next).
+    Return the path of index.html, and why it is incomplete or nothing. `quick` runs fewer scenes. `progress` is
+    called with (done, total, what comes next).
     """
-    return publish(gather(quick, progress), Path(out_dir))
+    data = gather(quick, progress)
+    return publish(data, Path(out_dir)), data.incomplete

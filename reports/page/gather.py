@@ -47,14 +47,35 @@ QUICK = (("pendulum", {}), ("pendulum_chain", {"links": 3}), ("n_four_bar", {"lo
 
 
 def gather(quick: bool = False, progress: Progress | None = None) -> ReportData:
-    """Return cells and records of the default scenes (few of them when quick), within RUN_TIME."""
+    """Return cells and records of the default scenes (few of them when quick), within RUN_TIME.
+
+    After Ctrl-C, what there is so far, with a sentence in `incomplete`.
+    """
     begun = time.perf_counter()
     made = [scenes.make(name, **parameters) for name, parameters in (QUICK if quick else SCENES)]
     chosen = {scene_label(scene.name, scene.parameters): scene for scene in made}
     report = progress or _silent
-    _warm_up(next(iter(chosen.values())), report)
     tasks = [(*item, name, method) for item in chosen.items() for name in engines.names() for method in _methods(name)]
-    cells, records = [], []
+    cells: list[Cell] = []
+    records: list[Record] = []
+    incomplete, beyond = "", {}
+    try:
+        _warm_up(next(iter(chosen.values())), report)
+        _run(tasks, begun, cells, records, report)
+        beyond = {} if quick else {"space": space.measure(), "sky": digits_ladder(), "crashes": crashes()}
+    except KeyboardInterrupt:
+        incomplete = f"interrupted after {len(cells)} of {len(tasks)} cells"
+    report(len(tasks), len(tasks), "writing the page")
+    seconds = time.perf_counter() - begun
+    facts = environment() | {"time of the runs": f"{seconds:.0f} s"}
+    return ReportData(
+        tuple(cells), tuple(records), capabilities(chosen), facts, _orders(), quick, seconds=seconds,
+        incomplete=incomplete, **beyond,
+    )  # fmt: skip
+
+
+def _run(tasks, begun: float, cells: list[Cell], records: list[Record], report: Progress) -> None:
+    """Add each task's cell and records as soon as they are there."""
     for done, (label, scene, engine, method) in enumerate(tasks):
         report(done, len(tasks), f"{label}, {engine} {method.name if method else 'is not installed'}")
         if method is None:
@@ -63,15 +84,7 @@ def gather(quick: bool = False, progress: Progress | None = None) -> ReportData:
         # time that earlier tasks left unused goes to the later ones
         share = max(LEAST_SHARE, (RUN_TIME - time.perf_counter() + begun) / (len(tasks) - done))
         cells.append(_cell(label, judge_method(scene, engine, method, budget_s=share / 2)))
-        records += list(_timed(scene, engine, method, share / 2))
-    report(len(tasks), len(tasks), "writing the page")
-    seconds = time.perf_counter() - begun
-    facts = environment() | {"time of the runs": f"{seconds:.0f} s"}
-    return ReportData(
-        tuple(cells), tuple(records), capabilities(chosen), facts, _orders(), quick, seconds=seconds,
-        space=None if quick else space.measure(), sky=() if quick else digits_ladder(),
-        crashes=() if quick else crashes(),
-    )  # fmt: skip
+        records.extend(_timed(scene, engine, method, share / 2))
 
 
 def digits_ladder() -> tuple[Record, ...]:

@@ -47,6 +47,7 @@ class ReportData:
     environment: dict[str, str] = field(default_factory=dict)
     orders: dict[tuple[str, str], int] = field(default_factory=dict)  # (engine, method) -> documented order
     quick: bool = False
+    incomplete: str = ""  # why it holds less than asked; empty where it holds all
     sky: tuple[Record, ...] = ()  # the solar system at each level of physics, with figures per body
     crashes: tuple[Crash, ...] = ()  # the androids; empty in a quick report
     seconds: float = 0.0  # s, spent on the runs

@@ -68,8 +68,8 @@ def apply_springs(model, work):
         length = np.sqrt(dx * dx + dy * dy)
         stretch = length - spring.rest_length[k]
         if spring.isotropic[k] == 1:
-            ux -= dy * kin.motion[a, 2]  # of body a's matter at b's mark, where both forces act
-            uy += dx * kin.motion[a, 2]
+            ux += dy * kin.motion[a, 2]  # of body a's matter at b's mark, where both forces act
+            uy -= dx * kin.motion[a, 2]
             ax += dx
             ay += dy
             fx = spring.stiffness[k] * dx + spring.damping[k] * ux
