@@ -1,4 +1,4 @@
-"""The engines: the files *_.py of this folder, entry points of the group mbs_ref.engines, and files named on the way.
+"""The engines: files *_.py and folders *_ here, entry points of the group mbs_ref.engines, and files named on the way.
 
 MBS_REF_ADAPTERS may list adapter files (separated as in PATH) that are neither here nor installed.
 """
@@ -29,7 +29,10 @@ def _entry_points() -> dict[str, EntryPoint]:
 
 
 def _files() -> list[str]:
-    return sorted(path.stem.removesuffix("_") for path in Path(__file__).parent.glob("*[!_]_.py"))
+    """Return the engines whose adapter is a file <engine>_.py, or a package <engine>_ when one file would be long."""
+    here = Path(__file__).parent
+    found = [*here.glob("*[!_]_.py"), *(path.parent for path in here.glob("*[!_]_/__init__.py"))]
+    return sorted(path.stem.removesuffix("_") for path in found)
 
 
 def _adapters() -> dict[str, Path]:

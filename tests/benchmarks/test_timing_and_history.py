@@ -10,7 +10,7 @@ import pytest
 
 from benchmarks.history import Entry, append, change_points, from_benchmarks, index, series
 from benchmarks.profiles import profiles
-from benchmarks.regression import Finding, cheapest, overall
+from benchmarks.regression import Finding, cheapest, confirmed, overall
 from benchmarks.sweep import sweep
 from benchmarks.timing import Pace, Sample, compare
 from cross_checks.record_file import Busy, exclusive
@@ -29,6 +29,27 @@ def clock(seconds: float, seed: int, noise: float = 0.02):
 def test_known_clocks(factor, pace):
     for seed in range(10):
         assert compare(clock(1.0, seed), clock(factor, 100 + seed), seed).pace is pace
+
+
+def said(*verdicts: str):
+    """Findings of one pair of processes after another."""
+    return iter([Finding("case", verdict, f"pair {i}", 1e-6) for i, verdict in enumerate(verdicts)])
+
+
+@pytest.mark.parametrize(
+    ("verdicts", "expected"),
+    [
+        (("slower", "slower"), "slower"),
+        (("faster", "same", "same"), "same"),
+        (("faster", "same", "faster"), "faster"),
+        (("slower", "same", "faster"), "inconclusive"),
+    ],
+)
+def test_a_change_is_believed_when_two_pairs_of_processes_see_it(verdicts, expected):
+    pairs = said(*verdicts)
+    found = confirmed(next(pairs), lambda: next(pairs))
+    assert found.verdict == expected
+    assert next(pairs, None) is None
 
 
 def test_a_machine_too_noisy_is_inconclusive_and_flagged():

@@ -50,14 +50,14 @@ def test_mujocos_silent_reset_is_a_status():
 
 
 def test_mujocos_clock_alone_betrays_a_reset():
-    from cross_checks.engines.mujoco_ import _trouble
+    from cross_checks.engines.mujoco_.run import trouble_of
 
     mujoco = pytest.importorskip("mujoco")
     model = mujoco.MjSpec().compile()
     data = mujoco.MjData(model)
     data.time = 0.25
-    assert _trouble(data, 0.25, 1e-3) == ""
-    assert "reports t = 0.25 s" in _trouble(data, 1.0, 1e-3)
+    assert trouble_of(data, 0.25, 1e-3) == ""
+    assert "reports t = 0.25 s" in trouble_of(data, 1.0, 1e-3)
 
 
 @pytest.mark.parametrize("method", ["tree_rk44", "trapezoidal", "generalized_alpha"])
@@ -131,10 +131,10 @@ def test_poses_are_the_engines_own(name):
 
 def test_the_kinematic_trees_own_centres_of_mass_are_those_reported():
     exu = pytest.importorskip("exudyn")
-    from cross_checks.engines.exudyn_ import _build_tree
+    from cross_checks.engines.exudyn_.kinematic_tree import build_tree
 
     scene = mixed_slides()
-    model = _build_tree(scene)
+    model = build_tree(scene)
     sensors = [
         model.mbs.AddSensor(
             exu.itemInterface.SensorKinematicTree(

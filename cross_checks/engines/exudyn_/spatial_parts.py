@@ -1,0 +1,68 @@
+"""Joints and loads in space."""
+
+# Its items take their arguments by names that type checkers cannot see.
+# pyright: reportCallIssue=false, reportArgumentType=false, reportAttributeAccessIssue=false
+
+from __future__ import annotations
+
+import exudyn.itemInterface as item
+import numpy as np
+
+from cross_checks.engines.exudyn_.loads import add_load, pull_only
+from cross_checks.engines.exudyn_.planar_joints import rod
+from cross_checks.engines.exudyn_.spatial_model import Spatial
+from mbs_ref.scene import Cylindrical, Distance, Force, Prismatic, Revolute, Spherical, SpringDamper, TorqueVector, Weld
+from mbs_ref.spatial_rows import normals
+
+
+def _generic(model: Spatial, joint, axis, fixed: list[int]) -> None:
+    """A joint along z of a frame whose z axis is the joint's; `fixed` tells the six relative motions it stops."""
+    first, second = normals(axis)
+    frame = np.column_stack((first, second, np.asarray(axis, dtype=float) / np.linalg.norm(axis)))
+    markers = [model.frame(body, joint.point, frame) for body in (joint.body_a, joint.body_b)]
+    model.mbs.AddObject(item.ObjectJointGeneric(markerNumbers=markers, constrainedAxes=fixed))
+
+
+def _spatial_spherical(model: Spatial, joint: Spherical) -> None:
+    model.mbs.AddObject(item.ObjectJointSpherical(markerNumbers=model.pair(joint, joint.point, joint.point)))
+
+
+def _spatial_distance(model: Spatial, joint: Distance) -> None:
+    length = joint.length or float(np.linalg.norm(np.subtract(joint.point_b, joint.point_a)))
+    model.mbs.AddObject(rod(model.pair(joint, joint.point_a, joint.point_b), length))
+
+
+def _spatial_spring(model: Spatial, load: SpringDamper) -> None:
+    initial = float(np.linalg.norm(np.subtract(load.point_b, load.point_a)))
+    rest = initial if load.rest_length is None else load.rest_length
+    law = {"springForceUserFunction": pull_only} if load.tension_only else {}
+    model.mbs.AddObject(
+        item.ObjectConnectorSpringDamper(
+            markerNumbers=model.pair(load, load.point_a, load.point_b),
+            referenceLength=rest, stiffness=load.stiffness, damping=load.damping, **law,
+        )
+    )  # fmt: skip
+
+
+def _spatial_push(model: Spatial, load: Force | TorqueVector) -> None:
+    """A force or torque; along body axes Exudyn takes it in the body's own."""
+    force = isinstance(load, Force)
+    centre = model.scene.bodies[model.scene.body_index(load.body)].position
+    marker = model.marker(load.body, load.point if force else centre)
+    follows = load.frame == "body"
+    vector = model.axes(load.body).T @ load.vector if follows else np.array(load.vector)
+    kind = item.LoadForceVector if force else item.LoadTorqueVector
+    add_load(model, kind, marker, vector.tolist(), load, bodyFixed=follows)
+
+
+SPATIAL_PARTS = {
+    Spherical: _spatial_spherical,
+    Revolute: lambda model, joint: _generic(model, joint, joint.axis, [1, 1, 1, 1, 1, 0]),
+    Cylindrical: lambda model, joint: _generic(model, joint, joint.axis, [1, 1, 0, 1, 1, 0]),
+    Prismatic: lambda model, joint: _generic(model, joint, joint.axis, [1, 1, 0, 1, 1, 1]),
+    Weld: lambda model, joint: _generic(model, joint, (0.0, 0.0, 1.0), [1, 1, 1, 1, 1, 1]),
+    Distance: _spatial_distance,
+    SpringDamper: _spatial_spring,
+    Force: _spatial_push,
+    TorqueVector: _spatial_push,
+}

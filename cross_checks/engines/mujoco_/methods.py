@@ -1,0 +1,65 @@
+"""MuJoCo's methods, with every option pinned."""
+
+# Its names live in a compiled module.
+# pyright: reportAttributeAccessIssue=false
+
+from __future__ import annotations
+
+import mujoco
+import numpy as np
+
+from cross_checks.engine import Method
+from cross_checks.outcome import Plan
+from mbs_ref.scene import Scene
+
+INTEGRATORS = {
+    "rk4": (mujoco.mjtIntegrator.mjINT_RK4, 4, "explicit Runge-Kutta 4"),
+    "euler": (mujoco.mjtIntegrator.mjINT_EULER, 1, "semi-implicit Euler, joint damping implicit"),
+    "implicit": (mujoco.mjtIntegrator.mjINT_IMPLICIT, 1, "implicit in velocity, with Coriolis terms"),
+    "implicitfast": (mujoco.mjtIntegrator.mjINT_IMPLICITFAST, 1, "implicit in velocity, without Coriolis terms"),
+}
+LADDER = (2e-2, 1e-2, 5e-3, 2.5e-3, 1e-3, 5e-4, 2.5e-4, 1e-4)  # s
+DEFAULT_SOLREF = (0.02, 1.0)  # s, damping ratio: MuJoCo's default, pinned
+TIGHT = "_tight"
+STOCK = "_stock_contact"
+# How much is lost depends on which joints close the loops: A02 loses 1.4 J over this tree, 7.1 J over a serial one.
+SOFT = "loop closures are springs of 0.02 s time constant whatever the step: the energy of a loop is lost at every step"
+STEP_SOFT = "loop closures are springs whose time constant is two steps"
+
+
+def _methods() -> tuple[Method, ...]:
+    plain = [Method(n, "fixed", p, text, LADDER, wrong_limit=SOFT) for n, (_, p, text) in INTEGRATORS.items()]
+    tight = [
+        Method(m.name + TIGHT, "fixed", None, f"{m.description}; {STEP_SOFT}", LADDER)
+        for m in plain
+        if m.name in ("rk4", "implicitfast")
+    ]
+    stock = Method("rk4" + STOCK, "fixed", None, "explicit Runge-Kutta 4; MuJoCo's default contacts", LADDER,
+                   wrong_limit="contacts have MuJoCo's default stiffness and damping, not the scene's")  # fmt: skip
+    return (*plain, *tight, stock)
+
+
+METHODS = _methods()
+
+
+def pin_options(spec: mujoco.MjSpec, plan: Plan, scene: Scene) -> None:
+    """Leave no option to a default that a release may change."""
+    option = spec.option
+    option.timestep = plan.step
+    option.integrator = INTEGRATORS[plan.method.name.removesuffix(TIGHT).removesuffix(STOCK)][0]
+    option.gravity = tuple(np.resize((*scene.gravity, 0.0), 3))
+    option.solver = mujoco.mjtSolver.mjSOL_NEWTON
+    option.tolerance, option.iterations, option.ls_tolerance, option.ls_iterations = 1e-15, 200, 0.01, 50
+    option.noslip_iterations, option.impratio = 0, 1.0
+    option.cone, option.jacobian = mujoco.mjtCone.mjCONE_ELLIPTIC, mujoco.mjtJacobian.mjJAC_DENSE
+    option.wind, option.density, option.viscosity = (0.0, 0.0, 0.0), 0.0, 0.0
+    flags = mujoco.mjtDisableBit
+    # without warm starts a run repeats bit for bit
+    option.disableflags = int(flags.mjDSBL_WARMSTART) | (0 if scene.contacts else int(flags.mjDSBL_CONTACT))
+    # without it the effective mass of a jointed body is guessed, and was seen wrong by 7.5x
+    option.enableflags = int(mujoco.mjtEnableBit.mjENBL_DIAGEXACT) if scene.contacts else 0
+    spec.compiler.autolimits = False
+
+
+def solref_of(plan: Plan) -> tuple[float, float]:
+    return (2.0 * plan.step, 1.0) if plan.method.name.endswith(TIGHT) else DEFAULT_SOLREF

@@ -1,0 +1,49 @@
+"""MuJoCo's own poses and wrenches."""
+
+# Its names live in a compiled module.
+# pyright: reportAttributeAccessIssue=false
+
+from __future__ import annotations
+
+import mujoco
+import numpy as np
+
+from cross_checks.joint_tree import JointTree
+from cross_checks.spatial_tree import SpatialTree
+
+
+def observe_planar(model: mujoco.MjModel, tree: JointTree, states: np.ndarray):
+    """Return MuJoCo's own poses and the wrenches from parents; angles add up along the tree, beyond one turn."""
+    n = len(tree.scene.bodies)
+    position, velocity = np.zeros((2, len(states), n, 2))
+    wrench = np.zeros((len(states), n, 3))
+    data = mujoco.MjData(model)
+    index = np.array([model.body(name).id for name in tree.scene.body_names])
+    for k, state in enumerate(states):
+        data.qpos[:], data.qvel[:] = state[: model.nq], state[model.nq :]
+        mujoco.mj_forward(model, data)
+        mujoco.mj_rnePostConstraint(model, data)
+        reference = data.subtree_com[model.body_rootid[index]]  # of both cvel and cfrc_int
+        arm = data.xipos[index] - reference
+        position[k] = data.xipos[index, :2]
+        velocity[k] = (data.cvel[index, 3:] + np.cross(data.cvel[index, :3], arm))[:, :2]
+        moment = data.cfrc_int[index, :3] + np.cross(reference, data.cfrc_int[index, 3:])
+        wrench[k] = np.column_stack((data.cfrc_int[index, 3:5], moment[:, 2]))
+    _, angle, _, rate = tree.poses(states[:, : model.nq], states[:, model.nq :])
+    return (position, angle, velocity, rate), wrench
+
+
+def observe_spatial(model: mujoco.MjModel, tree: SpatialTree, states: np.ndarray):
+    """Return MuJoCo's own poses."""
+    n = len(tree.scene.bodies)
+    position, velocity, omega = np.zeros((3, len(states), n, 3))
+    theta = np.zeros((len(states), n, 4))
+    data = mujoco.MjData(model)
+    index = np.array([model.body(name).id for name in tree.scene.body_names])
+    for k, state in enumerate(states):
+        data.qpos[:], data.qvel[:] = state[: model.nq], state[model.nq :]
+        mujoco.mj_forward(model, data)
+        arm = data.xipos[index] - data.subtree_com[model.body_rootid[index]]  # cvel is about that point
+        position[k], theta[k], omega[k] = data.xipos[index], data.xquat[index], data.cvel[index, :3]
+        velocity[k] = data.cvel[index, 3:] + np.cross(data.cvel[index, :3], arm)
+    return position, theta, velocity, omega
