@@ -10,11 +10,12 @@ from mbs_ref.scene import Bushing, TorsionSpring
 from mbs_ref.system import System
 from mbs_ref.trajectory import Status, Trajectory
 
-NEAR_SINGULAR = 1e-3  # smallest singular value of the scaled C_q below which the joints are to blame
+NEAR_SINGULAR = 1e-3  # smallest singular value of the scaled C_q below which the joints are always to blame
 MOST_ROWS = 600  # a dense SVD beyond takes seconds
 SHARE = 0.5  # of the largest part in the weakest direction: joints with less are not named
 MOST_NAMED = 4
 NEARLY_TURNED = 2.5  # rad: springs in space stop the run at 3
+CLOSED = frozenset({Status.SINGULAR, Status.PROJECTION})  # a loop that cannot be closed: its joints are to blame
 EXPLAINED = frozenset(
     {Status.NON_FINITE, Status.STEP_TOO_SMALL, Status.TOO_MANY_STEPS, Status.COMPLIANCE, Status.PROJECTION}
     | {Status.NOT_CONVERGED, Status.SINGULAR}
@@ -30,7 +31,7 @@ def culprit(system: System, status: Status, t: float, y: np.ndarray) -> str:
     if status not in EXPLAINED or not np.isfinite(y).all():
         return ""
     with np.errstate(all="ignore"):
-        clauses = (_turned_springs(system, t, y), _weak_joints(system, t, y), _wildest_body(system, t, y))
+        clauses = (_turned_springs(system, t, y), _weak_joints(system, status, t, y), _wildest_body(system, t, y))
         return next(filter(None, clauses), "")
 
 
@@ -48,13 +49,13 @@ def weakest_joints(system: System, t: float, y: np.ndarray) -> tuple[float, list
     return float(values[independent - 1]), list(dict.fromkeys(named))[:MOST_NAMED]
 
 
-def _weak_joints(system: System, t: float, y: np.ndarray) -> str:
+def _weak_joints(system: System, status: Status, t: float, y: np.ndarray) -> str:
     if system.n_closure_rows == 0:
         return ""
     smallest, names = weakest_joints(system, t, y)
-    if not smallest < NEAR_SINGULAR:
+    if not names or (smallest > NEAR_SINGULAR and status not in CLOSED):
         return ""
-    return f"joint {_listed(names)} near rank loss (smallest singular value of C_q {smallest:.2g})"
+    return f"joint {_listed(names)} is nearest to rank loss (smallest singular value of C_q {smallest:.2g})"
 
 
 def _turned_springs(system: System, t: float, y: np.ndarray) -> str:

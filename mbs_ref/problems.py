@@ -130,7 +130,8 @@ def _tags(models: list[Any]) -> list[str]:
 
 def _unknown_field(name: int | str, models: list[Any]) -> str:
     allowed = list(dict.fromkeys(field for m in models for field in m.model_fields))
-    return f"is no field here{suggest(_shortened(str(name)), allowed)}" + (f" (allowed: {', '.join(allowed)})" if allowed else "")
+    listing = f" (allowed: {', '.join(allowed)})" if allowed else ""
+    return f"is no field here{suggest(_shortened(str(name)), allowed)}{listing}"
 
 
 def _shown(value: Any) -> str:

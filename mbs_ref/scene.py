@@ -467,7 +467,16 @@ class Scene(Part):
 
     def body_index(self, name: str) -> int:
         """Return the body's place in `bodies`; -1 for ground."""
-        return -1 if name == GROUND else self.body_names.index(name)
+        return -1 if name == GROUND else self._places[name]
+
+    @property
+    def _places(self) -> dict[str, int]:
+        """The places by name, kept while the bodies are the same tuple: a copy may have others."""
+        bodies, places = self.__dict__.get("_kept_places", (None, {}))
+        if bodies is not self.bodies:
+            places = {body.name: k for k, body in enumerate(self.bodies)}
+            self.__dict__["_kept_places"] = (self.bodies, places)
+        return places
 
     def breakpoints(self) -> list[float]:
         """Return the sorted times (s) at which a declared signal may be non-smooth."""

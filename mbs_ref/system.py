@@ -80,7 +80,7 @@ class System(ABC):
         return core.call_regularity(self.work)
 
     def scaled_jacobian(self, t: float, y: np.ndarray) -> np.ndarray:
-        """Return C_q (n_rows, n) of the joints' rows, mass-scaled so that metres and radians compare, rows of length 1."""
+        """Return C_q (n_rows, n) of the joints' rows, each at length 1 and mass-scaled: metres and radians compare."""
         return np.zeros((0, 0))
 
     def row_joints(self) -> list[str]:

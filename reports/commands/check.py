@@ -7,12 +7,13 @@ from typing import Any
 import click
 
 from cross_checks import engines
+from cross_checks.isolation import Isolated
 from mbs_ref import scenes
 from reports import inputs
 from reports.console import echo_json, number, progress, show, table
 from reports.exit_codes import Failed, Incomplete, NothingSelected
 
-WRONG = frozenset({"failed", "wrong-limit", "diverged", "crashed", "timeout"})
+WRONG = frozenset({"failed", "wrong-limit", "diverged", "crashed", "timeout", "out-of-memory"})
 
 
 @click.command(name="check")
@@ -22,6 +23,7 @@ WRONG = frozenset({"failed", "wrong-limit", "diverged", "crashed", "timeout"})
 def command(scene: tuple[str, ...], chosen: tuple[str, ...], as_json: bool) -> None:
     """Compare engines with each other and with the truth, on every SCENE or on those named.
 
+    Engines run in a process of their own: one that hangs, crashes or eats memory costs its own cell.
     Exit code 1 where a method is wrong without declaring that it is known to be.
     """
     selected = [inputs.scene(name) for name in scene or scenes.names()]
@@ -32,8 +34,8 @@ def command(scene: tuple[str, ...], chosen: tuple[str, ...], as_json: bool) -> N
 
     rows, interrupted = [], False
     try:
-        with progress("check") as report:
-            for cell in matrix.check(selected, list(chosen) or engines.names(), report):
+        with progress("check") as report, Isolated(matrix.CELL_TIMEOUT) as call:
+            for cell in matrix.check(selected, list(chosen) or engines.names(), report, call=call):
                 rows.append(cell.to_dict())
     except KeyboardInterrupt:
         interrupted = True

@@ -11,7 +11,8 @@ from benchmarks.sweep import sweep
 from cross_checks import engines
 from cross_checks.compare import evaluate
 from cross_checks.engine import Method
-from cross_checks.matrix import judge_method, missing
+from cross_checks.isolation import Caller, Isolated
+from cross_checks.matrix import CELL_TIMEOUT, judged, missing
 from cross_checks.record import Record
 from mbs_ref import scenes
 from mbs_ref.scene import Scene
@@ -60,8 +61,9 @@ def gather(quick: bool = False, progress: Progress | None = None) -> ReportData:
     records: list[Record] = []
     incomplete, beyond = "", {}
     try:
-        _warm_up(next(iter(chosen.values())), report)
-        _run(tasks, begun, cells, records, report)
+        with Isolated(CELL_TIMEOUT) as call:
+            _warm_up(next(iter(chosen.values())), report, call)
+            _run(tasks, begun, cells, records, report, call)
         beyond = {} if quick else {"space": space.measure(), "sky": digits_ladder(), "crashes": crashes()}
     except KeyboardInterrupt:
         incomplete = f"interrupted after {len(cells)} of {len(tasks)} cells"
@@ -74,7 +76,7 @@ def gather(quick: bool = False, progress: Progress | None = None) -> ReportData:
     )  # fmt: skip
 
 
-def _run(tasks, begun: float, cells: list[Cell], records: list[Record], report: Progress) -> None:
+def _run(tasks, begun: float, cells: list[Cell], records: list[Record], report: Progress, call: Caller) -> None:
     """Add each task's cell and records as soon as they are there."""
     for done, (label, scene, engine, method) in enumerate(tasks):
         report(done, len(tasks), f"{label}, {engine} {method.name if method else 'is not installed'}")
@@ -83,8 +85,8 @@ def _run(tasks, begun: float, cells: list[Cell], records: list[Record], report: 
             continue
         # time that earlier tasks left unused goes to the later ones
         share = max(LEAST_SHARE, (RUN_TIME - time.perf_counter() + begun) / (len(tasks) - done))
-        cells.append(_cell(label, judge_method(scene, engine, method, budget_s=share / 2)))
-        records.extend(_timed(scene, engine, method, share / 2))
+        cells.append(_cell(label, judged(scene, engine, method, share / 2, call)))
+        records.extend(_timed(scene, engine, method, share / 2, call))
 
 
 def digits_ladder() -> tuple[Record, ...]:
@@ -95,19 +97,19 @@ def digits_ladder() -> tuple[Record, ...]:
     return (*found, evaluate(scenes.make("solar_system", model="newton"), "rebound", coarse))
 
 
-def _warm_up(scene: Scene, report: Progress) -> None:
+def _warm_up(scene: Scene, report: Progress, call: Caller) -> None:
     """Run every method once, so that compiling and loading eat no method's share of the time."""
     for name in engines.names():
         report(0, 1, f"compiling and loading {name}")
         for method in _methods(name):
             if method is not None:
-                judge_method(scene, name, method, budget_s=0.0)
+                judged(scene, name, method, 0.0, call)
 
 
-def _timed(scene: Scene, engine: str, method: Method, budget_s: float) -> Iterator[Record]:
+def _timed(scene: Scene, engine: str, method: Method, budget_s: float, call: Caller) -> Iterator[Record]:
     """Yield the method's sweep until its share of the report's time is spent."""
     begun = time.perf_counter()
-    for record in sweep(scene, [engine], [method.name]):
+    for record in sweep(scene, [engine], [method.name], call=call):
         yield record
         if time.perf_counter() - begun > budget_s:
             return

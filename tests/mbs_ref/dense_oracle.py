@@ -190,7 +190,7 @@ class Augmented:
         size, rows = len(self.force), len(self.gamma)
         matrix = np.block([[np.eye(size), self.scaled.T], [self.scaled, np.zeros((rows, rows))]])
         right = np.concatenate((np.linalg.solve(self.root, self.force), self.gamma / self.row_scale))
-        found = np.linalg.lstsq(matrix, right, rcond=AUGMENTED_CUTOFF)[0] if self.redundant else np.linalg.solve(matrix, right)
+        found = np.linalg.lstsq(matrix, right, rcond=AUGMENTED_CUTOFF)[0]
         acceleration = np.zeros(self.moment.rate.shape)
         acceleration[self.moment.used] = np.linalg.solve(self.root.T, found[:size])
         lam = found[size:] / self.row_scale

@@ -348,7 +348,8 @@ class _Space(_Maker):
         return SpatialBody(
             name=name, mass=mass, position=here, velocity=self.vector(self.between(0, 2)),
             inertia=tuple(float(inertia[i, j]) for i, j in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))),
-            orientation=tuple((theta / np.linalg.norm(theta)).tolist()), angular_velocity=self.vector(self.between(0, 3)),
+            orientation=tuple((theta / np.linalg.norm(theta)).tolist()),
+            angular_velocity=self.vector(self.between(0, 3)),
         )  # fmt: skip
 
     def spin(self, angular: list[float]) -> Any:
@@ -426,9 +427,9 @@ class _Space(_Maker):
         if len(rigid) < 2:
             return None
         a, b = self.rng.choice(len(rigid), 2, replace=False)
-        x = self.vector(1.0)
+        x, other = self.vector(1.0), GROUND if self.chance(0.2) and not self.floats else rigid[a]
         return Bushing(
-            name=name, **self.ends(GROUND if self.chance(0.2) and not self.floats else rigid[a], rigid[b]), point=self.mark(rigid[b]),
+            name=name, **self.ends(other, rigid[b]), point=self.mark(rigid[b]),
             stiffness=tuple(self.rng.uniform(0, 100, 6).tolist()), x_axis=x, y_axis=self.across(x),
             damping=tuple((self.rng.uniform(0, 2, 6) * self.chance(0.5)).tolist()),
         )  # fmt: skip

@@ -52,8 +52,8 @@ class Findings:
     failures: list[tuple[str, str]] = field(default_factory=list)  # what went wrong, and the file
 
     def __str__(self) -> str:
-        return (f"{self.tried} files, {self.accepted} of them scenes, {self.lines} lines and {len(self.shapes)} kinds of "
-                f"complaint reached, {len(self.corpus)} kept, {len(self.failures)} failures")  # fmt: skip
+        return (f"{self.tried} files, {self.accepted} of them scenes, {self.lines} lines and {len(self.shapes)} "
+                f"kinds of complaint reached, {len(self.corpus)} kept, {len(self.failures)} failures")  # fmt: skip
 
 
 def fuzz(seed: int, most: int, seconds: float = math.inf) -> Findings:

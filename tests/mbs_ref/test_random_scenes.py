@@ -95,11 +95,11 @@ def _backward(dense: Augmented, acceleration: np.ndarray) -> float:
     x = dense.root.T @ acceleration
     force = np.linalg.solve(dense.root, dense.force)
     rest = x - force
-    size = np.linalg.norm(x) + np.linalg.norm(force)
+    size = np.linalg.norm(x) + np.linalg.norm(force) + 1.0  # N / sqrt(kg): nothing may happen at all
     if not len(dense.gamma):
-        return float(np.linalg.norm(rest) / size) if size else 0.0
+        return float(np.linalg.norm(rest) / size)
     gamma = dense.gamma / dense.row_scale
-    gap = np.linalg.norm(dense.scaled @ x - gamma) / (dense.kept[0] * np.linalg.norm(x) + np.linalg.norm(gamma))
+    gap = np.linalg.norm(dense.scaled @ x - gamma) / (dense.kept[0] * np.linalg.norm(x) + np.linalg.norm(gamma) + 1.0)
     rest = rest - dense.scaled.T @ np.linalg.lstsq(dense.scaled.T, rest, rcond=1e-9)[0]
     return float(max(gap, np.linalg.norm(rest) / size))
 
@@ -133,9 +133,10 @@ def figures(scene: Scene) -> Figures:
 
 
 def is_dead_end(scene: Scene, path: Trajectory) -> bool:
-    """Return whether a drive forced its loop to the end of its reach: the oracle sees the rank go, and so it was said."""
+    """Return whether a drive forced its loop to the end of its reach: it was said, and the oracle sees the rank go."""
     first, last = (augmented(Moment.of(scene, path, k)).kept[-1] for k in (0, -1))
-    return path.status is Status.SINGULAR and "near rank loss" in path.message and last < DEAD_END * first
+    said = path.status in (Status.SINGULAR, Status.PROJECTION) and "nearest to rank loss" in path.message
+    return said and last < DEAD_END * first
 
 
 def complaints(seed: int, found: Figures) -> list[str]:

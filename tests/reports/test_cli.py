@@ -97,7 +97,7 @@ def stand(monkeypatch):
     def judged_run(scene, engine, settings, *, partial=False):
         return evaluate(scene, engine, settings), Quick().run(scene, settings)
 
-    def check(scene_list, engine_names, progress):
+    def check(scene_list, engine_names, progress, *, call):
         progress(1, 1, "done")
         fakes["asked"] = {"scenes": [s.name for s in scene_list], "engines": engine_names}
         for cell in fakes["cells"]:

@@ -62,8 +62,9 @@ def hostile(data: ReportData) -> ReportData:
     words = {"message": HOSTILE, "notes": (HOSTILE,), "versions": {HOSTILE: HOSTILE}, "parameters": {HOSTILE: HOSTILE}}
     records = tuple(replace(r, scene=r.scene + HOSTILE, method=r.method + HOSTILE, **words) for r in data.records)
     cells = tuple(replace(c, scene=c.scene + HOSTILE, method=c.method + HOSTILE, reason=HOSTILE) for c in data.cells)
-    return replace(data, records=records, cells=cells, environment={HOSTILE: HOSTILE, "made": HOSTILE},
-                   capabilities=tuple(replace(c, reason=HOSTILE) for c in data.capabilities), incomplete=HOSTILE)  # fmt: skip
+    able = tuple(replace(c, reason=HOSTILE) for c in data.capabilities)
+    facts = {HOSTILE: HOSTILE, "made": HOSTILE}
+    return replace(data, records=records, cells=cells, environment=facts, capabilities=able, incomplete=HOSTILE)
 
 
 def test_hostile_records_add_no_element(tmp_path):

@@ -18,11 +18,14 @@ CHILD = """
 import signal, sys
 signal.signal(signal.SIGINT, signal.default_int_handler)
 import mbs_ref.simulate as module
-inner = module._run_legs
-def announced(*arguments):
-    print("running", file=sys.stderr, flush=True)
-    return inner(*arguments)
-module._run_legs = announced
+from cross_checks.isolation import Isolated
+def announced(inner):
+    def announce(*arguments):
+        print("running", file=sys.stderr, flush=True)
+        return inner(*arguments)
+    return announce
+module._run_legs = announced(module._run_legs)
+Isolated.__call__ = announced(Isolated.__call__)
 from reports.cli import main
 main()
 """
@@ -82,7 +85,7 @@ def wait_for_a_line(file: Path) -> None:
 @pytest.mark.slow
 def test_a_check_shows_its_cells():
     child = begin("check", "pendulum", "--engine", "mbs_ref", "--json")
-    out, errors = after_it_runs(child, 0.0)
+    out, errors = after_it_runs(child)
     assert child.returncode == 4, errors
     assert isinstance(json.loads(out), list)
     assert "interrupted after" in errors
