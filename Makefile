@@ -41,12 +41,19 @@ lint: venv  ## ruff and pyright
 	$(BIN)/ruff check .
 	$(BIN)/pyright
 
-nightly: venv  ## the slow tests, the benchmarks, the full report and the regression verdicts
-	@mkdir -p reports/out
-	$(BIN)/python -m pytest -n auto -m slow
-	$(BIN)/python -m pytest benchmarks -m '' --benchmark-only -p no:xdist --benchmark-json=reports/out/bench.json
-	$(BIN)/mbs-ref report
-	$(BIN)/mbs-ref nightly --baseline $(BASELINE) --bench reports/out/bench.json
+# Every step runs, whatever became of those before; the exit code printed is that of the first that failed.
+nightly: venv  ## the slow tests, the benchmarks, the full report, sweeps and the regression verdicts
+	@mkdir -p reports/out; rm -f reports/out/bench.json reports/out/extremes.jsonl; failed=0; \
+	step() { echo "== $$*"; "$$@" || { code=$$?; echo "exit code $$code: $$*" >&2; \
+	  if [ $$failed -eq 0 ]; then failed=$$code; fi; }; }; \
+	step $(BIN)/python -m pytest -n auto -m slow; \
+	step $(BIN)/python -m pytest benchmarks -m '' --benchmark-only -p no:xdist --benchmark-json=reports/out/bench.json; \
+	step $(BIN)/mbs-ref certify; \
+	step $(BIN)/mbs-ref extremes --full -o reports/out/extremes.jsonl; \
+	step $(BIN)/mbs-ref report; \
+	bench=; if [ -s reports/out/bench.json ]; then bench="--bench reports/out/bench.json"; fi; \
+	step $(BIN)/mbs-ref nightly --baseline $(BASELINE) $$bench --sweeps reports/out/sweeps --trends reports/out/trends.html; \
+	exit $$failed
 
 bench: venv  ## pytest-benchmark suites, alone on the machine
 	$(BIN)/python -m pytest benchmarks -m '' --benchmark-only -p no:xdist

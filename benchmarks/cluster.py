@@ -16,6 +16,7 @@ from cross_checks import ladder
 from cross_checks.compare import evaluate, without_run
 from cross_checks.isolation import Isolated, Lost
 from cross_checks.record import Record
+from cross_checks.record_file import Key, key_of
 from mbs_ref import scenes
 from mbs_ref.settings import Settings
 
@@ -65,12 +66,23 @@ def shard(tasks: Sequence[Task], index: int, count: int) -> list[Task]:
     return list(tasks[index - 1 :: count])
 
 
+def key_of_task(task: Task) -> Key:
+    """Return what identifies the task's record."""
+    return key_of(_planned(task, "", ""))
+
+
+def _planned(task: Task, status: str, message: str) -> Record:
+    scene = scenes.make(task.scene, **dict(task.parameters))
+    return without_run(scene, task.engine, Settings(**dict(task.settings)), status, message)
+
+
 def run_task(task: Task) -> Record:
-    """Make one run, judged; the wall time of the whole task is times['task_s']."""
-    began = time.perf_counter()
+    """Make one run, judged; the whole task's wall time is times['task_s'], its processor time times['cpu_s']."""
+    wall, cpu = time.perf_counter(), time.process_time()
     scene, settings = scenes.make(task.scene, **dict(task.parameters)), Settings(**dict(task.settings))
     record = evaluate(scene, task.engine, settings, ladder.grid(scene))
-    return replace(record, times=record.times | {"task_s": time.perf_counter() - began})
+    spent = {"task_s": time.perf_counter() - wall, "cpu_s": time.process_time() - cpu}
+    return replace(record, times=record.times | spent)
 
 
 def isolated_task(task: Task, call: Isolated) -> Record:
@@ -78,8 +90,7 @@ def isolated_task(task: Task, call: Isolated) -> Record:
     try:
         return call(run_task, task)
     except Lost as lost:
-        scene = scenes.make(task.scene, **dict(task.parameters))
-        return without_run(scene, task.engine, Settings(**dict(task.settings)), lost.status, str(lost))
+        return _planned(task, lost.status, str(lost))
 
 
 def serial(tasks: Iterable[Task], timeout: float) -> Iterator[tuple[Task, Record]]:

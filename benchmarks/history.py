@@ -13,11 +13,15 @@ from typing import Any
 
 import numpy as np
 
+from benchmarks.pick import cost, pick, setting
+from cross_checks.record import Record
+
 COLUMNS = ("job", "made", "commit_id", "machine", "series", "value", "unit", "verdict", "error")
 EFFECT = 1.05  # a level that changes by less is no change
 CHANCE = 0.01  # of a permutation doing as well
 SHUFFLES = 500
 LEAST = 4  # entries on either side of a change
+ACCURACIES = ("error_m", "error_mps2")  # of a benchmark's extra_info
 
 
 @dataclass(frozen=True)
@@ -32,7 +36,7 @@ class Entry:
     value: float  # a ratio to the job's own baseline where unit is 1, else s
     unit: str
     verdict: str = ""
-    error: float | None = None  # m, the accuracy at which it was timed
+    error: float | None = None  # m, the accuracy at which it was timed; m/s^2 of a right-hand side
 
 
 def append(path: Path, entries: Iterable[Entry]) -> None:
@@ -128,7 +132,30 @@ def from_benchmarks(data: dict[str, Any], job: str, made: str, commit_id: str, m
     for item in data["benchmarks"]:
         told = item["extra_info"]
         seconds = float(told.get("loop_s", item["stats"]["min"]))
-        entries.append(
-            Entry(job, made, commit_id, machine, f"bench {item['name']}", seconds, "s", "", told.get("error_m"))
-        )
+        accuracy = next((told[key] for key in ACCURACIES if key in told), None)
+        entries.append(Entry(job, made, commit_id, machine, f"bench {item['name']}", seconds, "s", "", accuracy))
     return entries
+
+
+def from_records(
+    records: Sequence[Record], label: str, error: float, job: str, made: str, commit_id: str, machine: str
+) -> list[Entry]:
+    """Return each engine's cheapest loop time within an error (m) on one scene; none for an engine that missed it."""
+    entries = []
+    for engine in dict.fromkeys(record.engine for record in records):
+        best = pick([record for record in records if record.engine == engine], error).best
+        if best is not None and best.error is not None:
+            series = f"loop {label} {engine} within {error:g} m"
+            told = setting(best)
+            entries.append(Entry(job, made, commit_id, machine, series, cost(best), "s", told, best.error.bound))
+    return entries
+
+
+def new_levels(found: dict[str, list[Entry]], last: int = LEAST) -> dict[str, Entry]:
+    """Return the first entry of a new level, for each series whose level changed within its `last` entries but one."""
+    recent = {}
+    for name, entries in found.items():
+        places = change_points([entry.value for entry in entries])
+        if places and places[-1] >= len(entries) - last - 1:
+            recent[name] = entries[places[-1]]
+    return recent

@@ -1,11 +1,19 @@
-"""The cheapest measured setting that reaches an accuracy."""
+"""The cheapest measured setting that reaches an accuracy, and what keeps it from being cheaper."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
 from cross_checks.record import Record
+
+
+@dataclass(frozen=True)
+class Limit:
+    """The bound that rules the cheaper settings out, and the one of them that comes nearest to it."""
+
+    bound: str  # error | compliance
+    cheaper: Record
 
 
 @dataclass(frozen=True)
@@ -16,6 +24,33 @@ class Choice:
     runner_up: Record | None  # the cheapest of another engine or method
     margin: float | None  # how many times cheaper the best is than the runner-up
     sentence: str
+    limit: Limit | None = None  # None where nothing measured is cheaper, or only for failing both bounds
+
+
+@dataclass(frozen=True)
+class Bounds:
+    """What is asked: error (m), compliance (m, rad) and loop time (s)."""
+
+    error: float
+    compliance: float | None = None
+    budget: float | None = None
+
+    def __post_init__(self) -> None:
+        for name in ("error", "compliance", "budget"):
+            value = getattr(self, name)
+            if value is not None and not value > 0.0:
+                raise ValueError(f"{name} = {value} must be positive")
+
+    def error_ok(self, record: Record) -> bool:
+        return record.error is not None and record.error.bound <= self.error
+
+    def compliance_ok(self, record: Record) -> bool:
+        position = record.compliance.get("position")
+        return self.compliance is None or (position is not None and position <= self.compliance)
+
+    def met_by(self, record: Record) -> bool:
+        """Whether the run finished with error and compliance within bounds, whatever its time."""
+        return record.status == "success" and self.error_ok(record) and self.compliance_ok(record)
 
 
 def pick(
@@ -24,44 +59,61 @@ def pick(
     """Return the cheapest measured setting with error (m), compliance (m, rad) and loop time (s) within bounds.
 
     Only measured runs count, nothing is extrapolated, and the truth's uncertainty is added to the
-    error. ValueError where a bound is not positive or the records are of several scenes.
+    error. Where the truth is not 30 times better known than the error asked, nobody is chosen.
+    ValueError where a bound is not positive or the records are of several scenes.
     """
+    bounds = Bounds(error, compliance, budget)
     measured = [r for r in records if _is_measured(r)]
-    _check(measured, error=error, compliance=compliance, budget=budget)
-    reached = [r for r in measured if _error(r) <= error and _compliance_ok(r, compliance)]
-    affordable = sorted((r for r in reached if budget is None or _cost(r) <= budget), key=_cost)
+    _check_one_scene(measured)
+    floor = max((r.error.floor for r in measured if r.error), default=0.0)
+    if error < floor:
+        return Choice(None, None, None, f"the truth of this scene judges no error below {floor:.1e} m; ask for more")
+    reached = [r for r in measured if bounds.met_by(r)]
+    affordable = sorted((r for r in reached if budget is None or cost(r) <= budget), key=cost)
     if not affordable:
-        return Choice(None, None, None, _why_none(measured, reached, error, compliance, budget))
+        return Choice(None, None, None, _why_none(measured, reached, bounds))
     best = affordable[0]
     second = next((r for r in affordable if (r.engine, r.method) != (best.engine, best.method)), None)
-    margin = None if second is None else _cost(second) / _cost(best)
-    return Choice(best, second, margin, _why(best, second, margin))
+    margin = None if second is None else cost(second) / cost(best)
+    limit = _limit([r for r in measured if cost(r) < cost(best)], bounds)
+    return Choice(best, second, margin, " ".join((_why(best, second, margin), _why_not_cheaper(limit))), limit)
 
 
 def _is_measured(record: Record) -> bool:
     return record.status == "success" and record.error is not None and record.times.get("loop_s", 0.0) > 0.0
 
 
-def _check(records: Sequence[Record], **bounds: float | None) -> None:
-    for name, value in bounds.items():
-        if value is not None and not value > 0.0:
-            raise ValueError(f"{name} = {value} must be positive")
+def _check_one_scene(records: Sequence[Record]) -> None:
     found = {(r.scene, tuple(sorted(r.parameters.items()))) for r in records}
     if len(found) > 1:
         raise ValueError(f"the records are of {len(found)} scenes; choose among those of one")
 
 
 def _error(record: Record) -> float:
-    return float("inf") if record.error is None else record.error.value + record.error.uncertainty
+    return float("inf") if record.error is None else record.error.bound
 
 
-def _cost(record: Record) -> float:
+def cost(record: Record) -> float:
+    """Return the loop time, s."""
     return record.times["loop_s"]
 
 
-def _compliance_ok(record: Record, bound: float | None) -> bool:
+def _gap(record: Record) -> float:
     position = record.compliance.get("position")
-    return bound is None or (position is not None and position <= bound)
+    return float("inf") if position is None else position
+
+
+def _limit(cheaper: Sequence[Record], bounds: Bounds) -> Limit | None:
+    """Name the bound that a cheaper setting misses alone, the joints' first: loosening it keeps the error."""
+    rules: tuple[tuple[str, Callable[[Record], bool], Callable[[Record], float]], ...] = (
+        ("compliance", bounds.error_ok, _gap),
+        ("error", bounds.compliance_ok, _error),
+    )
+    for bound, other_ok, distance in rules:
+        near = min((r for r in cheaper if other_ok(r)), key=distance, default=None)
+        if near is not None:
+            return Limit(bound, near)
+    return None
 
 
 def setting(record: Record) -> str:
@@ -72,27 +124,31 @@ def setting(record: Record) -> str:
 
 
 def _why(best: Record, second: Record | None, margin: float | None) -> str:
-    text = f"{setting(best)} reaches {_error(best):.1e} m in {1e3 * _cost(best):.3g} ms"
+    text = f"{setting(best)} reaches {_error(best):.1e} m in {1e3 * cost(best):.3g} ms"
     if second is None or margin is None:
-        return f"{text}; no other method reaches it"
-    return f"{text}, {margin:.3g} times cheaper than {setting(second)} ({1e3 * _cost(second):.3g} ms)"
+        return f"{text}; no other method reaches it."
+    return f"{text}, {margin:.3g} times cheaper than {setting(second)} ({1e3 * cost(second):.3g} ms)."
 
 
-def _why_none(
-    measured: Sequence[Record],
-    reached: Sequence[Record],
-    error: float,
-    compliance: float | None,
-    budget: float | None,
-) -> str:
+def _why_not_cheaper(limit: Limit | None) -> str:
+    if limit is None:
+        return "Nothing cheaper misses one bound alone."
+    near, price = limit.cheaper, f"{1e3 * cost(limit.cheaper):.3g} ms"
+    if limit.bound == "error":
+        return f"The error limits it: for {price} the nearest is {setting(near)} with {_error(near):.1e} m."
+    return f"The compliance limits it: for {price} {setting(near)} opens the joints by {_gap(near):.1e}."
+
+
+def _why_none(measured: Sequence[Record], reached: Sequence[Record], bounds: Bounds) -> str:
     if not measured:
         return "no run with a known error was measured"
-    if reached and budget is not None:
-        cheapest = min(reached, key=_cost)
-        price = f"{1e3 * _cost(cheapest):.3g} ms"
-        return f"none within {1e3 * budget:.3g} ms; the cheapest is {setting(cheapest)} at {price}"
-    close = [r for r in measured if _error(r) <= error]
-    if close and compliance is not None:
-        return f"{len(close)} settings reach {error:.1e} m, but none keeps the constraints within {compliance:.1e}"
+    if reached and bounds.budget is not None:
+        cheapest = min(reached, key=cost)
+        price = f"{1e3 * cost(cheapest):.3g} ms"
+        return f"none within {1e3 * bounds.budget:.3g} ms; the cheapest is {setting(cheapest)} at {price}"
+    close = [r for r in measured if bounds.error_ok(r)]
+    if close and bounds.compliance is not None:
+        count, tight = len(close), bounds.compliance
+        return f"{count} settings reach {bounds.error:.1e} m, but none keeps the constraints within {tight:.1e}"
     nearest = min(measured, key=_error)
-    return f"none reached {error:.1e} m; the nearest is {setting(nearest)} with {_error(nearest):.1e} m"
+    return f"none reached {bounds.error:.1e} m; the nearest is {setting(nearest)} with {_error(nearest):.1e} m"

@@ -29,6 +29,11 @@ class Case:
         chosen = "".join(f" {key}={value}" for key, value in self.parameters.items())
         return f"{self.scene}{chosen} {self.engine} {self.method}"
 
+    @property
+    def what(self) -> dict[str, Any]:
+        """Scene, parameters and engine, as a Tree is asked for them."""
+        return {"scene": self.scene, "parameters": self.parameters, "engine": self.engine}
+
 
 CASES = (
     Case("pendulum_chain", "dop853", {"links": 10}),
@@ -64,13 +69,14 @@ def regressions(
     current: Path,
     cases: Sequence[Case] = CASES,
     progress: Callable[[int, int, str], None] | None = None,
+    seed: int = 0,
 ) -> Iterator[Finding]:
-    """Yield a finding for each case; ValueError where a folder is no source tree."""
+    """Yield a finding for each case; ValueError where a folder is no source tree. `seed` orders the runs."""
     with Tree(baseline) as before, Tree(current) as after:
         for done, case in enumerate(cases):
             if progress is not None:
                 progress(done, len(cases), case.name)
-            found = examine(before, after, case)
+            found = examine(before, after, case, seed)
             yield confirmed(found, lambda case=case: _afresh(baseline, current, case)) if found.changed else found
 
 
@@ -95,16 +101,16 @@ def _afresh(baseline: Path, current: Path, case: Case) -> Finding:
         return examine(before, after, case)
 
 
-def examine(before: Tree, after: Tree, case: Case) -> Finding:
+def examine(before: Tree, after: Tree, case: Case, seed: int = 0) -> Finding:
     """Choose each tree's cheapest setting that reaches the error, and time the two against each other."""
-    what = {"scene": case.scene, "parameters": case.parameters, "engine": case.engine}
+    what = case.what
     chosen = [cheapest(tree.climb(**what, method=case.method), case.error) for tree in (before, after)]
     for settings, name in zip(chosen, ("baseline", "current tree"), strict=True):
         if settings is None:
             text = f"no setting of the {name} reaches {case.error:g} m"
             return Finding(case.name, NOT_MEASURED, text, case.error)
     first, second = chosen
-    timing = compare(lambda: before.time(**what, settings=first), lambda: after.time(**what, settings=second))
+    timing = compare(lambda: before.time(**what, settings=first), lambda: after.time(**what, settings=second), seed)
     return Finding(case.name, timing.pace, _sentence(timing, case), case.error, timing)
 
 

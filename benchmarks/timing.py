@@ -43,8 +43,10 @@ class Comparison:
     disturbed: float  # share of runs that shared the machine, though they were made again
 
 
-def compare(first: Callable[[], Sample], second: Callable[[], Sample], seed: int = 0) -> Comparison:
-    """Time both until the verdict is clear or MOST blocks are spent."""
+def compare(
+    first: Callable[[], Sample], second: Callable[[], Sample], seed: int = 0, limit: float = LIMIT
+) -> Comparison:
+    """Time both until the verdict is clear or MOST blocks are spent; ratios within 1/limit and limit are the same."""
     random = np.random.default_rng(seed)
     ratios: list[float] = []
     disturbed = 0
@@ -56,19 +58,19 @@ def compare(first: Callable[[], Sample], second: Callable[[], Sample], seed: int
             continue
         low, high = interval(np.array(ratios), random)
         ratio = float(np.median(ratios))
-        pace = verdict(ratio, low, high)
+        pace = verdict(ratio, low, high, limit)
         if pace is not Pace.INCONCLUSIVE or len(ratios) == MOST:
             share = disturbed / (2 * PAIRS * len(ratios))
             return Comparison(pace, ratio, low, high, len(ratios), share)
 
 
-def verdict(ratio: float, low: float, high: float) -> Pace:
-    """Faster or slower where the median is beyond LIMIT and the interval leaves out 1; same where all is within."""
-    if ratio > LIMIT and low > 1.0:
+def verdict(ratio: float, low: float, high: float, limit: float = LIMIT) -> Pace:
+    """Faster or slower where the median is beyond the limit and the interval leaves out 1; same where all is within."""
+    if ratio > limit and low > 1.0:
         return Pace.SLOWER
-    if ratio < 1.0 / LIMIT and high < 1.0:
+    if ratio < 1.0 / limit and high < 1.0:
         return Pace.FASTER
-    return Pace.SAME if high < LIMIT and low > 1.0 / LIMIT else Pace.INCONCLUSIVE
+    return Pace.SAME if high < limit and low > 1.0 / limit else Pace.INCONCLUSIVE
 
 
 def interval(ratios: np.ndarray, random: np.random.Generator) -> tuple[float, float]:

@@ -38,7 +38,10 @@ def evaluate(
     `reference` gives reaction forces to compare with. ValueError only where the engine or its method
     is unknown, or the scene itself cannot be sampled.
     """
-    return judged_run(scene, engine_name, settings, times, reference=reference)[0]
+    record, _ = judged_run(scene, engine_name, settings, times, reference=reference)
+    if record.status == Status.INTERRUPTED:  # Ctrl-C ends what the run is part of
+        raise KeyboardInterrupt(record.message)
+    return record
 
 
 def judged_run(
@@ -48,13 +51,8 @@ def judged_run(
     times: np.ndarray | None = None,
     *,
     reference: Trajectory | None = None,
-    partial: bool = False,
 ) -> tuple[Record, Trajectory | None]:
-    """As `evaluate`, with the trajectory's finite samples beside the record; None where nothing ran.
-
-    A run that Ctrl-C ended raises KeyboardInterrupt, because it ends what it is part of, unless `partial` runs are
-    wanted.
-    """
+    """As `evaluate`, with the trajectory's finite samples beside the record; None where nothing ran."""
     try:
         engine = engines.get(engine_name)
     except engines.EngineMissing as error:
@@ -65,14 +63,19 @@ def judged_run(
     if reasons:
         return without_run(scene, engine_name, settings, CANNOT, "; ".join(dict.fromkeys(reasons)), engine), None
     asked = output_times(scene, settings, times)
-    found = _attempt(lambda: engine.run(scene, settings, asked))
-    if not isinstance(found, Trajectory):
-        status, message = found
+    kept = checked_run(engine, scene, settings, asked)
+    if not isinstance(kept, Trajectory):
+        status, message = kept
         return without_run(scene, engine_name, settings, status, message, engine), None
-    if found.status is Status.INTERRUPTED and not partial:
-        raise KeyboardInterrupt(found.message)
-    kept = _on_time(_finite(found), asked)
     return _record(scene, engine, settings, kept, asked, reference), kept
+
+
+def checked_run(
+    engine: Engine, scene: Scene, settings: Settings, asked: np.ndarray
+) -> Trajectory | tuple[str, str]:
+    """Run and look for what the engine does not say; a status and a sentence where nothing came back."""
+    found = _attempt(lambda: engine.run(scene, settings, asked))
+    return _on_time(_finite(found), asked) if isinstance(found, Trajectory) else found
 
 
 def _attempt(run: Callable[[], Trajectory]) -> Trajectory | tuple[str, str]:
@@ -103,7 +106,7 @@ def _finite(path: Trajectory) -> Trajectory:
         return cut
     where = f"after t = {path.times[count - 1]:.6g} s" if count else "from the start"
     text = f"NaN or infinity {where}, though the engine reported success"
-    return replace(cut, status=Status.NON_FINITE, message=text)
+    return replace(cut, status=Status.NON_FINITE, message=text, unreported=True)
 
 
 def _on_time(path: Trajectory, asked: np.ndarray) -> Trajectory:
@@ -113,10 +116,10 @@ def _on_time(path: Trajectory, asked: np.ndarray) -> Trajectory:
     if np.any(late):
         k = int(np.argmax(late))
         text = f"sample {k} is at t = {path.times[k]:.9g} s, which was not asked for: the engine's clock jumped"
-        return replace(path.upto(k), status=Status.RESET, message=text)
+        return replace(path.upto(k), status=Status.RESET, message=text, unreported=True)
     if path.ok and n < len(asked):
         text = f"{n} of {len(asked)} samples came back, though the engine reported success"
-        return replace(path, status=Status.ENGINE_ERROR, message=text)
+        return replace(path, status=Status.ENGINE_ERROR, message=text, unreported=True)
     return path
 
 

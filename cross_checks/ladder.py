@@ -7,6 +7,7 @@ import math
 import numpy as np
 
 from cross_checks.engine import Method
+from mbs_ref.particle_scene import free_fall_time, tolerance_unit
 from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings
 
@@ -21,11 +22,17 @@ def grid(scene: Scene) -> np.ndarray:
 
 
 def rungs(method: Method, scene: Scene) -> list[Settings]:
-    """Return the settings to try, coarse to fine; steps are shortened to divide the output interval."""
+    """Return the settings to try, coarse to fine; steps are shortened to divide the output interval.
+
+    Steps and absolute tolerances are in seconds and metres in the laboratory; among attracting bodies they
+    count in the shortest free-fall time at the start, and in the distance or speed that goes with it.
+    """
     if method.kind == "adaptive":
-        return [Settings(method=method.name, rtol=rtol, atol=rtol) for rtol in method.ladder or TOLERANCES]
+        unit = tolerance_unit(scene)
+        return [Settings(method=method.name, rtol=rtol, atol=rtol * unit) for rtol in method.ladder or TOLERANCES]
     interval = scene.duration / (SAMPLES - 1)
-    steps = dict.fromkeys(fitted(step, interval) for step in method.ladder or STEPS)
+    unit = free_fall_time(scene)
+    steps = dict.fromkeys(fitted(step * unit, interval) for step in method.ladder or STEPS)
     return [Settings(method=method.name, step=step) for step in steps]
 
 

@@ -17,6 +17,7 @@ from cross_checks.metrics.pose_error import distance
 from cross_checks.record import Record
 from cross_checks.truths import NoTruth, seek_truth
 from cross_checks.verdict import AGREEMENT, Rung, Verdict, judge, telling
+from mbs_ref.particle_scene import unit_length
 from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings
 from mbs_ref.trajectory import Trajectory
@@ -117,8 +118,9 @@ def judge_method(scene: Scene, engine: str, method: Method, budget_s: float = BU
     uncertainty = None if isinstance(truth, NoTruth) else truth.uncertainty
     climb = _climb(scene, engine, method, budget_s)
     why = truth.reason if isinstance(truth, NoTruth) else ""
-    verdict, reason = judge(climb.rungs, uncertainty or 0.0, why)
-    best = telling(climb.rungs)
+    agreement = AGREEMENT * unit_length(scene)
+    verdict, reason = judge(climb.rungs, uncertainty or 0.0, why, agreement)
+    best = telling(climb.rungs, agreement)
     record = None if best < 0 else climb.records[best]
     return Cell(
         scene=scene.name, parameters=dict(scene.parameters), engine=engine, method=method.name,
@@ -140,7 +142,8 @@ def _climb(scene: Scene, engine: str, method: Method, budget_s: float) -> Climb:
         climb.records.append(record)
         climb.rungs.append(_rung(settings, record, path, before))
         before = path if record.status == "success" else before
-        if record.status in (Verdict.CANNOT, MISSING) or _is_done(method, climb, time.perf_counter() - start, budget_s):
+        spent = time.perf_counter() - start
+        if record.status in (Verdict.CANNOT, MISSING) or _is_done(scene, method, climb, spent, budget_s):
             break
     return climb
 
@@ -160,9 +163,9 @@ def _rung(settings: Settings, record: Record, path: Trajectory | None, before: T
     return Rung(ladder.label(settings), record.status, record.message, error, gap)
 
 
-def _is_done(method: Method, climb: Climb, spent_s: float, budget_s: float) -> bool:
+def _is_done(scene: Scene, method: Method, climb: Climb, spent_s: float, budget_s: float) -> bool:
     good = [r for r in climb.rungs if r.ok]
-    agrees = len(good) >= ENOUGH and good[-1].error is not None and good[-1].error <= AGREEMENT
+    agrees = len(good) >= ENOUGH and good[-1].error is not None and good[-1].error <= AGREEMENT * unit_length(scene)
     over = spent_s > budget_s and (len(good) >= ENOUGH or spent_s > PATIENCE * budget_s)
     return over or (agrees and (_shows_order(method, climb) or spent_s > 0.5 * budget_s))
 

@@ -13,6 +13,7 @@ from cross_checks.metrics.orientation_error import orientation_error
 from cross_checks.metrics.pose_error import pose_error
 from cross_checks.metrics.reaction_error import reaction_error
 from cross_checks.metrics.significant_figures import significant_figures
+from cross_checks.observed import Observed, Unobserved, observe
 from cross_checks.record import Error
 from cross_checks.truths import NoTruth, Truth
 from mbs_ref.scene import Scene, SpatialBody
@@ -29,6 +30,7 @@ def measure(scene: Scene, path: Trajectory, truth: Truth | NoTruth, reference: T
     energy, why_no_energy = energy_drift(scene, path)
     momentum = momentum_drift(scene, path)
     error = pose_error(scene, path, truth) if isinstance(truth, Truth) else None
+    observed = observe(scene, float(path.times[-1]))
     history = {"t": path.times, "compliance": position, "energy_drift": energy, "error": error}
     return {
         "compliance": {"position": _largest(position, _between_samples(path)), "velocity": _largest(velocity)},
@@ -36,9 +38,9 @@ def measure(scene: Scene, path: Trajectory, truth: Truth | NoTruth, reference: T
         "momentum_drift": _largest(momentum),
         "error": _error(error, truth),
         "orientation_error": _orientation(scene, path, truth),
-        "figures": significant_figures(scene, path, truth) if isinstance(truth, Truth) else {},
+        "figures": significant_figures(scene, path, observed) if isinstance(observed, Observed) else {},
         "reaction_error": None if reference is None else reaction_error(path.reactions, reference.reactions),
-        "notes": _notes(scene, path, truth, why_no_energy),
+        "notes": (*_notes(scene, path, truth, why_no_energy), *_unjudged(_error(error, truth)), *_told(observed)),
         "history": {key: part.tolist() for key, part in history.items() if part is not None and _is_finite(part)},
     }
 
@@ -68,12 +70,25 @@ def _error(error: np.ndarray | None, truth: Truth | NoTruth) -> Error | None:
     return Error(float(np.max(error)), "m", f"{truth.kind}: {truth.how}", truth.uncertainty, float(error[-1]))
 
 
+def _unjudged(error: Error | None) -> tuple[str, ...]:
+    if error is None or error.is_judged:
+        return ()
+    told = f"the truth, known to {error.uncertainty:.1e} m, judges no error below {error.floor:.1e} m"
+    return (f"error not judged: {told}",)
+
+
 def _orientation(scene: Scene, path: Trajectory, truth: Truth | NoTruth) -> float | None:
     """The largest geodesic angle (rad) from the truth, in space."""
     turning = any(isinstance(body, SpatialBody) for body in scene.bodies)
     if not turning or isinstance(truth, NoTruth):
         return None
     return _largest(orientation_error(path, truth).ravel())
+
+
+def _told(observed: Observed | Unobserved | None) -> tuple[str, ...]:
+    if isinstance(observed, Unobserved):
+        return (f"no figures: {observed.reason}",)
+    return () if observed is None else (f"figures against {observed.how}",)
 
 
 def _notes(scene: Scene, path: Trajectory, truth: Truth | NoTruth, why_no_energy: str) -> tuple[str, ...]:

@@ -120,6 +120,7 @@ class End:
     samples: int
     status: Status = Status.SUCCESS
     message: str = ""
+    unreported: bool = False  # the engine itself did not complain
 
 
 def end_of(states: np.ndarray, times: np.ndarray, end: End) -> End:
@@ -130,7 +131,8 @@ def end_of(states: np.ndarray, times: np.ndarray, end: End) -> End:
         return end
     last = f"the last finite sample is at t = {times[good - 1]:g} s" if good else "no sample is finite"
     cause = f" ({end.message})" if end.message else ""
-    return End(good, Status.NON_FINITE, f"NaN or infinity arose before t = {times[good]:g} s; {last}{cause}")
+    silent = end.status in (Status.SUCCESS, Status.RESET)
+    return End(good, Status.NON_FINITE, f"NaN or infinity arose before t = {times[good]:g} s; {last}{cause}", silent)
 
 
 def refuse_spatial(engine: Engine, scene: Scene) -> list[Refusal]:
@@ -156,5 +158,6 @@ def trajectory(
     whole = Trajectory(
         plan.times, *poses, end.status, message,
         steps=steps, rhs_calls=rhs_calls, timing=timing, reactions=reactions or {}, notes=notes,
+        unreported=end.unreported,
     )  # fmt: skip
     return whole.upto(end.samples)

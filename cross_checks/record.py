@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
+MARGIN = 30.0  # a truth this many times better known than an error judges it
+
 
 @dataclass(frozen=True)
 class Error:
@@ -15,6 +17,21 @@ class Error:
     truth: str  # exact | published | converged | ephemeris, and where it comes from
     uncertainty: float  # of the truth, same unit
     final: float  # at the last time alone
+
+    @property
+    def bound(self) -> float:
+        """What the error is at most (m): the distance and the truth's own uncertainty."""
+        return self.value + self.uncertainty
+
+    @property
+    def floor(self) -> float:
+        """The smallest error (m) that this truth can judge."""
+        return MARGIN * self.uncertainty
+
+    @property
+    def is_judged(self) -> bool:
+        """Whether the truth is known well enough to judge this error."""
+        return self.value >= self.floor
 
 
 @dataclass(frozen=True)
@@ -32,7 +49,9 @@ class Record:
     steps: int
     rhs_calls: int
     final: dict[str, dict[str, Any]]  # body -> position, angle or orientation, velocity, angular_velocity
-    compliance: dict[str, float | None]  # position (m, rad), velocity (m/s, rad/s): largest over samples and, in-house, every step
+    compliance: dict[
+        str, float | None
+    ]  # position (m, rad), velocity (m/s, rad/s): largest over samples and, in-house, every step
     energy_drift: float | None  # J, largest |E(t) - E(0) - work| where the energy balance is defined
     momentum_drift: float | None
     error: Error | None
@@ -41,7 +60,9 @@ class Record:
     versions: dict[str, str]
     notes: tuple[str, ...] = ()
     orientation_error: float | None = None  # rad, largest geodesic angle from the truth; spatial scenes
-    figures: dict[str, float] = field(default_factory=dict)  # body -> significant figures at the end, against an ephemeris
+    figures: dict[str, float] = field(
+        default_factory=dict
+    )  # body -> significant figures at the end, against an ephemeris
     history: dict[str, list[float]] = field(default_factory=dict)  # t, compliance, energy_drift, error: for the plots
 
     def to_dict(self) -> dict[str, Any]:

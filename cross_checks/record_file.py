@@ -5,7 +5,7 @@ from __future__ import annotations
 import fcntl
 import json
 import os
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -25,11 +25,16 @@ def append(path: Path, records: Iterable[Record]) -> None:
 
     ValueError where a record holds NaN or infinity: those have no place in JSON.
     """
+    append_data(path, (record.to_dict() for record in records))
+
+
+def append_data(path: Path, items: Iterable[dict[str, Any]]) -> None:
+    """Append plain data as `append` does records."""
     path.parent.mkdir(parents=True, exist_ok=True)
     handle = os.open(path, os.O_RDWR | os.O_APPEND | os.O_CREAT, 0o644)
     try:
-        for record in records:
-            line = json.dumps(record.to_dict(), allow_nan=False, separators=(",", ":")) + "\n"
+        for item in items:
+            line = json.dumps(item, allow_nan=False, separators=(",", ":")) + "\n"
             os.write(handle, ("\n" + line if _is_torn(handle) else line).encode())
         os.fsync(handle)
     finally:
@@ -44,12 +49,20 @@ def _is_torn(handle: int) -> bool:
 
 def read(path: Path) -> tuple[list[Record], list[str]]:
     """Return the records, and a sentence with file and line number for every line that is none."""
+    return read_data(path, from_dict)
+
+
+def read_data[Item](path: Path, build: Callable[[Any], Item]) -> tuple[list[Item], list[str]]:
+    """Return what `build` makes of each line's JSON, and a sentence for every line that it refuses.
+
+    It refuses by a ValueError or TypeError.
+    """
     records, problems = [], []
     for number, line in enumerate(path.read_bytes().split(b"\n"), start=1):
         if not line.strip():
             continue
         try:
-            records.append(from_line(line))
+            records.append(build(_parsed(line)))
         except (ValueError, TypeError, RecursionError) as error:  # UnicodeDecode and JSONDecode are ValueErrors
             problems.append(f"{path}:{number}: no record, skipped: {error}")
     return records, problems
@@ -57,9 +70,13 @@ def read(path: Path) -> tuple[list[Record], list[str]]:
 
 def from_line(line: bytes) -> Record:
     """Return the record in a line of JSON; ValueError or TypeError where it holds none."""
+    return from_dict(_parsed(line))
+
+
+def _parsed(line: bytes) -> Any:
     if len(line) > LONGEST_LINE:
         raise ValueError(f"the line is longer than {LONGEST_LINE // 2**20} MiB")
-    return from_dict(json.loads(line, parse_constant=_refuse))
+    return json.loads(line, parse_constant=_refuse)
 
 
 def from_dict(data: Any) -> Record:

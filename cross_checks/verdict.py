@@ -6,8 +6,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 
-AGREEMENT = 1e-6  # m: closer to the truth than this is agreement
-MARGIN = 30.0  # a truth this many times better known than an error judges it
+from cross_checks.record import MARGIN
+
+AGREEMENT = 1e-6  # m: closer to the truth than this is agreement; in the sky, of the scene's unit length
 SETTLED = 0.1  # of the error: refinements that differ by less no longer approach the truth
 SETTLING = 0.3  # of the error: the same, where the error does not shrink at all
 PROGRESS = 0.7  # of the error before: less than this is progress
@@ -42,7 +43,9 @@ class Rung:
         return self.status == "success"
 
 
-def judge(rungs: Sequence[Rung], uncertainty: float = 0.0, why_no_truth: str = "") -> tuple[Verdict, str]:
+def judge(
+    rungs: Sequence[Rung], uncertainty: float = 0.0, why_no_truth: str = "", agreement: float = AGREEMENT
+) -> tuple[Verdict, str]:
     """Return the verdict and its sentence. Rungs go from coarse to fine; `uncertainty` (m) is the truth's.
 
     wrong-limit: the differences between refinements shrink well below the error, and the error stays.
@@ -55,19 +58,19 @@ def judge(rungs: Sequence[Rung], uncertainty: float = 0.0, why_no_truth: str = "
         return _stopped(rungs[-1])
     if good[-1].error is None:
         return _without_truth(good, why_no_truth)
-    kept = good[: telling(good) + 1]
-    verdict, reason = _by_error(kept, uncertainty)
+    kept = good[: telling(good, agreement) + 1]
+    verdict, reason = _by_error(kept, uncertainty, agreement)
     if len(kept) < len(good):
         reason += f", and lost again: {good[-1].error:.1e} m at {good[-1].setting}"
     return _with_failures(rungs, verdict, reason)
 
 
-def telling(rungs: Sequence[Rung]) -> int:
+def telling(rungs: Sequence[Rung], agreement: float = AGREEMENT) -> int:
     """Return the index of the run that speaks for the ladder, -1 where none succeeded.
 
     The finest that succeeded; or the finest in agreement, where at least two agree and finer ones do not.
     """
-    agree = [k for k, r in enumerate(rungs) if r.ok and r.error is not None and r.error <= AGREEMENT]
+    agree = [k for k, r in enumerate(rungs) if r.ok and r.error is not None and r.error <= agreement]
     finest = max((k for k, r in enumerate(rungs) if r.ok), default=-1)
     return agree[-1] if len(agree) > 1 else finest
 
@@ -79,14 +82,15 @@ def _stopped(last: Rung) -> tuple[Verdict, str]:
     return (Verdict.DIVERGED if blown else Verdict.FAILED), f"{last.setting}: {last.status}: {last.message}"
 
 
-def _by_error(good: Sequence[Rung], uncertainty: float) -> tuple[Verdict, str]:
+def _by_error(good: Sequence[Rung], uncertainty: float, agreement: float) -> tuple[Verdict, str]:
     errors = [r.error for r in good if r.error is not None]
     finest = errors[-1]
-    if finest <= AGREEMENT and uncertainty <= AGREEMENT / MARGIN:
+    if finest <= agreement and uncertainty <= agreement / MARGIN:
         return Verdict.AGREES, f"{finest:.1e} m from the truth at {good[-1].setting}"
-    if finest <= uncertainty:
-        return Verdict.BELOW_TRUTH, f"{finest:.1e} m, and the truth is known to {uncertainty:.1e} m only"
-    if _is_settled(good) and finest > MARGIN * uncertainty:
+    if finest < MARGIN * uncertainty:
+        known = f"the truth, known to {uncertainty:.1e} m, judges no error below {MARGIN * uncertainty:.1e} m"
+        return Verdict.BELOW_TRUTH, f"{finest:.1e} m at {good[-1].setting}, and {known}"
+    if _is_settled(good):
         return Verdict.WRONG_LIMIT, (
             f"refinements differ by {good[-1].difference:.1e} m and less, and the error stays at {finest:.1e} m"
         )

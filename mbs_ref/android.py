@@ -8,11 +8,15 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from importlib.resources import files
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
+
+from pydantic import Field
 
 from mbs_ref.contact import CircleOnLine, Contact, ContactLaw, ProgressiveLaw, SpringDamperLaw
+from mbs_ref.part import NonNegative
 from mbs_ref.scene import (
     GROUND,
     CoordinateDrive,
@@ -59,6 +63,34 @@ class Crash:
     def peak_acceleration(self) -> float:
         """Signed, m/s^2: +x, out of the seat, in a frontal impact."""
         return (1.0 if self.impact == "front" else -1.0) * self.peak_force / self.mass
+
+
+PARAMETERS = """peak_force (N) and speed_change_km_h fix a half sine (or its breakpoint table) with impulse m dv; front
+or rear impact; mass (kg) scales masses and inertias; belts, and their stiffness and damping times
+belt_stiffness; contact law; seat fixed with mass-proportional forces, or driven; lift (m) off the seat."""
+
+
+def scene_builder(name: str, summary: str | None, description: str) -> Callable[..., Scene]:
+    """Return the `build` of the scene with the android of mbs_ref/data/<name>.json."""
+
+    def build(
+        *,
+        peak_force: Annotated[float, Field(ge=500.0, le=100_000.0)] = 15_000.0,
+        speed_change_km_h: Annotated[float, Field(gt=0.0, le=200.0)] = 50.0,
+        impact: Literal["front", "rear"] = "front",
+        mass: Annotated[float, Field(ge=50.0, le=100.0)] = 75.0,
+        belts: bool = True,
+        belt_stiffness: NonNegative = 1.0,
+        law: Literal["progressive", "spring_damper"] = "progressive",
+        seat: Literal["fixed", "driven"] = "fixed",
+        pulse: Literal["half_sine", "table"] = "half_sine",
+        lift: Annotated[float, Field(ge=0.0, le=1.0)] = 0.0,
+    ) -> Scene:
+        crash = Crash(peak_force, speed_change_km_h, impact, mass, belts, belt_stiffness, law, seat, pulse, lift)
+        return android(name, description, crash)
+
+    build.__doc__ = f"{summary}\n\n{PARAMETERS}"
+    return build
 
 
 def android(name: str, description: str, crash: Crash) -> Scene:

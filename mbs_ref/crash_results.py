@@ -13,12 +13,16 @@ from mbs_ref.observables.body_forces import BodyForces, body_forces
 from mbs_ref.observables.energy import kinetic_energy, potential_energy
 from mbs_ref.observables.powers import LOADS
 from mbs_ref.observables.signal_values import values
-from mbs_ref.observables.springs import length_of
+from mbs_ref.observables.springs import length_of, twist_of
 from mbs_ref.scene import Force, PointBushing, Revolute, Scene, SpringDamper, TorsionSpring
 from mbs_ref.trajectory import Trajectory
 
 CRASH, BELT = "crash.", "belt."
 FIRST_REBOUND = 0.12  # s, peaks of the head are quoted before the neck reaches its end
+AGE = 45.0  # years, assumed for TTI, which adds 1.4 a year; the measure is made for side impacts
+STERNUM, SPINE = "costal_4_5", "T7"  # the tip of rib 4 lies in front of T7: between them the chest's depth is read
+ONE_NEWTON_METRE = 1.0  # N m; a smaller torque has no sign worth the name
+CERVICAL = ("C1", "C2", "C3", "C4", "C5", "C6")
 
 
 @dataclass(frozen=True)
@@ -33,6 +37,10 @@ class CrashResults:
     head_excursion: np.ndarray  # (n_t, 2) m, from the pose at t = 0, in the vehicle
     hip_excursion: np.ndarray  # (n_t, 2) m
     neck_axial: np.ndarray  # (n_t,) N at the occipital joint, tension positive
+    neck_moment: np.ndarray  # (n_t,) N m there, of the neck on the head, flexion positive
+    nij: np.ndarray  # (n_t,)
+    cervical_torques: dict[str, np.ndarray]  # vertebra -> (n_t,) N m on it of the joint beneath
+    chest_deflection: np.ndarray | None  # (n_t,) m; None where the thorax is one rigid body
     works: dict[str, np.ndarray]  # (n_t,) J done since t = 0 by pulse, belts' and joints' dampers, contacts
     energy: np.ndarray  # (n_t,) J
     measures: dict[str, float]
@@ -41,9 +49,12 @@ class CrashResults:
 def crash_results(scene: Scene, trajectory: Trajectory) -> CrashResults:
     """Evaluate an android's crash with its seat fixed; Simpson's rule integrates works over the samples."""
     motion, forces = Motion(scene, trajectory), body_forces(scene, trajectory)
-    head, thorax = _felt(scene, trajectory, forces, "head"), _felt(scene, trajectory, forces, _thorax(scene))
+    head, thorax = _felt(scene, trajectory, forces, "head"), _felt(scene, trajectory, forces, _or_thorax(scene, "T4"))
     works = {name: cumulative_simpson(p, x=trajectory.times, initial=0.0) for name, p in _powers(motion).items()}
-    axial = _neck_axial(motion)
+    axial, moment, chest = _neck_axial(motion), _neck_moment(motion), _chest(motion)
+    nij = injury.nij(axial, moment)
+    rib, t12 = (_felt(scene, trajectory, forces, _or_thorax(scene, part)) for part in ("rib4", "T12"))
+    measures = _head_and_neck(trajectory.times, head, axial, nij) | _thorax_measures(motion, thorax, rib, t12, chest)
     return CrashResults(
         forces=forces,
         seat_force=np.sum([np.hypot(c[:, 1], c[:, 2]) for n, c in trajectory.contacts.items() if "seat" in n], axis=0),
@@ -53,15 +64,19 @@ def crash_results(scene: Scene, trajectory: Trajectory) -> CrashResults:
         head_excursion=_excursion(scene, trajectory, "head"),
         hip_excursion=_excursion(scene, trajectory, "bottom"),
         neck_axial=axial,
+        neck_moment=moment,
+        nij=nij,
+        cervical_torques=_cervical_torques(motion),
+        chest_deflection=None if chest is None else chest[0] - chest,
         works=works,
         energy=kinetic_energy(scene, trajectory) + potential_energy(scene, trajectory),
-        measures=_measures(trajectory.times, head, thorax, axial),
+        measures=measures,
     )
 
 
-def _thorax(scene: Scene) -> str:
-    """The vertebral android's thorax is judged at T4, as side-impact rigs do; the simplified one is one body."""
-    return "thorax" if "thorax" in scene.body_names else "T4"
+def _or_thorax(scene: Scene, part: str) -> str:
+    """The simplified android's thorax is one body."""
+    return "thorax" if "thorax" in scene.body_names else part
 
 
 def _excursion(scene: Scene, trajectory: Trajectory, body: str) -> np.ndarray:
@@ -97,6 +112,44 @@ def _neck_axial(motion: Motion) -> np.ndarray:
     return sign * np.sum(force * down, axis=1)
 
 
+def _neck_moment(motion: Motion) -> np.ndarray:
+    """Return the restoring torque on the head; it is positive where the head has turned forward (SAE J1733)."""
+    occipital = next(s for s in _torsions(motion.scene) if "head" in (s.body_a, s.body_b))
+    return _restoring(motion, occipital, "head")
+
+
+def _torsions(scene: Scene) -> list[TorsionSpring]:
+    return [load for load in scene.loads if isinstance(load, TorsionSpring)]
+
+
+def _restoring(motion: Motion, spring: TorsionSpring, body: str) -> np.ndarray:
+    """Return a torsion spring's torque (n_t,), N m, on one of its bodies."""
+    twist, rate = twist_of(motion, spring)
+    torque = spring.stiffness * twist + spring.damping * rate
+    return torque if body == spring.body_a else -torque
+
+
+def _cervical_torques(motion: Motion) -> dict[str, np.ndarray]:
+    """Return the torque that the joint beneath puts on each cervical vertebra."""
+    beneath = {s.body_a: s for s in _torsions(motion.scene) if s.body_a in CERVICAL}
+    return {name: _restoring(motion, beneath[name], name) for name in CERVICAL if name in beneath}
+
+
+def sign_changes(times: np.ndarray, torque: np.ndarray) -> np.ndarray:
+    """Return the times (s) at which a torque (n_t,), N m, has another sign than before, where it has any."""
+    loaded = np.abs(torque) > ONE_NEWTON_METRE
+    return times[loaded][1:][np.diff(np.sign(torque[loaded])) != 0.0]
+
+
+def _chest(motion: Motion) -> np.ndarray | None:
+    """Return the distance (n_t,), m, between the tip of a rib and the vertebra behind it."""
+    tip = next((x for x in motion.scene.loads if isinstance(x, PointBushing) and x.name == STERNUM), None)
+    if tip is None:
+        return None
+    behind = motion.trajectory.position[:, motion.scene.body_index(SPINE)]
+    return np.linalg.norm(motion.point(tip.body_b, tip.point)[0] - behind, axis=1)
+
+
 def _powers(motion: Motion) -> dict[str, np.ndarray]:
     """Return the power (n_t,), W, of each kind of part that is not conservative."""
     found = {name: np.zeros(len(motion.times)) for name in ("pulse", "belts", "joint dampers", "tissue", "contacts")}
@@ -110,16 +163,30 @@ def _powers(motion: Motion) -> dict[str, np.ndarray]:
     return found
 
 
-def _measures(times: np.ndarray, head: np.ndarray, thorax: np.ndarray, axial: np.ndarray) -> dict[str, float]:
+def _head_and_neck(times: np.ndarray, head: np.ndarray, axial: np.ndarray, nij: np.ndarray) -> dict[str, float]:
     early = times < FIRST_REBOUND
     return {
         "HIC15": injury.hic(times, head, 0.015)[0],
         "HIC36": injury.hic(times, head, 0.036)[0],
         "GSI": injury.gsi(times, head),
         "head 3 ms clip, g": injury.clip(times, head),
-        "thorax 3 ms clip, g": injury.clip(times, thorax),
         "head peak before 120 ms, g": float(np.max(head[early])),
         "neck tension, N": float(max(np.max(axial), 0.0)),
         "neck compression, N": float(max(-np.min(axial), 0.0)),
-        "Nij, axial force alone": float(np.max(injury.nij(axial, np.zeros_like(axial)))),
+        "Nij": float(np.max(nij)),
     }
+
+
+def _thorax_measures(
+    motion: Motion, thorax: np.ndarray, rib: np.ndarray, t12: np.ndarray, chest: np.ndarray | None
+) -> dict[str, float]:
+    """Return what is said of the thorax; without a chest that gives way there is no viscous criterion."""
+    mass = sum(b.mass for b in motion.scene.bodies if not b.name.startswith("seat"))
+    found = {
+        "thorax 3 ms clip, g": injury.clip(motion.times, thorax),
+        f"TTI at {AGE:g} years, g": injury.thoracic_trauma_index(AGE, float(rib.max()), float(t12.max()), mass),
+    }
+    if chest is not None:
+        found["chest deflection, m"] = float(np.max(chest[0] - chest))
+        found["VC, m/s"] = injury.viscous_criterion(motion.times, chest[0] - chest, float(chest[0]))
+    return found

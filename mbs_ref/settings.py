@@ -27,6 +27,8 @@ class Settings(Part):
     events: Literal["located", "none"] = "located"  # touch-down, lift-off, slip: roots found, or forces merely clipped
     max_events: int = Field(default=1_000_000, ge=1)  # located in one run
     refuse_unstable: bool = True  # an explicit fixed step that the linearised motion cannot bear does not run
+    unresolved: Literal["stop", "keep"] = "stop"  # a fixed step found too long for the motion: fail, or say nothing
+    ambiguous: Literal["stop", "continue"] = "stop"  # a start at rest in a singular pose, where branches meet
     project_initial: bool = False  # repair inconsistent initial conditions and report the correction
     reactions: bool = True  # evaluate joint reactions at the output times, after the timed loop
     initial_tolerance: NonNegative = 1e-9  # m or rad (m/s, rad/s), largest inconsistency accepted at t = 0

@@ -10,23 +10,27 @@ import numpy as np
 
 from mbs_ref.contact import FloresLaw, LankaraniNikraveshLaw, RigidLaw, StickSlip
 from mbs_ref.cores import compile_scene
-from mbs_ref.diagnosis import culprit
+from mbs_ref.diagnosis import deeper_cause
 from mbs_ref.integrators import DEFAULT, integrators
 from mbs_ref.integrators.leg import (
     CLOCK_H,
     CLOCK_T,
     COUNT_CONTACT,
     COUNT_EVENTS,
+    COUNT_OWN,
     COUNT_REJECTED,
     COUNT_RHS,
     COUNT_STEPS,
     Integrator,
     Options,
+    Progress,
     progress,
 )
-from mbs_ref.interrupt import heard
+from mbs_ref.interrupts import Interrupts
+from mbs_ref.resolution import resolution
 from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings
+from mbs_ref.soundness import ambiguous_start, culprit, require_sound
 from mbs_ref.system import System
 from mbs_ref.traits import traits
 from mbs_ref.trajectory import Status, Timing, Trajectory
@@ -34,8 +38,8 @@ from mbs_ref.trouble import may_be_stiff, stiffness
 
 DEFAULT_TOLERANCE = 1e-8  # rtol, and atol in m, rad, m/s, rad/s
 PROJECTION_TOLERANCE = 1e-14  # of the scene's size in metres (at least 1 m): a little above roundoff
-CHUNK_NUMBERS = 200_000  # numbers of state advanced between looks at the keyboard: about a second at most ...
-CHUNK_STEPS = (50, 20_000)  # ... within these steps
+EPS = float(np.finfo(float).eps)
+CHUNK = 20_000  # steps between looks at the keyboard
 ON_GRID = 1e-9  # of a step: how far an asked time may be from a multiple of the step
 
 
@@ -59,18 +63,25 @@ def simulate(scene: Scene, settings: Settings | None = None, times: np.ndarray |
     """Integrate a scene with the in-house solver.
 
     `times` (n_t,) in s start at 0 and increase; without them an even grid follows from the settings, on
-    multiples of the step for fixed-step methods. Raises ValueError for settings that make no sense and
-    InconsistentScene where the initial conditions break a constraint (unless they are to be projected).
-    Everything later is a status with a sentence.
+    multiples of the step for fixed-step methods. Raises ValueError for settings that make no sense,
+    UnsoundScene for parts that make none and InconsistentScene where the initial conditions break a
+    constraint (unless they are to be projected). Everything later is a status with a sentence; Ctrl-C keeps
+    what was computed.
     """
     settings = settings or Settings()
     plan = _plan(scene, settings, times)
+    require_sound(scene)
     started = time.perf_counter()
     system = compile_scene(scene)
     y = system.initial_state()
     built = time.perf_counter()
     system.set_mode_time(0.0)
-    notes = [*plan.notes, *_consistent_start(system, y, settings), *_redundancy(system, y)]
+    rank = _rank(system, y)
+    notes = [*plan.notes, *_consistent_start(system, y, settings), *_redundancy(system, rank)]
+    if rank is not None and rank < system.n_constraints and settings.ambiguous == "stop":
+        branches = ambiguous_start(system, y, rank)
+        if branches:
+            return _refused(system, branches, Status.SINGULAR)
     system.set_baumgarte(plan.baumgarte_gain)
     located = settings.events == "located"
     system.start_contacts(0.0, y, located)
@@ -82,8 +93,15 @@ def simulate(scene: Scene, settings: Settings | None = None, times: np.ndarray |
     ready = time.perf_counter()
     states, compliance, counts, status, message = _run_legs(system, plan, y)
     ended = time.perf_counter()
+    if status is Status.SUCCESS:
+        status, message = _resolved(system, plan, states, message)
     timing = Timing(build_s=built - started, first_call_s=ready - built, loop_s=ended - ready)
     return _trajectory(system, plan, states, compliance, counts, status, message, notes, timing)
+
+
+def integration_options(scene: Scene, settings: Settings, times: np.ndarray | None = None) -> Options:
+    """Return what `simulate` hands to its integrator: for callers that time the bare integrator."""
+    return _plan(scene, settings, times).options
 
 
 # --- before the run -------------------------------------------------------------------------------
@@ -122,7 +140,7 @@ def _plan(scene: Scene, settings: Settings, times: np.ndarray | None) -> _Plan:
         max_steps=settings.max_steps,
         max_events=settings.max_events,
         projection_tolerance=PROJECTION_TOLERANCE * size,
-        chunk=int(np.clip(CHUNK_NUMBERS // (6 * len(scene.bodies)), *CHUNK_STEPS)),
+        chunk=CHUNK,
     )
     gain = settings.baumgarte_gain if stabilization == "baumgarte" else 0.0
     return _Plan(integrator, settings, times, options, gain, notes)
@@ -207,13 +225,17 @@ def _consistent_start(system: System, y: np.ndarray, settings: Settings) -> list
 _RANK_CHECK_LIMIT = 600  # rows; a dense SVD beyond takes seconds and a tree without closures is regular
 
 
-def _redundancy(system: System, y: np.ndarray) -> list[str]:
+def _rank(system: System, y: np.ndarray) -> int | None:
+    """Return the rank of C_q at the start; None where it is not looked at."""
+    if system.n_closure_rows == 0 or system.n_constraints > _RANK_CHECK_LIMIT:
+        return None
+    return system.rank(0.0, y)
+
+
+def _redundancy(system: System, rank: int | None) -> list[str]:
     """Report dependent constraint rows at the start."""
     rows = system.n_constraints
-    if system.n_closure_rows == 0 or rows > _RANK_CHECK_LIMIT:
-        return []
-    rank = system.rank(0.0, y)
-    if rank == rows:
+    if rank is None or rank == rows:
         return []
     freedom = system.n_coordinates - rank
     return [
@@ -236,9 +258,27 @@ def _unstable(system: System, plan: _Plan, y: np.ndarray) -> str:
             "method, or refuse_unstable = False")  # fmt: skip
 
 
-def _refused(system: System, reason: str) -> Trajectory:
+def _refused(system: System, reason: str, status: Status = Status.REFUSED) -> Trajectory:
     none = system.poses(np.zeros((0, len(system.initial_state()))))
-    return Trajectory(times=np.zeros(0), **none._asdict(), status=Status.REFUSED, message=reason)
+    return Trajectory(times=np.zeros(0), **none._asdict(), status=status, message=reason)
+
+
+def _resolved(system: System, plan: _Plan, states: np.ndarray, message: str) -> tuple[Status, str]:
+    """Return success, or that the fixed step is too long for the motion that was to be followed.
+
+    Contact is left out: its events are located, and its stiffness was looked at before the run.
+    """
+    step = plan.options.step
+    if not step or plan.settings.unresolved == "keep" or system.scene.contacts:
+        return Status.SUCCESS, message
+    found = resolution(system, plan.integrator, plan.options, plan.times, states)
+    if not found.lost:
+        return Status.SUCCESS, message
+    return Status.UNRESOLVED, (
+        f"the step of {step:g} s does not resolve the motion: steps of half its size move body {found.body!r} "
+        f"elsewhere, most at t = {found.time:.6g} s, and over the run that adds up to {found.share:.2g} of the "
+        "whole motion; take a shorter step or an adaptive method, or unresolved = 'keep'"
+    )
 
 
 # --- the run --------------------------------------------------------------------------------------
@@ -253,45 +293,56 @@ def _first_call(system: System, plan: _Plan, y: np.ndarray) -> None:
 
 
 def _run_legs(system: System, plan: _Plan, y: np.ndarray):
-    """Integrate leg by leg: a declared breakpoint ends one and starts the next."""
+    """Integrate up to the last time or the first trouble; say what went wrong, where, and what is still good."""
     times = plan.times
     states = np.empty((len(times), len(y)))
     compliance = np.zeros(len(times))
     states[0] = y
-    filled = 1
     run = progress(0.0)
-    total = np.zeros(4, dtype=np.int64)
+    with Interrupts(run.counts, plan.options.max_steps) as interrupts:
+        filled, status, message = _legs(system, plan, run, y, states, compliance)
+    total = run.counts[[COUNT_STEPS, COUNT_REJECTED, COUNT_RHS, COUNT_EVENTS, COUNT_OWN]]
+    total[0] = interrupts.steps
+    if system.user_error is not None:
+        status, message = Status.ENGINE_ERROR, f"a user force raised {system.user_error!r}"
+    elif interrupts.asked and status is Status.TOO_MANY_STEPS:
+        status, message = Status.INTERRUPTED, f"interrupted at t = {run.clock[CLOCK_T]:.9g} s"
+    elif status is Status.ENDLESS_EVENTS:
+        message += f"; contact {system.scene.contacts[run.counts[COUNT_CONTACT]].name!r} was the last"
+    elif status is Status.SINGULAR and plan.options.rtol < EPS:
+        status = Status.STEP_TOO_SMALL
+        message = f"at t = {run.clock[CLOCK_T]:.9g} s rtol = {plan.options.rtol:.3g} asks for more than roundoff leaves"
+    elif status is not Status.SUCCESS:
+        stuck = float(run.clock[CLOCK_T])
+        message += culprit(system, stuck, y) + deeper_cause(system, status, stuck, y)
+    if status is Status.SUCCESS:
+        message = message or f"reached t = {times[-1]:g} s"
+    else:
+        message += f"; the last good output is at t = {times[filled - 1]:.9g} s"
+    return states[:filled], compliance[:filled], total, status, message
+
+
+def _legs(
+    system: System, plan: _Plan, run: Progress, y: np.ndarray, states: np.ndarray, compliance: np.ndarray
+) -> tuple[int, Status, str]:
+    """Integrate leg by leg: a declared breakpoint ends one and starts the next. Return samples, status, message."""
+    times, filled, carried, message = plan.times, 1, 0.0, ""
     inner = [t for t in system.scene.breakpoints() if 0.0 < t < times[-1]]
-    edges = np.array([0.0, *inner, times[-1]])
-    status, message, carried = Status.SUCCESS, "", 0.0
-    for start, end in itertools.pairwise(edges):
+    for start, end in itertools.pairwise([0.0, *inner, float(times[-1])]):
         system.set_mode_time(0.5 * (start + end))
         inside = times[(times > start) & (times <= end)]
         leg_times = np.unique(np.concatenate(([start], inside, [end])))
-        run.clock[0] = start
-        run.clock[CLOCK_H] = 0.0
-        with heard(run):
-            leg = plan.integrator.advance(system, plan.options, run, y, leg_times)
+        run.clock[CLOCK_T], run.clock[CLOCK_H] = start, 0.0
+        leg = plan.integrator.advance(system, plan.options, run, y, leg_times)
         for k in range(1, leg.reached):
             carried = max(carried, leg.compliance[k])
             if filled < len(times) and leg_times[k] == times[filled]:
                 states[filled], compliance[filled], carried = leg.states[k], carried, 0.0
                 filled += 1
-        status, message = leg.status, leg.message
-        if status is not Status.SUCCESS:
-            break
-        y[:] = leg.states[leg.reached - 1]
-    if status is Status.ENDLESS_EVENTS:
-        message += f"; contact {system.scene.contacts[run.counts[COUNT_CONTACT]].name!r} was the last"
-    total[:] = run.counts[[COUNT_STEPS, COUNT_REJECTED, COUNT_RHS, COUNT_EVENTS]]
-    if system.user_error is not None:
-        status, message = Status.ENGINE_ERROR, f"a user force raised {system.user_error!r}"
-    if not message and status is Status.SUCCESS:
-        message = f"reached t = {times[-1]:g} s"
-    elif status is not Status.SUCCESS:
-        blamed = culprit(system, status, float(run.clock[CLOCK_T]), y)
-        message += f"{'; ' if blamed else ''}{blamed}; the last good output is at t = {times[filled - 1]:.9g} s"
-    return states[:filled], compliance[:filled], total, status, message
+        if leg.status is not Status.SUCCESS:
+            return filled, leg.status, leg.message
+        y[:], message = leg.states[leg.reached - 1], leg.message
+    return filled, Status.SUCCESS, message
 
 
 def _trajectory(system, plan, states, compliance, counts, status, message, notes, timing) -> Trajectory:
@@ -306,13 +357,20 @@ def _trajectory(system, plan, states, compliance, counts, status, message, notes
         rejected_steps=int(counts[1]),
         rhs_calls=int(counts[2]),
         events=int(counts[3]),
+        method_switches=int(counts[4]) if plan.integrator.switches else None,
         timing=timing,
         step_compliance=np.column_stack((times, compliance)),
-        notes=tuple(notes),
+        notes=(*notes, *_switching(plan, int(counts[4]))),
         contacts=contacts,
         event_times=system.contact_events() if system.scene.contacts else None,
         reactions=_reactions(system, plan, times, states),
     )
+
+
+def _switching(plan: _Plan, count: int) -> tuple[str, ...]:
+    if not plan.integrator.switches:
+        return ()
+    return (f"{plan.integrator.name} changed {count} times between {plan.integrator.switches}",)
 
 
 def _reactions(system: System, plan: _Plan, times: np.ndarray, states: np.ndarray) -> dict[str, np.ndarray]:

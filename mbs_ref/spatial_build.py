@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from mbs_ref.celestial import CELESTIAL_TYPES, Epoch, Newton
 from mbs_ref.euler_parameters import rotation_matrices
 from mbs_ref.joint_graph import Edge
 from mbs_ref.kernels.spatial import model as arrays
@@ -247,6 +248,21 @@ def _bushings(build: _Builder) -> arrays.Bushings:
     )
 
 
+def _attraction(build: _Builder) -> arrays.Attraction:
+    """Return Newton's gm in elimination order; ValueError where a load acts on scenes of particles alone."""
+    others = [x.name for x in build.scene.loads if x.type in CELESTIAL_TYPES and not isinstance(x, Newton | Epoch)]
+    found = [x for x in build.scene.loads if isinstance(x, Newton)]
+    if others:
+        raise ValueError(
+            f"loads {', '.join(others)} act in scenes of free point masses alone; rigid bodies know newton"
+        )
+    if len(found) > 1:
+        raise ValueError(f"loads {', '.join(x.name for x in found)} are all of type newton; give one")
+    if found and len(found[0].gm) != build.n:
+        raise ValueError(f"load {found[0].name!r}: gm needs {build.n} entries, one a body; got {len(found[0].gm)}")
+    return arrays.Attraction(_floats(found[0].gm[i] for i in build.layout.order) if found else np.zeros(0))
+
+
 def _bodies(build: _Builder) -> arrays.Bodies:
     ordered: list[Any] = [build.scene.bodies[i] for i in build.layout.order]
     rigid = np.array([int(isinstance(b, SpatialBody)) for b in build.scene.bodies], dtype=np.int64)
@@ -289,6 +305,7 @@ def build_spatial(scene: Scene) -> tuple[arrays.SpatialGroups, dict[int, Place]]
         springs=_springs(build),
         torsion_springs=_torsion_springs(build),
         bushings=_bushings(build),
+        attraction=_attraction(build),
         signals=signal_arrays(build.segments),
         world=arrays.World(np.array(scene.gravity, dtype=float), np.zeros(1, dtype=np.int64), np.zeros(3)),
     )

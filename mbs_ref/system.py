@@ -50,6 +50,13 @@ class System(ABC):
         """Move y onto the constraints in place; return max |C| left."""
         return core.call_project(self.model, self.work, float(t), y, tolerance, most)
 
+    def free_direction(self, t: float, y: np.ndarray, random: np.random.Generator) -> np.ndarray:
+        """Return a random direction (n_state,) along the constraints at (t, y), its largest entry 1."""
+        x = random.standard_normal(len(y))
+        self.derivative(t, y)
+        core.call_tangent(self.model, self.work, x)
+        return x / max(1e-12, float(np.abs(x).max()))
+
     @property
     def n_positions(self) -> int:
         """Entries of the state that are positions and orientations; the rates follow. Half of it unless said."""

@@ -20,6 +20,7 @@ class Status(StrEnum):
     INCONSISTENT = "inconsistent"  # initial conditions break a constraint
     NOT_CONVERGED = "not-converged"  # an implicit step's iteration failed
     SINGULAR = "singular"  # a singular pose where the branch of the motion is ambiguous
+    UNRESOLVED = "unresolved"  # a fixed step so long that what came out is another motion
     COLLISION = "collision"  # two bodies came closer than the sum of their radii
     ENDLESS_EVENTS = "endless-events"  # contact events accumulate: endless bouncing (Zeno), or more than allowed
     REFUSED = "refused"  # stopped before the first step, with the reason
@@ -52,12 +53,14 @@ class Trajectory:
     rejected_steps: int = 0
     rhs_calls: int = 0
     events: int = 0  # contact events located
+    method_switches: int | None = None  # changes between families such as Adams and BDF, where the method tells
     timing: Timing = field(default_factory=Timing)
     reactions: dict[str, np.ndarray] = field(default_factory=dict)  # joint -> (n_t, 3): force on body_b at the joint point (N, N, world) and torque (N m)
     contacts: dict[str, np.ndarray] = field(default_factory=dict)  # contact -> (n_t, 5): depth (m), force on body_a (N, N, world), its point (m, m)
     event_times: np.ndarray | None = None  # (n_events, 2) time s and contact's index, where the engine locates events
     step_compliance: np.ndarray | None = None  # (n_samples, 2) time s, max |C| over the steps since the last sample
     notes: tuple[str, ...] = ()  # what the user should know: corrections applied, redundant rows, warnings
+    unreported: bool = False  # the engine itself said nothing: the failure in `status` was found by looking at its numbers
 
     @property
     def ok(self) -> bool:

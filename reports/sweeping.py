@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from contextlib import ExitStack
+from contextlib import AbstractContextManager, ExitStack, nullcontext
 from pathlib import Path
 
 import click
@@ -35,8 +35,8 @@ def sweep_records(
         inputs.engine(name)
     with ExitStack() as stack:
         report = stack.enter_context(progress(f"sweep {scene.name}"))
-        call = _caller(stack, scene, timeout, memory_mib)
-        records = _begun(stack, target)
+        call = stack.enter_context(isolated(scene, timeout, memory_mib))
+        records = begun(stack, target)
         try:
             names = list(chosen) or engines.names()
             fresh = sweep.sweep(scene, names, list(methods) or None, report, call=call, known=tuple(records))
@@ -49,16 +49,18 @@ def sweep_records(
     return records
 
 
-def _caller(stack: ExitStack, scene: Scene, timeout: float | None, memory_mib: float | None) -> Caller:
-    """A user's Python force cannot travel to another process."""
+def isolated(
+    scene: Scene, timeout: float | None = None, memory_mib: float | None = None
+) -> AbstractContextManager[Caller]:
+    """Return what makes calls in a process of their own; a user's Python force cannot travel to another process."""
     if any(isinstance(load, UserForce) for load in scene.loads):
-        return direct
+        return nullcontext(direct)
     memory = MEMORY if memory_mib is None else int(memory_mib * 2**20)
-    return stack.enter_context(Isolated(timeout or TIMEOUT, memory))
+    return Isolated(timeout or TIMEOUT, memory)
 
 
-def _begun(stack: ExitStack, target: Path | None) -> list[Record]:
-    """Return what an interrupted sweep left in the file, and keep others from writing it."""
+def begun(stack: ExitStack, target: Path | None) -> list[Record]:
+    """Return what interrupted work left in the file, and keep others from writing it."""
     if target is None:
         return []
     try:

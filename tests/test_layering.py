@@ -10,7 +10,7 @@ import pytest
 
 ROOT = Path(__file__).parent.parent
 LAYERS = ("mbs_ref", "cross_checks", "benchmarks", "reports", "tests")  # lowest first
-ENGINE_PACKAGES = frozenset({"exudyn", "pinocchio", "mujoco", "rebound", "reboundx", "astropy"})
+ENGINE_PACKAGES = frozenset({"exudyn", "pinocchio", "mujoco", "rebound", "reboundx", "heyoka", "astropy"})
 FILES = sorted(path for layer in LAYERS for path in (ROOT / layer).rglob("*.py"))
 
 
@@ -26,11 +26,11 @@ def imported(path: Path) -> Iterator[str]:
 
 def in_adapter(path: Path) -> bool:
     """Tell whether a file is an adapter <name>_.py, or part of an adapter's package <name>_."""
-    adapters = ROOT / "cross_checks" / "engines"
-    if not path.is_relative_to(adapters):
-        return False
-    top = path.relative_to(adapters).parts[0].removesuffix(".py")
-    return top.endswith("_") and not top.startswith("_")
+    for adapters in (ROOT / "cross_checks" / "engines", ROOT / "cross_checks" / "ephemerides"):
+        if path.is_relative_to(adapters):
+            top = path.relative_to(adapters).parts[0].removesuffix(".py")
+            return top.endswith("_") and not top.startswith("_")
+    return False
 
 
 def label(path: Path) -> str:

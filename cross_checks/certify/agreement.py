@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from cross_checks.certify.branches import extrapolate_branches
 from cross_checks.certify.extrapolation import extrapolate
 from cross_checks.certify.runge_kutta import runge_kutta
 
@@ -23,6 +24,9 @@ class Formulation:
     derivative: Callable  # (t, y) -> dy/dt in y's precision
     start: np.ndarray  # (n,) y at t = 0
     poses: Callable  # (t, y) -> position (n_bodies, 2) m, angle (n_bodies,) rad
+    frozen: Callable | None = None  # (t, y, on) -> dy/dt where forces set in or let go: in the branches `on`
+    switches: Callable | None = None  # (t, y) -> (n_switches,): on where positive
+    breakpoints: tuple[float, ...] = ()  # s, where the derivative is not smooth in time
 
 
 @dataclass(frozen=True)
@@ -36,28 +40,40 @@ class Agreement:
     uncertainty: float  # m
 
 
-def agree(first: Formulation, second: Formulation, times: np.ndarray, *, extended: bool) -> Agreement:
+def agree(
+    first: Formulation, second: Formulation, times: np.ndarray, *, extended: bool, rk_tolerance: float = RK_TOLERANCE
+) -> Agreement:
     """Solve `first` by DOP853 and `second` by extrapolation (in extended precision if asked); compare world points.
 
+    Where forces set in or let go, DOP853 is left to find it by its error control and extrapolation locates it.
     The uncertainty is the difference plus the roundoff of double data magnified by the motion; where the
     latter alone exceeds LARGEST_UNCERTAINTY the second run is spared.
     """
-    grid, asked = _from_zero(times)
+    grid, asked = _grid(times, (*first.breakpoints, *second.breakpoints))
     kind = np.longdouble if extended else float
     tolerance = 64 * float(np.finfo(kind).eps)
-    coarse = _poses(first, grid, runge_kutta(first.derivative, first.start, grid, RK_TOLERANCE))
-    sensitivity = _sensitivity(first, grid, coarse[0])
+    coarse = _poses(first, grid, runge_kutta(first.derivative, first.start, grid, rk_tolerance))
+    sensitivity = _sensitivity(first, grid, coarse[0], rk_tolerance)
     if DOUBLE_EPS * sensitivity > LARGEST_UNCERTAINTY:
         return Agreement(coarse[0][asked], coarse[1][asked], float("nan"), sensitivity, DOUBLE_EPS * sensitivity)
-    fine = _poses(second, grid, extrapolate(second.derivative, second.start.astype(kind), grid, tolerance))
+    fine = _poses(second, grid, _extrapolated(second, second.start.astype(kind), grid, tolerance))
     difference = float(np.max(np.abs(fine[0] - coarse[0])))
     uncertainty = difference + DOUBLE_EPS * max(1.0, sensitivity)
     return Agreement(fine[0][asked], fine[1][asked], difference, sensitivity, uncertainty)
 
 
-def _from_zero(times: np.ndarray) -> tuple[np.ndarray, slice]:
+def _extrapolated(formulation: Formulation, start: np.ndarray, grid: np.ndarray, tolerance: float) -> np.ndarray:
+    if formulation.frozen is None or formulation.switches is None:
+        return extrapolate(formulation.derivative, start, grid, tolerance)
+    return extrapolate_branches(formulation.frozen, formulation.switches, start, grid)
+
+
+def _grid(times: np.ndarray, breakpoints: tuple[float, ...]) -> tuple[np.ndarray, np.ndarray]:
+    """Return the times to stop at, from 0 on, and which of them were asked for."""
     times = np.asarray(times, dtype=float)
-    return (times, slice(None)) if times[0] == 0.0 else (np.concatenate([[0.0], times]), slice(1, None))
+    inner = [t for t in breakpoints if 0.0 < t < times[-1]]
+    grid = np.unique(np.concatenate(([0.0], times, inner)))
+    return grid, np.searchsorted(grid, times)
 
 
 def _poses(formulation: Formulation, times: np.ndarray, states: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -65,8 +81,8 @@ def _poses(formulation: Formulation, times: np.ndarray, states: np.ndarray) -> t
     return tuple(np.array(part, dtype=float) for part in zip(*found, strict=True))  # type: ignore[return-value]
 
 
-def _sensitivity(formulation: Formulation, times: np.ndarray, position: np.ndarray) -> float:
+def _sensitivity(formulation: Formulation, times: np.ndarray, position: np.ndarray, tolerance: float) -> float:
     """Nudge the start at random and see how far the motion moves away."""
     signs = np.random.default_rng(0).choice([-1.0, 1.0], size=len(formulation.start))
-    states = runge_kutta(formulation.derivative, formulation.start + NUDGE * signs, times, RK_TOLERANCE)
+    states = runge_kutta(formulation.derivative, formulation.start + NUDGE * signs, times, tolerance)
     return float(np.max(np.abs(_poses(formulation, times, states)[0] - position))) / NUDGE

@@ -8,6 +8,7 @@ import numpy as np
 
 COLUMNS = 11  # order 22 at most
 EASY = 7  # converged this early, the next step may be longer
+SMALLEST_STEP = 1e-9  # s
 
 
 class NoConvergenceError(ArithmeticError):
@@ -27,10 +28,10 @@ def extrapolate(derivative: Callable, start: np.ndarray, times: np.ndarray, tole
         while t < goal:
             whole = step >= goal - t
             h = goal - t if whole else step
-            y_next, columns = _step(derivative, t, y, h, tolerance)
+            y_next, columns = attempt(derivative, t, y, h, tolerance)
             if y_next is None:
                 step = h / 2
-                if step < 1e-9:
+                if step < SMALLEST_STEP:
                     raise NoConvergenceError(f"extrapolation stalls at t = {float(t):.6g} s")
                 continue
             t, y = goal if whole else t + h, y_next
@@ -39,8 +40,8 @@ def extrapolate(derivative: Callable, start: np.ndarray, times: np.ndarray, tole
     return states
 
 
-def _step(derivative: Callable, t, y: np.ndarray, h, tolerance: float) -> tuple[np.ndarray | None, int]:
-    """One step and the columns it took; None where they do not converge."""
+def attempt(derivative: Callable, t, y: np.ndarray, h, tolerance: float) -> tuple[np.ndarray | None, int]:
+    """Return the state after one step and the columns it took; None where they do not converge."""
     row: list[np.ndarray] = []
     slope = derivative(t, y)
     scale = max(1.0, float(np.max(np.abs(y))))

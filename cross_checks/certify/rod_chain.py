@@ -93,7 +93,7 @@ def _mass(c: np.ndarray, cos: np.ndarray, sin: np.ndarray) -> np.ndarray:
 def solve(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
     """Solve a positive definite system in the precision of `right` (compiled code knows double only)."""
     if right.dtype == np.float64:
-        return _cholesky_solve(matrix, right)
+        return factor_and_solve(matrix, right)
     n = len(right)
     work = np.column_stack([matrix, right])
     for k in range(n):
@@ -106,7 +106,7 @@ def solve(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
 
 
 @numba.njit(cache=True)
-def _cholesky_solve(matrix, right):
+def factor_and_solve(matrix, right):
     """Plain loops: a threaded LAPACK call is 30 times slower at this size on a busy machine."""
     n = len(right)
     low, x = matrix.copy(), right.copy()

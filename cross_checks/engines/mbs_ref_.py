@@ -18,6 +18,7 @@ from mbs_ref.particle_scene import is_celestial
 from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import InconsistentScene, simulate
+from mbs_ref.soundness import UnsoundScene
 from mbs_ref.trajectory import Status, Trajectory
 
 PART_TYPES = (
@@ -35,6 +36,7 @@ class MbsRef(Engine):
 
     name: ClassVar[str] = "mbs_ref"
     package: ClassVar[str] = "mbs_ref"
+    checks_start: ClassVar[bool] = True
     part_types: ClassVar[frozenset[str]] = frozenset(PART_TYPES.split()) | CELESTIAL_TYPES
 
     def methods(self) -> tuple[Method, ...]:
@@ -65,6 +67,8 @@ class MbsRef(Engine):
             return simulate(scene, settings, times)
         except InconsistentScene as error:
             return stopped(scene, Status.INCONSISTENT, str(error))
+        except UnsoundScene as error:
+            return stopped(scene, Status.REFUSED, str(error))
 
 
 def _impossible(scene: Scene) -> list[Refusal]:

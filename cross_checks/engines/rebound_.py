@@ -14,9 +14,9 @@ import rebound
 
 from cross_checks.engine import Engine, Method, Refusal
 from cross_checks.outcome import End, Plan, end_of, plan_run, trajectory
-from mbs_ref.celestial import Newton, Oblateness, Relativity
+from mbs_ref.celestial import Oblateness, Relativity
 from mbs_ref.cores import compile_scene
-from mbs_ref.particle_scene import is_celestial
+from mbs_ref.particle_scene import attraction, free_fall_time, is_celestial
 from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings
 from mbs_ref.trajectory import Status, Timing, Trajectory
@@ -64,7 +64,7 @@ class Rebound(Engine):
             return plan
         begun = perf_counter()
         simulation, extras = _simulation(scene)
-        _choose(simulation, plan)
+        _choose(simulation, plan, free_fall_time(scene))
         built = perf_counter()
         states, end, steps = _advance(simulation, plan, len(scene.bodies))
         looped = perf_counter()
@@ -86,6 +86,8 @@ def _untaught(scene: Scene) -> list[str]:
         for load in zonal
         if load.pole != "fixed" or load.axis != (0.0, 0.0, 1.0) or any(load.zonal[1:])
     ]
+    if any(scene.gravity):
+        found.append(f"gravity = {scene.gravity}: rebound is taught no uniform field")
     needs = any(isinstance(load, Relativity | Oblateness) for load in scene.loads)
     missing = needs and find_spec("reboundx") is None
     return [*found, "relativity and oblateness need the package reboundx"] if missing else found
@@ -102,11 +104,9 @@ def _impossible(scene: Scene) -> list[str]:
 
 def _simulation(scene: Scene) -> tuple[Any, Any]:
     """Return the simulation in SI units with G = 1 and gm as masses, and its extras, which must stay alive."""
-    newton = [load for load in scene.loads if isinstance(load, Newton)]
-    gm = newton[0].gm if newton else (0.0,) * len(scene.bodies)
     simulation = rebound.Simulation()
     simulation.G = 1.0
-    for mass, body in zip(gm, scene.bodies, strict=True):
+    for mass, body in zip(attraction(scene), scene.bodies, strict=True):
         (x, y, z), (u, v, w) = body.position, body.velocity  # pyright: ignore[reportAssignmentType]
         simulation.add(m=mass, x=x, y=y, z=z, vx=u, vy=v, vz=w)
     return simulation, _extras(simulation, scene)
@@ -131,25 +131,17 @@ def _extras(simulation: Any, scene: Scene) -> Any:
     return extras
 
 
-def _choose(simulation: Any, plan: Plan) -> None:
+def _choose(simulation: Any, plan: Plan, free_fall: float) -> None:
     name = plan.method.name
     simulation.integrator = "saba10,6,4" if name == "saba" else name
     if plan.method.kind == "fixed":
         simulation.dt = plan.step
         return
-    simulation.dt = START * _free_fall(simulation)
+    simulation.dt = START * free_fall
     if name == "ias15":
         simulation.integrator.epsilon = plan.rtol
     else:
         simulation.integrator.eps_rel, simulation.integrator.eps_abs = plan.rtol, plan.atol
-
-
-def _free_fall(simulation: Any) -> float:
-    """Return the least sqrt(r^3 / gm) of any pair (s)."""
-    particles = list(simulation.particles)
-    pairs = [(p, q) for k, p in enumerate(particles) for q in particles[:k] if p.m + q.m > 0.0]
-    gaps = [((p.x - q.x) ** 2 + (p.y - q.y) ** 2 + (p.z - q.z) ** 2, p.m + q.m) for p, q in pairs]
-    return min(((r2**1.5 / m) ** 0.5 for r2, m in gaps), default=1.0)
 
 
 def _advance(simulation: Any, plan: Plan, n: int) -> tuple[np.ndarray, End, int]:

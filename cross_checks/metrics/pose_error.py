@@ -16,8 +16,6 @@ def pose_error(scene: Scene, trajectory: Trajectory, truth: Truth) -> np.ndarray
     The points are the centres of mass and, in space, also points one radius of gyration away: a body that
     turns about a centre at rest is elsewhere too. The samples that both reached are compared.
     """
-    if truth.origin is not None:
-        return _seen_from_origin(trajectory.position, truth)
     centres = distance(trajectory.position, truth.position)
     if not any(isinstance(body, SpatialBody) for body in scene.bodies):
         return centres
@@ -31,13 +29,6 @@ def arms(scene: Scene) -> np.ndarray:
 
 def _arm(body: SpatialBody) -> float:
     return float(np.sqrt(np.linalg.eigvalsh(body.inertia_matrix)[-1] / body.mass))
-
-
-def _seen_from_origin(position: np.ndarray, truth: Truth) -> np.ndarray:
-    """Compare what the truth covers, as seen from its origin: the body whose name it gives comes first in the scene."""
-    kept = [k for k in range(position.shape[1]) if truth.covers(k)]
-    own, true = (part[:, kept] - part[:, :1] for part in (position, truth.position))
-    return distance(own, true)
 
 
 def distance(position: np.ndarray, other: np.ndarray) -> np.ndarray:

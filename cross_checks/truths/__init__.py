@@ -13,6 +13,7 @@ import numpy as np
 from cross_checks.certify.agreement import LARGEST_UNCERTAINTY
 from cross_checks.certify.extrapolation import NoConvergenceError
 from mbs_ref import scenes
+from mbs_ref.particle_scene import unit_length
 from mbs_ref.scene import Scene
 
 
@@ -23,13 +24,9 @@ class Truth:
     position: np.ndarray  # (n_t, n_bodies, dimension) m, centres of mass
     angle: np.ndarray  # (n_t, n_bodies) rad; in space (n_t, n_bodies, 4) Euler parameters
     uncertainty: float  # m, of every world point at every time
-    kind: Literal["exact", "published", "converged", "ephemeris"]
+    kind: Literal["exact", "published", "converged"]
     how: str  # one sentence
-    origin: str | None = None  # the body that places are seen from; None for the world's origin
-
-    def covers(self, body: int) -> bool:
-        """Return whether the truth knows where the body (its index in the scene) is."""
-        return bool(np.all(np.isfinite(self.position[:, body])))
+    difference: float | None = None  # m, between two unlike ways to it; None where it was found in one
 
 
 @dataclass(frozen=True)
@@ -54,14 +51,14 @@ def seek_truth(scene: Scene, times: np.ndarray) -> Truth | NoTruth:
     """Return the truth, or the reason for having none. Answers are kept in memory."""
     if scene.name not in known():
         return NoTruth(f"no truth is known for a scene named {scene.name}")
-    if not _is_ours(scene):
+    if not is_unchanged(scene):
         return NoTruth(f"the scene differs from {scene.name} with its parameters, for which the truth is known")
     parameters = tuple(sorted(scene.parameters.items()))
     return _solved(scene.name, parameters, tuple(np.asarray(times, dtype=float).tolist()))
 
 
-def _is_ours(scene: Scene) -> bool:
-    """A scene may carry a known name and yet other bodies: only the same physics has the same truth."""
+def is_unchanged(scene: Scene) -> bool:
+    """Return whether the scene is what its name and parameters build: only the same physics has the same truth."""
     try:
         ours = scenes.make(scene.name, **scene.parameters)
     except ValueError:
@@ -73,11 +70,13 @@ def _is_ours(scene: Scene) -> bool:
 @lru_cache(maxsize=64)
 def _solved(name: str, parameters: tuple, times: tuple[float, ...]) -> Truth | NoTruth:
     solver = importlib.import_module(f"{__name__}.{name}")
+    scene = scenes.make(name, **dict(parameters))
     try:
-        found = solver.solve(scenes.make(name, **dict(parameters)), np.array(times))
+        found = solver.solve(scene, np.array(times))
     except NoConvergenceError as error:
         return NoTruth(f"the truth does not converge: {error}")
-    if isinstance(found, Truth) and found.kind != "ephemeris" and not found.uncertainty <= LARGEST_UNCERTAINTY:
-        known_to, limit = f"{found.uncertainty:.1e} m", f"{LARGEST_UNCERTAINTY:.0e} m"
+    largest = LARGEST_UNCERTAINTY * unit_length(scene)
+    if isinstance(found, Truth) and not found.uncertainty <= largest:
+        known_to, limit = f"{found.uncertainty:.1e} m", f"{largest:.0e} m"
         return NoTruth(f"the truth is uncertain by {known_to}, more than {limit}: the motion is too sensitive")
     return found

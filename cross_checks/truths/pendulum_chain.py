@@ -35,4 +35,4 @@ def converged(rods: Rods, times: np.ndarray) -> Truth:
         f"Hamilton's equations in absolute angles by extrapolation in {precision} precision; "
         f"Lagrange's by DOP853 differ by {found.difference:.1e} m; a start error grows {found.sensitivity:.1e}-fold"
     )
-    return Truth(found.position, found.angle, found.uncertainty, "converged", how)
+    return Truth(found.position, found.angle, found.uncertainty, "converged", how, difference=found.difference)

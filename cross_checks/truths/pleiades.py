@@ -25,7 +25,7 @@ def solve(scene: Scene, times: np.ndarray) -> Truth | NoTruth:
     gap = float(np.abs(position[-1] - published).max())
     position[-1] = published
     how = "Hairer, Norsett, Wanner (1993); before the end by Gauss-Legendre of order 16, which ends there"
-    return Truth(position, np.zeros((len(times), 7)), max(KNOWN_TO, gap), "published", how)
+    return Truth(position, np.zeros((len(times), 7)), max(KNOWN_TO, gap), "published", how, difference=gap)
 
 
 def _inner(scene: Scene, times: np.ndarray) -> np.ndarray:

@@ -22,7 +22,7 @@ def solve(scene: Scene, times: np.ndarray) -> Truth:
         "Hamilton's equations in the crank angle by extrapolation in extended precision; "
         f"Lagrange's by DOP853 differ by {found.difference:.1e} m"
     )
-    return Truth(found.position, found.angle, found.uncertainty, "converged", how)
+    return Truth(found.position, found.angle, found.uncertainty, "converged", how, difference=found.difference)
 
 
 @dataclass(frozen=True)

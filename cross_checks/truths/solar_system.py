@@ -1,26 +1,36 @@
-"""The solar system as JPL's DE440 has it: heliocentric, ICRF equatorial axes, TDB."""
+"""The solar system's model, converged; how near the model is to reality, cross_checks.observed asks."""
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
+from cross_checks.certify.particles import converge
 from cross_checks.truths import NoTruth, Truth
-from mbs_ref import ephemeris
-from mbs_ref.scene import Scene
-from mbs_ref.scenes.solar_system import julian_date
-
-STORED_TO = 1e-3  # m: what DE440's Chebyshev series keep of the integration (Park et al. 2021, sec. 1)
+from mbs_ref import scenes
+from mbs_ref.scene import Scene, SpatialBody
 
 
 def solve(scene: Scene, times: np.ndarray) -> Truth | NoTruth:
-    """Read DE440; asteroids are part of the model and are not judged, and the lumped Earth is read as the Earth."""
-    jd = julian_date(str(scene.parameters["start"]))
-    position = np.full((len(times), len(scene.bodies), 3), np.nan)
-    try:
-        for k, name in enumerate(scene.body_names):
-            if name in ephemeris.BODIES:
-                position[:, k] = ephemeris.positions(name, jd, times)
-    except ephemeris.EphemerisError as error:
-        return NoTruth(str(error))
-    how = f"{ephemeris.describe()}, seen from the Sun; DE421 differs by 0.2 km (Earth) to 489 km (Neptune) in 1998"
-    return Truth(position, np.zeros(position.shape[:2]), STORED_TO, "ephemeris", how, origin="sun")
+    """Return the motion of the scene's own equations; a sphere's steady spin is exact."""
+    if scene.parameters["formulation"] == "point":
+        return converge(scene, times)
+    points = {**scene.parameters, "formulation": "point", "spin": False}
+    found = converge(scenes.make(scene.name, **points), times)
+    return found if isinstance(found, NoTruth) else replace(found, angle=_turned(scene, times))
+
+
+def _turned(scene: Scene, times: np.ndarray) -> np.ndarray:
+    """Return the Euler parameters (n_t, n_bodies, 4) of spheres that turn steadily from the identity."""
+    result = np.zeros((len(times), len(scene.bodies), 4))
+    result[..., 0] = 1.0
+    for k, body in enumerate(scene.bodies):
+        assert isinstance(body, SpatialBody)
+        rate = np.linalg.norm(body.angular_velocity)
+        if rate > 0.0:
+            half = 0.5 * rate * times
+            result[:, k] = np.column_stack(
+                (np.cos(half), np.outer(np.sin(half), np.array(body.angular_velocity) / rate))
+            )
+    return result

@@ -17,7 +17,7 @@ def solve(scene: Scene, times: np.ndarray) -> Truth:
         "polar Hamilton's equations by extrapolation in extended precision; "
         f"Newton's in x, y by DOP853 differ by {found.difference:.1e} m"
     )
-    return Truth(found.position, found.angle, found.uncertainty, "converged", how)
+    return Truth(found.position, found.angle, found.uncertainty, "converged", how, difference=found.difference)
 
 
 def _cartesian(rest_length, mass, stiffness, damping, gravity) -> Formulation:

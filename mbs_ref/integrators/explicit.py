@@ -19,6 +19,7 @@ from mbs_ref.integrators.leg import (
     NON_FINITE,
     RUNNING,
     SINGULAR,
+    STALLED,
     STEP_TOO_SMALL,
     TOO_MANY_STEPS,
     Advance,
@@ -26,7 +27,6 @@ from mbs_ref.integrators.leg import (
     Options,
     Pace,
     Progress,
-    drive,
     finish_leg,
 )
 from mbs_ref.integrators.step_control import close_step, first_step, record, weighted_norm
@@ -275,8 +275,12 @@ def explicit(tableau: Tableau) -> Advance:
         worst = np.zeros(len(times))
         states[0] = y
         run.counts[COUNT_OUTPUT] = 1
-        pace = Pace(float(times[0]), float(times[-1]), options.max_steps)
-        arguments = (system.model, system.work, tableau, options, run, y, times, states, worst)
-        return finish_leg(drive(lambda: advance_explicit(*arguments), run, pace), states, worst, run)
+        pace = Pace(float(times[0]), float(times[-1]), options.max_steps, options.chunk)
+        code = RUNNING
+        while code == RUNNING:
+            code = advance_explicit(system.model, system.work, tableau, options, run, y, times, states, worst)
+            if code == RUNNING and pace.is_hopeless(float(run.clock[CLOCK_T]), int(run.counts[COUNT_STEPS])):
+                code = STALLED
+        return finish_leg(code, states, worst, run)
 
     return advance

@@ -14,6 +14,8 @@ chosen for e = rtol^(7/16).
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from mbs_ref.integrators.gauss_coefficients import STAGES, gauss
@@ -35,7 +37,6 @@ from mbs_ref.integrators.leg import (
     Leg,
     Options,
     Progress,
-    drive,
     finish_leg,
 )
 from mbs_ref.integrators.step_control import all_finite
@@ -46,6 +47,7 @@ from mbs_ref.kernels.particles.pair import combine
 from mbs_ref.system import System
 from mbs_ref.trajectory import Status
 
+CLOCK_LAST = 3  # s, place in the clock of the step before
 COLLISION = 100  # code of this loop alone: two bodies came closer than the sum of their radii
 TINY_RTOL = 1e-18  # a hundredth of roundoff a step: over 1e4 steps its steady growth stays below the random walk
 MOST_ITERATIONS = 30
@@ -151,17 +153,24 @@ def _place_stages(g, h, lanes, y, f, fixed, trial, moves):
 
 @jit
 def _fix(g, h, y, low, f, fixed):
-    """Fill what no iteration changes: low + c_i h v + the dropped digits of the coefficients."""
+    """Fill what no iteration changes: low + c_i h v + what rounding drops from h, h^2 and the coefficients.
+
+    Where steps are equal those roundings are the same in every step: left alone, energy drifts steadily.
+    """
     n = f.shape[0]
+    h2, h2_low = _two_product(h, h)
     for b in range(n):
         for c in range(3):
             k = 3 * b + c
             v, v_low = y[3 * n + k], low[3 * n + k]
             for i in range(STAGES):
-                tail = 0.0
+                lead, tail = 0.0, 0.0
                 for j in range(STAGES):
+                    lead += g.abar[j, i] * f[b, c, j]
                     tail += g.abar_low[j, i] * f[b, c, j]
-                fixed[b, c, i] = h * g.c[i] * v + (low[k] + h * (g.c[i] * v_low + g.c_low[i] * v) + h * h * tail)
+                hc, hc_low = _two_product(h, g.c[i])
+                small = hc * v_low + (hc_low + h * g.c_low[i]) * v + (h2 * tail + h2_low * lead)
+                fixed[b, c, i] = hc * v + (low[k] + small)
 
 
 @jit
@@ -216,6 +225,7 @@ def _roughness(g, f):
 def _finish(g, h, y, low, f):
     """Advance y and its low part by the step, with compensated sums."""
     n3 = 3 * f.shape[0]
+    h2, h2_low = _two_product(h, h)
     for b in range(f.shape[0]):
         for c in range(3):
             k = 3 * b + c
@@ -227,97 +237,134 @@ def _finish(g, h, y, low, f):
                 tail_v += g.b_low[j] * f[b, c, j]
             p, e = _two_product(h, y[n3 + k])
             x, e1 = _two_sum(y[k], p)
-            x, e2 = _two_sum(x, h * h * dx)
-            rest = low[k] + ((e + h * low[n3 + k]) + h * h * tail_x) + (e1 + e2)
+            x, e2 = _two_sum(x, h2 * dx)
+            rest = low[k] + ((e + h * low[n3 + k]) + h2 * tail_x + h2_low * dx) + (e1 + e2)
             y[k], low[k] = _two_sum(x, rest)
             p, e = _two_product(h, dv)
             v, e1 = _two_sum(y[n3 + k], p)
             y[n3 + k], low[n3 + k] = _two_sum(v, (low[n3 + k] + e + h * tail_v) + e1)
 
 
+class Stages(NamedTuple):
+    """What the steps of a leg share, each (n, 3, STAGES): m/s^2 or m."""
+
+    f: np.ndarray  # stage accelerations, of the step under way
+    old: np.ndarray  # the same of the step before
+    fixed: np.ndarray  # the part of delta that no iteration changes
+    trial: np.ndarray  # delta of the next iteration
+    zero: np.ndarray
+    table: np.ndarray  # (STAGES, STAGES) weights of the extrapolation
+
+
+def _stages(n: int) -> Stages:
+    return Stages(*(np.zeros((n, 3, STAGES)) for _ in range(5)), np.zeros((STAGES, STAGES)))
+
+
 @jit
-def advance_gauss(model, work, g, options, run, y, low, f, times, states):
-    """Advance y through times[1:], in place; return a status code (RUNNING when the chunk is used up)."""
-    clock, counts = run.clock, run.counts
-    n = f.shape[0]
-    particles = particles_of(model)
-    adaptive = options.step == 0.0
-    rtol = max(options.rtol, TINY_RTOL) if adaptive else TINY_RTOL
+def _copy(target, source):
+    for b in range(source.shape[0]):
+        for c in range(3):
+            for k in range(STAGES):
+                target[b, c, k] = source[b, c, k]
+
+
+@jit
+def _targets(model, options):
+    """Return the size of coefficient 7 to aim at, and the change at which the iteration may end."""
+    rtol = TINY_RTOL
+    if options.step == 0.0:
+        rtol = max(options.rtol, TINY_RTOL)
     goal = rtol ** (7.0 / 16.0)
     if lights_of(model).body.shape[0] > 0:
         goal = max(rtol, SHADOW)  # a shadow's edge is not analytic: there the error is about e itself
-    enough = max(LOOSE * rtol, 0.0) if adaptive and rtol > 1e-13 else 0.0
-    budget = counts[COUNT_STEPS] + options.chunk
-    old = np.empty_like(f)
-    fixed = np.empty_like(f)
-    trial = np.empty_like(f)
-    zero = np.zeros_like(f)
-    table = np.empty((STAGES, STAGES))
-    if adaptive and clock[CLOCK_H] == 0.0:
-        clock[CLOCK_H] = min(FIRST * free_fall(particles.gm, y, n), times[-1] - times[0])
-    last = 0.0  # s, the step that f belongs to; 0 where there is none
-    if clock[3] > 0.0:
-        last = clock[3]
+    return goal, LOOSE * rtol if rtol > 1e-13 else 0.0
+
+
+@jit
+def _propose(clock, target, step):
+    """Return when the next step ends, its length and whether it ends at the target; `step` is 0 when adaptive."""
+    t = clock[CLOCK_T]
+    reach = target - t
+    wanted = step if step > 0.0 else clock[CLOCK_H]
+    if wanted >= reach * (1.0 - 1e-9):
+        return target, reach, True
+    h = wanted if step > 0.0 else reach / np.ceil(reach / wanted)  # even steps, not a whole one and a sliver
+    return t + h, (t + h) - t, False  # what time's own rounding leaves
+
+
+@jit
+def _attempt(model, work, g, t, h, y, low, stages, last, enough):
+    """Solve the step's equations from the extrapolated step before, `last` (s); as `_iterate`."""
+    if last > 0.0:
+        _extrapolate(g, h / last, stages.old, stages.zero, stages.table, stages.f)
     else:
-        for b in range(n):
-            for c in range(3):
-                for k in range(STAGES):
-                    f[b, c, k] = 0.0
-    for b in range(n):
-        for c in range(3):
-            for k in range(STAGES):
-                old[b, c, k] = f[b, c, k]
+        _copy(stages.f, stages.zero)
+    return _iterate(model, work, g, t, h, y, low, stages.f, stages.fixed, stages.trial, enough)
+
+
+@jit
+def _factor(g, f, made, goal):
+    """Return by how much the step might have been longer."""
+    if made < 0:
+        return 0.25
+    rough = _roughness(g, f)
+    return GROW if rough == 0.0 else min(GROW, max(SHRINK, (goal / rough) ** (1.0 / 7.0)))
+
+
+@jit
+def _lengthen(clock, h, factor):
+    """Set the next step; one cut short to land on an output leaves the longer one proposed before."""
+    grown = h * (factor * SAFETY if factor < GROW else GROW)
+    clock[CLOCK_H] = max(grown, clock[CLOCK_H]) if factor * SAFETY >= 1.0 else grown
+
+
+@jit
+def _broken(f):
+    return NOT_CONVERGED if all_finite(f.ravel()) else NON_FINITE
+
+
+@jit
+def _one_step(model, work, g, options, run, y, low, stages, target, goal, enough):
+    """Make one attempt; return a code, RUNNING where the run goes on, and whether it has reached the target."""
+    clock, counts = run.clock, run.counts
+    adaptive = options.step == 0.0
+    t_new, h, lands = _propose(clock, target, options.step)
+    if h <= 0.0 or (adaptive and not lands and clock[CLOCK_H] < SMALLEST * clock[CLOCK_T]):
+        return STEP_TOO_SMALL, False
+    made = _attempt(model, work, g, clock[CLOCK_T], h, y, low, stages, clock[CLOCK_LAST], enough)
+    counts[COUNT_RHS] += STAGES * abs(made)
+    if made < 0 and not adaptive:
+        return _broken(stages.f), False
+    factor = _factor(g, stages.f, made, goal) if adaptive else 1.0
+    if factor < 1.0 / ACCEPT:
+        counts[COUNT_REJECTED] += 1
+        clock[CLOCK_H] = h * SAFETY * factor
+        clock[CLOCK_LAST] = clock[CLOCK_LAST] if made > 0 and all_finite(stages.f.ravel()) else 0.0
+        return RUNNING, False
+    _finish(g, h, y, low, stages.f)
+    if not all_finite(y):
+        return NON_FINITE, False
+    clock[CLOCK_T], clock[CLOCK_LAST] = t_new, h
+    counts[COUNT_STEPS] += 1
+    _copy(stages.old, stages.f)
+    if adaptive:
+        _lengthen(clock, h, factor)
+    return COLLISION if touching(particles_of(model).radius, y, stages.f.shape[0]) else RUNNING, lands
+
+
+@jit
+def advance_gauss(model, work, g, options, run, y, low, stages, times, states):
+    """Advance y through times[1:], in place; return a status code (RUNNING when the chunk is used up)."""
+    clock, counts = run.clock, run.counts
+    goal, enough = _targets(model, options)
+    budget = counts[COUNT_STEPS] + options.chunk
+    if options.step == 0.0 and clock[CLOCK_H] == 0.0:
+        clock[CLOCK_H] = min(FIRST * free_fall(particles_of(model).gm, y, stages.f.shape[0]), times[-1] - times[0])
     while counts[COUNT_OUTPUT] < times.shape[0]:
-        t = clock[CLOCK_T]
         target = times[counts[COUNT_OUTPUT]]
-        proposed = clock[CLOCK_H] if adaptive else options.step
-        reach = target - t
-        lands = proposed >= reach * (1.0 - 1e-9)
-        h = reach if lands else proposed
-        if adaptive and not lands:
-            h = reach / np.ceil(reach / proposed)  # even steps rather than a whole one and a sliver
-        t_new = target if lands else t + h
-        h = t_new - t  # what time's own rounding leaves
-        if t_new == t or (adaptive and not lands and proposed < SMALLEST * t):
-            return STEP_TOO_SMALL
-        if last > 0.0:
-            _extrapolate(g, h / last, old, zero, table, f)
-        made = _iterate(model, work, g, t, h, y, low, f, fixed, trial, enough)
-        counts[COUNT_RHS] += STAGES * abs(made)
-        if made < 0 and not adaptive:
-            return NOT_CONVERGED if all_finite(f.ravel()) else NON_FINITE
-        factor = 0.25
-        if made > 0 and adaptive:
-            rough = _roughness(g, f)
-            factor = GROW if rough == 0.0 else min(GROW, max(SHRINK, (goal / rough) ** (1.0 / 7.0)))
-        if adaptive and (made < 0 or factor < 1.0 / ACCEPT):
-            counts[COUNT_REJECTED] += 1
-            clock[CLOCK_H] = h * SAFETY * factor
-            last = last if made > 0 else 0.0
-            if not all_finite(f.ravel()):
-                last = 0.0
-            if last == 0.0:
-                for b in range(n):
-                    for c in range(3):
-                        for k in range(STAGES):
-                            f[b, c, k] = 0.0
-            continue
-        _finish(g, h, y, low, f)
-        if not all_finite(y):
-            return NON_FINITE
-        clock[CLOCK_T] = t_new
-        counts[COUNT_STEPS] += 1
-        last = h
-        clock[3] = h
-        for b in range(n):
-            for c in range(3):
-                for k in range(STAGES):
-                    old[b, c, k] = f[b, c, k]
-        if adaptive:
-            grown = h * min(GROW, factor * SAFETY if factor < GROW else GROW)
-            clock[CLOCK_H] = max(grown, proposed) if factor * SAFETY >= 1.0 else grown
-        if touching(particles.radius, y, n):
-            return COLLISION
+        code, lands = _one_step(model, work, g, options, run, y, low, stages, target, goal, enough)
+        if code != RUNNING:
+            return code
         if lands:
             for k in range(y.shape[0]):
                 states[counts[COUNT_OUTPUT], k] = y[k]
@@ -347,13 +394,13 @@ def advance(system: System, options: Options, run: Progress, y: np.ndarray, time
     states = np.empty((len(times), len(y)))
     states[0] = y
     run.counts[COUNT_OUTPUT] = 1
-    run.clock[3] = 0.0
-    low = np.zeros_like(y)
-    f = np.zeros((len(y) // 6, 3, STAGES))
+    run.clock[CLOCK_LAST] = 0.0
+    low, stages = np.zeros_like(y), _stages(len(y) // 6)
     g = gauss()
     g = g._replace(abar=g.abar.T.copy(), a=g.a.T.copy(), abar_low=g.abar_low.T.copy(), a_low=g.a_low.T.copy())
-    arguments = (system.model, system.work, g, options, run, y, low, f, times, states)
-    code = drive(lambda: advance_gauss(*arguments), run)
+    code = RUNNING
+    while code == RUNNING:
+        code = advance_gauss(system.model, system.work, g, options, run, y, low, stages, times, states)
     worst, at = np.zeros(len(times)), f"at t = {run.clock[CLOCK_T]:.9g} s"
     if code == COLLISION:
         message = f"{at} two bodies collided: {_closest(system, y)}"

@@ -15,6 +15,7 @@ from mbs_ref.integrators.leg import (
     CLOCK_T,
     COUNT_EVENTS,
     COUNT_OUTPUT,
+    COUNT_OWN,
     COUNT_RHS,
     COUNT_STEPS,
     DONE,
@@ -26,7 +27,6 @@ from mbs_ref.integrators.leg import (
     Leg,
     Options,
     Progress,
-    drive,
     finish_leg,
 )
 from mbs_ref.integrators.step_control import close_step, record
@@ -116,7 +116,7 @@ def advance_generalized_alpha(
             _start(model, work, clock[CLOCK_T], y, qdd, lam)
             a[:] = qdd
     ratio = (1.0 - ALPHA_F) / (1.0 - ALPHA_M)
-    dense = lu.shape[0] > 0 and counts[4] == 1
+    dense = lu.shape[0] > 0 and counts[COUNT_OWN] == 1
     factored = 0.0
     while counts[COUNT_OUTPUT] < times.shape[0]:
         t = clock[CLOCK_T]
@@ -156,7 +156,7 @@ def advance_generalized_alpha(
                 break
             if not dense and lu.shape[0] > 0:
                 dense = True
-                counts[4] = 1
+                counts[COUNT_OWN] = 1
                 factored = 0.0
                 new_qdd[:] = qdd
                 lam[:] = old_lam
@@ -224,10 +224,12 @@ def advance(system: System, options: Options, run: Progress, y: np.ndarray, time
     unknowns = n + len(rows) if n + len(rows) <= DENSE_LIMIT else 0
     lu, pivots = np.empty((unknowns, unknowns)), np.empty(unknowns, dtype=np.int64)
     row_slot, row_row = np.ascontiguousarray(rows[:, 0]), np.ascontiguousarray(rows[:, 1])
-    arguments = (
-        system.model, system.work, options, run, y, qdd, a, lam, row_slot, row_row, lu, pivots, times, states, worst
-    )  # fmt: skip
-    return finish_leg(drive(lambda: advance_generalized_alpha(*arguments), run), states, worst, run)
+    code = RUNNING
+    while code == RUNNING:
+        code = advance_generalized_alpha(
+            system.model, system.work, options, run, y, qdd, a, lam, row_slot, row_row, lu, pivots, times, states, worst
+        )
+    return finish_leg(code, states, worst, run)
 
 
 INTEGRATOR = Integrator(

@@ -13,11 +13,9 @@ from mbs_ref.integrators.crossing import is_near_singular, leap
 from mbs_ref.integrators.leg import (
     CLOCK_COMPLIANCE,
     CLOCK_T,
-    COUNT_INTERRUPTED,
     COUNT_REJECTED,
     COUNT_RHS,
     COUNT_STEPS,
-    INTERRUPTED,
     MESSAGES,
     STALLED,
     Advance,
@@ -135,7 +133,7 @@ def ida(form: int) -> Advance:
         states, worst = np.empty((len(times), len(y))), np.zeros(len(times))
         states[0] = y
         solver = _Ida(system, options, form, y, float(times[0]))
-        t, reached, now = float(times[0]), 1, y
+        t, reached = float(times[0]), 1
         loops = options.project and system.n_closure_rows > 0
         pace = Pace(t, float(times[-1]), options.max_steps, every=2_000)
         status, message = Status.SUCCESS, ""
@@ -161,9 +159,6 @@ def ida(form: int) -> Advance:
                     "its estimate does not shrink with the step, as is known of raw index 3"
                 )
                 break
-            if run.counts[COUNT_INTERRUPTED]:
-                status, message = Status.INTERRUPTED, f"at t = {t:.9g} s {MESSAGES[INTERRUPTED]}"
-                break
             if pace.is_hopeless(t, int(run.counts[COUNT_STEPS])):
                 status, message = Status.STEP_TOO_SMALL, f"at t = {t:.9g} s {MESSAGES[STALLED]}"
                 break
@@ -183,7 +178,7 @@ def ida(form: int) -> Advance:
                     status, message = landing.failed.status, landing.failed.message
                     break
                 solver = _Ida(system, options, form, landing.y, t)
-        run.clock[CLOCK_T], y[:] = t, now
+        run.clock[CLOCK_T] = t
         run.counts[COUNT_RHS] += solver.residuals
         run.counts[COUNT_REJECTED] += solver.failed_error_tests()
         return Leg(states, worst, reached, status, message)

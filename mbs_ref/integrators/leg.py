@@ -13,7 +13,7 @@ from mbs_ref.trajectory import Status
 
 # Codes shared with compiled loops.
 RUNNING, DONE, NON_FINITE, STEP_TOO_SMALL, TOO_MANY_STEPS = range(5)
-COMPLIANCE, PROJECTION, NOT_CONVERGED, SINGULAR, STALLED, ENDLESS_EVENTS, INTERRUPTED = range(5, 12)
+COMPLIANCE, PROJECTION, NOT_CONVERGED, SINGULAR, STALLED, ENDLESS_EVENTS = range(5, 11)
 STATUS = {
     DONE: Status.SUCCESS,
     NON_FINITE: Status.NON_FINITE,
@@ -25,7 +25,6 @@ STATUS = {
     SINGULAR: Status.SINGULAR,
     STALLED: Status.STEP_TOO_SMALL,
     ENDLESS_EVENTS: Status.ENDLESS_EVENTS,
-    INTERRUPTED: Status.INTERRUPTED,
 }
 
 
@@ -47,7 +46,7 @@ class Progress(NamedTuple):
     """Mutable state of a run, kept over chunks and legs."""
 
     clock: np.ndarray  # (4,) s: time, next step, largest |C| since the last sample, step before
-    counts: np.ndarray  # (7,) int: steps, rejected, right-hand sides, next output, asked to stop, events, last contact
+    counts: np.ndarray  # (7,) int: steps, rejected, right-hand sides, next output, a method's own, events, last contact
 
 
 def progress(t: float) -> Progress:
@@ -56,7 +55,7 @@ def progress(t: float) -> Progress:
 
 
 CLOCK_T, CLOCK_H, CLOCK_COMPLIANCE, CLOCK_ERROR = range(4)
-COUNT_STEPS, COUNT_REJECTED, COUNT_RHS, COUNT_OUTPUT, COUNT_INTERRUPTED, COUNT_EVENTS, COUNT_CONTACT = range(7)
+COUNT_STEPS, COUNT_REJECTED, COUNT_RHS, COUNT_OUTPUT, COUNT_OWN, COUNT_EVENTS, COUNT_CONTACT = range(7)
 
 
 @dataclass
@@ -70,13 +69,10 @@ class Leg:
     message: str = ""
 
 
-STRETCH = 20_000  # steps over which a run's progress is judged
-
-
 class Pace:
     """Watches for a run that creeps: twice in a row a stretch of steps at which max_steps would not suffice."""
 
-    def __init__(self, start: float, end: float, max_steps: int, every: int = STRETCH) -> None:
+    def __init__(self, start: float, end: float, max_steps: int, every: int) -> None:
         self.least = (end - start) * every / max_steps  # s, progress expected of every stretch
         self.every = every
         self.mark, self.slow = start, 0
@@ -89,19 +85,6 @@ class Pace:
         self.slow = self.slow + 1 if t - self.mark < self.least else 0
         self.mark, self.seen = t, steps
         return self.slow >= 2
-
-
-def drive(stretch: Callable[[], int], run: Progress, pace: Pace | None = None) -> int:
-    """Call for one stretch of steps after the other, until the leg ends, creeps or is interrupted; return its code."""
-    code = RUNNING
-    while code == RUNNING:
-        code = stretch()
-        if code == RUNNING and run.counts[COUNT_INTERRUPTED]:
-            code = INTERRUPTED
-        if code == RUNNING and pace is not None:
-            hopeless = pace.is_hopeless(float(run.clock[CLOCK_T]), int(run.counts[COUNT_STEPS]))
-            code = STALLED if hopeless else RUNNING
-    return code
 
 
 Advance = Callable[[System, Options, Progress, np.ndarray, np.ndarray], Leg]
@@ -125,6 +108,7 @@ class Integrator:
     locates_events: bool = True  # touch-down, lift-off and slip are found; else contact forces are merely clipped
     stability: tuple[float, ...] = ()  # explicit methods: coefficients of R(z), lowest power first
     weakness: str = ""  # why the method is known to fail or stand wrong where others do not: shown, never judged by
+    switches: str = ""  # the families between which the method changes and says so
     package: str | None = None  # optional third-party package it needs
     cores: tuple[str, ...] = ()  # the only cores it runs on (mbs_ref.cores.core_name); empty for all
 
@@ -139,7 +123,6 @@ MESSAGES = {
     SINGULAR: "the constraint Jacobian is rank-deficient and the motion's branch is ambiguous",
     ENDLESS_EVENTS: "contact events follow each other without end (endless bouncing, or more than max_events)",
     NOT_CONVERGED: "the iteration of an implicit step did not converge",
-    INTERRUPTED: "the run was interrupted",
 }
 
 

@@ -15,10 +15,9 @@ from mbs_ref.integrators.crossing import is_near_singular, leap
 from mbs_ref.integrators.leg import (
     CLOCK_COMPLIANCE,
     CLOCK_T,
-    COUNT_INTERRUPTED,
+    COUNT_OWN,
     COUNT_RHS,
     COUNT_STEPS,
-    INTERRUPTED,
     MESSAGES,
     STALLED,
     Integrator,
@@ -29,6 +28,8 @@ from mbs_ref.integrators.leg import (
 )
 from mbs_ref.system import System
 from mbs_ref.trajectory import Status
+
+ADAMS = 1  # ODEPACK's number of the family that every start begins with; 2 is BDF
 
 
 def advance(system: System, options: Options, run: Progress, y: np.ndarray, times: np.ndarray) -> Leg:
@@ -43,25 +44,24 @@ def advance(system: System, options: Options, run: Progress, y: np.ndarray, time
     t, reached, status, message = float(times[0]), 1, Status.SUCCESS, events.settle(float(times[0]), now)
     if message:
         return Leg(states, worst, reached, Status.ENDLESS_EVENTS, message)
-    pace = Pace(t, float(times[-1]), options.max_steps, every=2_000)
+    pace, family = Pace(t, float(times[-1]), options.max_steps, every=2_000), ADAMS
     while reached < len(times):
         if solver is None:
-            solver = LSODA(slope, t, now, float(times[-1]), rtol=options.rtol, atol=options.atol)
+            solver, family = LSODA(slope, t, now, float(times[-1]), rtol=options.rtol, atol=options.atol), ADAMS
         before = solver.t
         failure = solver.step()
         if solver.status == "failed" or not np.isfinite(solver.y).all():
             status, message = _failure(solver, failure)
             break
         run.counts[COUNT_STEPS] += 1
+        before_it, family = family, _family(solver)
+        run.counts[COUNT_OWN] += family != before_it
         t, now = events.locate(before, solver)
         gap, _ = system.compliance(t, now)
         run.clock[CLOCK_COMPLIANCE] = max(run.clock[CLOCK_COMPLIANCE], gap)
         if options.stop_on_compliance and gap >= t - before:
             status = Status.COMPLIANCE
             message = f"at t = {t:.9g} s |C| = {gap:.3g} is not below h = {t - before:.3g}"
-            break
-        if run.counts[COUNT_INTERRUPTED]:
-            status, message = Status.INTERRUPTED, f"at t = {t:.9g} s {MESSAGES[INTERRUPTED]}"
             break
         if pace.is_hopeless(t, int(run.counts[COUNT_STEPS])):
             status, message = Status.STEP_TOO_SMALL, f"at t = {t:.9g} s {MESSAGES[STALLED]}"
@@ -85,7 +85,7 @@ def advance(system: System, options: Options, run: Progress, y: np.ndarray, time
             if landing.failed is not None:
                 status, message = landing.failed.status, landing.failed.message
                 break
-    run.clock[CLOCK_T], y[:] = t, now
+    run.clock[CLOCK_T] = t
     run.counts[COUNT_RHS] += solver.nfev if solver is not None else 0
     return Leg(states, worst, reached, status, message)
 
@@ -115,6 +115,11 @@ def _projected(system: System, options: Options):
     return slope
 
 
+def _family(solver: LSODA) -> int:
+    """Return ADAMS or BDF, by which the last step was made: MUSED of ODEPACK, which SciPy keeps to itself."""
+    return int(solver._lsoda_solver._integrator.iwork[18])  # pyright: ignore[reportAttributeAccessIssue]
+
+
 def _failure(solver: LSODA, words: str | None) -> tuple[Status, str]:
     if not np.isfinite(solver.y).all():
         return Status.NON_FINITE, f"at t = {solver.t:.9g} s a state became infinite or NaN"
@@ -128,6 +133,7 @@ INTEGRATOR = Integrator(
     description="Adams (order up to 12) and BDF (up to 5) with automatic switching: the papers' LSODAR, through SciPy",
     advance=advance,
     stabilizations=("none", "baumgarte", "projection"),
+    switches="Adams and BDF",
     ladder=(1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12),
     source="Petzold 1983; Hindmarsh 1983",
 )

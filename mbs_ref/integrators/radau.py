@@ -23,6 +23,7 @@ from mbs_ref.integrators.leg import (
     NON_FINITE,
     NOT_CONVERGED,
     RUNNING,
+    STALLED,
     STEP_TOO_SMALL,
     TOO_MANY_STEPS,
     Integrator,
@@ -30,7 +31,6 @@ from mbs_ref.integrators.leg import (
     Options,
     Pace,
     Progress,
-    drive,
     finish_leg,
 )
 from mbs_ref.integrators.step_control import close_step, first_step, record, weighted_norm
@@ -353,9 +353,13 @@ def advance(system: System, options: Options, run: Progress, y: np.ndarray, time
     worst = np.zeros(len(times))
     states[0] = y
     run.counts[COUNT_OUTPUT] = 1
-    pace = Pace(float(times[0]), float(times[-1]), options.max_steps)
-    arguments = (system.model, system.work, options, run, y, times, states, worst)
-    return finish_leg(drive(lambda: advance_radau(*arguments), run, pace), states, worst, run)
+    pace = Pace(float(times[0]), float(times[-1]), options.max_steps, options.chunk)
+    code = RUNNING
+    while code == RUNNING:
+        code = advance_radau(system.model, system.work, options, run, y, times, states, worst)
+        if code == RUNNING and pace.is_hopeless(float(run.clock[CLOCK_T]), int(run.counts[COUNT_STEPS])):
+            code = STALLED
+    return finish_leg(code, states, worst, run)
 
 
 INTEGRATOR = Integrator(

@@ -16,6 +16,11 @@ def is_newtonian(scene: Scene) -> bool:
     return all(load.type in ("newton", "epoch") for load in scene.loads)
 
 
+def is_attracted(scene: Scene) -> bool:
+    """Return whether bodies attract each other."""
+    return any(isinstance(load, Newton) for load in scene.loads)
+
+
 def not_newtonian(scene: Scene) -> str:
     """Return why no energy balance is drawn."""
     others = ", ".join(load.type for load in scene.loads if load.type not in ("newton", "epoch"))

@@ -93,6 +93,8 @@ def energy_balance(scene: Scene, trajectory: Trajectory) -> EnergyBalance:
             return EnergyBalance(np.zeros(len(trajectory.times)), None, None, 0.0, celestial.not_newtonian(scene))
         found = celestial.energy(scene, trajectory).astype(float)
         return EnergyBalance(found, np.zeros_like(found), celestial.drift(scene, trajectory), 0.0)
+    if celestial.is_attracted(scene):
+        return _attracted(scene, trajectory)
     energy = kinetic_energy(scene, trajectory) + potential_energy(scene, trajectory)
     reason = _undefined(scene, trajectory)
     if reason:
@@ -105,6 +107,16 @@ def energy_balance(scene: Scene, trajectory: Trajectory) -> EnergyBalance:
     integrate = _integrate if _is_smooth(scene, trajectory) else _integrate_jumps
     work, resolution = integrate(trajectory.times, power)
     return EnergyBalance(energy, work, energy - energy[0] - work, resolution)
+
+
+def _attracted(scene: Scene, trajectory: Trajectory) -> EnergyBalance:
+    """Free rigid bodies under Newton's attraction: orbits and spins keep their energies apart."""
+    if scene.joints or not celestial.is_newtonian(scene):
+        reason = "the judge draws the balance of attracting bodies without joints or other loads alone"
+        return EnergyBalance(np.zeros(len(trajectory.times)), None, None, 0.0, reason)
+    spin = _spatial_rotation(scene, trajectory)
+    found = celestial.energy(scene, trajectory).astype(float) + spin
+    return EnergyBalance(found, np.zeros_like(found), celestial.drift(scene, trajectory) + spin - spin[0], 0.0)
 
 
 def _undefined(scene: Scene, trajectory: Trajectory) -> str:

@@ -26,7 +26,7 @@ def build(
     """
     if rod_length <= crank_length:
         raise ValueError(f"slider_crank: rod_length = {rod_length} must exceed crank_length = {crank_length}")
-    crank, rod, slider = _bodies(
+    crank, rod, slider = crank_rod_slider(
         crank_length, rod_length, crank_mass, rod_mass, slider_mass, crank_angle, crank_speed
     )
     pin = (crank_length * math.cos(crank_angle), crank_length * math.sin(crank_angle))
@@ -46,7 +46,7 @@ def build(
     )
 
 
-def _bodies(r, length, m_crank, m_rod, m_slider, phi, phi_dot):
+def crank_rod_slider(r, length, m_crank, m_rod, m_slider, phi, phi_dot):
     """Consistent positions and velocities from the crank angle: r sin(phi) + l sin(psi) = 0."""
     psi = -math.asin(r * math.sin(phi) / length)
     psi_dot = -r * math.cos(phi) * phi_dot / (length * math.cos(psi))

@@ -11,8 +11,11 @@ from pydantic import Field
 from mbs_ref import ephemeris
 from mbs_ref.celestial import DAY_S, G_SI, Epoch, LunarFigure, Newton, Oblateness, Relativity, Ring, Tide
 from mbs_ref.part import Positive
-from mbs_ref.scene import PointMass, Scene
+from mbs_ref.rotation import ROTATIONS
+from mbs_ref.scene import PointMass, Scene, SpatialBody
 
+Formulation = Literal["point", "euler_parameters"]
+Triple = tuple[float, float, float]
 Model = Literal["lumped", "newton", "gr_sun", "gr", "j2", "asteroids", "full"]
 LEVELS = ("newton", "gr", "j2", "asteroids", "full")  # each includes those before it
 J2_SUN, R_SUN = 2.1961391516529825e-07, 6.96e8  # -, m: DE440 constants J2SUN, ASUN
@@ -29,13 +32,18 @@ ECLIPTIC_POLE = (0.0, -0.397777155931914, 0.917482062069182)  # of J2000, ICRF
 
 def build(
     *, days: Positive = 360.0, start: Annotated[str, Field(pattern=r"^\d{4}-\d\d-\d\d$")] = "1998-01-01",
-    model: Model = "full",
+    model: Model = "full", formulation: Formulation = "point", spin: bool = False,
 ) -> Scene:  # fmt: skip
     """Run the solar system from JPL DE440 and see which physics buys which digit (Fox 2001).
 
     days, start (date, 0 h TDB), model (lumped: Earth and Moon one body; newton; gr; j2; asteroids; full, each
-    with those before it; gr_sun: newton with the Sun's relativity alone).
+    with those before it; gr_sun: newton with the Sun's relativity alone), formulation (point masses, or rigid
+    spheres with Euler parameters as in the paper; those know Newton's gravity alone), spin (spheres turn).
     """
+    if formulation == "euler_parameters" and model not in ("lumped", "newton"):
+        raise ValueError(f"model = {model!r} acts on point masses alone; euler_parameters allow: lumped, newton")
+    if spin and formulation == "point":
+        raise ValueError("spin = True: a point mass does not turn; give formulation = 'euler_parameters'")
     jd = julian_date(start)
     names = [name for name in ephemeris.BODIES if model != "lumped" or name != "moon"]
     level = LEVELS.index(model) if model in LEVELS else 0
@@ -52,11 +60,23 @@ def build(
         duration=days * DAY_S,
         gravity=(0.0, 0.0, 0.0),
         bodies=tuple(
-            PointMass(name=name, mass=gms[name] / G_SI, position=tuple(p.tolist()), velocity=tuple(v.tolist()))
+            _body(name, gms[name] / G_SI, tuple(p.tolist()), tuple(v.tolist()), formulation, spin)
             for name, (p, v) in states.items()
         ),
         loads=(Epoch(jd_tdb=jd), Newton(name="newton", gm=tuple(gms.values())), *_physics(model, level)),
     )
+
+
+def _body(name: str, mass: float, place: Triple, rate: Triple, formulation: str, spin: bool) -> PointMass | SpatialBody:
+    if formulation == "point":
+        return PointMass(name=name, mass=mass, position=place, velocity=rate)
+    rotation = ROTATIONS[name]
+    inertia = 0.4 * mass * (rotation.radius_km * ephemeris.KM) ** 2  # kg m^2, of a homogeneous sphere
+    turning = rotation.angular_velocity if spin else (0.0, 0.0, 0.0)
+    return SpatialBody(
+        name=name, mass=mass, inertia=(inertia, inertia, inertia, 0.0, 0.0, 0.0),
+        position=place, velocity=rate, angular_velocity=turning,
+    )  # fmt: skip
 
 
 def julian_date(start: str) -> float:

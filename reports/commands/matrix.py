@@ -3,14 +3,21 @@
 from __future__ import annotations
 
 import re
-from pathlib import Path
+from collections.abc import Iterator
+from contextlib import ExitStack
+from typing import TYPE_CHECKING
 
 import click
 
 from cross_checks import record_file
+from cross_checks.record import Record
 from reports import inputs
 from reports.console import echo_json, finite_record, number, progress, show, table
 from reports.exit_codes import Failed, Incomplete, NothingSelected
+from reports.sweeping import begun
+
+if TYPE_CHECKING:
+    from benchmarks.cluster import Task
 
 
 @click.command(name="matrix")
@@ -22,7 +29,7 @@ from reports.exit_codes import Failed, Incomplete, NothingSelected
 @click.option("--shard", metavar="I/N", default="1/1", help="Only part I of N, for batch systems.")
 @click.option("--timeout", type=float, default=120.0, show_default=True, help="Longest time of one run, s.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON lines, one a run.")
-@click.option("-o", "output", metavar="FILE.jsonl", help="Add the lines to a file as they come.")
+@click.option("-o", "output", metavar="FILE.jsonl", help="Keep the lines in a file; what it holds already is not run.")
 def command(
     chosen: tuple[str, ...],
     quick: bool,
@@ -36,7 +43,7 @@ def command(
 ) -> None:
     """Judge every engine, method and setting on the default scenes; accuracy only, nothing is timed alone.
 
-    Records are the same however they are spread: lost workers and shards cost nothing but time.
+    Records are the same however they are spread: lost workers, shards and interruptions cost nothing but time.
     """
     from benchmarks import cluster
 
@@ -51,20 +58,25 @@ def command(
         raise click.UsageError(str(error)) from error
     if not tasks:
         raise NothingSelected("no runs in this part of the matrix")
-    found = {}
-    try:
-        with progress("matrix") as report:
-            for task, record in _spread(tasks, serial, timeout, scheduler, workers):
+    with ExitStack() as stack:
+        before = {record_file.key_of(record): record for record in begun(stack, target)}
+        found = {task: before[key] for task in tasks if (key := cluster.key_of_task(task)) in before}
+        report = stack.enter_context(progress("matrix"))
+        try:
+            for task, record in _spread([t for t in tasks if t not in found], serial, timeout, scheduler, workers):
                 found[task] = record
                 report(len(found), len(tasks), f"{record.scene} {record.engine} {record.method}")
                 if target is not None:
-                    record_file.append(Path(target), [finite_record(record)])
-    except KeyboardInterrupt:
-        raise Incomplete(f"interrupted after {len(found)} of {len(tasks)} runs") from None
-    records = [found[task] for task in tasks]
+                    record_file.append(target, [finite_record(record)])
+        except KeyboardInterrupt:
+            raise Incomplete(f"interrupted after {len(found)} of {len(tasks)} runs") from None
+    _show([found[task] for task in tasks], as_json)
+
+
+def _show(records: list[Record], as_json: bool) -> None:
+    for record in records if as_json else ():
+        echo_json(record.to_dict(), indent=None)
     if as_json:
-        for record in records:
-            echo_json(record.to_dict(), indent=None)
         return
     listing = table("", "scene", "engine", "method", "status", "error, m", "task, s")
     for r in records:
@@ -73,9 +85,13 @@ def command(
     show(listing)
 
 
-def _spread(tasks, serial: bool, timeout: float, scheduler: str | None, workers: int | None):
+def _spread(
+    tasks: list[Task], serial: bool, timeout: float, scheduler: str | None, workers: int | None
+) -> Iterator[tuple[Task, Record]]:
     from benchmarks import cluster
 
+    if not tasks:
+        return iter(())
     if serial:
         return cluster.serial(tasks, timeout)
     try:

@@ -3,17 +3,24 @@
 from __future__ import annotations
 
 from dataclasses import asdict
+from pathlib import Path
 from typing import Any
 
 import click
 
-from benchmarks import pick
-from benchmarks.pick import Choice
+from benchmarks import confirm, pick
+from benchmarks.pick import Bounds, Choice
+from benchmarks.timing import Comparison
+from cross_checks import record_file
+from cross_checks.record import Record
+from mbs_ref.scene import Scene
 from reports import inputs
 from reports.console import echo_json
-from reports.exit_codes import NothingSelected
+from reports.exit_codes import Failed, NothingSelected
 from reports.page.command import command as reproduce
-from reports.sweeping import sweep_records
+from reports.sweeping import isolated, sweep_records
+
+FILE = click.Path(exists=True, dir_okay=False, path_type=Path)
 
 
 @click.command(name="pick")
@@ -23,6 +30,13 @@ from reports.sweeping import sweep_records
 @click.option("--error", type=float, required=True, callback=inputs.positive, help="Largest world-pose error, m.")
 @click.option("--compliance", type=float, callback=inputs.positive, help="Largest constraint violation, m or rad.")
 @click.option("--budget", metavar="50ms", help="Longest loop time.")
+@click.option("--records", type=FILE, help="Choose among the records of a sweep's JSON lines instead of sweeping.")
+@click.option(
+    "--confirm/--no-confirm", "confirming", default=None,
+    help=f"Time the winner against the runner-up in interleaved runs.  [default: where it leads by less than "
+    f"{confirm.CLOSE} times]",
+)  # fmt: skip
+@click.option("--fresh", is_flag=True, help="Run the chosen setting afresh; exit code 1 where it misses.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 def command(
     scene: str,
@@ -31,26 +45,71 @@ def command(
     error: float,
     compliance: float | None,
     budget: str | None,
+    records: Path | None,
+    confirming: bool | None,
+    fresh: bool,
     as_json: bool,
 ) -> None:
     """Name the cheapest engine, method and setting that reaches --error on SCENE."""
     limit = None if budget is None else inputs.seconds(budget)
-    records = sweep_records(inputs.scene(scene, parameters), chosen, (), None)
-
-    choice = pick.pick(records, error, compliance, limit)
+    made = inputs.scene(scene, parameters)
+    found = sweep_records(made, chosen, (), None) if records is None else _of_scene(records, made, chosen)
+    choice, duel = _confirmed(made, pick.pick(found, error, compliance, limit), confirming)
+    again = _afresh(made, choice) if fresh else None
     if as_json:
-        echo_json(_facts(choice))
+        echo_json(_facts(choice, duel, again))
     if choice.best is None:
         raise NothingSelected(choice.sentence)
     if not as_json:
         click.echo(choice.sentence)
         click.echo(reproduce(choice.best))
+    if again is not None:
+        _check(again, Bounds(error, compliance))
 
 
-def _facts(choice: Choice) -> dict[str, Any]:
+def _of_scene(file: Path, scene: Scene, chosen: tuple[str, ...]) -> list[Record]:
+    """Return the file's records of this very scene, and of the engines chosen."""
+    records, problems = record_file.read(file)
+    for problem in problems:
+        click.echo(problem, err=True)
+    own = [r for r in records if (r.scene, r.parameters) == (scene.name, scene.parameters)]
+    if not own:
+        raise NothingSelected(f"{file} holds no record of {scene.name} with these parameters")
+    return [r for r in own if not chosen or r.engine in chosen]
+
+
+def _confirmed(scene: Scene, choice: Choice, asked: bool | None) -> tuple[Choice, Comparison | None]:
+    if choice.runner_up is None or choice.margin is None:
+        return choice, None
+    if asked is False or (asked is None and choice.margin >= confirm.CLOSE):
+        return choice, None
+    with isolated(scene) as call:
+        duel = confirm.duel(scene, choice, call)
+    return confirm.settled(choice, duel), duel
+
+
+def _afresh(scene: Scene, choice: Choice) -> Record | None:
+    if choice.best is None:
+        return None
+    with isolated(scene) as call:
+        return confirm.afresh(scene, choice.best, call)
+
+
+def _check(again: Record, bounds: Bounds) -> None:
+    """Say what the setting did when it was run afresh."""
+    reached = "no error" if again.error is None else f"{again.error.bound:.2e} m"
+    gap = again.compliance.get("position")
+    told = f"run afresh: {again.status}, {reached}, joints open by {'nothing known' if gap is None else f'{gap:.2e}'}"
+    if not bounds.met_by(again):
+        raise Failed(f"{told}: not what was asked {again.message}".rstrip())
+    click.echo(f"{told}: as asked", err=True)
+
+
+def _facts(choice: Choice, duel: Comparison | None, again: Record | None) -> dict[str, Any]:
     """Return the choice as plain data, with the command that runs it, and without the curves of its records."""
-    facts = asdict(choice)
-    for record in (facts["best"], facts["runner_up"]):
+    facts = asdict(choice) | {"duel": None if duel is None else asdict(duel), "fresh": again and asdict(again)}
+    limit = facts["limit"]
+    for record in (facts["best"], facts["runner_up"], facts["fresh"], limit and limit["cheaper"]):
         if record is not None:
             del record["history"]
     return facts | {"command": None if choice.best is None else reproduce(choice.best)}

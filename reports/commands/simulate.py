@@ -7,13 +7,10 @@ from typing import Any
 import click
 
 from cross_checks.record import Record
-from mbs_ref.trajectory import Status
 from reports import inputs
 from reports.console import echo_json, number, show, table
 from reports.exit_codes import EngineAbsent, Failed, Incomplete
 from reports.poses_file import FORMATS, write_poses
-
-KEPT = frozenset({Status.SUCCESS, Status.INTERRUPTED})  # what -o writes: all of it, or all there is
 
 
 @click.command(name="simulate")
@@ -51,8 +48,8 @@ def command(
     from cross_checks import compare
 
     try:
-        record, trajectory = compare.judged_run(chosen_scene, engine, chosen, partial=True)
-        if target is not None and trajectory is not None and record.status in KEPT:
+        record, trajectory = compare.judged_run(chosen_scene, engine, chosen)
+        if target is not None and trajectory is not None and record.status in ("success", "interrupted"):
             write_poses(trajectory, chosen_scene.body_names, target)
     except OSError as error:
         raise Failed(f"-o {output}: cannot be written: {error.strerror}") from error
@@ -62,7 +59,7 @@ def command(
         _show(record)
     if record.status == "engine-missing":
         raise EngineAbsent(record.message)
-    if record.status == Status.INTERRUPTED:
+    if record.status == "interrupted":
         raise Incomplete(record.message)
     if record.status != "success":
         raise Failed(f"{record.status}: {record.message}")

@@ -27,7 +27,12 @@ def usable(record: Record) -> bool:
 def known_error(record: Record) -> float:
     """Return the error (m) with the truth's uncertainty added, as `mbs-ref pick` counts it."""
     assert record.error is not None
-    return record.error.value + record.error.uncertainty
+    return record.error.bound
+
+
+def floor(records: list[Record]) -> float:
+    """Return the smallest error (m) that the records' truth judges."""
+    return max((r.error.floor for r in records if r.error), default=0.0)
 
 
 def cheapest(records: list[Record], target: float) -> Record | None:

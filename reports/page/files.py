@@ -9,7 +9,7 @@ from typing import Any
 
 from cross_checks.record import Record
 from reports.console import json_text
-from reports.page.cheapest import TARGETS, entries
+from reports.page.cheapest import TARGETS, entries, floor
 from reports.page.command import command
 from reports.page.findings import findings
 from reports.page.numbers import ABSENT, duration, metres, setting
@@ -80,9 +80,13 @@ def _cell(cell: dict[str, str]) -> str:
 
 
 def _costs(data: ReportData, scene: str) -> str:
-    body = []
+    body, records = [], data.of_scene(scene)
     for target in TARGETS:
-        for entry in entries(data.of_scene(scene), data.engines, target):
+        if target < floor(records):
+            told = f"not ranked: the truth judges no error below {metres(floor(records))}"
+            body.append([metres(target), told, *[ABSENT] * 3])
+            continue
+        for entry in entries(records, data.engines, target):
             best = entry.best
             cost = [best.method, setting(best.settings), duration(best.times["loop_s"])] if best else MISSED
             body.append([metres(target), entry.engine, *cost])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterator
+from pathlib import Path
 from typing import Any
 
 from benchmarks import space
@@ -11,6 +12,10 @@ from benchmarks.sweep import sweep
 from cross_checks import engines
 from cross_checks.compare import evaluate
 from cross_checks.engine import Method
+from cross_checks.extremes import named
+from cross_checks.extremes.cell import Cell as ExtremeCell
+from cross_checks.extremes.cell import read as read_cells
+from cross_checks.extremes.run import matrix
 from cross_checks.isolation import Caller, Isolated
 from cross_checks.matrix import CELL_TIMEOUT, judged, missing
 from cross_checks.record import Record
@@ -22,6 +27,7 @@ from reports.page.crashes import crashes
 from reports.page.environment import environment
 from reports.page.numbers import finite
 from reports.page.report_data import Cell, ReportData, scene_label
+from reports.page.truth_facts import truth_facts
 
 Progress = Callable[[int, int, str], None]  # done, total, what comes next
 
@@ -44,10 +50,14 @@ SCENES: tuple[tuple[str, dict[str, Any]], ...] = (
 SKY_LEVELS = ("lumped", "newton", "gr_sun", "gr", "j2", "asteroids", "full")
 RUN_TIME = 150.0  # s for all runs, so that the report with its compilation stays within five minutes on two cores
 LEAST_SHARE = 0.2  # s for a method on a scene, however late it is
+FEW_EXTREMES = ("stiff-spring-quiet", "crash-pulse", "overflow")
+EXTREME_TIME = 20.0  # s
 QUICK = (("pendulum", {}), ("pendulum_chain", {"links": 3}), ("n_four_bar", {"loops": 1}))
 
 
-def gather(quick: bool = False, progress: Progress | None = None) -> ReportData:
+def gather(
+    quick: bool = False, progress: Progress | None = None, extremes_file: Path | None = None
+) -> ReportData:
     """Return cells and records of the default scenes (few of them when quick), within RUN_TIME.
 
     After Ctrl-C, what there is so far, with a sentence in `incomplete`.
@@ -64,7 +74,7 @@ def gather(quick: bool = False, progress: Progress | None = None) -> ReportData:
         with Isolated(CELL_TIMEOUT) as call:
             _warm_up(next(iter(chosen.values())), report, call)
             _run(tasks, begun, cells, records, report, call)
-        beyond = {} if quick else {"space": space.measure(), "sky": digits_ladder(), "crashes": crashes()}
+        beyond = _beyond(chosen, extremes_file, quick)
     except KeyboardInterrupt:
         incomplete = f"interrupted after {len(cells)} of {len(tasks)} cells"
     report(len(tasks), len(tasks), "writing the page")
@@ -74,6 +84,12 @@ def gather(quick: bool = False, progress: Progress | None = None) -> ReportData:
         tuple(cells), tuple(records), capabilities(chosen), facts, _orders(), quick, seconds=seconds,
         incomplete=incomplete, **beyond,
     )  # fmt: skip
+
+
+def _beyond(chosen: dict[str, Scene], extremes_file: Path | None, quick: bool) -> dict[str, Any]:
+    """Return what the report shows beside the cells and sweeps of the default scenes."""
+    found = {"truths": truth_facts(chosen), "extremes": extreme_cells(extremes_file, quick)}
+    return found if quick else found | {"space": space.measure(), "sky": digits_ladder(), "crashes": crashes()}
 
 
 def _run(tasks, begun: float, cells: list[Cell], records: list[Record], report: Progress, call: Caller) -> None:
@@ -87,6 +103,21 @@ def _run(tasks, begun: float, cells: list[Cell], records: list[Record], report: 
         share = max(LEAST_SHARE, (RUN_TIME - time.perf_counter() + begun) / (len(tasks) - done))
         cells.append(_cell(label, judged(scene, engine, method, share / 2, call)))
         records.extend(_timed(scene, engine, method, share / 2, call))
+
+
+def extreme_cells(kept: Path | None, quick: bool) -> tuple[ExtremeCell, ...]:
+    """Return the cells kept in a file, full ones first; without a file a few, within EXTREME_TIME."""
+    if kept is not None and kept.is_file():
+        found = {(c.extreme, c.engine, c.method): c for c in sorted(read_cells(kept)[0], key=lambda c: c.full)}
+        return tuple(found.values())
+    if quick:
+        return ()
+    cells, begun = [], time.perf_counter()
+    for cell in matrix([named(name) for name in FEW_EXTREMES], engines.names()):
+        cells.append(cell)
+        if time.perf_counter() - begun > EXTREME_TIME:
+            break
+    return tuple(cells)
 
 
 def digits_ladder() -> tuple[Record, ...]:

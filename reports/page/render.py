@@ -16,6 +16,7 @@ from reports.page.section import Section, discover
 from reports.plots.palette import colours
 
 TEMPLATES = Path(__file__).parent / "templates"
+SCRIPTS = ("pick.js", "page.js")
 
 
 @cache
@@ -26,24 +27,28 @@ def _templates() -> Environment:
 def render(data: ReportData) -> str:
     """Return the whole page. Text from the data is escaped; only this project's own scripts may run."""
     engine_colours = colours(data.engines)
-    plotly, js = get_plotlyjs(), (TEMPLATES / "page.js").read_text(encoding="utf-8")
+    plotly, js = get_plotlyjs(), "".join((TEMPLATES / name).read_text(encoding="utf-8") for name in SCRIPTS)
 
     def body(section: Section) -> Markup:
         context = {"section": section, "scenes": data.scenes, "engine_colours": engine_colours, **section.context(data)}
         return Markup(_templates().get_template(f"{section.name}.html").render(context))
 
-    return _templates().get_template("page.html").render(
-        sections=discover(),
-        body=body,
-        scenes=data.scenes,
-        engines=engine_colours,
-        quick=data.quick,
-        incomplete=data.incomplete,
-        stamp=data.environment.get("made", ""),
-        css=Markup((TEMPLATES / "style.css").read_text(encoding="utf-8")),
-        plotly=Markup(plotly),
-        js=Markup(js),
-        script_hashes=Markup(" ".join(_script_hash(script) for script in (plotly, js))),
+    return (
+        _templates()
+        .get_template("page.html")
+        .render(
+            sections=discover(),
+            body=body,
+            scenes=data.scenes,
+            engines=engine_colours,
+            quick=data.quick,
+            incomplete=data.incomplete,
+            stamp=data.environment.get("made", ""),
+            css=Markup((TEMPLATES / "style.css").read_text(encoding="utf-8")),
+            plotly=Markup(plotly),
+            js=Markup(js),
+            script_hashes=Markup(" ".join(_script_hash(script) for script in (plotly, js))),
+        )
     )
 
 

@@ -7,9 +7,11 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from benchmarks.space import SpaceFacts
+from cross_checks.extremes.cell import Cell as ExtremeCell
 from cross_checks.record import Record
 from mbs_ref import scenes
 from reports.page.crashes import Crash
+from reports.page.truth_facts import TruthFacts
 
 
 @dataclass(frozen=True)
@@ -51,6 +53,8 @@ class ReportData:
     sky: tuple[Record, ...] = ()  # the solar system at each level of physics, with figures per body
     crashes: tuple[Crash, ...] = ()  # the androids; empty in a quick report
     seconds: float = 0.0  # s, spent on the runs
+    truths: tuple[TruthFacts, ...] = ()  # what the errors are measured from
+    extremes: tuple[ExtremeCell, ...] = ()  # read from a file beside the page, or a few cells
     space: SpaceFacts | None = None  # measured on spatial bodies; None in a quick report
 
     @property

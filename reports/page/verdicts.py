@@ -15,7 +15,7 @@ class Verdict:
 
 VERDICTS = {
     "agrees": Verdict("good", "reaches the truth within the tolerance asked"),
-    "below-truth": Verdict("good", "closer to the truth than the truth itself is known"),
+    "below-truth": Verdict("good", "too close for the truth to judge: it is not known 30 times better than this"),
     "converging": Verdict("fair", "approaches the truth as the step shrinks, but is not there yet"),
     "wrong-limit": Verdict("bad", "converges, but to another answer: a smaller step does not help"),
     "diverged": Verdict("bad", "does not approach the truth"),

@@ -6,7 +6,7 @@ import math
 from typing import Any
 
 from cross_checks.record import Record
-from reports.page.cheapest import usable
+from reports.page.cheapest import floor, usable
 from reports.page.numbers import duration, metres, setting
 from reports.plots.figure import FLOOR, add_series, lines, new_figure, to_data
 from reports.plots.palette import Style
@@ -38,14 +38,15 @@ def _hover(record: Record) -> str:
 
 
 def _truth_band(figure, records: list[Record]) -> None:
-    """Shade the errors below which the truth itself is not known, and frame the axis to show it."""
-    known = max((r.error.uncertainty for r in records if r.error), default=0.0)
+    """Shade the errors that the truth cannot judge, and frame the axis to show it."""
+    known = floor(records)
     drawn = [max(r.error.value, FLOOR) for r in records if usable(r) and r.error]
     if known <= 0.0 or not drawn:
         return
     low, high = min(known / 10.0, min(drawn) / 3.0), max(drawn) * 3.0
     figure.add_shape(type="rect", xref="paper", x0=0, x1=1, y0=low * 1e-3, y1=known,
                      fillcolor="rgba(128,128,128,0.18)", line_width=0, layer="below")  # fmt: skip
-    figure.add_annotation(text=f"truth known to {metres(known)}", xref="paper", x=0.01, y=math.log10(known),
-                          yanchor="top", xanchor="left", showarrow=False, font={"size": 12})  # fmt: skip
+    figure.add_annotation(text=f"the truth judges no error below {metres(known)}", xref="paper", x=0.01,
+                          y=math.log10(known), yanchor="top", xanchor="left", showarrow=False,
+                          font={"size": 12})  # fmt: skip
     figure.update_yaxes(range=[math.log10(low), math.log10(high)])

@@ -68,7 +68,7 @@ def apply_springs(model, work):
         length = np.sqrt(dx * dx + dy * dy)
         stretch = length - spring.rest_length[k]
         if spring.isotropic[k] == 1:
-            ux += dy * kin.motion[a, 2]  # of body a's matter at b's mark, where both forces act
+            ux += dy * kin.motion[a, 2]  # against body a's matter at b's mark, where both forces act
             uy -= dx * kin.motion[a, 2]
             ax += dx
             ay += dy

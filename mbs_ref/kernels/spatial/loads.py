@@ -16,6 +16,7 @@ from mbs_ref.kernels.signals import evaluate
 from mbs_ref.kernels.spatial.joints import mark
 from mbs_ref.kernels.spatial.model import (
     CONTROL_MODE_TIME,
+    attraction_of,
     bodies_of,
     bushings_of,
     forces_of,
@@ -216,6 +217,22 @@ def apply_bushings(model, work):
 
 
 @jit
+def apply_attraction(model, work):
+    """Add m_i gm_j d / r^3 over all pairs; a body of gm 0 is attracted and attracts nothing."""
+    gm, mass, kin = attraction_of(model).gm, bodies_of(model).mass, kinematics_of(work)
+    for i in range(gm.shape[0]):
+        for j in range(i + 1, gm.shape[0]):
+            d0 = kin.position[j, 0] - kin.position[i, 0]
+            d1 = kin.position[j, 1] - kin.position[i, 1]
+            d2 = kin.position[j, 2] - kin.position[i, 2]
+            r2 = d0 * d0 + d1 * d1 + d2 * d2
+            cube = 1.0 / (r2 * np.sqrt(r2))
+            on_i, on_j = mass[i] * gm[j] * cube, -mass[j] * gm[i] * cube
+            push(kin, i, 0.0, 0.0, 0.0, on_i * d0, on_i * d1, on_i * d2)
+            push(kin, j, 0.0, 0.0, 0.0, on_j * d0, on_j * d1, on_j * d2)
+
+
+@jit
 def apply_user_force(model, work, t):
     """Call the user's law in scene order; it adds forces and torques about the centres of mass."""
     bodies, kin = bodies_of(model), kinematics_of(work)
@@ -245,5 +262,7 @@ def apply_loads(model, work, t):
     apply_torsion_springs(model, work)
     if bushings_of(model).a.shape[0] > 0:
         apply_bushings(model, work)
+    if attraction_of(model).gm.shape[0] > 0:
+        apply_attraction(model, work)
     if world_of(model).user_force[0] != 0:
         apply_user_force(model, work, t)

@@ -150,6 +150,12 @@ class Bushings(NamedTuple):
     damping: np.ndarray  # (k, 6) N s/m and N m s/rad
 
 
+class Attraction(NamedTuple):
+    """Newton's gravity between all pairs of centres of mass."""
+
+    gm: np.ndarray  # (n,) m^3/s^2; empty where bodies do not attract each other
+
+
 class World(NamedTuple):
     gravity: np.ndarray  # (3,) m/s^2
     user_force: np.ndarray  # (1,) int: address of a C callback, or 0
@@ -171,6 +177,7 @@ class SpatialGroups(NamedTuple):
     springs: Springs
     torsion_springs: TorsionSprings
     bushings: Bushings
+    attraction: Attraction
     signals: SignalArrays
     world: World
 
@@ -215,6 +222,7 @@ _EMPTY = SpatialGroups(
     springs=Springs(*_i(2), *_vectors(2), _floats(0), _floats(0), _floats(0), _integers(0)),
     torsion_springs=TorsionSprings(*_i(2), *_vectors(3), _floats(0), _floats(0), _floats(0)),
     bushings=Bushings(*_i(2), *_vectors(2), _floats(0, 3, 3), _floats(0, 3, 3), _floats(0, 6), _floats(0, 6)),
+    attraction=Attraction(_floats(0)),
     signals=SignalArrays(_integers(0), _floats(0), _floats(0, 1), _floats(0), _floats(0), _floats(0)),
     world=World(_floats(3), _integers(1), _floats(3)),
 )
@@ -230,6 +238,7 @@ forces_of = accessor(_EMPTY, "forces")
 springs_of = accessor(_EMPTY, "springs")
 torsion_springs_of = accessor(_EMPTY, "torsion_springs")
 bushings_of = accessor(_EMPTY, "bushings")
+attraction_of = accessor(_EMPTY, "attraction")
 signals_of = accessor(_EMPTY, "signals")
 world_of = accessor(_EMPTY, "world")
 

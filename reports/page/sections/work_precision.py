@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from reports.page.cheapest import TARGETS, entries, known_error, usable
+from cross_checks.record import Record
+from reports.page.cheapest import TARGETS, entries, floor, known_error, usable
 from reports.page.command import command
 from reports.page.numbers import duration, metres, setting, short
 from reports.page.report_data import ReportData, scene_label
@@ -17,13 +18,17 @@ LEAD = "Lower and further left is better: how long each method computes to come 
 
 def equal_error_table(data: ReportData, scene: str) -> list[dict[str, Any]]:
     """Return one block a target error, with a row an engine; the fastest carries the factor 1."""
-    blocks = []
-    for target in TARGETS:
-        found = entries(data.of_scene(scene), data.engines, target)
-        first = found[0].best if found else None
-        rows = [_row(entry, first) for entry in found]
-        blocks.append({"target": metres(target), "rows": rows})
-    return blocks
+    records = data.of_scene(scene)
+    return [_block(records, data.engines, target) for target in TARGETS]
+
+
+def _block(records: list[Record], engines: list[str], target: float) -> dict[str, Any]:
+    if target < floor(records):
+        told = f"not ranked: the truth of this scene judges no error below {metres(floor(records))}"
+        return {"target": metres(target), "rows": [], "unjudged": told}
+    found = entries(records, engines, target)
+    first = found[0].best if found else None
+    return {"target": metres(target), "rows": [_row(entry, first) for entry in found], "unjudged": ""}
 
 
 def _row(entry, first) -> dict[str, str]:
@@ -52,6 +57,7 @@ def pick_rows(data: ReportData) -> list[dict[str, Any]]:
             "method": r.method,
             "setting": setting(r.settings),
             "error": known_error(r),
+            "floor": r.error.floor if r.error else 0.0,
             "compliance": r.compliance.get("position"),
             "ms": r.times["loop_s"] * 1e3,
             "command": command(r),

@@ -1,4 +1,3 @@
-"use strict";
 // Draws the plots of the chosen scene, keeps scene and engine choice common to all, and answers the pick box.
 const css = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 const narrow = () => window.innerWidth < 760;
@@ -44,7 +43,7 @@ async function drawShown() {
 function drawnPlots() { return document.querySelectorAll(".plot[data-drawn]"); }
 
 function chooseScene() {
-  document.querySelectorAll(".panel").forEach((panel) => { panel.hidden = panel.dataset.scene !== sceneSelect.value; });
+  document.querySelectorAll(".panel[data-scene]").forEach((panel) => { panel.hidden = panel.dataset.scene !== sceneSelect.value; });
   document.querySelectorAll(".panel:not([hidden]) .plot[data-drawn]").forEach((div) => Plotly.Plots.resize(div));
   drawShown();
   answer();
@@ -59,7 +58,6 @@ function chooseEngines(event) {
 
 const short = (value) => (value === null ? "unknown" : value === 0 ? "0" : Number(value.toPrecision(2)) >= 0.01 && value < 1e4 ? String(Number(value.toPrecision(3))) : value.toExponential(1));
 const rows = JSON.parse(document.getElementById("pick-rows").textContent);
-const within = (value, limit) => limit === null || (value !== null && value <= limit);
 
 function limitFrom(id) {
   const text = document.getElementById(id).value.trim();
@@ -75,28 +73,42 @@ function node(tag, text, parent) {
   return made;
 }
 
+const named = (row) => `${row.engine} ${row.method}, ${row.setting}`;
+
 function answer() {
   const out = document.getElementById("answer");
   out.replaceChildren();
-  const error = limitFrom("pick-error"), compliance = limitFrom("pick-compliance");
-  if (error === undefined || compliance === undefined) { node("p", "Give a positive length in metres, such as 1e-6.", out); return; }
+  const bounds = { error: limitFrom("pick-error"), compliance: limitFrom("pick-compliance"), ms: limitFrom("pick-budget") };
+  if (Object.values(bounds).includes(undefined)) { node("p", "Give positive numbers, such as 1e-6; leave a field empty to ask nothing.", out); return; }
   const here = rows.filter((row) => row.scene === sceneSelect.value && !hiddenEngines.has(row.engine));
-  const fit = here.filter((row) => within(row.error, error) && within(row.compliance, compliance)).sort((a, b) => a.ms - b.ms);
-  if (!fit.length) {
-    const best = here.length ? Math.min(...here.map((row) => row.error)) : null;
-    node("p", best === null ? "No run of the engines shown finished on this scene." : `No run reached this; the smallest error of any was ${short(best)} m.`, out);
-    return;
-  }
-  const [first] = fit, next = fit.find((row) => row.engine !== first.engine);
+  const found = choose(here, bounds);
+  if (!found.best) { node("p", refusal(found, bounds), out); return; }
+  const { best, second, margin, limit } = found;
   const head = node("p", "", out);
-  node("strong", `${first.engine} ${first.method}, ${first.setting}: ${short(first.ms)} ms`, head);
-  head.append(` (error ${short(first.error)} m, joints closed to ${short(first.compliance)} m).`);
-  node("p", next ? `Next engine: ${next.engine} ${next.method}, ${next.setting}, at ${short(next.ms)} ms: ${short(next.ms / first.ms)} times as long.` : "No other engine shown reaches it.", out);
+  node("strong", `${named(best)}: ${short(best.ms)} ms`, head);
+  head.append(` (error ${short(best.error)} m, joints closed to ${short(best.compliance)} m).`);
+  node("p", second ? `Runner-up: ${named(second)}, at ${short(second.ms)} ms: ${short(margin)} times as long.` : "No other method shown reaches it.", out);
+  node("p", limits(limit), out);
   const line = node("div", "", out);
   line.className = "line";
-  node("code", first.command, line);
+  node("code", best.command, line);
   const button = node("button", "copy", line);
-  button.type = "button"; button.className = "copy"; button.dataset.command = first.command;
+  button.type = "button"; button.className = "copy"; button.dataset.command = best.command;
+}
+
+function refusal({ why, near, floor, count }, bounds) {
+  if (why === "nothing") return "No run of the engines shown finished on this scene.";
+  if (why === "floor") return `The truth of this scene judges no error below ${short(floor)} m; ask for more.`;
+  if (why === "budget") return `None within ${short(bounds.ms)} ms; the cheapest is ${named(near)} at ${short(near.ms)} ms.`;
+  if (why === "compliance") return `${count} settings reach the error, but none keeps the joints within ${short(bounds.compliance)} m; the nearest is ${named(near)} with ${short(near.compliance)} m.`;
+  return `None reached this; the nearest is ${named(near)} with ${short(near.error)} m.`;
+}
+
+function limits(limit) {
+  if (!limit) return "Nothing cheaper misses one bound alone.";
+  const { bound, cheaper } = limit;
+  const off = bound === "error" ? `an error of ${short(cheaper.error)} m` : `joints open by ${short(cheaper.compliance)} m`;
+  return `The ${bound} limits it: the nearest cheaper one is ${named(cheaper)}, at ${short(cheaper.ms)} ms with ${off}.`;
 }
 
 async function copy(button) {

@@ -1,0 +1,64 @@
+"""A choice put to the test: the winner against the runner-up in interleaved runs, and the setting run afresh."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import replace
+
+from benchmarks.pick import Choice, setting
+from benchmarks.timing import Comparison, Pace, Sample, compare
+from cross_checks import engines, ladder
+from cross_checks.compare import evaluate, without_run
+from cross_checks.isolation import Caller, Lost, direct
+from cross_checks.record import Record
+from mbs_ref.scene import Scene
+from mbs_ref.settings import Settings
+
+CLOSE = 1.5  # a margin below this may be noise: the two are timed against each other
+
+WORDS = {
+    Pace.SLOWER: "Confirmed by",
+    Pace.FASTER: "Overturned by",
+    Pace.SAME: "A tie in",
+    Pace.INCONCLUSIVE: "Not settled by",
+}
+
+
+def sample(scene: Scene, engine: str, settings: Settings) -> Sample:
+    """Time one run: its loop, and the share of a processor that it got."""
+    times = ladder.grid(scene)
+    wall, cpu = time.perf_counter(), time.process_time()
+    loop_s = engines.get(engine).run(scene, settings, times).timing.loop_s
+    return Sample(loop_s, (time.process_time() - cpu) / max(time.perf_counter() - wall, 1e-9))
+
+
+def duel(scene: Scene, choice: Choice, call: Caller = direct, seed: int = 0) -> Comparison:
+    """Time the runner-up against the best in interleaved pairs; the ratio is the runner-up's time over the best's.
+
+    ValueError where there is no runner-up.
+    """
+    if choice.best is None or choice.runner_up is None:
+        raise ValueError("there is no runner-up to time the best against")
+    first, second = ((r.engine, Settings(**r.settings)) for r in (choice.best, choice.runner_up))
+    return compare(lambda: call(sample, scene, *first), lambda: call(sample, scene, *second), seed)
+
+
+def settled(choice: Choice, found: Comparison) -> Choice:
+    """Return the choice as the duel leaves it: the two change places where the runner-up is the faster."""
+    assert choice.best is not None
+    assert choice.runner_up is not None
+    first, second, ratio = choice.best, choice.runner_up, found.ratio
+    if found.pace is Pace.FASTER:
+        first, second, ratio = second, first, 1.0 / ratio
+    told = f"{WORDS[found.pace]} {found.blocks} interleaved blocks: {setting(choice.runner_up)} takes {found.ratio:.3g}"
+    sentence = f"{choice.sentence} {told} [{found.low:.3g}, {found.high:.3g}] times as long as {setting(choice.best)}."
+    return replace(choice, best=first, runner_up=second, margin=ratio, sentence=sentence)
+
+
+def afresh(scene: Scene, record: Record, call: Caller = direct) -> Record:
+    """Run a record's setting again and judge it anew."""
+    settings = Settings(**record.settings)
+    try:
+        return call(evaluate, scene, record.engine, settings, ladder.grid(scene))
+    except Lost as lost:
+        return without_run(scene, record.engine, settings, lost.status, str(lost))

@@ -1,0 +1,157 @@
+"""heyoka: Taylor's method of arbitrary order, compiled for the scene at hand (Biscani and Izzo 2021)."""
+
+# The package has no type information for its expressions.
+# pyright: reportAttributeAccessIssue=false, reportCallIssue=false
+
+from __future__ import annotations
+
+from importlib.metadata import version
+from time import perf_counter
+from typing import Any, ClassVar
+
+import heyoka  # pyright: ignore[reportMissingImports]  # an optional extra
+import numpy as np
+
+from cross_checks.engine import Engine, Method, Refusal
+from cross_checks.outcome import End, Plan, end_of, plan_run, trajectory
+from mbs_ref.celestial import Oblateness
+from mbs_ref.cores import compile_scene
+from mbs_ref.particle_scene import attraction, is_celestial
+from mbs_ref.scene import Scene
+from mbs_ref.settings import Settings
+from mbs_ref.trajectory import Status, Timing, Trajectory
+
+TOLERANCES = (1e-6, 1e-9, 1e-12, 1e-15, 1e-18)  # of the Taylor series' remainder; 1e-18 is below roundoff
+UNROLLED = 3  # bodies; beyond, unrolled code takes minutes to compile
+METHODS = (
+    Method("taylor", "adaptive", None, "Taylor's method, order and step by the tolerance", TOLERANCES),
+    Method("taylor_compensated", "adaptive", None, "the same with compensated sums", TOLERANCES),
+)
+
+
+class Heyoka(Engine):
+    """heyoka's adaptive Taylor integrator on free particles."""
+
+    name: ClassVar[str] = "heyoka"
+    package: ClassVar[str] = "heyoka"
+    part_types: ClassVar[frozenset[str]] = frozenset({"point_mass", "newton", "epoch", "oblateness"})
+
+    def methods(self) -> tuple[Method, ...]:
+        return METHODS
+
+    def version(self) -> str:
+        return version("heyoka")
+
+    def topology_refusals(self, scene: Scene) -> list[Refusal]:
+        if not is_celestial(scene):
+            return [Refusal("the adapter writes free particles in space under gravity as series, nothing else", False)]
+        return [Refusal(reason, False) for reason in _untaught(scene)]
+
+    def run(self, scene: Scene, settings: Settings, times: np.ndarray | None = None) -> Trajectory:
+        plan = plan_run(self, scene, settings, times)
+        if isinstance(plan, Trajectory):
+            return plan
+        begun = perf_counter()
+        equations, start = _equations(scene), _start(scene)
+        built = perf_counter()
+        integrator = _compiled(equations, start, plan)
+        compiled = perf_counter()
+        states, end, steps = _advance(integrator, plan, len(scene.bodies))
+        looped = perf_counter()
+        kept = states[: end.samples].reshape(-1, len(scene.bodies), 6)
+        turn = np.zeros((len(kept), len(scene.bodies), 4))
+        turn[:, :, 0] = 1.0
+        poses = (kept[:, :, :3], turn, kept[:, :, 3:], np.zeros_like(kept[:, :, 3:]))
+        return trajectory(plan, poses, end, Timing(built - begun, compiled - built, looped - compiled), steps=steps)
+
+
+ENGINE = Heyoka
+
+
+def _untaught(scene: Scene) -> list[str]:
+    found = [
+        f"oblateness {load.name!r}: heyoka is taught fixed poles alone"
+        for load in scene.loads
+        if isinstance(load, Oblateness) and load.pole != "fixed"
+    ]
+    if any(scene.gravity):
+        found.append(f"gravity = {scene.gravity}: heyoka is taught no uniform field")
+    try:
+        compile_scene(scene)  # coincident bodies would give NaN
+    except ValueError as error:
+        found.append(str(error))
+    return found
+
+
+def _start(scene: Scene) -> np.ndarray:
+    """Return x, y, z, vx, vy, vz (6 n_bodies,), body after body: m, m/s."""
+    return np.array([[*body.position, *body.velocity] for body in scene.bodies], dtype=float).ravel()
+
+
+def _equations(scene: Scene) -> list[tuple[Any, Any]]:
+    """Return (variable, its rate) in the order of the state."""
+    gm = attraction(scene)
+    equations = heyoka.model.nbody(len(scene.bodies), masses=list(gm), Gconst=1.0)
+    extra: dict[int, Any] = {}
+    for load in scene.loads:
+        if isinstance(load, Oblateness):
+            _add_zonals(extra, load, scene.body_index(load.body), gm, [variable for variable, _ in equations])
+    return [(variable, rate + extra.get(k, 0.0)) for k, (variable, rate) in enumerate(equations)]
+
+
+def _add_zonals(extra: dict[int, Any], load: Oblateness, i: int, gm: tuple[float, ...], x: list[Any]) -> None:
+    """Add sum J_n (R/r)^n / r^2 [P'_(n+1)(s) d/r - P'_n(s) p] on every other body, and the reaction on it."""
+    for j in range(len(gm)):
+        if j == i or gm[i] == gm[j] == 0.0:
+            continue
+        pull = _zonal_pull([x[6 * j + c] - x[6 * i + c] for c in range(3)], load)
+        for c in range(3):
+            extra[6 * j + 3 + c] = extra.get(6 * j + 3 + c, 0.0) + gm[i] * pull[c]
+            if gm[j] > 0.0:
+                extra[6 * i + 3 + c] = extra.get(6 * i + 3 + c, 0.0) - gm[j] * pull[c]
+
+
+def _zonal_pull(d: list[Any], load: Oblateness) -> list[Any]:
+    """Return the field of a unit gm at d from the body (1/m^2), with Legendre's polynomials written out."""
+    square = d[0] * d[0] + d[1] * d[1] + d[2] * d[2]
+    inverse = square**-0.5
+    axis = np.array(load.axis) / np.linalg.norm(load.axis)
+    s = (d[0] * axis[0] + d[1] * axis[1] + d[2] * axis[2]) * inverse
+    along, toward = 0.0, 0.0
+    for n, harmonic in enumerate(load.zonal, start=2):
+        share = harmonic * load.radius**n * square ** (-0.5 * (n + 2))
+        along = along + share * _legendre_slope(n + 1, s) * inverse
+        toward = toward + share * _legendre_slope(n, s)
+    return [along * d[c] - toward * axis[c] for c in range(3)]
+
+
+def _legendre_slope(n: int, s: Any) -> Any:
+    """Return P'_n(s) by Horner's scheme: the series of a power s^k is NaN where s = 0, on the equator."""
+    powers = np.polynomial.legendre.Legendre.basis(n).deriv().convert(kind=np.polynomial.Polynomial).coef
+    total: Any = float(powers[-1])
+    for coefficient in powers[-2::-1]:
+        total = total * s + float(coefficient)
+    return total
+
+
+def _compiled(equations: list[tuple[Any, Any]], start: np.ndarray, plan: Plan) -> Any:
+    """Return the integrator; its construction compiles machine code."""
+    return heyoka.taylor_adaptive(
+        equations, start.tolist(), tol=plan.rtol, compact_mode=len(start) > 6 * UNROLLED,
+        high_accuracy=plan.method.name == "taylor_compensated",
+    )  # fmt: skip
+
+
+def _advance(integrator: Any, plan: Plan, n: int) -> tuple[np.ndarray, End, int]:
+    """Stop at every asked time by a step that ends there: no dense output."""
+    states = np.full((len(plan.times), 6 * n), np.nan)
+    steps, end = 0, End(len(plan.times))
+    for k, t in enumerate(plan.times):
+        if t > 0.0:
+            outcome, _, _, made, _, _ = integrator.propagate_until(float(t))
+            steps += made
+            if outcome != heyoka.taylor_outcome.time_limit:
+                end = End(k, Status.NON_FINITE, f"heyoka stopped before t = {t:g} s with {outcome}")
+                break
+        states[k] = integrator.state
+    return states, end_of(states, plan.times, end), steps

@@ -1,0 +1,61 @@
+"""One cell of the matrix of extremes: an engine's method along one axis, as a line of JSON."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+from cross_checks import record_file
+from cross_checks.extremes.judge import Fate, Point
+from cross_checks.extremes.search import fate_of, last_handled
+
+
+@dataclass(frozen=True)
+class Cell:
+    """What became of one method of one engine along one axis."""
+
+    extreme: str
+    family: str
+    engine: str
+    method: str
+    full: bool  # every value of the axis, or a quick bisection
+    fate: Fate  # the worst that happened
+    last: float | None  # most extreme value up to which all went right
+    points: tuple[Point, ...]
+    reason: str = ""  # why it cannot, or the first failure
+
+    @property
+    def key(self) -> tuple[str, str, str, bool]:
+        return self.extreme, self.engine, self.method, self.full
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return plain data for JSON."""
+        return asdict(self)
+
+
+def made_of(extreme: str, family: str, engine: str, method: str, full: bool, points: Iterable[Point]) -> Cell:
+    """Return the cell of the points, mild first."""
+    found = tuple(points)
+    failure = next((point.reason for point in found if not point.handled), "")
+    return Cell(extreme, family, engine, method, full, fate_of(found), last_handled(found), found, failure)
+
+
+def from_dict(data: Any) -> Cell:
+    """Return the cell that to_dict() gave; TypeError or ValueError names what is wrong."""
+    if not isinstance(data, dict):
+        raise TypeError(f"a cell is an object, and this is {type(data).__name__}")
+    points = tuple(Point(**(point | {"fate": Fate(point["fate"])})) for point in data.get("points", ()))
+    return Cell(**(data | {"fate": Fate(data.get("fate")), "points": points}))
+
+
+def append(path: Path, cell: Cell) -> None:
+    """Add a cell to a file in one write."""
+    record_file.append_data(path, [cell.to_dict()])
+
+
+def read(path: Path) -> tuple[list[Cell], list[str]]:
+    """Return the cells of a file, the last of each key, and a sentence for every line that is none."""
+    cells, problems = record_file.read_data(path, from_dict)
+    return list({cell.key: cell for cell in cells}.values()), problems

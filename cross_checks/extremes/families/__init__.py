@@ -1,0 +1,1 @@
+"""Families of extremes: each file offers EXTREMES, and is found by listing this folder."""

@@ -1,0 +1,143 @@
+"""Contact at the edge: stiff floors, thin plates at speed, deep starts, heavy on light, endless bouncing, grip."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from cross_checks.extremes import measures
+from cross_checks.extremes.extreme import Axis, Case, Extreme, Measure, decades, grid
+from cross_checks.truths import bouncing_ball
+from mbs_ref import scenes
+from mbs_ref.contact import CircleOnCircle, CircleOnLine, SpringDamperLaw
+from mbs_ref.scene import PlanarBody, Scene
+from mbs_ref.scenes.incline import build as incline
+
+FAMILY = "contact"
+STEP, RTOL = 1e-3, 1e-8
+GRAVITY = 9.81  # m/s^2
+
+
+def _ball(**parameters) -> Scene:
+    return scenes.make("bouncing_ball", law="spring_damper_force", damping=0.0, **parameters)
+
+
+def _hard(stiffness: float) -> Case:
+    return Case(
+        _ball(stiffness=stiffness), grid(0.4, STEP), measures.truth(bouncing_ball.solve, 0.1), step=STEP, rtol=RTOL
+    )
+
+
+THICK, HEIGHT = 0.01, 0.2  # m
+
+
+def _plate(speed: float) -> Case:
+    stiffness = (2.0 * speed / THICK) ** 2  # N/m: the ball goes half-way into the plate
+    scene = _ball(stiffness=stiffness, speed=speed, height=HEIGHT, plate=THICK)
+    return Case(scene, grid(1.0, STEP), measures.truth(bouncing_ball.solve, speed), step=STEP, rtol=RTOL)
+
+
+def _deep(depth: float) -> Case:
+    """The floor throws the ball out: y = -depth cos(w t) up to a quarter period, then free."""
+    stiffness, radius, ball = 1e4, 0.05, 1.0
+    rate = math.sqrt(stiffness / ball)
+    law = SpringDamperLaw(stiffness=stiffness, release="force")
+    centre = (0.0, radius - depth)
+    scene = Scene(
+        name="deep_start",
+        bodies=(PlanarBody(name="ball", mass=ball, inertia=1e-3, position=centre),),
+        contacts=(CircleOnLine(name="floor", body_a="ball", center=centre, radius=radius, point_1=(-1.0, 0.0),
+                               point_2=(1.0, 0.0), law=law),),
+    )  # fmt: skip
+
+    def exact(times: np.ndarray) -> np.ndarray:
+        phase = rate * times
+        y = np.where(phase < 0.5 * math.pi, -np.cos(np.minimum(phase, 0.5 * math.pi)), phase - 0.5 * math.pi)
+        return np.stack([0.0 * y, radius + depth * y], axis=1)[:, None]
+
+    size = depth * rate * 0.1  # m, how far it flies
+    return Case(scene, grid(0.1, STEP), measures.positions(exact, size), step=STEP, rtol=RTOL)
+
+
+RADIUS = 0.1  # m
+
+
+def _stack(ratio: float) -> Case:
+    """A light ball between the floor and a heavy one, in equilibrium: it stays."""
+    total = 1.0 + ratio
+    stiffness = 1e4 * total
+    law = SpringDamperLaw(stiffness=stiffness, damping=2.0 * math.sqrt(stiffness * total), release="force")
+    low = RADIUS - total * GRAVITY / stiffness
+    high = low + 2.0 * RADIUS - ratio * GRAVITY / stiffness
+    bodies = tuple(
+        PlanarBody(name=name, mass=mass, inertia=0.4 * mass * RADIUS**2, position=(0.0, y))
+        for name, mass, y in (("light", 1.0, low), ("heavy", ratio, high))
+    )
+    floor = CircleOnLine(name="floor", body_a="light", center=(0.0, low), radius=RADIUS, point_1=(-1.0, 0.0),
+                         point_2=(1.0, 0.0), law=law)  # fmt: skip
+    touch = CircleOnCircle(name="touch", body_a="light", center_a=(0.0, low), radius_a=RADIUS, body_b="heavy",
+                           center_b=(0.0, high), radius_b=RADIUS, law=law)  # fmt: skip
+    scene = Scene(name="heavy_on_light", gravity=(0.0, -GRAVITY), bodies=bodies, contacts=(floor, touch))
+
+    def exact(times: np.ndarray) -> np.ndarray:
+        return np.tile(np.array([[0.0, low], [0.0, high]]), (len(times), 1, 1))
+
+    return Case(scene, grid(0.5, STEP), measures.positions(exact, RADIUS), step=STEP, rtol=RTOL)
+
+
+def _zeno(restitution: float) -> Case:
+    """Parabolas with speeds e^n v until t = 2 v / (g (1 - e)) and rest afterwards, for e < 1."""
+    height = 0.5
+    scene = scenes.make(
+        "bouncing_ball", law="rigid", restitution=restitution, height=height, speed=0.0, gravity=GRAVITY, duration=3.0
+    )
+    return Case(scene, grid(3.0, STEP), _bounces(restitution, height), step=STEP, rtol=RTOL)
+
+
+def _bounces(e: float, height: float) -> Measure:
+    fall = math.sqrt(2.0 * height / GRAVITY)
+
+    def place(t: float) -> float:
+        if t <= fall:
+            return height - 0.5 * GRAVITY * t * t
+        start, speed = fall, e * GRAVITY * fall
+        while speed > 1e-12 and t > start + 2.0 * speed / GRAVITY:
+            start, speed = start + 2.0 * speed / GRAVITY, e * speed
+        since = t - start
+        return speed * since - 0.5 * GRAVITY * since * since if speed > 1e-12 else 0.0
+
+    def exact(times: np.ndarray) -> np.ndarray:
+        return np.array([[[0.0, 0.05 + place(float(t))]] for t in times])
+
+    return measures.positions(exact, height)
+
+
+FRICTION = 0.3
+
+
+def _grip(margin: float) -> Case:
+    """tan(angle) = mu (1 - margin): it stays, but for the give of the sticking spring."""
+    scene = incline(angle=math.atan(FRICTION * (1.0 - margin)), friction=FRICTION)
+    start = np.array(scene.bodies[0].position)
+
+    def exact(times: np.ndarray) -> np.ndarray:
+        return np.tile(start, (len(times), 1, 1))
+
+    return Case(scene, grid(1.0, STEP), measures.positions(exact, 1.0), step=STEP, rtol=RTOL)
+
+
+EXTREMES = (
+    Extreme("hard-floor", FAMILY, "A ball at 1 m/s bounces once off an ever stiffer floor without loss.",
+            Axis("stiffness", "N/m", decades(1e3, 1e13, 2.0)), _hard, good=1e-2),
+    Extreme("tunnelling", FAMILY, "An ever faster ball hits a plate 1 cm thick: in one step it may be through.",
+            Axis("speed", "m/s", decades(1.0, 1e5)), _plate, good=1e-2),
+    Extreme("deep-start", FAMILY, "A ball starts inside the floor: the spring throws it out.",
+            Axis("penetration", "m", decades(1e-6, 1e2, 2.0)), _deep, good=1e-2),
+    Extreme("heavy-on-light", FAMILY, "A heavy ball rests on a light one, in equilibrium from the start.",
+            Axis("mass ratio", "", decades(1.0, 1e8)), _stack, good=1e-2),
+    Extreme("zeno", FAMILY, "A rigid bounce that loses ever more: infinitely many bounces end within the 3 s.",
+            Axis("restitution", "", (0.9, 0.8, 0.7, 0.5, 0.3, 0.1, 0.01)), _zeno, good=1e-2),
+    Extreme("stick-slip-edge", FAMILY, "A block on an incline ever closer to the angle of friction; it should stay.",
+            Axis("margin", "", decades(1e-1, 1e-13, 2.0)), _grip),
+)  # fmt: skip

@@ -1,0 +1,36 @@
+"""Tolerances from 1e-2 to far below roundoff."""
+
+from __future__ import annotations
+
+import math
+
+from cross_checks.extremes import measures
+from cross_checks.extremes.extreme import Axis, Case, Extreme, decades, grid
+from cross_checks.truths import kepler, n_four_bar, pendulum
+from mbs_ref import scenes
+
+FAMILY = "tolerances"
+AXIS = Axis("rtol", "", decades(1e-2, 1e-20, 2.0))
+
+
+def _pendulum(rtol: float) -> Case:
+    return Case(scenes.make("pendulum"), grid(5.0), measures.truth(pendulum.solve), rtol=rtol)
+
+
+def _orbit(rtol: float) -> Case:
+    return Case(scenes.make("kepler", orbits=3.0), grid(6.0 * math.pi), measures.truth(kepler.solve), rtol=rtol)
+
+
+def _loop(rtol: float) -> Case:
+    return Case(scenes.make("n_four_bar", loops=1), grid(3.0), measures.truth(n_four_bar.solve), rtol=rtol)
+
+
+EXTREMES = (
+    Extreme("tolerance-pendulum", FAMILY, "Five seconds of a pendulum at tolerances nobody can meet.", AXIS, _pendulum),
+    Extreme("tolerance-orbit", FAMILY, "Three orbits of eccentricity 0.6.", AXIS, _orbit),
+    Extreme(
+        "tolerance-singular", FAMILY,
+        "A four-bar through its flat pose: near it roundoff grows, and a tight tolerance asks for what is not there.",
+        AXIS, _loop,
+    ),
+)  # fmt: skip

@@ -1,0 +1,95 @@
+"""The verdict on one run: what the engine said, against what is true.
+
+The rule, the same for every engine, ours included:
+
+- survived: it reported success and the error is at most the extreme's `good`;
+- stopped: it refused or stopped and said why; so did our own checks for a run that never came back;
+- degraded: it reported success, and the error is above `good` but no lie (see below);
+- silently-wrong: it reported success, or said nothing, and yet gave NaN, restarted its clock, accepted what
+  has no right answer, or is off by more than the larger of the extreme's `wrong` and LIE times the relative
+  tolerance it was given. Both are shares of the motion's size, so an error of 1 is as large as the motion.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from enum import StrEnum
+
+from cross_checks.compare import CANNOT
+from cross_checks.extremes.extreme import Case, Extreme
+from mbs_ref.trajectory import Status, Trajectory
+
+LIE = 1e3  # times rtol: a global error may well exceed a local tolerance, but not by this
+SEVERITY = ("cannot", "survived", "stopped", "degraded", "silently-wrong")  # the worst last
+
+
+class Fate(StrEnum):
+    """What became of a run."""
+
+    SURVIVED = "survived"
+    DEGRADED = "degraded"
+    STOPPED = "stopped"
+    SILENTLY_WRONG = "silently-wrong"
+    CANNOT = "cannot"
+
+
+@dataclass(frozen=True)
+class Point:
+    """One run along the axis, judged."""
+
+    value: float  # place on the axis
+    fate: Fate
+    handled: bool  # right, or refused where refusing is right
+    said_fine: bool  # the engine itself reported no trouble
+    error: float | None  # of the motion's size; None where there is nothing to measure
+    status: str  # what our checks made of it
+    reason: str  # one sentence
+    seconds: float = 0.0  # wall time, build and judgement included
+
+    @property
+    def caught(self) -> bool:
+        """Whether the engine said nothing and our checks found the failure."""
+        return self.said_fine and self.fate is Fate.SILENTLY_WRONG and self.status != Status.SUCCESS
+
+
+def judge(extreme: Extreme, case: Case, value: float, found: Trajectory | tuple[str, str]) -> Point:
+    """Return the verdict on a trajectory, or on a status and a sentence where there is none."""
+    if not isinstance(found, Trajectory):
+        status, message = found
+        return _stopped(case, value, status, message)
+    if found.unreported or found.status is Status.RESET:
+        reason = f"the engine said nothing: {found.message}"
+        return Point(value, Fate.SILENTLY_WRONG, False, True, None, str(found.status), reason)
+    if not found.ok:
+        return _stopped(case, value, str(found.status), found.message)
+    if case.must_stop:
+        reason = "it accepted what has no right answer"
+        return Point(value, Fate.SILENTLY_WRONG, False, True, None, str(found.status), reason)
+    return _by_error(extreme, case, value, case.measure(case.scene, found))
+
+
+def lost(value: float, status: str, message: str) -> Point:
+    """Return the verdict on a run whose process was lost: timeout, crashed or out-of-memory."""
+    return Point(value, Fate.STOPPED, False, False, None, status, message)
+
+
+def _stopped(case: Case, value: float, status: str, message: str) -> Point:
+    # a setting that is refused at this place of the axis is a stop with a reason
+    right = case.must_stop or case.may_stop
+    return Point(value, Fate.STOPPED, right, False, None, "refused" if status == CANNOT else status, message)
+
+
+def _by_error(extreme: Extreme, case: Case, value: float, error: float) -> Point:
+    limit = max(extreme.wrong, LIE * (case.rtol or 0.0))
+    if not math.isfinite(error) or error > limit:
+        shown = f"{error:.2g} of the motion's size" if math.isfinite(error) else "beyond all measure"
+        reason = f"success, but the error is {shown}; more than {limit:.2g} is another motion"
+        return Point(value, Fate.SILENTLY_WRONG, False, True, _finite(error), "success", reason)
+    fate = Fate.SURVIVED if error <= extreme.good else Fate.DEGRADED
+    reason = f"error {error:.2g} of the motion's size"
+    return Point(value, fate, fate is Fate.SURVIVED, True, error, "success", reason)
+
+
+def _finite(error: float) -> float | None:
+    return error if math.isfinite(error) else None

@@ -1,0 +1,161 @@
+"""Run the matrix: each run in a child process, two children at a time, cell after cell."""
+
+from __future__ import annotations
+
+import queue
+import threading
+import time
+from collections.abc import Callable, Collection, Iterator, Sequence
+from dataclasses import replace
+
+from cross_checks import engines as registry
+from cross_checks.compare import MISSING, checked_run
+from cross_checks.engine import Engine, Method, output_times
+from cross_checks.extremes import named
+from cross_checks.extremes.cell import Cell, made_of
+from cross_checks.extremes.extreme import UNCHECKED, Extreme, settings_for
+from cross_checks.extremes.judge import Fate, Point, judge, lost
+from cross_checks.extremes.search import bisect, scan
+from cross_checks.isolation import Isolated, Lost
+
+CHILDREN = 2
+FIRST = 120.0  # s for the mildest value of a cell: compiling and loading may be in it
+PATIENCE = {False: 4.0, True: 60.0}  # s for any other run, by `full`
+MEMORY = 2 * 2**30  # bytes of one child
+REFINE = 3  # halvings between two listed values in the full set
+
+Progress = Callable[[int, int, str], None]
+Group = tuple[str, str | None, tuple[Extreme, ...]]  # engine, method, extremes
+
+
+def run_point(extreme_name: str, value: float, engine_name: str, method_name: str) -> Point:
+    """Make one run and judge it; called in a child."""
+    began = time.perf_counter()
+    extreme, engine = named(extreme_name), registry.get(engine_name)
+    case, method = extreme.case(value), engine.method(method_name)
+    settings = settings_for(case, method)
+    if case.unchecked and not engine.checks_start:
+        settings = settings.model_copy(update={"initial_tolerance": UNCHECKED})
+    found = checked_run(engine, case.scene, settings, output_times(case.scene, settings, case.times))
+    point = judge(extreme, case, value, found)
+    return replace(point, seconds=time.perf_counter() - began)
+
+
+def cannot(extreme: Extreme, engine: Engine, method: Method) -> str:
+    """Return why a method has no say on an axis, or nothing."""
+    if not extreme.takes(method):
+        return "its steps are not its own choice" if method.kind == "adaptive" else "it has no tolerance"
+    scene = extreme.case(extreme.axis.values[0]).scene
+    reasons = [*engine.refusals(scene), *engine.method_refusals(scene, method)]
+    return "; ".join(dict.fromkeys(refusal.reason for refusal in reasons))
+
+
+def cell_of(extreme: Extreme, engine: Engine, method: Method, full: bool, call: Isolated) -> Cell:
+    """Return one cell; runs that do not come back are stops with a reason."""
+    why = cannot(extreme, engine, method)
+    if why:
+        return Cell(extreme.name, extreme.family, engine.name, method.name, full, Fate.CANNOT, None, (), why)
+
+    def probe(value: float) -> Point:
+        call.timeout = FIRST if value == extreme.axis.values[0] else PATIENCE[full]
+        began = time.perf_counter()
+        try:
+            return call(run_point, extreme.name, value, engine.name, method.name)
+        except Lost as error:
+            return replace(lost(value, error.status, str(error)), seconds=time.perf_counter() - began)
+
+    values = extreme.values(full)
+    kinds = bool(extreme.axis.labels)
+    points = scan(values, probe, 0 if kinds else REFINE) if full or kinds else bisect(values, probe)
+    return made_of(extreme.name, extreme.family, engine.name, method.name, full, points)
+
+
+def groups(extremes: Sequence[Extreme], engines: Collection[str], quick_methods: bool) -> list[Group]:
+    """Return what is run together: all extremes of one method, so that a child loads each method once."""
+    found: list[Group] = []
+    for name in engines:
+        try:
+            engine = registry.get(name)
+        except registry.EngineMissing:
+            found.append((name, None, tuple(extremes)))
+            continue
+        chosen = [m for m in engine.methods() if not quick_methods or m.name in QUICK.get(name, (m.name,))]
+        found += [(name, method.name, tuple(extremes)) for method in chosen]
+    return found
+
+
+# The methods a quick look takes; an engine without an entry is taken whole.
+QUICK = {
+    "mbs_ref": ("dop853", "rk4", "radau", "gauss", "generalized_alpha", "lsodar", "euler"),
+    "exudyn": ("generalized_alpha", "contact_rk44", "tree_dopri5", "tree_rk44"),
+    "mujoco": ("rk4", "implicitfast", "rk4_stock_contact"),
+    "pinocchio": ("dop853", "rk4"),
+    "rebound": ("ias15", "whfast"),
+}
+
+
+def matrix(
+    extremes: Sequence[Extreme],
+    engines: Collection[str],
+    *,
+    full: bool = False,
+    known: Collection[Cell] = (),
+    progress: Progress | None = None,
+    children: int = CHILDREN,
+) -> Iterator[Cell]:
+    """Yield every cell as soon as it is known; those of `known` are not run again."""
+    before = {cell.key for cell in known}
+    work: queue.Queue[Group] = queue.Queue()
+    out: queue.Queue[Cell | BaseException | None] = queue.Queue()
+    tasks = groups(extremes, engines, not full)
+    for group in tasks:
+        work.put(group)
+    total = sum(len(group[2]) for group in tasks)
+    stop, calls = threading.Event(), [Isolated(memory=MEMORY) for _ in range(children)]
+    for call in calls:
+        threading.Thread(target=_work, args=(work, out, stop, full, before, call), daemon=True).start()
+    done, ended = 0, 0
+    try:
+        while ended < len(calls):
+            item = out.get()
+            if item is None:
+                ended += 1
+                continue
+            if isinstance(item, BaseException):
+                raise item
+            done += 1
+            if progress is not None:
+                progress(done, total, f"{item.engine} {item.method} {item.extreme}")
+            if item.key not in before:
+                yield item
+    finally:
+        stop.set()
+        for call in calls:
+            call.close()
+
+
+def _work(
+    work: queue.Queue, out: queue.Queue, stop: threading.Event, full: bool, before: set, call: Isolated
+) -> None:
+    """Take groups until there are none; whatever a broken adapter raises is raised again in the caller's thread."""
+    try:
+        while not stop.is_set():
+            name, method, extremes = work.get_nowait()
+            for extreme in extremes:
+                if stop.is_set():
+                    break
+                out.put(_one(name, method, extreme, full, before, call))
+    except queue.Empty:
+        out.put(None)
+    except BaseException as error:
+        out.put(error)
+
+
+def _one(name: str, method: str | None, extreme: Extreme, full: bool, before: set, call: Isolated) -> Cell:
+    if method is None:
+        reason = f"{MISSING}: {name} is not installed"
+        return Cell(extreme.name, extreme.family, name, "", full, Fate.CANNOT, None, (), reason)
+    if (extreme.name, name, method, full) in before:
+        return Cell(extreme.name, extreme.family, name, method, full, Fate.CANNOT, None, ())
+    engine = registry.get(name)
+    return cell_of(extreme, engine, engine.method(method), full, call)

@@ -1,0 +1,14 @@
+"""Satellites, converged: the exact motion under the forces that are switched on."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from cross_checks.certify.particles import converge
+from cross_checks.truths import NoTruth, Truth
+from mbs_ref.scene import Scene
+
+
+def solve(scene: Scene, times: np.ndarray) -> Truth | NoTruth:
+    """Return the motion under the scene's own forces."""
+    return converge(scene, times)

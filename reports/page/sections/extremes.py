@@ -1,0 +1,118 @@
+"""Extremes: up to where each engine's methods can be trusted, and who goes wrong without a word."""
+
+from __future__ import annotations
+
+from collections import Counter
+from itertools import groupby
+from typing import Any
+
+from cross_checks.extremes import every
+from cross_checks.extremes.cell import Cell
+from cross_checks.extremes.extreme import Extreme
+from cross_checks.extremes.judge import Fate
+from reports.page.report_data import ReportData
+from reports.page.section import Section
+from reports.plots.fates import chart, tick
+from reports.plots.palette import colours
+
+LEAD = "Up to here you can trust an engine's method: scenes driven from mild to hopeless, and what became of each."
+TONES = {Fate.SURVIVED: "good", Fate.STOPPED: "plain", Fate.DEGRADED: "fair", Fate.SILENTLY_WRONG: "bad"}
+
+
+def context(data: ReportData) -> dict[str, Any]:
+    cells = sorted(data.extremes, key=lambda c: (c.engine != "mbs_ref", c.engine, c.method))
+    found = {extreme.name: [c for c in cells if c.extreme == extreme.name] for extreme in every()}
+    shown = [extreme for extreme in every() if any(c.points for c in found[extreme.name])]
+    families = [
+        {"name": family, "extremes": [_extreme(e, found[e.name], data) for e in group]}
+        for family, group in groupby(shown, key=lambda e: e.family)
+    ]
+    columns = list(dict.fromkeys((c.engine, c.method) for c in cells if c.points))
+    return {
+        "families": families,
+        "columns": columns,
+        "table": [_table_row(extreme, found[extreme.name], columns) for extreme in shown],
+        "tally": [_tally(engine, method, cells) for engine, method in columns],
+        "silent": _silent(cells),
+        "full": any(cell.full for cell in cells),
+    }
+
+
+def _extreme(extreme: Extreme, cells: list[Cell], data: ReportData) -> dict[str, Any]:
+    return {
+        "name": extreme.name,
+        "title": extreme.title,
+        "chart": chart(cells, extreme.axis, colours(data.engines)),
+        "advice": [_advice(extreme, engine, list(own)) for engine, own in _by_engine(cells)],
+        "good": f"{extreme.good:g}",
+        "wrong": f"{extreme.wrong:g}",
+    }
+
+
+def _by_engine(cells: list[Cell]):
+    return groupby([cell for cell in cells if cell.points], key=lambda c: c.engine)
+
+
+def _advice(extreme: Extreme, engine: str, cells: list[Cell]) -> dict[str, str]:
+    """Say how far an engine's furthest method goes, and what comes next."""
+    best = max(cells, key=lambda c: _reach(extreme, c))
+    tied = [c.method for c in cells if _reach(extreme, c) == _reach(extreme, best)]
+    lying = [c.method for c in cells if c.fate is Fate.SILENTLY_WRONG]
+    names = ", ".join(tied)
+    if best.last is None:
+        text = f"none of its methods is right even at {_value(extreme, extreme.axis.values[0])}: {best.reason}"
+    elif best.last == best.points[-1].value:
+        text = f"trust {names} over the whole axis, to {_value(extreme, best.last)}"
+    else:
+        text = f"trust {names} up to {_value(extreme, best.last)}; beyond, {best.reason}"
+    warning = f"wrong without a word somewhere on the axis: {', '.join(lying)}" if lying else ""
+    return {"engine": engine, "text": text, "warning": warning}
+
+
+def _reach(extreme: Extreme, cell: Cell) -> float:
+    """Return how far along the axis a method is right, as a place in the list of values; -1 for nowhere."""
+    if cell.last is None:
+        return -1.0
+    values = extreme.values(True)
+    rising = values[-1] > values[0]
+    return float(sum(v <= cell.last if rising else v >= cell.last for v in values))
+
+
+def _value(extreme: Extreme, value: float) -> str:
+    axis = extreme.axis
+    return axis.label(value) if axis.labels else f"{tick(axis, value)} {axis.unit}".rstrip()
+
+
+def _table_row(extreme: Extreme, cells: list[Cell], columns: list[tuple[str, str]]) -> dict[str, Any]:
+    own = {(c.engine, c.method): c for c in cells}
+    return {"name": extreme.name, "title": extreme.title, "cells": [_cell(extreme, own.get(c)) for c in columns]}
+
+
+def _cell(extreme: Extreme, cell: Cell | None) -> dict[str, str]:
+    if cell is None:
+        return {"word": "not run", "tone": "plain", "figure": "", "reason": ""}
+    if cell.fate is Fate.CANNOT:
+        return {"word": "cannot", "tone": "plain", "figure": "", "reason": cell.reason}
+    last = "nowhere right" if cell.last is None else f"to {_value(extreme, cell.last)}"
+    return {"word": str(cell.fate), "tone": TONES[cell.fate], "figure": last, "reason": cell.reason}
+
+
+def _tally(engine: str, method: str, cells: list[Cell]) -> dict[str, Any]:
+    own = [c for c in cells if (c.engine, c.method) == (engine, method)]
+    counts = Counter(str(c.fate) for c in own)
+    caught = sum(point.caught for c in own for point in c.points)
+    return {"engine": engine, "method": method, "counts": counts, "caught": caught}
+
+
+def _silent(cells: list[Cell]) -> list[dict[str, str]]:
+    """Return the failures an engine did not mention at all and our checks caught, the first of each cell."""
+    found = []
+    for cell in cells:
+        point = next((p for p in cell.points if p.caught), None)
+        if point is not None:
+            found.append({"engine": cell.engine, "method": cell.method, "extreme": cell.extreme,
+                          "status": point.status, "reason": point.reason})  # fmt: skip
+    return found
+
+
+SECTION = Section("extremes", "Extremes", LEAD, 20, context)

@@ -1,0 +1,52 @@
+"""A choice put to the test on a tiny engine whose clock is known."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from benchmarks import confirm
+from benchmarks.pick import Bounds, pick
+from benchmarks.sweep import sweep
+from benchmarks.timing import Comparison, Pace
+from mbs_ref import scenes
+
+PENDULUM = scenes.make("pendulum")
+
+
+@pytest.fixture
+def choice(swing):
+    """The biased method is off by 0.25 m and, by its clock, as slow as the other at equal steps."""
+    records = list(sweep(PENDULUM, ["swing"], ["second", "biased"]))
+    return pick(records, 0.5)
+
+
+def found(pace: Pace, ratio: float) -> Comparison:
+    return Comparison(pace, ratio, 0.9 * ratio, 1.1 * ratio, 10, 0.0)
+
+
+def test_a_duel_times_the_runner_up_over_the_best(choice):
+    steps = [record.settings["step"] for record in (choice.best, choice.runner_up)]
+    outcome = confirm.duel(PENDULUM, choice)  # the engine's clock says its step
+    assert outcome.ratio == pytest.approx(steps[1] / steps[0])
+    with pytest.raises(ValueError, match="no runner-up"):
+        confirm.duel(PENDULUM, replace(choice, runner_up=None))
+
+
+def test_what_the_duel_leaves(choice):
+    kept = confirm.settled(choice, found(Pace.SLOWER, 1.2))
+    assert (kept.best, kept.margin) == (choice.best, 1.2)
+    assert "Confirmed by 10" in kept.sentence
+    turned = confirm.settled(choice, found(Pace.FASTER, 0.5))
+    assert (turned.best, turned.runner_up, turned.margin) == (choice.runner_up, choice.best, 2.0)
+    assert "Overturned" in turned.sentence
+    assert "A tie" in confirm.settled(choice, found(Pace.SAME, 1.0)).sentence
+
+
+def test_a_setting_run_afresh_meets_what_it_met(choice, swing):
+    again = confirm.afresh(PENDULUM, choice.best)
+    assert Bounds(0.5).met_by(again)
+    assert not Bounds(1e-9).met_by(again)
+    swing(lambda path: replace(path, position=path.position + 1.0))
+    assert not Bounds(0.5).met_by(confirm.afresh(PENDULUM, choice.best))

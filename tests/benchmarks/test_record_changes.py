@@ -1,0 +1,58 @@
+"""Two files of records: accuracy decides, time remarks."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from benchmarks.record_changes import Move, alone, changes, median_ratio, overall
+from cross_checks.record import Error, Record
+
+RECORD = Record(
+    scene="pendulum", parameters={"length": 1.0}, engine="swing", method="rk4", settings={"step": 0.01},
+    status="success", message="", t_end=1.0, steps=100, rhs_calls=400, final={},
+    compliance={"position": 1e-12, "velocity": 1e-12}, energy_drift=None, momentum_drift=None,
+    error=Error(1e-6, "m", "exact: made up", 1e-12, 1e-6), reaction_error=None, times={"loop_s": 1.0}, versions={},
+)  # fmt: skip
+
+
+def erring(value: float, uncertainty: float = 1e-12) -> Record:
+    return replace(RECORD, error=Error(value, "m", "exact: made up", uncertainty, value))
+
+
+@pytest.mark.parametrize(
+    ("new", "move"),
+    [
+        (RECORD, Move.SAME),
+        (erring(1.5e-6), Move.SAME),
+        (erring(3e-6), Move.WORSE),
+        (erring(1e-7), Move.BETTER),
+        (erring(3e-6, uncertainty=2e-7), Move.SAME),  # the truth judges no error below 6e-6 m
+        (replace(RECORD, compliance={"position": 1e-9, "velocity": 0.0}), Move.WORSE),
+        (replace(RECORD, compliance={"position": 9e-12, "velocity": 0.0}), Move.SAME),
+        (replace(RECORD, status="diverged"), Move.WORSE),
+        (replace(RECORD, status="timeout"), Move.NOT_MEASURED),
+        (replace(RECORD, error=None), Move.NOT_MEASURED),
+    ],
+)
+def test_a_run(new, move):
+    (change,) = changes([RECORD], [new])
+    assert change.move is move
+    assert "pendulum" in change.run
+    assert change.ratio == pytest.approx(1.0)
+
+
+def test_a_failure_that_became_a_success_is_better_and_two_failures_are_the_same():
+    failed = replace(RECORD, status="diverged", message="at 1 s")
+    assert changes([failed], [RECORD])[0].move is Move.BETTER
+    assert changes([failed], [failed])[0].move is Move.SAME
+
+
+def test_runs_of_one_file_alone_are_counted_and_the_worst_counts():
+    other, third = replace(RECORD, settings={"step": 0.1}), replace(RECORD, settings={"step": 0.2})
+    assert alone([RECORD, other], [RECORD, third, replace(RECORD, engine="x")]) == (1, 2)
+    found = changes([RECORD, other], [erring(1e-3), replace(other, times={"loop_s": 3.0})])
+    assert overall(found) is Move.WORSE
+    assert median_ratio(found) == pytest.approx(2.0)
+    assert overall([]) is Move.NOT_MEASURED

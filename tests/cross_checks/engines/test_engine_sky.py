@@ -1,0 +1,73 @@
+"""Engines in the sky: heyoka and REBOUND on the same scenes, and who refuses them and why."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from cross_checks import engines
+from cross_checks.compare import evaluate
+from mbs_ref import scenes
+from mbs_ref.settings import Settings
+
+FINE = Settings(method="gauss", rtol=1e-16, samples=2)
+TAYLOR = Settings(method="taylor", rtol=1e-17, samples=2)
+
+
+@pytest.fixture
+def heyoka():
+    try:
+        return engines.get("heyoka")
+    except engines.EngineMissing as missing:
+        pytest.skip(str(missing))
+
+
+@pytest.mark.parametrize(("orbit", "metres"), [("leo", 1e-5), ("molniya", 1e-4)])
+def test_taylor_series_agree_with_collocation_on_a_satellite(heyoka, orbit, metres):
+    scene = scenes.make("satellite", orbit=orbit, zonals=True)
+    ours, theirs = engines.get("mbs_ref").run(scene, FINE), heyoka.run(scene, TAYLOR)
+    assert theirs.ok, theirs.message
+    assert np.abs(ours.position - theirs.position).max() < metres
+
+
+def test_zonal_harmonics_pull_back_in_series_too(heyoka):
+    scene = scenes.make("kepler", orbits=1)
+    field = {"type": "oblateness", "name": "j", "body": "center", "radius": 0.1, "zonal": (0.01, 0.0, -0.02)}
+    axis = {"axis": (0.6, 0.0, 0.8)}
+    loads = ({"type": "newton", "name": "newton", "gm": (1.0, 0.3)}, field | axis)
+    both = type(scene).model_validate(scene.model_dump() | {"loads": loads})
+    ours, theirs = engines.get("mbs_ref").run(both, FINE), heyoka.run(both, TAYLOR)
+    assert np.abs(ours.position - theirs.position).max() < 1e-12  # m, roundoff of one orbit
+
+
+@pytest.mark.parametrize("method", ["taylor", "taylor_compensated"])
+def test_series_reach_the_published_pleiades(heyoka, method):
+    record = evaluate(scenes.make("pleiades"), "heyoka", Settings(method=method, rtol=1e-17))
+    assert record.status == "success", record.message
+    assert record.error.final < 1e-11
+
+
+def test_heyoka_refuses_what_it_is_not_taught(heyoka):
+    full = [refusal.reason for refusal in heyoka.refusals(scenes.make("solar_system"))]
+    assert any("lunar_figure" in reason for reason in full)
+    assert any("fixed poles" in reason for reason in full)
+    assert any("free particles" in r.reason for r in heyoka.refusals(scenes.make("pendulum")))
+
+
+@pytest.mark.parametrize("name", ["exudyn", "mujoco", "pinocchio"])
+@pytest.mark.parametrize("scene", ["kepler", "satellite", "solar_system", "figure_eight", "outer_solar_system"])
+def test_multibody_engines_refuse_the_sky_with_the_reason(name, scene):
+    record = evaluate(scenes.make(scene), name, Settings())
+    assert record.status in ("cannot", "engine-missing")
+    if record.status == "cannot":
+        assert "newton" in record.message
+
+
+@pytest.mark.parametrize("name", ["rebound", "heyoka"])
+def test_a_uniform_field_is_refused_rather_than_left_out(name):
+    scene = scenes.make("kepler").model_copy(update={"gravity": (0.0, 0.0, -1.0)})
+    try:
+        reasons = engines.get(name).refusals(scene)
+    except engines.EngineMissing as missing:
+        pytest.skip(str(missing))
+    assert any("gravity" in refusal.reason for refusal in reasons)

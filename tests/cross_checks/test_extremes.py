@@ -1,0 +1,146 @@
+"""The judge on made-up runs, the bisection, the file of cells, and real cells."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from cross_checks.extremes import cell, every, named
+from cross_checks.extremes.cell import made_of
+from cross_checks.extremes.extreme import Axis, Case, Extreme, grid
+from cross_checks.extremes.judge import Fate, Point, judge, lost
+from cross_checks.extremes.run import run_point
+from cross_checks.extremes.search import bisect, last_handled, scan
+from mbs_ref import scenes
+from mbs_ref.trajectory import Status, Trajectory
+
+SCENE = scenes.make("pendulum")
+
+
+def made(error: float = 0.0, must_stop: bool = False, rtol: float | None = None) -> tuple[Extreme, Case]:
+    case = Case(SCENE, grid(1.0), lambda scene, path: error, step=0.1, rtol=rtol, must_stop=must_stop)
+    return Extreme("made-up", "made up", "A test.", Axis("x", "", (1.0,)), lambda value: case), case
+
+
+def path(status: Status = Status.SUCCESS, message: str = "", unreported: bool = False) -> Trajectory:
+    none = np.zeros((2, 1, 2))
+    return Trajectory(
+        np.array([0.0, 1.0]), none, np.zeros((2, 1)), none, np.zeros((2, 1)), status, message, unreported=unreported
+    )
+
+
+@pytest.mark.parametrize(
+    ("error", "rtol", "fate"),
+    [
+        (1e-4, None, Fate.SURVIVED),
+        (1e-2, None, Fate.DEGRADED),
+        (0.2, None, Fate.SILENTLY_WRONG),
+        (np.nan, None, Fate.SILENTLY_WRONG),
+        (np.inf, 1e-2, Fate.SILENTLY_WRONG),
+        (0.2, 1e-2, Fate.DEGRADED),  # a tolerance of 1e-2 promises little: 1e3 times it is no lie
+        (0.2, 1e-8, Fate.SILENTLY_WRONG),
+    ],
+)
+def test_a_success_is_judged_by_its_error(error, rtol, fate):
+    assert judge(*made(error, rtol=rtol), 1.0, path()).fate is fate
+
+
+def test_a_stop_with_a_reason_is_no_lie_and_is_right_where_nothing_else_is():
+    stopped = path(Status.NOT_CONVERGED, "Newton gave up at t = 0.5 s")
+    assert not judge(*made(), 1.0, stopped).handled
+    point = judge(*made(must_stop=True), 1.0, stopped)
+    assert (point.fate, point.handled, point.said_fine) == (Fate.STOPPED, True, False)
+    assert "Newton" in point.reason
+
+
+def test_success_without_a_right_answer_is_silently_wrong():
+    point = judge(*made(must_stop=True), 1.0, path())
+    assert (point.fate, point.said_fine, point.caught) == (Fate.SILENTLY_WRONG, True, False)
+
+
+@pytest.mark.parametrize(
+    "found",
+    [
+        path(Status.RESET, "mujoco reset its state before t = 1 s"),
+        path(Status.NON_FINITE, "NaN arose", unreported=True),
+    ],
+)
+def test_what_our_checks_find_and_the_engine_does_not_say_is_caught_and_silently_wrong(found):
+    point = judge(*made(), 1.0, found)
+    assert (point.fate, point.said_fine, point.caught) == (Fate.SILENTLY_WRONG, True, True)
+    assert "said nothing" in point.reason
+
+
+def test_an_engine_that_reports_its_nan_has_stopped():
+    assert judge(*made(), 1.0, path(Status.NON_FINITE, "it said so")).fate is Fate.STOPPED
+
+
+def point_at(value: float, handled: bool) -> Point:
+    fate = Fate.SURVIVED if handled else Fate.STOPPED
+    return Point(value, fate, handled, handled, None, "", "")
+
+
+@pytest.mark.parametrize("edge", range(12))
+def test_bisection_finds_the_last_handled_value_in_few_runs(edge):
+    values = [10.0**k for k in range(11)]
+    calls = []
+
+    def probe(value):
+        calls.append(value)
+        return point_at(value, values.index(value) < edge)
+
+    points = bisect(values, probe)
+    assert last_handled(points) == (values[edge - 1] if edge else None)
+    assert len(calls) == len(set(calls)) <= 6
+    assert [p.value for p in points] == sorted(p.value for p in points)
+
+
+def test_a_scan_halves_the_gap_geometrically():
+    points = scan((1.0, 100.0, 1e4), lambda v: point_at(v, v < 2000.0), 3)
+    assert last_handled(points) == pytest.approx(1778.0, rel=1e-3)
+    assert len(points) == 6
+
+
+def test_cells_survive_the_file_and_a_corrupt_line_costs_only_itself(tmp_path):
+    one = made_of("a", "b", "e", "m", False, [point_at(1.0, True), lost(2.0, "timeout", "gave no answer")])
+    target = tmp_path / "cells.jsonl"
+    cell.append(target, one)
+    with target.open("a") as file:
+        file.write('{"extreme": 3}\n')
+    cell.append(target, made_of("a", "b", "e", "n", False, [point_at(1.0, False)]))
+    cells, problems = cell.read(target)
+    assert cells[0] == one
+    assert [c.method for c in cells] == ["m", "n"]
+    assert len(problems) == 1
+    assert ":2:" in problems[0]
+
+
+def test_every_extreme_is_a_scene_along_an_axis():
+    found = every()
+    assert len(found) >= 30
+    assert len({e.name for e in found}) == len(found)
+    for extreme in found:
+        mild = extreme.case(extreme.axis.values[0])
+        assert not mild.must_stop, extreme.name
+        assert mild.step is not None or mild.rtol is not None
+        assert extreme.title.endswith(".")
+        assert not extreme.axis.labels or len(extreme.axis.labels) == len(extreme.axis.values)
+    with pytest.raises(ValueError, match="unknown"):
+        named("no-such-extreme")
+
+
+def test_mujoco_resets_on_a_stiff_spring_and_is_caught():
+    pytest.importorskip("mujoco")
+    assert run_point("stiff-spring-quiet", 1e2, "mujoco", "rk4").fate is Fate.SURVIVED
+    point = run_point("stiff-spring-quiet", 1e10, "mujoco", "rk4")
+    assert (point.fate, point.caught, point.status) == (Fate.SILENTLY_WRONG, True, "reset")
+
+
+def test_the_reference_solver_refuses_the_same_spring_at_that_step():
+    point = run_point("stiff-spring-quiet", 1e10, "mbs_ref", "rk4")
+    assert (point.fate, point.said_fine) == (Fate.STOPPED, False)
+    assert "step" in point.reason
+
+
+def test_the_reference_solver_meets_a_declared_pulse_of_a_microsecond():
+    assert run_point("crash-pulse", 1e-6, "mbs_ref", "dop853").fate is Fate.SURVIVED
