@@ -21,7 +21,12 @@ def command(engine: str) -> None:
 
     ADAPTER.py holds a subclass of cross_checks.engine.Engine and the line ENGINE = <that class>.
     """
-    import pytest
+    try:
+        import pytest
+    except ModuleNotFoundError as error:
+        if error.name != "pytest":
+            raise
+        raise Failed("the package pytest is not installed (pip install mbs-ref[conformance])") from error
 
     suite = importlib.util.find_spec(SUITE)
     assert suite is not None

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
@@ -10,8 +10,10 @@ import click
 
 from benchmarks import confirm, pick
 from benchmarks.pick import Bounds, Choice
+from benchmarks.sweep import BUSY_NOTE
 from benchmarks.timing import Comparison
 from cross_checks import record_file
+from cross_checks.isolation import Lost
 from cross_checks.record import Record
 from mbs_ref.scene import Scene
 from reports import inputs
@@ -54,6 +56,7 @@ def command(
     limit = None if budget is None else inputs.seconds(budget)
     made = inputs.scene(scene, parameters)
     found = sweep_records(made, chosen, (), None) if records is None else _of_scene(records, made, chosen)
+    _warn(found)
     choice, duel = _confirmed(made, pick.pick(found, error, compliance, limit), confirming)
     again = _afresh(made, choice) if fresh else None
     if as_json:
@@ -78,13 +81,23 @@ def _of_scene(file: Path, scene: Scene, chosen: tuple[str, ...]) -> list[Record]
     return [r for r in own if not chosen or r.engine in chosen]
 
 
+def _warn(records: list[Record]) -> None:
+    """Say on stderr how many of the records were timed while others used the processor."""
+    busy = sum(any(note.startswith(BUSY_NOTE) for note in record.notes) for record in records)
+    if busy:
+        click.echo(f"{busy} of {len(records)} runs were timed on a busy machine: take care with the margin", err=True)
+
+
 def _confirmed(scene: Scene, choice: Choice, asked: bool | None) -> tuple[Choice, Comparison | None]:
     if choice.runner_up is None or choice.margin is None:
         return choice, None
     if asked is False or (asked is None and choice.margin >= confirm.CLOSE):
         return choice, None
-    with isolated(scene) as call:
-        duel = confirm.duel(scene, choice, call)
+    try:
+        with isolated(scene) as call:
+            duel = confirm.duel(scene, choice, call)
+    except Lost as lost:
+        return replace(choice, sentence=f"{choice.sentence} Not confirmed: a timed run {lost}."), None
     return confirm.settled(choice, duel), duel
 
 

@@ -8,11 +8,12 @@ from dataclasses import replace
 import pytest
 from click.testing import CliRunner
 
-from benchmarks import cluster, regression
+from benchmarks import cluster, confirm, regression
 from benchmarks.cluster import Task
 from benchmarks.regression import Case, Finding
 from benchmarks.timing import Comparison, Pace
 from cross_checks import record_file
+from cross_checks.isolation import Lost
 from cross_checks.record import Error, Record
 from mbs_ref import scenes
 from reports.cli import main
@@ -45,6 +46,17 @@ def test_pick_chooses_among_records(tmp_path):
     assert (found["best"]["method"], found["runner_up"]["method"], found["margin"]) == ("rk4", "euler", 1000.0)
     assert found["duel"] is None  # a margin of 1000 needs no confirmation
     assert run("pick", "heavy_top", "--error", "1e-6", "--records", file).exit_code == 5
+
+
+def test_a_duel_that_is_lost_leaves_the_choice_unconfirmed(tmp_path, monkeypatch):
+    def duel(scene, choice, call):
+        raise Lost("timeout", "gave no answer within 120 s and was stopped")
+
+    monkeypatch.setattr(confirm, "duel", duel)
+    file = file_of(tmp_path, "r.jsonl", RECORD, DEAR)
+    done = run("pick", "pendulum", "--error", "1e-6", "--records", file, "--confirm")
+    assert done.exit_code == 0
+    assert "Not confirmed: a timed run gave no answer within 120 s" in done.stdout
 
 
 def test_pick_refuses_what_the_truth_cannot_judge(tmp_path):
