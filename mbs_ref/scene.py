@@ -472,10 +472,11 @@ class Scene(Part):
     @property
     def _places(self) -> dict[str, int]:
         """The places by name, kept while the bodies are the same tuple: a copy may have others."""
-        bodies, places = self.__dict__.get("_kept_places", (None, {}))
+        kept: dict[str, Any] = vars(self)
+        bodies, places = kept.get("_kept_places", (None, {}))
         if bodies is not self.bodies:
             places = {body.name: k for k, body in enumerate(self.bodies)}
-            self.__dict__["_kept_places"] = (self.bodies, places)
+            kept["_kept_places"] = (self.bodies, places)
         return places
 
     def breakpoints(self) -> list[float]:

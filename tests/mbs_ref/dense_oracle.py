@@ -128,7 +128,8 @@ def _turned(theta: np.ndarray, omega: np.ndarray, step: float) -> np.ndarray:
 def _derivative(samples: np.ndarray, span: float) -> np.ndarray:
     """Return d/ds at s = 0 of samples taken along the stencil (8, ...) with steps of `span`."""
     pairs = samples.reshape(len(STENCIL), 2, *samples.shape[1:])
-    return sum(w * (pairs[i, 0] - pairs[i, 1]) for i, (_, w) in enumerate(STENCIL)) / span
+    weights = np.array([weight for _, weight in STENCIL])
+    return np.tensordot(weights, pairs[:, 0] - pairs[:, 1], axes=1) / span
 
 
 # --- the matrix -----------------------------------------------------------------------------------
