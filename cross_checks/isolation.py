@@ -61,7 +61,7 @@ class Isolated:
 
     def __call__(self, function: Callable[..., Any], *arguments: Any) -> Any:
         """Return the function's result; Lost where there is none; its own exception where it raised one."""
-        if self._child is None or self._child.poll() is not None:
+        if self.fresh:
             self._start()
         assert self._pipe is not None
         self._pipe.send((function, arguments))
@@ -69,6 +69,11 @@ class Isolated:
         if not worked:
             raise answer
         return answer
+
+    @property
+    def fresh(self) -> bool:
+        """Whether the next call starts a new child."""
+        return self._child is None or self._child.poll() is not None
 
     def close(self) -> None:
         """End the child, whatever it is doing."""

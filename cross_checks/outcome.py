@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cross_checks.engine import Engine, Method, Refusal, output_times
+from cross_checks.engine import Engine, Method, output_times
 from cross_checks.initial_state import inconsistency
 from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings
@@ -133,13 +133,6 @@ def end_of(states: np.ndarray, times: np.ndarray, end: End) -> End:
     cause = f" ({end.message})" if end.message else ""
     silent = end.status in (Status.SUCCESS, Status.RESET)
     return End(good, Status.NON_FINITE, f"NaN or infinity arose before t = {times[good]:g} s; {last}{cause}", silent)
-
-
-def refuse_spatial(engine: Engine, scene: Scene) -> list[Refusal]:
-    """Return the refusal of a spatial scene by an adapter that speaks planar scenes alone."""
-    if scene.dimension == 2:
-        return []
-    return [Refusal(f"{engine.name} is not yet taught spatial scenes", permanent=False)]
 
 
 def trajectory(

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from mbs_ref.euler_parameters import conjugate, product, rotation_matrices
-from mbs_ref.scene import DRIVES, Distance, PointOnPlane, Scene, SpatialBody
+from mbs_ref.scene import DRIVES, Cylindrical, Distance, PointOnPlane, Prismatic, Scene, SpatialBody, Universal
 
 FIXED = -1  # ground
 ALONE = np.array([1.0, 0.0, 0.0, 0.0])
@@ -65,18 +65,69 @@ class SpatialTree:
         return self.spin(edge.body) - self.spin(edge.parent)
 
 
+HARD_TO_CLOSE = (Universal, Prismatic, Cylindrical)  # engines close loops by points and frames
+
+
+def depth_first(tree: SpatialTree) -> list[SpatialEdge]:
+    """Return the edges with every subtree in one piece, children in the order of the tree.
+
+    MuJoCo numbers bodies so; Pinocchio takes it for granted, and gives a wrong mass matrix otherwise.
+    """
+    children: dict[int, list[SpatialEdge]] = {}
+    for edge in tree.edges:
+        children.setdefault(edge.parent, []).append(edge)
+    result: list[SpatialEdge] = []
+    stack = children.get(FIXED, [])[::-1]
+    while stack:
+        edge = stack.pop()
+        result.append(edge)
+        stack += children.get(edge.body, [])[::-1]
+    return result
+
+
 def spatial_tree(scene: Scene) -> SpatialTree:
-    """Span the joint graph breadth first from ground; rods and planes always close loops."""
+    """Span the joint graph breadth first from ground; rods and planes always close loops.
+
+    Slides and universal joints go into the tree wherever another joint of the loop can close it.
+    """
+    joints = [joint for joint in scene.joints if not isinstance(joint, (Distance, PointOnPlane, *DRIVES))]
+    near = {joint.name for joint in _spanned(scene, joints)[1]}
+    rank = {j.name: 0 if isinstance(j, HARD_TO_CLOSE) else 1 + (j.name not in near) for j in joints}
+    used = _forest(scene, sorted(joints, key=lambda joint: rank[joint.name]))
+    edges, _ = _spanned(scene, [joint for joint in joints if joint.name in used])
+    closures = (j for j in scene.joints if j.name not in used and not isinstance(j, DRIVES))
+    return SpatialTree(scene, edges, tuple(closures))
+
+
+def _forest(scene: Scene, joints: list[Any]) -> set[str]:
+    """Return the names of the joints, taken in this order, that close no loop (Kruskal 1956)."""
+    root = {name: name for name in ("ground", *scene.body_names)}
+
+    def find(name: str) -> str:
+        while root[name] != name:
+            root[name] = root[root[name]]
+            name = root[name]
+        return name
+
+    kept = set()
+    for joint in joints:
+        a, b = find(joint.body_a), find(joint.body_b)
+        if a != b:
+            root[a] = b
+            kept.add(joint.name)
+    return kept
+
+
+def _spanned(scene: Scene, joints: list[Any]) -> tuple[tuple[SpatialEdge, ...], list[Any]]:
+    """Span the graph of some joints breadth first from ground; return the edges and the joints in them."""
     index = {name: k for k, name in enumerate(scene.body_names)} | {"ground": FIXED}
     neighbours: dict[int, list[tuple[int, Any]]] = {k: [] for k in index.values()}
-    for joint in scene.joints:
-        if not isinstance(joint, (Distance, PointOnPlane, *DRIVES)):
-            a, b = index[joint.body_a], index[joint.body_b]
-            neighbours[a].append((b, joint))
-            neighbours[b].append((a, joint))
+    for joint in joints:
+        a, b = index[joint.body_a], index[joint.body_b]
+        neighbours[a].append((b, joint))
+        neighbours[b].append((a, joint))
     edges: list[SpatialEdge] = []
     seen: set[int] = set()
-    used: set[str] = set()
     for root in (FIXED, *range(len(scene.bodies))):
         if root in seen:
             continue
@@ -89,8 +140,6 @@ def spatial_tree(scene: Scene) -> SpatialTree:
             for there, joint in neighbours[here]:
                 if there not in seen:
                     seen.add(there)
-                    used.add(joint.name)
                     edges.append(SpatialEdge(here, there, joint))
                     queue.append(there)
-    closures = tuple(j for j in scene.joints if j.name not in used and not isinstance(j, DRIVES))
-    return SpatialTree(scene, tuple(edges), closures)
+    return tuple(edges), [edge.joint for edge in edges if edge.joint is not None]

@@ -76,8 +76,9 @@ def simulate(scene: Scene, settings: Settings | None = None, times: np.ndarray |
     y = system.initial_state()
     built = time.perf_counter()
     system.set_mode_time(0.0)
+    repairs = _consistent_start(system, y, settings)
     rank = _rank(system, y)
-    notes = [*plan.notes, *_consistent_start(system, y, settings), *_redundancy(system, rank)]
+    notes = [*plan.notes, *repairs, *_redundancy(system, rank)]
     if rank is not None and rank < system.n_constraints and settings.ambiguous == "stop":
         branches = ambiguous_start(system, y, rank)
         if branches:

@@ -10,10 +10,12 @@ import numpy as np
 from cross_checks.certify.branches import extrapolate_branches
 from cross_checks.certify.extrapolation import extrapolate
 from cross_checks.certify.runge_kutta import runge_kutta
+from mbs_ref.euler_parameters import geodesic_angle
 
 NUDGE = 1e-10  # of the start, to measure how the motion magnifies an error
 LARGEST_UNCERTAINTY = 1e-8  # m; a truth known less well ranks nobody, and is not worth its computation
 RK_TOLERANCE = 3e-14  # the tightest DOP853 takes in double precision
+ARM = 1.0  # m, at which differences of orientation in space count; the scenes' bodies are no larger
 DOUBLE_EPS = float(np.finfo(float).eps)
 
 
@@ -23,7 +25,7 @@ class Formulation:
 
     derivative: Callable  # (t, y) -> dy/dt in y's precision
     start: np.ndarray  # (n,) y at t = 0
-    poses: Callable  # (t, y) -> position (n_bodies, 2) m, angle (n_bodies,) rad
+    poses: Callable  # (t, y) -> position (n_bodies, dimension) m, angle (n_bodies,) rad or theta (n_bodies, 4)
     frozen: Callable | None = None  # (t, y, on) -> dy/dt where forces set in or let go: in the branches `on`
     switches: Callable | None = None  # (t, y) -> (n_switches,): on where positive
     breakpoints: tuple[float, ...] = ()  # s, where the derivative is not smooth in time
@@ -33,19 +35,26 @@ class Formulation:
 class Agreement:
     """World poses, and how well they are known."""
 
-    position: np.ndarray  # (n_t, n_bodies, 2) m
-    angle: np.ndarray  # (n_t, n_bodies) rad
+    position: np.ndarray  # (n_t, n_bodies, dimension) m
+    angle: np.ndarray  # (n_t, n_bodies) rad, or (n_t, n_bodies, 4) Euler parameters
     difference: float  # m, largest between the two runs; NaN where the second was spared
     sensitivity: float  # m of pose per unit of error at the start
     uncertainty: float  # m
 
 
 def agree(
-    first: Formulation, second: Formulation, times: np.ndarray, *, extended: bool, rk_tolerance: float = RK_TOLERANCE
+    first: Formulation,
+    second: Formulation,
+    times: np.ndarray,
+    *,
+    extended: bool,
+    rk_tolerance: float = RK_TOLERANCE,
+    second_by: Callable | None = None,
 ) -> Agreement:
     """Solve `first` by DOP853 and `second` by extrapolation (in extended precision if asked); compare world points.
 
     Where forces set in or let go, DOP853 is left to find it by its error control and extrapolation locates it.
+    `second_by` names another solver where extrapolation does not suit, as for stiff motions.
     The uncertainty is the difference plus the roundoff of double data magnified by the motion; where the
     latter alone exceeds LARGEST_UNCERTAINTY the second run is spared.
     """
@@ -53,11 +62,15 @@ def agree(
     kind = np.longdouble if extended else float
     tolerance = 64 * float(np.finfo(kind).eps)
     coarse = _poses(first, grid, runge_kutta(first.derivative, first.start, grid, rk_tolerance))
-    sensitivity = _sensitivity(first, grid, coarse[0], rk_tolerance)
+    sensitivity = _sensitivity(first, grid, coarse, rk_tolerance)
     if DOUBLE_EPS * sensitivity > LARGEST_UNCERTAINTY:
         return Agreement(coarse[0][asked], coarse[1][asked], float("nan"), sensitivity, DOUBLE_EPS * sensitivity)
-    fine = _poses(second, grid, _extrapolated(second, second.start.astype(kind), grid, tolerance))
-    difference = float(np.max(np.abs(fine[0] - coarse[0])))
+    start = second.start.astype(kind)
+    solved = _extrapolated(second, start, grid, tolerance) if second_by is None else second_by(
+        second.derivative, start, grid, tolerance
+    )
+    fine = _poses(second, grid, solved)
+    difference = _gap(fine, coarse)
     uncertainty = difference + DOUBLE_EPS * max(1.0, sensitivity)
     return Agreement(fine[0][asked], fine[1][asked], difference, sensitivity, uncertainty)
 
@@ -81,8 +94,16 @@ def _poses(formulation: Formulation, times: np.ndarray, states: np.ndarray) -> t
     return tuple(np.array(part, dtype=float) for part in zip(*found, strict=True))  # type: ignore[return-value]
 
 
-def _sensitivity(formulation: Formulation, times: np.ndarray, position: np.ndarray, tolerance: float) -> float:
+def _gap(first: tuple[np.ndarray, np.ndarray], second: tuple[np.ndarray, np.ndarray]) -> float:
+    """Return the largest distance between centres, and in space between points ARM away from them."""
+    gap = float(np.max(np.abs(first[0] - second[0])))
+    if first[1].ndim == 2:
+        return gap
+    return max(gap, ARM * float(np.max(geodesic_angle(first[1], second[1]))))
+
+
+def _sensitivity(formulation: Formulation, times: np.ndarray, poses: tuple, tolerance: float) -> float:
     """Nudge the start at random and see how far the motion moves away."""
     signs = np.random.default_rng(0).choice([-1.0, 1.0], size=len(formulation.start))
     states = runge_kutta(formulation.derivative, formulation.start + NUDGE * signs, times, tolerance)
-    return float(np.max(np.abs(_poses(formulation, times, states)[0] - position))) / NUDGE
+    return _gap(_poses(formulation, times, states), poses) / NUDGE

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 from scipy.integrate import DOP853
@@ -11,21 +12,23 @@ from cross_checks.certify.extrapolation import NoConvergenceError
 
 
 def runge_kutta(derivative: Callable, start: np.ndarray, times: np.ndarray, tolerance: float) -> np.ndarray:
-    """Integrate y' = derivative(t, y) from times[0]; return y at `times`, shape (n_t, n).
+    """Integrate y' = derivative(t, y) from times[0]; return y at `times`, shape (n_t, n). Raises NoConvergenceError."""
+    return step_through(DOP853, derivative, start, times, tolerance)
 
-    No interpolation: DOP853's dense output is of order 7 only. Raises NoConvergenceError.
-    """
+
+def step_through(solver_type: Any, derivative: Callable, start: np.ndarray, times: np.ndarray, tolerance: float):
+    """Step a SciPy solver onto every time: its dense output is of lower order."""
     states = np.empty((len(times), len(start)))
     states[0] = start
     step = None
     for k in range(1, len(times)):
         first = None if step is None else min(step, times[k] - times[k - 1])
-        solver = DOP853(
+        solver = solver_type(
             derivative, times[k - 1], states[k - 1], times[k], rtol=tolerance, atol=tolerance, first_step=first
         )
         while solver.status == "running":
             message = solver.step()
             if solver.status == "failed":
-                raise NoConvergenceError(f"DOP853 stops at t = {solver.t:.6g} s: {message}")
+                raise NoConvergenceError(f"{solver_type.__name__} stops at t = {solver.t:.6g} s: {message}")
         states[k], step = solver.y, float(solver.h_abs)
     return states

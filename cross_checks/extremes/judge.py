@@ -59,7 +59,7 @@ def judge(extreme: Extreme, case: Case, value: float, found: Trajectory | tuple[
         status, message = found
         return _stopped(case, value, status, message)
     if found.unreported or found.status is Status.RESET:
-        reason = f"the engine said nothing: {found.message}"
+        reason = f"it went on as if all were well: {found.message}"
         return Point(value, Fate.SILENTLY_WRONG, False, True, None, str(found.status), reason)
     if not found.ok:
         return _stopped(case, value, str(found.status), found.message)

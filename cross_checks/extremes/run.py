@@ -19,8 +19,9 @@ from cross_checks.extremes.search import bisect, scan
 from cross_checks.isolation import Isolated, Lost
 
 CHILDREN = 2
-FIRST = 120.0  # s for the mildest value of a cell: compiling and loading may be in it
-PATIENCE = {False: 4.0, True: 60.0}  # s for any other run, by `full`
+FIRST = 600.0  # s for the mildest value of a cell: compiling on a busy machine may be in it
+LOADING = 30.0  # s more for a new child, which has everything to load
+PATIENCE = {False: 5.0, True: 60.0}  # s for any other run, by `full`
 MEMORY = 2 * 2**30  # bytes of one child
 REFINE = 3  # halvings between two listed values in the full set
 
@@ -57,7 +58,8 @@ def cell_of(extreme: Extreme, engine: Engine, method: Method, full: bool, call: 
         return Cell(extreme.name, extreme.family, engine.name, method.name, full, Fate.CANNOT, None, (), why)
 
     def probe(value: float) -> Point:
-        call.timeout = FIRST if value == extreme.axis.values[0] else PATIENCE[full]
+        first = value == extreme.axis.values[0]
+        call.timeout = FIRST if first else PATIENCE[full] + (LOADING if call.fresh else 0.0)
         began = time.perf_counter()
         try:
             return call(run_point, extreme.name, value, engine.name, method.name)

@@ -10,7 +10,7 @@ from typing import Literal
 
 import numpy as np
 
-from cross_checks.certify.agreement import LARGEST_UNCERTAINTY
+from cross_checks.certify.agreement import LARGEST_UNCERTAINTY, Agreement
 from cross_checks.certify.extrapolation import NoConvergenceError
 from mbs_ref import scenes
 from mbs_ref.particle_scene import unit_length
@@ -34,6 +34,12 @@ class NoTruth:
     """Why there is nothing to compare with."""
 
     reason: str
+
+
+def converged(found: Agreement, first: str, second: str) -> Truth:
+    """Return a truth that two ways agree on; `first` and `second` name them."""
+    how = f"{second}; {first} differ by {found.difference:.1e} m; a start error grows {found.sensitivity:.1e}-fold"
+    return Truth(found.position, found.angle, found.uncertainty, "converged", how, difference=found.difference)
 
 
 def known() -> list[str]:

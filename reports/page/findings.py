@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -10,6 +11,7 @@ from mbs_ref.trajectory import Status
 from reports.page.cheapest import entries, known_error, usable
 from reports.page.numbers import count, duration, joules, metres, setting, short
 from reports.page.report_data import Cell, ReportData, scene_label
+from reports.page.sections.sky import worst_planet
 from reports.page.verdicts import verdict
 
 SILENT = (Status.NON_FINITE, Status.RESET)  # what engines do without saying so
@@ -17,6 +19,7 @@ ORDER_SLACK = 0.5  # an observed order lower than documented by more than this i
 CLOSED_JOINTS = 1e-8  # m, compliance that looks perfect
 FAR_OFF = 1e-2  # m, an error anyone would mind
 CONSERVED = 1e-6  # J, energy drift that looks perfect
+WORTH_TELLING = 0.3  # figures, a factor of two in distance
 MOST = 8  # findings of one rule shown
 
 
@@ -133,6 +136,25 @@ def _span(ratios: list[float]) -> str:
     return low if low == high else f"{low} to {high}"
 
 
+def digits(data: ReportData) -> Iterator[Finding]:
+    """Which physics buys which figures of the planets, and of the Moon."""
+    ladder = [] if data.sky is None else [r for r in data.sky.ladder if r.figures and r.parameters["model"] != "gr_sun"]
+    gains = []
+    for before, after in itertools.pairwise(ladder):
+        for name, figures in (("the worst planet", worst_planet), ("the Moon", _moon)):
+            old, new = figures(before), figures(after)
+            if old is not None and new is not None and new - old > WORTH_TELLING:
+                gains.append(f"{after.parameters['model']} takes {name} from {old:.1f} to {new:.1f}")
+    if gains:
+        first, last = worst_planet(ladder[0]), worst_planet(ladder[-1])
+        title = f"Physics buys digits: from {first:.1f} to {last:.1f} figures of every planet after 360 days"
+        yield Finding("plain", title, "; ".join(gains) + ".")
+
+
+def _moon(record: Record) -> float | None:
+    return record.figures.get("moon")
+
+
 def grouped(data: ReportData, words: set[str]) -> Iterator[tuple[str, str, list[Cell]]]:
     """Yield engine, methods in words, and cells: the methods of an engine that share verdict and scenes together."""
     met = [c for c in data.cells if c.verdict in words]
@@ -153,4 +175,4 @@ def _scenes(cells: list[Cell]) -> str:
     return ", ".join(dict.fromkeys(c.scene for c in cells))
 
 
-RULES = (wrong_limits, failing_beside_a_sibling, silent_failures, perfect_but_wrong, low_orders, fastest)
+RULES = (wrong_limits, failing_beside_a_sibling, silent_failures, perfect_but_wrong, low_orders, fastest, digits)

@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import Any
 
+from benchmarks.sky import SkyFacts
 from benchmarks.space import SpaceFacts
 from cross_checks.extremes.cell import Cell as ExtremeCell
 from cross_checks.record import Record
@@ -50,7 +51,7 @@ class ReportData:
     orders: dict[tuple[str, str], int] = field(default_factory=dict)  # (engine, method) -> documented order
     quick: bool = False
     incomplete: str = ""  # why it holds less than asked; empty where it holds all
-    sky: tuple[Record, ...] = ()  # the solar system at each level of physics, with figures per body
+    sky: SkyFacts | None = None  # digits against physics, races, formulations; None in a quick report
     crashes: tuple[Crash, ...] = ()  # the androids; empty in a quick report
     seconds: float = 0.0  # s, spent on the runs
     truths: tuple[TruthFacts, ...] = ()  # what the errors are measured from

@@ -9,6 +9,7 @@ from mbs_ref import ephemeris, scenes
 from mbs_ref.celestial import AU_M, G_SI, LunarFigure, Newton, Oblateness, Relativity
 from mbs_ref.cores import compile_scene
 from mbs_ref.integrators.gauss_coefficients import gauss
+from mbs_ref.kernels.particles.satellites import lit_share
 from mbs_ref.observables import energy_balance, momentum_drift
 from mbs_ref.scene import PointMass, Scene
 from mbs_ref.scene_file import dumps, loads
@@ -124,6 +125,64 @@ def test_the_sun_synchronous_node_keeps_up_with_the_mean_sun():
     rate = (node[1] - node[0]) / scene.duration
     assert rate == pytest.approx(satellite.nodal_rate(*satellite.elements("sun_synchronous")), rel=0.01)
     assert np.degrees(rate) * 86400.0 == pytest.approx(360.0 / satellite.YEAR_D, rel=0.01)
+
+
+@pytest.mark.parametrize(("orbit", "turns_a_day"), [("gps", 2.0), ("molniya", 2.0), ("geo", 1.0)])
+def test_named_orbits_return_with_the_turning_earth(orbit, turns_a_day):
+    a, _, i = satellite.elements(orbit)
+    sidereal_day = 2.0 * np.pi / 7.292115e-5  # s, IERS Conventions 2010, table 1.2
+    period = 2.0 * np.pi * np.sqrt(a**3 / satellite.GM_EARTH)
+    assert period * turns_a_day == pytest.approx(sidereal_day, rel=1e-3)
+    scene = scenes.make("satellite", orbit=orbit, days=period / 86400.0, j2=False)
+    run = simulate(scene, Settings(method="gauss", rtol=1e-14, samples=2))
+    assert run.position[-1, 1] == pytest.approx(run.position[0, 1], abs=1e-3)  # m, Kepler's ellipse closes
+    if orbit == "molniya":  # the critical inclination, 4 = 5 sin^2 i, holds the perigee (Vallado 2013, eq 9-40)
+        assert 5.0 * np.sin(i) ** 2 == pytest.approx(4.0, rel=1e-3)
+
+
+def test_j2_turns_the_node_and_holds_the_perigee_at_the_critical_inclination():
+    scene = scenes.make("satellite", orbit="molniya", days=20.0)
+    run = simulate(scene, Settings(method="gauss", rtol=1e-14, samples=2))
+    r, v = run.position[:, 1], run.velocity[:, 1]
+    eccentric = np.cross(v, np.cross(r, v)) / satellite.GM_EARTH - r / np.linalg.norm(r, axis=1)[:, None]
+    normal = np.cross(r, v)
+    ascending = np.stack([-normal[:, 1], normal[:, 0], np.zeros(2)], axis=1)
+    across = np.cross(normal / np.linalg.norm(normal, axis=1)[:, None], ascending)
+    perigee = np.arctan2(np.sum(eccentric * across, axis=1), np.sum(eccentric * ascending, axis=1))
+    swing = 1e-3  # rad, of osculating elements within a revolution
+    assert perigee == pytest.approx([-0.5 * np.pi] * 2, abs=swing)
+    node = satellite.nodal_rate(*satellite.elements("molniya")) * scene.duration
+    assert np.arctan2(normal[1, 0], -normal[1, 1]) == pytest.approx(node, abs=swing)
+    assert abs(node) > 20.0 * swing
+
+
+@pytest.mark.parametrize(
+    ("apart", "lit"), [(2.0, 1.0), (0.0, 0.0), (0.4, 0.0), (1.0, None)], ids=["sun", "centre", "umbra", "penumbra"]
+)
+def test_the_visible_share_of_the_sun(apart, lit):
+    found = lit_share(0.5, 1.0, apart)  # disc of radius 0.5 behind one of radius 1
+    grid = np.linspace(-0.5, 0.5, 801)
+    x, y = np.meshgrid(grid, grid)
+    disc = x**2 + y**2 < 0.25
+    counted = 1.0 - np.mean(((x - apart) ** 2 + y**2 < 1.0)[disc])
+    assert found == pytest.approx(counted if lit is None else lit, abs=3e-3)
+    assert counted == pytest.approx(found, abs=3e-3)
+
+
+def test_sunlight_vanishes_behind_the_earth_and_pushes_away_from_the_sun_before_it():
+    from mbs_ref.celestial import Epoch, RadiationPressure
+    from mbs_ref.kernels.particles.directions import sun_place
+
+    sun = np.zeros(3)
+    sun_place(0.0, sun)
+    toward = sun / np.linalg.norm(sun)
+    light = RadiationPressure(name="light", body="b", planet="a", coefficient=0.02, radius=6.378e6)
+    found = [
+        acceleration(pair((light, Epoch()), place=tuple(sign * 7e6 * toward), gm=(0.0, 0.0)))[1] for sign in (1.0, -1.0)
+    ]
+    au = AU_M / (np.linalg.norm(sun) - 7e6)
+    assert found[0] == pytest.approx(-toward * 4.56e-6 * 0.02 * au**2, rel=1e-9)
+    assert np.all(found[1] == 0.0)
 
 
 @pytest.mark.parametrize("switch", ["zonals", "third_bodies", "drag", "radiation"])

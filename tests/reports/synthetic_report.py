@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import math
 
+from cross_checks.extremes.cell import Cell as ExtremeCell
+from cross_checks.extremes.cell import made_of
+from cross_checks.extremes.judge import Fate, Point
 from cross_checks.record import Error, Record
 from reports.page.report_data import Capability, Cell, ReportData, scene_label
 
@@ -88,6 +91,24 @@ def _cell(scene: str, parameters: dict, method: tuple, own: list[Record], verdic
     return Cell(label, engine, name, verdict, reason, error, compliance, seen)
 
 
+def _extremes() -> tuple[ExtremeCell, ...]:
+    """Cells with every fate, among them a silent reset and hostile text."""
+
+    def point(value: float, fate: Fate, status: str = "success", reason: str = "") -> Point:
+        fine = fate is not Fate.STOPPED
+        return Point(value, fate, fate is Fate.SURVIVED, fine, 1e-4 if status == "success" else None, status, reason)
+
+    fell = [point(1e2, Fate.SURVIVED), point(1e14, Fate.SILENTLY_WRONG, "reset", f"it went on {HOSTILE}")]
+    ours = [point(1e2, Fate.SURVIVED), point(1e6, Fate.DEGRADED), point(1e14, Fate.STOPPED, "refused", HOSTILE)]
+    whole = [point(1.0, Fate.SURVIVED), point(1e-8, Fate.SURVIVED)]
+    return (
+        made_of("stiff-spring-quiet", "stiffness", "mujoco", "rk4", False, fell),
+        made_of("stiff-spring-quiet", "stiffness", "mbs_ref", "rk4", False, ours),
+        made_of("crash-pulse", "pulses", "mbs_ref", "dop853", False, whole),
+        ExtremeCell("crash-pulse", "pulses", "mujoco", "rk4", False, Fate.CANNOT, None, (), HOSTILE),
+    )
+
+
 def report_data() -> ReportData:
     """Return the made-up report."""
     records, cells = [], []
@@ -106,4 +127,6 @@ def report_data() -> ReportData:
     ]
     orders = {(m[0], m[1]): m[3] for m in METHODS if m[2] == "fixed"}
     environment = {"made": "2026-01-02 03:04 UTC", "python": "3.12.1", "processor": HOSTILE, "exudyn": "1.2.3"}
-    return ReportData(tuple(cells), tuple(records), tuple(capabilities), environment, orders, seconds=12.0)
+    return ReportData(
+        tuple(cells), tuple(records), tuple(capabilities), environment, orders, seconds=12.0, extremes=_extremes()
+    )

@@ -8,10 +8,10 @@ from __future__ import annotations
 import mujoco
 import numpy as np
 
-from cross_checks.engines.mujoco_.spatial_build import depth_first, start_rates
+from cross_checks.engines.mujoco_.spatial_build import start_rates
 from cross_checks.joint_tree import JointTree
 from cross_checks.outcome import End, Plan, end_of
-from cross_checks.spatial_tree import SpatialTree
+from cross_checks.spatial_tree import SpatialTree, depth_first
 from mbs_ref.trajectory import Status
 
 

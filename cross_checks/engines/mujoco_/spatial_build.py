@@ -63,20 +63,6 @@ def _kinds(edge: SpatialEdge, body) -> tuple[str, ...]:
     return by_type.get(edge.joint.type, ("slide", "hinge"))
 
 
-def depth_first(tree: SpatialTree) -> list[SpatialEdge]:
-    """MuJoCo numbers bodies depth first, children in the order they were added."""
-    children: dict[int, list[SpatialEdge]] = {}
-    for edge in tree.edges:
-        children.setdefault(edge.parent, []).append(edge)
-    result: list[SpatialEdge] = []
-    stack = children.get(FIXED, [])[::-1]
-    while stack:
-        edge = stack.pop()
-        result.append(edge)
-        stack += children.get(edge.body, [])[::-1]
-    return result
-
-
 def start_rates(tree: SpatialTree, edge: SpatialEdge) -> np.ndarray:
     body, joint = tree.scene.bodies[edge.body], edge.joint
     to_body = tree.axes(edge.body).T
