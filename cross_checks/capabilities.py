@@ -10,6 +10,7 @@ from cross_checks.engine import Engine, Method
 from mbs_ref import scenes
 from mbs_ref.contact import Contact, ContactLaw, Friction
 from mbs_ref.scene import Body, Joint, Load, Scene
+from mbs_ref.scene_events import Event
 
 
 @dataclass(frozen=True)
@@ -27,7 +28,8 @@ class Capability:
 
 def part_types() -> list[str]:
     """Return every part type of the scene language, in its order."""
-    unions = (typing.get_args(typing.get_args(kind)[0]) for kind in (Body, Joint, Load, Contact, ContactLaw, Friction))
+    kinds = (Body, Joint, Load, Contact, ContactLaw, Friction, Event)
+    unions = (typing.get_args(typing.get_args(kind)[0]) for kind in kinds)
     return [part.model_fields["type"].default for union in unions for part in union]
 
 

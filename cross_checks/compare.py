@@ -112,6 +112,8 @@ def _finite(path: Trajectory) -> Trajectory:
 def _on_time(path: Trajectory, asked: np.ndarray) -> Trajectory:
     """Find restarted clocks and missing samples behind a reported success."""
     n = len(path.times)
+    if path.status is Status.STOP_EVENT:  # its last sample is where a declared event stopped it
+        asked = np.append(asked[: n - 1], path.times[-1])
     late = np.abs(path.times - asked[:n]) > ON_TIME if n <= len(asked) else np.ones(n, bool)
     if np.any(late):
         k = int(np.argmax(late))

@@ -24,6 +24,7 @@ class Method:
     ladder: tuple[float, ...] = ()  # steps (s) or rtols a sweep tries, coarse to fine
     requires: frozenset[str] = frozenset()  # traits the scene must have ...
     excludes: frozenset[str] = frozenset()  # ... or must not have (see mbs_ref.traits)
+    locates_events: bool = False  # touch-down, lift-off, slip; else contact forces are clipped by the state
     wrong_limit: str = ""  # why it is known to fail or converge elsewhere on some scenes (shown, never used to judge)
 
 

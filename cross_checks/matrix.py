@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from typing import Any
 
 from cross_checks import engines as registry
@@ -48,6 +48,7 @@ class Cell:
     documented_order: int | None = None
     setting: str = ""  # of the run that speaks for the ladder
     loop_s: float | None = None
+    contact: dict[str, float] = field(default_factory=dict)  # figures of the run that speaks for the ladder
     runs: tuple[dict[str, Any], ...] = ()  # setting, status, error of each run
 
     def to_dict(self) -> dict[str, Any]:
@@ -130,6 +131,7 @@ def judge_method(scene: Scene, engine: str, method: Method, budget_s: float = BU
         order=_order(method, climb, uncertainty or 0.0),
         setting="" if best < 0 else climb.rungs[best].setting,
         loop_s=None if record is None else record.times["loop_s"],
+        contact={} if record is None else record.contact,
         runs=tuple({"setting": r.setting, "status": r.status, "error": r.error} for r in climb.rungs),
     )  # fmt: skip
 

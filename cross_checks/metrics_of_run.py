@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from cross_checks.metrics.compliance import compliance, worst_joint
+from cross_checks.metrics.contact_figures import contact_figures
 from cross_checks.metrics.energy_drift import energy_drift
 from cross_checks.metrics.momentum_drift import momentum_drift
 from cross_checks.metrics.orientation_error import orientation_error
@@ -41,8 +42,19 @@ def measure(scene: Scene, path: Trajectory, truth: Truth | NoTruth, reference: T
         "figures": significant_figures(scene, path, observed) if isinstance(observed, Observed) else {},
         "reaction_error": None if reference is None else reaction_error(path.reactions, reference.reactions),
         "notes": (*_notes(scene, path, truth, why_no_energy), *_unjudged(_error(error, truth)), *_told(observed)),
+        "contact": contact_figures(scene, path),
+        "events": _declared_events(scene, path),
         "history": {key: part.tolist() for key, part in history.items() if part is not None and _is_finite(part)},
     }
+
+
+def _declared_events(scene: Scene, path: Trajectory) -> dict[str, list[float]]:
+    """The times (s) of every declared event; empty where the engine locates none."""
+    if path.event_times is None:
+        return {}
+    when, source = path.event_times.T
+    places = {event.name: path.event_names.index(event.name) for event in scene.events}
+    return {name: when[source == place].tolist() for name, place in places.items()}
 
 
 def _nothing(path: Trajectory) -> dict[str, Any]:

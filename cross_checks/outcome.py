@@ -67,6 +67,8 @@ def _check_settings(engine: Engine, method: Method, settings: Settings, supporte
         value, default = getattr(settings, name), getattr(defaults, name)
         if name not in supported and value != default:
             raise ValueError(f"{name} = {value!r} is not offered by {engine.name}; allowed: {default!r}")
+    if settings.events == "located" and not method.locates_events:
+        raise ValueError(f"events = 'located': {method.name} of {engine.name} locates no events; allowed: 'none'")
 
 
 def _check_times(times: np.ndarray) -> None:

@@ -63,6 +63,8 @@ class Record:
     figures: dict[str, float] = field(
         default_factory=dict
     )  # body -> significant figures at the end, against an ephemeris
+    contact: dict[str, float] = field(default_factory=dict)  # restitution, penetration, ... by "contact: figure, unit"
+    events: dict[str, list[float]] = field(default_factory=dict)  # declared event -> its times (s), where located
     history: dict[str, list[float]] = field(default_factory=dict)  # t, compliance, energy_drift, error: for the plots
 
     def to_dict(self) -> dict[str, Any]:

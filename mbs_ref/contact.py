@@ -7,12 +7,13 @@ by which it lets go. Points are world points at t = 0.
 from __future__ import annotations
 
 import math
-from typing import Annotated, Literal, Self
+from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, model_validator
 
 from mbs_ref.part import Name, NonNegative, Part, Positive, Vector
 
+Vector3 = tuple[float, float, float]
 Restitution = Annotated[float, Field(ge=0.0, le=1.0)]
 
 
@@ -81,8 +82,24 @@ class RigidLaw(Part):
     restitution: Restitution
 
 
+class ConstraintLaw(Part):
+    """No penetration and no rebound: while contact lasts the constraint gap = 0 stands for the force.
+
+    The papers' other cure (Fox 2001). At touch-down an impulse takes the approach speed away (restitution 0);
+    the contact lets go where the multiplier would pull. Circles on lines and circles alone, without friction.
+    """
+
+    type: Literal["constraint_law"] = "constraint_law"
+
+
 ContactLaw = Annotated[
-    SpringDamperLaw | ProgressiveLaw | HuntCrossleyLaw | LankaraniNikraveshLaw | FloresLaw | RigidLaw,
+    SpringDamperLaw
+    | ProgressiveLaw
+    | HuntCrossleyLaw
+    | LankaraniNikraveshLaw
+    | FloresLaw
+    | RigidLaw
+    | ConstraintLaw,
     Field(discriminator="type"),
 ]
 
@@ -120,6 +137,11 @@ class StickSlip(Part):
 Friction = Annotated[RegularisedCoulomb | StickSlip, Field(discriminator="type")]
 
 
+def _no_friction_on_a_constraint(law: Any, friction: Any) -> None:
+    if isinstance(law, ConstraintLaw) and friction is not None:
+        raise ValueError(f"friction = {friction.type} does not go with constraint_law; leave it out")
+
+
 # --- pairs ----------------------------------------------------------------------------------------
 
 
@@ -147,6 +169,9 @@ class CircleOnLine(Part):
     def _check(self) -> Self:
         if math.dist(self.point_1, self.point_2) == 0.0:
             raise ValueError("point_1 and point_2 coincide; the surface has no direction")
+        if isinstance(self.law, ConstraintLaw) and self.extent == "capped":
+            raise ValueError("extent = 'capped' does not go with constraint_law; allowed: 'line', 'segment'")
+        _no_friction_on_a_constraint(self.law, self.friction)
         return self
 
 
@@ -168,6 +193,7 @@ class CircleOnCircle(Part):
     def _check(self) -> Self:
         if self.radius_a + self.radius_b == 0.0:
             raise ValueError("radius_a and radius_b are both 0; one must be positive")
+        _no_friction_on_a_constraint(self.law, self.friction)
         return self
 
 
@@ -193,5 +219,82 @@ class PinOnSprocket(Part):
     law: ContactLaw
     friction: RegularisedCoulomb | None = None
 
+    @model_validator(mode="after")
+    def _check(self) -> Self:
+        if isinstance(self.law, ConstraintLaw):
+            raise ValueError("law = constraint_law is for circle_on_line and circle_on_circle, not for pin_on_sprocket")
+        return self
 
-Contact = Annotated[CircleOnLine | CircleOnCircle | PinOnSprocket, Field(discriminator="type")]
+
+class SphereOnPlane(Part):
+    """A sphere on one body against a flat surface on another or on ground (space); a radius of 0 is a corner.
+
+    The normal points to the free side. `extent`: "plane" has no ends, "rectangle" touches only where the
+    sphere's centre is between its edges, "capped" has solid edges and corners too; the last two need `size`
+    about `point` and the direction `edge` of its first side.
+    """
+
+    type: Literal["sphere_on_plane"] = "sphere_on_plane"
+    name: Name
+    body_a: Name  # carries the sphere
+    center: Vector3  # m, world, t = 0
+    radius: NonNegative  # m
+    body_b: Name = "ground"  # carries the plane
+    point: Vector3  # m, world, t = 0: on the plane, the middle of a rectangle
+    normal: Vector3  # direction, world, t = 0
+    extent: Literal["plane", "rectangle", "capped"] = "plane"
+    size: tuple[Positive, Positive] | None = None  # m, sides of a rectangle
+    edge: Vector3 | None = None  # direction of the first side, world, t = 0; perpendicular to normal
+    thickness: Positive | None = None  # m: what appears deeper than this is behind the surface, not in it
+    law: ContactLaw
+    friction: Friction | None = None
+
+    @model_validator(mode="after")
+    def _check(self) -> Self:
+        if not math.hypot(*self.normal) > 0.0:
+            raise ValueError(f"normal = {self.normal} has no direction; give any vector but zero")
+        bounded = self.extent != "plane"
+        if bounded != (self.size is not None) or bounded != (self.edge is not None):
+            raise ValueError(f"extent = {self.extent!r}: a rectangle needs size and edge, a plane has neither")
+        if self.edge is not None:
+            scale = math.hypot(*self.normal) * math.hypot(*self.edge)
+            if not abs(math.sumprod(self.normal, self.edge)) <= 1e-9 * scale or scale == 0.0:
+                raise ValueError(f"edge = {self.edge} must be perpendicular to normal = {self.normal}")
+        if self.extent == "capped" and isinstance(self.friction, StickSlip):
+            raise ValueError("extent = 'capped' turns the tangent plane at its edges; stick_slip needs a flat surface")
+        _require_force(self.law, self.friction)
+        return self
+
+
+class SphereOnSphere(Part):
+    """Two spheres that touch from outside (space)."""
+
+    type: Literal["sphere_on_sphere"] = "sphere_on_sphere"
+    name: Name
+    body_a: Name
+    center_a: Vector3  # m, world, t = 0
+    radius_a: NonNegative  # m
+    body_b: Name
+    center_b: Vector3  # m, world, t = 0
+    radius_b: NonNegative  # m
+    law: ContactLaw
+    friction: RegularisedCoulomb | None = None
+
+    @model_validator(mode="after")
+    def _check(self) -> Self:
+        if self.radius_a + self.radius_b == 0.0:
+            raise ValueError("radius_a and radius_b are both 0; one must be positive")
+        _require_force(self.law, self.friction)
+        return self
+
+
+def _require_force(law: ContactLaw, friction: Friction | None) -> None:
+    if friction is not None and isinstance(law, RigidLaw):
+        raise ValueError(f"law = {law.type!r} acts in an instant and has no force for friction; leave friction out")
+    if isinstance(law, ConstraintLaw):
+        raise ValueError("law = constraint_law is for circle_on_line and circle_on_circle, not yet for space")
+
+
+Contact = Annotated[
+    CircleOnLine | CircleOnCircle | PinOnSprocket | SphereOnPlane | SphereOnSphere, Field(discriminator="type")
+]

@@ -7,10 +7,11 @@ from typing import Any
 
 import numpy as np
 
+from mbs_ref.contact import ConstraintLaw
 from mbs_ref.joint_graph import Edge, Layout, layout, row_count
 from mbs_ref.kernels.planar import model as arrays
 from mbs_ref.kernels.signals import SignalArrays
-from mbs_ref.planar_contacts import contact_laws, contact_modes, contact_pairs
+from mbs_ref.planar_contacts import contact_laws, contact_modes, contact_pairs, tension_only, watches
 from mbs_ref.scene import (
     CoordinateDrive,
     Force,
@@ -50,6 +51,17 @@ class _Builder:
             self._add_slot(edge, child, self.layout.parent[child])
         for edge in self.layout.closures:
             self._add_slot(edge, self.number[edge.a], self.number[edge.b])
+        self.contact_slot = {
+            k: self._add_contact(contact)
+            for k, contact in enumerate(scene.contacts)
+            if isinstance(contact.law, ConstraintLaw)
+        }
+
+    def _add_contact(self, contact: Any) -> int:
+        """Give a constraint contact a slot of one row, as if it closed a loop."""
+        self.slot_bodies.append((self.body(contact.body_a), self.body(contact.body_b)))
+        self.slot_rows.append(1)
+        return len(self.slot_rows) - 1
 
     def _add_slot(self, edge: Edge | None, side0: int, side1: int) -> None:
         slot, row = len(self.slot_bodies), 0
@@ -175,6 +187,7 @@ def _forces(build: _Builder) -> arrays.Forces:
 
 def _springs(build: _Builder) -> arrays.Springs:
     loads = [x for x in build.scene.loads if isinstance(x, SpringDamper | PointBushing)]
+    places = {x.name: len(build.scene.contacts) + k for k, x in enumerate(tension_only(build.scene))}
     marks = [(x.point, x.point) if isinstance(x, PointBushing) else (x.point_a, x.point_b) for x in loads]
     return arrays.Springs(
         a=ints([build.body(x.body_a) for x in loads]),
@@ -186,6 +199,7 @@ def _springs(build: _Builder) -> arrays.Springs:
         rest_length=np.array([_rest_length(x) for x in loads], dtype=float),
         tension_only=ints([int(isinstance(x, SpringDamper) and x.tension_only) for x in loads]),
         isotropic=ints([int(isinstance(x, PointBushing)) for x in loads]),
+        place=ints([places.get(x.name, -1) for x in loads]),
     )
 
 
@@ -254,8 +268,9 @@ def build_planar(scene: Scene) -> tuple[arrays.PlanarGroups, dict[int, tuple[int
         springs=_springs(build),
         torsion_springs=_torsion_springs(build),
         contact_pairs=contact_pairs(scene, build),
-        contact_laws=contact_laws(scene),
+        contact_laws=contact_laws(scene, build.contact_slot),
         contact_modes=contact_modes(scene),
+        watches=watches(scene, build),
         signals=signal_arrays(build.segments),
         world=arrays.World(np.array(scene.gravity, dtype=float), np.zeros(1, dtype=np.int64), np.zeros(3)),
     )

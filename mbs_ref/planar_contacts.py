@@ -11,6 +11,7 @@ import numpy as np
 from mbs_ref.contact import (
     CircleOnCircle,
     CircleOnLine,
+    ConstraintLaw,
     FloresLaw,
     HuntCrossleyLaw,
     LankaraniNikraveshLaw,
@@ -22,10 +23,13 @@ from mbs_ref.contact import (
     StickSlip,
 )
 from mbs_ref.kernels.planar import model as arrays
-from mbs_ref.scene import Scene
+from mbs_ref.scene import Scene, SpringDamper
+from mbs_ref.scene_events import CoordinateEvent, DistanceEvent
 
 NOISE = 1e-13  # of the scene's size in metres (at least 1 m): above what roundoff and projection leave of a gap
 MOST_LOGGED = 100_000  # events of one run whose modes are kept for output
+_COMPONENTS = {"x": 0, "y": 1, "angle": 2}
+_CROSSINGS = {"either": 0, "rising": 1, "falling": -1}
 _ENDS = {"line": arrays.ENDS_NONE, "segment": arrays.ENDS_OPEN, "capped": arrays.ENDS_CAPPED}
 
 
@@ -146,6 +150,7 @@ _LAWS: dict[type, Any] = {
     LankaraniNikraveshLaw: lambda law: _by_impact_speed(law, 0.75 * (1.0 - law.restitution**2)),
     FloresLaw: lambda law: _by_impact_speed(law, 1.6 * (1.0 - law.restitution) / law.restitution),
     RigidLaw: lambda law: _Law(release=arrays.RELEASE_RIGID, restitution=law.restitution),
+    ConstraintLaw: lambda law: _Law(release=arrays.RELEASE_CONSTRAINT),
 }
 _FRICTIONS: dict[type, int] = {
     type(None): arrays.FRICTION_NONE,
@@ -154,8 +159,8 @@ _FRICTIONS: dict[type, int] = {
 }
 
 
-def contact_laws(scene: Scene) -> arrays.ContactLaws:
-    """Return the laws and frictions."""
+def contact_laws(scene: Scene, slots: dict[int, int]) -> arrays.ContactLaws:
+    """Return the laws and frictions; `slots` holds the row of each constraint contact, by its place."""
     laws: list[_Law] = [_LAWS[type(part.law)](part.law) for part in scene.contacts]
     frictions: list[Any] = [part.friction for part in scene.contacts]
 
@@ -177,13 +182,52 @@ def contact_laws(scene: Scene) -> arrays.ContactLaws:
         creep=of_friction("speed", 1.0),
         grip_stiffness=of_friction("stiffness"),
         grip_damping=of_friction("damping"),
+        slot=np.array([slots.get(k, -1) for k in range(len(laws))], dtype=np.int64),
     )
 
 
+def event_sources(scene: Scene) -> list[str]:
+    """Return what may have events, in the order of the modes: contacts, tension-only springs, declared events."""
+    return [part.name for part in (*scene.contacts, *tension_only(scene), *scene.events)]
+
+
+def tension_only(scene: Scene) -> list[SpringDamper]:
+    """Return the springs that only pull, in the order of their modes."""
+    return [load for load in scene.loads if isinstance(load, SpringDamper) and load.tension_only]
+
+
+def watches(scene: Scene, places: Places) -> arrays.Watches:
+    """Return the declared events."""
+    pairs = [(e.body_a, e.body_b, e.point_a, e.point_b) if isinstance(e, DistanceEvent)
+             else (e.body, "ground", None, None) for e in scene.events]  # fmt: skip
+
+    def local(body: str, point: tuple[float, ...] | None) -> np.ndarray:
+        return np.zeros(2) if point is None else places.local(body, point)
+
+    return arrays.Watches(
+        a=np.array([places.body(a) for a, _, _, _ in pairs], dtype=np.int64),
+        b=np.array([places.body(b) for _, b, _, _ in pairs], dtype=np.int64),
+        point_a=np.array([local(a, mark) for a, _, mark, _ in pairs], dtype=float).reshape(-1, 2),
+        point_b=np.array([local(b, mark) for _, b, _, mark in pairs], dtype=float).reshape(-1, 2),
+        quantity=np.array([_quantity(e) for e in scene.events], dtype=np.int64),
+        component=np.array([_COMPONENTS[getattr(e, "coordinate", "x")] for e in scene.events], dtype=np.int64),
+        value=np.array([e.value for e in scene.events], dtype=float),
+        direction=np.array([_CROSSINGS[e.crossing] for e in scene.events], dtype=np.int64),
+        stops=np.array([e.action == "stop" for e in scene.events], dtype=np.int64),
+    )
+
+
+def _quantity(event: DistanceEvent | CoordinateEvent) -> int:
+    if isinstance(event, DistanceEvent):
+        return arrays.WATCH_DISTANCE
+    return arrays.WATCH_RATE if event.rate else arrays.WATCH_COORDINATE
+
+
 def contact_modes(scene: Scene) -> arrays.ContactModes:
-    """Return the modes before a run has settled them."""
-    count = len(scene.contacts)
+    """Return the modes before a run has settled them: springs answer by the state until then."""
+    count, springs = len(event_sources(scene)), len(tension_only(scene))
     integers = [np.zeros(count, dtype=np.int64) for _ in range(3)]
+    integers[0][len(scene.contacts) : len(scene.contacts) + springs] = arrays.MODE_PLAIN
     floats = [np.zeros(count) for _ in range(3)]
     return arrays.ContactModes(
         mode=integers[0],

@@ -14,11 +14,13 @@ from mbs_ref.kernels.planar.model import (
     CONTROL_MODE_TIME,
     CONTROL_POSITION_GAIN,
     CONTROL_VELOCITY_GAIN,
+    MODE_CLOSED,
     bind_model,
     bind_work,
     planar_scratch,
 )
 from mbs_ref.planar_build import build_planar
+from mbs_ref.planar_contacts import event_sources
 from mbs_ref.scene import PlanarBody, PointMass, Scene, UserForce
 from mbs_ref.system import RANK_TOLERANCE, Poses, System
 
@@ -90,8 +92,12 @@ class PlanarSystem(System):
         self._first_modes = [values.copy() for values in (modes.mode, modes.grip, modes.anchor, modes.dashpot)]
         self._recalled = -1  # events of the log that the modes reflect once they are recalled
 
+    @property
+    def event_sources(self) -> tuple[str, ...]:
+        return tuple(event_sources(self.scene))
+
     def contact_events(self) -> np.ndarray:
-        """Return time (s) and contact index (n_events, 2) of the events located so far."""
+        """Return time (s) and source (n_events, 2) of the events located so far."""
         modes = self.groups.contact_modes
         return modes.log[: modes.logged[0], :2].copy()
 
@@ -108,6 +114,8 @@ class PlanarSystem(System):
         modes = self.groups.contact_modes
         frozen = (modes.mode, modes.grip, modes.anchor, modes.dashpot)
         log = modes.log[: modes.logged[0]]
+        if not modes.roots[0]:
+            return
         if self._recalled < 0 or (self._recalled and log[self._recalled - 1, 0] > t):
             self._recalled = 0
             for values, first in zip(frozen, self._first_modes, strict=True):
@@ -169,9 +177,15 @@ class PlanarSystem(System):
         bodies = self.groups.bodies
         return self._in_scene_order(np.column_stack((bodies.mass, bodies.mass, bodies.inertia))).ravel()
 
-    def rows(self) -> list[tuple[int, int, int]]:
-        """Return (joint, slot, row in slot) of every constraint row, joint after joint."""
-        return [(k, slot, row + r) for k, (slot, row, _) in sorted(self.place.items()) for r in range(self._rows(k))]
+    def rows(self, every: bool = False) -> list[tuple[int, int, int]]:
+        """Return (joint, slot, row in slot) of every constraint row, joint after joint, then the closed contacts'.
+
+        A contact's joint is -1; with `every` the rows of open constraint contacts, which are empty, come too.
+        """
+        joints = [(k, slot, row + r) for k, (slot, row, _) in sorted(self.place.items()) for r in range(self._rows(k))]
+        slots, modes = self.groups.contact_laws.slot, self.groups.contact_modes.mode
+        held = [slot for slot, mode in zip(slots, modes, strict=False) if slot >= 0 and (every or mode == MODE_CLOSED)]
+        return joints + [(-1, int(slot), 0) for slot in held]
 
     def _rows(self, joint: int) -> int:
         from mbs_ref.joint_graph import row_count

@@ -15,8 +15,9 @@ import numpy as np
 from pydantic import BeforeValidator, Field, SkipValidation, model_validator
 
 from mbs_ref.celestial import CELESTIAL_TYPES, CelestialLoad
-from mbs_ref.contact import Contact
+from mbs_ref.contact import CircleOnCircle, CircleOnLine, Contact, PinOnSprocket, SphereOnPlane, SphereOnSphere
 from mbs_ref.part import Name, NonNegative, Part, Positive, Vector
+from mbs_ref.scene_events import Event
 from mbs_ref.signals import Constant, Level, Signal, breakpoints
 
 GROUND = "ground"
@@ -445,6 +446,7 @@ class Scene(Part):
     joints: tuple[Joint, ...] = ()
     loads: tuple[Load, ...] = ()
     contacts: tuple[Contact, ...] = ()
+    events: tuple[Event, ...] = ()
     parameters: dict[str, float | int | str | bool] = {}  # what the scene was built with
 
     @model_validator(mode="after")
@@ -510,10 +512,12 @@ def _complaints(scene: Scene) -> Iterator[str]:
             yield f"bodies[{k}] ({body.name}): position and velocity need {dimension} components"
         if body.name == GROUND:
             yield f"bodies[{k}]: a body may not be named {GROUND!r}, which is reserved"
-    if dimension == 3 and scene.contacts:
-        yield f"contacts[0] ({scene.contacts[0].name}): contacts are for the plane alone so far"
+    if dimension == 3 and scene.events:
+        yield f"events[0] ({scene.events[0].name}): declared events are for the plane alone so far"
     bodies = {body.name: body for body in scene.bodies}
-    attached = (("joints", scene.joints), ("loads", scene.loads), ("contacts", scene.contacts))
+    attached = (
+        ("joints", scene.joints), ("loads", scene.loads), ("contacts", scene.contacts), ("events", scene.events),
+    )  # fmt: skip
     for kind, parts in (("bodies", scene.bodies), *attached):
         yield from _name_clashes(kind, [part.name for part in parts])
     for kind, parts in attached:
@@ -550,9 +554,15 @@ def _part_complaints(part: Part, bodies: Mapping[str, Body], dimension: int) -> 
                 yield f"{field} = {value} must have {dimension} components here"
 
 
-_PLANAR_PARTS = (Torque, PointBushing)
-_SPATIAL_PARTS = (Spherical, Universal, Cylindrical, PointOnPlane, RotationDrive, TorqueVector, Bushing)
-_HINTS = {"spherical": "; use revolute", "torque_vector": "; use torque", "torque": "; use torque_vector"}
+_PLANAR_PARTS = (Torque, PointBushing, CircleOnLine, CircleOnCircle, PinOnSprocket)
+_SPATIAL_PARTS = (
+    Spherical, Universal, Cylindrical, PointOnPlane, RotationDrive, TorqueVector, Bushing, SphereOnPlane, SphereOnSphere
+)  # fmt: skip
+_HINTS = {
+    "spherical": "; use revolute", "torque_vector": "; use torque", "torque": "; use torque_vector",
+    "circle_on_line": "; use sphere_on_plane", "circle_on_circle": "; use sphere_on_sphere",
+    "sphere_on_plane": "; use circle_on_line", "sphere_on_sphere": "; use circle_on_circle",
+}  # fmt: skip
 
 
 def _only_in(part: Part) -> int | None:
@@ -585,7 +595,7 @@ _VECTORS = (
     "point", "point_a", "point_b", "axis", "direction", "vector",
     "center", "center_a", "center_b", "point_1", "point_2", "axle",
 )  # fmt: skip
-_SHAPED_PARTS = ("circle_on_line", "pin_on_sprocket")  # their body_b carries more than a circle
+_SHAPED_PARTS = ("circle_on_line", "pin_on_sprocket", "sphere_on_plane")  # their body_b carries more than a circle
 
 
 def _particle_complaints(part: Any, field: str, body: Body) -> Iterator[str]:

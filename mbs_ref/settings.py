@@ -24,7 +24,8 @@ class Settings(Part):
     samples: int = Field(default=101, ge=2, le=1_000_000)  # output times, evenly spaced from 0 to t_end
     max_steps: int = Field(default=50_000_000, ge=1)
     stop_on_compliance: bool = False  # the papers' test |C(q, t)| < h ends the run
-    events: Literal["located", "none"] = "located"  # touch-down, lift-off, slip: roots found, or forces merely clipped
+    # touch-down, lift-off, slip, slack: roots found, or forces merely clipped; the method's own way unless given
+    events: Literal["located", "none"] | None = None
     max_events: int = Field(default=1_000_000, ge=1)  # located in one run
     refuse_unstable: bool = True  # an explicit fixed step that the linearised motion cannot bear does not run
     unresolved: Literal["stop", "keep"] = "stop"  # a fixed step found too long for the motion: fail, or say nothing

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mbs_ref.contact import FloresLaw, LankaraniNikraveshLaw, RigidLaw, StickSlip
+from mbs_ref.contact import ConstraintLaw, FloresLaw, LankaraniNikraveshLaw, RigidLaw, StickSlip
 from mbs_ref.cores import compile_scene
 from mbs_ref.diagnosis import deeper_cause
 from mbs_ref.integrators import DEFAULT, integrators
@@ -84,7 +84,7 @@ def simulate(scene: Scene, settings: Settings | None = None, times: np.ndarray |
         if branches:
             return _refused(system, branches, Status.SINGULAR)
     system.set_baumgarte(plan.baumgarte_gain)
-    located = settings.events == "located"
+    located = settings.events != "none"
     system.start_contacts(0.0, y, located)
     refusal = _unstable(system, plan, y)
     if refusal:
@@ -92,12 +92,12 @@ def simulate(scene: Scene, settings: Settings | None = None, times: np.ndarray |
     _first_call(system, plan, y)
     system.start_contacts(0.0, y, located)
     ready = time.perf_counter()
-    states, compliance, counts, status, message = _run_legs(system, plan, y)
+    times, states, compliance, counts, status, message = _run_legs(system, plan, y)
     ended = time.perf_counter()
     if status is Status.SUCCESS:
         status, message = _resolved(system, plan, states, message)
     timing = Timing(build_s=built - started, first_call_s=ready - built, loop_s=ended - ready)
-    return _trajectory(system, plan, states, compliance, counts, status, message, notes, timing)
+    return _trajectory(system, plan, times, states, compliance, counts, status, message, notes, timing)
 
 
 def integration_options(scene: Scene, settings: Settings, times: np.ndarray | None = None) -> Options:
@@ -148,11 +148,12 @@ def _plan(scene: Scene, settings: Settings, times: np.ndarray | None) -> _Plan:
 
 
 def _check_events(scene: Scene, settings: Settings, integrator: Integrator) -> None:
-    if not scene.contacts:
-        return
-    if settings.events == "located" and not integrator.locates_events:
+    if settings.events == "none" and scene.events:
+        raise ValueError(f"events = 'none' cannot run {scene.events[0].name}: a declared event must be located")
+    if (scene.contacts or scene.events) and settings.events != "none" and not integrator.locates_events:
         raise ValueError(f"method {integrator.name!r} locates no events; give events = 'none', or another method")
-    needs = [c.name for c in scene.contacts if isinstance(c.law, RigidLaw) or isinstance(c.friction, StickSlip)]
+    impulsive = RigidLaw | ConstraintLaw
+    needs = [c.name for c in scene.contacts if isinstance(c.law, impulsive) or isinstance(c.friction, StickSlip)]
     if settings.events == "none" and needs:
         raise ValueError(f"events = 'none' cannot run {', '.join(needs[:8])}: impacts and sticking are events")
     needs = [c.name for c in scene.contacts if isinstance(c.law, LankaraniNikraveshLaw | FloresLaw)]
@@ -309,7 +310,11 @@ def _run_legs(system: System, plan: _Plan, y: np.ndarray):
     elif interrupts.asked and status is Status.TOO_MANY_STEPS:
         status, message = Status.INTERRUPTED, f"interrupted at t = {run.clock[CLOCK_T]:.9g} s"
     elif status is Status.ENDLESS_EVENTS:
-        message += f"; contact {system.scene.contacts[run.counts[COUNT_CONTACT]].name!r} was the last"
+        message += f"; {system.event_sources[run.counts[COUNT_CONTACT]]!r} was the last"
+    elif status is Status.STOP_EVENT:
+        states, compliance = np.vstack((states[:filled], y)), np.append(compliance[:filled], 0.0)
+        times, filled = np.append(times[:filled], run.clock[CLOCK_T]), filled + 1
+        message += f": {system.event_sources[run.counts[COUNT_CONTACT]]!r}"
     elif status is Status.SINGULAR and plan.options.rtol < EPS:
         status = Status.STEP_TOO_SMALL
         message = f"at t = {run.clock[CLOCK_T]:.9g} s rtol = {plan.options.rtol:.3g} asks for more than roundoff leaves"
@@ -318,9 +323,9 @@ def _run_legs(system: System, plan: _Plan, y: np.ndarray):
         message += culprit(system, stuck, y) + deeper_cause(system, status, stuck, y)
     if status is Status.SUCCESS:
         message = message or f"reached t = {times[-1]:g} s"
-    else:
+    elif status is not Status.STOP_EVENT:
         message += f"; the last good output is at t = {times[filled - 1]:.9g} s"
-    return states[:filled], compliance[:filled], total, status, message
+    return times[:filled], states[:filled], compliance[:filled], total, status, message
 
 
 def _legs(
@@ -346,8 +351,7 @@ def _legs(
     return filled, Status.SUCCESS, message
 
 
-def _trajectory(system, plan, states, compliance, counts, status, message, notes, timing) -> Trajectory:
-    times = plan.times[: len(states)]
+def _trajectory(system, plan, times, states, compliance, counts, status, message, notes, timing) -> Trajectory:
     contacts = system.contact_forces(times, states) if system.scene.contacts and plan.settings.reactions else {}
     return Trajectory(
         times=times,
@@ -363,7 +367,8 @@ def _trajectory(system, plan, states, compliance, counts, status, message, notes
         step_compliance=np.column_stack((times, compliance)),
         notes=(*notes, *_switching(plan, int(counts[4]))),
         contacts=contacts,
-        event_times=system.contact_events() if system.scene.contacts else None,
+        event_times=system.contact_events() if system.event_sources else None,
+        event_names=system.event_sources,
         reactions=_reactions(system, plan, times, states),
     )
 
@@ -382,7 +387,6 @@ def _reactions(system: System, plan: _Plan, times: np.ndarray, states: np.ndarra
     samples = []
     for t, y in zip(times, states, strict=True):
         system.set_mode_time(t)
-        if system.scene.contacts:
-            system.recall_modes(t)  # not the modes that the run ended in
+        system.recall_modes(t)  # not the modes that the run ended in
         samples.append(system.reactions(t, y))
     return {name: np.array([sample[name] for sample in samples]) for name in samples[0]} if samples else {}

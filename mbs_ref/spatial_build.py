@@ -8,12 +8,14 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from mbs_ref.celestial import CELESTIAL_TYPES, Epoch, Newton
+from mbs_ref.contact_arrays import contact_laws, contact_modes
 from mbs_ref.euler_parameters import rotation_matrices
 from mbs_ref.joint_graph import Edge
 from mbs_ref.kernels.spatial import model as arrays
 from mbs_ref.planar_build import contiguous, ints, signal_arrays, table
 from mbs_ref.scene import Bushing, Force, PointMass, Scene, SpatialBody, SpringDamper, TorqueVector, TorsionSpring
 from mbs_ref.signals import Segment, motion_segments
+from mbs_ref.spatial_contacts import contact_balls, contact_pairs
 from mbs_ref.spatial_rows import (
     Element,
     OnPlane,
@@ -286,6 +288,7 @@ def build_spatial(scene: Scene) -> tuple[arrays.SpatialGroups, dict[int, Place]]
     build = _Builder(scene)
     closures = [(slot, row) for slot in range(build.n, len(build.slot_rows)) for row in range(build.slot_rows[slot])]
     turns, drives, forces = _turns(build), _drives(build), _forces(build)
+    pairs = contact_pairs(scene, build)
     groups = arrays.SpatialGroups(
         bodies=_bodies(build),
         slots=arrays.Slots(
@@ -305,6 +308,10 @@ def build_spatial(scene: Scene) -> tuple[arrays.SpatialGroups, dict[int, Place]]
         springs=_springs(build),
         torsion_springs=_torsion_springs(build),
         bushings=_bushings(build),
+        contact_pairs=pairs,
+        contact_laws=contact_laws(scene),
+        contact_modes=contact_modes(scene),
+        near_pairs=contact_balls(pairs),
         attraction=_attraction(build),
         signals=signal_arrays(build.segments),
         world=arrays.World(np.array(scene.gravity, dtype=float), np.zeros(1, dtype=np.int64), np.zeros(3)),

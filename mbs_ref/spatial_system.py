@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from mbs_ref.contact_system import ContactSystem
 from mbs_ref.euler_parameters import parameter_matrix, rotation_matrices
 from mbs_ref.kernels import core
 from mbs_ref.kernels.spatial.model import (
@@ -21,7 +22,7 @@ from mbs_ref.kernels.spatial.model import (
 from mbs_ref.scene import DRIVES, GROUND, Scene, SpatialBody, UserForce, symmetric
 from mbs_ref.spatial_build import build_spatial, world_axes
 from mbs_ref.spatial_rows import row_count
-from mbs_ref.system import RANK_TOLERANCE, Poses, System
+from mbs_ref.system import RANK_TOLERANCE, Poses
 
 _CALLBACK = ctypes.CFUNCTYPE(None, ctypes.c_double, ctypes.c_uint64)
 RANK_POSES = 3  # random poses, besides the first, in which the rank of the loops is looked at
@@ -30,12 +31,12 @@ RANK_LIMIT = 600  # rows; a dense SVD beyond takes seconds
 PROJECTED = 1e-11  # m, rad: a pose off the constraints by more tells nothing about ranks
 
 
-class SpatialSystem(System):
+class SpatialSystem(ContactSystem):
     """A spatial scene as arrays and compiled functions.
 
-    State y = concatenate(q, u) in scene order; a rigid body has q = R, theta0..theta3 (m, 1) and
-    u = R', omega (m/s, rad/s, omega in body axes), a point mass q = R and u = R'. Raises ValueError where the
-    scene is not spatial.
+    State y = concatenate(q, u, s) in scene order; a rigid body has q = R, theta0..theta3 (m, 1) and
+    u = R', omega (m/s, rad/s, omega in body axes), a point mass q = R and u = R'. s holds the two deflections (m)
+    of every contact that can stick. Raises ValueError where the scene is not spatial.
     """
 
     def __init__(self, scene: Scene) -> None:
@@ -45,7 +46,8 @@ class SpatialSystem(System):
         self.n_bodies = len(scene.bodies)
         self.groups, self.place = build_spatial(scene)
         slots = self.groups.slots
-        self.scratch = spatial_scratch(self.n_bodies, len(slots.body), len(slots.closure_slot))
+        sticking = int(self.groups.contact_pairs.sticking[0])
+        self.scratch = spatial_scratch(self.n_bodies, len(slots.body), len(slots.closure_slot), sticking)
         self.scratch.kinematics.inertia[: self.n_bodies] = self.groups.bodies.inertia
         self.model, self.work = bind_model(self.groups), bind_work(self.scratch)
         self._keep_alive = self._connect_user_forces()
@@ -82,7 +84,7 @@ class SpatialSystem(System):
             if isinstance(body, SpatialBody):
                 q += (np.array(body.orientation) / np.linalg.norm(body.orientation)).tolist()
                 u += (rotation_matrices(body.orientation).T @ body.angular_velocity).tolist()
-        return np.array(q + u, dtype=float)
+        return np.concatenate((q, u, np.zeros(2 * self.groups.contact_pairs.sticking[0])))
 
     @cached_property
     def n_positions(self) -> int:
@@ -145,7 +147,7 @@ class SpatialSystem(System):
 
     def poses(self, states: np.ndarray) -> Poses:
         """Turn states into world poses; a point mass keeps the orientation 1, 0, 0, 0."""
-        states = np.asarray(states).reshape(len(states), -1)
+        states = np.asarray(states)
         bodies, order = self.groups.bodies, self.groups.bodies.scene_index
         shape = (len(states), self.n_bodies)
         position, velocity, omega = (np.zeros((*shape, 3)) for _ in range(3))

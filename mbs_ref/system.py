@@ -67,7 +67,7 @@ class System(ABC):
         core.call_start_modes(self.model, self.work, float(t), y, located)
 
     def contact_forces(self, times: np.ndarray, states: np.ndarray) -> dict[str, np.ndarray]:
-        """Return for each contact depth (m), force on body_a (N, N) and its point (m, m), world axes."""
+        """Return for each contact depth (m), force on body_a (N) and its point (m), world axes: (n_t, 5 or 7)."""
         return {}
 
     def contact_oscillators(self, t: float, y: np.ndarray) -> np.ndarray:
@@ -78,8 +78,13 @@ class System(ABC):
         """Set every contact's mode to the one that held at t (s) in the last run."""
         return None
 
+    @property
+    def event_sources(self) -> tuple[str, ...]:
+        """Return the names of what may have events: contacts, tension-only springs, declared events."""
+        return ()
+
     def contact_events(self) -> np.ndarray:
-        """Return time (s) and contact index (n_events, 2) of the events located so far."""
+        """Return time (s) and place in `event_sources` (n_events, 2) of the events located so far."""
         return np.zeros((0, 2))
 
     def regularity(self) -> float:

@@ -19,8 +19,8 @@ ALL_TRAITS = {
 
 
 def part_types(scene: Scene) -> frozenset[str]:
-    """Return the `type` of every part the scene contains, contact laws and friction included."""
-    parts = {part.type for part in (*scene.bodies, *scene.joints, *scene.loads, *scene.contacts)}
+    """Return the `type` of every part the scene contains, contact laws, friction and declared events included."""
+    parts = {part.type for part in (*scene.bodies, *scene.joints, *scene.loads, *scene.contacts, *scene.events)}
     laws = {contact.law.type for contact in scene.contacts}
     return frozenset(parts | laws | {c.friction.type for c in scene.contacts if c.friction is not None})
 

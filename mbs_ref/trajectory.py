@@ -23,6 +23,7 @@ class Status(StrEnum):
     UNRESOLVED = "unresolved"  # a fixed step so long that what came out is another motion
     COLLISION = "collision"  # two bodies came closer than the sum of their radii
     ENDLESS_EVENTS = "endless-events"  # contact events accumulate: endless bouncing (Zeno), or more than allowed
+    STOP_EVENT = "stop-event"  # an event that the scene declares ended the run; its state is the last sample
     REFUSED = "refused"  # stopped before the first step, with the reason
     RESET = "reset"  # the engine restarted or skipped time behind the caller's back
     INTERRUPTED = "interrupted"
@@ -56,8 +57,9 @@ class Trajectory:
     method_switches: int | None = None  # changes between families such as Adams and BDF, where the method tells
     timing: Timing = field(default_factory=Timing)
     reactions: dict[str, np.ndarray] = field(default_factory=dict)  # joint -> (n_t, 3): force on body_b at the joint point (N, N, world) and torque (N m)
-    contacts: dict[str, np.ndarray] = field(default_factory=dict)  # contact -> (n_t, 5): depth (m), force on body_a (N, N, world), its point (m, m)
-    event_times: np.ndarray | None = None  # (n_events, 2) time s and contact's index, where the engine locates events
+    contacts: dict[str, np.ndarray] = field(default_factory=dict)  # contact -> (n_t, 5), in space (n_t, 7): depth (m), force on body_a (N, world), its point (m)
+    event_times: np.ndarray | None = None  # (n_events, 2) time s and index in event_names, where the engine locates events
+    event_names: tuple[str, ...] = ()  # contacts, then tension-only springs, then declared events
     step_compliance: np.ndarray | None = None  # (n_samples, 2) time s, max |C| over the steps since the last sample
     notes: tuple[str, ...] = ()  # what the user should know: corrections applied, redundant rows, warnings
     unreported: bool = False  # the engine itself said nothing: the failure in `status` was found by looking at its numbers

@@ -12,9 +12,10 @@ from dataclasses import dataclass
 import numpy as np
 from PIL import Image, ImageDraw
 
-from mbs_ref.contact import CircleOnCircle, CircleOnLine
+from mbs_ref.contact import CircleOnCircle, CircleOnLine, SphereOnPlane, SphereOnSphere
 from mbs_ref.observables.attachment import Motion
 from mbs_ref.scene import GROUND, CoordinateDrive, Scene
+from mbs_ref.spatial_rows import normals, unit
 from mbs_ref.trajectory import Trajectory
 
 WIDTH = 480  # pixels of a picture
@@ -31,7 +32,7 @@ class Drawing:
     spokes: list[np.ndarray]  # (n_t, 2, 2) from a centre of mass to an attachment
     springs: list[np.ndarray]  # (n_t, 2, 2)
     surfaces: list[np.ndarray]  # (n_t, 2, 2)
-    circles: list[tuple[np.ndarray, float]]  # (n_t, 2) and radius
+    circles: list[tuple[np.ndarray, float]]  # (n_t, 2) and radius; spheres, which look the same from everywhere
     centres: np.ndarray  # (n_t, n_bodies, 2)
     times: np.ndarray  # (n_t,) s
 
@@ -50,6 +51,8 @@ def drawing(scene: Scene, trajectory: Trajectory) -> Drawing:
         if len(places) == 2 and part in scene.loads:
             springs.append(np.stack(places, axis=1))
     surfaces, circles = _contacts(motion)
+    surfaces = [_on_paper(surface) for surface in surfaces]
+    circles = [(_on_paper(place), radius) for place, radius in circles]
     return Drawing(spokes, springs, surfaces, circles, centres, trajectory.times)
 
 
@@ -73,10 +76,31 @@ def _contacts(motion: Motion) -> tuple[list[np.ndarray], list[tuple[np.ndarray, 
             circles.append((motion.point(contact.body_a, contact.center)[0], contact.radius))
             ends = [motion.point(contact.body_b, end)[0] for end in (contact.point_1, contact.point_2)]
             surfaces.append(np.stack(ends, axis=1))
-        elif isinstance(contact, CircleOnCircle):
+        elif isinstance(contact, SphereOnPlane):
+            circles.append((motion.point(contact.body_a, contact.center)[0], contact.radius))
+            surfaces += _sides(motion, contact)
+        elif isinstance(contact, CircleOnCircle | SphereOnSphere):
             circles.append((motion.point(contact.body_a, contact.center_a)[0], contact.radius_a))
             circles.append((motion.point(contact.body_b, contact.center_b)[0], contact.radius_b))
     return surfaces, circles
+
+
+def _sides(motion: Motion, contact: SphereOnPlane) -> list[np.ndarray]:
+    """Return the four sides of a rectangle; of a plane, of the part under the sphere's path."""
+    edge = normals(contact.normal)[0] if contact.edge is None else unit(contact.edge)
+    across = np.cross(unit(contact.normal), edge)
+    middle, half = np.array(contact.point), np.ones(2)
+    if contact.size is not None:
+        half = 0.5 * np.array(contact.size)
+    else:
+        path = motion.point(contact.body_a, contact.center)[0] - middle
+        along = np.stack((path @ edge, path @ across), axis=1)
+        low, high = along.min(axis=0) - 2.0 * contact.radius, along.max(axis=0) + 2.0 * contact.radius
+        middle, half = middle + np.array((edge, across)).T @ (0.5 * (low + high)), 0.5 * (high - low)
+    signs = ((1, 1), (-1, 1), (-1, -1), (1, -1))
+    corners = [tuple(middle + p * half[0] * edge + q * half[1] * across) for p, q in signs]
+    places = [motion.point(contact.body_b, corner)[0] for corner in corners]
+    return [np.stack((places[k - 1], places[k]), axis=1) for k in range(4)]
 
 
 def _on_paper(place: np.ndarray) -> np.ndarray:

@@ -25,9 +25,9 @@ PART_TYPES = (
     "planar spatial point_mass revolute spherical universal cylindrical prismatic weld distance point_on_plane "
     "coordinate_drive point_drive rotation_drive "
     "force torque torque_vector spring_damper torsion_spring bushing point_bushing user_force "
-    "circle_on_line circle_on_circle pin_on_sprocket "
+    "circle_on_line circle_on_circle pin_on_sprocket sphere_on_plane sphere_on_sphere "
     "spring_damper_law progressive_law hunt_crossley_law lankarani_nikravesh_law flores_law rigid_law "
-    "regularised_coulomb stick_slip"
+    "constraint_law regularised_coulomb stick_slip coordinate_event distance_event"
 )
 
 
@@ -84,7 +84,8 @@ def _method(entry: Integrator) -> Method:
     """An integrator of either kind is listed as the adaptive one it is by default."""
     kind = "fixed" if entry.kind == "fixed" else "adaptive"
     return Method(
-        entry.name, kind, entry.order, entry.description, entry.ladder, entry.requires, wrong_limit=entry.weakness
+        entry.name, kind, entry.order, entry.description, entry.ladder, entry.requires,
+        locates_events=entry.locates_events, wrong_limit=entry.weakness,
     )
 
 

@@ -69,7 +69,7 @@ def is_unchanged(scene: Scene) -> bool:
         ours = scenes.make(scene.name, **scene.parameters)
     except ValueError:
         return False
-    physics = ("gravity", "bodies", "joints", "loads", "contacts")
+    physics = ("gravity", "bodies", "joints", "loads", "contacts", "events")
     return all(getattr(ours, part) == getattr(scene, part) for part in physics)
 
 

@@ -15,6 +15,7 @@ import numpy as np
 from scipy.integrate import quad
 from scipy.special import lambertw
 
+from cross_checks.certify.unilateral import Line, Unilateral, line_motion
 from cross_checks.truths import NoTruth, Truth
 from mbs_ref.contact import FloresLaw, HuntCrossleyLaw, LankaraniNikraveshLaw, ProgressiveLaw, RigidLaw, SpringDamperLaw
 from mbs_ref.scene import Scene
@@ -113,7 +114,7 @@ def solve(scene: Scene, times: np.ndarray) -> Truth | NoTruth:
     ball: Any = scene.bodies[0]
     contact: Any = scene.contacts[0]
     if scene.gravity[1] != 0.0:
-        return NoTruth("the closed form is of a free impact: gravity = 0")
+        return _under_gravity(scene, times)
     speed, height = -ball.velocity[1], ball.position[1] - contact.radius
     touch = height / speed if speed > 0.0 else math.inf
     found = impact(contact.law, ball.mass, speed)
@@ -131,6 +132,26 @@ def solve(scene: Scene, times: np.ndarray) -> Truth | NoTruth:
     how = "closed form of the free impact; the duration of a power law by quadrature"
     uncertainty = ROUNDOFF if _is_linear(contact.law) else 1e-11
     return Truth(position, np.full((len(times), 1), ball.angle), uncertainty, "exact", how)
+
+
+def _under_gravity(scene: Scene, times: np.ndarray) -> Truth | NoTruth:
+    """Linear laws bounce piece by piece until the ball rests."""
+    ball: Any = scene.bodies[0]
+    contact: Any = scene.contacts[0]
+    law = contact.law
+    if not _is_linear(law) or contact.thickness is not None:
+        return NoTruth("under gravity the motion is known for the linear laws alone, on an endless floor")
+    if isinstance(law, RigidLaw):
+        floor = Unilateral((1.0,), contact.radius, restitution=law.restitution)
+    else:
+        floor = Unilateral((1.0,), contact.radius, law.stiffness, law.damping, by_force=law.release == "force")
+    mass, weight = np.array([ball.mass]), np.array([ball.mass * scene.gravity[1]])
+    y, uncertainty = line_motion(
+        Line(mass, weight, np.array([ball.position[1]]), np.array([ball.velocity[1]]), (floor,)), times
+    )
+    how = "flights and damped oscillations, matrix exponentials between instants found to roundoff"
+    place = np.stack((np.zeros_like(y), y), axis=2)
+    return Truth(place, np.full_like(y, ball.angle), uncertainty, "exact", how)
 
 
 def _swings(law: Any, mass: float) -> bool:

@@ -2,16 +2,35 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-from mbs_ref.integrators.leg import COUNT_CONTACT, COUNT_EVENTS, ENDLESS_EVENTS, MESSAGES, Options, Progress
+from mbs_ref.integrators.leg import (
+    COUNT_CONTACT,
+    COUNT_EVENTS,
+    ENDLESS_EVENTS,
+    MESSAGES,
+    RUNNING,
+    STATUS,
+    STOP_EVENT,
+    Leg,
+    Options,
+    Progress,
+)
 from mbs_ref.kernels import core
+from mbs_ref.kernels.planar.events import STOP
 from mbs_ref.system import System
 
 MOST_ROUNDS = 200  # mode changes at one instant before they count as endless
 ROUNDOFF = 4.0 * np.finfo(float).eps  # of time
+
+
+def event_end(code: int, t: float, y: np.ndarray, now: np.ndarray, leg: Leg) -> Leg:
+    """Return the leg that an event ended, with a sentence; y receives the state there."""
+    y[:] = now
+    return replace(leg, status=STATUS[code], message=f"at t = {t:.9g} s {MESSAGES[code]}")
 
 
 class ContactEvents:
@@ -27,19 +46,25 @@ class ContactEvents:
         core.call_roots(self.system.model, self.system.work, t, np.ascontiguousarray(y), self.g, self.rate)
         return self.g
 
-    def settle(self, t: float, y: np.ndarray) -> str:
-        """Change modes, and y at impacts, until all hold; return a sentence where they never do."""
+    def settle(self, t: float, y: np.ndarray) -> int:
+        """Change modes, and y at impacts, until all hold; return RUNNING, STOP_EVENT or ENDLESS_EVENTS."""
         for _ in range(MOST_ROUNDS if len(self.g) else 0):
             broken = int(np.sum(self._roots(t, y) < 0.0))
             if broken == 0:
                 self.low[:] = self.g
-                return ""
+                return RUNNING
             self.run.counts[COUNT_EVENTS] += broken
             code, contact = core.call_transition(self.system.model, self.system.work, t, y, self.g, np.empty_like(y))
             self.run.counts[COUNT_CONTACT] = contact
+            if code == STOP:
+                return STOP_EVENT
             if code or self.run.counts[COUNT_EVENTS] > self.most:
                 break
-        return f"at t = {t:.9g} s {MESSAGES[ENDLESS_EVENTS]}" if len(self.g) else ""
+        return ENDLESS_EVENTS if len(self.g) else RUNNING
+
+    def gaps(self, t: float, y: np.ndarray, out: np.ndarray) -> None:
+        """Fill `out` with the event functions, for a code with a root finder of its own."""
+        out[:] = self._roots(t, y)
 
     def locate(self, before: float, solver: Any) -> tuple[float, np.ndarray]:
         """Return where the last step ends: at its end, or just past its first event (then `found`)."""
@@ -61,8 +86,8 @@ class ContactEvents:
             if turn % 2 == 0 or not 0.0 < share < 1.0:
                 share = 0.5
             t = t0 + share * (t1 - t0)
-            if not t0 < t < t1:
-                break
+            if not t0 < t < t1:  # a root found to roundoff at t0: the far end has yet to come near
+                t = 0.5 * (t0 + t1)
             y = interpolant(t)
             g = self._roots(t, y)
             if np.any(g < 0.0):

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from mbs_ref.integrators.dop853 import INTEGRATOR as LEAPER
-from mbs_ref.integrators.leg import COUNT_OUTPUT, Leg, Options, Progress, progress
+from mbs_ref.integrators.leg import CLOCK_T, COUNT_OUTPUT, Leg, Options, Progress, progress
 from mbs_ref.system import System
 
 NEAR = 1e-2  # relative closure pivot below which a leap begins
@@ -49,7 +49,7 @@ def leap(
         leg = LEAPER.advance(system, options, own, now, np.array([t, *inside, end]))
         run.counts[: COUNT_OUTPUT] += own.counts[: COUNT_OUTPUT]
         if leg.reached < len(inside) + 2:
-            return Landing(t, now, reached, leg)
+            return Landing(float(own.clock[CLOCK_T]), now, reached, leg)
         for state in leg.states[1 : 1 + len(inside)]:
             states[reached] = state
             reached += 1

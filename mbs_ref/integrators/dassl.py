@@ -14,7 +14,6 @@ INTEGRATOR = Integrator(
     ladder=(1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12),
     requires=frozenset({"planar"}),  # not yet taught spatial bodies
     source="Petzold 1982; Hindmarsh et al. 2005; Gear, Gupta, Leimkuhler 1985",
-    locates_events=False,
     package=PACKAGE,
     cores=("planar", "spatial"),
 )

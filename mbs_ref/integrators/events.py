@@ -9,9 +9,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from mbs_ref.integrators.leg import COUNT_CONTACT, COUNT_EVENTS, ENDLESS_EVENTS, RUNNING
+from mbs_ref.integrators.leg import COUNT_CONTACT, COUNT_EVENTS, ENDLESS_EVENTS, RUNNING, STOP_EVENT
 from mbs_ref.kernels.core import root_count, roots, transition
 from mbs_ref.kernels.jit import jit
+from mbs_ref.kernels.planar.events import STOP
 
 KEEP, RETRY, EVENT = range(3)
 ACTIVE, H_LOW, H_HIGH, H_NEXT, SIDE, TRIES = range(6)
@@ -31,7 +32,7 @@ def event_tables(model):
 
 @jit
 def settle(model, work, t, y, table, run, most):
-    """Change modes until all hold at (t, y); refresh the table. Return RUNNING or ENDLESS_EVENTS."""
+    """Change modes until all hold at (t, y); refresh the table. Return RUNNING, STOP_EVENT or ENDLESS_EVENTS."""
     scratch = np.empty_like(y)
     for _ in range(MOST_ROUNDS):
         roots(model, work, t, y, table[AT_LOW], table[RATE_LOW])
@@ -44,6 +45,8 @@ def settle(model, work, t, y, table, run, most):
         run.counts[COUNT_EVENTS] += broken
         code, contact = transition(model, work, t, y, table[AT_LOW], scratch)
         run.counts[COUNT_CONTACT] = contact
+        if code == STOP:
+            return STOP_EVENT
         if code != 0 or run.counts[COUNT_EVENTS] > most:
             return ENDLESS_EVENTS
     return ENDLESS_EVENTS

@@ -220,7 +220,7 @@ def advance(system: System, options: Options, run: Progress, y: np.ndarray, time
     run.counts[COUNT_RHS] += 1
     run.counts[COUNT_OUTPUT] = 1
     a = qdd.copy()
-    rows = np.array([(slot, row) for _, slot, row in system.rows()], dtype=np.int64).reshape(-1, 2)
+    rows = np.array([(slot, row) for _, slot, row in system.rows(every=True)], dtype=np.int64).reshape(-1, 2)
     unknowns = n + len(rows) if n + len(rows) <= DENSE_LIMIT else 0
     lu, pivots = np.empty((unknowns, unknowns)), np.empty(unknowns, dtype=np.int64)
     row_slot, row_row = np.ascontiguousarray(rows[:, 0]), np.ascontiguousarray(rows[:, 1])

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from mbs_ref.integrators.contact_events import ContactEvents, event_end
 from mbs_ref.integrators.crossing import is_near_singular, leap
 from mbs_ref.integrators.leg import (
     CLOCK_COMPLIANCE,
@@ -17,6 +18,7 @@ from mbs_ref.integrators.leg import (
     COUNT_RHS,
     COUNT_STEPS,
     MESSAGES,
+    RUNNING,
     STALLED,
     Advance,
     Leg,
@@ -49,11 +51,13 @@ STOPPED = {  # IDA's return values, in words
 class _Ida:
     """One IDA memory with everything it refers to kept alive."""
 
-    def __init__(self, system: PlanarSystem, options: Options, form: int, y: np.ndarray, t0: float) -> None:
+    def __init__(
+        self, system: PlanarSystem, options: Options, form: int, y: np.ndarray, t0: float, events: ContactEvents
+    ) -> None:
         from sundials4py import core, idas
 
         self.core, self.idas = core, idas
-        self.system, self.form = system, form
+        self.system, self.form, self.events, self.size = system, form, events, len(y)
         rows = np.array([(slot, row) for _, slot, row in system.rows()], dtype=np.int64).reshape(-1, 2)
         self.row_slot, self.row_row = np.ascontiguousarray(rows[:, 0]), np.ascontiguousarray(rows[:, 1])
         self.lam, self.balance = residual_scratch(system.n_bodies, len(system.groups.slots.body))
@@ -77,6 +81,9 @@ class _Ida:
         self.matrix = core.SUNDenseMatrix(size, size, self.context)
         self.solver = core.SUNLinSol_Dense(self.yy, self.matrix, self.context)
         self._ok(idas.IDASetLinearSolver(self.memory, self.solver, self.matrix), "IDASetLinearSolver")
+        if len(events.g):
+            self._ok(idas.IDARootInit(self.memory, len(events.g), self._event_functions), "IDARootInit")
+            self._ok(idas.IDASetNoInactiveRootWarn(self.memory), "IDASetNoInactiveRootWarn")
 
     def _start(self, y: np.ndarray, t0: float, rows: int) -> None:
         """Fill consistent x and x' and mark what is differential."""
@@ -108,6 +115,10 @@ class _Ida:
         self.residuals += 1
         return 0 if np.isfinite(out).all() else 1
 
+    def _event_functions(self, t: float, yy: Any, _yp: Any, out: np.ndarray, _data: Any = None) -> int:
+        self.events.gaps(t, self.core.N_VGetArrayPointer(yy)[: self.size], out)
+        return 0
+
     def _ok(self, flag: int, call: str) -> None:
         if flag < 0:
             raise RuntimeError(f"{call} of SUNDIALS returned {flag}")
@@ -132,8 +143,12 @@ def ida(form: int) -> Advance:
             raise ValueError("DASSL works on planar scenes only")
         states, worst = np.empty((len(times), len(y))), np.zeros(len(times))
         states[0] = y
-        solver = _Ida(system, options, form, y, float(times[0]))
-        t, reached = float(times[0]), 1
+        t, reached, now = float(times[0]), 1, y.copy()
+        events = ContactEvents(system, options, run)
+        code = events.settle(t, now)
+        if code != RUNNING:
+            return event_end(code, t, y, now, Leg(states, worst, reached, Status.SUCCESS))
+        solver = _Ida(system, options, form, now, t, events)
         loops = options.project and system.n_closure_rows > 0
         pace = Pace(t, float(times[-1]), options.max_steps, every=2_000)
         status, message = Status.SUCCESS, ""
@@ -169,7 +184,15 @@ def ida(form: int) -> Advance:
                 states[reached], worst[reached] = now, run.clock[CLOCK_COMPLIANCE]
                 run.clock[CLOCK_COMPLIANCE] = 0.0
                 reached += 1
-            if loops and reached < len(times) and is_near_singular(system, t, now):
+            if flag == solver.idas.IDA_ROOT_RETURN and reached < len(times):
+                run.counts[COUNT_RHS] += solver.residuals
+                run.counts[COUNT_REJECTED] += solver.failed_error_tests()
+                code = events.settle(t, now)
+                if code != RUNNING:
+                    run.clock[CLOCK_T] = t
+                    return event_end(code, t, y, now, Leg(states, worst, reached, status))
+                solver = _Ida(system, options, form, now, t, events)
+            elif loops and reached < len(times) and is_near_singular(system, t, now):
                 run.counts[COUNT_RHS] += solver.residuals
                 run.counts[COUNT_REJECTED] += solver.failed_error_tests()
                 landing = leap(system, options, run, t, now, times, reached, states)
@@ -177,8 +200,10 @@ def ida(form: int) -> Advance:
                 if landing.failed is not None:
                     status, message = landing.failed.status, landing.failed.message
                     break
-                solver = _Ida(system, options, form, landing.y, t)
+                now = landing.y
+                solver = _Ida(system, options, form, now, t, events)
         run.clock[CLOCK_T] = t
+        y[:] = now
         run.counts[COUNT_RHS] += solver.residuals
         run.counts[COUNT_REJECTED] += solver.failed_error_tests()
         return Leg(states, worst, reached, status, message)

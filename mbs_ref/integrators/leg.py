@@ -13,7 +13,7 @@ from mbs_ref.trajectory import Status
 
 # Codes shared with compiled loops.
 RUNNING, DONE, NON_FINITE, STEP_TOO_SMALL, TOO_MANY_STEPS = range(5)
-COMPLIANCE, PROJECTION, NOT_CONVERGED, SINGULAR, STALLED, ENDLESS_EVENTS = range(5, 11)
+COMPLIANCE, PROJECTION, NOT_CONVERGED, SINGULAR, STALLED, ENDLESS_EVENTS, STOP_EVENT = range(5, 12)
 STATUS = {
     DONE: Status.SUCCESS,
     NON_FINITE: Status.NON_FINITE,
@@ -25,6 +25,7 @@ STATUS = {
     SINGULAR: Status.SINGULAR,
     STALLED: Status.STEP_TOO_SMALL,
     ENDLESS_EVENTS: Status.ENDLESS_EVENTS,
+    STOP_EVENT: Status.STOP_EVENT,
 }
 
 
@@ -46,7 +47,7 @@ class Progress(NamedTuple):
     """Mutable state of a run, kept over chunks and legs."""
 
     clock: np.ndarray  # (4,) s: time, next step, largest |C| since the last sample, step before
-    counts: np.ndarray  # (7,) int: steps, rejected, right-hand sides, next output, a method's own, events, last contact
+    counts: np.ndarray  # (7,) int: steps, rejected, right-hand sides, next output, a method's own, events, last source
 
 
 def progress(t: float) -> Progress:
@@ -121,6 +122,7 @@ MESSAGES = {
     PROJECTION: "the constraints could not be restored by projection",
     STALLED: "steps have become so short that the rest of the run is out of reach",
     SINGULAR: "the constraint Jacobian is rank-deficient and the motion's branch is ambiguous",
+    STOP_EVENT: "a declared event asked the run to stop",
     ENDLESS_EVENTS: "contact events follow each other without end (endless bouncing, or more than max_events)",
     NOT_CONVERGED: "the iteration of an implicit step did not converge",
 }

@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.integrate import LSODA
 
-from mbs_ref.integrators.contact_events import ContactEvents
+from mbs_ref.integrators.contact_events import ContactEvents, event_end
 from mbs_ref.integrators.crossing import is_near_singular, leap
 from mbs_ref.integrators.leg import (
     CLOCK_COMPLIANCE,
@@ -19,6 +19,7 @@ from mbs_ref.integrators.leg import (
     COUNT_RHS,
     COUNT_STEPS,
     MESSAGES,
+    RUNNING,
     STALLED,
     Integrator,
     Leg,
@@ -41,9 +42,10 @@ def advance(system: System, options: Options, run: Progress, y: np.ndarray, time
     events = ContactEvents(system, options, run)
     solver: LSODA | None = None
     now = y.copy()
-    t, reached, status, message = float(times[0]), 1, Status.SUCCESS, events.settle(float(times[0]), now)
-    if message:
-        return Leg(states, worst, reached, Status.ENDLESS_EVENTS, message)
+    t, reached, status, message = float(times[0]), 1, Status.SUCCESS, ""
+    code = events.settle(t, now)
+    if code != RUNNING:
+        return event_end(code, t, y, now, Leg(states, worst, reached, status))
     pace, family = Pace(t, float(times[-1]), options.max_steps, every=2_000), ADAMS
     while reached < len(times):
         if solver is None:
@@ -70,13 +72,13 @@ def advance(system: System, options: Options, run: Progress, y: np.ndarray, time
             status, message = Status.TOO_MANY_STEPS, f"at t = {t:.9g} s the limit on steps was reached"
             break
         reached = _output(solver, t, times, reached, states, worst, run)
-        if events.found:
+        if events.found and reached < len(times):
             run.counts[COUNT_RHS] += solver.nfev
             solver = None
-            message = events.settle(t, now)
-            if message:
-                status = Status.ENDLESS_EVENTS
-                break
+            code = events.settle(t, now)
+            if code != RUNNING:
+                run.clock[CLOCK_T] = t
+                return event_end(code, t, y, now, Leg(states, worst, reached, status))
         elif loops and reached < len(times) and is_near_singular(system, t, now):
             run.counts[COUNT_RHS] += solver.nfev
             solver = None
@@ -86,6 +88,7 @@ def advance(system: System, options: Options, run: Progress, y: np.ndarray, time
                 status, message = landing.failed.status, landing.failed.message
                 break
     run.clock[CLOCK_T] = t
+    y[:] = now
     run.counts[COUNT_RHS] += solver.nfev if solver is not None else 0
     return Leg(states, worst, reached, status, message)
 

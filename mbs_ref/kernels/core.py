@@ -13,10 +13,11 @@ from numba.extending import overload
 from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.particles import dynamics as particles
 from mbs_ref.kernels.particles.model import ParticleModel, ParticleWork
-from mbs_ref.kernels.planar import contact_events as planar_contacts
 from mbs_ref.kernels.planar import dynamics as planar
+from mbs_ref.kernels.planar import events as planar_events
 from mbs_ref.kernels.planar import implicit as planar_implicit
 from mbs_ref.kernels.planar.model import PlanarModel, PlanarWork
+from mbs_ref.kernels.spatial import contact_events as spatial_contacts
 from mbs_ref.kernels.spatial import dynamics as spatial
 from mbs_ref.kernels.spatial.model import SpatialModel, SpatialWork
 
@@ -74,12 +75,34 @@ def _no_start(model, work, t, y, located):
     pass
 
 
+def _no_forces(model, work, t, y, out):
+    pass
+
+
+def _no_mobility(model, work, t, y, k):
+    return 0.0
+
+
 # a core that knows no contact has no events
 _EVENTS: dict[str, tuple[Callable[..., Any], dict[type, Callable[..., Any]]]] = {
-    "root_count": (jit(_none), {PlanarModel: planar_contacts.planar_root_count}),
-    "roots": (jit(_nothing), {PlanarModel: planar_contacts.planar_roots}),
-    "transition": (jit(_no_change), {PlanarModel: planar_contacts.planar_transition}),
-    "start_modes": (jit(_no_start), {PlanarModel: planar_contacts.planar_start_modes}),
+    "root_count": (
+        jit(_none),
+        {PlanarModel: planar_events.planar_root_count, SpatialModel: spatial_contacts.spatial_root_count},
+    ),
+    "roots": (
+        jit(_nothing),
+        {PlanarModel: planar_events.planar_roots, SpatialModel: spatial_contacts.spatial_roots},
+    ),
+    "transition": (
+        jit(_no_change),
+        {PlanarModel: planar_events.planar_transition, SpatialModel: spatial_contacts.spatial_transition},
+    ),
+    "start_modes": (
+        jit(_no_start),
+        {PlanarModel: planar_events.planar_start_modes, SpatialModel: spatial_contacts.spatial_start_modes},
+    ),
+    "contact_forces": (jit(_no_forces), {SpatialModel: spatial_contacts.spatial_contact_forces}),
+    "contact_mobility": (jit(_no_mobility), {SpatialModel: spatial_contacts.spatial_contact_mobility}),
 }
 _OPTIONS: Any = {"error_model": "numpy", "fastmath": {"contract"}}
 
@@ -140,12 +163,22 @@ def roots(model, work, t, y, g, rate) -> Any:
 
 
 def transition(model, work, t, y, g, dy) -> Any:
-    """Change the modes whose event functions are negative; return 0, or 1 and the contact that does not settle."""
+    """Change the modes whose event functions are negative; return 0, 1 (endless) or 2 (stop), and the last source."""
     raise NotImplementedError("called from compiled code only")
 
 
 def start_modes(model, work, t, y, located) -> Any:
     """Set every contact's mode by the state."""
+    raise NotImplementedError("called from compiled code only")
+
+
+def contact_forces(model, work, t, y, out) -> Any:
+    """Fill out (n_contacts, 1 + 2 dimension): depth (m), force on body a (N), its point (m), in the present modes."""
+    raise NotImplementedError("called from compiled code only")
+
+
+def contact_mobility(model, work, t, y, k) -> Any:
+    """Return n^T W n (1/kg) of a contact within the joints."""
     raise NotImplementedError("called from compiled code only")
 
 
@@ -236,6 +269,30 @@ def _transition(model, work, t, y, g, dy):
 def _start_modes(model, work, t, y, located):
     answer = _event_answer("start_modes", model)
     return lambda model, work, t, y, located: answer(model, work, t, y, located)
+
+
+@overload(contact_forces, jit_options=_OPTIONS)
+def _contact_forces(model, work, t, y, out):
+    answer = _event_answer("contact_forces", model)
+    return lambda model, work, t, y, out: answer(model, work, t, y, out)
+
+
+@overload(contact_mobility, jit_options=_OPTIONS)
+def _contact_mobility(model, work, t, y, k):
+    answer = _event_answer("contact_mobility", model)
+    return lambda model, work, t, y, k: answer(model, work, t, y, k)
+
+
+@jit
+def call_contact_forces(model, work, t, y, out):
+    """Entry point from Python."""
+    contact_forces(model, work, t, y, out)
+
+
+@jit
+def call_contact_mobility(model, work, t, y, k):
+    """Entry point from Python."""
+    return contact_mobility(model, work, t, y, k)
 
 
 @jit

@@ -35,11 +35,13 @@ class Motion:
         return self.trajectory.position[:, k] + arm_t, self.trajectory.velocity[:, k] + arm_rate
 
     def rate_at(self, body: str, place: np.ndarray) -> np.ndarray:
-        """Return the velocity (n_t, 2) of the body's matter that is at `place` (n_t, 2) at each time."""
+        """Return the velocity of the body's matter that is at `place` (n_t, dimension) at each time."""
         k = self.scene.body_index(body)
         if k < 0:
             return np.zeros_like(place)
         arm = place - self.trajectory.position[:, k]
+        if self.scene.dimension == 3:
+            return self.trajectory.velocity[:, k] + np.cross(self.turning(body), arm)
         return self.trajectory.velocity[:, k] + self.spin(body)[:, None] * (arm @ PERP.T)
 
     def direction(self, body: str, world) -> tuple[np.ndarray, np.ndarray]:

@@ -37,7 +37,7 @@ def powers(motion: Motion, is_conservative: Callable) -> np.ndarray | None:
 def _contact(motion: Motion, contact: Contact) -> np.ndarray:
     """The power of a contact's force on both bodies, at the point where it acts."""
     found = motion.trajectory.contacts[contact.name]
-    force, place = found[:, 1:3], found[:, 3:5]
+    force, place = np.split(found[:, 1:], 2, axis=1)
     slip = motion.rate_at(contact.body_a, place) - motion.rate_at(contact.body_b, place)
     return np.sum(force * slip, axis=1)
 

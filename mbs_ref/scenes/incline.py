@@ -6,6 +6,7 @@ import math
 from typing import Annotated
 
 from pydantic import Field
+from scipy.optimize import root_scalar
 
 from mbs_ref.contact import CircleOnLine, Friction, SpringDamperLaw, StickSlip
 from mbs_ref.part import NonNegative, Positive
@@ -32,26 +33,40 @@ def build(
     pull = min(math.tan(angle), friction)
     return resting_block(
         name="incline", description="A block laid on an incline.", angle=angle, speed=0.0, friction=grip, mass=mass,
-        stiffness=stiffness, damping=damping, gravity=gravity, pull=pull,
+        height=HEIGHT, stiffness=stiffness, damping=damping, gravity=gravity, pull=pull,
     )  # fmt: skip
 
 
+def _tilt(height: float, sink: float, pull: float) -> float:
+    """Return the angle (rad) at which two corners, sunk by `sink` together, leave no moment about the centre.
+
+    With x, y of a corner from the centre and its force proportional to its depth: sum (x + pull y) depth = 0.
+    """
+
+    def moment(tilt: float) -> float:
+        c, s = math.cos(tilt), math.sin(tilt)
+        left, right = 0.5 * (sink + LENGTH * s), 0.5 * (sink - LENGTH * s)
+        x = 0.5 * LENGTH * c * (right - left) + 0.5 * height * s * (left + right)
+        y = 0.5 * LENGTH * s * (right - left) - 0.5 * height * c * (left + right)
+        return x + pull * y
+
+    return float(root_scalar(moment, bracket=(-0.1, 0.1), xtol=1e-18, rtol=1e-15).root) if height else 0.0
+
+
 def resting_block(
-    *, name: str, description: str, angle: float, speed: float, friction: Friction, mass: float, stiffness: float,
-    damping: float, gravity: float, pull: float,
+    *, name: str, description: str, angle: float, speed: float, friction: Friction, mass: float, height: float,
+    stiffness: float, damping: float, gravity: float, pull: float,
 ) -> Scene:  # fmt: skip
     """Return a block on two corners in equilibrium of normal force and of moments.
 
     `pull` is friction over normal force, uphill positive. The axes are those of the incline; gravity is turned.
     """
     normal = mass * gravity * math.cos(angle)
-    # moment about the centre: (N_r - N_l) L/2 - pull N H/2 = 0, uphill is -x
-    split = pull * HEIGHT / LENGTH
-    depth = [0.5 * normal * (1.0 + sign * split) / stiffness for sign in (-1.0, 1.0)]  # left, right
-    tilt = math.asin((depth[0] - depth[1]) / LENGTH)
-    center_y = 0.5 * HEIGHT * math.cos(tilt) - 0.5 * (depth[0] + depth[1])
+    sink = normal / stiffness
+    tilt = _tilt(height, sink, pull)
     c, s = math.cos(tilt), math.sin(tilt)
-    corners = [(c * x + s * 0.5 * HEIGHT, center_y + s * x - c * 0.5 * HEIGHT) for x in (-0.5 * LENGTH, 0.5 * LENGTH)]
+    center_y = 0.5 * height * c - 0.5 * sink
+    corners = [(c * x + s * 0.5 * height, center_y + s * x - c * 0.5 * height) for x in (-0.5 * LENGTH, 0.5 * LENGTH)]
     law = SpringDamperLaw(stiffness=stiffness, damping=damping, release="force")
     return Scene(
         name=name,
@@ -61,7 +76,7 @@ def resting_block(
         gravity=(gravity * math.sin(angle), -gravity * math.cos(angle)),
         bodies=(
             PlanarBody(
-                name="block", mass=mass, inertia=mass * (LENGTH**2 + HEIGHT**2) / 12.0, position=(0.0, center_y),
+                name="block", mass=mass, inertia=mass * (LENGTH**2 + height**2) / 12.0, position=(0.0, center_y),
                 angle=tilt, velocity=(speed, 0.0),
             ),
         ),

@@ -18,15 +18,18 @@ WRONG = frozenset({"failed", "wrong-limit", "diverged", "crashed", "timeout", "o
 
 @click.command(name="check")
 @click.argument("scene", nargs=-1)
+@click.option("-p", "parameters", multiple=True, metavar="NAME=VALUE", help="A parameter of the scene; repeatable.")
 @click.option("--engine", "chosen", multiple=True, metavar="E", help="Only this engine; repeatable.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON: a list of cells.")
-def command(scene: tuple[str, ...], chosen: tuple[str, ...], as_json: bool) -> None:
+def command(scene: tuple[str, ...], parameters: tuple[str, ...], chosen: tuple[str, ...], as_json: bool) -> None:
     """Compare engines with each other and with the truth, on every SCENE or on those named.
 
     Engines run in a process of their own: one that hangs, crashes or eats memory costs its own cell.
     Exit code 1 where a method is wrong without declaring that it is known to be.
     """
-    selected = [inputs.scene(name) for name in scene or scenes.names()]
+    if parameters and len(scene) != 1:
+        raise click.UsageError(f"-p {parameters[0]} needs exactly one SCENE; {len(scene)} are named")
+    selected = [inputs.scene(name, parameters) for name in scene or scenes.names()]
     for name in chosen:
         inputs.engine(name)
 
@@ -63,4 +66,16 @@ def _show(rows: list[dict[str, Any]]) -> None:
     for row in rows:
         figures = (number(row[key]) for key in ("error", "compliance", "order"))
         listing.add_row(row["scene"], row["engine"], row["method"] or "", row["verdict"], *figures, row["reason"] or "")
+    show(listing)
+    _show_contact([row for row in rows if row.get("contact")])
+
+
+def _show_contact(rows: list[dict[str, Any]]) -> None:
+    """List what contact did in the run that speaks for each cell."""
+    if not rows:
+        return
+    listing = table("\nContact", "scene", "engine", "method", "figures")
+    for row in rows:
+        figures = "; ".join(f"{name} {number(value)}" for name, value in row["contact"].items())
+        listing.add_row(row["scene"], row["engine"], row["method"] or "", figures)
     show(listing)

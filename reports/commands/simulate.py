@@ -61,8 +61,11 @@ def command(
         raise EngineAbsent(record.message)
     if record.status == "interrupted":
         raise Incomplete(record.message)
-    if record.status != "success":
+    if record.status not in ("success", "stop-event"):
         raise Failed(f"{record.status}: {record.message}")
+
+
+MOST_TIMES = 12  # of a declared event that are printed; --json has them all
 
 
 def _show(record: Record) -> None:
@@ -76,6 +79,10 @@ def _show(record: Record) -> None:
     facts.add_row("compliance", ", ".join(f"{key} {number(value)}" for key, value in record.compliance.items()))
     facts.add_row("energy drift", f"{number(record.energy_drift)} J")
     facts.add_row("times", ", ".join(f"{key} {number(value)}" for key, value in record.times.items()))
+    for name, value in record.contact.items():
+        facts.add_row(name, number(value))
+    for name, times in record.events.items():
+        facts.add_row(f"event {name}", f"{len(times)}: {_digits(times[:MOST_TIMES])} s" if times else "never")
     for note in record.notes:
         facts.add_row("note", note)
     show(facts)

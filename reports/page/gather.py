@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
-from benchmarks import sky, space
+from benchmarks import contact, sky, space
 from benchmarks.sweep import sweep
 from cross_checks import engines
 from cross_checks.engine import Method
@@ -89,7 +89,10 @@ def gather(
 def _beyond(chosen: dict[str, Scene], extremes_file: Path | None, quick: bool) -> dict[str, Any]:
     """Return what the report shows beside the cells and sweeps of the default scenes."""
     found = {"truths": truth_facts(chosen), "extremes": extreme_cells(extremes_file, quick)}
-    return found if quick else found | {"space": space.measure(), "sky": sky.measure(), "crashes": crashes()}
+    if quick:
+        return found
+    measured = {"space": space.measure(), "sky": sky.measure(), "contact": contact.measure()}
+    return found | measured | {"crashes": crashes()}
 
 
 def _run(tasks, begun: float, cells: list[Cell], records: list[Record], report: Progress, call: Caller) -> None:

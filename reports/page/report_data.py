@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import Any
 
+from benchmarks.contact import ContactFacts
 from benchmarks.sky import SkyFacts
 from benchmarks.space import SpaceFacts
 from cross_checks.extremes.cell import Cell as ExtremeCell
@@ -54,6 +55,7 @@ class ReportData:
     sky: SkyFacts | None = None  # digits against physics, races, formulations; None in a quick report
     crashes: tuple[Crash, ...] = ()  # the androids; empty in a quick report
     seconds: float = 0.0  # s, spent on the runs
+    contact: ContactFacts | None = None  # the ball and the tracked vehicle; None in a quick report
     truths: tuple[TruthFacts, ...] = ()  # what the errors are measured from
     extremes: tuple[ExtremeCell, ...] = ()  # read from a file beside the page, or a few cells
     space: SpaceFacts | None = None  # measured on spatial bodies; None in a quick report

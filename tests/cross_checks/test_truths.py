@@ -60,8 +60,14 @@ SMALLER = {  # quicker to solve, or slow enough to be differenced
 }
 SLOW = {"bricard", "double_gyroscope", "spatial_chain", "spatial_slider_crank"}  # to step onto every millisecond
 
+IN_CONTACT = {  # judged in test_contact_truths.py and test_spatial_contact.py: speeds jump, energy is lost
+    "ball_on_driven_seat", "bouncing_ball", "box_stack", "disc_between_walls", "incline", "newtons_cradle",
+    "oblique_disc", "rolling_disc", "sliding_block", "bouncing_sphere", "rolling_sphere", "colliding_spheres",
+    "block_stack",
+}  # fmt: skip
 
-@pytest.mark.parametrize("name", sorted(set(known()) - {"driven_pendulum", "bouncing_ball"} - IN_THE_SKY - DAMPED))
+
+@pytest.mark.parametrize("name", sorted(set(known()) - {"driven_pendulum"} - IN_CONTACT - IN_THE_SKY - DAMPED))
 def test_every_truth_obeys_the_joints_and_keeps_the_energy(name):
     scene = scenes.make(name, **SMALLER.get(name, {}))
     _, path = moving(scene, 0.1 if name in SLOW else 0.5)

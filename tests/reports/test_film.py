@@ -12,8 +12,10 @@ from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
 from reports.film import Camera, drawing, filmstrip, gif
 
+SCENES = ["android_simplified", "pendulum_chain", "spring_pendulum", "bouncing_ball", "rolling_sphere"]
 
-@pytest.mark.parametrize("name", ["android_simplified", "pendulum_chain", "spring_pendulum", "bouncing_ball"])
+
+@pytest.mark.parametrize("name", SCENES)
 def test_every_sample_is_a_frame(name):
     scene = scenes.make(name)
     path = simulate(scene, Settings(samples=9, t_end=0.05, reactions=False))

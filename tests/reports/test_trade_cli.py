@@ -121,7 +121,7 @@ def test_certify():
     (row,) = json.loads(done.stdout)
     assert row["verdict"] == "holds"
     assert row["judges_from"] == pytest.approx(30.0 * row["uncertainty"])
-    assert run("certify", "box_stack").exit_code == 5
+    assert run("certify", "rocking_block").exit_code == 5
 
 
 @pytest.fixture

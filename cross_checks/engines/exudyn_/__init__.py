@@ -37,6 +37,7 @@ class Exudyn(Engine):
         | {"spatial", "spherical", "cylindrical", "torque_vector"}
         | {"point_bushing"}
         | CLIPPED_CONTACTS
+        | {"sphere_on_plane", "sphere_on_sphere", "stick_slip"}
     )
 
     def methods(self) -> tuple[Method, ...]:
@@ -59,7 +60,10 @@ class Exudyn(Engine):
             reasons += general_contact_refusals(scene)
         elif method.name == CONTACT:
             reasons += [Refusal("loads are not taught", False)] if scene.loads else []
-        reasons += contact_refusals(scene)
+        else:
+            reasons += contact_refusals(scene)
+        if scene.contacts and scene.dimension == 3 and method.name != CONTACT:
+            reasons.append(Refusal(f"contact in space is taught to {CONTACT} alone", permanent=False))
         if method.name.startswith(TREE) and scene.dimension == 2:
             reasons += tree_refusals(scene)
         return reasons

@@ -1,4 +1,7 @@
-"""Exudyn's own contact: spheres and triangles in series, without joints."""
+"""Exudyn's own contact: spheres and triangles in series, without joints.
+
+Friction acts on the undeformed surface that a sphere has sunk into: nearer to its centre than ours by the depth.
+"""
 
 # Its items take their arguments by names that type checkers cannot see.
 # pyright: reportCallIssue=false, reportArgumentType=false, reportAttributeAccessIssue=false
@@ -12,35 +15,44 @@ import numpy as np
 
 from cross_checks.engine import Refusal
 from cross_checks.engines.exudyn_.planar_model import Redundant
+from cross_checks.engines.exudyn_.spatial_model import Spatial
 from cross_checks.joint_tree import FIXED
-from mbs_ref.contact import CircleOnCircle, CircleOnLine, SpringDamperLaw
-from mbs_ref.scene import GROUND, Scene
+from mbs_ref.contact import CircleOnCircle, CircleOnLine, SphereOnPlane, SphereOnSphere, SpringDamperLaw
+from mbs_ref.scene import GROUND, PlanarBody, Scene
+from mbs_ref.spatial_rows import normals, unit
 
 REACH = 100.0  # m, how far floors and the search for contact extend
+
+
+SLOW = 1e-3  # m/s, its default, pinned: below it Exudyn's friction falls linearly where Coulomb's law would stick
+type Flat = CircleOnLine | SphereOnPlane
+FLAT, ROUND = (CircleOnLine, SphereOnPlane), (CircleOnCircle, SphereOnSphere)
 
 
 def general_contact_refusals(scene: Scene) -> list[Refusal]:
     reasons = [f"joint {joint.name!r}: Exudyn's explicit solvers take no joint" for joint in scene.joints]
     for contact in scene.contacts:
         where = f"contact {contact.name!r}"
-        if not isinstance(contact.law, SpringDamperLaw) or not isinstance(contact, CircleOnLine | CircleOnCircle):
+        if not isinstance(contact.law, SpringDamperLaw) or not isinstance(contact, (*FLAT, *ROUND)):
             reasons.append(f"{where}: GeneralContact takes circles with spring_damper_law, not {contact.law.type}")
             continue
-        if contact.friction is not None:
-            reasons.append(f"{where}: friction is not yet taught to exudyn here")
-        rule = "gap" if isinstance(contact, CircleOnLine) else "force"
-        if getattr(contact.law, "release", rule) != rule:
+        if getattr(contact.friction, "static", None) not in (None, getattr(contact.friction, "coefficient", None)):
+            reasons.append(f"{where}: Exudyn has one coefficient of friction; leave static out")
+        rule = "gap" if isinstance(contact, FLAT) else "force"
+        if contact.law.damping and getattr(contact.law, "release", rule) != rule:
             reasons.append(f"{where}: GeneralContact lets go of {contact.type} by release = {rule!r}")
-        if isinstance(contact, CircleOnLine) and (contact.body_b != GROUND or contact.extent != "line"):
-            reasons.append(f"{where}: only an endless line on ground is taught")
+        endless = getattr(contact, "extent", "") in ("line", "plane") and getattr(contact, "thickness", None) is None
+        if isinstance(contact, FLAT) and (contact.body_b != GROUND or not endless):
+            reasons.append(f"{where}: only an endless line or plane on ground is taught")
     reasons += _mixed_refusals(scene)
     return [Refusal(reason, permanent=False) for reason in reasons]
 
 
 def _mixed_refusals(scene: Scene) -> list[str]:
     """GeneralContact gives stiffness to shapes, not to pairs, and lets every pair touch."""
-    laws = {repr(contact.law) for contact in scene.contacts}
-    shapes = {shape for contact in scene.contacts for shape in _circles(contact)}
+    laws = {repr((contact.law, contact.friction)) for contact in scene.contacts}
+    simple = [contact for contact in scene.contacts if isinstance(contact, (*FLAT, *ROUND))]
+    shapes = {shape for contact in simple for shape in _circles(contact)}
     bodies = [body for body, _, _ in shapes]
     reasons = []
     if len(laws) > 1:
@@ -50,34 +62,51 @@ def _mixed_refusals(scene: Scene) -> list[str]:
     return reasons
 
 
-def _circles(contact: CircleOnLine | CircleOnCircle) -> list[tuple[str, tuple[float, ...], float]]:
-    if isinstance(contact, CircleOnLine):
+def _circles(contact: Any) -> list[tuple[str, tuple[float, ...], float]]:
+    if isinstance(contact, FLAT):
         return [(contact.body_a, contact.center, contact.radius)]
     return [(contact.body_a, contact.center_a, contact.radius_a), (contact.body_b, contact.center_b, contact.radius_b)]
 
 
-def add_contacts(model: Redundant) -> None:
+def add_contacts(model: Redundant | Spatial) -> None:
     """Two shapes in series: each has twice the pair's stiffness and half its damping."""
     contacts = model.scene.contacts
     law: Any = contacts[0].law
+    friction = contacts[0].friction
     general = model.mbs.AddGeneralContact()
-    general.SetFrictionPairings(np.zeros((1, 1)))
+    general.SetFrictionPairings(np.array([[0.0 if friction is None else friction.coefficient]]))
+    general.frictionProportionalZone = getattr(friction, "speed", SLOW)
     general.verboseMode = 0
     shape = {"contactStiffness": 2.0 * law.stiffness, "contactDamping": 0.5 * law.damping, "frictionMaterialIndex": 0}
-    lines = [c for c in contacts if isinstance(c, CircleOnLine)]
-    for line in {(c.point_1, c.point_2): c for c in lines}.values():
-        _add_plane(model, general, line, shape)
+    surfaces = {_surface(c): None for c in contacts if isinstance(c, FLAT)}
+    for point, normal in surfaces:
+        _add_plane(model, general, np.array(point), np.array(normal), shape)
     for body, center, radius in sorted({circle for contact in contacts for circle in _circles(contact)}):
-        general.AddSphereWithMarker(markerIndex=model.marker(body, center), radius=radius, **shape)
+        general.AddSphereWithMarker(markerIndex=_marker(model, body, center), radius=radius, **shape)
     general.SetSearchTreeCellSize([1, 1, 1])
     general.SetSearchTreeBox(pMin=[-REACH, -REACH, -REACH], pMax=[REACH, REACH, REACH])
 
 
-def _add_plane(model: Redundant, general, line: CircleOnLine, shape: dict) -> None:
-    """A line as two triangles, wide and deep enough for the scene."""
-    along = np.subtract(line.point_2, line.point_1) / np.hypot(*np.subtract(line.point_2, line.point_1))
-    ends = [np.array([*(np.array(line.point_1) + s * REACH * along), z]) for s in (-1, 1) for z in (-REACH, REACH)]
+def _marker(model: Redundant | Spatial, body: str, center) -> int:
+    """Return a marker that takes a torque, which friction needs, where its body turns."""
+    if isinstance(model, Spatial):
+        return model.marker(body, center)
+    return model.marker(body, center, rigid=isinstance(model.scene.bodies[model.scene.body_index(body)], PlanarBody))
+
+
+def _surface(contact: Flat) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    """Return a point and the unit normal, in space."""
+    if isinstance(contact, SphereOnPlane):
+        return contact.point, tuple(unit(contact.normal).tolist())
+    along = np.subtract(contact.point_2, contact.point_1) / np.hypot(*np.subtract(contact.point_2, contact.point_1))
+    return (*contact.point_1, 0.0), (float(-along[1]), float(along[0]), 0.0)
+
+
+def _add_plane(model: Redundant | Spatial, general, point: np.ndarray, normal: np.ndarray, shape: dict) -> None:
+    """Two triangles, wide enough for the scene."""
+    first, second = normals(normal)
+    corners = [point + REACH * (p * first + q * second) for p, q in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
     marker = model.mbs.AddMarker(item.MarkerBodyRigid(bodyNumber=model.bodies[FIXED], localPosition=[0.0, 0.0, 0.0]))
     general.AddTrianglesRigidBodyBased(
-        rigidBodyMarkerIndex=marker, pointList=ends, triangleList=[[0, 1, 3], [0, 3, 2]], **shape
+        rigidBodyMarkerIndex=marker, pointList=corners, triangleList=[[0, 1, 2], [0, 2, 3]], **shape
     )

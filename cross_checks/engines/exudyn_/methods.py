@@ -14,6 +14,7 @@ RTOLS = (1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
 TREE = "tree_"
 CONTACT = "contact_rk44"
 SINGULAR = "stops at singular poses, or leaves them on another branch and reports success"
+FRICTION = "friction acts on the surface as it was before a body sank in, and gives way to slow slip"
 SOLVERS = {
     "generalized_alpha": exu.DynamicSolverType.GeneralizedAlpha,
     "rotation_vector": exu.DynamicSolverType.GeneralizedAlpha,
@@ -32,7 +33,7 @@ METHODS = (
     Method("trapezoidal", "fixed", 2, "trapezoidal rule, index 2, redundant coordinates", STEPS, wrong_limit=SINGULAR),
     Method("rotation_vector", "fixed", 2, "generalized-alpha on rotation vectors (Lie group)", STEPS, requires=SPATIAL),
     Method("contact_rk44", "fixed", None, "Runge-Kutta 4 with GeneralContact; bodies without joints", STEPS,
-           requires=frozenset({"contact"})),
+           requires=frozenset({"contact"}), wrong_limit=FRICTION),
     Method("tree_dopri5", "adaptive", 5, "KinematicTree, Dormand-Prince 5", RTOLS, requires=PLANAR),
     Method("tree_rk44", "fixed", 4, "KinematicTree, Runge-Kutta 4", STEPS, requires=PLANAR),
     Method("tree_rk67", "fixed", 6, "KinematicTree, Runge-Kutta 6 of 7 stages", STEPS, requires=PLANAR),

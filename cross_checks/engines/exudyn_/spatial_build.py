@@ -9,6 +9,8 @@ import exudyn as exu
 import exudyn.itemInterface as item
 import numpy as np
 
+from cross_checks.engines.exudyn_.contact import add_contacts
+from cross_checks.engines.exudyn_.methods import CONTACT
 from cross_checks.engines.exudyn_.spatial_model import Spatial
 from cross_checks.engines.exudyn_.spatial_parts import SPATIAL_PARTS
 from cross_checks.joint_tree import FIXED
@@ -27,6 +29,8 @@ def build_spatial(scene: Scene, method: str) -> Spatial:
         _watch_body(model, k, isinstance(body, SpatialBody))
     for part in (*scene.joints, *scene.loads):
         SPATIAL_PARTS[type(part)](model, part)
+    if scene.contacts:
+        add_contacts(model)
     return model
 
 
@@ -36,7 +40,7 @@ def _spatial_body(model: Spatial, body, method: str):
         return item.ObjectMassPoint(mass=body.mass, nodeNumber=model.mbs.AddNode(item.NodePoint(**start)))
     xx, yy, zz, xy, xz, yz = body.inertia
     theta = np.array(body.orientation)
-    if method == "rotation_vector":
+    if method in ("rotation_vector", CONTACT):  # explicit solvers take no norm constraint
         angle = 2.0 * np.arctan2(np.linalg.norm(theta[1:]), theta[0])
         scale = angle / np.linalg.norm(theta[1:]) if angle else 0.0
         turn, turning = scale * theta[1:], rotation_matrices(theta).T @ body.angular_velocity

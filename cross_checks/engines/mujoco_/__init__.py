@@ -37,7 +37,8 @@ class MuJoCo(Engine):
         {"planar", "point_mass", "revolute", "prismatic", "weld", "distance"}
         | {"force", "torque", "spring_damper", "torsion_spring"}
         | {"spatial", "spherical", "cylindrical"}
-        | {"circle_on_line", "circle_on_circle", "spring_damper_law"}
+        | {"circle_on_line", "circle_on_circle", "sphere_on_plane", "sphere_on_sphere"}
+        | {"spring_damper_law", "stick_slip"}
     )
 
     def methods(self) -> tuple[Method, ...]:
@@ -48,7 +49,7 @@ class MuJoCo(Engine):
 
     def topology_refusals(self, scene: Scene) -> list[Refusal]:
         if scene.dimension == 3:
-            return spatial_refusals(scene)
+            return spatial_refusals(scene) + contact_refusals(scene)
         return part_refusals(scene) + closure_refusals(scene) + contact_refusals(scene)
 
     def method_refusals(self, scene: Scene, method: Method) -> list[Refusal]:

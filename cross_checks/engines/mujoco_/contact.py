@@ -1,4 +1,8 @@
-"""Planar contact: spheres and planes, paired explicitly."""
+"""Contact: spheres and planes, paired explicitly.
+
+Friction is MuJoCo's own: an elliptic cone whose projection raises the normal force of a contact that slides, so
+that a thrown sphere hops. It acts between the surfaces, half the penetration nearer to the centre than ours.
+"""
 
 # Its names live in a compiled module.
 # pyright: reportAttributeAccessIssue=false
@@ -6,14 +10,21 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
+from typing import Any
 
 import mujoco
 import numpy as np
 
 from cross_checks.engine import Refusal
-from cross_checks.engines.mujoco_.planar_places import anchor
-from cross_checks.joint_tree import JointTree
-from mbs_ref.contact import CircleOnCircle, CircleOnLine
+from mbs_ref.contact import (
+    CircleOnCircle,
+    CircleOnLine,
+    Contact,
+    RegularisedCoulomb,
+    SphereOnPlane,
+    SphereOnSphere,
+)
 from mbs_ref.scene import GROUND, Scene
 from mbs_ref.traits import joint_ends
 
@@ -22,37 +33,47 @@ STOCK_SOLREF, STOCK_SOLIMP = (0.02, 1.0), (0.9, 0.95, 0.001, 0.5, 2.0)  # MuJoCo
 PENALTY_SOLIMP = (1e-4, 1e-4, 0.001, 0.5, 2.0)
 
 
-def add_contact(spec, frames, tree: JointTree, contact, stock: bool) -> None:
+Place = Callable[[str, tuple[float, ...]], tuple[Any, Any]]  # body, world point at t = 0 -> frame, place in it
+
+
+def add_contact(spec, place: Place, scene: Scene, contact: Contact, stock: bool) -> None:
     """A sphere against a plane or another sphere, paired explicitly so that nothing else touches."""
-    if isinstance(contact, CircleOnCircle):
+    if isinstance(contact, CircleOnCircle | SphereOnSphere):
         a = (contact.body_a, contact.center_a, contact.radius_a)
         b = (contact.body_b, contact.center_b, contact.radius_b)
-        geoms = [_sphere(frames, tree, f"{contact.name}/{side}", *end) for side, end in (("a", a), ("b", b))]
+        geoms = [_sphere(place, f"{contact.name}/{side}", *end) for side, end in (("a", a), ("b", b))]
     else:
-        sphere = _sphere(frames, tree, f"{contact.name}/a", contact.body_a, contact.center, contact.radius)
+        assert isinstance(contact, CircleOnLine | SphereOnPlane)
+        sphere = _sphere(place, f"{contact.name}/a", contact.body_a, contact.center, contact.radius)
         geoms = [_plane(spec, f"{contact.name}/b", contact), sphere]
     pair = spec.add_pair(name=contact.name, geomname1=geoms[0], geomname2=geoms[1], condim=1)
     pair.margin, pair.gap = 0.0, 0.0
-    mass = _contact_mass(tree.scene, contact)
-    law = contact.law
+    mass = _contact_mass(scene, contact)
+    law: Any = contact.law
     pair.solref = STOCK_SOLREF if stock else (-law.stiffness / mass, -law.damping / mass)
     pair.solimp = STOCK_SOLIMP if stock else PENALTY_SOLIMP
+    if contact.friction is not None:
+        pair.condim = 3
+        pair.friction = (contact.friction.coefficient, contact.friction.coefficient, 0.0, 0.0, 0.0)
 
 
-def _sphere(frames, tree: JointTree, label: str, body: str, center, radius: float) -> str:
-    k = tree.scene.body_index(body)
+def _sphere(place: Place, label: str, body: str, center, radius: float) -> str:
+    frame, where = place(body, center)
     size = (radius, 0.0, 0.0)
-    frame = frames[k]
-    frame.add_geom(name=label, type=mujoco.mjtGeom.mjGEOM_SPHERE, size=size, pos=anchor(tree, body, center), mass=0.0,
+    frame.add_geom(name=label, type=mujoco.mjtGeom.mjGEOM_SPHERE, size=size, pos=where, mass=0.0,
                    contype=0, conaffinity=0)  # fmt: skip
     return label
 
 
-def _plane(spec, label: str, contact: CircleOnLine) -> str:
-    along = np.subtract(contact.point_2, contact.point_1) / np.hypot(*np.subtract(contact.point_2, contact.point_1))
+def _plane(spec, label: str, contact: CircleOnLine | SphereOnPlane) -> str:
+    if isinstance(contact, SphereOnPlane):
+        point, normal = contact.point, contact.normal
+    else:
+        along = np.subtract(contact.point_2, contact.point_1) / np.hypot(*np.subtract(contact.point_2, contact.point_1))
+        point, normal = (*contact.point_1, 0.0), (-along[1], along[0], 0.0)
     spec.worldbody.add_geom(
-        name=label, type=mujoco.mjtGeom.mjGEOM_PLANE, size=(0.0, 0.0, 1.0), pos=(*contact.point_1, 0.0),
-        zaxis=(-along[1], along[0], 0.0), contype=0, conaffinity=0,
+        name=label, type=mujoco.mjtGeom.mjGEOM_PLANE, size=(0.0, 0.0, 1.0), pos=point, zaxis=normal,
+        contype=0, conaffinity=0,
     )  # fmt: skip
     return label
 
@@ -68,11 +89,16 @@ def contact_refusals(scene: Scene) -> list[Refusal]:
     jointed = {end for joint in scene.joints for end in joint_ends(joint)}
     for contact in scene.contacts:
         where = f"contact {contact.name!r}"
-        if contact.friction is not None:
-            reasons.append(f"{where}: friction is not yet taught to mujoco here")
-        if getattr(contact.law, "release", "force") != "force":
+        if isinstance(contact.friction, RegularisedCoulomb):
+            reasons.append(f"{where}: mujoco regularises friction in its own way; it needs stick_slip")
+        if contact.friction is not None and not getattr(contact.law, "damping", 1.0):
+            reasons.append(f"{where}: mujoco brakes slip by the law's damping, and without it has no friction at all")
+        if getattr(contact.friction, "static", None) not in (None, getattr(contact.friction, "coefficient", None)):
+            reasons.append(f"{where}: mujoco has one coefficient of friction; leave static out")
+        if getattr(contact.law, "damping", 0.0) and getattr(contact.law, "release", "force") != "force":
             reasons.append(f"{where}: mujoco's contact force is never negative; it needs release = 'force'")
-        if isinstance(contact, CircleOnLine) and (contact.body_b != GROUND or contact.extent != "line"):
+        endless = getattr(contact, "extent", "") in ("line", "plane") and getattr(contact, "thickness", None) is None
+        if isinstance(contact, CircleOnLine | SphereOnPlane) and (contact.body_b != GROUND or not endless):
             reasons.append(f"{where}: a mujoco plane is endless and fixed to the world")
         centers = ((contact.body_a, getattr(contact, "center_a", None) or getattr(contact, "center", None)),
                    (contact.body_b, getattr(contact, "center_b", None)))  # fmt: skip

@@ -23,7 +23,10 @@ DEFAULT_SOLREF = (0.02, 1.0)  # s, damping ratio: MuJoCo's default, pinned
 TIGHT = "_tight"
 STOCK = "_stock_contact"
 # How much is lost depends on which joints close the loops: A02 loses 1.4 J over this tree, 7.1 J over a serial one.
-SOFT = "loop closures are springs of 0.02 s time constant whatever the step: the energy of a loop is lost at every step"
+SOFT = (
+    "loop closures are springs of 0.02 s time constant whatever the step: the energy of a loop is lost at every step; "
+    "friction raises the normal force of a contact that slides"
+)
 STEP_SOFT = "loop closures are springs whose time constant is two steps"
 
 

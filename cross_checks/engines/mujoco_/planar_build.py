@@ -12,7 +12,7 @@ from cross_checks.engines.mujoco_.contact import add_contact
 from cross_checks.engines.mujoco_.methods import STOCK, pin_options, solref_of
 from cross_checks.engines.mujoco_.planar_closures import add_closure
 from cross_checks.engines.mujoco_.planar_loads import LOADS
-from cross_checks.engines.mujoco_.planar_places import Z, hinge_name
+from cross_checks.engines.mujoco_.planar_places import Z, anchor, hinge_name
 from cross_checks.joint_tree import FIXED, Edge, JointTree, local
 from cross_checks.outcome import Plan
 from mbs_ref.scene import PlanarBody
@@ -22,6 +22,10 @@ def compile_planar(tree: JointTree, plan: Plan) -> mujoco.MjModel:
     spec = mujoco.MjSpec()
     pin_options(spec, plan, tree.scene)
     frames = {FIXED: spec.worldbody}
+
+    def place(body: str, point: tuple[float, ...]):
+        return frames[tree.scene.body_index(body)], anchor(tree, body, point)
+
     for edge in tree.edges:
         frames[edge.body] = _add_body(frames[edge.parent], edge, tree)
     for joint in tree.closures:
@@ -29,7 +33,7 @@ def compile_planar(tree: JointTree, plan: Plan) -> mujoco.MjModel:
     for load in tree.scene.loads:
         LOADS[type(load)](spec, frames, tree, load)
     for contact in tree.scene.contacts:
-        add_contact(spec, frames, tree, contact, plan.method.name.endswith(STOCK))
+        add_contact(spec, place, tree.scene, contact, plan.method.name.endswith(STOCK))
     return spec.compile()
 
 

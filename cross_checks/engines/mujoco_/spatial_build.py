@@ -8,7 +8,8 @@ from __future__ import annotations
 import mujoco
 import numpy as np
 
-from cross_checks.engines.mujoco_.methods import pin_options, solref_of
+from cross_checks.engines.mujoco_.contact import add_contact
+from cross_checks.engines.mujoco_.methods import STOCK, pin_options, solref_of
 from cross_checks.engines.mujoco_.spatial_closures import add_closure, add_spring
 from cross_checks.joint_tree import FIXED
 from cross_checks.outcome import Plan
@@ -20,6 +21,11 @@ def compile_spatial(tree: SpatialTree, plan: Plan) -> mujoco.MjModel:
     spec = mujoco.MjSpec()
     pin_options(spec, plan, tree.scene)
     frames = {FIXED: spec.worldbody}
+
+    def place(body: str, point: tuple[float, ...]):
+        k = tree.scene.body_index(body)
+        return frames[k], tree.local(k, point)
+
     for edge in tree.edges:
         frames[edge.body] = _add_spatial_body(frames[edge.parent], edge, tree)
     for joint in tree.closures:
@@ -27,6 +33,8 @@ def compile_spatial(tree: SpatialTree, plan: Plan) -> mujoco.MjModel:
     for load in tree.scene.loads:
         assert isinstance(load, SpringDamper)  # every other load is refused before
         add_spring(spec, frames, tree, load)
+    for contact in tree.scene.contacts:
+        add_contact(spec, place, tree.scene, contact, plan.method.name.endswith(STOCK))
     return spec.compile()
 
 

@@ -41,6 +41,18 @@ def _row_mobility(model, work, slot, row):
 
 
 @jit
+def _leave_out(closures, r):
+    """Make row r the equation mu = 0."""
+    closures.columns[r] = 0.0
+    closures.column_multiplier[r] = 0.0
+    for other in range(r):
+        closures.schur[r, other] = 0.0
+        closures.schur[other, r] = 0.0
+    closures.schur[r, r] = 1.0
+    closures.scale[r] = 1.0
+
+
+@jit
 def factor_closures(model, work, zero_gamma):
     """Form T G^T column by column, then the Schur complement and its pivoted factor."""
     slots, rows, tree, closures = slots_of(model), rows_of(work), tree_of(work), closures_of(work)
@@ -48,6 +60,10 @@ def factor_closures(model, work, zero_gamma):
     for r in range(slots.closure_slot.shape[0]):
         slot = slots.closure_slot[r]
         row = slots.closure_row[r]
+        closures.scale[r] = _row_mobility(model, work, slot, row)
+        if closures.scale[r] == 0.0:  # the empty row of an open contact: its multiplier is zero
+            _leave_out(closures, r)
+            continue
         for i in range(n + 1):
             for c in range(3):
                 tree.load[i, c] = 0.0
@@ -56,7 +72,6 @@ def factor_closures(model, work, zero_gamma):
             for c in range(3):
                 tree.load[body, c] += rows.jacobian[slot, side, row, c]
         solve_tree(model, work, zero_gamma, closures.columns[r], closures.column_multiplier[r])
-        closures.scale[r] = _row_mobility(model, work, slot, row)
         for other in range(r + 1):
             value = row_times(model, work, slots.closure_slot[other], slots.closure_row[other], closures.columns[r])
             closures.schur[r, other] = value

@@ -1,7 +1,6 @@
 """Contact modes: the functions whose roots end a mode, and what happens there.
 
-Three functions a contact, all positive while its mode holds: the gap's, the force's and friction's. Each
-mode holds a little beyond its root, by `noise`, or contacts at rest exactly at d = 0 would chatter.
+Three functions a contact: the gap's, the force's (of a constraint, the multiplier's) and friction's.
 """
 
 from __future__ import annotations
@@ -9,9 +8,10 @@ from __future__ import annotations
 import numpy as np
 
 from mbs_ref.kernels.jit import jit
+from mbs_ref.kernels.planar.contact_rows import fill_rows
 from mbs_ref.kernels.planar.contacts import contact_geometry, friction_force, is_behind, normal_force
-from mbs_ref.kernels.planar.dynamics import factor, load_state, planar_derivative, solve
-from mbs_ref.kernels.planar.joints import fill_joints
+from mbs_ref.kernels.planar.dynamics import accelerate, factor, load_state, planar_derivative, solve
+from mbs_ref.kernels.planar.landing import contact_mass, contact_push, land
 from mbs_ref.kernels.planar.model import (
     FRICTION_STICK_SLIP,
     GRIP_PROBE,
@@ -22,9 +22,10 @@ from mbs_ref.kernels.planar.model import (
     MODE_LIFTED,
     MODE_OPEN,
     MODE_PLAIN,
+    RELEASE_CONSTRAINT,
     RELEASE_FORCE,
     RELEASE_RIGID,
-    ROOTS_PER_CONTACT,
+    ROOTS_EACH,
     bodies_of,
     contact_laws_of,
     contact_modes_of,
@@ -34,28 +35,23 @@ from mbs_ref.kernels.planar.model import (
     tree_of,
 )
 
-SETTLED, ENDLESS = 0, 1
-AT_ONCE = 1e-9  # s, events of one contact closer than this form a burst ...
-LONGEST_BURST = 60  # ... and a burst longer than this is endless
 PROBE_SWEEPS = 200  # for the friction of contacts that stop sliding together
+AT_REST = 10.0  # of the noise: how close and slow a constraint contact must be to begin closed
 
 
 @jit
-def planar_root_count(model):
-    """Return the number of event functions; 0 in the plain mode."""
-    return contact_modes_of(model).roots[0]
-
-
-@jit
-def planar_roots(model, work, t, y, g, rate):
-    """Fill g and, where known, its rate, else 0; g > 0 while the frozen modes hold."""
+def contact_roots(model, work, t, y, g, rate):
+    """Fill three functions a contact, and the rate of the first where known, else 0; load the state at y."""
     pairs, laws, modes = contact_pairs_of(model), contact_laws_of(model), contact_modes_of(model)
     kin = kinematics_of(work)
     noise = modes.noise[0]
-    load_state(model, work, y)
+    if _some_constrained(laws, modes):
+        accelerate(model, work, t, y)  # their functions are multipliers
+    else:
+        load_state(model, work, y)
     for k in range(pairs.kind.shape[0]):
         gap, closing, _, _, speed, along, beyond, _, _, _, _ = contact_geometry(pairs, kin, k)
-        i = ROOTS_PER_CONTACT * k
+        i = ROOTS_EACH * k
         mode = modes.mode[k]
         g[i + 1] = 1.0
         g[i + 2] = 1.0
@@ -66,6 +62,9 @@ def planar_roots(model, work, t, y, g, rate):
             g[i] = max(gap, beyond) + noise
             if gap >= beyond:
                 rate[i] = closing
+        elif mode == MODE_CLOSED and laws.release[k] == RELEASE_CONSTRAINT:
+            g[i] = noise - beyond
+            g[i + 1] = contact_push(work, laws, k) + noise * contact_mass(model, k)
         elif mode == MODE_CLOSED:
             g[i] = min(-gap, -beyond) + noise
             if -gap <= -beyond:
@@ -81,6 +80,14 @@ def planar_roots(model, work, t, y, g, rate):
             g[i] = -max(gap, beyond)
             if mode == MODE_LEAVING:
                 g[i + 1] = closing + noise
+
+
+@jit
+def _some_constrained(laws, modes):
+    closed = 0
+    for k in range(laws.slot.shape[0]):
+        closed += laws.slot[k] >= 0 and modes.mode[k] == MODE_CLOSED
+    return closed > 0
 
 
 @jit
@@ -112,22 +119,19 @@ def _take_grip(laws, modes, k, speed, along):
 
 
 @jit
-def planar_transition(model, work, t, y, g, dy):
-    """Change the modes whose functions are negative, with impulses where rigid; return code and contact.
+def contact_transition(model, work, t, y, g, dy):
+    """Change the modes whose functions are negative, with impulses where rigid.
 
-    dy is scratch of y's shape. y changes at rigid impacts only.
+    dy is scratch of y's shape. y changes at rigid impacts and where a constraint contact closes.
     """
     pairs, laws, modes = contact_pairs_of(model), contact_laws_of(model), contact_modes_of(model)
     kin = kinematics_of(work)
     regrip = False
+    landed = False
     for k in range(pairs.kind.shape[0]):
-        i = ROOTS_PER_CONTACT * k
+        i = ROOTS_EACH * k
         if not (g[i] < 0.0 or g[i + 1] < 0.0 or g[i + 2] < 0.0):
             continue
-        modes.burst[k] = modes.burst[k] + 1 if t - modes.stamp[k] < AT_ONCE else 0
-        modes.stamp[k] = t
-        if modes.burst[k] > LONGEST_BURST:
-            return ENDLESS, k
         load_state(model, work, y)
         gap, closing, _, _, speed, along, _, _, _, _, _ = contact_geometry(pairs, kin, k)
         mode = modes.mode[k]
@@ -137,10 +141,13 @@ def planar_transition(model, work, t, y, g, dy):
                 modes.mode[k] = MODE_LEAVING
             elif is_behind(pairs, k, gap):
                 modes.mode[k] = MODE_BEHIND
+            elif laws.release[k] == RELEASE_CONSTRAINT:
+                modes.mode[k] = MODE_CLOSED
+                landed = True
             else:
                 _close(laws, modes, k, max(-closing, 0.0))
                 _take_grip(laws, modes, k, speed, along)
-        elif g[i] < 0.0:
+        elif g[i] < 0.0 or laws.release[k] == RELEASE_CONSTRAINT:
             modes.mode[k] = MODE_OPEN
         elif g[i + 1] < 0.0:
             modes.mode[k] = MODE_CLOSED if mode == MODE_LIFTED else MODE_LIFTED
@@ -151,27 +158,10 @@ def planar_transition(model, work, t, y, g, dy):
             modes.grip[k] = GRIP_PROBE
             modes.anchor[k] = 0.0
             regrip = True
+    if landed:
+        land(model, work, t, y, g)
     if regrip:
         _settle_grips(model, work, t, y, dy)
-    _log(modes, t, g)
-    return SETTLED, 0
-
-
-@jit
-def _log(modes, t, g):
-    for k in range(modes.mode.shape[0]):
-        i = ROOTS_PER_CONTACT * k
-        if g[i] < 0.0 or g[i + 1] < 0.0 or g[i + 2] < 0.0:
-            place = modes.logged[0]
-            modes.logged[0] += 1
-            if place < modes.log.shape[0]:
-                row = modes.log[place]
-                row[0] = t
-                row[1] = k
-                row[2] = modes.mode[k]
-                row[3] = modes.grip[k]
-                row[4] = modes.anchor[k]
-                row[5] = modes.dashpot[k]
 
 
 @jit
@@ -250,24 +240,23 @@ def _settle_grips(model, work, t, y, dy):
 
 
 @jit
-def planar_start_modes(model, work, t, y, located):
-    """Set every mode by the state; event functions are watched only where `located`."""
+def start_contacts(model, work, t, y, located):
+    """Set every contact's mode by the state; events are watched only where `located`."""
     pairs, laws, modes = contact_pairs_of(model), contact_laws_of(model), contact_modes_of(model)
     kin = kinematics_of(work)
-    count = pairs.kind.shape[0]
     resting = False
-    modes.logged[0] = 0
-    modes.roots[0] = ROOTS_PER_CONTACT * count if located else 0
-    load_state(model, work, y)
-    for k in range(count):
-        modes.stamp[k] = -1e300
-        modes.burst[k] = 0
+    for k in range(pairs.kind.shape[0]):
+        load_state(model, work, y)
         gap, closing, _, _, speed, along, beyond, _, _, _, _ = contact_geometry(pairs, kin, k)
         modes.dashpot[k] = laws.damping[k] + laws.impact_damping[k] * laws.stiffness[k] / laws.slowest[k]
         modes.grip[k] = GRIP_STICK
         modes.anchor[k] = along
+        near = AT_REST * modes.noise[0]
         if not located:
             modes.mode[k] = MODE_PLAIN
+        elif laws.release[k] == RELEASE_CONSTRAINT:
+            still = beyond <= 0.0 and abs(gap) <= near and abs(closing) <= near
+            modes.mode[k] = MODE_CLOSED if still else MODE_OPEN
         elif beyond > 0.0 or gap > 0.0 or laws.release[k] == RELEASE_RIGID:
             modes.mode[k] = MODE_OPEN
         elif is_behind(pairs, k, gap):
@@ -289,7 +278,7 @@ def planar_contact_mobility(model, work, t, y, k):
     pairs, kin = contact_pairs_of(model), kinematics_of(work)
     tree, rows = tree_of(work), rows_of(work)
     load_state(model, work, y)
-    fill_joints(model, work, t)
+    fill_rows(model, work, t)
     factor(model, work)
     _, _, nx, ny, _, _, _, ax, ay, bx, by = contact_geometry(pairs, kin, k)
     a = pairs.a[k]
@@ -332,13 +321,18 @@ def planar_contact_forces(model, work, t, y, out):
     """Fill out (n_contacts, 5): depth d (m), force on body a (N, N), its point (m, m), in the present modes."""
     pairs, laws, modes = contact_pairs_of(model), contact_laws_of(model), contact_modes_of(model)
     kin = kinematics_of(work)
-    load_state(model, work, y)
+    if _some_constrained(laws, modes):
+        accelerate(model, work, t, y)
+    else:
+        load_state(model, work, y)
     for k in range(pairs.kind.shape[0]):
         gap, rate, nx, ny, speed, along, beyond, ax, ay, _, _ = contact_geometry(pairs, kin, k)
         touching = gap < 0.0 and beyond <= 0.0 and not is_behind(pairs, k, gap)
         if modes.mode[k] != MODE_PLAIN:
             touching = modes.mode[k] == MODE_CLOSED
         normal = normal_force(laws, modes, k, -gap, -rate) if touching else 0.0
+        if touching and laws.release[k] == RELEASE_CONSTRAINT:
+            normal = contact_push(work, laws, k)
         if modes.mode[k] == MODE_PLAIN and laws.release[k] == RELEASE_FORCE:
             normal = max(normal, 0.0)
         tangential = friction_force(laws, modes, k, normal, speed, along) if touching else 0.0

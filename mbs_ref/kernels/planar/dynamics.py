@@ -10,7 +10,7 @@ import numpy as np
 
 from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.planar.closure import correct_for_closures, factor_closures, row_times
-from mbs_ref.kernels.planar.joints import fill_joints
+from mbs_ref.kernels.planar.contact_rows import fill_rows
 from mbs_ref.kernels.planar.loads import apply_loads
 from mbs_ref.kernels.planar.model import (
     CONTROL_POSITION_GAIN,
@@ -83,7 +83,7 @@ def accelerate(model, work, t, y):
     """Compute accelerations and multipliers at (t, y) into `work`."""
     load_state(model, work, y)
     apply_loads(model, work, t)
-    fill_joints(model, work, t)
+    fill_rows(model, work, t)
     _stabilize(model, work)
     factor(model, work)
     load, force = tree_of(work).load, kinematics_of(work).force
@@ -112,7 +112,7 @@ def planar_derivative(model, work, t, y, dy):
 def planar_compliance(model, work, t, y):
     """Return max |C| and max |C_dot| over all rows (m, rad; m/s, rad/s)."""
     load_state(model, work, y)
-    fill_joints(model, work, t)
+    fill_rows(model, work, t)
     return _largest(rows_of(work).residual), _largest(rows_of(work).rate)
 
 
@@ -187,7 +187,7 @@ def planar_project(model, work, t, y, tolerance, most):
     """
     rows, n = rows_of(work), bodies_of(model).mass.shape[0]
     load_state(model, work, y)
-    fill_joints(model, work, t)
+    fill_rows(model, work, t)
     left = _largest(rows.residual)
     for _ in range(most):
         if not left > tolerance:
@@ -195,7 +195,7 @@ def planar_project(model, work, t, y, tolerance, most):
         factor(model, work)
         _correct(model, work, rows.residual, y, 0)
         load_state(model, work, y)
-        fill_joints(model, work, t)
+        fill_rows(model, work, t)
         previous = left
         left = _largest(rows.residual)
         if left > 0.5 * previous:

@@ -9,8 +9,8 @@ from __future__ import annotations
 
 from mbs_ref.kernels.dense import lu_factor, lu_solve
 from mbs_ref.kernels.jit import jit
+from mbs_ref.kernels.planar.contact_rows import fill_rows
 from mbs_ref.kernels.planar.dynamics import factor, load_state, solve
-from mbs_ref.kernels.planar.joints import fill_joints
 from mbs_ref.kernels.planar.loads import apply_loads
 from mbs_ref.kernels.planar.model import bodies_of, kinematics_of, rows_of, slots_of, tree_of
 
@@ -23,7 +23,7 @@ def planar_force_balance(model, work, t, y, lam, out):
     bodies, slots, rows, kin = bodies_of(model), slots_of(model), rows_of(work), kinematics_of(work)
     load_state(model, work, y)
     apply_loads(model, work, t)
-    fill_joints(model, work, t)
+    fill_rows(model, work, t)
     n = bodies.mass.shape[0]
     for slot in range(slots.body.shape[0]):
         for side in range(2):

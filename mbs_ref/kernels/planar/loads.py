@@ -10,7 +10,10 @@ from mbs_ref.kernels.planar.contacts import apply_contacts
 from mbs_ref.kernels.planar.joints import arm
 from mbs_ref.kernels.planar.model import (
     CONTROL_MODE_TIME,
+    MODE_CLOSED,
+    MODE_PLAIN,
     bodies_of,
+    contact_modes_of,
     forces_of,
     kinematics_of,
     signals_of,
@@ -53,18 +56,35 @@ def apply_forces(model, work, t):
 
 
 @jit
+def spring_geometry(spring, kin, k):
+    """Return the vector from mark a to mark b, its rate and both arms."""
+    a = spring.a[k]
+    b = spring.b[k]
+    ax, ay = arm(kin.pose, a, spring.point_a[k])
+    bx, by = arm(kin.pose, b, spring.point_b[k])
+    dx = kin.pose[b, 0] + bx - kin.pose[a, 0] - ax
+    dy = kin.pose[b, 1] + by - kin.pose[a, 1] - ay
+    ux = kin.motion[b, 0] - by * kin.motion[b, 2] - kin.motion[a, 0] + ay * kin.motion[a, 2]
+    uy = kin.motion[b, 1] + bx * kin.motion[b, 2] - kin.motion[a, 1] - ax * kin.motion[a, 2]
+    return dx, dy, ux, uy, ax, ay, bx, by
+
+
+@jit
+def is_slack(modes, place, stretch, tension):
+    """Return whether a tension-only spring gives no force: by its frozen mode, or by the state without events."""
+    if modes.mode[place] == MODE_PLAIN:
+        return stretch <= 0.0 or tension < 0.0
+    return modes.mode[place] != MODE_CLOSED
+
+
+@jit
 def apply_springs(model, work):
     """F = k (l - l0) + c l_dot along the line of the two points (Fox 1999 eq 18 with the points' distance)."""
-    spring, kin = springs_of(model), kinematics_of(work)
+    spring, kin, modes = springs_of(model), kinematics_of(work), contact_modes_of(model)
     for k in range(spring.a.shape[0]):
         a = spring.a[k]
         b = spring.b[k]
-        ax, ay = arm(kin.pose, a, spring.point_a[k])
-        bx, by = arm(kin.pose, b, spring.point_b[k])
-        dx = kin.pose[b, 0] + bx - kin.pose[a, 0] - ax
-        dy = kin.pose[b, 1] + by - kin.pose[a, 1] - ay
-        ux = kin.motion[b, 0] - by * kin.motion[b, 2] - kin.motion[a, 0] + ay * kin.motion[a, 2]
-        uy = kin.motion[b, 1] + bx * kin.motion[b, 2] - kin.motion[a, 1] - ax * kin.motion[a, 2]
+        dx, dy, ux, uy, ax, ay, bx, by = spring_geometry(spring, kin, k)
         length = np.sqrt(dx * dx + dy * dy)
         stretch = length - spring.rest_length[k]
         if spring.isotropic[k] == 1:
@@ -79,7 +99,7 @@ def apply_springs(model, work):
             fy = spring.damping[k] * uy
         else:
             tension = spring.stiffness[k] * stretch + spring.damping[k] * (dx * ux + dy * uy) / length
-            if spring.tension_only[k] == 1 and (stretch <= 0.0 or tension < 0.0):
+            if spring.tension_only[k] == 1 and is_slack(modes, spring.place[k], stretch, tension):
                 tension = 0.0
             fx = tension * dx / length
             fy = tension * dy / length

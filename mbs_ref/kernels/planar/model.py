@@ -74,6 +74,7 @@ class Springs(NamedTuple):
     rest_length: np.ndarray  # (k,) m
     tension_only: np.ndarray  # (k,) int
     isotropic: np.ndarray  # (k,) int: 1 for a bushing, whose force follows the gap as a vector
+    place: np.ndarray  # (k,) int, of a tension-only spring's mode in ContactModes; -1 for others
 
 
 class TorsionSprings(NamedTuple):
@@ -117,12 +118,27 @@ class ContactLaws(NamedTuple):
     creep: np.ndarray  # (k,) m/s, v_s
     grip_stiffness: np.ndarray  # (k,) N/m
     grip_damping: np.ndarray  # (k,) N s/m
+    slot: np.ndarray  # (k,) int, of the row gap = 0 of a constraint contact; -1 for others
+
+
+class Watches(NamedTuple):
+    """Declared events: a coordinate, a distance or a coordinate's rate crosses a value."""
+
+    a: np.ndarray  # (k,) int
+    b: np.ndarray  # (k,) int, the other body of a distance
+    point_a: np.ndarray  # (k, 2) m, in body a
+    point_b: np.ndarray  # (k, 2) m, in body b
+    quantity: np.ndarray  # (k,) int, WATCH_*: distance, coordinate or rate
+    component: np.ndarray  # (k,) int: 0 x, 1 y, 2 angle
+    value: np.ndarray  # (k,) m, rad, m/s or rad/s
+    direction: np.ndarray  # (k,) int: 1 rising, -1 falling, 0 either
+    stops: np.ndarray  # (k,) int: 1 where the run ends
 
 
 class ContactModes(NamedTuple):
-    """What changes at events alone: frozen inside a step."""
+    """What changes at events alone, frozen inside a step: of contacts, then tension-only springs, then watches."""
 
-    mode: np.ndarray  # (k,) int, MODE_*
+    mode: np.ndarray  # (k,) int, MODE_*; of a watch, the side it is on: 1 above its value, -1 below
     grip: np.ndarray  # (k,) int, GRIP_*
     anchor: np.ndarray  # (k,) m, where a sticking contact's spring is slack; N while GRIP_PROBE
     dashpot: np.ndarray  # (k,) N s/m^(m + 1), c in force
@@ -136,13 +152,14 @@ class ContactModes(NamedTuple):
 
 PAIR_LINE, PAIR_CIRCLE, PAIR_SPROCKET = range(3)
 ENDS_NONE, ENDS_OPEN, ENDS_CAPPED = range(3)
-RELEASE_GAP, RELEASE_FORCE, RELEASE_RIGID = range(3)
+RELEASE_GAP, RELEASE_FORCE, RELEASE_RIGID, RELEASE_CONSTRAINT = range(4)
+WATCH_DISTANCE, WATCH_COORDINATE, WATCH_RATE = range(3)
 FRICTION_NONE, FRICTION_SMOOTH, FRICTION_STICK_SLIP = range(3)
 # PLAIN: no events, the force is clipped by the state. LIFTED: still inside after a release at F = 0.
 # BEHIND: found too deep to have come through the front. LEAVING: rigid, just hit, not yet clear.
 MODE_OPEN, MODE_CLOSED, MODE_LIFTED, MODE_BEHIND, MODE_LEAVING, MODE_PLAIN = range(6)
 GRIP_BACKWARD, GRIP_STICK, GRIP_FORWARD, GRIP_PROBE = -1, 0, 1, 2
-ROOTS_PER_CONTACT = 3
+ROOTS_EACH = 3  # event functions of a contact, a tension-only spring or a watch
 
 
 class World(NamedTuple):
@@ -167,6 +184,7 @@ class PlanarGroups(NamedTuple):
     contact_pairs: ContactPairs
     contact_laws: ContactLaws
     contact_modes: ContactModes
+    watches: Watches
     signals: SignalArrays
     world: World
 
@@ -200,7 +218,7 @@ def _no_contacts() -> tuple[ContactPairs, ContactLaws, ContactModes]:
     pairs = ContactPairs(
         integers, integers, integers, points, floats, points, points, floats, integers, floats, points
     )  # fmt: skip
-    kinds = {name: integers for name in ("release", "friction")}
+    kinds = {name: integers for name in ("release", "friction", "slot")}
     laws = ContactLaws(**{name: kinds.get(name, floats) for name in ContactLaws._fields})
     counters = (_integers(1), _floats(1), _floats(0, 6), _integers(1))
     modes = ContactModes(integers, integers, floats, floats, floats, integers, *counters)
@@ -229,11 +247,16 @@ _EMPTY = PlanarGroups(
         _floats(0),
         _integers(0),
         _integers(0),
+        _integers(0),
     ),
     torsion_springs=TorsionSprings(_integers(0), _integers(0), _floats(0), _floats(0), _floats(0)),
     contact_pairs=_NO_CONTACTS[0],
     contact_laws=_NO_CONTACTS[1],
     contact_modes=_NO_CONTACTS[2],
+    watches=Watches(
+        _integers(0), _integers(0), _floats(0, 2), _floats(0, 2), _integers(0), _integers(0), _floats(0),
+        _integers(0), _integers(0),
+    ),
     signals=SignalArrays(_integers(0), _floats(0), _floats(0, 1), _floats(0), _floats(0), _floats(0)),
     world=World(_floats(2), _integers(1), _floats(3)),
 )
@@ -250,6 +273,7 @@ torsion_springs_of = accessor(_EMPTY, "torsion_springs")
 contact_pairs_of = accessor(_EMPTY, "contact_pairs")
 contact_laws_of = accessor(_EMPTY, "contact_laws")
 contact_modes_of = accessor(_EMPTY, "contact_modes")
+watches_of = accessor(_EMPTY, "watches")
 signals_of = accessor(_EMPTY, "signals")
 world_of = accessor(_EMPTY, "world")
 

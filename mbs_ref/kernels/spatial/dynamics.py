@@ -1,9 +1,10 @@
 """The spatial system as an ODE, its constraints, and their coordinate projection.
 
-State y = [q, u] in scene order: q = R, theta0..theta3 of a rigid body and R of a point mass, u = R', omega
-and R'. The state holds omega in body axes: on a free top at rtol 1e-12 that is 500 times more accurate than
-in world axes, where a steady spin already moves omega; everything else is in world axes. The index-3 DAE is
-reduced to its underlying ODE (Fox 1999 eq 9; Fox 2001 eq 19), optionally with Baumgarte's terms.
+State y = [q, u, s] in scene order: q = R, theta0..theta3 of a rigid body and R of a point mass, u = R', omega
+and R', s the deflections of contacts that can stick. The state holds omega in body axes: on a free top at rtol
+1e-12 that is 500 times more accurate than in world axes, where a steady spin already moves omega; everything
+else is in world axes. The index-3 DAE is reduced to its underlying ODE (Fox 1999 eq 9; Fox 2001 eq 19),
+optionally with Baumgarte's terms.
 theta^T theta = 1 is part of C; its multiplier and the four parameters are eliminated exactly (see `tree`),
 and projection restores it.
 """
@@ -12,6 +13,7 @@ from __future__ import annotations
 
 from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.spatial.closure import correct_for_closures, factor_closures, row_times
+from mbs_ref.kernels.spatial.contacts import apply_contacts, fill_deflection_rates
 from mbs_ref.kernels.spatial.joints import fill_joints
 from mbs_ref.kernels.spatial.loads import apply_loads
 from mbs_ref.kernels.spatial.model import (
@@ -69,6 +71,7 @@ def accelerate(model, work, t, y):
     """Compute accelerations and multipliers at (t, y) into `work`."""
     load_state(model, work, y)
     apply_loads(model, work, t)
+    apply_contacts(model, work)
     fill_joints(model, work, t)
     _stabilize(model, work)
     factor(model, work)
@@ -97,6 +100,7 @@ def spatial_derivative(model, work, t, y, dy):
             )
             # omega_body' = A^T alpha: the body axes' own turning drops out
             dy[v + 3], dy[v + 4], dy[v + 5] = turn_back(kin.turned[i], a[3], a[4], a[5])
+    fill_deflection_rates(model, work, dy)
 
 
 @jit

@@ -16,6 +16,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from mbs_ref.kernels.broad_phase import NearPairs, no_pairs
+from mbs_ref.kernels.contact_laws import ContactLaws, ContactModes, fresh_modes, no_laws
 from mbs_ref.kernels.handles import accessor, make_handle
 from mbs_ref.kernels.signals import SignalArrays
 
@@ -150,6 +152,26 @@ class Bushings(NamedTuple):
     damping: np.ndarray  # (k, 6) N s/m and N m s/rad
 
 
+class ContactPairs(NamedTuple):
+    """Shapes that may touch; see PAIR_* for the kinds and mbs_ref.contact for the meaning."""
+
+    kind: np.ndarray  # (k,) int, PAIR_*
+    a: np.ndarray  # (k,) int
+    b: np.ndarray  # (k,) int
+    center: np.ndarray  # (k, 3) m, the sphere's centre in body a
+    radius: np.ndarray  # (k,) m, of the sphere
+    origin: np.ndarray  # (k, 3) m, in body b: on the plane, or centre of the other sphere
+    axes: np.ndarray  # (k, 3, 3) in body b, unit rows: two edges of the plane and its normal
+    half: np.ndarray  # (k, 2) m: half sides of a rectangle, inf for a plane; other sphere's radius
+    ends: np.ndarray  # (k,) int, ENDS_*
+    thickness: np.ndarray  # (k,) m, inf where unlimited
+    deflection: np.ndarray  # (k,) int, place of its two sticking deflections (m) in the state, -1 where there are none
+    sticking: np.ndarray  # (1,) int, contacts that can stick
+
+
+PAIR_PLANE, PAIR_SPHERE = range(2)
+
+
 class Attraction(NamedTuple):
     """Newton's gravity between all pairs of centres of mass."""
 
@@ -177,6 +199,10 @@ class SpatialGroups(NamedTuple):
     springs: Springs
     torsion_springs: TorsionSprings
     bushings: Bushings
+    contact_pairs: ContactPairs
+    contact_laws: ContactLaws
+    contact_modes: ContactModes
+    near_pairs: NearPairs
     attraction: Attraction
     signals: SignalArrays
     world: World
@@ -222,6 +248,13 @@ _EMPTY = SpatialGroups(
     springs=Springs(*_i(2), *_vectors(2), _floats(0), _floats(0), _floats(0), _integers(0)),
     torsion_springs=TorsionSprings(*_i(2), *_vectors(3), _floats(0), _floats(0), _floats(0)),
     bushings=Bushings(*_i(2), *_vectors(2), _floats(0, 3, 3), _floats(0, 3, 3), _floats(0, 6), _floats(0, 6)),
+    contact_pairs=ContactPairs(
+        *_i(3), _floats(0, 3), _floats(0), _floats(0, 3), _floats(0, 3, 3), _floats(0, 2), _integers(0), _floats(0),
+        _integers(0), _integers(1),
+    ),
+    contact_laws=no_laws(),
+    contact_modes=fresh_modes(0, 0.0, 0, 2),
+    near_pairs=no_pairs(3),
     attraction=Attraction(_floats(0)),
     signals=SignalArrays(_integers(0), _floats(0), _floats(0, 1), _floats(0), _floats(0), _floats(0)),
     world=World(_floats(3), _integers(1), _floats(3)),
@@ -238,6 +271,10 @@ forces_of = accessor(_EMPTY, "forces")
 springs_of = accessor(_EMPTY, "springs")
 torsion_springs_of = accessor(_EMPTY, "torsion_springs")
 bushings_of = accessor(_EMPTY, "bushings")
+contact_pairs_of = accessor(_EMPTY, "contact_pairs")
+contact_laws_of = accessor(_EMPTY, "contact_laws")
+contact_modes_of = accessor(_EMPTY, "contact_modes")
+near_pairs_of = accessor(_EMPTY, "near_pairs")
 attraction_of = accessor(_EMPTY, "attraction")
 signals_of = accessor(_EMPTY, "signals")
 world_of = accessor(_EMPTY, "world")
@@ -289,6 +326,10 @@ class Closures(NamedTuple):
     regularity: np.ndarray  # (1,) smallest accepted closure pivot, relative; 1 far from any singular pose
 
 
+class Grips(NamedTuple):
+    deflection: np.ndarray  # (n_sticking, 2) m, of the springs of sticking contacts along the plane's edges
+
+
 class SpatialScratch(NamedTuple):
     """Scratch of one run."""
 
@@ -296,6 +337,7 @@ class SpatialScratch(NamedTuple):
     rows: Rows
     tree: Tree
     closures: Closures
+    grips: Grips
 
 
 class SpatialWork(NamedTuple):
@@ -304,7 +346,7 @@ class SpatialWork(NamedTuple):
     handle: np.ndarray
 
 
-def spatial_scratch(n: int, n_slots: int, n_rows: int) -> SpatialScratch:
+def spatial_scratch(n: int, n_slots: int, n_rows: int, n_sticking: int = 0) -> SpatialScratch:
     """Allocate the scratch of one run."""
     turned = np.tile(np.eye(3), (n + 1, 1, 1))
     vectors = [_floats(n + 1, 3) for _ in range(3)]
@@ -334,6 +376,7 @@ def spatial_scratch(n: int, n_slots: int, n_rows: int) -> SpatialScratch:
             rank=_integers(1),
             regularity=np.ones(1),
         ),
+        grips=Grips(_floats(n_sticking, 2)),
     )  # fmt: skip
 
 
@@ -342,6 +385,7 @@ kinematics_of = accessor(_NO_SCRATCH, "kinematics")
 rows_of = accessor(_NO_SCRATCH, "rows")
 tree_of = accessor(_NO_SCRATCH, "tree")
 closures_of = accessor(_NO_SCRATCH, "closures")
+grips_of = accessor(_NO_SCRATCH, "grips")
 
 
 def bind_model(groups: SpatialGroups) -> SpatialModel:

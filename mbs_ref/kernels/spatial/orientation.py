@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from mbs_ref.kernels.jit import jit
-from mbs_ref.kernels.spatial.model import bodies_of, kinematics_of
+from mbs_ref.kernels.spatial.model import bodies_of, grips_of, kinematics_of
 from mbs_ref.kernels.spatial.vectors import turn
 
 
@@ -83,6 +83,11 @@ def load_state(model, work, y):
             kin.norm[i] = rotation(y[q + 3], y[q + 4], y[q + 5], y[q + 6], kin.turned[i]) - 1.0
             kin.omega[i, 0], kin.omega[i, 1], kin.omega[i, 2] = turn(kin.turned[i], y[v + 3 : v + 6])
             _world_inertia(kin.turned[i], bodies.inertia[i], kin.inertia[i])
+    deflection = grips_of(work).deflection
+    first = y.shape[0] - 2 * deflection.shape[0]
+    for i in range(deflection.shape[0]):
+        deflection[i, 0] = y[first + 2 * i]
+        deflection[i, 1] = y[first + 2 * i + 1]
 
 
 @jit

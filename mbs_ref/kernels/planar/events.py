@@ -1,0 +1,92 @@
+"""The events of a planar scene: contacts, then tension-only springs, then declared events, three functions each.
+
+All are positive while the frozen modes hold. Each holds a little beyond its root, by `noise`, or contacts at
+rest exactly at d = 0 would chatter.
+"""
+
+from __future__ import annotations
+
+from mbs_ref.kernels.jit import jit
+from mbs_ref.kernels.planar.contact_events import contact_roots, contact_transition, start_contacts
+from mbs_ref.kernels.planar.dynamics import load_state
+from mbs_ref.kernels.planar.model import ROOTS_EACH, contact_modes_of, watches_of
+from mbs_ref.kernels.planar.spring_events import spring_roots, spring_transition, start_springs
+from mbs_ref.kernels.planar.watch_events import start_watches, watch_roots, watch_transition
+
+SETTLED, ENDLESS, STOP = range(3)
+AT_ONCE = 1e-9  # s, events of one source closer than this form a burst ...
+LONGEST_BURST = 60  # ... and a burst longer than this is endless
+
+
+@jit
+def planar_root_count(model):
+    """Return the number of event functions; 0 in the plain mode."""
+    return contact_modes_of(model).roots[0]
+
+
+@jit
+def planar_roots(model, work, t, y, g, rate):
+    """Fill g and, where known, its rate, else 0; g > 0 while the frozen modes hold."""
+    contact_roots(model, work, t, y, g, rate)
+    spring_roots(model, work, g, rate)
+    watch_roots(model, work, g, rate)
+
+
+@jit
+def planar_transition(model, work, t, y, g, dy):
+    """Change the modes whose functions are negative, with impulses where rigid; return code and source.
+
+    dy is scratch of y's shape. y changes at impacts only.
+    """
+    modes = contact_modes_of(model)
+    source = 0
+    for k in range(modes.mode.shape[0]):
+        if _is_broken(g, k):
+            source = k
+            modes.burst[k] = modes.burst[k] + 1 if t - modes.stamp[k] < AT_ONCE else 0
+            modes.stamp[k] = t
+            if modes.burst[k] > LONGEST_BURST:
+                return ENDLESS, k
+    contact_transition(model, work, t, y, g, dy)
+    spring_transition(model, g)
+    stops = watch_transition(model, g)
+    _log(modes, t, g)
+    return STOP if stops else SETTLED, source
+
+
+@jit
+def _is_broken(g, k):
+    i = ROOTS_EACH * k
+    return g[i] < 0.0 or g[i + 1] < 0.0 or g[i + 2] < 0.0
+
+
+@jit
+def _log(modes, t, g):
+    for k in range(modes.mode.shape[0]):
+        if _is_broken(g, k):
+            place = modes.logged[0]
+            modes.logged[0] += 1
+            if place < modes.log.shape[0]:
+                row = modes.log[place]
+                row[0] = t
+                row[1] = k
+                row[2] = modes.mode[k]
+                row[3] = modes.grip[k]
+                row[4] = modes.anchor[k]
+                row[5] = modes.dashpot[k]
+
+
+@jit
+def planar_start_modes(model, work, t, y, located):
+    """Set every mode by the state; event functions are watched only where `located`."""
+    modes = contact_modes_of(model)
+    modes.logged[0] = 0
+    modes.roots[0] = ROOTS_EACH * modes.mode.shape[0] if located else 0
+    for k in range(modes.mode.shape[0]):
+        modes.stamp[k] = -1e300
+        modes.burst[k] = 0
+    load_state(model, work, y)
+    start_springs(model, work, located)
+    if watches_of(model).a.shape[0] > 0:
+        start_watches(model, work)
+    start_contacts(model, work, t, y, located)

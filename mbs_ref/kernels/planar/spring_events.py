@@ -1,0 +1,89 @@
+"""Springs that only pull: where they go slack is an event, and where their damper would push.
+
+Open is slack; closed pulls; lifted is stretched, but its damper outweighs the spring and it gives nothing.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from mbs_ref.kernels.jit import jit
+from mbs_ref.kernels.planar.loads import spring_geometry
+from mbs_ref.kernels.planar.model import (
+    MODE_CLOSED,
+    MODE_LIFTED,
+    MODE_OPEN,
+    MODE_PLAIN,
+    ROOTS_EACH,
+    contact_modes_of,
+    kinematics_of,
+    springs_of,
+)
+
+
+@jit
+def _pull(spring, kin, k):
+    """Return stretch, its rate, and the tension without any clipping."""
+    dx, dy, ux, uy, _, _, _, _ = spring_geometry(spring, kin, k)
+    length = np.sqrt(dx * dx + dy * dy)
+    rate = (dx * ux + dy * uy) / length if length > 0.0 else 0.0
+    stretch = length - spring.rest_length[k]
+    return stretch, rate, spring.stiffness[k] * stretch + spring.damping[k] * rate
+
+
+@jit
+def spring_roots(model, work, g, rate):
+    """Fill the functions of the tension-only springs at the state in `work`."""
+    spring, kin, modes = springs_of(model), kinematics_of(work), contact_modes_of(model)
+    noise = modes.noise[0]
+    for k in range(spring.place.shape[0]):
+        if spring.place[k] < 0:
+            continue
+        i = ROOTS_EACH * spring.place[k]
+        mode = modes.mode[spring.place[k]]
+        stretch, speed, tension = _pull(spring, kin, k)
+        slack = noise * (spring.stiffness[k] + spring.damping[k])
+        g[i + 1] = 1.0
+        g[i + 2] = 1.0
+        rate[i + 1] = 0.0
+        rate[i + 2] = 0.0
+        if mode == MODE_OPEN:
+            g[i] = noise - stretch
+            rate[i] = -speed
+        else:
+            g[i] = stretch + noise
+            rate[i] = speed
+            if spring.damping[k] > 0.0:
+                g[i + 1] = slack + (tension if mode == MODE_CLOSED else -tension)
+
+
+@jit
+def spring_transition(model, g):
+    """Change the modes whose functions are negative."""
+    spring, modes = springs_of(model), contact_modes_of(model)
+    for k in range(spring.place.shape[0]):
+        place = spring.place[k]
+        if place < 0:
+            continue
+        i = ROOTS_EACH * place
+        if g[i] < 0.0:
+            modes.mode[place] = MODE_CLOSED if modes.mode[place] == MODE_OPEN else MODE_OPEN
+        elif g[i + 1] < 0.0:
+            modes.mode[place] = MODE_LIFTED if modes.mode[place] == MODE_CLOSED else MODE_CLOSED
+
+
+@jit
+def start_springs(model, work, located):
+    """Set the modes by the state in `work`."""
+    spring, kin, modes = springs_of(model), kinematics_of(work), contact_modes_of(model)
+    for k in range(spring.place.shape[0]):
+        place = spring.place[k]
+        if place < 0:
+            continue
+        stretch, _, tension = _pull(spring, kin, k)
+        if not located:
+            modes.mode[place] = MODE_PLAIN
+        elif stretch <= 0.0:
+            modes.mode[place] = MODE_OPEN
+        else:
+            modes.mode[place] = MODE_LIFTED if tension < 0.0 else MODE_CLOSED

@@ -1,0 +1,79 @@
+"""Contact in space between engines: the same scheme gives the same motion; their friction has its own traits."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from cross_checks import engines
+from mbs_ref import scenes
+from mbs_ref.settings import Settings
+from mbs_ref.simulate import simulate
+from mbs_ref.trajectory import Status
+
+SAME_SCHEME = 1e-12  # m, roundoff of some thousand steps
+HEIGHT = 0.1234567  # m, no whole number of steps
+CASES = [
+    ("mujoco", "rk4", "bouncing_sphere", {"law": "spring_damper_force", "height": HEIGHT}),
+    ("mujoco", "rk4", "colliding_spheres", {"law": "spring_damper", "damping": 30.0}),
+    ("exudyn", "contact_rk44", "bouncing_sphere", {"law": "spring_damper", "height": HEIGHT}),
+    ("exudyn", "contact_rk44", "colliding_spheres", {"law": "spring_damper", "damping": 30.0}),
+]
+ROLLING = 10.0 / 7.0  # m/s, 5/7 of the speed of rolling_sphere
+DEPTH = 9.81e-5  # m, that the sphere of rolling_sphere sinks
+FINE = 1e-4  # s
+
+
+@pytest.mark.parametrize(("name", "method", "scene", "parameters"), CASES)
+def test_an_engine_without_events_equals_our_rk4_without_events(name, method, scene, parameters):
+    pytest.importorskip(name)
+    built = scenes.make(scene, **parameters)
+    theirs = engines.get(name).run(built, Settings(method=method, step=2e-4))
+    ours = simulate(built, Settings(method="rk4", step=2e-4, events="none"))
+    assert theirs.ok, theirs.message
+    assert np.abs(theirs.position - ours.position).max() < SAME_SCHEME
+    assert np.abs(ours.velocity[-1] - ours.velocity[0]).max() > 0.1  # touch-down and lift-off lie behind
+
+
+def _rolled(name: str, method: str, **parameters):
+    pytest.importorskip(name)
+    run = engines.get(name).run(scenes.make("rolling_sphere", **parameters), Settings(method=method, step=FINE))
+    assert run.ok, run.message
+    return run, float(np.linalg.norm(run.velocity[-1, 0]))
+
+
+def test_exudyn_rolls_on_the_radius_of_the_sunken_surface():
+    _, speed = _rolled("exudyn", "contact_rk44", release="gap")
+    lever = 1.0 - DEPTH / 0.1
+    assert speed == pytest.approx(2.0 / (1.0 + 0.4 / lever**2), abs=1e-6)
+    assert abs(speed - ROLLING) < 1e-3
+
+
+@pytest.mark.parametrize("method", ["rk4", "rk4_stock_contact"])
+def test_mujoco_rolls_at_five_sevenths_but_hops_while_it_slides(method):
+    run, speed = _rolled("mujoco", method)
+    assert abs(speed - ROLLING) < 1e-3
+    assert run.position[:, 0, 2].max() > 0.1 + 2e-4  # m: off the ground
+
+
+@pytest.mark.parametrize(("name", "method"), [("mujoco", "rk4"), ("exudyn", "contact_rk44")])
+@pytest.mark.parametrize(
+    ("scene", "parameters", "words"),
+    [
+        ("bouncing_sphere", {"law": "progressive"}, ["progressive_law"]),
+        ("block_stack", {"blocks": 2, "ratio": 1e4}, ["corner1.00", "endless"]),
+        ("box_stack", {"boxes": 2, "ratio": 1e4}, ["corner1.0", "endless"]),
+    ],
+)
+def test_what_an_engine_has_not_is_refused_by_name(name, method, scene, parameters, words):
+    pytest.importorskip(name)
+    run = engines.get(name).run(scenes.make(scene, **parameters), Settings(method=method, step=1e-3))
+    assert run.status is Status.REFUSED
+    assert all(word in run.message for word in words)
+
+
+def test_mujoco_has_no_friction_without_damping_and_says_so():
+    pytest.importorskip("mujoco")
+    run = engines.get("mujoco").run(scenes.make("rolling_sphere", damping=0.0), Settings(method="rk4", step=1e-3))
+    assert run.status is Status.REFUSED
+    assert "no friction at all" in run.message
