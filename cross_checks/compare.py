@@ -38,7 +38,10 @@ def evaluate(
     `reference` gives reaction forces to compare with. ValueError only where the engine or its method
     is unknown, or the scene itself cannot be sampled.
     """
-    return judged_run(scene, engine_name, settings, times, reference=reference)[0]
+    record, _ = judged_run(scene, engine_name, settings, times, reference=reference)
+    if record.status == Status.INTERRUPTED:  # Ctrl-C ends what the run is part of
+        raise KeyboardInterrupt(record.message)
+    return record
 
 
 def judged_run(

@@ -11,6 +11,7 @@ from cross_checks import engines as registry
 from cross_checks import ladder
 from cross_checks.compare import MISSING, judged_run
 from cross_checks.engine import Method
+from cross_checks.isolation import Caller, Lost, direct
 from cross_checks.metrics.observed_order import observed_order
 from cross_checks.metrics.pose_error import distance
 from cross_checks.record import Record
@@ -21,6 +22,7 @@ from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings
 from mbs_ref.trajectory import Trajectory
 
+CELL_TIMEOUT = 600.0  # s for one cell in a process of its own, compilation on a busy machine included
 BUDGET = 2.0  # s of wall time after which a cell climbs no further
 PATIENCE = 5.0  # budgets after which a cell stops even with fewer runs than it needs
 ENOUGH = 3  # runs; with these, a cell that agrees and shows its order is done
@@ -65,24 +67,25 @@ class Climb:
 
 def check(
     scenes: Iterable[Scene], engines: Iterable[str] | None = None, progress: Progress | None = None, *,
-    budget_s: float = BUDGET,
-) -> list[Cell]:  # fmt: skip
-    """Return a verdict for every (scene, engine, method). ValueError where an engine is unknown."""
+    budget_s: float = BUDGET, call: Caller = direct,
+) -> Iterator[Cell]:  # fmt: skip
+    """Yield a verdict for every (scene, engine, method) as it is reached. ValueError where an engine is unknown.
+
+    `call` makes the runs: cross_checks.isolation survives engines that do not come back.
+    """
     tasks = [
         (scene, engine, method)
         for scene in scenes
         for engine in (registry.names() if engines is None else list(engines))
         for method in _methods(engine)
     ]
-    cells = []
     for done, (scene, engine, method) in enumerate(tasks):
         name = method.name if method else ""
         if progress is not None:
             progress(done, len(tasks), f"{scene.name} {engine} {name}".strip())
-        cells.append(missing(scene, engine) if method is None else judge_method(scene, engine, method, budget_s))
+        yield missing(scene, engine) if method is None else judged(scene, engine, method, budget_s, call)
     if progress is not None:
         progress(len(tasks), len(tasks), "")
-    return cells
 
 
 def _methods(engine: str) -> tuple[Method | None, ...]:
@@ -99,6 +102,15 @@ def missing(scene: Scene, engine: str) -> Cell:
     return Cell(
         scene.name, dict(scene.parameters), engine, "", Verdict.ENGINE_MISSING, None, None, None, record.message
     )
+
+
+def judged(scene: Scene, engine: str, method: Method, budget_s: float, call: Caller) -> Cell:
+    """Return the method's cell; what is lost with its process is a verdict with a sentence."""
+    try:
+        return call(judge_method, scene, engine, method, budget_s)
+    except Lost as lost:
+        parameters = dict(scene.parameters)
+        return Cell(scene.name, parameters, engine, method.name, Verdict(lost.status), None, None, None, str(lost))
 
 
 def judge_method(scene: Scene, engine: str, method: Method, budget_s: float = BUDGET) -> Cell:

@@ -216,12 +216,18 @@ class PlanarSystem(System):
 
     def rank(self, t: float, y: np.ndarray) -> int:
         """Return the rank of C_q, mass-scaled so that metres and radians compare."""
-        scaled = self.jacobian(t, y) / np.sqrt(self.mass_matrix())
+        scaled = self.scaled_jacobian(t, y)
         if scaled.size == 0:
             return 0
-        scaled = scaled / np.linalg.norm(scaled, axis=1, keepdims=True)
         values = np.linalg.svd(scaled, compute_uv=False)
         return int(np.sum(values > RANK_TOLERANCE * values[0]))
+
+    def scaled_jacobian(self, t: float, y: np.ndarray) -> np.ndarray:
+        scaled = self.jacobian(t, y) / np.sqrt(self.mass_matrix())
+        return scaled / np.linalg.norm(scaled, axis=1, keepdims=True)
+
+    def row_joints(self) -> list[str]:
+        return [self.scene.joints[k].name for k, _, _ in self.rows()]
 
     @cached_property
     def n_coordinates(self) -> int:

@@ -5,11 +5,13 @@ from __future__ import annotations
 import difflib
 from collections.abc import Iterable
 from dataclasses import dataclass
+from itertools import islice
 from typing import Any, get_args
 
 from pydantic import BaseModel, ValidationError
 
-LONGEST_VALUE = 60  # characters of a refused value that are shown
+LONGEST_VALUE = 60  # characters of a refused value, a name or a key that are shown
+MOST_PROBLEMS = 100  # told at once; a file of megabytes may hold millions
 
 # Pydantic's words, said in ours. A template may use the error's context, e.g. {gt}.
 SENTENCES = {
@@ -37,7 +39,12 @@ class Problem:
     def __str__(self) -> str:
         part = f" ({self.part})" if self.part else ""
         value = f" = {self.value}" if self.value else ""
-        return f"{self.path}{part}{value}: {self.message}" if self.path else self.message
+        return printable(f"{self.path}{part}{value}: {self.message}" if self.path else self.message)
+
+
+def printable(text: str) -> str:
+    """Return the text on one line, with what could upset a terminal written as an escape."""
+    return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text)
 
 
 def suggest(name: str, allowed: Iterable[str]) -> str:
@@ -47,9 +54,13 @@ def suggest(name: str, allowed: Iterable[str]) -> str:
 
 
 def problems(error: ValidationError, model: type[BaseModel], data: Any) -> list[Problem]:
-    """Return what is wrong with `data`, which failed to become a `model`, each place once."""
-    found = [p for detail in error.errors(include_url=False) for p in _translate(detail, model, data)]
-    return list({(p.path, p.message): p for p in found}.values())
+    """Return what is wrong with `data`, which failed to become a `model`, each place once; MOST_PROBLEMS at most."""
+    details = error.errors(include_url=False, include_input=False)
+    told = islice((p for detail in details for p in _translate(detail, model, data)), MOST_PROBLEMS)
+    found = list({(p.path, p.message): p for p in told}.values())
+    if len(details) > MOST_PROBLEMS:
+        found.append(Problem("", "", "", f"and more of {len(details)} mistakes in all"))
+    return found
 
 
 def sentences(error: ValidationError, model: type[BaseModel], data: Any) -> str:
@@ -74,7 +85,7 @@ def _translate(detail: Any, model: type[BaseModel], data: Any) -> list[Problem]:
     context["allowed"] = ", ".join(_tags(models))
     message = SENTENCES[kind].format(**context) if kind in SENTENCES else _reword(detail["msg"])
     if kind == "union_tag_invalid":
-        message += suggest(str(context["tag"]), _tags(models))
+        message += suggest(_shortened(str(context["tag"])), _tags(models))
     return [Problem(path, part, value, message)]
 
 
@@ -90,13 +101,13 @@ def _locate(loc: tuple[int | str, ...], model: type[BaseModel], data: Any) -> tu
         if len(models) > 1 and isinstance(here, dict) and here.get("type") == key and key in _tags(models):
             models = [m for m in models if m.model_fields["type"].default == key]
             continue
-        path += f"[{key}]" if isinstance(key, int) else f".{key}"
+        path += f"[{key}]" if isinstance(key, int) else f".{_shortened(key)}"
         fields = [m.model_fields[key] for m in models if key in m.model_fields] if isinstance(key, str) else []
         if fields:
             models = [m for field in fields for m in _models_in(field.annotation)]
         here = _item(here, key)
         if isinstance(here, dict) and isinstance(here.get("name"), str):
-            part = here["name"]
+            part = _shortened(here["name"])
     return path.removeprefix("."), part, models, here, False
 
 
@@ -119,11 +130,15 @@ def _tags(models: list[Any]) -> list[str]:
 
 def _unknown_field(name: int | str, models: list[Any]) -> str:
     allowed = list(dict.fromkeys(field for m in models for field in m.model_fields))
-    return f"is no field here{suggest(str(name), allowed)}" + (f" (allowed: {', '.join(allowed)})" if allowed else "")
+    listing = f" (allowed: {', '.join(allowed)})" if allowed else ""
+    return f"is no field here{suggest(_shortened(str(name)), allowed)}{listing}"
 
 
 def _shown(value: Any) -> str:
-    text = repr(list(value) if isinstance(value, tuple) else value)
+    return _shortened(repr(list(value) if isinstance(value, tuple) else value))
+
+
+def _shortened(text: str) -> str:
     return text if len(text) <= LONGEST_VALUE else f"{text[: LONGEST_VALUE - 3]}..."
 
 

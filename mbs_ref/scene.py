@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from itertools import islice
 from typing import Annotated, Any, Literal, Self
 
 import numpy as np
@@ -20,6 +21,7 @@ from mbs_ref.scene_events import Event
 from mbs_ref.signals import Constant, Level, Signal, breakpoints
 
 GROUND = "ground"
+MOST_COMPLAINTS = 100  # about one scene at once: each may list the bodies, and there may be 100 000
 
 
 # --- bodies ---------------------------------------------------------------------------------------
@@ -449,7 +451,9 @@ class Scene(Part):
 
     @model_validator(mode="after")
     def _check(self) -> Self:
-        found = list(_complaints(self))
+        found = list(islice(_complaints(self), MOST_COMPLAINTS))
+        if len(found) == MOST_COMPLAINTS:
+            found.append("and perhaps more: no further complaints were looked for")
         if found:
             raise ValueError("\n".join(found))
         return self
@@ -465,7 +469,17 @@ class Scene(Part):
 
     def body_index(self, name: str) -> int:
         """Return the body's place in `bodies`; -1 for ground."""
-        return -1 if name == GROUND else self.body_names.index(name)
+        return -1 if name == GROUND else self._places[name]
+
+    @property
+    def _places(self) -> dict[str, int]:
+        """The places by name, kept while the bodies are the same tuple: a copy may have others."""
+        kept: dict[str, Any] = vars(self)
+        bodies, places = kept.get("_kept_places", (None, {}))
+        if bodies is not self.bodies:
+            places = {body.name: k for k, body in enumerate(self.bodies)}
+            kept["_kept_places"] = (self.bodies, places)
+        return places
 
     def breakpoints(self) -> list[float]:
         """Return the sorted times (s) at which a declared signal may be non-smooth."""

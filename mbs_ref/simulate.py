@@ -10,6 +10,7 @@ import numpy as np
 
 from mbs_ref.contact import ConstraintLaw, FloresLaw, LankaraniNikraveshLaw, RigidLaw, StickSlip
 from mbs_ref.cores import compile_scene
+from mbs_ref.diagnosis import deeper_cause
 from mbs_ref.integrators import DEFAULT, integrators
 from mbs_ref.integrators.leg import (
     CLOCK_H,
@@ -318,7 +319,8 @@ def _run_legs(system: System, plan: _Plan, y: np.ndarray):
         status = Status.STEP_TOO_SMALL
         message = f"at t = {run.clock[CLOCK_T]:.9g} s rtol = {plan.options.rtol:.3g} asks for more than roundoff leaves"
     elif status is not Status.SUCCESS:
-        message += culprit(system, float(run.clock[CLOCK_T]), y)
+        stuck = float(run.clock[CLOCK_T])
+        message += culprit(system, stuck, y) + deeper_cause(system, status, stuck, y)
     if status is Status.SUCCESS:
         message = message or f"reached t = {times[-1]:g} s"
     elif status is not Status.STOP_EVENT:

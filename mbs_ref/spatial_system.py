@@ -240,12 +240,23 @@ class SpatialSystem(ContactSystem):
 
     def _row_rank(self, t: float, y: np.ndarray) -> int:
         """Return the rank of the joint rows, mass-scaled so that metres and radians compare."""
-        jacobian = self.jacobian(t, y)
-        if jacobian.size == 0:
+        scaled = self.scaled_jacobian(t, y)
+        if scaled.size == 0:
             return 0
-        scaled = np.linalg.solve(np.linalg.cholesky(self.mass_matrix()), jacobian.T)
-        values = np.linalg.svd(scaled / np.linalg.norm(scaled, axis=0), compute_uv=False)
+        values = np.linalg.svd(scaled, compute_uv=False)
         return int(np.sum(values > RANK_TOLERANCE * values[0]))
+
+    def scaled_jacobian(self, t: float, y: np.ndarray) -> np.ndarray:
+        jacobian = self.jacobian(t, y)
+        scaled = np.linalg.solve(np.linalg.cholesky(self.mass_matrix()), jacobian.T).T
+        return scaled / np.linalg.norm(scaled, axis=1, keepdims=True)
+
+    def row_joints(self) -> list[str]:
+        return [self.scene.joints[k].name for k, _, _ in self.rows()]
+
+    def accelerations(self, t: float, y: np.ndarray) -> np.ndarray:
+        self.derivative(t, y)
+        return self._in_scene_order(self.scratch.tree.acceleration[: self.n_bodies])
 
     def rank(self, t: float, y: np.ndarray) -> int:
         """Return the rank of C_q, the norm rows of the Euler parameters included."""

@@ -91,6 +91,20 @@ class System(ABC):
         """Return how far the last evaluated pose is from a singular one: 1 far, 0 there."""
         return core.call_regularity(self.work)
 
+    def scaled_jacobian(self, t: float, y: np.ndarray) -> np.ndarray:
+        """Return C_q (n_rows, n) of the joints' rows, each at length 1 and mass-scaled: metres and radians compare."""
+        return np.zeros((0, 0))
+
+    def row_joints(self) -> list[str]:
+        """Return the joint of each of these rows."""
+        return []
+
+    def accelerations(self, t: float, y: np.ndarray) -> np.ndarray:
+        """Return the bodies' accelerations, world axes: (n_bodies, 3) in the plane, m/s^2 and rad/s^2; (n_bodies, 6)
+        in space; (n_bodies, 3) of particles.
+        """
+        return self.derivative(t, y)[self.n_positions :].reshape(-1, 3)
+
     # --- what a core defines ------------------------------------------------------------------------
 
     @abstractmethod

@@ -7,12 +7,13 @@ from typing import Any
 import click
 
 from cross_checks import engines
+from cross_checks.isolation import Isolated
 from mbs_ref import scenes
 from reports import inputs
 from reports.console import echo_json, number, progress, show, table
-from reports.exit_codes import Failed, NothingSelected
+from reports.exit_codes import Failed, Incomplete, NothingSelected
 
-WRONG = frozenset({"failed", "wrong-limit", "diverged", "crashed", "timeout"})
+WRONG = frozenset({"failed", "wrong-limit", "diverged", "crashed", "timeout", "out-of-memory"})
 
 
 @click.command(name="check")
@@ -23,6 +24,7 @@ WRONG = frozenset({"failed", "wrong-limit", "diverged", "crashed", "timeout"})
 def command(scene: tuple[str, ...], parameters: tuple[str, ...], chosen: tuple[str, ...], as_json: bool) -> None:
     """Compare engines with each other and with the truth, on every SCENE or on those named.
 
+    Engines run in a process of their own: one that hangs, crashes or eats memory costs its own cell.
     Exit code 1 where a method is wrong without declaring that it is known to be.
     """
     if parameters and len(scene) != 1:
@@ -33,13 +35,19 @@ def command(scene: tuple[str, ...], parameters: tuple[str, ...], chosen: tuple[s
 
     from cross_checks import matrix
 
-    with progress("check") as report:
-        cells = matrix.check(selected, list(chosen) or engines.names(), report)
-    rows = [cell.to_dict() for cell in cells]
+    rows, interrupted = [], False
+    try:
+        with progress("check") as report, Isolated(matrix.CELL_TIMEOUT) as call:
+            for cell in matrix.check(selected, list(chosen) or engines.names(), report, call=call):
+                rows.append(cell.to_dict())
+    except KeyboardInterrupt:
+        interrupted = True
     if as_json:
         echo_json(rows)
     else:
         _show(rows)
+    if interrupted:
+        raise Incomplete(f"interrupted after {len(rows)} cells")
     if not any(row["verdict"] not in ("cannot", "engine-missing") for row in rows):
         raise NothingSelected("no engine runs any of the scenes; the reasons are in the table")
     unexpected = [row for row in rows if row["verdict"] in WRONG and not _declared(row["engine"], row["method"])]

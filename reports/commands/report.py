@@ -9,6 +9,7 @@ from pathlib import Path
 import click
 
 from reports.console import progress
+from reports.exit_codes import Incomplete
 
 FOLDER = click.Path(file_okay=False, path_type=Path)
 
@@ -22,8 +23,10 @@ def command(open_it: bool, quick: bool, folder: Path) -> None:
     from reports.page.build import write_report
 
     with progress("report") as report:
-        page = write_report(folder, quick, report)
+        page, incomplete = write_report(folder, quick, report)
     click.echo(page)
+    if incomplete:
+        raise Incomplete(f"{incomplete}; the page shows what there is")
     if open_it and not _open(page):
         click.echo(f"No browser here: open {page.resolve().as_uri()} yourself.", err=True)
 

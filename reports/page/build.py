@@ -10,10 +10,11 @@ from reports.page.publish import publish
 EXTREMES = "extremes.jsonl"  # beside the page: what `mbs-ref extremes -o` kept
 
 
-def write_report(out_dir: Path, quick: bool = False, progress: Progress | None = None) -> Path:
-    """Run the default scenes on every engine and write the report; return the path of index.html.
+def write_report(out_dir: Path, quick: bool = False, progress: Progress | None = None) -> tuple[Path, str]:
+    """Run the default scenes on every engine and write the report.
 
-    `quick` runs fewer scenes. What EXTREMES holds there is shown, else a few extremes are run.
-    `progress` is called with (done, total, what comes next).
+    Return the path of index.html, and why it is incomplete or nothing. `quick` runs fewer scenes. What EXTREMES
+    holds there is shown, else a few extremes are run. `progress` is called with (done, total, what comes next).
     """
-    return publish(gather(quick, progress, Path(out_dir) / EXTREMES), Path(out_dir))
+    data = gather(quick, progress, Path(out_dir) / EXTREMES)
+    return publish(data, Path(out_dir)), data.incomplete

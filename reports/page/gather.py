@@ -15,7 +15,8 @@ from cross_checks.extremes import named
 from cross_checks.extremes.cell import Cell as ExtremeCell
 from cross_checks.extremes.cell import read as read_cells
 from cross_checks.extremes.run import matrix
-from cross_checks.matrix import judge_method, missing
+from cross_checks.isolation import Caller, Isolated
+from cross_checks.matrix import CELL_TIMEOUT, judged, missing
 from cross_checks.record import Record
 from mbs_ref import scenes
 from mbs_ref.scene import Scene
@@ -57,14 +58,45 @@ QUICK = (("pendulum", {}), ("pendulum_chain", {"links": 3}), ("n_four_bar", {"lo
 def gather(
     quick: bool = False, progress: Progress | None = None, extremes_file: Path | None = None
 ) -> ReportData:
-    """Return cells and records of the default scenes (few of them when quick), within RUN_TIME."""
+    """Return cells and records of the default scenes (few of them when quick), within RUN_TIME.
+
+    After Ctrl-C, what there is so far, with a sentence in `incomplete`.
+    """
     begun = time.perf_counter()
     made = [scenes.make(name, **parameters) for name, parameters in (QUICK if quick else SCENES)]
     chosen = {scene_label(scene.name, scene.parameters): scene for scene in made}
     report = progress or _silent
-    _warm_up(next(iter(chosen.values())), report)
     tasks = [(*item, name, method) for item in chosen.items() for name in engines.names() for method in _methods(name)]
-    cells, records = [], []
+    cells: list[Cell] = []
+    records: list[Record] = []
+    incomplete, beyond = "", {}
+    try:
+        with Isolated(CELL_TIMEOUT) as call:
+            _warm_up(next(iter(chosen.values())), report, call)
+            _run(tasks, begun, cells, records, report, call)
+        beyond = _beyond(chosen, extremes_file, quick)
+    except KeyboardInterrupt:
+        incomplete = f"interrupted after {len(cells)} of {len(tasks)} cells"
+    report(len(tasks), len(tasks), "writing the page")
+    seconds = time.perf_counter() - begun
+    facts = environment() | {"time of the runs": f"{seconds:.0f} s"}
+    return ReportData(
+        tuple(cells), tuple(records), capabilities(chosen), facts, _orders(), quick, seconds=seconds,
+        incomplete=incomplete, **beyond,
+    )  # fmt: skip
+
+
+def _beyond(chosen: dict[str, Scene], extremes_file: Path | None, quick: bool) -> dict[str, Any]:
+    """Return what the report shows beside the cells and sweeps of the default scenes."""
+    found = {"truths": truth_facts(chosen), "extremes": extreme_cells(extremes_file, quick)}
+    if quick:
+        return found
+    measured = {"space": space.measure(), "sky": sky.measure(), "contact": contact.measure()}
+    return found | measured | {"crashes": crashes(), "androids": androids.measure()}
+
+
+def _run(tasks, begun: float, cells: list[Cell], records: list[Record], report: Progress, call: Caller) -> None:
+    """Add each task's cell and records as soon as they are there."""
     for done, (label, scene, engine, method) in enumerate(tasks):
         report(done, len(tasks), f"{label}, {engine} {method.name if method else 'is not installed'}")
         if method is None:
@@ -72,18 +104,8 @@ def gather(
             continue
         # time that earlier tasks left unused goes to the later ones
         share = max(LEAST_SHARE, (RUN_TIME - time.perf_counter() + begun) / (len(tasks) - done))
-        cells.append(_cell(label, judge_method(scene, engine, method, budget_s=share / 2)))
-        records += list(_timed(scene, engine, method, share / 2))
-    report(len(tasks), len(tasks), "writing the page")
-    seconds = time.perf_counter() - begun
-    facts = environment() | {"time of the runs": f"{seconds:.0f} s"}
-    return ReportData(
-        tuple(cells), tuple(records), capabilities(chosen), facts, _orders(), quick, seconds=seconds,
-        space=None if quick else space.measure(), sky=None if quick else sky.measure(),
-        crashes=() if quick else crashes(), androids=None if quick else androids.measure(),
-        truths=truth_facts(chosen), extremes=extreme_cells(extremes_file, quick),
-        contact=None if quick else contact.measure(),
-    )  # fmt: skip
+        cells.append(_cell(label, judged(scene, engine, method, share / 2, call)))
+        records.extend(_timed(scene, engine, method, share / 2, call))
 
 
 def extreme_cells(kept: Path | None, quick: bool) -> tuple[ExtremeCell, ...]:
@@ -101,19 +123,19 @@ def extreme_cells(kept: Path | None, quick: bool) -> tuple[ExtremeCell, ...]:
     return tuple(cells)
 
 
-def _warm_up(scene: Scene, report: Progress) -> None:
+def _warm_up(scene: Scene, report: Progress, call: Caller) -> None:
     """Run every method once, so that compiling and loading eat no method's share of the time."""
     for name in engines.names():
         report(0, 1, f"compiling and loading {name}")
         for method in _methods(name):
             if method is not None:
-                judge_method(scene, name, method, budget_s=0.0)
+                judged(scene, name, method, 0.0, call)
 
 
-def _timed(scene: Scene, engine: str, method: Method, budget_s: float) -> Iterator[Record]:
+def _timed(scene: Scene, engine: str, method: Method, budget_s: float, call: Caller) -> Iterator[Record]:
     """Yield the method's sweep until its share of the report's time is spent."""
     begun = time.perf_counter()
-    for record in sweep(scene, [engine], [method.name]):
+    for record in sweep(scene, [engine], [method.name], call=call):
         yield record
         if time.perf_counter() - begun > budget_s:
             return

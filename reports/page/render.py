@@ -42,6 +42,7 @@ def render(data: ReportData) -> str:
             scenes=data.scenes,
             engines=engine_colours,
             quick=data.quick,
+            incomplete=data.incomplete,
             stamp=data.environment.get("made", ""),
             css=Markup((TEMPLATES / "style.css").read_text(encoding="utf-8")),
             plotly=Markup(plotly),

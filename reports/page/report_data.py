@@ -52,6 +52,7 @@ class ReportData:
     environment: dict[str, str] = field(default_factory=dict)
     orders: dict[tuple[str, str], int] = field(default_factory=dict)  # (engine, method) -> documented order
     quick: bool = False
+    incomplete: str = ""  # why it holds less than asked; empty where it holds all
     sky: SkyFacts | None = None  # digits against physics, races, formulations; None in a quick report
     crashes: tuple[Crash, ...] = ()  # the androids; empty in a quick report
     androids: AndroidFacts | None = None  # under many methods and engines; None in a quick report

@@ -14,7 +14,7 @@ from tests.cross_checks.conftest import BIAS, raising
 
 def test_every_cell_has_its_verdict(swing):
     seen = []
-    cells = check([scenes.make("pendulum")], progress=lambda done, total, text: seen.append((done, total, text)))
+    cells = list(check([scenes.make("pendulum")], progress=lambda done, total, text: seen.append((done, total, text))))
     second, biased, loops, absent = cells
     assert (second.verdict, biased.verdict) == (Verdict.AGREES, Verdict.WRONG_LIMIT)
     assert (loops.verdict, absent.verdict) == (Verdict.CANNOT, Verdict.ENGINE_MISSING)
@@ -34,4 +34,4 @@ def test_an_engine_that_raises_fails_its_own_cells(swing):
 
 def test_unknown_engines_are_refused(swing):
     with pytest.raises(ValueError, match="nobody"):
-        check([scenes.make("pendulum")], ["nobody"])
+        list(check([scenes.make("pendulum")], ["nobody"]))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import os
+import signal
 import time
 
 
@@ -21,6 +22,16 @@ def hang() -> None:
 
 def segfault() -> None:
     ctypes.string_at(0)
+
+
+def native_hang() -> None:
+    """Hold the interpreter's lock in native code, deaf to every signal but SIGKILL."""
+    signal.pthread_sigmask(signal.SIG_BLOCK, set(signal.Signals) - {signal.SIGKILL, signal.SIGSTOP})
+    ctypes.PyDLL(None).sleep(60)
+
+
+def abort() -> None:
+    os.abort()
 
 
 def leave() -> None:

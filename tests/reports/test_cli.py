@@ -94,13 +94,16 @@ def stand(monkeypatch):
         fakes["asked"] = {"scene": scene, "engine": engine, "settings": settings}
         return fakes["record"]
 
-    def judged_run(scene, engine, settings):
+    def judged_run(scene, engine, settings, *, partial=False):
         return evaluate(scene, engine, settings), Quick().run(scene, settings)
 
-    def check(scene_list, engine_names, progress):
+    def check(scene_list, engine_names, progress, *, call):
         progress(1, 1, "done")
         fakes["asked"] = {"scenes": [s.name for s in scene_list], "engines": engine_names}
-        return fakes["cells"]
+        for cell in fakes["cells"]:
+            if isinstance(cell, BaseException):
+                raise cell
+            yield cell
 
     def sweep(scene, engine_names, methods=None, progress=None, *, call, known):
         fakes["asked"] = {"scene": scene, "engines": engine_names, "methods": methods}
@@ -320,6 +323,23 @@ def test_an_interrupted_sweep_keeps_what_it_has(stand, tmp_path):
     assert done.exit_code == 4
     assert "interrupted after 1 record" in done.stderr
     assert len(file.read_text().splitlines()) == 1
+
+
+def test_an_interrupted_check_shows_the_cells_it_has(stand):
+    stand["cells"] = [Cell(), KeyboardInterrupt()]
+    done = run("check", "pendulum", "--engine", "quick", "--json")
+    assert done.exit_code == 4
+    assert len(json.loads(done.stdout)) == 1
+    assert "interrupted after 1 cells" in done.stderr
+
+
+def test_an_interrupted_run_prints_and_writes_what_there_is(stand, tmp_path):
+    stand["record"] = replace(RECORD, status="interrupted", message="at t = 0.4 s the run was interrupted")
+    done = run("simulate", "pendulum", "--engine", "quick", "--json", "-o", str(tmp_path / "x.csv"))
+    assert done.exit_code == 4
+    assert json.loads(done.stdout)["status"] == "interrupted"
+    assert "at t = 0.4 s" in done.stderr
+    assert (tmp_path / "x.csv").exists()
 
 
 def test_pick(stand):

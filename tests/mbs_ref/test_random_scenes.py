@@ -1,0 +1,212 @@
+"""Random mechanisms: the O(N) solver against the dense oracle, and short runs against the laws of mechanics."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from mbs_ref import observables
+from mbs_ref.cores import compile_scene
+from mbs_ref.euler_parameters import rotation_matrices
+from mbs_ref.scene import Scene
+from mbs_ref.scene_file import dumps, loads
+from mbs_ref.settings import Settings
+from mbs_ref.simulate import simulate
+from mbs_ref.spatial_system import SpatialSystem
+from mbs_ref.system import System
+from mbs_ref.trajectory import Status, Trajectory
+from tests.mbs_ref.dense_oracle import Augmented, Moment, Solution, augmented
+from tests.mbs_ref.random_scenes import DURATION, random_scene
+
+AGREEMENT = 1e-9  # relative, of accelerations and reactions, where the condition of C_q is below 1e6
+BACKWARD = 1e-12  # relative: the equations themselves, whatever the condition
+CONSERVED = 1e-7  # of the largest energy or momentum, over 0.1 s at rtol = 1e-10
+COMPLIANT = 1e-10  # m, rad; ten times that for their rates
+DEAD_END = 0.3  # of the smallest singular value at the start
+QUICK, MANY = 60, 1000
+
+
+class Figures(NamedTuple):
+    """The worst of one scene; each is relative to the largest of its kind, as said where it is computed."""
+
+    acceleration: float = 0.0  # against the oracle, forward error
+    reaction: float = 0.0
+    backward: float = 0.0  # what the solver's accelerations leave of the oracle's equations
+    energy: float = 0.0
+    momentum: float = 0.0
+    compliance: float = 0.0  # m, rad
+    condition: float = 1.0
+
+    def worse(self, other: Figures) -> Figures:
+        return Figures(*map(max, self, other))
+
+
+# --- one moment -----------------------------------------------------------------------------------
+
+
+def state_of(system: System, moment: Moment) -> np.ndarray:
+    """Return the solver's state at a moment."""
+    if not isinstance(system, SpatialSystem):
+        pose = np.column_stack((moment.position, moment.orientation))
+        return np.concatenate((pose.ravel(), moment.rate.ravel()))
+    y, bodies = system.initial_state(), system.groups.bodies
+    for q, v, k, rigid in zip(bodies.q, bodies.v, bodies.scene_index, bodies.rigid, strict=True):
+        y[q : q + 3], y[v : v + 3] = moment.position[k], moment.rate[k, :3]
+        if rigid:
+            y[q + 3 : q + 7] = moment.orientation[k]
+            y[v + 3 : v + 6] = rotation_matrices(moment.orientation[k]).T @ moment.rate[k, 3:]
+    return y
+
+
+def relative(found: np.ndarray, true: np.ndarray) -> float:
+    """Return the largest difference over the largest value."""
+    return float(np.abs(found - true).max() / max(np.abs(true).max(), 1e-3)) if true.size else 0.0
+
+
+def compare(system: System, moment: Moment) -> Figures:
+    """Compare the solver with the oracle at one moment: linear and angular accelerations each on their own scale.
+
+    The scale is the largest of what is compared, of the accelerations that the applied forces alone would give, and
+    of the centripetal v^2 and omega^2 (lengths are near 1 m): a result that cancels down from these carries theirs.
+    """
+    dense = augmented(moment)
+    true, y, d = dense.solve(), state_of(system, moment), moment.scene.dimension
+    system.set_mode_time(moment.time)
+    found = system.accelerations(moment.time, y)
+    free = np.zeros(moment.rate.shape)
+    free[moment.used] = np.linalg.solve(dense.mass, dense.force)
+    natural = np.maximum(np.abs(free), moment.rate**2)
+    gaps = [
+        float(np.abs(found - true.acceleration)[:, part].max() / max(1e-3, np.abs(true.acceleration)[:, part].max(),
+                                                                    natural[:, part].max()))
+        for part in (slice(d), slice(d, None))
+    ]  # fmt: skip
+    return Figures(
+        acceleration=max(gaps),
+        reaction=0.0 if true.redundant else _reaction_gap(system.reactions(moment.time, y), true),
+        backward=_backward(dense, found[moment.used]),
+        condition=true.condition,
+    )
+
+
+def _reaction_gap(found: dict[str, np.ndarray], true: Solution) -> float:
+    """Of all wrenches together, N and N m: sizes are near 1 m. Redundant rows leave each joint's share open."""
+    names = list(true.wrenches)
+    if not names:
+        return 0.0
+    return relative(np.array([found[name] for name in names]), np.array([true.wrenches[name] for name in names]))
+
+
+def _backward(dense: Augmented, acceleration: np.ndarray) -> float:
+    """Return what is left of C_q a = gamma, and of M a - Q outside the span of C_q^T, in the mass norm."""
+    x = dense.root.T @ acceleration
+    force = np.linalg.solve(dense.root, dense.force)
+    rest = x - force
+    size = np.linalg.norm(x) + np.linalg.norm(force) + 1.0  # N / sqrt(kg): nothing may happen at all
+    if not len(dense.gamma):
+        return float(np.linalg.norm(rest) / size)
+    gamma = dense.gamma / dense.row_scale
+    gap = np.linalg.norm(dense.scaled @ x - gamma) / (dense.kept[0] * np.linalg.norm(x) + np.linalg.norm(gamma) + 1.0)
+    rest = rest - dense.scaled.T @ np.linalg.lstsq(dense.scaled.T, rest, rcond=1e-9)[0]
+    return float(max(gap, np.linalg.norm(rest) / size))
+
+
+# --- a short run ----------------------------------------------------------------------------------
+
+
+def judge(scene: Scene, path: Trajectory) -> Figures:
+    """Judge a run by what it must keep; energy only where the samples resolve the work."""
+    balance, drift = observables.energy_balance(scene, path), observables.momentum_drift(scene, path)
+    energy = momentum = 0.0
+    scale = max(1.0, np.abs(balance.energy).max(), np.abs(observables.kinetic_energy(scene, path)).max())
+    if path.ok and balance.drift is not None and balance.resolution < 0.1 * CONSERVED * scale:
+        energy = float(np.abs(balance.drift).max() / scale)
+    if drift is not None:
+        mass = np.array([body.mass for body in scene.bodies])
+        momentum = float(drift.max() / max(1.0, (mass @ np.linalg.norm(path.velocity, axis=2).T).max()))
+    residual, rate = observables.constraint_residual(scene, path), observables.constraint_rate(scene, path)
+    compliance = max(np.abs(residual).max(initial=0.0), 0.1 * np.abs(rate).max(initial=0.0))
+    return Figures(energy=energy, momentum=momentum, compliance=float(compliance))
+
+
+def figures(scene: Scene) -> Figures:
+    """Compare at the start and at the end of a short run, and judge the run."""
+    system = compile_scene(scene)
+    start = compare(system, Moment.start(scene))
+    path = simulate(scene, Settings(rtol=1e-10, t_end=DURATION, samples=41))
+    if not path.ok:
+        assert is_dead_end(scene, path), path.message
+    return start.worse(judge(scene, path)).worse(compare(system, Moment.of(scene, path, -1)))
+
+
+def is_dead_end(scene: Scene, path: Trajectory) -> bool:
+    """Return whether a drive forced its loop to the end of its reach: it was said, and the oracle sees the rank go."""
+    first, last = (augmented(Moment.of(scene, path, k)).kept[-1] for k in (0, -1))
+    said = path.status in (Status.SINGULAR, Status.PROJECTION) and "nearest to rank loss" in path.message
+    return said and last < DEAD_END * first
+
+
+def complaints(seed: int, found: Figures) -> list[str]:
+    bounds = Figures(AGREEMENT, AGREEMENT, BACKWARD, CONSERVED, CONSERVED, COMPLIANT, 1e6)
+    return [
+        f"seed {seed}: {name} {value:.3g} exceeds {bound:g}"
+        for name, value, bound in zip(Figures._fields, found, bounds, strict=True)
+        if not value <= bound
+    ]
+
+
+def survey(seeds: range) -> tuple[Figures, list[str]]:
+    """Return the worst figures of many scenes, and a sentence for every one out of bounds."""
+    worst, found = Figures(), []
+    for seed in seeds:
+        one = figures(random_scene(seed))
+        worst = worst.worse(one)
+        found += complaints(seed, one)
+    return worst, found
+
+
+@pytest.mark.parametrize("first", range(0, QUICK, 10))
+def test_a_few_agree_with_the_dense_oracle_and_keep_what_they_must(first):
+    _, found = survey(range(first, first + 10))
+    assert not found, "\n".join(found)
+
+
+@pytest.mark.slow
+def test_a_thousand_agree_with_the_dense_oracle_and_keep_what_they_must(capsys):
+    worst, found = survey(range(MANY))
+    with capsys.disabled():
+        print(f"\n{MANY} random scenes, worst:", ", ".join(f"{k} {v:.2g}" for k, v in worst._asdict().items()))
+    assert not found, "\n".join(found)
+
+
+scene_strategy = st.integers(0, 2**32 - 1).map(lambda seed: random_scene(seed, most=8))
+
+
+@settings(max_examples=25, deadline=None)
+@given(scene_strategy)
+def test_any_reads_back_from_its_file_and_agrees(scene):
+    assert loads(dumps(scene)) == scene
+    found = compare(compile_scene(scene), Moment.start(scene))
+    assert not complaints(0, found)
+
+
+def test_a_seed_gives_the_same_scene():
+    assert random_scene(5) == random_scene(5)
+    assert random_scene(5) != random_scene(6)
+
+
+def test_every_part_occurs():
+    """The generator reaches all that a scene without contacts and planets may hold."""
+    from typing import get_args
+
+    from mbs_ref import scene as language
+    from mbs_ref.celestial import CelestialLoad
+
+    every = {part for union in (language.Body, language.Joint, language.Load) for part in get_args(get_args(union)[0])}
+    every -= {language.UserForce, *get_args(CelestialLoad)}
+    seen = {type(p) for k in range(80) for s in [random_scene(k, most=12)] for p in (*s.bodies, *s.joints, *s.loads)}
+    assert seen == every
