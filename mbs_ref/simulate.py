@@ -269,9 +269,7 @@ def _refused(system: System, reason: str, status: Status = Status.REFUSED) -> Tr
     return Trajectory(times=np.zeros(0), **none._asdict(), status=status, message=reason)
 
 
-def _resolved(
-    system: System, plan: _Plan, times: np.ndarray, states: np.ndarray, message: str
-) -> tuple[Status, str]:
+def _resolved(system: System, plan: _Plan, times: np.ndarray, states: np.ndarray, message: str) -> tuple[Status, str]:
     """Return success, or that the fixed step is too long for the motion that was to be followed."""
     if not plan.options.step or plan.settings.unresolved == "keep":
         return Status.SUCCESS, message
@@ -294,9 +292,7 @@ def _damped(system: System, plan: _Plan, states: np.ndarray) -> tuple[Status, st
     )
 
 
-def _against_half(
-    system: System, plan: _Plan, times: np.ndarray, states: np.ndarray
-) -> tuple[Status, str] | None:
+def _against_half(system: System, plan: _Plan, times: np.ndarray, states: np.ndarray) -> tuple[Status, str] | None:
     """Judge the run by a second one with half the step, made by a system of its own."""
     step, scene = plan.options.step, system.scene
     other = compile_scene(scene)
@@ -304,7 +300,9 @@ def _against_half(
     other.set_mode_time(0.0)
     other.set_baumgarte(plan.baumgarte_gain)
     other.start_contacts(0.0, y, plan.settings.events != "none")
-    halved = replace(plan, options=plan.options._replace(max_steps=2 * plan.options.max_steps, stop_on_compliance=False))
+    halved = replace(
+        plan, options=plan.options._replace(max_steps=2 * plan.options.max_steps, stop_on_compliance=False)
+    )
     reached, again, _, _, status, message = _run_legs(other, halved, y, refine=2)
     if status is Status.INTERRUPTED:
         return status, f"{message} of the second run that judges the step; the first is complete"
