@@ -25,9 +25,9 @@ def line(error: float) -> Poses:
 
 
 def test_the_error_is_richardsons_and_the_first_output_beyond_the_bound_is_named():
-    found = disagreement(line(0.0), line(0.01), order=1)
-    assert found.share == pytest.approx(2.0 * 0.01 * 4.0 / 2.0)
-    assert found.first == 3  # 0.0025, 0.01, 0.0225: the third output is at the bound, the fourth beyond
+    found = disagreement(line(0.0), line(0.009), order=1)
+    assert found.share == pytest.approx(2.0 * 0.009 * 4.0 / 2.0)
+    assert found.first == 3  # 0.00225, 0.009, 0.02025: the fourth output is beyond
     assert disagreement(line(0.0), line(0.0), order=1).first is None
     assert disagreement(line(0.0), line(np.nan), order=1).share == math.inf
 
@@ -86,6 +86,6 @@ def test_what_passes_is_within_the_bound_of_the_truth(step):
 
 
 def test_outputs_closer_than_the_step_do_not_hide_it():
-    """Ten outputs a step cut the steps of both runs: those of the second are halved all the same."""
-    path = simulate(scenes.make("pendulum"), Settings(method="euler", step=1.0, t_end=4.0), np.linspace(0.0, 4.0, 41))
+    """Forty outputs a step cut the steps of both runs: those of the second are halved all the same."""
+    path = simulate(scenes.make("pendulum"), Settings(method="euler", step=1.0, t_end=1.0), np.linspace(0.0, 1.0, 41))
     assert path.status is Status.UNRESOLVED
