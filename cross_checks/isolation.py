@@ -7,9 +7,10 @@ import signal
 import socket
 import subprocess
 import sys
+import threading
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Any, Self
@@ -35,6 +36,10 @@ class Lost(RuntimeError):
         self.status = status
 
 
+class Cancelled(RuntimeError):
+    """The call was given up by `cancel`, from another thread."""
+
+
 def direct(function: Callable[..., Any], *arguments: Any) -> Any:
     """Call in this process: for tests, and where the caller is isolated already."""
     return function(*arguments)
@@ -52,6 +57,8 @@ class Isolated:
     memory: int = MEMORY
     _child: subprocess.Popen[bytes] | None = None
     _pipe: Connection | None = None
+    _cancelled: bool = False
+    _starting: threading.Lock = field(default_factory=threading.Lock)
 
     def __enter__(self) -> Self:
         return self
@@ -64,8 +71,13 @@ class Isolated:
         if self.fresh:
             self._start()
         assert self._pipe is not None
-        self._pipe.send((function, arguments))
-        worked, answer = self._wait()
+        try:
+            self._pipe.send((function, arguments))
+            worked, answer = self._wait()
+        except (Lost, OSError) as error:
+            if self._cancelled:
+                raise Cancelled("the call was given up") from error
+            raise
         if not worked:
             raise answer
         return answer
@@ -84,8 +96,24 @@ class Isolated:
             self._pipe.close()
         self._child = self._pipe = None
 
+    def cancel(self) -> None:
+        """End the child from another thread than the caller's: its call, and any later one, raises Cancelled.
+
+        The pipe stays the caller's to close.
+        """
+        with self._starting:
+            self._cancelled = True
+            if self._child is not None:
+                self._child.kill()
+
     def _start(self) -> None:
         self.close()
+        with self._starting:
+            if self._cancelled:
+                raise Cancelled("the calls were given up")
+            self._launch()
+
+    def _launch(self) -> None:
         ours, theirs = socket.socketpair()
         with theirs:
             command = [sys.executable, "-m", "cross_checks.isolated_child", str(theirs.fileno()), str(self.memory)]

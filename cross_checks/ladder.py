@@ -24,6 +24,7 @@ def grid(scene: Scene) -> np.ndarray:
 def rungs(method: Method, scene: Scene) -> list[Settings]:
     """Return the settings to try, coarse to fine; steps are shortened to divide the output interval.
 
+    Steps too long are kept, and not repeated with half of them: truths judge them.
     Steps and absolute tolerances are in seconds and metres in the laboratory; among attracting bodies they
     count in the shortest free-fall time at the start, and in the distance or speed that goes with it.
     """
@@ -33,7 +34,7 @@ def rungs(method: Method, scene: Scene) -> list[Settings]:
     interval = scene.duration / (SAMPLES - 1)
     unit = free_fall_time(scene)
     steps = dict.fromkeys(fitted(step * unit, interval) for step in method.ladder or STEPS)
-    return [Settings(method=method.name, step=step) for step in steps]
+    return [Settings(method=method.name, step=step, unresolved="keep") for step in steps]
 
 
 def fitted(step: float, interval: float) -> float:

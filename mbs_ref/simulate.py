@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import itertools
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from mbs_ref.contact import ConstraintLaw, FloresLaw, LankaraniNikraveshLaw, RigidLaw, StickSlip
 from mbs_ref.cores import compile_scene
 from mbs_ref.diagnosis import deeper_cause
+from mbs_ref.halved_step import disagreement
 from mbs_ref.integrators import DEFAULT, integrators
 from mbs_ref.integrators.leg import (
     CLOCK_H,
@@ -40,6 +41,7 @@ DEFAULT_TOLERANCE = 1e-8  # rtol, and atol in m, rad, m/s, rad/s
 PROJECTION_TOLERANCE = 1e-14  # of the scene's size in metres (at least 1 m): a little above roundoff
 EPS = float(np.finfo(float).eps)
 CHUNK = 20_000  # steps between looks at the keyboard
+FEWEST = 4  # steps in a leg between declared breakpoints, however short: a pulse is not one step's business
 ON_GRID = 1e-9  # of a step: how far an asked time may be from a multiple of the step
 
 
@@ -67,6 +69,9 @@ def simulate(scene: Scene, settings: Settings | None = None, times: np.ndarray |
     UnsoundScene for parts that make none and InconsistentScene where the initial conditions break a
     constraint (unless they are to be projected). Everything later is a status with a sentence; Ctrl-C keeps
     what was computed.
+
+    A fixed-step run is made twice, the second time with half the step, and is `unresolved` where the two part
+    (mbs_ref.halved_step). That costs twice the run more, outside of `timing`; unresolved = 'keep' leaves it out.
     """
     settings = settings or Settings()
     plan = _plan(scene, settings, times)
@@ -95,7 +100,7 @@ def simulate(scene: Scene, settings: Settings | None = None, times: np.ndarray |
     times, states, compliance, counts, status, message = _run_legs(system, plan, y)
     ended = time.perf_counter()
     if status is Status.SUCCESS:
-        status, message = _resolved(system, plan, states, message)
+        status, message = _resolved(system, plan, times, states, message)
     timing = Timing(build_s=built - started, first_call_s=ready - built, loop_s=ended - ready)
     return _trajectory(system, plan, times, states, compliance, counts, status, message, notes, timing)
 
@@ -265,21 +270,58 @@ def _refused(system: System, reason: str, status: Status = Status.REFUSED) -> Tr
     return Trajectory(times=np.zeros(0), **none._asdict(), status=status, message=reason)
 
 
-def _resolved(system: System, plan: _Plan, states: np.ndarray, message: str) -> tuple[Status, str]:
-    """Return success, or that the fixed step is too long for the motion that was to be followed.
-
-    Contact is left out: its events are located, and its stiffness was looked at before the run.
-    """
-    step = plan.options.step
-    if not step or plan.settings.unresolved == "keep" or system.scene.contacts:
+def _resolved(system: System, plan: _Plan, times: np.ndarray, states: np.ndarray, message: str) -> tuple[Status, str]:
+    """Return success, or that the fixed step is too long for the motion that was to be followed."""
+    if not plan.options.step or plan.settings.unresolved == "keep":
         return Status.SUCCESS, message
+    found = _damped(system, plan, states) or _against_half(system, plan, times, states)
+    return found or (Status.SUCCESS, message)
+
+
+def _damped(system: System, plan: _Plan, states: np.ndarray) -> tuple[Status, str] | None:
+    """Judge single steps, where methods damp or alias fast motions; contact switches in the middle of a step."""
+    if system.scene.contacts:
+        return None
+    step = plan.options.step
     found = resolution(system, plan.integrator, plan.options, plan.times, states)
     if not found.lost:
-        return Status.SUCCESS, message
+        return None
     return Status.UNRESOLVED, (
         f"the step of {step:g} s does not resolve the motion: steps of half its size move body {found.body!r} "
         f"elsewhere, most at t = {found.time:.6g} s, and over the run that adds up to {found.share:.2g} of the "
         "whole motion; take a shorter step or an adaptive method, or unresolved = 'keep'"
+    )
+
+
+def _against_half(system: System, plan: _Plan, times: np.ndarray, states: np.ndarray) -> tuple[Status, str] | None:
+    """Judge the run by a second one with half the step, made by a system of its own."""
+    step, scene = plan.options.step, system.scene
+    other = compile_scene(scene)
+    y = states[0].copy()
+    other.set_mode_time(0.0)
+    other.set_baumgarte(plan.baumgarte_gain)
+    other.start_contacts(0.0, y, plan.settings.events != "none")
+    halved = replace(
+        plan, options=plan.options._replace(max_steps=2 * plan.options.max_steps, stop_on_compliance=False)
+    )
+    reached, again, _, _, status, message = _run_legs(other, halved, y, refine=2)
+    if status is Status.INTERRUPTED:
+        return status, f"{message} of the second run that judges the step; the first is complete"
+    count = min(len(times), len(reached))
+    order = 1 if scene.contacts or scene.events else plan.integrator.order
+    found = disagreement(system.poses(states[:count]), system.poses(again[:count]), order)
+    if found.first is None and status is Status.SUCCESS:
+        return None
+    body = scene.bodies[found.body].name
+    good = count - 1 if found.first is None else max(found.first - 1, 0)
+    why = (
+        f"with half of it the run does not end: {message}" if found.first is None else
+        f"half of it takes body {body!r} elsewhere, beyond the bound at t = {times[found.first]:.6g} s and by an "
+        f"estimated {found.share:.2g} of the whole motion at worst"
+    )  # fmt: skip
+    return Status.UNRESOLVED, (
+        f"the step of {step:g} s does not resolve the motion: {why}; the last good output is at "
+        f"t = {times[good]:.9g} s; take a shorter step or an adaptive method, or unresolved = 'keep'"
     )
 
 
@@ -294,15 +336,18 @@ def _first_call(system: System, plan: _Plan, y: np.ndarray) -> None:
         plan.integrator.advance(system, options, progress(0.0), y.copy(), np.array([0.0, span]))
 
 
-def _run_legs(system: System, plan: _Plan, y: np.ndarray):
-    """Integrate up to the last time or the first trouble; say what went wrong, where, and what is still good."""
+def _run_legs(system: System, plan: _Plan, y: np.ndarray, refine: int = 1):
+    """Integrate up to the last time or the first trouble; say what went wrong, where, and what is still good.
+
+    `refine` makes that many steps of each.
+    """
     times = plan.times
     states = np.empty((len(times), len(y)))
     compliance = np.zeros(len(times))
     states[0] = y
     run = progress(0.0)
     with Interrupts(run.counts, plan.options.max_steps) as interrupts:
-        filled, status, message = _legs(system, plan, run, y, states, compliance)
+        filled, status, message = _legs(system, plan, run, y, states, compliance, refine)
     total = run.counts[[COUNT_STEPS, COUNT_REJECTED, COUNT_RHS, COUNT_EVENTS, COUNT_OWN]]
     total[0] = interrupts.steps
     if system.user_error is not None:
@@ -329,8 +374,9 @@ def _run_legs(system: System, plan: _Plan, y: np.ndarray):
 
 
 def _legs(
-    system: System, plan: _Plan, run: Progress, y: np.ndarray, states: np.ndarray, compliance: np.ndarray
-) -> tuple[int, Status, str]:
+    system: System, plan: _Plan, run: Progress, y: np.ndarray, states: np.ndarray, compliance: np.ndarray,
+    refine: int,
+) -> tuple[int, Status, str]:  # fmt: skip
     """Integrate leg by leg: a declared breakpoint ends one and starts the next. Return samples, status, message."""
     times, filled, carried, message = plan.times, 1, 0.0, ""
     inner = [t for t in system.scene.breakpoints() if 0.0 < t < times[-1]]
@@ -338,8 +384,11 @@ def _legs(
         system.set_mode_time(0.5 * (start + end))
         inside = times[(times > start) & (times <= end)]
         leg_times = np.unique(np.concatenate(([start], inside, [end])))
+        options = _leg_options(plan.options, end - start if inner else np.inf, refine)
+        if refine > 1:
+            leg_times = _refined(leg_times, refine * options.step, refine)
         run.clock[CLOCK_T], run.clock[CLOCK_H] = start, 0.0
-        leg = plan.integrator.advance(system, plan.options, run, y, leg_times)
+        leg = plan.integrator.advance(system, options, run, y, leg_times)
         for k in range(1, leg.reached):
             carried = max(carried, leg.compliance[k])
             if filled < len(times) and leg_times[k] == times[filled]:
@@ -349,6 +398,19 @@ def _legs(
             return filled, leg.status, leg.message
         y[:], message = leg.states[leg.reached - 1], leg.message
     return filled, Status.SUCCESS, message
+
+
+def _leg_options(options: Options, length: float, refine: int) -> Options:
+    """Return the options for a leg of `length` (s): FEWEST steps at least, each divided by `refine`."""
+    return options._replace(step=min(options.step, length / FEWEST) / refine) if options.step else options
+
+
+def _refined(times: np.ndarray, step: float, refine: int) -> np.ndarray:
+    """Divide the intervals that are shorter than the step (s): outputs cut it there, and would cut its parts alike."""
+    gaps = np.diff(times)
+    short = np.flatnonzero(gaps < step * (1.0 - ON_GRID))
+    parts = [times[short] + gaps[short] * k / refine for k in range(1, refine)]
+    return np.unique(np.concatenate((times, *parts)))
 
 
 def _trajectory(system, plan, times, states, compliance, counts, status, message, notes, timing) -> Trajectory:

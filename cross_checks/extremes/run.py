@@ -16,7 +16,7 @@ from cross_checks.extremes.cell import Cell, made_of
 from cross_checks.extremes.extreme import UNCHECKED, Extreme, settings_for
 from cross_checks.extremes.judge import Fate, Point, judge, lost
 from cross_checks.extremes.search import bisect, scan
-from cross_checks.isolation import Isolated, Lost
+from cross_checks.isolation import Cancelled, Isolated, Lost
 
 CHILDREN = 2
 FIRST = 600.0  # s for the mildest value of a cell: compiling on a busy machine may be in it
@@ -114,8 +114,9 @@ def matrix(
         work.put(group)
     total = sum(len(group[2]) for group in tasks)
     stop, calls = threading.Event(), [Isolated(memory=MEMORY) for _ in range(children)]
-    for call in calls:
-        threading.Thread(target=_work, args=(work, out, stop, full, before, call), daemon=True).start()
+    workers = [threading.Thread(target=_work, args=(work, out, stop, full, before, call)) for call in calls]
+    for worker in workers:
+        worker.start()
     done, ended = 0, 0
     try:
         while ended < len(calls):
@@ -133,7 +134,9 @@ def matrix(
     finally:
         stop.set()
         for call in calls:
-            call.close()
+            call.cancel()
+        for worker in workers:
+            worker.join()
 
 
 def _work(
@@ -141,16 +144,24 @@ def _work(
 ) -> None:
     """Take groups until there are none; whatever a broken adapter raises is raised again in the caller's thread."""
     try:
-        while not stop.is_set():
-            name, method, extremes = work.get_nowait()
-            for extreme in extremes:
-                if stop.is_set():
-                    break
-                out.put(_one(name, method, extreme, full, before, call))
-    except queue.Empty:
+        with call:
+            _take(work, out, stop, full, before, call)
+    except (queue.Empty, Cancelled):
         out.put(None)
     except BaseException as error:
         out.put(error)
+
+
+def _take(
+    work: queue.Queue, out: queue.Queue, stop: threading.Event, full: bool, before: set, call: Isolated
+) -> None:
+    while not stop.is_set():
+        name, method, extremes = work.get_nowait()
+        for extreme in extremes:
+            if stop.is_set():
+                break
+            out.put(_one(name, method, extreme, full, before, call))
+    out.put(None)
 
 
 def _one(name: str, method: str | None, extreme: Extreme, full: bool, before: set, call: Isolated) -> Cell:

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import threading
+
 import pytest
 
-from cross_checks.isolation import Isolated, Lost
+from cross_checks.isolation import Cancelled, Isolated, Lost
 from tests.cross_checks import troubles
 
 
@@ -34,3 +36,11 @@ def test_what_is_lost_is_named_and_the_next_call_works(call, trouble, status, wo
         call(trouble)
     assert lost.value.status == status
     assert call(troubles.add, 1.0, 1.0) == 2.0
+
+
+def test_a_cancelled_call_ends_and_no_other_starts():
+    with Isolated(timeout=60.0) as isolated:
+        threading.Timer(0.3, isolated.cancel).start()
+        for _ in range(2):
+            with pytest.raises(Cancelled):
+                isolated(troubles.hang)

@@ -17,6 +17,6 @@ def _chain(links: float) -> Case:
 EXTREMES = (
     Extreme(
         "chain-length", "chain length", "Rods in a row fall for 20 ms; energy and joints are judged.",
-        Axis("links", "", (1.0, 3.0, 10.0, 30.0, 100.0, 300.0, 1000.0), full=(3000.0, 10_000.0)), _chain, good=1e-3,
+        Axis("links", "", (1.0, 3.0, 10.0, 30.0, 100.0, 300.0), full=(1000.0, 3000.0, 10_000.0)), _chain, good=1e-3,
     ),
 )  # fmt: skip

@@ -1,0 +1,48 @@
+"""`mbs-ref extremes`: JSON lines, and Ctrl-C."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner
+
+from reports.cli import main
+
+pytest.importorskip("rebound")
+
+
+def test_a_small_extreme_prints_a_line_of_json_a_cell():
+    asked = ["extremes", "--json", "--only", "plunge", "--engine", "rebound"]
+    found = CliRunner().invoke(main, asked, prog_name="mbs-ref")
+    assert found.exit_code == 0, found.output
+    cells = [json.loads(line) for line in found.stdout.splitlines()]
+    assert {cell["method"] for cell in cells} >= {"ias15", "whfast"}
+    assert {cell["extreme"] for cell in cells} == {"plunge"}
+    assert all(cell["points"] for cell in cells)
+
+
+def test_ctrl_c_keeps_the_cells_and_leaves_no_process_behind(tmp_path: Path):
+    kept = tmp_path / "cells.jsonl"
+    words = ["extremes", "--engine", "rebound", "--only", "orbits", "-o", str(kept)]
+    running = subprocess.Popen(
+        [sys.executable, "-c", "from reports.cli import main; main()", *words], start_new_session=True,
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+    )  # fmt: skip
+    end = time.monotonic() + 60.0
+    while running.poll() is None and time.monotonic() < end and not (kept.exists() and kept.stat().st_size):
+        time.sleep(0.02)
+    running.send_signal(signal.SIGINT)
+    _, said = running.communicate(timeout=30.0)
+    assert running.returncode == 4, said
+    assert "interrupted after" in said
+    assert "Traceback" not in said
+    assert json.loads(kept.read_text().splitlines()[0])["engine"] == "rebound"
+    with pytest.raises(ProcessLookupError):
+        os.killpg(running.pid, 0)
