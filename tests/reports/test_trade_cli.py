@@ -59,6 +59,16 @@ def test_a_duel_that_is_lost_leaves_the_choice_unconfirmed(tmp_path, monkeypatch
     assert "Not confirmed: a timed run gave no answer within 120 s" in done.stdout
 
 
+@pytest.mark.parametrize(
+    ("again", "code"),
+    [(RECORD, 0), (replace(RECORD, status="diverged", error=None), 1), (replace(RECORD, status="timeout"), 4)],
+)
+def test_a_setting_run_afresh_meets_misses_or_was_not_measured(tmp_path, monkeypatch, again, code):
+    monkeypatch.setattr(confirm, "afresh", lambda scene, record, call: again)
+    file = file_of(tmp_path, "r.jsonl", RECORD)
+    assert run("pick", "pendulum", "--error", "1e-6", "--records", file, "--fresh").exit_code == code
+
+
 def test_pick_refuses_what_the_truth_cannot_judge(tmp_path):
     assert RECORD.error is not None
     unsure = replace(RECORD, error=replace(RECORD.error, uncertainty=1e-9))
