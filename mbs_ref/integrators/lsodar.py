@@ -107,10 +107,9 @@ def _output(
 
 
 def _start(system: System, options: Options, t: float, y: np.ndarray, t_end: float) -> LSODA:
-    tolerances = {"rtol": options.rtol, "atol": options.atol}
     if options.project:
-        return _OnConstraints(system, options.projection_tolerance, t, y, t_end, **tolerances)
-    return LSODA(system.derivative, t, y, t_end, **tolerances)
+        return _OnConstraints(system, options, t, y, t_end)
+    return LSODA(system.derivative, t, y, t_end, rtol=options.rtol, atol=options.atol)
 
 
 class _OnConstraints(LSODA):
@@ -120,9 +119,12 @@ class _OnConstraints(LSODA):
     them by the tolerance, y may not.
     """
 
-    def __init__(self, system: System, tolerance: float, t: float, y: np.ndarray, t_end: float, **settings) -> None:
-        self.system, self.tolerance = system, tolerance
-        super().__init__(lambda t, z: system.derivative(t, self._onto(t, z)), t, y, t_end, **settings)
+    def __init__(self, system: System, options: Options, t: float, y: np.ndarray, t_end: float) -> None:
+        self.system, self.tolerance = system, options.projection_tolerance
+        super().__init__(self._derivative, t, y, t_end, rtol=options.rtol, atol=options.atol)
+
+    def _derivative(self, t: float, z: np.ndarray) -> np.ndarray:
+        return self.system.derivative(t, self._onto(t, z))
 
     def _onto(self, t: float, z: np.ndarray) -> np.ndarray:
         y = np.array(z)

@@ -91,7 +91,8 @@ def _walls(grains: int, centers: list, width: float, law: ProgressiveLaw, dimens
             name = f"wall{axis}{side}.g{k}"
             shared = {"name": name, "body_a": f"g{k}", "center": centers[k], "radius": RADIUS, "law": law}
             if dimension == 3:
-                yield SphereOnPlane(**shared, point=tuple(point), normal=tuple(normal))
+                ends: dict[str, Any] = {"point": tuple(point), "normal": tuple(normal)}
+                yield SphereOnPlane(**shared, **ends)
             else:
                 along = np.array([normal[1], -normal[0]])  # the free side is on its left
                 yield CircleOnLine(**shared, point_1=tuple(point), point_2=tuple(point + along))
