@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from mbs_ref.contact import (
+    ConstraintLaw,
     FloresLaw,
     HuntCrossleyLaw,
     LankaraniNikraveshLaw,
@@ -54,6 +55,7 @@ _LAWS: dict[type, Any] = {
     LankaraniNikraveshLaw: lambda law: _by_impact_speed(law, 0.75 * (1.0 - law.restitution**2)),
     FloresLaw: lambda law: _by_impact_speed(law, 1.6 * (1.0 - law.restitution) / law.restitution),
     RigidLaw: lambda law: _Law(release=shared.RELEASE_RIGID, restitution=law.restitution),
+    ConstraintLaw: lambda law: _Law(release=shared.RELEASE_CONSTRAINT),
 }
 _FRICTIONS: dict[type, int] = {
     type(None): shared.FRICTION_NONE,
@@ -62,8 +64,8 @@ _FRICTIONS: dict[type, int] = {
 }
 
 
-def contact_laws(scene: Scene) -> shared.ContactLaws:
-    """Return the laws and frictions."""
+def contact_laws(scene: Scene, slots: dict[int, int]) -> shared.ContactLaws:
+    """Return the laws and frictions; `slots` holds the row of each constraint contact, by its place."""
     laws: list[_Law] = [_LAWS[type(part.law)](part.law) for part in scene.contacts]
     frictions: list[Any] = [part.friction for part in scene.contacts]
 
@@ -85,6 +87,7 @@ def contact_laws(scene: Scene) -> shared.ContactLaws:
         creep=of_friction("speed", 1.0),
         grip_stiffness=of_friction("stiffness"),
         grip_damping=of_friction("damping"),
+        slot=np.array([slots.get(k, -1) for k in range(len(laws))], dtype=np.int64),
     )
 
 
@@ -93,7 +96,7 @@ def contact_noise(scene: Scene) -> float:
     return NOISE * max([1.0, *(abs(x) for body in scene.bodies for x in body.position)])
 
 
-def contact_modes(scene: Scene) -> shared.ContactModes:
-    """Return the modes before a run has settled them; in space an anchor has two numbers."""
+def contact_modes(scene: Scene, count: int) -> shared.ContactModes:
+    """Return `count` modes before a run has settled them; in space an anchor has two numbers."""
     anchors = 2 if scene.dimension == 3 else None
-    return shared.fresh_modes(len(scene.contacts), contact_noise(scene), MOST_LOGGED, anchors)
+    return shared.fresh_modes(count, contact_noise(scene), MOST_LOGGED, anchors)

@@ -47,6 +47,8 @@ class ContactSystem(System):
     def recall_modes(self, t: float) -> None:
         """Set every contact's mode to the one that held at t (s) in the last run; quickest in the order of time."""
         modes = self.groups.contact_modes
+        if not modes.roots[0]:
+            return
         log = modes.log[: modes.logged[0]]
         if self._recalled < 0 or (self._recalled and log[self._recalled - 1, 0] > t):
             self._recalled = 0

@@ -8,10 +8,11 @@ from typing import Any
 import numpy as np
 
 from mbs_ref.contact import ConstraintLaw
+from mbs_ref.contact_arrays import contact_laws
 from mbs_ref.joint_graph import Edge, Layout, layout, row_count
 from mbs_ref.kernels.planar import model as arrays
 from mbs_ref.kernels.signals import SignalArrays
-from mbs_ref.planar_contacts import contact_laws, contact_modes, contact_pairs, tension_only, watches
+from mbs_ref.planar_contacts import contact_balls, contact_pairs, planar_modes, tension_only, watches
 from mbs_ref.scene import (
     CoordinateDrive,
     Force,
@@ -249,6 +250,7 @@ def build_planar(scene: Scene) -> tuple[arrays.PlanarGroups, dict[int, tuple[int
     closures = [(slot, row) for slot in range(build.n, len(build.slot_rows)) for row in range(build.slot_rows[slot])]
     joints = {kind: _pair_joints(build, kind) for kind in ("revolute", "prismatic", "weld", "distance")}
     drives, forces = _drives(build), _forces(build)
+    pairs = contact_pairs(scene, build)
     groups = arrays.PlanarGroups(
         bodies=arrays.Bodies(
             mass=np.array([b.mass for b in ordered], dtype=float),
@@ -267,9 +269,10 @@ def build_planar(scene: Scene) -> tuple[arrays.PlanarGroups, dict[int, tuple[int
         forces=forces,
         springs=_springs(build),
         torsion_springs=_torsion_springs(build),
-        contact_pairs=contact_pairs(scene, build),
+        contact_pairs=pairs,
         contact_laws=contact_laws(scene, build.contact_slot),
-        contact_modes=contact_modes(scene),
+        contact_modes=planar_modes(scene),
+        near_pairs=contact_balls(pairs),
         watches=watches(scene, build),
         signals=signal_arrays(build.segments),
         world=arrays.World(np.array(scene.gravity, dtype=float), np.zeros(1, dtype=np.int64), np.zeros(3)),

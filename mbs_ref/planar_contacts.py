@@ -8,29 +8,18 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from mbs_ref.contact import (
-    CircleOnCircle,
-    CircleOnLine,
-    ConstraintLaw,
-    FloresLaw,
-    HuntCrossleyLaw,
-    LankaraniNikraveshLaw,
-    PinOnSprocket,
-    ProgressiveLaw,
-    RegularisedCoulomb,
-    RigidLaw,
-    SpringDamperLaw,
-    StickSlip,
-)
+from mbs_ref.broad_phase import Ball, near_pairs
+from mbs_ref.contact import CircleOnCircle, CircleOnLine, PinOnSprocket
+from mbs_ref.contact_arrays import contact_modes
+from mbs_ref.kernels import contact_laws as shared
+from mbs_ref.kernels.broad_phase import NearPairs
 from mbs_ref.kernels.planar import model as arrays
 from mbs_ref.scene import Scene, SpringDamper
 from mbs_ref.scene_events import CoordinateEvent, DistanceEvent
 
-NOISE = 1e-13  # of the scene's size in metres (at least 1 m): above what roundoff and projection leave of a gap
-MOST_LOGGED = 100_000  # events of one run whose modes are kept for output
 _COMPONENTS = {"x": 0, "y": 1, "angle": 2}
 _CROSSINGS = {"either": 0, "rising": 1, "falling": -1}
-_ENDS = {"line": arrays.ENDS_NONE, "segment": arrays.ENDS_OPEN, "capped": arrays.ENDS_CAPPED}
+_ENDS = {"line": shared.ENDS_NONE, "segment": shared.ENDS_OPEN, "capped": shared.ENDS_CAPPED}
 
 
 class Places(Protocol):
@@ -120,72 +109,6 @@ def contact_pairs(scene: Scene, places: Places) -> arrays.ContactPairs:
     )
 
 
-@dataclass(frozen=True)
-class _Law:
-    """One row of ContactLaws without friction."""
-
-    stiffness: float = 0.0
-    damping: float = 0.0
-    exponent: float = 1.0
-    damping_exponent: float = 0.0
-    impact_damping: float = 0.0
-    slowest: float = 1.0
-    release: int = arrays.RELEASE_GAP
-    restitution: float = 0.0
-
-
-def _spring_damper(law: SpringDamperLaw) -> _Law:
-    release = arrays.RELEASE_FORCE if law.release == "force" else arrays.RELEASE_GAP
-    return _Law(law.stiffness, law.damping, release=release)
-
-
-def _by_impact_speed(law: Any, factor: float) -> _Law:
-    return _Law(law.stiffness, 0.0, law.exponent, law.exponent, factor, law.slowest)
-
-
-_LAWS: dict[type, Any] = {
-    SpringDamperLaw: _spring_damper,
-    ProgressiveLaw: lambda law: _Law(law.stiffness, law.damping, 1.0, 1.0),
-    HuntCrossleyLaw: lambda law: _Law(law.stiffness, law.damping, law.exponent, law.exponent),
-    LankaraniNikraveshLaw: lambda law: _by_impact_speed(law, 0.75 * (1.0 - law.restitution**2)),
-    FloresLaw: lambda law: _by_impact_speed(law, 1.6 * (1.0 - law.restitution) / law.restitution),
-    RigidLaw: lambda law: _Law(release=arrays.RELEASE_RIGID, restitution=law.restitution),
-    ConstraintLaw: lambda law: _Law(release=arrays.RELEASE_CONSTRAINT),
-}
-_FRICTIONS: dict[type, int] = {
-    type(None): arrays.FRICTION_NONE,
-    RegularisedCoulomb: arrays.FRICTION_SMOOTH,
-    StickSlip: arrays.FRICTION_STICK_SLIP,
-}
-
-
-def contact_laws(scene: Scene, slots: dict[int, int]) -> arrays.ContactLaws:
-    """Return the laws and frictions; `slots` holds the row of each constraint contact, by its place."""
-    laws: list[_Law] = [_LAWS[type(part.law)](part.law) for part in scene.contacts]
-    frictions: list[Any] = [part.friction for part in scene.contacts]
-
-    def of_law(field: str) -> np.ndarray:
-        return np.array([getattr(law, field) for law in laws], dtype=np.int64 if field == "release" else float)
-
-    def of_friction(field: str, default: float = 0.0) -> np.ndarray:
-        values = [getattr(friction, field, default) for friction in frictions]
-        return np.array([default if value is None else value for value in values], dtype=float)
-
-    sticking = [isinstance(friction, StickSlip) for friction in frictions]
-    static = [f.coefficient if s and f.static is None else getattr(f, "static", 0.0) for f, s in
-              zip(frictions, sticking, strict=True)]  # fmt: skip
-    return arrays.ContactLaws(
-        **{name: of_law(name) for name in _Law.__dataclass_fields__},
-        friction=np.array([_FRICTIONS[type(friction)] for friction in frictions], dtype=np.int64),
-        coefficient=of_friction("coefficient"),
-        static=np.array(static, dtype=float),
-        creep=of_friction("speed", 1.0),
-        grip_stiffness=of_friction("stiffness"),
-        grip_damping=of_friction("damping"),
-        slot=np.array([slots.get(k, -1) for k in range(len(laws))], dtype=np.int64),
-    )
-
-
 def event_sources(scene: Scene) -> list[str]:
     """Return what may have events, in the order of the modes: contacts, tension-only springs, declared events."""
     return [part.name for part in (*scene.contacts, *tension_only(scene), *scene.events)]
@@ -223,21 +146,29 @@ def _quantity(event: DistanceEvent | CoordinateEvent) -> int:
     return arrays.WATCH_RATE if event.rate else arrays.WATCH_COORDINATE
 
 
-def contact_modes(scene: Scene) -> arrays.ContactModes:
+def planar_modes(scene: Scene) -> shared.ContactModes:
     """Return the modes before a run has settled them: springs answer by the state until then."""
-    count, springs = len(event_sources(scene)), len(tension_only(scene))
-    integers = [np.zeros(count, dtype=np.int64) for _ in range(3)]
-    integers[0][len(scene.contacts) : len(scene.contacts) + springs] = arrays.MODE_PLAIN
-    floats = [np.zeros(count) for _ in range(3)]
-    return arrays.ContactModes(
-        mode=integers[0],
-        grip=integers[1],
-        anchor=floats[0],
-        dashpot=floats[1],
-        stamp=floats[2],
-        burst=integers[2],
-        roots=np.zeros(1, dtype=np.int64),
-        noise=np.array([NOISE * max([1.0, *(abs(x) for body in scene.bodies for x in body.position)])]),
-        log=np.zeros((MOST_LOGGED if count else 0, 6)),
-        logged=np.zeros(1, dtype=np.int64),
-    )
+    modes = contact_modes(scene, len(event_sources(scene)))
+    modes.mode[len(scene.contacts) : len(scene.contacts) + len(tension_only(scene))] = shared.MODE_PLAIN
+    return modes
+
+
+def contact_balls(pairs: arrays.ContactPairs) -> NearPairs:
+    """Return what every pair's shapes lie in, and the list of near pairs."""
+    return near_pairs([(_ball(pairs, k), _other_ball(pairs, k)) for k in range(len(pairs.kind))], 2)
+
+
+def _ball(pairs: arrays.ContactPairs, k: int) -> Ball:
+    radius = 0.0 if pairs.kind[k] == arrays.PAIR_SPROCKET else float(pairs.radius[k])  # a pin's is in its clearance
+    return Ball(int(pairs.a[k]), tuple(pairs.center[k]), radius)
+
+
+def _other_ball(pairs: arrays.ContactPairs, k: int) -> Ball | None:
+    """Return None for a surface without ends or without a back, which reaches far below itself."""
+    endless = pairs.ends[k] == shared.ENDS_NONE or math.isinf(pairs.thickness[k])
+    if pairs.kind[k] == arrays.PAIR_LINE and endless:
+        return None
+    reach = float(pairs.half[k])
+    if pairs.kind[k] == arrays.PAIR_SPROCKET:
+        reach = (reach + float(pairs.thickness[k])) / math.cos(math.pi / pairs.ends[k])
+    return Ball(int(pairs.b[k]), tuple(pairs.origin[k]), reach)

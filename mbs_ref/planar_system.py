@@ -8,13 +8,16 @@ from typing import Any
 
 import numpy as np
 
+from mbs_ref.contact_system import ContactSystem
 from mbs_ref.kernels import core
-from mbs_ref.kernels.planar import contact_events, dynamics
+from mbs_ref.kernels.contact_laws import (
+    MODE_CLOSED,
+)
+from mbs_ref.kernels.planar import dynamics
 from mbs_ref.kernels.planar.model import (
     CONTROL_MODE_TIME,
     CONTROL_POSITION_GAIN,
     CONTROL_VELOCITY_GAIN,
-    MODE_CLOSED,
     bind_model,
     bind_work,
     planar_scratch,
@@ -22,12 +25,12 @@ from mbs_ref.kernels.planar.model import (
 from mbs_ref.planar_build import build_planar
 from mbs_ref.planar_contacts import event_sources
 from mbs_ref.scene import PlanarBody, PointMass, Scene, UserForce
-from mbs_ref.system import RANK_TOLERANCE, Poses, System
+from mbs_ref.system import RANK_TOLERANCE, Poses
 
 _CALLBACK = ctypes.CFUNCTYPE(None, ctypes.c_double, ctypes.c_uint64)
 
 
-class PlanarSystem(System):
+class PlanarSystem(ContactSystem):
     """A planar scene as arrays and compiled functions.
 
     State y = concatenate(q.ravel(), v.ravel()) with q, v of shape (n_bodies, 3) in scene order: m, m,
@@ -86,56 +89,9 @@ class PlanarSystem(System):
 
     # --- contacts ---------------------------------------------------------------------------------
 
-    def start_contacts(self, t: float, y: np.ndarray, located: bool) -> None:
-        super().start_contacts(t, y, located)
-        modes = self.groups.contact_modes
-        self._first_modes = [values.copy() for values in (modes.mode, modes.grip, modes.anchor, modes.dashpot)]
-        self._recalled = -1  # events of the log that the modes reflect once they are recalled
-
     @property
     def event_sources(self) -> tuple[str, ...]:
         return tuple(event_sources(self.scene))
-
-    def contact_events(self) -> np.ndarray:
-        """Return time (s) and source (n_events, 2) of the events located so far."""
-        modes = self.groups.contact_modes
-        return modes.log[: modes.logged[0], :2].copy()
-
-    def contact_oscillators(self, t: float, y: np.ndarray) -> np.ndarray:
-        """Return k W (1/s^2) and c W (1/s) of each contact (n, 2), W its normal mobility; c = 0 where F ~ d d'."""
-        laws = self.groups.contact_laws
-        mobility = [call_contact_mobility(self.model, self.work, float(t), y, k) for k in range(len(laws.stiffness))]
-        steady = np.where(laws.damping_exponent == 0.0, laws.damping, 0.0)
-        linear = np.where(laws.exponent == 1.0, laws.stiffness, 0.0)
-        return np.array(mobility)[:, None] * np.column_stack((linear, steady))
-
-    def recall_modes(self, t: float) -> None:
-        """Set every contact's mode to the one that held at t (s) in the last run; quickest in the order of time."""
-        modes = self.groups.contact_modes
-        frozen = (modes.mode, modes.grip, modes.anchor, modes.dashpot)
-        log = modes.log[: modes.logged[0]]
-        if not modes.roots[0]:
-            return
-        if self._recalled < 0 or (self._recalled and log[self._recalled - 1, 0] > t):
-            self._recalled = 0
-            for values, first in zip(frozen, self._first_modes, strict=True):
-                values[:] = first
-        end = int(np.searchsorted(log[:, 0], t, side="right"))
-        for row in log[self._recalled : end]:
-            for values, value in zip(frozen, row[2:], strict=True):
-                values[int(row[1])] = value
-        self._recalled = end
-
-    def contact_forces(self, times: np.ndarray, states: np.ndarray) -> dict[str, np.ndarray]:
-        """Return for each contact depth (m), force on body_a (N, N) and its point (m, m), world axes.
-
-        The modes of each time are replayed from the log of events, so the states must be the last run's.
-        """
-        found = np.zeros((len(times), len(self.scene.contacts), 5))
-        for place, (t, y) in enumerate(zip(times, states, strict=True)):
-            self.recall_modes(t)
-            call_contact_forces(self.model, self.work, float(t), y, found[place])
-        return {part.name: found[:, k] for k, part in enumerate(self.scene.contacts)}
 
     # --- evaluation -------------------------------------------------------------------------------
 
@@ -281,18 +237,6 @@ class PlanarSystem(System):
         turn = y[k + 2] - (body.angle if isinstance(body, PlanarBody) else 0.0)
         c, s = np.cos(turn), np.sin(turn)
         return y[k : k + 2] + np.array([[c, -s], [s, c]]) @ (np.array(mark) - np.array(body.position))
-
-
-@core.jit
-def call_contact_forces(model, work, t, y, out):
-    """Entry point from Python."""
-    contact_events.planar_contact_forces(model, work, t, y, out)
-
-
-@core.jit
-def call_contact_mobility(model, work, t, y, k):
-    """Entry point from Python."""
-    return contact_events.planar_contact_mobility(model, work, t, y, k)
 
 
 @core.jit

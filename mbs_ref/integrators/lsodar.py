@@ -38,7 +38,6 @@ def advance(system: System, options: Options, run: Progress, y: np.ndarray, time
     states, worst = np.empty((len(times), len(y))), np.zeros(len(times))
     states[0] = y
     loops = options.project and system.n_closure_rows > 0
-    slope = _projected(system, options) if options.project else system.derivative
     events = ContactEvents(system, options, run)
     solver: LSODA | None = None
     now = y.copy()
@@ -49,7 +48,7 @@ def advance(system: System, options: Options, run: Progress, y: np.ndarray, time
     pace, family = Pace(t, float(times[-1]), options.max_steps, every=2_000), ADAMS
     while reached < len(times):
         if solver is None:
-            solver, family = LSODA(slope, t, now, float(times[-1]), rtol=options.rtol, atol=options.atol), ADAMS
+            solver, family = _start(system, options, t, now, float(times[-1])), ADAMS
         before = solver.t
         failure = solver.step()
         if solver.status == "failed" or not np.isfinite(solver.y).all():
@@ -107,15 +106,40 @@ def _output(
     return reached
 
 
-def _projected(system: System, options: Options):
-    """Return y' = f(P(y)), P the projection: smooth through singular poses, where f off the constraints is not."""
+def _start(system: System, options: Options, t: float, y: np.ndarray, t_end: float) -> LSODA:
+    if options.project:
+        return _OnConstraints(system, options, t, y, t_end)
+    return LSODA(system.derivative, t, y, t_end, rtol=options.rtol, atol=options.atol)
 
-    def slope(t: float, y: np.ndarray) -> np.ndarray:
-        on = y.copy()
-        system.project(t, on, options.projection_tolerance)
-        return system.derivative(t, on)
 
-    return slope
+class _OnConstraints(LSODA):
+    """Integrates z' = f(P(z)), P the projection, and gives y = P(z) at steps and between them.
+
+    f is smooth through singular poses on the constraints alone; z, which carries LSODA's history, may drift off
+    them by the tolerance, y may not.
+    """
+
+    def __init__(self, system: System, options: Options, t: float, y: np.ndarray, t_end: float) -> None:
+        self.system, self.tolerance = system, options.projection_tolerance
+        super().__init__(self._derivative, t, y, t_end, rtol=options.rtol, atol=options.atol)
+
+    def _derivative(self, t: float, z: np.ndarray) -> np.ndarray:
+        return self.system.derivative(t, self._onto(t, z))
+
+    def _onto(self, t: float, z: np.ndarray) -> np.ndarray:
+        y = np.array(z)
+        self.system.project(t, y, self.tolerance)
+        return y
+
+    def _step_impl(self) -> tuple[bool, str | None]:
+        ended = super()._step_impl()
+        if ended[0] and np.isfinite(self.y).all():
+            self.y = self._onto(self.t, self.y)
+        return ended
+
+    def dense_output(self):
+        between = super().dense_output()
+        return lambda t: self._onto(t, between(t))
 
 
 def _family(solver: LSODA) -> int:

@@ -12,14 +12,14 @@ import numpy as np
 
 from mbs_ref.kernels.jit import jit
 
-RELEASE_GAP, RELEASE_FORCE, RELEASE_RIGID = range(3)
+RELEASE_GAP, RELEASE_FORCE, RELEASE_RIGID, RELEASE_CONSTRAINT = range(4)
 FRICTION_NONE, FRICTION_SMOOTH, FRICTION_STICK_SLIP = range(3)
 ENDS_NONE, ENDS_OPEN, ENDS_CAPPED = range(3)
 # PLAIN: no events, the force is clipped by the state. LIFTED: still inside after a release at F = 0.
 # BEHIND: found too deep to have come through the front. LEAVING: rigid, just hit, not yet clear.
 MODE_OPEN, MODE_CLOSED, MODE_LIFTED, MODE_BEHIND, MODE_LEAVING, MODE_PLAIN = range(6)
 GRIP_BACKWARD, GRIP_STICK, GRIP_FORWARD, GRIP_PROBE = -1, 0, 1, 2
-ROOTS_PER_CONTACT = 3  # the gap's, the force's and friction's
+ROOTS_EACH = 3  # event functions of a contact, a tension-only spring or a watch
 
 
 class ContactLaws(NamedTuple):
@@ -39,12 +39,16 @@ class ContactLaws(NamedTuple):
     creep: np.ndarray  # (k,) m/s, v_s
     grip_stiffness: np.ndarray  # (k,) N/m
     grip_damping: np.ndarray  # (k,) N s/m
+    slot: np.ndarray  # (k,) int, of the row gap = 0 of a constraint contact; -1 for others
 
 
 class ContactModes(NamedTuple):
-    """What changes at events alone: frozen inside a step."""
+    """What changes at events alone, frozen inside a step.
 
-    mode: np.ndarray  # (k,) int, MODE_*
+    Of contacts, then in the plane of tension-only springs and watches.
+    """
+
+    mode: np.ndarray  # (k,) int, MODE_*; of a watch, the side it is on: 1 above its value, -1 below
     grip: np.ndarray  # (k,) int, GRIP_*; in space FORWARD is sliding in any direction
     anchor: np.ndarray  # (k,) m, where a sticking contact's spring is slack; in space (k, 2) the direction of sliding;
     # in both a force (N) while GRIP_PROBE
@@ -60,7 +64,8 @@ class ContactModes(NamedTuple):
 def no_laws() -> ContactLaws:
     """Return the laws of a scene without contact."""
     integers, floats = np.zeros(0, dtype=np.int64), np.zeros(0)
-    return ContactLaws(*(integers if name in ("release", "friction") else floats for name in ContactLaws._fields))
+    counted = ("release", "friction", "slot")
+    return ContactLaws(*(integers if name in counted else floats for name in ContactLaws._fields))
 
 
 def fresh_modes(count: int, noise: float, most_logged: int, anchors: int | None = None) -> ContactModes:

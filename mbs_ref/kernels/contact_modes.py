@@ -12,23 +12,24 @@ from mbs_ref.kernels.contact_laws import (
     MODE_LEAVING,
     MODE_LIFTED,
     MODE_OPEN,
+    RELEASE_CONSTRAINT,
     RELEASE_FORCE,
     RELEASE_RIGID,
-    ROOTS_PER_CONTACT,
+    ROOTS_EACH,
     normal_force,
 )
 from mbs_ref.kernels.jit import jit
 
-SETTLED, ENDLESS = 0, 1
+SETTLED, ENDLESS, STOP = range(3)
 AT_ONCE = 1e-9  # s, events of one contact closer than this form a burst ...
 LONGEST_BURST = 60  # ... and a burst longer than this is endless
-NOTHING, IMPACT, TOUCH, FRICTION = range(4)  # what a change of mode leaves for the core to do
+NOTHING, IMPACT, TOUCH, FRICTION, LANDING = range(5)  # what a change of mode leaves for the core to do
 
 
 @jit
 def normal_roots(laws, modes, k, gap, closing, beyond, g, rate):
     """Fill the functions of contact k and, where known, their rates, else 0; friction's stays 1."""
-    i = ROOTS_PER_CONTACT * k
+    i = ROOTS_EACH * k
     noise = modes.noise[0]
     mode = modes.mode[k]
     g[i + 1] = 1.0
@@ -58,7 +59,7 @@ def normal_roots(laws, modes, k, gap, closing, beyond, g, rate):
 @jit
 def is_broken(g, k):
     """Return whether a function of contact k is negative."""
-    i = ROOTS_PER_CONTACT * k
+    i = ROOTS_EACH * k
     return g[i] < 0.0 or g[i + 1] < 0.0 or g[i + 2] < 0.0
 
 
@@ -82,7 +83,7 @@ def close(laws, modes, k, speed):
 @jit
 def next_mode(laws, modes, k, g, closing, behind):
     """Change the mode of a contact that has a negative function; return what is left to do."""
-    i = ROOTS_PER_CONTACT * k
+    i = ROOTS_EACH * k
     mode = modes.mode[k]
     if mode == MODE_OPEN or (mode == MODE_LEAVING and g[i] >= 0.0):
         if laws.release[k] == RELEASE_RIGID:
@@ -91,9 +92,12 @@ def next_mode(laws, modes, k, g, closing, behind):
         if behind:
             modes.mode[k] = MODE_BEHIND
             return NOTHING
+        if laws.release[k] == RELEASE_CONSTRAINT:
+            modes.mode[k] = MODE_CLOSED
+            return LANDING
         close(laws, modes, k, max(-closing, 0.0))
         return TOUCH
-    if g[i] < 0.0:
+    if g[i] < 0.0 or laws.release[k] == RELEASE_CONSTRAINT:
         modes.mode[k] = MODE_OPEN
     elif g[i + 1] < 0.0:
         modes.mode[k] = MODE_CLOSED if mode == MODE_LIFTED else MODE_LIFTED

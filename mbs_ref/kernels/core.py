@@ -13,6 +13,7 @@ from numba.extending import overload
 from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.particles import dynamics as particles
 from mbs_ref.kernels.particles.model import ParticleModel, ParticleWork
+from mbs_ref.kernels.planar import contact_events as planar_contacts
 from mbs_ref.kernels.planar import dynamics as planar
 from mbs_ref.kernels.planar import events as planar_events
 from mbs_ref.kernels.planar import implicit as planar_implicit
@@ -101,8 +102,14 @@ _EVENTS: dict[str, tuple[Callable[..., Any], dict[type, Callable[..., Any]]]] = 
         jit(_no_start),
         {PlanarModel: planar_events.planar_start_modes, SpatialModel: spatial_contacts.spatial_start_modes},
     ),
-    "contact_forces": (jit(_no_forces), {SpatialModel: spatial_contacts.spatial_contact_forces}),
-    "contact_mobility": (jit(_no_mobility), {SpatialModel: spatial_contacts.spatial_contact_mobility}),
+    "contact_forces": (
+        jit(_no_forces),
+        {PlanarModel: planar_contacts.planar_contact_forces, SpatialModel: spatial_contacts.spatial_contact_forces},
+    ),
+    "contact_mobility": (
+        jit(_no_mobility),
+        {PlanarModel: planar_contacts.planar_contact_mobility, SpatialModel: spatial_contacts.spatial_contact_mobility},
+    ),
 }
 _OPTIONS: Any = {"error_model": "numpy", "fastmath": {"contract"}}
 

@@ -35,6 +35,28 @@ def test_an_engine_without_events_equals_our_rk4_without_events(name, method, sc
     assert np.abs(ours.velocity[-1] - ours.velocity[0]).max() > 0.1  # touch-down and lift-off lie behind
 
 
+@pytest.mark.parametrize(
+    ("scene", "parameters"),
+    [
+        ("bouncing_sphere", {"height": HEIGHT}),
+        ("colliding_spheres", {"law": "spring_damper"}),
+    ],
+)
+def test_contact_connectors_of_exudyn_come_closer_with_the_step(scene, parameters):
+    """The state of contact is settled once a step: order 1."""
+    pytest.importorskip("exudyn")
+    built = scenes.make(scene, **parameters)
+    truth = simulate(built, Settings(method="dop853", rtol=1e-11, samples=2))
+
+    def error(step: float) -> float:
+        run = engines.get("exudyn").run(built, Settings(method="pair_contact_rk44", step=step, samples=2))
+        assert run.ok, run.message
+        return float(np.abs(run.position[-1] - truth.position[-1]).max())
+
+    assert error(2e-5) < 1e-4
+    assert error(2e-5) < error(1e-4)
+
+
 def _rolled(name: str, method: str, **parameters):
     pytest.importorskip(name)
     run = engines.get(name).run(scenes.make("rolling_sphere", **parameters), Settings(method=method, step=FINE))

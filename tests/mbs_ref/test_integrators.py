@@ -66,6 +66,17 @@ def test_adaptive_methods_reach_a_micrometre_on_the_chain(method):
     assert errors[1] < errors[0]
 
 
+@pytest.mark.parametrize("name", ["slider_crank", "tracked_vehicle"])
+def test_lsodar_gives_states_on_the_constraints(name):
+    """At a tolerance far coarser than the compliance, and through the events of contact."""
+    scene = scenes.make(name, **({"links": 20} if name == "tracked_vehicle" else {}))
+    end = 0.02 if name == "tracked_vehicle" else 1.0
+    run = simulate(scene, Settings(method="lsodar", rtol=1e-4, atol=1e-6, t_end=end, samples=37))
+    assert run.ok, run.message
+    assert run.step_compliance is not None
+    assert run.step_compliance[:, 1].max() < 1e-12
+
+
 @pytest.mark.parametrize(("method", "rtol"), [("lsodar", 1e-10), ("dassl", 1e-12)])
 def test_the_papers_methods_reach_a_micrometre_on_the_four_bar(method, rtol):
     """Through eight singular poses, crossed by leaps."""

@@ -15,7 +15,8 @@ from cross_checks.applied import CLIPPED_CONTACTS, contact_refusals
 from cross_checks.engine import Engine, Method, Refusal
 from cross_checks.engines.exudyn_.contact import general_contact_refusals
 from cross_checks.engines.exudyn_.kinematic_tree import build_tree, tree_refusals
-from cross_checks.engines.exudyn_.methods import CONTACT, METHODS, STAGES, TREE
+from cross_checks.engines.exudyn_.methods import CONTACT, EXPLICIT_CONTACT, METHODS, STAGES, TREE
+from cross_checks.engines.exudyn_.pair_contact import pair_contact_refusals
 from cross_checks.engines.exudyn_.planar_build import build_redundant
 from cross_checks.engines.exudyn_.run import advance_adaptive, advance_fixed, first_call, options_of
 from cross_checks.engines.exudyn_.spatial_build import build_spatial
@@ -56,14 +57,14 @@ class Exudyn(Engine):
 
     def method_refusals(self, scene: Scene, method: Method) -> list[Refusal]:
         reasons = super().method_refusals(scene, method)
-        if scene.contacts and method.name == CONTACT:
-            reasons += general_contact_refusals(scene)
-        elif method.name == CONTACT:
+        if scene.contacts and method.name in EXPLICIT_CONTACT:
+            reasons += general_contact_refusals(scene) if method.name == CONTACT else pair_contact_refusals(scene)
+        elif method.name in EXPLICIT_CONTACT:
             reasons += [Refusal("loads are not taught", False)] if scene.loads else []
         else:
             reasons += contact_refusals(scene)
-        if scene.contacts and scene.dimension == 3 and method.name != CONTACT:
-            reasons.append(Refusal(f"contact in space is taught to {CONTACT} alone", permanent=False))
+        if scene.contacts and scene.dimension == 3 and method.name not in EXPLICIT_CONTACT:
+            reasons.append(Refusal(f"contact in space is taught to {' and '.join(EXPLICIT_CONTACT)} alone", False))
         if method.name.startswith(TREE) and scene.dimension == 2:
             reasons += tree_refusals(scene)
         return reasons

@@ -36,8 +36,7 @@ def general_contact_refusals(scene: Scene) -> list[Refusal]:
         if not isinstance(contact.law, SpringDamperLaw) or not isinstance(contact, (*FLAT, *ROUND)):
             reasons.append(f"{where}: GeneralContact takes circles with spring_damper_law, not {contact.law.type}")
             continue
-        if getattr(contact.friction, "static", None) not in (None, getattr(contact.friction, "coefficient", None)):
-            reasons.append(f"{where}: Exudyn has one coefficient of friction; leave static out")
+        reasons += one_coefficient(contact)
         rule = "gap" if isinstance(contact, FLAT) else "force"
         if contact.law.damping and getattr(contact.law, "release", rule) != rule:
             reasons.append(f"{where}: GeneralContact lets go of {contact.type} by release = {rule!r}")
@@ -46,6 +45,14 @@ def general_contact_refusals(scene: Scene) -> list[Refusal]:
             reasons.append(f"{where}: only an endless line or plane on ground is taught")
     reasons += _mixed_refusals(scene)
     return [Refusal(reason, permanent=False) for reason in reasons]
+
+
+def one_coefficient(contact: Any) -> list[str]:
+    """Return why the friction of a contact is refused, if it is."""
+    friction = contact.friction
+    if friction is None or getattr(friction, "static", None) in (None, friction.coefficient):
+        return []
+    return [f"contact {contact.name!r}: Exudyn has one coefficient of friction; leave static out"]
 
 
 def _mixed_refusals(scene: Scene) -> list[str]:

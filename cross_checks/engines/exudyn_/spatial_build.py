@@ -10,7 +10,8 @@ import exudyn.itemInterface as item
 import numpy as np
 
 from cross_checks.engines.exudyn_.contact import add_contacts
-from cross_checks.engines.exudyn_.methods import CONTACT
+from cross_checks.engines.exudyn_.methods import CONTACT, EXPLICIT_CONTACT
+from cross_checks.engines.exudyn_.pair_contact import add_pair_contacts
 from cross_checks.engines.exudyn_.spatial_model import Spatial
 from cross_checks.engines.exudyn_.spatial_parts import SPATIAL_PARTS
 from cross_checks.joint_tree import FIXED
@@ -30,7 +31,7 @@ def build_spatial(scene: Scene, method: str) -> Spatial:
     for part in (*scene.joints, *scene.loads):
         SPATIAL_PARTS[type(part)](model, part)
     if scene.contacts:
-        add_contacts(model)
+        (add_contacts if method == CONTACT else add_pair_contacts)(model)
     return model
 
 
@@ -40,7 +41,7 @@ def _spatial_body(model: Spatial, body, method: str):
         return item.ObjectMassPoint(mass=body.mass, nodeNumber=model.mbs.AddNode(item.NodePoint(**start)))
     xx, yy, zz, xy, xz, yz = body.inertia
     theta = np.array(body.orientation)
-    if method in ("rotation_vector", CONTACT):  # explicit solvers take no norm constraint
+    if method in ("rotation_vector", *EXPLICIT_CONTACT):  # explicit solvers take no norm constraint
         angle = 2.0 * np.arctan2(np.linalg.norm(theta[1:]), theta[0])
         scale = angle / np.linalg.norm(theta[1:]) if angle else 0.0
         turn, turning = scale * theta[1:], rotation_matrices(theta).T @ body.angular_velocity

@@ -7,30 +7,42 @@ from __future__ import annotations
 
 import numpy as np
 
-from mbs_ref.kernels.jit import jit
-from mbs_ref.kernels.planar.contact_rows import fill_rows
-from mbs_ref.kernels.planar.contacts import contact_geometry, friction_force, is_behind, normal_force
-from mbs_ref.kernels.planar.dynamics import accelerate, factor, load_state, planar_derivative, solve
-from mbs_ref.kernels.planar.landing import contact_mass, contact_push, land
-from mbs_ref.kernels.planar.model import (
+from mbs_ref.kernels.contact_laws import (
     FRICTION_STICK_SLIP,
     GRIP_PROBE,
     GRIP_STICK,
     MODE_BEHIND,
     MODE_CLOSED,
-    MODE_LEAVING,
-    MODE_LIFTED,
     MODE_OPEN,
     MODE_PLAIN,
     RELEASE_CONSTRAINT,
     RELEASE_FORCE,
     RELEASE_RIGID,
     ROOTS_EACH,
+    normal_force,
+)
+from mbs_ref.kernels.contact_modes import (
+    FRICTION,
+    IMPACT,
+    LANDING,
+    TOUCH,
+    close,
+    is_broken,
+    next_mode,
+    normal_roots,
+)
+from mbs_ref.kernels.jit import jit
+from mbs_ref.kernels.planar.contact_rows import fill_rows
+from mbs_ref.kernels.planar.contacts import contact_geometry, find_near, friction_force, is_behind
+from mbs_ref.kernels.planar.dynamics import accelerate, factor, load_state, planar_derivative, solve
+from mbs_ref.kernels.planar.landing import contact_mass, contact_push, land
+from mbs_ref.kernels.planar.model import (
     bodies_of,
     contact_laws_of,
     contact_modes_of,
     contact_pairs_of,
     kinematics_of,
+    near_pairs_of,
     rows_of,
     tree_of,
 )
@@ -43,43 +55,27 @@ AT_REST = 10.0  # of the noise: how close and slow a constraint contact must be 
 def contact_roots(model, work, t, y, g, rate):
     """Fill three functions a contact, and the rate of the first where known, else 0; load the state at y."""
     pairs, laws, modes = contact_pairs_of(model), contact_laws_of(model), contact_modes_of(model)
-    kin = kinematics_of(work)
-    noise = modes.noise[0]
+    kin, near = kinematics_of(work), near_pairs_of(model)
     if _some_constrained(laws, modes):
         accelerate(model, work, t, y)  # their functions are multipliers
     else:
         load_state(model, work, y)
-    for k in range(pairs.kind.shape[0]):
+    find_near(model, work)
+    for i in range(ROOTS_EACH * pairs.kind.shape[0]):
+        g[i] = 1.0
+        rate[i] = 0.0
+    for place in range(near.count[0]):
+        k = near.pair[place]
         gap, closing, _, _, speed, along, beyond, _, _, _, _ = contact_geometry(pairs, kin, k)
         i = ROOTS_EACH * k
-        mode = modes.mode[k]
-        g[i + 1] = 1.0
-        g[i + 2] = 1.0
-        rate[i] = 0.0
-        rate[i + 1] = 0.0
-        rate[i + 2] = 0.0
-        if mode == MODE_OPEN:
-            g[i] = max(gap, beyond) + noise
-            if gap >= beyond:
-                rate[i] = closing
-        elif mode == MODE_CLOSED and laws.release[k] == RELEASE_CONSTRAINT:
-            g[i] = noise - beyond
-            g[i + 1] = contact_push(work, laws, k) + noise * contact_mass(model, k)
-        elif mode == MODE_CLOSED:
-            g[i] = min(-gap, -beyond) + noise
-            if -gap <= -beyond:
-                rate[i] = -closing
-            if laws.release[k] == RELEASE_FORCE:
-                g[i + 1] = normal_force(laws, modes, k, -gap, -closing) + noise * (laws.stiffness[k] + modes.dashpot[k])
-            if laws.friction[k] == FRICTION_STICK_SLIP:
-                g[i + 2] = _grip_margin(laws, modes, k, gap, closing, speed, along) + noise
-        elif mode == MODE_LIFTED:
-            g[i] = min(-gap, -beyond) + noise
-            g[i + 1] = noise * (laws.stiffness[k] + modes.dashpot[k]) - normal_force(laws, modes, k, -gap, -closing)
-        else:
-            g[i] = -max(gap, beyond)
-            if mode == MODE_LEAVING:
-                g[i + 1] = closing + noise
+        closed = modes.mode[k] == MODE_CLOSED
+        if closed and laws.release[k] == RELEASE_CONSTRAINT:
+            g[i] = modes.noise[0] - beyond
+            g[i + 1] = contact_push(work, laws, k) + modes.noise[0] * contact_mass(model, k)
+            continue
+        normal_roots(laws, modes, k, gap, closing, beyond, g, rate)
+        if closed and laws.friction[k] == FRICTION_STICK_SLIP:
+            g[i + 2] = _grip_margin(laws, modes, k, gap, closing, speed, along) + modes.noise[0]
 
 
 @jit
@@ -96,14 +92,6 @@ def _grip_margin(laws, modes, k, gap, closing, speed, along):
         normal = normal_force(laws, modes, k, -gap, -closing)
         return laws.static[k] * normal - abs(friction_force(laws, modes, k, normal, speed, along))
     return modes.grip[k] * speed
-
-
-@jit
-def _close(laws, modes, k, speed):
-    modes.mode[k] = MODE_CLOSED
-    modes.dashpot[k] = laws.damping[k]
-    if laws.impact_damping[k] != 0.0:
-        modes.dashpot[k] += laws.impact_damping[k] * laws.stiffness[k] / max(speed, laws.slowest[k])
 
 
 @jit
@@ -129,32 +117,21 @@ def contact_transition(model, work, t, y, g, dy):
     regrip = False
     landed = False
     for k in range(pairs.kind.shape[0]):
-        i = ROOTS_EACH * k
-        if not (g[i] < 0.0 or g[i + 1] < 0.0 or g[i + 2] < 0.0):
+        if not is_broken(g, k):
             continue
         load_state(model, work, y)
         gap, closing, _, _, speed, along, _, _, _, _, _ = contact_geometry(pairs, kin, k)
-        mode = modes.mode[k]
-        if mode == MODE_OPEN or (mode == MODE_LEAVING and g[i] >= 0.0):
-            if laws.release[k] == RELEASE_RIGID:
-                _impact(model, work, t, y, k)
-                modes.mode[k] = MODE_LEAVING
-            elif is_behind(pairs, k, gap):
-                modes.mode[k] = MODE_BEHIND
-            elif laws.release[k] == RELEASE_CONSTRAINT:
-                modes.mode[k] = MODE_CLOSED
-                landed = True
-            else:
-                _close(laws, modes, k, max(-closing, 0.0))
-                _take_grip(laws, modes, k, speed, along)
-        elif g[i] < 0.0 or laws.release[k] == RELEASE_CONSTRAINT:
-            modes.mode[k] = MODE_OPEN
-        elif g[i + 1] < 0.0:
-            modes.mode[k] = MODE_CLOSED if mode == MODE_LIFTED else MODE_LIFTED
-        elif modes.grip[k] == GRIP_STICK:
+        left = next_mode(laws, modes, k, g, closing, is_behind(pairs, k, gap))
+        if left == IMPACT:
+            _impact(model, work, t, y, k)
+        elif left == LANDING:
+            landed = True
+        elif left == TOUCH:
+            _take_grip(laws, modes, k, speed, along)
+        elif left == FRICTION and modes.grip[k] == GRIP_STICK:
             normal = normal_force(laws, modes, k, -gap, -closing)
             modes.grip[k] = -1 if friction_force(laws, modes, k, normal, speed, along) > 0.0 else 1
-        else:
+        elif left == FRICTION:
             modes.grip[k] = GRIP_PROBE
             modes.anchor[k] = 0.0
             regrip = True
@@ -245,6 +222,7 @@ def start_contacts(model, work, t, y, located):
     pairs, laws, modes = contact_pairs_of(model), contact_laws_of(model), contact_modes_of(model)
     kin = kinematics_of(work)
     resting = False
+    near_pairs_of(model).stale[0] = 1
     for k in range(pairs.kind.shape[0]):
         load_state(model, work, y)
         gap, closing, _, _, speed, along, beyond, _, _, _, _ = contact_geometry(pairs, kin, k)
@@ -262,7 +240,7 @@ def start_contacts(model, work, t, y, located):
         elif is_behind(pairs, k, gap):
             modes.mode[k] = MODE_BEHIND
         else:
-            _close(laws, modes, k, max(-closing, 0.0))
+            close(laws, modes, k, max(-closing, 0.0))
             _take_grip(laws, modes, k, speed, along)
             if laws.friction[k] == FRICTION_STICK_SLIP and speed == 0.0:
                 modes.grip[k] = GRIP_PROBE

@@ -8,11 +8,13 @@ from __future__ import annotations
 
 import numpy as np
 
+from mbs_ref.kernels.contact_laws import (
+    MODE_CLOSED,
+)
 from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.planar.contacts import contact_geometry
 from mbs_ref.kernels.planar.joints import arm, fill_joints
 from mbs_ref.kernels.planar.model import (
-    MODE_CLOSED,
     PAIR_LINE,
     contact_laws_of,
     contact_modes_of,

@@ -9,9 +9,8 @@ import math
 
 import numpy as np
 
-from mbs_ref.kernels.jit import jit
-from mbs_ref.kernels.planar.joints import arm
-from mbs_ref.kernels.planar.model import (
+from mbs_ref.kernels.broad_phase import refresh
+from mbs_ref.kernels.contact_laws import (
     ENDS_CAPPED,
     ENDS_OPEN,
     FRICTION_NONE,
@@ -20,13 +19,19 @@ from mbs_ref.kernels.planar.model import (
     GRIP_STICK,
     MODE_CLOSED,
     MODE_PLAIN,
+    RELEASE_FORCE,
+    normal_force,
+)
+from mbs_ref.kernels.jit import jit
+from mbs_ref.kernels.planar.joints import arm
+from mbs_ref.kernels.planar.model import (
     PAIR_CIRCLE,
     PAIR_LINE,
-    RELEASE_FORCE,
     contact_laws_of,
     contact_modes_of,
     contact_pairs_of,
     kinematics_of,
+    near_pairs_of,
 )
 
 
@@ -123,20 +128,6 @@ def is_behind(pairs, k, gap):
 
 
 @jit
-def normal_force(laws, modes, k, depth, rate):
-    """Return F = k d^n + c d^m d' without any clipping; d' is `rate`."""
-    elastic = depth
-    if laws.exponent[k] != 1.0:
-        elastic = math.copysign(abs(depth) ** laws.exponent[k], depth)
-    weight = 1.0
-    if laws.damping_exponent[k] == 1.0:
-        weight = depth
-    elif laws.damping_exponent[k] != 0.0:
-        weight = math.copysign(abs(depth) ** laws.damping_exponent[k], depth)
-    return laws.stiffness[k] * elastic + modes.dashpot[k] * weight * rate
-
-
-@jit
 def friction_force(laws, modes, k, normal, speed, along):
     """Return the force on body a along the tangent."""
     if laws.friction[k] == FRICTION_SMOOTH:
@@ -150,13 +141,28 @@ def friction_force(laws, modes, k, normal, speed, along):
 
 
 @jit
+def find_near(model, work):
+    """Bring the list of near pairs up to the pose in `work`."""
+    near, kin = near_pairs_of(model), kinematics_of(work)
+    for s in range(near.body.shape[0]):
+        body = near.body[s]
+        x, y = arm(kin.pose, body, near.center[s])
+        near.place[s, 0] = kin.pose[body, 0] + x
+        near.place[s, 1] = kin.pose[body, 1] + y
+    refresh(near, contact_modes_of(model))
+
+
+@jit
 def apply_contacts(model, work):
     """Add the forces of every contact that is closed."""
     pairs = contact_pairs_of(model)
     if pairs.kind.shape[0] == 0:
         return
-    laws, modes, kin = contact_laws_of(model), contact_modes_of(model), kinematics_of(work)
-    for k in range(pairs.kind.shape[0]):
+    laws, modes, kin, near = contact_laws_of(model), contact_modes_of(model), kinematics_of(work), near_pairs_of(model)
+    if modes.roots[0] == 0 or near.stale[0] == 1:  # while modes are frozen, what touches is in the list already
+        find_near(model, work)
+    for place in range(near.count[0]):
+        k = near.pair[place]
         mode = modes.mode[k]
         if mode != MODE_CLOSED and mode != MODE_PLAIN:
             continue

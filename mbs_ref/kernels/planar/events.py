@@ -6,16 +6,19 @@ rest exactly at d = 0 would chatter.
 
 from __future__ import annotations
 
+from mbs_ref.kernels.contact_laws import (
+    ROOTS_EACH,
+)
+from mbs_ref.kernels.contact_modes import ENDLESS, SETTLED, STOP, is_broken, is_endless
 from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.planar.contact_events import contact_roots, contact_transition, start_contacts
 from mbs_ref.kernels.planar.dynamics import load_state
-from mbs_ref.kernels.planar.model import ROOTS_EACH, contact_modes_of, watches_of
+from mbs_ref.kernels.planar.model import (
+    contact_modes_of,
+    watches_of,
+)
 from mbs_ref.kernels.planar.spring_events import spring_roots, spring_transition, start_springs
 from mbs_ref.kernels.planar.watch_events import start_watches, watch_roots, watch_transition
-
-SETTLED, ENDLESS, STOP = range(3)
-AT_ONCE = 1e-9  # s, events of one source closer than this form a burst ...
-LONGEST_BURST = 60  # ... and a burst longer than this is endless
 
 
 @jit
@@ -41,11 +44,9 @@ def planar_transition(model, work, t, y, g, dy):
     modes = contact_modes_of(model)
     source = 0
     for k in range(modes.mode.shape[0]):
-        if _is_broken(g, k):
+        if is_broken(g, k):
             source = k
-            modes.burst[k] = modes.burst[k] + 1 if t - modes.stamp[k] < AT_ONCE else 0
-            modes.stamp[k] = t
-            if modes.burst[k] > LONGEST_BURST:
+            if is_endless(modes, k, t):
                 return ENDLESS, k
     contact_transition(model, work, t, y, g, dy)
     spring_transition(model, g)
@@ -55,15 +56,9 @@ def planar_transition(model, work, t, y, g, dy):
 
 
 @jit
-def _is_broken(g, k):
-    i = ROOTS_EACH * k
-    return g[i] < 0.0 or g[i + 1] < 0.0 or g[i + 2] < 0.0
-
-
-@jit
 def _log(modes, t, g):
     for k in range(modes.mode.shape[0]):
-        if _is_broken(g, k):
+        if is_broken(g, k):
             place = modes.logged[0]
             modes.logged[0] += 1
             if place < modes.log.shape[0]:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from mbs_ref.kernels.jit import jit
-from mbs_ref.kernels.planar.dynamics import planar_project
-from mbs_ref.kernels.planar.model import (
+from mbs_ref.kernels.contact_laws import (
     MODE_CLOSED,
     MODE_OPEN,
     ROOTS_EACH,
+)
+from mbs_ref.kernels.jit import jit
+from mbs_ref.kernels.planar.dynamics import planar_project
+from mbs_ref.kernels.planar.model import (
     bodies_of,
     contact_laws_of,
     contact_modes_of,

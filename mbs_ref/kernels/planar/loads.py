@@ -5,13 +5,15 @@ from __future__ import annotations
 import numpy as np
 
 from mbs_ref.kernels.callback import call_user_force
+from mbs_ref.kernels.contact_laws import (
+    MODE_CLOSED,
+    MODE_PLAIN,
+)
 from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.planar.contacts import apply_contacts
 from mbs_ref.kernels.planar.joints import arm
 from mbs_ref.kernels.planar.model import (
     CONTROL_MODE_TIME,
-    MODE_CLOSED,
-    MODE_PLAIN,
     bodies_of,
     contact_modes_of,
     forces_of,

@@ -12,6 +12,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from mbs_ref.kernels.broad_phase import NearPairs, no_pairs
+from mbs_ref.kernels.contact_laws import ContactLaws, ContactModes, fresh_modes, no_laws
 from mbs_ref.kernels.handles import accessor, make_handle
 from mbs_ref.kernels.signals import SignalArrays
 
@@ -101,26 +103,6 @@ class ContactPairs(NamedTuple):
     flank: np.ndarray  # (k, 2) cosine and sine of a flank's angle
 
 
-class ContactLaws(NamedTuple):
-    """F = k d^n + c d^m d' with c = damping + impact_damping k / v0, and friction."""
-
-    stiffness: np.ndarray  # (k,) N/m^n
-    damping: np.ndarray  # (k,) N s/m^(m + 1)
-    exponent: np.ndarray  # (k,) n
-    damping_exponent: np.ndarray  # (k,) m
-    impact_damping: np.ndarray  # (k,) -, what stands before d'/v0
-    slowest: np.ndarray  # (k,) m/s, least v0
-    release: np.ndarray  # (k,) int, RELEASE_*
-    restitution: np.ndarray  # (k,) -, of a rigid contact
-    friction: np.ndarray  # (k,) int, FRICTION_*
-    coefficient: np.ndarray  # (k,) mu
-    static: np.ndarray  # (k,) mu_s
-    creep: np.ndarray  # (k,) m/s, v_s
-    grip_stiffness: np.ndarray  # (k,) N/m
-    grip_damping: np.ndarray  # (k,) N s/m
-    slot: np.ndarray  # (k,) int, of the row gap = 0 of a constraint contact; -1 for others
-
-
 class Watches(NamedTuple):
     """Declared events: a coordinate, a distance or a coordinate's rate crosses a value."""
 
@@ -135,31 +117,8 @@ class Watches(NamedTuple):
     stops: np.ndarray  # (k,) int: 1 where the run ends
 
 
-class ContactModes(NamedTuple):
-    """What changes at events alone, frozen inside a step: of contacts, then tension-only springs, then watches."""
-
-    mode: np.ndarray  # (k,) int, MODE_*; of a watch, the side it is on: 1 above its value, -1 below
-    grip: np.ndarray  # (k,) int, GRIP_*
-    anchor: np.ndarray  # (k,) m, where a sticking contact's spring is slack; N while GRIP_PROBE
-    dashpot: np.ndarray  # (k,) N s/m^(m + 1), c in force
-    stamp: np.ndarray  # (k,) s, time of the contact's last event
-    burst: np.ndarray  # (k,) int, events since then without a pause
-    roots: np.ndarray  # (1,) int, event functions watched; 0 without contacts and in the plain mode
-    noise: np.ndarray  # (1,) m and m/s, how far past its root a function must be: roundoff must not switch modes
-    log: np.ndarray  # (most, 6) time (s), contact, mode, grip, anchor, dashpot after each event
-    logged: np.ndarray  # (1,) int, events so far; beyond `most` they are only counted
-
-
 PAIR_LINE, PAIR_CIRCLE, PAIR_SPROCKET = range(3)
-ENDS_NONE, ENDS_OPEN, ENDS_CAPPED = range(3)
-RELEASE_GAP, RELEASE_FORCE, RELEASE_RIGID, RELEASE_CONSTRAINT = range(4)
 WATCH_DISTANCE, WATCH_COORDINATE, WATCH_RATE = range(3)
-FRICTION_NONE, FRICTION_SMOOTH, FRICTION_STICK_SLIP = range(3)
-# PLAIN: no events, the force is clipped by the state. LIFTED: still inside after a release at F = 0.
-# BEHIND: found too deep to have come through the front. LEAVING: rigid, just hit, not yet clear.
-MODE_OPEN, MODE_CLOSED, MODE_LIFTED, MODE_BEHIND, MODE_LEAVING, MODE_PLAIN = range(6)
-GRIP_BACKWARD, GRIP_STICK, GRIP_FORWARD, GRIP_PROBE = -1, 0, 1, 2
-ROOTS_EACH = 3  # event functions of a contact, a tension-only spring or a watch
 
 
 class World(NamedTuple):
@@ -184,6 +143,7 @@ class PlanarGroups(NamedTuple):
     contact_pairs: ContactPairs
     contact_laws: ContactLaws
     contact_modes: ContactModes
+    near_pairs: NearPairs
     watches: Watches
     signals: SignalArrays
     world: World
@@ -213,19 +173,13 @@ def _no_pair_joints() -> PairJoints:
     return PairJoints(*integers, _floats(0, 2), _floats(0, 2), _floats(0, 2), _floats(0))
 
 
-def _no_contacts() -> tuple[ContactPairs, ContactLaws, ContactModes]:
+def _no_contact_pairs() -> ContactPairs:
     integers, floats, points = _integers(0), _floats(0), _floats(0, 2)
-    pairs = ContactPairs(
+    return ContactPairs(
         integers, integers, integers, points, floats, points, points, floats, integers, floats, points
     )  # fmt: skip
-    kinds = {name: integers for name in ("release", "friction", "slot")}
-    laws = ContactLaws(**{name: kinds.get(name, floats) for name in ContactLaws._fields})
-    counters = (_integers(1), _floats(1), _floats(0, 6), _integers(1))
-    modes = ContactModes(integers, integers, floats, floats, floats, integers, *counters)
-    return pairs, laws, modes
 
 
-_NO_CONTACTS = _no_contacts()
 _EMPTY = PlanarGroups(
     bodies=Bodies(_floats(0), _floats(0), _integers(0), _integers(0)),
     slots=Slots(_integers(0, 2), _floats(0, 3), _integers(0), _integers(0)),
@@ -250,9 +204,10 @@ _EMPTY = PlanarGroups(
         _integers(0),
     ),
     torsion_springs=TorsionSprings(_integers(0), _integers(0), _floats(0), _floats(0), _floats(0)),
-    contact_pairs=_NO_CONTACTS[0],
-    contact_laws=_NO_CONTACTS[1],
-    contact_modes=_NO_CONTACTS[2],
+    contact_pairs=_no_contact_pairs(),
+    contact_laws=no_laws(),
+    contact_modes=fresh_modes(0, 0.0, 0),
+    near_pairs=no_pairs(2),
     watches=Watches(
         _integers(0), _integers(0), _floats(0, 2), _floats(0, 2), _integers(0), _integers(0), _floats(0),
         _integers(0), _integers(0),
@@ -273,6 +228,7 @@ torsion_springs_of = accessor(_EMPTY, "torsion_springs")
 contact_pairs_of = accessor(_EMPTY, "contact_pairs")
 contact_laws_of = accessor(_EMPTY, "contact_laws")
 contact_modes_of = accessor(_EMPTY, "contact_modes")
+near_pairs_of = accessor(_EMPTY, "near_pairs")
 watches_of = accessor(_EMPTY, "watches")
 signals_of = accessor(_EMPTY, "signals")
 world_of = accessor(_EMPTY, "world")

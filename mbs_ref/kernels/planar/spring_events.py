@@ -7,14 +7,16 @@ from __future__ import annotations
 
 import numpy as np
 
-from mbs_ref.kernels.jit import jit
-from mbs_ref.kernels.planar.loads import spring_geometry
-from mbs_ref.kernels.planar.model import (
+from mbs_ref.kernels.contact_laws import (
     MODE_CLOSED,
     MODE_LIFTED,
     MODE_OPEN,
     MODE_PLAIN,
     ROOTS_EACH,
+)
+from mbs_ref.kernels.jit import jit
+from mbs_ref.kernels.planar.loads import spring_geometry
+from mbs_ref.kernels.planar.model import (
     contact_modes_of,
     kinematics_of,
     springs_of,

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
+from mbs_ref.kernels.contact_laws import (
+    ROOTS_EACH,
+)
 from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.planar.joints import arm
 from mbs_ref.kernels.planar.model import (
-    ROOTS_EACH,
     WATCH_DISTANCE,
     WATCH_RATE,
     contact_modes_of,

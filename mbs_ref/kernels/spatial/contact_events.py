@@ -21,7 +21,7 @@ from mbs_ref.kernels.contact_laws import (
     MODE_OPEN,
     MODE_PLAIN,
     RELEASE_RIGID,
-    ROOTS_PER_CONTACT,
+    ROOTS_EACH,
     normal_force,
 )
 from mbs_ref.kernels.contact_modes import (
@@ -90,7 +90,7 @@ def spatial_roots(model, work, t, y, g, rate):
         touch = contact_geometry(pairs, kin, k)
         normal_roots(laws, modes, k, touch.gap, touch.closing, touch.beyond, g, rate)
         if modes.mode[k] == MODE_CLOSED and laws.friction[k] == FRICTION_STICK_SLIP:
-            g[ROOTS_PER_CONTACT * k + 2] = _grip_margin(model, work, k, touch) + modes.noise[0]
+            g[ROOTS_EACH * k + 2] = _grip_margin(model, work, k, touch) + modes.noise[0]
 
 
 @jit
@@ -172,7 +172,7 @@ def _stop_together(model, work, y, g):
         along, across = slip_along(contact_geometry(pairs, kin, k))
         if math.sqrt(along * along + across * across) <= TOGETHER * SLOW * modes.noise[0]:
             modes.grip[k] = GRIP_PROBE
-            g[ROOTS_PER_CONTACT * k + 2] = -1.0
+            g[ROOTS_EACH * k + 2] = -1.0
 
 
 @jit
@@ -317,7 +317,7 @@ def spatial_start_modes(model, work, t, y, located):
         return
     resting = False
     modes.logged[0] = 0
-    modes.roots[0] = ROOTS_PER_CONTACT * count if located else 0
+    modes.roots[0] = ROOTS_EACH * count if located else 0
     near_pairs_of(model).stale[0] = 1
     load_state(model, work, y)
     for k in range(count):
