@@ -35,26 +35,30 @@ def test_an_engine_without_events_equals_our_rk4_without_events(name, method, sc
     assert np.abs(ours.velocity[-1] - ours.velocity[0]).max() > 0.1  # touch-down and lift-off lie behind
 
 
-@pytest.mark.parametrize(
-    ("scene", "parameters"),
-    [
-        ("bouncing_sphere", {"height": HEIGHT}),
-        ("colliding_spheres", {"law": "spring_damper"}),
-    ],
-)
-def test_contact_connectors_of_exudyn_come_closer_with_the_step(scene, parameters):
-    """The state of contact is settled once a step: order 1."""
+def connected(scene, step: float, samples: int = 2):
     pytest.importorskip("exudyn")
-    built = scenes.make(scene, **parameters)
+    return engines.get("exudyn").run(scene, Settings(method="pair_contact_rk44", step=step, samples=samples))
+
+
+def test_contact_connectors_of_exudyn_come_closer_with_the_step():
+    """The state of contact is settled once a step: order 1."""
+    built = scenes.make("bouncing_sphere", height=HEIGHT)
     truth = simulate(built, Settings(method="dop853", rtol=1e-11, samples=2))
 
     def error(step: float) -> float:
-        run = engines.get("exudyn").run(built, Settings(method="pair_contact_rk44", step=step, samples=2))
+        run = connected(built, step)
         assert run.ok, run.message
         return float(np.abs(run.position[-1] - truth.position[-1]).max())
 
     assert error(2e-5) < 1e-4
     assert error(2e-5) < error(1e-4)
+
+
+def test_contact_connectors_of_exudyn_give_up_on_two_spheres_and_say_so():
+    """Its solver ends the run at touch-down at this step: shown as it is, never as a result."""
+    run = connected(scenes.make("colliding_spheres", law="spring_damper"), 2e-5)
+    assert not run.ok
+    assert "SolveDynamic terminated at t = " in run.message
 
 
 def _rolled(name: str, method: str, **parameters):
