@@ -115,7 +115,7 @@ def measure() -> AndroidFacts:
 
 def numerics(scene: Scene) -> list[Run]:
     """Run the papers' methods without stabilization, and the others as they come."""
-    fixed = [Settings(method=m, step=h, stabilization="none", samples=SAMPLES) for m, h in STEPS[scene.name].items()]
+    fixed = [Settings(method=m, step=h, stabilization="none", samples=SAMPLES, unresolved="keep") for m, h in STEPS[scene.name].items()]
     adaptive = [
         Settings(method=method, rtol=rtol, stabilization="none" if method == "lsodar" else None, samples=SAMPLES)
         for method, rtols in RTOLS[scene.name].items()
@@ -173,7 +173,7 @@ def stable(scene: Scene) -> Stable:
     found = stiffness(system, 0.0, y)
     limits = {name: found.step_limit(m.stability) for name, m in integrators().items() if m.stability}
     beyond = BEYOND[scene.name]
-    asked = Settings(method="rk4", step=beyond, samples=2, reactions=False)
+    asked = Settings(method="rk4", step=beyond, samples=2, reactions=False, unresolved="keep")
     bold = {"refuse_unstable": False, "max_steps": MOST_STEPS, "max_events": MOST_STEPS}
     forced = simulate(scene, asked.model_copy(update=bold))
     return Stable(
@@ -225,7 +225,7 @@ def _peer(scene: Scene, engine: str, cell: Cell, ours: Trajectory) -> Peer:
     kind, text = cell.setting.split("=")
     value = float(text)
     fixed = kind == "step"
-    settings = Settings(method=cell.method, step=value) if fixed else Settings(method=cell.method, rtol=value)
+    settings = Settings(method=cell.method, step=value, unresolved="keep") if fixed else Settings(method=cell.method, rtol=value)
     _, path = judged_run(scene, engine, settings, ladder.grid(scene))
     if path is None or not path.ok:
         return Peer(cell, None, 0)
