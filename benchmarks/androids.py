@@ -115,7 +115,8 @@ def measure() -> AndroidFacts:
 
 def numerics(scene: Scene) -> list[Run]:
     """Run the papers' methods without stabilization, and the others as they come."""
-    fixed = [Settings(method=m, step=h, stabilization="none", samples=SAMPLES, unresolved="keep") for m, h in STEPS[scene.name].items()]
+    papers = {"stabilization": "none", "samples": SAMPLES, "unresolved": "keep"}
+    fixed = [Settings(method=m, step=h, **papers) for m, h in STEPS[scene.name].items()]
     adaptive = [
         Settings(method=method, rtol=rtol, stabilization="none" if method == "lsodar" else None, samples=SAMPLES)
         for method, rtols in RTOLS[scene.name].items()
@@ -225,7 +226,8 @@ def _peer(scene: Scene, engine: str, cell: Cell, ours: Trajectory) -> Peer:
     kind, text = cell.setting.split("=")
     value = float(text)
     fixed = kind == "step"
-    settings = Settings(method=cell.method, step=value, unresolved="keep") if fixed else Settings(method=cell.method, rtol=value)
+    accuracy = {"step": value, "unresolved": "keep"} if fixed else {"rtol": value}
+    settings = Settings(method=cell.method, **accuracy)
     _, path = judged_run(scene, engine, settings, ladder.grid(scene))
     if path is None or not path.ok:
         return Peer(cell, None, 0)

@@ -27,7 +27,8 @@ ENGINE_METHODS = (("mujoco", "rk4"), ("mujoco", "rk4_stock_contact"), ("exudyn",
 OFF_GRID = 0.1234567  # m, height: no whole number of steps, so that no engine meets gap = 0 at a step's end
 VEHICLE_END, VEHICLE_SAMPLES = 2.0, 201
 VEHICLE_RUNS = (
-    Settings(method="dop853", rtol=1e-8), Settings(method="rk4", step=1e-4, unresolved="keep"), Settings(method="lsodar", rtol=1e-7),
+    Settings(method="dop853", rtol=1e-8), Settings(method="rk4", step=1e-4, unresolved="keep"),
+    Settings(method="lsodar", rtol=1e-7),
 )  # fmt: skip
 
 

@@ -58,7 +58,8 @@ def measure() -> SpaceFacts:
 
 def _rk4(scene: Scene, step: float, kept: bool, samples: int = 2) -> Trajectory:
     stabilization = "projection" if kept else "none"
-    return simulate(scene, Settings(method="rk4", step=step, stabilization=stabilization, samples=samples, unresolved="keep"))
+    coarse = {"samples": samples, "unresolved": "keep"}
+    return simulate(scene, Settings(method="rk4", step=step, stabilization=stabilization, **coarse))
 
 
 def _turned_away(scene: Scene, path: Trajectory) -> float:
