@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from importlib.util import find_spec
+from typing import Any
 
 import numpy as np
 
@@ -115,7 +116,7 @@ def measure() -> AndroidFacts:
 
 def numerics(scene: Scene) -> list[Run]:
     """Run the papers' methods without stabilization, and the others as they come."""
-    papers = {"stabilization": "none", "samples": SAMPLES, "unresolved": "keep"}
+    papers: dict[str, Any] = {"stabilization": "none", "samples": SAMPLES, "unresolved": "keep"}
     fixed = [Settings(method=m, step=h, **papers) for m, h in STEPS[scene.name].items()]
     adaptive = [
         Settings(method=method, rtol=rtol, stabilization="none" if method == "lsodar" else None, samples=SAMPLES)
@@ -226,7 +227,7 @@ def _peer(scene: Scene, engine: str, cell: Cell, ours: Trajectory) -> Peer:
     kind, text = cell.setting.split("=")
     value = float(text)
     fixed = kind == "step"
-    accuracy = {"step": value, "unresolved": "keep"} if fixed else {"rtol": value}
+    accuracy: dict[str, Any] = {"step": value, "unresolved": "keep"} if fixed else {"rtol": value}
     settings = Settings(method=cell.method, **accuracy)
     _, path = judged_run(scene, engine, settings, ladder.grid(scene))
     if path is None or not path.ok:

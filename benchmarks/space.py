@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import random
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -58,7 +59,7 @@ def measure() -> SpaceFacts:
 
 def _rk4(scene: Scene, step: float, kept: bool, samples: int = 2) -> Trajectory:
     stabilization = "projection" if kept else "none"
-    coarse = {"samples": samples, "unresolved": "keep"}
+    coarse: dict[str, Any] = {"samples": samples, "unresolved": "keep"}
     return simulate(scene, Settings(method="rk4", step=step, stabilization=stabilization, **coarse))
 
 
