@@ -32,7 +32,7 @@ from mbs_ref.system import System
 from mbs_ref.trajectory import Status
 
 PACKAGE = "sundials4py"
-PROXIMAL = 1e-12  # of a multiplier left in its own row
+PROXIMAL = 1e-12  # s, of a multiplier over the heaviest mass, left in its own row
 MULTIPLIER_SHARE = 1e-4  # of the largest applied force at the start
 HOPELESS_FAILURES, HOPELESS_SHARE = 500, 0.4  # error-test failures, in all and per step taken, that end a run
 STOPPED = {  # IDA's return values, in words
@@ -61,7 +61,7 @@ class _Ida:
         rows = np.array([(slot, row) for _, slot, row in system.rows()], dtype=np.int64).reshape(-1, 2)
         self.row_slot, self.row_row = np.ascontiguousarray(rows[:, 0]), np.ascontiguousarray(rows[:, 1])
         self.lam, self.balance = residual_scratch(system.n_bodies, len(system.groups.slots.body))
-        self.residuals = 0
+        self.residuals, self.heaviest = 0, float(system.groups.bodies.mass.max())
         size = len(y) + len(rows) * (2 if form == GGL else 1)
         _, self.context = core.SUNContext_Create(core.SUN_COMM_NULL)
         core.SUNContext_ClearErrHandlers(self.context)  # failures are reported by flag, not on stderr
@@ -110,7 +110,7 @@ class _Ida:
         out = point(rr)
         planar_residual(
             self.system.model, self.system.work, t, point(yy), point(yp), self.form, PROXIMAL,
-            self.row_slot, self.row_row, self.lam, self.balance, out,
+            self.heaviest, self.row_slot, self.row_row, self.lam, self.balance, out,
         )  # fmt: skip
         self.residuals += 1
         return 0 if np.isfinite(out).all() else 1

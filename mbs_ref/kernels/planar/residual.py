@@ -17,10 +17,11 @@ from mbs_ref.kernels.planar.model import bodies_of, rows_of, slots_of
 INDEX_1, GGL, INDEX_3 = 1, 2, 3
 
 @jit
-def planar_residual(model, work, t, x, xp, form, proximal, row_slot, row_row, lam, balance, out):
+def planar_residual(model, work, t, x, xp, form, proximal, heaviest, row_slot, row_row, lam, balance, out):
     """Write F(t, x, x') of the chosen form; lam (n_slots, 3) and balance (3 n,) are scratch.
 
-    `proximal` times a multiplier is left in its own row: it keeps dependent rows solvable.
+    `proximal` (s) times a multiplier over the mass `heaviest` (kg) is left in its own row: it keeps dependent rows
+    solvable. A multiplier is as large as the heaviest body's forces, and undivided would open its joint.
     """
     bodies, slots, rows = bodies_of(model), slots_of(model), rows_of(work)
     n = bodies.mass.shape[0]
@@ -41,12 +42,12 @@ def planar_residual(model, work, t, x, xp, form, proximal, row_slot, row_row, la
         slot, row = row_slot[r], row_row[r]
         if form == GGL:
             mu = x[2 * half + m + r]
-            out[2 * half + r] = rows.rate[slot, row] - proximal * x[2 * half + r]
+            out[2 * half + r] = rows.rate[slot, row] - proximal / heaviest * x[2 * half + r]
             out[2 * half + m + r] = rows.residual[slot, row] - proximal * mu
         elif form == INDEX_3:
             out[2 * half + r] = rows.residual[slot, row]
         else:
-            out[2 * half + r] = -rows.gamma[slot, row] - proximal * x[2 * half + r]
+            out[2 * half + r] = -rows.gamma[slot, row] - proximal / heaviest * x[2 * half + r]
         for side in range(2):
             body = slots.body[slot, side]
             if body < n:
