@@ -59,7 +59,7 @@ def _settings(engine: str, scene, most: int | None) -> list[Settings]:
     return [settings for method in methods for settings in ladder.rungs(method, scene)[:most]]
 
 
-def shard(tasks: Sequence[Task], index: int, count: int) -> list[Task]:
+def shard[T](tasks: Sequence[T], index: int, count: int) -> list[T]:
     """Return part `index` of `count` (1-based); the parts are disjoint and together everything."""
     if not 1 <= index <= count:
         raise ValueError(f"shard = {index}/{count} must be i/n with 1 <= i <= n")

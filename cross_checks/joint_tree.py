@@ -101,8 +101,12 @@ class JointTree:
             return [float(edge.axis @ (at_point[0] - at_point[1]))]
         return [*v[b], w[b]][: edge.size]
 
+    @np.errstate(over="ignore", invalid="ignore")
     def poses(self, q: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-        """Return position (n_t, n, 2), angle (n_t, n), velocity and angular velocity of coordinates (n_t, n_q)."""
+        """Return position (n_t, n, 2), angle (n_t, n), velocity and angular velocity of coordinates (n_t, n_q).
+
+        Coordinates of a run that diverged give NaN or infinite poses, by which the judge tells.
+        """
         n = len(self.scene.bodies)
         position, velocity = np.zeros((2, len(q), n + 1, 2))
         angle, rate = np.zeros((2, len(q), n + 1))

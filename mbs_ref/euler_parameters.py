@@ -9,16 +9,22 @@ from __future__ import annotations
 import numpy as np
 
 
+def floats(values) -> np.ndarray:
+    """Return an array of floats, in extended precision where the values have it."""
+    found = np.asarray(values)
+    return found.astype(np.result_type(found, float), copy=False)
+
+
 def from_axis_angle(axis, angle) -> np.ndarray:
     """Return theta (..., 4) of a turn by `angle` (rad) about `axis` (any length but zero)."""
-    axis = np.asarray(axis, dtype=float)
-    half = 0.5 * np.asarray(angle, dtype=float)[..., None]
+    axis = floats(axis)
+    half = 0.5 * floats(angle)[..., None]
     return np.concatenate((np.cos(half), np.sin(half) * axis / np.linalg.norm(axis)), axis=-1)
 
 
 def product(first, second) -> np.ndarray:
     """Return theta of the rotation `second` followed by `first`: A(first) A(second)."""
-    p, q = np.asarray(first, dtype=float), np.asarray(second, dtype=float)
+    p, q = floats(first), floats(second)
     scalar = p[..., :1] * q[..., :1] - np.sum(p[..., 1:] * q[..., 1:], axis=-1, keepdims=True)
     vector = p[..., :1] * q[..., 1:] + q[..., :1] * p[..., 1:] + np.cross(p[..., 1:], q[..., 1:])
     return np.concatenate((scalar, vector), axis=-1)
@@ -26,12 +32,12 @@ def product(first, second) -> np.ndarray:
 
 def conjugate(theta) -> np.ndarray:
     """Return theta of the inverse rotation."""
-    return np.asarray(theta, dtype=float) * np.array([1.0, -1.0, -1.0, -1.0])
+    return floats(theta) * np.array([1.0, -1.0, -1.0, -1.0])
 
 
 def rotation_matrices(theta) -> np.ndarray:
     """Return A(theta / |theta|), shape (..., 3, 3): from body axes into world axes."""
-    theta = np.asarray(theta, dtype=float)
+    theta = floats(theta)
     e0, e1, e2, e3 = np.moveaxis(theta, -1, 0)
     s = 2.0 / np.sum(theta**2, axis=-1)
     rows = (

@@ -28,6 +28,7 @@ from mbs_ref.integrators.leg import (
     progress,
 )
 from mbs_ref.interrupts import Interrupts
+from mbs_ref.rank_watch import singular_passage
 from mbs_ref.resolution import resolution
 from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings
@@ -427,7 +428,7 @@ def _trajectory(system, plan, times, states, compliance, counts, status, message
         method_switches=int(counts[4]) if plan.integrator.switches else None,
         timing=timing,
         step_compliance=np.column_stack((times, compliance)),
-        notes=(*notes, *_switching(plan, int(counts[4]))),
+        notes=(*notes, *_switching(plan, int(counts[4])), *singular_passage(system, times, states)),
         contacts=contacts,
         event_times=system.contact_events() if system.event_sources else None,
         event_names=system.event_sources,

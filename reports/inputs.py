@@ -75,6 +75,17 @@ def seconds(text: str) -> float:
     return value * SECONDS[found[2]]
 
 
+def shard[T](items: Sequence[T], text: str) -> list[T]:
+    """Return part I of N, asked for as I/N."""
+    from benchmarks import cluster
+
+    part = re.fullmatch(r"(\d+)/(\d+)", text)
+    try:
+        return cluster.shard(items, *(int(part[1]), int(part[2])) if part else (0, 0))
+    except ValueError as error:
+        raise click.UsageError(str(error)) from error
+
+
 def positive(_context: click.Context, option: click.Parameter, value: float | None) -> float | None:
     """Check an option that click has made a float, which may be NaN."""
     if value is not None and not (math.isfinite(value) and value > 0):

@@ -53,6 +53,8 @@ def invariants(size: float = 1.0) -> Measure:
 
     def measure(scene: Scene, path: Trajectory) -> float:
         balance = observables.energy_balance(scene, path)
+        if not np.isfinite(balance.energy).all():
+            return np.inf
         if balance.drift is None:
             raise LookupError(f"{scene.name} has no energy balance: {balance.reason}")
         swing = float(np.max(observables.kinetic_energy(scene, path)))

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from mbs_ref.euler_parameters import rotation_matrices
+from mbs_ref.euler_parameters import floats, rotation_matrices
 from mbs_ref.scene import GROUND, PlanarBody, PointMass, Scene
 from mbs_ref.trajectory import Trajectory
 
@@ -50,9 +50,9 @@ class Motion:
         if k < 0 or isinstance(self.scene.bodies[k], PointMass):
             return self._fixed(world)  # a particle does not turn
         if self.scene.dimension == 3:
-            return self._turned(k, np.asarray(world, dtype=float))
+            return self._turned(k, floats(world))
         turned = self.angle(body)
-        vector = np.asarray(world, dtype=float)
+        vector = floats(world)
         now = np.cos(turned)[:, None] * vector + np.sin(turned)[:, None] * (PERP @ vector)
         return now, self.trajectory.angular_velocity[:, k, None] * (now @ PERP.T)
 
@@ -94,12 +94,12 @@ class Motion:
 
     def _fixed(self, world) -> tuple[np.ndarray, np.ndarray]:
         shape = (len(self.times), self.scene.dimension)
-        return np.broadcast_to(np.asarray(world, dtype=float), shape), np.zeros(shape)
+        return np.broadcast_to(floats(world), shape), np.zeros(shape)
 
 
 def perpendiculars(axis) -> tuple[np.ndarray, np.ndarray]:
     """Return two unit vectors u, w with u x w along the axis."""
-    axis = np.asarray(axis, dtype=float) / np.linalg.norm(axis)
+    axis = floats(axis) / np.linalg.norm(floats(axis))
     helper = np.zeros(3)
     helper[np.argmin(np.abs(axis))] = 1.0
     u = np.cross(helper, axis)

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from mbs_ref.euler_parameters import floats
 from mbs_ref.observables.attachment import PERP, Motion
 from mbs_ref.observables.signal_values import motion as prescribed
 from mbs_ref.observables.spatial_rows import SPATIAL_ROWS, norm_row
@@ -125,7 +126,7 @@ ROWS = {
 
 def unit(vector) -> np.ndarray:
     """Return the vector at length one."""
-    return np.asarray(vector, dtype=float) / np.linalg.norm(vector)
+    return floats(vector) / np.linalg.norm(floats(vector))
 
 
 def wrapped(angle: np.ndarray) -> np.ndarray:

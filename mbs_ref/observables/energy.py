@@ -30,6 +30,8 @@ from mbs_ref.scene import (
 from mbs_ref.signals import Constant, Signal
 from mbs_ref.trajectory import Trajectory
 
+OVERFLOWN = "the run has diverged: its energy is beyond all numbers"
+
 
 @dataclass(frozen=True)
 class EnergyBalance:
@@ -42,8 +44,9 @@ class EnergyBalance:
     reason: str = ""
 
 
+@np.errstate(over="ignore", invalid="ignore")
 def kinetic_energy(scene: Scene, trajectory: Trajectory) -> np.ndarray:
-    """Return the kinetic energy (n_t,), J."""
+    """Return the kinetic energy (n_t,), J; infinite or NaN where a run that diverged is beyond squares."""
     mass = np.array([body.mass for body in scene.bodies])
     if scene.dimension == 3:
         return 0.5 * np.sum(trajectory.velocity**2, axis=2) @ mass + _spatial_rotation(scene, trajectory)
@@ -84,10 +87,12 @@ def is_conservative(load) -> bool:
     return isinstance(load, SpringDamper | TorsionSpring | Bushing | PointBushing)
 
 
+@np.errstate(over="ignore", invalid="ignore")
 def energy_balance(scene: Scene, trajectory: Trajectory) -> EnergyBalance:
     """Return energy and its drift after the work of all that is not conservative, integrated over the samples.
 
-    Fourth-order splines integrate the power; comparing with every second sample gives `resolution`.
+    Fourth-order splines integrate the power; comparing with every second sample gives `resolution`. A run that
+    diverged so far that its energy is no number has no drift.
     """
     if is_celestial(scene):
         if not celestial.is_newtonian(scene):
@@ -97,7 +102,7 @@ def energy_balance(scene: Scene, trajectory: Trajectory) -> EnergyBalance:
     if celestial.is_attracted(scene):
         return _attracted(scene, trajectory)
     energy = kinetic_energy(scene, trajectory) + potential_energy(scene, trajectory)
-    reason = _undefined(scene, trajectory)
+    reason = OVERFLOWN if not np.isfinite(energy).all() else _undefined(scene, trajectory)
     if reason:
         return EnergyBalance(energy, None, None, 0.0, reason)
     power = powers(Motion(scene, trajectory), is_conservative)

@@ -21,7 +21,7 @@ def motion(signal: Signal, level: Level, times: np.ndarray) -> tuple[np.ndarray,
 def _evaluate(pieces: list[Segment], times: np.ndarray, *, rate: bool) -> np.ndarray:
     starts = [piece.start for piece in pieces]
     chosen = np.clip(np.searchsorted(starts, times, side="right") - 1, 0, None)
-    result = np.empty(len(times))
+    result = np.empty(len(times), dtype=np.result_type(times, float))
     for k, piece in enumerate(pieces):
         here = chosen == k
         result[here] = _rate(piece, times[here]) if rate else _value(piece, times[here])

@@ -18,9 +18,12 @@ from reports.exit_codes import Failed, Incomplete, NothingSelected
 @click.option("--full", is_flag=True, help="Every method and value, with patience: for nights.")
 @click.option("--only", metavar="TEXT", help="Only extremes whose name or family holds this.")
 @click.option("--engine", "chosen", multiple=True, metavar="E", help="Only this engine; repeatable.")
+@click.option("--shard", metavar="I/N", default="1/1", help="Only part I of N of the extremes, for batch systems.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON lines, one a cell.")
 @click.option("-o", "output", metavar="FILE.jsonl", help="Keep the cells in a file; what it holds already is not run.")
-def command(full: bool, only: str | None, chosen: tuple[str, ...], as_json: bool, output: str | None) -> None:
+def command(
+    full: bool, only: str | None, chosen: tuple[str, ...], shard: str, as_json: bool, output: str | None
+) -> None:
     """Drive scenes to the edge, and find where each engine's methods stop, degrade, or go wrong without a word.
 
     Every run has a process of its own; two run at a time. Exit code 1 where the reference solver is
@@ -34,6 +37,9 @@ def command(full: bool, only: str | None, chosen: tuple[str, ...], as_json: bool
     extremes = [e for e in every() if only is None or only in e.name or only in e.family]
     if not extremes:
         raise NothingSelected(f"no extreme is named like {only!r}; there are {', '.join(e.name for e in every())}")
+    extremes = inputs.shard(extremes, shard)
+    if not extremes:
+        raise NothingSelected(f"part {shard} of these extremes is empty")
     target = inputs.output(output, (".jsonl",))
     found: list[Cell] = []
     with ExitStack() as stack:

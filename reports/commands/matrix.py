@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator
 from contextlib import ExitStack
 from typing import TYPE_CHECKING
@@ -50,12 +49,7 @@ def command(
     for name in chosen:
         inputs.engine(name)
     target = inputs.output(output, (".jsonl",))
-    tasks = cluster.plan(quick, list(chosen) or None)
-    part = re.fullmatch(r"(\d+)/(\d+)", shard)
-    try:
-        tasks = cluster.shard(tasks, *(int(part[1]), int(part[2])) if part else (0, 0))
-    except ValueError as error:
-        raise click.UsageError(str(error)) from error
+    tasks = inputs.shard(cluster.plan(quick, list(chosen) or None), shard)
     if not tasks:
         raise NothingSelected("no runs in this part of the matrix")
     with ExitStack() as stack:

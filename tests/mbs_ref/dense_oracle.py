@@ -91,13 +91,13 @@ class Moment:
 
     def with_rates(self, rates: np.ndarray) -> Motion:
         """Return a motion with a sample of this pose for each row of rates (k, n_coordinates)."""
-        full = np.zeros((len(rates), *self.rate.shape))
+        full = np.zeros((len(rates), *self.rate.shape), dtype=self.rate.dtype)
         full[:, self.used] = rates
         return self._path(self.time * np.ones(len(rates)), full, np.zeros(len(rates)), full[:1])
 
     def moved(self, rate: np.ndarray) -> Motion:
         """Return samples of moving on at a steady rate for the times of the stencil, at that rate."""
-        full = np.zeros((1, *self.rate.shape))
+        full = np.zeros((1, *self.rate.shape), dtype=self.rate.dtype)
         full[0, self.used] = rate
         steps = self.span(rate) * np.array([sign * k for k, _ in STENCIL for sign in (1.0, -1.0)])
         return self._path(self.time + steps, np.repeat(full, len(steps), axis=0), steps, full)
@@ -121,8 +121,8 @@ class Moment:
 
 
 def _turned(theta: np.ndarray, omega: np.ndarray, step: float) -> np.ndarray:
-    speed = float(np.linalg.norm(omega))
-    return theta if speed * step == 0.0 else product(from_axis_angle(omega, np.array(speed * step)), theta)
+    speed = np.linalg.norm(omega)
+    return theta if speed * step == 0.0 else product(from_axis_angle(omega, np.asarray(speed * step)), theta)
 
 
 def _derivative(samples: np.ndarray, span: float) -> np.ndarray:
@@ -195,13 +195,16 @@ class Augmented:
         acceleration = np.zeros(self.moment.rate.shape)
         acceleration[self.moment.used] = np.linalg.solve(self.root.T, found[:size])
         lam = found[size:] / self.row_scale
-        wrenches = {joint.name: self._wrench(joint, lam) for joint in self.moment.scene.joints}
-        return Solution(acceleration, wrenches, self.condition, self.redundant)
+        return Solution(acceleration, self.wrenches(lam), self.condition, self.redundant)
+
+    def wrenches(self, lam: np.ndarray) -> dict[str, np.ndarray]:
+        """Return every joint's force and torque of the multipliers (n_rows,)."""
+        return {joint.name: self._wrench(joint, lam) for joint in self.moment.scene.joints}
 
     def _wrench(self, joint: Any, lam: np.ndarray) -> np.ndarray:
         """Return -C_q^T lambda of one joint on its last body, or ground, moved to the joint's mark."""
         own = np.array([name == joint.name for name in self.joints])
-        full = np.zeros(self.moment.rate.shape)
+        full = np.zeros_like(self.moment.rate)
         full[self.moment.used] = -lam[own] @ self.jacobian[own]
         name, sign = getattr(joint, "body_b", None) or joint.body, 1.0
         if name == GROUND:
@@ -242,7 +245,7 @@ def augmented(moment: Moment) -> Augmented:
 
 def _mass(moment: Moment) -> np.ndarray:
     width = moment.rate.shape[1]
-    blocks = np.zeros((len(moment.scene.bodies), width, len(moment.scene.bodies), width))
+    blocks = np.zeros((len(moment.scene.bodies), width, len(moment.scene.bodies), width), dtype=moment.rate.dtype)
     for k, body in enumerate(moment.scene.bodies):
         d = moment.scene.dimension
         blocks[k, :d, k, :d] = body.mass * np.eye(d)
@@ -266,7 +269,7 @@ def _inertia(moment: Moment, k: int) -> np.ndarray:
 
 def _forces(moment: Moment, units: Motion) -> np.ndarray:
     """Return Q (n_q,): gravity, -omega x J omega, and every load by the power of unit velocities."""
-    full = np.zeros(moment.rate.shape)
+    full = np.zeros_like(moment.rate)
     for k, body in enumerate(moment.scene.bodies):
         full[k, : moment.scene.dimension] = body.mass * np.asarray(moment.scene.gravity)
         if isinstance(body, SpatialBody):
@@ -277,8 +280,8 @@ def _forces(moment: Moment, units: Motion) -> np.ndarray:
     return full[moment.used] + (np.sum(terms, axis=0) if terms else 0.0)
 
 
-def _factor(moment: Moment, load: Any) -> float:
-    return float(values(load.factor, np.array([moment.time]))[0])
+def _factor(moment: Moment, load: Any) -> Any:
+    return values(load.factor, np.array([moment.time]))[0]
 
 
 def _force(moment: Moment, now: Motion, units: Motion, load: Force) -> np.ndarray:
@@ -320,7 +323,7 @@ def _bushing(moment: Moment, now: Motion, units: Motion, load: Bushing) -> np.nd
     result = -bushing_strain(units, load)[1][:-1] @ (np.asarray(load.damping) * rate)
     owner = np.nonzero(moment.used)[0]
     for k in np.flatnonzero(np.isin(owner, touched)):
-        unit = np.zeros(len(owner))
+        unit = np.zeros(len(owner), dtype=moment.rate.dtype)
         unit[k] = 1.0
         slope = _derivative(bushing_strain(moment.moved(unit), load)[0], moment.span(unit))
         result[k] -= slope @ (np.asarray(load.stiffness) * strain)

@@ -1,0 +1,80 @@
+"""Random scenes on other engines: what an engine can do, it does as the reference solver does."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from cross_checks import engines as registry
+from cross_checks.compare import checked_run
+from mbs_ref.euler_parameters import geodesic_angle
+from mbs_ref.scene import Scene
+from mbs_ref.settings import Settings
+from mbs_ref.simulate import simulate
+from mbs_ref.traits import traits
+from mbs_ref.trajectory import Trajectory
+from tests.mbs_ref.random_scenes import DURATION, random_scene
+
+MOST_BODIES = 8
+TIMES = np.linspace(0.0, DURATION, 11)
+CLOSE = {  # engine -> settings, and how near (m or rad) its method comes to the motion in 0.1 s
+    "pinocchio": (Settings(method="dop853", rtol=1e-11, atol=1e-11), 1e-8),
+    "mujoco": (Settings(method="rk4", step=1e-4), 1e-8),
+    "exudyn": (Settings(method="generalized_alpha", step=1e-4), 1e-5),
+}
+SOFT_LOOPS = frozenset({"mujoco"})  # a closed loop is a soft constraint there: another limit, shown elsewhere
+
+
+def comparable(name: str, scene: Scene) -> bool:
+    """Return whether the engine takes the scene and promises its motion."""
+    engine = registry.get(name)
+    soft = name in SOFT_LOOPS and "closed-loop" in traits(scene)
+    refused = engine.refusals(scene) or engine.method_refusals(scene, engine.method(CLOSE[name][0].method))
+    return not soft and not refused
+
+
+def apart(name: str, scene: Scene) -> float:
+    """Return the largest distance of the engine's poses from the reference solver's, m or rad."""
+    ours = simulate(scene, Settings(rtol=1e-12, atol=1e-12, reactions=False), TIMES)
+    if not ours.ok:  # a drive beyond its reach: stopped with a reason, as tests/mbs_ref/test_random_scenes.py shows
+        return 0.0
+    theirs = checked_run(registry.get(name), scene, CLOSE[name][0], TIMES)
+    assert isinstance(theirs, Trajectory), theirs
+    assert theirs.ok, theirs.message
+    gap = float(np.abs(ours.position - theirs.position).max())
+    turn = ours.orientation - theirs.orientation if scene.dimension == 2 else geodesic_angle(
+        ours.orientation, theirs.orientation
+    )  # fmt: skip
+    return max(gap, float(np.abs(turn).max()))
+
+
+def survey(name: str, seeds: range) -> tuple[int, float, list[str]]:
+    """Return how many scenes were compared, the worst distance, and a sentence for each out of bounds."""
+    pytest.importorskip(name)
+    count, worst, found = 0, 0.0, []
+    for seed in seeds:
+        scene = random_scene(seed, most=MOST_BODIES)
+        if not comparable(name, scene):
+            continue
+        gap = apart(name, scene)
+        count, worst = count + 1, max(worst, gap)
+        if not gap <= CLOSE[name][1]:
+            found.append(f"seed {seed}: {name} is {gap:.3g} m or rad away")
+    return count, worst, found
+
+
+@pytest.mark.parametrize(("name", "least"), [("pinocchio", 5), ("mujoco", 3), ("exudyn", 8)])
+def test_a_few_move_alike(name, least):
+    count, _, found = survey(name, range(30))
+    assert not found, "\n".join(found)
+    assert count >= least
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", list(CLOSE))
+def test_hundreds_move_alike(name, capsys):
+    count, worst, found = survey(name, range(600))
+    with capsys.disabled():
+        print(f"\n{name}: {count} of 600 random scenes compared, worst {worst:.2g} m or rad")
+    assert not found, "\n".join(found)
+    assert count > 50
