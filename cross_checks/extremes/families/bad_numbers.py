@@ -10,7 +10,9 @@ from cross_checks.extremes import measures
 from cross_checks.extremes.exact import swing
 from cross_checks.extremes.extreme import Axis, Case, Extreme, grid
 from cross_checks.extremes.parts import LENGTH, ROD_RATE, rod_chain
+from cross_checks.truths import kepler as orbit
 from mbs_ref.scene import Force, PlanarBody, Scene, UserForce
+from mbs_ref.scenes.kepler import build as kepler
 
 FAMILY = "bad numbers"
 STEP, RTOL = 1e-3, 1e-8
@@ -41,6 +43,20 @@ def _start(kind: float) -> Case:
     scene = sound.model_copy(update={"bodies": (body,)})
     return Case(
         scene, grid(1.0, STEP, 11), measures.positions(_exact_rod), step=STEP, rtol=RTOL,
+        must_stop=not math.isfinite(speed), unchecked=True,
+    )  # fmt: skip
+
+
+def _orbit(kind: float) -> Case:
+    """A planet's speed that is no number: N-body codes carry it along without a word."""
+    speed = SPEEDS[int(kind)]
+    sound = kepler(eccentricity=0.2, orbits=1.0)
+    center, planet = sound.bodies
+    moved = planet.model_copy(update={"velocity": (speed, *planet.velocity[1:])}) if speed else planet
+    scene = sound.model_copy(update={"bodies": (center, moved)})
+    step = 2.0 * math.pi / 200.0
+    return Case(
+        scene, grid(200.0 * step, step, 11), measures.truth(orbit.solve), step=step, rtol=1e-10,
         must_stop=not math.isfinite(speed), unchecked=True,
     )  # fmt: skip
 
@@ -97,6 +113,8 @@ EXTREMES = (
             Axis("mass", "kg", tuple(float(k) for k in range(len(MASSES))), tuple(f"{m:g} kg" for m in MASSES)), _mass),
     Extreme("any-start", FAMILY, "A swinging rod whose speed at the start is not a number.",
             Axis("speed", "rad/s", (0.0, 1.0, 2.0), tuple(f"{s:g} rad/s" for s in SPEEDS)), _start),
+    Extreme("any-orbit", FAMILY, "A planet whose speed at the start is not a number.",
+            Axis("speed", "m/s", (0.0, 1.0, 2.0), ("as it should be", "nan m/s", "inf m/s")), _orbit, good=1e-2),
     Extreme("overflow", FAMILY, "A constant force until the place overflows.", Axis("force", "N", FORCES), _overflow),
     Extreme("user-law", FAMILY, "A user's force law that breaks in the middle of a run.",
             Axis("law", "", (0.0, 1.0, 2.0, 3.0), KINDS), _user),
