@@ -1,4 +1,7 @@
-"""Did a run pass close to a singular pose? Its output samples are looked at after the run; the loop is not slowed."""
+"""Did a run pass close to a singular pose? Its output samples are looked at after the run; the loop is not slowed.
+
+A pass between two samples is seen as far as they see it: finer output sees more.
+"""
 
 from __future__ import annotations
 
@@ -7,8 +10,8 @@ import numpy as np
 from mbs_ref.diagnosis import weakest_joints
 from mbs_ref.system import System
 
-NEAR = 1e-2  # of the smallest singular value at the start: accelerations have lost that share of their digits there
-SUSPECT = 1e-2  # relative closure pivot below which singular values are looked at: pivots go as their squares
+NEAR = 0.05  # of the smallest singular value at the start: roundoff in reactions is 20 times what it was there
+SUSPECT = 0.05  # relative closure pivot below which singular values are looked at: pivots go as their squares
 MOST_LOOKS = 200  # samples looked at, evenly, at the cost of a right-hand side each
 MOST_CLOSE = 5  # of them whose singular values are taken: the smallest pivots
 

@@ -144,3 +144,16 @@ def test_the_reference_solver_refuses_the_same_spring_at_that_step():
 
 def test_the_reference_solver_meets_a_declared_pulse_of_a_microsecond():
     assert run_point("crash-pulse", 1e-6, "mbs_ref", "dop853").fate is Fate.SURVIVED
+
+
+@pytest.mark.parametrize(("extreme", "value"), [("any-mass", 2.0), ("chain-going-taut", 1e5)])
+def test_dassl_keeps_heavy_bodies_in_their_joints(extreme, value):
+    pytest.importorskip("sundials4py")
+    assert run_point(extreme, value, "mbs_ref", "dassl").fate is Fate.SURVIVED
+
+
+def test_rebound_carries_nan_along_and_is_caught():
+    pytest.importorskip("rebound")
+    point = run_point("any-orbit", 1.0, "rebound", "whfast")
+    assert (point.fate, point.caught, point.status) == (Fate.SILENTLY_WRONG, True, "non-finite")
+    assert run_point("any-orbit", 1.0, "mbs_ref", "gauss").fate is Fate.STOPPED

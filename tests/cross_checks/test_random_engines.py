@@ -20,7 +20,7 @@ TIMES = np.linspace(0.0, DURATION, 11)
 CLOSE = {  # engine -> settings, and how near (m or rad) its method comes to the motion in 0.1 s
     "pinocchio": (Settings(method="dop853", rtol=1e-11, atol=1e-11), 1e-8),
     "mujoco": (Settings(method="rk4", step=1e-4), 1e-8),
-    "exudyn": (Settings(method="generalized_alpha", step=1e-4), 1e-5),
+    "exudyn": (Settings(method="generalized_alpha", step=1e-4), 1e-6),
 }
 SOFT_LOOPS = frozenset({"mujoco"})  # a closed loop is a soft constraint there: another limit, shown elsewhere
 

@@ -18,6 +18,7 @@ from tests.mbs_ref.dense_oracle import AUGMENTED_CUTOFF, Augmented, Moment, Solu
 EXTENDED = np.longdouble
 MOST_REFINEMENTS = 30
 SETTLED = 1e-16  # of the accelerations: a last correction beyond has not converged
+STILL = 1e-3  # m/s^2, rad/s^2: where all accelerations are smaller, corrections are measured against it
 
 
 def has_extended_precision() -> bool:
@@ -59,10 +60,10 @@ def solve(moment: Moment) -> Solution:
         force = exact.force - exact.mass @ a - lam @ exact.jacobian
         da, dlam = correct(force.astype(float), (exact.gamma - exact.jacobian @ a).astype(float))
         a, lam = a + da, lam + dlam
-        last, step = step, float(np.abs(da).max() / max(float(np.abs(a).max()), 1e-30))
-        if step >= 0.5 * last:
+        step = float(np.abs(da).max() / max(float(np.abs(a).max()), STILL))
+        if step <= SETTLED:
             break
-    if step > SETTLED:
+    else:
         raise ArithmeticError(f"refinement stops at {step:.2g} of the accelerations")
     acceleration = np.zeros_like(exact.moment.rate)
     acceleration[moment.used] = a

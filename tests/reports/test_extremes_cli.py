@@ -28,6 +28,14 @@ def test_a_small_extreme_prints_a_line_of_json_a_cell():
     assert all(cell["points"] for cell in cells)
 
 
+def test_shards_of_the_extremes_are_disjoint_and_complete():
+    asked = ["extremes", "--json", "--only", "orbits", "--engine", "rebound", "--shard"]
+    parts = [CliRunner().invoke(main, [*asked, f"{k}/3"], prog_name="mbs-ref") for k in (1, 2, 3)]
+    found = [{json.loads(line)["extreme"] for line in part.stdout.splitlines()} for part in parts]
+    assert sorted(name for part in found for name in part) == ["eccentricity", "orbit-count", "plunge"]
+    assert CliRunner().invoke(main, [*asked, "4/3"], prog_name="mbs-ref").exit_code == 2
+
+
 def test_ctrl_c_keeps_the_cells_and_leaves_no_process_behind(tmp_path: Path):
     kept = tmp_path / "cells.jsonl"
     words = ["extremes", "--engine", "rebound", "--only", "orbits", "-o", str(kept)]

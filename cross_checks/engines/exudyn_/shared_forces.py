@@ -11,6 +11,7 @@ import numpy as np
 from cross_checks.applied import AppliedForces
 from cross_checks.engines.exudyn_.planar_model import Redundant
 from cross_checks.joint_tree import joint_tree
+from mbs_ref.scene import PlanarBody
 
 SHARED = "loads and contacts come from the shared force code, called through Python"
 
@@ -21,11 +22,15 @@ def add_shared_forces(model: Redundant) -> None:
     weight = np.outer([body.mass for body in model.scene.bodies], [*model.scene.gravity, 0.0])
     start = np.array([[*body.position, getattr(body, "angle", 0.0)] for body in model.scene.bodies])
 
-    def forces(mbs, t, number, q, v) -> np.ndarray:
-        q, v = np.reshape(q, (-1, 3)) + start, np.reshape(v, (-1, 3))
-        return (applied.of_poses(t, q, v) - weight).ravel()  # the bodies have their weight already
+    used = np.array([[True, True, isinstance(body, PlanarBody)] for body in model.scene.bodies])
 
-    size = 3 * len(model.nodes)
+    def forces(mbs, t, number, q, v) -> np.ndarray:
+        pose, rate = start.copy(), np.zeros_like(start)
+        pose[used] += q
+        rate[used] = v
+        return (applied.of_poses(t, pose, rate) - weight)[used]  # the bodies have their weight already
+
+    size = int(used.sum())  # a point mass has a node of two coordinates
     zero = np.zeros((size, size))
     model.mbs.AddObject(
         item.ObjectGenericODE2(
