@@ -18,6 +18,7 @@ from mbs_ref.integrators.leg import (
     COUNT_REJECTED,
     COUNT_RHS,
     COUNT_STEPS,
+    FEWEST,
     Leg,
     Options,
     Progress,
@@ -30,7 +31,6 @@ from mbs_ref.system import System
 from mbs_ref.trajectory import Status
 
 EPS = float(np.finfo(float).eps)
-FEWEST = 4  # steps in a leg between declared breakpoints, however short: a pulse is not one step's business
 
 
 class Run(NamedTuple):

@@ -20,8 +20,8 @@ from cross_checks.isolation import Cancelled, Isolated, Lost
 
 CHILDREN = 2
 FIRST = 600.0  # s for the mildest value of a cell: compiling on a busy machine may be in it
-LOADING = 30.0  # s more for a new child, which has everything to load
-PATIENCE = {False: 5.0, True: 60.0}  # s for any other run, by `full`
+LOADING = 30.0  # s for a new child, which has everything to load
+PATIENCE = {False: 3.0, True: 60.0}  # s for any other run, by `full`
 MEMORY = 2 * 2**30  # bytes of one child
 REFINE = 3  # halvings between two listed values in the full set
 
@@ -57,14 +57,21 @@ def cell_of(extreme: Extreme, engine: Engine, method: Method, full: bool, call: 
     if why:
         return Cell(extreme.name, extreme.family, engine.name, method.name, full, Fate.CANNOT, None, (), why)
 
-    def probe(value: float) -> Point:
-        first = value == extreme.axis.values[0]
-        call.timeout = FIRST if first else PATIENCE[full] + (LOADING if call.fresh else 0.0)
-        began = time.perf_counter()
+    def run(value: float, patience: float) -> Point:
+        call.timeout, began = patience, time.perf_counter()
         try:
             return call(run_point, extreme.name, value, engine.name, method.name)
         except Lost as error:
             return replace(lost(value, error.status, str(error)), seconds=time.perf_counter() - began)
+
+    mildest = extreme.axis.values[0]
+
+    def probe(value: float) -> Point:
+        if value == mildest:
+            return run(value, FIRST)
+        if call.fresh:  # load in a run that came back before, so that a hopeless one costs no more than its patience
+            run(mildest, LOADING + PATIENCE[full])
+        return run(value, PATIENCE[full] + (LOADING if call.fresh else 0.0))
 
     values = extreme.values(full)
     kinds = bool(extreme.axis.labels)
@@ -88,11 +95,12 @@ def groups(extremes: Sequence[Extreme], engines: Collection[str], quick_methods:
 
 # The methods a quick look takes; an engine without an entry is taken whole.
 QUICK = {
-    "mbs_ref": ("dop853", "rk4", "radau", "gauss", "generalized_alpha", "lsodar", "euler"),
+    "mbs_ref": ("dop853", "rk4", "radau", "gauss", "generalized_alpha", "lsodar"),
     "exudyn": ("generalized_alpha", "contact_rk44", "tree_dopri5", "tree_rk44"),
     "mujoco": ("rk4", "implicitfast", "rk4_stock_contact"),
     "pinocchio": ("dop853", "rk4"),
     "rebound": ("ias15", "whfast"),
+    "heyoka": ("taylor",),
 }
 
 

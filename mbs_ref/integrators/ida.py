@@ -18,6 +18,7 @@ from mbs_ref.integrators.leg import (
     COUNT_REJECTED,
     COUNT_RHS,
     COUNT_STEPS,
+    FEWEST,
     MESSAGES,
     RUNNING,
     STALLED,
@@ -52,8 +53,9 @@ class _Ida:
     """One IDA memory with everything it refers to kept alive."""
 
     def __init__(
-        self, system: ContactSystem, options: Options, form: int, y: np.ndarray, t0: float, events: ContactEvents
-    ) -> None:
+        self, system: ContactSystem, options: Options, form: int, y: np.ndarray, t0: float, events: ContactEvents,
+        longest: float,
+    ) -> None:  # fmt: skip
         from sundials4py import core, idas
 
         self.core, self.idas = core, idas
@@ -80,6 +82,7 @@ class _Ida:
         # Without this the error test includes the multipliers: 91 000 steps and a wrong answer at rtol 1e-4.
         self._ok(idas.IDASetSuppressAlg(self.memory, 1), "IDASetSuppressAlg")
         self._ok(idas.IDASetMaxNumSteps(self.memory, options.max_steps), "IDASetMaxNumSteps")
+        self._ok(idas.IDASetMaxStep(self.memory, longest), "IDASetMaxStep")
         self.matrix = core.SUNDenseMatrix(size, size, self.context)
         self.solver = core.SUNLinSol_Dense(self.yy, self.matrix, self.context)
         self._ok(idas.IDASetLinearSolver(self.memory, self.solver, self.matrix), "IDASetLinearSolver")
@@ -151,11 +154,12 @@ def ida(form: int) -> Advance:
         states, worst = np.empty((len(times), len(y))), np.zeros(len(times))
         states[0] = y
         t, reached, now = float(times[0]), 1, y.copy()
+        longest = float(times[-1] - times[0]) / FEWEST
         events = ContactEvents(system, options, run)
         code = events.settle(t, now)
         if code != RUNNING:
             return event_end(code, t, y, now, Leg(states, worst, reached, Status.SUCCESS))
-        solver = _Ida(system, options, form, now, t, events)
+        solver = _Ida(system, options, form, now, t, events, longest)
         loops = options.project and system.n_closure_rows > 0
         pace = Pace(t, float(times[-1]), options.max_steps, every=2_000)
         status, message = Status.SUCCESS, ""
@@ -198,7 +202,7 @@ def ida(form: int) -> Advance:
                 if code != RUNNING:
                     run.clock[CLOCK_T] = t
                     return event_end(code, t, y, now, Leg(states, worst, reached, status))
-                solver = _Ida(system, options, form, now, t, events)
+                solver = _Ida(system, options, form, now, t, events, longest)
             elif loops and reached < len(times) and is_near_singular(system, t, now):
                 run.counts[COUNT_RHS] += solver.residuals
                 run.counts[COUNT_REJECTED] += solver.failed_error_tests()
@@ -208,7 +212,7 @@ def ida(form: int) -> Advance:
                     status, message = landing.failed.status, landing.failed.message
                     break
                 now = landing.y
-                solver = _Ida(system, options, form, now, t, events)
+                solver = _Ida(system, options, form, now, t, events, longest)
         run.clock[CLOCK_T] = t
         y[:] = now
         run.counts[COUNT_RHS] += solver.residuals

@@ -28,6 +28,8 @@ STATUS = {
     STOP_EVENT: Status.STOP_EVENT,
 }
 
+FEWEST = 4  # steps in a leg between declared breakpoints, however short: a pulse is not one step's business
+
 
 class Options(NamedTuple):
     """Settings as compiled loops take them; every field is a float or a flag."""

@@ -18,6 +18,7 @@ from mbs_ref.integrators.leg import (
     COUNT_OWN,
     COUNT_RHS,
     COUNT_STEPS,
+    FEWEST,
     MESSAGES,
     RUNNING,
     STALLED,
@@ -48,7 +49,7 @@ def advance(system: System, options: Options, run: Progress, y: np.ndarray, time
     pace, family = Pace(t, float(times[-1]), options.max_steps, every=2_000), ADAMS
     while reached < len(times):
         if solver is None:
-            solver, family = _start(system, options, t, now, float(times[-1])), ADAMS
+            solver, family = _start(system, options, t, now, times), ADAMS
         before = solver.t
         failure = solver.step()
         if solver.status == "failed" or not np.isfinite(solver.y).all():
@@ -106,10 +107,12 @@ def _output(
     return reached
 
 
-def _start(system: System, options: Options, t: float, y: np.ndarray, t_end: float) -> LSODA:
+def _start(system: System, options: Options, t: float, y: np.ndarray, times: np.ndarray) -> LSODA:
+    """Return a solver from (t, y) to the end of the leg, whose ends, where a pulse is zero, must not make a step."""
+    end, longest = float(times[-1]), float(times[-1] - times[0]) / FEWEST
     if options.project:
-        return _OnConstraints(system, options, t, y, t_end)
-    return LSODA(system.derivative, t, y, t_end, rtol=options.rtol, atol=options.atol)
+        return _OnConstraints(system, options, t, y, end, longest)
+    return LSODA(system.derivative, t, y, end, max_step=longest, rtol=options.rtol, atol=options.atol)
 
 
 class _OnConstraints(LSODA):
@@ -119,9 +122,11 @@ class _OnConstraints(LSODA):
     them by the tolerance, y may not.
     """
 
-    def __init__(self, system: System, options: Options, t: float, y: np.ndarray, t_end: float) -> None:
+    def __init__(
+        self, system: System, options: Options, t: float, y: np.ndarray, t_end: float, longest: float
+    ) -> None:
         self.system, self.tolerance = system, options.projection_tolerance
-        super().__init__(self._derivative, t, y, t_end, rtol=options.rtol, atol=options.atol)
+        super().__init__(self._derivative, t, y, t_end, max_step=longest, rtol=options.rtol, atol=options.atol)
 
     def _derivative(self, t: float, z: np.ndarray) -> np.ndarray:
         return self.system.derivative(t, self._onto(t, z))
