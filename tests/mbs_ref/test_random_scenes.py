@@ -31,6 +31,7 @@ BACKWARD = 1e-12  # relative: the equations themselves, whatever the condition
 CONSERVED = 1e-7  # of the largest energy or momentum, over 0.1 s at rtol = 1e-10
 COMPLIANT = 1e-10  # m, rad; ten times that for their rates
 DEAD_END = 0.3  # of the smallest singular value at the start
+CLOSE_LOOK = 1e-3  # s
 QUICK, MANY = 60, 1000
 
 
@@ -152,6 +153,8 @@ def figures(scene: Scene, exact: bool = False) -> Figures:
 
 def is_dead_end(scene: Scene, path: Trajectory) -> bool:
     """Return whether a drive forced its loop to the end of its reach: it was said, and the oracle sees the rank go."""
+    if len(path.times) == 1:  # it stopped before the first output: look closer
+        path = simulate(scene, Settings(rtol=1e-10, t_end=CLOSE_LOOK, samples=401))
     first, last = (augmented(Moment.of(scene, path, k)).kept[-1] for k in (0, -1))
     said = path.status in (Status.SINGULAR, Status.PROJECTION) and "nearest to rank loss" in path.message
     return said and last < DEAD_END * first

@@ -83,10 +83,10 @@ def test_the_residual_vanishes_on_the_motion_of_every_part():
     out = np.empty_like(x)
     scratch = np.zeros_like(system.scratch.rows.multiplier), np.zeros(len(y) - system.n_positions)
     columns = np.ascontiguousarray(rows[:, 0]), np.ascontiguousarray(rows[:, 1])
-    residual(system.model, system.work, t, x, rates, INDEX_1, 0.0, *columns, *scratch, out)
+    residual(system.model, system.work, t, x, rates, INDEX_1, 0.0, 1.0, *columns, *scratch, out)
     size = np.abs(system.applied_forces(t, y)).max()
     assert np.abs(out).max() < 1e-10 * size
-    residual(system.model, system.work, t, x, rates + 1e-3, INDEX_1, 0.0, *columns, *scratch, out)
+    residual(system.model, system.work, t, x, rates + 1e-3, INDEX_1, 0.0, 1.0, *columns, *scratch, out)
     assert np.abs(out).max() > 1e-4
 
 
