@@ -72,7 +72,7 @@ def motion_of(tree, q, v):
     turn, spin = frames(tree, q), frames(tree, v)
     for e in range(tree.body.shape[0]):
         b, p, s, kind = tree.body[e], tree.parent[e], tree.start[e], tree.kind[e]
-        if kind == FREE or kind == FREE_POINT:
+        if kind in (FREE, FREE_POINT):
             for k in range(2):
                 pose[b, k] = tree.position[b, k] + q[s + k]
                 rate[b, k] = v[s + k]

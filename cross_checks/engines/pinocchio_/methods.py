@@ -8,7 +8,7 @@ from __future__ import annotations
 from cross_checks.engine import Method, exponential
 
 GAINS = (100.0, 20.0)  # 1/s^2, 1/s: Kp and Kd, critically damped at 10 rad/s; Pinocchio's own default is 0, 0
-STEPS = (2e-2, 1e-2, 5e-3, 2.5e-3, 1e-3, 5e-4, 2.5e-4)  # s
+STEPS = (2e-2, 1e-2, 5e-3, 2.5e-3, 1e-3, 5e-4, 2.5e-4, 1e-4)  # s
 RTOLS = (1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
 NO_GAINS = "_no_gains"
 SHRINK = "in loops, steps that shrink towards a singular pose end on it, where the proximal solve loses the energy"
