@@ -171,7 +171,8 @@ def stable(scene: Scene) -> Stable:
     limits = {name: found.step_limit(m.stability) for name, m in integrators().items() if m.stability}
     beyond = BEYOND[scene.name]
     asked = Settings(method="rk4", step=beyond, samples=26, reactions=False)
-    bold = {"stabilization": "none", "unresolved": "keep", "refuse_unstable": False, "max_steps": MOST_STEPS, "max_events": MOST_STEPS}
+    most = {"max_steps": MOST_STEPS, "max_events": MOST_STEPS}
+    bold = {"stabilization": "none", "unresolved": "keep", "refuse_unstable": False, **most}
     forced = simulate(scene, asked.model_copy(update=bold))
     return Stable(
         scene.name, found, limits, beyond, simulate(scene, asked).message, f"{forced.status}: {forced.message}"

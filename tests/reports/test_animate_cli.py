@@ -19,12 +19,12 @@ def test_a_scene_moves_in_its_gif(scene, tmp_path):
     found = animate(scene, "--frames", "5", "--strip", "3", "--t-end", "0.1", "-o", str(target))
     assert found.exit_code == 0, found.output
     assert found.stdout.split() == [str(target), str(target.with_suffix(".png"))]
-    film = Image.open(target)
-    assert film.n_frames == 5
-    first = film.convert("RGB")
-    film.seek(4)
-    assert ImageChops.difference(first, film.convert("RGB")).getbbox() is not None
-    assert Image.open(target.with_suffix(".png")).width == 3 * film.width
+    with Image.open(target) as film, Image.open(target.with_suffix(".png")) as strip:
+        assert film.n_frames == 5
+        assert strip.width == 3 * film.width
+        first = film.convert("RGB")
+        film.seek(4)
+        assert ImageChops.difference(first, film.convert("RGB")).getbbox() is not None
 
 
 def test_what_cannot_be_written_is_said_before_the_run(tmp_path):
