@@ -15,7 +15,7 @@ from cross_checks.extremes import named
 from cross_checks.extremes.cell import Cell as ExtremeCell
 from cross_checks.extremes.cell import read as read_cells
 from cross_checks.extremes.run import matrix
-from cross_checks.isolation import Caller, Isolated
+from cross_checks.isolation import Caller, Isolated, Lost
 from cross_checks.matrix import CELL_TIMEOUT, judged, missing
 from cross_checks.record import Record
 from mbs_ref import scenes
@@ -49,16 +49,22 @@ SCENES: tuple[tuple[str, dict[str, Any]], ...] = (
     ("satellite", {}),
 )
 RUN_TIME = 125.0  # s for all runs, so that the report with its compilation stays within five minutes on two cores
+QUICK_TIME = 25.0  # s, for a first look
 LEAST_SHARE = 0.2  # s for a method on a scene, however late it is
 FEW_EXTREMES = ("stiff-spring-quiet", "crash-pulse", "overflow")
 EXTREME_TIME = 20.0  # s
+PARTS: dict[str, Callable[[], Any]] = {  # what ReportData holds beside the cells and sweeps of the default scenes
+    "space": space.measure, "sky": sky.measure, "contact": contact.measure, "crashes": crashes,
+    "androids": androids.measure,
+}  # fmt: skip
+PART_TIMEOUT = 300.0  # s, compilation included
 QUICK = (("pendulum", {}), ("pendulum_chain", {"links": 3}), ("n_four_bar", {"loops": 1}))
 
 
 def gather(
     quick: bool = False, progress: Progress | None = None, extremes_file: Path | None = None
 ) -> ReportData:
-    """Return cells and records of the default scenes (few of them when quick), within RUN_TIME.
+    """Return cells and records of the default scenes (few of them when quick), within RUN_TIME (QUICK_TIME).
 
     After Ctrl-C, what there is so far, with a sentence in `incomplete`.
     """
@@ -73,8 +79,11 @@ def gather(
     try:
         with Isolated(CELL_TIMEOUT) as call:
             _warm_up(next(iter(chosen.values())), report, call)
-            _run(tasks, begun, cells, records, report, call)
-        beyond = _beyond(chosen, extremes_file, quick)
+            _run(tasks, begun, cells, records, report, call, QUICK_TIME if quick else RUN_TIME)
+        beyond = {"truths": truth_facts(chosen), "extremes": extreme_cells(extremes_file, quick)}
+        if not quick:
+            measured, incomplete = _measured(report)
+            beyond |= measured
     except KeyboardInterrupt:
         incomplete = f"interrupted after {len(cells)} of {len(tasks)} cells"
     report(len(tasks), len(tasks), "writing the page")
@@ -86,16 +95,22 @@ def gather(
     )  # fmt: skip
 
 
-def _beyond(chosen: dict[str, Scene], extremes_file: Path | None, quick: bool) -> dict[str, Any]:
-    """Return what the report shows beside the cells and sweeps of the default scenes."""
-    found = {"truths": truth_facts(chosen), "extremes": extreme_cells(extremes_file, quick)}
-    if quick:
-        return found
-    measured = {"space": space.measure(), "sky": sky.measure(), "contact": contact.measure()}
-    return found | measured | {"crashes": crashes(), "androids": androids.measure()}
+def _measured(report: Progress) -> tuple[dict[str, Any], str]:
+    """Return what PARTS measured, and which of them failed with why: one that fails costs its own section only."""
+    found, failed = {}, []
+    with Isolated(PART_TIMEOUT) as call:
+        for done, (name, measure) in enumerate(PARTS.items()):
+            report(done, len(PARTS), f"section {name}")
+            try:
+                found[name] = call(measure)
+            except (Lost, RuntimeError, ValueError, ArithmeticError) as error:
+                failed.append(f"section {name}: {error}")
+    return found, "; ".join(failed)
 
 
-def _run(tasks, begun: float, cells: list[Cell], records: list[Record], report: Progress, call: Caller) -> None:
+def _run(
+    tasks, begun: float, cells: list[Cell], records: list[Record], report: Progress, call: Caller, run_time: float
+) -> None:
     """Add each task's cell and records as soon as they are there."""
     for done, (label, scene, engine, method) in enumerate(tasks):
         report(done, len(tasks), f"{label}, {engine} {method.name if method else 'is not installed'}")
@@ -103,7 +118,7 @@ def _run(tasks, begun: float, cells: list[Cell], records: list[Record], report: 
             cells.append(_cell(label, missing(scene, engine)))
             continue
         # time that earlier tasks left unused goes to the later ones
-        share = max(LEAST_SHARE, (RUN_TIME - time.perf_counter() + begun) / (len(tasks) - done))
+        share = max(LEAST_SHARE, (run_time - time.perf_counter() + begun) / (len(tasks) - done))
         cells.append(_cell(label, judged(scene, engine, method, share / 2, call)))
         records.extend(_timed(scene, engine, method, share / 2, call))
 
