@@ -46,8 +46,9 @@ def find(scene: Scene, times: np.ndarray, folder: Path = FOLDER) -> KeptPoses | 
         rows = np.flatnonzero(np.isin(kept["times"], times))
         if len(rows) < len(times):
             return None
-        numbers = (float(kept[name]) for name in ("uncertainty", "difference"))
-        return KeptPoses(*(kept[name][rows] for name in ("times", "position", "angle")), *numbers, str(kept["how"]))
+        times, position, angle = (kept[name][rows] for name in ("times", "position", "angle"))
+        uncertainty, difference = (float(kept[name]) for name in ("uncertainty", "difference"))
+        return KeptPoses(times, position, angle, uncertainty, difference, str(kept["how"]))
 
 
 def keep(scene: Scene, poses: KeptPoses, folder: Path = FOLDER) -> Path:
