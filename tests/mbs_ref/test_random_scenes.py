@@ -77,7 +77,7 @@ def compare(system: System, moment: Moment, exact: bool = False) -> Figures:
     """Compare the solver with the oracle at one moment: the plain relative difference of all accelerations together.
 
     Lengths are near 1 m, so that m/s^2 and rad/s^2 compare. A mechanism without a degree of freedom has none, and is
-    measured against what its forces would do to the free bodies. Where the oracle in double precision, which differences,
+    measured against what its forces would do to free bodies. Where the oracle in double precision, which differences,
     cannot tell (beyond DOUBTFUL), or with `exact`, the one in extended precision does.
     """
     dense = augmented(moment)
