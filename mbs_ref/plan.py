@@ -7,11 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from mbs_ref.contact import ConstraintLaw, FloresLaw, LankaraniNikraveshLaw, RigidLaw, StickSlip
+from mbs_ref.cores import core_name
 from mbs_ref.integrators import DEFAULT, integrators
 from mbs_ref.integrators.leg import Integrator, Options
 from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings
-from mbs_ref.traits import traits
+from mbs_ref.traits import NO_DEFLECTIONS, deflecting, traits
 
 DEFAULT_TOLERANCE = 1e-8  # rtol, and atol in m, rad, m/s, rad/s
 PROJECTION_TOLERANCE = 1e-14  # of the scene's size in metres (at least 1 m): a little above roundoff
@@ -45,6 +46,9 @@ def make_plan(scene: Scene, settings: Settings, times: np.ndarray | None) -> Pla
     missing = integrator.requires - traits(scene)
     if missing:
         raise ValueError(f"method = {name!r} needs a scene that is {', '.join(sorted(missing))}; {scene.name!r} is not")
+    if integrator.cores and core_name(scene) not in integrator.cores:
+        allowed = ", ".join(integrator.cores)
+        raise ValueError(f"method = {name!r} is made for {allowed} scenes; {scene.name!r} is of {core_name(scene)}")
     fixed = _wants_fixed_step(integrator, settings)
     notes: tuple[str, ...] = ()
     if times is None:
@@ -80,6 +84,9 @@ def _check_events(scene: Scene, settings: Settings, integrator: Integrator) -> N
         raise ValueError(f"events = 'none' cannot run {scene.events[0].name}: a declared event must be located")
     if (scene.contacts or scene.events) and settings.events != "none" and not integrator.locates_events:
         raise ValueError(f"method {integrator.name!r} locates no events; give events = 'none', or another method")
+    extra = deflecting(scene)
+    if extra and not integrator.holds_deflections:
+        raise ValueError(f"method {integrator.name!r} cannot run {', '.join(extra[:8])}: {NO_DEFLECTIONS}")
     impulsive = RigidLaw | ConstraintLaw
     needs = [c.name for c in scene.contacts if isinstance(c.law, impulsive) or isinstance(c.friction, StickSlip)]
     if settings.events == "none" and needs:

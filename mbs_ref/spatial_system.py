@@ -7,6 +7,7 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
+from scipy.linalg import qr
 
 from mbs_ref.contact_system import ContactSystem
 from mbs_ref.euler_parameters import parameter_matrix, rotation_matrices
@@ -172,8 +173,8 @@ class SpatialSystem(ContactSystem):
 
     # --- the augmented system, dense --------------------------------------------------------------
 
-    def rows(self) -> list[tuple[int, int, int]]:
-        """Return (joint, slot, row in slot) of every joint row, joint after joint."""
+    def rows(self, every: bool = False) -> list[tuple[int, int, int]]:
+        """Return (joint, slot, row in slot) of every joint row, joint after joint; contacts have none in space."""
         return [
             (k, slot, row + r)
             for k, (slot, row, _) in sorted(self.place.items())
@@ -253,6 +254,14 @@ class SpatialSystem(ContactSystem):
 
     def row_joints(self) -> list[str]:
         return [self.scene.joints[k].name for k, _, _ in self.rows()]
+
+    def independent_rows(self, t: float, y: np.ndarray) -> np.ndarray:
+        every = len(self.rows())
+        kept = every - self.n_closure_rows + int(self.groups.slots.closure_rank[0])
+        if kept == every:
+            return np.arange(every)
+        order = qr(self.scaled_jacobian(t, y).T, mode="r", pivoting=True)[-1]
+        return np.sort(order[:kept])
 
     def accelerations(self, t: float, y: np.ndarray) -> np.ndarray:
         self.derivative(t, y)

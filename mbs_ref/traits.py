@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from mbs_ref.contact import StickSlip
 from mbs_ref.scene import DRIVES, GROUND, CoordinateDrive, PlanarBody, PointDrive, PointMass, Scene, UserForce
 
 ALL_TRAITS = {
@@ -16,6 +17,8 @@ ALL_TRAITS = {
     "contact": "bodies touch and part: forces or speeds jump",
     "user-force": "a force law is the user's own function",
 }
+
+NO_DEFLECTIONS = "where contacts stick in space, their deflections are states that this method does not carry"
 
 
 def part_types(scene: Scene) -> frozenset[str]:
@@ -42,6 +45,11 @@ def traits(scene: Scene) -> frozenset[str]:
     }
     assert present.keys() == ALL_TRAITS.keys()
     return frozenset(name for name, value in present.items() if value)
+
+
+def deflecting(scene: Scene) -> list[str]:
+    """Return the contacts whose sticking adds states: all that can stick in space."""
+    return [c.name for c in scene.contacts if scene.dimension == 3 and isinstance(c.friction, StickSlip)]
 
 
 def joint_ends(joint) -> tuple[str, str]:

@@ -19,6 +19,7 @@ from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import InconsistentScene, simulate
 from mbs_ref.soundness import UnsoundScene
+from mbs_ref.traits import NO_DEFLECTIONS, deflecting
 from mbs_ref.trajectory import Status, Trajectory
 
 PART_TYPES = (
@@ -51,12 +52,14 @@ class MbsRef(Engine):
         return []
 
     def method_refusals(self, scene: Scene, method: Method) -> list[Refusal]:
-        package, cores = integrators()[method.name].package, integrators()[method.name].cores
+        integrator = integrators()[method.name]
+        package, cores = integrator.package, integrator.cores
         missing = package is not None and find_spec(package) is None
         absent = [Refusal(f"{method.name} needs the package {package!r}, which is not installed", False)]
         foreign = bool(cores) and core_name(scene) not in cores
         only = [Refusal(f"{method.name} is made for {', '.join(cores)}; this scene is {core_name(scene)}", True)]
-        return super().method_refusals(scene, method) + (absent if missing else []) + (only if foreign else [])
+        unheld = [Refusal(NO_DEFLECTIONS, False)] if deflecting(scene) and not integrator.holds_deflections else []
+        return super().method_refusals(scene, method) + unheld + (absent if missing else []) + (only if foreign else [])
 
     def run(self, scene: Scene, settings: Settings, times: np.ndarray | None = None) -> Trajectory:
         method = self.method(settings.method)

@@ -2,7 +2,7 @@
 
 from mbs_ref.integrators.ida import PACKAGE, ida
 from mbs_ref.integrators.leg import Integrator
-from mbs_ref.kernels.planar.residual import GGL
+from mbs_ref.kernels.residual import GGL
 
 INTEGRATOR = Integrator(
     name="dassl",
@@ -12,8 +12,8 @@ INTEGRATOR = Integrator(
     advance=ida(GGL),
     stabilizations=("none", "projection"),
     ladder=(1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12),
-    requires=frozenset({"planar"}),  # not yet taught spatial bodies
     source="Petzold 1982; Hindmarsh et al. 2005; Gear, Gupta, Leimkuhler 1985",
     package=PACKAGE,
+    holds_deflections=False,
     cores=("planar", "spatial"),
 )

@@ -2,7 +2,7 @@
 
 from mbs_ref.integrators.ida import PACKAGE, ida
 from mbs_ref.integrators.leg import Integrator
-from mbs_ref.kernels.planar.residual import INDEX_3
+from mbs_ref.kernels.residual import INDEX_3
 
 INTEGRATOR = Integrator(
     name="dassl_index3",
@@ -13,9 +13,9 @@ INTEGRATOR = Integrator(
     stabilization="none",
     stabilizations=("none",),
     ladder=(1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12),
-    requires=frozenset({"planar"}),  # not yet taught spatial bodies
     source="Petzold 1982; Hindmarsh et al. 2005; Gear, Gupta, Leimkuhler 1985",
     weakness="the error test and Newton's iteration of raw index 3 do not improve with the step",
     package=PACKAGE,
+    holds_deflections=False,
     cores=("planar", "spatial"),
 )

@@ -2,13 +2,15 @@
 
 Source: M. Arnold, O. Bruls, Convergence of the generalized-alpha scheme for constrained mechanical
 systems, Multibody System Dynamics 18 (2007) 185-202, eqs 8-11, with the parameters of J. Chung,
-G. M. Hulbert, J. Appl. Mech. 60 (1993) 371-375.
+G. M. Hulbert, J. Appl. Mech. 60 (1993) 371-375. In space on the group of rotations: O. Bruls, A. Cardona, J. Comput.
+Nonlinear Dyn. 5 (2010) 031002.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
+from mbs_ref.contact_system import ContactSystem
 from mbs_ref.integrators.events import ACTIVE, EVENT, H_NEXT, IDLE, RETRY, event_tables, settle, watch
 from mbs_ref.integrators.leg import (
     CLOCK_COMPLIANCE,
@@ -30,9 +32,9 @@ from mbs_ref.integrators.leg import (
     finish_leg,
 )
 from mbs_ref.integrators.step_control import close_step, record
-from mbs_ref.kernels.core import dense_correction, derivative, factor_tangent, multipliers, tree_correction
+from mbs_ref.kernels.core import derivative, displace, multipliers, position_count
+from mbs_ref.kernels.implicit import dense_correction, factor_tangent, tree_correction
 from mbs_ref.kernels.jit import jit
-from mbs_ref.planar_system import PlanarSystem
 from mbs_ref.system import System
 
 SPECTRAL_RADIUS = 0.9  # at infinite frequency
@@ -49,19 +51,21 @@ ROUNDOFF = 1e-13  # of the state's size: what a Newton correction may leave
 @jit
 def _iterate(model, work, t, h, y, qdd, a, lam, trial, new_qdd, new_a, dense, row_slot, row_row, lu, pivots, counts):
     """Solve one step for new_qdd and lam; leave the state in `trial`. Return converged, last contraction."""
-    n = qdd.shape[0]
+    n, start = qdd.shape[0], position_count(model)
+    move = np.empty(n)
     ratio = (1.0 - ALPHA_F) / (1.0 - ALPHA_M)
     by_position = h * h * BETA * ratio
     size = 1.0
-    for k in range(n):
+    for k in range(start):
         size = max(size, abs(y[k]))
     before = -1.0
     contraction = 0.0
     for iteration in range(DENSE_ITERATIONS if dense else TREE_ITERATIONS):
         for k in range(n):
             new_a[k] = ((1.0 - ALPHA_F) * new_qdd[k] + ALPHA_F * qdd[k] - ALPHA_M * a[k]) / (1.0 - ALPHA_M)
-            trial[k] = y[k] + h * y[n + k] + h * h * ((0.5 - BETA) * a[k] + BETA * new_a[k])
-            trial[n + k] = y[n + k] + h * ((1.0 - GAMMA) * a[k] + GAMMA * new_a[k])
+            move[k] = h * y[start + k] + h * h * ((0.5 - BETA) * a[k] + BETA * new_a[k])
+            trial[start + k] = y[start + k] + h * ((1.0 - GAMMA) * a[k] + GAMMA * new_a[k])
+        displace(model, y, move, trial)
         if dense:
             change, defect = dense_correction(
                 model, work, t, trial, new_qdd, lam, by_position, False, row_slot, row_row, lu, pivots
@@ -83,12 +87,22 @@ def _iterate(model, work, t, h, y, qdd, a, lam, trial, new_qdd, new_a, dense, ro
 
 
 @jit
+def _predict(model, h, y, a, trial):
+    """Write the state that the accelerations of the step before would lead to."""
+    start = position_count(model)
+    move = np.empty_like(a)
+    for k in range(a.shape[0]):
+        move[k] = h * (y[start + k] + 0.5 * h * a[k])
+        trial[start + k] = y[start + k] + h * a[k]
+    displace(model, y, move, trial)
+
+
+@jit
 def _start(model, work, t, y, qdd, lam):
     """Set accelerations and multipliers that satisfy the equations at the start."""
-    n = qdd.shape[0]
-    dy = np.empty(2 * n)
+    dy = np.empty_like(y)
     derivative(model, work, t, y, dy)
-    qdd[:] = dy[n:]
+    qdd[:] = dy[position_count(model) :]
     multipliers(work, lam)
 
 
@@ -99,7 +113,7 @@ def advance_generalized_alpha(
     """Advance y through times[1:], in place; return a status code (RUNNING when the chunk is used up)."""
     clock, counts = run.clock, run.counts
     n = qdd.shape[0]
-    trial = np.empty(2 * n)
+    trial = np.empty_like(y)
     new_qdd = np.empty(n)
     new_a = np.empty(n)
     old_lam = lam.copy()
@@ -136,9 +150,7 @@ def advance_generalized_alpha(
         contraction = 1.0
         old_lam[:] = lam
         new_qdd[:] = qdd
-        for k in range(n):
-            trial[k] = y[k] + h * (y[n + k] + 0.5 * h * a[k])
-            trial[n + k] = y[n + k] + h * a[k]
+        _predict(model, h, y, a, trial)
         for attempt in range(ATTEMPTS):
             if dense and (factored != h or attempt > 0):
                 if not factor_tangent(
@@ -160,9 +172,7 @@ def advance_generalized_alpha(
                 factored = 0.0
                 new_qdd[:] = qdd
                 lam[:] = old_lam
-                for k in range(n):
-                    trial[k] = y[k] + h * (y[n + k] + 0.5 * h * a[k])
-                    trial[n + k] = y[n + k] + h * a[k]
+                _predict(model, h, y, a, trial)
         if not converged:
             return NOT_CONVERGED
         if dense and contraction > SLOW:
@@ -179,11 +189,7 @@ def advance_generalized_alpha(
             if verdict == RETRY:
                 lam[:] = old_lam
                 continue
-        for k in range(n):
-            y[k] = trial[k]
-            y[n + k] = trial[n + k]
-            qdd[k] = new_qdd[k]
-            a[k] = new_a[k]
+        y[:], qdd[:], a[:] = trial, new_qdd, new_a
         clock[CLOCK_T] = t_new
         counts[COUNT_STEPS] += 1
         if verdict == EVENT:
@@ -209,12 +215,11 @@ DENSE_LIMIT = 900  # unknowns; a dense tangent beyond costs seconds a factorizat
 
 def advance(system: System, options: Options, run: Progress, y: np.ndarray, times: np.ndarray) -> Leg:
     """Integrate one leg."""
-    if not isinstance(system, PlanarSystem):
-        raise ValueError("method 'generalized_alpha' works on planar scenes only")
+    assert isinstance(system, ContactSystem)  # `cores` of the INTEGRATOR sees to it
     states = np.empty((len(times), len(y)))
     worst = np.zeros(len(times))
     states[0] = y
-    n = len(y) // 2
+    n = len(y) - system.n_positions
     qdd, lam = np.empty(n), np.zeros_like(system.scratch.rows.multiplier)
     _start(system.model, system.work, float(times[0]), y, qdd, lam)
     run.counts[COUNT_RHS] += 1
@@ -241,8 +246,8 @@ INTEGRATOR = Integrator(
     stabilization="none",
     stabilizations=("none", "projection"),
     ladder=(2e-2, 1e-2, 5e-3, 2.5e-3, 1.25e-3, 6.25e-4),
-    requires=frozenset({"planar"}),  # not yet taught spatial bodies
     source="Arnold and Bruls 2007; Chung and Hulbert 1993",
     keeps_constraints=True,
+    holds_deflections=False,
     cores=("planar", "spatial"),
 )

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from mbs_ref.contact_system import ContactSystem
 from mbs_ref.integrators.contact_events import ContactEvents, event_end
 from mbs_ref.integrators.crossing import is_near_singular, leap
 from mbs_ref.integrators.leg import (
@@ -26,8 +27,7 @@ from mbs_ref.integrators.leg import (
     Pace,
     Progress,
 )
-from mbs_ref.kernels.planar.residual import GGL, planar_residual, residual_scratch
-from mbs_ref.planar_system import PlanarSystem
+from mbs_ref.kernels.residual import GGL, largest_balance, residual
 from mbs_ref.system import System
 from mbs_ref.trajectory import Status
 
@@ -52,15 +52,17 @@ class _Ida:
     """One IDA memory with everything it refers to kept alive."""
 
     def __init__(
-        self, system: PlanarSystem, options: Options, form: int, y: np.ndarray, t0: float, events: ContactEvents
+        self, system: ContactSystem, options: Options, form: int, y: np.ndarray, t0: float, events: ContactEvents
     ) -> None:
         from sundials4py import core, idas
 
         self.core, self.idas = core, idas
         self.system, self.form, self.events, self.size = system, form, events, len(y)
-        rows = np.array([(slot, row) for _, slot, row in system.rows()], dtype=np.int64).reshape(-1, 2)
+        self.kept = system.independent_rows(t0, y)
+        rows = np.array([(slot, row) for _, slot, row in system.rows()], dtype=np.int64).reshape(-1, 2)[self.kept]
         self.row_slot, self.row_row = np.ascontiguousarray(rows[:, 0]), np.ascontiguousarray(rows[:, 1])
-        self.lam, self.balance = residual_scratch(system.n_bodies, len(system.groups.slots.body))
+        self.lam = np.zeros_like(system.scratch.rows.multiplier)
+        self.balance = np.zeros(len(y) - system.n_positions)
         self.residuals = 0
         size = len(y) + len(rows) * (2 if form == GGL else 1)
         _, self.context = core.SUNContext_Create(core.SUN_COMM_NULL)
@@ -87,28 +89,34 @@ class _Ida:
 
     def _start(self, y: np.ndarray, t0: float, rows: int) -> None:
         """Fill consistent x and x' and mark what is differential."""
-        half = len(y) // 2
         dy = self.system.derivative(t0, y)
-        lam = self.system.multipliers(t0, y)
+        lam = self._multipliers(y, t0)
         x, xp, ids = (self.core.N_VGetArrayPointer(v) for v in (self.yy, self.yp, self.ids))
         x[:], xp[:], ids[:] = 0.0, 0.0, 0.0
         x[: len(y)], x[len(y) : len(y) + rows] = y, lam
-        xp[:half], xp[half : len(y)] = y[half:], dy[half:]
+        xp[: len(y)] = dy
         ids[: len(y)] = 1.0
+
+    def _multipliers(self, y: np.ndarray, t0: float) -> np.ndarray:
+        """Return those of the rows that are kept; they carry the dropped rows' forces."""
+        every = self.system.multipliers(t0, y)
+        if len(self.kept) == len(every):
+            return every
+        jacobian = self.system.jacobian(t0, y)
+        return np.linalg.lstsq(jacobian[self.kept].T, jacobian.T @ every)[0]
 
     def _multiplier_tolerance(self, options: Options, y: np.ndarray, t0: float) -> float:
         """Return what Newton may leave in a multiplier (N): it enters velocities only through h lambda / m.
 
         Held to the states' own tolerance, lambda's roundoff of eps / h stops every small step.
         """
-        half = len(y) // 2
-        force = self.system.applied_forces(t0, y[:half].reshape(-1, 3), y[half:].reshape(-1, 3))
-        return max(options.atol, MULTIPLIER_SHARE * max(1.0, float(np.abs(force).max())))
+        force = largest_balance(self.system.model, self.system.work, t0, y, self.lam, self.balance)
+        return max(options.atol, MULTIPLIER_SHARE * max(1.0, force))
 
     def _residual(self, t: float, yy: Any, yp: Any, rr: Any, _data: Any = None) -> int:
         point = self.core.N_VGetArrayPointer
         out = point(rr)
-        planar_residual(
+        residual(
             self.system.model, self.system.work, t, point(yy), point(yp), self.form, PROXIMAL,
             self.row_slot, self.row_row, self.lam, self.balance, out,
         )  # fmt: skip
@@ -139,8 +147,7 @@ def ida(form: int) -> Advance:
     """Return the leg-by-leg driver of one index form."""
 
     def advance(system: System, options: Options, run: Progress, y: np.ndarray, times: np.ndarray) -> Leg:
-        if not isinstance(system, PlanarSystem):
-            raise ValueError("DASSL works on planar scenes only")
+        assert isinstance(system, ContactSystem)  # `cores` of the Integrator sees to it
         states, worst = np.empty((len(times), len(y))), np.zeros(len(times))
         states[0] = y
         t, reached, now = float(times[0]), 1, y.copy()

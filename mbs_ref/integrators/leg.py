@@ -111,6 +111,7 @@ class Integrator:
     weakness: str = ""  # why the method is known to fail or stand wrong where others do not: shown, never judged by
     switches: str = ""  # the families between which the method changes and says so
     package: str | None = None  # optional third-party package it needs
+    holds_deflections: bool = True  # carries the deflections of sticking contacts, which are states in space
     cores: tuple[str, ...] = ()  # the only cores it runs on (mbs_ref.cores.core_name); empty for all
 
 

@@ -14,11 +14,12 @@ from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.particles import dynamics as particles
 from mbs_ref.kernels.particles.model import ParticleModel, ParticleWork
 from mbs_ref.kernels.planar import contact_events as planar_contacts
+from mbs_ref.kernels.planar import descriptor as planar_form
 from mbs_ref.kernels.planar import dynamics as planar
 from mbs_ref.kernels.planar import events as planar_events
-from mbs_ref.kernels.planar import implicit as planar_implicit
 from mbs_ref.kernels.planar.model import PlanarModel, PlanarWork
 from mbs_ref.kernels.spatial import contact_events as spatial_contacts
+from mbs_ref.kernels.spatial import descriptor as spatial_form
 from mbs_ref.kernels.spatial import dynamics as spatial
 from mbs_ref.kernels.spatial.model import SpatialModel, SpatialWork
 
@@ -54,9 +55,19 @@ _ANSWERS: dict[str, dict[type, Callable[..., Any]]] = {
         SpatialWork: spatial.spatial_multipliers,
         ParticleWork: particles.particle_multipliers,
     },
-    "tree_correction": {PlanarModel: planar_implicit.planar_tree_correction},
-    "dense_correction": {PlanarModel: planar_implicit.planar_dense_correction},
-    "factor_tangent": {PlanarModel: planar_implicit.planar_factor_tangent},
+    "position_count": {
+        PlanarModel: planar_form.planar_position_count,
+        SpatialModel: spatial_form.spatial_position_count,
+    },
+    "force_balance": {PlanarModel: planar_form.planar_force_balance, SpatialModel: spatial_form.spatial_force_balance},
+    "times_mass": {PlanarModel: planar_form.planar_times_mass, SpatialModel: spatial_form.spatial_times_mass},
+    "answer": {PlanarModel: planar_form.planar_answer, SpatialModel: spatial_form.spatial_answer},
+    "row_times": {PlanarModel: planar_form.planar_row_times, SpatialModel: spatial_form.spatial_row_times},
+    "add_row": {PlanarModel: planar_form.planar_add_row, SpatialModel: spatial_form.spatial_add_row},
+    "displace": {PlanarModel: planar_form.planar_displace, SpatialModel: spatial_form.spatial_displace},
+    "position_rate": {PlanarModel: planar_form.planar_position_rate, SpatialModel: spatial_form.spatial_position_rate},
+    "defect_of": {PlanarWork: planar_form.planar_defect_of, SpatialWork: spatial_form.spatial_defect_of},
+    "gamma_of": {PlanarWork: planar_form.planar_gamma_of, SpatialWork: spatial_form.spatial_gamma_of},
 }
 
 
@@ -144,18 +155,53 @@ def multipliers(work, lam) -> Any:
     raise NotImplementedError("called from compiled code only")
 
 
-def tree_correction(model, work, t, y, qdd, lam, weight, velocity_level) -> Any:
-    """Correct (qdd, lam) towards the DAE at (t, y) with the mass matrix alone."""
+def position_count(model) -> Any:
+    """Return how many entries of the state are positions; rates follow."""
     raise NotImplementedError("called from compiled code only")
 
 
-def dense_correction(model, work, t, y, qdd, lam, weight, velocity_level, row_slot, row_row, lu, pivots) -> Any:
-    """Correct (qdd, lam) with the factored full tangent."""
+def force_balance(model, work, t, y, lam, out) -> Any:
+    """Write f - C_q^T lambda as rates are ordered; leave C, C_dot, C_q and gamma in `work`."""
     raise NotImplementedError("called from compiled code only")
 
 
-def factor_tangent(model, work, t, y, lam, by_position, by_velocity, row_slot, row_row, lu, pivots) -> Any:
-    """Form and factor the full tangent; return False where it is singular."""
+def times_mass(model, rate, out) -> Any:
+    """Write M rate."""
+    raise NotImplementedError("called from compiled code only")
+
+
+def answer(model, work, balance, out) -> Any:
+    """Solve the augmented system for a balance and the gamma in `work`; write the accelerations."""
+    raise NotImplementedError("called from compiled code only")
+
+
+def row_times(model, work, slot, row, rate) -> Any:
+    """Return one constraint row applied to rates."""
+    raise NotImplementedError("called from compiled code only")
+
+
+def add_row(model, work, slot, row, factor, out) -> Any:
+    """Add factor times one constraint row to out."""
+    raise NotImplementedError("called from compiled code only")
+
+
+def displace(model, y, move, out) -> Any:
+    """Write y's positions moved along the rates' directions by `move`."""
+    raise NotImplementedError("called from compiled code only")
+
+
+def position_rate(model, y, rate, out) -> Any:
+    """Write the rates of the positions that `rate` means."""
+    raise NotImplementedError("called from compiled code only")
+
+
+def defect_of(work, velocity_level) -> Any:
+    """Return C, or C_dot where asked (n_slots, rows a slot), as the last balance left it."""
+    raise NotImplementedError("called from compiled code only")
+
+
+def gamma_of(work) -> Any:
+    """Return gamma (n_slots, rows a slot), to be read or replaced."""
     raise NotImplementedError("called from compiled code only")
 
 
@@ -225,28 +271,64 @@ def _multipliers(work, lam):
     return lambda work, lam: answer(work, lam)
 
 
-@overload(tree_correction, jit_options=_OPTIONS)
-def _tree_correction(model, work, t, y, qdd, lam, weight, velocity_level):
-    answer = _ANSWERS["tree_correction"][model.instance_class]
-    return lambda model, work, t, y, qdd, lam, weight, velocity_level: answer(
-        model, work, t, y, qdd, lam, weight, velocity_level
-    )
+@overload(position_count, jit_options=_OPTIONS)
+def _position_count(model):
+    chosen = _ANSWERS["position_count"][model.instance_class]
+    return lambda model: chosen(model)
 
 
-@overload(dense_correction, jit_options=_OPTIONS)
-def _dense_correction(model, work, t, y, qdd, lam, weight, velocity_level, row_slot, row_row, lu, pivots):
-    answer = _ANSWERS["dense_correction"][model.instance_class]
-    return lambda model, work, t, y, qdd, lam, weight, velocity_level, row_slot, row_row, lu, pivots: answer(
-        model, work, t, y, qdd, lam, weight, velocity_level, row_slot, row_row, lu, pivots
-    )
+@overload(force_balance, jit_options=_OPTIONS)
+def _force_balance(model, work, t, y, lam, out):
+    chosen = _ANSWERS["force_balance"][model.instance_class]
+    return lambda model, work, t, y, lam, out: chosen(model, work, t, y, lam, out)
 
 
-@overload(factor_tangent, jit_options=_OPTIONS)
-def _factor_tangent(model, work, t, y, lam, by_position, by_velocity, row_slot, row_row, lu, pivots):
-    answer = _ANSWERS["factor_tangent"][model.instance_class]
-    return lambda model, work, t, y, lam, by_position, by_velocity, row_slot, row_row, lu, pivots: answer(
-        model, work, t, y, lam, by_position, by_velocity, row_slot, row_row, lu, pivots
-    )
+@overload(times_mass, jit_options=_OPTIONS)
+def _times_mass(model, rate, out):
+    chosen = _ANSWERS["times_mass"][model.instance_class]
+    return lambda model, rate, out: chosen(model, rate, out)
+
+
+@overload(answer, jit_options=_OPTIONS)
+def _answer(model, work, balance, out):
+    chosen = _ANSWERS["answer"][model.instance_class]
+    return lambda model, work, balance, out: chosen(model, work, balance, out)
+
+
+@overload(row_times, jit_options=_OPTIONS)
+def _row_times(model, work, slot, row, rate):
+    chosen = _ANSWERS["row_times"][model.instance_class]
+    return lambda model, work, slot, row, rate: chosen(model, work, slot, row, rate)
+
+
+@overload(add_row, jit_options=_OPTIONS)
+def _add_row(model, work, slot, row, factor, out):
+    chosen = _ANSWERS["add_row"][model.instance_class]
+    return lambda model, work, slot, row, factor, out: chosen(model, work, slot, row, factor, out)
+
+
+@overload(displace, jit_options=_OPTIONS)
+def _displace(model, y, move, out):
+    chosen = _ANSWERS["displace"][model.instance_class]
+    return lambda model, y, move, out: chosen(model, y, move, out)
+
+
+@overload(position_rate, jit_options=_OPTIONS)
+def _position_rate(model, y, rate, out):
+    chosen = _ANSWERS["position_rate"][model.instance_class]
+    return lambda model, y, rate, out: chosen(model, y, rate, out)
+
+
+@overload(defect_of, jit_options=_OPTIONS)
+def _defect_of(work, velocity_level):
+    chosen = _ANSWERS["defect_of"][work.instance_class]
+    return lambda work, velocity_level: chosen(work, velocity_level)
+
+
+@overload(gamma_of, jit_options=_OPTIONS)
+def _gamma_of(work):
+    chosen = _ANSWERS["gamma_of"][work.instance_class]
+    return lambda work: chosen(work)
 
 
 def _event_answer(question, model):

@@ -49,6 +49,18 @@ def test_the_reference_solver_meets_the_exact_motion(name, parameters, tolerance
     assert np.abs(truth.angle - run.orientation).max() < 10.0 * tolerance
 
 
+@pytest.mark.parametrize("parameters", [{}, {"law": "progressive", "damping": 1e3}, {"offset": 0.48}])
+def test_the_moving_seat_meets_its_converged_motion(parameters):
+    """At 0.48 m the ball meets the seat's round end, which throws it aside."""
+    scene = scenes.make("ball_on_moving_seat", **parameters)
+    run = simulate(scene, FINE.model_copy(update={"samples": 6}))
+    truth = seek_truth(scene, run.times)
+    assert isinstance(truth, Truth), truth
+    assert truth.uncertainty < 1e-11
+    assert np.abs(truth.position - run.position).max() < 1e-10
+    assert np.abs(truth.angle - run.orientation).max() < 1e-10
+
+
 @pytest.mark.parametrize(
     ("name", "parameters", "words"),
     [

@@ -63,7 +63,7 @@ SLOW = {"bricard", "double_gyroscope", "spatial_chain", "spatial_slider_crank"} 
 IN_CONTACT = {  # judged in test_contact_truths.py and test_spatial_contact.py: speeds jump, energy is lost
     "ball_on_driven_seat", "bouncing_ball", "box_stack", "disc_between_walls", "incline", "newtons_cradle",
     "oblique_disc", "rolling_disc", "sliding_block", "bouncing_sphere", "rolling_sphere", "colliding_spheres",
-    "block_stack",
+    "block_stack", "ball_on_moving_seat",
 }  # fmt: skip
 
 

@@ -119,8 +119,3 @@ def test_norm_drift_under_rk4_and_normalising_changes_no_orientation():
     assert drift == pytest.approx(free.steps * 0.1**6 / 144.0, rel=0.02)
     turned = free.orientation[-1, 0] / np.linalg.norm(free.orientation[-1, 0])
     assert turned == pytest.approx(kept.orientation[-1, 0], abs=1e-11)
-
-
-def test_methods_without_a_spatial_form_say_so():
-    with pytest.raises(ValueError, match="needs a scene that is planar"):
-        simulate(scenes.make("bricard"), Settings(method="generalized_alpha", step=0.01))

@@ -1,0 +1,125 @@
+"""What methods on the DAE itself need: Newton corrections in (v', lambda), for any core.
+
+One correction solves [M + g C_t + b K_t, C_q^T; C_q, 0][d_v'; d_lambda] = [f - M v' - C_q^T lambda; -C/b]
+with b = dq/dv' and g = dv/dv' of the method. The cheap correction keeps M alone and runs along the
+joint tree in O(N); the full one forms the tangent by differences, and is dense.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from mbs_ref.kernels.core import (
+    add_row,
+    answer,
+    defect_of,
+    displace,
+    force_balance,
+    gamma_of,
+    multipliers,
+    position_count,
+    times_mass,
+)
+from mbs_ref.kernels.dense import lu_factor, lu_solve
+from mbs_ref.kernels.jit import jit
+
+PROXIMAL = 1e-12  # weight on the multipliers' diagonal: dependent rows then share, instead of failing
+DIFFERENCE = 1e-7  # of an acceleration, for the tangent's columns
+
+
+@jit
+def _largest(values):
+    largest = 0.0
+    for k in range(values.shape[0]):
+        if not abs(values[k]) <= largest:  # a NaN must win
+            largest = abs(values[k])
+    return largest
+
+
+@jit
+def _defect_size(defect):
+    largest = 0.0
+    for slot in range(defect.shape[0]):
+        size = _largest(defect[slot])
+        if not size <= largest:
+            largest = size
+    return largest
+
+
+@jit
+def tree_correction(model, work, t, y, qdd, lam, weight, velocity_level):
+    """Correct qdd and lam (n_slots, rows a slot) with the mass matrix alone; return |d_qdd| and max defect."""
+    balance, inert, found = np.empty_like(qdd), np.empty_like(qdd), np.empty_like(lam)
+    force_balance(model, work, t, y, lam, balance)
+    times_mass(model, qdd, inert)
+    for k in range(qdd.shape[0]):
+        balance[k] -= inert[k]
+    defect = defect_of(work, velocity_level)
+    size = _defect_size(defect)
+    gamma = gamma_of(work)
+    for slot in range(lam.shape[0]):
+        for row in range(lam.shape[1]):
+            gamma[slot, row] = -defect[slot, row] / weight
+    answer(model, work, balance, inert)
+    multipliers(work, found)
+    for k in range(qdd.shape[0]):
+        qdd[k] += inert[k]
+    for slot in range(lam.shape[0]):
+        for row in range(lam.shape[1]):
+            lam[slot, row] += found[slot, row]
+    return _largest(inert), size
+
+
+@jit
+def factor_tangent(model, work, t, y, lam, by_position, by_velocity, row_slot, row_row, lu, pivots):
+    """Form and factor the full Newton matrix (n + m, n + m); row_slot, row_row (m,) name the rows in use.
+
+    Return False where it is singular.
+    """
+    start = position_count(model)
+    n = y.shape[0] - start
+    base, shifted, move = np.empty(n), np.empty(n), np.zeros(n)
+    state = y.copy()
+    force_balance(model, work, t, y, lam, base)
+    lu[:] = 0.0
+    for r in range(row_slot.shape[0]):
+        add_row(model, work, row_slot[r], row_row[r], 1.0, lu[n + r, :n])
+        for k in range(n):
+            lu[k, n + r] = lu[n + r, k]
+        lu[n + r, n + r] = -PROXIMAL
+    for j in range(n):
+        move[j] = DIFFERENCE * by_position
+        displace(model, y, move, state)
+        state[start + j] = y[start + j] + DIFFERENCE * by_velocity
+        force_balance(model, work, t, state, lam, shifted)
+        move[j] = 1.0
+        times_mass(model, move, lu[j, :n])  # a column of the symmetric M, kept as a row until the end
+        for i in range(n):
+            lu[j, i] -= (shifted[i] - base[i]) / DIFFERENCE
+        move[j] = 0.0
+        state[start + j] = y[start + j]
+    for i in range(n):
+        for j in range(i):
+            lu[i, j], lu[j, i] = lu[j, i], lu[i, j]
+    return lu_factor(lu, pivots)
+
+
+@jit
+def dense_correction(model, work, t, y, qdd, lam, weight, velocity_level, row_slot, row_row, lu, pivots):
+    """Correct qdd and lam with the factored full Newton matrix; return |d_qdd| and max defect."""
+    n = qdd.shape[0]
+    rhs, inert = np.empty(n + row_slot.shape[0]), np.empty(n)
+    force_balance(model, work, t, y, lam, rhs[:n])
+    times_mass(model, qdd, inert)
+    for k in range(n):
+        rhs[k] -= inert[k]
+    defect = defect_of(work, velocity_level)
+    size = _defect_size(defect)
+    for r in range(row_slot.shape[0]):
+        rhs[n + r] = -defect[row_slot[r], row_row[r]] / weight
+    lu_solve(lu, pivots, rhs)
+    for k in range(n):
+        qdd[k] += rhs[k]
+    for r in range(row_slot.shape[0]):
+        lam[row_slot[r], row_row[r]] += rhs[n + r]
+    return _largest(rhs[:n]), size
