@@ -85,6 +85,11 @@ class PlanarSystem(JointedSystem):
         held = [slot for slot, mode in zip(slots, modes, strict=False) if slot >= 0 and (every or mode == MODE_CLOSED)]
         return super().rows() + [(-1, int(slot), 0) for slot in held]
 
+    def row_joints(self) -> list[str]:
+        """Return the joint of each row, or its contact."""
+        contacts = dict(zip(self.groups.contact_laws.slot.tolist(), self.event_sources, strict=False))
+        return [self.scene.joints[k].name if k >= 0 else contacts[slot] for k, slot, _ in self.rows()]
+
     def _row_count(self, joint: int) -> int:
         return row_count(self.scene.joints[joint])
 
