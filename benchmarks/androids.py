@@ -5,43 +5,52 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from importlib.util import find_spec
+from itertools import product
 from typing import Any
 
 import numpy as np
 
 from cross_checks import engines, ladder
-from cross_checks.compare import judged_run
+from cross_checks.engine import Method
 from cross_checks.matrix import Cell, judge_method
 from cross_checks.metrics.pose_error import distance
-from cross_checks.metrics.reaction_error import reaction_error
 from cross_checks.truths import truth_for
 from mbs_ref import scenes
-from mbs_ref.cores import compile_scene
 from mbs_ref.integrators import integrators
 from mbs_ref.observables import constraint_residual
 from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
 from mbs_ref.trajectory import Status, Trajectory
-from mbs_ref.trouble import Stiffness, stiffness
+from mbs_ref.trouble import Stiffness, stiffness_at_start
 
 SIMPLIFIED, VERTEBRAL = NAMES = ("android_simplified", "android_vertebral")
 IMPACTS = ("front", "rear")
 PAPER_STEP = 1e-4  # s, Fox 1999
+PAPERS: dict[str, Any] = {"stabilization": "none", "unresolved": "keep"}  # without stabilization, as they ran
+OURS: dict[str, Any] = {"unresolved": "keep"}
 # the papers' step where these data bear it; RK4 bears 7.1e-5 s and Euler 5.1e-5 s on the vertebral android
-STEPS = {SIMPLIFIED: {"rk4": PAPER_STEP, "euler": PAPER_STEP}, VERTEBRAL: {"rk4": 5e-5, "euler": 2.5e-5}}
-BEYOND = {SIMPLIFIED: 8e-3, VERTEBRAL: PAPER_STEP}  # s, steps that RK4 cannot bear
-RTOLS = {
-    SIMPLIFIED: {"lsodar": (1e-4, 1e-6, 1e-8), "dassl": (1e-6, 1e-8), "dop853": (1e-6, 1e-8), "radau": (1e-6, 1e-8)},
-    VERTEBRAL: {"lsodar": (1e-6,), "dop853": (1e-6, 1e-8)},
+STEPS = {
+    SIMPLIFIED: (("rk4", PAPER_STEP, PAPERS), ("euler", PAPER_STEP, PAPERS), ("generalized_alpha", 2.5e-4, OURS)),
+    VERTEBRAL: (("rk4", 5e-5, PAPERS), ("euler", 2.5e-5, PAPERS), ("generalized_alpha", 2.5e-4, OURS)),
 }
+BEYOND = {SIMPLIFIED: 8e-3, VERTEBRAL: PAPER_STEP}  # s, steps that RK4 cannot bear
+FINE = 1e-9  # rtol at which two unlike methods are compared
+MANY = {"lsodar": (1e-4, 1e-6, 1e-8), "dassl": (1e-4,), "dop853": (1e-4, FINE), "radau": (1e-4, FINE)}
+FEW = {"lsodar": (1e-6,), "dassl": (1e-4,), "dop853": (FINE,), "radau": (FINE,)}  # dassl alone takes seconds a run
+RTOLS = {"front": MANY, "rear": FEW}
 MOST_STEPS = 20_000  # of a run; the longest that is meant to end takes 8 000
 TESTED = ("rk4", "euler", "lsodar")  # the papers' methods, whose compliance test is run, too
 UNLIKE = ("dop853", "radau")  # explicit of order 8, implicit of order 5
-FINE = 1e-9  # rtol at which the two are compared
 WATCHED = {"head": "head", "hip": "bottom"}
-SAMPLES = 201
-ENGINE_BUDGET = 1.5  # s for a method's ladder
+ENGINE_BUDGET = 0.5  # s for a method's ladder
+ADAPTIVE = {("pinocchio", "dop853")}
+SHOWN = {  # on 48 bodies what takes seconds
+    (SIMPLIFIED, "rear"): ADAPTIVE | {("exudyn", "tree_dopri5")},
+    (VERTEBRAL, "front"): ADAPTIVE | {("pinocchio", "rk4"), ("mujoco", "rk4")},
+    (VERTEBRAL, "rear"): ADAPTIVE,
+}
+FEWEST = 2  # rungs, which show an order
 
 
 @dataclass(frozen=True)
@@ -49,11 +58,12 @@ class Run:
     """One android under one method and setting."""
 
     scene: str
+    impact: str
     method: str
     settings: Settings
     path: Trajectory
     paper_test: str  # how the papers' test |C| < h at every step ends
-    error: float | None  # m, from the truth, largest over bodies and samples; None: stopped, or the truth is too long
+    error: float | None  # m, from the truth, largest over bodies and samples; None where the run stopped
 
 
 @dataclass(frozen=True)
@@ -82,32 +92,24 @@ class Convergence:
 
 
 @dataclass(frozen=True)
-class Peer:
-    """An engine's method on an android: the verdict on its ladder, and its joint reactions at its best setting."""
-
-    cell: Cell
-    reaction_gap: float | None  # N, N m, from ours; None where the engine gives no reactions
-    reactions: int  # joints compared
-
-
-@dataclass(frozen=True)
 class AndroidFacts:
     """Everything measured."""
 
     runs: tuple[Run, ...]
     stable: tuple[Stable, ...]
     convergence: tuple[Convergence, ...]
-    peers: tuple[Peer, ...]
+    peers: tuple[Cell, ...]  # of other engines
 
 
 def measure() -> AndroidFacts:
-    """Run what takes a report no more than a minute; the vertebral android's truth takes half a minute by itself."""
-    made = [scenes.make(name) for name in NAMES]
+    """Run what takes a report half a minute; the vertebral android's truths are kept on disk."""
+    made = [scenes.make(name, impact=impact) for name, impact in product(NAMES, IMPACTS)]
+    runs = [found for scene in made for found in numerics(scene)]
     return AndroidFacts(
-        tuple(found for scene in made for found in numerics(scene)),
-        tuple(stable(scene) for scene in made),
-        tuple(convergence(SIMPLIFIED, impact) for impact in IMPACTS),
-        tuple(peers(made[0])),
+        tuple(runs),
+        tuple(stable(scenes.make(name)) for name in NAMES),
+        tuple(convergence(scene, _fine(scene, runs)) for scene in made),
+        tuple(found for scene in made for found in peers(scene)),
     )
 
 
@@ -116,11 +118,10 @@ def measure() -> AndroidFacts:
 
 def numerics(scene: Scene) -> list[Run]:
     """Run the papers' methods without stabilization, and the others as they come."""
-    papers: dict[str, Any] = {"stabilization": "none", "samples": SAMPLES, "unresolved": "keep"}
-    fixed = [Settings(method=m, step=h, **papers) for m, h in STEPS[scene.name].items()]
+    fixed = [Settings(method=method, step=step, **more) for method, step, more in STEPS[scene.name]]
     adaptive = [
-        Settings(method=method, rtol=rtol, stabilization="none" if method == "lsodar" else None, samples=SAMPLES)
-        for method, rtols in RTOLS[scene.name].items()
+        Settings(method=method, rtol=rtol, stabilization="none" if method == "lsodar" else None)
+        for method, rtols in RTOLS[str(scene.parameters["impact"])].items()
         for rtol in rtols
         if _is_installed(method)
     ]
@@ -139,28 +140,26 @@ def _with_events(settings: Settings) -> Settings:
 
 
 def run(scene: Scene, settings: Settings) -> Run:
-    """Run one setting, and again under the papers' test."""
+    """Run one setting; the papers' methods under the papers' test, and again without it where it stops them."""
     settings = settings.model_copy(update={"reactions": False, "max_steps": MOST_STEPS})
-    path = simulate(scene, settings)
-    return Run(scene.name, str(settings.method), settings, path, _paper_test(scene, settings), _error(scene, path))
+    path, test = _tested(scene, settings) if settings.method in TESTED else (None, "not asked")
+    path = path or simulate(scene, settings, ladder.grid(scene))
+    impact = str(scene.parameters["impact"])
+    return Run(scene.name, impact, str(settings.method), settings, path, test, _error(scene, path))
 
 
-def _paper_test(scene: Scene, settings: Settings) -> str:
-    if settings.method not in TESTED:
-        return "not asked"
-    tested = simulate(scene, settings.model_copy(update={"stop_on_compliance": True}))
-    return "kept to the end" if tested.status is Status.SUCCESS else tested.message
+def _tested(scene: Scene, settings: Settings) -> tuple[Trajectory | None, str]:
+    """Return the run and how the papers' test went; no run where the test ended it."""
+    path = simulate(scene, settings.model_copy(update={"stop_on_compliance": True}), ladder.grid(scene))
+    if path.status is Status.COMPLIANCE:
+        return None, path.message
+    return path, "kept to the end" if path.ok else "not reached"
 
 
 def _error(scene: Scene, path: Trajectory) -> float | None:
-    """Return the distance from the truth at those samples that the judged grid has, too."""
-    grid = ladder.grid(scene)
-    truth = truth_for(scene, grid) if path.ok and scene.name == SIMPLIFIED else None
-    if truth is None:
-        return None
-    shared = [int(np.argmin(np.abs(path.times - t))) for t in grid]
-    assert np.allclose(path.times[shared], grid, atol=1e-12)
-    return float(np.max(distance(path.position[shared], truth.position)))
+    """Return the distance from the truth."""
+    truth = truth_for(scene, ladder.grid(scene)) if path.ok else None
+    return None if truth is None else float(np.max(distance(path.position, truth.position)))
 
 
 # --- stable steps -----------------------------------------------------------------------------------------
@@ -168,15 +167,12 @@ def _error(scene: Scene, path: Trajectory) -> float | None:
 
 def stable(scene: Scene) -> Stable:
     """Linearise the motion at the start, ask for a step too long, and take it all the same."""
-    system = compile_scene(scene)
-    y = system.initial_state()
-    system.set_mode_time(0.0)
-    system.start_contacts(0.0, y, True)
-    found = stiffness(system, 0.0, y)
+    found = stiffness_at_start(scene)
     limits = {name: found.step_limit(m.stability) for name, m in integrators().items() if m.stability}
     beyond = BEYOND[scene.name]
-    asked = Settings(method="rk4", step=beyond, samples=2, reactions=False, unresolved="keep")
-    bold = {"refuse_unstable": False, "max_steps": MOST_STEPS, "max_events": MOST_STEPS}
+    asked = Settings(method="rk4", step=beyond, samples=26, reactions=False)
+    most = {"max_steps": MOST_STEPS, "max_events": MOST_STEPS}
+    bold = {"stabilization": "none", "unresolved": "keep", "refuse_unstable": False, **most}
     forced = simulate(scene, asked.model_copy(update=bold))
     return Stable(
         scene.name, found, limits, beyond, simulate(scene, asked).message, f"{forced.status}: {forced.message}"
@@ -186,28 +182,33 @@ def stable(scene: Scene) -> Stable:
 # --- convergence ------------------------------------------------------------------------------------------
 
 
-def convergence(name: str, impact: str, rtol: float = FINE) -> Convergence:
-    """Compare the head's and the hip's path by two unlike integrators, and with the truth."""
-    scene = scenes.make(name, impact=impact)
+def convergence(scene: Scene, paths: dict[str, Trajectory] | None = None) -> Convergence:
+    """Compare the head's and the hip's path by two unlike integrators (`paths`, by method), and with the truth."""
     times = ladder.grid(scene)
-    paths = {m: simulate(scene, Settings(method=m, rtol=rtol, reactions=False), times) for m in UNLIKE}
-    one, other = paths.values()
+    paths = paths or {m: simulate(scene, Settings(method=m, rtol=FINE, reactions=False), times) for m in UNLIKE}
+    one, other = (paths[method] for method in UNLIKE)
     gaps = {
         label: np.linalg.norm((one.position - other.position)[:, scene.body_index(body)], axis=1)
         for label, body in WATCHED.items()
     }
     truth = truth_for(scene, times)
     compliance = {m: float(np.abs(constraint_residual(scene, path)).max()) for m, path in paths.items()}
-    error = None if truth is None else float(np.max(distance(one.position, truth.position)))
-    return Convergence(name, impact, times, gaps, compliance, error, None if truth is None else truth.uncertainty)
+    known = None if truth is None else truth.uncertainty
+    return Convergence(scene.name, str(scene.parameters["impact"]), times, gaps, compliance, _error(scene, one), known)
+
+
+def _fine(scene: Scene, runs: Sequence[Run]) -> dict[str, Trajectory]:
+    """Return the runs of the two methods at FINE."""
+    own = [run for run in runs if (run.scene, run.impact) == (scene.name, scene.parameters["impact"])]
+    return {run.method: run.path for run in own if run.method in UNLIKE and run.settings.rtol == FINE}
 
 
 # --- engines ----------------------------------------------------------------------------------------------
 
 
-def peers(scene: Scene, names: Sequence[str] | None = None, budget_s: float = ENGINE_BUDGET) -> list[Peer]:
-    """Judge every method of every other engine that can run the scene."""
-    found = []
+def peers(scene: Scene, names: Sequence[str] | None = None, budget_s: float = ENGINE_BUDGET) -> list[Cell]:
+    """Judge the methods of every other engine that can run the scene: all in the first crash, few in the others."""
+    found, crash = [], (scene.name, str(scene.parameters["impact"]))
     ours = simulate(scene, Settings(rtol=FINE), ladder.grid(scene))
     for name in engines.names() if names is None else names:
         try:
@@ -217,20 +218,15 @@ def peers(scene: Scene, names: Sequence[str] | None = None, budget_s: float = EN
         if name == "mbs_ref" or engine.refusals(scene):
             continue
         able = [m for m in engine.methods() if not engine.method_refusals(scene, m)]
-        found += [_peer(scene, name, judge_method(scene, name, method, budget_s), ours) for method in able]
+        shown = [m for m in able if crash not in SHOWN or (name, m.name) in SHOWN[crash]]
+        found += [judge_method(scene, name, m, budget_s, rungs=_rungs(scene, m), reference=ours) for m in shown]
     return found
 
 
-def _peer(scene: Scene, engine: str, cell: Cell, ours: Trajectory) -> Peer:
-    if not cell.setting:
-        return Peer(cell, None, 0)
-    kind, text = cell.setting.split("=")
-    value = float(text)
-    fixed = kind == "step"
-    accuracy: dict[str, Any] = {"step": value, "unresolved": "keep"} if fixed else {"rtol": value}
-    settings = Settings(method=cell.method, **accuracy)
-    _, path = judged_run(scene, engine, settings, ladder.grid(scene))
-    if path is None or not path.ok:
-        return Peer(cell, None, 0)
-    common = path.reactions.keys() & ours.reactions.keys()
-    return Peer(cell, reaction_error(path.reactions, ours.reactions), len(common))
+def _rungs(scene: Scene, method: Method) -> list[Settings]:
+    """Return the method's ladder; on the vertebral android the coarsest two that the linearised motion bears."""
+    rungs = ladder.rungs(method, scene)
+    if scene.name == SIMPLIFIED:
+        return rungs
+    limit = stiffness_at_start(scene).step_limit(method.stability) if method.stability else np.inf
+    return [rung for rung in rungs if rung.step is None or rung.step <= limit][:FEWEST]

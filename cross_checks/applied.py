@@ -10,6 +10,7 @@ import numpy as np
 
 from cross_checks.engine import Refusal
 from cross_checks.joint_tree import JointTree
+from cross_checks.tree_motion import arrays_of, motion_of, project
 from mbs_ref.contact import FloresLaw, LankaraniNikraveshLaw, RigidLaw, StickSlip
 from mbs_ref.planar_system import PlanarSystem
 from mbs_ref.scene import Scene
@@ -34,25 +35,20 @@ class AppliedForces:
     """Generalized applied forces of a scene, gravity included, in the coordinates of its joint tree."""
 
     def __init__(self, tree: JointTree) -> None:
-        self.tree = tree
+        self.arrays = arrays_of(tree)
         self.system = PlanarSystem(tree.scene)
         self.system.start_contacts(0.0, self.system.initial_state(), located=False)
 
     def on_bodies(self, t: float, q: np.ndarray, v: np.ndarray) -> np.ndarray:
         """Return the forces (n_bodies, 3) at the centres of mass of tree coordinates q, v (n_q,): N, N, N m."""
-        return self._evaluate(t, q, v)[1]
+        return self.of_poses(t, *motion_of(self.arrays, q, v))
 
     def generalized(self, t: float, q: np.ndarray, v: np.ndarray) -> np.ndarray:
         """Return the generalized forces (n_q,)."""
-        position, forces = self._evaluate(t, q, v)
-        return self.tree.project(q, position, forces)
+        pose, rate = motion_of(self.arrays, q, v)
+        return project(self.arrays, q, pose, self.of_poses(t, pose, rate))
 
     def of_poses(self, t: float, q: np.ndarray, v: np.ndarray) -> np.ndarray:
         """Return the forces (n_bodies, 3) of world poses and velocities (n_bodies, 3)."""
         self.system.set_mode_time(t)
         return self.system.applied_forces(t, q, v)
-
-    def _evaluate(self, t: float, q: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        position, angle, velocity, rate = self.tree.poses(q[None], v[None])
-        poses = np.column_stack((position[0], angle[0]))
-        return position[0], self.of_poses(t, poses, np.column_stack((velocity[0], rate[0])))

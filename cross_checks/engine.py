@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
+from math import factorial
 from typing import ClassVar, Literal
 
 import numpy as np
@@ -25,7 +26,13 @@ class Method:
     requires: frozenset[str] = frozenset()  # traits the scene must have ...
     excludes: frozenset[str] = frozenset()  # ... or must not have (see mbs_ref.traits)
     locates_events: bool = False  # touch-down, lift-off, slip; else contact forces are clipped by the state
+    stability: tuple[float, ...] = ()  # explicit fixed-step methods: coefficients of R(z), lowest power first
     wrong_limit: str = ""  # why it is known to fail or converge elsewhere on some scenes (shown, never used to judge)
+
+
+def exponential(order: int) -> tuple[float, ...]:
+    """Return R(z) of an explicit method with as many stages as its order: exp(z) up to there."""
+    return tuple(1.0 / factorial(k) for k in range(order + 1))
 
 
 @dataclass(frozen=True)

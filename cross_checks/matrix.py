@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
@@ -28,6 +28,7 @@ PATIENCE = 5.0  # budgets after which a cell stops even with fewer runs than it 
 ENOUGH = 3  # runs; with these, a cell that agrees and shows its order is done
 ORDER_SHOWN = 0.15  # an observed order this close to the documented one needs no finer run
 
+Run = tuple[Settings, Record, Trajectory | None]
 Progress = Callable[[int, int, str], None]  # (cells done, of how many, what comes next)
 
 
@@ -49,6 +50,7 @@ class Cell:
     setting: str = ""  # of the run that speaks for the ladder
     loop_s: float | None = None
     contact: dict[str, float] = field(default_factory=dict)  # figures of the run that speaks for the ladder
+    reaction_error: float | None = None  # N, N m, where reactions were compared
     runs: tuple[dict[str, Any], ...] = ()  # setting, status, error of each run
 
     def to_dict(self) -> dict[str, Any]:
@@ -113,11 +115,17 @@ def judged(scene: Scene, engine: str, method: Method, budget_s: float, call: Cal
         return Cell(scene.name, parameters, engine, method.name, Verdict(lost.status), None, None, None, str(lost))
 
 
-def judge_method(scene: Scene, engine: str, method: Method, budget_s: float = BUDGET) -> Cell:
-    """Climb the method's ladder until it agrees or the budget is spent, and judge."""
+def judge_method(
+    scene: Scene, engine: str, method: Method, budget_s: float = BUDGET, *,
+    rungs: Sequence[Settings] | None = None, reference: Trajectory | None = None,
+) -> Cell:  # fmt: skip
+    """Climb the method's ladder, or the `rungs` given, until it agrees or the budget is spent, and judge.
+
+    `reference` gives joint reactions to compare with.
+    """
     truth = seek_truth(scene, ladder.grid(scene))
     uncertainty = None if isinstance(truth, NoTruth) else truth.uncertainty
-    climb = _climb(scene, engine, method, budget_s)
+    climb = _climb(scene, method, runs(scene, engine, method, rungs, reference), budget_s)
     why = truth.reason if isinstance(truth, NoTruth) else ""
     agreement = AGREEMENT * unit_length(scene)
     verdict, reason = judge(climb.rungs, uncertainty or 0.0, why, agreement)
@@ -132,14 +140,15 @@ def judge_method(scene: Scene, engine: str, method: Method, budget_s: float = BU
         setting="" if best < 0 else climb.rungs[best].setting,
         loop_s=None if record is None else record.times["loop_s"],
         contact={} if record is None else record.contact,
+        reaction_error=None if record is None else record.reaction_error,
         runs=tuple({"setting": r.setting, "status": r.status, "error": r.error} for r in climb.rungs),
     )  # fmt: skip
 
 
-def _climb(scene: Scene, engine: str, method: Method, budget_s: float) -> Climb:
+def _climb(scene: Scene, method: Method, made: Iterable[Run], budget_s: float) -> Climb:
     climb = Climb([], [], [])
     start, before = time.perf_counter(), None
-    for settings, record, path in runs(scene, engine, method):
+    for settings, record, path in made:
         climb.settings.append(settings)
         climb.records.append(record)
         climb.rungs.append(_rung(settings, record, path, before))
@@ -150,11 +159,14 @@ def _climb(scene: Scene, engine: str, method: Method, budget_s: float) -> Climb:
     return climb
 
 
-def runs(scene: Scene, engine: str, method: Method) -> Iterator[tuple[Settings, Record, Trajectory | None]]:
-    """Run the method's ladder from coarse to fine, each rung as it is asked for."""
+def runs(
+    scene: Scene, engine: str, method: Method, rungs: Sequence[Settings] | None = None,
+    reference: Trajectory | None = None,
+) -> Iterator[Run]:  # fmt: skip
+    """Run the method's ladder, or the `rungs` given, from coarse to fine, each rung as it is asked for."""
     times = ladder.grid(scene)
-    for settings in ladder.rungs(method, scene):
-        record, path = judged_run(scene, engine, settings, times)
+    for settings in ladder.rungs(method, scene) if rungs is None else rungs:
+        record, path = judged_run(scene, engine, settings, times, reference=reference)
         yield settings, record, path
 
 

@@ -27,6 +27,11 @@ def measure(scene: Scene, path: Trajectory, truth: Truth | NoTruth, reference: T
     """Return compliance, drifts, error, history and notes; None with a note for what is not defined."""
     if not len(path.times):
         return _nothing(path)
+    with np.errstate(over="ignore", invalid="ignore"):  # a run that blew up may overflow here: not finite, so no figure
+        return _measured(scene, path, truth, reference)
+
+
+def _measured(scene: Scene, path: Trajectory, truth: Truth | NoTruth, reference: Trajectory | None) -> dict[str, Any]:
     position, velocity = compliance(scene, path)
     energy, why_no_energy = energy_drift(scene, path)
     momentum = momentum_drift(scene, path)

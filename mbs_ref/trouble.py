@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from mbs_ref.cores import compile_scene
 from mbs_ref.scene import Scene, SpringDamper, TorsionSpring, UserForce
 from mbs_ref.system import System
 
@@ -67,6 +68,15 @@ def stiffness(system: System, t: float, y: np.ndarray) -> Stiffness:
         oscillation_rule=1.0 / np.sqrt(np.max(kw, initial=0.0)) if np.any(kw > 0.0) else np.inf,
         damping_rule=1.0 / np.max(cw, initial=0.0) if np.any(cw > 0.0) else np.inf,
     )
+
+
+def stiffness_at_start(scene: Scene) -> Stiffness:
+    """Linearise a scene's motion at t = 0."""
+    system = compile_scene(scene)
+    y = system.initial_state()
+    system.set_mode_time(0.0)
+    system.start_contacts(0.0, y, True)
+    return stiffness(system, 0.0, y)
 
 
 def _jacobian(system: System, t: float, y: np.ndarray) -> np.ndarray:

@@ -36,3 +36,7 @@ class Commands(click.Group):
 @click.version_option(package_name="mbs-ref")
 def main() -> None:
     """Validate and benchmark solvers of constrained multibody dynamics."""
+
+
+if __name__ == "__main__":
+    main()

@@ -15,6 +15,8 @@ from typing import Any
 import numpy as np
 
 from cross_checks import engines, ladder
+from cross_checks.certify import kept_poses
+from cross_checks.certify.kept_poses import KeptPoses
 from cross_checks.compare import evaluate
 from cross_checks.metrics.pose_error import distance
 from cross_checks.record import MARGIN
@@ -57,9 +59,9 @@ class Certificate:
 
 
 def certify(scene: Scene, confirm: bool = True) -> Certificate | NoTruth:
-    """Make the scene's truth on the grid of judged runs and state what is known of it."""
+    """Make the scene's truth afresh on the grid of judged runs and state what is known of it."""
     times = ladder.grid(scene)
-    truth = seek_truth(scene, times)
+    truth = seek_truth(scene, times, afresh=True)
     if isinstance(truth, NoTruth):
         return truth
     by, to = _confirmation(scene) if confirm else ("", None)
@@ -67,6 +69,16 @@ def certify(scene: Scene, confirm: bool = True) -> Certificate | NoTruth:
         scene.name, dict(scene.parameters), float(times[-1]), len(times), truth.kind, truth.how, truth.uncertainty,
         truth.difference, _end(scene, truth), by, to, datetime.now(UTC).strftime("%Y-%m-%d"), _versions(),
     )  # fmt: skip
+
+
+def keep_poses(scene: Scene) -> Path | None:
+    """Make the scene's truth afresh and keep its poses where it takes long to make; return their file."""
+    times = ladder.grid(scene)
+    truth = seek_truth(scene, times, afresh=True)
+    if isinstance(truth, NoTruth) or not truth.is_costly or truth.difference is None:
+        return None
+    found = KeptPoses(times, truth.position, truth.angle, truth.uncertainty, truth.difference, truth.how)
+    return kept_poses.keep(scene, found)
 
 
 def _confirmation(scene: Scene) -> tuple[str, float | None]:

@@ -88,7 +88,7 @@ def _method(entry: Integrator) -> Method:
     kind = "fixed" if entry.kind == "fixed" else "adaptive"
     return Method(
         entry.name, kind, entry.order, entry.description, entry.ladder, entry.requires,
-        locates_events=entry.locates_events, wrong_limit=entry.weakness,
+        locates_events=entry.locates_events, stability=entry.stability, wrong_limit=entry.weakness,
     )
 
 

@@ -60,9 +60,9 @@ def advance(system: System, options: Options, run: Progress, y: np.ndarray, time
         t, now = events.locate(before, solver)
         gap, _ = system.compliance(t, now)
         run.clock[CLOCK_COMPLIANCE] = max(run.clock[CLOCK_COMPLIANCE], gap)
-        if options.stop_on_compliance and gap >= t - before:
+        if options.stop_on_compliance and gap >= solver.t - before:  # the method's own step, where an event cuts it
             status = Status.COMPLIANCE
-            message = f"at t = {t:.9g} s |C| = {gap:.3g} is not below h = {t - before:.3g}"
+            message = f"at t = {t:.9g} s |C| = {gap:.3g} is not below h = {solver.t - before:.3g}"
             break
         if pace.is_hopeless(t, int(run.counts[COUNT_STEPS])):
             status, message = Status.STEP_TOO_SMALL, f"at t = {t:.9g} s {MESSAGES[STALLED]}"

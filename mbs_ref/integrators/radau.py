@@ -78,22 +78,57 @@ def _jacobian(model, work, t, y, f0, scratch, out):
 
 
 @jit
-def _factor(jacobian, h, real, complex_, real_pivots, complex_pivots):
-    """Factor mu/h I - J for the real and the complex eigenvalue."""
+def _is_second_order(jacobian):
+    """Return whether y = (q, v) with q' = v to the last bit, as in the plane."""
     n = jacobian.shape[0]
-    for i in range(n):
+    half = n // 2
+    for i in range(half):
         for j in range(n):
-            real[i, j] = -jacobian[i, j]
-            complex_[i, j] = -jacobian[i, j]
-        real[i, i] += MU_REAL / h
-        complex_[i, i] += MU_COMPLEX / h
-    return lu_factor(real, real_pivots) and lu_factor(complex_, complex_pivots)
+            if jacobian[i, j] != (1.0 if j == half + i else 0.0):
+                return False
+    return n % 2 == 0
+
+
+@jit
+def _factor(jacobian, mu, lu, pivots):
+    """Factor mu I - J; where q' = v, of half the size: mu^2 I - mu dv'/dv - dv'/dq (sec. IV.8)."""
+    n, size = jacobian.shape[0], lu.shape[0]
+    if size == n:
+        for i in range(n):
+            for j in range(n):
+                lu[i, j] = -jacobian[i, j]
+            lu[i, i] += mu
+    else:
+        for i in range(size):
+            for j in range(size):
+                lu[i, j] = -jacobian[size + i, j] - mu * jacobian[size + i, size + j]
+            lu[i, i] += mu * mu
+    return lu_factor(lu, pivots)
+
+
+@jit
+def _solve(jacobian, mu, lu, pivots, b):
+    """Solve (mu I - J) x = b in place with the factors of `_factor`."""
+    size = lu.shape[0]
+    if size == b.shape[0]:
+        lu_solve(lu, pivots, b)
+        return
+    q = np.empty(size, b.dtype)
+    for i in range(size):
+        total = b[size + i] + mu * b[i]
+        for j in range(size):
+            total -= jacobian[size + i, size + j] * b[j]
+        q[i] = total
+    lu_solve(lu, pivots, q)
+    for i in range(size):
+        b[size + i] = mu * q[i] - b[i]
+        b[i] = q[i]
 
 
 @jit
 def _newton(model, work, t, h, y, z, w, scale, tolerance, lus, stages):
     """Solve for the stage increments z (3, n); return converged, iterations, contraction."""
-    real, complex_, real_pivots, complex_pivots = lus
+    real, complex_, real_pivots, complex_pivots, jacobian = lus
     n = y.shape[0]
     argument = np.empty(n)
     real_part = np.empty(n)
@@ -114,8 +149,8 @@ def _newton(model, work, t, h, y, z, w, scale, tolerance, lus, stages):
             g2 = TI[2, 0] * stages[0, k] + TI[2, 1] * stages[1, k] + TI[2, 2] * stages[2, k]
             real_part[k] = g0 - MU_REAL / h * w[0, k]
             complex_part[k] = g1 + 1j * g2 - MU_COMPLEX / h * (w[1, k] + 1j * w[2, k])
-        lu_solve(real, real_pivots, real_part)
-        lu_solve(complex_, complex_pivots, complex_part)
+        _solve(jacobian, MU_REAL / h, real, real_pivots, real_part)
+        _solve(jacobian, MU_COMPLEX / h, complex_, complex_pivots, complex_part)
         total = 0.0
         for k in range(n):
             d1 = complex_part[k].real
@@ -144,7 +179,7 @@ def _newton(model, work, t, h, y, z, w, scale, tolerance, lus, stages):
 @jit
 def _error(model, work, t, h, y, f, z, lus, rtol, atol, again):
     """Return the scaled error estimate, filtered once more after a rejection (sec. IV.8, eq 8.19-8.20)."""
-    real, _, real_pivots, _ = lus
+    real, _, real_pivots, _, jacobian = lus
     n = y.shape[0]
     combined = np.empty(n)
     err = np.empty(n)
@@ -153,14 +188,14 @@ def _error(model, work, t, h, y, f, z, lus, rtol, atol, again):
         combined[k] = (E[0] * z[0, k] + E[1] * z[1, k] + E[2] * z[2, k]) / h
         err[k] = f[k] + combined[k]
         new[k] = y[k] + z[2, k]
-    lu_solve(real, real_pivots, err)
+    _solve(jacobian, MU_REAL / h, real, real_pivots, err)
     norm = weighted_norm(err, y, new, rtol, atol)
     if again and norm > 1.0:
         slope = np.empty(n)
         derivative(model, work, t, y + err, slope)
         for k in range(n):
             err[k] = slope[k] + combined[k]
-        lu_solve(real, real_pivots, err)
+        _solve(jacobian, MU_REAL / h, real, real_pivots, err)
         norm = weighted_norm(err, y, new, rtol, atol)
     return norm
 
@@ -193,12 +228,6 @@ def advance_radau(model, work, options, run, y, times, states, worst_per_time):
     atol = options.atol if adaptive else 1e-12
     newton_tolerance = max(10 * 2.3e-16 / rtol, min(0.03, np.sqrt(rtol))) if adaptive else 1e-2
     jac = np.empty((n, n))
-    lus = (
-        np.empty((n, n)),
-        np.empty((n, n), dtype=np.complex128),
-        np.empty(n, dtype=np.int64),
-        np.empty(n, dtype=np.int64),
-    )
     z = np.zeros((3, n))
     w = np.empty((3, n))
     stages = np.empty((3, n))
@@ -216,8 +245,18 @@ def advance_radau(model, work, options, run, y, times, states, worst_per_time):
             model, work, clock[CLOCK_T], y, f, 3, rtol, atol, times[-1] - times[0]
         )
         counts[COUNT_RHS] += 1
-    fresh = False  # Jacobian of this very state
-    stale = True
+    _jacobian(model, work, clock[CLOCK_T], y, f, trial, jac)
+    counts[COUNT_RHS] += n
+    size = n // 2 if _is_second_order(jac) else n
+    lus = (
+        np.empty((size, size)),
+        np.empty((size, size), dtype=np.complex128),
+        np.empty(size, dtype=np.int64),
+        np.empty(size, dtype=np.int64),
+        jac,
+    )
+    fresh = True  # Jacobian of this very state
+    stale = False
     factored = 0.0  # step the factors belong to
     h_last = 0.0  # step behind the polynomial in z
     error_last = 0.0
@@ -243,7 +282,7 @@ def advance_radau(model, work, options, run, y, times, states, worst_per_time):
             stale = False
             factored = 0.0
         if factored != h:
-            if not _factor(jac, h, *lus):
+            if not (_factor(jac, MU_REAL / h, lus[0], lus[2]) and _factor(jac, MU_COMPLEX / h, lus[1], lus[3])):
                 return NON_FINITE
             factored = h
         if h_last == 0.0:

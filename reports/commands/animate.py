@@ -8,6 +8,7 @@ import click
 
 from mbs_ref.atomic import write_atomic
 from reports import inputs
+from reports.console import progress
 from reports.exit_codes import Failed
 
 
@@ -26,19 +27,24 @@ def command(
     """Simulate SCENE with mbs_ref and draw it: FILE.gif plays, FILE.png shows moments side by side."""
     chosen = inputs.scene(scene, parameters)
     target = inputs.output(output or f"{chosen.name}.gif", (".gif",))
+    assert target is not None
     settings = inputs.settings(t_end=t_end, samples=frames, reactions=False)
 
     from mbs_ref.simulate import InconsistentScene, simulate
     from reports.film import filmstrip, gif
 
-    try:
-        path = simulate(chosen, settings)
-    except InconsistentScene as error:
-        raise Failed(str(error)) from error
-    if len(path.times) < 2:
-        raise Failed(f"nothing to draw: {path.status}: {path.message}")
-    assert target is not None
-    pictures = {target: gif(chosen, path, seconds), Path(target).with_suffix(".png"): filmstrip(chosen, path, strip)}
+    with progress(f"animate {chosen.name}") as report:
+        report(0, 3, "runs")
+        try:
+            path = simulate(chosen, settings)
+        except InconsistentScene as error:
+            raise Failed(str(error)) from error
+        if len(path.times) < 2:
+            raise Failed(f"nothing to draw: {path.status}: {path.message}")
+        report(1, 3, "is drawn, frame by frame")
+        pictures = {Path(target): gif(chosen, path, seconds)}
+        report(2, 3, "is drawn side by side")
+        pictures[Path(target).with_suffix(".png")] = filmstrip(chosen, path, strip)
     for file, content in pictures.items():
         try:
             write_atomic(file, content)

@@ -52,6 +52,8 @@ def _every() -> list[Scene]:
 
 
 def _examined(scene: Scene, write: bool) -> dict[str, Any]:
+    if write:
+        certificate.keep_poses(scene)
     fresh, before = certificate.certify(scene, confirm=write), certificate.stored(scene)
     row: dict[str, Any] = {"file": certificate.file_name(scene)}
     if isinstance(fresh, NoTruth):

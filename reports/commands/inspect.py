@@ -7,10 +7,9 @@ from typing import Any
 import click
 import numpy as np
 
-from mbs_ref.cores import compile_scene
 from mbs_ref.integrators import integrators
 from mbs_ref.traits import traits
-from mbs_ref.trouble import Stiffness, stiffness
+from mbs_ref.trouble import Stiffness, stiffness_at_start
 from reports import inputs
 from reports.console import echo_json, number, show, table
 
@@ -24,11 +23,7 @@ SHOWN = 6  # eigenvalues
 def command(scene: str, parameters: tuple[str, ...], as_json: bool) -> None:
     """Linearise a scene at its start: stiffness, and the step each explicit method can bear."""
     chosen = inputs.scene(scene, parameters)
-    system = compile_scene(chosen)
-    y = system.initial_state()
-    system.set_mode_time(0.0)
-    system.start_contacts(0.0, y, True)
-    found = stiffness(system, 0.0, y)
+    found = stiffness_at_start(chosen)
     result: dict[str, Any] = {
         "scene": chosen.name,
         "traits": sorted(traits(chosen)),

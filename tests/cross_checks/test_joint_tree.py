@@ -7,6 +7,7 @@ import pytest
 
 from cross_checks.initial_state import inconsistency, worst_gap
 from cross_checks.joint_tree import joint_tree
+from cross_checks.tree_motion import arrays_of, motion_of, project
 from mbs_ref import scenes
 from mbs_ref.observables import rows
 from mbs_ref.scene import GROUND, Distance, PlanarBody, PointMass, Prismatic, Revolute, Scene, Weld
@@ -97,6 +98,19 @@ def test_projected_forces_do_the_work_of_the_forces():
     for k in range(len(q)):
         power = np.sum(forces[:, :2] * velocity[k]) + forces[:, 2] @ rate[k]
         assert tree.project(q[k], position[k], forces) @ v[k] == pytest.approx(power, abs=1e-12)
+
+
+def test_compiled_motion_and_forces_are_those_of_the_tree():
+    tree = joint_tree(mixed_tree())
+    _, q, v = motion(tree)
+    arrays, forces = arrays_of(tree), np.random.default_rng(3).normal(size=(6, 3))
+    position, angle, velocity, rate = tree.poses(q, v)
+    for k in range(len(q)):
+        pose, speed = motion_of(arrays, q[k], v[k])
+        assert np.abs(pose - np.column_stack((position[k], angle[k]))).max() < 1e-14
+        assert np.abs(speed - np.column_stack((velocity[k], rate[k]))).max() < 1e-14
+        power = np.sum(forces[:, :2] * velocity[k]) + forces[:, 2] @ rate[k]
+        assert project(arrays, q[k], pose, forces) @ v[k] == pytest.approx(power, abs=1e-12)
 
 
 def test_a_slide_stays_in_the_tree_and_a_pin_closes_the_loop():

@@ -24,7 +24,7 @@ def crash() -> Crash:
 
 def facts() -> androids.AndroidFacts:
     scene = scenes.make(androids.SIMPLIFIED)
-    settings = Settings(method="rk4", step=1e-3, stabilization="none", samples=androids.SAMPLES)
+    settings = Settings(method="rk4", step=1e-3, stabilization="none")
     kept = androids.run(scene, settings)
     refused = androids.run(scene, settings.model_copy(update={"step": 8e-3}))
     apart = {"head": np.array([0.0, 1e-12]), "hip": np.array([0.0, 2e-12])}

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import exudyn as exu
 
-from cross_checks.engine import Method
+from cross_checks.engine import Method, exponential
 
 STEPS = (2e-2, 1e-2, 5e-3, 2.5e-3, 1e-3, 5e-4, 2.5e-4, 1e-4)  # s
 RTOLS = (1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
@@ -40,7 +40,8 @@ METHODS = (
     Method("pair_contact_rk44", "fixed", None, "Runge-Kutta 4 with contact connectors; bodies without joints", STEPS,
            requires=frozenset({"contact", "spatial"})),
     Method("tree_dopri5", "adaptive", 5, "KinematicTree, Dormand-Prince 5", RTOLS, requires=PLANAR),
-    Method("tree_rk44", "fixed", 4, "KinematicTree, Runge-Kutta 4", STEPS, requires=PLANAR),
-    Method("tree_rk67", "fixed", 6, "KinematicTree, Runge-Kutta 6 of 7 stages", STEPS, requires=PLANAR),
-    Method("tree_euler", "fixed", 1, "KinematicTree, explicit Euler", STEPS, requires=PLANAR),
+    Method("tree_rk44", "fixed", 4, "KinematicTree, Runge-Kutta 4", STEPS, requires=PLANAR, stability=exponential(4)),
+    Method("tree_rk67", "fixed", 6, "KinematicTree, Runge-Kutta 6 of 7 stages", STEPS, requires=PLANAR,
+           stability=exponential(6)),
+    Method("tree_euler", "fixed", 1, "KinematicTree, explicit Euler", STEPS, requires=PLANAR, stability=exponential(1)),
 )

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import base64
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-from mbs_ref.crash_results import sign_changes
+from mbs_ref.crash_results import CrashResults, sign_changes
 from mbs_ref.trajectory import Trajectory
 from reports.film import filmstrip, gif
 from reports.page.crashes import Crash
+from reports.page.numbers import short
 from reports.page.report_data import ReportData
 from reports.page.section import Section
 from reports.plots.histories import histories
@@ -33,6 +35,7 @@ def context(data: ReportData) -> dict[str, Any]:
         "androids": [_shown(run) for run in runs],
         "columns": [run.label for run in runs],
         "levels": _levels(runs) if runs else [],
+        "changes": [_change(*pair) for pair in _pairs(runs)],
         "whiplash": [_whiplash(run) for run in runs if run.results.cervical_torques],
     }
 
@@ -123,6 +126,48 @@ def _levels(runs: list[Crash]) -> list[tuple[str, list[str]]]:
         rows.append((label, [f"{np.max(np.abs(getattr(run.results, history)[:, 0])):.3f}" for run in runs]))
     names = dict.fromkeys(name for run in runs for name in run.results.measures)
     return rows + [(name, [_measure(run, name) for run in runs]) for name in names]
+
+
+def _pairs(runs: list[Crash]) -> list[tuple[Crash, Crash]]:
+    """Return the coarser and the finer model of each impact that both ran in."""
+    by_impact: dict[str, list[Crash]] = {}
+    for run in sorted(runs, key=lambda run: len(run.scene.bodies)):
+        by_impact.setdefault(str(run.scene.parameters["impact"]), []).append(run)
+    return [(pair[0], pair[1]) for pair in by_impact.values() if len(pair) == 2]
+
+
+def _change(coarse: Crash, fine: Crash) -> dict[str, Any]:
+    """Say and draw what the detailed model changes in one impact."""
+    figures = {
+        "the head's travel along x": ("m", *(_reach(run.results.head_excursion[:, 0]) for run in (coarse, fine))),
+        "the peak belt force": ("kN", *(float(run.results.belt_force.max()) / 1e3 for run in (coarse, fine))),
+        "HIC36": ("", *(run.results.measures["HIC36"] for run in (coarse, fine))),
+        "Nij": ("", *(run.results.measures["Nij"] for run in (coarse, fine))),
+        "the right-hand sides": ("", *(float(run.path.rhs_calls) for run in (coarse, fine))),
+        "the time of integration": ("ms", *(1e3 * run.path.timing.loop_s for run in (coarse, fine))),
+    }
+    told = [f"{what} {short(a, 3)} to {short(b, 3)} {unit}".rstrip() for what, (unit, a, b) in figures.items()]
+    impact = coarse.scene.parameters["impact"]
+    bodies = [len(run.scene.bodies) for run in (coarse, fine)]
+    return {
+        "name": f"impact from the {impact}",
+        "told": f"From {bodies[0]} to {bodies[1]} bodies: {'; '.join(told)}.",
+        "plots": {
+            "Head along x": _both(coarse, fine, lambda found: found.head_excursion[:, 0], "m"),
+            "Head acceleration": _both(coarse, fine, lambda found: found.head_g, "g"),
+            "Belt forces": _both(coarse, fine, lambda found: found.belt_force, "N"),
+        },
+    }
+
+
+def _reach(history: np.ndarray) -> float:
+    """Return the value furthest from zero, with its sign."""
+    return float(history[np.argmax(np.abs(history))])
+
+
+def _both(coarse: Crash, fine: Crash, history: Callable[[CrashResults], np.ndarray], unit: str) -> dict[str, Any]:
+    lines = {f"{len(run.scene.bodies)} bodies": history(run.results) for run in (coarse, fine)}
+    return histories(coarse.path.times, lines, unit)
 
 
 def _measure(run: Crash, name: str) -> str:
