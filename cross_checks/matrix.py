@@ -16,7 +16,7 @@ from cross_checks.metrics.observed_order import observed_order
 from cross_checks.metrics.pose_error import distance
 from cross_checks.record import Record
 from cross_checks.truths import NoTruth, seek_truth
-from cross_checks.verdict import AGREEMENT, Rung, Verdict, judge, telling
+from cross_checks.verdict import AGREEMENT, Rung, Verdict, is_telling, judge, telling
 from mbs_ref.particle_scene import unit_length
 from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings
@@ -180,7 +180,7 @@ def _rung(settings: Settings, record: Record, path: Trajectory | None, before: T
 def _is_done(scene: Scene, method: Method, climb: Climb, spent_s: float, budget_s: float) -> bool:
     good = [r for r in climb.rungs if r.ok]
     agrees = len(good) >= ENOUGH and good[-1].error is not None and good[-1].error <= AGREEMENT * unit_length(scene)
-    over = spent_s > budget_s and (len(good) >= ENOUGH or spent_s > PATIENCE * budget_s)
+    over = spent_s > budget_s and ((len(good) >= ENOUGH and is_telling(good)) or spent_s > PATIENCE * budget_s)
     return over or (agrees and (_shows_order(method, climb) or spent_s > 0.5 * budget_s))
 
 

@@ -75,6 +75,12 @@ def telling(rungs: Sequence[Rung], agreement: float = AGREEMENT) -> int:
     return agree[-1] if len(agree) > 1 else finest
 
 
+def is_telling(good: Sequence[Rung]) -> bool:
+    """Whether the last runs show a trend: errors that shrink, or have settled. Otherwise a finer run may yet."""
+    errors = [r.error for r in good if r.error is not None]
+    return len(errors) < 2 or errors[-1] < PROGRESS * errors[-2] or _is_settled(good)
+
+
 def _stopped(last: Rung) -> tuple[Verdict, str]:
     if last.status in (Verdict.TIMEOUT, Verdict.CRASHED, Verdict.OUT_OF_MEMORY):
         return Verdict(last.status), f"{last.setting}: {last.message}"

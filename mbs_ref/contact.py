@@ -137,6 +137,11 @@ class StickSlip(Part):
 Friction = Annotated[RegularisedCoulomb | StickSlip, Field(discriminator="type")]
 
 
+def _require_radius(radius_a: float, radius_b: float) -> None:
+    if radius_a + radius_b == 0.0:
+        raise ValueError("radius_a and radius_b are both 0; one must be positive")
+
+
 def _no_friction_on_a_constraint(law: Any, friction: Any) -> None:
     if isinstance(law, ConstraintLaw) and friction is not None:
         raise ValueError(f"friction = {friction.type} does not go with constraint_law; leave it out")
@@ -191,8 +196,7 @@ class CircleOnCircle(Part):
 
     @model_validator(mode="after")
     def _check(self) -> Self:
-        if self.radius_a + self.radius_b == 0.0:
-            raise ValueError("radius_a and radius_b are both 0; one must be positive")
+        _require_radius(self.radius_a, self.radius_b)
         _no_friction_on_a_constraint(self.law, self.friction)
         return self
 
@@ -282,8 +286,7 @@ class SphereOnSphere(Part):
 
     @model_validator(mode="after")
     def _check(self) -> Self:
-        if self.radius_a + self.radius_b == 0.0:
-            raise ValueError("radius_a and radius_b are both 0; one must be positive")
+        _require_radius(self.radius_a, self.radius_b)
         _require_force(self.law, self.friction)
         return self
 

@@ -1,8 +1,7 @@
-"""What compiled scenes of bodies with joints and contacts answer, in the plane and in space."""
+"""What compiled scenes with contact answer, in the plane and in space."""
 
 from __future__ import annotations
 
-from abc import abstractmethod
 from typing import Any
 
 import numpy as np
@@ -12,30 +11,9 @@ from mbs_ref.system import System
 
 
 class ContactSystem(System):
-    """A system whose `groups` hold contact laws, modes and the list of near pairs, and whose `scratch` holds rows."""
+    """A system whose `groups` hold contact laws, modes and the list of near pairs."""
 
     groups: Any
-    scratch: Any
-
-    # --- constraint rows ----------------------------------------------------------------------------
-
-    @abstractmethod
-    def rows(self, every: bool = False) -> list[tuple[int, int, int]]:
-        """Return (joint, slot, row in slot) of every constraint row."""
-
-    @abstractmethod
-    def jacobian(self, t: float, y: np.ndarray) -> np.ndarray:
-        """Return C_q (n_rows, n), rows in the order of `rows`."""
-
-    @abstractmethod
-    def multipliers(self, t: float, y: np.ndarray) -> np.ndarray:
-        """Return lambda (n_rows,) in the order of `rows`; minimum-norm where rows are dependent."""
-
-    def independent_rows(self, t: float, y: np.ndarray) -> np.ndarray:
-        """Return which rows to keep where dependent ones cannot be borne: as many as the mechanism's own rank."""
-        return np.arange(len(self.rows()))
-
-    # --- contacts -----------------------------------------------------------------------------------
 
     def start_contacts(self, t: float, y: np.ndarray, located: bool) -> None:
         super().start_contacts(t, y, located)

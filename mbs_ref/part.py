@@ -17,3 +17,5 @@ Positive = Annotated[float, Field(gt=0.0)]
 NonNegative = Annotated[float, Field(ge=0.0)]
 Name = Annotated[str, Field(min_length=1, max_length=64, pattern=r"^[A-Za-z][A-Za-z0-9_.\-]*$")]
 Vector = Annotated[tuple[float, ...], Field(min_length=2, max_length=3)]  # 2 components in the plane, 3 in space
+Vector3 = tuple[float, float, float]
+SixNonNegative = tuple[NonNegative, NonNegative, NonNegative, NonNegative, NonNegative, NonNegative]

@@ -2,40 +2,31 @@
 
 from __future__ import annotations
 
-import ctypes
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 
-from mbs_ref.contact_system import ContactSystem
+from mbs_ref.joint_graph import row_count
+from mbs_ref.jointed_system import JointedSystem
 from mbs_ref.kernels import core
-from mbs_ref.kernels.contact_laws import (
-    MODE_CLOSED,
-)
+from mbs_ref.kernels.contact_laws import MODE_CLOSED
 from mbs_ref.kernels.planar import dynamics
-from mbs_ref.kernels.planar.model import (
-    CONTROL_MODE_TIME,
-    CONTROL_POSITION_GAIN,
-    CONTROL_VELOCITY_GAIN,
-    bind_model,
-    bind_work,
-    planar_scratch,
-)
+from mbs_ref.kernels.planar.model import bind_model, bind_work, planar_scratch
 from mbs_ref.planar_build import build_planar
 from mbs_ref.planar_contacts import event_sources
-from mbs_ref.scene import PlanarBody, PointMass, Scene, UserForce
-from mbs_ref.system import RANK_TOLERANCE, Poses
-
-_CALLBACK = ctypes.CFUNCTYPE(None, ctypes.c_double, ctypes.c_uint64)
+from mbs_ref.scene import PlanarBody, PointMass, Scene
+from mbs_ref.system import Poses
 
 
-class PlanarSystem(ContactSystem):
+class PlanarSystem(JointedSystem):
     """A planar scene as arrays and compiled functions.
 
     State y = concatenate(q.ravel(), v.ravel()) with q, v of shape (n_bodies, 3) in scene order: m, m,
     rad and their rates. Raises ValueError where the scene is not planar.
     """
+
+    RATES = SHARED = 3
 
     def __init__(self, scene: Scene) -> None:
         if scene.dimension != 2:
@@ -48,25 +39,6 @@ class PlanarSystem(ContactSystem):
         self.model, self.work = bind_model(self.groups), bind_work(self.scratch)
         self._keep_alive = self._connect_user_forces()
 
-    def _connect_user_forces(self) -> Any:
-        laws = [load for load in self.scene.loads if isinstance(load, UserForce)]
-        if not laws:
-            return None
-
-        def call(t: float, address: int) -> None:
-            data = np.ctypeslib.as_array((ctypes.c_double * (9 * self.n_bodies)).from_address(address))
-            q, v, f = data.reshape(3, self.n_bodies, 3)
-            try:
-                for law in laws:
-                    f += np.asarray(law.function(t, q.copy(), v.copy()), dtype=float)
-            except BaseException as error:
-                self.user_error = error
-                f[:] = np.nan
-
-        callback = _CALLBACK(call)
-        self.groups.world.user_force[0] = ctypes.cast(callback, ctypes.c_void_p).value
-        return callback
-
     # --- set-up -----------------------------------------------------------------------------------
 
     def initial_state(self) -> np.ndarray:
@@ -77,15 +49,6 @@ class PlanarSystem(ContactSystem):
             if isinstance(body, PlanarBody):
                 q[k, 2], v[k, 2] = body.angle, body.angular_velocity
         return np.concatenate((q.ravel(), v.ravel()))
-
-    def set_mode_time(self, t: float) -> None:
-        """Choose the signals' segments: the ones that contain t (s)."""
-        self.groups.world.control[CONTROL_MODE_TIME] = t
-
-    def set_baumgarte(self, gain: float) -> None:
-        """Set C'' + 2 g C' + g^2 C = 0 with g in 1/s; 0 switches it off (Baumgarte 1972)."""
-        self.groups.world.control[CONTROL_VELOCITY_GAIN] = 2.0 * gain
-        self.groups.world.control[CONTROL_POSITION_GAIN] = gain * gain
 
     # --- contacts ---------------------------------------------------------------------------------
 
@@ -100,31 +63,11 @@ class PlanarSystem(ContactSystem):
         _evaluate_loads(self.model, self.work, float(t), np.concatenate((q.ravel(), v.ravel())))
         return self._in_scene_order(self.scratch.kinematics.force[: self.n_bodies])
 
-    def residuals(self, t: float, y: np.ndarray) -> dict[str, tuple[np.ndarray, np.ndarray]]:
-        """Return C and C_dot of every joint by name."""
-        self.compliance(t, y)
-        return {
-            self.scene.joints[k].name: (
-                self.scratch.rows.residual[slot, row : row + self._rows(k)].copy(),
-                self.scratch.rows.rate[slot, row : row + self._rows(k)].copy(),
-            )
-            for k, (slot, row, _) in sorted(self.place.items())
-        }
-
     def poses(self, states: np.ndarray) -> Poses:
         """Turn states (n_t, 6 n_bodies) into world poses and velocities."""
         n = self.n_bodies
         q, v = states.reshape(-1, 2, n, 3).transpose(1, 0, 2, 3)
         return Poses(q[:, :, :2].copy(), q[:, :, 2].copy(), v[:, :, :2].copy(), v[:, :, 2].copy())
-
-    @property
-    def n_closure_rows(self) -> int:
-        return len(self.groups.slots.closure_slot)
-
-    def _in_scene_order(self, values: np.ndarray) -> np.ndarray:
-        result = np.empty_like(values)
-        result[self.groups.bodies.scene_index] = values
-        return result
 
     # --- the augmented system, dense --------------------------------------------------------------
 
@@ -138,27 +81,17 @@ class PlanarSystem(ContactSystem):
 
         A contact's joint is -1; with `every` the rows of open constraint contacts, which are empty, come too.
         """
-        joints = [(k, slot, row + r) for k, (slot, row, _) in sorted(self.place.items()) for r in range(self._rows(k))]
         slots, modes = self.groups.contact_laws.slot, self.groups.contact_modes.mode
         held = [slot for slot, mode in zip(slots, modes, strict=False) if slot >= 0 and (every or mode == MODE_CLOSED)]
-        return joints + [(-1, int(slot), 0) for slot in held]
+        return super().rows() + [(-1, int(slot), 0) for slot in held]
 
-    def _rows(self, joint: int) -> int:
-        from mbs_ref.joint_graph import row_count
+    def row_joints(self) -> list[str]:
+        """Return the joint of each row, or its contact."""
+        contacts = dict(zip(self.groups.contact_laws.slot.tolist(), self.event_sources, strict=False))
+        return [self.scene.joints[k].name if k >= 0 else contacts[slot] for k, slot, _ in self.rows()]
 
+    def _row_count(self, joint: int) -> int:
         return row_count(self.scene.joints[joint])
-
-    def jacobian(self, t: float, y: np.ndarray) -> np.ndarray:
-        """Return C_q (n_rows, 3 n_bodies), rows in the order of `rows`."""
-        self.compliance(t, y)
-        rows = self.rows()
-        result = np.zeros((len(rows), self.n_bodies + 1, 3))
-        scene_index = np.append(self.groups.bodies.scene_index, self.n_bodies)
-        for r, (_, slot, row) in enumerate(rows):
-            for side in range(2):
-                body = scene_index[self.groups.slots.body[slot, side]]
-                result[r, body] += self.scratch.rows.jacobian[slot, side, row]
-        return result[:, :-1].reshape(len(rows), 3 * self.n_bodies)
 
     def augmented(
         self, t: float, q: np.ndarray, v: np.ndarray
@@ -172,18 +105,11 @@ class PlanarSystem(ContactSystem):
 
     def rank(self, t: float, y: np.ndarray) -> int:
         """Return the rank of C_q, mass-scaled so that metres and radians compare."""
-        scaled = self.scaled_jacobian(t, y)
-        if scaled.size == 0:
-            return 0
-        values = np.linalg.svd(scaled, compute_uv=False)
-        return int(np.sum(values > RANK_TOLERANCE * values[0]))
+        return self.row_rank(t, y)
 
     def scaled_jacobian(self, t: float, y: np.ndarray) -> np.ndarray:
         scaled = self.jacobian(t, y) / np.sqrt(self.mass_matrix())
         return scaled / np.linalg.norm(scaled, axis=1, keepdims=True)
-
-    def row_joints(self) -> list[str]:
-        return [self.scene.joints[k].name for k, _, _ in self.rows()]
 
     @cached_property
     def n_coordinates(self) -> int:
@@ -194,24 +120,10 @@ class PlanarSystem(ContactSystem):
     def n_constraints(self) -> int:
         return len(self.rows())
 
-    def multipliers(self, t: float, y: np.ndarray) -> np.ndarray:
-        """Return lambda (n_rows,) in the order of `rows`; minimum-norm where rows are dependent."""
-        dy = self.derivative(t, y)
-        rows = self.rows()
-        found = np.array([self.scratch.rows.multiplier[slot, row] for _, slot, row in rows])
-        if self.n_closure_rows == 0 or self.scratch.closures.rank[0] == self.n_closure_rows:
-            return found
+    def _unbalanced(self, t: float, y: np.ndarray, dy: np.ndarray) -> np.ndarray:
         half = 3 * self.n_bodies
-        q, v = y[:half].reshape(-1, 3), y[half:].reshape(-1, 3)
-        mass, jacobian, force, _ = self.augmented(t, q, v)
-        return np.linalg.lstsq(jacobian.T, force - mass * dy[half:], rcond=RANK_TOLERANCE)[0]
-
-    def reactions(self, t: float, y: np.ndarray) -> dict[str, np.ndarray]:
-        """Return each joint's force on its last body at the joint point (N, N) and torque (N m), world axes."""
-        lam = self.multipliers(t, y)
-        jacobian = self.jacobian(t, y)
-        index = {k: [r for r, (joint, _, _) in enumerate(self.rows()) if joint == k] for k in self.place}
-        return {self.scene.joints[k].name: self._reaction(k, -lam[r] @ jacobian[r], y) for k, r in index.items()}
+        force = self.applied_forces(t, y[:half].reshape(-1, 3), y[half:].reshape(-1, 3)).ravel()
+        return force - self.mass_matrix() * dy[half:]
 
     def _reaction(self, joint: int, generalized: np.ndarray, y: np.ndarray) -> np.ndarray:
         part: Any = self.scene.joints[joint]

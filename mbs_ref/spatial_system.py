@@ -2,43 +2,36 @@
 
 from __future__ import annotations
 
-import ctypes
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 from scipy.linalg import qr
 
-from mbs_ref.contact_system import ContactSystem
 from mbs_ref.euler_parameters import parameter_matrix, rotation_matrices
+from mbs_ref.jointed_system import JointedSystem
 from mbs_ref.kernels import core
-from mbs_ref.kernels.spatial.model import (
-    CONTROL_MODE_TIME,
-    CONTROL_POSITION_GAIN,
-    CONTROL_VELOCITY_GAIN,
-    bind_model,
-    bind_work,
-    spatial_scratch,
-)
-from mbs_ref.scene import DRIVES, GROUND, Scene, SpatialBody, UserForce, symmetric
+from mbs_ref.kernels.spatial.model import bind_model, bind_work, spatial_scratch
+from mbs_ref.scene import DRIVES, GROUND, Scene, SpatialBody, symmetric
 from mbs_ref.spatial_build import build_spatial, world_axes
 from mbs_ref.spatial_rows import row_count
-from mbs_ref.system import RANK_TOLERANCE, Poses
+from mbs_ref.system import Poses
 
-_CALLBACK = ctypes.CFUNCTYPE(None, ctypes.c_double, ctypes.c_uint64)
 RANK_POSES = 3  # random poses, besides the first, in which the rank of the loops is looked at
 RANK_STEP = 0.05  # m, rad: how far they are from the first
 RANK_LIMIT = 600  # rows; a dense SVD beyond takes seconds
 PROJECTED = 1e-11  # m, rad: a pose off the constraints by more tells nothing about ranks
 
 
-class SpatialSystem(ContactSystem):
+class SpatialSystem(JointedSystem):
     """A spatial scene as arrays and compiled functions.
 
     State y = concatenate(q, u, s) in scene order; a rigid body has q = R, theta0..theta3 (m, 1) and
     u = R', omega (m/s, rad/s, omega in body axes), a point mass q = R and u = R'. s holds the two deflections (m)
     of every contact that can stick. Raises ValueError where the scene is not spatial.
     """
+
+    RATES, SHARED = 6, 7
 
     def __init__(self, scene: Scene) -> None:
         if scene.dimension != 3:
@@ -53,25 +46,6 @@ class SpatialSystem(ContactSystem):
         self.model, self.work = bind_model(self.groups), bind_work(self.scratch)
         self._keep_alive = self._connect_user_forces()
         slots.closure_rank[0] = self._closure_rank()
-
-    def _connect_user_forces(self) -> Any:
-        laws = [load for load in self.scene.loads if isinstance(load, UserForce)]
-        if not laws:
-            return None
-
-        def call(t: float, address: int) -> None:
-            data = np.ctypeslib.as_array((ctypes.c_double * (21 * self.n_bodies)).from_address(address))
-            q, v, f = data.reshape(3, self.n_bodies, 7)
-            try:
-                for law in laws:
-                    f[:, :6] += np.asarray(law.function(t, q.copy(), v[:, :6].copy()), dtype=float)
-            except BaseException as error:
-                self.user_error = error
-                f[:] = np.nan
-
-        callback = _CALLBACK(call)
-        self.groups.world.user_force[0] = ctypes.cast(callback, ctypes.c_void_p).value
-        return callback
 
     # --- set-up -----------------------------------------------------------------------------------
 
@@ -96,15 +70,6 @@ class SpatialSystem(ContactSystem):
         """Scene indices of the rigid bodies."""
         return np.array([k for k, b in enumerate(self.scene.bodies) if isinstance(b, SpatialBody)], dtype=int)
 
-    def set_mode_time(self, t: float) -> None:
-        """Choose the signals' segments: the ones that contain t (s)."""
-        self.groups.world.control[CONTROL_MODE_TIME] = t
-
-    def set_baumgarte(self, gain: float) -> None:
-        """Set C'' + 2 g C' + g^2 C = 0 with g in 1/s; 0 switches it off (Baumgarte 1972)."""
-        self.groups.world.control[CONTROL_VELOCITY_GAIN] = 2.0 * gain
-        self.groups.world.control[CONTROL_POSITION_GAIN] = gain * gain
-
     def _closure_rank(self) -> int:
         """Return the largest rank of the closure rows found at poses of the mechanism near the first."""
         every = self.n_closure_rows
@@ -114,11 +79,11 @@ class SpatialSystem(ContactSystem):
         y = self.initial_state()
         core.call_project(self.model, self.work, 0.0, y, 1e-14, 50)
         generator = np.random.default_rng(0)
-        best = self._row_rank(0.0, y)
+        best = self.row_rank(0.0, y)
         for _ in range(RANK_POSES):
             near = self._moved(y, generator.standard_normal(len(y)))
             if core.call_project(self.model, self.work, 0.0, near, 1e-14, 50) < PROJECTED:
-                best = max(best, self._row_rank(0.0, near))
+                best = max(best, self.row_rank(0.0, near))
         return best - (len(rows) - every)
 
     def _moved(self, y: np.ndarray, x: np.ndarray) -> np.ndarray:
@@ -136,16 +101,6 @@ class SpatialSystem(ContactSystem):
         core.call_derivative(self.model, self.work, float(t), y, np.empty_like(y))
         return self._in_scene_order(self.scratch.kinematics.force[: self.n_bodies])
 
-    def residuals(self, t: float, y: np.ndarray) -> dict[str, tuple[np.ndarray, np.ndarray]]:
-        """Return C and C_dot of every joint by name."""
-        self.compliance(t, y)
-        rows = self.scratch.rows
-        result = {}
-        for k, (slot, row, _) in self.place.items():
-            which = slice(row, row + row_count(self.scene.joints[k]))
-            result[self.scene.joints[k].name] = (rows.residual[slot, which].copy(), rows.rate[slot, which].copy())
-        return result
-
     def poses(self, states: np.ndarray) -> Poses:
         """Turn states into world poses; a point mass keeps the orientation 1, 0, 0, 0."""
         states = np.asarray(states)
@@ -162,36 +117,7 @@ class SpatialSystem(ContactSystem):
                 omega[:, k] = np.einsum("tij,tj->ti", rotation_matrices(theta[:, k]), states[:, v + 3 : v + 6])
         return Poses(position, theta, velocity, omega)
 
-    @property
-    def n_closure_rows(self) -> int:
-        return len(self.groups.slots.closure_slot)
-
-    def _in_scene_order(self, values: np.ndarray) -> np.ndarray:
-        result = np.empty_like(values)
-        result[self.groups.bodies.scene_index] = values
-        return result
-
     # --- the augmented system, dense --------------------------------------------------------------
-
-    def rows(self, every: bool = False) -> list[tuple[int, int, int]]:
-        """Return (joint, slot, row in slot) of every joint row, joint after joint; contacts have none in space."""
-        return [
-            (k, slot, row + r)
-            for k, (slot, row, _) in sorted(self.place.items())
-            for r in range(row_count(self.scene.joints[k]))
-        ]
-
-    def jacobian(self, t: float, y: np.ndarray) -> np.ndarray:
-        """Return the joint rows' Jacobian (n_rows, 6 n_bodies) of (R', omega), in the order of `rows`."""
-        self.compliance(t, y)
-        rows = self.rows()
-        result = np.zeros((len(rows), self.n_bodies + 1, 6))
-        scene_index = np.append(self.groups.bodies.scene_index, self.n_bodies)
-        for r, (_, slot, row) in enumerate(rows):
-            for side in range(2):
-                body = scene_index[self.groups.slots.body[slot, side]]
-                result[r, body] += self.scratch.rows.jacobian[slot, side, row]
-        return result[:, :-1].reshape(len(rows), 6 * self.n_bodies)
 
     def mass_matrix(self) -> np.ndarray:
         """Return diag(m I, J) (6 n_bodies, 6 n_bodies) in world axes at the state last evaluated."""
@@ -239,21 +165,10 @@ class SpatialSystem(ContactSystem):
             squares[row] = -2.0 * rate @ rate
         return found, norms, squares
 
-    def _row_rank(self, t: float, y: np.ndarray) -> int:
-        """Return the rank of the joint rows, mass-scaled so that metres and radians compare."""
-        scaled = self.scaled_jacobian(t, y)
-        if scaled.size == 0:
-            return 0
-        values = np.linalg.svd(scaled, compute_uv=False)
-        return int(np.sum(values > RANK_TOLERANCE * values[0]))
-
     def scaled_jacobian(self, t: float, y: np.ndarray) -> np.ndarray:
         jacobian = self.jacobian(t, y)
         scaled = np.linalg.solve(np.linalg.cholesky(self.mass_matrix()), jacobian.T).T
         return scaled / np.linalg.norm(scaled, axis=1, keepdims=True)
-
-    def row_joints(self) -> list[str]:
-        return [self.scene.joints[k].name for k, _, _ in self.rows()]
 
     def independent_rows(self, t: float, y: np.ndarray) -> np.ndarray:
         every = len(self.rows())
@@ -269,7 +184,7 @@ class SpatialSystem(ContactSystem):
 
     def rank(self, t: float, y: np.ndarray) -> int:
         """Return the rank of C_q, the norm rows of the Euler parameters included."""
-        return self._row_rank(t, y) + len(self.rigid)
+        return self.row_rank(t, y) + len(self.rigid)
 
     @property
     def n_coordinates(self) -> int:
@@ -281,26 +196,15 @@ class SpatialSystem(ContactSystem):
         """Joint rows and one norm row a rigid body."""
         return len(self.rows()) + len(self.rigid)
 
-    def multipliers(self, t: float, y: np.ndarray) -> np.ndarray:
-        """Return lambda (n_rows,) of the joint rows in the order of `rows`; minimum-norm where they are dependent."""
-        dy = self.derivative(t, y)
+    def _row_count(self, joint: int) -> int:
+        return row_count(self.scene.joints[joint])
+
+    def _unbalanced(self, t: float, y: np.ndarray, dy: np.ndarray) -> np.ndarray:
         force = self._in_scene_order(self.scratch.kinematics.force[: self.n_bodies]).ravel()
         acceleration = self._in_scene_order(self.scratch.tree.acceleration[: self.n_bodies]).ravel()
-        rows = self.rows()
-        found = np.array([self.scratch.rows.multiplier[slot, row] for _, slot, row in rows])
-        if self.n_closure_rows == 0 or self.scratch.closures.rank[0] == self.n_closure_rows or not len(dy):
-            return found
-        jacobian, mass = self.jacobian(t, y), self.mass_matrix()
-        return np.linalg.lstsq(jacobian.T, force - mass @ acceleration, rcond=RANK_TOLERANCE)[0]
+        return force - self.mass_matrix() @ acceleration
 
-    def reactions(self, t: float, y: np.ndarray) -> dict[str, np.ndarray]:
-        """Return each joint's force (N) on its last body at the joint point and torque (N m): (6,), world axes."""
-        lam = self.multipliers(t, y)
-        jacobian = self.jacobian(t, y)
-        index = {k: [r for r, (joint, _, _) in enumerate(self.rows()) if joint == k] for k in self.place}
-        return {self.scene.joints[k].name: self._reaction(k, -lam[r] @ jacobian[r]) for k, r in index.items()}
-
-    def _reaction(self, joint: int, generalized: np.ndarray) -> np.ndarray:
+    def _reaction(self, joint: int, generalized: np.ndarray, y: np.ndarray) -> np.ndarray:
         part: Any = self.scene.joints[joint]
         name, sign = getattr(part, "body_b", None) or part.body, 1.0
         if name == GROUND:  # report what ground receives: the opposite of what the other body gets

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from mbs_ref.integrators.events import ACTIVE, EVENT, H_NEXT, IDLE, RETRY, event_tables, settle, watch
+from mbs_ref.integrators.events import EVENT, RETRY, event_tables, settle, watch
 from mbs_ref.integrators.leg import (
     CLOCK_COMPLIANCE,
     CLOCK_H,
@@ -19,17 +19,14 @@ from mbs_ref.integrators.leg import (
     NON_FINITE,
     RUNNING,
     SINGULAR,
-    STALLED,
     STEP_TOO_SMALL,
-    TOO_MANY_STEPS,
     Advance,
     Leg,
     Options,
-    Pace,
     Progress,
-    finish_leg,
+    run_chunks,
 )
-from mbs_ref.integrators.step_control import close_step, first_step, record, weighted_norm
+from mbs_ref.integrators.step_control import begin, choose_step, close_step, end_step, first_step, record, weighted_norm
 from mbs_ref.kernels.core import derivative, project, regularity, tangent
 from mbs_ref.kernels.jit import jit
 from mbs_ref.system import System
@@ -126,6 +123,24 @@ def _error_norm(model, work, tableau, slopes, h, y, trial, scratch, rtol, atol, 
 
 
 @jit
+def _resize(error, error_order, h, proposed, lands, rejected):
+    """Return whether a step's error is borne, and the next step (s)."""
+    if not error < 1.0:
+        factor = SHRINK
+        if np.isfinite(error):
+            factor = max(SHRINK, SAFETY * error ** (-1.0 / (error_order + 1)))
+        return False, h * factor
+    growth = GROW
+    if error > 0.0:
+        growth = min(GROW, max(SHRINK, SAFETY * error ** (-1.0 / (error_order + 1))))
+    if rejected:
+        growth = min(growth, 1.0)
+    suggested = h * growth
+    # a step cut short only to land on an output time must not shorten the next one
+    return True, max(suggested, proposed) if lands and growth >= 1.0 else suggested
+
+
+@jit
 def advance_explicit(model, work, tableau, options, run, y, times, states, worst_per_time):
     """Advance y through times[1:], in place; return a status code (RUNNING when the chunk is used up)."""
     clock, counts = run.clock, run.counts
@@ -138,13 +153,9 @@ def advance_explicit(model, work, tableau, options, run, y, times, states, worst
     budget = counts[COUNT_STEPS] + options.chunk
     search, table = event_tables(model)
     watched = table.shape[1] > 0
-    searching = False
-    if watched:
-        code = settle(model, work, clock[CLOCK_T], y, table, run, options.max_events)
-        if code != RUNNING:
-            return code
-    derivative(model, work, clock[CLOCK_T], y, slopes[0])
-    counts[COUNT_RHS] += 1
+    code = begin(model, work, run, y, slopes[0], table, options.max_events)
+    if code != RUNNING:
+        return code
     if adaptive and clock[CLOCK_H] == 0.0:
         clock[CLOCK_H] = first_step(
             model, work, clock[CLOCK_T], y, slopes[0], tableau.order, options.rtol, options.atol, times[-1] - times[0]
@@ -158,15 +169,7 @@ def advance_explicit(model, work, tableau, options, run, y, times, states, worst
         target = times[counts[COUNT_OUTPUT]]
         proposed = clock[CLOCK_H] if adaptive else options.step
         reach = target - t
-        lands = proposed >= reach * (1.0 - 1e-9)
-        h = reach if lands else proposed
-        if adaptive and not lands and proposed > 0.5 * reach and natural == 0.0:
-            h = 0.5 * reach  # two even steps rather than a whole one and a sliver
-        if watched:
-            searching = search[ACTIVE] != IDLE
-            if searching:
-                h = search[H_NEXT]
-                lands = h >= reach
+        h, lands, searching = choose_step(proposed, reach, adaptive and natural == 0.0, search)
         t_new = target if lands else t + h
         if t_new == t and not searching:
             return STEP_TOO_SMALL
@@ -182,25 +185,13 @@ def advance_explicit(model, work, tableau, options, run, y, times, states, worst
             error = _error_norm(
                 model, work, tableau, slopes, h, y, trial, scratch, options.rtol, options.atol, restore
             )
-            if not error < 1.0:
+            accepted, clock[CLOCK_H] = _resize(error, tableau.error_order, h, proposed, lands, rejected)
+            rejected = not accepted
+            if rejected:
                 counts[COUNT_REJECTED] += 1
-                factor = SHRINK
-                if np.isfinite(error):
-                    factor = max(SHRINK, SAFETY * error ** (-1.0 / (tableau.error_order + 1)))
-                clock[CLOCK_H] = h * factor
-                rejected = True
                 if t + clock[CLOCK_H] == t or clock[CLOCK_H] < 1e-14 * (times[-1] - times[0]):
                     return STEP_TOO_SMALL if np.isfinite(error) else NON_FINITE
                 continue
-            growth = GROW
-            if error > 0.0:
-                growth = min(GROW, max(SHRINK, SAFETY * error ** (-1.0 / (tableau.error_order + 1))))
-            if rejected:
-                growth = min(growth, 1.0)
-            rejected = False
-            suggested = h * growth
-            # a step cut short only to land on an output time must not shorten the next one
-            clock[CLOCK_H] = max(suggested, proposed) if lands and growth >= 1.0 else suggested
         code, clock[CLOCK_COMPLIANCE] = close_step(
             model, work, t_new, trial, h, options.project, options.projection_tolerance,
             options.stop_on_compliance, clock[CLOCK_COMPLIANCE],
@@ -241,12 +232,9 @@ def advance_explicit(model, work, tableau, options, run, y, times, states, worst
             code = settle(model, work, t_new, y, table, run, options.max_events)
             if code != RUNNING:
                 return code
-        if lands:
-            record(run, y, states, worst_per_time)
-        if counts[COUNT_OUTPUT] == times.shape[0]:
-            return DONE
-        if counts[COUNT_STEPS] >= options.max_steps:
-            return TOO_MANY_STEPS
+        code = end_step(run, lands, y, times, states, worst_per_time, options.max_steps)
+        if code != RUNNING:
+            return code
         if adaptive and not options.project and not searching and verdict != EVENT:
             for k in range(n):
                 slopes[0, k] = slopes[stages, k]  # first same as last
@@ -271,16 +259,9 @@ def explicit(tableau: Tableau) -> Advance:
     """Return the leg-by-leg driver of a tableau."""
 
     def advance(system: System, options: Options, run: Progress, y: np.ndarray, times: np.ndarray) -> Leg:
-        states = np.empty((len(times), len(y)))
-        worst = np.zeros(len(times))
-        states[0] = y
-        run.counts[COUNT_OUTPUT] = 1
-        pace = Pace(float(times[0]), float(times[-1]), options.max_steps, options.chunk)
-        code = RUNNING
-        while code == RUNNING:
-            code = advance_explicit(system.model, system.work, tableau, options, run, y, times, states, worst)
-            if code == RUNNING and pace.is_hopeless(float(run.clock[CLOCK_T]), int(run.counts[COUNT_STEPS])):
-                code = STALLED
-        return finish_leg(code, states, worst, run)
+        def chunk(states: np.ndarray, worst: np.ndarray) -> int:
+            return advance_explicit(system.model, system.work, tableau, options, run, y, times, states, worst)
+
+        return run_chunks(chunk, options, run, y, times)
 
     return advance

@@ -10,8 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from mbs_ref.contact_system import ContactSystem
-from mbs_ref.integrators.events import ACTIVE, EVENT, H_NEXT, IDLE, RETRY, event_tables, settle, watch
+from mbs_ref.integrators.events import EVENT, RETRY, event_tables, settle, watch
 from mbs_ref.integrators.leg import (
     CLOCK_COMPLIANCE,
     CLOCK_T,
@@ -24,14 +23,14 @@ from mbs_ref.integrators.leg import (
     NOT_CONVERGED,
     RUNNING,
     STEP_TOO_SMALL,
-    TOO_MANY_STEPS,
     Integrator,
     Leg,
     Options,
     Progress,
-    finish_leg,
+    run_chunks,
 )
-from mbs_ref.integrators.step_control import close_step, record
+from mbs_ref.integrators.step_control import choose_step, close_step, end_step
+from mbs_ref.jointed_system import JointedSystem
 from mbs_ref.kernels.core import derivative, displace, multipliers, position_count
 from mbs_ref.kernels.implicit import dense_correction, factor_tangent, tree_correction
 from mbs_ref.kernels.jit import jit
@@ -120,7 +119,6 @@ def advance_generalized_alpha(
     budget = counts[COUNT_STEPS] + options.chunk
     search, table = event_tables(model)
     watched = table.shape[1] > 0
-    searching = False
     if watched:
         before = counts[COUNT_EVENTS]
         code = settle(model, work, clock[CLOCK_T], y, table, run, options.max_events)
@@ -136,13 +134,7 @@ def advance_generalized_alpha(
         t = clock[CLOCK_T]
         target = times[counts[COUNT_OUTPUT]]
         reach = target - t
-        lands = options.step >= reach * (1.0 - 1e-9)
-        h = reach if lands else options.step
-        if watched:
-            searching = search[ACTIVE] != IDLE
-            if searching:
-                h = search[H_NEXT]
-                lands = h >= reach
+        h, lands, searching = choose_step(options.step, reach, False, search)
         t_new = target if lands else t + h
         if t_new == t and not searching:
             return STEP_TOO_SMALL
@@ -199,12 +191,9 @@ def advance_generalized_alpha(
             _start(model, work, t_new, y, qdd, lam)
             a[:] = qdd
             factored = 0.0
-        if lands:
-            record(run, y, states, worst_per_time)
-        if counts[COUNT_OUTPUT] == times.shape[0]:
-            return DONE
-        if counts[COUNT_STEPS] >= options.max_steps:
-            return TOO_MANY_STEPS
+        code = end_step(run, lands, y, times, states, worst_per_time, options.max_steps)
+        if code != RUNNING:
+            return code
         if counts[COUNT_STEPS] >= budget:
             return RUNNING
     return DONE
@@ -215,26 +204,23 @@ DENSE_LIMIT = 900  # unknowns; a dense tangent beyond costs seconds a factorizat
 
 def advance(system: System, options: Options, run: Progress, y: np.ndarray, times: np.ndarray) -> Leg:
     """Integrate one leg."""
-    assert isinstance(system, ContactSystem)  # `cores` of the INTEGRATOR sees to it
-    states = np.empty((len(times), len(y)))
-    worst = np.zeros(len(times))
-    states[0] = y
+    assert isinstance(system, JointedSystem)  # `cores` of the INTEGRATOR sees to it
     n = len(y) - system.n_positions
     qdd, lam = np.empty(n), np.zeros_like(system.scratch.rows.multiplier)
     _start(system.model, system.work, float(times[0]), y, qdd, lam)
     run.counts[COUNT_RHS] += 1
-    run.counts[COUNT_OUTPUT] = 1
     a = qdd.copy()
     rows = np.array([(slot, row) for _, slot, row in system.rows(every=True)], dtype=np.int64).reshape(-1, 2)
     unknowns = n + len(rows) if n + len(rows) <= DENSE_LIMIT else 0
     lu, pivots = np.empty((unknowns, unknowns)), np.empty(unknowns, dtype=np.int64)
     row_slot, row_row = np.ascontiguousarray(rows[:, 0]), np.ascontiguousarray(rows[:, 1])
-    code = RUNNING
-    while code == RUNNING:
-        code = advance_generalized_alpha(
+
+    def chunk(states: np.ndarray, worst: np.ndarray) -> int:
+        return advance_generalized_alpha(
             system.model, system.work, options, run, y, qdd, a, lam, row_slot, row_row, lu, pivots, times, states, worst
         )
-    return finish_leg(code, states, worst, run)
+
+    return run_chunks(chunk, options, run, y, times)
 
 
 INTEGRATOR = Integrator(

@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 
-from mbs_ref.contact_system import ContactSystem
 from mbs_ref.integrators.contact_events import ContactEvents, event_end
 from mbs_ref.integrators.crossing import is_near_singular, leap
 from mbs_ref.integrators.leg import (
@@ -28,6 +27,7 @@ from mbs_ref.integrators.leg import (
     Pace,
     Progress,
 )
+from mbs_ref.jointed_system import JointedSystem
 from mbs_ref.kernels.residual import GGL, largest_balance, residual
 from mbs_ref.system import System
 from mbs_ref.trajectory import Status
@@ -53,7 +53,7 @@ class _Ida:
     """One IDA memory with everything it refers to kept alive."""
 
     def __init__(
-        self, system: ContactSystem, options: Options, form: int, y: np.ndarray, t0: float, events: ContactEvents,
+        self, system: JointedSystem, options: Options, form: int, y: np.ndarray, t0: float, events: ContactEvents,
         longest: float,
     ) -> None:  # fmt: skip
         from sundials4py import core, idas
@@ -150,7 +150,7 @@ def ida(form: int) -> Advance:
     """Return the leg-by-leg driver of one index form."""
 
     def advance(system: System, options: Options, run: Progress, y: np.ndarray, times: np.ndarray) -> Leg:
-        assert isinstance(system, ContactSystem)  # `cores` of the Integrator sees to it
+        assert isinstance(system, JointedSystem)  # `cores` of the Integrator sees to it
         states, worst = np.empty((len(times), len(y))), np.zeros(len(times))
         states[0] = y
         t, reached, now = float(times[0]), 1, y.copy()

@@ -136,3 +136,19 @@ def finish_leg(code: int, states: np.ndarray, compliance: np.ndarray, run: Progr
     status = STATUS[code]
     message = "" if code == DONE else f"at t = {run.clock[CLOCK_T]:.9g} s {MESSAGES[code]}"
     return Leg(states, compliance, int(run.counts[COUNT_OUTPUT]), status, message)
+
+
+def run_chunks(
+    chunk: Callable[[np.ndarray, np.ndarray], int], options: Options, run: Progress, y: np.ndarray, times: np.ndarray
+) -> Leg:
+    """Call a compiled loop, which fills states and largest |C|, until it ends or creeps; Ctrl-C is heard between."""
+    states, worst = np.empty((len(times), len(y))), np.zeros(len(times))
+    states[0] = y
+    run.counts[COUNT_OUTPUT] = 1
+    pace = Pace(float(times[0]), float(times[-1]), options.max_steps, options.chunk)
+    code = RUNNING
+    while code == RUNNING:
+        code = chunk(states, worst)
+        if code == RUNNING and pace.is_hopeless(float(run.clock[CLOCK_T]), int(run.counts[COUNT_STEPS])):
+            code = STALLED
+    return finish_leg(code, states, worst, run)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from mbs_ref.integrators.events import ACTIVE, EVENT, H_NEXT, IDLE, RETRY, event_tables, settle, watch
+from mbs_ref.integrators.events import EVENT, RETRY, event_tables, settle, watch
 from mbs_ref.integrators.leg import (
     CLOCK_COMPLIANCE,
     CLOCK_ERROR,
@@ -23,17 +23,14 @@ from mbs_ref.integrators.leg import (
     NON_FINITE,
     NOT_CONVERGED,
     RUNNING,
-    STALLED,
     STEP_TOO_SMALL,
-    TOO_MANY_STEPS,
     Integrator,
     Leg,
     Options,
-    Pace,
     Progress,
-    finish_leg,
+    run_chunks,
 )
-from mbs_ref.integrators.step_control import close_step, first_step, record, weighted_norm
+from mbs_ref.integrators.step_control import begin, choose_step, close_step, end_step, first_step, weighted_norm
 from mbs_ref.kernels.core import derivative
 from mbs_ref.kernels.dense import lu_factor, lu_solve
 from mbs_ref.kernels.jit import jit
@@ -240,13 +237,9 @@ def advance_radau(model, work, options, run, y, times, states, worst_per_time):
     budget = counts[COUNT_STEPS] + options.chunk
     search, table = event_tables(model)
     watched = table.shape[1] > 0
-    searching = False
-    if watched:
-        code = settle(model, work, clock[CLOCK_T], y, table, run, options.max_events)
-        if code != RUNNING:
-            return code
-    derivative(model, work, clock[CLOCK_T], y, f)
-    counts[COUNT_RHS] += 1
+    code = begin(model, work, run, y, f, table, options.max_events)
+    if code != RUNNING:
+        return code
     if adaptive and clock[CLOCK_H] == 0.0:
         clock[CLOCK_H] = first_step(
             model, work, clock[CLOCK_T], y, f, 3, rtol, atol, times[-1] - times[0]
@@ -274,16 +267,9 @@ def advance_radau(model, work, options, run, y, times, states, worst_per_time):
         target = times[counts[COUNT_OUTPUT]]
         proposed = clock[CLOCK_H] if adaptive else options.step
         reach = target - t
-        lands = proposed >= reach * (1.0 - 1e-9)
-        h = reach if lands else proposed
-        if adaptive and not lands and proposed > 0.5 * reach:
-            h = 0.5 * reach
-        if watched:
-            searching = search[ACTIVE] != IDLE
-            if searching:
-                h = search[H_NEXT]
-                lands = h >= reach
-                h_last = 0.0
+        h, lands, searching = choose_step(proposed, reach, adaptive, search)
+        if searching:
+            h_last = 0.0
         t_new = target if lands else t + h
         if searching:
             pass
@@ -371,12 +357,9 @@ def advance_radau(model, work, options, run, y, times, states, worst_per_time):
             code = settle(model, work, t_new, y, table, run, options.max_events)
             if code != RUNNING:
                 return code
-        if lands:
-            record(run, y, states, worst_per_time)
-        if counts[COUNT_OUTPUT] == times.shape[0]:
-            return DONE
-        if counts[COUNT_STEPS] >= options.max_steps:
-            return TOO_MANY_STEPS
+        code = end_step(run, lands, y, times, states, worst_per_time, options.max_steps)
+        if code != RUNNING:
+            return code
         derivative(model, work, t_new, y, f)
         counts[COUNT_RHS] += 1
         fresh = False
@@ -388,17 +371,11 @@ def advance_radau(model, work, options, run, y, times, states, worst_per_time):
 
 def advance(system: System, options: Options, run: Progress, y: np.ndarray, times: np.ndarray) -> Leg:
     """Integrate one leg."""
-    states = np.empty((len(times), len(y)))
-    worst = np.zeros(len(times))
-    states[0] = y
-    run.counts[COUNT_OUTPUT] = 1
-    pace = Pace(float(times[0]), float(times[-1]), options.max_steps, options.chunk)
-    code = RUNNING
-    while code == RUNNING:
-        code = advance_radau(system.model, system.work, options, run, y, times, states, worst)
-        if code == RUNNING and pace.is_hopeless(float(run.clock[CLOCK_T]), int(run.counts[COUNT_STEPS])):
-            code = STALLED
-    return finish_leg(code, states, worst, run)
+
+    def chunk(states: np.ndarray, worst: np.ndarray) -> int:
+        return advance_radau(system.model, system.work, options, run, y, times, states, worst)
+
+    return run_chunks(chunk, options, run, y, times)
 
 
 INTEGRATOR = Integrator(

@@ -4,7 +4,20 @@ from __future__ import annotations
 
 import numpy as np
 
-from mbs_ref.integrators.leg import CLOCK_COMPLIANCE, COMPLIANCE, COUNT_OUTPUT, NON_FINITE, PROJECTION, RUNNING
+from mbs_ref.integrators.events import ACTIVE, H_NEXT, IDLE, settle
+from mbs_ref.integrators.leg import (
+    CLOCK_COMPLIANCE,
+    CLOCK_T,
+    COMPLIANCE,
+    COUNT_OUTPUT,
+    COUNT_RHS,
+    COUNT_STEPS,
+    DONE,
+    NON_FINITE,
+    PROJECTION,
+    RUNNING,
+    TOO_MANY_STEPS,
+)
 from mbs_ref.kernels.core import compliance, derivative, project
 from mbs_ref.kernels.jit import jit
 
@@ -31,6 +44,18 @@ def weighted_norm(x, y0, y1, rtol, atol):
 
 
 @jit
+def begin(model, work, run, y, dy, table, max_events):
+    """Settle the modes at the start and evaluate dy/dt there; return a status code."""
+    if table.shape[1] > 0:
+        code = settle(model, work, run.clock[CLOCK_T], y, table, run, max_events)
+        if code != RUNNING:
+            return code
+    derivative(model, work, run.clock[CLOCK_T], y, dy)
+    run.counts[COUNT_RHS] += 1
+    return RUNNING
+
+
+@jit
 def first_step(model, work, t, y, dy, order, rtol, atol, span):
     """Guess a first step (Hairer, Norsett, Wanner I, sec. II.4, algorithm a-f); costs one evaluation."""
     d0 = weighted_norm(y, y, y, rtol, atol)
@@ -44,6 +69,18 @@ def first_step(model, work, t, y, dy, order, rtol, atol, span):
     largest = max(d1, d2)
     h1 = max(1e-6, h0 * 1e-3) if largest <= 1e-15 else (0.01 / largest) ** (1.0 / (order + 1))
     return min(100.0 * h0, min(h1, span))
+
+
+@jit
+def choose_step(proposed, reach, evenly, search):
+    """Return the step (s), whether it lands on the output `reach` (s) ahead, and whether a search chose it."""
+    if search[ACTIVE] != IDLE:
+        return search[H_NEXT], search[H_NEXT] >= reach, True
+    if proposed >= reach * (1.0 - 1e-9):
+        return reach, True, False
+    if evenly and proposed > 0.5 * reach:
+        return 0.5 * reach, False, False  # two even steps rather than a whole one and a sliver
+    return proposed, False, False
 
 
 @jit
@@ -72,3 +109,13 @@ def record(run, y, states, worst_per_time):
     worst_per_time[place] = run.clock[CLOCK_COMPLIANCE]
     run.clock[CLOCK_COMPLIANCE] = 0.0
     run.counts[COUNT_OUTPUT] = place + 1
+
+
+@jit
+def end_step(run, lands, y, times, states, worst_per_time, max_steps):
+    """Keep the state where the step landed on an output; return RUNNING, DONE or TOO_MANY_STEPS."""
+    if lands:
+        record(run, y, states, worst_per_time)
+    if run.counts[COUNT_OUTPUT] == times.shape[0]:
+        return DONE
+    return TOO_MANY_STEPS if run.counts[COUNT_STEPS] >= max_steps else RUNNING

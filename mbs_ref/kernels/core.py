@@ -23,6 +23,38 @@ from mbs_ref.kernels.spatial import descriptor as spatial_form
 from mbs_ref.kernels.spatial import dynamics as spatial
 from mbs_ref.kernels.spatial.model import SpatialModel, SpatialWork
 
+
+# particles know no contact, and have no events
+@jit
+def _none(model):
+    return 0
+
+
+@jit
+def _nothing(model, work, t, y, g, rate):
+    pass
+
+
+@jit
+def _no_change(model, work, t, y, g, dy):
+    return 0, 0
+
+
+@jit
+def _no_start(model, work, t, y, located):
+    pass
+
+
+@jit
+def _no_forces(model, work, t, y, out):
+    pass
+
+
+@jit
+def _no_mobility(model, work, t, y, k):
+    return 0.0
+
+
 # question -> {type of its first argument: answer}
 _ANSWERS: dict[str, dict[type, Callable[..., Any]]] = {
     "derivative": {
@@ -68,59 +100,36 @@ _ANSWERS: dict[str, dict[type, Callable[..., Any]]] = {
     "position_rate": {PlanarModel: planar_form.planar_position_rate, SpatialModel: spatial_form.spatial_position_rate},
     "defect_of": {PlanarWork: planar_form.planar_defect_of, SpatialWork: spatial_form.spatial_defect_of},
     "gamma_of": {PlanarWork: planar_form.planar_gamma_of, SpatialWork: spatial_form.spatial_gamma_of},
-}
-
-
-def _none(model):
-    return 0
-
-
-def _nothing(model, work, t, y, g, rate):
-    pass
-
-
-def _no_change(model, work, t, y, g, dy):
-    return 0, 0
-
-
-def _no_start(model, work, t, y, located):
-    pass
-
-
-def _no_forces(model, work, t, y, out):
-    pass
-
-
-def _no_mobility(model, work, t, y, k):
-    return 0.0
-
-
-# a core that knows no contact has no events
-_EVENTS: dict[str, tuple[Callable[..., Any], dict[type, Callable[..., Any]]]] = {
-    "root_count": (
-        jit(_none),
-        {PlanarModel: planar_events.planar_root_count, SpatialModel: spatial_contacts.spatial_root_count},
-    ),
-    "roots": (
-        jit(_nothing),
-        {PlanarModel: planar_events.planar_roots, SpatialModel: spatial_contacts.spatial_roots},
-    ),
-    "transition": (
-        jit(_no_change),
-        {PlanarModel: planar_events.planar_transition, SpatialModel: spatial_contacts.spatial_transition},
-    ),
-    "start_modes": (
-        jit(_no_start),
-        {PlanarModel: planar_events.planar_start_modes, SpatialModel: spatial_contacts.spatial_start_modes},
-    ),
-    "contact_forces": (
-        jit(_no_forces),
-        {PlanarModel: planar_contacts.planar_contact_forces, SpatialModel: spatial_contacts.spatial_contact_forces},
-    ),
-    "contact_mobility": (
-        jit(_no_mobility),
-        {PlanarModel: planar_contacts.planar_contact_mobility, SpatialModel: spatial_contacts.spatial_contact_mobility},
-    ),
+    "root_count": {
+        PlanarModel: planar_events.planar_root_count,
+        SpatialModel: spatial_contacts.spatial_root_count,
+        ParticleModel: _none,
+    },
+    "roots": {
+        PlanarModel: planar_events.planar_roots,
+        SpatialModel: spatial_contacts.spatial_roots,
+        ParticleModel: _nothing,
+    },
+    "transition": {
+        PlanarModel: planar_events.planar_transition,
+        SpatialModel: spatial_contacts.spatial_transition,
+        ParticleModel: _no_change,
+    },
+    "start_modes": {
+        PlanarModel: planar_events.planar_start_modes,
+        SpatialModel: spatial_contacts.spatial_start_modes,
+        ParticleModel: _no_start,
+    },
+    "contact_forces": {
+        PlanarModel: planar_contacts.planar_contact_forces,
+        SpatialModel: spatial_contacts.spatial_contact_forces,
+        ParticleModel: _no_forces,
+    },
+    "contact_mobility": {
+        PlanarModel: planar_contacts.planar_contact_mobility,
+        SpatialModel: spatial_contacts.spatial_contact_mobility,
+        ParticleModel: _no_mobility,
+    },
 }
 _OPTIONS: Any = {"error_model": "numpy", "fastmath": {"contract"}}
 
@@ -331,44 +340,39 @@ def _gamma_of(work):
     return lambda work: chosen(work)
 
 
-def _event_answer(question, model):
-    default, answers = _EVENTS[question]
-    return answers.get(model.instance_class, default)
-
-
 @overload(root_count, jit_options=_OPTIONS)
 def _root_count(model):
-    answer = _event_answer("root_count", model)
+    answer = _ANSWERS["root_count"][model.instance_class]
     return lambda model: answer(model)
 
 
 @overload(roots, jit_options=_OPTIONS)
 def _roots(model, work, t, y, g, rate):
-    answer = _event_answer("roots", model)
+    answer = _ANSWERS["roots"][model.instance_class]
     return lambda model, work, t, y, g, rate: answer(model, work, t, y, g, rate)
 
 
 @overload(transition, jit_options=_OPTIONS)
 def _transition(model, work, t, y, g, dy):
-    answer = _event_answer("transition", model)
+    answer = _ANSWERS["transition"][model.instance_class]
     return lambda model, work, t, y, g, dy: answer(model, work, t, y, g, dy)
 
 
 @overload(start_modes, jit_options=_OPTIONS)
 def _start_modes(model, work, t, y, located):
-    answer = _event_answer("start_modes", model)
+    answer = _ANSWERS["start_modes"][model.instance_class]
     return lambda model, work, t, y, located: answer(model, work, t, y, located)
 
 
 @overload(contact_forces, jit_options=_OPTIONS)
 def _contact_forces(model, work, t, y, out):
-    answer = _event_answer("contact_forces", model)
+    answer = _ANSWERS["contact_forces"][model.instance_class]
     return lambda model, work, t, y, out: answer(model, work, t, y, out)
 
 
 @overload(contact_mobility, jit_options=_OPTIONS)
 def _contact_mobility(model, work, t, y, k):
-    answer = _event_answer("contact_mobility", model)
+    answer = _ANSWERS["contact_mobility"][model.instance_class]
     return lambda model, work, t, y, k: answer(model, work, t, y, k)
 
 

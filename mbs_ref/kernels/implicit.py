@@ -22,6 +22,7 @@ from mbs_ref.kernels.core import (
 )
 from mbs_ref.kernels.dense import lu_factor, lu_solve
 from mbs_ref.kernels.jit import jit
+from mbs_ref.kernels.rows import largest_entry
 
 PROXIMAL = 1e-12  # weight on the multipliers' diagonal: dependent rows then share, instead of failing
 DIFFERENCE = 1e-7  # of an acceleration, for the tangent's columns
@@ -37,16 +38,6 @@ def _largest(values):
 
 
 @jit
-def _defect_size(defect):
-    largest = 0.0
-    for slot in range(defect.shape[0]):
-        size = _largest(defect[slot])
-        if not size <= largest:
-            largest = size
-    return largest
-
-
-@jit
 def tree_correction(model, work, t, y, qdd, lam, weight, velocity_level):
     """Correct qdd and lam (n_slots, rows a slot) with the mass matrix alone; return |d_qdd| and max defect."""
     balance, inert, found = np.empty_like(qdd), np.empty_like(qdd), np.empty_like(lam)
@@ -55,7 +46,7 @@ def tree_correction(model, work, t, y, qdd, lam, weight, velocity_level):
     for k in range(qdd.shape[0]):
         balance[k] -= inert[k]
     defect = defect_of(work, velocity_level)
-    size = _defect_size(defect)
+    size = largest_entry(defect)
     gamma = gamma_of(work)
     for slot in range(lam.shape[0]):
         for row in range(lam.shape[1]):
@@ -114,7 +105,7 @@ def dense_correction(model, work, t, y, qdd, lam, weight, velocity_level, row_sl
     for k in range(n):
         rhs[k] -= inert[k]
     defect = defect_of(work, velocity_level)
-    size = _defect_size(defect)
+    size = largest_entry(defect)
     for r in range(row_slot.shape[0]):
         rhs[n + r] = -defect[row_slot[r], row_row[r]] / weight
     lu_solve(lu, pivots, rhs)

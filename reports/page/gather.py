@@ -75,15 +75,13 @@ def gather(
     tasks = [(*item, name, method) for item in chosen.items() for name in engines.names() for method in _methods(name)]
     cells: list[Cell] = []
     records: list[Record] = []
-    incomplete, beyond = "", {}
+    incomplete, beyond = "", dict[str, Any]()
     try:
         with Isolated(CELL_TIMEOUT) as call:
             _warm_up(next(iter(chosen.values())), report, call)
             _run(tasks, begun, cells, records, report, call, QUICK_TIME if quick else RUN_TIME)
         beyond = {"truths": truth_facts(chosen), "extremes": extreme_cells(extremes_file, quick)}
-        if not quick:
-            measured, incomplete = _measured(report)
-            beyond |= measured
+        incomplete = "" if quick else measure_parts(beyond, report)
     except KeyboardInterrupt:
         incomplete = f"interrupted after {len(cells)} of {len(tasks)} cells"
     report(len(tasks), len(tasks), "writing the page")
@@ -95,9 +93,9 @@ def gather(
     )  # fmt: skip
 
 
-def _measured(report: Progress) -> tuple[dict[str, Any], str]:
-    """Return what PARTS measured, and which of them failed with why: one that fails costs its own section only."""
-    found, failed = {}, []
+def measure_parts(found: dict[str, Any], report: Progress) -> str:
+    """Add what PARTS measure to `found`; return which failed and why. One that fails costs its own section only."""
+    failed = []
     with Isolated(PART_TIMEOUT) as call:
         for done, (name, measure) in enumerate(PARTS.items()):
             report(done, len(PARTS), f"section {name}")
@@ -105,7 +103,7 @@ def _measured(report: Progress) -> tuple[dict[str, Any], str]:
                 found[name] = call(measure)
             except (Lost, RuntimeError, ValueError, ArithmeticError) as error:
                 failed.append(f"section {name}: {error}")
-    return found, "; ".join(failed)
+    return "; ".join(failed)
 
 
 def _run(

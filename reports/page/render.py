@@ -30,7 +30,8 @@ def render(data: ReportData) -> str:
     plotly, js = get_plotlyjs(), "".join((TEMPLATES / name).read_text(encoding="utf-8") for name in SCRIPTS)
 
     def body(section: Section) -> Markup:
-        context = {"section": section, "scenes": data.scenes, "engine_colours": engine_colours, **section.context(data)}
+        shared = {"scenes": data.scenes, "engine_colours": engine_colours, "absence": data.absence}
+        context = {"section": section, **shared, **section.context(data)}
         return Markup(_templates().get_template(f"{section.name}.html").render(context))
 
     return (

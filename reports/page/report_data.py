@@ -63,6 +63,11 @@ class ReportData:
     space: SpaceFacts | None = None  # measured on spatial bodies; None in a quick report
 
     @property
+    def absence(self) -> str:
+        """Return why a section that is not there is not."""
+        return "The full report measures this; a quick one does not." if self.quick else f"Missing: {self.incomplete}."
+
+    @property
     def scenes(self) -> list[str]:
         """Return the labels of every scene, in the order they were run."""
         return _unique([*(c.scene for c in self.cells), *(scene_label(r.scene, r.parameters) for r in self.records)])

@@ -328,7 +328,10 @@ class _Plane(_Maker):
         at = next((x.position for x in (self.named(a), self.named(b)) if isinstance(x, PointMass)), self.mark(b))
         if all(isinstance(self.named(x), PointMass) for x in (a, b)):
             return None
-        return PointBushing(name=name, **self.ends(a, b), point=at, stiffness=self.between(1, 300),
+        ends = self.ends(a, b)
+        if isinstance(self.named(ends["body_a"]), PointMass):  # which cannot bear the couple
+            ends = {"body_a": ends["body_b"], "body_b": ends["body_a"]}
+        return PointBushing(name=name, **ends, point=at, stiffness=self.between(1, 300),
                             damping=self.pick(0.0, self.between(0, 5)))  # fmt: skip
 
 

@@ -11,6 +11,7 @@ from cross_checks.truths import Truth, seek_truth
 from cross_checks.truths.ball_on_driven_seat import Flight, Shaker, flights
 from mbs_ref import scenes
 from mbs_ref.contact import CircleOnCircle, CircleOnLine, ConstraintLaw, RegularisedCoulomb
+from mbs_ref.cores import compile_scene
 from mbs_ref.scene import PlanarBody, Scene
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
@@ -35,6 +36,14 @@ def test_every_integrator_lifts_off_and_lands(name):
     assert run.ok, run.message
     assert isinstance(truth, Truth)
     assert np.abs(truth.position - run.position).max() < tolerance
+
+
+def test_a_closed_contacts_row_bears_its_own_name():
+    system = compile_scene(scenes.make("ball_on_driven_seat"))
+    y = system.initial_state()
+    joints = system.row_joints()
+    system.start_contacts(0.0, y, True)
+    assert system.row_joints() == [*joints, "seat"]
 
 
 def test_lift_off_is_where_the_seat_falls_faster_than_the_ball():

@@ -113,6 +113,14 @@ def test_a_particle_bears_no_torque_and_is_held_at_its_place():
     assert scene(bodies=(TIP,), joints=(drive | {"coordinate": "x"},)).joints
 
 
+def test_a_particle_bears_no_bushing_s_couple():
+    bushing = language.PointBushing(name="pad", body_a="tip", body_b="rod", point=(1.0, 0.0), stiffness=1.0)
+    with pytest.raises(ValidationError, match="cannot bear the bushing's couple; let it be body_b"):
+        scene(bodies=(ROD, TIP), loads=(bushing,))
+    turned = bushing.model_copy(update={"body_a": "rod", "body_b": "tip"})
+    assert scene(bodies=(ROD, TIP), loads=(turned,))
+
+
 def test_a_large_scene_is_checked_in_one_pass():
     bodies = tuple(ROD.model_copy(update={"name": f"b{k}"}) for k in range(20_000))
     joints = tuple(PIN.model_copy(update={"name": f"j{k}", "body_b": f"b{k}"}) for k in range(20_000))

@@ -8,13 +8,12 @@ from __future__ import annotations
 
 import numpy as np
 
+from mbs_ref.kernels.controls import CONTROL_POSITION_GAIN, CONTROL_VELOCITY_GAIN
 from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.planar.closure import correct_for_closures, factor_closures, row_times
 from mbs_ref.kernels.planar.contact_rows import fill_rows
 from mbs_ref.kernels.planar.loads import apply_loads
 from mbs_ref.kernels.planar.model import (
-    CONTROL_POSITION_GAIN,
-    CONTROL_VELOCITY_GAIN,
     bodies_of,
     closures_of,
     kinematics_of,
@@ -24,6 +23,7 @@ from mbs_ref.kernels.planar.model import (
     world_of,
 )
 from mbs_ref.kernels.planar.tree import factor_tree, solve_tree
+from mbs_ref.kernels.rows import copy_rows, largest_entry, stabilize
 
 
 @jit
@@ -69,13 +69,7 @@ def solve(model, work, gamma):
 def _stabilize(model, work):
     """gamma -= 2 g C_dot + g^2 C (Baumgarte 1972)."""
     control, rows = world_of(model).control, rows_of(work)
-    twice = control[CONTROL_VELOCITY_GAIN]
-    square = control[CONTROL_POSITION_GAIN]
-    if twice == 0.0 and square == 0.0:
-        return
-    for i in range(rows.gamma.shape[0]):
-        for c in range(3):
-            rows.gamma[i, c] -= twice * rows.rate[i, c] + square * rows.residual[i, c]
+    stabilize(control[CONTROL_VELOCITY_GAIN], control[CONTROL_POSITION_GAIN], rows.gamma, rows.rate, rows.residual)
 
 
 @jit
@@ -113,7 +107,7 @@ def planar_compliance(model, work, t, y):
     """Return max |C| and max |C_dot| over all rows (m, rad; m/s, rad/s)."""
     load_state(model, work, y)
     fill_rows(model, work, t)
-    return _largest(rows_of(work).residual), _largest(rows_of(work).rate)
+    return largest_entry(rows_of(work).residual), largest_entry(rows_of(work).rate)
 
 
 @jit
@@ -125,21 +119,7 @@ def planar_regularity(work):
 @jit
 def planar_multipliers(work, lam):
     """Copy the multipliers of the last solution into lam (n_slots, 3)."""
-    multiplier = rows_of(work).multiplier
-    for slot in range(lam.shape[0]):
-        for row in range(3):
-            lam[slot, row] = multiplier[slot, row]
-
-
-@jit
-def _largest(values):
-    largest = 0.0
-    for i in range(values.shape[0]):
-        for c in range(3):
-            size = abs(values[i, c])
-            if not size <= largest:  # a NaN must win
-                largest = size
-    return largest
+    copy_rows(rows_of(work).multiplier, lam)
 
 
 @jit
@@ -188,7 +168,7 @@ def planar_project(model, work, t, y, tolerance, most):
     rows, n = rows_of(work), bodies_of(model).mass.shape[0]
     load_state(model, work, y)
     fill_rows(model, work, t)
-    left = _largest(rows.residual)
+    left = largest_entry(rows.residual)
     for _ in range(most):
         if not left > tolerance:
             break
@@ -197,7 +177,7 @@ def planar_project(model, work, t, y, tolerance, most):
         load_state(model, work, y)
         fill_rows(model, work, t)
         previous = left
-        left = _largest(rows.residual)
+        left = largest_entry(rows.residual)
         if left > 0.5 * previous:
             break
     factor(model, work)

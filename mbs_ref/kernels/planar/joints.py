@@ -8,9 +8,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from mbs_ref.kernels.controls import CONTROL_MODE_TIME
 from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.planar.model import (
-    CONTROL_MODE_TIME,
     distance_of,
     drives_of,
     kinematics_of,

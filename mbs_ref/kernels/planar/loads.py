@@ -9,11 +9,11 @@ from mbs_ref.kernels.contact_laws import (
     MODE_CLOSED,
     MODE_PLAIN,
 )
+from mbs_ref.kernels.controls import CONTROL_MODE_TIME
 from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.planar.contacts import apply_contacts
 from mbs_ref.kernels.planar.joints import arm
 from mbs_ref.kernels.planar.model import (
-    CONTROL_MODE_TIME,
     bodies_of,
     contact_modes_of,
     forces_of,

@@ -124,7 +124,7 @@ WATCH_DISTANCE, WATCH_COORDINATE, WATCH_RATE = range(3)
 class World(NamedTuple):
     gravity: np.ndarray  # (2,) m/s^2
     user_force: np.ndarray  # (1,) int: address of a C callback, or 0
-    control: np.ndarray  # (3,) see CONTROL_*
+    control: np.ndarray  # (3,) see kernels/controls.py
 
 
 class PlanarGroups(NamedTuple):
@@ -153,11 +153,6 @@ class PlanarModel(NamedTuple):
     """What compiled code receives."""
 
     handle: np.ndarray
-
-
-CONTROL_MODE_TIME = 0  # s, a time inside the current step: picks the signals' segments
-CONTROL_VELOCITY_GAIN = 1  # 1/s, Baumgarte 2 g
-CONTROL_POSITION_GAIN = 2  # 1/s^2, Baumgarte g^2
 
 
 def _floats(*shape: int) -> np.ndarray:

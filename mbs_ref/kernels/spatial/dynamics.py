@@ -11,14 +11,14 @@ and projection restores it.
 
 from __future__ import annotations
 
+from mbs_ref.kernels.controls import CONTROL_POSITION_GAIN, CONTROL_VELOCITY_GAIN
 from mbs_ref.kernels.jit import jit
+from mbs_ref.kernels.rows import copy_rows, largest_entry, stabilize
 from mbs_ref.kernels.spatial.closure import correct_for_closures, factor_closures, row_times
 from mbs_ref.kernels.spatial.contacts import apply_contacts, fill_deflection_rates
 from mbs_ref.kernels.spatial.joints import fill_joints
 from mbs_ref.kernels.spatial.loads import apply_loads
 from mbs_ref.kernels.spatial.model import (
-    CONTROL_POSITION_GAIN,
-    CONTROL_VELOCITY_GAIN,
     bodies_of,
     closures_of,
     kinematics_of,
@@ -57,13 +57,7 @@ def solve(model, work, gamma):
 def _stabilize(model, work):
     """gamma -= 2 g C_dot + g^2 C (Baumgarte 1972); the norms need none, their size has no effect."""
     control, rows = world_of(model).control, rows_of(work)
-    twice = control[CONTROL_VELOCITY_GAIN]
-    square = control[CONTROL_POSITION_GAIN]
-    if twice == 0.0 and square == 0.0:
-        return
-    for i in range(rows.gamma.shape[0]):
-        for c in range(6):
-            rows.gamma[i, c] -= twice * rows.rate[i, c] + square * rows.residual[i, c]
+    stabilize(control[CONTROL_VELOCITY_GAIN], control[CONTROL_POSITION_GAIN], rows.gamma, rows.rate, rows.residual)
 
 
 @jit
@@ -108,7 +102,7 @@ def spatial_compliance(model, work, t, y):
     """Return max |C| with the norm constraints and max |C_dot| over all rows (m, rad; m/s, rad/s)."""
     load_state(model, work, y)
     fill_joints(model, work, t)
-    return max(_largest(rows_of(work).residual), _largest_norm(model, work)), _largest(rows_of(work).rate)
+    return max(largest_entry(rows_of(work).residual), _largest_norm(model, work)), largest_entry(rows_of(work).rate)
 
 
 @jit
@@ -120,21 +114,7 @@ def spatial_regularity(work):
 @jit
 def spatial_multipliers(work, lam):
     """Copy the multipliers of the last solution into lam (n_slots, 6)."""
-    multiplier = rows_of(work).multiplier
-    for slot in range(lam.shape[0]):
-        for row in range(6):
-            lam[slot, row] = multiplier[slot, row]
-
-
-@jit
-def _largest(values):
-    largest = 0.0
-    for i in range(values.shape[0]):
-        for c in range(6):
-            size = abs(values[i, c])
-            if not size <= largest:  # a NaN must win
-                largest = size
-    return largest
+    copy_rows(rows_of(work).multiplier, lam)
 
 
 @jit
@@ -265,7 +245,7 @@ def spatial_project(model, work, t, y, tolerance, most):
     if rows.residual.shape[0] == 0 or _no_rows(model):
         return _largest_norm(model, work)
     fill_joints(model, work, t)
-    left = _largest(rows.residual)
+    left = largest_entry(rows.residual)
     for _ in range(most):
         if not left > tolerance:
             break
@@ -275,7 +255,7 @@ def spatial_project(model, work, t, y, tolerance, most):
         load_state(model, work, y)
         fill_joints(model, work, t)
         previous = left
-        left = _largest(rows.residual)
+        left = largest_entry(rows.residual)
         if left > 0.5 * previous:
             break
     factor(model, work)

@@ -9,10 +9,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from mbs_ref.kernels.controls import CONTROL_MODE_TIME
 from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.signals import evaluate
 from mbs_ref.kernels.spatial.model import (
-    CONTROL_MODE_TIME,
     distances_of,
     drives_of,
     kinematics_of,

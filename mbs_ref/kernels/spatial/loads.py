@@ -11,11 +11,11 @@ from __future__ import annotations
 import numpy as np
 
 from mbs_ref.kernels.callback import call_user_force
+from mbs_ref.kernels.controls import CONTROL_MODE_TIME
 from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.signals import evaluate
 from mbs_ref.kernels.spatial.joints import mark
 from mbs_ref.kernels.spatial.model import (
-    CONTROL_MODE_TIME,
     attraction_of,
     bodies_of,
     bushings_of,

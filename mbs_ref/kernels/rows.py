@@ -1,0 +1,35 @@
+"""Constraint rows by slots, (n_slots, rows a slot), as both rigid cores keep them."""
+
+from __future__ import annotations
+
+from mbs_ref.kernels.jit import jit
+
+
+@jit
+def largest_entry(values):
+    """Return max |values|; a NaN wins."""
+    largest = 0.0
+    for slot in range(values.shape[0]):
+        for row in range(values.shape[1]):
+            size = abs(values[slot, row])
+            if not size <= largest:
+                largest = size
+    return largest
+
+
+@jit
+def stabilize(velocity_gain, position_gain, gamma, rate, residual):
+    """gamma -= 2 g C_dot + g^2 C (Baumgarte 1972), given 2 g (1/s) and g^2 (1/s^2)."""
+    if velocity_gain == 0.0 and position_gain == 0.0:
+        return
+    for slot in range(gamma.shape[0]):
+        for row in range(gamma.shape[1]):
+            gamma[slot, row] -= velocity_gain * rate[slot, row] + position_gain * residual[slot, row]
+
+
+@jit
+def copy_rows(source, target):
+    """Copy source into target."""
+    for slot in range(target.shape[0]):
+        for row in range(target.shape[1]):
+            target[slot, row] = source[slot, row]
