@@ -23,7 +23,8 @@ def deeper_cause(system: System, status: Status, t: float, y: np.ndarray) -> str
     if not np.isfinite(y).all():
         return ""
     with np.errstate(all="ignore"):
-        return _turned_springs(system, t, y) or _weak_joints(system, status, t, y)
+        springs, joints = _turned_springs(system, t, y), _weak_joints(system, status, t, y)
+    return joints + springs if status in CLOSED else springs or joints
 
 
 def weakest_joints(system: System, t: float, y: np.ndarray) -> tuple[float, list[str]]:

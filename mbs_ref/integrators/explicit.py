@@ -17,6 +17,7 @@ from mbs_ref.integrators.leg import (
     COUNT_STEPS,
     DONE,
     NON_FINITE,
+    PROJECTION,
     RUNNING,
     SINGULAR,
     STEP_TOO_SMALL,
@@ -26,7 +27,16 @@ from mbs_ref.integrators.leg import (
     Progress,
     run_chunks,
 )
-from mbs_ref.integrators.step_control import begin, choose_step, close_step, end_step, first_step, record, weighted_norm
+from mbs_ref.integrators.step_control import (
+    begin,
+    choose_step,
+    close_step,
+    end_step,
+    first_step,
+    record,
+    weighted_norm,
+    withdraw,
+)
 from mbs_ref.kernels.core import derivative, project, regularity, tangent
 from mbs_ref.kernels.jit import jit
 from mbs_ref.system import System
@@ -196,6 +206,12 @@ def advance_explicit(model, work, tableau, options, run, y, times, states, worst
             model, work, t_new, trial, h, options.project, options.projection_tolerance,
             options.stop_on_compliance, clock[CLOCK_COMPLIANCE],
         )  # fmt: skip
+        if code == PROJECTION and adaptive and not searching:
+            code = withdraw(run, t, h, times[-1] - times[0])
+            rejected = True
+            natural = 0.0
+            if code == RUNNING:
+                continue
         if code != RUNNING:
             return code
         verdict = 0

@@ -22,6 +22,7 @@ from mbs_ref.integrators.leg import (
     DONE,
     NON_FINITE,
     NOT_CONVERGED,
+    PROJECTION,
     RUNNING,
     STEP_TOO_SMALL,
     Integrator,
@@ -30,7 +31,15 @@ from mbs_ref.integrators.leg import (
     Progress,
     run_chunks,
 )
-from mbs_ref.integrators.step_control import begin, choose_step, close_step, end_step, first_step, weighted_norm
+from mbs_ref.integrators.step_control import (
+    begin,
+    choose_step,
+    close_step,
+    end_step,
+    first_step,
+    weighted_norm,
+    withdraw,
+)
 from mbs_ref.kernels.core import derivative
 from mbs_ref.kernels.dense import lu_factor, lu_solve
 from mbs_ref.kernels.jit import jit
@@ -336,6 +345,12 @@ def advance_radau(model, work, options, run, y, times, states, worst_per_time):
             model, work, t_new, trial, h, options.project, options.projection_tolerance,
             options.stop_on_compliance, clock[CLOCK_COMPLIANCE],
         )  # fmt: skip
+        if code == PROJECTION and adaptive and not searching:
+            code = withdraw(run, t, h, times[-1] - times[0])
+            rejected = True
+            h_last = 0.0
+            if code == RUNNING:
+                continue
         if code != RUNNING:
             return code
         verdict = 0

@@ -7,9 +7,11 @@ import numpy as np
 from mbs_ref.integrators.events import ACTIVE, H_NEXT, IDLE, settle
 from mbs_ref.integrators.leg import (
     CLOCK_COMPLIANCE,
+    CLOCK_H,
     CLOCK_T,
     COMPLIANCE,
     COUNT_OUTPUT,
+    COUNT_REJECTED,
     COUNT_RHS,
     COUNT_STEPS,
     DONE,
@@ -23,6 +25,8 @@ from mbs_ref.kernels.jit import jit
 
 PROJECTION_ITERATIONS = 12
 PROJECTION_FAILURE = 1e4  # of the projection tolerance: a larger |C| left is a failure
+WITHDRAWAL = 0.2  # step factor after a step that ended where the loops cannot be closed
+SHORTEST = 1e-14  # of the leg, a step
 
 
 @jit
@@ -98,6 +102,17 @@ def close_step(model, work, t, y, step, restore, tolerance, stop, worst):
     if stop and left >= step:
         return COMPLIANCE, worst
     return RUNNING, worst
+
+
+@jit
+def withdraw(run, t, h, span):
+    """Shorten a step that ended beyond the reach of a loop; return RUNNING, or PROJECTION where none is shorter.
+
+    What cannot be closed after a step may well be closed after a shorter one: a run ends where its loops do.
+    """
+    run.counts[COUNT_REJECTED] += 1
+    run.clock[CLOCK_H] = WITHDRAWAL * h
+    return PROJECTION if t + WITHDRAWAL * h == t or WITHDRAWAL * h < SHORTEST * span else RUNNING
 
 
 @jit

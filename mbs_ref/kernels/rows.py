@@ -28,6 +28,14 @@ def stabilize(velocity_gain, position_gain, gamma, rate, residual):
 
 
 @jit
+def add_to(target, other):
+    """target += other, both with two axes."""
+    for i in range(target.shape[0]):
+        for c in range(target.shape[1]):
+            target[i, c] += other[i, c]
+
+
+@jit
 def copy_rows(source, target):
     """Copy source into target."""
     for slot in range(target.shape[0]):

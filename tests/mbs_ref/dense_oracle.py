@@ -8,9 +8,9 @@ Coordinates are x, y, theta of a planar body and (R', omega) in world axes in sp
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -36,8 +36,10 @@ from mbs_ref.scene import (
 from mbs_ref.trajectory import Trajectory
 
 STENCIL = ((1, 4 / 5), (2, -1 / 5), (3, 4 / 105), (4, -1 / 280))  # first derivative, order 8 (Fornberg 1988)
-REACH, SLOWEST = 5e-3, 5.0  # m or rad in a step of the stencil, at rates (m/s, rad/s) of at least that: an error of
-# (h omega)^8 / 630 where lengths are above 0.1 m, and roundoff near 1e-13
+# m or rad in a step of the stencil, at rates (m/s, rad/s) of at least SLOWEST. With h the step in s the error is
+# (h omega)^8 / 630 of a turn, and up to (h v / L)^8 9! / 630 of a rod L whose ends pass each other at v: roundoff is
+# 1e-13, and fast rods reach 1e-11. Extended precision has room for a step 5 times shorter, an error 4e5 times less.
+REACH, SHORT_REACH, SLOWEST = 5e-3, 1e-3, 5.0
 CUTOFF = 1e-9  # of the largest singular value of the scaled C_q: below is a redundant row
 AUGMENTED_CUTOFF = 1e-13  # of the augmented matrix, whose small singular values are the squares of those of C_q
 
@@ -102,9 +104,21 @@ class Moment:
         steps = self.span(rate) * np.array([sign * k for k, _ in STENCIL for sign in (1.0, -1.0)])
         return self._path(self.time + steps, np.repeat(full, len(steps), axis=0), steps, full)
 
+    def displaced(self, step: np.ndarray) -> Moment:
+        """Return the moment with its pose moved and turned by a step (n_coordinates,), m and rad."""
+        full = np.zeros_like(self.rate)
+        full[self.used] = step
+        position = self.position + full[:, : self.scene.dimension]
+        turns = full[:, self.scene.dimension :]
+        if self.scene.dimension == 2:
+            return replace(self, position=position, orientation=self.orientation + turns[:, 0])
+        orientation = np.array([_turned(e, w, 1.0) for e, w in zip(self.orientation, turns, strict=True)])
+        return replace(self, position=position, orientation=orientation)
+
     def span(self, rate: np.ndarray) -> float:
         """Return the stencil's step (s) for a motion at that rate."""
-        return REACH / max(SLOWEST, float(np.abs(rate).max(initial=0.0)))
+        reach = REACH if self.rate.dtype == np.float64 else SHORT_REACH
+        return reach / max(SLOWEST, float(np.abs(rate).max(initial=0.0)))
 
     def _path(self, times: np.ndarray, rates: np.ndarray, steps: np.ndarray, course: np.ndarray) -> Motion:
         dimension = self.scene.dimension
@@ -227,20 +241,40 @@ def _cross(a: np.ndarray, b: np.ndarray) -> Any:
     return a[0] * b[1] - a[1] * b[0] if len(a) == 2 else np.cross(a, b)
 
 
+class JudgedRows(NamedTuple):
+    """The joints' rows of the judge at one moment, without the norms of Euler parameters."""
+
+    residual: np.ndarray  # (n_rows,) C: m, rad
+    jacobian: np.ndarray  # (n_rows, n_q) C_q
+    drift: np.ndarray  # (n_rows,) C_t
+    joints: tuple[str, ...]  # (n_rows,)
+    mine: np.ndarray  # which of all rows they are
+
+
+def judged_rows(moment: Moment) -> JudgedRows:
+    """Return C, C_q and C_t of every joint at a moment."""
+    rows = observables.rows(moment.scene, _units(moment).trajectory)
+    names = {joint.name for joint in moment.scene.joints}
+    mine = np.array([name in names for name in rows.joints], dtype=bool)
+    rates = rows.rate[:, mine]
+    joints = tuple(name for name, own in zip(rows.joints, mine, strict=True) if own)
+    return JudgedRows(rows.residual[0, mine], (rates[:-1] - rates[-1]).T, rates[-1], joints, mine)
+
+
+def _units(moment: Moment) -> Motion:
+    """Return the pose with every unit velocity in turn, and last with none."""
+    count = int(moment.used.sum())
+    return moment.with_rates(np.vstack((np.eye(count), np.zeros(count))))
+
+
 def augmented(moment: Moment) -> Augmented:
     """Assemble the system at a moment."""
-    units = moment.with_rates(np.vstack((np.eye(int(moment.used.sum())), np.zeros(int(moment.used.sum())))))
-    rows = observables.rows(moment.scene, units.trajectory)
-    names = {joint.name for joint in moment.scene.joints}
-    mine = np.array([name in names for name in rows.joints], dtype=bool)  # not the norms of Euler parameters
-    rates = rows.rate[:, mine]
+    rows = judged_rows(moment)
     v = moment.rate[moment.used]
-    course = observables.constraint_rate(moment.scene, moment.moved(v).trajectory)[:, mine]
+    course = observables.constraint_rate(moment.scene, moment.moved(v).trajectory)[:, rows.mine]
     gamma = -_derivative(course, moment.span(v))
-    joints = tuple(name for name, own in zip(rows.joints, mine, strict=True) if own)
-    jacobian = (rates[:-1] - rates[-1]).T
-    mass = _mass(moment)
-    return Augmented(moment, mass, jacobian, _forces(moment, units), gamma, rates[-1], joints)
+    force = _forces(moment, _units(moment))
+    return Augmented(moment, _mass(moment), rows.jacobian, force, gamma, rows.drift, rows.joints)
 
 
 def _mass(moment: Moment) -> np.ndarray:

@@ -49,8 +49,8 @@ def _lengthened(value: Any) -> Any:
     return EXTENDED(value) if type(value) is float else value
 
 
-def solve(moment: Moment) -> Solution:
-    """Return accelerations and joint forces of a moment in extended precision."""
+def solve(moment: Moment) -> tuple[Solution, Augmented]:
+    """Return accelerations and joint forces of a moment in extended precision, and its system rounded to double."""
     exact = augmented(extended(moment))
     rough = _rounded(exact)
     size = len(exact.force)
@@ -67,7 +67,7 @@ def solve(moment: Moment) -> Solution:
         raise ArithmeticError(f"refinement stops at {step:.2g} of the accelerations")
     acceleration = np.zeros_like(exact.moment.rate)
     acceleration[moment.used] = a
-    return Solution(acceleration, exact.wrenches(lam), rough.condition, rough.redundant)
+    return Solution(acceleration, exact.wrenches(lam), rough.condition, rough.redundant), rough
 
 
 def _rounded(system: Augmented) -> Augmented:

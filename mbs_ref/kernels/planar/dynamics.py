@@ -23,7 +23,8 @@ from mbs_ref.kernels.planar.model import (
     world_of,
 )
 from mbs_ref.kernels.planar.tree import factor_tree, solve_tree
-from mbs_ref.kernels.rows import copy_rows, largest_entry, stabilize
+from mbs_ref.kernels.refinement import refinements
+from mbs_ref.kernels.rows import add_to, copy_rows, largest_entry, stabilize
 
 
 @jit
@@ -73,6 +74,28 @@ def _stabilize(model, work):
 
 
 @jit
+def _refine(model, work):
+    """Add to acceleration and multipliers what the residuals of both equations ask for (mbs_ref.kernels.refinement)."""
+    bodies, slots, rows, tree = bodies_of(model), slots_of(model), rows_of(work), tree_of(work)
+    force, load, acceleration = kinematics_of(work).force, tree.load, tree.acceleration
+    first, multiplier, gamma = acceleration.copy(), rows.multiplier.copy(), rows.gamma.copy()
+    for i in range(bodies.mass.shape[0]):
+        load[i, 0] = force[i, 0] - bodies.mass[i] * first[i, 0]
+        load[i, 1] = force[i, 1] - bodies.mass[i] * first[i, 1]
+        load[i, 2] = force[i, 2] - bodies.inertia[i] * first[i, 2]
+    for slot in range(slots.body.shape[0]):
+        for side in range(2):
+            body = slots.body[slot, side]
+            for row in range(3):
+                for c in range(3):
+                    load[body, c] -= rows.jacobian[slot, side, row, c] * multiplier[slot, row]
+                    gamma[slot, row] -= rows.jacobian[slot, side, row, c] * first[body, c]
+    solve(model, work, gamma)
+    add_to(acceleration, first)
+    add_to(rows.multiplier, multiplier)
+
+
+@jit
 def accelerate(model, work, t, y):
     """Compute accelerations and multipliers at (t, y) into `work`."""
     load_state(model, work, y)
@@ -85,6 +108,8 @@ def accelerate(model, work, t, y):
         for c in range(3):
             load[i, c] = force[i, c]
     solve(model, work, rows_of(work).gamma)
+    for _ in range(refinements(closures_of(work).regularity[0])):
+        _refine(model, work)
 
 
 @jit

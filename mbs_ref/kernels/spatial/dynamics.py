@@ -13,7 +13,8 @@ from __future__ import annotations
 
 from mbs_ref.kernels.controls import CONTROL_POSITION_GAIN, CONTROL_VELOCITY_GAIN
 from mbs_ref.kernels.jit import jit
-from mbs_ref.kernels.rows import copy_rows, largest_entry, stabilize
+from mbs_ref.kernels.refinement import refinements
+from mbs_ref.kernels.rows import add_to, copy_rows, largest_entry, stabilize
 from mbs_ref.kernels.spatial.closure import correct_for_closures, factor_closures, row_times
 from mbs_ref.kernels.spatial.contacts import apply_contacts, fill_deflection_rates
 from mbs_ref.kernels.spatial.joints import fill_joints
@@ -29,7 +30,7 @@ from mbs_ref.kernels.spatial.model import (
 )
 from mbs_ref.kernels.spatial.orientation import load_state, theta_rate, turn_theta, turning_of
 from mbs_ref.kernels.spatial.tree import factor_tree, solve_tree
-from mbs_ref.kernels.spatial.vectors import turn, turn_back
+from mbs_ref.kernels.spatial.vectors import symmetric_times, turn, turn_back
 
 
 @jit
@@ -61,6 +62,32 @@ def _stabilize(model, work):
 
 
 @jit
+def _refine(model, work):
+    """Add to acceleration and multipliers what the residuals of both equations ask for (mbs_ref.kernels.refinement)."""
+    bodies, slots, rows = bodies_of(model), slots_of(model), rows_of(work)
+    tree, kin = tree_of(work), kinematics_of(work)
+    load, acceleration = tree.load, tree.acceleration
+    first, multiplier, gamma = acceleration.copy(), rows.multiplier.copy(), rows.gamma.copy()
+    for i in range(bodies.mass.shape[0]):
+        for c in range(3):
+            load[i, c] = kin.force[i, c] - bodies.mass[i] * first[i, c]
+        x, y, z = symmetric_times(kin.inertia[i], first[i, 3], first[i, 4], first[i, 5])
+        load[i, 3] = kin.force[i, 3] - x
+        load[i, 4] = kin.force[i, 4] - y
+        load[i, 5] = kin.force[i, 5] - z
+    for slot in range(slots.body.shape[0]):
+        for side in range(2):
+            body = slots.body[slot, side]
+            for row in range(slots.count[slot]):
+                for c in range(6):
+                    load[body, c] -= rows.jacobian[slot, side, row, c] * multiplier[slot, row]
+                    gamma[slot, row] -= rows.jacobian[slot, side, row, c] * first[body, c]
+    solve(model, work, gamma)
+    add_to(acceleration, first)
+    add_to(rows.multiplier, multiplier)
+
+
+@jit
 def accelerate(model, work, t, y):
     """Compute accelerations and multipliers at (t, y) into `work`."""
     load_state(model, work, y)
@@ -74,6 +101,8 @@ def accelerate(model, work, t, y):
         for c in range(6):
             load[i, c] = force[i, c]
     solve(model, work, rows_of(work).gamma)
+    for _ in range(refinements(closures_of(work).regularity[0])):
+        _refine(model, work)
 
 
 @jit
