@@ -12,11 +12,11 @@ from dataclasses import replace
 import numpy as np
 
 from mbs_ref.cores import compile_scene
-from mbs_ref.second_run import SEEN, disagreement
 from mbs_ref.integrators.leg import Options
 from mbs_ref.legs import Run, run_legs
 from mbs_ref.plan import Plan
 from mbs_ref.resolution import resolution
+from mbs_ref.second_run import SEEN, disagreement
 from mbs_ref.system import System
 from mbs_ref.trajectory import Status
 

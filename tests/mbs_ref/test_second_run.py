@@ -9,8 +9,8 @@ import pytest
 
 from mbs_ref import scenes
 from mbs_ref.celestial import Newton
-from mbs_ref.second_run import SEEN, disagreement
 from mbs_ref.scene import Force, PlanarBody, PointMass, Scene
+from mbs_ref.second_run import SEEN, disagreement
 from mbs_ref.settings import Settings
 from mbs_ref.signals import HalfSine
 from mbs_ref.simulate import simulate
