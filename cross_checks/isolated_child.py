@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import os
 import resource
 import signal
 import sys
-from multiprocessing.connection import Connection
+from multiprocessing.connection import Connection, Pipe
 from typing import Any
+
+from cross_checks.pipe_messages import receive, send
 
 ROOM = 4 * 2**30  # bytes of address space beyond the limit on resident memory: libraries reserve much, use little
 
@@ -15,10 +18,35 @@ def serve(pipe: Connection) -> None:
     """Answer calls until the caller goes away."""
     while True:
         try:
-            function, arguments = pipe.recv()
+            function, arguments, apart = receive(pipe)
         except (EOFError, ConnectionError):
             return
-        pipe.send(_answer(function, arguments))
+        if apart:
+            _copied(pipe, function, arguments)
+        else:
+            send(pipe, _answer(function, arguments))
+
+
+def _copied(pipe: Connection, function: Any, arguments: tuple[Any, ...]) -> None:
+    """Make the call in a copy of this process: tell its id, then its answer, or (None, exit code) without one.
+
+    The answer comes through a pipe of its own, so that a copy ended in the middle of it leaves no half behind.
+    """
+    here, there = Pipe(duplex=False)
+    copy = os.fork()
+    if copy == 0:
+        pipe.close()  # its end of the file must come when the original goes
+        send(there, _answer(function, arguments))
+        os._exit(0)
+    there.close()
+    send(pipe, copy)
+    try:
+        answer = receive(here)
+    except (EOFError, OSError):
+        answer = None
+    here.close()
+    _, status = os.waitpid(copy, 0)
+    send(pipe, answer or (None, os.waitstatus_to_exitcode(status)))
 
 
 def _answer(function: Any, arguments: tuple[Any, ...]) -> tuple[bool, Any]:

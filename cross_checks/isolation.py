@@ -10,10 +10,13 @@ import sys
 import threading
 import time
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass, field
 from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Any, Self
+
+from cross_checks.pipe_messages import receive, send
 
 ONE_THREAD = dict.fromkeys(
     ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"), "1"
@@ -50,13 +53,15 @@ class Isolated:
     """A child process that makes calls one after the other, and is replaced when it is lost.
 
     Functions and arguments are pickled, so they must be importable by name. Limits hold for each call:
-    `timeout` in s, `memory` in bytes. Use as a context manager.
+    `timeout` in s, `memory` in bytes. `apart` makes a call in a copy of the child: what the child has loaded
+    survives a call that does not. Use as a context manager.
     """
 
     timeout: float = TIMEOUT
     memory: int = MEMORY
     _child: subprocess.Popen[bytes] | None = None
     _pipe: Connection | None = None
+    _copy: int | None = None  # process id of the child's copy that makes the call
     _cancelled: bool = False
     _starting: threading.Lock = field(default_factory=threading.Lock)
 
@@ -68,12 +73,19 @@ class Isolated:
 
     def __call__(self, function: Callable[..., Any], *arguments: Any) -> Any:
         """Return the function's result; Lost where there is none; its own exception where it raised one."""
+        return self._call(function, arguments, apart=False)
+
+    def apart(self, function: Callable[..., Any], *arguments: Any) -> Any:
+        """Call in a copy of the child; where the copy is lost, the child itself stays."""
+        return self._call(function, arguments, apart=True)
+
+    def _call(self, function: Callable[..., Any], arguments: tuple[Any, ...], apart: bool) -> Any:
         if self.fresh:
             self._start()
         assert self._pipe is not None
         try:
-            self._pipe.send((function, arguments))
-            worked, answer = self._wait()
+            send(self._pipe, (function, arguments, apart))
+            worked, answer = self._wait(apart)
         except (Lost, OSError) as error:
             if self._cancelled:
                 raise Cancelled("the call was given up") from error
@@ -89,6 +101,7 @@ class Isolated:
 
     def close(self) -> None:
         """End the child, whatever it is doing."""
+        self._end_copy()
         if self._child is not None:
             self._child.kill()
             self._child.wait()
@@ -124,25 +137,45 @@ class Isolated:
             )  # fmt: skip
         self._pipe = Connection(ours.detach())
 
-    def _wait(self) -> tuple[bool, Any]:
+    def _wait(self, apart: bool) -> tuple[bool, Any]:
         assert self._child is not None
         assert self._pipe is not None
         end, peak = time.monotonic() + self.timeout, 0
-        while not self._pipe.poll(LOOK):
-            used = resident(self._child.pid)
-            peak = max(peak, used)
-            if used > self.memory:
-                self.close()
-                raise Lost("out-of-memory", f"used more than {self.memory / 2**20:.0f} MiB and was stopped")
-            if time.monotonic() > end:
-                self.close()
-                raise Lost("timeout", f"gave no answer within {self.timeout:g} s and was stopped")
         try:
-            return self._pipe.recv()
+            self._copy = receive(self._pipe) if apart else None
+            while not self._pipe.poll(LOOK):
+                used = resident(self._copy or self._child.pid)
+                peak = max(peak, used)
+                if used > self.memory:
+                    self._give_up()
+                    raise Lost("out-of-memory", f"used more than {self.memory / 2**20:.0f} MiB and was stopped")
+                if time.monotonic() > end:
+                    self._give_up()
+                    raise Lost("timeout", f"gave no answer within {self.timeout:g} s and was stopped")
+            worked, answer = receive(self._pipe)
         except (EOFError, ConnectionError):
             code = self._child.wait()
             self.close()
             raise _loss(code, peak, self.memory) from None
+        self._copy = None
+        if worked is None:
+            raise _loss(answer, peak, self.memory)
+        return worked, answer
+
+    def _give_up(self) -> None:
+        """End what makes the call: the child, or its copy, of which the child then says that it is gone."""
+        if self._copy is None:
+            self.close()
+            return
+        assert self._pipe is not None
+        self._end_copy()
+        receive(self._pipe)
+
+    def _end_copy(self) -> None:
+        if self._copy is not None:
+            with suppress(ProcessLookupError):
+                os.kill(self._copy, signal.SIGKILL)
+        self._copy = None
 
 
 def resident(pid: int) -> int:

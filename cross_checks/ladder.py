@@ -26,14 +26,15 @@ def grid(scene: Scene) -> np.ndarray:
 def rungs(method: Method, scene: Scene) -> list[Settings]:
     """Return the settings to try, coarse to fine; steps are shortened to divide the output interval.
 
-    Steps too long are kept, and not repeated with half of them: truths judge them. Where a stiff motion bears
-    none of an explicit method's, finer ones follow.
+    Those too coarse are kept, and not run a second time: truths judge them. Where a stiff motion bears none of an
+    explicit method's steps, finer ones follow.
     Steps and absolute tolerances are in seconds and metres in the laboratory; among attracting bodies they
     count in the shortest free-fall time at the start, and in the distance or speed that goes with it.
     """
     if method.kind == "adaptive":
         unit = tolerance_unit(scene)
-        return [Settings(method=method.name, rtol=rtol, atol=rtol * unit) for rtol in method.ladder or TOLERANCES]
+        tolerances = method.ladder or TOLERANCES
+        return [Settings(method=method.name, rtol=r, atol=r * unit, unresolved="keep") for r in tolerances]
     interval = scene.duration / (SAMPLES - 1)
     unit = free_fall_time(scene)
     asked = (*(step * unit for step in method.ladder or STEPS), *_bearable(method, scene))

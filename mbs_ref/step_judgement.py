@@ -1,4 +1,9 @@
-"""Was a fixed step short enough? The finished run judged by single steps and by a second run with half the step."""
+"""Was a step short, a tolerance tight enough? The finished run judged by single steps and by a second run.
+
+A fixed step promises nothing, and is always looked at: the second run takes half of it. A tolerance bounds the error
+of a step alone; what that adds up to shows, at COARSE ones, in a second run with a TENTH of it. Tighter ones are taken
+at their word, as everywhere.
+"""
 
 from __future__ import annotations
 
@@ -7,21 +12,31 @@ from dataclasses import replace
 import numpy as np
 
 from mbs_ref.cores import compile_scene
-from mbs_ref.halved_step import disagreement
+from mbs_ref.integrators.leg import Options
 from mbs_ref.legs import Run, run_legs
 from mbs_ref.plan import Plan
 from mbs_ref.resolution import resolution
+from mbs_ref.second_run import SEEN, disagreement
 from mbs_ref.system import System
 from mbs_ref.trajectory import Status
 
-ADVICE = "take a shorter step or an adaptive method, or unresolved = 'keep'"
+COARSE = 1e-5  # relative tolerance from which on a run is made again
+TENTH = 0.1  # of the tolerance, for the second run
+LOOSE = 5.0  # times the relative tolerance: what a whole run may err where that is more than SEEN
+ADVICE = {
+    "step": "take a shorter step or an adaptive method, or unresolved = 'keep'",
+    "tolerance": "take a tighter tolerance, or unresolved = 'keep'",
+}
 
 
 def judged(system: System, plan: Plan, run: Run) -> Run:
-    """Return the finished run, `unresolved` where its fixed step is too long for the motion that was to be followed."""
-    if not plan.options.step or plan.settings.unresolved == "keep":
-        return run
-    found = _damped(system, plan, run) or _against_half(system, plan, run)
+    """Return the finished run, `unresolved` where its step or tolerance leaves another motion than the true one."""
+    found = None
+    if plan.settings.unresolved == "stop":
+        if plan.options.step:
+            found = _damped(system, plan, run) or _against_half(system, plan, run)
+        elif plan.options.rtol >= COARSE:
+            found = _against_tenth(system, plan, run)
     return run._replace(status=found[0], message=found[1]) if found else run
 
 
@@ -33,39 +48,59 @@ def _damped(system: System, plan: Plan, run: Run) -> tuple[Status, str] | None:
     if not found.lost:
         return None
     return Status.UNRESOLVED, (
-        f"the step of {plan.options.step:g} s does not resolve the motion: steps of half its size move body "
+        f"{_subject(plan)} does not resolve the motion: steps of half its size move body "
         f"{found.body!r} elsewhere, most at t = {found.time:.6g} s, and over the run that adds up to "
-        f"{found.share:.2g} of the whole motion; {ADVICE}"
+        f"{found.share:.2g} of the whole motion; {ADVICE['step']}"
     )
 
 
 def _against_half(system: System, plan: Plan, run: Run) -> tuple[Status, str] | None:
     """Judge the run by a second one with half the step."""
-    halved = _halved(system, plan, run.states[0])
-    if halved.status is Status.INTERRUPTED:
-        return halved.status, f"{halved.message} of the second run that judges the step; the first is complete"
-    scene, count = system.scene, min(len(run.times), len(halved.times))
-    order = 1 if scene.contacts or scene.events else plan.integrator.order
-    found = disagreement(system.poses(run.states[:count]), system.poses(halved.states[:count]), order)
-    if found.first is None and halved.status is Status.SUCCESS:
+    options = plan.options._replace(max_steps=2 * plan.options.max_steps)
+    other = _repeated(system, plan, options, run.states[0], refine=2)
+    order = 1 if system.scene.contacts or system.scene.events else plan.integrator.order
+    return _compared(system, plan, run, other, "half", 2.0**order, SEEN)
+
+
+def _against_tenth(system: System, plan: Plan, run: Run) -> tuple[Status, str] | None:
+    """Judge the run by a second one with a tenth of the tolerances."""
+    rtol = plan.options.rtol
+    options = plan.options._replace(rtol=TENTH * rtol, atol=TENTH * plan.options.atol)
+    other = _repeated(system, plan, options, run.states[0], refine=1)
+    return _compared(system, plan, run, other, "a tenth", 1.0 / TENTH, max(SEEN, LOOSE * rtol))
+
+
+def _compared(
+    system: System, plan: Plan, run: Run, other: Run, part: str, smaller: float, bound: float
+) -> tuple[Status, str] | None:
+    if other.status is Status.INTERRUPTED:
+        return other.status, f"{other.message} of the second run that judges the first, which is complete"
+    scene, count = system.scene, min(len(run.times), len(other.times))
+    first, second = system.poses(run.states[:count]), system.poses(other.states[:count])
+    found = disagreement(first, second, smaller, bound)
+    if found.first is None and other.status is Status.SUCCESS:
         return None
     good = count - 1 if found.first is None else max(found.first - 1, 0)
     why = (
-        f"with half of it the run does not end: {halved.message}" if found.first is None else
-        f"half of it takes body {scene.bodies[found.body].name!r} elsewhere, beyond the bound at "
+        f"with {part} of it the run does not end: {other.message}" if found.first is None else
+        f"{part} of it takes body {scene.bodies[found.body].name!r} elsewhere, beyond the bound at "
         f"t = {run.times[found.first]:.6g} s and by an estimated {found.share:.2g} of the whole motion at worst"
     )  # fmt: skip
     return Status.UNRESOLVED, (
-        f"the step of {plan.options.step:g} s does not resolve the motion: {why}; the last good output is at "
-        f"t = {run.times[good]:.9g} s; {ADVICE}"
+        f"{_subject(plan)} does not resolve the motion: {why}; the last good output is at "
+        f"t = {run.times[good]:.9g} s; {ADVICE['step' if plan.options.step else 'tolerance']}"
     )
 
 
-def _halved(system: System, plan: Plan, start: np.ndarray) -> Run:
-    """Repeat the run with half the step, on a system of its own."""
+def _subject(plan: Plan) -> str:
+    options = plan.options
+    return f"the step of {options.step:g} s" if options.step else f"the relative tolerance of {options.rtol:g}"
+
+
+def _repeated(system: System, plan: Plan, options: Options, start: np.ndarray, refine: int) -> Run:
+    """Repeat the run with other options, on a system of its own."""
     other, y = compile_scene(system.scene), start.copy()
     other.set_mode_time(0.0)
     other.set_baumgarte(plan.baumgarte_gain)
     other.start_contacts(0.0, y, plan.settings.events != "none")
-    options = plan.options._replace(max_steps=2 * plan.options.max_steps, stop_on_compliance=False)
-    return run_legs(other, replace(plan, options=options), y, refine=2)
+    return run_legs(other, replace(plan, options=options._replace(stop_on_compliance=False)), y, refine=refine)

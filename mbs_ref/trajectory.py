@@ -20,7 +20,7 @@ class Status(StrEnum):
     INCONSISTENT = "inconsistent"  # initial conditions break a constraint
     NOT_CONVERGED = "not-converged"  # an implicit step's iteration failed
     SINGULAR = "singular"  # a singular pose where the branch of the motion is ambiguous
-    UNRESOLVED = "unresolved"  # a fixed step so long that what came out is another motion
+    UNRESOLVED = "unresolved"  # a step or tolerance so coarse that another motion came out
     COLLISION = "collision"  # two bodies came closer than the sum of their radii
     ENDLESS_EVENTS = "endless-events"  # contact events accumulate: endless bouncing (Zeno), or more than allowed
     STOP_EVENT = "stop-event"  # an event that the scene declares ended the run; its state is the last sample

@@ -162,4 +162,4 @@ def settings_for(method, step: float) -> Settings:
     """Return a setting in the terms the method takes."""
     if method.kind == "fixed":
         return Settings(method=method.name, step=step, unresolved="keep")  # judged here
-    return Settings(method=method.name, rtol=1e-4 * step, atol=1e-4 * step)
+    return Settings(method=method.name, rtol=1e-4 * step, atol=1e-4 * step, unresolved="keep")

@@ -6,8 +6,8 @@ The rule, the same for every engine, ours included:
 - stopped: it refused or stopped and said why; so did our own checks for a run that never came back;
 - degraded: it reported success, and the error is above `good` but no lie (see below);
 - silently-wrong: it reported success, or said nothing, and yet gave NaN, restarted its clock, accepted what
-  has no right answer, or is off by more than the larger of the extreme's `wrong` and LIE times the relative
-  tolerance it was given. Both are shares of the motion's size, so an error of 1 is as large as the motion.
+  has no right answer, or is off by more than the extreme's `wrong`, whatever its tolerance. Errors are shares
+  of the motion's size: one of 1 is as large as the motion.
 """
 
 from __future__ import annotations
@@ -20,7 +20,6 @@ from cross_checks.compare import CANNOT
 from cross_checks.extremes.extreme import Case, Extreme
 from mbs_ref.trajectory import Status, Trajectory
 
-LIE = 1e3  # times rtol: a global error may well exceed a local tolerance, but not by this
 SEVERITY = ("cannot", "survived", "stopped", "degraded", "silently-wrong")  # the worst last
 
 
@@ -66,7 +65,7 @@ def judge(extreme: Extreme, case: Case, value: float, found: Trajectory | tuple[
     if case.must_stop:
         reason = "it accepted what has no right answer"
         return Point(value, Fate.SILENTLY_WRONG, False, True, None, str(found.status), reason)
-    return _by_error(extreme, case, value, case.measure(case.scene, found))
+    return _by_error(extreme, value, case.measure(case.scene, found))
 
 
 def lost(value: float, status: str, message: str) -> Point:
@@ -80,11 +79,10 @@ def _stopped(case: Case, value: float, status: str, message: str) -> Point:
     return Point(value, Fate.STOPPED, right, False, None, "refused" if status == CANNOT else status, message)
 
 
-def _by_error(extreme: Extreme, case: Case, value: float, error: float) -> Point:
-    limit = max(extreme.wrong, LIE * (case.rtol or 0.0))
-    if not math.isfinite(error) or error > limit:
+def _by_error(extreme: Extreme, value: float, error: float) -> Point:
+    if not math.isfinite(error) or error > extreme.wrong:
         shown = f"{error:.2g} of the motion's size" if math.isfinite(error) else "beyond all measure"
-        reason = f"success, but the error is {shown}; more than {limit:.2g} is another motion"
+        reason = f"success, but the error is {shown}; more than {extreme.wrong:.2g} is another motion"
         return Point(value, Fate.SILENTLY_WRONG, False, True, _finite(error), "success", reason)
     fate = Fate.SURVIVED if error <= extreme.good else Fate.DEGRADED
     reason = f"error {error:.2g} of the motion's size"

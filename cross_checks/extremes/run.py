@@ -57,21 +57,14 @@ def cell_of(extreme: Extreme, engine: Engine, method: Method, full: bool, call: 
     if why:
         return Cell(extreme.name, extreme.family, engine.name, method.name, full, Fate.CANNOT, None, (), why)
 
-    def run(value: float, patience: float) -> Point:
-        call.timeout, began = patience, time.perf_counter()
+    def probe(value: float) -> Point:
+        mildest = value == extreme.axis.values[0]  # loads what all others need, which run in copies of that process
+        call.timeout = FIRST if mildest else PATIENCE[full] + (LOADING if call.fresh else 0.0)
+        make, began = (call if mildest else call.apart), time.perf_counter()
         try:
-            return call(run_point, extreme.name, value, engine.name, method.name)
+            return make(run_point, extreme.name, value, engine.name, method.name)
         except Lost as error:
             return replace(lost(value, error.status, str(error)), seconds=time.perf_counter() - began)
-
-    mildest = extreme.axis.values[0]
-
-    def probe(value: float) -> Point:
-        if value == mildest:
-            return run(value, FIRST)
-        if call.fresh:  # load in a run that came back before, so that a hopeless one costs no more than its patience
-            run(mildest, LOADING + PATIENCE[full])
-        return run(value, PATIENCE[full] + (LOADING if call.fresh else 0.0))
 
     values = extreme.values(full)
     kinds = bool(extreme.axis.labels)

@@ -20,7 +20,7 @@ CASES = [(troubles.hang, "timeout"), (troubles.native_hang, "timeout"), (trouble
 
 @pytest.fixture(scope="module")
 def isolated():
-    with Isolated(timeout=2.0, memory=300 * 2**20) as call:
+    with Isolated(memory=300 * 2**20) as call:
         yield call
 
 
@@ -29,10 +29,12 @@ def test_only_its_own_cell_is_lost(isolated, trouble, status):
     def call(function, *arguments):
         return isolated(trouble)  # in place of the engine's run
 
+    isolated.timeout = troubles.patience(status)
     scene = scenes.make("pendulum")
     cell = judged(scene, "native", METHOD, 1.0, call)
     record = measured(scene, "native", Settings(method="rk4", step=0.01), call)
     assert (cell.verdict, record.status) == (Verdict(status), status)
     assert cell.reason
     assert record.message
+    isolated.timeout = troubles.PATIENCE
     assert isolated(troubles.add, 1.0, 1.0) == 2.0

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import os
 import threading
+import time
+from pathlib import Path
 
 import pytest
 
@@ -11,9 +14,15 @@ from tests.cross_checks import troubles
 
 
 @pytest.fixture(scope="module")
-def call():
-    with Isolated(timeout=2.0, memory=300 * 2**20) as isolated:
-        yield isolated
+def isolated():
+    with Isolated(timeout=troubles.PATIENCE, memory=300 * 2**20) as child:
+        yield child
+
+
+@pytest.fixture(params=["in the child", "in a copy of it"])
+def call(request, isolated):
+    isolated.timeout = troubles.PATIENCE
+    return isolated if request.param == "in the child" else isolated.apart
 
 
 def test_results_and_exceptions_come_back(call):
@@ -31,16 +40,55 @@ def test_results_and_exceptions_come_back(call):
         (troubles.eat_memory, "out-of-memory", "MiB"),
     ],
 )
-def test_what_is_lost_is_named_and_the_next_call_works(call, trouble, status, words):
+def test_what_is_lost_is_named_and_the_next_call_works(isolated, call, trouble, status, words):
+    isolated.timeout = troubles.patience(status)
     with pytest.raises(Lost, match=words) as lost:
         call(trouble)
     assert lost.value.status == status
+    isolated.timeout = troubles.PATIENCE
     assert call(troubles.add, 1.0, 1.0) == 2.0
 
 
-def test_a_cancelled_call_ends_and_no_other_starts():
+@pytest.mark.parametrize("kind", [Isolated.__call__, Isolated.apart])
+def test_a_cancelled_call_ends_and_no_other_starts(kind):
     with Isolated(timeout=60.0) as isolated:
         threading.Timer(0.3, isolated.cancel).start()
         for _ in range(2):
             with pytest.raises(Cancelled):
-                isolated(troubles.hang)
+                kind(isolated, troubles.hang)
+
+
+def test_a_lost_copy_leaves_the_child_and_all_it_has_loaded(isolated):
+    isolated.timeout = troubles.PATIENCE
+    isolated(troubles.remember, 7.0)
+    before = isolated(os.getpid)
+    for trouble, status in ((troubles.segfault, "crashed"), (troubles.hang, "timeout")):
+        isolated.timeout = troubles.patience(status)
+        with pytest.raises(Lost) as lost:
+            isolated.apart(trouble)
+        assert lost.value.status == status
+    isolated.timeout = troubles.PATIENCE
+    assert isolated.apart(troubles.remembered) == 7.0
+    assert isolated.apart(os.getpid) != before == isolated(os.getpid)
+
+
+def test_a_closed_child_takes_its_copy_along():
+    with Isolated(timeout=60.0) as isolated:
+        copy = []
+        look = threading.Timer(0.5, lambda: (copy.append(isolated._copy), isolated.cancel()))
+        look.start()
+        with pytest.raises(Cancelled):
+            isolated.apart(troubles.native_hang)
+        look.join()
+    end = time.monotonic() + troubles.PATIENCE
+    while _alive(copy[0]):
+        assert time.monotonic() < end
+        time.sleep(0.01)
+
+
+def _alive(pid: int) -> bool:
+    """Whether a process is there and no zombie: whoever adopted it may take a moment to bury it."""
+    try:
+        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
+    except OSError:
+        return False

@@ -7,6 +7,23 @@ import os
 import signal
 import time
 
+PATIENCE = 60.0  # s, with what comes back at once but for a busy machine
+BRIEF = 2.0  # s, with what never comes back
+_held: list[float] = []
+
+
+def patience(status: str) -> float:
+    """Return how long to wait for a call that ends so."""
+    return BRIEF if status == "timeout" else PATIENCE
+
+
+def remember(value: float) -> None:
+    _held.append(value)
+
+
+def remembered() -> float:
+    return _held[-1]
+
 
 def add(a: float, b: float) -> float:
     return a + b

@@ -1,4 +1,4 @@
-"""Tolerances from 1e-2 to far below roundoff."""
+"""Tolerances from an everyday one down to far below roundoff, and up to a hundredth."""
 
 from __future__ import annotations
 
@@ -10,7 +10,8 @@ from cross_checks.truths import kepler, n_four_bar, pendulum
 from mbs_ref import scenes
 
 FAMILY = "tolerances"
-AXIS = Axis("rtol", "", decades(1e-2, 1e-20, 2.0))
+TIGHT = Axis("rtol", "", decades(1e-6, 1e-20, 2.0))
+LOOSE = Axis("rtol", "", decades(1e-6, 1e-2))
 
 
 def _pendulum(rtol: float) -> Case:
@@ -26,11 +27,17 @@ def _loop(rtol: float) -> Case:
 
 
 EXTREMES = (
-    Extreme("tolerance-pendulum", FAMILY, "Five seconds of a pendulum at tolerances nobody can meet.", AXIS, _pendulum),
-    Extreme("tolerance-orbit", FAMILY, "Three orbits of eccentricity 0.6.", AXIS, _orbit),
+    Extreme("tolerance-pendulum", FAMILY, "Five seconds of a pendulum at tolerances nobody can meet.",
+            TIGHT, _pendulum),
+    Extreme("tolerance-orbit", FAMILY, "Three orbits of eccentricity 0.6.", TIGHT, _orbit),
     Extreme(
         "tolerance-singular", FAMILY,
         "A four-bar through its flat pose: near it roundoff grows, and a tight tolerance asks for what is not there.",
-        AXIS, _loop,
+        TIGHT, _loop,
     ),
+    Extreme("loose-pendulum", FAMILY, "Five seconds of a pendulum at tolerances that promise ever less.",
+            LOOSE, _pendulum),
+    Extreme("loose-orbit", FAMILY, "Three orbits whose close passes a loose tolerance may step over.", LOOSE, _orbit),
+    Extreme("loose-singular", FAMILY, "A four-bar through its flat pose, where a loose step may change the branch.",
+            LOOSE, _loop),
 )  # fmt: skip

@@ -62,7 +62,8 @@ def _advice(extreme: Extreme, engine: str, cells: list[Cell]) -> dict[str, str]:
     if best.last is None:
         text = f"none of its methods is right even at {_value(extreme, extreme.axis.values[0])}: {best.reason}"
     elif best.last == best.points[-1].value:
-        text = f"trust {names} over the whole axis, to {_value(extreme, best.last)}"
+        end = ", which is rightly refused" if best.points[-1].fate is Fate.STOPPED else ""
+        text = f"trust {names} over the whole axis, to {_value(extreme, best.last)}{end}"
     else:
         text = f"trust {names} up to {_value(extreme, best.last)}; beyond, {best.reason}"
     warning = f"wrong without a word somewhere on the axis: {', '.join(lying)}" if lying else ""
