@@ -18,7 +18,7 @@ from mbs_ref.simulate import simulate
 from mbs_ref.trajectory import Status, Trajectory
 from tests.mbs_ref.dense_oracle import Moment, judged_rows
 
-# s after the stop. A run at rtol = 1e-10 stops where roundoff in accelerations, eps / sigma^3, is beyond what was asked,
+# s after the stop. A run at rtol = 1e-10 stops where roundoff in accelerations, eps / sigma^3, is more than was asked,
 # and the time left from there goes as sigma^2: below 1e-7 s where the reach ends fast, 1.04e-4 s in seed 314.
 SOON = 1e-3
 NEAR = 0.1  # m, rad: a closed pose farther away is another assembly of the loop, out of the motion's reach
