@@ -21,7 +21,7 @@ from cross_checks.isolation import Cancelled, Isolated, Lost
 CHILDREN = 2
 FIRST = 600.0  # s for the mildest value of a cell: compiling on a busy machine may be in it
 LOADING = 30.0  # s for a new child, which has everything to load
-PATIENCE = {False: 3.0, True: 60.0}  # s for any other run, by `full`
+PATIENCE = {False: 2.0, True: 60.0}  # s for any other run, by `full`
 MEMORY = 2 * 2**30  # bytes of one child
 REFINE = 3  # halvings between two listed values in the full set
 
