@@ -14,12 +14,13 @@ EPS = 2.220446049250313e-16
 REFINED_BELOW = 1e-4  # pivot: elimination alone then loses up to 2e-12
 BORNE = 2e-12  # relative
 MOST_REFINEMENTS = 4
+CONVERGES = 1e-4  # relative: an excess that one step leaves beyond it is no error of elimination any more but a lost rank
 
 
 @jit
 def refinements(pivot):
     """Return the steps of refinement after which what elimination lost at this relative pivot is borne."""
-    if pivot >= REFINED_BELOW:
+    if pivot >= REFINED_BELOW or pivot * CONVERGES < EPS:
         return 0
     steps = 0
     error = EPS / pivot
