@@ -116,6 +116,7 @@ class Isolated:
         """
         with self._starting:
             self._cancelled = True
+            self._end_copy()
             if self._child is not None:
                 self._child.kill()
 

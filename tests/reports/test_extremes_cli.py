@@ -52,5 +52,14 @@ def test_ctrl_c_keeps_the_cells_and_leaves_no_process_behind(tmp_path: Path):
     assert "interrupted after" in said
     assert "Traceback" not in said
     assert json.loads(kept.read_text().splitlines()[0])["engine"] == "rebound"
-    with pytest.raises(ProcessLookupError):
-        os.killpg(running.pid, 0)
+    while _is_there(running.pid):  # whoever adopts a dead child may take a moment to bury it
+        assert time.monotonic() < end + 60.0
+        time.sleep(0.02)
+
+
+def _is_there(group: int) -> bool:
+    try:
+        os.killpg(group, 0)
+    except ProcessLookupError:
+        return False
+    return True
