@@ -14,7 +14,7 @@ EPS = 2.220446049250313e-16
 REFINED_BELOW = 1e-4  # pivot: elimination alone then loses up to 2e-12
 BORNE = 2e-12  # relative
 MOST_REFINEMENTS = 4
-CONVERGES = 1e-4  # relative: an excess that one step leaves beyond it is no error of elimination any more but a lost rank
+CONVERGES = 1e-4  # relative: where elimination loses more, a rank is lost and nothing is there to refine
 
 
 @jit
