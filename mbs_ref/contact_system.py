@@ -69,6 +69,7 @@ class ContactSystem(System):
 
         The modes of each time are replayed from the log of events, so the states must be the last run's.
         """
+        self.prepare(core.REPORT)
         found = np.zeros((len(times), len(self.scene.contacts), 1 + 2 * self.scene.dimension))
         for place, (t, y) in enumerate(zip(times, states, strict=True)):
             self.recall_modes(t)

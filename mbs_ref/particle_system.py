@@ -6,6 +6,7 @@ import itertools
 
 import numpy as np
 
+from mbs_ref.kernels import core
 from mbs_ref.kernels.particles.model import bind_model, bind_work, particle_scratch
 from mbs_ref.particle_build import build_particles
 from mbs_ref.scene import Scene
@@ -19,12 +20,15 @@ class ParticleSystem(System):
     where two bodies that attract each other are at one place, or start inside each other.
     """
 
+    CORE = "particles"
+
     def __init__(self, scene: Scene) -> None:
         self.scene = scene
         self.n_bodies = len(scene.bodies)
         self.groups = build_particles(scene)
         self.scratch = particle_scratch(self.n_bodies)
         self.model, self.work = bind_model(self.groups), bind_work(self.scratch)
+        core.connect(self.CORE, self.model, self.work)
         self._refuse_coincidence()
 
     def _refuse_coincidence(self) -> None:

@@ -13,6 +13,7 @@ from mbs_ref.kernels import core
 from mbs_ref.kernels.contact_laws import MODE_CLOSED
 from mbs_ref.kernels.planar import dynamics
 from mbs_ref.kernels.planar.model import bind_model, bind_work, planar_scratch
+from mbs_ref.kernels.questions import apply_loads
 from mbs_ref.planar_build import build_planar
 from mbs_ref.planar_contacts import event_sources
 from mbs_ref.scene import PlanarBody, PointMass, Scene
@@ -26,6 +27,7 @@ class PlanarSystem(JointedSystem):
     rad and their rates. Raises ValueError where the scene is not planar.
     """
 
+    CORE = "planar"
     RATES = SHARED = 3
 
     def __init__(self, scene: Scene) -> None:
@@ -37,6 +39,7 @@ class PlanarSystem(JointedSystem):
         slots = self.groups.slots
         self.scratch = planar_scratch(self.n_bodies, len(slots.body), len(slots.closure_slot))
         self.model, self.work = bind_model(self.groups), bind_work(self.scratch)
+        core.connect(self.CORE, self.model, self.work)
         self._keep_alive = self._connect_user_forces()
 
     # --- set-up -----------------------------------------------------------------------------------
@@ -154,4 +157,4 @@ class PlanarSystem(JointedSystem):
 @core.jit
 def _evaluate_loads(model, work, t, y):
     dynamics.load_state(model, work, y)
-    dynamics.apply_loads(model, work, t)
+    apply_loads(model, work, t)

@@ -31,6 +31,7 @@ class SpatialSystem(JointedSystem):
     of every contact that can stick. Raises ValueError where the scene is not spatial.
     """
 
+    CORE = "spatial"
     RATES, SHARED = 6, 7
 
     def __init__(self, scene: Scene) -> None:
@@ -44,6 +45,7 @@ class SpatialSystem(JointedSystem):
         self.scratch = spatial_scratch(self.n_bodies, len(slots.body), len(slots.closure_slot), sticking)
         self.scratch.kinematics.inertia[: self.n_bodies] = self.groups.bodies.inertia
         self.model, self.work = bind_model(self.groups), bind_work(self.scratch)
+        core.connect(self.CORE, self.model, self.work)
         self._keep_alive = self._connect_user_forces()
         slots.closure_rank[0] = self._closure_rank()
 

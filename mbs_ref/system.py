@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from typing import Any, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
@@ -25,14 +25,19 @@ class Poses(NamedTuple):
 class System(ABC):
     """A compiled scene. A core implements the abstract methods and sets scene, model and work.
 
-    `model` and `work` are what compiled code receives; their types choose the core (mbs_ref.kernels.core).
+    `model` and `work` are what compiled code receives; the core answers through them (mbs_ref.kernels.core).
     The state y is one vector; `derivative` is its rate.
     """
 
+    CORE: ClassVar[str]  # of mbs_ref.kernels.core
     scene: Scene
     model: Any
     work: Any
     user_error: BaseException | None = None  # what a user's force law raised, if it did
+
+    def prepare(self, group: str) -> None:
+        """Have the answers to a group of questions compiled and connected (mbs_ref.kernels.core)."""
+        core.prepare(self.CORE, self.model, self.work, group)
 
     # --- evaluation, common to all cores ------------------------------------------------------------
 

@@ -10,9 +10,9 @@ from __future__ import annotations
 import numpy as np
 
 from mbs_ref.integrators.leg import COUNT_CONTACT, COUNT_EVENTS, ENDLESS_EVENTS, RUNNING, STOP_EVENT
-from mbs_ref.kernels.core import root_count, roots, transition
 from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.planar.events import STOP
+from mbs_ref.kernels.questions import root_count, roots, transition
 
 KEEP, RETRY, EVENT = range(3)
 ACTIVE, H_LOW, H_HIGH, H_NEXT, SIDE, TRIES = range(6)

@@ -37,8 +37,8 @@ from mbs_ref.integrators.step_control import (
     weighted_norm,
     withdraw,
 )
-from mbs_ref.kernels.core import derivative, project, regularity, tangent
 from mbs_ref.kernels.jit import jit
+from mbs_ref.kernels.questions import derivative, project, regularity, tangent
 from mbs_ref.system import System
 
 # Roundoff in an acceleration grows as eps / sigma^3 near a singular pose, with the relative closure pivot

@@ -31,9 +31,10 @@ from mbs_ref.integrators.leg import (
 )
 from mbs_ref.integrators.step_control import choose_step, close_step, end_step
 from mbs_ref.jointed_system import JointedSystem
-from mbs_ref.kernels.core import derivative, displace, multipliers, position_count
+from mbs_ref.kernels.core import FORM
 from mbs_ref.kernels.implicit import dense_correction, factor_tangent, tree_correction
 from mbs_ref.kernels.jit import jit
+from mbs_ref.kernels.questions import derivative, displace, multipliers, position_count
 from mbs_ref.system import System
 
 SPECTRAL_RADIUS = 0.9  # at infinite frequency
@@ -205,6 +206,7 @@ DENSE_LIMIT = 900  # unknowns; a dense tangent beyond costs seconds a factorizat
 def advance(system: System, options: Options, run: Progress, y: np.ndarray, times: np.ndarray) -> Leg:
     """Integrate one leg."""
     assert isinstance(system, JointedSystem)  # `cores` of the INTEGRATOR sees to it
+    system.prepare(FORM)
     n = len(y) - system.n_positions
     qdd, lam = np.empty(n), np.zeros_like(system.scratch.rows.multiplier)
     _start(system.model, system.work, float(times[0]), y, qdd, lam)

@@ -28,6 +28,7 @@ from mbs_ref.integrators.leg import (
     Progress,
 )
 from mbs_ref.jointed_system import JointedSystem
+from mbs_ref.kernels.core import FORM
 from mbs_ref.kernels.residual import GGL, largest_balance, residual
 from mbs_ref.system import System
 from mbs_ref.trajectory import Status
@@ -151,6 +152,7 @@ def ida(form: int) -> Advance:
 
     def advance(system: System, options: Options, run: Progress, y: np.ndarray, times: np.ndarray) -> Leg:
         assert isinstance(system, JointedSystem)  # `cores` of the Integrator sees to it
+        system.prepare(FORM)
         states, worst = np.empty((len(times), len(y))), np.zeros(len(times))
         states[0] = y
         t, reached, now = float(times[0]), 1, y.copy()

@@ -40,9 +40,9 @@ from mbs_ref.integrators.step_control import (
     weighted_norm,
     withdraw,
 )
-from mbs_ref.kernels.core import derivative
 from mbs_ref.kernels.dense import lu_factor, lu_solve
 from mbs_ref.kernels.jit import jit
+from mbs_ref.kernels.questions import derivative
 from mbs_ref.system import System
 
 _S6 = 6**0.5

@@ -20,8 +20,8 @@ from mbs_ref.integrators.leg import (
     RUNNING,
     TOO_MANY_STEPS,
 )
-from mbs_ref.kernels.core import compliance, derivative, project
 from mbs_ref.kernels.jit import jit
+from mbs_ref.kernels.questions import compliance, derivative, project
 
 PROJECTION_ITERATIONS = 12
 PROJECTION_FAILURE = 1e4  # of the projection tolerance: a larger |C| left is a failure

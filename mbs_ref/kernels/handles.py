@@ -7,7 +7,7 @@ handle; an accessor returns one group of it as views, at the price of a few load
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from llvmlite import ir
@@ -16,8 +16,21 @@ from numba.core import cgutils
 from numba.extending import intrinsic
 from numba.np.arrayobj import make_array, populate_array
 
-_WORDS = 5  # a handle's words per array: address, then up to four lengths
+QUESTIONS = 40  # a handle's first words: where the answers to questions are (mbs_ref.kernels.border)
+_WORDS = 5  # then, per array: address, then up to four lengths
 _DTYPES = {np.dtype(np.float64): types.float64, np.dtype(np.int64): types.int64}
+
+
+class Model(NamedTuple):
+    """What compiled code receives of a scene, whichever core it belongs to."""
+
+    handle: np.ndarray
+
+
+class Work(NamedTuple):
+    """What compiled code receives of the scratch of a run."""
+
+    handle: np.ndarray
 
 
 def make_handle(groups: Any) -> np.ndarray:
@@ -32,7 +45,7 @@ def make_handle(groups: Any) -> np.ndarray:
             raise ValueError(f"arrays of a handle are contiguous float64 or int64; got {array.dtype}")
         entry[0] = array.ctypes.data
         entry[1 : 1 + array.ndim] = array.shape
-    return handle.ravel()
+    return np.concatenate((np.zeros(QUESTIONS, dtype=np.int64), handle.ravel()))
 
 
 def accessor(example: Any, name: str) -> Any:
@@ -64,7 +77,7 @@ def _view(context, builder, owner, index, array_type):
     word = ir.IntType(64)
 
     def load(offset):
-        place = builder.gep(handle.data, [ir.Constant(word, index * _WORDS + offset)])
+        place = builder.gep(handle.data, [ir.Constant(word, QUESTIONS + index * _WORDS + offset)])
         return builder.load(place)
 
     result = make_array(array_type)(context, builder)

@@ -9,7 +9,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from mbs_ref.kernels.core import (
+from mbs_ref.kernels.dense import lu_factor, lu_solve
+from mbs_ref.kernels.jit import jit
+from mbs_ref.kernels.questions import (
     add_row,
     answer,
     defect_of,
@@ -20,8 +22,6 @@ from mbs_ref.kernels.core import (
     position_count,
     times_mass,
 )
-from mbs_ref.kernels.dense import lu_factor, lu_solve
-from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.rows import largest_entry
 
 PROXIMAL = 1e-12  # weight on the multipliers' diagonal: dependent rows then share, instead of failing

@@ -10,7 +10,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from mbs_ref.kernels.core import (
+from mbs_ref.kernels.jit import jit
+from mbs_ref.kernels.questions import (
     add_row,
     defect_of,
     force_balance,
@@ -20,7 +21,6 @@ from mbs_ref.kernels.core import (
     row_times,
     times_mass,
 )
-from mbs_ref.kernels.jit import jit
 
 INDEX_1, GGL, INDEX_3 = 1, 2, 3
 

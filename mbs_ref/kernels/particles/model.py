@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from mbs_ref.kernels.handles import accessor, make_handle
+from mbs_ref.kernels.handles import Model, Work, accessor, make_handle
 
 LANES = 8  # instants evaluated side by side: the stages of a Gauss step, or one instant repeated
 
@@ -88,12 +88,6 @@ class ParticleGroups(NamedTuple):
     lights: Lights
 
 
-class ParticleModel(NamedTuple):
-    """What compiled code receives."""
-
-    handle: np.ndarray
-
-
 class Lanes(NamedTuple):
     """Scratch; base + delta is the position, so that differences of neighbours keep their digits."""
 
@@ -111,12 +105,6 @@ class Lanes(NamedTuple):
 
 class ParticleScratch(NamedTuple):
     lanes: Lanes
-
-
-class ParticleWork(NamedTuple):
-    """What compiled code receives."""
-
-    handle: np.ndarray
 
 
 def floats(*shape: int) -> np.ndarray:
@@ -163,11 +151,11 @@ lights_of = accessor(_EMPTY, "lights")
 lanes_of = accessor(particle_scratch(0), "lanes")
 
 
-def bind_model(groups: ParticleGroups) -> ParticleModel:
+def bind_model(groups: ParticleGroups) -> Model:
     """Return the model whose handle points into `groups`."""
-    return ParticleModel(make_handle(groups))
+    return Model(make_handle(groups))
 
 
-def bind_work(scratch: ParticleScratch) -> ParticleWork:
+def bind_work(scratch: ParticleScratch) -> Work:
     """Return the workspace whose handle points into `scratch`."""
-    return ParticleWork(make_handle(scratch))
+    return Work(make_handle(scratch))

@@ -32,9 +32,8 @@ from mbs_ref.kernels.contact_modes import (
     normal_roots,
 )
 from mbs_ref.kernels.jit import jit
-from mbs_ref.kernels.planar.contact_rows import fill_rows
 from mbs_ref.kernels.planar.contacts import contact_geometry, find_near, friction_force, is_behind
-from mbs_ref.kernels.planar.dynamics import accelerate, factor, load_state, planar_derivative, solve
+from mbs_ref.kernels.planar.dynamics import load_state
 from mbs_ref.kernels.planar.landing import contact_mass, contact_push, land
 from mbs_ref.kernels.planar.model import (
     bodies_of,
@@ -46,6 +45,7 @@ from mbs_ref.kernels.planar.model import (
     rows_of,
     tree_of,
 )
+from mbs_ref.kernels.questions import accelerate, contact_mobility, derivative, factor, fill_rows, solve
 
 PROBE_SWEEPS = 200  # for the friction of contacts that stop sliding together
 AT_REST = 10.0  # of the noise: how close and slow a constraint contact must be to begin closed
@@ -145,7 +145,7 @@ def contact_transition(model, work, t, y, g, dy):
 def _slide_rate(model, work, t, y, dy, k):
     """Return the rate of a contact's sliding speed in the present modes, by differences along the motion."""
     pairs, kin = contact_pairs_of(model), kinematics_of(work)
-    planar_derivative(model, work, t, y, dy)
+    derivative(model, work, t, y, dy)
     step = 1e-6
     ahead = y + step * dy
     load_state(model, work, ahead)
@@ -283,7 +283,7 @@ def planar_contact_mobility(model, work, t, y, k):
 def _impact(model, work, t, y, k):
     """Reverse the normal speed by an impulse, v+ = -e v-, within the joints: dv = W n p."""
     pairs, laws, bodies = contact_pairs_of(model), contact_laws_of(model), bodies_of(model)
-    mobility = planar_contact_mobility(model, work, t, y, k)
+    mobility = contact_mobility(model, work, t, y, k)
     closing = contact_geometry(pairs, kinematics_of(work), k)[1]
     response = tree_of(work).acceleration
     impulse = -(1.0 + laws.restitution[k]) * closing / mobility

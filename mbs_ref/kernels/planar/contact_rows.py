@@ -25,7 +25,7 @@ from mbs_ref.kernels.planar.model import (
 
 
 @jit
-def fill_rows(model, work, t):
+def planar_fill_rows(model, work, t):
     """Evaluate every constraint row, of joints and of closed constraint contacts."""
     fill_joints(model, work, t)
     laws, modes = contact_laws_of(model), contact_modes_of(model)

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from mbs_ref.kernels.jit import jit
-from mbs_ref.kernels.planar.contact_rows import fill_rows
-from mbs_ref.kernels.planar.dynamics import factor, load_state, solve
-from mbs_ref.kernels.planar.loads import apply_loads
+from mbs_ref.kernels.planar.dynamics import load_state
 from mbs_ref.kernels.planar.model import bodies_of, kinematics_of, rows_of, slots_of, tree_of
+from mbs_ref.kernels.questions import apply_loads, factor, fill_rows, solve
 
 
 @jit

@@ -11,8 +11,6 @@ import numpy as np
 from mbs_ref.kernels.controls import CONTROL_POSITION_GAIN, CONTROL_VELOCITY_GAIN
 from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.planar.closure import correct_for_closures, factor_closures, row_times
-from mbs_ref.kernels.planar.contact_rows import fill_rows
-from mbs_ref.kernels.planar.loads import apply_loads
 from mbs_ref.kernels.planar.model import (
     bodies_of,
     closures_of,
@@ -23,6 +21,7 @@ from mbs_ref.kernels.planar.model import (
     world_of,
 )
 from mbs_ref.kernels.planar.tree import factor_tree, solve_tree
+from mbs_ref.kernels.questions import accelerate, apply_loads, factor, fill_rows, solve
 from mbs_ref.kernels.refinement import refinements
 from mbs_ref.kernels.rows import add_to, copy_rows, largest_entry, stabilize
 
@@ -46,7 +45,7 @@ def load_state(model, work, y):
 
 
 @jit
-def factor(model, work):
+def planar_factor(model, work):
     """Factor the augmented matrix at the Jacobians in `work`."""
     factor_tree(model, work)
     if slots_of(model).closure_slot.shape[0] > 0:
@@ -58,7 +57,7 @@ def factor(model, work):
 
 
 @jit
-def solve(model, work, gamma):
+def planar_solve(model, work, gamma):
     """Solve the augmented system for the tree's load and `gamma` into its acceleration and the multipliers."""
     acceleration, multiplier = tree_of(work).acceleration, rows_of(work).multiplier
     solve_tree(model, work, gamma, acceleration, multiplier)
@@ -96,7 +95,7 @@ def _refine(model, work):
 
 
 @jit
-def accelerate(model, work, t, y):
+def planar_accelerate(model, work, t, y):
     """Compute accelerations and multipliers at (t, y) into `work`."""
     load_state(model, work, y)
     apply_loads(model, work, t)

@@ -8,7 +8,6 @@ from mbs_ref.kernels.contact_laws import (
     ROOTS_EACH,
 )
 from mbs_ref.kernels.jit import jit
-from mbs_ref.kernels.planar.dynamics import planar_project
 from mbs_ref.kernels.planar.model import (
     bodies_of,
     contact_laws_of,
@@ -16,6 +15,7 @@ from mbs_ref.kernels.planar.model import (
     contact_pairs_of,
     rows_of,
 )
+from mbs_ref.kernels.questions import project
 
 ITERATIONS = 8  # of the projection of the positions
 FINER = 0.1  # of the noise: how close the projection brings the surfaces
@@ -51,7 +51,7 @@ def land(model, work, t, y, g):
     before = y[half:].copy()
     for _ in range(laws.slot.shape[0] + 1):
         y[half:] = before
-        planar_project(model, work, t, y, FINER * modes.noise[0], ITERATIONS)
+        project(model, work, t, y, FINER * modes.noise[0], ITERATIONS)
         worst = _worst_pull(model, work)
         if worst < 0:
             return

@@ -145,7 +145,7 @@ def apply_user_force(model, work, t):
 
 
 @jit
-def apply_loads(model, work, t):
+def planar_apply_loads(model, work, t):
     """Evaluate every applied force at the pose and motion in `work`."""
     apply_gravity(model, work)
     apply_forces(model, work, t)

@@ -14,7 +14,7 @@ import numpy as np
 
 from mbs_ref.kernels.broad_phase import NearPairs, no_pairs
 from mbs_ref.kernels.contact_laws import ContactLaws, ContactModes, fresh_modes, no_laws
-from mbs_ref.kernels.handles import accessor, make_handle
+from mbs_ref.kernels.handles import Model, Work, accessor, make_handle
 from mbs_ref.kernels.signals import SignalArrays
 
 
@@ -149,12 +149,6 @@ class PlanarGroups(NamedTuple):
     world: World
 
 
-class PlanarModel(NamedTuple):
-    """What compiled code receives."""
-
-    handle: np.ndarray
-
-
 def _floats(*shape: int) -> np.ndarray:
     return np.zeros(shape)
 
@@ -280,12 +274,6 @@ class PlanarScratch(NamedTuple):
     closures: Closures
 
 
-class PlanarWork(NamedTuple):
-    """What compiled code receives."""
-
-    handle: np.ndarray
-
-
 def planar_scratch(n: int, n_slots: int, n_rows: int) -> PlanarScratch:
     """Allocate the scratch of one run."""
     pose = _floats(n + 1, 4)
@@ -321,11 +309,11 @@ tree_of = accessor(_NO_SCRATCH, "tree")
 closures_of = accessor(_NO_SCRATCH, "closures")
 
 
-def bind_model(groups: PlanarGroups) -> PlanarModel:
+def bind_model(groups: PlanarGroups) -> Model:
     """Return the model whose handle points into `groups`."""
-    return PlanarModel(make_handle(groups))
+    return Model(make_handle(groups))
 
 
-def bind_work(scratch: PlanarScratch) -> PlanarWork:
+def bind_work(scratch: PlanarScratch) -> Work:
     """Return the workspace whose handle points into `scratch`."""
-    return PlanarWork(make_handle(scratch))
+    return Work(make_handle(scratch))

@@ -37,6 +37,7 @@ from mbs_ref.kernels.contact_modes import (
     normal_roots,
 )
 from mbs_ref.kernels.jit import jit
+from mbs_ref.kernels.questions import contact_mobility, derivative, factor, fill_rows, solve
 from mbs_ref.kernels.spatial.contacts import (
     SLOW,
     contact_force,
@@ -47,8 +48,6 @@ from mbs_ref.kernels.spatial.contacts import (
     is_touching,
     slip_along,
 )
-from mbs_ref.kernels.spatial.dynamics import factor, solve, spatial_derivative
-from mbs_ref.kernels.spatial.joints import fill_joints
 from mbs_ref.kernels.spatial.model import (
     bodies_of,
     contact_laws_of,
@@ -230,7 +229,7 @@ def _slip_rates(model, work, t, y, dy, force, rates):
     for k in range(count):
         if modes.grip[k] == GRIP_PROBE:
             modes.anchor[k] = force[k]
-    spatial_derivative(model, work, t, y, dy)
+    derivative(model, work, t, y, dy)
     rates[:, :] = 0.0
     for sign in (1.0, -1.0):
         load_state(model, work, y + sign * DIFFERENCE * dy)
@@ -352,7 +351,7 @@ def spatial_contact_mobility(model, work, t, y, k):
     pairs, kin = contact_pairs_of(model), kinematics_of(work)
     tree, rows = tree_of(work), rows_of(work)
     load_state(model, work, y)
-    fill_joints(model, work, t)
+    fill_rows(model, work, t)
     factor(model, work)
     touch = contact_geometry(pairs, kin, k)
     n, on_a, on_b = touch.normal, touch.arm_a, touch.arm_b
@@ -376,7 +375,7 @@ def spatial_contact_mobility(model, work, t, y, k):
 def _impact(model, work, t, y, k):
     """Reverse the normal speed by an impulse, v+ = -e v-, within the joints: dv = W n p."""
     pairs, laws, bodies = contact_pairs_of(model), contact_laws_of(model), bodies_of(model)
-    mobility = spatial_contact_mobility(model, work, t, y, k)
+    mobility = contact_mobility(model, work, t, y, k)
     kin = kinematics_of(work)
     closing = contact_geometry(pairs, kin, k).closing
     response = tree_of(work).acceleration

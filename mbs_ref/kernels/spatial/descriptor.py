@@ -10,10 +10,8 @@ from __future__ import annotations
 import numpy as np
 
 from mbs_ref.kernels.jit import jit
+from mbs_ref.kernels.questions import apply_loads, factor, fill_rows, solve
 from mbs_ref.kernels.spatial.contacts import apply_contacts
-from mbs_ref.kernels.spatial.dynamics import factor, solve
-from mbs_ref.kernels.spatial.joints import fill_joints
-from mbs_ref.kernels.spatial.loads import apply_loads
 from mbs_ref.kernels.spatial.model import bodies_of, kinematics_of, rows_of, slots_of, tree_of
 from mbs_ref.kernels.spatial.orientation import load_state
 from mbs_ref.kernels.spatial.vectors import symmetric_times, turn, turn_back
@@ -36,7 +34,7 @@ def spatial_force_balance(model, work, t, y, lam, out):
     load_state(model, work, y)
     apply_loads(model, work, t)
     apply_contacts(model, work)
-    fill_joints(model, work, t)
+    fill_rows(model, work, t)
     n = bodies.mass.shape[0]
     for slot in range(slots.body.shape[0]):
         for side in range(2):

@@ -13,12 +13,11 @@ from __future__ import annotations
 
 from mbs_ref.kernels.controls import CONTROL_POSITION_GAIN, CONTROL_VELOCITY_GAIN
 from mbs_ref.kernels.jit import jit
+from mbs_ref.kernels.questions import accelerate, apply_loads, factor, fill_rows, solve
 from mbs_ref.kernels.refinement import refinements
 from mbs_ref.kernels.rows import add_to, copy_rows, largest_entry, stabilize
 from mbs_ref.kernels.spatial.closure import correct_for_closures, factor_closures, row_times
 from mbs_ref.kernels.spatial.contacts import apply_contacts, fill_deflection_rates
-from mbs_ref.kernels.spatial.joints import fill_joints
-from mbs_ref.kernels.spatial.loads import apply_loads
 from mbs_ref.kernels.spatial.model import (
     bodies_of,
     closures_of,
@@ -34,7 +33,7 @@ from mbs_ref.kernels.spatial.vectors import symmetric_times, turn, turn_back
 
 
 @jit
-def factor(model, work):
+def spatial_factor(model, work):
     """Factor the augmented matrix at the Jacobians in `work`."""
     factor_tree(model, work)
     if slots_of(model).closure_slot.shape[0] > 0:
@@ -46,7 +45,7 @@ def factor(model, work):
 
 
 @jit
-def solve(model, work, gamma):
+def spatial_solve(model, work, gamma):
     """Solve the augmented system for the tree's load and `gamma` into its acceleration and the multipliers."""
     acceleration, multiplier = tree_of(work).acceleration, rows_of(work).multiplier
     solve_tree(model, work, gamma, acceleration, multiplier)
@@ -88,12 +87,12 @@ def _refine(model, work):
 
 
 @jit
-def accelerate(model, work, t, y):
+def spatial_accelerate(model, work, t, y):
     """Compute accelerations and multipliers at (t, y) into `work`."""
     load_state(model, work, y)
     apply_loads(model, work, t)
     apply_contacts(model, work)
-    fill_joints(model, work, t)
+    fill_rows(model, work, t)
     _stabilize(model, work)
     factor(model, work)
     load, force = tree_of(work).load, kinematics_of(work).force
@@ -130,7 +129,7 @@ def spatial_derivative(model, work, t, y, dy):
 def spatial_compliance(model, work, t, y):
     """Return max |C| with the norm constraints and max |C_dot| over all rows (m, rad; m/s, rad/s)."""
     load_state(model, work, y)
-    fill_joints(model, work, t)
+    fill_rows(model, work, t)
     return max(largest_entry(rows_of(work).residual), _largest_norm(model, work)), largest_entry(rows_of(work).rate)
 
 
@@ -273,7 +272,7 @@ def spatial_project(model, work, t, y, tolerance, most):
     load_state(model, work, y)
     if rows.residual.shape[0] == 0 or _no_rows(model):
         return _largest_norm(model, work)
-    fill_joints(model, work, t)
+    fill_rows(model, work, t)
     left = largest_entry(rows.residual)
     for _ in range(most):
         if not left > tolerance:
@@ -282,7 +281,7 @@ def spatial_project(model, work, t, y, tolerance, most):
         _response(model, work, rows.residual)
         _correct_places(model, work, y)
         load_state(model, work, y)
-        fill_joints(model, work, t)
+        fill_rows(model, work, t)
         previous = left
         left = largest_entry(rows.residual)
         if left > 0.5 * previous:

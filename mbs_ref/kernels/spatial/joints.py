@@ -221,7 +221,7 @@ def fill_drives(model, work, t):
 
 
 @jit
-def fill_joints(model, work, t):
+def spatial_fill_rows(model, work, t):
     """Evaluate every constraint row at the pose and motion in `work`."""
     fill_points(model, work)
     fill_products(model, work)

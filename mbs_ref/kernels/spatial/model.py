@@ -18,7 +18,7 @@ import numpy as np
 
 from mbs_ref.kernels.broad_phase import NearPairs, no_pairs
 from mbs_ref.kernels.contact_laws import ContactLaws, ContactModes, fresh_modes, no_laws
-from mbs_ref.kernels.handles import accessor, make_handle
+from mbs_ref.kernels.handles import Model, Work, accessor, make_handle
 from mbs_ref.kernels.signals import SignalArrays
 
 
@@ -208,12 +208,6 @@ class SpatialGroups(NamedTuple):
     world: World
 
 
-class SpatialModel(NamedTuple):
-    """What compiled code receives."""
-
-    handle: np.ndarray
-
-
 def _floats(*shape: int) -> np.ndarray:
     return np.zeros(shape)
 
@@ -335,12 +329,6 @@ class SpatialScratch(NamedTuple):
     grips: Grips
 
 
-class SpatialWork(NamedTuple):
-    """What compiled code receives."""
-
-    handle: np.ndarray
-
-
 def spatial_scratch(n: int, n_slots: int, n_rows: int, n_sticking: int = 0) -> SpatialScratch:
     """Allocate the scratch of one run."""
     turned = np.tile(np.eye(3), (n + 1, 1, 1))
@@ -383,11 +371,11 @@ closures_of = accessor(_NO_SCRATCH, "closures")
 grips_of = accessor(_NO_SCRATCH, "grips")
 
 
-def bind_model(groups: SpatialGroups) -> SpatialModel:
+def bind_model(groups: SpatialGroups) -> Model:
     """Return the model whose handle points into `groups`."""
-    return SpatialModel(make_handle(groups))
+    return Model(make_handle(groups))
 
 
-def bind_work(scratch: SpatialScratch) -> SpatialWork:
+def bind_work(scratch: SpatialScratch) -> Work:
     """Return the workspace whose handle points into `scratch`."""
-    return SpatialWork(make_handle(scratch))
+    return Work(make_handle(scratch))

@@ -1,0 +1,98 @@
+"""Questions: functions that compiled code calls by address, without linking their code.
+
+Numba links the code of every callee into each caller's library and optimises it there again. Some forty functions
+contain the whole dynamics somewhere below them, so a new user once waited for minutes. A question is a border in that
+graph: its answer is compiled once, and whoever asks calls the address that the handle (mbs_ref.kernels.handles) holds
+for it. So what lies above a border knows no core: an integrator is compiled once for all of them, and a scene pays
+for its own core alone. It costs a load and a call that is never inlined, a few nanoseconds, and nothing is
+contracted or hoisted across it. Addresses live in memory only; what the disk cache holds does not depend on them.
+"""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable, Mapping
+from functools import cache
+from typing import Any
+
+from numba import types
+from numba.core import cgutils
+from numba.core.typing import signature
+from numba.extending import intrinsic
+from numba.np.arrayobj import make_array
+
+from mbs_ref.kernels.handles import QUESTIONS, Model, Work
+from mbs_ref.kernels.jit import jit
+
+_HANDLE = types.Array(types.int64, 1, "C")
+MODEL, WORK = (types.NamedUniTuple(_HANDLE, 1, kind) for kind in (Model, Work))
+NOTHING, NUMBER, COUNT, FLAG = types.none, types.float64, types.int64, types.boolean
+VECTOR, MATRIX = (types.Array(types.float64, dimension, "C") for dimension in (1, 2))
+
+_asked: dict[str, tuple[int, Any]] = {}  # question -> place of its address in a handle, signature
+
+
+def question(returns: Any, *takes: Any) -> Callable[[Callable[..., Any]], Any]:
+    """Make a question of a function whose name and docstring alone count; its first argument is MODEL or WORK.
+
+    Arrays are handed over as they are: one that is not C-contiguous is refused where the asking code is typed.
+    """
+
+    def make(stub: Callable[..., Any]) -> Any:
+        place, kind = len(_asked), signature(returns, *takes)
+        if place == QUESTIONS:
+            raise ValueError(f"a handle has room for {QUESTIONS} questions")
+        _asked[stub.__name__] = place, kind
+
+        def ask(typingctx, *given):
+            fits = len(given) == len(takes) and all(map(typingctx.can_convert, given, takes))
+            return (kind, _call(place)) if fits else None
+
+        context = inspect.Parameter("typingctx", inspect.Parameter.POSITIONAL_OR_KEYWORD)
+        parameters = (context, *inspect.signature(stub).parameters.values())
+        ask.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
+        ask.__name__, ask.__doc__ = stub.__name__, stub.__doc__
+        return intrinsic(ask)
+
+    return make
+
+
+def _call(place: int) -> Callable[..., Any]:
+    """Return what emits the call of the answer at a place of the first argument's handle."""
+
+    def codegen(context, builder, kind, args):
+        handle = make_array(_HANDLE)(context, builder, builder.extract_value(args[0], 0))
+        address = builder.load(cgutils.gep_inbounds(builder, handle.data, place))
+        function = context.call_conv.get_function_type(kind.return_type, kind.args)
+        callee = builder.inttoptr(address, function.as_pointer())
+        status, answer = context.call_conv.call_function(builder, callee, kind.return_type, kind.args, args)
+        with cgutils.if_unlikely(builder, status.is_error):
+            context.call_conv.return_status_propagate(builder, status)
+        return answer
+
+    return codegen
+
+
+@jit
+def _unanswered():
+    raise RuntimeError("a question was asked that this system was not prepared for (System.prepare)")
+
+
+@cache
+def _address(answer: Any, kind: Any) -> int:
+    """Return where the compiled code of an answer begins; compile it, or load it from the disk, if need be."""
+    answer.compile(kind)
+    compiled = answer.overloads[kind.args]
+    return compiled.library.get_pointer_to_function(compiled.fndesc.llvm_func_name)
+
+
+def forbid(owner: Model | Work) -> None:
+    """Let every question raise a RuntimeError: callers clear the stack, so one function without arguments will do."""
+    owner.handle[:QUESTIONS] = _address(_unanswered, signature(types.none))
+
+
+def furnish(owner: Model | Work, answers: Mapping[str, Any]) -> None:
+    """Connect compiled functions to the questions that they answer."""
+    for name, answer in answers.items():
+        place, kind = _asked[name]
+        owner.handle[place] = _address(answer, kind)
