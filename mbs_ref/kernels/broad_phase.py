@@ -13,6 +13,7 @@ import numpy as np
 
 from mbs_ref.kernels.contact_laws import MODE_OPEN, MODE_PLAIN
 from mbs_ref.kernels.jit import jit
+from mbs_ref.kernels.rows import copy_rows
 
 
 class NearPairs(NamedTuple):
@@ -145,7 +146,7 @@ def refresh(near, modes):
     for k in near.always:
         near.flag[k] = 1
     _sweep(near)
-    near.built[:, :] = near.place
+    copy_rows(near.place, near.built)
     count = 0
     for k in range(near.flag.shape[0]):
         if near.flag[k] == 1:

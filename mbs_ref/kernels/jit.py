@@ -34,4 +34,4 @@ if "NUMBA_CACHE_DIR" not in os.environ:
     numba.config.CACHE_DIR = str(cache_folder())  # type: ignore[attr-defined]
 
 # Contraction (fused multiply-add) alone is allowed: it keeps NaN, infinities and the order of sums.
-jit = numba.njit(cache=True, error_model="numpy", fastmath={"contract"})
+jit = numba.njit(no_cfunc_wrapper=True, cache=True, error_model="numpy", fastmath={"contract"})

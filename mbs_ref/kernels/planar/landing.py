@@ -50,7 +50,8 @@ def land(model, work, t, y, g):
     half = y.shape[0] // 2
     before = y[half:].copy()
     for _ in range(laws.slot.shape[0] + 1):
-        y[half:] = before
+        for k in range(before.shape[0]):  # to assign the slice would compile its error messages too, for seconds
+            y[half + k] = before[k]
         project(model, work, t, y, FINER * modes.noise[0], ITERATIONS)
         worst = _worst_pull(model, work)
         if worst < 0:
