@@ -13,7 +13,7 @@ from mbs_ref import scenes
 from mbs_ref.celestial import Newton
 from mbs_ref.cores import compile_scene
 from mbs_ref.euler_parameters import rotation_matrices
-from mbs_ref.kernels import core
+from mbs_ref.kernels import questions
 from mbs_ref.kernels.jit import jit
 from mbs_ref.planar_system import PlanarSystem
 from mbs_ref.scene import Scene
@@ -26,7 +26,7 @@ SOLVED = 1e-9  # m/s^2 or rad/s^2: what roundoff leaves of accelerations of some
 @jit
 def repeat(model, work, y, dy, count):
     for _ in range(count):
-        core.derivative(model, work, 0.0, y, dy)
+        questions.derivative(model, work, 0.0, y, dy)
 
 
 def loop(scene: Scene):

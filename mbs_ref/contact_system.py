@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from mbs_ref.kernels import core
@@ -12,8 +10,6 @@ from mbs_ref.system import System
 
 class ContactSystem(System):
     """A system whose `groups` hold contact laws, modes and the list of near pairs."""
-
-    groups: Any
 
     def start_contacts(self, t: float, y: np.ndarray, located: bool) -> None:
         super().start_contacts(t, y, located)

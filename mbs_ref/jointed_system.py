@@ -23,7 +23,6 @@ class JointedSystem(ContactSystem):
     RATES: ClassVar[int]  # of a body
     SHARED: ClassVar[int]  # numbers a body in each array that a user's force law sees
     n_bodies: int
-    scratch: Any
     place: Mapping[int, tuple[int, int, int]]  # joint -> slot, first row, side of its first end
 
     # --- set-up -----------------------------------------------------------------------------------

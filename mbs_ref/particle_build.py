@@ -1,4 +1,4 @@
-"""Scene -> ParticleModel: the arrays of the fields a scene of particles uses."""
+"""Scene -> ParticleGroups: the arrays of the fields a scene of particles uses."""
 
 from __future__ import annotations
 

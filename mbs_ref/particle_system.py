@@ -6,8 +6,7 @@ import itertools
 
 import numpy as np
 
-from mbs_ref.kernels import core
-from mbs_ref.kernels.particles.model import bind_model, bind_work, particle_scratch
+from mbs_ref.kernels.particles.model import particle_scratch
 from mbs_ref.particle_build import build_particles
 from mbs_ref.scene import Scene
 from mbs_ref.system import Poses, System
@@ -27,8 +26,6 @@ class ParticleSystem(System):
         self.n_bodies = len(scene.bodies)
         self.groups = build_particles(scene)
         self.scratch = particle_scratch(self.n_bodies)
-        self.model, self.work = bind_model(self.groups), bind_work(self.scratch)
-        core.connect(self.CORE, self.model, self.work)
         self._refuse_coincidence()
 
     def _refuse_coincidence(self) -> None:

@@ -1,4 +1,4 @@
-"""Scene -> PlanarModel: the arrays of the groups a planar scene uses."""
+"""Scene -> PlanarGroups: the arrays of the groups a planar scene uses."""
 
 from __future__ import annotations
 

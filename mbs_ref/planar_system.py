@@ -12,7 +12,7 @@ from mbs_ref.jointed_system import JointedSystem
 from mbs_ref.kernels import core
 from mbs_ref.kernels.contact_laws import MODE_CLOSED
 from mbs_ref.kernels.planar import dynamics
-from mbs_ref.kernels.planar.model import bind_model, bind_work, planar_scratch
+from mbs_ref.kernels.planar.model import planar_scratch
 from mbs_ref.kernels.questions import apply_loads
 from mbs_ref.planar_build import build_planar
 from mbs_ref.planar_contacts import event_sources
@@ -38,8 +38,6 @@ class PlanarSystem(JointedSystem):
         self.groups, self.place = build_planar(scene)
         slots = self.groups.slots
         self.scratch = planar_scratch(self.n_bodies, len(slots.body), len(slots.closure_slot))
-        self.model, self.work = bind_model(self.groups), bind_work(self.scratch)
-        core.connect(self.CORE, self.model, self.work)
         self._keep_alive = self._connect_user_forces()
 
     # --- set-up -----------------------------------------------------------------------------------

@@ -1,4 +1,4 @@
-"""Scene -> SpatialModel: the arrays of the groups a spatial scene uses."""
+"""Scene -> SpatialGroups: the arrays of the groups a spatial scene uses."""
 
 from __future__ import annotations
 

@@ -11,7 +11,7 @@ from scipy.linalg import qr
 from mbs_ref.euler_parameters import parameter_matrix, rotation_matrices
 from mbs_ref.jointed_system import JointedSystem
 from mbs_ref.kernels import core
-from mbs_ref.kernels.spatial.model import bind_model, bind_work, spatial_scratch
+from mbs_ref.kernels.spatial.model import spatial_scratch
 from mbs_ref.scene import DRIVES, GROUND, Scene, SpatialBody, symmetric
 from mbs_ref.spatial_build import build_spatial, world_axes
 from mbs_ref.spatial_rows import row_count
@@ -44,8 +44,6 @@ class SpatialSystem(JointedSystem):
         sticking = int(self.groups.contact_pairs.sticking[0])
         self.scratch = spatial_scratch(self.n_bodies, len(slots.body), len(slots.closure_slot), sticking)
         self.scratch.kinematics.inertia[: self.n_bodies] = self.groups.bodies.inertia
-        self.model, self.work = bind_model(self.groups), bind_work(self.scratch)
-        core.connect(self.CORE, self.model, self.work)
         self._keep_alive = self._connect_user_forces()
         slots.closure_rank[0] = self._closure_rank()
 

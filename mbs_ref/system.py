@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from functools import cached_property
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
 from mbs_ref.kernels import core
+from mbs_ref.kernels.handles import Model, Work, make_handle
 from mbs_ref.scene import Scene
 
 RANK_TOLERANCE = 1e-10  # singular values of the scaled C_q below this share of the largest count as zero
@@ -23,17 +25,33 @@ class Poses(NamedTuple):
 
 
 class System(ABC):
-    """A compiled scene. A core implements the abstract methods and sets scene, model and work.
+    """A compiled scene. A core implements the abstract methods and sets scene, groups and scratch.
 
-    `model` and `work` are what compiled code receives; the core answers through them (mbs_ref.kernels.core).
     The state y is one vector; `derivative` is its rate.
     """
 
     CORE: ClassVar[str]  # of mbs_ref.kernels.core
     scene: Scene
-    model: Any
-    work: Any
+    groups: Any  # the scene's arrays
+    scratch: Any  # of one run
     user_error: BaseException | None = None  # what a user's force law raised, if it did
+
+    @cached_property
+    def _connected(self) -> tuple[Model, Work]:
+        """Model and work, once they are asked for: who merely has a scene checked need not wait for the compiler."""
+        model, work = Model(make_handle(self.groups)), Work(make_handle(self.scratch))
+        core.connect(self.CORE, model, work)
+        return model, work
+
+    @property
+    def model(self) -> Model:
+        """What compiled code receives of the scene; the core answers through it (mbs_ref.kernels.core)."""
+        return self._connected[0]
+
+    @property
+    def work(self) -> Work:
+        """What compiled code receives of the scratch."""
+        return self._connected[1]
 
     def prepare(self, group: str) -> None:
         """Have the answers to a group of questions compiled and connected (mbs_ref.kernels.core)."""

@@ -12,12 +12,14 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable, Mapping
-from functools import cache
+from functools import cache, partial
 from typing import Any
 
+import numpy as np
 from numba import types
 from numba.core import cgutils
-from numba.core.typing import signature
+from numba.core.typeconv import Conversion
+from numba.core.typing.templates import signature
 from numba.extending import intrinsic
 from numba.np.arrayobj import make_array
 
@@ -45,8 +47,7 @@ def question(returns: Any, *takes: Any) -> Callable[[Callable[..., Any]], Any]:
         _asked[stub.__name__] = place, kind
 
         def ask(typingctx, *given):
-            fits = len(given) == len(takes) and all(map(typingctx.can_convert, given, takes))
-            return (kind, _call(place)) if fits else None
+            return (kind, _call(place)) if all(map(partial(_fits, typingctx), given, takes)) else None
 
         context = inspect.Parameter("typingctx", inspect.Parameter.POSITIONAL_OR_KEYWORD)
         parameters = (context, *inspect.signature(stub).parameters.values())
@@ -55,6 +56,11 @@ def question(returns: Any, *takes: Any) -> Callable[[Callable[..., Any]], Any]:
         return intrinsic(ask)
 
     return make
+
+
+def _fits(typingctx: Any, given: Any, taken: Any) -> bool:
+    kind = typingctx.can_convert(given, taken)
+    return kind is not None and kind <= Conversion.safe
 
 
 def _call(place: int) -> Callable[..., Any]:
@@ -78,7 +84,6 @@ def _unanswered():
     raise RuntimeError("a question was asked that this system was not prepared for (System.prepare)")
 
 
-@cache
 def _address(answer: Any, kind: Any) -> int:
     """Return where the compiled code of an answer begins; compile it, or load it from the disk, if need be."""
     answer.compile(kind)
@@ -86,13 +91,17 @@ def _address(answer: Any, kind: Any) -> int:
     return compiled.library.get_pointer_to_function(compiled.fndesc.llvm_func_name)
 
 
-def forbid(owner: Model | Work) -> None:
-    """Let every question raise a RuntimeError: callers clear the stack, so one function without arguments will do."""
-    owner.handle[:QUESTIONS] = _address(_unanswered, signature(types.none))
+@cache
+def unanswered() -> np.ndarray:
+    """Return the first words of a handle by which every question raises a RuntimeError.
+
+    One function without arguments will do for all of them: it is the caller that clears the stack.
+    """
+    return np.full(QUESTIONS, _address(_unanswered, signature(types.none)))
 
 
-def furnish(owner: Model | Work, answers: Mapping[str, Any]) -> None:
-    """Connect compiled functions to the questions that they answer."""
-    for name, answer in answers.items():
-        place, kind = _asked[name]
-        owner.handle[place] = _address(answer, kind)
+def addresses(answers: Mapping[str, Any]) -> tuple[np.ndarray, np.ndarray]:
+    """Return the places in a handle of these questions, and the addresses of the functions that answer them."""
+    found = [(place, _address(answer, kind)) for name, answer in answers.items() for place, kind in [_asked[name]]]
+    places, where = np.array(found, dtype=np.int64).reshape(-1, 2).T
+    return places, where

@@ -6,11 +6,14 @@ Answers come in groups, and a system is prepared for a group when it is needed, 
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import cache
 from typing import Any
 
+import numpy as np
+
 from mbs_ref.kernels import questions as ask
-from mbs_ref.kernels.border import forbid, furnish
-from mbs_ref.kernels.handles import Model, Work
+from mbs_ref.kernels.border import addresses, unanswered
+from mbs_ref.kernels.handles import QUESTIONS, Model, Work
 from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.particles import dynamics as particles
 from mbs_ref.kernels.planar import contact_events as planar_contacts
@@ -59,7 +62,7 @@ def _no_mobility(model, work, t, y, k):
 
 MOTION, FORM, REPORT = "motion", "form", "report"  # what every run asks; methods on the DAE itself; afterwards
 # core -> group -> question -> answer
-_ANSWERS: dict[str, dict[str, dict[str, Callable[..., Any]]]] = {
+ANSWERS: dict[str, dict[str, dict[str, Callable[..., Any]]]] = {
     "planar": {
         MOTION: {
             "derivative": planar.planar_derivative,
@@ -72,6 +75,7 @@ _ANSWERS: dict[str, dict[str, dict[str, Callable[..., Any]]]] = {
             "transition": planar_events.planar_transition,
             "start_modes": planar_events.planar_start_modes,
             "contact_mobility": planar_contacts.planar_contact_mobility,
+            "settle_grips": planar_contacts.planar_settle_grips,
             "accelerate": planar.planar_accelerate,
             "fill_rows": planar_rows.planar_fill_rows,
             "apply_loads": planar_loads.planar_apply_loads,
@@ -107,6 +111,7 @@ _ANSWERS: dict[str, dict[str, dict[str, Callable[..., Any]]]] = {
             "transition": spatial_contacts.spatial_transition,
             "start_modes": spatial_contacts.spatial_start_modes,
             "contact_mobility": spatial_contacts.spatial_contact_mobility,
+            "settle_grips": spatial_contacts.spatial_settle_grips,
             "accelerate": spatial.spatial_accelerate,
             "fill_rows": spatial_joints.spatial_fill_rows,
             "apply_loads": spatial_loads.spatial_apply_loads,
@@ -153,17 +158,24 @@ _ANSWERS: dict[str, dict[str, dict[str, Callable[..., Any]]]] = {
 }
 
 
+@cache
+def _addresses(core: str, group: str) -> tuple[np.ndarray, np.ndarray]:
+    """Return the places in a handle and the addresses of a group's answers, which are compiled if they never were."""
+    return addresses(ANSWERS[core][group])
+
+
 def connect(core: str, model: Model, work: Work) -> None:
-    """Let a core answer what every run asks of a model; other questions raise until they are prepared for."""
+    """Let a core answer what every run asks; other questions raise an error until their group is prepared."""
     for owner in (model, work):
-        forbid(owner)
+        owner.handle[:QUESTIONS] = unanswered()
     prepare(core, model, work, MOTION)
 
 
 def prepare(core: str, model: Model, work: Work, group: str) -> None:
-    """Connect the answers of a group; they are compiled here if they never were."""
+    """Connect the answers of a group."""
+    places, where = _addresses(core, group)
     for owner in (model, work):
-        furnish(owner, _ANSWERS[core][group])
+        owner.handle[places] = where
 
 
 @jit

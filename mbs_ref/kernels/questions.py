@@ -143,6 +143,11 @@ def factor(model, work) -> Any:
     """Factor the augmented matrix at the Jacobians in `work`."""
 
 
+@question(NOTHING, MODEL, WORK, NUMBER, VECTOR, VECTOR)
+def settle_grips(model, work, t, y, dy) -> Any:
+    """Let the contacts that stopped sliding stick where friction holds them, else slide on; dy is scratch."""
+
+
 @question(NOTHING, MODEL, WORK, MATRIX)
 def solve(model, work, gamma) -> Any:
     """Solve the augmented system for the load in `work` and `gamma`, into its acceleration and multipliers."""

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from mbs_ref.kernels.handles import Model, Work, accessor, make_handle
+from mbs_ref.kernels.handles import accessor
 
 LANES = 8  # instants evaluated side by side: the stages of a Gauss step, or one instant repeated
 
@@ -149,13 +149,3 @@ third_bodies_of = accessor(_EMPTY, "third_bodies")
 drags_of = accessor(_EMPTY, "drags")
 lights_of = accessor(_EMPTY, "lights")
 lanes_of = accessor(particle_scratch(0), "lanes")
-
-
-def bind_model(groups: ParticleGroups) -> Model:
-    """Return the model whose handle points into `groups`."""
-    return Model(make_handle(groups))
-
-
-def bind_work(scratch: ParticleScratch) -> Work:
-    """Return the workspace whose handle points into `scratch`."""
-    return Work(make_handle(scratch))

@@ -45,7 +45,7 @@ from mbs_ref.kernels.planar.model import (
     rows_of,
     tree_of,
 )
-from mbs_ref.kernels.questions import accelerate, contact_mobility, derivative, factor, fill_rows, solve
+from mbs_ref.kernels.questions import accelerate, contact_mobility, derivative, factor, fill_rows, settle_grips, solve
 
 PROBE_SWEEPS = 200  # for the friction of contacts that stop sliding together
 AT_REST = 10.0  # of the noise: how close and slow a constraint contact must be to begin closed
@@ -138,7 +138,7 @@ def contact_transition(model, work, t, y, g, dy):
     if landed:
         land(model, work, t, y, g)
     if regrip:
-        _settle_grips(model, work, t, y, dy)
+        settle_grips(model, work, t, y, dy)
 
 
 @jit
@@ -169,7 +169,7 @@ def _probed_load(pairs, laws, modes, kin):
 
 
 @jit
-def _settle_grips(model, work, t, y, dy):
+def planar_settle_grips(model, work, t, y, dy):
     """Find the friction that keeps the stopped contacts at rest; stick where mu_s allows it, else slide on.
 
     Each probe force changes its own sliding rate linearly. Where friction is not unique, as under two
@@ -247,7 +247,7 @@ def start_contacts(model, work, t, y, located):
                 modes.anchor[k] = 0.0
                 resting = True
     if resting:
-        _settle_grips(model, work, t, y, np.empty_like(y))
+        settle_grips(model, work, t, y, np.empty_like(y))
 
 
 @jit

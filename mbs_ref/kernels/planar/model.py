@@ -14,7 +14,7 @@ import numpy as np
 
 from mbs_ref.kernels.broad_phase import NearPairs, no_pairs
 from mbs_ref.kernels.contact_laws import ContactLaws, ContactModes, fresh_modes, no_laws
-from mbs_ref.kernels.handles import Model, Work, accessor, make_handle
+from mbs_ref.kernels.handles import accessor
 from mbs_ref.kernels.signals import SignalArrays
 
 
@@ -307,13 +307,3 @@ kinematics_of = accessor(_NO_SCRATCH, "kinematics")
 rows_of = accessor(_NO_SCRATCH, "rows")
 tree_of = accessor(_NO_SCRATCH, "tree")
 closures_of = accessor(_NO_SCRATCH, "closures")
-
-
-def bind_model(groups: PlanarGroups) -> Model:
-    """Return the model whose handle points into `groups`."""
-    return Model(make_handle(groups))
-
-
-def bind_work(scratch: PlanarScratch) -> Work:
-    """Return the workspace whose handle points into `scratch`."""
-    return Work(make_handle(scratch))

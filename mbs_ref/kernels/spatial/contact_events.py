@@ -37,7 +37,7 @@ from mbs_ref.kernels.contact_modes import (
     normal_roots,
 )
 from mbs_ref.kernels.jit import jit
-from mbs_ref.kernels.questions import contact_mobility, derivative, factor, fill_rows, solve
+from mbs_ref.kernels.questions import contact_mobility, derivative, factor, fill_rows, settle_grips, solve
 from mbs_ref.kernels.spatial.contacts import (
     SLOW,
     contact_force,
@@ -199,7 +199,7 @@ def spatial_transition(model, work, t, y, g, dy):
             stopped = True
     if stopped:
         _stop_together(model, work, y, g)
-        _settle_grips(model, work, t, y, dy)
+        settle_grips(model, work, t, y, dy)
     _log(modes, t, g)
     return SETTLED, 0
 
@@ -287,7 +287,7 @@ def _holding_forces(model, work, t, y, dy, loads, force):
 
 
 @jit
-def _settle_grips(model, work, t, y, dy):
+def spatial_settle_grips(model, work, t, y, dy):
     """Let the stopped contacts stick where mu_s allows what holds them, else slide on against it."""
     laws, modes = contact_laws_of(model), contact_modes_of(model)
     loads = np.zeros(modes.grip.shape[0])
@@ -342,7 +342,7 @@ def spatial_start_modes(model, work, t, y, located):
                 modes.anchor[k, 0] = 0.0
                 resting = True
     if resting:
-        _settle_grips(model, work, t, y, np.empty_like(y))
+        settle_grips(model, work, t, y, np.empty_like(y))
 
 
 @jit
