@@ -36,26 +36,21 @@ class System(ABC):
     scratch: Any  # of one run
     user_error: BaseException | None = None  # what a user's force law raised, if it did
 
+    # Connected when first asked for: who merely has a scene checked need not wait for the compiler.
     @cached_property
-    def _connected(self) -> tuple[Model, Work]:
-        """Model and work, once they are asked for: who merely has a scene checked need not wait for the compiler."""
-        model, work = Model(make_handle(self.groups)), Work(make_handle(self.scratch))
-        core.connect(self.CORE, model, work)
-        return model, work
-
-    @property
     def model(self) -> Model:
         """What compiled code receives of the scene; the core answers through it (mbs_ref.kernels.core)."""
-        return self._connected[0]
+        return core.connected(self.CORE, Model(make_handle(self.groups)))
 
-    @property
+    @cached_property
     def work(self) -> Work:
         """What compiled code receives of the scratch."""
-        return self._connected[1]
+        return core.connected(self.CORE, Work(make_handle(self.scratch)))
 
     def prepare(self, group: str) -> None:
         """Have the answers to a group of questions compiled and connected (mbs_ref.kernels.core)."""
-        core.prepare(self.CORE, self.model, self.work, group)
+        for owner in (self.model, self.work):
+            core.prepare(self.CORE, owner, group)
 
     # --- evaluation, common to all cores ------------------------------------------------------------
 

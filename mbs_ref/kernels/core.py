@@ -88,8 +88,9 @@ ANSWERS: dict[str, dict[str, dict[str, Callable[..., Any]]]] = {
             "force_balance": planar_form.planar_force_balance,
             "times_mass": planar_form.planar_times_mass,
             "answer": planar_form.planar_answer,
-            "row_times": planar_form.planar_row_times,
+            "rows_times": planar_form.planar_rows_times,
             "add_row": planar_form.planar_add_row,
+            "subtract_rows": planar_form.planar_subtract_rows,
             "displace": planar_form.planar_displace,
             "position_rate": planar_form.planar_position_rate,
             "defect_of": planar_form.planar_defect_of,
@@ -124,8 +125,9 @@ ANSWERS: dict[str, dict[str, dict[str, Callable[..., Any]]]] = {
             "force_balance": spatial_form.spatial_force_balance,
             "times_mass": spatial_form.spatial_times_mass,
             "answer": spatial_form.spatial_answer,
-            "row_times": spatial_form.spatial_row_times,
+            "rows_times": spatial_form.spatial_rows_times,
             "add_row": spatial_form.spatial_add_row,
+            "subtract_rows": spatial_form.spatial_subtract_rows,
             "displace": spatial_form.spatial_displace,
             "position_rate": spatial_form.spatial_position_rate,
             "defect_of": spatial_form.spatial_defect_of,
@@ -164,18 +166,17 @@ def _addresses(core: str, group: str) -> tuple[np.ndarray, np.ndarray]:
     return addresses(ANSWERS[core][group])
 
 
-def connect(core: str, model: Model, work: Work) -> None:
+def connected[T: (Model, Work)](core: str, owner: T) -> T:
     """Let a core answer what every run asks; other questions raise an error until their group is prepared."""
-    for owner in (model, work):
-        owner.handle[:QUESTIONS] = unanswered()
-    prepare(core, model, work, MOTION)
+    owner.handle[:QUESTIONS] = unanswered()
+    prepare(core, owner, MOTION)
+    return owner
 
 
-def prepare(core: str, model: Model, work: Work, group: str) -> None:
+def prepare(core: str, owner: Model | Work, group: str) -> None:
     """Connect the answers of a group."""
     places, where = _addresses(core, group)
-    for owner in (model, work):
-        owner.handle[places] = where
+    owner.handle[places] = where
 
 
 @jit

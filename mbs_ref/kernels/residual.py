@@ -12,13 +12,13 @@ import numpy as np
 
 from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.questions import (
-    add_row,
     defect_of,
     force_balance,
     gamma_of,
     position_count,
     position_rate,
-    row_times,
+    rows_times,
+    subtract_rows,
     times_mass,
 )
 
@@ -46,8 +46,7 @@ def residual(model, work, t, x, xp, form, proximal, heaviest, row_slot, row_row,
     for k in range(n):
         balance[k] = y[start + k]
     if form == GGL:
-        for r in range(m):
-            add_row(model, work, row_slot[r], row_row[r], -x[end + m + r], balance)
+        subtract_rows(model, work, row_slot, row_row, x[end + m :], balance)
     position_rate(model, y, balance, out)
     for k in range(start):
         out[k] = xp[k] - out[k]
@@ -57,17 +56,21 @@ def residual(model, work, t, x, xp, form, proximal, heaviest, row_slot, row_row,
 def _fill_rows(model, work, x, rate, form, proximal, heaviest, row_slot, row_row, out, multiplier):
     """Write the constraint rows; multiplier is lambda and, in the GGL form, mu after it."""
     m = row_slot.shape[0]
-    position, velocity, gamma = defect_of(work, False), defect_of(work, True), gamma_of(work)
+    if form == INDEX_1:
+        gamma = gamma_of(work)
+        rows_times(model, work, row_slot, row_row, rate, out)
+        for r in range(m):
+            soft = proximal / heaviest * multiplier[r]
+            out[r] = out[r] - gamma[row_slot[r], row_row[r]] - soft
+        return
+    position, velocity = defect_of(work, False), defect_of(work, True)
     for r in range(m):
         slot, row = row_slot[r], row_row[r]
         if form == GGL:
             out[r] = velocity[slot, row] - proximal / heaviest * multiplier[r]
             out[m + r] = position[slot, row] - proximal * multiplier[m + r]
-        elif form == INDEX_3:
-            out[r] = position[slot, row]
         else:
-            soft = proximal / heaviest * multiplier[r]
-            out[r] = row_times(model, work, slot, row, rate) - gamma[slot, row] - soft
+            out[r] = position[slot, row]
 
 
 @jit

@@ -93,7 +93,7 @@ def spatial_answer(model, work, balance, out):
 
 
 @jit
-def spatial_row_times(model, work, slot, row, rate):
+def _row_times(model, work, slot, row, rate):
     """Return one constraint row applied to rates."""
     bodies, kin, slots, rows = bodies_of(model), kinematics_of(work), slots_of(model), rows_of(work)
     start = spatial_position_count(model)
@@ -108,6 +108,13 @@ def spatial_row_times(model, work, slot, row, rate):
                 w0, w1, w2 = turn(kin.turned[body], rate[k + 3 : k + 6])
                 total += g[3] * w0 + g[4] * w1 + g[5] * w2
     return total
+
+
+@jit
+def spatial_rows_times(model, work, slots, rows, rate, out):
+    """Write constraint rows applied to rates."""
+    for r in range(slots.shape[0]):
+        out[r] = _row_times(model, work, slots[r], rows[r], rate)
 
 
 @jit
@@ -127,6 +134,13 @@ def spatial_add_row(model, work, slot, row, factor, out):
                 out[k + 3] += factor * w0
                 out[k + 4] += factor * w1
                 out[k + 5] += factor * w2
+
+
+@jit
+def spatial_subtract_rows(model, work, slots, rows, factors, out):
+    """Subtract constraint rows, each times its factor, from out."""
+    for r in range(slots.shape[0]):
+        spatial_add_row(model, work, slots[r], rows[r], -factors[r], out)
 
 
 @jit
