@@ -10,6 +10,7 @@ import pytest
 from mbs_ref import scenes
 from mbs_ref.cores import compile_scene
 from mbs_ref.euler_parameters import geodesic_angle
+from mbs_ref.kernels.core import FORM
 from mbs_ref.kernels.residual import INDEX_1, residual
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
@@ -76,6 +77,7 @@ def test_raw_index_3_stops_in_space_too_and_says_so():
 def test_the_residual_vanishes_on_the_motion_of_every_part():
     """With the accelerations and multipliers of the ODE form, and not with others."""
     system = compile_scene(every_part())
+    system.prepare(FORM)
     y, t = general_state(system), 0.37
     dy, lam = system.derivative(t, y), system.multipliers(t, y)
     rows = np.array([(slot, row) for _, slot, row in system.rows()], dtype=np.int64)
