@@ -6,10 +6,10 @@ import os
 import resource
 import signal
 import sys
-from contextlib import nullcontext
 from multiprocessing.connection import Connection, Pipe
 from typing import Any
 
+from cross_checks.compilation import told
 from cross_checks.pipe_messages import COMPILED, COMPILING, receive, send
 
 ROOM = 4 * 2**30  # bytes of address space beyond the limit on resident memory: libraries reserve much, use little
@@ -53,19 +53,10 @@ def _copied(pipe: Connection, function: Any, arguments: tuple[Any, ...]) -> None
 
 def _answer(pipe: Connection, function: Any, arguments: tuple[Any, ...]) -> tuple[bool, Any]:
     try:
-        with _compilation_told(pipe):
+        with told(lambda: send(pipe, COMPILING), lambda: send(pipe, COMPILED)):
             return True, function(*arguments)
     except Exception as error:  # raised again where the call came from
         return False, error
-
-
-def _compilation_told(pipe: Connection) -> Any:
-    """Say when Numba compiles, where it is loaded: the function called has brought along what it needs."""
-    if "numba" not in sys.modules:
-        return nullcontext()
-    from cross_checks.compilation import told
-
-    return told(lambda: send(pipe, COMPILING), lambda: send(pipe, COMPILED))
 
 
 def main() -> None:
