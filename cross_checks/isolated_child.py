@@ -9,7 +9,8 @@ import sys
 from multiprocessing.connection import Connection, Pipe
 from typing import Any
 
-from cross_checks.pipe_messages import receive, send
+from cross_checks.compilation import told
+from cross_checks.pipe_messages import COMPILED, COMPILING, receive, send
 
 ROOM = 4 * 2**30  # bytes of address space beyond the limit on resident memory: libraries reserve much, use little
 
@@ -24,24 +25,25 @@ def serve(pipe: Connection) -> None:
         if apart:
             _copied(pipe, function, arguments)
         else:
-            send(pipe, _answer(function, arguments))
+            send(pipe, _answer(pipe, function, arguments))
 
 
 def _copied(pipe: Connection, function: Any, arguments: tuple[Any, ...]) -> None:
-    """Make the call in a copy of this process: tell its id, then its answer, or (None, exit code) without one.
+    """Make the call in a copy of this process: tell its id, its notes, its answer, or (None, exit code) without one.
 
-    The answer comes through a pipe of its own, so that a copy ended in the middle of it leaves no half behind.
+    What it says comes through a pipe of its own, so that a copy ended in the middle of it leaves no half behind.
     """
     here, there = Pipe(duplex=False)
     copy = os.fork()
     if copy == 0:
         pipe.close()  # its end of the file must come when the original goes
-        send(there, _answer(function, arguments))
+        send(there, _answer(there, function, arguments))
         os._exit(0)
     there.close()
     send(pipe, copy)
     try:
-        answer = receive(here)
+        while (answer := receive(here)) in (COMPILING, COMPILED):
+            send(pipe, answer)
     except (EOFError, OSError):
         answer = None
     here.close()
@@ -49,9 +51,10 @@ def _copied(pipe: Connection, function: Any, arguments: tuple[Any, ...]) -> None
     send(pipe, answer or (None, os.waitstatus_to_exitcode(status)))
 
 
-def _answer(function: Any, arguments: tuple[Any, ...]) -> tuple[bool, Any]:
+def _answer(pipe: Connection, function: Any, arguments: tuple[Any, ...]) -> tuple[bool, Any]:
     try:
-        return True, function(*arguments)
+        with told(lambda: send(pipe, COMPILING), lambda: send(pipe, COMPILED)):
+            return True, function(*arguments)
     except Exception as error:  # raised again where the call came from
         return False, error
 

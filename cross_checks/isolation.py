@@ -16,12 +16,13 @@ from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Any, Self
 
-from cross_checks.pipe_messages import receive, send
+from cross_checks.pipe_messages import COMPILED, COMPILING, receive, send
 
 ONE_THREAD = dict.fromkeys(
     ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"), "1"
 )
-TIMEOUT = 120.0  # s for one call, compilation included
+TIMEOUT = 120.0  # s for one call
+COMPILATION = 600.0  # s more that its compilation may take
 MEMORY = 4 * 2**30  # bytes of resident memory
 LOOK = 0.05  # s between looks at the child
 PAGE = 4096 if sys.platform == "win32" else os.sysconf("SC_PAGE_SIZE")  # bytes
@@ -53,8 +54,8 @@ class Isolated:
     """A child process that makes calls one after the other, and is replaced when it is lost.
 
     Functions and arguments are pickled, so they must be importable by name. Limits hold for each call:
-    `timeout` in s, `memory` in bytes. `apart` makes a call in a copy of the child: what the child has loaded
-    survives a call that does not. Use as a context manager.
+    `timeout` in s, in which the time that Numba compiles does not count, and `memory` in bytes. `apart` makes a
+    call in a copy of the child: what the child has loaded survives a call that does not. Use as a context manager.
     """
 
     timeout: float = TIMEOUT
@@ -141,27 +142,33 @@ class Isolated:
     def _wait(self, apart: bool) -> tuple[bool, Any]:
         assert self._child is not None
         assert self._pipe is not None
-        end, peak = time.monotonic() + self.timeout, 0
+        patience, peak = _Patience(self.timeout), 0
         try:
             self._copy = receive(self._pipe) if apart else None
-            while not self._pipe.poll(LOOK):
+            while (message := self._heard()) in (None, COMPILING, COMPILED):
                 used = resident(self._copy or self._child.pid)
                 peak = max(peak, used)
                 if used > self.memory:
                     self._give_up()
                     raise Lost("out-of-memory", f"used more than {self.memory / 2**20:.0f} MiB and was stopped")
-                if time.monotonic() > end:
+                complaint = patience.spend(message)
+                if complaint:
                     self._give_up()
-                    raise Lost("timeout", f"gave no answer within {self.timeout:g} s and was stopped")
-            worked, answer = receive(self._pipe)
+                    raise Lost("timeout", f"{complaint} and was stopped")
         except (EOFError, ConnectionError):
             code = self._child.wait()
             self.close()
             raise _loss(code, peak, self.memory) from None
         self._copy = None
+        worked, answer = message
         if worked is None:
             raise _loss(answer, peak, self.memory)
         return worked, answer
+
+    def _heard(self) -> Any:
+        """Return the next message, or None after a while without one."""
+        assert self._pipe is not None
+        return receive(self._pipe) if self._pipe.poll(LOOK) else None
 
     def _give_up(self) -> None:
         """End what makes the call: the child, or its copy, of which the child then says that it is gone."""
@@ -170,13 +177,35 @@ class Isolated:
             return
         assert self._pipe is not None
         self._end_copy()
-        receive(self._pipe)
+        while receive(self._pipe) in (COMPILING, COMPILED):
+            pass
 
     def _end_copy(self) -> None:
         if self._copy is not None:
             with suppress(ProcessLookupError):
                 os.kill(self._copy, signal.SIGKILL)
         self._copy = None
+
+
+class _Patience:
+    """What is left of a call's time; it is spent on the call or on its compilation."""
+
+    def __init__(self, timeout: float) -> None:
+        self._limit = self._left = timeout
+        self._compilation, self._compiling, self._seen = COMPILATION, False, time.monotonic()
+
+    def spend(self, note: str | None) -> str:
+        """Spend the time since the last look; return what to complain of, or nothing. A note changes what comes."""
+        now = time.monotonic()
+        spent, self._seen = now - self._seen, now
+        if self._compiling:
+            self._compilation -= spent
+        else:
+            self._left -= spent
+        self._compiling = note == COMPILING if note else self._compiling
+        if self._left < 0.0:
+            return f"gave no answer within {self._limit:g} s"
+        return f"compiled for more than {COMPILATION:g} s" if self._compilation < 0.0 else ""
 
 
 def resident(pid: int) -> int:

@@ -10,6 +10,8 @@ import pickle
 from multiprocessing.connection import Connection
 from typing import Any
 
+COMPILING, COMPILED = "compiling", "compiled"  # notes sent before an answer: the caller's patience rests between them
+
 
 def send(pipe: Connection, message: Any) -> None:
     """Send a message; OSError where the other end is gone."""

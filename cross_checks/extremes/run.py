@@ -19,7 +19,7 @@ from cross_checks.extremes.search import bisect, scan
 from cross_checks.isolation import Cancelled, Isolated, Lost
 
 CHILDREN = 2
-FIRST = 600.0  # s for the mildest value of a cell: compiling on a busy machine may be in it
+FIRST = 60.0  # s for the mildest value of a cell, which loads what the others need
 LOADING = 30.0  # s for a new child, which has everything to load
 PATIENCE = {False: 2.0, True: 60.0}  # s for any other run, by `full`
 MEMORY = 2 * 2**30  # bytes of one child

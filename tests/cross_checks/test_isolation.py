@@ -7,8 +7,10 @@ import threading
 import time
 from pathlib import Path
 
+import numba
 import pytest
 
+from cross_checks import compilation, isolation
 from cross_checks.isolation import Cancelled, Isolated, Lost
 from tests.cross_checks import troubles
 
@@ -47,6 +49,31 @@ def test_what_is_lost_is_named_and_the_next_call_works(isolated, call, trouble, 
     assert lost.value.status == status
     isolated.timeout = troubles.PATIENCE
     assert call(troubles.add, 1.0, 1.0) == 2.0
+
+
+def test_time_spent_compiling_is_not_the_calls(isolated, call):
+    isolated.timeout = troubles.BRIEF
+    assert call(troubles.compile_slowly, troubles.BRIEF + 1.0) == "compiled"
+    with pytest.raises(Lost, match="no answer within 2 s"):
+        call(troubles.compile_and_hang)
+
+
+def test_compiling_has_its_own_limit(monkeypatch, isolated, call):
+    monkeypatch.setattr(isolation, "COMPILATION", 0.5)
+    with pytest.raises(Lost, match=r"compiled for more than 0\.5 s"):
+        call(troubles.compile_slowly, 60.0)
+    monkeypatch.undo()
+    assert call(troubles.add, 1.0, 1.0) == 2.0
+
+
+def test_a_real_compilation_is_told_once_whatever_it_calls():
+    inner = numba.njit(lambda x: x + 1.0)
+    outer = numba.njit(lambda x: 2.0 * inner(x))
+    told = []
+    with compilation.told(lambda: told.append("begins"), lambda: told.append("ends")):
+        assert outer(1.0) == 4.0
+        assert outer(2.0) == 6.0
+    assert told == ["begins", "ends"]
 
 
 @pytest.mark.parametrize("kind", [Isolated.__call__, Isolated.apart])

@@ -7,6 +7,8 @@ import os
 import signal
 import time
 
+from numba.core.event import trigger_event
+
 PATIENCE = 60.0  # s, with what comes back at once but for a busy machine
 BRIEF = 2.0  # s, with what never comes back
 _held: list[float] = []
@@ -35,6 +37,18 @@ def raise_value_error(text: str) -> None:
 
 def hang() -> None:
     time.sleep(60.0)
+
+
+def compile_slowly(seconds: float) -> str:
+    """Do as a compiler does that takes `seconds`, and answer."""
+    with trigger_event("numba:compile"), trigger_event("numba:compile"):
+        time.sleep(seconds)
+    return "compiled"
+
+
+def compile_and_hang() -> None:
+    compile_slowly(0.1)
+    hang()
 
 
 def segfault() -> None:

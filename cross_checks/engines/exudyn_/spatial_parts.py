@@ -11,7 +11,18 @@ import numpy as np
 from cross_checks.engines.exudyn_.loads import add_load, pull_only
 from cross_checks.engines.exudyn_.planar_joints import rod
 from cross_checks.engines.exudyn_.spatial_model import Spatial
-from mbs_ref.scene import Cylindrical, Distance, Force, Prismatic, Revolute, Spherical, SpringDamper, TorqueVector, Weld
+from mbs_ref.scene import (
+    Cylindrical,
+    Distance,
+    Force,
+    Prismatic,
+    Revolute,
+    SpatialBody,
+    Spherical,
+    SpringDamper,
+    TorqueVector,
+    Weld,
+)
 from mbs_ref.spatial_rows import normals
 
 
@@ -45,11 +56,11 @@ def _spatial_spring(model: Spatial, load: SpringDamper) -> None:
 
 
 def _spatial_push(model: Spatial, load: Force | TorqueVector) -> None:
-    """A force or torque; along body axes Exudyn takes it in the body's own."""
+    """A force or torque; along body axes Exudyn takes it in the body's own. A point mass has none."""
     force = isinstance(load, Force)
-    centre = model.scene.bodies[model.scene.body_index(load.body)].position
-    marker = model.marker(load.body, load.point if force else centre)
-    follows = load.frame == "body"
+    body = model.scene.bodies[model.scene.body_index(load.body)]
+    marker = model.marker(load.body, load.point if force else body.position)
+    follows = load.frame == "body" and isinstance(body, SpatialBody)
     vector = model.axes(load.body).T @ load.vector if follows else np.array(load.vector)
     kind = item.LoadForceVector if force else item.LoadTorqueVector
     add_load(model, kind, marker, vector.tolist(), load, bodyFixed=follows)

@@ -28,17 +28,22 @@ def linear(coefficient: float) -> np.ndarray:
 
 
 def _add_torsion(spec, frames, tree: JointTree, load: TorsionSpring) -> None:
-    """The relative angle is a sum of hinge angles: a fixed tendon over the tree's path."""
-    tendon = spec.add_tendon(name=load.name)
+    """The relative angle is a sum of hinge angles: a fixed tendon over the tree's path.
+
+    Between bodies that no hinge parts the spring is inside of one body, and moves nothing.
+    """
     weights: dict[str, float] = {}
     for name, sign in ((load.body_b, 1.0), (load.body_a, -1.0)):
         for edge in tree.path(tree.scene.body_index(name)):
             if edge.kind in ("revolute", "free"):
                 label = hinge_name(tree.scene.body_names[edge.body])
                 weights[label] = weights.get(label, 0.0) + sign
-    for label, weight in weights.items():
-        if weight:
-            tendon.wrap_joint(label, weight)
+    turning = {label: weight for label, weight in weights.items() if weight}
+    if not turning:
+        return
+    tendon = spec.add_tendon(name=load.name)
+    for label, weight in turning.items():
+        tendon.wrap_joint(label, weight)
     tendon.stiffness, tendon.damping, tendon.springlength = linear(load.stiffness), linear(load.damping), (0.0, 0.0)
     a, b = (tree.scene.body_index(name) for name in (load.body_a, load.body_b))
     initial = tree.angle[b] - tree.angle[a]

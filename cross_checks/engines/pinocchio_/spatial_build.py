@@ -169,8 +169,10 @@ def _axis(vector) -> np.ndarray:
 
 def _joint_models(edge: SpatialEdge, body) -> list:
     joint = edge.joint
+    if not isinstance(body, SpatialBody):  # without orientation: free it slides, on a ball joint it stays
+        return [pin.JointModelTranslation()] if joint is None else []
     if joint is None:
-        return [pin.JointModelFreeFlyer() if isinstance(body, SpatialBody) else pin.JointModelTranslation()]
+        return [pin.JointModelFreeFlyer()]
     if joint.type == "universal":
         axes = (joint.axis_a, joint.axis_b) if body.name == joint.body_b else (joint.axis_b, joint.axis_a)
         return [pin.JointModelRevoluteUnaligned(_axis(axis)) for axis in axes]

@@ -44,6 +44,6 @@ def reactions_in_space(mechanism: SpatialMechanism, rhs: RightHandSide, contact_
             force = data.oMi[joint].act(data.f[joint])
             wrench[k, body] = np.concatenate((force.linear, force.angular))
     found = spatial_tree_reactions(tree, poses, wrench)
-    welded = [edge.joint.name for edge in tree.edges if edge.joint is not None and edge.joint.type == "weld"]
-    found = {name: value for name, value in found.items() if name not in welded}  # one body with its parent
+    one_body = {edge.joint.name for edge in tree.edges if edge.joint is not None and edge.body not in mechanism.first}
+    found = {name: value for name, value in found.items() if name not in one_body}  # a weld, or a mass on a ball joint
     return found | {joint.name: about(loops[joint.name], mark(tree, joint, poses)) for joint in mechanism.closing}

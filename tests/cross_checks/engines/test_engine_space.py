@@ -10,6 +10,7 @@ from cross_checks.compare import evaluate
 from cross_checks.truths import Truth, seek_truth
 from mbs_ref import scenes
 from mbs_ref.euler_parameters import geodesic_angle
+from mbs_ref.scene import GROUND, PointMass, Scene, SpatialBody, Spherical
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
 
@@ -124,6 +125,26 @@ def test_pinocchio_closes_loops_in_space_and_refuses_what_it_cannot():
         assert geodesic_angle(path.orientation, truth.angle).max() < 1e-9
     refused = pinocchio.refusals(scenes.make("spherical_pendulum"))
     assert "closes a loop as distance" in refused[0].reason
+
+
+def test_a_mass_on_a_ball_joint_is_one_body_with_its_parent_to_pinocchio():
+    """A particle has no orientation; as a ball joint's body it would leave the joint without inertia."""
+    installed("pinocchio")
+    rod = SpatialBody(name="rod", mass=2.0, inertia=(0.3, 0.2, 0.1, 0.0, 0.0, 0.0), position=(0.5, 0.0, 0.0),
+                      angular_velocity=(0.0, 0.0, 1.0), velocity=(0.0, 0.5, 0.0))  # fmt: skip
+    bob = PointMass(name="bob", mass=1.0, position=(1.0, 0.0, 0.0), velocity=(0.0, 1.0, 0.0))
+    joints = (
+        Spherical(name="pivot", body_a=GROUND, body_b="rod", point=(0.0, 0.0, 0.0)),
+        Spherical(name="hook", body_a="rod", body_b="bob", point=bob.position),
+    )
+    scene = Scene(name="hung", gravity=(0.0, 0.0, -9.81), bodies=(rod, bob), joints=joints)
+    times = np.linspace(0.0, 1.0, 5)
+    own = simulate(scene, Settings(rtol=1e-12), times)
+    path = engines.get("pinocchio").run(scene, Settings(method="dop853", rtol=1e-11), times)
+    assert path.ok, path.message
+    assert np.abs(path.position - own.position).max() < 1e-8
+    assert path.reactions.keys() == {"pivot"}  # what holds the bob is inside of that one body
+    np.testing.assert_allclose(path.reactions["pivot"], own.reactions["pivot"], atol=1e-6)
 
 
 @pytest.mark.parametrize("name", ["double_gyroscope", "spatial_slider_crank"])
