@@ -7,9 +7,10 @@ import math
 import numpy as np
 import pytest
 
-from mbs_ref import scenes
+from mbs_ref import scenes, step_judgement
 from mbs_ref.celestial import Newton
 from mbs_ref.scene import Force, PlanarBody, PointMass, Scene
+from mbs_ref.scenes import kepler
 from mbs_ref.second_run import SEEN, disagreement
 from mbs_ref.settings import Settings
 from mbs_ref.signals import HalfSine
@@ -108,3 +109,21 @@ def test_a_coarse_tolerance_is_not_taken_at_its_word(method, rtol):
         assert f"relative tolerance of {rtol:g}" in path.message
         assert "a tenth of it takes body" in path.message
         assert simulate(scene, settings.model_copy(update={"unresolved": "keep"})).ok
+
+
+def test_a_near_collision_whose_steps_are_rejected_often_is_run_again():
+    grazing = kepler.build(eccentricity=1.0 - 1e-8, orbits=2.0)
+    settings = Settings(method="dop853", rtol=1e-10, atol=1e-10)
+    run = simulate(grazing, settings)
+    assert run.status is Status.UNRESOLVED
+    assert "a tenth of it takes body" in run.message
+    assert simulate(grazing, settings.model_copy(update={"unresolved": "keep"})).ok
+
+
+def test_a_long_run_is_run_again(monkeypatch):
+    """Errors of an orbit's phase grow with the square of time."""
+    many = scenes.make("kepler", eccentricity=0.2, orbits=300.0)
+    settings = Settings(method="dop853", rtol=1e-8, atol=1e-8)
+    assert simulate(many, settings).ok
+    monkeypatch.setattr(step_judgement, "LONG", 1000)
+    assert simulate(many, settings).status is Status.UNRESOLVED
