@@ -1,9 +1,8 @@
 """Was a step short, a tolerance tight enough? The finished run judged by single steps and by a second run.
 
 A fixed step promises nothing, and is always looked at: the second run takes half of it. A tolerance bounds the error
-of a step alone; what that adds up to shows in a second run with a TENTH of it. It is made for COARSE tolerances, for
-LONG runs, where errors have room to grow, and for RESTLESS ones, whose error estimates were often surprised, as near a
-collision. Other runs are taken at their word, as everywhere.
+of a step alone; what that adds up to shows in a second run with a TENTH of it. It is made for COARSE tolerances, and
+for LONG runs, where errors have room to grow. Other runs are taken at their word, as everywhere.
 """
 
 from __future__ import annotations
@@ -13,7 +12,7 @@ from dataclasses import replace
 import numpy as np
 
 from mbs_ref.cores import compile_scene
-from mbs_ref.integrators.leg import COUNT_REJECTED, COUNT_STEPS, Options
+from mbs_ref.integrators.leg import COUNT_STEPS, Options
 from mbs_ref.legs import Run, run_legs
 from mbs_ref.plan import Plan
 from mbs_ref.resolution import resolution
@@ -23,7 +22,6 @@ from mbs_ref.trajectory import Status
 
 COARSE = 1e-5  # relative tolerance from which on a run is made again
 LONG = 1_000_000  # steps from which on it is made again, too
-RESTLESS = 0.25  # of the steps, as many rejected ones: again
 TIGHTEST = 1e-12  # relative tolerance that has a TENTH above roundoff
 TENTH = 0.1  # of the tolerance, for the second run
 LOOSE = 5.0  # times the relative tolerance: what a whole run may err where that is more than SEEN
@@ -39,13 +37,13 @@ def judged(system: System, plan: Plan, run: Run) -> Run:
     if plan.settings.unresolved == "stop":
         if plan.options.step:
             found = _damped(system, plan, run) or _against_half(system, plan, run)
-        elif _doubtful(plan.options.rtol, int(run.counts[COUNT_STEPS]), int(run.counts[COUNT_REJECTED])):
+        elif _doubtful(plan.options.rtol, int(run.counts[COUNT_STEPS])):
             found = _against_tenth(system, plan, run)
     return run._replace(status=found[0], message=found[1]) if found else run
 
 
-def _doubtful(rtol: float, steps: int, rejected: int) -> bool:
-    return rtol >= COARSE or (rtol >= TIGHTEST and (steps >= LONG or rejected > RESTLESS * steps))
+def _doubtful(rtol: float, steps: int) -> bool:
+    return rtol >= COARSE or (rtol >= TIGHTEST and steps >= LONG)
 
 
 def _damped(system: System, plan: Plan, run: Run) -> tuple[Status, str] | None:
