@@ -25,6 +25,11 @@ class PlanarBody(Part):
     velocity: tuple[float, float] = (0.0, 0.0)  # m/s
     angular_velocity: float = 0.0  # rad/s
 
+    @property
+    def gyration_radius(self) -> float:
+        """The radius of gyration, m: how large the body is, as far as dynamics can tell."""
+        return math.sqrt(self.inertia / self.mass)
+
 
 class PointMass(Part):
     """A particle; it has a position and no orientation."""
@@ -34,6 +39,11 @@ class PointMass(Part):
     mass: Positive  # kg
     position: Vector  # m
     velocity: Vector  # m/s
+
+    @property
+    def gyration_radius(self) -> float:
+        """A particle has no size."""
+        return 0.0
 
 
 LARGEST_NORM_GAP = 1e-9  # of theta^T theta from 1: data with fewer digits are a mistake, or say so
@@ -74,6 +84,11 @@ class SpatialBody(Part):
             raise ValueError(f"orientation = {self.orientation} has the norm {norm:.12g}; Euler parameters have 1")
         _require_inertia(self.inertia)
         return self
+
+    @property
+    def gyration_radius(self) -> float:
+        """The largest radius of gyration, m."""
+        return float(np.sqrt(np.linalg.eigvalsh(self.inertia_matrix)[-1] / self.mass))
 
     @property
     def inertia_matrix(self) -> np.ndarray:

@@ -13,11 +13,28 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from mbs_ref.scene import Scene
 from mbs_ref.system import Poses
 
 SEEN = 0.01  # of the motion's size: an estimated error beyond is seen with the naked eye
-STILL = 1e-9  # m, rad: a motion smaller than this is none
+LEAST = 1e-9  # m, rad: a motion smaller than this is none
+UNSEEN = 1e-3  # of the largest body's radius of gyration, and rad: no more is none to a tolerance as wide
 TURN = 1.0  # rad: bodies that turn further are no better known for it
+
+
+@dataclass(frozen=True)
+class Still:
+    """The largest motion that counts as none: errors are not measured by less."""
+
+    length: float = LEAST  # m
+    angle: float = LEAST  # rad
+
+
+def still(scene: Scene, absolute: float, bound: float) -> Still:
+    """Return what is no motion to an `absolute` tolerance (m, rad): what it alone may err, if nobody sees that."""
+    borne = absolute / bound
+    size = max(body.gyration_radius for body in scene.bodies)
+    return Still(max(min(borne, UNSEEN * size), LEAST), max(min(borne, UNSEEN), LEAST))
 
 
 @dataclass(frozen=True)
@@ -29,12 +46,14 @@ class Disagreement:
     body: int  # which errs most
 
 
-def disagreement(run: Poses, better: Poses, smaller: float, bound: float = SEEN) -> Disagreement:
+def disagreement(
+    run: Poses, better: Poses, smaller: float, bound: float = SEEN, least: Still = Still()
+) -> Disagreement:
     """Compare the poses of a run and of one whose error is so many times `smaller`, at the same times."""
     moved = _largest(run.position - run.position[0])
-    gap = _largest(run.position - better.position) / max(float(np.max(moved)), STILL)
+    gap = _largest(run.position - better.position) / max(float(np.max(moved)), least.length)
     turned = _turns(run.orientation, run.orientation[:1])
-    size = max(min(float(np.max(turned)), TURN), STILL)
+    size = max(min(float(np.max(turned)), TURN), least.angle)
     shares = np.maximum(gap, _turns(run.orientation, better.orientation) / size)  # (n_t, n_bodies)
     shares = np.where(np.isfinite(shares), shares, np.inf) * smaller / (smaller - 1.0)
     late = np.flatnonzero(shares.max(axis=1) > bound)

@@ -31,9 +31,10 @@ def simulate(scene: Scene, settings: Settings | None = None, times: np.ndarray |
     constraint (unless they are to be projected). Everything later is a status with a sentence; Ctrl-C keeps
     what was computed.
 
-    A run with a fixed step is made again with half of it; one with a relative tolerance of 1e-5 and coarser, or of a
-    million steps, with a tenth of the tolerance. It is `unresolved` where the two part
-    (mbs_ref.second_run). The second run's time is outside of `timing`; unresolved = 'keep' leaves it out.
+    A run with a fixed step is made again with half of it; one with a relative tolerance of 1e-5 and coarser, of a
+    million steps, or whose energy tells of a wrong phase (mbs_ref.energy_watch), with a tenth of the tolerance. It is
+    `unresolved` where the two part (mbs_ref.second_run). The second run's time is outside of `timing`;
+    unresolved = 'keep' leaves it out.
     """
     settings = settings or Settings()
     plan = make_plan(scene, settings, times)

@@ -1,8 +1,9 @@
 """Was a step short, a tolerance tight enough? The finished run judged by single steps and by a second run.
 
 A fixed step promises nothing, and is always looked at: the second run takes half of it. A tolerance bounds the error
-of a step alone; what that adds up to shows in a second run with a TENTH of it. It is made for COARSE tolerances, and
-for LONG runs, where errors have room to grow. Other runs are taken at their word, as everywhere.
+of a step alone; what that adds up to shows in a second run with a TENTH of it. It is made for COARSE tolerances, for
+LONG runs, where errors have room to grow, and where the energy says that the motion went ASTRAY, as it may in a close
+pass. Other runs are taken at their word, as everywhere.
 """
 
 from __future__ import annotations
@@ -12,16 +13,18 @@ from dataclasses import replace
 import numpy as np
 
 from mbs_ref.cores import compile_scene
+from mbs_ref.energy_watch import phase_error
 from mbs_ref.integrators.leg import COUNT_STEPS, Options
 from mbs_ref.legs import Run, run_legs
 from mbs_ref.plan import Plan
 from mbs_ref.resolution import resolution
-from mbs_ref.second_run import SEEN, disagreement
+from mbs_ref.second_run import SEEN, Still, disagreement, still
 from mbs_ref.system import System
 from mbs_ref.trajectory import Status
 
 COARSE = 1e-5  # relative tolerance from which on a run is made again
 LONG = 1_000_000  # steps from which on it is made again, too
+ASTRAY = 0.1 * SEEN  # rad: what the energy tells of the phase from which on it is made again, too
 TIGHTEST = 1e-12  # relative tolerance that has a TENTH above roundoff
 TENTH = 0.1  # of the tolerance, for the second run
 LOOSE = 5.0  # times the relative tolerance: what a whole run may err where that is more than SEEN
@@ -37,13 +40,16 @@ def judged(system: System, plan: Plan, run: Run) -> Run:
     if plan.settings.unresolved == "stop":
         if plan.options.step:
             found = _damped(system, plan, run) or _against_half(system, plan, run)
-        elif _doubtful(plan.options.rtol, int(run.counts[COUNT_STEPS])):
+        elif _doubtful(system, plan, run):
             found = _against_tenth(system, plan, run)
     return run._replace(status=found[0], message=found[1]) if found else run
 
 
-def _doubtful(rtol: float, steps: int) -> bool:
-    return rtol >= COARSE or (rtol >= TIGHTEST and steps >= LONG)
+def _doubtful(system: System, plan: Plan, run: Run) -> bool:
+    rtol, steps = plan.options.rtol, int(run.counts[COUNT_STEPS])
+    if rtol >= COARSE or rtol < TIGHTEST:
+        return rtol >= COARSE
+    return steps >= LONG or phase_error(system, run.times, run.states, steps) > ASTRAY
 
 
 def _damped(system: System, plan: Plan, run: Run) -> tuple[Status, str] | None:
@@ -65,7 +71,7 @@ def _against_half(system: System, plan: Plan, run: Run) -> tuple[Status, str] | 
     options = plan.options._replace(max_steps=2 * plan.options.max_steps)
     other = _repeated(system, plan, options, run.states[0], refine=2)
     order = 1 if system.scene.contacts or system.scene.events else plan.integrator.order
-    return _compared(system, plan, run, other, "half", 2.0**order, SEEN)
+    return _compared(system, plan, run, other, "half", 2.0**order, SEEN, Still())
 
 
 def _against_tenth(system: System, plan: Plan, run: Run) -> tuple[Status, str] | None:
@@ -73,17 +79,19 @@ def _against_tenth(system: System, plan: Plan, run: Run) -> tuple[Status, str] |
     rtol = plan.options.rtol
     options = plan.options._replace(rtol=TENTH * rtol, atol=TENTH * plan.options.atol)
     other = _repeated(system, plan, options, run.states[0], refine=1)
-    return _compared(system, plan, run, other, "a tenth", 1.0 / TENTH, max(SEEN, LOOSE * rtol))
+    bound = max(SEEN, LOOSE * rtol)
+    least = still(system.scene, plan.options.atol, bound)
+    return _compared(system, plan, run, other, "a tenth", 1.0 / TENTH, bound, least)
 
 
 def _compared(
-    system: System, plan: Plan, run: Run, other: Run, part: str, smaller: float, bound: float
+    system: System, plan: Plan, run: Run, other: Run, part: str, smaller: float, bound: float, least: Still
 ) -> tuple[Status, str] | None:
     if other.status is Status.INTERRUPTED:
         return other.status, f"{other.message} of the second run that judges the first, which is complete"
     scene, count = system.scene, min(len(run.times), len(other.times))
     first, second = system.poses(run.states[:count]), system.poses(other.states[:count])
-    found = disagreement(first, second, smaller, bound)
+    found = disagreement(first, second, smaller, bound, least)
     if found.first is None and other.status is Status.SUCCESS:
         return None
     good = count - 1 if found.first is None else max(found.first - 1, 0)

@@ -23,12 +23,8 @@ def pose_error(scene: Scene, trajectory: Trajectory, truth: Truth) -> np.ndarray
 
 
 def arms(scene: Scene) -> np.ndarray:
-    """Return each body's largest radius of gyration (n_bodies,), m; zero for a particle."""
-    return np.array([_arm(body) if isinstance(body, SpatialBody) else 0.0 for body in scene.bodies])
-
-
-def _arm(body: SpatialBody) -> float:
-    return float(np.sqrt(np.linalg.eigvalsh(body.inertia_matrix)[-1] / body.mass))
+    """Return each body's largest radius of gyration in space (n_bodies,), m; zero for others."""
+    return np.array([body.gyration_radius if isinstance(body, SpatialBody) else 0.0 for body in scene.bodies])
 
 
 def distance(position: np.ndarray, other: np.ndarray) -> np.ndarray:

@@ -7,10 +7,15 @@ import math
 import numpy as np
 import pytest
 
+from cross_checks.truths import kepler
 from mbs_ref import scenes, step_judgement
 from mbs_ref.celestial import Newton
-from mbs_ref.scene import Force, PlanarBody, PointMass, Scene
-from mbs_ref.second_run import SEEN, disagreement
+from mbs_ref.cores import compile_scene
+from mbs_ref.energy_watch import phase_error
+from mbs_ref.scene import GROUND, Force, PlanarBody, PointMass, Scene, SpringDamper
+from mbs_ref.scenes.incline import build as incline
+from mbs_ref.scenes.kepler import build as orbit
+from mbs_ref.second_run import LEAST, SEEN, UNSEEN, Still, disagreement, still
 from mbs_ref.settings import Settings
 from mbs_ref.signals import HalfSine
 from mbs_ref.simulate import simulate
@@ -37,6 +42,33 @@ def test_orientations_that_differ_by_sign_are_the_same():
     turned = np.tile([1.0, 0.0, 0.0, 0.0], (3, 1, 1))
     still = np.zeros((3, 1, 3))
     assert disagreement(Poses(still, turned, still, still), Poses(still, -turned, still, still), 16.0).share == 0.0
+
+
+def test_what_nobody_sees_is_no_motion_to_a_wide_tolerance():
+    hand = Scene(name="hand", bodies=(PlanarBody(name="hand", mass=4.0, inertia=1.0),))  # gyrates at 0.5 m
+    assert still(hand, 1e-3, SEEN) == Still(0.5 * UNSEEN, UNSEEN)
+    assert still(hand, 1e-6, SEEN) == Still(1e-6 / SEEN, 1e-6 / SEEN)
+    assert still(hand, 0.0, SEEN) == Still(LEAST, LEAST)
+    assert still(plunge(1.0), 1e-3, SEEN).length == LEAST  # particles have no size
+
+
+@pytest.mark.parametrize("size", [1.0, 1e-4, 1e-7])
+def test_a_small_machine_may_err_no_more_than_a_large_one(size):
+    """The default absolute tolerance, 1e-3 m, is wider than the small ones' whole motion."""
+    bodies = (PlanarBody(name="disc", mass=1.0, inertia=size**2, position=(0.75 * size, 0.0)),)
+    load = SpringDamper(name="spring", body_a=GROUND, body_b="disc", point_a=(0.0, 0.0), point_b=(0.75 * size, 0.0),
+                        stiffness=100.0, rest_length=0.5 * size)  # fmt: skip
+    scene = Scene(name="disc", gravity=(0.0, 0.0), bodies=bodies, loads=(load,))
+    path = simulate(scene, Settings(method="dop853", rtol=1e-3, t_end=10.0, samples=51))
+    exact = size * (0.5 + 0.25 * np.cos(10.0 * path.times))
+    assert path.status is Status.UNRESOLVED or np.abs(path.position[:, 0, 0] - exact).max() < SEEN * size
+
+
+@pytest.mark.parametrize("rtol", [1e-2, 1e-3, 1e-4, 1e-5])
+def test_a_block_at_rest_is_resolved_however_little_it_trembles(rtol):
+    path = simulate(incline(angle=0.26, friction=0.3), Settings(method="dop853", rtol=rtol, t_end=1.0, samples=21))
+    assert path.ok, path.message
+    assert np.abs(path.orientation - path.orientation[0]).max() < SEEN * UNSEEN
 
 
 def plunge(sideways: float) -> Scene:
@@ -114,6 +146,27 @@ def test_a_long_run_is_run_again(monkeypatch):
     """Errors of an orbit's phase grow with the square of time."""
     many = scenes.make("kepler", eccentricity=0.2, orbits=300.0)
     settings = Settings(method="dop853", rtol=1e-8, atol=1e-8)
+    monkeypatch.setattr(step_judgement, "ASTRAY", math.inf)
     assert simulate(many, settings).ok
     monkeypatch.setattr(step_judgement, "LONG", 1000)
     assert simulate(many, settings).status is Status.UNRESOLVED
+
+
+@pytest.mark.parametrize("method", ["dop853", "lsodar"])
+@pytest.mark.parametrize("gap", [1e-2, 1e-4, 1e-6, 1e-8])
+@pytest.mark.parametrize("rtol", [1e-6, 1e-8, 1e-10])
+def test_energy_tells_of_a_near_collision_gone_wrong(method, gap, rtol):
+    """Two orbits of eccentricity 1 - gap: right to the bound, or unresolved; the tolerance itself promises nothing."""
+    scene = orbit(eccentricity=1.0 - gap, orbits=2.0)
+    path = simulate(scene, Settings(method=method, rtol=rtol, t_end=4.0 * math.pi, samples=9))
+    error = np.abs(path.position - kepler.solve(scene, path.times).position).max()
+    assert not path.ok or error < 2.0 * SEEN  # m, on orbits of 2 m
+    if gap >= 1e-2:
+        assert path.ok
+
+
+def test_energy_says_nothing_where_work_is_done():
+    system = compile_scene(pushed(1e-3))
+    y = system.initial_state()
+    faster = np.stack([y, 2.0 * y + 1.0])
+    assert phase_error(system, np.array([0.0, 1.0]), faster, 1000) == 0.0
