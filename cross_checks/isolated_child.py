@@ -10,7 +10,7 @@ from multiprocessing.connection import Connection, Pipe
 from typing import Any
 
 from cross_checks.compilation import told
-from cross_checks.pipe_messages import COMPILED, COMPILING, receive, send
+from cross_checks.pipe_messages import COMPILED, COMPILING, NOTES, receive, send
 
 ROOM = 4 * 2**30  # bytes of address space beyond the limit on resident memory: libraries reserve much, use little
 
@@ -42,7 +42,7 @@ def _copied(pipe: Connection, function: Any, arguments: tuple[Any, ...]) -> None
     there.close()
     send(pipe, copy)
     try:
-        while (answer := receive(here)) in (COMPILING, COMPILED):
+        while (answer := receive(here)) in NOTES:
             send(pipe, answer)
     except (EOFError, OSError):
         answer = None

@@ -16,7 +16,7 @@ from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Any, Self
 
-from cross_checks.pipe_messages import COMPILED, COMPILING, receive, send
+from cross_checks.pipe_messages import COMPILING, NOTES, receive, send
 
 ONE_THREAD = dict.fromkeys(
     ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"), "1"
@@ -145,7 +145,7 @@ class Isolated:
         patience, peak = _Patience(self.timeout), 0
         try:
             self._copy = receive(self._pipe) if apart else None
-            while (message := self._heard()) in (None, COMPILING, COMPILED):
+            while (message := self._heard()) in (None, *NOTES):
                 used = resident(self._copy or self._child.pid)
                 peak = max(peak, used)
                 if used > self.memory:
@@ -177,7 +177,7 @@ class Isolated:
             return
         assert self._pipe is not None
         self._end_copy()
-        while receive(self._pipe) in (COMPILING, COMPILED):
+        while receive(self._pipe) in NOTES:
             pass
 
     def _end_copy(self) -> None:

@@ -10,7 +10,7 @@ import pickle
 from multiprocessing.connection import Connection
 from typing import Any
 
-COMPILING, COMPILED = "compiling", "compiled"  # notes sent before an answer: the caller's patience rests between them
+NOTES = COMPILING, COMPILED = "compiling", "compiled"  # sent before an answer: a caller's patience rests between them
 
 
 def send(pipe: Connection, message: Any) -> None:

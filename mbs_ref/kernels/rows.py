@@ -1,4 +1,8 @@
-"""Constraint rows by slots, (n_slots, rows a slot), as both rigid cores keep them."""
+"""Constraint rows by slots, (n_slots, rows a slot), as both rigid cores keep them.
+
+C_q is (n_slots, 2 sides, rows a slot, rates of a body), zero in unused rows; `body` (n_slots, 2) tells whose
+sides they are.
+"""
 
 from __future__ import annotations
 
@@ -25,6 +29,28 @@ def stabilize(velocity_gain, position_gain, gamma, rate, residual):
     for slot in range(gamma.shape[0]):
         for row in range(gamma.shape[1]):
             gamma[slot, row] -= velocity_gain * rate[slot, row] + position_gain * residual[slot, row]
+
+
+@jit
+def take_reactions(force, body, jacobian, multiplier):
+    """force -= C_q^T lambda."""
+    for slot in range(jacobian.shape[0]):
+        for side in range(2):
+            on = body[slot, side]
+            for row in range(jacobian.shape[2]):
+                for c in range(jacobian.shape[3]):
+                    force[on, c] -= jacobian[slot, side, row, c] * multiplier[slot, row]
+
+
+@jit
+def take_accelerations(gamma, body, jacobian, acceleration):
+    """gamma -= C_q a."""
+    for slot in range(jacobian.shape[0]):
+        for side in range(2):
+            of = body[slot, side]
+            for row in range(jacobian.shape[2]):
+                for c in range(jacobian.shape[3]):
+                    gamma[slot, row] -= jacobian[slot, side, row, c] * acceleration[of, c]
 
 
 @jit

@@ -52,7 +52,7 @@ def _wheel(inertia: float) -> Case:
 
 EXTREMES = (
     Extreme("needle", FAMILY, "A free body with one ever smaller principal moment, spun across it.",
-            Axis("moment ratio", "", (0.5, 0.1, 1e-2, THINNEST, 1e-4, 1e-6, 1e-8)), _needle),
+            Axis("moment ratio", "", (0.5, 0.1, 1e-2, THINNEST, 1e-3, 1e-4, 1e-6, 1e-8)), _needle),
     Extreme("tiny-wheel", FAMILY, "A wheel of ever smaller inertia on the tip of a swinging rod.",
             Axis("inertia", "kg m^2", decades(1e-1, 1e-17, 2.0)), _wheel),
 )  # fmt: skip

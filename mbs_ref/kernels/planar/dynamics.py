@@ -23,7 +23,7 @@ from mbs_ref.kernels.planar.model import (
 from mbs_ref.kernels.planar.tree import factor_tree, solve_tree
 from mbs_ref.kernels.questions import accelerate, apply_loads, factor, fill_rows, solve
 from mbs_ref.kernels.refinement import refinements
-from mbs_ref.kernels.rows import add_to, copy_rows, largest_entry, stabilize
+from mbs_ref.kernels.rows import add_to, copy_rows, largest_entry, stabilize, take_accelerations, take_reactions
 
 
 @jit
@@ -82,13 +82,8 @@ def _refine(model, work):
         load[i, 0] = force[i, 0] - bodies.mass[i] * first[i, 0]
         load[i, 1] = force[i, 1] - bodies.mass[i] * first[i, 1]
         load[i, 2] = force[i, 2] - bodies.inertia[i] * first[i, 2]
-    for slot in range(slots.body.shape[0]):
-        for side in range(2):
-            body = slots.body[slot, side]
-            for row in range(3):
-                for c in range(3):
-                    load[body, c] -= rows.jacobian[slot, side, row, c] * multiplier[slot, row]
-                    gamma[slot, row] -= rows.jacobian[slot, side, row, c] * first[body, c]
+    take_reactions(load, slots.body, rows.jacobian, multiplier)
+    take_accelerations(gamma, slots.body, rows.jacobian, first)
     solve(model, work, gamma)
     add_to(acceleration, first)
     add_to(rows.multiplier, multiplier)

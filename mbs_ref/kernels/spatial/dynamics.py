@@ -15,7 +15,7 @@ from mbs_ref.kernels.controls import CONTROL_POSITION_GAIN, CONTROL_VELOCITY_GAI
 from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.questions import accelerate, apply_loads, factor, fill_rows, solve
 from mbs_ref.kernels.refinement import refinements
-from mbs_ref.kernels.rows import add_to, copy_rows, largest_entry, stabilize
+from mbs_ref.kernels.rows import add_to, copy_rows, largest_entry, stabilize, take_accelerations, take_reactions
 from mbs_ref.kernels.spatial.closure import correct_for_closures, factor_closures, row_times
 from mbs_ref.kernels.spatial.contacts import apply_contacts, fill_deflection_rates
 from mbs_ref.kernels.spatial.model import (
@@ -74,13 +74,8 @@ def _refine(model, work):
         load[i, 3] = kin.force[i, 3] - x
         load[i, 4] = kin.force[i, 4] - y
         load[i, 5] = kin.force[i, 5] - z
-    for slot in range(slots.body.shape[0]):
-        for side in range(2):
-            body = slots.body[slot, side]
-            for row in range(slots.count[slot]):
-                for c in range(6):
-                    load[body, c] -= rows.jacobian[slot, side, row, c] * multiplier[slot, row]
-                    gamma[slot, row] -= rows.jacobian[slot, side, row, c] * first[body, c]
+    take_reactions(load, slots.body, rows.jacobian, multiplier)
+    take_accelerations(gamma, slots.body, rows.jacobian, first)
     solve(model, work, gamma)
     add_to(acceleration, first)
     add_to(rows.multiplier, multiplier)
