@@ -57,8 +57,16 @@ def progress(t: float) -> Progress:
     return Progress(np.array([t, 0.0, 0.0, 0.0]), np.zeros(7, dtype=np.int64))
 
 
-CLOCK_T, CLOCK_H, CLOCK_COMPLIANCE, CLOCK_ERROR = range(4)
+CLOCK_T, CLOCK_H, CLOCK_COMPLIANCE, CLOCK_LAST = range(4)
 COUNT_STEPS, COUNT_REJECTED, COUNT_RHS, COUNT_OUTPUT, COUNT_OWN, COUNT_EVENTS, COUNT_CONTACT = range(7)
+
+
+class Outputs(NamedTuple):
+    """What a compiled loop fills; the first of each is the start."""
+
+    times: np.ndarray  # (n_times,) s, asked
+    states: np.ndarray  # (n_times, n_state)
+    compliance: np.ndarray  # (n_times,) largest |C| over the steps since the time before
 
 
 @dataclass

@@ -7,6 +7,7 @@ import numpy as np
 from mbs_ref.integrators.events import ACTIVE, H_NEXT, IDLE, settle
 from mbs_ref.integrators.leg import (
     CLOCK_COMPLIANCE,
+    CLOCK_H,
     CLOCK_T,
     COMPLIANCE,
     COUNT_OUTPUT,
@@ -69,6 +70,15 @@ def first_step(model, work, t, y, dy, order, rtol, atol, span):
     largest = max(d1, d2)
     h1 = max(1e-6, h0 * 1e-3) if largest <= 1e-15 else (0.01 / largest) ** (1.0 / (order + 1))
     return min(100.0 * h0, min(h1, span))
+
+
+@jit
+def propose_first(model, work, options, run, y, dy, order, span):
+    """Guess the first step of an adaptive run that has none yet."""
+    if options.step == 0.0 and run.clock[CLOCK_H] == 0.0:
+        t = run.clock[CLOCK_T]
+        run.clock[CLOCK_H] = first_step(model, work, t, y, dy, order, options.rtol, options.atol, span)
+        run.counts[COUNT_RHS] += 1
 
 
 @jit
