@@ -7,7 +7,7 @@ from typing import NamedTuple
 from mbs_ref.integrators.events import EVENT, KEEP, settle, watch
 from mbs_ref.integrators.leg import CLOCK_COMPLIANCE, CLOCK_H, CLOCK_T, COUNT_OUTPUT, COUNT_STEPS, RUNNING
 from mbs_ref.integrators.step_control import choose_step, close_step, end_step
-from mbs_ref.kernels.jit import jit
+from mbs_ref.kernels.jit import inlined, jit
 
 
 class Attempt(NamedTuple):
@@ -36,7 +36,7 @@ def stands_still(attempt):
     return attempt.t_new == attempt.t and not attempt.searching
 
 
-@jit
+@inlined
 def close_attempt(model, work, options, run, attempt, trial, search, table):
     """Restore the constraints at the step's end and look for events inside it; return code and events' verdict."""
     code, run.clock[CLOCK_COMPLIANCE] = close_step(
@@ -55,7 +55,7 @@ def propose_again(options, run, attempt):
         run.clock[CLOCK_H] = attempt.proposed
 
 
-@jit
+@inlined
 def take(model, work, options, run, attempt, verdict, y, trial, table, outputs):
     """Move y to the step's end, settle an event there, keep an output; return a status code."""
     for k in range(y.shape[0]):

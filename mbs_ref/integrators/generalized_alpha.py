@@ -33,7 +33,7 @@ from mbs_ref.integrators.leg import (
 from mbs_ref.jointed_system import JointedSystem
 from mbs_ref.kernels.core import derivative, displace, multipliers, position_count
 from mbs_ref.kernels.implicit import dense_correction, factor_tangent, tree_correction
-from mbs_ref.kernels.jit import jit
+from mbs_ref.kernels.jit import inlined, jit
 from mbs_ref.system import System
 
 SPECTRAL_RADIUS = 0.9  # at infinite frequency
@@ -102,7 +102,7 @@ def _place(model, h, y, motion, iterate, move):
     displace(model, y, move, iterate.y)
 
 
-@jit
+@inlined
 def _correction(model, work, run, t, by_position, motion, iterate, tangent, dense):
     """Correct the iterate's accelerations and the multipliers; return |change| and the largest defect."""
     run.counts[COUNT_RHS] += 1
@@ -148,7 +148,7 @@ def _predict(model, h, y, motion, iterate):
     displace(model, y, move, iterate.y)
 
 
-@jit
+@inlined
 def _renew_tangent(model, work, run, attempt, motion, iterate, tangent):
     """Form and factor the full tangent at the iterate; return whether it is regular."""
     h = attempt.h
@@ -162,7 +162,7 @@ def _renew_tangent(model, work, run, attempt, motion, iterate, tangent):
     return regular
 
 
-@jit
+@inlined
 def _solve(model, work, run, attempt, y, motion, iterate, tangent):
     """Solve one step's equations, with the full tangent where the mass alone does not do; return whether it went."""
     iterate.old_lam[:] = motion.lam
@@ -195,7 +195,7 @@ def _start(model, work, t, y, motion):
     multipliers(work, motion.lam)
 
 
-@jit
+@inlined
 def _begin(model, work, options, run, y, motion, table):
     """Settle the modes; where that moved anything, start anew. Return a status code."""
     t, before = run.clock[CLOCK_T], run.counts[COUNT_EVENTS]

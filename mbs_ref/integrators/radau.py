@@ -42,7 +42,7 @@ from mbs_ref.integrators.radau_newton import (
 )
 from mbs_ref.integrators.step_control import begin, propose_first
 from mbs_ref.kernels.core import derivative
-from mbs_ref.kernels.jit import jit
+from mbs_ref.kernels.jit import inlined, jit
 from mbs_ref.system import System
 
 SAFETY, MIN_FACTOR, MAX_FACTOR = 0.9, 0.2, 8.0  # of a step
@@ -85,7 +85,7 @@ def _tolerances(options):
     return Tolerances(rtol, options.atol, max(10 * 2.3e-16 / rtol, min(0.03, np.sqrt(rtol))))
 
 
-@jit
+@inlined
 def _renew_jacobian(model, work, run, y, f, scratch, jacobian, past):
     """Make the Jacobian that of the present state; no factors belong to it."""
     fill_jacobian(model, work, run.clock[CLOCK_T], y, f, scratch, jacobian)
@@ -94,7 +94,7 @@ def _renew_jacobian(model, work, run, y, f, scratch, jacobian, past):
     past.values[H_FACTORED] = 0.0
 
 
-@jit
+@inlined
 def _prepare(model, work, run, attempt, y, f, scratch, tolerances, newton, past):
     """Bring Jacobian, factors and the guess of the stages up to this attempt; return whether the factors exist."""
     if attempt.searching:
@@ -162,7 +162,7 @@ def _judge(run, attempt, past, error, solved):
     return True
 
 
-@jit
+@inlined
 def _is_accurate(model, work, run, attempt, y, f, tolerances, newton, past, solved):
     """Estimate the error and judge it; after a rejection, and in the first step, the estimate is filtered."""
     again = past.marks[REJECTED] == 1 or run.counts[COUNT_STEPS] == 0

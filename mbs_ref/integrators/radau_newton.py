@@ -13,7 +13,7 @@ from mbs_ref.integrators.radau_coefficients import MU_COMPLEX, MU_REAL, TI, C, E
 from mbs_ref.integrators.step_control import weighted_norm
 from mbs_ref.kernels.core import derivative
 from mbs_ref.kernels.dense import lu_factor, lu_solve
-from mbs_ref.kernels.jit import jit
+from mbs_ref.kernels.jit import inlined, jit
 
 NEWTON_ITERATIONS = 7
 
@@ -152,7 +152,7 @@ def _transform(matrix, x, out):
             out[a, k] = matrix[a, 0] * x[0, k] + matrix[a, 1] * x[1, k] + matrix[a, 2] * x[2, k]
 
 
-@jit
+@inlined
 def _evaluate_stages(model, work, t, h, y, newton, argument):
     """Write f at y + z."""
     for a in range(3):

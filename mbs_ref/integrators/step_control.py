@@ -20,7 +20,7 @@ from mbs_ref.integrators.leg import (
     TOO_MANY_STEPS,
 )
 from mbs_ref.kernels.core import compliance, derivative, project
-from mbs_ref.kernels.jit import jit
+from mbs_ref.kernels.jit import inlined, jit
 
 PROJECTION_ITERATIONS = 12
 PROJECTION_FAILURE = 1e4  # of the projection tolerance: a larger |C| left is a failure
@@ -72,7 +72,7 @@ def first_step(model, work, t, y, dy, order, rtol, atol, span):
     return min(100.0 * h0, min(h1, span))
 
 
-@jit
+@inlined
 def propose_first(model, work, options, run, y, dy, order, span):
     """Guess the first step of an adaptive run that has none yet."""
     if options.step == 0.0 and run.clock[CLOCK_H] == 0.0:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import hashlib
 import os
 from pathlib import Path
+from typing import Any
 
 import numba
 
@@ -34,4 +35,8 @@ if "NUMBA_CACHE_DIR" not in os.environ:
     numba.config.CACHE_DIR = str(cache_folder())  # type: ignore[attr-defined]
 
 # Contraction (fused multiply-add) alone is allowed: it keeps NaN, infinities and the order of sums.
-jit = numba.njit(cache=True, error_model="numpy", fastmath={"contract"})
+OPTIONS: Any = {"error_model": "numpy", "fastmath": {"contract"}}
+jit = numba.njit(cache=True, **OPTIONS)
+# For a part of a loop that calls the model: on its own it would be optimised together with all that it calls, which
+# costs seconds a function.
+inlined = numba.njit(inline="always", **OPTIONS)
