@@ -2,35 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-from mbs_ref.integrators.leg import (
-    COUNT_CONTACT,
-    COUNT_EVENTS,
-    ENDLESS_EVENTS,
-    MESSAGES,
-    RUNNING,
-    STATUS,
-    STOP_EVENT,
-    Leg,
-    Options,
-    Progress,
-)
+from mbs_ref.integrators.leg import COUNT_CONTACT, COUNT_EVENTS, ENDLESS_EVENTS, RUNNING, STOP_EVENT, Options, Progress
 from mbs_ref.kernels import core
 from mbs_ref.kernels.planar.events import STOP
 from mbs_ref.system import System
 
 MOST_ROUNDS = 200  # mode changes at one instant before they count as endless
 ROUNDOFF = 4.0 * np.finfo(float).eps  # of time
-
-
-def event_end(code: int, t: float, y: np.ndarray, now: np.ndarray, leg: Leg) -> Leg:
-    """Return the leg that an event ended, with a sentence; y receives the state there."""
-    y[:] = now
-    return replace(leg, status=STATUS[code], message=f"at t = {t:.9g} s {MESSAGES[code]}")
 
 
 class ContactEvents:

@@ -6,8 +6,9 @@ Springer 1993, sec. II.10, and the authors' dop853.f.
 
 import numpy as np
 
-from mbs_ref.integrators.explicit import Tableau, explicit, stability_polynomial
+from mbs_ref.integrators.explicit import explicit
 from mbs_ref.integrators.leg import Integrator
+from mbs_ref.integrators.tableau import Tableau, stability_polynomial
 
 _A = {  # (stage, earlier stage): coefficient
     (1, 0): 0.05260015195876773,

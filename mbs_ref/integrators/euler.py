@@ -2,8 +2,9 @@
 
 import numpy as np
 
-from mbs_ref.integrators.explicit import Tableau, explicit, stability_polynomial
+from mbs_ref.integrators.explicit import explicit
 from mbs_ref.integrators.leg import Integrator
+from mbs_ref.integrators.tableau import Tableau, stability_polynomial
 
 TABLEAU = Tableau(np.zeros((1, 1)), np.ones(1), np.zeros(1), np.zeros(0), np.zeros(0), 1, 0)
 INTEGRATOR = Integrator(

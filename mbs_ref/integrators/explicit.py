@@ -1,4 +1,4 @@
-"""Explicit Runge-Kutta methods, fixed-step or adaptive; a tableau is data."""
+"""Explicit Runge-Kutta methods, fixed-step or adaptive: the loop over steps."""
 
 from __future__ import annotations
 
@@ -6,39 +6,31 @@ from typing import NamedTuple
 
 import numpy as np
 
-from mbs_ref.integrators.events import EVENT, RETRY, event_tables, settle, watch
+from mbs_ref.integrators.attempt import WITHDRAWN, close_attempt, next_attempt, propose_again, stands_still, take
+from mbs_ref.integrators.events import EVENT, RETRY, event_tables
+from mbs_ref.integrators.explicit_stages import STAGE_ITERATIONS, Stages, error_norm, fill_stages
 from mbs_ref.integrators.leg import (
-    CLOCK_COMPLIANCE,
     CLOCK_H,
-    CLOCK_T,
     COUNT_OUTPUT,
     COUNT_REJECTED,
     COUNT_RHS,
     COUNT_STEPS,
     DONE,
     NON_FINITE,
-    PROJECTION,
     RUNNING,
     SINGULAR,
     STEP_TOO_SMALL,
     Advance,
     Leg,
     Options,
+    Outputs,
     Progress,
     run_chunks,
 )
-from mbs_ref.integrators.step_control import (
-    begin,
-    choose_step,
-    close_step,
-    end_step,
-    first_step,
-    record,
-    weighted_norm,
-    withdraw,
-)
+from mbs_ref.integrators.step_control import SHORTEST, begin, propose_first, record
+from mbs_ref.integrators.tableau import Tableau
 from mbs_ref.kernels.jit import jit
-from mbs_ref.kernels.questions import derivative, project, regularity, tangent
+from mbs_ref.kernels.questions import derivative, project, regularity
 from mbs_ref.system import System
 
 # Roundoff in an acceleration grows as eps / sigma^3 near a singular pose, with the relative closure pivot
@@ -49,87 +41,20 @@ NOISY_STAGE = 1e-19  # likewise for a stage inside a step, whose weight is small
 SINGULAR_PIVOT = 1e-17  # over rtol
 PATIENT_AVOIDED, MOST_AVOIDED = 6, 60  # attempts in a row to end a step away from a singular pose
 NEAR_SINGULAR = 0.1  # relative closure pivot below which stages are projected
-STAGE_ITERATIONS = 6
 AVOID_STAGE = 0.93  # step factor after a stage came too close to one
 AVOID = 0.77  # step factor after ending too close to a singular pose
 SAFETY, SHRINK, GROW = 0.9, 0.2, 6.0  # step factors (Hairer, Norsett, Wanner I, sec. II.4)
 
 
-class Tableau(NamedTuple):
-    """Butcher coefficients; error rows weigh the stages and, last, the slope at the new point."""
+class Past(NamedTuple):
+    """What an attempt leaves to the next one."""
 
-    a: np.ndarray  # (s, s)
-    b: np.ndarray  # (s,)
-    c: np.ndarray  # (s,)
-    error: np.ndarray  # (s + 1,) main error weights; empty for fixed-step methods
-    error_low: np.ndarray  # (s + 1,) second estimate (DOP853), or empty
-    order: int
-    error_order: int
+    natural: np.ndarray  # (1,) s, step that accuracy allows while one is shortened to avoid a singular pose, else 0
+    marks: np.ndarray  # (2,) int: REJECTED, AVOIDED
 
 
-@jit
-def _stages(model, work, tableau, t, h, y, slopes, trial, restore, tolerance):
-    """Fill slopes[1:s]; slopes[0] is given. Leave the new state in `trial`; return the worst stage's pivot.
-
-    With `restore` every stage is first projected onto the constraints. Near a singular pose the
-    accelerations off the manifold grow without bound while those on it stay smooth.
-    """
-    stages = tableau.b.shape[0]
-    n = y.shape[0]
-    pivot = 1.0
-    for i in range(1, stages):
-        for k in range(n):
-            trial[k] = y[k]
-        for j in range(i):
-            weight = h * tableau.a[i, j]
-            if weight != 0.0:
-                for k in range(n):
-                    trial[k] += weight * slopes[j, k]
-        t_stage = t + tableau.c[i] * h
-        if restore:
-            project(model, work, t_stage, trial, tolerance, STAGE_ITERATIONS)
-        derivative(model, work, t_stage, trial, slopes[i])
-        if restore:
-            pivot = min(pivot, regularity(work))
-    for k in range(n):
-        trial[k] = y[k]
-    for j in range(stages):
-        weight = h * tableau.b[j]
-        if weight != 0.0:
-            for k in range(n):
-                trial[k] += weight * slopes[j, k]
-    return pivot
-
-
-@jit
-def _combine(weights, slopes, h, out):
-    for k in range(out.shape[0]):
-        out[k] = 0.0
-    for j in range(weights.shape[0]):
-        if weights[j] != 0.0:
-            for k in range(out.shape[0]):
-                out[k] += h * weights[j] * slopes[j, k]
-
-
-@jit
-def _error_norm(model, work, tableau, slopes, h, y, trial, scratch, rtol, atol, restore):
-    """Return the scaled error; with a second estimate as in DOP853 (Hairer, Norsett, Wanner I, sec. II.10).
-
-    With `restore` only the error along the constraints counts: projection removes the rest, which near a
-    singular pose is roundoff magnified by eps / sigma^3.
-    """
-    _combine(tableau.error, slopes, h, scratch)
-    if restore:
-        tangent(model, work, scratch)
-    main = weighted_norm(scratch, y, trial, rtol, atol)
-    if tableau.error_low.shape[0] == 0:
-        return main
-    _combine(tableau.error_low, slopes, h, scratch)
-    if restore:
-        tangent(model, work, scratch)
-    low = weighted_norm(scratch, y, trial, rtol, atol)
-    scale = main * main + 0.01 * low * low
-    return 0.0 if scale == 0.0 else main * main / np.sqrt(scale)  # NaN must stay NaN, and be rejected
+REJECTED = 0  # 1 after a step whose error was too large
+AVOIDED = 1  # attempts in a row that ended too close to a singular pose
 
 
 @jit
@@ -151,132 +76,123 @@ def _resize(error, error_order, h, proposed, lands, rejected):
 
 
 @jit
-def advance_explicit(model, work, tableau, options, run, y, times, states, worst_per_time):
-    """Advance y through times[1:], in place; return a status code (RUNNING when the chunk is used up)."""
-    clock, counts = run.clock, run.counts
-    stages = tableau.b.shape[0]
-    n = y.shape[0]
-    adaptive = options.step == 0.0
-    slopes = np.zeros((stages + 1, n))
-    trial = np.empty(n)
-    scratch = np.empty(n)
-    budget = counts[COUNT_STEPS] + options.chunk
+def _judge(model, work, tableau, options, run, attempt, span, y, stages, restore, past):
+    """Propose the next step by this one's error; return a status code, and leave in `past` whether it is rejected."""
+    last = tableau.b.shape[0]
+    if restore:
+        project(model, work, attempt.t_new, stages.new, options.projection_tolerance, STAGE_ITERATIONS)
+    derivative(model, work, attempt.t_new, stages.new, stages.slopes[last])
+    run.counts[COUNT_RHS] += 1
+    error = error_norm(model, work, tableau, options, attempt.h, y, stages, restore)
+    accepted, run.clock[CLOCK_H] = _resize(
+        error, tableau.error_order, attempt.h, attempt.proposed, attempt.lands, past.marks[REJECTED] == 1
+    )
+    past.marks[REJECTED] = 0 if accepted else 1
+    if accepted:
+        return RUNNING
+    run.counts[COUNT_REJECTED] += 1
+    if attempt.t + run.clock[CLOCK_H] == attempt.t or run.clock[CLOCK_H] < SHORTEST * span:
+        return STEP_TOO_SMALL if np.isfinite(error) else NON_FINITE
+    return RUNNING
+
+
+@jit
+def _is_too_near(work, options, stage_pivot, past):
+    """Return whether roundoff near a singular pose harms the asked accuracy, and whether it is the step's end there."""
+    if options.step > 0.0:
+        return False, False
+    pivot = regularity(work) if options.project else 1.0
+    noisy_stage = stage_pivot < (NOISY_STAGE / options.rtol) ** (2.0 / 3.0)
+    noisy_end = pivot < (NOISY_PIVOT / options.rtol) ** (2.0 / 3.0)
+    noisy = past.marks[AVOIDED] < PATIENT_AVOIDED and (noisy_stage or noisy_end)
+    return noisy or pivot < SINGULAR_PIVOT / options.rtol, noisy_end
+
+
+@jit
+def _avoid(run, attempt, new, outputs, noisy_end, past):
+    """Do not go on from here: propose a shorter step, or keep the output and go on from before it; return a code."""
+    past.marks[AVOIDED] += 1
+    if past.marks[AVOIDED] > MOST_AVOIDED:
+        return SINGULAR
+    if attempt.lands:
+        record(run, new, outputs.states, outputs.compliance)
+        return DONE if run.counts[COUNT_OUTPUT] == outputs.times.shape[0] else RUNNING
+    past.natural[0] = max(past.natural[0], run.clock[CLOCK_H])
+    run.clock[CLOCK_H] = (AVOID if noisy_end else AVOID_STAGE) * attempt.h
+    return RUNNING
+
+
+@jit
+def _settle_down(run, past):
+    """Go back to the step that accuracy allows: no singular pose is near."""
+    if past.natural[0] > 0.0:
+        run.clock[CLOCK_H] = past.natural[0]
+    past.natural[0] = 0.0
+    past.marks[AVOIDED] = 0
+
+
+@jit
+def _next_slope(model, work, options, run, attempt, verdict, y, slopes):
+    """Leave f at the new state in slopes[0]: where nothing moved the state, it is the last stage's."""
+    if options.step == 0.0 and not options.project and not attempt.searching and verdict != EVENT:
+        last = slopes.shape[0] - 1
+        for k in range(y.shape[0]):
+            slopes[0, k] = slopes[last, k]
+        return
+    derivative(model, work, attempt.t_new, y, slopes[0])
+    run.counts[COUNT_RHS] += 1
+
+
+@jit
+def advance_explicit(model, work, tableau, options, run, y, outputs):
+    """Advance y through the output times, in place; return a status code (RUNNING when the chunk is used up)."""
+    counts, adaptive, n = run.counts, options.step == 0.0, y.shape[0]
+    span = outputs.times[-1] - outputs.times[0]
+    stages = Stages(np.empty((tableau.b.shape[0] + 1, n)), np.empty(n), np.empty(n))
+    past = Past(np.zeros(1), np.zeros(2, dtype=np.int64))
     search, table = event_tables(model)
-    watched = table.shape[1] > 0
-    code = begin(model, work, run, y, slopes[0], table, options.max_events)
+    budget = counts[COUNT_STEPS] + options.chunk
+    code = begin(model, work, run, y, stages.slopes[0], table, options.max_events)
     if code != RUNNING:
         return code
-    if adaptive and clock[CLOCK_H] == 0.0:
-        clock[CLOCK_H] = first_step(
-            model, work, clock[CLOCK_T], y, slopes[0], tableau.order, options.rtol, options.atol, times[-1] - times[0]
-        )
-        counts[COUNT_RHS] += 1
-    rejected = False
-    avoided = 0
-    natural = 0.0  # the step that accuracy allows, while one is shortened to avoid a singular pose
-    while counts[COUNT_OUTPUT] < times.shape[0]:
-        t = clock[CLOCK_T]
-        target = times[counts[COUNT_OUTPUT]]
-        proposed = clock[CLOCK_H] if adaptive else options.step
-        reach = target - t
-        h, lands, searching = choose_step(proposed, reach, adaptive and natural == 0.0, search)
-        t_new = target if lands else t + h
-        if t_new == t and not searching:
+    propose_first(model, work, options, run, y, stages.slopes[0], tableau.order, span)
+    while code == RUNNING and counts[COUNT_STEPS] < budget:
+        attempt = next_attempt(options, run, outputs, adaptive and past.natural[0] == 0.0, search)
+        if stands_still(attempt):
             return STEP_TOO_SMALL
-        restore = options.project and (rejected or regularity(work) < NEAR_SINGULAR)
-        pivot = _stages(model, work, tableau, t, h, y, slopes, trial, restore, options.projection_tolerance)
-        counts[COUNT_RHS] += stages - 1
-        noisy_stage = adaptive and pivot < (NOISY_STAGE / options.rtol) ** (2.0 / 3.0)
-        if adaptive and not searching:  # a shorter step than an accepted one needs no second judgement
-            if restore:
-                project(model, work, t_new, trial, options.projection_tolerance, STAGE_ITERATIONS)
-            derivative(model, work, t_new, trial, slopes[stages])
-            counts[COUNT_RHS] += 1
-            error = _error_norm(
-                model, work, tableau, slopes, h, y, trial, scratch, options.rtol, options.atol, restore
-            )
-            accepted, clock[CLOCK_H] = _resize(error, tableau.error_order, h, proposed, lands, rejected)
-            rejected = not accepted
-            if rejected:
-                counts[COUNT_REJECTED] += 1
-                if t + clock[CLOCK_H] == t or clock[CLOCK_H] < 1e-14 * (times[-1] - times[0]):
-                    return STEP_TOO_SMALL if np.isfinite(error) else NON_FINITE
+        restore = options.project and (past.marks[REJECTED] == 1 or regularity(work) < NEAR_SINGULAR)
+        stage_pivot = fill_stages(model, work, tableau, options, attempt.t, attempt.h, y, stages, restore)
+        counts[COUNT_RHS] += tableau.b.shape[0] - 1
+        if adaptive and not attempt.searching:  # a shorter step than an accepted one needs no second judgement
+            code = _judge(model, work, tableau, options, run, attempt, span, y, stages, restore, past)
+            if past.marks[REJECTED] == 1:
                 continue
-        code, clock[CLOCK_COMPLIANCE] = close_step(
-            model, work, t_new, trial, h, options.project, options.projection_tolerance,
-            options.stop_on_compliance, clock[CLOCK_COMPLIANCE],
-        )  # fmt: skip
-        if code == PROJECTION and adaptive and not searching:
-            code = withdraw(run, t, h, times[-1] - times[0])
-            rejected = True
-            natural = 0.0
-            if code == RUNNING:
-                continue
-        if code != RUNNING:
-            return code
-        verdict = 0
-        if watched:
-            verdict = watch(model, work, t, h, trial, search, table)
-            if verdict == RETRY:
-                if adaptive:
-                    clock[CLOCK_H] = proposed
-                continue
-        pivot = regularity(work) if adaptive and options.project else 1.0
-        noisy_end = pivot < (NOISY_PIVOT / options.rtol) ** (2.0 / 3.0)
-        noisy = avoided < PATIENT_AVOIDED and (noisy_stage or noisy_end)
-        if verdict != EVENT and (noisy or pivot < SINGULAR_PIVOT / options.rtol):
-            avoided += 1
-            if avoided > MOST_AVOIDED:
-                return SINGULAR
-            if lands:  # the output stands; the run itself goes on from before it
-                record(run, trial, states, worst_per_time)
-                if counts[COUNT_OUTPUT] == times.shape[0]:
-                    return DONE
-                continue
-            natural = max(natural, clock[CLOCK_H])
-            clock[CLOCK_H] = (AVOID if noisy_end else AVOID_STAGE) * h
+        code, verdict = close_attempt(model, work, options, run, attempt, span, stages.new, search, table)
+        if verdict == WITHDRAWN:
+            past.marks[REJECTED], past.natural[0] = 1, 0.0
             continue
-        if natural > 0.0:
-            clock[CLOCK_H] = natural
-        natural = 0.0
-        avoided = 0
-        for k in range(n):
-            y[k] = trial[k]
-        clock[CLOCK_T] = t_new
-        counts[COUNT_STEPS] += 1
-        if verdict == EVENT:
-            code = settle(model, work, t_new, y, table, run, options.max_events)
-            if code != RUNNING:
-                return code
-        code = end_step(run, lands, y, times, states, worst_per_time, options.max_steps)
+        if verdict == RETRY:
+            propose_again(options, run, attempt)
+            continue
         if code != RUNNING:
             return code
-        if adaptive and not options.project and not searching and verdict != EVENT:
-            for k in range(n):
-                slopes[0, k] = slopes[stages, k]  # first same as last
-        else:
-            derivative(model, work, t_new, y, slopes[0])
-            counts[COUNT_RHS] += 1
-        if counts[COUNT_STEPS] >= budget:
-            return RUNNING
-    return DONE
-
-
-def stability_polynomial(tableau: Tableau) -> tuple[float, ...]:
-    """Return the coefficients of R(z) = 1 + z b^T (I - z A)^-1 1, lowest power first."""
-    power, coefficients = np.ones(len(tableau.b)), [1.0]
-    for _ in range(len(tableau.b)):
-        coefficients.append(float(tableau.b @ power))
-        power = tableau.a @ power
-    return tuple(coefficients)
+        too_near, noisy_end = _is_too_near(work, options, stage_pivot, past)
+        if too_near and verdict != EVENT:
+            code = _avoid(run, attempt, stages.new, outputs, noisy_end, past)
+            continue
+        _settle_down(run, past)
+        code = take(model, work, options, run, attempt, verdict, y, stages.new, table, outputs)
+        if code == RUNNING:
+            _next_slope(model, work, options, run, attempt, verdict, y, stages.slopes)
+    return code
 
 
 def explicit(tableau: Tableau) -> Advance:
     """Return the leg-by-leg driver of a tableau."""
 
     def advance(system: System, options: Options, run: Progress, y: np.ndarray, times: np.ndarray) -> Leg:
-        def chunk(states: np.ndarray, worst: np.ndarray) -> int:
-            return advance_explicit(system.model, system.work, tableau, options, run, y, times, states, worst)
+        def chunk(outputs: Outputs) -> int:
+            return advance_explicit(system.model, system.work, tableau, options, run, y, outputs)
 
         return run_chunks(chunk, options, run, y, times)
 

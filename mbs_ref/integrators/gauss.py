@@ -21,6 +21,7 @@ import numpy as np
 from mbs_ref.integrators.gauss_coefficients import STAGES, gauss
 from mbs_ref.integrators.leg import (
     CLOCK_H,
+    CLOCK_LAST,
     CLOCK_T,
     COUNT_OUTPUT,
     COUNT_REJECTED,
@@ -47,7 +48,6 @@ from mbs_ref.kernels.particles.pair import combine
 from mbs_ref.system import System
 from mbs_ref.trajectory import Status
 
-CLOCK_LAST = 3  # s, place in the clock of the step before
 COLLISION = 100  # code of this loop alone: two bodies came closer than the sum of their radii
 TINY_RTOL = 1e-18  # a hundredth of roundoff a step: over 1e4 steps its steady growth stays below the random walk
 MOST_ITERATIONS = 30

@@ -8,28 +8,28 @@ Nonlinear Dyn. 5 (2010) 031002.
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
-from mbs_ref.integrators.events import EVENT, RETRY, event_tables, settle, watch
+from mbs_ref.integrators.attempt import close_attempt, next_attempt, stands_still, take
+from mbs_ref.integrators.events import EVENT, RETRY, event_tables, settle
 from mbs_ref.integrators.leg import (
-    CLOCK_COMPLIANCE,
     CLOCK_T,
     COUNT_EVENTS,
-    COUNT_OUTPUT,
     COUNT_OWN,
     COUNT_RHS,
     COUNT_STEPS,
-    DONE,
     NOT_CONVERGED,
     RUNNING,
     STEP_TOO_SMALL,
     Integrator,
     Leg,
     Options,
+    Outputs,
     Progress,
     run_chunks,
 )
-from mbs_ref.integrators.step_control import choose_step, close_step, end_step
 from mbs_ref.jointed_system import JointedSystem
 from mbs_ref.kernels.core import FORM
 from mbs_ref.kernels.implicit import dense_correction, factor_tangent, tree_correction
@@ -42,37 +42,88 @@ ALPHA_M = (2 * SPECTRAL_RADIUS - 1) / (SPECTRAL_RADIUS + 1)
 ALPHA_F = SPECTRAL_RADIUS / (SPECTRAL_RADIUS + 1)
 GAMMA = 0.5 + ALPHA_F - ALPHA_M
 BETA = 0.25 * (GAMMA + 0.5) ** 2
+RATIO = (1.0 - ALPHA_F) / (1.0 - ALPHA_M)  # of a new acceleration, what the algorithmic one takes over
 TREE_ITERATIONS, DENSE_ITERATIONS = 14, 12
 ATTEMPTS = 5  # renewals of the tangent at the latest iterate
 SLOW = 0.25  # contraction of the mass-only iteration above which the full tangent pays
 ROUNDOFF = 1e-13  # of the state's size: what a Newton correction may leave
 
 
+class Motion(NamedTuple):
+    """What the method carries from step to step besides the state, in the source's letters."""
+
+    qdd: np.ndarray  # (n,) accelerations
+    a: np.ndarray  # (n,) the algorithmic accelerations
+    lam: np.ndarray  # (n_slots, rows a slot) multipliers
+
+
+class Iterate(NamedTuple):
+    """The end of a step while it is solved for; lam is corrected in place, and kept here for a step made again."""
+
+    y: np.ndarray  # the state
+    qdd: np.ndarray  # (n,)
+    a: np.ndarray  # (n,)
+    old_lam: np.ndarray  # (n_slots, rows a slot) at the start of the step
+
+
+class Tangent(NamedTuple):
+    """The full Newton matrix, tried where the mass alone does not converge."""
+
+    row_slot: np.ndarray  # (m,) int: the constraint rows in use
+    row_row: np.ndarray  # (m,) int
+    lu: np.ndarray  # (n + m, n + m) factors; empty where the matrix is too large to be tried
+    pivots: np.ndarray  # (n + m,) int
+    step: np.ndarray  # (1,) s, step that the factors belong to; 0 where they are out of date
+
+
 @jit
-def _iterate(model, work, t, h, y, qdd, a, lam, trial, new_qdd, new_a, dense, row_slot, row_row, lu, pivots, counts):
-    """Solve one step for new_qdd and lam; leave the state in `trial`. Return converged, last contraction."""
-    n, start = qdd.shape[0], position_count(model)
-    move = np.empty(n)
-    ratio = (1.0 - ALPHA_F) / (1.0 - ALPHA_M)
-    by_position = h * h * BETA * ratio
+def _is_dense(run, tangent):
+    """Return whether steps are solved with the full tangent; once taken up it is kept."""
+    return tangent.lu.shape[0] > 0 and run.counts[COUNT_OWN] == 1
+
+
+@jit
+def _size(model, y):
+    """Return the largest position, at least 1: what roundoff is measured by."""
     size = 1.0
-    for k in range(start):
+    for k in range(position_count(model)):
         size = max(size, abs(y[k]))
-    before = -1.0
-    contraction = 0.0
+    return size
+
+
+@jit
+def _place(model, h, y, motion, iterate, move):
+    """Write the state that the accelerations of the iterate lead to (Arnold and Bruls 2007, eqs 8-11)."""
+    start = position_count(model)
+    qdd, a = motion.qdd, motion.a
+    for k in range(qdd.shape[0]):
+        iterate.a[k] = ((1.0 - ALPHA_F) * iterate.qdd[k] + ALPHA_F * qdd[k] - ALPHA_M * a[k]) / (1.0 - ALPHA_M)
+        move[k] = h * y[start + k] + h * h * ((0.5 - BETA) * a[k] + BETA * iterate.a[k])
+        iterate.y[start + k] = y[start + k] + h * ((1.0 - GAMMA) * a[k] + GAMMA * iterate.a[k])
+    displace(model, y, move, iterate.y)
+
+
+@jit
+def _correction(model, work, run, t, by_position, motion, iterate, tangent, dense):
+    """Correct the iterate's accelerations and the multipliers; return |change| and the largest defect."""
+    run.counts[COUNT_RHS] += 1
+    if dense:
+        return dense_correction(
+            model, work, t, iterate.y, iterate.qdd, motion.lam, by_position, False,
+            tangent.row_slot, tangent.row_row, tangent.lu, tangent.pivots,
+        )  # fmt: skip
+    return tree_correction(model, work, t, iterate.y, iterate.qdd, motion.lam, by_position, False)
+
+
+@jit
+def _iterate(model, work, run, t, h, y, motion, iterate, tangent):
+    """Correct one step's accelerations and multipliers until nothing is left; return converged, last contraction."""
+    move, dense = np.empty_like(motion.qdd), _is_dense(run, tangent)
+    by_position, size = h * h * BETA * RATIO, _size(model, y)
+    before, contraction = -1.0, 0.0
     for iteration in range(DENSE_ITERATIONS if dense else TREE_ITERATIONS):
-        for k in range(n):
-            new_a[k] = ((1.0 - ALPHA_F) * new_qdd[k] + ALPHA_F * qdd[k] - ALPHA_M * a[k]) / (1.0 - ALPHA_M)
-            move[k] = h * y[start + k] + h * h * ((0.5 - BETA) * a[k] + BETA * new_a[k])
-            trial[start + k] = y[start + k] + h * ((1.0 - GAMMA) * a[k] + GAMMA * new_a[k])
-        displace(model, y, move, trial)
-        if dense:
-            change, defect = dense_correction(
-                model, work, t, trial, new_qdd, lam, by_position, False, row_slot, row_row, lu, pivots
-            )
-        else:
-            change, defect = tree_correction(model, work, t, trial, new_qdd, lam, by_position, False)
-        counts[COUNT_RHS] += 1
+        _place(model, h, y, motion, iterate, move)
+        change, defect = _correction(model, work, run, t, by_position, motion, iterate, tangent, dense)
         moved = change * by_position
         if not np.isfinite(moved):
             return False, 1.0
@@ -87,117 +138,103 @@ def _iterate(model, work, t, h, y, qdd, a, lam, trial, new_qdd, new_a, dense, ro
 
 
 @jit
-def _predict(model, h, y, a, trial):
-    """Write the state that the accelerations of the step before would lead to."""
-    start = position_count(model)
+def _predict(model, h, y, motion, iterate):
+    """Begin with the accelerations of the step before, and the state that they would lead to."""
+    start, a = position_count(model), motion.a
     move = np.empty_like(a)
     for k in range(a.shape[0]):
+        iterate.qdd[k] = motion.qdd[k]
         move[k] = h * (y[start + k] + 0.5 * h * a[k])
-        trial[start + k] = y[start + k] + h * a[k]
-    displace(model, y, move, trial)
+        iterate.y[start + k] = y[start + k] + h * a[k]
+    displace(model, y, move, iterate.y)
 
 
 @jit
-def _start(model, work, t, y, qdd, lam):
-    """Set accelerations and multipliers that satisfy the equations at the start."""
+def _renew_tangent(model, work, run, attempt, motion, iterate, tangent):
+    """Form and factor the full tangent at the iterate; return whether it is regular."""
+    h = attempt.h
+    regular = factor_tangent(
+        model, work, attempt.t_new, iterate.y, motion.lam, h * h * BETA * RATIO, h * GAMMA * RATIO,
+        tangent.row_slot, tangent.row_row, tangent.lu, tangent.pivots,
+    )  # fmt: skip
+    if regular:
+        run.counts[COUNT_RHS] += motion.qdd.shape[0]
+        tangent.step[0] = h
+    return regular
+
+
+@jit
+def _solve(model, work, run, attempt, y, motion, iterate, tangent):
+    """Solve one step's equations, with the full tangent where the mass alone does not do; return whether it went."""
+    iterate.old_lam[:] = motion.lam
+    _predict(model, attempt.h, y, motion, iterate)
+    for renewal in range(ATTEMPTS):
+        dense = _is_dense(run, tangent)
+        outdated = dense and (tangent.step[0] != attempt.h or renewal > 0)
+        if outdated and not _renew_tangent(model, work, run, attempt, motion, iterate, tangent):
+            return False
+        converged, contraction = _iterate(model, work, run, attempt.t_new, attempt.h, y, motion, iterate, tangent)
+        if converged:
+            if dense and contraction > SLOW:
+                tangent.step[0] = 0.0
+            return True
+        if not dense and tangent.lu.shape[0] > 0:
+            run.counts[COUNT_OWN] = 1
+            tangent.step[0] = 0.0
+            motion.lam[:] = iterate.old_lam
+            _predict(model, attempt.h, y, motion, iterate)
+    return False
+
+
+@jit
+def _start(model, work, t, y, motion):
+    """Set accelerations and multipliers that satisfy the equations at (t, y)."""
     dy = np.empty_like(y)
     derivative(model, work, t, y, dy)
-    qdd[:] = dy[position_count(model) :]
-    multipliers(work, lam)
+    motion.qdd[:] = dy[position_count(model) :]
+    motion.a[:] = motion.qdd
+    multipliers(work, motion.lam)
 
 
 @jit
-def advance_generalized_alpha(
-    model, work, options, run, y, qdd, a, lam, row_slot, row_row, lu, pivots, times, states, worst_per_time
-):
-    """Advance y through times[1:], in place; return a status code (RUNNING when the chunk is used up)."""
-    clock, counts = run.clock, run.counts
-    n = qdd.shape[0]
-    trial = np.empty_like(y)
-    new_qdd = np.empty(n)
-    new_a = np.empty(n)
-    old_lam = lam.copy()
-    budget = counts[COUNT_STEPS] + options.chunk
+def _begin(model, work, options, run, y, motion, table):
+    """Settle the modes; where that moved anything, start anew. Return a status code."""
+    t, before = run.clock[CLOCK_T], run.counts[COUNT_EVENTS]
+    if table.shape[1] == 0:
+        return RUNNING
+    code = settle(model, work, t, y, table, run, options.max_events)
+    if code == RUNNING and run.counts[COUNT_EVENTS] != before:
+        _start(model, work, t, y, motion)
+    return code
+
+
+@jit
+def advance_generalized_alpha(model, work, options, run, y, motion, tangent, outputs):
+    """Advance y through the output times, in place; return a status code (RUNNING when the chunk is used up)."""
+    n, counts = motion.qdd.shape[0], run.counts
+    iterate = Iterate(np.empty_like(y), np.empty(n), np.empty(n), motion.lam.copy())
+    span = outputs.times[-1] - outputs.times[0]
     search, table = event_tables(model)
-    watched = table.shape[1] > 0
-    if watched:
-        before = counts[COUNT_EVENTS]
-        code = settle(model, work, clock[CLOCK_T], y, table, run, options.max_events)
-        if code != RUNNING:
-            return code
-        if counts[COUNT_EVENTS] != before:
-            _start(model, work, clock[CLOCK_T], y, qdd, lam)
-            a[:] = qdd
-    ratio = (1.0 - ALPHA_F) / (1.0 - ALPHA_M)
-    dense = lu.shape[0] > 0 and counts[COUNT_OWN] == 1
-    factored = 0.0
-    while counts[COUNT_OUTPUT] < times.shape[0]:
-        t = clock[CLOCK_T]
-        target = times[counts[COUNT_OUTPUT]]
-        reach = target - t
-        h, lands, searching = choose_step(options.step, reach, False, search)
-        t_new = target if lands else t + h
-        if t_new == t and not searching:
+    budget = counts[COUNT_STEPS] + options.chunk
+    code = _begin(model, work, options, run, y, motion, table)
+    tangent.step[0] = 0.0
+    while code == RUNNING and counts[COUNT_STEPS] < budget:
+        attempt = next_attempt(options, run, outputs, False, search)
+        if stands_still(attempt):
             return STEP_TOO_SMALL
-        converged = False
-        contraction = 1.0
-        old_lam[:] = lam
-        new_qdd[:] = qdd
-        _predict(model, h, y, a, trial)
-        for attempt in range(ATTEMPTS):
-            if dense and (factored != h or attempt > 0):
-                if not factor_tangent(
-                    model, work, t_new, trial, lam, h * h * BETA * ratio, h * GAMMA * ratio,
-                    row_slot, row_row, lu, pivots,
-                ):  # fmt: skip
-                    break
-                counts[COUNT_RHS] += n
-                factored = h
-            converged, contraction = _iterate(
-                model, work, t_new, h, y, qdd, a, lam, trial, new_qdd, new_a,
-                dense, row_slot, row_row, lu, pivots, counts,
-            )  # fmt: skip
-            if converged:
-                break
-            if not dense and lu.shape[0] > 0:
-                dense = True
-                counts[COUNT_OWN] = 1
-                factored = 0.0
-                new_qdd[:] = qdd
-                lam[:] = old_lam
-                _predict(model, h, y, a, trial)
-        if not converged:
+        if not _solve(model, work, run, attempt, y, motion, iterate, tangent):
             return NOT_CONVERGED
-        if dense and contraction > SLOW:
-            factored = 0.0
-        code, clock[CLOCK_COMPLIANCE] = close_step(
-            model, work, t_new, trial, h, options.project, options.projection_tolerance,
-            options.stop_on_compliance, clock[CLOCK_COMPLIANCE],
-        )  # fmt: skip
-        if code != RUNNING:
-            return code
-        verdict = 0
-        if watched:
-            verdict = watch(model, work, t, h, trial, search, table)
-            if verdict == RETRY:
-                lam[:] = old_lam
-                continue
-        y[:], qdd[:], a[:] = trial, new_qdd, new_a
-        clock[CLOCK_T] = t_new
-        counts[COUNT_STEPS] += 1
-        if verdict == EVENT:
-            code = settle(model, work, t_new, y, table, run, options.max_events)
-            if code != RUNNING:
-                return code
-            _start(model, work, t_new, y, qdd, lam)
-            a[:] = qdd
-            factored = 0.0
-        code = end_step(run, lands, y, times, states, worst_per_time, options.max_steps)
-        if code != RUNNING:
-            return code
-        if counts[COUNT_STEPS] >= budget:
-            return RUNNING
-    return DONE
+        code, verdict = close_attempt(model, work, options, run, attempt, span, iterate.y, search, table)
+        if verdict == RETRY:
+            motion.lam[:] = iterate.old_lam
+            continue
+        if code == RUNNING:
+            motion.qdd[:], motion.a[:] = iterate.qdd, iterate.a
+            code = take(model, work, options, run, attempt, verdict, y, iterate.y, table, outputs)
+        if code == RUNNING and verdict == EVENT:
+            _start(model, work, attempt.t_new, y, motion)
+            tangent.step[0] = 0.0
+    return code
 
 
 DENSE_LIMIT = 900  # unknowns; a dense tangent beyond costs seconds a factorization and is not tried
@@ -208,21 +245,24 @@ def advance(system: System, options: Options, run: Progress, y: np.ndarray, time
     assert isinstance(system, JointedSystem)  # `cores` of the INTEGRATOR sees to it
     system.prepare(FORM)
     n = len(y) - system.n_positions
-    qdd, lam = np.empty(n), np.zeros_like(system.scratch.rows.multiplier)
-    _start(system.model, system.work, float(times[0]), y, qdd, lam)
+    motion = Motion(np.empty(n), np.empty(n), np.zeros_like(system.scratch.rows.multiplier))
+    _start(system.model, system.work, float(times[0]), y, motion)
     run.counts[COUNT_RHS] += 1
-    a = qdd.copy()
-    rows = np.array([(slot, row) for _, slot, row in system.rows(every=True)], dtype=np.int64).reshape(-1, 2)
-    unknowns = n + len(rows) if n + len(rows) <= DENSE_LIMIT else 0
-    lu, pivots = np.empty((unknowns, unknowns)), np.empty(unknowns, dtype=np.int64)
-    row_slot, row_row = np.ascontiguousarray(rows[:, 0]), np.ascontiguousarray(rows[:, 1])
+    tangent = _tangent(system, n)
 
-    def chunk(states: np.ndarray, worst: np.ndarray) -> int:
-        return advance_generalized_alpha(
-            system.model, system.work, options, run, y, qdd, a, lam, row_slot, row_row, lu, pivots, times, states, worst
-        )
+    def chunk(outputs: Outputs) -> int:
+        return advance_generalized_alpha(system.model, system.work, options, run, y, motion, tangent, outputs)
 
     return run_chunks(chunk, options, run, y, times)
+
+
+def _tangent(system: JointedSystem, n: int) -> Tangent:
+    """Return room for the full Newton matrix of n rates and the multipliers, unless it is too large."""
+    rows = np.array([(slot, row) for _, slot, row in system.rows(every=True)], dtype=np.int64).reshape(-1, 2)
+    unknowns = n + len(rows) if n + len(rows) <= DENSE_LIMIT else 0
+    row_slot, row_row = np.ascontiguousarray(rows[:, 0]), np.ascontiguousarray(rows[:, 1])
+    lu, pivots = np.empty((unknowns, unknowns)), np.empty(unknowns, dtype=np.int64)
+    return Tangent(row_slot, row_row, lu, pivots, np.zeros(1))
 
 
 INTEGRATOR = Integrator(

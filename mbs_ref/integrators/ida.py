@@ -9,24 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from mbs_ref.integrators.contact_events import ContactEvents, event_end
-from mbs_ref.integrators.crossing import is_near_singular, leap
-from mbs_ref.integrators.leg import (
-    CLOCK_COMPLIANCE,
-    CLOCK_T,
-    COUNT_REJECTED,
-    COUNT_RHS,
-    COUNT_STEPS,
-    FEWEST,
-    MESSAGES,
-    RUNNING,
-    STALLED,
-    Advance,
-    Leg,
-    Options,
-    Pace,
-    Progress,
-)
+from mbs_ref.integrators.leg import COUNT_REJECTED, COUNT_RHS, COUNT_STEPS, Advance, Leg, Options, Progress
+from mbs_ref.integrators.multistep import MultistepLeg
 from mbs_ref.jointed_system import JointedSystem
 from mbs_ref.kernels.core import FORM
 from mbs_ref.kernels.residual import GGL, largest_balance, residual
@@ -53,14 +37,13 @@ STOPPED = {  # IDA's return values, in words
 class _Ida:
     """One IDA memory with everything it refers to kept alive."""
 
-    def __init__(
-        self, system: JointedSystem, options: Options, form: int, y: np.ndarray, t0: float, events: ContactEvents,
-        longest: float,
-    ) -> None:  # fmt: skip
+    def __init__(self, leg: MultistepLeg, form: int) -> None:
         from sundials4py import core, idas
 
+        system, options, events, y, t0 = leg.system, leg.options, leg.events, leg.now, leg.t
+        assert isinstance(system, JointedSystem)  # `cores` of the Integrator sees to it
         self.core, self.idas = core, idas
-        self.system, self.form, self.events, self.size = system, form, events, len(y)
+        self.system, self.form, self.events, self.size, self.t = system, form, events, len(y), t0
         self.kept = system.independent_rows(t0, y)
         rows = np.array([(slot, row) for _, slot, row in system.rows()], dtype=np.int64).reshape(-1, 2)[self.kept]
         self.row_slot, self.row_row = np.ascontiguousarray(rows[:, 0]), np.ascontiguousarray(rows[:, 1])
@@ -83,7 +66,7 @@ class _Ida:
         # Without this the error test includes the multipliers: 91 000 steps and a wrong answer at rtol 1e-4.
         self._ok(idas.IDASetSuppressAlg(self.memory, 1), "IDASetSuppressAlg")
         self._ok(idas.IDASetMaxNumSteps(self.memory, options.max_steps), "IDASetMaxNumSteps")
-        self._ok(idas.IDASetMaxStep(self.memory, longest), "IDASetMaxStep")
+        self._ok(idas.IDASetMaxStep(self.memory, leg.longest), "IDASetMaxStep")
         self.matrix = core.SUNDenseMatrix(size, size, self.context)
         self.solver = core.SUNLinSol_Dense(self.yy, self.matrix, self.context)
         self._ok(idas.IDASetLinearSolver(self.memory, self.solver, self.matrix), "IDASetLinearSolver")
@@ -135,16 +118,42 @@ class _Ida:
         if flag < 0:
             raise RuntimeError(f"{call} of SUNDIALS returned {flag}")
 
-    def step(self, t_out: float) -> tuple[int, float]:
-        """Take one internal step towards t_out, never past it."""
+    def step(self, leg: MultistepLeg) -> int:
+        """Take one internal step towards the next output, never past it; return IDA's flag, negative for a failure."""
+        t_out = float(leg.times[leg.reached])
         self.idas.IDASetStopTime(self.memory, t_out)
-        return self.idas.IDASolve(self.memory, t_out, self.yy, self.yp, self.idas.IDA_ONE_STEP)
+        flag, self.t = self.idas.IDASolve(self.memory, t_out, self.yy, self.yp, self.idas.IDA_ONE_STEP)
+        return flag
 
-    def state(self, size: int) -> np.ndarray:
-        return self.core.N_VGetArrayPointer(self.yy)[:size].copy()
+    def state(self) -> np.ndarray:
+        return self.core.N_VGetArrayPointer(self.yy)[: self.size].copy()
 
     def failed_error_tests(self) -> int:
         return self.idas.IDAGetNumErrTestFails(self.memory)[1]
+
+    def count(self, run: Progress) -> None:
+        """Add what this memory spent."""
+        run.counts[COUNT_RHS] += self.residuals
+        run.counts[COUNT_REJECTED] += self.failed_error_tests()
+
+
+def _stop_failed(leg: MultistepLeg, flag: int) -> None:
+    """End the leg with IDA's reason."""
+    words, status = STOPPED.get(flag, (f"SUNDIALS stopped with flag {flag}", Status.ENGINE_ERROR))
+    leg.stop(status, f"{words} (IDA flag {flag})")
+
+
+def _passes_tests(leg: MultistepLeg, solver: _Ida) -> bool:
+    """Return whether the error test still tells steps apart; where it fails whatever the step, the leg ends."""
+    failed, steps = solver.failed_error_tests(), leg.run.counts[COUNT_STEPS]
+    if failed <= HOPELESS_FAILURES or failed <= HOPELESS_SHARE * steps:
+        return True
+    leg.stop(
+        Status.NOT_CONVERGED,
+        f"the error test has failed {failed} times in {steps} steps: "
+        "its estimate does not shrink with the step, as is known of raw index 3",
+    )
+    return False
 
 
 def ida(form: int) -> Advance:
@@ -153,72 +162,24 @@ def ida(form: int) -> Advance:
     def advance(system: System, options: Options, run: Progress, y: np.ndarray, times: np.ndarray) -> Leg:
         assert isinstance(system, JointedSystem)  # `cores` of the Integrator sees to it
         system.prepare(FORM)
-        states, worst = np.empty((len(times), len(y))), np.zeros(len(times))
-        states[0] = y
-        t, reached, now = float(times[0]), 1, y.copy()
-        longest = float(times[-1] - times[0]) / FEWEST
-        events = ContactEvents(system, options, run)
-        code = events.settle(t, now)
-        if code != RUNNING:
-            return event_end(code, t, y, now, Leg(states, worst, reached, Status.SUCCESS))
-        solver = _Ida(system, options, form, now, t, events, longest)
-        loops = options.project and system.n_closure_rows > 0
-        pace = Pace(t, float(times[-1]), options.max_steps, every=2_000)
-        status, message = Status.SUCCESS, ""
-        while reached < len(times):
-            flag, t_new = solver.step(float(times[reached]))
+        leg = MultistepLeg(system, options, run, y, times)
+        solver: _Ida | None = None
+        while leg.goes_on():
+            solver = solver or _Ida(leg, form)
+            flag = solver.step(leg)
             if flag < 0:
-                words, status = STOPPED.get(flag, (f"SUNDIALS stopped with flag {flag}", Status.ENGINE_ERROR))
-                message = f"at t = {t:.9g} s {words} (IDA flag {flag})"
+                _stop_failed(leg, flag)
                 break
-            run.counts[COUNT_STEPS] += 1
-            step, t = t_new - t, t_new
-            now = solver.state(len(y))
-            gap, _ = system.compliance(t, now)
-            run.clock[CLOCK_COMPLIANCE] = max(run.clock[CLOCK_COMPLIANCE], gap)
-            if options.stop_on_compliance and gap >= step:
-                status, message = Status.COMPLIANCE, f"at t = {t:.9g} s |C| = {gap:.3g} is not below h = {step:.3g}"
+            arrived = leg.arrive(solver.t, solver.state(), solver.t - leg.t)
+            if not (arrived and _passes_tests(leg, solver) and leg.keeps_pace()):
                 break
-            failed = solver.failed_error_tests()
-            if failed > HOPELESS_FAILURES and failed > HOPELESS_SHARE * run.counts[COUNT_STEPS]:
-                status = Status.NOT_CONVERGED
-                message = (
-                    f"at t = {t:.9g} s the error test has failed {failed} times in {run.counts[COUNT_STEPS]} steps: "
-                    "its estimate does not shrink with the step, as is known of raw index 3"
-                )
-                break
-            if pace.is_hopeless(t, int(run.counts[COUNT_STEPS])):
-                status, message = Status.STEP_TOO_SMALL, f"at t = {t:.9g} s {MESSAGES[STALLED]}"
-                break
-            if run.counts[COUNT_STEPS] >= options.max_steps:
-                status, message = Status.TOO_MANY_STEPS, f"at t = {t:.9g} s the limit on steps was reached"
-                break
-            if t >= times[reached]:
-                states[reached], worst[reached] = now, run.clock[CLOCK_COMPLIANCE]
-                run.clock[CLOCK_COMPLIANCE] = 0.0
-                reached += 1
-            if flag == solver.idas.IDA_ROOT_RETURN and reached < len(times):
-                run.counts[COUNT_RHS] += solver.residuals
-                run.counts[COUNT_REJECTED] += solver.failed_error_tests()
-                code = events.settle(t, now)
-                if code != RUNNING:
-                    run.clock[CLOCK_T] = t
-                    return event_end(code, t, y, now, Leg(states, worst, reached, status))
-                solver = _Ida(system, options, form, now, t, events, longest)
-            elif loops and reached < len(times) and is_near_singular(system, t, now):
-                run.counts[COUNT_RHS] += solver.residuals
-                run.counts[COUNT_REJECTED] += solver.failed_error_tests()
-                landing = leap(system, options, run, t, now, times, reached, states)
-                t, reached = landing.t, landing.reached
-                if landing.failed is not None:
-                    status, message = landing.failed.status, landing.failed.message
-                    break
-                now = landing.y
-                solver = _Ida(system, options, form, now, t, events, longest)
-        run.clock[CLOCK_T] = t
-        y[:] = now
-        run.counts[COUNT_RHS] += solver.residuals
-        run.counts[COUNT_REJECTED] += solver.failed_error_tests()
-        return Leg(states, worst, reached, status, message)
+            if leg.t >= times[leg.reached]:
+                leg.record(leg.now)
+            if leg.jumps(event=flag == solver.idas.IDA_ROOT_RETURN):
+                solver.count(run)
+                solver = None
+        if solver is not None:
+            solver.count(run)
+        return leg.finish()
 
     return advance

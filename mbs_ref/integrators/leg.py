@@ -57,8 +57,16 @@ def progress(t: float) -> Progress:
     return Progress(np.array([t, 0.0, 0.0, 0.0]), np.zeros(7, dtype=np.int64))
 
 
-CLOCK_T, CLOCK_H, CLOCK_COMPLIANCE, CLOCK_ERROR = range(4)
+CLOCK_T, CLOCK_H, CLOCK_COMPLIANCE, CLOCK_LAST = range(4)
 COUNT_STEPS, COUNT_REJECTED, COUNT_RHS, COUNT_OUTPUT, COUNT_OWN, COUNT_EVENTS, COUNT_CONTACT = range(7)
+
+
+class Outputs(NamedTuple):
+    """What a compiled loop fills; the first of each is the start."""
+
+    times: np.ndarray  # (n_times,) s, asked
+    states: np.ndarray  # (n_times, n_state)
+    compliance: np.ndarray  # (n_times,) largest |C| over the steps since the time before
 
 
 @dataclass
@@ -139,16 +147,16 @@ def finish_leg(code: int, states: np.ndarray, compliance: np.ndarray, run: Progr
 
 
 def run_chunks(
-    chunk: Callable[[np.ndarray, np.ndarray], int], options: Options, run: Progress, y: np.ndarray, times: np.ndarray
+    chunk: Callable[[Outputs], int], options: Options, run: Progress, y: np.ndarray, times: np.ndarray
 ) -> Leg:
-    """Call a compiled loop, which fills states and largest |C|, until it ends or creeps; Ctrl-C is heard between."""
-    states, worst = np.empty((len(times), len(y))), np.zeros(len(times))
-    states[0] = y
+    """Call a compiled loop, which fills the outputs, until it ends or creeps; Ctrl-C is heard between."""
+    outputs = Outputs(times, np.empty((len(times), len(y))), np.zeros(len(times)))
+    outputs.states[0] = y
     run.counts[COUNT_OUTPUT] = 1
     pace = Pace(float(times[0]), float(times[-1]), options.max_steps, options.chunk)
     code = RUNNING
     while code == RUNNING:
-        code = chunk(states, worst)
+        code = chunk(outputs)
         if code == RUNNING and pace.is_hopeless(float(run.clock[CLOCK_T]), int(run.counts[COUNT_STEPS])):
             code = STALLED
-    return finish_leg(code, states, worst, run)
+    return finish_leg(code, outputs.states, outputs.compliance, run)

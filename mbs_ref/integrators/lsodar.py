@@ -10,24 +10,8 @@ from __future__ import annotations
 import numpy as np
 from scipy.integrate import LSODA
 
-from mbs_ref.integrators.contact_events import ContactEvents, event_end
-from mbs_ref.integrators.crossing import is_near_singular, leap
-from mbs_ref.integrators.leg import (
-    CLOCK_COMPLIANCE,
-    CLOCK_T,
-    COUNT_OWN,
-    COUNT_RHS,
-    COUNT_STEPS,
-    FEWEST,
-    MESSAGES,
-    RUNNING,
-    STALLED,
-    Integrator,
-    Leg,
-    Options,
-    Pace,
-    Progress,
-)
+from mbs_ref.integrators.leg import COUNT_OWN, COUNT_RHS, Integrator, Leg, Options, Progress
+from mbs_ref.integrators.multistep import Ending, MultistepLeg
 from mbs_ref.system import System
 from mbs_ref.trajectory import Status
 
@@ -36,83 +20,47 @@ ADAMS = 1  # ODEPACK's number of the family that every start begins with; 2 is B
 
 def advance(system: System, options: Options, run: Progress, y: np.ndarray, times: np.ndarray) -> Leg:
     """Integrate one leg; outputs come from the method's own interpolant."""
-    states, worst = np.empty((len(times), len(y))), np.zeros(len(times))
-    states[0] = y
-    loops = options.project and system.n_closure_rows > 0
-    events = ContactEvents(system, options, run)
+    leg = MultistepLeg(system, options, run, y, times)
     solver: LSODA | None = None
-    now = y.copy()
-    t, reached, status, message = float(times[0]), 1, Status.SUCCESS, ""
-    code = events.settle(t, now)
-    if code != RUNNING:
-        return event_end(code, t, y, now, Leg(states, worst, reached, status))
-    pace, family = Pace(t, float(times[-1]), options.max_steps, every=2_000), ADAMS
-    while reached < len(times):
+    family = ADAMS
+    while leg.goes_on():
         if solver is None:
-            solver, family = _start(system, options, t, now, times), ADAMS
-        before = solver.t
-        failure = solver.step()
+            solver, family = _start(leg), ADAMS
+        before, failure = solver.t, solver.step()
         if solver.status == "failed" or not np.isfinite(solver.y).all():
-            status, message = _failure(solver, failure)
+            leg.ending = _failure(solver, failure)
             break
-        run.counts[COUNT_STEPS] += 1
         before_it, family = family, _family(solver)
         run.counts[COUNT_OWN] += family != before_it
-        t, now = events.locate(before, solver)
-        gap, _ = system.compliance(t, now)
-        run.clock[CLOCK_COMPLIANCE] = max(run.clock[CLOCK_COMPLIANCE], gap)
-        if options.stop_on_compliance and gap >= solver.t - before:  # the method's own step, where an event cuts it
-            status = Status.COMPLIANCE
-            message = f"at t = {t:.9g} s |C| = {gap:.3g} is not below h = {solver.t - before:.3g}"
+        t, now = leg.events.locate(before, solver)
+        # the method's own step, where an event cuts it
+        if not (leg.arrive(t, now, solver.t - before) and leg.keeps_pace()):
             break
-        if pace.is_hopeless(t, int(run.counts[COUNT_STEPS])):
-            status, message = Status.STEP_TOO_SMALL, f"at t = {t:.9g} s {MESSAGES[STALLED]}"
-            break
-        if run.counts[COUNT_STEPS] >= options.max_steps:
-            status, message = Status.TOO_MANY_STEPS, f"at t = {t:.9g} s the limit on steps was reached"
-            break
-        reached = _output(solver, t, times, reached, states, worst, run)
-        if events.found and reached < len(times):
+        _record_passed(solver, leg)
+        if leg.jumps(leg.events.found):
             run.counts[COUNT_RHS] += solver.nfev
             solver = None
-            code = events.settle(t, now)
-            if code != RUNNING:
-                run.clock[CLOCK_T] = t
-                return event_end(code, t, y, now, Leg(states, worst, reached, status))
-        elif loops and reached < len(times) and is_near_singular(system, t, now):
-            run.counts[COUNT_RHS] += solver.nfev
-            solver = None
-            landing = leap(system, options, run, t, now, times, reached, states)
-            t, now, reached = landing.t, landing.y, landing.reached
-            if landing.failed is not None:
-                status, message = landing.failed.status, landing.failed.message
-                break
-    run.clock[CLOCK_T] = t
-    y[:] = now
     run.counts[COUNT_RHS] += solver.nfev if solver is not None else 0
-    return Leg(states, worst, reached, status, message)
+    return leg.finish()
 
 
-def _output(
-    solver: LSODA, t: float, times: np.ndarray, reached: int, states: np.ndarray, worst: np.ndarray, run: Progress
-) -> int:
-    """Fill every asked time that the last step passed, up to t."""
+def _record_passed(solver: LSODA, leg: MultistepLeg) -> None:
+    """Keep every asked time that the last step passed, up to where it ends or an event cuts it."""
     interpolant = None
-    while reached < len(times) and times[reached] <= t:
+    while leg.goes_on() and leg.times[leg.reached] <= leg.t:
+        asked = leg.times[leg.reached]
         interpolant = interpolant or solver.dense_output()
-        states[reached] = solver.y if times[reached] == solver.t else interpolant(times[reached])
-        worst[reached] = run.clock[CLOCK_COMPLIANCE]
-        run.clock[CLOCK_COMPLIANCE] = 0.0
-        reached += 1
-    return reached
+        leg.record(solver.y if asked == solver.t else interpolant(asked))
 
 
-def _start(system: System, options: Options, t: float, y: np.ndarray, times: np.ndarray) -> LSODA:
-    """Return a solver from (t, y) to the end of the leg, whose ends, where a pulse is zero, must not make a step."""
-    end, longest = float(times[-1]), float(times[-1] - times[0]) / FEWEST
+def _start(leg: MultistepLeg) -> LSODA:
+    """Return a solver from where the leg is to its end, where a pulse is zero: its ends must not make a step."""
+    options, end = leg.options, float(leg.times[-1])
     if options.project:
-        return _OnConstraints(system, options, t, y, end, longest)
-    return LSODA(system.derivative, t, y, end, max_step=longest, rtol=options.rtol, atol=options.atol)
+        return _OnConstraints(leg.system, options, leg.t, leg.now, end, leg.longest)
+    return LSODA(
+        leg.system.derivative, leg.t, leg.now, end, max_step=leg.longest, rtol=options.rtol, atol=options.atol
+    )  # fmt: skip
 
 
 class _OnConstraints(LSODA):
@@ -152,10 +100,10 @@ def _family(solver: LSODA) -> int:
     return int(solver._lsoda_solver._integrator.iwork[18])  # pyright: ignore[reportAttributeAccessIssue]
 
 
-def _failure(solver: LSODA, words: str | None) -> tuple[Status, str]:
+def _failure(solver: LSODA, words: str | None) -> Ending:
     if not np.isfinite(solver.y).all():
-        return Status.NON_FINITE, f"at t = {solver.t:.9g} s a state became infinite or NaN"
-    return Status.STEP_TOO_SMALL, f"at t = {solver.t:.9g} s LSODA gave up: {words or 'no reason given'}"
+        return Ending(Status.NON_FINITE, f"at t = {solver.t:.9g} s a state became infinite or NaN")
+    return Ending(Status.STEP_TOO_SMALL, f"at t = {solver.t:.9g} s LSODA gave up: {words or 'no reason given'}")
 
 
 INTEGRATOR = Integrator(

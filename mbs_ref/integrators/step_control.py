@@ -76,6 +76,15 @@ def first_step(model, work, t, y, dy, order, rtol, atol, span):
 
 
 @jit
+def propose_first(model, work, options, run, y, dy, order, span):
+    """Guess the first step of an adaptive run that has none yet."""
+    if options.step == 0.0 and run.clock[CLOCK_H] == 0.0:
+        t = run.clock[CLOCK_T]
+        run.clock[CLOCK_H] = first_step(model, work, t, y, dy, order, options.rtol, options.atol, span)
+        run.counts[COUNT_RHS] += 1
+
+
+@jit
 def choose_step(proposed, reach, evenly, search):
     """Return the step (s), whether it lands on the output `reach` (s) ahead, and whether a search chose it."""
     if search[ACTIVE] != IDLE:

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from mbs_ref import scenes
-from mbs_ref.integrators import dop853, euler, integrators, radau, rk4
+from mbs_ref.integrators import dop853, euler, integrators, rk4
+from mbs_ref.integrators import radau_coefficients as radau
 from mbs_ref.scene import CoordinateDrive, Force, PlanarBody, PointMass, Prismatic, Scene, SpringDamper, UserForce
 from mbs_ref.settings import Settings
 from mbs_ref.signals import HalfSine, Table
