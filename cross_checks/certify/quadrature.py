@@ -39,6 +39,20 @@ def running_integral(rate: Callable[[np.ndarray], np.ndarray], times: np.ndarray
     return np.cumsum(sums)
 
 
+def periodic_integral(
+    rate: Callable[[np.ndarray], np.ndarray], times: np.ndarray, piece: float, period: np.longdouble
+) -> np.ndarray:
+    """Return the running integral of a rate of known period (s): whole periods count, and what is left is integrated."""
+    turns = np.floor(times / period)
+    if turns[-1] == 0:
+        return running_integral(rate, times, piece)
+    left = times - turns * period
+    order = np.argsort(left)
+    partial = np.empty_like(left)
+    partial[order] = running_integral(rate, left[order], piece)
+    return turns * running_integral(rate, np.array([period]), piece)[0] + partial
+
+
 def _legendre() -> tuple[np.ndarray, np.ndarray]:
     """Nodes and weights on [-1, 1] in extended precision: Newton's step on the double-precision nodes."""
     x = np.polynomial.legendre.leggauss(NODES)[0].astype(np.longdouble)

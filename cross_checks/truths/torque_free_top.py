@@ -9,7 +9,7 @@ import numpy as np
 
 from cross_checks.certify.elliptic import amplitude, argument, quarter_period
 from cross_checks.certify.extrapolation import NoConvergenceError
-from cross_checks.certify.quadrature import running_integral
+from cross_checks.certify.quadrature import periodic_integral
 from cross_checks.truths import Truth
 from mbs_ref.euler_parameters import rotation_matrices
 from mbs_ref.scene import Scene
@@ -90,7 +90,7 @@ def _orientations(moments: np.ndarray, omega: np.ndarray, start: np.ndarray, tim
     size = np.sqrt(np.sum((moments * omega) ** 2))
     period = 4 * quarter_period(rates.m) / rates.speed
     piece = min(float(period), 2 * np.pi / float(size / moments.min())) / 8
-    turned = running_integral(precession, times.astype(np.longdouble), piece)
+    turned = periodic_integral(precession, times.astype(np.longdouble), piece, period)
     up = start @ (moments * omega) / size  # the momentum in the world
     e = np.zeros(3, dtype=np.longdouble)
     e[axis] = 1
