@@ -42,7 +42,7 @@ def running_integral(rate: Callable[[np.ndarray], np.ndarray], times: np.ndarray
 def periodic_integral(
     rate: Callable[[np.ndarray], np.ndarray], times: np.ndarray, piece: float, period: np.longdouble
 ) -> np.ndarray:
-    """Return the running integral of a rate of known period (s): whole periods count, and what is left is integrated."""
+    """Return the running integral of a rate of known period (s): whole periods count, the rest is integrated."""
     turns = np.floor(times / period)
     if turns[-1] == 0:
         return running_integral(rate, times, piece)
