@@ -9,6 +9,7 @@ pass. Other runs are taken at their word, as everywhere.
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -40,16 +41,26 @@ def judged(system: System, plan: Plan, run: Run) -> Run:
     if plan.settings.unresolved == "stop":
         if plan.options.step:
             found = _damped(system, plan, run) or _against_half(system, plan, run)
-        elif _doubtful(system, plan, run):
+        else:
             found = _against_tenth(system, plan, run)
     return run._replace(status=found[0], message=found[1]) if found else run
 
 
-def _doubtful(system: System, plan: Plan, run: Run) -> bool:
+class _Doubt(NamedTuple):
+    """Why a run within a tolerance is made again."""
+
+    serious: bool  # enough for a second run
+    grave: bool  # and to hold it against the first where the second does not end, though they agreed so far
+
+
+def _doubt(system: System, plan: Plan, run: Run) -> _Doubt:
     rtol, steps = plan.options.rtol, int(run.counts[COUNT_STEPS])
-    if rtol >= COARSE or rtol < TIGHTEST:
-        return rtol >= COARSE
-    return steps >= LONG or phase_error(system, run.times, run.states, steps) > ASTRAY
+    if rtol < TIGHTEST:
+        return _Doubt(False, False)
+    if rtol >= COARSE or steps >= LONG:
+        return _Doubt(True, True)
+    phase = phase_error(system, run.times, run.states, steps)
+    return _Doubt(phase.at_most > ASTRAY, phase.about > ASTRAY)
 
 
 def _damped(system: System, plan: Plan, run: Run) -> tuple[Status, str] | None:
@@ -71,33 +82,44 @@ def _against_half(system: System, plan: Plan, run: Run) -> tuple[Status, str] | 
     options = plan.options._replace(max_steps=2 * plan.options.max_steps)
     other = _repeated(system, plan, options, run.states[0], refine=2)
     order = 1 if system.scene.contacts or system.scene.events else plan.integrator.order
-    return _compared(system, plan, run, other, "half", 2.0**order, SEEN, Still())
+    return _compared(system, plan, run, other, _Second("half", 2.0**order, SEEN, Still(), must_end=True))
 
 
 def _against_tenth(system: System, plan: Plan, run: Run) -> tuple[Status, str] | None:
-    """Judge the run by a second one with a tenth of the tolerances."""
+    """Judge a doubtful run by a second one with a tenth of the tolerances."""
+    doubt = _doubt(system, plan, run)
+    if not doubt.serious:
+        return None
     rtol = plan.options.rtol
     options = plan.options._replace(rtol=TENTH * rtol, atol=TENTH * plan.options.atol)
     other = _repeated(system, plan, options, run.states[0], refine=1)
     bound = max(SEEN, LOOSE * rtol)
     least = still(system.scene, plan.options.atol, bound)
-    return _compared(system, plan, run, other, "a tenth", 1.0 / TENTH, bound, least)
+    return _compared(system, plan, run, other, _Second("a tenth", 1.0 / TENTH, bound, least, doubt.grave))
 
 
-def _compared(
-    system: System, plan: Plan, run: Run, other: Run, part: str, smaller: float, bound: float, least: Still
-) -> tuple[Status, str] | None:
+class _Second(NamedTuple):
+    """How a second run judges the first."""
+
+    part: str  # of the first one's step or tolerance
+    smaller: float  # so many times its error is
+    bound: float  # of the motion's size: what the first may err
+    least: Still
+    must_end: bool  # or the first is unresolved
+
+
+def _compared(system: System, plan: Plan, run: Run, other: Run, how: _Second) -> tuple[Status, str] | None:
     if other.status is Status.INTERRUPTED:
         return other.status, f"{other.message} of the second run that judges the first, which is complete"
     scene, count = system.scene, min(len(run.times), len(other.times))
     first, second = system.poses(run.states[:count]), system.poses(other.states[:count])
-    found = disagreement(first, second, smaller, bound, least)
-    if found.first is None and other.status is Status.SUCCESS:
+    found = disagreement(first, second, how.smaller, how.bound, how.least)
+    if found.first is None and (other.status is Status.SUCCESS or not how.must_end):
         return None
     good = count - 1 if found.first is None else max(found.first - 1, 0)
     why = (
-        f"with {part} of it the run does not end: {other.message}" if found.first is None else
-        f"{part} of it takes body {scene.bodies[found.body].name!r} elsewhere, beyond the bound at "
+        f"with {how.part} of it the run does not end: {other.message}" if found.first is None else
+        f"{how.part} of it takes body {scene.bodies[found.body].name!r} elsewhere, beyond the bound at "
         f"t = {run.times[found.first]:.6g} s and by an estimated {found.share:.2g} of the whole motion at worst"
     )  # fmt: skip
     return Status.UNRESOLVED, (

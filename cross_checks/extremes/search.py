@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 
 from cross_checks.extremes.judge import Fate, Point
@@ -38,9 +39,9 @@ def scan(values: Sequence[float], probe: Probe, refine: int) -> list[Point]:
     points = [probe(value) for value in values]
     for _ in range(refine):
         k = broken(points)
-        if k is None or k == 0 or not points[k].value * points[k - 1].value > 0.0:
+        if k is None or k == 0 or not min(points[k].value, points[k - 1].value) > 0.0:
             break
-        between = (points[k].value * points[k - 1].value) ** 0.5
+        between = math.sqrt(points[k].value) * math.sqrt(points[k - 1].value)  # their product may overflow
         points.insert(k, probe(between))
     return points
 

@@ -101,6 +101,11 @@ def test_a_scan_halves_the_gap_geometrically():
     assert len(points) == 6
 
 
+def test_a_scan_halves_values_whose_product_overflows():
+    points = scan((1e160, 1e300), lambda v: point_at(v, v < 1e200), 1)
+    assert points[1].value == pytest.approx(1e230)
+
+
 def test_cells_survive_the_file_and_a_corrupt_line_costs_only_itself(tmp_path):
     one = made_of("a", "b", "e", "m", False, [point_at(1.0, True), lost(2.0, "timeout", "gave no answer")])
     target = tmp_path / "cells.jsonl"
@@ -127,6 +132,28 @@ def test_every_extreme_is_a_scene_along_an_axis():
         assert not extreme.axis.labels or len(extreme.axis.labels) == len(extreme.axis.values)
     with pytest.raises(ValueError, match="unknown"):
         named("no-such-extreme")
+
+
+def standing(case: Case) -> Trajectory:
+    """The start, kept: a wrong answer as a rule, but one that can be judged."""
+    bodies, n = case.scene.bodies, len(case.times)
+    place = np.tile(np.array([body.position for body in bodies], dtype=float), (n, 1, 1))
+    turned = np.array([getattr(body, "angle", 0.0) for body in bodies])
+    spin = np.zeros((n, len(bodies)))
+    if case.scene.dimension == 3:
+        turned = np.array([getattr(body, "orientation", (1.0, 0.0, 0.0, 0.0)) for body in bodies])
+        spin = np.zeros_like(place)
+    still = np.zeros_like(place)
+    return Trajectory(case.times, place, np.tile(turned, (n,) + (1,) * turned.ndim), still, spin)
+
+
+@pytest.mark.parametrize("extreme", every(), ids=lambda e: e.name)
+def test_an_answer_can_be_judged_everywhere_on_the_axis(extreme):
+    """A truth that gives up, or takes long, would be held against the engine."""
+    for value in extreme.values(full=True):
+        case = extreme.case(value)
+        if not case.must_stop:
+            assert case.measure(case.scene, standing(case)) >= 0.0, value
 
 
 def test_mujoco_resets_on_a_stiff_spring_and_is_caught():

@@ -17,6 +17,7 @@ from mbs_ref import scenes
 FAMILY = "mass ratio"
 STEP, RTOL = 1e-3, 1e-8
 TRUTH_TOLERANCE = 1e-12
+HEAVIEST = 1e6  # times the lightest rod: with a heavier tip absolute angles do not converge, nor in extended precision
 FOLDED = (0.0, math.pi - 0.4, 0.3, -0.6)  # rad, from the x axis: a slack heap that falls and is drawn taut
 FALL = 1.2  # s
 
@@ -36,7 +37,8 @@ def _chain(name: str, masses: tuple[float, ...]) -> Case:
         return _angles(FOLDED, masses, tuple(times.tolist()))
 
     scene = rod_chain(name, FOLDED, masses)
-    return Case(scene, grid(FALL, STEP), measures.positions(exact), step=STEP, rtol=RTOL)
+    measure = measures.positions(exact) if max(masses) <= HEAVIEST else measures.invariants()
+    return Case(scene, grid(FALL, STEP), measure, step=STEP, rtol=RTOL)
 
 
 def _heavy_tip(ratio: float) -> Case:
