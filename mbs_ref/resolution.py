@@ -33,12 +33,16 @@ class Resolution:
 
 
 def resolution(
-    system: System, integrator: Integrator, options: Options, times: np.ndarray, states: np.ndarray
+    system: System,
+    integrator: Integrator,
+    options: Options,
+    times: np.ndarray,
+    states: np.ndarray,
+    seen: np.ndarray,
 ) -> Resolution:
-    """Estimate the error of a fixed-step run from its own samples."""
-    half = system.n_positions
-    size = np.max(np.abs(states - states[0]), axis=0)
-    sizes = max(float(np.max(size[:half])), STILL), max(float(np.max(np.abs(states[:, half:]))), STILL)
+    """Estimate the error of a fixed-step run from its own samples; states `seen` besides tell how far it goes."""
+    half, every = system.n_positions, np.concatenate((states, seen))
+    sizes = _largest(every[:, :half] - states[0, :half]), _largest(every[:, half:])
     picks = np.unique(np.linspace(0, len(times) - 2, PROBES).round().astype(int))
     ends = np.append(times[picks[1:]], times[-1])
     total, worst, where, body = np.zeros(2), 0.0, 0.0, 0
@@ -53,6 +57,10 @@ def resolution(
             worst, where, body = float(np.max(shares)), t, _owner(system, gap, half)
     grown = 2.0**integrator.order / (2.0**integrator.order - 1.0)
     return Resolution(grown * float(np.max(total)), where, system.scene.bodies[body].name)
+
+
+def _largest(values: np.ndarray) -> float:
+    return float(np.max(np.abs(values), where=np.isfinite(values), initial=STILL))
 
 
 def _doubled(

@@ -23,18 +23,29 @@ TURN = 1.0  # rad: bodies that turn further are no better known for it
 
 
 @dataclass(frozen=True)
-class Still:
-    """The largest motion that counts as none: errors are not measured by less."""
+class Size:
+    """How far a motion goes: errors are measured by it."""
 
     length: float = LEAST  # m
     angle: float = LEAST  # rad
 
 
-def still(scene: Scene, absolute: float, bound: float) -> Still:
+def least_size(scene: Scene, absolute: float, bound: float) -> Size:
     """Return what is no motion to an `absolute` tolerance (m, rad): what it alone may err, if nobody sees that."""
     borne = absolute / bound
     size = max(body.gyration_radius for body in scene.bodies)
-    return Still(max(min(borne, UNSEEN * size), LEAST), max(min(borne, UNSEEN), LEAST))
+    return Size(max(min(borne, UNSEEN * size), LEAST), max(min(borne, UNSEEN), LEAST))
+
+
+def size_of(least: Size, *runs: Poses) -> Size:
+    """Return how far the runs go from where they start, but no less than `least`."""
+    moved = [_largest(run.position - run.position[:1]) for run in runs]
+    turned = [_turns(run.orientation, run.orientation[:1]) for run in runs]
+    return Size(_furthest(moved, least.length), _furthest([np.minimum(turns, TURN) for turns in turned], least.angle))
+
+
+def _furthest(ways: list[np.ndarray], least: float) -> float:
+    return max(least, *(float(np.max(way, where=np.isfinite(way), initial=0.0)) for way in ways))
 
 
 @dataclass(frozen=True)
@@ -46,15 +57,10 @@ class Disagreement:
     body: int  # which errs most
 
 
-def disagreement(
-    run: Poses, better: Poses, smaller: float, bound: float = SEEN, least: Still = Still()
-) -> Disagreement:
+def disagreement(run: Poses, better: Poses, size: Size, smaller: float, bound: float = SEEN) -> Disagreement:
     """Compare the poses of a run and of one whose error is so many times `smaller`, at the same times."""
-    moved = _largest(run.position - run.position[0])
-    gap = _largest(run.position - better.position) / max(float(np.max(moved)), least.length)
-    turned = _turns(run.orientation, run.orientation[:1])
-    size = max(min(float(np.max(turned)), TURN), least.angle)
-    shares = np.maximum(gap, _turns(run.orientation, better.orientation) / size)  # (n_t, n_bodies)
+    gap = _largest(run.position - better.position) / size.length
+    shares = np.maximum(gap, _turns(run.orientation, better.orientation) / size.angle)  # (n_t, n_bodies)
     shares = np.where(np.isfinite(shares), shares, np.inf) * smaller / (smaller - 1.0)
     late = np.flatnonzero(shares.max(axis=1) > bound)
     body = int(np.argmax(shares.max(axis=0)))

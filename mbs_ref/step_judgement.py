@@ -17,9 +17,9 @@ from mbs_ref.cores import compile_scene
 from mbs_ref.energy_watch import phase_error
 from mbs_ref.integrators.leg import COUNT_STEPS, Options
 from mbs_ref.legs import Run, run_legs
-from mbs_ref.plan import Plan
+from mbs_ref.plan import ON_GRID, Plan
 from mbs_ref.resolution import resolution
-from mbs_ref.second_run import SEEN, Still, disagreement, still
+from mbs_ref.second_run import SEEN, Size, disagreement, least_size, size_of
 from mbs_ref.system import System
 from mbs_ref.trajectory import Status
 
@@ -28,6 +28,9 @@ LONG = 1_000_000  # steps from which on it is made again, too
 ASTRAY = 0.1 * SEEN  # rad: what the energy tells of the phase from which on it is made again, too
 TIGHTEST = 1e-12  # relative tolerance that has a TENTH above roundoff
 TENTH = 0.1  # of the tolerance, for the second run
+MORE_STEPS = 4  # times those allowed may a run with a TENTH take, which needs the square root of ten at order 2
+LOOKS = 16  # at the second run, between outputs
+GOLDEN = 0.618033988749895  # golden ratio: its multiples lie nowhere near each other
 LOOSE = 5.0  # times the relative tolerance: what a whole run may err where that is more than SEEN
 ADVICE = {
     "step": "take a shorter step or an adaptive method, or unresolved = 'keep'",
@@ -39,10 +42,8 @@ def judged(system: System, plan: Plan, run: Run) -> Run:
     """Return the finished run, `unresolved` where its step or tolerance leaves another motion than the true one."""
     found = None
     if plan.settings.unresolved == "stop":
-        if plan.options.step:
-            found = _damped(system, plan, run) or _against_half(system, plan, run)
-        else:
-            found = _against_tenth(system, plan, run)
+        against = _against_half if plan.options.step else _against_tenth
+        found = against(system, plan, run)
     return run._replace(status=found[0], message=found[1]) if found else run
 
 
@@ -63,11 +64,11 @@ def _doubt(system: System, plan: Plan, run: Run) -> _Doubt:
     return _Doubt(phase.at_most > ASTRAY, phase.about > ASTRAY)
 
 
-def _damped(system: System, plan: Plan, run: Run) -> tuple[Status, str] | None:
+def _damped(system: System, plan: Plan, run: Run, seen: np.ndarray) -> tuple[Status, str] | None:
     """Judge single steps, where methods damp or alias fast motions; contact switches in the middle of a step."""
     if system.scene.contacts:
         return None
-    found = resolution(system, plan.integrator, plan.options, run.times, run.states)
+    found = resolution(system, plan.integrator, plan.options, run.times, run.states, seen)
     if not found.lost:
         return None
     return Status.UNRESOLVED, (
@@ -78,11 +79,12 @@ def _damped(system: System, plan: Plan, run: Run) -> tuple[Status, str] | None:
 
 
 def _against_half(system: System, plan: Plan, run: Run) -> tuple[Status, str] | None:
-    """Judge the run by a second one with half the step."""
+    """Judge the run by its single steps, and by a second one with half the step."""
     options = plan.options._replace(max_steps=2 * plan.options.max_steps)
     other = _repeated(system, plan, options, run.states[0], refine=2)
+    damped = None if other.status is Status.INTERRUPTED else _damped(system, plan, run, other.states)
     order = 1 if system.scene.contacts or system.scene.events else plan.integrator.order
-    return _compared(system, plan, run, other, _Second("half", 2.0**order, SEEN, Still(), must_end=True))
+    return damped or _compared(system, plan, run, other, _Second("half", 2.0**order, SEEN, Size(), must_end=True))
 
 
 def _against_tenth(system: System, plan: Plan, run: Run) -> tuple[Status, str] | None:
@@ -91,10 +93,12 @@ def _against_tenth(system: System, plan: Plan, run: Run) -> tuple[Status, str] |
     if not doubt.serious:
         return None
     rtol = plan.options.rtol
-    options = plan.options._replace(rtol=TENTH * rtol, atol=TENTH * plan.options.atol)
+    options = plan.options._replace(
+        rtol=TENTH * rtol, atol=TENTH * plan.options.atol, max_steps=MORE_STEPS * plan.options.max_steps
+    )
     other = _repeated(system, plan, options, run.states[0], refine=1)
     bound = max(SEEN, LOOSE * rtol)
-    least = still(system.scene, plan.options.atol, bound)
+    least = least_size(system.scene, plan.options.atol, bound)
     return _compared(system, plan, run, other, _Second("a tenth", 1.0 / TENTH, bound, least, doubt.grave))
 
 
@@ -104,16 +108,18 @@ class _Second(NamedTuple):
     part: str  # of the first one's step or tolerance
     smaller: float  # so many times its error is
     bound: float  # of the motion's size: what the first may err
-    least: Still
+    least: Size  # of the motion
     must_end: bool  # or the first is unresolved
 
 
 def _compared(system: System, plan: Plan, run: Run, other: Run, how: _Second) -> tuple[Status, str] | None:
     if other.status is Status.INTERRUPTED:
         return other.status, f"{other.message} of the second run that judges the first, which is complete"
-    scene, count = system.scene, min(len(run.times), len(other.times))
-    first, second = system.poses(run.states[:count]), system.poses(other.states[:count])
-    found = disagreement(first, second, how.smaller, how.bound, how.least)
+    scene, count = system.scene, int(np.searchsorted(run.times, other.times[-1], side="right"))
+    same = np.searchsorted(other.times, run.times[:count])
+    first, second = system.poses(run.states[:count]), system.poses(other.states[same])
+    size = size_of(how.least, first, system.poses(other.states))
+    found = disagreement(first, second, size, how.smaller, how.bound)
     if found.first is None and (other.status is Status.SUCCESS or not how.must_end):
         return None
     good = count - 1 if found.first is None else max(found.first - 1, 0)
@@ -134,9 +140,23 @@ def _subject(plan: Plan) -> str:
 
 
 def _repeated(system: System, plan: Plan, options: Options, start: np.ndarray, refine: int) -> Run:
-    """Repeat the run with other options, on a system of its own."""
+    """Repeat the run with other options, on a system of its own, and look more often than at the outputs."""
     other, y = compile_scene(system.scene), start.copy()
     other.set_mode_time(0.0)
     other.set_baumgarte(plan.baumgarte_gain)
     other.start_contacts(0.0, y, plan.settings.events != "none")
-    return run_legs(other, replace(plan, options=options._replace(stop_on_compliance=False)), y, refine=refine)
+    again = replace(plan, times=_looks(plan), options=options._replace(stop_on_compliance=False))
+    return run_legs(other, again, y, refine=refine)
+
+
+def _looks(plan: Plan) -> np.ndarray:
+    """Return the output times and LOOKS more: outputs once a period show no motion, and errors are measured by it."""
+    times = plan.times
+    k = np.arange(LOOKS)
+    before = k * (len(times) - 1) // LOOKS
+    start, length = times[before], np.diff(times)[before]
+    inside = (0.1 + 0.8 * np.mod((k + 1) * GOLDEN, 1.0)) * length
+    if plan.options.step:
+        inside = np.round(inside / plan.options.step) * plan.options.step
+    more = (start + inside)[(inside > 0.0) & (inside < length * (1.0 - ON_GRID))]
+    return np.unique(np.concatenate((times, more)))

@@ -15,7 +15,7 @@ from mbs_ref.energy_watch import phase_error
 from mbs_ref.scene import GROUND, Force, PlanarBody, PointMass, Scene, SpringDamper
 from mbs_ref.scenes.incline import build as incline
 from mbs_ref.scenes.kepler import build as orbit
-from mbs_ref.second_run import LEAST, SEEN, UNSEEN, Still, disagreement, still
+from mbs_ref.second_run import LEAST, SEEN, UNSEEN, Size, disagreement, least_size, size_of
 from mbs_ref.settings import Settings
 from mbs_ref.signals import HalfSine
 from mbs_ref.simulate import simulate
@@ -31,25 +31,33 @@ def line(error: float) -> Poses:
 
 
 def test_the_error_is_richardsons_and_the_first_output_beyond_the_bound_is_named():
-    found = disagreement(line(0.0), line(0.009), smaller=2.0)
+    size = size_of(Size(), line(0.0))
+    found = disagreement(line(0.0), line(0.009), size, smaller=2.0)
     assert found.share == pytest.approx(2.0 * 0.009 * 4.0 / 2.0)
     assert found.first == 3  # 0.00225, 0.009, 0.02025: the fourth output is beyond
-    assert disagreement(line(0.0), line(0.0), smaller=2.0).first is None
-    assert disagreement(line(0.0), line(np.nan), smaller=2.0).share == math.inf
+    assert disagreement(line(0.0), line(0.0), size, smaller=2.0).first is None
+    assert disagreement(line(0.0), line(np.nan), size, smaller=2.0).share == math.inf
 
 
 def test_orientations_that_differ_by_sign_are_the_same():
     turned = np.tile([1.0, 0.0, 0.0, 0.0], (3, 1, 1))
     still = np.zeros((3, 1, 3))
-    assert disagreement(Poses(still, turned, still, still), Poses(still, -turned, still, still), 16.0).share == 0.0
+    one, same = Poses(still, turned, still, still), Poses(still, -turned, still, still)
+    assert disagreement(one, same, size_of(Size(), one), 16.0).share == 0.0
+
+
+def test_a_motion_is_as_large_as_the_furthest_run_and_what_is_not_finite_is_not_large():
+    assert size_of(Size(), line(0.0), line(2.0)).length == 10.0
+    assert size_of(Size(), line(0.0), line(np.nan)).length == 2.0
+    assert size_of(Size(), line(0.0)).angle == LEAST
 
 
 def test_what_nobody_sees_is_no_motion_to_a_wide_tolerance():
     hand = Scene(name="hand", bodies=(PlanarBody(name="hand", mass=4.0, inertia=1.0),))  # gyrates at 0.5 m
-    assert still(hand, 1e-3, SEEN) == Still(0.5 * UNSEEN, UNSEEN)
-    assert still(hand, 1e-6, SEEN) == Still(1e-6 / SEEN, 1e-6 / SEEN)
-    assert still(hand, 0.0, SEEN) == Still(LEAST, LEAST)
-    assert still(plunge(1.0), 1e-3, SEEN).length == LEAST  # particles have no size
+    assert least_size(hand, 1e-3, SEEN) == Size(0.5 * UNSEEN, UNSEEN)
+    assert least_size(hand, 1e-6, SEEN) == Size(1e-6 / SEEN, 1e-6 / SEEN)
+    assert least_size(hand, 0.0, SEEN) == Size(LEAST, LEAST)
+    assert least_size(plunge(1.0), 1e-3, SEEN).length == LEAST  # particles have no size
 
 
 @pytest.mark.parametrize("size", [1.0, 1e-4, 1e-7])
@@ -170,3 +178,16 @@ def test_energy_says_nothing_where_work_is_done():
     y = system.initial_state()
     faster = np.stack([y, 2.0 * y + 1.0])
     assert phase_error(system, np.array([0.0, 1.0]), faster, 1000) == (0.0, 0.0)
+
+
+@pytest.mark.parametrize(
+    "settings", [Settings(method="dop853", rtol=1e-5), Settings(method="rk4", step=2e-3 * math.pi)]
+)
+def test_outputs_once_a_period_do_not_hide_how_far_the_motion_goes(settings):
+    """Five orbits, looked at where each begins: the errors of 1e-4 m are none on orbits of 2 m."""
+    scene = orbit(eccentricity=0.2, orbits=5.0)
+    path = simulate(scene, settings, 2.0 * math.pi * np.arange(6.0))
+    error = np.abs(path.position - kepler.solve(scene, path.times).position).max()
+    assert path.ok, path.message
+    assert error > SEEN * np.abs(path.position - path.position[0]).max()
+    assert error < SEEN

@@ -84,7 +84,7 @@ def test_one_step_against_two_halves_tells_whether_a_step_follows_the_motion(rat
     swing = np.array([np.r_[np.cos(rate * t), 0, 0, -rate * np.sin(rate * t), 0, 0] for t in times])
     method = Integrator("midpoint", "fixed", 2, "a test", system.midpoint)
     options = Options(0.01, 1e-8, 1e-8, False, False, 1000, 1e-14, 10, 100)
-    found = resolution(system, method, options, times, swing)  # pyright: ignore[reportArgumentType]
+    found = resolution(system, method, options, times, swing, swing[:0])  # pyright: ignore[reportArgumentType]
     assert found.lost is lost, found
     assert found.body == "sled"
 
