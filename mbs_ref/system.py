@@ -38,19 +38,25 @@ class System(ABC):
 
     # Connected when first asked for: who merely has a scene checked need not wait for the compiler.
     @cached_property
+    def handles(self) -> tuple[np.ndarray, np.ndarray]:
+        """The handles of the scene's arrays and the scratch; the core answers through them (mbs_ref.kernels.core)."""
+        scene, scratch = (core.connected(self.CORE, make_handle(part)) for part in (self.groups, self.scratch))
+        return scene, scratch
+
+    @cached_property
     def model(self) -> Model:
-        """What compiled code receives of the scene; the core answers through it (mbs_ref.kernels.core)."""
-        return core.connected(self.CORE, Model(make_handle(self.groups)))
+        """What compiled code receives of the scene."""
+        return Model(self.handles[0].ctypes.data)
 
     @cached_property
     def work(self) -> Work:
         """What compiled code receives of the scratch."""
-        return core.connected(self.CORE, Work(make_handle(self.scratch)))
+        return Work(self.handles[1].ctypes.data)
 
     def prepare(self, group: str) -> None:
         """Have the answers to a group of questions compiled and connected (mbs_ref.kernels.core)."""
-        for owner in (self.model, self.work):
-            core.prepare(self.CORE, owner, group)
+        for handle in self.handles:
+            core.prepare(self.CORE, handle, group)
 
     # --- evaluation, common to all cores ------------------------------------------------------------
 

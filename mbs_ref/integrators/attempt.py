@@ -7,7 +7,7 @@ from typing import NamedTuple
 from mbs_ref.integrators.events import EVENT, KEEP, settle, watch
 from mbs_ref.integrators.leg import CLOCK_COMPLIANCE, CLOCK_H, CLOCK_T, COUNT_OUTPUT, COUNT_STEPS, PROJECTION, RUNNING
 from mbs_ref.integrators.step_control import choose_step, close_step, end_step, withdraw
-from mbs_ref.kernels.jit import jit
+from mbs_ref.kernels.jit import inlined
 
 WITHDRAWN = 3  # a verdict beside those of events: the step ended beyond the reach of a loop, and is to be shorter
 
@@ -23,7 +23,7 @@ class Attempt(NamedTuple):
     searching: bool  # for an event, inside a step that was accepted before
 
 
-@jit
+@inlined
 def next_attempt(options, run, outputs, evenly, search):
     """Choose the step: the proposed one, up to the next output time, or what the search for an event asks."""
     t, target = run.clock[CLOCK_T], outputs.times[run.counts[COUNT_OUTPUT]]
@@ -32,13 +32,13 @@ def next_attempt(options, run, outputs, evenly, search):
     return Attempt(t, target if lands else t + h, h, proposed, lands, searching)
 
 
-@jit
+@inlined
 def stands_still(attempt):
     """Return whether time does not move; a search for an event may ask for that."""
     return attempt.t_new == attempt.t and not attempt.searching
 
 
-@jit
+@inlined
 def close_attempt(model, work, options, run, attempt, span, trial, search, table):
     """Restore the constraints at the step's end and look for events inside it; return code and verdict.
 
@@ -55,14 +55,14 @@ def close_attempt(model, work, options, run, attempt, span, trial, search, table
     return code, watch(model, work, attempt.t, attempt.h, trial, search, table)
 
 
-@jit
+@inlined
 def propose_again(options, run, attempt):
     """Take back the proposal of a step that an event cuts short: the step after the event starts from it."""
     if options.step == 0.0:
         run.clock[CLOCK_H] = attempt.proposed
 
 
-@jit
+@inlined
 def take(model, work, options, run, attempt, verdict, y, trial, table, outputs):
     """Move y to the step's end, settle an event there, keep an output; return a status code."""
     for k in range(y.shape[0]):

@@ -29,7 +29,7 @@ from mbs_ref.integrators.leg import (
 )
 from mbs_ref.integrators.step_control import SHORTEST, begin, propose_first, record
 from mbs_ref.integrators.tableau import Tableau
-from mbs_ref.kernels.jit import jit
+from mbs_ref.kernels.jit import inlined, jit
 from mbs_ref.kernels.questions import derivative, project, regularity
 from mbs_ref.system import System
 
@@ -75,7 +75,7 @@ def _resize(error, error_order, h, proposed, lands, rejected):
     return True, max(suggested, proposed) if lands and growth >= 1.0 else suggested
 
 
-@jit
+@inlined
 def _judge(model, work, tableau, options, run, attempt, span, y, stages, restore, past):
     """Propose the next step by this one's error; return a status code, and leave in `past` whether it is rejected."""
     last = tableau.b.shape[0]
@@ -96,7 +96,7 @@ def _judge(model, work, tableau, options, run, attempt, span, y, stages, restore
     return RUNNING
 
 
-@jit
+@inlined
 def _is_too_near(work, options, stage_pivot, past):
     """Return whether roundoff near a singular pose harms the asked accuracy, and whether it is the step's end there."""
     if options.step > 0.0:
@@ -108,7 +108,7 @@ def _is_too_near(work, options, stage_pivot, past):
     return noisy or pivot < SINGULAR_PIVOT / options.rtol, noisy_end
 
 
-@jit
+@inlined
 def _avoid(run, attempt, new, outputs, noisy_end, past):
     """Do not go on from here: propose a shorter step, or keep the output and go on from before it; return a code."""
     past.marks[AVOIDED] += 1
@@ -122,7 +122,7 @@ def _avoid(run, attempt, new, outputs, noisy_end, past):
     return RUNNING
 
 
-@jit
+@inlined
 def _settle_down(run, past):
     """Go back to the step that accuracy allows: no singular pose is near."""
     if past.natural[0] > 0.0:
@@ -131,7 +131,7 @@ def _settle_down(run, past):
     past.marks[AVOIDED] = 0
 
 
-@jit
+@inlined
 def _next_slope(model, work, options, run, attempt, verdict, y, slopes):
     """Leave f at the new state in slopes[0]: where nothing moved the state, it is the last stage's."""
     if options.step == 0.0 and not options.project and not attempt.searching and verdict != EVENT:

@@ -33,7 +33,7 @@ from mbs_ref.integrators.leg import (
 from mbs_ref.jointed_system import JointedSystem
 from mbs_ref.kernels.core import FORM
 from mbs_ref.kernels.implicit import dense_correction, factor_tangent, tree_correction
-from mbs_ref.kernels.jit import jit
+from mbs_ref.kernels.jit import inlined, jit
 from mbs_ref.kernels.questions import derivative, displace, multipliers, position_count
 from mbs_ref.system import System
 
@@ -76,13 +76,13 @@ class Tangent(NamedTuple):
     step: np.ndarray  # (1,) s, step that the factors belong to; 0 where they are out of date
 
 
-@jit
+@inlined
 def _is_dense(run, tangent):
     """Return whether steps are solved with the full tangent; once taken up it is kept."""
     return tangent.lu.shape[0] > 0 and run.counts[COUNT_OWN] == 1
 
 
-@jit
+@inlined
 def _size(model, y):
     """Return the largest position, at least 1: what roundoff is measured by."""
     size = 1.0
@@ -91,7 +91,7 @@ def _size(model, y):
     return size
 
 
-@jit
+@inlined
 def _place(model, h, y, motion, iterate, move):
     """Write the state that the accelerations of the iterate lead to (Arnold and Bruls 2007, eqs 8-11)."""
     start = position_count(model)
@@ -103,7 +103,7 @@ def _place(model, h, y, motion, iterate, move):
     displace(model, y, move, iterate.y)
 
 
-@jit
+@inlined
 def _correction(model, work, run, t, by_position, motion, iterate, tangent, dense):
     """Correct the iterate's accelerations and the multipliers; return |change| and the largest defect."""
     run.counts[COUNT_RHS] += 1
@@ -115,7 +115,7 @@ def _correction(model, work, run, t, by_position, motion, iterate, tangent, dens
     return tree_correction(model, work, t, iterate.y, iterate.qdd, motion.lam, by_position, False)
 
 
-@jit
+@inlined
 def _iterate(model, work, run, t, h, y, motion, iterate, tangent):
     """Correct one step's accelerations and multipliers until nothing is left; return converged, last contraction."""
     move, dense = np.empty_like(motion.qdd), _is_dense(run, tangent)
@@ -137,7 +137,7 @@ def _iterate(model, work, run, t, h, y, motion, iterate, tangent):
     return False, contraction
 
 
-@jit
+@inlined
 def _predict(model, h, y, motion, iterate):
     """Begin with the accelerations of the step before, and the state that they would lead to."""
     start, a = position_count(model), motion.a
@@ -149,7 +149,7 @@ def _predict(model, h, y, motion, iterate):
     displace(model, y, move, iterate.y)
 
 
-@jit
+@inlined
 def _renew_tangent(model, work, run, attempt, motion, iterate, tangent):
     """Form and factor the full tangent at the iterate; return whether it is regular."""
     h = attempt.h
@@ -163,7 +163,7 @@ def _renew_tangent(model, work, run, attempt, motion, iterate, tangent):
     return regular
 
 
-@jit
+@inlined
 def _solve(model, work, run, attempt, y, motion, iterate, tangent):
     """Solve one step's equations, with the full tangent where the mass alone does not do; return whether it went."""
     iterate.old_lam[:] = motion.lam
@@ -196,7 +196,7 @@ def _start(model, work, t, y, motion):
     multipliers(work, motion.lam)
 
 
-@jit
+@inlined
 def _begin(model, work, options, run, y, motion, table):
     """Settle the modes; where that moved anything, start anew. Return a status code."""
     t, before = run.clock[CLOCK_T], run.counts[COUNT_EVENTS]

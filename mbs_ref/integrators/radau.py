@@ -41,7 +41,7 @@ from mbs_ref.integrators.radau_newton import (
     solve_stages,
 )
 from mbs_ref.integrators.step_control import SHORTEST, begin, propose_first
-from mbs_ref.kernels.jit import jit
+from mbs_ref.kernels.jit import inlined, jit
 from mbs_ref.kernels.questions import derivative
 from mbs_ref.system import System
 
@@ -75,7 +75,7 @@ REJECTED = 2  # 1 after a step whose error was too large
 FAILURES = 3  # of Newton in a row
 
 
-@jit
+@inlined
 def _tolerances(options):
     """Return the tolerances; those of a fixed step serve Newton alone."""
     if options.step > 0.0:
@@ -84,7 +84,7 @@ def _tolerances(options):
     return Tolerances(rtol, options.atol, max(10 * 2.3e-16 / rtol, min(0.03, np.sqrt(rtol))))
 
 
-@jit
+@inlined
 def _renew_jacobian(model, work, run, y, f, scratch, jacobian, past):
     """Make the Jacobian that of the present state; no factors belong to it."""
     fill_jacobian(model, work, run.clock[CLOCK_T], y, f, scratch, jacobian)
@@ -93,7 +93,7 @@ def _renew_jacobian(model, work, run, y, f, scratch, jacobian, past):
     past.values[H_FACTORED] = 0.0
 
 
-@jit
+@inlined
 def _prepare(model, work, run, attempt, y, f, scratch, tolerances, newton, past):
     """Bring Jacobian, factors and the guess of the stages up to this attempt; return whether the factors exist."""
     if attempt.searching:
@@ -110,7 +110,7 @@ def _prepare(model, work, run, attempt, y, f, scratch, tolerances, newton, past)
     return True
 
 
-@jit
+@inlined
 def _recover(options, run, attempt, past):
     """After a failure of Newton renew an old Jacobian, else halve the step; return a status code."""
     past.values[H_LAST] = 0.0
@@ -140,7 +140,7 @@ def _growth(run, past, h, error, safety, rate):
     return 1.0 if KEEP_LOW <= growth <= KEEP_HIGH and rate < STALE_RATE else growth
 
 
-@jit
+@inlined
 def _judge(run, attempt, past, error, solved):
     """Return whether the error is borne, and propose the next step: the shorter, the longer Newton took (sec. IV.8)."""
     h, clock = attempt.h, run.clock
@@ -161,7 +161,7 @@ def _judge(run, attempt, past, error, solved):
     return True
 
 
-@jit
+@inlined
 def _is_accurate(model, work, run, attempt, y, f, tolerances, newton, past, solved):
     """Estimate the error and judge it; after a rejection, and in the first step, the estimate is filtered."""
     again = past.marks[REJECTED] == 1 or run.counts[COUNT_STEPS] == 0
@@ -169,7 +169,7 @@ def _is_accurate(model, work, run, attempt, y, f, tolerances, newton, past, solv
     return _judge(run, attempt, past, error, solved)
 
 
-@jit
+@inlined
 def _remember(past, attempt, rate, verdict):
     """Note what an accepted step leaves; nothing is extrapolated across an event."""
     event = verdict == EVENT

@@ -20,7 +20,7 @@ from mbs_ref.integrators.leg import (
     RUNNING,
     TOO_MANY_STEPS,
 )
-from mbs_ref.kernels.jit import jit
+from mbs_ref.kernels.jit import inlined, jit
 from mbs_ref.kernels.questions import compliance, derivative, project
 
 PROJECTION_ITERATIONS = 12
@@ -75,7 +75,7 @@ def first_step(model, work, t, y, dy, order, rtol, atol, span):
     return min(100.0 * h0, min(h1, span))
 
 
-@jit
+@inlined
 def propose_first(model, work, options, run, y, dy, order, span):
     """Guess the first step of an adaptive run that has none yet."""
     if options.step == 0.0 and run.clock[CLOCK_H] == 0.0:

@@ -16,18 +16,17 @@ from functools import cache, partial
 from typing import Any
 
 import numpy as np
+from llvmlite import ir
 from numba import types
 from numba.core import cgutils
 from numba.core.typeconv.castgraph import Conversion
 from numba.core.typing.templates import signature
 from numba.extending import intrinsic
-from numba.np.arrayobj import make_array
 
 from mbs_ref.kernels.handles import QUESTIONS, Model, Work
 from mbs_ref.kernels.jit import jit
 
-_HANDLE = types.Array(types.int64, 1, "C")
-MODEL, WORK = (types.NamedUniTuple(_HANDLE, 1, kind) for kind in (Model, Work))
+MODEL, WORK = (types.NamedUniTuple(types.int64, 1, kind) for kind in (Model, Work))
 NOTHING, NUMBER, COUNT, FLAG = types.none, types.float64, types.int64, types.boolean
 VECTOR, MATRIX = (types.Array(types.float64, dimension, "C") for dimension in (1, 2))
 PLACES = types.Array(types.int64, 1, "C")
@@ -68,8 +67,8 @@ def _call(place: int) -> Callable[..., Any]:
     """Return what emits the call of the answer at a place of the first argument's handle."""
 
     def codegen(context, builder, kind, args):
-        handle = make_array(_HANDLE)(context, builder, builder.extract_value(args[0], 0))
-        address = builder.load(cgutils.gep_inbounds(builder, handle.data, place))
+        handle = builder.inttoptr(builder.extract_value(args[0], 0), ir.IntType(64).as_pointer())
+        address = builder.load(cgutils.gep_inbounds(builder, handle, place))
         function = context.call_conv.get_function_type(kind.return_type, kind.args)
         callee = builder.inttoptr(address, function.as_pointer())
         status, answer = context.call_conv.call_function(builder, callee, kind.return_type, kind.args, args)

@@ -13,7 +13,7 @@ import numpy as np
 
 from mbs_ref.kernels import questions as ask
 from mbs_ref.kernels.border import addresses, unanswered
-from mbs_ref.kernels.handles import QUESTIONS, Model, Work
+from mbs_ref.kernels.handles import QUESTIONS
 from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.particles import dynamics as particles
 from mbs_ref.kernels.planar import contact_events as planar_contacts
@@ -166,17 +166,17 @@ def _addresses(core: str, group: str) -> tuple[np.ndarray, np.ndarray]:
     return addresses(ANSWERS[core][group])
 
 
-def connected[T: (Model, Work)](core: str, owner: T) -> T:
+def connected(core: str, handle: np.ndarray) -> np.ndarray:
     """Let a core answer what every run asks; other questions raise an error until their group is prepared."""
-    owner.handle[:QUESTIONS] = unanswered()
-    prepare(core, owner, MOTION)
-    return owner
+    handle[:QUESTIONS] = unanswered()
+    prepare(core, handle, MOTION)
+    return handle
 
 
-def prepare(core: str, owner: Model | Work, group: str) -> None:
+def prepare(core: str, handle: np.ndarray, group: str) -> None:
     """Connect the answers of a group."""
     places, where = _addresses(core, group)
-    owner.handle[places] = where
+    handle[places] = where
 
 
 @jit

@@ -1,8 +1,9 @@
 """Pass many arrays to compiled code as one: a handle holds every array's address and shape.
 
 Passing a hundred arrays by value through every call makes compilation take minutes and each call from
-Python cost microseconds. A model or workspace is instead a named tuple with one integer array, its
-handle; an accessor returns one group of it as views, at the price of a few loads.
+Python cost microseconds. A model or workspace is instead the address of one integer array, its handle;
+an accessor returns one group of it as views, at the price of a few loads. It is a bare address because
+compiled code counts the references of an array it is given, atomically, at every call.
 """
 
 from __future__ import annotations
@@ -24,13 +25,13 @@ _DTYPES = {np.dtype(np.float64): types.float64, np.dtype(np.int64): types.int64}
 class Model(NamedTuple):
     """What compiled code receives of a scene, whichever core it belongs to."""
 
-    handle: np.ndarray
+    address: int  # of a handle that the system keeps alive
 
 
 class Work(NamedTuple):
     """What compiled code receives of the scratch of a run."""
 
-    handle: np.ndarray
+    address: int
 
 
 def make_handle(groups: Any) -> np.ndarray:
@@ -49,7 +50,7 @@ def make_handle(groups: Any) -> np.ndarray:
 
 
 def accessor(example: Any, name: str) -> Any:
-    """Return a compiled function (owner) -> the group `name`, where owner.handle came from `make_handle`.
+    """Return a compiled function (owner) -> the group `name`, where the owner's handle came from `make_handle`.
 
     `example` is a named tuple of groups with arrays of the right types and dimensions.
     """
@@ -72,12 +73,11 @@ def accessor(example: Any, name: str) -> Any:
 
 def _view(context, builder, owner, index, array_type):
     """Build array `index` of the owner's handle from its address and lengths."""
-    handle_type = types.Array(types.int64, 1, "C")
-    handle = make_array(handle_type)(context, builder, builder.extract_value(owner, 0))
     word = ir.IntType(64)
+    handle = builder.inttoptr(builder.extract_value(owner, 0), word.as_pointer())
 
     def load(offset):
-        place = builder.gep(handle.data, [ir.Constant(word, QUESTIONS + index * _WORDS + offset)])
+        place = builder.gep(handle, [ir.Constant(word, QUESTIONS + index * _WORDS + offset)])
         return builder.load(place)
 
     result = make_array(array_type)(context, builder)

@@ -38,3 +38,5 @@ if "NUMBA_CACHE_DIR" not in os.environ:
 # Nobody calls these functions from C, and a wrapper for that would be a tenth of the compile time.
 _OPTIONS: Any = {"error_model": "numpy", "fastmath": {"contract"}, "no_cfunc_wrapper": True}
 jit = numba.njit(cache=True, **_OPTIONS)
+# For the parts of a loop: called, each would pass a dozen arrays at every step, and count their references.
+inlined = numba.njit(inline="always", **_OPTIONS)

@@ -51,7 +51,7 @@ def test_a_question_that_was_not_prepared_for_raises():
 
 
 def test_a_scene_that_is_only_checked_compiles_nothing():
-    assert not {"model", "work"} & vars(compile_scene(scenes.make("pendulum"))).keys()
+    assert not {"handles", "model", "work"} & vars(compile_scene(scenes.make("pendulum"))).keys()
 
 
 @pytest.mark.parametrize("group", [core.MOTION, core.FORM, core.REPORT])
@@ -62,5 +62,6 @@ def test_both_rigid_cores_answer_the_same_questions(group):
 
 def test_a_handle_begins_with_addresses():
     system = compile_scene(scenes.make("pendulum"))
-    assert (system.model.handle[:QUESTIONS] != 0).all()
-    assert (system.work.handle[:QUESTIONS] == system.model.handle[:QUESTIONS]).all()
+    model, work = system.handles
+    assert (model[:QUESTIONS] != 0).all()
+    assert (work[:QUESTIONS] == model[:QUESTIONS]).all()

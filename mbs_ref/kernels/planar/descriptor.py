@@ -6,7 +6,6 @@ from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.planar.dynamics import load_state
 from mbs_ref.kernels.planar.model import bodies_of, kinematics_of, rows_of, slots_of, tree_of
 from mbs_ref.kernels.questions import apply_loads, factor, fill_rows, solve
-from mbs_ref.kernels.rows import take_reactions
 
 
 @jit
@@ -23,7 +22,12 @@ def planar_force_balance(model, work, t, y, lam, out):
     apply_loads(model, work, t)
     fill_rows(model, work, t)
     n = bodies.mass.shape[0]
-    take_reactions(kin.force, slots.body, rows.jacobian, lam)
+    for slot in range(slots.body.shape[0]):
+        for side in range(2):
+            body = slots.body[slot, side]
+            for row in range(3):
+                for c in range(3):
+                    kin.force[body, c] -= rows.jacobian[slot, side, row, c] * lam[slot, row]
     for i in range(n):
         k = 3 * bodies.scene_index[i]
         for c in range(3):

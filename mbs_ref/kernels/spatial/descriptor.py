@@ -11,7 +11,6 @@ import numpy as np
 
 from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.questions import apply_loads, factor, fill_rows, solve
-from mbs_ref.kernels.rows import take_reactions
 from mbs_ref.kernels.spatial.contacts import apply_contacts
 from mbs_ref.kernels.spatial.model import bodies_of, kinematics_of, rows_of, slots_of, tree_of
 from mbs_ref.kernels.spatial.orientation import load_state
@@ -37,7 +36,12 @@ def spatial_force_balance(model, work, t, y, lam, out):
     apply_contacts(model, work)
     fill_rows(model, work, t)
     n = bodies.mass.shape[0]
-    take_reactions(kin.force, slots.body, rows.jacobian, lam)
+    for slot in range(slots.body.shape[0]):
+        for side in range(2):
+            body = slots.body[slot, side]
+            for row in range(slots.count[slot]):
+                for c in range(6):
+                    kin.force[body, c] -= rows.jacobian[slot, side, row, c] * lam[slot, row]
     for c in range(6):
         kin.force[n, c] = 0.0
     _to_body(model, work, kin.force, out)
