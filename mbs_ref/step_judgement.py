@@ -29,7 +29,7 @@ ASTRAY = 0.1 * SEEN  # rad: what the energy tells of the phase from which on it 
 TIGHTEST = 1e-12  # relative tolerance that has a TENTH above roundoff
 TENTH = 0.1  # of the tolerance, for the second run
 MORE_STEPS = 4  # times those allowed may a run with a TENTH take, which needs the square root of ten at order 2
-LOOKS = 16  # at the second run, between outputs
+LOOKS = 16  # at the second run, where outputs are no more
 GOLDEN = 0.618033988749895  # golden ratio: its multiples lie nowhere near each other
 LOOSE = 5.0  # times the relative tolerance: what a whole run may err where that is more than SEEN
 ADVICE = {
@@ -140,7 +140,7 @@ def _subject(plan: Plan) -> str:
 
 
 def _repeated(system: System, plan: Plan, options: Options, start: np.ndarray, refine: int) -> Run:
-    """Repeat the run with other options, on a system of its own, and look more often than at the outputs."""
+    """Repeat the run with other options, on a system of its own, and look often enough to see how far it goes."""
     other, y = compile_scene(system.scene), start.copy()
     other.set_mode_time(0.0)
     other.set_baumgarte(plan.baumgarte_gain)
@@ -150,9 +150,13 @@ def _repeated(system: System, plan: Plan, options: Options, start: np.ndarray, r
 
 
 def _looks(plan: Plan) -> np.ndarray:
-    """Return the output times and LOOKS more: outputs once a period show no motion, and errors are measured by it."""
-    times = plan.times
-    k = np.arange(LOOKS)
+    """Return the output times; where they are few, LOOKS more.
+
+    Errors are measured by the motion, and a few outputs once a period show none.
+    """
+    times, k = plan.times, np.arange(LOOKS)
+    if len(times) > LOOKS:
+        return times
     before = k * (len(times) - 1) // LOOKS
     start, length = times[before], np.diff(times)[before]
     inside = (0.1 + 0.8 * np.mod((k + 1) * GOLDEN, 1.0)) * length
