@@ -12,11 +12,11 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from cross_checks import engines as registry
-from cross_checks import ladder
-from cross_checks.compare import evaluate, without_run
-from cross_checks.isolation import Isolated, Lost
-from cross_checks.record import Record
-from cross_checks.record_file import Key, key_of
+from cross_checks.isolation.parent import Isolated, Lost
+from cross_checks.judge import ladder
+from cross_checks.judge.one_run import evaluate, without_run
+from cross_checks.records.lines import Key, key_of
+from cross_checks.records.record import Record
 from mbs_ref import scenes
 from mbs_ref.settings import Settings
 

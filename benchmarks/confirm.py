@@ -7,10 +7,11 @@ from dataclasses import replace
 
 from benchmarks.pick import Choice, setting
 from benchmarks.timing import Comparison, Pace, Sample, compare
-from cross_checks import engines, ladder
-from cross_checks.compare import evaluate, without_run
-from cross_checks.isolation import Caller, Lost, direct
-from cross_checks.record import Record
+from cross_checks import engines
+from cross_checks.isolation.parent import Caller, Lost, direct
+from cross_checks.judge import ladder
+from cross_checks.judge.one_run import evaluate, without_run
+from cross_checks.records.record import Record
 from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings
 

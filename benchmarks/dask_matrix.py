@@ -8,8 +8,8 @@ from distributed import Client, LocalCluster, as_completed
 from distributed.worker import get_worker
 
 from benchmarks.cluster import RETRIES, Task, isolated_task
-from cross_checks.isolation import Isolated
-from cross_checks.record import Record
+from cross_checks.isolation.parent import Isolated
+from cross_checks.records.record import Record
 
 NOWHERE: str = None  # type: ignore[assignment] - distributed's own way to have no dashboard
 

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks.pick import cost, pick, setting
-from cross_checks.record import Record
+from cross_checks.records.record import Record
 
 COLUMNS = ("job", "made", "commit_id", "machine", "series", "value", "unit", "verdict", "error")
 EFFECT = 1.05  # a level that changes by less is no change

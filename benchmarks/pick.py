@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
-from cross_checks.record import Record
+from cross_checks.records.record import Record
 
 
 @dataclass(frozen=True)

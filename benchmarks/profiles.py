@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from cross_checks.record import Record
+from cross_checks.records.record import Record
 
 ERRORS = (1e-3, 1e-6, 1e-9)  # m
 

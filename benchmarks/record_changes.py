@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from cross_checks.record import Record
-from cross_checks.record_file import key_of
+from cross_checks.records.lines import key_of
+from cross_checks.records.record import Record
 
 FACTOR = 2.0  # errors that differ by less are the same: rounding, magnified by the motion
 CLOSED = 1e-11  # m, rad: joints that close better than this do not differ

@@ -8,8 +8,8 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from cross_checks.record import Record
-from cross_checks.record_file import read
+from cross_checks.records.lines import read
+from cross_checks.records.record import Record
 
 CORES = (1, 2, 8, 32, 128, 1000)
 SCHEDULING = 1e-3  # s a task, of the one scheduler process (dask.distributed's documentation: up to 1 ms)

@@ -7,12 +7,12 @@ from collections.abc import Callable, Collection, Iterable, Iterator
 from dataclasses import replace
 
 from cross_checks import engines as registry
-from cross_checks import ladder
-from cross_checks.compare import evaluate, without_run
 from cross_checks.engine import Method
-from cross_checks.isolation import Caller, Lost, direct
-from cross_checks.record import Record
-from cross_checks.record_file import Key, key_of
+from cross_checks.isolation.parent import Caller, Lost, direct
+from cross_checks.judge import ladder
+from cross_checks.judge.one_run import evaluate, without_run
+from cross_checks.records.lines import Key, key_of
+from cross_checks.records.record import Record
 from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings
 
@@ -38,7 +38,7 @@ def sweep(
     """Yield a record for every rung of every method's ladder; runs are serial, because they are timed.
 
     The first run of a setting warms up and is judged; the fastest of the repeats is its loop time.
-    `call` makes the runs (cross_checks.isolation survives engines that do not come back); settings of
+    `call` makes the runs (cross_checks.isolation.parent survives engines that do not come back); settings of
     `known` records, from an interrupted sweep, are not run again. ValueError where an engine or a
     method is unknown.
     """

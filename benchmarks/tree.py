@@ -11,7 +11,7 @@ from typing import Any, Self
 
 from benchmarks import tree_worker
 from benchmarks.timing import Sample
-from cross_checks.isolation import ONE_THREAD
+from cross_checks.isolation.parent import ONE_THREAD
 
 
 class Tree:

@@ -31,8 +31,9 @@ def _say(answers: TextIO, data: Any) -> None:
 
 def climb(scene: str, parameters: dict[str, Any], engine: str, method: str) -> list[dict[str, Any]]:
     """Judge every rung of a method's ladder: settings, error (m), loop time (s)."""
-    from cross_checks import engines, ladder
-    from cross_checks.compare import evaluate
+    from cross_checks import engines
+    from cross_checks.judge import ladder
+    from cross_checks.judge.one_run import evaluate
     from mbs_ref import scenes
 
     made = scenes.make(scene, **parameters)
@@ -49,7 +50,8 @@ def climb(scene: str, parameters: dict[str, Any], engine: str, method: str) -> l
 
 def timed(scene: str, parameters: dict[str, Any], engine: str, settings: dict[str, Any]) -> dict[str, float]:
     """Time one run: the loop (s), and the share of a processor that the process got meanwhile."""
-    from cross_checks import engines, ladder
+    from cross_checks import engines
+    from cross_checks.judge import ladder
     from mbs_ref import scenes
     from mbs_ref.settings import Settings
 

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 from cross_checks import engines
 from cross_checks.engine import Engine, Method
 from mbs_ref import scenes
-from mbs_ref.contact import Contact, ContactLaw, Friction
 from mbs_ref.scene import Body, Joint, Load, Scene
-from mbs_ref.scene_events import Event
+from mbs_ref.scene.contact import Contact, ContactLaw, Friction
+from mbs_ref.scene.events import Event
 
 
 @dataclass(frozen=True)

@@ -24,7 +24,7 @@ class Method:
     description: str
     ladder: tuple[float, ...] = ()  # steps (s) or rtols a sweep tries, coarse to fine
     requires: frozenset[str] = frozenset()  # traits the scene must have ...
-    excludes: frozenset[str] = frozenset()  # ... or must not have (see mbs_ref.traits)
+    excludes: frozenset[str] = frozenset()  # ... or must not have (see mbs_ref.scene.traits)
     locates_events: bool = False  # touch-down, lift-off, slip; else contact forces are clipped by the state
     stability: tuple[float, ...] = ()  # explicit fixed-step methods: coefficients of R(z), lowest power first
     wrong_limit: str = ""  # why it is known to fail or converge elsewhere on some scenes (shown, never used to judge)
@@ -94,7 +94,7 @@ class Engine(ABC):
 
     def refusals(self, scene: Scene) -> list[Refusal]:
         """Return every reason why the scene cannot be run; empty when it can."""
-        from mbs_ref.traits import part_types
+        from mbs_ref.scene.traits import part_types
 
         missing = sorted(part_types(scene) - self.part_types)
         sentence = f"{self.name} is not yet taught the part type"
@@ -102,7 +102,7 @@ class Engine(ABC):
 
     def method_refusals(self, scene: Scene, method: Method) -> list[Refusal]:
         """Return why this method of the engine cannot run the scene."""
-        from mbs_ref.traits import traits
+        from mbs_ref.scene.traits import traits
 
         found = traits(scene)
         reasons = [f"{method.name} needs a scene that is {t}" for t in sorted(method.requires - found)]

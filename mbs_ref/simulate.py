@@ -6,17 +6,23 @@ import time
 
 import numpy as np
 
-from mbs_ref.consistent_start import InconsistentScene, consistent_start, rank_at_start, redundancy, unstable_step
-from mbs_ref.cores import compile_scene
-from mbs_ref.integrators.leg import progress
-from mbs_ref.legs import Run, run_legs
-from mbs_ref.plan import Plan, integration_options, make_plan
-from mbs_ref.rank_watch import singular_passage
+from mbs_ref.cores.choice import compile_scene
+from mbs_ref.cores.system import System
+from mbs_ref.integrators.loop.leg import progress
+from mbs_ref.run.legs import Run, run_legs
+from mbs_ref.run.plan import Plan, integration_options, make_plan
 from mbs_ref.scene import Scene
+from mbs_ref.self_checks.consistent_start import (
+    InconsistentScene,
+    consistent_start,
+    rank_at_start,
+    redundancy,
+    unstable_step,
+)
+from mbs_ref.self_checks.rank_watch import singular_passage
+from mbs_ref.self_checks.soundness import ambiguous_start, require_sound
+from mbs_ref.self_checks.step_judgement import judged
 from mbs_ref.settings import Settings
-from mbs_ref.soundness import ambiguous_start, require_sound
-from mbs_ref.step_judgement import judged
-from mbs_ref.system import System
 from mbs_ref.trajectory import Status, Timing, Trajectory
 
 __all__ = ["InconsistentScene", "integration_options", "simulate"]
@@ -32,8 +38,8 @@ def simulate(scene: Scene, settings: Settings | None = None, times: np.ndarray |
     what was computed.
 
     A run with a fixed step is made again with half of it; one with a relative tolerance of 1e-5 and coarser, of a
-    million steps, or whose energy tells of a wrong phase (mbs_ref.energy_watch), with a tenth of the tolerance. It is
-    `unresolved` where the two part (mbs_ref.second_run). The second run's time is outside of `timing`;
+    million steps, or whose energy tells of a wrong phase (self_checks/energy_watch.py), with a tenth of the tolerance.
+    It is `unresolved` where the two part (self_checks/second_run.py). The second run's time is outside of `timing`;
     unresolved = 'keep' leaves it out.
     """
     settings = settings or Settings()

@@ -15,8 +15,8 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 from rich.table import Table
 
-from cross_checks import record_file
-from cross_checks.record import Record
+from cross_checks.records import lines as record_file
+from cross_checks.records.record import Record
 
 Report = Callable[[int, int, str], None]  # done, total, what comes next
 

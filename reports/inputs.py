@@ -13,9 +13,10 @@ from pydantic import ValidationError
 
 from cross_checks import engines
 from cross_checks.engine import Engine
-from mbs_ref import problems, scenes
+from mbs_ref import scenes
 from mbs_ref.scene import Scene
-from mbs_ref.scene_file import SceneFileError, read_scene
+from mbs_ref.scene import messages as problems
+from mbs_ref.scene.toml import SceneFileError, read_scene
 from mbs_ref.settings import Settings
 from reports.exit_codes import EngineAbsent
 

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from mbs_ref.atomic import write_atomic
+from mbs_ref.atomic_file import write_atomic
 from mbs_ref.trajectory import Trajectory
 
 

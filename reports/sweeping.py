@@ -8,9 +8,10 @@ from pathlib import Path
 
 import click
 
-from cross_checks import engines, record_file
-from cross_checks.isolation import MEMORY, TIMEOUT, Caller, Isolated, direct
-from cross_checks.record import Record
+from cross_checks import engines
+from cross_checks.isolation.parent import MEMORY, TIMEOUT, Caller, Isolated, direct
+from cross_checks.records import lines as record_file
+from cross_checks.records.record import Record
 from mbs_ref.scene import Scene, UserForce
 from reports import inputs
 from reports.console import finite_record, progress

@@ -10,7 +10,7 @@ import numpy as np
 from cross_checks.certify.branches import extrapolate_branches
 from cross_checks.certify.extrapolation import extrapolate
 from cross_checks.certify.runge_kutta import runge_kutta
-from mbs_ref.euler_parameters import geodesic_angle
+from mbs_ref.scene.euler_parameters import geodesic_angle
 
 NUDGE = 1e-10  # of the start, to measure how the motion magnifies an error
 LARGEST_UNCERTAINTY = 1e-8  # m; a truth known less well ranks nobody, and is not worth its computation

@@ -8,12 +8,12 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-import numba
 import numpy as np
 
 from cross_checks.certify.agreement import Formulation
 from cross_checks.certify.hinged_tree_loads import Loads, apply_loads, loads_of, mark, measure_switches, planar
 from cross_checks.certify.rod_chain import factor_and_solve
+from mbs_ref.kernels.jit import strict_jit
 from mbs_ref.scene import GROUND, Revolute, Scene, Weld
 
 
@@ -121,7 +121,7 @@ def _all_poses(scene: Scene, free: list[str], moving: np.ndarray) -> tuple[np.nd
     return poses[:, :2], poses[:, 2]
 
 
-@numba.njit(cache=True)
+@strict_jit
 def _turned_arms(tree, y):
     """R(theta_k) arm[i, k], (n, n, 2)."""
     n = tree.mass.shape[0]
@@ -135,7 +135,7 @@ def _turned_arms(tree, y):
     return turned
 
 
-@numba.njit(cache=True)
+@strict_jit
 def _motion(tree, turned, y):
     """Poses and rates (n + 1, 3) of the bodies, ground last, and h (n, 2)."""
     n = tree.mass.shape[0]
@@ -156,7 +156,7 @@ def _motion(tree, turned, y):
     return pose, rate, bend
 
 
-@numba.njit(cache=True)
+@strict_jit
 def _mass_matrix(tree, turned, y):
     n = tree.mass.shape[0]
     m = np.zeros((n + 2, n + 2))
@@ -175,7 +175,7 @@ def _mass_matrix(tree, turned, y):
     return m
 
 
-@numba.njit(cache=True)
+@strict_jit
 def _generalized(turned, force):
     """J^T of forces (n + 1, 3) at the centres of mass."""
     n = turned.shape[0]
@@ -189,13 +189,13 @@ def _generalized(turned, force):
     return q
 
 
-@numba.njit(cache=True)
+@strict_jit
 def _switches(tree, arrays, y):
     pose, rate, _ = _motion(tree, _turned_arms(tree, y), y)
     return measure_switches(arrays, pose, rate)
 
 
-@numba.njit(cache=True)
+@strict_jit
 def _lagrange_slope(tree, arrays, factors, y, on):
     n = tree.mass.shape[0]
     turned = _turned_arms(tree, y)
@@ -210,7 +210,7 @@ def _lagrange_slope(tree, arrays, factors, y, on):
     return slope
 
 
-@numba.njit(cache=True)
+@strict_jit
 def _with_rates(tree, turned, y):
     """Momenta to rates."""
     n = tree.mass.shape[0]
@@ -219,7 +219,7 @@ def _with_rates(tree, turned, y):
     return moving
 
 
-@numba.njit(cache=True)
+@strict_jit
 def _hamilton_slope(tree, arrays, factors, y, on):
     n = tree.mass.shape[0]
     turned = _turned_arms(tree, y)

@@ -6,12 +6,12 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import NamedTuple
 
-import numba
 import numpy as np
 
-from cross_checks.prescribed import factor
-from mbs_ref.contact import CircleOnLine, ProgressiveLaw, SpringDamperLaw
+from cross_checks.workshop.prescribed import factor
+from mbs_ref.kernels.jit import strict_jit
 from mbs_ref.scene import Force, PlanarBody, PointBushing, Scene, SpringDamper, TorsionSpring
+from mbs_ref.scene.contact import CircleOnLine, ProgressiveLaw, SpringDamperLaw
 
 
 class Pairs(NamedTuple):
@@ -132,7 +132,7 @@ def _contact(scene: Scene, free: list[str], x: CircleOnLine) -> tuple:
 # --- evaluation ------------------------------------------------------------------------------------------
 
 
-@numba.njit(cache=True)
+@strict_jit
 def _carried(pose, rate, body, point):
     """World arm of a point and its velocity."""
     c, s = np.cos(pose[body, 2]), np.sin(pose[body, 2])
@@ -141,14 +141,14 @@ def _carried(pose, rate, body, point):
     return x, y, rate[body, 0] - y * rate[body, 2], rate[body, 1] + x * rate[body, 2]
 
 
-@numba.njit(cache=True)
+@strict_jit
 def _push(force, body, x, y, fx, fy):
     force[body, 0] += fx
     force[body, 1] += fy
     force[body, 2] += x * fy - y * fx
 
 
-@numba.njit(cache=True)
+@strict_jit
 def _line(pairs, k, pose, rate):
     """Arms of both points, unit vector from a to b, pull, and stretch."""
     a, b = pairs.a[k], pairs.b[k]
@@ -162,7 +162,7 @@ def _line(pairs, k, pose, rate):
     return ax, ay, bx, by, ex, ey, pull, stretch
 
 
-@numba.njit(cache=True)
+@strict_jit
 def _depth(pairs, k, pose, rate):
     """Depth, its rate, and the arm of the circle's centre."""
     a = pairs.a[k]
@@ -171,14 +171,14 @@ def _depth(pairs, k, pose, rate):
     return pairs.numbers[k, 2] - nx * (pose[a, 0] + x) - ny * (pose[a, 1] + y), -nx * vx - ny * vy, x, y
 
 
-@numba.njit(cache=True)
+@strict_jit
 def _press(pairs, k, depth, closing):
     """The law as written, unclipped."""
     weight = 1.0 if pairs.numbers[k, 3] == 1.0 else depth
     return pairs.numbers[k, 0] * depth + pairs.numbers[k, 1] * weight * closing
 
 
-@numba.njit(cache=True)
+@strict_jit
 def measure_switches(arrays, pose, rate):
     """Positive where a spring that pulls only is taut, and where a contact presses; springs first."""
     springs, contacts = arrays.springs, arrays.contacts
@@ -196,7 +196,7 @@ def measure_switches(arrays, pose, rate):
     return found
 
 
-@numba.njit(cache=True)
+@strict_jit
 def apply_loads(arrays, mass, factors, pose, rate, on):
     """Forces (n + 1, 3) at the centres of mass in the branches `on`; the last row is ground's."""
     n = mass.shape[0]
@@ -230,7 +230,7 @@ def apply_loads(arrays, mass, factors, pose, rate, on):
     return force
 
 
-@numba.njit(cache=True)
+@strict_jit
 def _bush(force, pairs, k, pose, rate):
     """Both forces act at b's mark, and the damper works on what slips there."""
     a, b = pairs.a[k], pairs.b[k]

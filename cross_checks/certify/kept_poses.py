@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from mbs_ref.atomic import write_atomic
+from mbs_ref.atomic_file import write_atomic
 from mbs_ref.scene import Scene
 
 FOLDER = Path(__file__).parent / "poses"

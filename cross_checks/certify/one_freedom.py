@@ -11,8 +11,8 @@ import numpy as np
 from cross_checks.certify import jet
 from cross_checks.certify.agreement import Agreement, Formulation, agree
 from cross_checks.certify.jet import Jet
-from mbs_ref.euler_parameters import from_matrix
 from mbs_ref.scene import Scene, SpatialBody, symmetric
+from mbs_ref.scene.euler_parameters import from_matrix
 
 
 @dataclass(frozen=True)

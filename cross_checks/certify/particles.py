@@ -10,9 +10,9 @@ import numpy as np
 
 from cross_checks.certify.extrapolation import extrapolate
 from cross_checks.truths import NoTruth, Truth
-from mbs_ref.celestial import Epoch, Newton, Oblateness, RadiationPressure
-from mbs_ref.particle_scene import attraction, free_fall_time, tolerance_unit, unit_length
 from mbs_ref.scene import Scene
+from mbs_ref.scene.celestial import Epoch, Newton, Oblateness, RadiationPressure
+from mbs_ref.scene.units import attraction, free_fall_time, tolerance_unit, unit_length
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
 

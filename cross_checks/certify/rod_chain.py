@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numba
 import numpy as np
 
 from cross_checks.certify.agreement import Formulation
+from mbs_ref.kernels.jit import strict_jit
 
 EXTENDED_UP_TO = 12  # rods; beyond, an elimination in Python is too slow
 
@@ -105,7 +105,7 @@ def solve(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
     return x
 
 
-@numba.njit(cache=True)
+@strict_jit
 def factor_and_solve(matrix, right):
     """Plain loops: a threaded LAPACK call is 30 times slower at this size on a busy machine."""
     n = len(right)

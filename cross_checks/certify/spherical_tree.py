@@ -12,8 +12,8 @@ import numpy as np
 
 from cross_checks.certify.agreement import Formulation
 from cross_checks.certify.rod_chain import solve
-from mbs_ref.euler_parameters import rotation_matrices
 from mbs_ref.scene import GROUND, Scene, SpatialBody, Spherical, symmetric
+from mbs_ref.scene.euler_parameters import rotation_matrices
 
 EXTENDED_UP_TO = 4  # bodies; beyond, an elimination in Python takes minutes
 

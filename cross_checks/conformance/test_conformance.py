@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from cross_checks.compare import evaluate
 from cross_checks.engine import Engine
-from cross_checks.matrix import judge_method
+from cross_checks.judge.matrix import judge_method
+from cross_checks.judge.one_run import evaluate
+from cross_checks.judge.verdict import Verdict
 from cross_checks.truths import known
-from cross_checks.verdict import Verdict
 from mbs_ref import scenes
 from mbs_ref.scene import GROUND, PointMass, Scene, UserForce
 from mbs_ref.scene import Distance as Rod

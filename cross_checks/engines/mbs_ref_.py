@@ -9,17 +9,17 @@ from typing import ClassVar
 import numpy as np
 
 from cross_checks.engine import Engine, Method, Refusal
-from cross_checks.outcome import stopped
-from mbs_ref.celestial import CELESTIAL_TYPES
-from mbs_ref.cores import compile_scene, core_name
+from cross_checks.workshop.outcome import stopped
+from mbs_ref.cores.choice import compile_scene, core_name
 from mbs_ref.integrators import integrators
-from mbs_ref.integrators.leg import Integrator
-from mbs_ref.particle_scene import is_celestial
+from mbs_ref.integrators.loop.leg import Integrator
 from mbs_ref.scene import Scene
+from mbs_ref.scene.celestial import CELESTIAL_TYPES
+from mbs_ref.scene.traits import NO_DEFLECTIONS, deflecting
+from mbs_ref.scene.units import is_celestial
+from mbs_ref.self_checks.soundness import UnsoundScene
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import InconsistentScene, simulate
-from mbs_ref.soundness import UnsoundScene
-from mbs_ref.traits import NO_DEFLECTIONS, deflecting
 from mbs_ref.trajectory import Status, Trajectory
 
 PART_TYPES = (

@@ -13,11 +13,11 @@ import numpy as np
 import rebound
 
 from cross_checks.engine import Engine, Method, Refusal
-from cross_checks.outcome import End, Plan, end_of, plan_run, trajectory
-from mbs_ref.celestial import Oblateness, Relativity
-from mbs_ref.cores import compile_scene
-from mbs_ref.particle_scene import attraction, free_fall_time, is_celestial
+from cross_checks.workshop.outcome import End, Plan, end_of, plan_run, trajectory
+from mbs_ref.cores.choice import compile_scene
 from mbs_ref.scene import Scene
+from mbs_ref.scene.celestial import Oblateness, Relativity
+from mbs_ref.scene.units import attraction, free_fall_time, is_celestial
 from mbs_ref.settings import Settings
 from mbs_ref.trajectory import Status, Timing, Trajectory
 

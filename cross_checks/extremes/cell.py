@@ -7,9 +7,9 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-from cross_checks import record_file
 from cross_checks.extremes.judge import Fate, Point
 from cross_checks.extremes.search import fate_of, last_handled
+from cross_checks.records import lines as record_file
 
 
 @dataclass(frozen=True)

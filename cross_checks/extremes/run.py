@@ -9,14 +9,14 @@ from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import replace
 
 from cross_checks import engines as registry
-from cross_checks.compare import MISSING, checked_run
 from cross_checks.engine import Engine, Method, output_times
 from cross_checks.extremes import named
 from cross_checks.extremes.cell import Cell, made_of
 from cross_checks.extremes.extreme import UNCHECKED, Extreme, settings_for
 from cross_checks.extremes.judge import Fate, Point, judge, lost
 from cross_checks.extremes.search import bisect, scan
-from cross_checks.isolation import Cancelled, Isolated, Lost
+from cross_checks.isolation.parent import Cancelled, Isolated, Lost
+from cross_checks.judge.one_run import MISSING, checked_run
 
 CHILDREN = 2
 FIRST = 60.0  # s for the mildest value of a cell, which loads what the others need

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from cross_checks.truths import Truth
-from mbs_ref.euler_parameters import geodesic_angle
+from mbs_ref.scene.euler_parameters import geodesic_angle
 from mbs_ref.trajectory import Trajectory
 
 

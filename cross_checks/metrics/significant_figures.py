@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from cross_checks.observed import Observed
+from cross_checks.ephemerides.observed import Observed
 from mbs_ref.scene import Scene
 from mbs_ref.trajectory import Trajectory
 

@@ -14,8 +14,8 @@ from cross_checks.certify import kept_poses
 from cross_checks.certify.agreement import LARGEST_UNCERTAINTY, Agreement
 from cross_checks.certify.extrapolation import NoConvergenceError
 from mbs_ref import scenes
-from mbs_ref.particle_scene import unit_length
 from mbs_ref.scene import Scene
+from mbs_ref.scene.units import unit_length
 
 
 @dataclass(frozen=True)

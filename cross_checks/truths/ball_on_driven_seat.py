@@ -10,8 +10,8 @@ import numpy as np
 from scipy.optimize import root_scalar
 
 from cross_checks.truths import NoTruth, Truth
-from mbs_ref.contact import ConstraintLaw
 from mbs_ref.scene import Scene
+from mbs_ref.scene.contact import ConstraintLaw
 
 LOOKS = 400  # a period: how densely a landing is looked for
 GRAZING = 1e-3  # m/s: a slower landing makes its instant too uncertain

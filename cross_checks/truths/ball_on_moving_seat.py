@@ -9,8 +9,8 @@ import numpy as np
 
 from cross_checks.certify.agreement import Formulation, agree
 from cross_checks.truths import Truth, converged
-from mbs_ref.contact import ProgressiveLaw
 from mbs_ref.scene import Scene
+from mbs_ref.scene.contact import ProgressiveLaw
 
 TOUCHING, AROUND = 0, 1  # the switches: ball in contact; beyond the seat's straight part
 LOOKS = 0.01  # s: how often extrapolation looks for a switch, or a long step of free flight leaps over a round end

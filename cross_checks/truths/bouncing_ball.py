@@ -17,8 +17,15 @@ from scipy.special import lambertw
 
 from cross_checks.certify.unilateral import Line, Unilateral, line_motion
 from cross_checks.truths import NoTruth, Truth
-from mbs_ref.contact import FloresLaw, HuntCrossleyLaw, LankaraniNikraveshLaw, ProgressiveLaw, RigidLaw, SpringDamperLaw
 from mbs_ref.scene import Scene
+from mbs_ref.scene.contact import (
+    FloresLaw,
+    HuntCrossleyLaw,
+    LankaraniNikraveshLaw,
+    ProgressiveLaw,
+    RigidLaw,
+    SpringDamperLaw,
+)
 
 ROUNDOFF = 1e-14  # m, of elementary functions at these magnitudes
 

@@ -10,8 +10,8 @@ from cross_checks.certify import jet
 from cross_checks.certify.jet import Jet
 from cross_checks.certify.one_freedom import agree_on
 from cross_checks.truths import Truth, converged
-from mbs_ref.euler_parameters import rotation_matrices
 from mbs_ref.scene import Scene, SpatialBody
+from mbs_ref.scene.euler_parameters import rotation_matrices
 from mbs_ref.scenes.bricard import AXES, CORNERS
 
 ROOT3 = np.sqrt(np.longdouble(3))

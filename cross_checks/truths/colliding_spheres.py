@@ -11,8 +11,8 @@ from scipy.integrate import quad
 from scipy.optimize import brentq
 
 from cross_checks.truths import NoTruth, Truth
-from mbs_ref.contact import RigidLaw, SpringDamperLaw
 from mbs_ref.scene import Scene
+from mbs_ref.scene.contact import RigidLaw, SpringDamperLaw
 from mbs_ref.scenes.colliding_spheres import RADIUS_A, RADIUS_B, RUN_UP, line_of_centres
 
 QUADRATURE = 1e-11  # m, of duration and angle times the speeds at hand

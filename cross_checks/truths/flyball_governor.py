@@ -9,8 +9,8 @@ import numpy as np
 from cross_checks.certify.agreement import Formulation, agree
 from cross_checks.certify.implicit import radau
 from cross_checks.truths import Truth, converged
-from mbs_ref.euler_parameters import from_axis_angle, product
 from mbs_ref.scene import Scene, SpatialBody
+from mbs_ref.scene.euler_parameters import from_axis_angle, product
 from mbs_ref.scenes.flyball_governor import DROOP, LENGTH, OFFSET, REST, SLIDER_HEIGHT
 
 HALF = 0.5 * LENGTH  # m, from the hinge to the coupler

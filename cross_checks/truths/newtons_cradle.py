@@ -8,8 +8,8 @@ import numpy as np
 
 from cross_checks.certify.unilateral import Line, Unilateral, line_motion
 from cross_checks.truths import Truth
-from mbs_ref.contact import RigidLaw
 from mbs_ref.scene import Scene
+from mbs_ref.scene.contact import RigidLaw
 
 
 def solve(scene: Scene, times: np.ndarray) -> Truth:

@@ -1,4 +1,4 @@
-"""The solar system's model, converged; how near the model is to reality, cross_checks.observed asks."""
+"""The solar system's model, converged; how near the model is to reality, cross_checks.ephemerides.observed asks."""
 
 from __future__ import annotations
 

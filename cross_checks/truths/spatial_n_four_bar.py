@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from cross_checks.truths import Truth, n_four_bar
-from mbs_ref.euler_parameters import from_axis_angle
 from mbs_ref.scene import Scene
+from mbs_ref.scene.euler_parameters import from_axis_angle
 
 
 def solve(scene: Scene, times: np.ndarray) -> Truth:

@@ -11,8 +11,8 @@ from cross_checks.certify.elliptic import amplitude, argument, quarter_period
 from cross_checks.certify.extrapolation import NoConvergenceError
 from cross_checks.certify.quadrature import periodic_integral
 from cross_checks.truths import Truth
-from mbs_ref.euler_parameters import rotation_matrices
 from mbs_ref.scene import Scene
+from mbs_ref.scene.euler_parameters import rotation_matrices
 
 CLOSEST = 1e-9  # of 1 - m: closer to the separatrix rounded data decide the motion
 NUDGE = 1e-10  # of the start's rates, to measure how the motion magnifies rounded data

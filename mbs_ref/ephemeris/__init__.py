@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from mbs_ref.celestial import DAY_S
+from mbs_ref.scene.celestial import DAY_S
 
 KM = 1e3  # m
 EARTH_MOON_RATIO = 81.300568221497215  # mass of the Earth over the Moon's, DE440 constant EMRAT

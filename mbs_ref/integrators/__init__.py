@@ -1,12 +1,16 @@
-"""The methods of integration, one file each; a file with an INTEGRATOR is listed here by itself."""
+"""The methods of integration: one file each in methods/, found by listing it."""
 
 from __future__ import annotations
 
 import importlib
 import pkgutil
 from functools import cache
+from typing import TYPE_CHECKING
 
-from mbs_ref.integrators.leg import Integrator
+from mbs_ref.integrators import methods
+
+if TYPE_CHECKING:
+    from mbs_ref.integrators.loop.leg import Integrator
 
 DEFAULT = "dop853"
 
@@ -14,6 +18,6 @@ DEFAULT = "dop853"
 @cache
 def integrators() -> dict[str, Integrator]:
     """Return every integrator by name, the default first."""
-    modules = (importlib.import_module(f"{__name__}.{info.name}") for info in pkgutil.iter_modules(__path__))
-    found = [vars(module)["INTEGRATOR"] for module in modules if "INTEGRATOR" in vars(module)]
+    names = [info.name for info in pkgutil.iter_modules(methods.__path__)]
+    found = [importlib.import_module(f"{methods.__name__}.{name}").INTEGRATOR for name in names]
     return {entry.name: entry for entry in sorted(found, key=lambda entry: (entry.name != DEFAULT, entry.name))}

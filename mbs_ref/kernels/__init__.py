@@ -1,1 +1,1 @@
-"""Compiled element kernels. They see arrays only; `mbs_ref.system` builds the arrays from a scene."""
+"""Compiled element kernels. They see arrays only; `mbs_ref.cores.system` builds the arrays from a scene."""

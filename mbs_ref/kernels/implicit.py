@@ -9,9 +9,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from mbs_ref.kernels.dense import lu_factor, lu_solve
-from mbs_ref.kernels.jit import jit
-from mbs_ref.kernels.questions import (
+from mbs_ref.kernels.algebra.dense import lu_factor, lu_solve
+from mbs_ref.kernels.border.questions import (
     add_row,
     answer,
     defect_of,
@@ -22,6 +21,7 @@ from mbs_ref.kernels.questions import (
     position_count,
     times_mass,
 )
+from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.rows import largest_entry
 
 PROXIMAL = 1e-12  # weight on the multipliers' diagonal: dependent rows then share, instead of failing

@@ -1,42 +1,138 @@
 """One compiler decorator, with a disk cache that can never serve stale code.
 
-Numba's cache watches only the file of the compiled function, not the files it calls. The cache is
-therefore kept in a folder named after a digest of every source file that can be compiled.
+Numba's cache watches only the file of the compiled function, not the files it calls. Here compiled code is kept
+under a digest of every source that it can be made of: its module's, and those of all modules of this project which
+that one imports, directly or not. So a change recompiles what it touches and nothing else, in whatever package the
+compiled function lies, and checkouts whose sources are equal share their code.
 """
 
 from __future__ import annotations
 
 import hashlib
+import importlib.util
 import os
+import re
+from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 from typing import Any
 
 import numba
+from numba import types
+from numba.core import caching
 
-_PACKAGE = Path(__file__).parent.parent
-
-
-def source_digest() -> str:
-    """Return a digest of all kernel and integrator sources and of Numba's version."""
-    digest = hashlib.sha256(numba.__version__.encode())
-    for folder in ("kernels", "integrators"):
-        for path in sorted((_PACKAGE / folder).rglob("*.py")):
-            digest.update(path.read_bytes())
-    return digest.hexdigest()[:16]
+# Imports in a module's first column: those within functions, or for types alone, reach no compiled code.
+_IMPORT = re.compile(r"^(?:from ([\w.]+) import (\([^)]*\)|[^\n]*)|import ([\w., ]+))", re.MULTILINE)
 
 
 def cache_folder() -> Path:
     """Return where compiled code is kept: under MBS_REF_CACHE, XDG_CACHE_HOME or ~/.cache."""
     root = os.environ.get("MBS_REF_CACHE") or os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
-    return Path(root) / "mbs-ref" / source_digest()
+    return Path(root) / "mbs-ref" / "compiled"
 
 
-if "NUMBA_CACHE_DIR" not in os.environ:
-    numba.config.CACHE_DIR = str(cache_folder())  # type: ignore[attr-defined]
+def source_digest(module: str) -> str:
+    """Return a digest of Numba's version and of all sources that compiled code of `module` can be made of."""
+    digest = hashlib.sha256(numba.__version__.encode())
+    for name in sorted(sources_of(module)):
+        digest.update(name.encode() + _source(name)[0])
+    return digest.hexdigest()[:20]
 
-# Contraction (fused multiply-add) alone is allowed: it keeps NaN, infinities and the order of sums.
+
+def sources_of(module: str) -> frozenset[str]:
+    """Return the module and every module of its project that it imports, directly or not."""
+    reached, waiting = {module}, [module]
+    while waiting:
+        new = _source(waiting.pop())[1] - reached
+        reached |= new
+        waiting.extend(new)
+    return frozenset(reached)
+
+
+@cache
+def _source(module: str) -> tuple[bytes, frozenset[str]]:
+    """Return a module's source and what it imports of the packages that lie beside its own."""
+    file = _file_of(module)
+    if file is None:
+        return b"", frozenset()
+    content = file.read_bytes()
+    home = _home_of(module, file)
+    found: set[str] = set()
+    for parent, names, plain in _IMPORT.findall(content.decode()):
+        if plain:
+            found |= {name.split(" as ")[0].strip() for name in plain.split(",")}
+        else:
+            found |= {parent, *(f"{parent}.{name}" for name in re.findall(r"\w+(?: as \w+)?", names))}
+    return content, frozenset(name for name in found if _lies_in(home, name))
+
+
+def _home_of(module: str, file: Path) -> Path:
+    """Return the folder that holds a module's top-level package."""
+    depth = module.count(".") + (file.name == "__init__.py")
+    return file.parents[depth]
+
+
+def _lies_in(home: Path, module: str) -> bool:
+    path = home.joinpath(*module.split("."))
+    return path.with_suffix(".py").is_file() or (path / "__init__.py").is_file()
+
+
+@cache
+def _file_of(module: str) -> Path | None:
+    spec = importlib.util.find_spec(module)
+    return Path(spec.origin) if spec is not None and spec.origin and spec.origin.endswith(".py") else None
+
+
+class _BySources(caching._CacheLocator):
+    """Numba's question where the code of a function is kept, answered by its module's digest."""
+
+    def __init__(self, function: Callable, file: str) -> None:
+        self._py_file = file  # where Numba wants to find it
+        self._digest = source_digest(function.__module__)
+        self._line = function.__code__.co_firstlineno
+
+    def get_cache_path(self) -> str:
+        return str(cache_folder() / self._digest)
+
+    def get_source_stamp(self) -> str:
+        return self._digest
+
+    def get_disambiguator(self) -> str:
+        return str(self._line)
+
+    @classmethod
+    def from_function(cls, py_func: Callable, py_file: str) -> _BySources:
+        return cls(py_func, py_file)
+
+
+class _Code(caching.CompileResultCacheImpl):
+    _locator_classes = [_BySources]
+
+
+class _Cache(caching.FunctionCache):
+    """A function's compiled code by its sources, and by the fields of the named tuples that it is given."""
+
+    _impl_class = _Code
+
+    def _index_key(self, sig: Any, codegen: Any) -> tuple[Any, ...]:
+        given = getattr(sig, "args", sig)  # a signature, or the types alone
+        layouts = tuple(getattr(kind, "fields", ()) for kind in given if isinstance(kind, types.BaseNamedTuple))
+        return (*super()._index_key(sig, codegen), layouts)
+
+
+def _compiler(**options: Any) -> Callable[[Callable], Any]:
+    def compiled(function: Callable) -> Any:
+        dispatcher: Any = numba.njit(**options)(function)
+        dispatcher._cache = _Cache(function)
+        return dispatcher
+
+    return compiled
+
+
 # Nobody calls these functions from C, and a wrapper for that would be a tenth of the compile time.
+# Contraction (fused multiply-add) alone is allowed: it keeps NaN, infinities and the order of sums.
 _OPTIONS: Any = {"error_model": "numpy", "fastmath": {"contract"}, "no_cfunc_wrapper": True}
-jit = numba.njit(cache=True, **_OPTIONS)
+jit = _compiler(**_OPTIONS)
+strict_jit = _compiler()  # every operation is rounded as it is written, and division by zero raises
 # For the parts of a loop: called, each would pass a dozen arrays at every step, and count their references.
 inlined = numba.njit(inline="always", **_OPTIONS)

@@ -10,8 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from mbs_ref.kernels.jit import jit
-from mbs_ref.kernels.questions import (
+from mbs_ref.kernels.border.questions import (
     defect_of,
     force_balance,
     gamma_of,
@@ -21,6 +20,7 @@ from mbs_ref.kernels.questions import (
     subtract_rows,
     times_mass,
 )
+from mbs_ref.kernels.jit import jit
 
 INDEX_1, GGL, INDEX_3 = 1, 2, 3
 

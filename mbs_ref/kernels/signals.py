@@ -1,4 +1,4 @@
-"""Evaluate compiled signals: on a segment a polynomial plus one sinusoid (see mbs_ref.signals)."""
+"""Evaluate compiled signals: on a segment a polynomial plus one sinusoid (see mbs_ref.scene.signals)."""
 
 from __future__ import annotations
 

@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from mbs_ref.euler_parameters import floats, rotation_matrices
 from mbs_ref.scene import GROUND, PlanarBody, PointMass, Scene
+from mbs_ref.scene.euler_parameters import floats, rotation_matrices
 from mbs_ref.trajectory import Trajectory
 
 PERP = np.array([[0.0, -1.0], [1.0, 0.0]])  # turns a plane vector by +90 degrees

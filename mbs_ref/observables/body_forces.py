@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mbs_ref.planar_system import PlanarSystem
+from mbs_ref.cores.planar.system import PlanarSystem
 from mbs_ref.scene import Scene
 from mbs_ref.trajectory import Trajectory
 

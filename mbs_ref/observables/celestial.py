@@ -6,8 +6,8 @@ import itertools
 
 import numpy as np
 
-from mbs_ref.celestial import Newton
 from mbs_ref.scene import Scene
+from mbs_ref.scene.celestial import Newton
 from mbs_ref.trajectory import Trajectory
 
 

@@ -6,11 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mbs_ref.euler_parameters import floats
 from mbs_ref.observables.attachment import PERP, Motion
 from mbs_ref.observables.signal_values import motion as prescribed
 from mbs_ref.observables.spatial_rows import SPATIAL_ROWS, norm_row
 from mbs_ref.scene import CoordinateDrive, Distance, PointDrive, Prismatic, Revolute, Scene, SpatialBody, Weld
+from mbs_ref.scene.euler_parameters import floats
 from mbs_ref.trajectory import Trajectory
 
 

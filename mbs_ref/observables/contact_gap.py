@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from mbs_ref.contact import CircleOnCircle, CircleOnLine
 from mbs_ref.observables.attachment import Motion
+from mbs_ref.scene.contact import CircleOnCircle, CircleOnLine
 
 
 def shapes_known(contact) -> bool:

@@ -8,13 +8,10 @@ import numpy as np
 from scipy.integrate import cumulative_trapezoid
 from scipy.interpolate import make_interp_spline
 
-from mbs_ref.contact import ConstraintLaw, RigidLaw
-from mbs_ref.euler_parameters import rotation_matrices
 from mbs_ref.observables import celestial
 from mbs_ref.observables.attachment import Motion
 from mbs_ref.observables.powers import powers
 from mbs_ref.observables.springs import bushing_strain, gap_of, length_of, twist_of
-from mbs_ref.particle_scene import is_celestial
 from mbs_ref.scene import (
     DRIVES,
     Bushing,
@@ -27,7 +24,10 @@ from mbs_ref.scene import (
     Torque,
     TorsionSpring,
 )
-from mbs_ref.signals import Constant, Signal
+from mbs_ref.scene.contact import ConstraintLaw, RigidLaw
+from mbs_ref.scene.euler_parameters import rotation_matrices
+from mbs_ref.scene.signals import Constant, Signal
+from mbs_ref.scene.units import is_celestial
 from mbs_ref.trajectory import Trajectory
 
 OVERFLOWN = "the run has diverged: its energy is beyond all numbers"

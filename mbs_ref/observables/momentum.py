@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from mbs_ref.euler_parameters import rotation_matrices
 from mbs_ref.observables import celestial
-from mbs_ref.particle_scene import is_celestial
 from mbs_ref.scene import GROUND, Bushing, PlanarBody, PointBushing, Scene, SpatialBody, SpringDamper, TorsionSpring
-from mbs_ref.traits import joint_ends
+from mbs_ref.scene.euler_parameters import rotation_matrices
+from mbs_ref.scene.traits import joint_ends
+from mbs_ref.scene.units import is_celestial
 from mbs_ref.trajectory import Trajectory
 
 

@@ -6,7 +6,6 @@ from collections.abc import Callable
 
 import numpy as np
 
-from mbs_ref.contact import Contact
 from mbs_ref.observables.attachment import Motion
 from mbs_ref.observables.signal_values import motion as prescribed
 from mbs_ref.observables.signal_values import values
@@ -24,6 +23,7 @@ from mbs_ref.scene import (
     TorsionSpring,
     UserForce,
 )
+from mbs_ref.scene.contact import Contact
 
 
 def powers(motion: Motion, is_conservative: Callable) -> np.ndarray | None:

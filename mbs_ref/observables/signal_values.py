@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from mbs_ref.signals import Level, Segment, Signal, motion_segments
+from mbs_ref.scene.signals import Level, Segment, Signal, motion_segments
 
 
 def values(signal: Signal, times: np.ndarray) -> np.ndarray:

@@ -1,6 +1,6 @@
 """The vertebral android of the papers, 48 planar bodies, in a crash: stiff."""
 
-from mbs_ref.android import scene_builder
+from mbs_ref.crash.android import scene_builder
 
 DESCRIPTION = (
     "48 bodies: every vertebra, the ribs and the shoulder of a person, joined by 45 revolutes, seat base and "

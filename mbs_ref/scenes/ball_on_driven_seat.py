@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import Literal
 
-from mbs_ref.contact import CircleOnLine, ConstraintLaw, ContactLaw, SpringDamperLaw
-from mbs_ref.part import NonNegative, Positive
 from mbs_ref.scene import CoordinateDrive, PlanarBody, Scene
-from mbs_ref.signals import Constant, Harmonic
+from mbs_ref.scene.contact import CircleOnLine, ConstraintLaw, ContactLaw, SpringDamperLaw
+from mbs_ref.scene.part import NonNegative, Positive
+from mbs_ref.scene.signals import Constant, Harmonic
 
 RADIUS = 0.05  # m
 

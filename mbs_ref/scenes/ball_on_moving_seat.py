@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Literal
 
-from mbs_ref.contact import CircleOnLine, ContactLaw, ProgressiveLaw, RegularisedCoulomb, SpringDamperLaw
-from mbs_ref.part import NonNegative, Positive
 from mbs_ref.scene import PlanarBody, Scene
+from mbs_ref.scene.contact import CircleOnLine, ContactLaw, ProgressiveLaw, RegularisedCoulomb, SpringDamperLaw
+from mbs_ref.scene.part import NonNegative, Positive
 
 RADIUS = 0.05  # m
 

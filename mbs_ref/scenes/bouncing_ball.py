@@ -6,7 +6,8 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from mbs_ref.contact import (
+from mbs_ref.scene import PlanarBody, Scene
+from mbs_ref.scene.contact import (
     CircleOnLine,
     ContactLaw,
     FloresLaw,
@@ -16,8 +17,7 @@ from mbs_ref.contact import (
     RigidLaw,
     SpringDamperLaw,
 )
-from mbs_ref.part import NonNegative, Positive
-from mbs_ref.scene import PlanarBody, Scene
+from mbs_ref.scene.part import NonNegative, Positive
 
 Law = Literal[
     "spring_damper", "spring_damper_force", "progressive", "hunt_crossley", "lankarani_nikravesh", "flores", "rigid"

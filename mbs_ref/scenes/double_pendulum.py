@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 
-from mbs_ref.part import Positive
 from mbs_ref.scene import GROUND, PlanarBody, Revolute, Scene
+from mbs_ref.scene.part import Positive
 
 
 def build(

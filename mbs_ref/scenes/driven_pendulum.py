@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 
-from mbs_ref.part import Positive
 from mbs_ref.scene import GROUND, CoordinateDrive, PlanarBody, Prismatic, Revolute, Scene
-from mbs_ref.signals import Harmonic
+from mbs_ref.scene.part import Positive
+from mbs_ref.scene.signals import Harmonic
 
 
 def build(

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from mbs_ref.celestial import Newton
 from mbs_ref.scene import PointMass, Scene
+from mbs_ref.scene.celestial import Newton
 
 X = (3.0, 3.0, -1.0, -3.0, 2.0, -2.0, 2.0)  # m
 Y = (3.0, -3.0, 2.0, 0.0, 0.0, -4.0, 4.0)  # m

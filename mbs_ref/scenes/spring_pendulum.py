@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from mbs_ref.part import NonNegative, Positive
 from mbs_ref.scene import GROUND, PointMass, Scene, SpringDamper
+from mbs_ref.scene.part import NonNegative, Positive
 
 
 def build(

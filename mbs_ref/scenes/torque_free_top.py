@@ -8,9 +8,9 @@ from typing import Annotated, Literal
 import numpy as np
 from pydantic import Field
 
-from mbs_ref.euler_parameters import rotation_matrices
-from mbs_ref.part import Positive
 from mbs_ref.scene import Scene, SpatialBody
+from mbs_ref.scene.euler_parameters import rotation_matrices
+from mbs_ref.scene.part import Positive
 
 
 def build(

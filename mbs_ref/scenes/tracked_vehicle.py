@@ -10,7 +10,8 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from pydantic import Field
 
-from mbs_ref.contact import (
+from mbs_ref.scene import GROUND, PlanarBody, Revolute, Scene, Torque
+from mbs_ref.scene.contact import (
     CircleOnLine,
     Contact,
     ContactLaw,
@@ -19,11 +20,10 @@ from mbs_ref.contact import (
     RegularisedCoulomb,
     SpringDamperLaw,
 )
-from mbs_ref.part import NonNegative, Positive
-from mbs_ref.scene import GROUND, PlanarBody, Revolute, Scene, Torque
-from mbs_ref.signals import Table
+from mbs_ref.scene.part import NonNegative, Positive
+from mbs_ref.scene.signals import Table
 
-DATA: dict[str, Any] = json.loads((files("mbs_ref") / "data" / "tracked_vehicle.json").read_text())
+DATA: dict[str, Any] = json.loads((files("mbs_ref.scenes") / "data" / "tracked_vehicle.json").read_text())
 PITCH, HEIGHT, TEETH = (DATA[name]["value"] for name in ("pitch", "link_height", "teeth"))
 PITCH_RADIUS = PITCH / (2.0 * math.sin(math.pi / TEETH))  # m
 APOTHEM = PITCH / (2.0 * math.tan(math.pi / TEETH))  # m
@@ -54,7 +54,7 @@ def build(
     return Scene(
         name="tracked_vehicle",
         description=f"Chassis, sprocket, idler, {rollers + upper_rollers} rollers and {links} links on flat ground.",
-        source="Fox 2001, tracked off-highway vehicle; numbers and their origin in mbs_ref/data/tracked_vehicle.json",
+        source="Fox 2001, tracked off-highway vehicle; numbers and their origin in scenes/data/tracked_vehicle.json",
         duration=2.0,
         gravity=(0.0, -gravity),
         bodies=(_chassis(base), *_wheel_bodies(wheels), *_links(track)),

@@ -6,7 +6,7 @@ from cross_checks import engines
 from cross_checks.capabilities import part_types
 from cross_checks.engine import Engine, Refusal
 from mbs_ref.scene import Scene
-from mbs_ref.traits import ALL_TRAITS, traits
+from mbs_ref.scene.traits import ALL_TRAITS, traits
 from reports.page.report_data import Capability
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from cross_checks.record import Record
+from cross_checks.records.record import Record
 from mbs_ref.trajectory import Status
 
 TARGETS = (1e-3, 1e-6, 1e-9)  # m

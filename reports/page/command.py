@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import shlex
 
-from cross_checks.ladder import SAMPLES
-from cross_checks.record import Record
+from cross_checks.judge.ladder import SAMPLES
+from cross_checks.records.record import Record
 from reports.page.report_data import chosen_parameters
 
 OPTIONS = {"step": "--step", "rtol": "--rtol", "atol": "--atol", "stabilization": "--stabilization", "t_end": "--t-end"}

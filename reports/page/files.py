@@ -7,7 +7,7 @@ import io
 import json
 from typing import Any
 
-from cross_checks.record import Record
+from cross_checks.records.record import Record
 from reports.console import json_text
 from reports.page.cheapest import TARGETS, entries, floor
 from reports.page.command import command

@@ -6,13 +6,13 @@ import itertools
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from cross_checks.record import Record
+from cross_checks.records.record import Record
 from mbs_ref.trajectory import Status
 from reports.page.cheapest import entries, known_error, usable
 from reports.page.numbers import count, duration, joules, metres, setting, short
 from reports.page.report_data import Cell, ReportData, scene_label
-from reports.page.sections.sky import worst_planet
 from reports.page.verdicts import verdict
+from reports.studies.sky.section import worst_planet
 
 SILENT = (Status.NON_FINITE, Status.RESET)  # what engines do without saying so
 ORDER_SLACK = 0.5  # an observed order lower than documented by more than this is worth a sentence

@@ -7,7 +7,6 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
-from benchmarks import androids, contact, sky, space
 from benchmarks.sweep import sweep
 from cross_checks import engines
 from cross_checks.engine import Method
@@ -15,17 +14,21 @@ from cross_checks.extremes import named
 from cross_checks.extremes.cell import Cell as ExtremeCell
 from cross_checks.extremes.cell import read as read_cells
 from cross_checks.extremes.run import matrix
-from cross_checks.isolation import Caller, Isolated, Lost
-from cross_checks.matrix import CELL_TIMEOUT, judged, missing
-from cross_checks.record import Record
+from cross_checks.isolation.parent import Caller, Isolated, Lost
+from cross_checks.judge.matrix import CELL_TIMEOUT, judged, missing
+from cross_checks.records.record import Record
 from mbs_ref import scenes
 from mbs_ref.scene import Scene
 from reports.page.capability import capabilities
-from reports.page.crashes import crashes
 from reports.page.environment import environment
 from reports.page.numbers import finite
 from reports.page.report_data import Cell, ReportData, scene_label
 from reports.page.truth_facts import truth_facts
+from reports.studies.androids import measure as androids
+from reports.studies.contact import measure as contact
+from reports.studies.crashes.measure import crashes
+from reports.studies.sky import measure as sky
+from reports.studies.space import measure as space
 
 Progress = Callable[[int, int, str], None]  # done, total, what comes next
 

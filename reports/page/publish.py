@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from mbs_ref.atomic import write_atomic
+from mbs_ref.atomic_file import write_atomic
 from reports.page.files import csv_table, jsonl, markdown
 from reports.page.render import render
 from reports.page.report_data import ReportData

@@ -11,17 +11,19 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 from plotly.offline import get_plotlyjs
 
+from reports.page.contents import SECTIONS
+from reports.page.plots.palette import colours
 from reports.page.report_data import ReportData
-from reports.page.section import Section, discover
-from reports.plots.palette import colours
+from reports.page.section import Section
 
 TEMPLATES = Path(__file__).parent / "templates"
+STUDIES = Path(__file__).parents[1] / "studies"
 SCRIPTS = ("pick.js", "page.js")
 
 
 @cache
 def _templates() -> Environment:
-    return Environment(loader=FileSystemLoader(TEMPLATES), autoescape=True, undefined=StrictUndefined)
+    return Environment(loader=FileSystemLoader((TEMPLATES, STUDIES)), autoescape=True, undefined=StrictUndefined)
 
 
 def render(data: ReportData) -> str:
@@ -32,13 +34,13 @@ def render(data: ReportData) -> str:
     def body(section: Section) -> Markup:
         shared = {"scenes": data.scenes, "engine_colours": engine_colours, "absence": data.absence}
         context = {"section": section, **shared, **section.context(data)}
-        return Markup(_templates().get_template(f"{section.name}.html").render(context))
+        return Markup(_templates().get_template(section.template or f"{section.name}.html").render(context))
 
     return (
         _templates()
         .get_template("page.html")
         .render(
-            sections=discover(),
+            sections=SECTIONS,
             body=body,
             scenes=data.scenes,
             engines=engine_colours,

@@ -6,15 +6,15 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import Any
 
-from benchmarks.androids import AndroidFacts
-from benchmarks.contact import ContactFacts
-from benchmarks.sky import SkyFacts
-from benchmarks.space import SpaceFacts
 from cross_checks.extremes.cell import Cell as ExtremeCell
-from cross_checks.record import Record
+from cross_checks.records.record import Record
 from mbs_ref import scenes
-from reports.page.crashes import Crash
 from reports.page.truth_facts import TruthFacts
+from reports.studies.androids.measure import AndroidFacts
+from reports.studies.contact.measure import ContactFacts
+from reports.studies.crashes.measure import Crash
+from reports.studies.sky.measure import SkyFacts
+from reports.studies.space.measure import SpaceFacts
 
 
 @dataclass(frozen=True)

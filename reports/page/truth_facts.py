@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from cross_checks.certify import certificate
-from cross_checks.certify.certificate import Certificate
+from cross_checks.certificates import certificate
+from cross_checks.certificates.certificate import Certificate
 from cross_checks.truths import NoTruth
 from mbs_ref.scene import Scene
 

@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 
 from benchmarks.record_changes import Move, alone, changes, median_ratio, overall
-from cross_checks.record import Error, Record
+from cross_checks.records.record import Error, Record
 
 RECORD = Record(
     scene="pendulum", parameters={"length": 1.0}, engine="swing", method="rk4", settings={"step": 0.01},

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from cross_checks.record_file import key_of, read
+from cross_checks.records.lines import key_of, read
 
 KILLS = 20
 SWEEP = "from reports.cli import main; main()"

@@ -13,7 +13,7 @@ from benchmarks.profiles import profiles
 from benchmarks.regression import Finding, cheapest, confirmed, overall
 from benchmarks.sweep import sweep
 from benchmarks.timing import Pace, Sample, compare
-from cross_checks.record_file import Busy, exclusive
+from cross_checks.records.lines import Busy, exclusive
 from mbs_ref import scenes
 
 

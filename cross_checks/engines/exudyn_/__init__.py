@@ -11,7 +11,6 @@ from typing import ClassVar
 import exudyn as exu
 import numpy as np
 
-from cross_checks.applied import CLIPPED_CONTACTS, contact_refusals
 from cross_checks.engine import Engine, Method, Refusal
 from cross_checks.engines.exudyn_.contact import general_contact_refusals
 from cross_checks.engines.exudyn_.kinematic_tree import build_tree, tree_refusals
@@ -21,7 +20,8 @@ from cross_checks.engines.exudyn_.planar_build import build_redundant
 from cross_checks.engines.exudyn_.run import advance_adaptive, advance_fixed, first_call, options_of
 from cross_checks.engines.exudyn_.spatial_build import build_spatial
 from cross_checks.engines.exudyn_.spatial_parts import SPATIAL_PARTS
-from cross_checks.outcome import end_of, plan_run, trajectory
+from cross_checks.workshop.outcome import end_of, plan_run, trajectory
+from cross_checks.workshop.planar_forces import CLIPPED_CONTACTS, contact_refusals
 from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings
 from mbs_ref.trajectory import Timing, Trajectory

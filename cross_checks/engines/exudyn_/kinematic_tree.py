@@ -12,11 +12,11 @@ import exudyn as exu
 import exudyn.itemInterface as item
 import numpy as np
 
-from cross_checks.applied import AppliedForces
 from cross_checks.engine import Refusal
 from cross_checks.engines.exudyn_.planar_model import in_body, node_sensor
 from cross_checks.engines.exudyn_.shared_forces import SHARED
-from cross_checks.joint_tree import FIXED, JointTree, joint_tree
+from cross_checks.workshop.planar_forces import AppliedForces
+from cross_checks.workshop.planar_tree import FIXED, JointTree, joint_tree
 from mbs_ref.scene import GROUND, CoordinateDrive, PlanarBody, Scene, Weld
 
 ORIGIN = (0.0, 0.0)

@@ -6,7 +6,7 @@
 from __future__ import annotations
 
 from cross_checks.engines.exudyn_.planar_model import Redundant
-from cross_checks.prescribed import constant_value, factor
+from cross_checks.workshop.prescribed import constant_value, factor
 from mbs_ref.scene import Force, Torque
 
 

@@ -14,7 +14,7 @@ from cross_checks.engines.exudyn_.planar_joints import JOINTS
 from cross_checks.engines.exudyn_.planar_loads import LOADS
 from cross_checks.engines.exudyn_.planar_model import Redundant, node_sensor
 from cross_checks.engines.exudyn_.shared_forces import add_shared_forces
-from cross_checks.joint_tree import FIXED
+from cross_checks.workshop.planar_tree import FIXED
 from mbs_ref.scene import PlanarBody, PointBushing, Scene
 
 

@@ -13,9 +13,9 @@ import numpy as np
 from exudyn.exudynCPP import SolverError
 
 from cross_checks.engines.exudyn_.methods import SOLVERS
-from cross_checks.outcome import End, Plan
+from cross_checks.workshop.outcome import End, Plan
 from mbs_ref.scene import Scene
-from mbs_ref.traits import traits
+from mbs_ref.scene.traits import traits
 from mbs_ref.trajectory import Status
 
 SPECTRAL_RADIUS = 0.9  # of generalized-alpha at infinite frequency: Exudyn's default, pinned

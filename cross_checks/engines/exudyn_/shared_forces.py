@@ -8,9 +8,9 @@ from __future__ import annotations
 import exudyn.itemInterface as item
 import numpy as np
 
-from cross_checks.applied import AppliedForces
 from cross_checks.engines.exudyn_.planar_model import Redundant
-from cross_checks.joint_tree import joint_tree
+from cross_checks.workshop.planar_forces import AppliedForces
+from cross_checks.workshop.planar_tree import joint_tree
 from mbs_ref.scene import PlanarBody
 
 SHARED = "loads and contacts come from the shared force code, called through Python"

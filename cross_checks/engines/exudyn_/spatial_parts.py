@@ -11,6 +11,7 @@ import numpy as np
 from cross_checks.engines.exudyn_.loads import add_load, pull_only
 from cross_checks.engines.exudyn_.planar_joints import rod
 from cross_checks.engines.exudyn_.spatial_model import Spatial
+from mbs_ref.cores.spatial.elements import normals
 from mbs_ref.scene import (
     Cylindrical,
     Distance,
@@ -23,7 +24,6 @@ from mbs_ref.scene import (
     TorqueVector,
     Weld,
 )
-from mbs_ref.spatial_rows import normals
 
 
 def _generic(model: Spatial, joint, axis, fixed: list[int]) -> None:

@@ -12,7 +12,6 @@ from typing import ClassVar
 import mujoco
 import numpy as np
 
-from cross_checks.applied import CLIPPED_CONTACTS
 from cross_checks.engine import Engine, Method, Refusal
 from cross_checks.engines.mujoco_.contact import contact_refusals
 from cross_checks.engines.mujoco_.methods import METHODS, STOCK, TIGHT
@@ -22,10 +21,11 @@ from cross_checks.engines.mujoco_.refusals import closure_refusals, spatial_refu
 from cross_checks.engines.mujoco_.run import advance, at_start
 from cross_checks.engines.mujoco_.shared_forces import SHARED, force_refusals, shared_forces, takes_shared_forces
 from cross_checks.engines.mujoco_.spatial_build import compile_spatial
-from cross_checks.joint_tree import JointTree, joint_tree
-from cross_checks.outcome import plan_run, trajectory
-from cross_checks.reactions import tree_reactions
-from cross_checks.spatial_tree import SpatialTree, spatial_tree
+from cross_checks.workshop.outcome import plan_run, trajectory
+from cross_checks.workshop.planar_forces import CLIPPED_CONTACTS
+from cross_checks.workshop.planar_reactions import tree_reactions
+from cross_checks.workshop.planar_tree import JointTree, joint_tree
+from cross_checks.workshop.spatial_tree import SpatialTree, spatial_tree
 from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings
 from mbs_ref.trajectory import Timing, Trajectory

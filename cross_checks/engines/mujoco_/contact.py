@@ -17,7 +17,8 @@ import mujoco
 import numpy as np
 
 from cross_checks.engine import Refusal
-from mbs_ref.contact import (
+from mbs_ref.scene import GROUND, Scene
+from mbs_ref.scene.contact import (
     CircleOnCircle,
     CircleOnLine,
     Contact,
@@ -26,8 +27,7 @@ from mbs_ref.contact import (
     SphereOnSphere,
     SpringDamperLaw,
 )
-from mbs_ref.scene import GROUND, Scene
-from mbs_ref.traits import joint_ends
+from mbs_ref.scene.traits import joint_ends
 
 STOCK_SOLREF, STOCK_SOLIMP = (0.02, 1.0), (0.9, 0.95, 0.001, 0.5, 2.0)  # MuJoCo's defaults, pinned
 # solimp with the least impedance MuJoCo allows: F = m_eff (K d + B d' + impedance * a), a the acceleration without it

@@ -8,8 +8,8 @@ from __future__ import annotations
 import mujoco
 import numpy as np
 
-from cross_checks.joint_tree import JointTree
-from cross_checks.spatial_tree import SpatialTree
+from cross_checks.workshop.planar_tree import JointTree
+from cross_checks.workshop.spatial_tree import SpatialTree
 
 
 def observe_planar(model: mujoco.MjModel, tree: JointTree, times: np.ndarray, states: np.ndarray):

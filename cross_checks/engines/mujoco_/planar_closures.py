@@ -9,7 +9,7 @@ import mujoco
 import numpy as np
 
 from cross_checks.engines.mujoco_.planar_places import add_tendon, anchor, world_name
-from cross_checks.joint_tree import JointTree
+from cross_checks.workshop.planar_tree import JointTree
 from mbs_ref.scene import Distance, Revolute, Weld
 
 

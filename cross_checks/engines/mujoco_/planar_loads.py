@@ -9,8 +9,8 @@ import mujoco
 import numpy as np
 
 from cross_checks.engines.mujoco_.planar_places import add_site, add_tendon, hinge_name
-from cross_checks.joint_tree import JointTree
-from cross_checks.prescribed import constant_value
+from cross_checks.workshop.planar_tree import JointTree
+from cross_checks.workshop.prescribed import constant_value
 from mbs_ref.scene import Force, SpringDamper, Torque, TorsionSpring
 
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from cross_checks.joint_tree import JointTree, local
+from cross_checks.workshop.planar_tree import JointTree, local
 
 Z = (0.0, 0.0, 1.0)
 WORLD = "world"

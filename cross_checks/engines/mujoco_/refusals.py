@@ -6,9 +6,9 @@
 from __future__ import annotations
 
 from cross_checks.engine import Refusal
-from cross_checks.joint_tree import joint_tree
-from cross_checks.prescribed import constant_value
-from cross_checks.spatial_tree import spatial_tree
+from cross_checks.workshop.planar_tree import joint_tree
+from cross_checks.workshop.prescribed import constant_value
+from cross_checks.workshop.spatial_tree import spatial_tree
 from mbs_ref.scene import (
     Cylindrical,
     Distance,

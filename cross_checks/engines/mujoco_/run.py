@@ -9,9 +9,9 @@ import mujoco
 import numpy as np
 
 from cross_checks.engines.mujoco_.spatial_build import start_rates
-from cross_checks.joint_tree import JointTree
-from cross_checks.outcome import End, Plan, end_of
-from cross_checks.spatial_tree import SpatialTree, depth_first
+from cross_checks.workshop.outcome import End, Plan, end_of
+from cross_checks.workshop.planar_tree import JointTree
+from cross_checks.workshop.spatial_tree import SpatialTree, depth_first
 from mbs_ref.trajectory import Status
 
 

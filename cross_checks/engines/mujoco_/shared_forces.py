@@ -11,12 +11,12 @@ from contextlib import contextmanager
 import mujoco
 import numpy as np
 
-from cross_checks.applied import AppliedForces
-from cross_checks.applied import contact_refusals as located_refusals
 from cross_checks.engine import Refusal
 from cross_checks.engines.mujoco_.contact import contact_refusals
 from cross_checks.engines.mujoco_.refusals import part_refusals
-from cross_checks.joint_tree import JointTree, joint_tree
+from cross_checks.workshop.planar_forces import AppliedForces
+from cross_checks.workshop.planar_forces import contact_refusals as located_refusals
+from cross_checks.workshop.planar_tree import JointTree, joint_tree
 from mbs_ref.scene import PointBushing, Scene
 
 SHARED = "loads and contacts come from the shared force code, called through Python"

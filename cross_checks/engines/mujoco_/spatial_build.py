@@ -11,9 +11,9 @@ import numpy as np
 from cross_checks.engines.mujoco_.contact import add_contact
 from cross_checks.engines.mujoco_.methods import STOCK, pin_options, solref_of
 from cross_checks.engines.mujoco_.spatial_closures import add_closure, add_spring
-from cross_checks.joint_tree import FIXED
-from cross_checks.outcome import Plan
-from cross_checks.spatial_tree import SpatialEdge, SpatialTree
+from cross_checks.workshop.outcome import Plan
+from cross_checks.workshop.planar_tree import FIXED
+from cross_checks.workshop.spatial_tree import SpatialEdge, SpatialTree
 from mbs_ref.scene import SpatialBody, SpringDamper
 
 

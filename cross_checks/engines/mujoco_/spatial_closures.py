@@ -10,7 +10,7 @@ import numpy as np
 
 from cross_checks.engines.mujoco_.planar_loads import linear
 from cross_checks.engines.mujoco_.planar_places import world_name
-from cross_checks.spatial_tree import SpatialTree
+from cross_checks.workshop.spatial_tree import SpatialTree
 from mbs_ref.scene import Distance, Revolute, SpringDamper, Weld
 
 

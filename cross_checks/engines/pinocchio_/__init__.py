@@ -11,7 +11,6 @@ from typing import ClassVar
 import numpy as np
 import pinocchio as pin
 
-from cross_checks.applied import CLIPPED_CONTACTS, contact_refusals
 from cross_checks.engine import Engine, Method, Refusal
 from cross_checks.engines.pinocchio_.dynamics import right_hand_side
 from cross_checks.engines.pinocchio_.loop import advance_adaptive, advance_fixed
@@ -20,9 +19,10 @@ from cross_checks.engines.pinocchio_.planar_build import Mechanism, mechanism_of
 from cross_checks.engines.pinocchio_.planar_observe import poses_of, reactions_of
 from cross_checks.engines.pinocchio_.spatial_build import SpatialMechanism, mechanism_in_space, start_rates
 from cross_checks.engines.pinocchio_.spatial_observe import poses_in_space, reactions_in_space
-from cross_checks.joint_tree import joint_tree
-from cross_checks.outcome import plan_run, trajectory
-from cross_checks.spatial_tree import spatial_tree
+from cross_checks.workshop.outcome import plan_run, trajectory
+from cross_checks.workshop.planar_forces import CLIPPED_CONTACTS, contact_refusals
+from cross_checks.workshop.planar_tree import joint_tree
+from cross_checks.workshop.spatial_tree import spatial_tree
 from mbs_ref.scene import DRIVES, Revolute, Scene, Spherical, UserForce, Weld
 from mbs_ref.settings import Settings
 from mbs_ref.trajectory import Timing, Trajectory

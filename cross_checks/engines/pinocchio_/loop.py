@@ -11,7 +11,7 @@ import numpy as np
 from scipy.integrate import DOP853
 
 from cross_checks.engines.pinocchio_.dynamics import RightHandSide
-from cross_checks.outcome import End, Plan, end_of
+from cross_checks.workshop.outcome import End, Plan, end_of
 from mbs_ref.trajectory import Status
 
 

@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 
-from cross_checks.applied import AppliedForces
-from cross_checks.joint_tree import FIXED, Edge, JointTree, local
+from cross_checks.workshop.planar_forces import AppliedForces
+from cross_checks.workshop.planar_tree import FIXED, Edge, JointTree, local
 from mbs_ref.scene import PlanarBody, Revolute, Weld
 
 

@@ -10,8 +10,8 @@ import pinocchio as pin
 
 from cross_checks.engines.pinocchio_.dynamics import RightHandSide
 from cross_checks.engines.pinocchio_.planar_build import Mechanism
-from cross_checks.joint_tree import FIXED
-from cross_checks.reactions import about, mark, tree_reactions
+from cross_checks.workshop.planar_reactions import about, mark, tree_reactions
+from cross_checks.workshop.planar_tree import FIXED
 
 
 def poses_of(mechanism: Mechanism, states: np.ndarray):

@@ -14,8 +14,8 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 
-from cross_checks.spatial_applied import SpatialApplied
-from cross_checks.spatial_tree import FIXED, SpatialEdge, SpatialTree, depth_first
+from cross_checks.workshop.spatial_forces import SpatialApplied
+from cross_checks.workshop.spatial_tree import FIXED, SpatialEdge, SpatialTree, depth_first
 from mbs_ref.scene import Scene, SpatialBody, symmetric
 
 FREE, BALL = "JointModelFreeFlyer", "JointModelSpherical"

@@ -10,7 +10,7 @@ import pinocchio as pin
 
 from cross_checks.engines.pinocchio_.dynamics import RightHandSide
 from cross_checks.engines.pinocchio_.spatial_build import SpatialMechanism
-from cross_checks.spatial_reactions import about, mark, spatial_tree_reactions
+from cross_checks.workshop.spatial_reactions import about, mark, spatial_tree_reactions
 
 
 def poses_in_space(mechanism: SpatialMechanism, states: np.ndarray):

@@ -10,8 +10,8 @@ from cross_checks.extremes import measures
 from cross_checks.extremes.extreme import Axis, Case, Extreme, Measure, decades, grid
 from cross_checks.truths import bouncing_ball
 from mbs_ref import scenes
-from mbs_ref.contact import CircleOnCircle, CircleOnLine, SpringDamperLaw
 from mbs_ref.scene import PlanarBody, Scene
+from mbs_ref.scene.contact import CircleOnCircle, CircleOnLine, SpringDamperLaw
 from mbs_ref.scenes.incline import build as incline
 
 FAMILY = "contact"

@@ -7,8 +7,8 @@ import math
 from cross_checks.extremes import measures
 from cross_checks.extremes.extreme import Axis, Case, Extreme, decades, grid
 from cross_checks.truths import kepler as truth
-from mbs_ref.celestial import Newton
 from mbs_ref.scene import PointMass, Scene
+from mbs_ref.scene.celestial import Newton
 from mbs_ref.scenes.kepler import build as kepler
 
 FAMILY = "orbits"

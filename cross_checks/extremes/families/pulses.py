@@ -10,7 +10,7 @@ from cross_checks.extremes import measures
 from cross_checks.extremes.exact import half_sine_push
 from cross_checks.extremes.extreme import Axis, Case, Extreme, grid
 from mbs_ref.scene import Force, PlanarBody, Scene
-from mbs_ref.signals import HalfSine
+from mbs_ref.scene.signals import HalfSine
 
 PEAK, MASS = 15e3, 75.0  # N, kg
 AT, TIME = 5.00031, 10.0  # s; at no round time

@@ -13,9 +13,9 @@ from cross_checks.extremes.parts import GRAVITY, INERTIA, LENGTH, rod, tip
 from cross_checks.truths import n_four_bar
 from mbs_ref import scenes
 from mbs_ref.scene import GROUND, CoordinateDrive, PlanarBody, Prismatic, Revolute, Scene
+from mbs_ref.scene.signals import Constant
 from mbs_ref.scenes.slider_crank import build as slider_crank
 from mbs_ref.scenes.slider_crank import crank_rod_slider
-from mbs_ref.signals import Constant
 
 FAMILY = "singular poses"
 STEP, RTOL = 1e-3, 1e-8

@@ -12,7 +12,7 @@ from cross_checks.extremes.extreme import Axis, Case, Extreme, decades, grid
 from cross_checks.truths import pendulum as truth
 from mbs_ref import scenes
 from mbs_ref.scene import Force, PlanarBody, Scene
-from mbs_ref.signals import HalfSine
+from mbs_ref.scene.signals import HalfSine
 
 FAMILY = "steps"
 SWING_TIME = 2.0  # s

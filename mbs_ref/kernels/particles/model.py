@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from mbs_ref.kernels.handles import accessor
+from mbs_ref.kernels.border.handles import accessor
 
 LANES = 8  # instants evaluated side by side: the stages of a Gauss step, or one instant repeated
 

@@ -6,8 +6,8 @@ a = a_tree - T G^T mu. Dependent rows get the minimum-norm mu.
 
 from __future__ import annotations
 
+from mbs_ref.kernels.algebra.ldl import minimum_norm_solve, pivoted_cholesky
 from mbs_ref.kernels.jit import jit
-from mbs_ref.kernels.ldl import minimum_norm_solve, pivoted_cholesky
 from mbs_ref.kernels.planar.model import bodies_of, closures_of, rows_of, slots_of, tree_of
 from mbs_ref.kernels.planar.tree import solve_tree
 

@@ -7,7 +7,16 @@ from __future__ import annotations
 
 import numpy as np
 
-from mbs_ref.kernels.contact_laws import (
+from mbs_ref.kernels.border.questions import (
+    accelerate,
+    contact_mobility,
+    derivative,
+    factor,
+    fill_rows,
+    settle_grips,
+    solve,
+)
+from mbs_ref.kernels.contact.laws import (
     FRICTION_STICK_SLIP,
     GRIP_PROBE,
     GRIP_STICK,
@@ -21,7 +30,7 @@ from mbs_ref.kernels.contact_laws import (
     ROOTS_EACH,
     normal_force,
 )
-from mbs_ref.kernels.contact_modes import (
+from mbs_ref.kernels.contact.modes import (
     FRICTION,
     IMPACT,
     LANDING,
@@ -45,7 +54,6 @@ from mbs_ref.kernels.planar.model import (
     rows_of,
     tree_of,
 )
-from mbs_ref.kernels.questions import accelerate, contact_mobility, derivative, factor, fill_rows, settle_grips, solve
 
 PROBE_SWEEPS = 200  # for the friction of contacts that stop sliding together
 AT_REST = 10.0  # of the noise: how close and slow a constraint contact must be to begin closed

@@ -9,8 +9,7 @@ import math
 
 import numpy as np
 
-from mbs_ref.kernels.broad_phase import refresh
-from mbs_ref.kernels.contact_laws import (
+from mbs_ref.kernels.contact.laws import (
     ENDS_CAPPED,
     ENDS_OPEN,
     FRICTION_NONE,
@@ -22,6 +21,7 @@ from mbs_ref.kernels.contact_laws import (
     RELEASE_FORCE,
     normal_force,
 )
+from mbs_ref.kernels.contact.near_pairs import refresh
 from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.planar.joints import arm
 from mbs_ref.kernels.planar.model import (

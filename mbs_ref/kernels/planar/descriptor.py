@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+from mbs_ref.kernels.border.questions import apply_loads, factor, fill_rows, solve
 from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.planar.dynamics import load_state
 from mbs_ref.kernels.planar.model import bodies_of, kinematics_of, rows_of, slots_of, tree_of
-from mbs_ref.kernels.questions import apply_loads, factor, fill_rows, solve
 
 
 @jit

@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from mbs_ref.kernels.algebra.refinement import refinements
+from mbs_ref.kernels.border.questions import accelerate, apply_loads, factor, fill_rows, solve
 from mbs_ref.kernels.controls import CONTROL_POSITION_GAIN, CONTROL_VELOCITY_GAIN
 from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.planar.closure import correct_for_closures, factor_closures, row_times
@@ -21,8 +23,6 @@ from mbs_ref.kernels.planar.model import (
     world_of,
 )
 from mbs_ref.kernels.planar.tree import factor_tree, solve_tree
-from mbs_ref.kernels.questions import accelerate, apply_loads, factor, fill_rows, solve
-from mbs_ref.kernels.refinement import refinements
 from mbs_ref.kernels.rows import add_to, copy_rows, largest_entry, stabilize, take_accelerations, take_reactions
 
 
@@ -74,7 +74,7 @@ def _stabilize(model, work):
 
 @jit
 def _refine(model, work):
-    """Add to acceleration and multipliers what the residuals of both equations ask for (mbs_ref.kernels.refinement)."""
+    """Add to acceleration and multipliers what the residuals of both equations ask for."""
     bodies, slots, rows, tree = bodies_of(model), slots_of(model), rows_of(work), tree_of(work)
     force, load, acceleration = kinematics_of(work).force, tree.load, tree.acceleration
     first, multiplier, gamma = acceleration.copy(), rows.multiplier.copy(), rows.gamma.copy()

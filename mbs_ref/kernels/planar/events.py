@@ -6,10 +6,10 @@ rest exactly at d = 0 would chatter.
 
 from __future__ import annotations
 
-from mbs_ref.kernels.contact_laws import (
+from mbs_ref.kernels.contact.laws import (
     ROOTS_EACH,
 )
-from mbs_ref.kernels.contact_modes import ENDLESS, SETTLED, STOP, is_broken, is_endless
+from mbs_ref.kernels.contact.modes import ENDLESS, SETTLED, STOP, is_broken, is_endless
 from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.planar.contact_events import contact_roots, contact_transition, start_contacts
 from mbs_ref.kernels.planar.dynamics import load_state

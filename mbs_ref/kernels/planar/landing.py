@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from mbs_ref.kernels.contact_laws import (
+from mbs_ref.kernels.border.questions import project
+from mbs_ref.kernels.contact.laws import (
     MODE_CLOSED,
     MODE_OPEN,
     ROOTS_EACH,
@@ -15,7 +16,6 @@ from mbs_ref.kernels.planar.model import (
     contact_pairs_of,
     rows_of,
 )
-from mbs_ref.kernels.questions import project
 
 ITERATIONS = 8  # of the projection of the positions
 FINER = 0.1  # of the noise: how close the projection brings the surfaces

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from mbs_ref.kernels.callback import call_user_force
-from mbs_ref.kernels.contact_laws import (
+from mbs_ref.kernels.border.callback import call_user_force
+from mbs_ref.kernels.contact.laws import (
     MODE_CLOSED,
     MODE_PLAIN,
 )

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from mbs_ref.kernels.contact_laws import (
+from mbs_ref.kernels.contact.laws import (
     MODE_CLOSED,
     MODE_LIFTED,
     MODE_OPEN,

@@ -9,8 +9,8 @@ Gaussian elimination of [M Cq^T; Cq 0] (Fox 1999 eq 9) in tree order: no fill ou
 
 from __future__ import annotations
 
+from mbs_ref.kernels.algebra.ldl import ldl3, ldl3_solve
 from mbs_ref.kernels.jit import jit
-from mbs_ref.kernels.ldl import ldl3, ldl3_solve
 from mbs_ref.kernels.planar.model import bodies_of, rows_of, slots_of, tree_of
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from mbs_ref.kernels.contact_laws import (
+from mbs_ref.kernels.contact.laws import (
     ROOTS_EACH,
 )
 from mbs_ref.kernels.jit import jit

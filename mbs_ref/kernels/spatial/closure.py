@@ -8,8 +8,8 @@ overconstrained loop such as Bricard's look independent by the square of the dis
 
 from __future__ import annotations
 
+from mbs_ref.kernels.algebra.ldl import minimum_norm_solve, pivoted_cholesky
 from mbs_ref.kernels.jit import jit
-from mbs_ref.kernels.ldl import minimum_norm_solve, pivoted_cholesky
 from mbs_ref.kernels.spatial.model import bodies_of, closures_of, kinematics_of, rows_of, slots_of, tree_of
 from mbs_ref.kernels.spatial.tree import solve_tree
 

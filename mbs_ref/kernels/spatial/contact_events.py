@@ -11,7 +11,8 @@ import math
 
 import numpy as np
 
-from mbs_ref.kernels.contact_laws import (
+from mbs_ref.kernels.border.questions import contact_mobility, derivative, factor, fill_rows, settle_grips, solve
+from mbs_ref.kernels.contact.laws import (
     FRICTION_STICK_SLIP,
     GRIP_FORWARD,
     GRIP_PROBE,
@@ -24,7 +25,7 @@ from mbs_ref.kernels.contact_laws import (
     ROOTS_EACH,
     normal_force,
 )
-from mbs_ref.kernels.contact_modes import (
+from mbs_ref.kernels.contact.modes import (
     ENDLESS,
     FRICTION,
     IMPACT,
@@ -37,7 +38,6 @@ from mbs_ref.kernels.contact_modes import (
     normal_roots,
 )
 from mbs_ref.kernels.jit import jit
-from mbs_ref.kernels.questions import contact_mobility, derivative, factor, fill_rows, settle_grips, solve
 from mbs_ref.kernels.spatial.contacts import (
     SLOW,
     contact_force,

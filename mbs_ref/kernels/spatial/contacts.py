@@ -10,8 +10,7 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
-from mbs_ref.kernels.broad_phase import refresh
-from mbs_ref.kernels.contact_laws import (
+from mbs_ref.kernels.contact.laws import (
     ENDS_CAPPED,
     ENDS_OPEN,
     FRICTION_NONE,
@@ -23,6 +22,7 @@ from mbs_ref.kernels.contact_laws import (
     RELEASE_FORCE,
     normal_force,
 )
+from mbs_ref.kernels.contact.near_pairs import refresh
 from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.spatial.loads import push
 from mbs_ref.kernels.spatial.model import (

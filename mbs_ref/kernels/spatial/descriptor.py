@@ -9,8 +9,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from mbs_ref.kernels.border.questions import apply_loads, factor, fill_rows, solve
 from mbs_ref.kernels.jit import jit
-from mbs_ref.kernels.questions import apply_loads, factor, fill_rows, solve
 from mbs_ref.kernels.spatial.contacts import apply_contacts
 from mbs_ref.kernels.spatial.model import bodies_of, kinematics_of, rows_of, slots_of, tree_of
 from mbs_ref.kernels.spatial.orientation import load_state

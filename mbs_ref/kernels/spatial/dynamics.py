@@ -11,10 +11,10 @@ and projection restores it.
 
 from __future__ import annotations
 
+from mbs_ref.kernels.algebra.refinement import refinements
+from mbs_ref.kernels.border.questions import accelerate, apply_loads, factor, fill_rows, solve
 from mbs_ref.kernels.controls import CONTROL_POSITION_GAIN, CONTROL_VELOCITY_GAIN
 from mbs_ref.kernels.jit import jit
-from mbs_ref.kernels.questions import accelerate, apply_loads, factor, fill_rows, solve
-from mbs_ref.kernels.refinement import refinements
 from mbs_ref.kernels.rows import add_to, copy_rows, largest_entry, stabilize, take_accelerations, take_reactions
 from mbs_ref.kernels.spatial.closure import correct_for_closures, factor_closures, row_times
 from mbs_ref.kernels.spatial.contacts import apply_contacts, fill_deflection_rates
@@ -62,7 +62,7 @@ def _stabilize(model, work):
 
 @jit
 def _refine(model, work):
-    """Add to acceleration and multipliers what the residuals of both equations ask for (mbs_ref.kernels.refinement)."""
+    """Add to acceleration and multipliers what the residuals of both equations ask for."""
     bodies, slots, rows = bodies_of(model), slots_of(model), rows_of(work)
     tree, kin = tree_of(work), kinematics_of(work)
     load, acceleration = tree.load, tree.acceleration

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from mbs_ref.kernels.callback import call_user_force
+from mbs_ref.kernels.border.callback import call_user_force
 from mbs_ref.kernels.controls import CONTROL_MODE_TIME
 from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.signals import evaluate

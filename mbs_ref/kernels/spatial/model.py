@@ -16,9 +16,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from mbs_ref.kernels.broad_phase import NearPairs, no_pairs
-from mbs_ref.kernels.contact_laws import ContactLaws, ContactModes, fresh_modes, no_laws
-from mbs_ref.kernels.handles import accessor
+from mbs_ref.kernels.border.handles import accessor
+from mbs_ref.kernels.contact.laws import ContactLaws, ContactModes, fresh_modes, no_laws
+from mbs_ref.kernels.contact.near_pairs import NearPairs, no_pairs
 from mbs_ref.kernels.signals import SignalArrays
 
 
@@ -153,7 +153,7 @@ class Bushings(NamedTuple):
 
 
 class ContactPairs(NamedTuple):
-    """Shapes that may touch; see PAIR_* for the kinds and mbs_ref.contact for the meaning."""
+    """Shapes that may touch; see PAIR_* for the kinds and mbs_ref.scene.contact for the meaning."""
 
     kind: np.ndarray  # (k,) int, PAIR_*
     a: np.ndarray  # (k,) int

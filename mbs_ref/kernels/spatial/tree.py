@@ -20,8 +20,8 @@ Root to leaf, lambda = S^-1 (J M^-1 f + K a_parent - gamma) and a = M^-1 (f - J^
 
 from __future__ import annotations
 
+from mbs_ref.kernels.algebra.ldl import factor_ldl, ldl3, ldl3_solve, solve_ldl
 from mbs_ref.kernels.jit import jit
-from mbs_ref.kernels.ldl import factor_ldl, ldl3, ldl3_solve, solve_ldl
 from mbs_ref.kernels.spatial.model import bodies_of, kinematics_of, rows_of, slots_of, tree_of
 
 

@@ -31,4 +31,4 @@ def context(data: ReportData) -> dict[str, Any]:
     return {"engines": engines, "groups": groups}
 
 
-SECTION = Section("capabilities", "Capabilities", LEAD, 80, context)
+SECTION = Section("capabilities", "Capabilities", LEAD, context)

@@ -5,10 +5,10 @@ from __future__ import annotations
 from typing import Any
 
 from reports.page.per_scene import per_scene
+from reports.page.plots.compliance import compliance
+from reports.page.plots.error_history import error_history
 from reports.page.report_data import ReportData
 from reports.page.section import Section
-from reports.plots.compliance import compliance
-from reports.plots.error_history import error_history
 
 LEAD = (
     "How far the joints gape while the mechanism moves, measured by one code from every engine's poses; and beside it "
@@ -20,4 +20,4 @@ def context(data: ReportData) -> dict[str, Any]:
     return {"compliance": per_scene(data, compliance), "error": per_scene(data, error_history)}
 
 
-SECTION = Section("compliance", "Compliance over time", LEAD, 40, context, plots=True)
+SECTION = Section("compliance", "Compliance over time", LEAD, context, plots=True)

@@ -6,9 +6,9 @@ from functools import partial
 from typing import Any
 
 from reports.page.per_scene import per_scene
+from reports.page.plots.convergence import convergence
 from reports.page.report_data import ReportData
 from reports.page.section import Section
-from reports.plots.convergence import convergence
 
 LEAD = (
     "A method of order p gains a factor 2^p when its step is halved: its line runs parallel to that order's triangle. "
@@ -22,4 +22,4 @@ def context(data: ReportData) -> dict[str, Any]:
     return {"by_step": per_scene(data, by_step), "by_tolerance": per_scene(data, by_tolerance)}
 
 
-SECTION = Section("convergence", "Convergence order", LEAD, 50, context, plots=True)
+SECTION = Section("convergence", "Convergence order", LEAD, context, plots=True)

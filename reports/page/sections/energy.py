@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import Any
 
 from reports.page.per_scene import per_scene
+from reports.page.plots.energy import energy
 from reports.page.report_data import ReportData
 from reports.page.section import Section
-from reports.plots.energy import energy
 
 LEAD = "Energy that the integration created or lost, work of drives counted. Small drift alone does not prove accuracy."
 
@@ -16,4 +16,4 @@ def context(data: ReportData) -> dict[str, Any]:
     return {"plots": per_scene(data, energy)}
 
 
-SECTION = Section("energy", "Energy drift", LEAD, 60, context, plots=True)
+SECTION = Section("energy", "Energy drift", LEAD, context, plots=True)

@@ -14,4 +14,4 @@ def context(data: ReportData) -> dict[str, Any]:
     return {"environment": data.environment}
 
 
-SECTION = Section("environment", "Environment", LEAD, 90, context)
+SECTION = Section("environment", "Environment", LEAD, context)

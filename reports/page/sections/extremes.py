@@ -10,10 +10,10 @@ from cross_checks.extremes import every
 from cross_checks.extremes.cell import Cell
 from cross_checks.extremes.extreme import Extreme
 from cross_checks.extremes.judge import Fate
+from reports.page.plots.fates import chart, tick
+from reports.page.plots.palette import colours
 from reports.page.report_data import ReportData
 from reports.page.section import Section
-from reports.plots.fates import chart, tick
-from reports.plots.palette import colours
 
 LEAD = "Up to here you can trust an engine's method: scenes driven from mild to hopeless, and what became of each."
 TONES = {Fate.SURVIVED: "good", Fate.STOPPED: "plain", Fate.DEGRADED: "fair", Fate.SILENTLY_WRONG: "bad"}
@@ -116,4 +116,4 @@ def _silent(cells: list[Cell]) -> list[dict[str, str]]:
     return found
 
 
-SECTION = Section("extremes", "Extremes", LEAD, 20, context)
+SECTION = Section("extremes", "Extremes", LEAD, context)

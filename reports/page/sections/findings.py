@@ -15,4 +15,4 @@ def context(data: ReportData) -> dict[str, Any]:
     return {"findings": findings(data)}
 
 
-SECTION = Section("findings", "Findings", LEAD, 20, context)
+SECTION = Section("findings", "Findings", LEAD, context)

@@ -47,4 +47,4 @@ def context(data: ReportData) -> dict[str, Any]:
     return {"rows": rows(data), "scenes": data.scenes}
 
 
-SECTION = Section("matrix", "Validation matrix", LEAD, 10, context)
+SECTION = Section("matrix", "Validation matrix", LEAD, context)

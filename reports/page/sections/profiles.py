@@ -6,10 +6,10 @@ from typing import Any
 
 from benchmarks.profiles import ERRORS, Profile, profiles
 from reports.page.numbers import ABSENT, metres, short
+from reports.page.plots.palette import styles
+from reports.page.plots.profiles import profile_plot
 from reports.page.report_data import ReportData
 from reports.page.section import Section
-from reports.plots.palette import styles
-from reports.plots.profiles import profile_plot
 
 LEAD = (
     "Over all scenes at once: how often a method is the cheapest (at the left edge), how often it comes within a "
@@ -45,4 +45,4 @@ def context(data: ReportData) -> dict[str, Any]:
     return {"blocks": blocks}
 
 
-SECTION = Section("profiles", "Performance profiles", LEAD, 72, context)
+SECTION = Section("profiles", "Performance profiles", LEAD, context)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from cross_checks.record import Record
+from cross_checks.records.record import Record
 from reports.page.command import command
 from reports.page.numbers import ABSENT, duration, joules, metres, setting
 from reports.page.report_data import ReportData
@@ -35,4 +35,4 @@ def context(data: ReportData) -> dict[str, Any]:
     return {"groups": {scene: [row(r) for r in data.of_scene(scene)] for scene in data.scenes if data.of_scene(scene)}}
 
 
-SECTION = Section("records", "Records and commands", LEAD, 100, context)
+SECTION = Section("records", "Records and commands", LEAD, context)

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
+from reports.page.plots.time_split import time_split
 from reports.page.report_data import ReportData
 from reports.page.section import Section
-from reports.plots.time_split import time_split
 
 LEAD = "Building the model, the first call and the loop apart, at each method's cheapest setting within one micrometre."
 
@@ -16,4 +16,4 @@ def context(data: ReportData) -> dict[str, Any]:
     return {"plots": {scene: figure for scene, figure in figures.items() if figure}}
 
 
-SECTION = Section("time_split", "Time split", LEAD, 70, context, plots=True)
+SECTION = Section("time_split", "Time split", LEAD, context, plots=True)

@@ -43,4 +43,4 @@ def context(data: ReportData) -> dict[str, Any]:
     return {"rows": [row(facts) for facts in data.truths]}
 
 
-SECTION = Section("truths", "Truths", LEAD, 85, context)
+SECTION = Section("truths", "Truths", LEAD, context)

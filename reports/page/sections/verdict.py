@@ -45,4 +45,4 @@ def context(data: ReportData) -> dict[str, Any]:
     return {"sentence": sentence(data), "flagged": flagged(data), "chips": chips(data)}
 
 
-SECTION = Section("verdict", "Verdict", "", 0, context)
+SECTION = Section("verdict", "Verdict", "", context)

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from typing import Any
 
-from cross_checks.record import Record
+from cross_checks.records.record import Record
 from reports.page.cheapest import TARGETS, entries, floor, known_error, usable
 from reports.page.command import command
 from reports.page.numbers import duration, metres, setting, short
+from reports.page.plots.palette import styles
+from reports.page.plots.work_precision import work_precision
 from reports.page.report_data import ReportData, scene_label
 from reports.page.section import Section
-from reports.plots.palette import styles
-from reports.plots.work_precision import work_precision
 
 LEAD = "Lower and further left is better: how long each method computes to come within a given distance of the truth."
 
@@ -74,4 +74,4 @@ def context(data: ReportData) -> dict[str, Any]:
     return {"plots": plots, "tables": tables, "pick_rows": pick_rows(data)}
 
 
-SECTION = Section("work_precision", "Work and precision", LEAD, 30, context, plots=True)
+SECTION = Section("work_precision", "Work and precision", LEAD, context, plots=True)

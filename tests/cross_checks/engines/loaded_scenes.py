@@ -15,7 +15,7 @@ from mbs_ref.scene import (
     TorsionSpring,
     Weld,
 )
-from mbs_ref.signals import Constant
+from mbs_ref.scene.signals import Constant
 
 
 def loaded_tree() -> Scene:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from engine_runs import engine, run, settings_of
 
 from cross_checks import engines
 from mbs_ref import scenes
@@ -12,6 +11,7 @@ from mbs_ref.observables import rows
 from mbs_ref.scene import GROUND, PlanarBody, PointMass, Revolute, Scene, UserForce
 from mbs_ref.settings import Settings
 from mbs_ref.trajectory import Status
+from tests.cross_checks.engines.engine_runs import engine, run, settings_of
 
 EXACT_END = np.array([-0.2750874625761, -0.9614192050991])  # m, A01 at t = 10 s, elliptic functions
 one_millimetre_drift = 1e-3  # m, allowed to second-order methods at a step of 2.5 ms

@@ -6,14 +6,14 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from engine_runs import distance, run
-from loaded_scenes import loaded_tree
 
 from mbs_ref import scenes
 from mbs_ref.observables import rows
 from mbs_ref.scene import GROUND, Force, PlanarBody, Scene, SpringDamper, Torque
-from mbs_ref.signals import Table
+from mbs_ref.scene.signals import Table
 from mbs_ref.trajectory import Status
+from tests.cross_checks.engines.engine_runs import distance, run
+from tests.cross_checks.engines.loaded_scenes import loaded_tree
 
 
 def test_springs_dampers_forces_and_torques_agree():

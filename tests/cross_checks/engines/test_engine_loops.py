@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from engine_runs import engine, run
 
 from mbs_ref import scenes
 from mbs_ref.observables import constraint_residual, kinetic_energy, potential_energy
 from mbs_ref.trajectory import Status
+from tests.cross_checks.engines.engine_runs import engine, run
 
 B0_END = np.array([0.328458111539739, 0.944518538178975])  # m, at t = 10 s, one-degree-of-freedom solution
 FOUR_BAR = scenes.make("n_four_bar", loops=2)

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from engine_runs import distance, engine, observed_order, run
-from test_engine_contract import every_method
 
 from mbs_ref import scenes
+from tests.cross_checks.engines.engine_runs import distance, engine, observed_order, run
+from tests.cross_checks.engines.test_engine_contract import every_method
 
 T_END = 0.5  # s
 STEPS = {1: (1e-3, 5e-4), 2: (5e-3, 2.5e-3), 4: (1e-2, 5e-3), 6: (2.5e-2, 1.25e-2)}  # s, by documented order

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import pytest
-from engine_runs import run
 
 from mbs_ref import scenes
 from mbs_ref.scene import GROUND, Distance, PlanarBody, Revolute, Scene
+from tests.cross_checks.engines.engine_runs import run
 
 GIVERS = [("mujoco", "rk4"), ("pinocchio", "dop853"), ("pinocchio", "rk4"), ("exudyn", "generalized_alpha")]
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from cross_checks import engines
-from cross_checks.compare import evaluate
+from cross_checks.judge.one_run import evaluate
 from mbs_ref import scenes
 from mbs_ref.settings import Settings
 

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from cross_checks import engines
-from cross_checks.compare import evaluate
+from cross_checks.judge.one_run import evaluate
 from cross_checks.truths import Truth, seek_truth
 from mbs_ref import scenes
-from mbs_ref.euler_parameters import geodesic_angle
 from mbs_ref.scene import GROUND, PointMass, Scene, SpatialBody, Spherical
+from mbs_ref.scene.euler_parameters import geodesic_angle
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
 

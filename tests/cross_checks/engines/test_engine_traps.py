@@ -6,12 +6,12 @@ import math
 
 import numpy as np
 import pytest
-from engine_runs import engine, run
 
 from mbs_ref import scenes
 from mbs_ref.observables import constraint_residual
 from mbs_ref.scene import GROUND, PlanarBody, PointMass, Prismatic, Revolute, Scene, SpringDamper
 from mbs_ref.trajectory import Status
+from tests.cross_checks.engines.engine_runs import engine, run
 
 STIFF = Scene(
     name="stiff",

@@ -1,0 +1,34 @@
+"""The chain at 1e-6 m: every engine's cheapest setting, in the same run, with its accuracy."""
+
+from __future__ import annotations
+
+import pytest
+
+from benchmarks.pick import pick, setting
+from benchmarks.sweep import sweep
+from cross_checks import engines
+from cross_checks.isolation.parent import Isolated
+from cross_checks.judge import ladder
+from mbs_ref import scenes
+from mbs_ref.settings import Settings
+
+ERROR = 1e-6  # m
+
+
+@pytest.mark.parametrize("links", [10, 100])
+@pytest.mark.parametrize("engine", engines.names())
+def test_chain_at_equal_error(benchmark, engine, links):
+    scene = scenes.make("pendulum_chain", links=links)
+    with Isolated(timeout=30.0) as call:
+        best = pick(sweep(scene, [engine], call=call), ERROR).best
+    if best is None:
+        pytest.skip(f"{engine} does not reach {ERROR:g} m with {links} links")
+    solver, chosen, times = engines.get(engine), Settings(**best.settings), ladder.grid(scene)
+    assert best.error is not None
+    loops = []
+    benchmark.pedantic(lambda: loops.append(solver.run(scene, chosen, times).timing.loop_s), rounds=5, warmup_rounds=1)
+    benchmark.extra_info |= {
+        "links": links, "engine": engine, "setting": setting(best), "loop_s": min(loops),
+        "error_m": best.error.value, "truth_uncertainty_m": best.error.uncertainty,
+        "compliance": best.compliance["position"],
+    }  # fmt: skip

@@ -1,0 +1,122 @@
+"""One right-hand side of each core: time per body, how it grows, and how exactly it solves its equations."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from timeit import timeit
+
+import numpy as np
+import pytest
+
+from mbs_ref import scenes
+from mbs_ref.cores.choice import compile_scene
+from mbs_ref.cores.planar.system import PlanarSystem
+from mbs_ref.cores.spatial.system import SpatialSystem
+from mbs_ref.kernels.border import questions
+from mbs_ref.kernels.jit import jit
+from mbs_ref.scene import Scene
+from mbs_ref.scene.celestial import Newton
+from mbs_ref.scene.euler_parameters import rotation_matrices
+
+CALLS = 200  # of the right-hand side inside compiled code, so that no Python call is timed
+SOLVED = 1e-9  # m/s^2 or rad/s^2: what roundoff leaves of accelerations of some ten, over chains of a thousand
+
+
+@jit
+def repeat(model, work, y, dy, count):
+    for _ in range(count):
+        questions.derivative(model, work, 0.0, y, dy)
+
+
+def loop(scene: Scene):
+    """Return a function that evaluates CALLS right-hand sides."""
+    system = compile_scene(scene)
+    system.set_mode_time(0.0)
+    y = system.initial_state()
+    dy = y.copy()
+    repeat(system.model, system.work, y, dy, 1)
+    return lambda system=system: repeat(system.model, system.work, y, dy, CALLS)
+
+
+def chain(links: int) -> Scene:
+    return scenes.make("pendulum_chain", links=links)
+
+
+def planar_residual(scene: Scene) -> float:
+    """Put the accelerations into M a + C_q^T lambda = Q and C_q a = gamma; the largest acceleration left over."""
+    system = PlanarSystem(scene)
+    system.set_mode_time(0.0)
+    y = system.initial_state()
+    half = len(y) // 2
+    mass, jacobian, force, gamma = system.augmented(0.0, y[:half].reshape(-1, 3), y[half:].reshape(-1, 3))
+    a, lam = system.derivative(0.0, y)[half:], system.multipliers(0.0, y)
+    left = np.concatenate(((mass * a + jacobian.T @ lam - force) / mass, jacobian @ a - gamma))
+    return float(np.max(np.abs(left)))
+
+
+def spatial_residual(scene: Scene) -> float:
+    """Put the accelerations into C_q a = gamma; the largest acceleration left over."""
+    system = SpatialSystem(scene)
+    system.set_mode_time(0.0)
+    y = system.initial_state()
+    places, rates = y[: system.n_positions].reshape(-1, 7), system.derivative(0.0, y)[system.n_positions :]
+    a = rates.reshape(-1, 6).copy()
+    for k, place in enumerate(places):
+        a[k, 3:] = rotation_matrices(place[3:]) @ a[k, 3:]  # from body axes to world axes
+    jacobian = system.jacobian(0.0, y)
+    gamma = np.array([system.scratch.rows.gamma[slot, row] for _, slot, row in system.rows()])
+    return float(np.max(np.abs(jacobian @ a.ravel() - gamma)))
+
+
+def particle_residual(scene: Scene) -> float:
+    """Compare with Newton's sum in extended precision; the largest difference (m/s^2)."""
+    system = compile_scene(scene)
+    (newton,) = (load for load in scene.loads if isinstance(load, Newton))
+    y = system.initial_state()
+    q = y[: len(y) // 2].reshape(-1, 3).astype(np.longdouble)
+    gap = q[None] - q[:, None]
+    cubed = np.sum(gap**2, axis=2) ** np.longdouble(1.5)
+    np.fill_diagonal(cubed, np.inf)
+    a = np.sum(np.array(newton.gm)[None, :, None] * gap / cubed[:, :, None], axis=1)
+    return float(np.max(np.abs(system.derivative(0.0, y)[len(y) // 2 :] - a.ravel())))
+
+
+KERNELS = {
+    "planar-10": (lambda: chain(10), planar_residual),
+    "planar-100": (lambda: chain(100), planar_residual),
+    "planar-1000": (lambda: chain(1000), planar_residual),
+    "spatial-10": (lambda: scenes.make("spatial_chain", links=10), spatial_residual),
+    "spatial-100": (lambda: scenes.make("spatial_chain", links=100), spatial_residual),
+    "particles": (lambda: scenes.make("outer_solar_system"), particle_residual),
+}
+
+
+@pytest.mark.parametrize("kernel", KERNELS)
+def test_right_hand_side(benchmark, kernel):
+    make, residual = KERNELS[kernel]
+    scene = make()
+    benchmark.pedantic(loop(scene), rounds=50, warmup_rounds=3)
+    seconds = benchmark.stats.stats.min / CALLS
+    left = residual(scene)
+    benchmark.extra_info |= {
+        "loop_s": seconds, "ns_per_body": seconds / len(scene.bodies) * 1e9, "error_mps2": left,
+    }  # fmt: skip
+    assert left < SOLVED
+
+
+def test_growth_is_linear(benchmark):
+    """Exponent of the time from 100 to 1000 bodies, from interleaved minima."""
+    loops = {links: loop(chain(links)) for links in (100, 1000)}
+    best = dict.fromkeys(loops, math.inf)
+
+    def measure():
+        for links, run in loops.items():
+            best[links] = min(best[links], timeit(run, number=1))
+
+    benchmark.pedantic(measure, rounds=50, warmup_rounds=2)
+    (few, short), (many, long) = best.items()
+    exponents = {f"exponent_{a}_{b}": math.log(best[b] / best[a], b / a) for a, b in itertools.pairwise(best)}
+    per_body = {few: short / CALLS / few * 1e9, many: long / CALLS / many * 1e9}
+    benchmark.extra_info |= exponents | {"ns_per_body": per_body}
+    assert exponents["exponent_100_1000"] <= 1.1

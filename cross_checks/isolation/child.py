@@ -1,0 +1,73 @@
+"""The other end of cross_checks.isolation.parent: receive a call, make it, send back what came of it."""
+
+from __future__ import annotations
+
+import os
+import resource
+import signal
+import sys
+from multiprocessing.connection import Connection, Pipe
+from typing import Any
+
+from cross_checks.isolation.compilation import told
+from cross_checks.isolation.messages import COMPILED, COMPILING, NOTES, receive, send
+
+ROOM = 4 * 2**30  # bytes of address space beyond the limit on resident memory: libraries reserve much, use little
+
+
+def serve(pipe: Connection) -> None:
+    """Answer calls until the caller goes away."""
+    while True:
+        try:
+            function, arguments, apart = receive(pipe)
+        except (EOFError, ConnectionError):
+            return
+        if apart:
+            _copied(pipe, function, arguments)
+        else:
+            send(pipe, _answer(pipe, function, arguments))
+
+
+def _copied(pipe: Connection, function: Any, arguments: tuple[Any, ...]) -> None:
+    """Make the call in a copy of this process: tell its id, its notes, its answer, or (None, exit code) without one.
+
+    What it says comes through a pipe of its own, so that a copy ended in the middle of it leaves no half behind.
+    """
+    here, there = Pipe(duplex=False)
+    copy = os.fork()
+    if copy == 0:
+        pipe.close()  # its end of the file must come when the original goes
+        send(there, _answer(there, function, arguments))
+        os._exit(0)
+    there.close()
+    send(pipe, copy)
+    try:
+        while (answer := receive(here)) in NOTES:
+            send(pipe, answer)
+    except (EOFError, OSError):
+        answer = None
+    here.close()
+    _, status = os.waitpid(copy, 0)
+    send(pipe, answer or (None, os.waitstatus_to_exitcode(status)))
+
+
+def _answer(pipe: Connection, function: Any, arguments: tuple[Any, ...]) -> tuple[bool, Any]:
+    try:
+        with told(lambda: send(pipe, COMPILING), lambda: send(pipe, COMPILED)):
+            return True, function(*arguments)
+    except Exception as error:  # raised again where the call came from
+        return False, error
+
+
+def main() -> None:
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the caller's to handle; it ends this process
+    handle, memory = int(sys.argv[1]), int(sys.argv[2])
+    _, hard = resource.getrlimit(resource.RLIMIT_AS)
+    most = memory + ROOM
+    resource.setrlimit(resource.RLIMIT_AS, (most if hard == resource.RLIM_INFINITY else min(most, hard), hard))
+    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+    serve(Connection(handle))
+
+
+if __name__ == "__main__":
+    main()

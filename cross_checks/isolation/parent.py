@@ -1,0 +1,225 @@
+"""Calls in a process of their own: an engine that hangs, crashes or eats memory costs that one call."""
+
+from __future__ import annotations
+
+import os
+import signal
+import socket
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import dataclass, field
+from multiprocessing.connection import Connection
+from pathlib import Path
+from typing import Any, Self
+
+from cross_checks.isolation.messages import COMPILING, NOTES, receive, send
+
+ONE_THREAD = dict.fromkeys(
+    ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"), "1"
+)
+TIMEOUT = 120.0  # s for one call
+COMPILATION = 600.0  # s more that its compilation may take
+MEMORY = 4 * 2**30  # bytes of resident memory
+LOOK = 0.05  # s between looks at the child
+PAGE = 4096 if sys.platform == "win32" else os.sysconf("SC_PAGE_SIZE")  # bytes
+ABORTED = frozenset({signal.SIGABRT, signal.SIGKILL, signal.SIGSEGV})  # how native code ends without memory
+NEARLY = 0.8  # of the memory limit: an abort beyond is blamed on memory
+
+Caller = Callable[..., Any]  # (function, *arguments) -> what the function returns
+
+
+class Lost(RuntimeError):
+    """The call did not come back: `status` is timeout, crashed or out-of-memory."""
+
+    def __init__(self, status: str, message: str) -> None:
+        super().__init__(message)
+        self.status = status
+
+
+class Cancelled(RuntimeError):
+    """The call was given up by `cancel`, from another thread."""
+
+
+def direct(function: Callable[..., Any], *arguments: Any) -> Any:
+    """Call in this process: for tests, and where the caller is isolated already."""
+    return function(*arguments)
+
+
+@dataclass
+class Isolated:
+    """A child process that makes calls one after the other, and is replaced when it is lost.
+
+    Functions and arguments are pickled, so they must be importable by name. Limits hold for each call:
+    `timeout` in s, in which the time that Numba compiles does not count, and `memory` in bytes. `apart` makes a
+    call in a copy of the child: what the child has loaded survives a call that does not. Use as a context manager.
+    """
+
+    timeout: float = TIMEOUT
+    memory: int = MEMORY
+    _child: subprocess.Popen[bytes] | None = None
+    _pipe: Connection | None = None
+    _copy: int | None = None  # process id of the child's copy that makes the call
+    _cancelled: bool = False
+    _starting: threading.Lock = field(default_factory=threading.Lock)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def __call__(self, function: Callable[..., Any], *arguments: Any) -> Any:
+        """Return the function's result; Lost where there is none; its own exception where it raised one."""
+        return self._call(function, arguments, apart=False)
+
+    def apart(self, function: Callable[..., Any], *arguments: Any) -> Any:
+        """Call in a copy of the child; where the copy is lost, the child itself stays."""
+        return self._call(function, arguments, apart=True)
+
+    def _call(self, function: Callable[..., Any], arguments: tuple[Any, ...], apart: bool) -> Any:
+        if self.fresh:
+            self._start()
+        assert self._pipe is not None
+        try:
+            send(self._pipe, (function, arguments, apart))
+            worked, answer = self._wait(apart)
+        except (Lost, OSError) as error:
+            if self._cancelled:
+                raise Cancelled("the call was given up") from error
+            raise
+        if not worked:
+            raise answer
+        return answer
+
+    @property
+    def fresh(self) -> bool:
+        """Whether the next call starts a new child."""
+        return self._child is None or self._child.poll() is not None
+
+    def close(self) -> None:
+        """End the child, whatever it is doing."""
+        self._end_copy()
+        if self._child is not None:
+            self._child.kill()
+            self._child.wait()
+        if self._pipe is not None:
+            self._pipe.close()
+        self._child = self._pipe = None
+
+    def cancel(self) -> None:
+        """End the child from another thread than the caller's: its call, and any later one, raises Cancelled.
+
+        The pipe stays the caller's to close.
+        """
+        with self._starting:
+            self._cancelled = True
+            self._end_copy()
+            if self._child is not None:
+                self._child.kill()
+
+    def _start(self) -> None:
+        self.close()
+        with self._starting:
+            if self._cancelled:
+                raise Cancelled("the calls were given up")
+            self._launch()
+
+    def _launch(self) -> None:
+        ours, theirs = socket.socketpair()
+        with theirs:
+            command = [sys.executable, "-m", "cross_checks.isolation.child", str(theirs.fileno()), str(self.memory)]
+            paths = os.pathsep.join(path or os.getcwd() for path in sys.path)
+            self._child = subprocess.Popen(
+                command, env=os.environ | ONE_THREAD | {"PYTHONPATH": paths}, pass_fds=(theirs.fileno(),),
+                stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+            )  # fmt: skip
+        self._pipe = Connection(ours.detach())
+
+    def _wait(self, apart: bool) -> tuple[bool, Any]:
+        assert self._child is not None
+        assert self._pipe is not None
+        patience, peak = _Patience(self.timeout), 0
+        try:
+            self._copy = receive(self._pipe) if apart else None
+            while (message := self._heard()) in (None, *NOTES):
+                used = resident(self._copy or self._child.pid)
+                peak = max(peak, used)
+                if used > self.memory:
+                    self._give_up()
+                    raise Lost("out-of-memory", f"used more than {self.memory / 2**20:.0f} MiB and was stopped")
+                complaint = patience.spend(message)
+                if complaint:
+                    self._give_up()
+                    raise Lost("timeout", f"{complaint} and was stopped")
+        except (EOFError, ConnectionError):
+            code = self._child.wait()
+            self.close()
+            raise _loss(code, peak, self.memory) from None
+        self._copy = None
+        worked, answer = message
+        if worked is None:
+            raise _loss(answer, peak, self.memory)
+        return worked, answer
+
+    def _heard(self) -> Any:
+        """Return the next message, or None after a while without one."""
+        assert self._pipe is not None
+        return receive(self._pipe) if self._pipe.poll(LOOK) else None
+
+    def _give_up(self) -> None:
+        """End what makes the call: the child, or its copy, of which the child then says that it is gone."""
+        if self._copy is None:
+            self.close()
+            return
+        assert self._pipe is not None
+        self._end_copy()
+        while receive(self._pipe) in NOTES:
+            pass
+
+    def _end_copy(self) -> None:
+        if self._copy is not None:
+            with suppress(ProcessLookupError):
+                os.kill(self._copy, signal.SIGKILL)
+        self._copy = None
+
+
+class _Patience:
+    """What is left of a call's time; it is spent on the call or on its compilation."""
+
+    def __init__(self, timeout: float) -> None:
+        self._limit = self._left = timeout
+        self._compilation, self._compiling, self._seen = COMPILATION, False, time.monotonic()
+
+    def spend(self, note: str | None) -> str:
+        """Spend the time since the last look; return what to complain of, or nothing. A note changes what comes."""
+        now = time.monotonic()
+        spent, self._seen = now - self._seen, now
+        if self._compiling:
+            self._compilation -= spent
+        else:
+            self._left -= spent
+        self._compiling = note == COMPILING if note else self._compiling
+        if self._left < 0.0:
+            return f"gave no answer within {self._limit:g} s"
+        return f"compiled for more than {COMPILATION:g} s" if self._compilation < 0.0 else ""
+
+
+def resident(pid: int) -> int:
+    """Return a process's resident memory in bytes; 0 where the system does not tell."""
+    try:
+        return int(Path(f"/proc/{pid}/statm").read_text().split()[1]) * PAGE
+    except (OSError, IndexError):
+        return 0
+
+
+def _loss(code: int, peak: int, memory: int) -> Lost:
+    if code >= 0:
+        return Lost("crashed", f"its process ended with exit code {code}")
+    name = signal.Signals(-code).name
+    if -code in ABORTED and peak > NEARLY * memory:
+        return Lost("out-of-memory", f"its process was ended by {name} at {peak / 2**20:.0f} MiB")
+    return Lost("crashed", f"its process was ended by {name}")

@@ -1,0 +1,205 @@
+"""One run, judged: (scene, engine, settings) -> Record. An engine's failure is an answer, not an exception."""
+
+from __future__ import annotations
+
+import platform
+import re
+from collections.abc import Callable
+from dataclasses import replace
+from importlib.metadata import PackageNotFoundError
+from typing import Any
+
+import numpy as np
+
+from cross_checks import engines
+from cross_checks.engine import Engine, output_times
+from cross_checks.judge import measure as metrics_of_run
+from cross_checks.records.record import Record
+from cross_checks.truths import seek_truth
+from mbs_ref.scene import Scene
+from mbs_ref.settings import Settings
+from mbs_ref.trajectory import Status, Trajectory
+
+CANNOT, MISSING = "cannot", "engine-missing"
+ON_TIME = 1e-9  # s; a sample further from its asked time is a skipped or restarted clock
+# What native engines raise when a run goes wrong. A TypeError or AttributeError is a broken adapter: it propagates.
+ENGINE_FAILURES = (ArithmeticError, RuntimeError, MemoryError, OSError, LookupError, np.linalg.LinAlgError)
+
+
+def evaluate(
+    scene: Scene,
+    engine_name: str,
+    settings: Settings,
+    times: np.ndarray | None = None,
+    *,
+    reference: Trajectory | None = None,
+) -> Record:
+    """Run the scene and judge it. Refusals, missing packages and failures are statuses with a sentence.
+
+    `reference` gives reaction forces to compare with. ValueError only where the engine or its method
+    is unknown, or the scene itself cannot be sampled.
+    """
+    record, _ = judged_run(scene, engine_name, settings, times, reference=reference)
+    if record.status == Status.INTERRUPTED:  # Ctrl-C ends what the run is part of
+        raise KeyboardInterrupt(record.message)
+    return record
+
+
+def judged_run(
+    scene: Scene,
+    engine_name: str,
+    settings: Settings,
+    times: np.ndarray | None = None,
+    *,
+    reference: Trajectory | None = None,
+) -> tuple[Record, Trajectory | None]:
+    """As `evaluate`, with the trajectory's finite samples beside the record; None where nothing ran."""
+    try:
+        engine = engines.get(engine_name)
+    except engines.EngineMissing as error:
+        return without_run(scene, engine_name, settings, MISSING, str(error)), None
+    method = engine.method(settings.method)
+    settings = settings.model_copy(update={"method": method.name})
+    reasons = [r.reason for r in (*engine.refusals(scene), *engine.method_refusals(scene, method))]
+    if reasons:
+        return without_run(scene, engine_name, settings, CANNOT, "; ".join(dict.fromkeys(reasons)), engine), None
+    asked = output_times(scene, settings, times)
+    kept = checked_run(engine, scene, settings, asked)
+    if not isinstance(kept, Trajectory):
+        status, message = kept
+        return without_run(scene, engine_name, settings, status, message, engine), None
+    return _record(scene, engine, settings, kept, asked, reference), kept
+
+
+def checked_run(
+    engine: Engine, scene: Scene, settings: Settings, asked: np.ndarray
+) -> Trajectory | tuple[str, str]:
+    """Run and look for what the engine does not say; a status and a sentence where nothing came back."""
+    found = _attempt(lambda: engine.run(scene, settings, asked))
+    return _on_time(_finite(found), asked) if isinstance(found, Trajectory) else found
+
+
+def _attempt(run: Callable[[], Trajectory]) -> Trajectory | tuple[str, str]:
+    try:
+        return run()
+    except ENGINE_FAILURES as error:
+        return str(Status.ENGINE_ERROR), f"{type(error).__name__}: {error}"
+    except ValueError as error:
+        return _refused_setting(error)
+
+
+def _refused_setting(error: ValueError) -> tuple[str, str]:
+    """A ValueError that names a setting refuses it (duty 7 of an engine); any other is a failure."""
+    named = any(re.search(rf"\b{name}\b", str(error)) for name in (*Settings.model_fields, "times"))
+    return (CANNOT, str(error)) if named else (str(Status.ENGINE_ERROR), f"ValueError: {error}")
+
+
+def _finite(path: Trajectory) -> Trajectory:
+    """Cut the trajectory before its first NaN or infinity."""
+    parts = (path.position, path.orientation, path.velocity, path.angular_velocity)
+    flat = [part.reshape(len(path.times), int(np.prod(part.shape[1:]))) for part in parts]  # maybe no samples at all
+    good = np.all(np.isfinite(np.concatenate([path.times[:, None], *flat], axis=1)), axis=1)
+    if np.all(good):
+        return path
+    count = int(np.argmin(good))
+    cut = path.upto(count)
+    if not path.ok:
+        return cut
+    where = f"after t = {path.times[count - 1]:.6g} s" if count else "from the start"
+    text = f"NaN or infinity {where}, though the engine reported success"
+    return replace(cut, status=Status.NON_FINITE, message=text, unreported=True)
+
+
+def _on_time(path: Trajectory, asked: np.ndarray) -> Trajectory:
+    """Find restarted clocks and missing samples behind a reported success."""
+    n = len(path.times)
+    if path.status is Status.STOP_EVENT:  # its last sample is where a declared event stopped it
+        asked = np.append(asked[: n - 1], path.times[-1])
+    late = np.abs(path.times - asked[:n]) > ON_TIME if n <= len(asked) else np.ones(n, bool)
+    if np.any(late):
+        k = int(np.argmax(late))
+        text = f"sample {k} is at t = {path.times[k]:.9g} s, which was not asked for: the engine's clock jumped"
+        return replace(path.upto(k), status=Status.RESET, message=text, unreported=True)
+    if path.ok and n < len(asked):
+        text = f"{n} of {len(asked)} samples came back, though the engine reported success"
+        return replace(path, status=Status.ENGINE_ERROR, message=text, unreported=True)
+    return path
+
+
+def _record(
+    scene: Scene,
+    engine: Engine,
+    settings: Settings,
+    path: Trajectory,
+    asked: np.ndarray,
+    reference: Trajectory | None,
+) -> Record:
+    truth = seek_truth(scene, asked)
+    measured = metrics_of_run.measure(scene, path, truth, reference)
+    return Record(
+        scene=scene.name,
+        parameters=dict(scene.parameters),
+        engine=engine.name,
+        method=str(settings.method),
+        settings=settings.model_dump(mode="json", exclude_none=True),
+        status=str(path.status) if path.status is not Status.REFUSED else CANNOT,
+        message=path.message,
+        t_end=float(path.times[-1]) if len(path.times) else 0.0,
+        steps=int(path.steps),
+        rhs_calls=int(path.rhs_calls),
+        final=final_state(scene, path),
+        times={key: float(getattr(path.timing, key)) for key in ("build_s", "first_call_s", "loop_s")},
+        versions=_versions(engine),
+        **measured,
+    )
+
+
+def final_state(scene: Scene, path: Trajectory) -> dict[str, dict[str, Any]]:
+    """Return the last sample by body: m, rad, m/s, rad/s; a particle has no angle."""
+    if not len(path.times):
+        return {}
+    return {body.name: _state(path, k, body.type != "point_mass") for k, body in enumerate(scene.bodies)}
+
+
+def _state(path: Trajectory, k: int, turns: bool) -> dict[str, Any]:
+    state = {"position": path.position[-1, k].tolist(), "velocity": path.velocity[-1, k].tolist()}
+    if turns:
+        key = "angle" if path.orientation.ndim == 2 else "orientation"
+        state |= {key: path.orientation[-1, k].tolist(), "angular_velocity": path.angular_velocity[-1, k].tolist()}
+    return state
+
+
+def _versions(engine: Engine | None) -> dict[str, str]:
+    common = {"python": platform.python_version(), "numpy": np.__version__}
+    if engine is None:
+        return common
+    try:
+        return {engine.name: engine.version(), **common}
+    except PackageNotFoundError:  # it runs from a source tree that was never installed
+        return {engine.name: "not installed", **common}
+
+
+def without_run(
+    scene: Scene, engine_name: str, settings: Settings, status: str, message: str, engine: Engine | None = None
+) -> Record:
+    """Return the record of a run that has no result, with the sentence why."""
+    return Record(
+        scene=scene.name,
+        parameters=dict(scene.parameters),
+        engine=engine_name,
+        method=settings.method or "",
+        settings=settings.model_dump(mode="json", exclude_none=True),
+        status=status,
+        message=message,
+        t_end=0.0,
+        steps=0,
+        rhs_calls=0,
+        final={},
+        compliance={"position": None, "velocity": None},
+        energy_drift=None,
+        momentum_drift=None,
+        error=None,
+        reaction_error=None,
+        times={},
+        versions=_versions(engine),
+    )

@@ -1,0 +1,139 @@
+"""What compiled scenes of bodies and joints answer alike in the plane and in space: rows, reactions, user forces."""
+
+from __future__ import annotations
+
+import ctypes
+from abc import abstractmethod
+from collections.abc import Mapping
+from typing import Any, ClassVar
+
+import numpy as np
+
+from mbs_ref.cores.contact_system import ContactSystem
+from mbs_ref.cores.system import RANK_TOLERANCE
+from mbs_ref.kernels.controls import CONTROL_MODE_TIME, CONTROL_POSITION_GAIN, CONTROL_VELOCITY_GAIN
+from mbs_ref.scene import UserForce
+
+_CALLBACK = ctypes.CFUNCTYPE(None, ctypes.c_double, ctypes.c_uint64)
+
+
+class JointedSystem(ContactSystem):
+    """A system whose `groups` and `scratch` hold constraint rows in slots; `place` says where each joint's are."""
+
+    RATES: ClassVar[int]  # of a body
+    SHARED: ClassVar[int]  # numbers a body in each array that a user's force law sees
+    n_bodies: int
+    place: Mapping[int, tuple[int, int, int]]  # joint -> slot, first row, side of its first end
+
+    # --- set-up -----------------------------------------------------------------------------------
+
+    def _connect_user_forces(self) -> Any:
+        laws: list[Any] = [load for load in self.scene.loads if isinstance(load, UserForce)]
+        if not laws:
+            return None
+
+        def call(t: float, address: int) -> None:
+            data = np.ctypeslib.as_array((ctypes.c_double * (3 * self.SHARED * self.n_bodies)).from_address(address))
+            q, v, f = data.reshape(3, self.n_bodies, self.SHARED)
+            try:
+                for law in laws:
+                    f[:, : self.RATES] += np.asarray(law.function(t, q.copy(), v[:, : self.RATES].copy()), dtype=float)
+            except BaseException as error:
+                self.user_error = error
+                f[:] = np.nan
+
+        callback = _CALLBACK(call)
+        self.groups.world.user_force[0] = ctypes.cast(callback, ctypes.c_void_p).value
+        return callback
+
+    def set_mode_time(self, t: float) -> None:
+        """Choose the signals' segments: the ones that contain t (s)."""
+        self.groups.world.control[CONTROL_MODE_TIME] = t
+
+    def set_baumgarte(self, gain: float) -> None:
+        """Set C'' + 2 g C' + g^2 C = 0 with g in 1/s; 0 switches it off (Baumgarte 1972)."""
+        self.groups.world.control[CONTROL_VELOCITY_GAIN] = 2.0 * gain
+        self.groups.world.control[CONTROL_POSITION_GAIN] = gain * gain
+
+    def _in_scene_order(self, values: np.ndarray) -> np.ndarray:
+        result = np.empty_like(values)
+        result[self.groups.bodies.scene_index] = values
+        return result
+
+    # --- constraint rows ----------------------------------------------------------------------------
+
+    @abstractmethod
+    def _row_count(self, joint: int) -> int:
+        """Return how many rows a joint has."""
+
+    @property
+    def n_closure_rows(self) -> int:
+        return len(self.groups.slots.closure_slot)
+
+    def rows(self, every: bool = False) -> list[tuple[int, int, int]]:
+        """Return (joint, slot, row in slot) of every joint row, joint after joint."""
+        return [(k, slot, row + r) for k, (slot, row, _) in sorted(self.place.items())
+                for r in range(self._row_count(k))]  # fmt: skip
+
+    def row_joints(self) -> list[str]:
+        return [self.scene.joints[k].name for k, _, _ in self.rows()]
+
+    def residuals(self, t: float, y: np.ndarray) -> dict[str, tuple[np.ndarray, np.ndarray]]:
+        """Return C and C_dot of every joint by name."""
+        self.compliance(t, y)
+        rows = self.scratch.rows
+        result = {}
+        for k, (slot, row, _) in sorted(self.place.items()):
+            which = slice(row, row + self._row_count(k))
+            result[self.scene.joints[k].name] = (rows.residual[slot, which].copy(), rows.rate[slot, which].copy())
+        return result
+
+    def jacobian(self, t: float, y: np.ndarray) -> np.ndarray:
+        """Return C_q (n_rows, n_bodies times the rates of one) in scene order, rows in the order of `rows`."""
+        self.compliance(t, y)
+        rows = self.rows()
+        result = np.zeros((len(rows), self.n_bodies + 1, self.RATES))
+        scene_index = np.append(self.groups.bodies.scene_index, self.n_bodies)
+        for r, (_, slot, row) in enumerate(rows):
+            for side in range(2):
+                body = scene_index[self.groups.slots.body[slot, side]]
+                result[r, body] += self.scratch.rows.jacobian[slot, side, row]
+        return result[:, :-1].reshape(len(rows), self.RATES * self.n_bodies)
+
+    def row_rank(self, t: float, y: np.ndarray) -> int:
+        """Return the rank of these rows, mass-scaled so that metres and radians compare."""
+        scaled = self.scaled_jacobian(t, y)
+        if scaled.size == 0:
+            return 0
+        values = np.linalg.svd(scaled, compute_uv=False)
+        return int(np.sum(values > RANK_TOLERANCE * values[0]))
+
+    def independent_rows(self, t: float, y: np.ndarray) -> np.ndarray:
+        """Return which rows to keep where dependent ones cannot be borne: as many as the mechanism's own rank."""
+        return np.arange(len(self.rows()))
+
+    # --- multipliers ----------------------------------------------------------------------------------
+
+    def multipliers(self, t: float, y: np.ndarray) -> np.ndarray:
+        """Return lambda (n_rows,) in the order of `rows`; minimum-norm where rows are dependent."""
+        dy = self.derivative(t, y)
+        found = np.array([self.scratch.rows.multiplier[slot, row] for _, slot, row in self.rows()])
+        if self.n_closure_rows == 0 or self.scratch.closures.rank[0] == self.n_closure_rows or not len(dy):
+            return found
+        unbalanced = self._unbalanced(t, y, dy)
+        return np.linalg.lstsq(self.jacobian(t, y).T, unbalanced, rcond=RANK_TOLERANCE)[0]
+
+    @abstractmethod
+    def _unbalanced(self, t: float, y: np.ndarray, dy: np.ndarray) -> np.ndarray:
+        """Return Q - M a of the last derivative dy, in scene order."""
+
+    def reactions(self, t: float, y: np.ndarray) -> dict[str, np.ndarray]:
+        """Return each joint's force (N) and torque (N m) on its last body at the joint point, world axes."""
+        lam = self.multipliers(t, y)
+        jacobian = self.jacobian(t, y)
+        index = {k: [r for r, (joint, _, _) in enumerate(self.rows()) if joint == k] for k in self.place}
+        return {self.scene.joints[k].name: self._reaction(k, -lam[r] @ jacobian[r], y) for k, r in index.items()}
+
+    @abstractmethod
+    def _reaction(self, joint: int, generalized: np.ndarray, y: np.ndarray) -> np.ndarray:
+        """Turn generalized forces into force and torque at the joint's point."""

@@ -1,0 +1,103 @@
+"""Scene -> ParticleGroups: the arrays of the fields a scene of particles uses."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from mbs_ref.kernels.particles import model as arrays
+from mbs_ref.scene import Scene, celestial
+
+_FORMS = {"central": 1, "eih": 2}
+_SOURCES = {"sun": 0, "moon": 1}
+
+
+def _ints(values: list[int]) -> np.ndarray:
+    return np.array(values, dtype=np.int64)
+
+
+def _floats(values: list, *shape: int) -> np.ndarray:
+    return np.array(values, dtype=float).reshape(len(values), *shape)
+
+
+def build_particles(scene: Scene) -> arrays.ParticleGroups:
+    """Compile a scene of particles; ValueError where a part contradicts another."""
+    place = scene.body_index
+    found: dict[type, list[Any]] = {kind: [] for kind in celestial.CelestialLoad.__args__}
+    for load in scene.loads:
+        found[type(load)].append(load)
+    zonals, figures, tides = found[celestial.Oblateness], found[celestial.LunarFigure], found[celestial.Tide]
+    third, drags, lights = found[celestial.ThirdBody], found[celestial.Drag], found[celestial.RadiationPressure]
+    relativity = _at_most_one(found[celestial.Relativity])
+    return arrays.ParticleGroups(
+        particles=_particles(scene, found),
+        relativity=arrays.RelativityArrays(
+            _ints([_FORMS[relativity.form] if relativity else 0]), _floats([relativity.c**-2 if relativity else 0.0])
+        ),
+        zonals=arrays.Zonals(
+            _ints([place(x.body) for x in zonals]), _floats([x.radius for x in zonals]),
+            _floats([(*x.zonal, *(0.0,) * (5 - len(x.zonal))) for x in zonals], 5),
+            _ints([int(x.pole != "fixed") for x in zonals]), _floats([x.axis for x in zonals], 3),
+        ),
+        figures=arrays.Figures(
+            _ints([place(x.body) for x in figures]), _floats([x.radius for x in figures]),
+            _floats([x.j2 for x in figures]), _floats([x.c22 for x in figures]),
+        ),
+        tides=arrays.Tides(
+            _ints([place(x.body) for x in tides]), _ints([place(x.raiser) for x in tides]),
+            _floats([x.radius for x in tides]), _floats([x.love_number for x in tides]),
+            _floats([x.lag for x in tides]), _floats([x.spin for x in tides], 3),
+        ),
+        points=_ring(found[celestial.Ring]),
+        third_bodies=arrays.ThirdBodies(
+            _ints([place(x.body) for x in third]), _ints([_SOURCES[x.source] for x in third]),
+            _floats([x.gm for x in third]),
+        ),
+        drags=arrays.Drags(
+            _ints([place(x.body) for x in drags]), _ints([place(x.planet) for x in drags]),
+            _floats([(x.coefficient, x.density, x.altitude, x.scale_height, x.radius, x.spin) for x in drags], 6),
+        ),
+        lights=arrays.Lights(
+            _ints([place(x.body) for x in lights]), _ints([place(x.planet) for x in lights]),
+            _floats([(x.coefficient, x.radius, x.pressure) for x in lights], 3),
+        ),
+    )  # fmt: skip
+
+
+def _at_most_one(parts: list[Any]) -> Any:
+    if len(parts) > 1:
+        raise ValueError(f"loads {', '.join(repr(p.name) for p in parts)} are all of type {parts[0].type}; give one")
+    return parts[0] if parts else None
+
+
+def _particles(scene: Scene, found: dict[type, list[Any]]) -> arrays.Particles:
+    n = len(scene.bodies)
+    newton, epoch = _at_most_one(found[celestial.Newton]), _at_most_one(found[celestial.Epoch])
+    gm = np.array(newton.gm if newton else np.zeros(n), dtype=float)
+    radius = np.array(newton.radius if newton and newton.radius else np.zeros(n), dtype=float)
+    if len(gm) != n or len(radius) != n:
+        got = f"{len(gm)}, {len(radius)}"
+        raise ValueError(f"load {newton.name!r}: gm and radius need {n} entries, one a body; got {got}")
+    velocity = (celestial.Relativity, celestial.Tide, celestial.Drag)
+    seconds = (epoch.jd_tdb - celestial.J2000_JD) * celestial.DAY_S if epoch else 0.0
+    return arrays.Particles(
+        gm, radius, np.array(scene.gravity, dtype=float), np.array([seconds]),
+        _ints([int(any(found[kind] for kind in velocity))]),
+    )  # fmt: skip
+
+
+def _ring(parts: list[Any]) -> arrays.Points:
+    places = [_circle(part) for part in parts]
+    return arrays.Points(
+        _floats([part.gm / part.count for part in parts for _ in range(part.count)]),
+        np.concatenate([np.zeros((0, 3)), *places]),
+    )
+
+
+def _circle(part: celestial.Ring) -> np.ndarray:
+    normal = np.array(part.normal) / np.linalg.norm(part.normal)
+    first = np.cross(normal, np.eye(3)[int(np.argmin(np.abs(normal)))])
+    first /= np.linalg.norm(first)
+    angle = 2.0 * np.pi * np.arange(part.count) / part.count
+    return part.radius * (np.outer(np.cos(angle), first) + np.outer(np.sin(angle), np.cross(normal, first)))

@@ -1,0 +1,158 @@
+"""A planar scene compiled: three coordinates a body, joint rows, reactions; callable from Python."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from mbs_ref.cores.joint_graph import row_count
+from mbs_ref.cores.jointed_system import JointedSystem
+from mbs_ref.cores.planar.build import build_planar
+from mbs_ref.cores.planar.shapes import event_sources
+from mbs_ref.cores.system import Poses
+from mbs_ref.kernels import answers as core
+from mbs_ref.kernels.border.questions import apply_loads
+from mbs_ref.kernels.contact.laws import MODE_CLOSED
+from mbs_ref.kernels.planar import dynamics
+from mbs_ref.kernels.planar.model import planar_scratch
+from mbs_ref.scene import PlanarBody, PointMass, Scene
+
+
+class PlanarSystem(JointedSystem):
+    """A planar scene as arrays and compiled functions.
+
+    State y = concatenate(q.ravel(), v.ravel()) with q, v of shape (n_bodies, 3) in scene order: m, m,
+    rad and their rates. Raises ValueError where the scene is not planar.
+    """
+
+    CORE = "planar"
+    RATES = SHARED = 3
+
+    def __init__(self, scene: Scene) -> None:
+        if scene.dimension != 2:
+            raise ValueError(f"scene {scene.name!r} is spatial; the planar core takes planar bodies and point masses")
+        self.scene = scene
+        self.n_bodies = len(scene.bodies)
+        self.groups, self.place = build_planar(scene)
+        slots = self.groups.slots
+        self.scratch = planar_scratch(self.n_bodies, len(slots.body), len(slots.closure_slot))
+        self._keep_alive = self._connect_user_forces()
+
+    # --- set-up -----------------------------------------------------------------------------------
+
+    def initial_state(self) -> np.ndarray:
+        """Return y (6 n_bodies,) at t = 0."""
+        q, v = np.zeros((2, self.n_bodies, 3))
+        for k, body in enumerate(self.scene.bodies):
+            q[k, :2], v[k, :2] = body.position, body.velocity
+            if isinstance(body, PlanarBody):
+                q[k, 2], v[k, 2] = body.angle, body.angular_velocity
+        return np.concatenate((q.ravel(), v.ravel()))
+
+    # --- contacts ---------------------------------------------------------------------------------
+
+    @property
+    def event_sources(self) -> tuple[str, ...]:
+        return tuple(event_sources(self.scene))
+
+    # --- evaluation -------------------------------------------------------------------------------
+
+    def applied_forces(self, t: float, q: np.ndarray, v: np.ndarray) -> np.ndarray:
+        """Return the generalized applied forces (n_bodies, 3) of gravity and every load: N, N, N m."""
+        _evaluate_loads(self.model, self.work, float(t), np.concatenate((q.ravel(), v.ravel())))
+        return self._in_scene_order(self.scratch.kinematics.force[: self.n_bodies])
+
+    def poses(self, states: np.ndarray) -> Poses:
+        """Turn states (n_t, 6 n_bodies) into world poses and velocities."""
+        n = self.n_bodies
+        q, v = states.reshape(-1, 2, n, 3).transpose(1, 0, 2, 3)
+        return Poses(q[:, :, :2].copy(), q[:, :, 2].copy(), v[:, :, :2].copy(), v[:, :, 2].copy())
+
+    # --- the augmented system, dense --------------------------------------------------------------
+
+    def mass_matrix(self) -> np.ndarray:
+        """Return the diagonal of M (3 n_bodies,) in scene order: kg, kg, kg m^2."""
+        bodies = self.groups.bodies
+        return self._in_scene_order(np.column_stack((bodies.mass, bodies.mass, bodies.inertia))).ravel()
+
+    def rows(self, every: bool = False) -> list[tuple[int, int, int]]:
+        """Return (joint, slot, row in slot) of every constraint row, joint after joint, then the closed contacts'.
+
+        A contact's joint is -1; with `every` the rows of open constraint contacts, which are empty, come too.
+        """
+        slots, modes = self.groups.contact_laws.slot, self.groups.contact_modes.mode
+        held = [slot for slot, mode in zip(slots, modes, strict=False) if slot >= 0 and (every or mode == MODE_CLOSED)]
+        return super().rows() + [(-1, int(slot), 0) for slot in held]
+
+    def row_joints(self) -> list[str]:
+        """Return the joint of each row, or its contact."""
+        contacts = dict(zip(self.groups.contact_laws.slot.tolist(), self.event_sources, strict=False))
+        return [self.scene.joints[k].name if k >= 0 else contacts[slot] for k, slot, _ in self.rows()]
+
+    def _row_count(self, joint: int) -> int:
+        return row_count(self.scene.joints[joint])
+
+    def augmented(
+        self, t: float, q: np.ndarray, v: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+        """Return M (diagonal), C_q, Q_e and gamma of [M C_q^T; C_q 0][qdd; lambda] = [Q_e; gamma]."""
+        y = np.concatenate((q.ravel(), v.ravel()))
+        force = self.applied_forces(t, q, v).ravel()
+        jacobian = self.jacobian(t, y)
+        gamma = np.array([self.scratch.rows.gamma[slot, row] for _, slot, row in self.rows()])
+        return self.mass_matrix(), jacobian, force, gamma
+
+    def rank(self, t: float, y: np.ndarray) -> int:
+        """Return the rank of C_q, mass-scaled so that metres and radians compare."""
+        return self.row_rank(t, y)
+
+    def scaled_jacobian(self, t: float, y: np.ndarray) -> np.ndarray:
+        scaled = self.jacobian(t, y) / np.sqrt(self.mass_matrix())
+        return scaled / np.linalg.norm(scaled, axis=1, keepdims=True)
+
+    @cached_property
+    def n_coordinates(self) -> int:
+        """Coordinates in use: three a rigid body, two a point mass."""
+        return sum(2 if isinstance(b, PointMass) else 3 for b in self.scene.bodies)
+
+    @property
+    def n_constraints(self) -> int:
+        return len(self.rows())
+
+    def _unbalanced(self, t: float, y: np.ndarray, dy: np.ndarray) -> np.ndarray:
+        half = 3 * self.n_bodies
+        force = self.applied_forces(t, y[:half].reshape(-1, 3), y[half:].reshape(-1, 3)).ravel()
+        return force - self.mass_matrix() * dy[half:]
+
+    def _reaction(self, joint: int, generalized: np.ndarray, y: np.ndarray) -> np.ndarray:
+        part: Any = self.scene.joints[joint]
+        name = part.body if part.type.endswith("drive") else part.body_b
+        if name == "ground":  # report what ground receives: the opposite of what the other body gets
+            name, sign = part.body_a, -1.0
+        else:
+            sign = 1.0
+        body = self.scene.body_index(name)
+        fx, fy, torque = sign * generalized.reshape(-1, 3)[body]
+        arm = self._joint_point(part, name, y) - y[3 * body : 3 * body + 2]
+        return np.array([fx, fy, torque - (arm[0] * fy - arm[1] * fx)])
+
+    def _joint_point(self, part: Any, name: str, y: np.ndarray) -> np.ndarray:
+        """Return where the joint's mark on the body is now; for a coordinate drive, its centre."""
+        body: Any = self.scene.bodies[self.scene.body_index(name)]
+        k = 3 * self.scene.body_index(name)
+        if part.type == "coordinate_drive":
+            return y[k : k + 2]
+        side = "point_b" if part.type != "point_drive" and name == part.body_b else "point_a"
+        own = getattr(part, side, None)
+        mark = part.point if own is None else own
+        turn = y[k + 2] - (body.angle if isinstance(body, PlanarBody) else 0.0)
+        c, s = np.cos(turn), np.sin(turn)
+        return y[k : k + 2] + np.array([[c, -s], [s, c]]) @ (np.array(mark) - np.array(body.position))
+
+
+@core.jit
+def _evaluate_loads(model, work, t, y):
+    dynamics.load_state(model, work, y)
+    apply_loads(model, work, t)

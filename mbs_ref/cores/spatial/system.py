@@ -1,0 +1,225 @@
+"""A spatial scene compiled: Euler parameters, joint rows, reactions; callable from Python."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from scipy.linalg import qr
+
+from mbs_ref.cores.jointed_system import JointedSystem
+from mbs_ref.cores.spatial.build import build_spatial, world_axes
+from mbs_ref.cores.spatial.elements import row_count
+from mbs_ref.cores.system import Poses
+from mbs_ref.kernels import answers as core
+from mbs_ref.kernels.spatial.model import spatial_scratch
+from mbs_ref.scene import DRIVES, GROUND, Scene, SpatialBody, symmetric
+from mbs_ref.scene.euler_parameters import parameter_matrix, rotation_matrices
+
+RANK_POSES = 3  # random poses, besides the first, in which the rank of the loops is looked at
+RANK_STEP = 0.05  # m, rad: how far they are from the first
+RANK_LIMIT = 600  # rows; a dense SVD beyond takes seconds
+PROJECTED = 1e-11  # m, rad: a pose off the constraints by more tells nothing about ranks
+
+
+class SpatialSystem(JointedSystem):
+    """A spatial scene as arrays and compiled functions.
+
+    State y = concatenate(q, u, s) in scene order; a rigid body has q = R, theta0..theta3 (m, 1) and
+    u = R', omega (m/s, rad/s, omega in body axes), a point mass q = R and u = R'. s holds the two deflections (m)
+    of every contact that can stick. Raises ValueError where the scene is not spatial.
+    """
+
+    CORE = "spatial"
+    RATES, SHARED = 6, 7
+
+    def __init__(self, scene: Scene) -> None:
+        if scene.dimension != 3:
+            raise ValueError(f"scene {scene.name!r} is planar; the spatial core takes spatial bodies and point masses")
+        self.scene = scene
+        self.n_bodies = len(scene.bodies)
+        self.groups, self.place = build_spatial(scene)
+        slots = self.groups.slots
+        sticking = int(self.groups.contact_pairs.sticking[0])
+        self.scratch = spatial_scratch(self.n_bodies, len(slots.body), len(slots.closure_slot), sticking)
+        self.scratch.kinematics.inertia[: self.n_bodies] = self.groups.bodies.inertia
+        self._keep_alive = self._connect_user_forces()
+        slots.closure_rank[0] = self._closure_rank()
+
+    # --- set-up -----------------------------------------------------------------------------------
+
+    def initial_state(self) -> np.ndarray:
+        """Return y at t = 0."""
+        q: list[float] = []
+        u: list[float] = []
+        for body in self.scene.bodies:
+            q += body.position
+            u += body.velocity
+            if isinstance(body, SpatialBody):
+                q += (np.array(body.orientation) / np.linalg.norm(body.orientation)).tolist()
+                u += (rotation_matrices(body.orientation).T @ body.angular_velocity).tolist()
+        return np.concatenate((q, u, np.zeros(2 * self.groups.contact_pairs.sticking[0])))
+
+    @cached_property
+    def n_positions(self) -> int:
+        return 3 * self.n_bodies + 4 * len(self.rigid)
+
+    @cached_property
+    def rigid(self) -> np.ndarray:
+        """Scene indices of the rigid bodies."""
+        return np.array([k for k, b in enumerate(self.scene.bodies) if isinstance(b, SpatialBody)], dtype=int)
+
+    def _closure_rank(self) -> int:
+        """Return the largest rank of the closure rows found at poses of the mechanism near the first."""
+        every = self.n_closure_rows
+        rows = self.rows()
+        if every == 0 or len(rows) > RANK_LIMIT:
+            return every
+        y = self.initial_state()
+        core.call_project(self.model, self.work, 0.0, y, 1e-14, 50)
+        generator = np.random.default_rng(0)
+        best = self.row_rank(0.0, y)
+        for _ in range(RANK_POSES):
+            near = self._moved(y, generator.standard_normal(len(y)))
+            if core.call_project(self.model, self.work, 0.0, near, 1e-14, 50) < PROJECTED:
+                best = max(best, self.row_rank(0.0, near))
+        return best - (len(rows) - every)
+
+    def _moved(self, y: np.ndarray, x: np.ndarray) -> np.ndarray:
+        """Return y moved along the constraints by about RANK_STEP in the direction of x."""
+        core.call_derivative(self.model, self.work, 0.0, y.copy(), np.empty_like(y))
+        core.call_tangent(self.model, self.work, x)
+        moved = y.copy()
+        moved[: self.n_positions] += RANK_STEP / max(1e-12, np.abs(x).max()) * x[: self.n_positions]
+        return moved
+
+    # --- evaluation -------------------------------------------------------------------------------
+
+    def applied_forces(self, t: float, y: np.ndarray) -> np.ndarray:
+        """Return force and torque (n_bodies, 6) of gravity, every load and -omega x J omega: N, N m."""
+        core.call_derivative(self.model, self.work, float(t), y, np.empty_like(y))
+        return self._in_scene_order(self.scratch.kinematics.force[: self.n_bodies])
+
+    def poses(self, states: np.ndarray) -> Poses:
+        """Turn states into world poses; a point mass keeps the orientation 1, 0, 0, 0."""
+        states = np.asarray(states)
+        bodies, order = self.groups.bodies, self.groups.bodies.scene_index
+        shape = (len(states), self.n_bodies)
+        position, velocity, omega = (np.zeros((*shape, 3)) for _ in range(3))
+        theta = np.zeros((*shape, 4))
+        theta[:, :, 0] = 1.0
+        for i, k in enumerate(order):
+            q, v = bodies.q[i], bodies.v[i]
+            position[:, k], velocity[:, k] = states[:, q : q + 3], states[:, v : v + 3]
+            if bodies.rigid[i]:
+                theta[:, k] = states[:, q + 3 : q + 7]
+                omega[:, k] = np.einsum("tij,tj->ti", rotation_matrices(theta[:, k]), states[:, v + 3 : v + 6])
+        return Poses(position, theta, velocity, omega)
+
+    # --- the augmented system, dense --------------------------------------------------------------
+
+    def mass_matrix(self) -> np.ndarray:
+        """Return diag(m I, J) (6 n_bodies, 6 n_bodies) in world axes at the state last evaluated."""
+        inertia = self._in_scene_order(self.scratch.kinematics.inertia[: self.n_bodies])
+        result = np.zeros((6 * self.n_bodies, 6 * self.n_bodies))
+        for k, body in enumerate(self.scene.bodies):
+            result[6 * k : 6 * k + 3, 6 * k : 6 * k + 3] = body.mass * np.eye(3)
+            result[6 * k + 3 : 6 * k + 6, 6 * k + 3 : 6 * k + 6] = symmetric(tuple(inertia[k]))
+        return result
+
+    def augmented(self, t: float, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return the papers' augmented matrix in Euler parameters and its right-hand side, dense.
+
+        Unknowns: qdd (3 a point mass, 7 a rigid body), then the multipliers of the joint rows (`rows`),
+        then of theta^T theta = 1 for each rigid body (Fox 1999 eq 9 and appendix). The upper-left block is
+        4 E^T J E in each body's theta, of rank 3: the matrix is to be factored whole.
+        """
+        force = self.applied_forces(t, y).ravel()
+        gamma = np.array([self.scratch.rows.gamma[slot, row] for _, slot, row in self.rows()])
+        jacobian, mass = self.jacobian(t, y), self.mass_matrix()
+        to_rates, norms, squares = self._rate_map(y)
+        size, m, k = to_rates.shape[1], len(gamma), len(norms)
+        matrix = np.zeros((size + m + k, size + m + k))
+        matrix[:size, :size] = to_rates.T @ mass @ to_rates
+        matrix[size : size + m, :size] = jacobian @ to_rates
+        matrix[size + m :, :size] = norms
+        matrix[:size, size:] = matrix[size:, :size].T
+        return matrix, np.concatenate((to_rates.T @ force, gamma, squares))
+
+    def _rate_map(self, y: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Return d(R', omega)/d(q'), the Jacobian of the norms and their right-hand side -2 theta'^T theta'."""
+        found = np.zeros((6 * self.n_bodies, self.n_positions))
+        norms, squares = np.zeros((len(self.rigid), self.n_positions)), np.zeros(len(self.rigid))
+        bodies = self.groups.bodies
+        place = {k: (bodies.q[i], bodies.v[i]) for i, k in enumerate(bodies.scene_index)}
+        for k in range(self.n_bodies):
+            found[6 * k : 6 * k + 3, place[k][0] : place[k][0] + 3] = np.eye(3)
+        for row, k in enumerate(self.rigid):
+            q, v = place[k]
+            theta = y[q + 3 : q + 7]
+            e = parameter_matrix(theta)
+            found[6 * k + 3 : 6 * k + 6, q + 3 : q + 7] = 2.0 * e
+            norms[row, q + 3 : q + 7] = 2.0 * theta
+            rate = 0.5 * e.T @ rotation_matrices(theta) @ y[v + 3 : v + 6]
+            squares[row] = -2.0 * rate @ rate
+        return found, norms, squares
+
+    def scaled_jacobian(self, t: float, y: np.ndarray) -> np.ndarray:
+        jacobian = self.jacobian(t, y)
+        scaled = np.linalg.solve(np.linalg.cholesky(self.mass_matrix()), jacobian.T).T
+        return scaled / np.linalg.norm(scaled, axis=1, keepdims=True)
+
+    def independent_rows(self, t: float, y: np.ndarray) -> np.ndarray:
+        every = len(self.rows())
+        kept = every - self.n_closure_rows + int(self.groups.slots.closure_rank[0])
+        if kept == every:
+            return np.arange(every)
+        order = qr(self.scaled_jacobian(t, y).T, mode="r", pivoting=True)[-1]
+        return np.sort(order[:kept])
+
+    def accelerations(self, t: float, y: np.ndarray) -> np.ndarray:
+        self.derivative(t, y)
+        return self._in_scene_order(self.scratch.tree.acceleration[: self.n_bodies])
+
+    def rank(self, t: float, y: np.ndarray) -> int:
+        """Return the rank of C_q, the norm rows of the Euler parameters included."""
+        return self.row_rank(t, y) + len(self.rigid)
+
+    @property
+    def n_coordinates(self) -> int:
+        """Coordinates in use: seven a rigid body, three a point mass."""
+        return self.n_positions
+
+    @property
+    def n_constraints(self) -> int:
+        """Joint rows and one norm row a rigid body."""
+        return len(self.rows()) + len(self.rigid)
+
+    def _row_count(self, joint: int) -> int:
+        return row_count(self.scene.joints[joint])
+
+    def _unbalanced(self, t: float, y: np.ndarray, dy: np.ndarray) -> np.ndarray:
+        force = self._in_scene_order(self.scratch.kinematics.force[: self.n_bodies]).ravel()
+        acceleration = self._in_scene_order(self.scratch.tree.acceleration[: self.n_bodies]).ravel()
+        return force - self.mass_matrix() @ acceleration
+
+    def _reaction(self, joint: int, generalized: np.ndarray, y: np.ndarray) -> np.ndarray:
+        part: Any = self.scene.joints[joint]
+        name, sign = getattr(part, "body_b", None) or part.body, 1.0
+        if name == GROUND:  # report what ground receives: the opposite of what the other body gets
+            name, sign = part.body_a, -1.0
+        wrench = sign * generalized.reshape(-1, 6)[self.scene.body_index(name)]
+        arm = self._joint_arm(part, name)
+        return np.concatenate((wrench[:3], wrench[3:] - np.cross(arm, wrench[:3])))
+
+    def _joint_arm(self, part: Any, name: str) -> np.ndarray:
+        """Return the joint's mark on the body now, from its centre of mass, world axes; zero where it has none."""
+        body: Any = self.scene.bodies[self.scene.body_index(name)]
+        side = "point_b" if not isinstance(part, DRIVES) and name == part.body_b else "point_a"
+        own = getattr(part, side, None)
+        mark = getattr(part, "point", None) if own is None else own
+        if mark is None:
+            return np.zeros(3)
+        turned = self._in_scene_order(self.scratch.kinematics.turned[: self.n_bodies])[self.scene.body_index(name)]
+        return turned @ world_axes(body).T @ (np.array(mark) - np.array(body.position))

@@ -1,0 +1,175 @@
+"""A scene compiled: what every core offers to integrators, checks and reports."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from functools import cached_property
+from typing import Any, ClassVar, NamedTuple
+
+import numpy as np
+
+from mbs_ref.kernels import answers as core
+from mbs_ref.kernels.border.handles import Model, Work, make_handle
+from mbs_ref.scene import Scene
+
+RANK_TOLERANCE = 1e-10  # singular values of the scaled C_q below this share of the largest count as zero
+
+
+class Poses(NamedTuple):
+    """World poses and velocities as a Trajectory holds them."""
+
+    position: np.ndarray  # (n_t, n_bodies, dimension) m
+    orientation: np.ndarray  # (n_t, n_bodies) rad, or (n_t, n_bodies, 4) Euler parameters
+    velocity: np.ndarray  # (n_t, n_bodies, dimension) m/s
+    angular_velocity: np.ndarray  # (n_t, n_bodies) rad/s, or (n_t, n_bodies, 3) world axes
+
+
+class System(ABC):
+    """A compiled scene. A core implements the abstract methods and sets scene, groups and scratch.
+
+    The state y is one vector; `derivative` is its rate.
+    """
+
+    CORE: ClassVar[str]  # of mbs_ref.kernels.answers
+    scene: Scene
+    groups: Any  # the scene's arrays
+    scratch: Any  # of one run
+    user_error: BaseException | None = None  # what a user's force law raised, if it did
+
+    # Connected when first asked for: who merely has a scene checked need not wait for the compiler.
+    @cached_property
+    def handles(self) -> tuple[np.ndarray, np.ndarray]:
+        """The handles of the scene's arrays and the scratch; the core answers through them (kernels/border/core.py)."""
+        scene, scratch = (core.connected(self.CORE, make_handle(part)) for part in (self.groups, self.scratch))
+        return scene, scratch
+
+    @cached_property
+    def model(self) -> Model:
+        """What compiled code receives of the scene."""
+        return Model(self.handles[0].ctypes.data)
+
+    @cached_property
+    def work(self) -> Work:
+        """What compiled code receives of the scratch."""
+        return Work(self.handles[1].ctypes.data)
+
+    def prepare(self, group: str) -> None:
+        """Have the answers to a group of questions compiled and connected (mbs_ref.kernels.answers)."""
+        for handle in self.handles:
+            core.prepare(self.CORE, handle, group)
+
+    # --- evaluation, common to all cores ------------------------------------------------------------
+
+    def derivative(self, t: float, y: np.ndarray) -> np.ndarray:
+        """Return dy/dt."""
+        dy = np.empty_like(y)
+        core.call_derivative(self.model, self.work, float(t), y, dy)
+        return dy
+
+    def compliance(self, t: float, y: np.ndarray) -> tuple[float, float]:
+        """Return max |C| (m, rad) and max |C_dot| (m/s, rad/s)."""
+        return core.call_compliance(self.model, self.work, float(t), y)
+
+    def project(self, t: float, y: np.ndarray, tolerance: float = 1e-13, most: int = 20) -> float:
+        """Move y onto the constraints in place; return max |C| left."""
+        return core.call_project(self.model, self.work, float(t), y, tolerance, most)
+
+    def free_direction(self, t: float, y: np.ndarray, random: np.random.Generator) -> np.ndarray:
+        """Return a random direction (n_state,) along the constraints at (t, y), its largest entry 1."""
+        x = random.standard_normal(len(y))
+        self.derivative(t, y)
+        core.call_tangent(self.model, self.work, x)
+        return x / max(1e-12, float(np.abs(x).max()))
+
+    @property
+    def n_positions(self) -> int:
+        """Entries of the state that are positions and orientations; the rates follow. Half of it unless said."""
+        return len(self.initial_state()) // 2
+
+    def start_contacts(self, t: float, y: np.ndarray, located: bool) -> None:
+        """Set every contact's mode by the state; without `located` forces are clipped by the state instead."""
+        core.call_start_modes(self.model, self.work, float(t), y, located)
+
+    def contact_forces(self, times: np.ndarray, states: np.ndarray) -> dict[str, np.ndarray]:
+        """Return for each contact depth (m), force on body_a (N) and its point (m), world axes: (n_t, 5 or 7)."""
+        return {}
+
+    def contact_oscillators(self, t: float, y: np.ndarray) -> np.ndarray:
+        """Return k W (1/s^2) and c W (1/s) of each contact (n, 2), W its normal mobility; c = 0 where F ~ d d'."""
+        return np.zeros((0, 2))
+
+    def recall_modes(self, t: float) -> None:
+        """Set every contact's mode to the one that held at t (s) in the last run."""
+        return None
+
+    @property
+    def event_sources(self) -> tuple[str, ...]:
+        """Return the names of what may have events: contacts, tension-only springs, declared events."""
+        return ()
+
+    def contact_events(self) -> np.ndarray:
+        """Return time (s) and place in `event_sources` (n_events, 2) of the events located so far."""
+        return np.zeros((0, 2))
+
+    def regularity(self) -> float:
+        """Return how far the last evaluated pose is from a singular one: 1 far, 0 there."""
+        return core.call_regularity(self.work)
+
+    def scaled_jacobian(self, t: float, y: np.ndarray) -> np.ndarray:
+        """Return C_q (n_rows, n) of the joints' rows, each at length 1 and mass-scaled: metres and radians compare."""
+        return np.zeros((0, 0))
+
+    def row_joints(self) -> list[str]:
+        """Return the joint of each of these rows."""
+        return []
+
+    def accelerations(self, t: float, y: np.ndarray) -> np.ndarray:
+        """Return the bodies' accelerations, world axes: (n_bodies, 3) in the plane, m/s^2 and rad/s^2; (n_bodies, 6)
+        in space; (n_bodies, 3) of particles.
+        """
+        return self.derivative(t, y)[self.n_positions :].reshape(-1, 3)
+
+    # --- what a core defines ------------------------------------------------------------------------
+
+    @abstractmethod
+    def initial_state(self) -> np.ndarray:
+        """Return y at t = 0."""
+
+    @abstractmethod
+    def poses(self, states: np.ndarray) -> Poses:
+        """Turn states (n_t, n_state) into world poses and velocities."""
+
+    @abstractmethod
+    def set_mode_time(self, t: float) -> None:
+        """Choose the signals' segments: the ones that contain t (s)."""
+
+    @abstractmethod
+    def set_baumgarte(self, gain: float) -> None:
+        """Set C'' + 2 g C' + g^2 C = 0 with g in 1/s; 0 switches it off (Baumgarte 1972)."""
+
+    @abstractmethod
+    def residuals(self, t: float, y: np.ndarray) -> dict[str, tuple[np.ndarray, np.ndarray]]:
+        """Return C and C_dot of every joint by name."""
+
+    @abstractmethod
+    def reactions(self, t: float, y: np.ndarray) -> dict[str, np.ndarray]:
+        """Return each joint's force and torque on its last body, at the joint point, in world axes."""
+
+    @abstractmethod
+    def rank(self, t: float, y: np.ndarray) -> int:
+        """Return the rank of C_q, mass-scaled so that metres and radians compare."""
+
+    @property
+    @abstractmethod
+    def n_coordinates(self) -> int:
+        """Coordinates in use."""
+
+    @property
+    @abstractmethod
+    def n_constraints(self) -> int:
+        """Constraint rows."""
+
+    @property
+    @abstractmethod
+    def n_closure_rows(self) -> int:
+        """Constraint rows that close loops; 0 for a tree, whose rows are independent."""

@@ -1,0 +1,192 @@
+"""What a crash did to an android: forces, excursions, accelerations, injury measures, works."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.integrate import cumulative_simpson
+
+from mbs_ref.crash import injury
+from mbs_ref.observables.attachment import Motion
+from mbs_ref.observables.body_forces import BodyForces, body_forces
+from mbs_ref.observables.energy import kinetic_energy, potential_energy
+from mbs_ref.observables.powers import LOADS
+from mbs_ref.observables.signal_values import values
+from mbs_ref.observables.springs import length_of, twist_of
+from mbs_ref.scene import Force, PointBushing, Revolute, Scene, SpringDamper, TorsionSpring
+from mbs_ref.trajectory import Trajectory
+
+CRASH, BELT = "crash.", "belt."
+FIRST_REBOUND = 0.12  # s, peaks of the head are quoted before the neck reaches its end
+AGE = 45.0  # years, assumed for TTI, which adds 1.4 a year; the measure is made for side impacts
+STERNUM, SPINE = "costal_4_5", "T7"  # the tip of rib 4 lies in front of T7: between them the chest's depth is read
+ONE_NEWTON_METRE = 1.0  # N m; a smaller torque has no sign worth the name
+CERVICAL = ("C1", "C2", "C3", "C4", "C5", "C6")
+
+
+@dataclass(frozen=True)
+class CrashResults:
+    """Histories over (n_t,) samples, and the measures made of them."""
+
+    forces: BodyForces
+    seat_force: np.ndarray  # (n_t,) N, sum of the seat's contact forces
+    belt_force: np.ndarray  # (n_t,) N, sum of the belts' tensions
+    head_g: np.ndarray  # (n_t,) g, of the head against inertial space
+    thorax_g: np.ndarray  # (n_t,) g
+    head_excursion: np.ndarray  # (n_t, 2) m, from the pose at t = 0, in the vehicle
+    hip_excursion: np.ndarray  # (n_t, 2) m
+    neck_axial: np.ndarray  # (n_t,) N at the occipital joint, tension positive
+    neck_moment: np.ndarray  # (n_t,) N m there, of the neck on the head, flexion positive
+    nij: np.ndarray  # (n_t,)
+    cervical_torques: dict[str, np.ndarray]  # vertebra -> (n_t,) N m on it of the joint beneath
+    chest_deflection: np.ndarray | None  # (n_t,) m; None where the thorax is one rigid body
+    works: dict[str, np.ndarray]  # (n_t,) J done since t = 0 by pulse, belts' and joints' dampers, contacts
+    energy: np.ndarray  # (n_t,) J
+    measures: dict[str, float]
+
+
+def crash_results(scene: Scene, trajectory: Trajectory) -> CrashResults:
+    """Evaluate an android's crash with its seat fixed; Simpson's rule integrates works over the samples."""
+    motion, forces = Motion(scene, trajectory), body_forces(scene, trajectory)
+    head, thorax = _felt(scene, trajectory, forces, "head"), _felt(scene, trajectory, forces, _or_thorax(scene, "T4"))
+    works = {name: cumulative_simpson(p, x=trajectory.times, initial=0.0) for name, p in _powers(motion).items()}
+    axial, moment, chest = _neck_axial(motion), _neck_moment(motion), _chest(motion)
+    nij = injury.nij(axial, moment)
+    rib, t12 = (_felt(scene, trajectory, forces, _or_thorax(scene, part)) for part in ("rib4", "T12"))
+    measures = _head_and_neck(trajectory.times, head, axial, nij) | _thorax_measures(motion, thorax, rib, t12, chest)
+    return CrashResults(
+        forces=forces,
+        seat_force=np.sum([np.hypot(c[:, 1], c[:, 2]) for n, c in trajectory.contacts.items() if "seat" in n], axis=0),
+        belt_force=np.sum([np.zeros(len(trajectory.times)), *(_tension(motion, b) for b in _belts(scene))], axis=0),
+        head_g=head,
+        thorax_g=thorax,
+        head_excursion=_excursion(scene, trajectory, "head"),
+        hip_excursion=_excursion(scene, trajectory, "bottom"),
+        neck_axial=axial,
+        neck_moment=moment,
+        nij=nij,
+        cervical_torques=_cervical_torques(motion),
+        chest_deflection=None if chest is None else chest[0] - chest,
+        works=works,
+        energy=kinetic_energy(scene, trajectory) + potential_energy(scene, trajectory),
+        measures=measures,
+    )
+
+
+def _or_thorax(scene: Scene, part: str) -> str:
+    """The simplified android's thorax is one body."""
+    return "thorax" if "thorax" in scene.body_names else part
+
+
+def _excursion(scene: Scene, trajectory: Trajectory, body: str) -> np.ndarray:
+    place = trajectory.position[:, scene.body_index(body)]
+    return place - place[0]
+
+
+def _felt(scene: Scene, trajectory: Trajectory, forces: BodyForces, body: str) -> np.ndarray:
+    """Return |a| in g against inertial space: the frame of a fixed seat has the pulse's acceleration itself."""
+    k = scene.body_index(body)
+    found = forces.acceleration[:, k, :2].copy()
+    for load in scene.loads:
+        if isinstance(load, Force) and load.name == CRASH + body:
+            found -= values(load.factor, trajectory.times)[:, None] * np.array(load.vector) / scene.bodies[k].mass
+    return np.hypot(*found.T) / injury.STANDARD_GRAVITY
+
+
+def _belts(scene: Scene) -> list[SpringDamper]:
+    return [load for load in scene.loads if isinstance(load, SpringDamper) and load.name.startswith(BELT)]
+
+
+def _tension(motion: Motion, belt: SpringDamper) -> np.ndarray:
+    _, stretch, rate = length_of(motion, belt)
+    return np.where(stretch > 0.0, np.maximum(belt.stiffness * stretch + belt.damping * rate, 0.0), 0.0)
+
+
+def _neck_axial(motion: Motion) -> np.ndarray:
+    """Return the occipital joint's pull on the head along the head's own axis; positive in tension."""
+    joint = next(j for j in motion.scene.joints if isinstance(j, Revolute) and "head" in j.name.split("-"))
+    force = motion.trajectory.reactions[joint.name][:, :2]
+    down, _ = motion.direction("head", (0.0, -1.0))
+    sign = 1.0 if joint.body_b == "head" else -1.0
+    return sign * np.sum(force * down, axis=1)
+
+
+def _neck_moment(motion: Motion) -> np.ndarray:
+    """Return the restoring torque on the head; it is positive where the head has turned forward (SAE J1733)."""
+    occipital = next(s for s in _torsions(motion.scene) if "head" in (s.body_a, s.body_b))
+    return _restoring(motion, occipital, "head")
+
+
+def _torsions(scene: Scene) -> list[TorsionSpring]:
+    return [load for load in scene.loads if isinstance(load, TorsionSpring)]
+
+
+def _restoring(motion: Motion, spring: TorsionSpring, body: str) -> np.ndarray:
+    """Return a torsion spring's torque (n_t,), N m, on one of its bodies."""
+    twist, rate = twist_of(motion, spring)
+    torque = spring.stiffness * twist + spring.damping * rate
+    return torque if body == spring.body_a else -torque
+
+
+def _cervical_torques(motion: Motion) -> dict[str, np.ndarray]:
+    """Return the torque that the joint beneath puts on each cervical vertebra."""
+    beneath = {s.body_a: s for s in _torsions(motion.scene) if s.body_a in CERVICAL}
+    return {name: _restoring(motion, beneath[name], name) for name in CERVICAL if name in beneath}
+
+
+def sign_changes(times: np.ndarray, torque: np.ndarray) -> np.ndarray:
+    """Return the times (s) at which a torque (n_t,), N m, has another sign than before, where it has any."""
+    loaded = np.abs(torque) > ONE_NEWTON_METRE
+    return times[loaded][1:][np.diff(np.sign(torque[loaded])) != 0.0]
+
+
+def _chest(motion: Motion) -> np.ndarray | None:
+    """Return the distance (n_t,), m, between the tip of a rib and the vertebra behind it."""
+    tip = next((x for x in motion.scene.loads if isinstance(x, PointBushing) and x.name == STERNUM), None)
+    if tip is None:
+        return None
+    behind = motion.trajectory.position[:, motion.scene.body_index(SPINE)]
+    return np.linalg.norm(motion.point(tip.body_b, tip.point)[0] - behind, axis=1)
+
+
+def _powers(motion: Motion) -> dict[str, np.ndarray]:
+    """Return the power (n_t,), W, of each kind of part that is not conservative."""
+    found = {name: np.zeros(len(motion.times)) for name in ("pulse", "belts", "joint dampers", "tissue", "contacts")}
+    kinds = {Force: "pulse", SpringDamper: "belts", TorsionSpring: "joint dampers", PointBushing: "tissue"}
+    for load in motion.scene.loads:
+        found[kinds[type(load)]] += LOADS[type(load)](motion, load)
+    for contact in motion.scene.contacts:
+        force = motion.trajectory.contacts[contact.name]
+        slip = motion.rate_at(contact.body_a, force[:, 3:5]) - motion.rate_at(contact.body_b, force[:, 3:5])
+        found["contacts"] += np.sum(force[:, 1:3] * slip, axis=1)
+    return found
+
+
+def _head_and_neck(times: np.ndarray, head: np.ndarray, axial: np.ndarray, nij: np.ndarray) -> dict[str, float]:
+    early = times < FIRST_REBOUND
+    return {
+        "HIC15": injury.hic(times, head, 0.015)[0],
+        "HIC36": injury.hic(times, head, 0.036)[0],
+        "GSI": injury.gsi(times, head),
+        "head 3 ms clip, g": injury.clip(times, head),
+        "head peak before 120 ms, g": float(np.max(head[early])),
+        "neck tension, N": float(max(np.max(axial), 0.0)),
+        "neck compression, N": float(max(-np.min(axial), 0.0)),
+        "Nij": float(np.max(nij)),
+    }
+
+
+def _thorax_measures(
+    motion: Motion, thorax: np.ndarray, rib: np.ndarray, t12: np.ndarray, chest: np.ndarray | None
+) -> dict[str, float]:
+    """Return what is said of the thorax; without a chest that gives way there is no viscous criterion."""
+    mass = sum(b.mass for b in motion.scene.bodies if not b.name.startswith("seat"))
+    found = {
+        "thorax 3 ms clip, g": injury.clip(motion.times, thorax),
+        f"TTI at {AGE:g} years, g": injury.thoracic_trauma_index(AGE, float(rib.max()), float(t12.max()), mass),
+    }
+    if chest is not None:
+        found["chest deflection, m"] = float(np.max(chest[0] - chest))
+        found["VC, m/s"] = injury.viscous_criterion(motion.times, chest[0] - chest, float(chest[0]))
+    return found

@@ -1,0 +1,163 @@
+"""Event location common to every compiled loop: shorten the step until it ends just past the first root.
+
+A loop takes a step in the frozen modes and asks `watch`. The answer is KEEP, RETRY with the step in
+search[H_NEXT], or EVENT: the step at hand ends at the event, on its far side. The same one-step method is
+repeated with shorter steps, so the located state carries the method's own order.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from mbs_ref.integrators.loop.leg import COUNT_CONTACT, COUNT_EVENTS, ENDLESS_EVENTS, RUNNING, STOP_EVENT
+from mbs_ref.kernels.border.questions import root_count, roots, transition
+from mbs_ref.kernels.contact.modes import STOP
+from mbs_ref.kernels.jit import jit
+
+KEEP, RETRY, EVENT = range(3)
+ACTIVE, H_LOW, H_HIGH, H_NEXT, SIDE, TRIES = range(6)
+IDLE, BRACKETED, LOOKING = 0.0, 1.0, 2.0  # values of search[ACTIVE]
+AT_LOW, AT_HIGH, AT_NEW, RATE_LOW, RATE_NEW = range(5)  # rows of the table of root functions
+MOST_TRIES = 200
+ROUNDOFF = 4.0 * 2.220446049250313e-16  # of time: how closely an event is bracketed
+MOST_ROUNDS = 200  # mode changes at one instant before they count as endless
+BISECT_EVERY = 4  # tries: the others are regula falsi with Illinois' weights
+
+
+@jit
+def event_tables(model):
+    """Return the search state and the table of root functions."""
+    return np.zeros(6), np.zeros((5, root_count(model)))
+
+
+@jit
+def settle(model, work, t, y, table, run, most):
+    """Change modes until all hold at (t, y); refresh the table. Return RUNNING, STOP_EVENT or ENDLESS_EVENTS."""
+    scratch = np.empty_like(y)
+    for _ in range(MOST_ROUNDS):
+        roots(model, work, t, y, table[AT_LOW], table[RATE_LOW])
+        broken = 0
+        for i in range(table.shape[1]):
+            if table[AT_LOW, i] < 0.0:
+                broken += 1
+        if broken == 0:
+            return RUNNING
+        run.counts[COUNT_EVENTS] += broken
+        code, contact = transition(model, work, t, y, table[AT_LOW], scratch)
+        run.counts[COUNT_CONTACT] = contact
+        if code == STOP:
+            return STOP_EVENT
+        if code != 0 or run.counts[COUNT_EVENTS] > most:
+            return ENDLESS_EVENTS
+    return ENDLESS_EVENTS
+
+
+@jit
+def _dips(g0, r0, g1, r1, h):
+    """Return where in (0, 1) the cubic through two values and rates is lowest if it is negative there, else 0."""
+    if not (r0 < 0.0 and r1 > 0.0):
+        return 0.0
+    a = 2.0 * (g0 - g1) + h * (r0 + r1)
+    b = -3.0 * (g0 - g1) - h * (2.0 * r0 + r1)
+    c = h * r0
+    discriminant = b * b - 3.0 * a * c
+    if discriminant < 0.0:
+        return 0.0
+    denominator = b + np.sqrt(discriminant)
+    if denominator == 0.0:
+        return 0.0
+    s = -c / denominator
+    if not 0.0 < s < 1.0:
+        return 0.0
+    return s if g0 + s * (c + s * (b + s * a)) < 0.0 else 0.0
+
+
+@jit
+def _propose(search, table):
+    """Choose the next trial step: the earliest regula falsi root of the functions that changed sign, or bisect."""
+    low = search[H_LOW]
+    high = search[H_HIGH]
+    share = 1.0
+    for i in range(table.shape[1]):
+        if table[AT_HIGH, i] < 0.0:
+            share = min(share, table[AT_LOW, i] / (table[AT_LOW, i] - table[AT_HIGH, i]))
+    if int(search[TRIES]) % BISECT_EVERY == BISECT_EVERY - 1 or not 0.0 < share < 1.0:
+        share = 0.5
+    return low + share * (high - low)
+
+
+@jit
+def _open_bracket(search, table, h):
+    """Start a search in (0, h]; the table holds the roots at both ends."""
+    search[ACTIVE] = BRACKETED
+    search[TRIES] = 0.0
+    search[SIDE] = 0.0
+    search[H_LOW] = 0.0
+    search[H_HIGH] = h
+    _copy(table, AT_NEW, AT_HIGH)
+
+
+@jit
+def _tighten(search, table, h, broken):
+    """Move one end of the bracket to h; an end that stands still twice is weighed half (Illinois)."""
+    side = 1.0 if broken else -1.0
+    still = AT_LOW if broken else AT_HIGH
+    search[H_HIGH if broken else H_LOW] = h
+    _copy(table, AT_NEW, AT_HIGH if broken else AT_LOW)
+    if search[SIDE] == side:
+        for i in range(table.shape[1]):
+            table[still, i] *= 0.5
+    search[SIDE] = side
+
+
+@jit
+def _largest_dip(table, h):
+    dip = 0.0
+    for i in range(table.shape[1]):
+        dip = max(dip, _dips(table[AT_LOW, i], table[RATE_LOW, i], table[AT_NEW, i], table[RATE_NEW, i], h))
+    return dip
+
+
+@jit
+def _keep(search, table):
+    search[ACTIVE] = IDLE
+    _copy(table, AT_NEW, AT_LOW)
+    _copy(table, RATE_NEW, RATE_LOW)
+    return KEEP
+
+
+@jit
+def watch(model, work, t, h, y, search, table):
+    """Judge a step of size h from t that ended at y."""
+    roots(model, work, t + h, y, table[AT_NEW], table[RATE_NEW])
+    broken = False
+    for i in range(table.shape[1]):
+        if not table[AT_NEW, i] >= 0.0:
+            broken = True
+    if search[ACTIVE] == BRACKETED:
+        _tighten(search, table, h, broken)
+    elif broken:
+        _open_bracket(search, table, h)
+    else:
+        dip = _largest_dip(table, h) if search[ACTIVE] == IDLE else 0.0
+        if dip == 0.0:
+            return _keep(search, table)
+        search[ACTIVE] = LOOKING  # a function may have been negative inside; end the step there and see
+        search[H_NEXT] = dip * h
+        return RETRY
+    search[TRIES] += 1.0
+    narrow = search[H_HIGH] - search[H_LOW] <= ROUNDOFF * max(abs(t), search[H_HIGH])
+    if not narrow and search[TRIES] <= MOST_TRIES:
+        search[H_NEXT] = _propose(search, table)
+        return RETRY
+    if h == search[H_HIGH]:
+        search[ACTIVE] = IDLE
+        return EVENT
+    search[H_NEXT] = search[H_HIGH]
+    return RETRY
+
+
+@jit
+def _copy(table, source, target):
+    for i in range(table.shape[1]):
+        table[target, i] = table[source, i]

@@ -1,0 +1,164 @@
+"""What an integrator is asked and what it answers: one smooth leg between declared breakpoints."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal, NamedTuple
+
+import numpy as np
+
+from mbs_ref.trajectory import Status
+
+if TYPE_CHECKING:
+    from mbs_ref.cores.system import System
+
+# Codes shared with compiled loops.
+RUNNING, DONE, NON_FINITE, STEP_TOO_SMALL, TOO_MANY_STEPS = range(5)
+COMPLIANCE, PROJECTION, NOT_CONVERGED, SINGULAR, STALLED, ENDLESS_EVENTS, STOP_EVENT = range(5, 12)
+STATUS = {
+    DONE: Status.SUCCESS,
+    NON_FINITE: Status.NON_FINITE,
+    STEP_TOO_SMALL: Status.STEP_TOO_SMALL,
+    TOO_MANY_STEPS: Status.TOO_MANY_STEPS,
+    COMPLIANCE: Status.COMPLIANCE,
+    PROJECTION: Status.PROJECTION,
+    NOT_CONVERGED: Status.NOT_CONVERGED,
+    SINGULAR: Status.SINGULAR,
+    STALLED: Status.STEP_TOO_SMALL,
+    ENDLESS_EVENTS: Status.ENDLESS_EVENTS,
+    STOP_EVENT: Status.STOP_EVENT,
+}
+
+FEWEST = 4  # steps in a leg between declared breakpoints, however short: a pulse is not one step's business
+
+
+class Options(NamedTuple):
+    """Settings as compiled loops take them; every field is a float or a flag."""
+
+    step: float  # s, fixed step; 0 when adaptive
+    rtol: float
+    atol: float
+    project: bool
+    stop_on_compliance: bool
+    max_steps: int
+    projection_tolerance: float  # m, rad
+    max_events: int
+    chunk: int  # steps before compiled code returns to Python, so that Ctrl-C is heard
+
+
+class Progress(NamedTuple):
+    """Mutable state of a run, kept over chunks and legs."""
+
+    clock: np.ndarray  # (4,) s: time, next step, largest |C| since the last sample, step before
+    counts: np.ndarray  # (7,) int: steps, rejected, right-hand sides, next output, a method's own, events, last source
+
+
+def progress(t: float) -> Progress:
+    """Return the state of a run that starts at t."""
+    return Progress(np.array([t, 0.0, 0.0, 0.0]), np.zeros(7, dtype=np.int64))
+
+
+CLOCK_T, CLOCK_H, CLOCK_COMPLIANCE, CLOCK_LAST = range(4)
+COUNT_STEPS, COUNT_REJECTED, COUNT_RHS, COUNT_OUTPUT, COUNT_OWN, COUNT_EVENTS, COUNT_CONTACT = range(7)
+
+
+class Outputs(NamedTuple):
+    """What a compiled loop fills; the first of each is the start."""
+
+    times: np.ndarray  # (n_times,) s, asked
+    states: np.ndarray  # (n_times, n_state)
+    compliance: np.ndarray  # (n_times,) largest |C| over the steps since the time before
+
+
+@dataclass
+class Leg:
+    """States at the asked times of one leg; `reached` of them are valid."""
+
+    states: np.ndarray  # (n_times, n_state), the first is the start
+    compliance: np.ndarray  # (n_times,) largest |C| over the steps up to each time
+    reached: int
+    status: Status
+    message: str = ""
+
+
+class Pace:
+    """Watches for a run that creeps: twice in a row a stretch of steps at which max_steps would not suffice."""
+
+    def __init__(self, start: float, end: float, max_steps: int, every: int) -> None:
+        self.least = (end - start) * every / max_steps  # s, progress expected of every stretch
+        self.every = every
+        self.mark, self.slow = start, 0
+        self.seen = 0
+
+    def is_hopeless(self, t: float, steps: int) -> bool:
+        """Return whether to give up, after `steps` steps that reached t (s)."""
+        if steps - self.seen < self.every:
+            return False
+        self.slow = self.slow + 1 if t - self.mark < self.least else 0
+        self.mark, self.seen = t, steps
+        return self.slow >= 2
+
+
+Advance = Callable[["System", Options, Progress, np.ndarray, np.ndarray], Leg]
+
+
+@dataclass(frozen=True)
+class Integrator:
+    """One method of integration, as listed by `mbs_ref.integrators`."""
+
+    name: str
+    kind: Literal["fixed", "adaptive", "both"]
+    order: int
+    description: str
+    advance: Advance  # (system, options, progress, y, times of the leg) -> Leg
+    stabilization: Literal["none", "projection"] = "projection"  # default
+    stabilizations: tuple[str, ...] = ("none", "baumgarte", "projection")  # allowed
+    ladder: tuple[float, ...] = ()  # steps (s) or rtols for sweeps, coarse to fine
+    source: str = ""
+    keeps_constraints: bool = False  # the method imposes C = 0 itself
+    requires: frozenset[str] = frozenset()  # traits the scene must have: the cores that answer what the method asks
+    locates_events: bool = True  # touch-down, lift-off and slip are found; else contact forces are merely clipped
+    stability: tuple[float, ...] = ()  # explicit methods: coefficients of R(z), lowest power first
+    weakness: str = ""  # why the method is known to fail or stand wrong where others do not: shown, never judged by
+    switches: str = ""  # the families between which the method changes and says so
+    package: str | None = None  # optional third-party package it needs
+    holds_deflections: bool = True  # carries the deflections of sticking contacts, which are states in space
+    cores: tuple[str, ...] = ()  # the only cores it runs on (mbs_ref.cores.choice.core_name); empty for all
+
+
+MESSAGES = {
+    NON_FINITE: "a state or acceleration became infinite or NaN",
+    STEP_TOO_SMALL: "the step needed for the asked accuracy fell below the resolution of time",
+    TOO_MANY_STEPS: "the limit on steps was reached",
+    COMPLIANCE: "the constraint-compliance test |C| < h failed",
+    PROJECTION: "the constraints could not be restored by projection",
+    STALLED: "steps have become so short that the rest of the run is out of reach",
+    SINGULAR: "the constraint Jacobian is rank-deficient and the motion's branch is ambiguous",
+    STOP_EVENT: "a declared event asked the run to stop",
+    ENDLESS_EVENTS: "contact events follow each other without end (endless bouncing, or more than max_events)",
+    NOT_CONVERGED: "the iteration of an implicit step did not converge",
+}
+
+
+def finish_leg(code: int, states: np.ndarray, compliance: np.ndarray, run: Progress) -> Leg:
+    """Turn a compiled loop's code into a leg with a sentence."""
+    status = STATUS[code]
+    message = "" if code == DONE else f"at t = {run.clock[CLOCK_T]:.9g} s {MESSAGES[code]}"
+    return Leg(states, compliance, int(run.counts[COUNT_OUTPUT]), status, message)
+
+
+def run_chunks(
+    chunk: Callable[[Outputs], int], options: Options, run: Progress, y: np.ndarray, times: np.ndarray
+) -> Leg:
+    """Call a compiled loop, which fills the outputs, until it ends or creeps; Ctrl-C is heard between."""
+    outputs = Outputs(times, np.empty((len(times), len(y))), np.zeros(len(times)))
+    outputs.states[0] = y
+    run.counts[COUNT_OUTPUT] = 1
+    pace = Pace(float(times[0]), float(times[-1]), options.max_steps, options.chunk)
+    code = RUNNING
+    while code == RUNNING:
+        code = chunk(outputs)
+        if code == RUNNING and pace.is_hopeless(float(run.clock[CLOCK_T]), int(run.counts[COUNT_STEPS])):
+            code = STALLED
+    return finish_leg(code, outputs.states, outputs.compliance, run)

@@ -1,0 +1,117 @@
+"""A leg in a multistep code of someone else's: where it is, what it has filled, and why it ends early."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from mbs_ref.integrators.loop.contact_events import ContactEvents
+from mbs_ref.integrators.loop.crossing import is_near_singular, leap
+from mbs_ref.integrators.loop.leg import (
+    CLOCK_COMPLIANCE,
+    CLOCK_T,
+    COUNT_STEPS,
+    FEWEST,
+    MESSAGES,
+    RUNNING,
+    STALLED,
+    STATUS,
+    Leg,
+    Options,
+    Pace,
+    Progress,
+)
+from mbs_ref.trajectory import Status
+
+if TYPE_CHECKING:
+    from mbs_ref.cores.system import System
+
+LOOK_EVERY = 2_000  # steps between looks at the pace
+
+
+class Ending(NamedTuple):
+    """Why a leg ends before its last time."""
+
+    status: Status
+    message: str
+
+
+class MultistepLeg:
+    """A leg under way."""
+
+    def __init__(self, system: System, options: Options, run: Progress, y: np.ndarray, times: np.ndarray) -> None:
+        self.system, self.options, self.run, self.y, self.times = system, options, run, y, times
+        self.states, self.worst = np.empty((len(times), len(y))), np.zeros(len(times))
+        self.states[0] = y
+        self.t, self.now, self.reached = float(times[0]), y.copy(), 1  # s, state, outputs filled
+        self.longest = float(times[-1] - times[0]) / FEWEST  # s, step
+        self.events = ContactEvents(system, options, run)
+        self.loops = options.project and system.n_closure_rows > 0
+        self.pace = Pace(self.t, float(times[-1]), options.max_steps, LOOK_EVERY)
+        self.ending: Ending | None = None
+        self._settle()
+
+    def goes_on(self) -> bool:
+        return self.ending is None and self.reached < len(self.times)
+
+    def stop(self, status: Status, words: str) -> None:
+        self.ending = Ending(status, f"at t = {self.t:.9g} s {words}")
+
+    def arrive(self, t: float, now: np.ndarray, step: float) -> bool:
+        """Count a step (s) that ended at (t, now), and watch |C| there; return whether the leg goes on."""
+        run, self.t, self.now = self.run, t, now
+        run.counts[COUNT_STEPS] += 1
+        gap, _ = self.system.compliance(t, now)
+        run.clock[CLOCK_COMPLIANCE] = max(run.clock[CLOCK_COMPLIANCE], gap)
+        if self.options.stop_on_compliance and gap >= step:
+            self.stop(Status.COMPLIANCE, f"|C| = {gap:.3g} is not below h = {step:.3g}")
+        return self.ending is None
+
+    def keeps_pace(self) -> bool:
+        """Return whether the end is within reach of the steps that are left."""
+        steps = int(self.run.counts[COUNT_STEPS])
+        if self.pace.is_hopeless(self.t, steps):
+            self.stop(Status.STEP_TOO_SMALL, MESSAGES[STALLED])
+        elif steps >= self.options.max_steps:
+            self.stop(Status.TOO_MANY_STEPS, "the limit on steps was reached")
+        return self.ending is None
+
+    def record(self, state: np.ndarray) -> None:
+        """Keep the next output, and the largest |C| since the one before."""
+        self.states[self.reached], self.worst[self.reached] = state, self.run.clock[CLOCK_COMPLIANCE]
+        self.run.clock[CLOCK_COMPLIANCE] = 0.0
+        self.reached += 1
+
+    def jumps(self, event: bool) -> bool:
+        """Pass the event or the singular pose that the step came to; return whether the code must start afresh."""
+        if self.reached == len(self.times):
+            return False
+        if event:
+            self._settle()
+        elif self.loops and is_near_singular(self.system, self.t, self.now):
+            self._leap()
+        else:
+            return False
+        return True
+
+    def _settle(self) -> None:
+        """Change modes, and the state at impacts, until all hold."""
+        code = self.events.settle(self.t, self.now)
+        if code != RUNNING:
+            self.stop(STATUS[code], MESSAGES[code])
+
+    def _leap(self) -> None:
+        """Pass a singular pose."""
+        landing = leap(
+            self.system, self.options, self.run, self.t, self.now, self.times, self.reached, self.states
+        )  # fmt: skip
+        self.t, self.now, self.reached = landing.t, landing.y, landing.reached
+        if landing.failed is not None:
+            self.ending = Ending(landing.failed.status, landing.failed.message)
+
+    def finish(self) -> Leg:
+        """Leave clock and state where the leg ended, and return it."""
+        self.run.clock[CLOCK_T] = self.t
+        self.y[:] = self.now
+        return Leg(self.states, self.worst, self.reached, *(self.ending or (Status.SUCCESS, "")))

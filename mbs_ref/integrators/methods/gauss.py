@@ -1,0 +1,427 @@
+"""Gauss-Legendre collocation of order 16 for free particles, adaptive, with compensated sums.
+
+Stages: Hairer, Lubich, Wanner, Geometric Numerical Integration, 2nd ed. (2006), sec. II.1.3 and VIII.6.
+Roundoff: Hairer, McLachlan, Razakarivony, BIT 48 (2008) 231: iterate to the end, no rounded coefficients.
+
+The step rule follows from analyticity alone. Where the nearest singularity of the motion lies at the
+Bernstein ellipse rho, the accelerations' Legendre coefficients fall as rho^-k and the quadrature's error as
+rho^-2s. With s = 8 stages and e the relative size of coefficient 7, the error is about e^(16/7): steps are
+chosen for e = rtol^(7/16).
+"""
+
+# An intrinsic takes one argument fewer than its definition.
+# pyright: reportCallIssue=false
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from mbs_ref.integrators.loop.leg import (
+    CLOCK_H,
+    CLOCK_LAST,
+    CLOCK_T,
+    COUNT_OUTPUT,
+    COUNT_REJECTED,
+    COUNT_RHS,
+    COUNT_STEPS,
+    DONE,
+    MESSAGES,
+    NON_FINITE,
+    NOT_CONVERGED,
+    RUNNING,
+    STEP_TOO_SMALL,
+    TOO_MANY_STEPS,
+    Integrator,
+    Leg,
+    Options,
+    Progress,
+    finish_leg,
+)
+from mbs_ref.integrators.loop.step_control import all_finite
+from mbs_ref.integrators.stages.gauss_coefficients import STAGES, gauss
+from mbs_ref.kernels.jit import jit
+from mbs_ref.kernels.particles.dynamics import accelerate
+from mbs_ref.kernels.particles.model import LANES, lanes_of, lights_of, particles_of
+from mbs_ref.kernels.particles.pair import combine
+from mbs_ref.trajectory import Status
+
+if TYPE_CHECKING:
+    from mbs_ref.cores.system import System
+
+COLLISION = 100  # code of this loop alone: two bodies came closer than the sum of their radii
+TINY_RTOL = 1e-18  # a hundredth of roundoff a step: over 1e4 steps its steady growth stays below the random walk
+MOST_ITERATIONS = 30
+LOOSE = 1e-3  # of the tolerance: where the iteration of a step may end
+SAFETY, SHRINK, GROW = 0.9, 0.2, 2.0
+ACCEPT = 1.3  # a step whose coefficient 7 asks for less than 1/1.3 of it is made again
+FIRST = 0.05  # of the shortest free-fall time: the first step tried
+SIX = 0.1  # coefficient 6 counts a tenth: it guards against a seventh that happens to vanish
+SHADOW = 1e-12  # relative size of coefficient 7 that resolves sunlight (1e-8 of gravity) to four figures
+SMALLEST = 1e-12  # of the run's time elapsed or to go: a shorter step means that two bodies fall into each other
+
+
+@jit
+def _two_sum(a, b):
+    """Return a + b and the part it drops (Knuth)."""
+    s = a + b
+    z = s - a
+    return s, (a - (s - z)) + (b - z)
+
+
+@jit
+def _two_product(a, b):
+    """Return a b and the part it drops (Dekker)."""
+    p = a * b
+    t = 134_217_729.0 * a
+    ah = t - (t - a)
+    t = 134_217_729.0 * b
+    bh = t - (t - b)
+    al, bl = a - ah, b - bh
+    return p, ((ah * bh - p) + ah * bl + al * bh) + al * bl
+
+
+@jit
+def free_fall(gm, y, n):
+    """Return the least sqrt(r^3 / gm) over pairs (s), infinite without attraction."""
+    least = np.inf
+    for i in range(n):
+        for j in range(i + 1, n):
+            m = gm[i] + gm[j]
+            if m > 0.0:
+                r2 = 0.0
+                for c in range(3):
+                    r2 += (y[3 * i + c] - y[3 * j + c]) ** 2
+                least = min(least, np.sqrt(r2 * np.sqrt(r2) / m))
+    return least
+
+
+@jit
+def touching(radius, y, n):
+    """Return whether two bodies are closer than the sum of their radii."""
+    for i in range(n):
+        for j in range(i + 1, n):
+            reach = radius[i] + radius[j]
+            if reach > 0.0:
+                r2 = 0.0
+                for c in range(3):
+                    r2 += (y[3 * i + c] - y[3 * j + c]) ** 2
+                if r2 < reach * reach:
+                    return True
+    return False
+
+
+@jit
+def _extrapolate(g, ratio, old, zero, table, new):
+    """Predict the stage accelerations from the polynomial through the last step's (barycentric form)."""
+    for i in range(STAGES):
+        x = 1.0 + ratio * g.c[i]
+        total = 0.0
+        for j in range(STAGES):
+            table[j, i] = g.weight[j] / (x - g.c[j])
+            total += table[j, i]
+        for j in range(STAGES):
+            table[j, i] /= total
+    for b in range(old.shape[0]):
+        for c in range(3):
+            combine(new, zero, table, old, b, c, 1.0)
+
+
+@jit
+def _place_stages(g, h, lanes, y, f, fixed, trial, moves):
+    """Set delta and velocity from the stage accelerations f; return the largest change of delta, scaled."""
+    n = f.shape[0]
+    h2 = h * h
+    worst = 0.0
+    delta = lanes.delta
+    for b in range(n):
+        change, size = 0.0, 0.0
+        for c in range(3):
+            combine(trial, fixed, g.abar, f, b, c, h2)
+            for i in range(STAGES):
+                change = max(change, abs(trial[b, c, i] - delta[b, c, i]))
+                size = max(size, abs(trial[b, c, i] - fixed[b, c, i]))
+                delta[b, c, i] = trial[b, c, i]
+        if not change <= 0.0:
+            worst = max(worst, change / size) if size > 0.0 and change < np.inf else np.inf
+        if moves:
+            for c in range(3):
+                for i in range(STAGES):
+                    trial[b, c, i] = y[3 * (n + b) + c]
+                combine(lanes.velocity, trial, g.a, f, b, c, h)
+    return worst
+
+
+@jit
+def _fix(g, h, y, low, f, fixed):
+    """Fill what no iteration changes: low + c_i h v + what rounding drops from h, h^2 and the coefficients.
+
+    Where steps are equal those roundings are the same in every step: left alone, energy drifts steadily.
+    """
+    n = f.shape[0]
+    h2, h2_low = _two_product(h, h)
+    for b in range(n):
+        for c in range(3):
+            k = 3 * b + c
+            v, v_low = y[3 * n + k], low[3 * n + k]
+            for i in range(STAGES):
+                lead, tail = 0.0, 0.0
+                for j in range(STAGES):
+                    lead += g.abar[j, i] * f[b, c, j]
+                    tail += g.abar_low[j, i] * f[b, c, j]
+                hc, hc_low = _two_product(h, g.c[i])
+                small = hc * v_low + (hc_low + h * g.c_low[i]) * v + (h2 * tail + h2_low * lead)
+                fixed[b, c, i] = hc * v + (low[k] + small)
+
+
+@jit
+def _iterate(model, work, g, t, h, y, low, f, fixed, trial, enough):
+    """Solve for the stage accelerations; return the evaluations made, negative where they do not settle."""
+    lanes, moves = lanes_of(work), particles_of(model).uses_velocity[0] == 1
+    n = f.shape[0]
+    for k in range(LANES):
+        lanes.time[k] = t + g.c[k] * h
+    for b in range(n):
+        for c in range(3):
+            lanes.base[b, c] = y[3 * b + c]
+    _fix(g, h, y, low, f, fixed)
+    _place_stages(g, h, lanes, y, f, fixed, trial, moves)
+    before = np.inf
+    for count in range(1, MOST_ITERATIONS + 1):
+        accelerate(model, work)
+        for b in range(n):
+            for c in range(3):
+                for k in range(LANES):
+                    f[b, c, k] = lanes.acceleration[b, c, k]
+        change = _place_stages(g, h, lanes, y, f, fixed, trial, moves)
+        if not change < np.inf:
+            return -count
+        if change <= enough or (change >= before and before < 1e-12):
+            return count
+        if count > 8 and change > before:
+            return -count
+        before = change
+    return -MOST_ITERATIONS
+
+
+@jit
+def _roughness(g, f):
+    """Return the largest relative Legendre coefficient 6 or 7 of any body's acceleration."""
+    worst = 0.0
+    for b in range(f.shape[0]):
+        top, size = 0.0, 0.0
+        for c in range(3):
+            six, seven = 0.0, 0.0
+            for j in range(STAGES):
+                six += g.legendre[0, j] * f[b, c, j]
+                seven += g.legendre[1, j] * f[b, c, j]
+                size = max(size, abs(f[b, c, j]))
+            top = max(top, abs(seven), SIX * abs(six))
+        if size > 0.0:
+            worst = max(worst, top / size)
+    return worst
+
+
+@jit
+def _finish(g, h, y, low, f):
+    """Advance y and its low part by the step, with compensated sums."""
+    n3 = 3 * f.shape[0]
+    h2, h2_low = _two_product(h, h)
+    for b in range(f.shape[0]):
+        for c in range(3):
+            k = 3 * b + c
+            dx, dv, tail_x, tail_v = 0.0, 0.0, 0.0, 0.0
+            for j in range(STAGES):
+                dx += g.bbar[j] * f[b, c, j]
+                dv += g.b[j] * f[b, c, j]
+                tail_x += g.bbar_low[j] * f[b, c, j]
+                tail_v += g.b_low[j] * f[b, c, j]
+            p, e = _two_product(h, y[n3 + k])
+            x, e1 = _two_sum(y[k], p)
+            x, e2 = _two_sum(x, h2 * dx)
+            rest = low[k] + ((e + h * low[n3 + k]) + h2 * tail_x + h2_low * dx) + (e1 + e2)
+            y[k], low[k] = _two_sum(x, rest)
+            p, e = _two_product(h, dv)
+            v, e1 = _two_sum(y[n3 + k], p)
+            y[n3 + k], low[n3 + k] = _two_sum(v, (low[n3 + k] + e + h * tail_v) + e1)
+
+
+class Stages(NamedTuple):
+    """What the steps of a leg share, each (n, 3, STAGES): m/s^2 or m."""
+
+    f: np.ndarray  # stage accelerations, of the step under way
+    old: np.ndarray  # the same of the step before
+    fixed: np.ndarray  # the part of delta that no iteration changes
+    trial: np.ndarray  # delta of the next iteration
+    zero: np.ndarray
+    table: np.ndarray  # (STAGES, STAGES) weights of the extrapolation
+
+
+def _stages(n: int) -> Stages:
+    return Stages(*(np.zeros((n, 3, STAGES)) for _ in range(5)), np.zeros((STAGES, STAGES)))
+
+
+@jit
+def _copy(target, source):
+    for b in range(source.shape[0]):
+        for c in range(3):
+            for k in range(STAGES):
+                target[b, c, k] = source[b, c, k]
+
+
+@jit
+def _targets(model, options):
+    """Return the size of coefficient 7 to aim at, and the change at which the iteration may end."""
+    rtol = TINY_RTOL
+    if options.step == 0.0:
+        rtol = max(options.rtol, TINY_RTOL)
+    goal = rtol ** (7.0 / 16.0)
+    if lights_of(model).body.shape[0] > 0:
+        goal = max(rtol, SHADOW)  # a shadow's edge is not analytic: there the error is about e itself
+    return goal, LOOSE * rtol if rtol > 1e-13 else 0.0
+
+
+@jit
+def _propose(clock, target, step):
+    """Return when the next step ends, its length and whether it ends at the target; `step` is 0 when adaptive."""
+    t = clock[CLOCK_T]
+    reach = target - t
+    wanted = step if step > 0.0 else clock[CLOCK_H]
+    if wanted >= reach * (1.0 - 1e-9):
+        return target, reach, True
+    h = wanted if step > 0.0 else reach / np.ceil(reach / wanted)  # even steps, not a whole one and a sliver
+    return t + h, (t + h) - t, False  # what time's own rounding leaves
+
+
+@jit
+def _attempt(model, work, g, t, h, y, low, stages, last, enough):
+    """Solve the step's equations from the extrapolated step before, `last` (s); as `_iterate`."""
+    if last > 0.0:
+        _extrapolate(g, h / last, stages.old, stages.zero, stages.table, stages.f)
+    else:
+        _copy(stages.f, stages.zero)
+    return _iterate(model, work, g, t, h, y, low, stages.f, stages.fixed, stages.trial, enough)
+
+
+@jit
+def _factor(g, f, made, goal):
+    """Return by how much the step might have been longer."""
+    if made < 0:
+        return 0.25
+    rough = _roughness(g, f)
+    return GROW if rough == 0.0 else min(GROW, max(SHRINK, (goal / rough) ** (1.0 / 7.0)))
+
+
+@jit
+def _lengthen(clock, h, factor):
+    """Set the next step; one cut short to land on an output leaves the longer one proposed before."""
+    grown = h * (factor * SAFETY if factor < GROW else GROW)
+    clock[CLOCK_H] = max(grown, clock[CLOCK_H]) if factor * SAFETY >= 1.0 else grown
+
+
+@jit
+def _broken(f):
+    return NOT_CONVERGED if all_finite(f.ravel()) else NON_FINITE
+
+
+@jit
+def _one_step(model, work, g, options, run, y, low, stages, target, goal, enough):
+    """Make one attempt; return a code, RUNNING where the run goes on, and whether it has reached the target."""
+    clock, counts = run.clock, run.counts
+    adaptive = options.step == 0.0
+    t_new, h, lands = _propose(clock, target, options.step)
+    if h <= 0.0 or (adaptive and not lands and clock[CLOCK_H] < SMALLEST * clock[CLOCK_T]):
+        return STEP_TOO_SMALL, False
+    made = _attempt(model, work, g, clock[CLOCK_T], h, y, low, stages, clock[CLOCK_LAST], enough)
+    counts[COUNT_RHS] += STAGES * abs(made)
+    if made < 0 and not adaptive:
+        return _broken(stages.f), False
+    factor = _factor(g, stages.f, made, goal) if adaptive else 1.0
+    if factor < 1.0 / ACCEPT:
+        counts[COUNT_REJECTED] += 1
+        clock[CLOCK_H] = h * SAFETY * factor
+        clock[CLOCK_LAST] = clock[CLOCK_LAST] if made > 0 and all_finite(stages.f.ravel()) else 0.0
+        return RUNNING, False
+    _finish(g, h, y, low, stages.f)
+    if not all_finite(y):
+        return NON_FINITE, False
+    clock[CLOCK_T], clock[CLOCK_LAST] = t_new, h
+    counts[COUNT_STEPS] += 1
+    _copy(stages.old, stages.f)
+    if adaptive:
+        _lengthen(clock, h, factor)
+    return COLLISION if touching(particles_of(model).radius, y, stages.f.shape[0]) else RUNNING, lands
+
+
+@jit
+def advance_gauss(model, work, g, options, run, y, low, stages, times, states):
+    """Advance y through times[1:], in place; return a status code (RUNNING when the chunk is used up)."""
+    clock, counts = run.clock, run.counts
+    goal, enough = _targets(model, options)
+    budget = counts[COUNT_STEPS] + options.chunk
+    if options.step == 0.0 and clock[CLOCK_H] == 0.0:
+        clock[CLOCK_H] = min(FIRST * free_fall(particles_of(model).gm, y, stages.f.shape[0]), times[-1] - times[0])
+    while counts[COUNT_OUTPUT] < times.shape[0]:
+        target = times[counts[COUNT_OUTPUT]]
+        code, lands = _one_step(model, work, g, options, run, y, low, stages, target, goal, enough)
+        if code != RUNNING:
+            return code
+        if lands:
+            for k in range(y.shape[0]):
+                states[counts[COUNT_OUTPUT], k] = y[k]
+            counts[COUNT_OUTPUT] += 1
+        if counts[COUNT_OUTPUT] == times.shape[0]:
+            return DONE
+        if counts[COUNT_STEPS] >= options.max_steps:
+            return TOO_MANY_STEPS
+        if counts[COUNT_STEPS] >= budget:
+            return RUNNING
+    return DONE
+
+
+def _closest(system: System, y: np.ndarray) -> str:
+    """Return a sentence on the two bodies nearest to each other."""
+    q = y[: len(y) // 2].reshape(-1, 3)
+    if len(q) < 2:
+        return "one body alone"
+    gap = np.linalg.norm(q[:, None] - q[None], axis=2) + np.diag(np.full(len(q), np.inf))
+    i, j = np.unravel_index(int(np.argmin(gap)), gap.shape)
+    names = system.scene.body_names
+    return f"{names[min(i, j)]!r} and {names[max(i, j)]!r} are {gap[i, j]:.6g} m apart"
+
+
+def advance(system: System, options: Options, run: Progress, y: np.ndarray, times: np.ndarray) -> Leg:
+    """Advance a system of particles over one leg."""
+    states = np.empty((len(times), len(y)))
+    states[0] = y
+    run.counts[COUNT_OUTPUT] = 1
+    run.clock[CLOCK_LAST] = 0.0
+    low, stages = np.zeros_like(y), _stages(len(y) // 6)
+    g = gauss()
+    g = g._replace(abar=g.abar.T.copy(), a=g.a.T.copy(), abar_low=g.abar_low.T.copy(), a_low=g.a_low.T.copy())
+    code = RUNNING
+    while code == RUNNING:
+        code = advance_gauss(system.model, system.work, g, options, run, y, low, stages, times, states)
+    worst, at = np.zeros(len(times)), f"at t = {run.clock[CLOCK_T]:.9g} s"
+    if code == COLLISION:
+        message = f"{at} two bodies collided: {_closest(system, y)}"
+        return Leg(states, worst, int(run.counts[COUNT_OUTPUT]), Status.COLLISION, message)
+    if code == STEP_TOO_SMALL:
+        message = f"{at} {MESSAGES[code]}: {_closest(system, y)}"
+        return Leg(states, worst, int(run.counts[COUNT_OUTPUT]), Status.STEP_TOO_SMALL, message)
+    return finish_leg(code, states, worst, run)
+
+
+INTEGRATOR = Integrator(
+    name="gauss",
+    kind="both",
+    order=16,
+    description="Gauss-Legendre of order 16 for free particles, adaptive, with compensated sums",
+    advance=advance,
+    stabilization="none",
+    stabilizations=("none",),
+    ladder=(1e-4, 1e-6, 1e-8, 1e-10, 1e-12, 1e-14, 1e-16, 1e-18),
+    source="Hairer, Lubich, Wanner, Geometric Numerical Integration, 2nd ed., Springer 2006, sec. VIII.6",
+    cores=("particles",),
+)

@@ -1,0 +1,123 @@
+"""LSODAR, the papers' method: Adams and BDF with automatic switching, on the underlying ODE.
+
+SciPy carries LSODA, which is LSODAR without its root finder. Roots are found here, as LSODAR does, on the
+interpolant of the last step; events and declared breakpoints restart it. Steps of both are the same.
+Source: L. R. Petzold, SIAM J. Sci. Stat. Comput. 4 (1983) 136-148; A. C. Hindmarsh, ODEPACK, 1983.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from scipy.integrate import LSODA
+
+from mbs_ref.integrators.loop.leg import COUNT_OWN, COUNT_RHS, Integrator, Leg, Options, Progress
+from mbs_ref.integrators.loop.multistep import Ending, MultistepLeg
+from mbs_ref.trajectory import Status
+
+if TYPE_CHECKING:
+    from mbs_ref.cores.system import System
+
+ADAMS = 1  # ODEPACK's number of the family that every start begins with; 2 is BDF
+
+
+def advance(system: System, options: Options, run: Progress, y: np.ndarray, times: np.ndarray) -> Leg:
+    """Integrate one leg; outputs come from the method's own interpolant."""
+    leg = MultistepLeg(system, options, run, y, times)
+    solver: LSODA | None = None
+    family = ADAMS
+    while leg.goes_on():
+        if solver is None:
+            solver, family = _start(leg), ADAMS
+        before, failure = solver.t, solver.step()
+        if solver.status == "failed" or not np.isfinite(solver.y).all():
+            leg.ending = _failure(solver, failure)
+            break
+        before_it, family = family, _family(solver)
+        run.counts[COUNT_OWN] += family != before_it
+        t, now = leg.events.locate(before, solver)
+        # the method's own step, where an event cuts it
+        if not (leg.arrive(t, now, solver.t - before) and leg.keeps_pace()):
+            break
+        _record_passed(solver, leg)
+        if leg.jumps(leg.events.found):
+            run.counts[COUNT_RHS] += solver.nfev
+            solver = None
+    run.counts[COUNT_RHS] += solver.nfev if solver is not None else 0
+    return leg.finish()
+
+
+def _record_passed(solver: LSODA, leg: MultistepLeg) -> None:
+    """Keep every asked time that the last step passed, up to where it ends or an event cuts it."""
+    interpolant = None
+    while leg.goes_on() and leg.times[leg.reached] <= leg.t:
+        asked = leg.times[leg.reached]
+        interpolant = interpolant or solver.dense_output()
+        leg.record(solver.y if asked == solver.t else interpolant(asked))
+
+
+def _start(leg: MultistepLeg) -> LSODA:
+    """Return a solver from where the leg is to its end, where a pulse is zero: its ends must not make a step."""
+    options, end = leg.options, float(leg.times[-1])
+    if options.project:
+        return _OnConstraints(leg.system, options, leg.t, leg.now, end, leg.longest)
+    return LSODA(
+        leg.system.derivative, leg.t, leg.now, end, max_step=leg.longest, rtol=options.rtol, atol=options.atol
+    )  # fmt: skip
+
+
+class _OnConstraints(LSODA):
+    """Integrates z' = f(P(z)), P the projection, and gives y = P(z) at steps and between them.
+
+    f is smooth through singular poses on the constraints alone; z, which carries LSODA's history, may drift off
+    them by the tolerance, y may not.
+    """
+
+    def __init__(
+        self, system: System, options: Options, t: float, y: np.ndarray, t_end: float, longest: float
+    ) -> None:
+        self.system, self.tolerance = system, options.projection_tolerance
+        super().__init__(self._derivative, t, y, t_end, max_step=longest, rtol=options.rtol, atol=options.atol)
+
+    def _derivative(self, t: float, z: np.ndarray) -> np.ndarray:
+        return self.system.derivative(t, self._onto(t, z))
+
+    def _onto(self, t: float, z: np.ndarray) -> np.ndarray:
+        y = np.array(z)
+        self.system.project(t, y, self.tolerance)
+        return y
+
+    def _step_impl(self) -> tuple[bool, str | None]:
+        ended = super()._step_impl()
+        if ended[0] and np.isfinite(self.y).all():
+            self.y = self._onto(self.t, self.y)
+        return ended
+
+    def dense_output(self):
+        between = super().dense_output()
+        return lambda t: self._onto(t, between(t))
+
+
+def _family(solver: LSODA) -> int:
+    """Return ADAMS or BDF, by which the last step was made: MUSED of ODEPACK, which SciPy keeps to itself."""
+    return int(solver._lsoda_solver._integrator.iwork[18])  # pyright: ignore[reportAttributeAccessIssue]
+
+
+def _failure(solver: LSODA, words: str | None) -> Ending:
+    if not np.isfinite(solver.y).all():
+        return Ending(Status.NON_FINITE, f"at t = {solver.t:.9g} s a state became infinite or NaN")
+    return Ending(Status.STEP_TOO_SMALL, f"at t = {solver.t:.9g} s LSODA gave up: {words or 'no reason given'}")
+
+
+INTEGRATOR = Integrator(
+    name="lsodar",
+    kind="adaptive",
+    order=12,
+    description="Adams (order up to 12) and BDF (up to 5) with automatic switching: the papers' LSODAR, through SciPy",
+    advance=advance,
+    stabilizations=("none", "baumgarte", "projection"),
+    switches="Adams and BDF",
+    ladder=(1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12),
+    source="Petzold 1983; Hindmarsh 1983",
+)

@@ -1,0 +1,250 @@
+"""Radau IIA of order 5, the stiff method: implicit, three stages, adaptive or fixed step.
+
+Source: E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, 2nd ed., Springer 1996,
+sec. IV.5 and IV.8 (coefficients, simplified Newton with one real and one complex system, error
+estimate, Gustafsson's predictive step control).
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from mbs_ref.integrators.loop.attempt import WITHDRAWN, close_attempt, next_attempt, propose_again, stands_still, take
+from mbs_ref.integrators.loop.events import EVENT, RETRY, event_tables
+from mbs_ref.integrators.loop.leg import (
+    CLOCK_H,
+    CLOCK_LAST,
+    CLOCK_T,
+    COUNT_REJECTED,
+    COUNT_RHS,
+    COUNT_STEPS,
+    NON_FINITE,
+    NOT_CONVERGED,
+    RUNNING,
+    STEP_TOO_SMALL,
+    Integrator,
+    Leg,
+    Options,
+    Outputs,
+    Progress,
+    run_chunks,
+)
+from mbs_ref.integrators.loop.step_control import SHORTEST, begin, propose_first
+from mbs_ref.integrators.stages.radau_newton import (
+    NEWTON_ITERATIONS,
+    error_norm,
+    factor,
+    fill_jacobian,
+    guess_stages,
+    newton_for,
+    solve_stages,
+)
+from mbs_ref.kernels.border.questions import derivative
+from mbs_ref.kernels.jit import inlined, jit
+
+if TYPE_CHECKING:
+    from mbs_ref.cores.system import System
+
+SAFETY, MIN_FACTOR, MAX_FACTOR = 0.9, 0.2, 8.0  # of a step
+KEEP_LOW, KEEP_HIGH = 1.0, 1.2  # a step this close to the last one keeps its factorization
+STALE_RATE = 1e-3  # contraction above which the Jacobian is renewed
+MOST_FAILURES = 60  # of Newton in a row, each of which halves the step
+
+
+class Tolerances(NamedTuple):
+    """What errors may be, in the state's units where they are absolute."""
+
+    rtol: float
+    atol: float
+    newton: float  # of a step's tolerance, what the iteration may leave
+
+
+class Past(NamedTuple):
+    """What a step leaves to the next one."""
+
+    values: np.ndarray  # (3,) H_LAST, H_FACTORED, ERROR_LAST
+    marks: np.ndarray  # (4,) int: FRESH, STALE, REJECTED, FAILURES
+
+
+H_LAST = 0  # s, step behind the stages that z holds; 0 where there are none to extrapolate
+H_FACTORED = 1  # s, step that the factors belong to; 0 for none
+ERROR_LAST = 2  # of the last accepted step; 0 for none
+FRESH = 0  # 1 where the Jacobian is of this very state
+STALE = 1  # 1 where it must be renewed
+REJECTED = 2  # 1 after a step whose error was too large
+FAILURES = 3  # of Newton in a row
+
+
+@inlined
+def _tolerances(options):
+    """Return the tolerances; those of a fixed step serve Newton alone."""
+    if options.step > 0.0:
+        return Tolerances(1e-12, 1e-12, 1e-2)
+    rtol = options.rtol
+    return Tolerances(rtol, options.atol, max(10 * 2.3e-16 / rtol, min(0.03, np.sqrt(rtol))))
+
+
+@inlined
+def _renew_jacobian(model, work, run, y, f, scratch, jacobian, past):
+    """Make the Jacobian that of the present state; no factors belong to it."""
+    fill_jacobian(model, work, run.clock[CLOCK_T], y, f, scratch, jacobian)
+    run.counts[COUNT_RHS] += y.shape[0]
+    past.marks[FRESH], past.marks[STALE] = 1, 0
+    past.values[H_FACTORED] = 0.0
+
+
+@inlined
+def _prepare(model, work, run, attempt, y, f, scratch, tolerances, newton, past):
+    """Bring Jacobian, factors and the guess of the stages up to this attempt; return whether the factors exist."""
+    if attempt.searching:
+        past.values[H_LAST] = 0.0
+    if past.marks[STALE] == 1:
+        _renew_jacobian(model, work, run, y, f, scratch, newton.jacobian, past)
+    if past.values[H_FACTORED] != attempt.h:
+        if not factor(newton, attempt.h):
+            return False
+        past.values[H_FACTORED] = attempt.h
+    guess_stages(newton, past.values[H_LAST], attempt.h)
+    for k in range(y.shape[0]):
+        newton.scale[k] = tolerances.atol + tolerances.rtol * abs(y[k])
+    return True
+
+
+@inlined
+def _recover(options, run, attempt, past):
+    """After a failure of Newton renew an old Jacobian, else halve the step; return a status code."""
+    past.values[H_LAST] = 0.0
+    if past.marks[FRESH] == 0:
+        past.marks[STALE] = 1
+        return RUNNING
+    past.marks[FAILURES] += 1
+    if options.step > 0.0 or attempt.searching:
+        return NOT_CONVERGED
+    if past.marks[FAILURES] > MOST_FAILURES:
+        return NON_FINITE
+    run.clock[CLOCK_H] = 0.5 * attempt.h
+    run.counts[COUNT_REJECTED] += 1
+    return RUNNING
+
+
+@jit
+def _growth(run, past, h, error, safety, rate):
+    """Return the factor of the next step: Gustafsson's prediction, or 1 where that saves a factorization."""
+    growth = safety * error**-0.25
+    h_last, error_last, rejected = run.clock[CLOCK_LAST], past.values[ERROR_LAST], past.marks[REJECTED] == 1
+    if h_last > 0.0 and not rejected and error_last > 0.0:
+        growth = min(growth, safety * h / h_last * (error_last / error) ** 0.25 * error**-0.25)
+    growth = min(MAX_FACTOR, max(MIN_FACTOR, growth))
+    if rejected:
+        growth = min(growth, 1.0)
+    return 1.0 if KEEP_LOW <= growth <= KEEP_HIGH and rate < STALE_RATE else growth
+
+
+@inlined
+def _judge(run, attempt, past, error, solved):
+    """Return whether the error is borne, and propose the next step: the shorter, the longer Newton took (sec. IV.8)."""
+    h, clock = attempt.h, run.clock
+    safety = SAFETY * (2 * NEWTON_ITERATIONS + 1) / (2 * NEWTON_ITERATIONS + solved.iterations)
+    if not error < 1.0:
+        run.counts[COUNT_REJECTED] += 1
+        clock[CLOCK_H] = h * (MIN_FACTOR if not np.isfinite(error) else max(MIN_FACTOR, safety * error**-0.25))
+        past.marks[REJECTED] = 1
+        past.values[H_LAST] = 0.0
+        return False
+    error = max(error, 1e-10)
+    growth = _growth(run, past, h, error, safety, solved.rate)
+    past.values[ERROR_LAST] = error
+    clock[CLOCK_LAST] = h
+    past.marks[REJECTED] = 0
+    suggested = h * growth
+    clock[CLOCK_H] = max(suggested, attempt.proposed) if attempt.lands and growth >= 1.0 else suggested
+    return True
+
+
+@inlined
+def _is_accurate(model, work, run, attempt, y, f, tolerances, newton, past, solved):
+    """Estimate the error and judge it; after a rejection, and in the first step, the estimate is filtered."""
+    again = past.marks[REJECTED] == 1 or run.counts[COUNT_STEPS] == 0
+    error = error_norm(model, work, attempt.t, attempt.h, y, f, newton, tolerances.rtol, tolerances.atol, again)
+    return _judge(run, attempt, past, error, solved)
+
+
+@inlined
+def _remember(past, attempt, rate, verdict):
+    """Note what an accepted step leaves; nothing is extrapolated across an event."""
+    event = verdict == EVENT
+    past.values[H_LAST] = 0.0 if event else attempt.h
+    if event:
+        past.values[ERROR_LAST] = 0.0
+    past.marks[FAILURES] = past.marks[FRESH] = 0
+    past.marks[STALE] = 1 if rate > STALE_RATE or event else 0
+
+
+@jit
+def advance_radau(model, work, options, run, y, outputs):
+    """Advance y through the output times, in place; return a status code (RUNNING when the chunk is used up)."""
+    counts, tolerances = run.counts, _tolerances(options)
+    adaptive, span = options.step == 0.0, outputs.times[-1] - outputs.times[0]
+    f, trial = np.empty_like(y), np.empty_like(y)
+    search, table = event_tables(model)
+    budget = counts[COUNT_STEPS] + options.chunk
+    code = begin(model, work, run, y, f, table, options.max_events)
+    if code != RUNNING:
+        return code
+    propose_first(model, work, options, run, y, f, 3, span)
+    jacobian, past = np.empty((y.shape[0], y.shape[0])), Past(np.zeros(3), np.zeros(4, dtype=np.int64))
+    _renew_jacobian(model, work, run, y, f, trial, jacobian, past)
+    newton = newton_for(jacobian)
+    while code == RUNNING and counts[COUNT_STEPS] < budget:
+        attempt = next_attempt(options, run, outputs, adaptive, search)
+        if stands_still(attempt) or (attempt.h < SHORTEST * span and not attempt.searching):
+            return STEP_TOO_SMALL
+        if not _prepare(model, work, run, attempt, y, f, trial, tolerances, newton, past):
+            return NON_FINITE
+        solved = solve_stages(model, work, attempt.t, attempt.h, y, newton, tolerances.newton)
+        counts[COUNT_RHS] += 3 * solved.iterations
+        if not solved.converged:
+            code = _recover(options, run, attempt, past)
+            continue
+        judged = adaptive and not attempt.searching  # a shorter step than an accepted one is borne too
+        if judged and not _is_accurate(model, work, run, attempt, y, f, tolerances, newton, past, solved):
+            continue
+        for k in range(y.shape[0]):
+            trial[k] = y[k] + newton.z[2, k]
+        code, verdict = close_attempt(model, work, options, run, attempt, span, trial, search, table)
+        if verdict == WITHDRAWN:
+            past.marks[REJECTED], past.values[H_LAST] = 1, 0.0
+            continue
+        if verdict == RETRY:
+            propose_again(options, run, attempt)
+            continue
+        if code == RUNNING:
+            code = take(model, work, options, run, attempt, verdict, y, trial, table, outputs)
+        if code == RUNNING:
+            _remember(past, attempt, solved.rate, verdict)
+            derivative(model, work, attempt.t_new, y, f)
+            counts[COUNT_RHS] += 1
+    return code
+
+
+def advance(system: System, options: Options, run: Progress, y: np.ndarray, times: np.ndarray) -> Leg:
+    """Integrate one leg."""
+
+    def chunk(outputs: Outputs) -> int:
+        return advance_radau(system.model, system.work, options, run, y, outputs)
+
+    return run_chunks(chunk, options, run, y, times)
+
+
+INTEGRATOR = Integrator(
+    name="radau",
+    kind="both",
+    order=5,
+    description="Radau IIA, three stages: the stiff method",
+    advance=advance,
+    ladder=(1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10),
+    source="Hairer and Wanner, Solving Ordinary Differential Equations II, sec. IV.8",
+    cores=("planar", "spatial"),
+)

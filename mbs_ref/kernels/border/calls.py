@@ -1,0 +1,107 @@
+"""Questions: functions that compiled code calls by address, without linking their code.
+
+Numba links the code of every callee into each caller's library and optimises it there again. Some forty functions
+contain the whole dynamics somewhere below them, so a new user once waited for minutes. A question is a border in that
+graph: its answer is compiled once, and whoever asks calls the address that the handle (handles.py) holds
+for it. So what lies above a border knows no core: an integrator is compiled once for all of them, and a scene pays
+for its own core alone. It costs a load and a call that is never inlined, a few nanoseconds, and nothing is
+contracted or hoisted across it. Addresses live in memory only; what the disk cache holds does not depend on them.
+"""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable, Mapping
+from functools import cache, partial
+from typing import Any
+
+import numpy as np
+from llvmlite import ir
+from numba import types
+from numba.core import cgutils
+from numba.core.typeconv.castgraph import Conversion
+from numba.core.typing.templates import signature
+from numba.extending import intrinsic
+
+from mbs_ref.kernels.border.handles import QUESTIONS, Model, Work
+from mbs_ref.kernels.jit import jit
+
+MODEL, WORK = (types.NamedUniTuple(types.int64, 1, kind) for kind in (Model, Work))
+NOTHING, NUMBER, COUNT, FLAG = types.none, types.float64, types.int64, types.boolean
+VECTOR, MATRIX = (types.Array(types.float64, dimension, "C") for dimension in (1, 2))
+PLACES = types.Array(types.int64, 1, "C")
+
+_asked: dict[str, tuple[int, Any]] = {}  # question -> place of its address in a handle, signature
+
+
+def question(returns: Any, *takes: Any) -> Callable[[Callable[..., Any]], Any]:
+    """Make a question of a function whose name and docstring alone count; its first argument is MODEL or WORK.
+
+    Arrays are handed over as they are: one that is not C-contiguous is refused where the asking code is typed.
+    """
+
+    def make(stub: Callable[..., Any]) -> Any:
+        place, kind = len(_asked), signature(returns, *takes)
+        if place == QUESTIONS:
+            raise ValueError(f"a handle has room for {QUESTIONS} questions")
+        _asked[stub.__name__] = place, kind
+
+        def ask(typingctx, *given):
+            return (kind, _call(place)) if all(map(partial(_fits, typingctx), given, takes)) else None
+
+        context = inspect.Parameter("typingctx", inspect.Parameter.POSITIONAL_OR_KEYWORD)
+        parameters = (context, *inspect.signature(stub).parameters.values())
+        ask.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
+        ask.__name__, ask.__doc__ = stub.__name__, stub.__doc__
+        return intrinsic(ask)
+
+    return make
+
+
+def _fits(typingctx: Any, given: Any, taken: Any) -> bool:
+    kind = typingctx.can_convert(given, taken)
+    return kind is not None and kind <= Conversion.safe
+
+
+def _call(place: int) -> Callable[..., Any]:
+    """Return what emits the call of the answer at a place of the first argument's handle."""
+
+    def codegen(context, builder, kind, args):
+        handle = builder.inttoptr(builder.extract_value(args[0], 0), ir.IntType(64).as_pointer())
+        address = builder.load(cgutils.gep_inbounds(builder, handle, place))
+        function = context.call_conv.get_function_type(kind.return_type, kind.args)
+        callee = builder.inttoptr(address, function.as_pointer())
+        status, answer = context.call_conv.call_function(builder, callee, kind.return_type, kind.args, args)
+        with cgutils.if_unlikely(builder, status.is_error):
+            context.call_conv.return_status_propagate(builder, status)
+        return answer
+
+    return codegen
+
+
+@jit
+def _unanswered():
+    raise RuntimeError("a question was asked that this system was not prepared for (System.prepare)")
+
+
+def _address(answer: Any, kind: Any) -> int:
+    """Return where the compiled code of an answer begins; compile it, or load it from the disk, if need be."""
+    answer.compile(kind)
+    compiled = answer.overloads[kind.args]
+    return compiled.library.get_pointer_to_function(compiled.fndesc.llvm_func_name)
+
+
+@cache
+def unanswered() -> np.ndarray:
+    """Return the first words of a handle by which every question raises a RuntimeError.
+
+    One function without arguments will do for all of them: it is the caller that clears the stack.
+    """
+    return np.full(QUESTIONS, _address(_unanswered, signature(types.none)))
+
+
+def addresses(answers: Mapping[str, Any]) -> tuple[np.ndarray, np.ndarray]:
+    """Return the places in a handle of these questions, and the addresses of the functions that answer them."""
+    found = [(place, _address(answer, kind)) for name, answer in answers.items() for place, kind in [_asked[name]]]
+    places, where = np.array(found, dtype=np.int64).reshape(-1, 2).T
+    return places, where

@@ -1,0 +1,98 @@
+"""Pass many arrays to compiled code as one: a handle holds every array's address and shape.
+
+Passing a hundred arrays by value through every call makes compilation take minutes and each call from
+Python cost microseconds. A model or workspace is instead the address of one integer array, its handle;
+an accessor returns one group of it as views, at the price of a few loads. It is a bare address because
+compiled code counts the references of an array it is given, atomically, at every call.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from llvmlite import ir
+from numba import types
+from numba.core import cgutils
+from numba.extending import intrinsic
+from numba.np.arrayobj import make_array, populate_array
+
+QUESTIONS = 40  # a handle's first words: where the answers to questions are (mbs_ref.kernels.border.calls)
+_WORDS = 5  # then, per array: address, then up to four lengths
+_DTYPES = {np.dtype(np.float64): types.float64, np.dtype(np.int64): types.int64}
+
+
+class Model(NamedTuple):
+    """What compiled code receives of a scene, whichever core it belongs to."""
+
+    address: int  # of a handle that the system keeps alive
+
+
+class Work(NamedTuple):
+    """What compiled code receives of the scratch of a run."""
+
+    address: int
+
+
+def make_handle(groups: Any) -> np.ndarray:
+    """Return the handle of a named tuple of named tuples of C-contiguous arrays.
+
+    The handle does not own the memory: whoever holds it must keep `groups` alive.
+    """
+    arrays = [array for group in groups for array in group]
+    handle = np.zeros((len(arrays), _WORDS), dtype=np.int64)
+    for entry, array in zip(handle, arrays, strict=True):
+        if array.dtype not in _DTYPES or not array.flags.c_contiguous:
+            raise ValueError(f"arrays of a handle are contiguous float64 or int64; got {array.dtype}")
+        entry[0] = array.ctypes.data
+        entry[1 : 1 + array.ndim] = array.shape
+    return np.concatenate((np.zeros(QUESTIONS, dtype=np.int64), handle.ravel()))
+
+
+def accessor(example: Any, name: str) -> Any:
+    """Return a compiled function (owner) -> the group `name`, where the owner's handle came from `make_handle`.
+
+    `example` is a named tuple of groups with arrays of the right types and dimensions.
+    """
+    fields = list(example._fields)
+    first = sum(len(getattr(example, field)) for field in fields[: fields.index(name)])
+    group = getattr(example, name)
+    array_types = [types.Array(_DTYPES[array.dtype], array.ndim, "C") for array in group]
+    group_type = types.NamedTuple(array_types, type(group))
+
+    @intrinsic
+    def access(typingctx, owner):
+        def codegen(context, builder, signature, args):
+            values = [_view(context, builder, args[0], first + k, kind) for k, kind in enumerate(array_types)]
+            return context.make_tuple(builder, group_type, values)
+
+        return group_type(owner), codegen
+
+    return access
+
+
+def _view(context, builder, owner, index, array_type):
+    """Build array `index` of the owner's handle from its address and lengths."""
+    word = ir.IntType(64)
+    handle = builder.inttoptr(builder.extract_value(owner, 0), word.as_pointer())
+
+    def load(offset):
+        place = builder.gep(handle, [ir.Constant(word, QUESTIONS + index * _WORDS + offset)])
+        return builder.load(place)
+
+    result = make_array(array_type)(context, builder)
+    itemsize = context.get_constant(types.intp, 8)
+    shape = [load(1 + axis) for axis in range(array_type.ndim)]
+    strides = [itemsize]
+    for length in reversed(shape[1:]):
+        strides.insert(0, builder.mul(strides[0], length))
+    data = builder.inttoptr(load(0), result.data.type)
+    populate_array(
+        result,
+        data=data,
+        shape=cgutils.pack_array(builder, shape, word),
+        strides=cgutils.pack_array(builder, strides, word),
+        itemsize=itemsize,
+        meminfo=None,
+    )
+    return result._getvalue()

@@ -1,0 +1,106 @@
+"""When a contact's mode ends and which one follows: the part that does not depend on shapes.
+
+Three functions a contact, all positive while its mode holds: the gap's, the force's and friction's. Each
+mode holds a little beyond its root, by `noise`, or contacts at rest exactly at d = 0 would chatter.
+"""
+
+from __future__ import annotations
+
+from mbs_ref.kernels.contact.laws import (
+    MODE_BEHIND,
+    MODE_CLOSED,
+    MODE_LEAVING,
+    MODE_LIFTED,
+    MODE_OPEN,
+    RELEASE_CONSTRAINT,
+    RELEASE_FORCE,
+    RELEASE_RIGID,
+    ROOTS_EACH,
+    normal_force,
+)
+from mbs_ref.kernels.jit import jit
+
+SETTLED, ENDLESS, STOP = range(3)
+AT_ONCE = 1e-9  # s, events of one contact closer than this form a burst ...
+LONGEST_BURST = 60  # ... and a burst longer than this is endless
+NOTHING, IMPACT, TOUCH, FRICTION, LANDING = range(5)  # what a change of mode leaves for the core to do
+
+
+@jit
+def normal_roots(laws, modes, k, gap, closing, beyond, g, rate):
+    """Fill the functions of contact k and, where known, their rates, else 0; friction's stays 1."""
+    i = ROOTS_EACH * k
+    noise = modes.noise[0]
+    mode = modes.mode[k]
+    g[i + 1] = 1.0
+    g[i + 2] = 1.0
+    rate[i] = 0.0
+    rate[i + 1] = 0.0
+    rate[i + 2] = 0.0
+    if mode == MODE_OPEN:
+        g[i] = max(gap, beyond) + noise
+        if gap >= beyond:
+            rate[i] = closing
+    elif mode == MODE_CLOSED:
+        g[i] = min(-gap, -beyond) + noise
+        if -gap <= -beyond:
+            rate[i] = -closing
+        if laws.release[k] == RELEASE_FORCE:
+            g[i + 1] = normal_force(laws, modes, k, -gap, -closing) + noise * (laws.stiffness[k] + modes.dashpot[k])
+    elif mode == MODE_LIFTED:
+        g[i] = min(-gap, -beyond) + noise
+        g[i + 1] = noise * (laws.stiffness[k] + modes.dashpot[k]) - normal_force(laws, modes, k, -gap, -closing)
+    else:
+        g[i] = -max(gap, beyond)
+        if mode == MODE_LEAVING:
+            g[i + 1] = closing + noise
+
+
+@jit
+def is_broken(g, k):
+    """Return whether a function of contact k is negative."""
+    i = ROOTS_EACH * k
+    return g[i] < 0.0 or g[i + 1] < 0.0 or g[i + 2] < 0.0
+
+
+@jit
+def is_endless(modes, k, t):
+    """Count the event at t (s) into the contact's burst; return whether it is longer than any real one."""
+    modes.burst[k] = modes.burst[k] + 1 if t - modes.stamp[k] < AT_ONCE else 0
+    modes.stamp[k] = t
+    return modes.burst[k] > LONGEST_BURST
+
+
+@jit
+def close(laws, modes, k, speed):
+    """Touch down at a closing speed (m/s): it sets the dashpot of the laws that know it."""
+    modes.mode[k] = MODE_CLOSED
+    modes.dashpot[k] = laws.damping[k]
+    if laws.impact_damping[k] != 0.0:
+        modes.dashpot[k] += laws.impact_damping[k] * laws.stiffness[k] / max(speed, laws.slowest[k])
+
+
+@jit
+def next_mode(laws, modes, k, g, closing, behind):
+    """Change the mode of a contact that has a negative function; return what is left to do."""
+    i = ROOTS_EACH * k
+    mode = modes.mode[k]
+    if mode == MODE_OPEN or (mode == MODE_LEAVING and g[i] >= 0.0):
+        if laws.release[k] == RELEASE_RIGID:
+            modes.mode[k] = MODE_LEAVING
+            return IMPACT
+        if behind:
+            modes.mode[k] = MODE_BEHIND
+            return NOTHING
+        if laws.release[k] == RELEASE_CONSTRAINT:
+            modes.mode[k] = MODE_CLOSED
+            return LANDING
+        close(laws, modes, k, max(-closing, 0.0))
+        return TOUCH
+    if g[i] < 0.0 or laws.release[k] == RELEASE_CONSTRAINT:
+        modes.mode[k] = MODE_OPEN
+    elif g[i + 1] < 0.0:
+        modes.mode[k] = MODE_CLOSED if mode == MODE_LIFTED else MODE_LIFTED
+    else:
+        return FRICTION
+    return NOTHING

@@ -1,0 +1,155 @@
+"""Broad phase: which pairs are near enough to be looked at, by sorted bounds along one axis (sweep and prune).
+
+Every shape lies in a ball. A pair is near while the balls are within a skin of each other; the list is
+rebuilt when a shape has moved, or may in its next step of the same length move, by half the skin. So no pair that
+is left out can touch: what is computed, and in which order, is what it would be without the list.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from mbs_ref.kernels.contact.laws import MODE_OPEN, MODE_PLAIN
+from mbs_ref.kernels.jit import jit
+from mbs_ref.kernels.rows import copy_rows
+
+
+class NearPairs(NamedTuple):
+    """Pairs that are looked at, and the balls they are chosen by."""
+
+    pair: np.ndarray  # (n_pairs,) int: the first `count`, ascending
+    count: np.ndarray  # (1,) int
+    stale: np.ndarray  # (1,) int: 1 where modes were set from outside
+    skin: np.ndarray  # (1,) m; 0 keeps every pair in the list
+    body: np.ndarray  # (s,) int, of each ball
+    center: np.ndarray  # (s, dimension) m, in the body
+    reach: np.ndarray  # (s,) m, radius
+    place: np.ndarray  # (s, dimension) m, world, now; the core fills it
+    built: np.ndarray  # (s, dimension) m, when the list was made
+    last: np.ndarray  # (s, dimension) m, when it was last looked at
+    order: np.ndarray  # (s,) int, by lower bound
+    low: np.ndarray  # (s,) m, lower bound along the axis
+    key: np.ndarray  # (k,) int, ascending: first ball times s plus second ball
+    keyed: np.ndarray  # (k,) int, the pair of each key
+    always: np.ndarray  # (a,) int, pairs with a side that has no bounds
+    flag: np.ndarray  # (n_pairs,) int
+
+
+def no_pairs(dimension: int) -> NearPairs:
+    """Return the list of a scene without contact."""
+    shaped = ("center", "place", "built", "last")
+    empty = {name: np.zeros((0, dimension)) for name in shaped} | {"reach": np.zeros(0), "low": np.zeros(0)}
+    single = {"count": np.zeros(1, dtype=np.int64), "stale": np.zeros(1, dtype=np.int64), "skin": np.zeros(1)}
+    return NearPairs(**{name: (empty | single).get(name, np.zeros(0, dtype=np.int64)) for name in NearPairs._fields})
+
+
+@jit
+def _has_moved(near):
+    """Return whether a shape may have left its half of the skin by the end of the next step; note the places."""
+    moved = False
+    for s in range(near.body.shape[0]):
+        since = 0.0
+        step = 0.0
+        for c in range(near.place.shape[1]):
+            d = near.place[s, c] - near.built[s, c]
+            since += d * d
+            d = near.place[s, c] - near.last[s, c]
+            step += d * d
+            near.last[s, c] = near.place[s, c]
+        if not np.sqrt(since) + np.sqrt(step) <= 0.5 * near.skin[0]:
+            moved = True
+    return moved
+
+
+@jit
+def _widest_axis(near):
+    best = 0
+    widest = -1.0
+    for c in range(near.place.shape[1]):
+        low = near.place[0, c]
+        high = low
+        for s in range(near.place.shape[0]):
+            low = min(low, near.place[s, c])
+            high = max(high, near.place[s, c])
+        if high - low > widest:
+            widest = high - low
+            best = c
+    return best
+
+
+@jit
+def _sort(near):
+    """Insertion: the order hardly changes from one list to the next."""
+    for i in range(1, near.order.shape[0]):
+        s = near.order[i]
+        j = i
+        while j > 0 and near.low[near.order[j - 1]] > near.low[s]:
+            near.order[j] = near.order[j - 1]
+            j -= 1
+        near.order[j] = s
+
+
+@jit
+def _flag_key(near, wanted):
+    """Flag the pairs of two balls, found by bisection."""
+    first = 0
+    last = near.key.shape[0]
+    while first < last:
+        middle = (first + last) // 2
+        if near.key[middle] < wanted:
+            first = middle + 1
+        else:
+            last = middle
+    while first < near.key.shape[0] and near.key[first] == wanted:
+        near.flag[near.keyed[first]] = 1
+        first += 1
+
+
+@jit
+def _sweep(near):
+    """Flag every pair whose balls are within the skin of each other."""
+    skin = near.skin[0]
+    shapes = near.body.shape[0]
+    axis = _widest_axis(near)
+    for s in range(shapes):
+        near.low[s] = near.place[s, axis] - near.reach[s]
+    _sort(near)
+    for i in range(shapes):
+        s = near.order[i]
+        high = near.low[s] + 2.0 * near.reach[s] + skin
+        for j in range(i + 1, shapes):
+            r = near.order[j]
+            if near.low[r] > high:
+                break
+            apart = near.reach[s] + near.reach[r] + skin
+            square = 0.0
+            for c in range(near.place.shape[1]):
+                d = near.place[s, c] - near.place[r, c]
+                square += d * d
+            if square <= apart * apart:
+                _flag_key(near, min(s, r) * shapes + max(s, r))
+
+
+@jit
+def refresh(near, modes):
+    """Make the list anew where it is stale or a shape has moved; near.place holds the places now."""
+    if near.skin[0] == 0.0:
+        return
+    moved = _has_moved(near)
+    if not moved and near.stale[0] == 0:
+        return
+    near.stale[0] = 0
+    for k in range(near.flag.shape[0]):
+        near.flag[k] = 0 if modes.mode[k] in (MODE_OPEN, MODE_PLAIN) else 1
+    for k in near.always:
+        near.flag[k] = 1
+    _sweep(near)
+    copy_rows(near.place, near.built)
+    count = 0
+    for k in range(near.flag.shape[0]):
+        if near.flag[k] == 1:
+            near.pair[count] = k
+            count += 1
+    near.count[0] = count

@@ -1,0 +1,70 @@
+"""Which joints or springs are behind a run that got stuck, told from its last good state."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from mbs_ref.cores.system import System
+from mbs_ref.observables.attachment import Motion
+from mbs_ref.observables.springs import bushing_strain, twist_of
+from mbs_ref.scene import Bushing, TorsionSpring
+from mbs_ref.trajectory import Status, Trajectory
+
+NEAR_SINGULAR = 1e-3  # smallest singular value of the scaled C_q below which the joints are always named
+MOST_ROWS = 600  # a dense SVD beyond takes seconds
+SHARE = 0.5  # of the largest part in the weakest direction: joints with less are not named
+MOST_NAMED = 4
+NEARLY_TURNED = 2.5  # rad: springs in space stop the run at 3
+CLOSED = frozenset({Status.SINGULAR, Status.PROJECTION})  # a loop that cannot be closed
+
+
+def deeper_cause(system: System, status: Status, t: float, y: np.ndarray) -> str:
+    """Return a clause on joints near rank loss, or on springs that cannot count their turns; or nothing."""
+    if not np.isfinite(y).all():
+        return ""
+    with np.errstate(all="ignore"):
+        springs, joints = _turned_springs(system, t, y), _weak_joints(system, status, t, y)
+    return joints + springs if status in CLOSED else springs or joints
+
+
+def weakest_joints(system: System, t: float, y: np.ndarray) -> tuple[float, list[str]]:
+    """Return the smallest singular value of the scaled C_q, permanent redundancy apart, and whose rows it is."""
+    joints = system.row_joints()
+    if not 0 < len(joints) <= MOST_ROWS:
+        return 1.0, []
+    independent = np.linalg.matrix_rank(system.scaled_jacobian(0.0, system.initial_state()), tol=1e-9)
+    if not independent:
+        return 1.0, []
+    rows, values, _ = np.linalg.svd(system.scaled_jacobian(t, y))
+    part = np.abs(rows[:, independent - 1])
+    named = [joints[k] for k in np.argsort(-part) if part[k] > SHARE * part.max()]
+    return float(values[independent - 1]), list(dict.fromkeys(named))[:MOST_NAMED]
+
+
+def _weak_joints(system: System, status: Status, t: float, y: np.ndarray) -> str:
+    if system.n_closure_rows == 0:
+        return ""
+    smallest, names = weakest_joints(system, t, y)
+    if not names or (smallest > NEAR_SINGULAR and status not in CLOSED):
+        return ""
+    return f"; joint {_listed(names)} is nearest to rank loss (smallest singular value of C_q {smallest:.2g})"
+
+
+def _turned_springs(system: System, t: float, y: np.ndarray) -> str:
+    loads = [load for load in system.scene.loads if isinstance(load, TorsionSpring | Bushing)]
+    if system.scene.dimension == 2 or not loads:
+        return ""
+    motion = Motion(system.scene, Trajectory(np.array([t]), *system.poses(y[None])))
+    turned = {load.name: _turn(motion, load) for load in loads}
+    found = [name for name, angle in turned.items() if abs(angle) > NEARLY_TURNED]
+    return f"; load {_listed(found)} has turned by {turned[found[0]]:.3g} rad and cannot count turns" if found else ""
+
+
+def _turn(motion: Motion, load: TorsionSpring | Bushing) -> float:
+    if isinstance(load, Bushing):
+        return float(np.linalg.norm(bushing_strain(motion, load)[0][0, 3:]))
+    return float(twist_of(motion, load)[0][0]) + (load.rest_angle or 0.0)
+
+
+def _listed(names: list[str]) -> str:
+    return ", ".join(repr(name) for name in names)

@@ -1,0 +1,136 @@
+"""The loads of a scene: forces, torques, springs, bushings and a user's own force."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import Field, SkipValidation, model_validator
+
+from mbs_ref.scene.celestial import CelestialLoad
+from mbs_ref.scene.directions import require_perpendicular
+from mbs_ref.scene.part import Name, NonNegative, Part, SixNonNegative, Vector, Vector3
+from mbs_ref.scene.signals import Constant, Signal
+
+
+class Force(Part):
+    """A force at a point of a body: vector times a signal, along fixed world or body axes."""
+
+    type: Literal["force"] = "force"
+    name: Name
+    body: Name
+    point: Vector  # m, world, t = 0
+    vector: Vector  # N
+    frame: Literal["world", "body"] = "world"
+    factor: Signal = Constant()
+
+
+class Torque(Part):
+    """A torque on a planar body times a signal."""
+
+    type: Literal["torque"] = "torque"
+    name: Name
+    body: Name
+    torque: float  # N m
+    factor: Signal = Constant()
+
+
+class TorqueVector(Part):
+    """A torque on a spatial body: vector times a signal, along fixed world or body axes."""
+
+    type: Literal["torque_vector"] = "torque_vector"
+    name: Name
+    body: Name
+    vector: Vector3  # N m
+    frame: Literal["world", "body"] = "world"
+    factor: Signal = Constant()
+
+
+class SpringDamper(Part):
+    """A point-to-point spring and damper: F = k (l - l0) + c dl/dt, optionally in tension only."""
+
+    type: Literal["spring_damper"] = "spring_damper"
+    name: Name
+    body_a: Name
+    body_b: Name
+    point_a: Vector  # m, world, t = 0
+    point_b: Vector  # m, world, t = 0
+    stiffness: NonNegative  # N/m
+    damping: NonNegative = 0.0  # N s/m
+    rest_length: NonNegative | None = None  # m; the distance at t = 0 unless given
+    tension_only: bool = False  # slack below the rest length, and never pushing
+
+
+class TorsionSpring(Part):
+    """A rotational spring and damper on the relative angle of two bodies.
+
+    In space the angle is that of body b about `axis`, fixed in body a, counted from t = 0; it goes with a
+    joint that keeps the axis. Beyond 3 rad either way a spatial spring stops the run: it cannot count turns.
+    """
+
+    type: Literal["torsion_spring"] = "torsion_spring"
+    name: Name
+    body_a: Name
+    body_b: Name
+    stiffness: NonNegative  # N m/rad
+    damping: NonNegative = 0.0  # N m s/rad
+    rest_angle: float | None = None  # rad, of b relative to a; the initial one unless given
+    axis: Vector | None = None  # direction, world, t = 0; in space alone, and there it must be given
+
+
+class Bushing(Part):
+    """Six springs and dampers between two bodies at a point, along axes fixed in body a (space).
+
+    Stiffness and damping are for the offset along x, y, z and the rotation vector about x, y, z of the
+    bushing's axes; neither is strained at t = 0. Beyond 3 rad of relative rotation it stops the run.
+    """
+
+    type: Literal["bushing"] = "bushing"
+    name: Name
+    body_a: Name
+    body_b: Name
+    point: Vector3  # m, world, t = 0
+    stiffness: SixNonNegative  # N/m, N m/rad
+    damping: SixNonNegative = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)  # N s/m, N m s/rad
+    x_axis: Vector3 = (1.0, 0.0, 0.0)  # direction, world, t = 0
+    y_axis: Vector3 = (0.0, 1.0, 0.0)  # direction, world, t = 0; perpendicular to x_axis
+
+    @model_validator(mode="after")
+    def _check(self) -> Self:
+        require_perpendicular("x_axis", self.x_axis, "y_axis", self.y_axis)
+        return self
+
+
+class PointBushing(Part):
+    """An isotropic spring and damper between two marks that coincide at t = 0: F = k e + c de/dt, e their gap (plane).
+
+    Both forces act at body b's mark, so no couple is left over: momentum is kept, and the damper only takes energy.
+    Body a bears their arm, so it may not be a point mass.
+    """
+
+    type: Literal["point_bushing"] = "point_bushing"
+    name: Name
+    body_a: Name
+    body_b: Name
+    point: Vector  # m, world, t = 0
+    stiffness: NonNegative  # N/m
+    damping: NonNegative = 0.0  # N s/m
+
+
+class UserForce(Part):
+    """A user's own force law, called as function(t, q, v) -> generalized forces.
+
+    q, v and the result have shape (n_bodies, 3) in the scene's body order: m, m, rad; N, N, N m. In space
+    q is (n_bodies, 7): m and Euler parameters, v and the result (n_bodies, 6): m/s, rad/s; N, N m, world axes,
+    about the centre of mass. A Python function is slow and is reported as such. It does not write to TOML.
+    """
+
+    type: Literal["user_force"] = "user_force"
+    name: Name
+    function: Annotated[Callable[..., Any], SkipValidation]
+
+
+Load = Annotated[
+    Force | Torque | TorqueVector | SpringDamper | TorsionSpring | Bushing | PointBushing | UserForce | CelestialLoad,
+    Field(discriminator="type"),
+]

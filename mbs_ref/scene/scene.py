@@ -1,0 +1,73 @@
+"""A scene: bodies, joints, loads, contacts and events, checked as a whole."""
+
+from __future__ import annotations
+
+from itertools import islice
+from typing import Any, Self
+
+from pydantic import Field, model_validator
+
+from mbs_ref.scene.bodies import GROUND, Body
+from mbs_ref.scene.complaints import complaints
+from mbs_ref.scene.contact import Contact
+from mbs_ref.scene.events import Event
+from mbs_ref.scene.joints import DRIVES, Joint
+from mbs_ref.scene.loads import Force, Load, Torque, TorqueVector
+from mbs_ref.scene.part import Name, Part, Positive, Vector
+from mbs_ref.scene.signals import breakpoints
+
+MOST_COMPLAINTS = 100  # about one scene at once: each may list the bodies, and there may be 100 000
+
+
+class Scene(Part):
+    """Bodies, joints, loads and gravity, checked as a whole."""
+
+    name: Name
+    description: str = ""
+    source: str = ""  # where the data come from
+    duration: Positive = 1.0  # s, how long a run lasts unless told otherwise
+    gravity: Vector = (0.0, 0.0)  # m/s^2
+    bodies: tuple[Body, ...] = Field(min_length=1, max_length=100_000)
+    joints: tuple[Joint, ...] = ()
+    loads: tuple[Load, ...] = ()
+    contacts: tuple[Contact, ...] = ()
+    events: tuple[Event, ...] = ()
+    parameters: dict[str, float | int | str | bool] = {}  # what the scene was built with
+
+    @model_validator(mode="after")
+    def _check(self) -> Self:
+        found = list(islice(complaints(self), MOST_COMPLAINTS))
+        if len(found) == MOST_COMPLAINTS:
+            found.append("and perhaps more: no further complaints were looked for")
+        if found:
+            raise ValueError("\n".join(found))
+        return self
+
+    @property
+    def dimension(self) -> int:
+        """2 in the plane, 3 in space: what the bodies are made of."""
+        return max(len(b.position) for b in self.bodies)
+
+    @property
+    def body_names(self) -> list[str]:
+        return [body.name for body in self.bodies]
+
+    def body_index(self, name: str) -> int:
+        """Return the body's place in `bodies`; -1 for ground."""
+        return -1 if name == GROUND else self._places[name]
+
+    @property
+    def _places(self) -> dict[str, int]:
+        """The places by name, kept while the bodies are the same tuple: a copy may have others."""
+        kept: dict[str, Any] = vars(self)
+        bodies, places = kept.get("_kept_places", (None, {}))
+        if bodies is not self.bodies:
+            places = {body.name: k for k, body in enumerate(self.bodies)}
+            kept["_kept_places"] = (self.bodies, places)
+        return places
+
+    def breakpoints(self) -> list[float]:
+        """Return the sorted times (s) at which a declared signal may be non-smooth."""
+        signals = [load.factor for load in self.loads if isinstance(load, Force | Torque | TorqueVector)]
+        signals += [j.motion for j in self.joints if isinstance(j, DRIVES)]
+        return sorted({t for signal in signals for t in breakpoints(signal)})

@@ -1,0 +1,82 @@
+"""What a scene is, computed from its parts: engines refuse by these, solvers pay by these."""
+
+from __future__ import annotations
+
+from mbs_ref.scene.bodies import GROUND, PointMass
+from mbs_ref.scene.contact import StickSlip
+from mbs_ref.scene.joints import DRIVES, CoordinateDrive, PointDrive
+from mbs_ref.scene.loads import UserForce
+from mbs_ref.scene.scene import Scene
+
+ALL_TRAITS = {
+    "planar": "every body moves in the plane",
+    "spatial": "bodies move in space",
+    "closed-loop": "the joint graph has a cycle through bodies or ground",
+    "rheonomic": "a drive prescribes a motion in time",
+    "unconstrained": "no joint at all",
+    "point-mass": "some body is a particle",
+    "free-body": "some body has no chain of joints to ground",
+    "breakpoints": "a declared signal has a jump or kink",
+    "contact": "bodies touch and part: forces or speeds jump",
+    "user-force": "a force law is the user's own function",
+}
+
+NO_DEFLECTIONS = "where contacts stick in space, their deflections are states that this method does not carry"
+
+
+def part_types(scene: Scene) -> frozenset[str]:
+    """Return the `type` of every part the scene contains, contact laws, friction and declared events included."""
+    parts = {part.type for part in (*scene.bodies, *scene.joints, *scene.loads, *scene.contacts, *scene.events)}
+    laws = {contact.law.type for contact in scene.contacts}
+    return frozenset(parts | laws | {c.friction.type for c in scene.contacts if c.friction is not None})
+
+
+def traits(scene: Scene) -> frozenset[str]:
+    """Return the scene's traits (keys of ALL_TRAITS)."""
+    loops, free = _cycles_and_free(scene)
+    present = {
+        "planar": scene.dimension == 2,
+        "spatial": scene.dimension == 3,
+        "closed-loop": loops,
+        "rheonomic": any(isinstance(j, DRIVES) for j in scene.joints),
+        "unconstrained": not scene.joints,
+        "point-mass": any(isinstance(b, PointMass) for b in scene.bodies),
+        "free-body": free,
+        "breakpoints": bool(scene.breakpoints()),
+        "contact": bool(scene.contacts),
+        "user-force": any(isinstance(load, UserForce) for load in scene.loads),
+    }
+    assert present.keys() == ALL_TRAITS.keys()
+    return frozenset(name for name, value in present.items() if value)
+
+
+def deflecting(scene: Scene) -> list[str]:
+    """Return the contacts whose sticking adds states: all that can stick in space."""
+    return [c.name for c in scene.contacts if scene.dimension == 3 and isinstance(c.friction, StickSlip)]
+
+
+def joint_ends(joint) -> tuple[str, str]:
+    """Return the two bodies a joint connects; a drive connects its body to ground."""
+    if isinstance(joint, CoordinateDrive | PointDrive):
+        return GROUND, joint.body
+    return joint.body_a, joint.body_b
+
+
+def _cycles_and_free(scene: Scene) -> tuple[bool, bool]:
+    """Union-find over the joints: does a joint close a cycle, and is some body apart from ground?"""
+    parent = {name: name for name in [GROUND, *scene.body_names]}
+
+    def root(name: str) -> str:
+        while parent[name] != name:
+            parent[name] = parent[parent[name]]
+            name = parent[name]
+        return name
+
+    cycle = False
+    for joint in scene.joints:
+        a, b = (root(end) for end in joint_ends(joint))
+        drive = isinstance(joint, DRIVES)
+        cycle |= a == b and not drive
+        parent[a] = b
+    free = any(root(name) != root(GROUND) for name in scene.body_names)
+    return cycle, free

@@ -1,0 +1,107 @@
+"""Is the start of a run sound? Numbers, clock and branch, looked at before the first step."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from itertools import pairwise
+
+import numpy as np
+from pydantic import ValidationError
+
+from mbs_ref.cores.system import System
+from mbs_ref.scene import DRIVES, Force, Scene, Torque, TorqueVector
+from mbs_ref.scene.messages import sentences
+from mbs_ref.scene.signals import HalfSine, Signal, Table
+
+FEWEST_TICKS = 1000  # of the clock in the shortest piece of a signal: it is then met to a thousandth
+NUDGE = 1e-3  # m, rad: how far along the free motions a neighbouring pose is looked at
+TRIALS = 4  # neighbouring poses
+
+
+class UnsoundScene(ValueError):
+    """A scene that was not checked when it was made, or whose numbers a run cannot hold."""
+
+
+def require_sound(scene: Scene) -> None:
+    """Check every part again: copies with changed fields are not checked by themselves. UnsoundScene lists all."""
+    found = [text for kind in ("bodies", "joints", "loads", "contacts") for text in _part_troubles(kind, scene)]
+    found += [] if all(map(math.isfinite, scene.gravity)) else [f"gravity = {scene.gravity} is not finite"]
+    found += clock_troubles(scene)
+    if found:
+        raise UnsoundScene("; ".join(found[:8]))
+
+
+def _part_troubles(kind: str, scene: Scene) -> Iterator[str]:
+    for part in getattr(scene, kind):
+        try:
+            type(part)(**dict(part))
+        except ValidationError as error:
+            yield f"{kind} {part.name!r}: {sentences(error, type(part), dict(part))}"
+
+
+def clock_troubles(scene: Scene) -> list[str]:
+    """Return a sentence for every signal with a piece so short and late that the clock has no room for it."""
+    named = [(f"load {x.name!r}", x.factor) for x in scene.loads if isinstance(x, Force | Torque | TorqueVector)]
+    named += [(f"drive {x.name!r}", x.motion) for x in scene.joints if isinstance(x, DRIVES)]
+    return [
+        f"{name}: its piece of {length:.3g} s at t = {at:.6g} s has fewer than {FEWEST_TICKS} ticks of the clock, "
+        f"which are {math.ulp(at):.2g} s there"
+        for name, signal in named
+        for at, length in _pieces(signal)
+        if length < FEWEST_TICKS * math.ulp(at)
+    ]
+
+
+def _pieces(signal: Signal) -> list[tuple[float, float]]:
+    """Return end (s) and length (s) of what lies between two declared times."""
+    if isinstance(signal, HalfSine):
+        return [(abs(signal.start) + signal.duration, signal.duration)]
+    if isinstance(signal, Table):
+        return [(max(abs(a), abs(b)), b - a) for a, b in pairwise(signal.times) if b > a]
+    return []
+
+
+def ambiguous_start(system: System, y: np.ndarray, rank: int) -> str:
+    """Return why the motion from a start at rest is not determined, or nothing; `rank` is that of C_q there.
+
+    A pose is singular where C_q has a lower rank than at neighbouring poses on the constraints. Moving through it,
+    the velocity chooses the branch; at rest nothing does.
+    """
+    half = system.n_positions
+    if np.any(y[half:]):
+        return ""
+    random = np.random.default_rng(0)
+    for _ in range(TRIALS):
+        near = _neighbour(system, y, random)
+        if near is not None and system.rank(0.0, near) > rank:
+            return (
+                f"the start is a singular pose at rest: C_q has rank {rank} there and more next to it, so that "
+                "several motions are possible; move it, give it a speed, or ask to go on (ambiguous = 'continue')"
+            )
+    return ""
+
+
+def _neighbour(system: System, y: np.ndarray, random: np.random.Generator) -> np.ndarray | None:
+    """Return a pose on the constraints at about NUDGE from y; None where projection fails."""
+    near = y.copy()
+    half = system.n_positions
+    near[:half] += system.free_direction(0.0, y, random)[:half] * NUDGE
+    left = system.project(0.0, near)
+    moved = float(np.abs(near - y)[:half].max())
+    return near if left <= 1e-10 and moved > 0.1 * NUDGE else None
+
+
+def culprit(system: System, t: float, y: np.ndarray) -> str:
+    """Name the body that is moved hardest and the joint that gapes most at (t, y), where a run got stuck."""
+    scene, half = system.scene, system.n_positions
+    with np.errstate(all="ignore"):
+        rate = np.abs(system.derivative(t, y)[half:])
+        gaps = {name: float(np.max(np.abs(pair[0]), initial=0.0)) for name, pair in system.residuals(t, y).items()}
+    hardest = int(np.argmax(np.where(np.isnan(rate), np.inf, rate)))
+    body = scene.bodies[min(hardest // max(1, len(rate) // len(scene.bodies)), len(scene.bodies) - 1)].name
+    words = f"; body {body!r} is accelerated most there ({rate[hardest]:.3g} m/s^2 or rad/s^2)"
+    if gaps:
+        joint = max(gaps, key=lambda name: np.inf if np.isnan(gaps[name]) else gaps[name])
+        words += f", and joint {joint!r} gapes most ({gaps[joint]:.3g} m or rad)"
+    return words

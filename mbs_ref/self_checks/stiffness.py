@@ -1,0 +1,95 @@
+"""Numerical trouble seen in advance: stiffness, and the step an explicit method can bear.
+
+The papers ask for both (Fox 2001): eigenvalues of the leading system, and a stability constant. Their
+own rules, h below 1/omega = sqrt(m/k) and m/c, stand beside the eigenvalues of the linearised motion.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from mbs_ref.cores.choice import compile_scene
+from mbs_ref.cores.system import System
+from mbs_ref.scene import Scene, SpringDamper, TorsionSpring, UserForce
+
+LARGEST = 250  # bodies; the eigenvalues of more take longer than most runs
+DIFFERENCE = 1e-7  # m, rad, m/s, rad/s: half a step of the central differences
+GROWTH = 1.05  # a step that multiplies a decaying or steady motion by more than this is lost
+UNSTABLE = 1e-3  # of the largest |lambda|: eigenvalues further right belong to a motion that truly grows
+_SCAN = 400  # trial steps between none and the largest, geometrically
+
+
+@dataclass(frozen=True)
+class Stiffness:
+    """What the linearised motion says at one time."""
+
+    eigenvalues: np.ndarray  # (n,) complex, 1/s, of the closed contacts, springs and joints together
+    open_contacts: np.ndarray  # (k,) complex, 1/s, of each open contact alone as if it closed
+    oscillation_rule: float  # s, the papers' smallest 1/omega = sqrt(m/k) over contacts; inf without
+    damping_rule: float  # s, the papers' smallest m/c over contacts; inf without
+
+    @property
+    def modes(self) -> np.ndarray:
+        """All that a step must bear."""
+        return np.concatenate((self.eigenvalues, self.open_contacts))
+
+    @property
+    def fastest(self) -> float:
+        """The largest |lambda|, 1/s."""
+        return float(np.max(np.abs(self.modes), initial=0.0))
+
+    @property
+    def fastest_decay(self) -> float:
+        """The largest decay rate, 1/s."""
+        return float(np.max(-np.real(self.modes), initial=0.0))
+
+    def step_limit(self, stability: tuple[float, ...]) -> float:
+        """Return the largest step (s) for a stability polynomial, lowest power first; inf where nothing is fast."""
+        fast = self.modes[np.real(self.modes) <= UNSTABLE * self.fastest]
+        fast = fast[np.abs(fast) > 1e-2 * self.fastest]
+        if not len(fast):
+            return np.inf
+        steps = np.geomspace(1e-3, 50.0, _SCAN)[:, None] / np.max(np.abs(fast))
+        grows = np.any(np.abs(np.polynomial.polynomial.polyval(steps * fast, stability)) > GROWTH, axis=1)
+        return float(steps[max(int(np.argmax(grows)) - 1, 0), 0]) if grows.any() else np.inf
+
+
+def stiffness(system: System, t: float, y: np.ndarray) -> Stiffness:
+    """Linearise the motion at (t, y) in the present contact modes; contacts must have been started."""
+    oscillators = system.contact_oscillators(t, y)
+    kw, cw = oscillators[:, 0], oscillators[:, 1]
+    root = np.sqrt(0.25 * cw.astype(complex) ** 2 - kw)
+    local = np.concatenate((-0.5 * cw + root, -0.5 * cw - root))
+    return Stiffness(
+        eigenvalues=np.linalg.eigvals(_jacobian(system, t, y)) if len(y) <= 6 * LARGEST else np.zeros(0, complex),
+        open_contacts=local,
+        oscillation_rule=1.0 / np.sqrt(np.max(kw, initial=0.0)) if np.any(kw > 0.0) else np.inf,
+        damping_rule=1.0 / np.max(cw, initial=0.0) if np.any(cw > 0.0) else np.inf,
+    )
+
+
+def stiffness_at_start(scene: Scene) -> Stiffness:
+    """Linearise a scene's motion at t = 0."""
+    system = compile_scene(scene)
+    y = system.initial_state()
+    system.set_mode_time(0.0)
+    system.start_contacts(0.0, y, True)
+    return stiffness(system, 0.0, y)
+
+
+def _jacobian(system: System, t: float, y: np.ndarray) -> np.ndarray:
+    """Central differences of dy/dt, a column a coordinate."""
+    columns = []
+    for k in range(len(y)):
+        shift = np.zeros_like(y)
+        shift[k] = DIFFERENCE
+        columns.append((system.derivative(t, y + shift) - system.derivative(t, y - shift)) / (2.0 * DIFFERENCE))
+    return np.array(columns).T
+
+
+def may_be_stiff(scene: Scene) -> bool:
+    """Return whether the scene has parts that can be stiff at all."""
+    return bool(scene.contacts) or any(isinstance(x, SpringDamper | TorsionSpring | UserForce) for x in scene.loads)
+

@@ -1,0 +1,77 @@
+"""mbs-ref doctor: is everything in place, and does a run come out right?"""
+
+from __future__ import annotations
+
+import math
+import os
+import platform
+from importlib.metadata import PackageNotFoundError, version
+from typing import Any
+
+import click
+
+from cross_checks import engines
+from mbs_ref.kernels.jit import cache_folder
+from reports import inputs
+from reports.console import echo_json, number, show, table
+from reports.exit_codes import Failed
+
+PACKAGES = ("mbs-ref", "numpy", "scipy", "numba", "llvmlite", "pydantic")
+LARGEST_ERROR = 1e-6  # m, of a pendulum at rtol 1e-9 against its exact motion: two digits of room
+
+
+@click.command(name="doctor")
+@click.option("--json", "as_json", is_flag=True, help="Print JSON.")
+def command(as_json: bool) -> None:
+    """Show versions, engines and the compiler's cache, and simulate a pendulum against its exact motion."""
+    cache = cache_folder()
+    found: dict[str, Any] = {
+        "python": platform.python_version(),
+        "machine": f"{platform.system()} {platform.machine()}, {os.cpu_count()} processors",
+        "packages": {name: _version(name) for name in PACKAGES},
+        "engines": {name: _engine_state(name) for name in engines.names()},
+        "numba_cache": {"folder": str(cache), "writable": os.access(cache, os.W_OK)},
+        "sanity": _sanity(),
+    }
+    if as_json:
+        echo_json(found)
+    else:
+        _show(found)
+    if not found["sanity"]["ok"]:
+        raise Failed(f"the pendulum came out wrong: {found['sanity']['message']}")
+
+
+def _version(package: str) -> str:
+    try:
+        return version(package)
+    except PackageNotFoundError:
+        return "missing"
+
+
+def _engine_state(name: str) -> str:
+    try:
+        return engines.get(name).version()
+    except engines.EngineMissing as error:
+        return f"missing: {error}"
+
+
+def _sanity() -> dict[str, Any]:
+    from cross_checks.judge import one_run as compare
+
+    record = compare.evaluate(inputs.scene("pendulum"), "mbs_ref", inputs.settings(rtol=1e-9, t_end=2.0))
+    error = record.error.value if record.error else math.inf
+    return {"ok": record.status == "success" and error < LARGEST_ERROR, "error": error, "message": record.message}
+
+
+def _show(found: dict[str, Any]) -> None:
+    listing = table("", "", "")
+    listing.add_row("Python", f"{found['python']}, {found['machine']}")
+    for kind in ("packages", "engines"):
+        for name, state in found[kind].items():
+            listing.add_row(name, state)
+    cache = found["numba_cache"]
+    trouble = "" if cache["writable"] else " (not writable: every start compiles anew)"
+    listing.add_row("compiled kernels", f"{cache['folder']}{trouble}")
+    sanity = found["sanity"]
+    listing.add_row("pendulum", f"{'right' if sanity['ok'] else 'WRONG'}, error {number(sanity['error'])} m")
+    show(listing)

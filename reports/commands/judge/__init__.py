@@ -1,0 +1,1 @@
+"""Commands that hold engines against truths and against each other."""

@@ -1,0 +1,83 @@
+"""mbs-ref certify: make the truths again and hold them to their certificates."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from typing import Any
+
+import click
+
+from cross_checks.certificates import certificate
+from cross_checks.certificates.certificate import Certificate
+from cross_checks.truths import NoTruth, known
+from mbs_ref import scenes
+from mbs_ref.scene import Scene
+from reports import inputs
+from reports.console import echo_json, number, progress, show, table
+from reports.exit_codes import Failed, NothingSelected
+
+
+@click.command(name="certify")
+@click.argument("scene", required=False)
+@click.option("-p", "parameters", multiple=True, metavar="NAME=VALUE", help="A parameter of the scene; repeatable.")
+@click.option("--write", is_flag=True, help="Keep the certificates that were made, in place of the stored ones.")
+@click.option("--json", "as_json", is_flag=True, help="Print JSON: a list of truths.")
+def command(scene: str | None, parameters: tuple[str, ...], write: bool, as_json: bool) -> None:
+    """Make the truth of SCENE again, or of every scene that has a certificate, and compare.
+
+    Exit code 1 where a truth departs from its certificate by more than both claim to know.
+    """
+    chosen = _every() if scene is None else [inputs.scene(scene, parameters)]
+    rows = []
+    with progress("certify") as report:
+        for done, made in enumerate(chosen):
+            report(done, len(chosen), made.name)
+            rows.append(_examined(made, write))
+    if as_json:
+        echo_json(rows)
+    else:
+        _show(rows)
+    if all(row["verdict"] == "no truth" for row in rows):
+        raise NothingSelected("no truth is known of what was asked")
+    departed = [row["file"] for row in rows if row["verdict"] == "departs"]
+    if departed:
+        raise Failed(f"truths depart from their certificates: {', '.join(departed)}")
+
+
+def _every() -> list[Scene]:
+    """Return the scenes of all certificates, and all others with a truth, with their default parameters."""
+    kept = [scenes.make(found.scene, **found.parameters) for found in certificate.every()]
+    plain = [scenes.make(name) for name in known() if name in scenes.names()]
+    return list({certificate.file_name(scene): scene for scene in (*kept, *plain)}.values())
+
+
+def _examined(scene: Scene, write: bool) -> dict[str, Any]:
+    if write:
+        certificate.keep_poses(scene)
+    fresh, before = certificate.certify(scene, confirm=write), certificate.stored(scene)
+    row: dict[str, Any] = {"file": certificate.file_name(scene)}
+    if isinstance(fresh, NoTruth):
+        return row | {"verdict": "no truth", "reason": fresh.reason}
+    row |= asdict(fresh) | {"judges_from": fresh.floor, "decimals": fresh.decimals} | _verdict(before, fresh)
+    if write:
+        certificate.write(fresh)
+    return row
+
+
+def _verdict(before: Certificate | None, fresh: Certificate) -> dict[str, Any]:
+    if before is None:
+        return {"verdict": "new", "departs_by": None}
+    word = "holds" if certificate.holds(before, fresh) else "departs"
+    return {"verdict": word, "departs_by": certificate.departure(before, fresh)}
+
+
+def _show(rows: list[dict[str, Any]]) -> None:
+    lengths = ("known to, m", "judges from, m", "two ways, m", "departs by, m")
+    listing = table("", "truth", "verdict", "kind", *lengths)
+    for row in rows:
+        if row["verdict"] == "no truth":
+            listing.add_row(row["file"].removesuffix(".json"), f"no truth: {row['reason']}")
+            continue
+        figures = (number(row[key]) for key in ("uncertainty", "judges_from", "difference", "departs_by"))
+        listing.add_row(row["file"].removesuffix(".json"), row["verdict"], row["kind"], *figures)
+    show(listing)

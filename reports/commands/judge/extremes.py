@@ -1,0 +1,88 @@
+"""mbs-ref extremes: up to where each engine and method can be trusted."""
+
+from __future__ import annotations
+
+from contextlib import ExitStack
+
+import click
+
+from cross_checks.extremes.cell import Cell
+from cross_checks.extremes.judge import Fate
+from cross_checks.records import lines as record_file
+from reports import inputs
+from reports.console import echo_json, number, progress, show, table
+from reports.exit_codes import Failed, Incomplete, NothingSelected
+
+
+@click.command(name="extremes")
+@click.option("--full", is_flag=True, help="Every method and value, with patience: for nights.")
+@click.option("--only", metavar="TEXT", help="Only extremes whose name or family holds this.")
+@click.option("--engine", "chosen", multiple=True, metavar="E", help="Only this engine; repeatable.")
+@click.option("--shard", metavar="I/N", default="1/1", help="Only part I of N of the extremes, for batch systems.")
+@click.option("--json", "as_json", is_flag=True, help="Print JSON lines, one a cell.")
+@click.option("-o", "output", metavar="FILE.jsonl", help="Keep the cells in a file; what it holds already is not run.")
+def command(
+    full: bool, only: str | None, chosen: tuple[str, ...], shard: str, as_json: bool, output: str | None
+) -> None:
+    """Drive scenes to the edge, and find where each engine's methods stop, degrade, or go wrong without a word.
+
+    Every run has a process of its own; two run at a time. Exit code 1 where the reference solver is
+    silently wrong anywhere; other engines' failures are findings.
+    """
+    from cross_checks import engines
+    from cross_checks.extremes import cell, every, run
+
+    for name in chosen:
+        inputs.engine(name)
+    extremes = [e for e in every() if only is None or only in e.name or only in e.family]
+    if not extremes:
+        raise NothingSelected(f"no extreme is named like {only!r}; there are {', '.join(e.name for e in every())}")
+    extremes = inputs.shard(extremes, shard)
+    if not extremes:
+        raise NothingSelected(f"part {shard} of these extremes is empty")
+    target = inputs.output(output, (".jsonl",))
+    found: list[Cell] = []
+    with ExitStack() as stack:
+        report = stack.enter_context(progress("extremes"))
+        if target is not None:
+            try:
+                stack.enter_context(record_file.exclusive(target))
+            except record_file.Busy as error:
+                raise Failed(str(error)) from error
+            found, problems = cell.read(target)
+            for problem in problems:
+                click.echo(problem, err=True)
+        try:
+            fresh = run.matrix(extremes, chosen or engines.names(), full=full, known=tuple(found), progress=report)
+            for one in fresh:
+                if target is not None:
+                    cell.append(target, one)
+                found.append(one)
+        except KeyboardInterrupt:
+            raise Incomplete(f"interrupted after {len(found)} cells") from None
+    names = {e.name for e in extremes}
+    shown = [c for c in found if c.extreme in names and c.full == full and (not chosen or c.engine in chosen)]
+    for one in shown if as_json else ():
+        echo_json(one.to_dict(), indent=None)
+    if not as_json:
+        _show(shown)
+    ours = [c for c in shown if c.engine == "mbs_ref" and c.fate is Fate.SILENTLY_WRONG]
+    if ours:
+        listing = "; ".join(f"{c.extreme} {c.method}: {c.reason}" for c in ours[:8])
+        raise Failed(f"mbs_ref is silently wrong in {len(ours)} cells: {listing}")
+
+
+def _show(cells: list[Cell]) -> None:
+    from cross_checks.extremes import named
+
+    listing = table("", "extreme", "engine", "method", "fate", "all right up to", "what came first beyond")
+    asked = [c for c in cells if c.fate is not Fate.CANNOT]
+    for one in sorted(asked, key=lambda c: (c.family, c.extreme, c.engine != "mbs_ref", c.engine, c.method)):
+        axis = named(one.extreme).axis
+        last = "-" if one.last is None else f"{axis.name} {axis.label(one.last)} {'' if axis.labels else axis.unit}"
+        listing.add_row(one.extreme, one.engine, one.method, one.fate, last.strip(), one.reason[:90])
+    show(listing)
+    counts = {fate: sum(c.fate is fate for c in cells) for fate in Fate}
+    caught = sum(point.caught for c in cells for point in c.points)
+    click.echo(", ".join(f"{fate} {count}" for fate, count in counts.items()))
+    click.echo(f"runs of which the engine itself said nothing and our checks caught the failure: {number(caught)}")

@@ -1,0 +1,98 @@
+"""mbs-ref matrix: the accuracy matrix, over processes or a cluster."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import ExitStack
+from typing import TYPE_CHECKING
+
+import click
+
+from cross_checks.records import lines as record_file
+from cross_checks.records.record import Record
+from reports import inputs
+from reports.console import echo_json, finite_record, number, progress, show, table
+from reports.exit_codes import Failed, Incomplete, NothingSelected
+from reports.sweeping import begun
+
+if TYPE_CHECKING:
+    from benchmarks.cluster import Task
+
+
+@click.command(name="matrix")
+@click.option("--engine", "chosen", multiple=True, metavar="E", help="Only this engine; repeatable.")
+@click.option("--quick", is_flag=True, help="Three scenes, the coarsest settings.")
+@click.option("--serial", is_flag=True, help="One run after the other, without dask.")
+@click.option("--scheduler", metavar="tcp://HOST:PORT", help="A dask scheduler; a local cluster unless given.")
+@click.option("--workers", type=click.IntRange(1), help="Processes of the local cluster; one a processor unless given.")
+@click.option("--shard", metavar="I/N", default="1/1", help="Only part I of N, for batch systems.")
+@click.option("--timeout", type=float, default=120.0, show_default=True, help="Longest time of one run, s.")
+@click.option("--json", "as_json", is_flag=True, help="Print JSON lines, one a run.")
+@click.option("-o", "output", metavar="FILE.jsonl", help="Keep the lines in a file; what it holds already is not run.")
+def command(
+    chosen: tuple[str, ...],
+    quick: bool,
+    serial: bool,
+    scheduler: str | None,
+    workers: int | None,
+    shard: str,
+    timeout: float,
+    as_json: bool,
+    output: str | None,
+) -> None:
+    """Judge every engine, method and setting on the default scenes; accuracy only, nothing is timed alone.
+
+    Records are the same however they are spread: lost workers, shards and interruptions cost nothing but time.
+    """
+    from benchmarks import cluster
+
+    for name in chosen:
+        inputs.engine(name)
+    target = inputs.output(output, (".jsonl",))
+    tasks = inputs.shard(cluster.plan(quick, list(chosen) or None), shard)
+    if not tasks:
+        raise NothingSelected("no runs in this part of the matrix")
+    with ExitStack() as stack:
+        before = {record_file.key_of(record): record for record in begun(stack, target)}
+        found = {task: before[key] for task in tasks if (key := cluster.key_of_task(task)) in before}
+        report = stack.enter_context(progress("matrix"))
+        try:
+            for task, record in _spread([t for t in tasks if t not in found], serial, timeout, scheduler, workers):
+                found[task] = record
+                report(len(found), len(tasks), f"{record.scene} {record.engine} {record.method}")
+                if target is not None:
+                    record_file.append(target, [finite_record(record)])
+        except KeyboardInterrupt:
+            raise Incomplete(f"interrupted after {len(found)} of {len(tasks)} runs") from None
+    _show([found[task] for task in tasks], as_json)
+
+
+def _show(records: list[Record], as_json: bool) -> None:
+    for record in records if as_json else ():
+        echo_json(record.to_dict(), indent=None)
+    if as_json:
+        return
+    listing = table("", "scene", "engine", "method", "status", "error, m", "task, s")
+    for r in records:
+        figures = (number(r.error.value if r.error else None), number(r.times.get("task_s")))
+        listing.add_row(r.scene, r.engine, r.method, r.status, *figures)
+    show(listing)
+
+
+def _spread(
+    tasks: list[Task], serial: bool, timeout: float, scheduler: str | None, workers: int | None
+) -> Iterator[tuple[Task, Record]]:
+    from benchmarks import cluster
+
+    if not tasks:
+        return iter(())
+    if serial:
+        return cluster.serial(tasks, timeout)
+    try:
+        from benchmarks.dask_matrix import distributed
+    except ModuleNotFoundError as error:
+        if error.name != "distributed":
+            raise
+        advice = "the package distributed is not installed (pip install mbs-ref[cluster]); or use --serial"
+        raise Failed(advice) from error
+    return distributed(tasks, timeout, scheduler, workers)

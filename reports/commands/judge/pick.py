@@ -1,0 +1,132 @@
+"""mbs-ref pick: the cheapest setting that reaches an accuracy."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, replace
+from pathlib import Path
+from typing import Any
+
+import click
+
+from benchmarks import confirm, pick
+from benchmarks.pick import Bounds, Choice
+from benchmarks.record_changes import BY_MACHINE
+from benchmarks.sweep import BUSY_NOTE
+from benchmarks.timing import Comparison
+from cross_checks.isolation.parent import Lost
+from cross_checks.records import lines as record_file
+from cross_checks.records.record import Record
+from mbs_ref.scene import Scene
+from reports import inputs
+from reports.console import echo_json
+from reports.exit_codes import Failed, Incomplete, NothingSelected
+from reports.page.command import command as reproduce
+from reports.sweeping import isolated, sweep_records
+
+PATIENCE = 600.0  # s for a run that is known to finish: loading compiled code on a busy machine may take minutes
+FILE = click.Path(exists=True, dir_okay=False, path_type=Path)
+
+
+@click.command(name="pick")
+@click.argument("scene", metavar="SCENE|FILE.toml")
+@click.option("-p", "parameters", multiple=True, metavar="NAME=VALUE", help="A parameter of the scene; repeatable.")
+@click.option("--engine", "chosen", multiple=True, metavar="E", help="Only this engine; repeatable.")
+@click.option("--error", type=float, required=True, callback=inputs.positive, help="Largest world-pose error, m.")
+@click.option("--compliance", type=float, callback=inputs.positive, help="Largest constraint violation, m or rad.")
+@click.option("--budget", metavar="50ms", help="Longest loop time.")
+@click.option("--records", type=FILE, help="Choose among the records of a sweep's JSON lines instead of sweeping.")
+@click.option(
+    "--confirm/--no-confirm", "confirming", default=None,
+    help=f"Time the winner against the runner-up in interleaved runs.  [default: where it leads by less than "
+    f"{confirm.CLOSE} times]",
+)  # fmt: skip
+@click.option("--fresh", is_flag=True, help="Run the chosen setting afresh; exit code 1 where it misses.")
+@click.option("--json", "as_json", is_flag=True, help="Print JSON.")
+def command(
+    scene: str,
+    parameters: tuple[str, ...],
+    chosen: tuple[str, ...],
+    error: float,
+    compliance: float | None,
+    budget: str | None,
+    records: Path | None,
+    confirming: bool | None,
+    fresh: bool,
+    as_json: bool,
+) -> None:
+    """Name the cheapest engine, method and setting that reaches --error on SCENE."""
+    limit = None if budget is None else inputs.seconds(budget)
+    made = inputs.scene(scene, parameters)
+    found = sweep_records(made, chosen, (), None) if records is None else _of_scene(records, made, chosen)
+    _warn(found)
+    choice, duel = _confirmed(made, pick.pick(found, error, compliance, limit), confirming)
+    again = _afresh(made, choice) if fresh else None
+    if as_json:
+        echo_json(_facts(choice, duel, again))
+    if choice.best is None:
+        raise NothingSelected(choice.sentence)
+    if not as_json:
+        click.echo(choice.sentence)
+        click.echo(reproduce(choice.best))
+    if again is not None:
+        _check(again, Bounds(error, compliance))
+
+
+def _of_scene(file: Path, scene: Scene, chosen: tuple[str, ...]) -> list[Record]:
+    """Return the file's records of this very scene, and of the engines chosen."""
+    records, problems = record_file.read(file)
+    for problem in problems:
+        click.echo(problem, err=True)
+    own = [r for r in records if (r.scene, r.parameters) == (scene.name, scene.parameters)]
+    if not own:
+        raise NothingSelected(f"{file} holds no record of {scene.name} with these parameters")
+    return [r for r in own if not chosen or r.engine in chosen]
+
+
+def _warn(records: list[Record]) -> None:
+    """Say on stderr how many of the records were timed while others used the processor."""
+    busy = sum(any(note.startswith(BUSY_NOTE) for note in record.notes) for record in records)
+    if busy:
+        click.echo(f"{busy} of {len(records)} runs were timed on a busy machine: take care with the margin", err=True)
+
+
+def _confirmed(scene: Scene, choice: Choice, asked: bool | None) -> tuple[Choice, Comparison | None]:
+    if choice.runner_up is None or choice.margin is None:
+        return choice, None
+    if asked is False or (asked is None and choice.margin >= confirm.CLOSE):
+        return choice, None
+    try:
+        with isolated(scene, PATIENCE) as call:
+            duel = confirm.duel(scene, choice, call)
+    except Lost as lost:
+        return replace(choice, sentence=f"{choice.sentence} Not confirmed: a timed run {lost}."), None
+    return confirm.settled(choice, duel), duel
+
+
+def _afresh(scene: Scene, choice: Choice) -> Record | None:
+    if choice.best is None:
+        return None
+    with isolated(scene, PATIENCE) as call:
+        return confirm.afresh(scene, choice.best, call)
+
+
+def _check(again: Record, bounds: Bounds) -> None:
+    """Say what the setting did when it was run afresh."""
+    reached = "no error" if again.error is None else f"{again.error.bound:.2e} m"
+    gap = again.compliance.get("position")
+    told = f"run afresh: {again.status}, {reached}, joints open by {'nothing known' if gap is None else f'{gap:.2e}'}"
+    if again.status in BY_MACHINE:
+        raise Incomplete(f"{told}: {again.message}")
+    if not bounds.met_by(again):
+        raise Failed(f"{told}: not what was asked {again.message}".rstrip())
+    click.echo(f"{told}: as asked", err=True)
+
+
+def _facts(choice: Choice, duel: Comparison | None, again: Record | None) -> dict[str, Any]:
+    """Return the choice as plain data, with the command that runs it, and without the curves of its records."""
+    facts = asdict(choice) | {"duel": None if duel is None else asdict(duel), "fresh": again and asdict(again)}
+    limit = facts["limit"]
+    for record in (facts["best"], facts["runner_up"], facts["fresh"], limit and limit["cheaper"]):
+        if record is not None:
+            del record["history"]
+    return facts | {"command": None if choice.best is None else reproduce(choice.best)}

@@ -1,0 +1,56 @@
+"""mbs-ref sweep: every engine and method over its ladder of steps or tolerances."""
+
+from __future__ import annotations
+
+import click
+
+from cross_checks.records.record import Record
+from reports import inputs
+from reports.console import echo_json, number, show, table
+from reports.exit_codes import NothingSelected
+from reports.sweeping import sweep_records
+
+
+@click.command(name="sweep")
+@click.argument("scene", metavar="SCENE|FILE.toml")
+@click.option("-p", "parameters", multiple=True, metavar="NAME=VALUE", help="A parameter of the scene; repeatable.")
+@click.option("--engine", "chosen", multiple=True, metavar="E", help="Only this engine; repeatable.")
+@click.option("--method", "methods", multiple=True, metavar="M", help="Only this method; repeatable.")
+@click.option("--json", "as_json", is_flag=True, help="Print JSON lines, one a run.")
+@click.option("-o", "output", metavar="FILE.jsonl", help="Keep the lines in a file; what it holds already is not run.")
+@click.option("--timeout", type=float, callback=inputs.positive, help="Longest time of one run, s.  [default: 120]")
+@click.option("--memory", type=float, callback=inputs.positive, help="Most memory of one run, MiB.  [default: 4096]")
+def command(
+    scene: str,
+    parameters: tuple[str, ...],
+    chosen: tuple[str, ...],
+    methods: tuple[str, ...],
+    as_json: bool,
+    output: str | None,
+    timeout: float | None,
+    memory: float | None,
+) -> None:
+    """Measure work against precision on SCENE.
+
+    Engines run in a process of their own: one that hangs, crashes or eats memory costs that one run.
+    A sweep that was interrupted, or killed, goes on where it stopped.
+    """
+    target = inputs.output(output, (".jsonl",))
+    records = sweep_records(inputs.scene(scene, parameters), chosen, methods, target, timeout, memory)
+    if not records:
+        raise NothingSelected("no engine and method to sweep")
+    for record in records if as_json else ():
+        echo_json(record.to_dict(), indent=None)
+    if not as_json:
+        _show(records)
+
+
+def _show(records: list[Record]) -> None:
+    listing = table("", "engine", "method", "setting", "status", "error, m", "compliance", "loop, s")
+    for record in records:
+        keys = [key for key in ("step", "rtol") if record.settings.get(key) is not None]
+        setting = " ".join(f"{key} {record.settings[key]:g}" for key in keys)
+        error = number(record.error.value if record.error else None)
+        figures = (error, number(record.compliance.get("position")), number(record.times.get("loop_s")))
+        listing.add_row(record.engine, record.method, setting, record.status, *figures)
+    show(listing)

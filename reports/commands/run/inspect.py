@@ -1,0 +1,68 @@
+"""mbs-ref inspect SCENE: numerical trouble seen in advance."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import click
+import numpy as np
+
+from mbs_ref.integrators import integrators
+from mbs_ref.scene.traits import traits
+from mbs_ref.self_checks.stiffness import Stiffness, stiffness_at_start
+from reports import inputs
+from reports.console import echo_json, number, show, table
+
+SHOWN = 6  # eigenvalues
+
+
+@click.command(name="inspect")
+@click.argument("scene", metavar="SCENE|FILE.toml")
+@click.option("-p", "parameters", multiple=True, metavar="NAME=VALUE", help="A parameter of the scene; repeatable.")
+@click.option("--json", "as_json", is_flag=True, help="Print JSON.")
+def command(scene: str, parameters: tuple[str, ...], as_json: bool) -> None:
+    """Linearise a scene at its start: stiffness, and the step each explicit method can bear."""
+    chosen = inputs.scene(scene, parameters)
+    found = stiffness_at_start(chosen)
+    result: dict[str, Any] = {
+        "scene": chosen.name,
+        "traits": sorted(traits(chosen)),
+        "breakpoints_s": chosen.breakpoints(),
+        "contacts": len(chosen.contacts),
+        "fastest_1_s": found.fastest,
+        "fastest_decay_1_s": found.fastest_decay,
+        "eigenvalues_1_s": [[value.real, value.imag] for value in _dominant(found)],
+        "rule_1_over_omega_s": _finite(found.oscillation_rule),
+        "rule_m_over_c_s": _finite(found.damping_rule),
+        "largest_step_s": {
+            name: _finite(found.step_limit(method.stability))
+            for name, method in integrators().items()
+            if method.stability
+        },
+    }
+    if as_json:
+        echo_json(result)
+        return
+    shown = table(f"{chosen.name} at t = 0", "quantity", "value")
+    for name, value in result.items():
+        shown.add_row(name, _cell(value))
+    show(shown)
+
+
+def _dominant(found: Stiffness) -> list[complex]:
+    modes = found.modes
+    return [complex(value) for value in modes[np.argsort(-np.abs(modes))][:SHOWN]]
+
+
+def _finite(value: float) -> float | None:
+    return float(value) if np.isfinite(value) else None
+
+
+def _cell(value: Any) -> str:
+    if isinstance(value, dict):
+        return ", ".join(f"{name} {_cell(item)}" for name, item in value.items())
+    if isinstance(value, list):
+        return ", ".join(_cell(item) for item in value) or "none"
+    if isinstance(value, float):
+        return number(value)
+    return "no limit" if value is None else str(value)

@@ -1,0 +1,103 @@
+"""mbs-ref simulate: one run, judged."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import click
+
+from cross_checks.records.record import Record
+from reports import inputs
+from reports.console import echo_json, number, show, table
+from reports.exit_codes import EngineAbsent, Failed, Incomplete
+from reports.poses_file import FORMATS, write_poses
+
+
+@click.command(name="simulate")
+@click.argument("scene", metavar="SCENE|FILE.toml")
+@click.option("-p", "parameters", multiple=True, metavar="NAME=VALUE", help="A parameter of the scene; repeatable.")
+@click.option("--engine", default="mbs_ref", show_default=True, help="Who integrates.")
+@click.option("--method", help="How; the engine's default unless given.")
+@click.option("--step", type=float, metavar="H", help="Step of a fixed-step method, s.")
+@click.option("--rtol", type=float, metavar="R", help="Relative tolerance of an adaptive method.")
+@click.option("--atol", type=float, metavar="A", help="Absolute tolerance; rtol unless given.")
+@click.option("--stabilization", metavar="S", help="none, baumgarte or projection.")
+@click.option("--t-end", type=float, metavar="T", help="Duration, s; the scene's own unless given.")
+@click.option("--samples", type=int, metavar="N", help="Output times, evenly spaced from 0 to the end.")
+@click.option("--events", type=click.Choice(["located", "none"]), help="Locate contact events, or merely clip forces.")
+@click.option("--project-initial", is_flag=True, help="Repair inconsistent initial conditions and report by how much.")
+@click.option("--stop-on-compliance", is_flag=True, help="End the run where |C(q, t)| < step fails (the papers' test).")
+@click.option("--json", "as_json", is_flag=True, help="Print the whole record as JSON.")
+@click.option("-o", "output", metavar="FILE", help="Write times and poses to a .npz or .csv file.")
+def command(
+    scene: str,
+    parameters: tuple[str, ...],
+    engine: str,
+    method: str | None,
+    output: str | None,
+    as_json: bool,
+    **options: Any,
+) -> None:
+    """Simulate SCENE and judge the result against its truth."""
+    target = inputs.output(output, tuple(FORMATS))
+    chosen_scene = inputs.scene(scene, parameters)
+    chosen = inputs.settings(method=method, **options)
+    solver = inputs.engine(engine)
+    chosen = chosen.model_copy(update={"method": inputs.method(solver, method)})
+
+    from cross_checks.judge import one_run as compare
+
+    try:
+        record, trajectory = compare.judged_run(chosen_scene, engine, chosen)
+        if target is not None and trajectory is not None and record.status in ("success", "interrupted"):
+            write_poses(trajectory, chosen_scene.body_names, target)
+    except OSError as error:
+        raise Failed(f"-o {output}: cannot be written: {error.strerror}") from error
+    if as_json:
+        echo_json(record.to_dict())
+    else:
+        _show(record)
+    if record.status == "engine-missing":
+        raise EngineAbsent(record.message)
+    if record.status == "interrupted":
+        raise Incomplete(record.message)
+    if record.status not in ("success", "stop-event"):
+        raise Failed(f"{record.status}: {record.message}")
+
+
+MOST_TIMES = 12  # of a declared event that are printed; --json has them all
+
+
+def _show(record: Record) -> None:
+    facts = table(f"{record.scene} by {record.engine}, {record.method}", "", "")
+    error = record.error
+    facts.add_row("status", f"{record.status} {record.message}".rstrip())
+    facts.add_row("reached", f"{record.t_end:g} s in {record.steps} steps, {record.rhs_calls} right-hand sides")
+    facts.add_row("error", "no truth known" if error is None else f"{number(error.value)} {error.unit}")
+    if error is not None:
+        facts.add_row("truth", f"{error.truth}, known to {number(error.uncertainty)} {error.unit}")
+    facts.add_row("compliance", ", ".join(f"{key} {number(value)}" for key, value in record.compliance.items()))
+    facts.add_row("energy drift", f"{number(record.energy_drift)} J")
+    facts.add_row("times", ", ".join(f"{key} {number(value)}" for key, value in record.times.items()))
+    for name, value in record.contact.items():
+        facts.add_row(name, number(value))
+    for name, times in record.events.items():
+        facts.add_row(f"event {name}", f"{len(times)}: {_digits(times[:MOST_TIMES])} s" if times else "never")
+    for note in record.notes:
+        facts.add_row("note", note)
+    show(facts)
+    show(_final(record))
+
+
+def _final(record: Record):
+    listing = table("\nAt the end", "body", "position, m", "angle or orientation", "velocity, m/s")
+    for body, state in record.final.items():
+        pose = state.get("angle", state.get("orientation"))
+        listing.add_row(body, _digits(state.get("position")), _digits(pose), _digits(state.get("velocity")))
+    return listing
+
+
+def _digits(value: Any) -> str:
+    if isinstance(value, list | tuple):
+        return ", ".join(_digits(item) for item in value)
+    return "-" if value is None else f"{value:.15g}"

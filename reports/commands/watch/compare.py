@@ -1,0 +1,112 @@
+"""mbs-ref compare: is one version of the code slower than another, or one file of records worse?"""
+
+from __future__ import annotations
+
+import subprocess
+import tempfile
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
+
+import click
+
+from cross_checks.records import lines as record_file
+from cross_checks.records.record import Record
+from reports.console import echo_json, number, progress, show, table
+from reports.exit_codes import Failed, Incomplete, NothingSelected
+
+
+@click.command(name="compare")
+@click.argument("baseline", metavar="A")
+@click.argument("current", metavar="B", default=".")
+@click.option("--only", metavar="TEXT", default="", help="Only the cases whose name holds this.")
+@click.option("--json", "as_json", is_flag=True, help="Print JSON.")
+def command(baseline: str, current: str, only: str, as_json: bool) -> None:
+    """Time version B against version A at equal error, in this one job; each a folder or a git revision.
+
+    Where A and B are files of records (.jsonl), their accuracy is compared run by run; their times were
+    measured in different jobs and decide nothing. Exit code 1 where B is slower or worse, 4 where
+    something could not be measured or stayed inconclusive, 5 where the files share no run.
+    """
+    from benchmarks import regression
+
+    files = [Path(name) for name in (baseline, current) if name.endswith(".jsonl")]
+    if files:
+        _compare_files(files, only, as_json)
+        return
+    cases = [case for case in regression.CASES if only in case.name]
+    if not cases:
+        raise click.UsageError(f"--only {only!r} fits none of: {', '.join(c.name for c in regression.CASES)}")
+    with ExitStack() as stack:
+        trees = [stack.enter_context(tree(name)) for name in (baseline, current)]
+        report = stack.enter_context(progress("compare"))
+        try:
+            findings = list(regression.regressions(trees[0], trees[1], cases, report))
+        except ValueError as error:
+            raise click.UsageError(str(error)) from error
+    verdict = regression.overall(findings)
+    if as_json:
+        echo_json({"verdict": verdict, "cases": [finding.to_dict() for finding in findings]})
+    else:
+        listing = table("", "case", "verdict", "")
+        for finding in findings:
+            listing.add_row(finding.case, finding.verdict, finding.sentence)
+        show(listing)
+    if verdict == "slower":
+        raise Failed(f"slower: {', '.join(f.case for f in findings if f.verdict == 'slower')}")
+    if verdict in (regression.NOT_MEASURED, "inconclusive"):
+        raise Incomplete(f"{verdict}: {', '.join(f.case for f in findings if f.verdict == verdict)}")
+
+
+def _compare_files(files: list[Path], only: str, as_json: bool) -> None:
+    from benchmarks import record_changes
+    from benchmarks.record_changes import Move
+
+    if len(files) != 2:
+        raise click.UsageError("A and B must be two trees, or two files of records")
+    before, after = (_records(file) for file in files)
+    found = [change for change in record_changes.changes(before, after) if only in change.run]
+    if not found:
+        raise NothingSelected(f"{files[0]} and {files[1]} share no run{f' named {only!r}' if only else ''}")
+    verdict, ratio = record_changes.overall(found), record_changes.median_ratio(found)
+    left, right = record_changes.alone(before, after)
+    if as_json:
+        facts = {"verdict": verdict, "median_time_ratio": ratio, "only_in_a": left, "only_in_b": right}
+        echo_json(facts | {"runs": [change.to_dict() for change in found]})
+    else:
+        listing = table("", "run", "verdict", "", "loop, B/A")
+        for change in found:
+            if change.move is not Move.SAME:
+                listing.add_row(change.run, change.move, change.sentence, number(change.ratio))
+        show(listing)
+        counts = ", ".join(f"{sum(c.move is move for c in found)} {move}" for move in Move)
+        click.echo(f"{len(found)} runs in both: {counts}. {left} only in A, {right} only in B.")
+        click.echo(f"The median run of B took {number(ratio)} times A's loop time; times of two jobs decide nothing.")
+    if verdict is Move.WORSE:
+        raise Failed(f"worse: {sum(c.move is Move.WORSE for c in found)} of {len(found)} runs")
+    if verdict is Move.NOT_MEASURED:
+        raise Incomplete("some runs could not be compared")
+
+
+def _records(file: Path) -> list[Record]:
+    if not file.is_file():
+        raise click.UsageError(f"{file}: there is no such file")
+    records, problems = record_file.read(file)
+    for problem in problems:
+        click.echo(problem, err=True)
+    return records
+
+
+@contextmanager
+def tree(name: str) -> Iterator[Path]:
+    """Yield the folder, or a passing checkout of the git revision."""
+    if Path(name).is_dir():
+        yield Path(name)
+        return
+    with tempfile.TemporaryDirectory(prefix="mbs-ref-") as folder:
+        archive = ["git", "archive", "--output", f"{folder}/tree.tar", name]
+        done = subprocess.run(archive, capture_output=True, text=True, check=False)
+        if done.returncode:
+            raise click.UsageError(f"{name!r} is neither a folder nor a git revision: {done.stderr.strip()}")
+        subprocess.run(["tar", "-xf", "tree.tar"], cwd=folder, check=True)
+        yield Path(folder)

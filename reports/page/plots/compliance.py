@@ -1,0 +1,14 @@
+"""Constraint compliance over time: how far the joints gape."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from cross_checks.records.record import Record
+from reports.page.plots.history import history
+from reports.page.plots.palette import Style
+
+
+def compliance(records: list[Record], styles: dict[tuple[str, str], Style]) -> dict[str, Any] | None:
+    """Return the figure of the largest |C(q, t)| (m, rad) over time (s)."""
+    return history(records, styles, "compliance", "largest |C(q, t)|, m or rad")

@@ -1,0 +1,14 @@
+"""Energy drift over time: what the integration created or lost."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from cross_checks.records.record import Record
+from reports.page.plots.history import history
+from reports.page.plots.palette import Style
+
+
+def energy(records: list[Record], styles: dict[tuple[str, str], Style]) -> dict[str, Any] | None:
+    """Return the figure of |E(t) - E(0) - work| (J) over time (s)."""
+    return history(records, styles, "energy_drift", "|energy − initial − work|, J")

@@ -1,0 +1,65 @@
+"""What every plot shares: quiet axes that the page recolours for light and dark, and safe hover text."""
+
+from __future__ import annotations
+
+import html
+import json
+from typing import Any
+
+import plotly.graph_objects as go
+
+from reports.page.plots.palette import Style
+
+FLOOR = 1e-17  # a quantity that is exactly zero is drawn here on a logarithmic axis
+
+
+def new_figure(x_title: str, y_title: str, x_log: bool = True, y_log: bool = True) -> go.Figure:
+    """Return an empty figure with titled axes (units in the titles)."""
+    figure = go.Figure()
+    figure.update_layout(
+        template="none",
+        height=540,
+        margin={"l": 76, "r": 16, "t": 40, "b": 56},
+        hovermode="closest",
+        legend={"groupclick": "toggleitem", "font": {"size": 12}, "tracegroupgap": 6},
+        modebar={"bgcolor": "rgba(0,0,0,0)", "color": "#8a94a0", "activecolor": "#2b7bd6"},
+        paper_bgcolor="rgba(0,0,0,0)",
+        plot_bgcolor="rgba(0,0,0,0)",
+    )
+    figure.update_xaxes(**_axis(x_title, x_log))
+    figure.update_yaxes(**_axis(y_title, y_log))
+    return figure
+
+
+def _axis(title: str, log: bool) -> dict[str, Any]:
+    shown = {"title": {"text": title, "standoff": 10}, "zeroline": False, "automargin": True}
+    return shown | ({"type": "log", "exponentformat": "power", "dtick": 1} if log else {"type": "-"})
+
+
+def add_series(
+    figure: go.Figure, engine: str, method: str, style: Style, x: list[float], y: list[float], **more: Any
+) -> None:
+    """Add one method's line with markers, grouped under its engine in the legend."""
+    mode = more.pop("mode", "lines+markers")
+    figure.add_scatter(
+        x=x,
+        y=[max(abs(value), FLOOR) for value in y],
+        mode=mode,
+        name=html.escape(method),
+        meta={"engine": engine},
+        legendgroup=engine,
+        legendgrouptitle={"text": html.escape(engine)},
+        line={"color": style.colour, "dash": style.dash, "width": 2},
+        marker={"symbol": style.symbol, "size": 8, "color": style.colour},
+        **more,
+    )
+
+
+def lines(*parts: str) -> str:
+    """Return hover text of several lines with every part escaped."""
+    return "<br>".join(html.escape(part) for part in parts)
+
+
+def to_data(figure: go.Figure) -> dict[str, Any]:
+    """Return the figure as plain JSON data without NaN."""
+    return json.loads(str(figure.to_json()))

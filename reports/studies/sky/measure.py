@@ -1,0 +1,160 @@
+"""The sky, measured: digits against physics, races against IAS15 and heyoka, what Euler parameters cost."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from benchmarks.timing import interval
+from cross_checks import engines, ephemerides
+from cross_checks.judge.one_run import evaluate
+from cross_checks.metrics.pose_error import distance
+from cross_checks.records.record import Record
+from cross_checks.truths import Truth, seek_truth
+from mbs_ref import scenes
+from mbs_ref.observables import energy_balance
+from mbs_ref.scene import Scene
+from mbs_ref.scenes.solar_system import julian_date
+from mbs_ref.settings import Settings
+from mbs_ref.trajectory import Trajectory
+
+LEVELS = ("lumped", "newton", "gr_sun", "gr", "j2", "asteroids", "full")
+FINE = Settings(method="gauss", rtol=1e-16, samples=2)
+COARSE_SPLITTING = Settings(method="whfast", step=86_400.0, samples=2)  # a day: the Moon is 27 steps a revolution
+RIGID = Settings(method="dop853", rtol=1e-12, samples=2)
+DAYS = (200.0, 360.0)  # the paper's
+START = "1998-01-01"
+DECADE = 3652.5  # days
+DATES = ("1998-01-01", "2000-01-01", "2010-01-01", "2020-01-01")  # all in the committed excerpt
+IAS15 = Settings(method="ias15", rtol=1e-9, samples=2)  # its default, machine precision
+TAYLOR = Settings(method="taylor", rtol=1e-15, samples=2)
+ORBITS = ("leo", "gps", "molniya")
+ORBIT_DAYS = 3.0
+PAIRS = 5  # interleaved runs of each on each scene, of which the fastest counts
+
+
+@dataclass(frozen=True)
+class Lap:
+    """One scene of a race; errors from the truth in m, None where it was not computed."""
+
+    scene: str
+    ratio: float  # the rival's loop time over ours
+    our_error: float | None
+    rival_error: float | None
+
+
+@dataclass(frozen=True)
+class Race:
+    """Paired ratios over several scenes."""
+
+    rival: str
+    ours: str
+    laps: tuple[Lap, ...]
+    low: float  # 95 % bootstrap interval of the median ratio
+    high: float
+
+    @property
+    def ratio(self) -> float:
+        """The median of the laps."""
+        return float(np.median([lap.ratio for lap in self.laps]))
+
+
+@dataclass(frozen=True)
+class Splitting:
+    """WHFast at one day with the Moon as a body of its own."""
+
+    energy: float | None  # relative error, largest of the year; None without rebound
+    moon_figures: float | None
+
+
+@dataclass(frozen=True)
+class SkyFacts:
+    """Everything measured."""
+
+    ladder: tuple[Record, ...]  # the solar system over 360 days at each level of physics
+    formulations: tuple[Record, ...]  # point masses and rigid bodies over 200 and 360 days
+    spread: dict[str, dict[str, float]]  # ephemeris -> body -> figures that it shares with DE440, after 360 days
+    races: tuple[Race, ...]
+    splitting: Splitting
+    year: Trajectory  # the solar system over a year, for drawing
+    bodies: tuple[str, ...]  # its bodies
+
+
+def measure() -> SkyFacts:
+    """Run everything; half a minute with compiled code at hand."""
+    scene = scenes.make("solar_system", model="newton")
+    year = engines.get("mbs_ref").run(scene, FINE.model_copy(update={"samples": 361}))
+    return SkyFacts(digits_ladder(), formulations(), spread(), races(), splitting(), year, tuple(scene.body_names))
+
+
+def digits_ladder() -> tuple[Record, ...]:
+    """Return the solar system over 360 days at each level of physics."""
+    return tuple(evaluate(scenes.make("solar_system", model=level), "mbs_ref", FINE) for level in LEVELS)
+
+
+def splitting() -> Splitting:
+    """Return what a year of WHFast keeps and what it loses."""
+    scene = scenes.make("solar_system", model="newton")
+    record = evaluate(scene, "rebound", COARSE_SPLITTING)
+    if record.status != "success":
+        return Splitting(None, None)
+    path = engines.get("rebound").run(scene, COARSE_SPLITTING)
+    balance = energy_balance(scene, path)
+    assert balance.drift is not None
+    return Splitting(float(np.abs(balance.drift / balance.energy[0]).max()), record.figures["moon"])
+
+
+def formulations() -> tuple[Record, ...]:
+    """Return Newton's gravity among point masses, and among rigid bodies with Euler parameters, still or turning."""
+    kinds = ({}, {"formulation": "euler_parameters"}, {"formulation": "euler_parameters", "spin": True})
+    made = [scenes.make("solar_system", model="newton", days=days, **kind) for days in DAYS for kind in kinds]
+    return tuple(evaluate(scene, "mbs_ref", RIGID) for scene in made)
+
+
+def spread() -> dict[str, dict[str, float]]:
+    """Return the figures that other ephemerides share with DE440, after 360 days."""
+    jd = julian_date(START) + DAYS[-1]
+    return {version: ephemerides.figures(version, jd) for version in ("de421", "de405", "astropy_builtin")}
+
+
+def races(judged: int = 1) -> tuple[Race, ...]:
+    """Return the races against the rivals that are installed; errors of the first `judged` scenes of each."""
+    decades = [scenes.make("solar_system", model="newton", days=DECADE, start=date) for date in DATES]
+    satellites = [scenes.make("satellite", orbit=orbit, days=ORBIT_DAYS) for orbit in ORBITS]
+    entered = (("rebound", IAS15, decades, judged), ("heyoka", TAYLOR, satellites, len(satellites)))
+    found = []
+    for name, settings, made, errors in entered:
+        try:
+            engines.get(name)
+        except engines.EngineMissing:
+            continue
+        found.append(race(name, settings, made, errors))
+    return tuple(found)
+
+
+def race(rival: str, theirs: Settings, made: Sequence[Scene], judged: int) -> Race:
+    """Run both in randomly interleaved pairs on every scene."""
+    random = np.random.default_rng(0)
+    laps = tuple(_lap(rival, theirs, scene, random, k < judged) for k, scene in enumerate(made))
+    low, high = interval(np.array([lap.ratio for lap in laps]), random)
+    return Race(f"{rival} {theirs.method}", f"mbs_ref {FINE.method}", laps, low, high)
+
+
+def _lap(rival: str, theirs: Settings, scene: Scene, random: np.random.Generator, judged: bool) -> Lap:
+    entrants = ((engines.get("mbs_ref"), FINE), (engines.get(rival), theirs))
+    paths = [engine.run(scene, settings) for engine, settings in entrants]  # warms up
+    best = [np.inf, np.inf]
+    for _ in range(PAIRS):
+        for k in random.permutation(2):
+            engine, settings = entrants[k]
+            best[k] = min(best[k], engine.run(scene, settings).timing.loop_s)
+    ours, other = (_error(scene, path) if judged else None for path in paths)
+    shown = scene.parameters.get("orbit", scene.parameters.get("start"))
+    return Lap(f"{scene.name} {shown}", best[1] / best[0], ours, other)
+
+
+def _error(scene: Scene, path: Trajectory) -> float | None:
+    truth = seek_truth(scene, path.times)
+    return float(distance(path.position, truth.position)[-1]) if isinstance(truth, Truth) and path.ok else None

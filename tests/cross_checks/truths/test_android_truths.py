@@ -1,0 +1,85 @@
+"""The androids' truths: certified, obeyed by joints, and met by the solver, which shares no code with them."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from cross_checks.certificates import certificate
+from cross_checks.certify import kept_poses
+from cross_checks.certify.kept_poses import KeptPoses
+from cross_checks.judge import ladder
+from cross_checks.truths import Truth, seek_truth
+from mbs_ref import scenes
+from mbs_ref.observables import constraint_residual
+from mbs_ref.settings import Settings
+from mbs_ref.simulate import simulate
+from mbs_ref.trajectory import Trajectory
+from reports.studies.androids.measure import IMPACTS, NAMES, convergence
+
+certified = 1e-10  # m
+met = 1e-8  # m, at rtol 1e-9
+converged = 1e-6  # m
+kept = 1e-9  # m, |C|
+
+
+def truth_of(scene) -> Truth:
+    found = seek_truth(scene, ladder.grid(scene))
+    assert isinstance(found, Truth), found
+    assert found.uncertainty < certified
+    return found
+
+
+@pytest.mark.parametrize(
+    "parameters",
+    [{}, {"impact": "rear"}, {"law": "spring_damper"}, {"seat": "driven"}, {"pulse": "table"}, {"lift": 0.05}],
+    ids=str,
+)
+def test_the_solver_meets_the_truth(parameters):
+    scene = scenes.make("android_simplified", **parameters)
+    truth = truth_of(scene)
+    found = simulate(scene, Settings(rtol=1e-9, reactions=False), ladder.grid(scene))
+    assert np.abs(found.position - truth.position).max() < met
+    assert np.abs(found.orientation - truth.angle).max() < 10 * met
+    still = np.zeros_like(truth.position)
+    path = Trajectory(ladder.grid(scene), truth.position, truth.angle, still, truth.angle * 0.0)
+    assert np.abs(constraint_residual(scene, path)).max() < 1e-14
+
+
+@pytest.mark.parametrize("impact", IMPACTS)
+def test_the_solver_meets_the_vertebral_truth(impact):
+    scene = scenes.make("android_vertebral", impact=impact)
+    found = simulate(scene, Settings(rtol=1e-9, reactions=False), ladder.grid(scene))
+    assert np.abs(found.position - truth_of(scene).position).max() < met
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("impact", IMPACTS)
+@pytest.mark.parametrize("name", NAMES)
+def test_head_and_hip_converge_by_two_unlike_integrators(name, impact):
+    found = convergence(scenes.make(name, impact=impact))
+    assert max(gap.max() for gap in found.gaps.values()) < converged
+    assert max(found.compliance.values()) < kept
+    assert found.error is not None
+    assert found.error < converged
+
+
+def test_what_is_kept_on_disk_is_a_certified_truth_of_scenes_as_they_are():
+    """A changed scene has another name there, so that nothing stale is read; `mbs-ref certify` makes them again."""
+    certified_scenes = [scenes.make(kept.scene, **kept.parameters) for kept in certificate.every()]
+    known = {kept_poses.file_of(scene) for scene in certified_scenes}
+    files = set(kept_poses.FOLDER.glob("*.npz"))
+    assert files <= known
+    assert {kept_poses.file_of(scenes.make("android_vertebral", impact=impact)) for impact in IMPACTS} <= files
+
+
+def test_poses_survive_the_disk_and_a_changed_scene_finds_none(tmp_path):
+    scene = scenes.make("android_simplified")
+    times, still = np.array([0.0, 0.1, 0.2]), np.zeros((3, 13, 2))
+    kept_poses.keep(scene, KeptPoses(times, still, still[..., 0], 1e-12, 2e-12, "made up"), tmp_path)
+    found = kept_poses.find(scene, times[[0, 2]], tmp_path)
+    assert found is not None
+    assert found.times.tolist() == [0.0, 0.2]
+    assert (found.uncertainty, found.difference, found.how) == (1e-12, 2e-12, "made up")
+    assert kept_poses.find(scene, np.array([0.0, 0.15]), tmp_path) is None
+    assert kept_poses.find(scenes.make("android_simplified", mass=80.0), times, tmp_path) is None

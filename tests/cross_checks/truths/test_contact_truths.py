@@ -1,0 +1,125 @@
+"""Exact motions of the contact scenes against the reference solver, and the figures of contact."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from cross_checks import engines
+from cross_checks.judge.one_run import judged_run
+from cross_checks.metrics.contact_figures import contact_figures
+from cross_checks.truths import NoTruth, Truth, seek_truth
+from cross_checks.truths.bouncing_ball import impact
+from mbs_ref import scenes
+from mbs_ref.scene.events import CoordinateEvent
+from mbs_ref.settings import Settings
+from mbs_ref.simulate import simulate
+from mbs_ref.trajectory import Status
+
+FINE = Settings(method="dop853", rtol=1e-12, samples=41)
+EXACT = [
+    ("newtons_cradle", {}, 1e-12),
+    ("newtons_cradle", {"restitution": 0.6}, 1e-12),
+    ("newtons_cradle", {"law": "spring_damper", "stiffness": 1e5, "damping": 30.0}, 1e-10),
+    ("disc_between_walls", {}, 1e-9),
+    ("disc_between_walls", {"law": "rigid"}, 1e-11),
+    ("box_stack", {}, 1e-10),
+    ("box_stack", {"boxes": 2, "ratio": 10.0}, 1e-10),
+    ("oblique_disc", {}, 1e-10),
+    ("rolling_disc", {}, 1e-10),
+    ("rolling_disc", {"inertia_factor": 0.4}, 1e-10),
+    ("incline", {}, 1e-10),
+    ("incline", {"angle": 0.4}, 1e-10),
+    ("sliding_block", {}, 1e-10),
+    ("bouncing_ball", {"gravity": 9.81, "duration": 2.0}, 1e-9),
+]
+
+
+@pytest.mark.parametrize(("name", "parameters", "tolerance"), EXACT)
+def test_the_reference_solver_meets_the_exact_motion(name, parameters, tolerance):
+    scene = scenes.make(name, **parameters)
+    run = simulate(scene, FINE)
+    truth = seek_truth(scene, run.times)
+    assert run.ok, run.message
+    assert isinstance(truth, Truth), truth
+    assert truth.kind == "exact"
+    assert np.abs(truth.position - run.position).max() < tolerance
+    assert np.abs(truth.angle - run.orientation).max() < 10.0 * tolerance
+
+
+@pytest.mark.parametrize("parameters", [{}, {"law": "progressive", "damping": 1e3}, {"offset": 0.48}])
+def test_the_moving_seat_meets_its_converged_motion(parameters):
+    """At 0.48 m the ball meets the seat's round end, which throws it aside."""
+    scene = scenes.make("ball_on_moving_seat", **parameters)
+    run = simulate(scene, FINE.model_copy(update={"samples": 6}))
+    truth = seek_truth(scene, run.times)
+    assert isinstance(truth, Truth), truth
+    assert truth.uncertainty < 1e-11
+    assert np.abs(truth.position - run.position).max() < 1e-10
+    assert np.abs(truth.angle - run.orientation).max() < 1e-10
+
+
+@pytest.mark.parametrize(
+    ("name", "parameters", "words"),
+    [
+        ("oblique_disc", {"friction": 0.9}, "stops sliding"),
+        ("sliding_block", {"height": 0.1}, "not unique"),
+        ("bouncing_ball", {"law": "flores", "gravity": 9.81}, "linear laws"),
+        ("ball_on_driven_seat", {"law": "spring_damper"}, "of the constraint"),
+    ],
+)
+def test_what_is_not_known_is_said(name, parameters, words):
+    found = seek_truth(scenes.make(name, **parameters), np.linspace(0.0, 1.5, 4))
+    assert isinstance(found, NoTruth)
+    assert words in found.reason
+
+
+@pytest.mark.parametrize("law", ["spring_damper", "hunt_crossley", "flores"])
+def test_figures_of_a_free_impact_are_the_exact_ones(law):
+    more = {"spring_damper": {}, "hunt_crossley": {"stiffness": 1e6, "damping": 3e5}, "flores": {"stiffness": 1e6}}[law]
+    ball = scenes.make("bouncing_ball", law=law, **more)
+    exact = impact(ball.contacts[0].law, 1.0, 1.0)
+    found = contact_figures(ball, simulate(ball, FINE.model_copy(update={"samples": 2001})))
+    assert found["floor: restitution"] == pytest.approx(exact.restitution, abs=1e-9)
+    assert found["floor: penetration, m"] == pytest.approx(exact.penetration, rel=1e-6)
+    assert found["floor: duration, s"] == pytest.approx(exact.duration, abs=1e-9)
+    assert found["floor: impulse, N s"] == pytest.approx(1.0 + exact.restitution, abs=1e-9)
+
+
+def test_figures_of_rest_and_of_stopping():
+    slid = scenes.make("sliding_block")
+    found = contact_figures(slid, simulate(slid, FINE))
+    assert found["corner.left: stop distance, m"] == pytest.approx(4.0 / (2.0 * 0.3 * 9.81), abs=1e-9)
+    stack = scenes.make("box_stack")
+    sunk = contact_figures(stack, simulate(stack, FINE))
+    assert sunk["corner0.0: static sink, m"] == pytest.approx(3.0 * 9.81 / 2e6, abs=1e-9)
+
+
+def test_gravity_does_not_disturb_the_restitution():
+    ball = scenes.make("bouncing_ball", law="rigid", gravity=9.81, duration=0.2)
+    found = contact_figures(ball, simulate(ball, FINE))
+    assert found["floor: restitution"] == pytest.approx(0.5, abs=1e-9)
+
+
+@pytest.mark.parametrize(("engine", "method"), [("mujoco", "rk4"), ("exudyn", "contact_rk44")])
+def test_engines_are_judged_by_the_same_figures(engine, method):
+    pytest.importorskip(engine)
+    ball = scenes.make("disc_between_walls")
+    solver = engines.get(engine)
+    assert not solver.refusals(ball) + solver.method_refusals(ball, solver.method(method))
+    record, _ = judged_run(ball, engine, Settings(method=method, step=1e-4, t_end=0.2, samples=21))
+    assert record.error is not None
+    assert record.error.value < 1e-4
+    assert record.contact["right: restitution"] == pytest.approx(1.0, abs=1e-3)
+
+
+def test_a_record_tells_where_a_declared_event_stopped_the_run():
+    stop = CoordinateEvent(name="low", body="ball", coordinate="y", value=0.1, action="stop")
+    ball = scenes.make("bouncing_ball").model_copy(update={"events": (stop,)})
+    record, _ = judged_run(ball, "mbs_ref", Settings(rtol=1e-10))
+    assert record.status == str(Status.STOP_EVENT)
+    assert record.events["low"] == pytest.approx([0.05], abs=1e-9)
+    assert record.t_end == pytest.approx(0.05, abs=1e-9)
+    assert math.isclose(record.final["ball"]["position"][1], 0.1, abs_tol=1e-9)

@@ -1,0 +1,127 @@
+"""Contact as a constraint: touch-down by projection, lift-off where the multiplier would pull."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from cross_checks.truths import Truth, seek_truth
+from cross_checks.truths.ball_on_driven_seat import Flight, Shaker, flights
+from mbs_ref import scenes
+from mbs_ref.cores.choice import compile_scene
+from mbs_ref.scene import PlanarBody, Scene
+from mbs_ref.scene.contact import CircleOnCircle, CircleOnLine, ConstraintLaw, RegularisedCoulomb
+from mbs_ref.settings import Settings
+from mbs_ref.simulate import simulate
+
+FINE = Settings(method="dop853", rtol=1e-12)
+METHODS = {
+    "dop853": (FINE, 1e-11),
+    "rk4": (Settings(method="rk4", step=5e-4), 1e-8),
+    "radau": (Settings(method="radau", rtol=1e-10), 1e-9),
+    "lsodar": (Settings(method="lsodar", rtol=1e-11), 1e-9),
+    "generalized_alpha": (Settings(method="generalized_alpha", step=2.5e-4), 3e-6),
+    "dassl": (Settings(method="dassl", rtol=1e-9), 3e-6),
+}
+
+
+@pytest.mark.parametrize("name", METHODS)
+def test_every_integrator_lifts_off_and_lands(name):
+    settings, tolerance = METHODS[name]
+    scene = scenes.make("ball_on_driven_seat")
+    run = simulate(scene, settings.model_copy(update={"t_end": 0.6}))
+    truth = seek_truth(scene, run.times)
+    assert run.ok, run.message
+    assert isinstance(truth, Truth)
+    assert np.abs(truth.position - run.position).max() < tolerance
+
+
+def test_a_closed_contacts_row_bears_its_own_name():
+    system = compile_scene(scenes.make("ball_on_driven_seat"))
+    y = system.initial_state()
+    joints = system.row_joints()
+    system.start_contacts(0.0, y, True)
+    assert system.row_joints() == [*joints, "seat"]
+
+
+def test_lift_off_is_where_the_seat_falls_faster_than_the_ball():
+    scene = scenes.make("ball_on_driven_seat")
+    run = simulate(scene, FINE)
+    assert run.event_times is not None
+    first, landing = run.event_times[:2, 0]
+    assert first == pytest.approx(math.asin(9.81 / (0.02 * 30.0**2)) / 30.0, abs=1e-13)
+    found = flights(Shaker(0.02, 30.0, 9.81), 1.0)
+    assert isinstance(found[0], Flight)  # type: ignore[index]
+    assert landing == pytest.approx(found[0].t1, abs=1e-12)  # type: ignore[index]
+    assert np.all(run.contacts["seat"][:, 2] >= 0.0)  # it never pulls
+    assert run.contacts["seat"][:, 0].max() < 1e-12  # and never gives way
+
+
+def test_a_seat_that_shakes_gently_keeps_its_ball():
+    run = simulate(scenes.make("ball_on_driven_seat", amplitude=0.01), FINE)
+    force = 9.81 - 0.01 * 30.0**2 * np.sin(30.0 * run.times)
+    assert run.events == 0
+    assert run.contacts["seat"][:, 2] == pytest.approx(force, abs=1e-9)
+
+
+def test_a_stiff_force_tends_to_the_constraint():
+    rigid = simulate(scenes.make("ball_on_driven_seat"), FINE).position[:, 0, 1]
+    springs = {"law": "spring_damper", "stiffness": 1e5, "damping": 600.0}, {
+        "law": "spring_damper", "stiffness": 1e7, "damping": 6000.0,
+    }  # fmt: skip
+    runs = [simulate(scenes.make("ball_on_driven_seat", **each), Settings(rtol=1e-9)) for each in springs]
+    gaps = [np.abs(run.position[:, 0, 1] - rigid).max() for run in runs]
+    assert gaps[1] < 0.3 * gaps[0] < 1e-2
+
+
+def _box(height: float, tilt: float) -> Scene:
+    """A box above the ground, on two corners that are constraints once they touch."""
+    c, s = math.cos(tilt), math.sin(tilt)
+    corners = [(c * x + 0.1 * s, height + s * x - 0.1 * c) for x in (-0.2, 0.2)]
+    return Scene(
+        name="box", gravity=(0.0, -9.81),
+        bodies=(PlanarBody(name="box", mass=2.0, inertia=0.03, position=(0.0, height), angle=tilt),),
+        contacts=tuple(
+            CircleOnLine(name=f"corner{k}", body_a="box", center=corner, radius=0.0, point_1=(0.0, 0.0),
+                         point_2=(1.0, 0.0), law=ConstraintLaw())
+            for k, corner in enumerate(corners)
+        ),
+    )  # fmt: skip
+
+
+def test_a_tilted_box_falls_on_one_corner_then_on_both_and_rests():
+    run = simulate(_box(0.2, 0.2), FINE.model_copy(update={"t_end": 2.0}))
+    assert run.ok, run.message
+    assert run.position[-1, 0, 1] == pytest.approx(0.1, abs=1e-11)
+    assert run.orientation[-1, 0] == pytest.approx(0.0, abs=1e-11)
+    forces = [run.contacts[f"corner{k}"][-1, 2] for k in range(2)]
+    assert forces == pytest.approx([9.81, 9.81], abs=1e-9)
+
+
+def test_a_plastic_impact_keeps_momentum_and_the_slower_ball_does_not_stick():
+    """Ball 0 hits 1: both go on at half the speed, and separate only if something pulls them; 1 hits 2 likewise."""
+    centers = [(0.0, 0.0), (0.3, 0.0), (0.6, 0.0)]
+    row = Scene(
+        name="row",
+        bodies=tuple(PlanarBody(name=f"b{k}", mass=1.0, inertia=0.01, position=c, velocity=(float(k == 0), 0.0))
+                     for k, c in enumerate(centers)),
+        contacts=tuple(CircleOnCircle(name=f"p{k}", body_a=f"b{k}", center_a=centers[k], radius_a=0.1,
+                                      body_b=f"b{k + 1}", center_b=centers[k + 1], radius_b=0.1, law=ConstraintLaw())
+                       for k in range(2)),
+    )  # fmt: skip
+    run = simulate(row, FINE)
+    assert run.ok, run.message
+    assert run.velocity[-1, :, 0] == pytest.approx([1.0 / 3.0] * 3, abs=1e-12)
+
+
+def test_constraints_refuse_what_they_do_not_mean():
+    line = {"name": "floor", "body_a": "ball", "center": (0.0, 1.0), "radius": 1.0, "point_1": (0.0, 0.0),
+            "point_2": (1.0, 0.0), "law": ConstraintLaw()}  # fmt: skip
+    with pytest.raises(ValueError, match="friction"):
+        CircleOnLine(**line, friction=RegularisedCoulomb(coefficient=0.3))  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match="capped"):
+        CircleOnLine(**line, extent="capped")  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match="impacts and sticking are events"):
+        simulate(scenes.make("ball_on_driven_seat"), Settings(method="rk4", step=1e-3, events="none"))

@@ -1,0 +1,109 @@
+"""Methods on the DAE itself in space: generalized-alpha on rotations, DASSL on two index forms."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import numpy as np
+import pytest
+
+from mbs_ref import scenes
+from mbs_ref.cores.choice import compile_scene
+from mbs_ref.kernels.answers import FORM
+from mbs_ref.kernels.residual import INDEX_1, residual
+from mbs_ref.scene.euler_parameters import geodesic_angle
+from mbs_ref.settings import Settings
+from mbs_ref.simulate import simulate
+from mbs_ref.trajectory import Trajectory
+from tests.mbs_ref.cores.every_spatial_part import every_part, general_state
+
+TIMES = np.linspace(0.0, 0.4, 3)
+LOOPS = ("torque_free_top", "bricard", "spatial_slider_crank")  # free; redundant; spherical, universal, prismatic
+
+
+@lru_cache
+def exact(name: str) -> Trajectory:
+    return simulate(scenes.make(name), Settings(rtol=1e-11, reactions=False), TIMES)
+
+
+def gap(name: str, **settings) -> float:
+    path = simulate(scenes.make(name), Settings(reactions=False, **settings), TIMES)
+    assert path.ok, path.message
+    truth = exact(name)
+    turned = geodesic_angle(path.orientation, truth.orientation).max()
+    return max(float(np.abs(path.position - truth.position).max()), float(turned))
+
+
+@pytest.mark.parametrize("name", [*LOOPS, "heavy_top"])
+def test_generalized_alpha_has_order_two_on_rotations(name):
+    halved = gap(name, method="generalized_alpha", step=2e-3) / gap(name, method="generalized_alpha", step=1e-3)
+    assert halved == pytest.approx(4.0, rel=0.1)
+
+
+@pytest.mark.parametrize("name", LOOPS)
+@pytest.mark.parametrize("method", ["dassl", "dassl_index1"])
+def test_dassl_agrees_with_the_reference_in_space(name, method):
+    pytest.importorskip("sundials4py")
+    coarse, fine = gap(name, method=method, rtol=1e-6), gap(name, method=method, rtol=1e-9)
+    assert fine < 1e-6  # a multistep method controls the error of a step, not its sum
+    assert fine < 0.05 * coarse
+
+
+def test_generalized_alpha_closes_the_loops_at_every_step():
+    path = simulate(scenes.make("bricard"), Settings(method="generalized_alpha", step=2e-3, t_end=0.4))
+    assert path.step_compliance[:, 1].max() < 1e-11  # m, rad: the iteration's own limit, 1e-12 of the scene's size
+    assert np.abs(np.linalg.norm(path.orientation, axis=-1) - 1.0).max() < 1e-12
+
+
+def test_dassl_is_given_as_many_rows_as_the_mechanism_has_rank():
+    """With the redundant rows too, 21 264 steps at this tolerance: off the constraints they contradict each other."""
+    system = compile_scene(scenes.make("bricard"))
+    y = system.initial_state()
+    kept = system.independent_rows(0.0, y)
+    assert len(kept) == len(system.rows()) - 1
+    assert np.linalg.matrix_rank(system.scaled_jacobian(0.0, y)[kept]) == len(kept)
+    pytest.importorskip("sundials4py")
+    assert simulate(scenes.make("bricard"), Settings(method="dassl", rtol=1e-6), TIMES).steps < 500
+
+
+def test_raw_index_3_stops_in_space_too_and_says_so():
+    pytest.importorskip("sundials4py")
+    run = simulate(scenes.make("heavy_top"), Settings(method="dassl_index3", rtol=1e-8))
+    assert not run.ok
+    assert "t = " in run.message
+    assert "iteration" in run.message or "error test" in run.message
+
+
+def test_the_residual_vanishes_on_the_motion_of_every_part():
+    """With the accelerations and multipliers of the ODE form, and not with others."""
+    system = compile_scene(every_part())
+    system.prepare(FORM)
+    y, t = general_state(system), 0.37
+    dy, lam = system.derivative(t, y), system.multipliers(t, y)
+    rows = np.array([(slot, row) for _, slot, row in system.rows()], dtype=np.int64)
+    x, rates = np.concatenate((y, lam)), np.concatenate((dy, 0.0 * lam))
+    out = np.empty_like(x)
+    scratch = np.zeros_like(system.scratch.rows.multiplier), np.zeros(len(y) - system.n_positions)
+    columns = np.ascontiguousarray(rows[:, 0]), np.ascontiguousarray(rows[:, 1])
+    residual(system.model, system.work, t, x, rates, INDEX_1, 0.0, 1.0, *columns, *scratch, out)
+    size = np.abs(system.applied_forces(t, y)).max()
+    assert np.abs(out).max() < 1e-10 * size
+    residual(system.model, system.work, t, x, rates + 1e-3, INDEX_1, 0.0, 1.0, *columns, *scratch, out)
+    assert np.abs(out).max() > 1e-4
+
+
+@pytest.mark.parametrize("settings", [{"method": "generalized_alpha", "step": 2e-5}, {"method": "dassl", "rtol": 1e-8}])
+def test_a_bounce_in_space_agrees_with_the_reference(settings):
+    pytest.importorskip("sundials4py")
+    scene = scenes.make("bouncing_sphere")
+    truth = simulate(scene, Settings(rtol=1e-11), TIMES)
+    path = simulate(scene, Settings(**settings), TIMES)
+    assert path.ok, path.message
+    assert path.events == truth.events
+    assert np.abs(path.position - truth.position).max() < 1e-6
+
+
+@pytest.mark.parametrize("settings", [{"method": "generalized_alpha", "step": 1e-3}, {"method": "dassl"}])
+def test_sticking_in_space_is_refused_by_name(settings):
+    with pytest.raises(ValueError, match=r"cannot run ground: where contacts stick in space"):
+        simulate(scenes.make("rolling_sphere"), Settings(**settings))

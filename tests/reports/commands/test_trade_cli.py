@@ -1,0 +1,182 @@
+"""Commands of the trade through the entry point: choosing, comparing, resuming, certifying, and the night."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+
+import pytest
+from click.testing import CliRunner
+
+from benchmarks import cluster, confirm, regression
+from benchmarks.cluster import Task
+from benchmarks.regression import Case, Finding
+from benchmarks.timing import Comparison, Pace
+from cross_checks.isolation.parent import Lost
+from cross_checks.records import lines as record_file
+from cross_checks.records.record import Error, Record
+from mbs_ref import scenes
+from reports.cli import main
+from reports.commands.watch import nightly
+
+PENDULUM = scenes.make("pendulum")
+RECORD = Record(
+    scene="pendulum", parameters=dict(PENDULUM.parameters), engine="mbs_ref", method="rk4",
+    settings={"method": "rk4", "step": 0.01}, status="success", message="", t_end=10.0, steps=1000, rhs_calls=4000,
+    final={}, compliance={"position": 1e-12, "velocity": 1e-12}, energy_drift=None, momentum_drift=None,
+    error=Error(1e-7, "m", "exact: made up", 1e-14, 1e-7), reaction_error=None, times={"loop_s": 1e-3}, versions={},
+)  # fmt: skip
+DEAR = replace(RECORD, method="euler", settings={"method": "euler", "step": 0.01}, times={"loop_s": 1.0})
+
+
+def run(*words: str):
+    return CliRunner().invoke(main, list(words), prog_name="mbs-ref")
+
+
+def file_of(tmp_path, name: str, *records: Record) -> str:
+    record_file.append(tmp_path / name, records)
+    return str(tmp_path / name)
+
+
+def test_pick_chooses_among_records(tmp_path):
+    file = file_of(tmp_path, "r.jsonl", RECORD, DEAR, replace(RECORD, scene="other"))
+    done = run("pick", "pendulum", "--error", "1e-6", "--records", file, "--json")
+    assert done.exit_code == 0, done.output
+    found = json.loads(done.stdout)
+    assert (found["best"]["method"], found["runner_up"]["method"], found["margin"]) == ("rk4", "euler", 1000.0)
+    assert found["duel"] is None  # a margin of 1000 needs no confirmation
+    assert run("pick", "heavy_top", "--error", "1e-6", "--records", file).exit_code == 5
+
+
+def test_a_duel_that_is_lost_leaves_the_choice_unconfirmed(tmp_path, monkeypatch):
+    def duel(scene, choice, call):
+        raise Lost("timeout", "gave no answer within 120 s and was stopped")
+
+    monkeypatch.setattr(confirm, "duel", duel)
+    file = file_of(tmp_path, "r.jsonl", RECORD, DEAR)
+    done = run("pick", "pendulum", "--error", "1e-6", "--records", file, "--confirm")
+    assert done.exit_code == 0
+    assert "Not confirmed: a timed run gave no answer within 120 s" in done.stdout
+
+
+@pytest.mark.parametrize(
+    ("again", "code"),
+    [(RECORD, 0), (replace(RECORD, status="diverged", error=None), 1), (replace(RECORD, status="timeout"), 4)],
+)
+def test_a_setting_run_afresh_meets_misses_or_was_not_measured(tmp_path, monkeypatch, again, code):
+    monkeypatch.setattr(confirm, "afresh", lambda scene, record, call: again)
+    file = file_of(tmp_path, "r.jsonl", RECORD)
+    assert run("pick", "pendulum", "--error", "1e-6", "--records", file, "--fresh").exit_code == code
+
+
+def test_pick_refuses_what_the_truth_cannot_judge(tmp_path):
+    assert RECORD.error is not None
+    unsure = replace(RECORD, error=replace(RECORD.error, uncertainty=1e-9))
+    done = run("pick", "pendulum", "--error", "2e-8", "--records", file_of(tmp_path, "r.jsonl", unsure))
+    assert done.exit_code == 5
+    assert "judges no error below 3.0e-08 m" in done.stderr
+
+
+def test_compare_files(tmp_path):
+    a = file_of(tmp_path, "a.jsonl", RECORD, DEAR)
+    assert RECORD.error is not None
+    worse = replace(RECORD, error=replace(RECORD.error, value=1e-3))
+    b = file_of(tmp_path, "b.jsonl", worse, DEAR)
+    assert run("compare", a, a).exit_code == 0
+    done = run("compare", a, b)
+    assert done.exit_code == 1
+    assert "error 1.00e-07, then 1.00e-03 m" in done.stdout
+    found = json.loads(run("compare", a, b, "--json").stdout)
+    assert (found["verdict"], len(found["runs"]), found["median_time_ratio"]) == ("worse", 2, 1.0)
+    assert run("compare", a, ".").exit_code == 2
+    assert run("compare", a, str(tmp_path / "absent.jsonl")).exit_code == 2
+    assert run("compare", a, file_of(tmp_path, "c.jsonl", replace(RECORD, engine="x"))).exit_code == 5
+
+
+@pytest.fixture
+def tasks(monkeypatch):
+    """Three tasks, and a count of those that were run."""
+    made = [Task("pendulum", (), "mbs_ref", (("method", "rk4"), ("step", h))) for h in (0.1, 0.05, 0.025)]
+    ran: list[Task] = []
+
+    def serial(asked, timeout):
+        for task in asked:
+            ran.append(task)
+            if len(ran) == 2:
+                raise KeyboardInterrupt
+            yield task, replace(RECORD, settings=settings_of(task))
+
+    monkeypatch.setattr(cluster, "plan", lambda quick, engines: made)
+    monkeypatch.setattr(cluster, "serial", serial)
+    return ran
+
+
+def settings_of(task: Task) -> dict:
+    return cluster._planned(task, "", "").settings
+
+
+def test_an_interrupted_matrix_goes_on_where_it_stopped(tasks, tmp_path):
+    words = ["matrix", "--serial", "-o", str(tmp_path / "m.jsonl")]
+    assert run(*words).exit_code == 4
+    assert run(*words, "--json").exit_code == 0
+    assert [task.settings[1][1] for task in tasks] == [0.1, 0.05, 0.05, 0.025]
+    assert run(*words).exit_code == 0
+    assert len(tasks) == 4
+    assert len(record_file.read(tmp_path / "m.jsonl")[0]) == 3
+
+
+def test_certify():
+    done = run("certify", "pendulum", "--json")
+    assert done.exit_code == 0, done.output
+    (row,) = json.loads(done.stdout)
+    assert row["verdict"] == "holds"
+    assert row["judges_from"] == pytest.approx(30.0 * row["uncertainty"])
+    assert run("certify", "rocking_block").exit_code == 5
+
+
+@pytest.fixture
+def night(monkeypatch, tmp_path):
+    """A night on one case whose verdict the test says, and one sweep whose records it says."""
+    said = {"pace": "same", "records": [RECORD, DEAR]}
+
+    def regressions(baseline, current, cases, report):
+        timing = Comparison(Pace.SAME, 1.01, 0.99, 1.02, 10, 0.0)
+        for case in cases:
+            yield Finding(case.name, said["pace"], "told", 1e-6, None if said["pace"] == "not measured" else timing)
+
+    def sweep_records(scene, chosen, methods, target):
+        record_file.append(target, said["records"])
+        return said["records"]
+
+    monkeypatch.setattr(regression, "CASES", (Case("pendulum", "rk4"),))
+    monkeypatch.setattr(regression, "regressions", regressions)
+    monkeypatch.setattr(nightly, "FULL", (("pendulum", {}),))
+    monkeypatch.setattr(nightly, "sweep_records", sweep_records)
+    said["words"] = ["nightly", "--baseline", ".", "--file", str(tmp_path / "history.jsonl"),
+                     "--sweeps", str(tmp_path / "sweeps"), "--trends", str(tmp_path / "trends.html")]  # fmt: skip
+    return said
+
+
+def test_a_night_is_kept_and_drawn(night, tmp_path):
+    for _ in range(2):
+        done = run(*night["words"])
+        assert done.exit_code == 0, done.output
+    found = json.loads(run("history", "--file", str(tmp_path / "history.jsonl"), "--json").stdout)
+    assert found["ratio pendulum mbs_ref rk4"]["values"] == [1.01, 1.01]
+    assert found["loop pendulum mbs_ref within 1e-06 m"]["values"] == [1e-3, 1e-3]
+    assert "plotly" in (tmp_path / "trends.html").read_text()
+    assert (tmp_path / "sweeps-before" / "pendulum.jsonl").is_file()
+
+
+@pytest.mark.parametrize(("pace", "code"), [("slower", 1), ("not measured", 4), ("inconclusive", 4), ("faster", 0)])
+def test_slower_and_not_measured_differ(night, pace, code):
+    night["pace"] = pace
+    assert run(*night["words"]).exit_code == code
+
+
+def test_a_sweep_that_became_less_accurate_fails_the_night(night):
+    assert run(*night["words"]).exit_code == 0
+    night["records"] = [replace(RECORD, status="diverged"), DEAR]
+    done = run(*night["words"])
+    assert done.exit_code == 1
+    assert "worse than last night" in done.output

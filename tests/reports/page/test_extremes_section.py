@@ -1,0 +1,44 @@
+"""What the page says of extremes."""
+
+from __future__ import annotations
+
+import pytest
+
+from cross_checks.extremes.extreme import Axis
+from reports.page.plots.fates import LEFT, WIDTH, place
+from reports.page.sections.extremes import context
+from tests.reports.page.synthetic_report import report_data
+
+
+@pytest.fixture(scope="module")
+def shown():
+    return context(report_data())
+
+
+def test_families_hold_the_extremes_that_ran_with_a_chart_each(shown):
+    assert [family["name"] for family in shown["families"]] == ["pulses", "stiffness"]
+    chart = shown["families"][1]["extremes"][0]["chart"]
+    assert [(row["engine"], row["method"]) for row in chart["rows"]] == [("mbs_ref", "rk4"), ("mujoco", "rk4")]
+    assert [mark.fate for mark in chart["rows"][0]["marks"]] == ["survived", "degraded", "stopped"]
+    assert chart["rows"][0]["end"] == LEFT
+
+
+def test_the_advice_says_how_far_to_trust_and_who_lies(shown):
+    advice = {line["engine"]: line for line in shown["families"][1]["extremes"][0]["advice"]}
+    assert "trust rk4 up to 100 N/m" in advice["mbs_ref"]["text"]
+    assert not advice["mbs_ref"]["warning"]
+    assert "rk4" in advice["mujoco"]["warning"]
+    assert "whole axis" in shown["families"][0]["extremes"][0]["advice"][0]["text"]
+
+
+def test_what_an_engine_did_not_say_is_listed_with_what_is_true(shown):
+    assert [(row["engine"], row["status"]) for row in shown["silent"]] == [("mujoco", "reset")]
+    assert [row["caught"] for row in shown["tally"] if row["engine"] == "mujoco"] == [1]
+
+
+def test_values_between_listed_ones_stand_between_them_by_their_logarithm():
+    rising, falling = (1.0, 100.0, 1e4), (1.0, 1e-2, 0.0)
+    assert [place(v, rising) for v in (1.0, 10.0, 1e4)] == [LEFT, LEFT + WIDTH / 4, LEFT + WIDTH]
+    assert place(0.1, falling) == LEFT + WIDTH / 4
+    assert place(5e-3, falling) == LEFT + WIDTH * 0.75
+    assert Axis("mass", "kg", (0.0, 1.0), ("1 kg", "nan kg")).label(1.0) == "nan kg"
