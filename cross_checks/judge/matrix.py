@@ -16,7 +16,8 @@ from cross_checks.judge.verdict import AGREEMENT, Rung, Verdict, is_telling, jud
 from cross_checks.metrics.observed_order import observed_order
 from cross_checks.metrics.pose_error import distance
 from cross_checks.records.record import Record
-from cross_checks.truths import NoTruth, seek_truth
+from cross_checks.truth import NoTruth
+from cross_checks.truths import seek_truth
 from mbs_ref.scene import Scene
 from mbs_ref.scene.units import unit_length
 from mbs_ref.settings import Settings
@@ -135,12 +136,12 @@ def judge_method(
         scene=scene.name, parameters=dict(scene.parameters), engine=engine, method=method.name,
         verdict=verdict, reason=reason, uncertainty=uncertainty, documented_order=method.order,
         error=None if record is None or record.error is None else record.error.value,
-        compliance=None if record is None else record.compliance["position"],
+        compliance=None if record is None else record.measure("compliance_position"),
         order=_order(method, climb, uncertainty or 0.0),
         setting="" if best < 0 else climb.rungs[best].setting,
         loop_s=None if record is None else record.times["loop_s"],
         contact={} if record is None else record.contact,
-        reaction_error=None if record is None else record.reaction_error,
+        reaction_error=None if record is None else record.measure("reaction_error"),
         runs=tuple({"setting": r.setting, "status": r.status, "error": r.error} for r in climb.rungs),
     )  # fmt: skip
 
