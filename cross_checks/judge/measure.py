@@ -9,6 +9,7 @@ import numpy as np
 from cross_checks import metrics
 from cross_checks.ephemerides.observed import Observed, Unobserved, observe
 from cross_checks.metrics.compliance import worst_joint
+from cross_checks.metrics.component_errors import METRICS
 from cross_checks.metrics.contact_figures import contact_figures
 from cross_checks.metrics.metric import Absent, Judged, largest
 from cross_checks.metrics.significant_figures import significant_figures
@@ -44,6 +45,11 @@ def _measured(judged: Judged) -> dict[str, Any]:
         "events": _declared_events(scene, path),
         "history": _history(path, curves, history),
     }
+
+
+def component_errors(judged: Judged) -> dict[str, float | None]:
+    """Return the components of the error, each in its own unit, by their metrics' names."""
+    return {metric.name: largest(metric.curve(judged)) for metric in METRICS}
 
 
 def error_of(judged: Judged) -> tuple[Error | None, np.ndarray | None]:

@@ -39,8 +39,8 @@ def evaluate(
 ) -> Record:
     """Run the scene and judge it. Refusals, missing packages and failures are statuses with a sentence.
 
-    `truth` is sought unless given; `reference` gives reaction forces to compare with. ValueError only where the engine or its method
-    is unknown, or the scene itself cannot be sampled.
+    `truth` is sought unless given; `reference` gives reaction forces to compare with. ValueError only where the
+    engine or its method is unknown, or the scene itself cannot be sampled.
     """
     record, _ = judged_run(scene, engine_name, settings, times, truth=truth, reference=reference)
     if record.status == Status.INTERRUPTED:  # Ctrl-C ends what the run is part of
