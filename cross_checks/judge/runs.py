@@ -58,7 +58,7 @@ class Runs:
         return made
 
     def held(self, scene: Scene, engine: str, settings: Settings) -> Run | None:
-        """Return the run that the store holds, under the name that the scene has here: physics decided what came out."""
+        """Return the run that the store holds, under the name that the scene has here: physics alone decided it."""
         kept = self.store.run(run_name(scene, engines.get(engine), settings, grid(scene)))
         if kept is None:
             return None
