@@ -3,68 +3,33 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 
+from mbs_ref.scene.attached import Attached
 from mbs_ref.scene.bodies import GROUND, Body, PointMass
-from mbs_ref.scene.celestial import CELESTIAL_TYPES
-from mbs_ref.scene.contact import CircleOnCircle, CircleOnLine, PinOnSprocket, SphereOnPlane, SphereOnSphere
-from mbs_ref.scene.joints import (
-    CoordinateDrive,
-    Cylindrical,
-    PointOnPlane,
-    Revolute,
-    RotationDrive,
-    Spherical,
-    Universal,
-)
-from mbs_ref.scene.loads import Bushing, PointBushing, Torque, TorqueVector, TorsionSpring
-from mbs_ref.scene.part import Part
+from mbs_ref.scene.part import Role, fields_of
 
-if TYPE_CHECKING:
-    from mbs_ref.scene import Scene
-
-_PLANAR_PARTS = (Torque, PointBushing, CircleOnLine, CircleOnCircle, PinOnSprocket)
-_SPATIAL_PARTS = (
-    Spherical, Universal, Cylindrical, PointOnPlane, RotationDrive, TorqueVector, Bushing, SphereOnPlane, SphereOnSphere
-)  # fmt: skip
-_HINTS = {
-    "spherical": "; use revolute", "torque_vector": "; use torque", "torque": "; use torque_vector",
-    "circle_on_line": "; use sphere_on_plane", "circle_on_circle": "; use sphere_on_sphere",
-    "sphere_on_plane": "; use circle_on_line", "sphere_on_sphere": "; use circle_on_circle",
-}  # fmt: skip
-_TURNING_PARTS = {
-    "prismatic", "weld", "torque", "torsion_spring", "universal", "cylindrical", "rotation_drive", "torque_vector",
-    "bushing",
-}  # fmt: skip
-_VECTORS = (
-    "point", "point_a", "point_b", "axis", "direction", "vector",
-    "center", "center_a", "center_b", "point_1", "point_2", "axle",
-)  # fmt: skip
-_SHAPED_PARTS = ("circle_on_line", "pin_on_sprocket", "sphere_on_plane")  # their body_b carries more than a circle
+_PLACES = {2: "the plane", 3: "space"}
+_AT_ITS_PLACE = 1e-12  # of the largest coordinate (at least 1 m): how far from a particle it may be attached
 
 
-def complaints(scene: Scene) -> Iterator[str]:
-    """Yield what makes no sense in the scene as a whole, in one pass over its parts."""
-    dimension = scene.dimension
-    if len(scene.gravity) != dimension:
-        yield f"gravity = {scene.gravity} must have {dimension} components here"
-    for k, body in enumerate(scene.bodies):
+def complaints(
+    dimension: int, gravity: tuple[float, ...], bodies: Sequence[Body], attached: Mapping[str, Sequence[Attached]]
+) -> Iterator[str]:
+    """Yield what makes no sense in a scene as a whole, in one pass; `attached` holds its other parts by their field."""
+    if len(gravity) != dimension:
+        yield f"gravity = {gravity} must have {dimension} components here"
+    for k, body in enumerate(bodies):
         if len(body.position) != dimension or len(body.velocity) != dimension:
             yield f"bodies[{k}] ({body.name}): position and velocity need {dimension} components"
         if body.name == GROUND:
             yield f"bodies[{k}]: a body may not be named {GROUND!r}, which is reserved"
-    if dimension == 3 and scene.events:
-        yield f"events[0] ({scene.events[0].name}): declared events are for the plane alone so far"
-    bodies = {body.name: body for body in scene.bodies}
-    attached = (
-        ("joints", scene.joints), ("loads", scene.loads), ("contacts", scene.contacts), ("events", scene.events),
-    )  # fmt: skip
-    for kind, parts in (("bodies", scene.bodies), *attached):
+    by_name = {body.name: body for body in bodies}
+    for kind, parts in (("bodies", bodies), *attached.items()):
         yield from _name_clashes(kind, [part.name for part in parts])
-    for kind, parts in attached:
+    for kind, parts in attached.items():
         for k, part in enumerate(parts):
-            yield from (f"{kind}[{k}] ({part.name}): {text}" for text in _part_complaints(part, bodies, dimension))
+            yield from (f"{kind}[{k}] ({part.name}): {text}" for text in _part_complaints(part, by_name, dimension))
 
 
 def _name_clashes(kind: str, names: list[str]) -> Iterator[str]:
@@ -74,76 +39,50 @@ def _name_clashes(kind: str, names: list[str]) -> Iterator[str]:
             yield f"{kind}[{k}]: the name {name!r} is taken by {kind}[{first[name]}]; names must differ"
 
 
-def _part_complaints(part: Part, bodies: Mapping[str, Body], dimension: int) -> Iterator[str]:
-    for field in ("body", "body_a", "body_b", "planet", "raiser"):
-        named = getattr(part, field, None)
-        if named is None or (named == GROUND and field != "body"):
-            continue
-        if named not in bodies:
-            yield f"{field} = {named!r} is no body of the scene; {_listing(bodies)}"
-        elif isinstance(bodies[named], PointMass):
-            yield from _particle_complaints(part, field, bodies[named])
-    a, b = getattr(part, "body_a", None), getattr(part, "body_b", None)
-    if a is not None and a == b:
-        yield f"body_a and body_b are both {a!r}; they must differ"
-    if getattr(part, "type", "") in CELESTIAL_TYPES and dimension != 3:
-        yield f"type = {getattr(part, 'type', '')!r} belongs to scenes in space; give positions three components"
-    yield from _dimension_complaints(part, dimension)
-    if _only_in(part) in (None, dimension):
-        for field in _VECTORS:
-            value = getattr(part, field, None)
-            if value is not None and len(value) != dimension:
-                yield f"{field} = {value} must have {dimension} components here"
+def _part_complaints(part: Attached, bodies: Mapping[str, Body], dimension: int) -> Iterator[str]:
+    yield from _missing_bodies(part, bodies)
+    misplaced = list(_dimension_complaints(part, dimension))
+    yield from misplaced
+    if not misplaced:
+        yield from _particle_complaints(part, bodies, dimension)
 
 
-def _only_in(part: Part) -> int | None:
-    return 2 if isinstance(part, _PLANAR_PARTS) else 3 if isinstance(part, _SPATIAL_PARTS) else None
+def _missing_bodies(part: Attached, bodies: Mapping[str, Body]) -> Iterator[str]:
+    ends = fields_of(type(part), Role.END)
+    for field in (*fields_of(type(part), Role.BODY), *ends):
+        name = getattr(part, field)
+        if name not in bodies and not (field in ends and name == GROUND):
+            yield f"{field} = {name!r} is no body of the scene; {_listing(bodies, ground=field in ends)}"
+    if len(ends) == 2 and part.ends[0] == part.ends[1]:
+        yield f"body_a and body_b are both {part.ends[0]!r}; they must differ"
 
 
-def _dimension_complaints(part: Any, dimension: int) -> Iterator[str]:
-    """Yield what makes sense in the plane alone, or in space alone."""
-    place = {2: "the plane", 3: "space"}
-    if _only_in(part) not in (None, dimension):
-        own, other = place[5 - dimension], place[dimension]
-        yield f"a {part.type} is for {own} alone, and this scene is in {other}{_HINTS.get(part.type, '')}"
-    if isinstance(part, Revolute | TorsionSpring):
-        if dimension == 3 and part.axis is None:
-            yield f"a {part.type} in space needs an axis"
-        if dimension == 2 and part.axis is not None:
-            yield f"axis = {part.axis}: in the plane a {part.type} turns about the normal; leave the axis out"
-    if isinstance(part, TorsionSpring) and part.axis is not None and not math.hypot(*part.axis) > 0.0:
-        yield f"axis = {part.axis} has no direction; give any vector but zero"
-    if isinstance(part, CoordinateDrive) and part.coordinate == {2: "z", 3: "angle"}[dimension]:
-        hint = "; use rotation_drive" if dimension == 3 else ""
-        yield f"coordinate = {part.coordinate!r} is for {place[5 - dimension]} alone{hint}"
+def _dimension_complaints(part: Attached, dimension: int) -> Iterator[str]:
+    if dimension not in part.DIMENSIONS:
+        hint = f"; use {part.COUNTERPART}" if part.COUNTERPART else ""
+        own, here = _PLACES[5 - dimension], _PLACES[dimension]
+        yield f"a {part.type} is for {own} alone, and this scene is in {here}{hint}"
+        return
+    yield from part.complaints(dimension)
+    for field, value in part.vectors():
+        if len(value) != dimension:
+            yield f"{field} = {value} must have {dimension} components here"
 
 
-def _particle_complaints(part: Any, field: str, body: Body) -> Iterator[str]:
+def _particle_complaints(part: Attached, bodies: Mapping[str, Body], dimension: int) -> Iterator[str]:
     """Yield what a particle cannot bear: a torque, or an attachment away from its place."""
-    turning = part.type in _TURNING_PARTS or (isinstance(part, Revolute) and len(body.position) == 3)
-    if turning or getattr(part, "coordinate", None) == "angle":
-        yield f"{field} = {body.name!r} is a point mass and has no orientation; use a rigid body"
-        return
-    if field == "body_a" and part.type == "point_bushing":
-        yield f"{field} = {body.name!r} is a point mass and cannot bear the bushing's couple; let it be body_b"
-        return
-    if getattr(part, "friction", None) is not None or (field == "body_b" and part.type in _SHAPED_PARTS):
-        yield f"{field} = {body.name!r} is a point mass: it carries circles without friction only; use a rigid body"
-        return
-    point = _attachment(part, field)
-    if point is None or len(point) != len(body.position):
-        return
-    if math.dist(point, body.position) > 1e-12 * max(1.0, *map(abs, body.position)):
-        yield f"{field} = {body.name!r} is a point mass at {body.position}, but it is attached at {point}"
+    for field in (*fields_of(type(part), Role.BODY), *fields_of(type(part), Role.END)):
+        body = bodies.get(getattr(part, field))
+        if not isinstance(body, PointMass) or len(body.position) != dimension:
+            continue
+        reason, point = part.refuses_particle(field, dimension), part.mark(field)
+        if reason:
+            yield f"{field} = {body.name!r} is a point mass {reason}"
+        elif point and math.dist(point, body.position) > _AT_ITS_PLACE * max(1.0, *map(abs, body.position)):
+            yield f"{field} = {body.name!r} is a point mass at {body.position}, but it is attached at {point}"
 
 
-def _attachment(part: Part, field: str) -> tuple[float, ...] | None:
-    """Return where a part is attached to its body: the body's own mark, or the shared one."""
-    own = (getattr(part, field.replace("body", kind), None) for kind in ("point", "center"))
-    shared = (getattr(part, kind, None) for kind in ("point", "center"))
-    return next((mark for mark in (*own, *shared) if mark is not None), None)
-
-
-def _listing(names: Iterable[str], most: int = 12) -> str:
+def _listing(names: Iterable[str], ground: bool, most: int = 12) -> str:
     shown = sorted(names)
-    return f"the bodies are {', '.join(shown[:most])}{' ...' if len(shown) > most else ''}, and ground"
+    listed = f"the bodies are {', '.join(shown[:most])}{' ...' if len(shown) > most else ''}"
+    return f"{listed}, and ground" if ground else listed

@@ -120,7 +120,8 @@ class Polynomial(Part):
         return [Segment(0.0, self.coefficients)]
 
 
-Signal = Annotated[Constant | Table | HalfSine | Harmonic | Polynomial, Field(discriminator="type")]
+AnySignal = Constant | Table | HalfSine | Harmonic | Polynomial
+Signal = Annotated[AnySignal, Field(discriminator="type")]
 Level = Literal["position", "velocity", "acceleration"]
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
 
@@ -24,7 +24,7 @@ def _floats(values: list, *shape: int) -> np.ndarray:
 def build_particles(scene: Scene) -> arrays.ParticleGroups:
     """Compile a scene of particles; ValueError where a part contradicts another."""
     place = scene.body_index
-    found: dict[type, list[Any]] = {kind: [] for kind in celestial.CelestialLoad.__args__}
+    found: dict[type, list[Any]] = {kind: [] for kind in get_args(celestial.CelestialLoad)}
     for load in scene.loads:
         found[type(load)].append(load)
     zonals, figures, tides = found[celestial.Oblateness], found[celestial.LunarFigure], found[celestial.Tide]
