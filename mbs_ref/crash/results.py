@@ -8,8 +8,8 @@ import numpy as np
 from scipy.integrate import cumulative_simpson
 
 from mbs_ref.crash import injury
+from mbs_ref.crash.body_forces import BodyForces, body_forces
 from mbs_ref.observables.attachment import Motion
-from mbs_ref.observables.body_forces import BodyForces, body_forces
 from mbs_ref.observables.energy import kinetic_energy, potential_energy
 from mbs_ref.observables.powers import LOADS
 from mbs_ref.observables.signal_values import values
