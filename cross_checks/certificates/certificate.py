@@ -21,7 +21,8 @@ from cross_checks.judge import ladder
 from cross_checks.judge.one_run import evaluate
 from cross_checks.metrics.pose_error import distance
 from cross_checks.records.record import MARGIN
-from cross_checks.truths import NoTruth, Truth, seek_truth
+from cross_checks.truth import NoTruth, Truth
+from cross_checks.truths import seek_truth
 from mbs_ref import scenes
 from mbs_ref.atomic_file import write_atomic
 from mbs_ref.scene import Scene
@@ -76,9 +77,14 @@ def keep_poses(scene: Scene) -> Path | None:
     """Make the scene's truth afresh and keep its poses where it takes long to make; return their file."""
     times = ladder.grid(scene)
     truth = seek_truth(scene, times, afresh=True)
-    if isinstance(truth, NoTruth) or not truth.is_costly or truth.difference is None:
+    if isinstance(truth, NoTruth) or not truth.is_costly or truth.difference is None or truth.velocity is None:
         return None
-    found = KeptPoses(times, truth.position, truth.angle, truth.uncertainty, truth.difference, truth.how)
+    assert truth.angular_velocity is not None
+    assert truth.rate_uncertainty is not None
+    found = KeptPoses(
+        times, truth.position, truth.orientation, truth.velocity, truth.angular_velocity, truth.rate_uncertainty,
+        truth.uncertainty, truth.difference, truth.how,
+    )  # fmt: skip
     return kept_poses.keep(scene, found)
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from cross_checks.extremes.extreme import Measure
 from cross_checks.metrics.compliance import compliance
 from cross_checks.metrics.pose_error import pose_error
-from cross_checks.truths import NoTruth, Truth
+from cross_checks.truth import NoTruth, Truth
 from mbs_ref import observables
 from mbs_ref.scene import Scene
 from mbs_ref.trajectory import Trajectory

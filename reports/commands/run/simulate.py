@@ -77,7 +77,7 @@ def _show(record: Record) -> None:
     if error is not None:
         facts.add_row("truth", f"{error.truth}, known to {number(error.uncertainty)} {error.unit}")
     facts.add_row("compliance", ", ".join(f"{key} {number(value)}" for key, value in record.compliance.items()))
-    facts.add_row("energy drift", f"{number(record.energy_drift)} J")
+    facts.add_row("energy drift", f"{number(record.measure("energy_drift"))} J")
     facts.add_row("times", ", ".join(f"{key} {number(value)}" for key, value in record.times.items()))
     for name, value in record.contact.items():
         facts.add_row(name, number(value))
