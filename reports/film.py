@@ -14,8 +14,8 @@ from PIL import Image, ImageDraw
 
 from mbs_ref.observables.attachment import Motion
 from mbs_ref.scene import GROUND, CoordinateDrive, Scene
+from mbs_ref.scene.base.directions import normals, unit
 from mbs_ref.scene.contact import CircleOnCircle, CircleOnLine, SphereOnPlane, SphereOnSphere
-from mbs_ref.scene.directions import normals, unit
 from mbs_ref.trajectory import Trajectory
 
 WIDTH = 480  # pixels of a picture

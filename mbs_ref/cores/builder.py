@@ -10,8 +10,8 @@ import numpy as np
 from mbs_ref.cores.joint_graph import Edge, joint_rows, layout, row_count
 from mbs_ref.kernels.signals import SignalArrays
 from mbs_ref.scene import Scene
+from mbs_ref.scene.base.rows import Row
 from mbs_ref.scene.joints import Drive
-from mbs_ref.scene.rows import Row
 from mbs_ref.scene.signals import DEGREE, Segment, motion_segments
 
 
@@ -27,7 +27,7 @@ class Place(NamedTuple):
 class PlacedRow(NamedTuple):
     """An elementary row, where it is and whose."""
 
-    row: Any  # one of mbs_ref.scene.rows
+    row: Any  # one of mbs_ref.scene.base.rows
     joint: Any
     a: str
     b: str

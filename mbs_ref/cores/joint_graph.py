@@ -9,7 +9,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from mbs_ref.scene import Scene
-from mbs_ref.scene.rows import Prescribed, PrescribedAngle, Product, Row, SameAngle, SharedPoint, Turn
+from mbs_ref.scene.base.rows import Prescribed, PrescribedAngle, Product, Row, SameAngle, SharedPoint, Turn
 
 MAX_ROWS = 3  # a planar body cannot lose more than three freedoms to one neighbour
 INDEPENDENT = 0.1  # least singular value of unit directions that count as independent

@@ -29,8 +29,8 @@ from mbs_ref.scene import (
     TorsionSpring,
     Weld,
 )
+from mbs_ref.scene.base.part import NonNegative
 from mbs_ref.scene.contact import CircleOnLine, Contact, ContactLaw, ProgressiveLaw, SpringDamperLaw
-from mbs_ref.scene.part import NonNegative
 from mbs_ref.scene.signals import Constant, HalfSine, Signal, Table
 
 Point = tuple[float, float]

@@ -1,6 +1,6 @@
 """Constraint residuals of every kind of joint and their rates, from world poses and velocities.
 
-They are written from what a joint means, not from the rows that it names to the solver (mbs_ref/scene/rows.py): a
+They are written from what a joint means, not from the rows that it names to the solver (mbs_ref/scene/base/rows.py): a
 joint that names wrong rows is caught here. Rows are lengths (m), angles (rad) or sines of angles.
 """
 

@@ -10,8 +10,8 @@ from typing import Annotated, ClassVar, Literal, Self
 
 from pydantic import Field, model_validator
 
-from mbs_ref.scene.attached import Attached
-from mbs_ref.scene.part import BodyName, Direction3, Name, NonNegative, Positive
+from mbs_ref.scene.base.attached import Attached
+from mbs_ref.scene.base.part import BodyName, Direction3, Name, NonNegative, Positive
 
 G_SI = 6.67430e-11  # m^3/(kg s^2), CODATA 2018; turns gm into kilograms where energy is wanted in joules
 C_SI = 299_792_458.0  # m/s, exact

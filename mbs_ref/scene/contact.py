@@ -11,8 +11,8 @@ from typing import Annotated, Any, ClassVar, Literal, NamedTuple, Self
 
 from pydantic import Field, model_validator
 
-from mbs_ref.scene.attached import Attached
-from mbs_ref.scene.part import Direction3, EndName, NonNegative, Part, Positive, Vector, Vector3
+from mbs_ref.scene.base.attached import Attached
+from mbs_ref.scene.base.part import Direction3, EndName, NonNegative, Part, Positive, Vector, Vector3
 
 Restitution = Annotated[float, Field(ge=0.0, le=1.0)]
 

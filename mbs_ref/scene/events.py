@@ -6,8 +6,8 @@ from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field
 
-from mbs_ref.scene.attached import NO_ORIENTATION, Attached
-from mbs_ref.scene.part import BodyName, EndName, Vector
+from mbs_ref.scene.base.attached import NO_ORIENTATION, Attached
+from mbs_ref.scene.base.part import BodyName, EndName, Vector
 
 Crossing = Literal["either", "rising", "falling"]
 Action = Literal["record", "stop"]

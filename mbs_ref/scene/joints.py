@@ -9,10 +9,10 @@ from typing import Annotated, ClassVar, Literal, Self
 import numpy as np
 from pydantic import Field, model_validator
 
-from mbs_ref.scene.attached import NO_ORIENTATION, Attached
-from mbs_ref.scene.directions import normals, require_perpendicular, unit
-from mbs_ref.scene.part import BodyName, Direction, Direction3, EndName, Positive, Vector, Vector3
-from mbs_ref.scene.rows import (
+from mbs_ref.scene.base.attached import NO_ORIENTATION, Attached
+from mbs_ref.scene.base.directions import normals, require_perpendicular, unit
+from mbs_ref.scene.base.part import BodyName, Direction, Direction3, EndName, Positive, Vector, Vector3
+from mbs_ref.scene.base.rows import (
     OnPlane,
     Prescribed,
     PrescribedAngle,

@@ -7,11 +7,20 @@ from typing import Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import Field, SkipValidation, model_validator
 
-from mbs_ref.scene.attached import Attached
+from mbs_ref.scene.base.attached import Attached
+from mbs_ref.scene.base.directions import require_perpendicular
+from mbs_ref.scene.base.part import (
+    BodyName,
+    Direction,
+    Direction3,
+    EndName,
+    NonNegative,
+    SixNonNegative,
+    Vector,
+    Vector3,
+)
 from mbs_ref.scene.celestial import CelestialLoad
-from mbs_ref.scene.directions import require_perpendicular
 from mbs_ref.scene.joints import axis_complaints
-from mbs_ref.scene.part import BodyName, Direction, Direction3, EndName, NonNegative, SixNonNegative, Vector, Vector3
 from mbs_ref.scene.signals import Constant, Signal
 
 

@@ -7,13 +7,13 @@ from typing import Any, Self
 
 from pydantic import Field, model_validator
 
+from mbs_ref.scene.base.complaints import complaints
+from mbs_ref.scene.base.part import Name, Part, Positive, Vector
 from mbs_ref.scene.bodies import GROUND, Body
-from mbs_ref.scene.complaints import complaints
 from mbs_ref.scene.contact import Contact
 from mbs_ref.scene.events import Event
 from mbs_ref.scene.joints import Joint
 from mbs_ref.scene.loads import Load
-from mbs_ref.scene.part import Name, Part, Positive, Vector
 from mbs_ref.scene.signals import breakpoints
 
 MOST_COMPLAINTS = 100  # about one scene at once: each may list the bodies, and there may be 100 000

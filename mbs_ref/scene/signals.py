@@ -13,7 +13,7 @@ from typing import Annotated, Literal, NamedTuple, Self
 
 from pydantic import Field, model_validator
 
-from mbs_ref.scene.part import Part, Positive
+from mbs_ref.scene.base.part import Part, Positive
 
 DEGREE = 6  # highest polynomial degree a compiled segment carries (4 plus two integrations)
 

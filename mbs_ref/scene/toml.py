@@ -10,9 +10,9 @@ import tomli_w
 from pydantic import ValidationError
 
 from mbs_ref.atomic_file import write_atomic
+from mbs_ref.scene.base.part import Part
 from mbs_ref.scene.loads import UserForce
 from mbs_ref.scene.messages import Problem, problems
-from mbs_ref.scene.part import Part
 from mbs_ref.scene.scene import Scene
 
 LARGEST_FILE = 32 * 2**20  # bytes; 100 000 bodies with their joints take about 25 MiB

@@ -11,6 +11,7 @@ import numpy as np
 from pydantic import Field
 
 from mbs_ref.scene import GROUND, PlanarBody, Revolute, Scene, Torque
+from mbs_ref.scene.base.part import NonNegative, Positive
 from mbs_ref.scene.contact import (
     CircleOnLine,
     Contact,
@@ -20,7 +21,6 @@ from mbs_ref.scene.contact import (
     RegularisedCoulomb,
     SpringDamperLaw,
 )
-from mbs_ref.scene.part import NonNegative, Positive
 from mbs_ref.scene.signals import Table
 
 DATA: dict[str, Any] = json.loads((files("mbs_ref.scenes") / "data" / "tracked_vehicle.json").read_text())

@@ -16,8 +16,8 @@ from cross_checks.engine import Refusal
 from cross_checks.engines.exudyn_.contact import REACH, SLOW, one_coefficient
 from cross_checks.engines.exudyn_.spatial_model import Spatial
 from mbs_ref.scene import Scene
+from mbs_ref.scene.base.directions import normals
 from mbs_ref.scene.contact import SphereOnPlane, SphereOnSphere, SpringDamperLaw
-from mbs_ref.scene.directions import normals
 
 
 def pair_contact_refusals(scene: Scene) -> list[Refusal]:

@@ -23,7 +23,7 @@ from mbs_ref.scene import (
     TorqueVector,
     Weld,
 )
-from mbs_ref.scene.directions import normals
+from mbs_ref.scene.base.directions import normals
 
 
 def _generic(model: Spatial, joint, axis, fixed: list[int]) -> None:

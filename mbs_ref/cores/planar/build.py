@@ -12,9 +12,9 @@ from mbs_ref.cores.contact_arrays import contact_laws
 from mbs_ref.cores.planar.shapes import contact_balls, contact_pairs, planar_modes, tension_only, watches
 from mbs_ref.kernels.planar import model as arrays
 from mbs_ref.scene import Force, PlanarBody, PointBushing, PointMass, Scene, SpringDamper, Torque, TorsionSpring
+from mbs_ref.scene.base.rows import OnPlane, Prescribed, PrescribedAngle, Rod, Row, SameAngle, SharedPoint
 from mbs_ref.scene.contact import Contact
 from mbs_ref.scene.joints import Drive
-from mbs_ref.scene.rows import OnPlane, Prescribed, PrescribedAngle, Rod, Row, SameAngle, SharedPoint
 
 _HELD_INERTIA = 1.0  # kg m^2 in the idle third slot of a point mass: nothing ever turns it
 

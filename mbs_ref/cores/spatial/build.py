@@ -12,10 +12,10 @@ from mbs_ref.cores.contact_arrays import contact_laws, contact_modes
 from mbs_ref.cores.spatial.shapes import contact_balls, contact_pairs
 from mbs_ref.kernels.spatial import model as arrays
 from mbs_ref.scene import Bushing, Force, PointMass, Scene, SpatialBody, SpringDamper, TorqueVector, TorsionSpring
+from mbs_ref.scene.base.directions import normals, unit
+from mbs_ref.scene.base.rows import OnPlane, Prescribed, Product, Rod, SharedPoint, Turn
 from mbs_ref.scene.celestial import CelestialPart, Epoch, Newton
-from mbs_ref.scene.directions import normals, unit
 from mbs_ref.scene.euler_parameters import rotation_matrices
-from mbs_ref.scene.rows import OnPlane, Prescribed, Product, Rod, SharedPoint, Turn
 
 _HELD_INERTIA = (1.0, 1.0, 1.0, 0.0, 0.0, 0.0)  # kg m^2 in the idle block of a point mass: nothing ever turns it
 

@@ -12,8 +12,8 @@ from mbs_ref.kernels.contact import laws as shared
 from mbs_ref.kernels.contact.near_pairs import NearPairs
 from mbs_ref.kernels.spatial import model as arrays
 from mbs_ref.scene import Scene
+from mbs_ref.scene.base.directions import normals, unit
 from mbs_ref.scene.contact import SphereOnPlane, SphereOnSphere
-from mbs_ref.scene.directions import normals, unit
 
 _ENDS = {"plane": shared.ENDS_NONE, "rectangle": shared.ENDS_OPEN, "capped": shared.ENDS_CAPPED}
 

@@ -11,7 +11,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from mbs_ref.scene.directions import normals, unit
+from mbs_ref.scene.base.directions import normals, unit
 
 Point = tuple[float, ...]
 

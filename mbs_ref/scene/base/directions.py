@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from mbs_ref.scene.part import Vector3
+from mbs_ref.scene.base.part import Vector3
 
 
 def require_perpendicular(name: str, first: Vector3, other_name: str, second: Vector3) -> None:

@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 
-from mbs_ref.scene.attached import Attached
+from mbs_ref.scene.base.attached import Attached
+from mbs_ref.scene.base.part import Role, fields_of
 from mbs_ref.scene.bodies import GROUND, Body, PointMass
-from mbs_ref.scene.part import Role, fields_of
 
 _PLACES = {2: "the plane", 3: "space"}
 _AT_ITS_PLACE = 1e-12  # of the largest coordinate (at least 1 m): how far from a particle it may be attached

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any, ClassVar
 
+from mbs_ref.scene.base.part import Name, Part, Role, fields_of
 from mbs_ref.scene.bodies import GROUND
-from mbs_ref.scene.part import Name, Part, Role, fields_of
 from mbs_ref.scene.signals import AnySignal
 
 NO_ORIENTATION = "and has no orientation; use a rigid body"
