@@ -27,8 +27,8 @@ ROOMS = {
         "run scenes", "self_checks", "simulate",
     ),
     "cross_checks": (
-        "engine isolation truth", "workshop", "certify engines", "capabilities truths", "ephemerides records", "metrics",
-        "judge", "certificates conformance extremes",
+        "engine isolation truth", "workshop", "certify engines", "capabilities truths", "ephemerides records",
+        "metrics", "judge", "certificates conformance extremes",
     ),
     "benchmarks": (
         "event_work cluster pick profiles scaling sweep timing tree_worker", "confirm dask_matrix history tree",

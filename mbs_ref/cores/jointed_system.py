@@ -113,9 +113,9 @@ class JointedSystem(ContactSystem):
     def multipliers(self, t: float, y: np.ndarray) -> np.ndarray:
         """Return lambda (n_rows,) in the order of `rows`; minimum-norm where rows are dependent."""
         dy = self.derivative(t, y)
-        found = np.array([self.scratch.rows.multiplier[slot, row] for _, slot, row in self.rows()])
+        result = np.array([self.scratch.rows.multiplier[slot, row] for _, slot, row in self.rows()])
         if self.n_closure_rows == 0 or self.scratch.closures.rank[0] == self.n_closure_rows or not len(dy):
-            return found
+            return result
         unbalanced = self._unbalanced(t, y, dy)
         return np.linalg.lstsq(self.jacobian(t, y).T, unbalanced, rcond=RANK_TOLERANCE)[0]
 

@@ -20,12 +20,12 @@ USER_FORCE: str = UserForce.model_fields["type"].default
 
 
 class SceneFileError(ValueError):
-    """A scene file that cannot be read or written: `file`, and a `Problem` for everything found."""
+    """A scene file that cannot be read or written: `file`, and a `Problem` for each thing wrong with it."""
 
-    def __init__(self, file: str, found: list[Problem]) -> None:
+    def __init__(self, file: str, listed: list[Problem]) -> None:
         self.file = file
-        self.problems = tuple(found)
-        super().__init__("\n".join(f"{file}: {problem}" for problem in found))
+        self.problems = tuple(listed)
+        super().__init__("\n".join(f"{file}: {problem}" for problem in listed))
 
 
 def read_scene(path: str | Path) -> Scene:
@@ -74,13 +74,13 @@ def write_scene(scene: Scene, path: str | Path) -> None:
 
 def dumps(scene: Scene, file: str = "scene") -> str:
     """Return the scene as TOML without what is default; `loads` gives an equal scene back."""
-    found = [
+    unwritable = [
         Problem(f"loads[{k}]", load.name, "", "is the user's own Python function, which a scene file cannot hold")
         for k, load in enumerate(scene.loads)
         if isinstance(load, UserForce)
     ]
-    if found:
-        raise SceneFileError(file, found)
+    if unwritable:
+        raise SceneFileError(file, unwritable)
     return tomli_w.dumps(_plain(scene))
 
 

@@ -168,16 +168,16 @@ def _bushings(build: _Builder) -> arrays.Bushings:
 def _attraction(build: _Builder) -> arrays.Attraction:
     """Return Newton's gm in elimination order; ValueError where a load acts on scenes of particles alone."""
     others = [x.name for x in build.scene.loads if isinstance(x, CelestialPart) and not isinstance(x, Newton | Epoch)]
-    found = [x for x in build.scene.loads if isinstance(x, Newton)]
+    newtons = [x for x in build.scene.loads if isinstance(x, Newton)]
     if others:
         raise ValueError(
             f"loads {', '.join(others)} act in scenes of free point masses alone; rigid bodies know newton"
         )
-    if len(found) > 1:
-        raise ValueError(f"loads {', '.join(x.name for x in found)} are all of type newton; give one")
-    if found and len(found[0].gm) != build.n:
-        raise ValueError(f"load {found[0].name!r}: gm needs {build.n} entries, one a body; got {len(found[0].gm)}")
-    return arrays.Attraction(floats(found[0].gm[i] for i in build.layout.order) if found else np.zeros(0))
+    if len(newtons) > 1:
+        raise ValueError(f"loads {', '.join(x.name for x in newtons)} are all of type newton; give one")
+    if newtons and len(newtons[0].gm) != build.n:
+        raise ValueError(f"load {newtons[0].name!r}: gm needs {build.n} entries, one a body; got {len(newtons[0].gm)}")
+    return arrays.Attraction(floats(newtons[0].gm[i] for i in build.layout.order) if newtons else np.zeros(0))
 
 
 def _bodies(build: _Builder) -> arrays.Bodies:

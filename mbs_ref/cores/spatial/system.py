@@ -147,21 +147,21 @@ class SpatialSystem(JointedSystem):
 
     def _rate_map(self, y: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Return d(R', omega)/d(q'), the Jacobian of the norms and their right-hand side -2 theta'^T theta'."""
-        found = np.zeros((6 * self.n_bodies, self.n_positions))
+        to_rates = np.zeros((6 * self.n_bodies, self.n_positions))
         norms, squares = np.zeros((len(self.rigid), self.n_positions)), np.zeros(len(self.rigid))
         bodies = self.groups.bodies
         place = {k: (bodies.q[i], bodies.v[i]) for i, k in enumerate(bodies.scene_index)}
         for k in range(self.n_bodies):
-            found[6 * k : 6 * k + 3, place[k][0] : place[k][0] + 3] = np.eye(3)
+            to_rates[6 * k : 6 * k + 3, place[k][0] : place[k][0] + 3] = np.eye(3)
         for row, k in enumerate(self.rigid):
             q, v = place[k]
             theta = y[q + 3 : q + 7]
             e = parameter_matrix(theta)
-            found[6 * k + 3 : 6 * k + 6, q + 3 : q + 7] = 2.0 * e
+            to_rates[6 * k + 3 : 6 * k + 6, q + 3 : q + 7] = 2.0 * e
             norms[row, q + 3 : q + 7] = 2.0 * theta
             rate = 0.5 * e.T @ rotation_matrices(theta) @ y[v + 3 : v + 6]
             squares[row] = -2.0 * rate @ rate
-        return found, norms, squares
+        return to_rates, norms, squares
 
     def scaled_jacobian(self, t: float, y: np.ndarray) -> np.ndarray:
         jacobian = self.jacobian(t, y)
