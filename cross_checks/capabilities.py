@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import typing
 from dataclasses import dataclass
 
 from cross_checks import engines
 from cross_checks.engine import Engine, Method
 from mbs_ref import scenes
-from mbs_ref.scene import Body, Joint, Load, Scene
-from mbs_ref.scene.contact import Contact, ContactLaw, Friction
-from mbs_ref.scene.events import Event
+from mbs_ref.scene import Scene
+from mbs_ref.scene.traits import PART_TYPES
 
 
 @dataclass(frozen=True)
@@ -26,13 +24,6 @@ class Capability:
     scenes: dict[str, tuple[str, ...]]  # scene -> reasons to refuse; empty where it runs
 
 
-def part_types() -> list[str]:
-    """Return every part type of the scene language, in its order."""
-    kinds = (Body, Joint, Load, Contact, ContactLaw, Friction, Event)
-    unions = (typing.get_args(typing.get_args(kind)[0]) for kind in kinds)
-    return [part.model_fields["type"].default for union in unions for part in union]
-
-
 def capabilities() -> list[Capability]:
     """Return what each engine can do with each part type and each scene as it comes."""
     probes = {name: scenes.make(name) for name in scenes.names()}
@@ -44,7 +35,7 @@ def _capability(name: str, probes: dict[str, Scene]) -> Capability:
         engine = engines.get(name)
     except engines.EngineMissing as error:
         return Capability(name, False, str(error), "", (), {}, {})
-    parts = {kind: kind in engine.part_types for kind in part_types()}
+    parts = {kind: kind in engine.part_types for kind in PART_TYPES}
     answers = {label: _reasons(engine, scene) for label, scene in probes.items()}
     return Capability(name, True, "", engine.version(), tuple(engine.methods()), parts, answers)
 

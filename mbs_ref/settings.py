@@ -6,7 +6,7 @@ from typing import Literal, Self
 
 from pydantic import Field, model_validator
 
-from mbs_ref.scene.part import NonNegative, Part, Positive
+from mbs_ref.scene.base.part import NonNegative, Part, Positive
 
 Stabilization = Literal["none", "baumgarte", "projection"]
 

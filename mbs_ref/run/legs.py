@@ -24,10 +24,9 @@ from mbs_ref.integrators.loop.leg import (
     Progress,
     progress,
 )
-from mbs_ref.run.diagnosis import deeper_cause
+from mbs_ref.run.diagnosis import culprit, deeper_cause
 from mbs_ref.run.interrupts import Interrupts
 from mbs_ref.run.plan import ON_GRID, Plan
-from mbs_ref.self_checks.soundness import culprit
 from mbs_ref.trajectory import Status
 
 EPS = float(np.finfo(float).eps)

@@ -6,7 +6,8 @@ from dataclasses import asdict
 
 import click
 
-from cross_checks.capabilities import Capability, capabilities, part_types
+from cross_checks.capabilities import Capability, capabilities
+from mbs_ref.scene.traits import PART_TYPES
 from reports.console import echo_json, show, table
 
 
@@ -36,7 +37,7 @@ def _methods(found: list[Capability]):
 def _matrix(found: list[Capability]):
     here = [item for item in found if item.installed]
     listing = table("\nCapabilities", "part or scene", *(item.engine for item in here))
-    for kind in part_types():
+    for kind in PART_TYPES:
         listing.add_row(kind, *("yes" if item.parts[kind] else "not yet" for item in here))
     for scene in here[0].scenes if here else ():
         listing.add_row(scene, *("; ".join(item.scenes[scene]) or "runs" for item in here))
