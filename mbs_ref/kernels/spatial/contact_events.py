@@ -60,7 +60,7 @@ from mbs_ref.kernels.spatial.model import (
     tree_of,
 )
 from mbs_ref.kernels.spatial.orientation import load_state
-from mbs_ref.kernels.spatial.vectors import cross, dot, turn_back
+from mbs_ref.kernels.spatial.vectors import add, cross, dot, negative, times, triple, turn_back
 
 COSINE = 0.5  # of the angle between slip and frozen direction at which the direction is frozen anew
 DIFFERENCE = 1e-6  # s, for the rate of a slip velocity
@@ -357,18 +357,15 @@ def spatial_contact_mobility(model, work, t, y, k):
     n, on_a, on_b = touch.normal, touch.arm_a, touch.arm_b
     a, b = pairs.a[k], pairs.b[k]
     tree.load[:, :] = 0.0
-    p = cross(on_a[0], on_a[1], on_a[2], n[0], n[1], n[2])
-    q = cross(on_b[0], on_b[1], on_b[2], n[0], n[1], n[2])
-    for c in range(3):
-        tree.load[a, c] += n[c]
-        tree.load[a, 3 + c] += p[c]
-        tree.load[b, c] -= n[c]
-        tree.load[b, 3 + c] -= q[c]
+    p, q = cross(on_a, n), cross(on_b, n)
+    add(tree.load[a], 0, n)
+    add(tree.load[a], 3, p)
+    add(tree.load[b], 0, negative(n))
+    add(tree.load[b], 3, negative(q))
     rows.gamma[:, :] = 0.0
     solve(model, work, rows.gamma)
     x, z = tree.acceleration[a], tree.acceleration[b]
-    mobility = dot(n[0], n[1], n[2], x[0], x[1], x[2]) + dot(p[0], p[1], p[2], x[3], x[4], x[5])
-    return mobility - dot(n[0], n[1], n[2], z[0], z[1], z[2]) - dot(q[0], q[1], q[2], z[3], z[4], z[5])
+    return dot(n, x) + dot(p, triple(x, 3)) - dot(n, z) - dot(q, triple(z, 3))
 
 
 @jit
@@ -382,12 +379,9 @@ def _impact(model, work, t, y, k):
     impulse = -(1.0 + laws.restitution[k]) * closing / mobility
     for i in range(bodies.mass.shape[0]):
         v = bodies.v[i]
-        for c in range(3):
-            y[v + c] += impulse * response[i, c]
+        add(y, v, times(impulse, response[i]))
         if bodies.rigid[i] == 1:
-            turned = turn_back(kin.turned[i], response[i, 3], response[i, 4], response[i, 5])
-            for c in range(3):
-                y[v + 3 + c] += impulse * turned[c]
+            add(y, v + 3, times(impulse, turn_back(kin.turned[i], triple(response[i], 3))))
 
 
 @jit
