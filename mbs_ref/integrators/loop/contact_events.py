@@ -7,8 +7,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from mbs_ref.integrators.loop.leg import (
-    COUNT_CONTACT,
-    COUNT_EVENTS,
     ENDLESS_EVENTS,
     RUNNING,
     STOP_EVENT,
@@ -45,12 +43,12 @@ class ContactEvents:
             if broken == 0:
                 self.low[:] = self.g
                 return RUNNING
-            self.run.counts[COUNT_EVENTS] += broken
+            self.run.events += broken
             code, contact = core.call_transition(self.system.model, self.system.work, t, y, self.g, np.empty_like(y))
-            self.run.counts[COUNT_CONTACT] = contact
+            self.run.event_source = contact
             if code == STOP:
                 return STOP_EVENT
-            if code or self.run.counts[COUNT_EVENTS] > self.most:
+            if code or self.run.events > self.most:
                 break
         return ENDLESS_EVENTS if len(self.g) else RUNNING
 

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from mbs_ref.integrators.loop.explicit import explicit
-from mbs_ref.integrators.loop.leg import CLOCK_T, COUNT_OUTPUT, Leg, Options, Progress, progress
+from mbs_ref.integrators.loop.leg import Leg, Options, Progress, progress
 from mbs_ref.integrators.stages.dop853_tableau import TABLEAU
 
 if TYPE_CHECKING:
@@ -52,9 +52,11 @@ def leap(
         inside = times[(times > t) & (times < end)]
         own = progress(t)
         leg = _dop853(system, options, own, now, np.array([t, *inside, end]))
-        run.counts[: COUNT_OUTPUT] += own.counts[: COUNT_OUTPUT]
+        run.steps += own.steps
+        run.rejected += own.rejected
+        run.rhs_calls += own.rhs_calls
         if leg.reached < len(inside) + 2:
-            return Landing(float(own.clock[CLOCK_T]), now, reached, leg)
+            return Landing(float(own.t), now, reached, leg)
         for state in leg.states[1 : 1 + len(inside)]:
             states[reached] = state
             reached += 1

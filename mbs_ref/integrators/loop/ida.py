@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from mbs_ref.cores.jointed_system import JointedSystem
-from mbs_ref.integrators.loop.leg import COUNT_REJECTED, COUNT_RHS, COUNT_STEPS, Advance, Leg, Options, Progress
+from mbs_ref.integrators.loop.leg import Advance, Leg, Options, Progress
 from mbs_ref.integrators.loop.multistep import MultistepLeg
 from mbs_ref.kernels.answers import FORM
 from mbs_ref.kernels.residual import GGL, largest_balance, residual
@@ -135,8 +135,8 @@ class _Ida:
 
     def count(self, run: Progress) -> None:
         """Add what this memory spent."""
-        run.counts[COUNT_RHS] += self.residuals
-        run.counts[COUNT_REJECTED] += self.failed_error_tests()
+        run.rhs_calls += self.residuals
+        run.rejected += self.failed_error_tests()
 
 
 def _stop_failed(leg: MultistepLeg, flag: int) -> None:
@@ -147,7 +147,7 @@ def _stop_failed(leg: MultistepLeg, flag: int) -> None:
 
 def _passes_tests(leg: MultistepLeg, solver: _Ida) -> bool:
     """Return whether the error test still tells steps apart; where it fails whatever the step, the leg ends."""
-    failed, steps = solver.failed_error_tests(), leg.run.counts[COUNT_STEPS]
+    failed, steps = solver.failed_error_tests(), leg.run.steps
     if failed <= HOPELESS_FAILURES or failed <= HOPELESS_SHARE * steps:
         return True
     leg.stop(
