@@ -106,7 +106,7 @@ def _grip_margin(laws, modes, k, touch):
 @jit
 def _take_grip(modes, k, touch):
     """Slide where there is a sliding speed; stick, unloaded, where there is none."""
-    modes.anchor[k] = touch.along
+    modes.anchor[k, 0] = touch.along
     if touch.slip > 0.0:
         modes.grip[k] = 1
     elif touch.slip < 0.0:
@@ -142,7 +142,7 @@ def contact_transition(model, work, t, y, g, dy):
             modes.grip[k] = -1 if friction_force(laws, modes, k, normal, touch) > 0.0 else 1
         elif left == FRICTION:
             modes.grip[k] = GRIP_PROBE
-            modes.anchor[k] = 0.0
+            modes.anchor[k, 0] = 0.0
             regrip = True
     if landed:
         land(model, work, t, y, g)
@@ -195,11 +195,11 @@ def planar_settle_grips(model, work, t, y, dy):
         for k in range(pairs.kind.shape[0]):
             if modes.grip[k] != GRIP_PROBE:
                 continue
-            before = modes.anchor[k]
+            before = modes.anchor[k, 0]
             rate = _slide_rate(model, work, t, y, dy, k)
-            modes.anchor[k] = before + 1.0
+            modes.anchor[k, 0] = before + 1.0
             mobility = _slide_rate(model, work, t, y, dy, k) - rate
-            modes.anchor[k] = before
+            modes.anchor[k, 0] = before
             load_state(model, work, y)
             touch = contact_geometry(pairs, kin, k)
             normal = max(normal_force(laws, modes, k, -touch.gap, -touch.closing), 0.0)
@@ -208,8 +208,8 @@ def planar_settle_grips(model, work, t, y, dy):
             largest = max(largest, abs(change[k]))
         for k in range(pairs.kind.shape[0]):
             if modes.grip[k] == GRIP_PROBE:
-                modes.anchor[k] += change[k]
-                most = max(most, abs(modes.anchor[k]))
+                modes.anchor[k, 0] += change[k]
+                most = max(most, abs(modes.anchor[k, 0]))
         if largest <= 1e-10 * most:
             break
     for k in range(pairs.kind.shape[0]):
@@ -217,10 +217,10 @@ def planar_settle_grips(model, work, t, y, dy):
             continue
         load_state(model, work, y)
         touch = contact_geometry(pairs, kin, k)
-        needed = modes.anchor[k]
+        needed = modes.anchor[k, 0]
         if abs(needed) <= laws.static[k] * normal_force(laws, modes, k, -touch.gap, -touch.closing):
             modes.grip[k] = GRIP_STICK
-            modes.anchor[k] = touch.along + needed / laws.grip_stiffness[k]
+            modes.anchor[k, 0] = touch.along + needed / laws.grip_stiffness[k]
         else:
             modes.grip[k] = -1 if needed > 0.0 else 1
 
@@ -237,7 +237,7 @@ def start_contacts(model, work, t, y, located):
         touch = contact_geometry(pairs, kin, k)
         modes.dashpot[k] = laws.damping[k] + laws.impact_damping[k] * laws.stiffness[k] / laws.slowest[k]
         modes.grip[k] = GRIP_STICK
-        modes.anchor[k] = touch.along
+        modes.anchor[k, 0] = touch.along
         near = AT_REST * modes.noise[0]
         if not located:
             modes.mode[k] = MODE_PLAIN
@@ -253,7 +253,7 @@ def start_contacts(model, work, t, y, located):
             _take_grip(modes, k, touch)
             if laws.friction[k] == FRICTION_STICK_SLIP and touch.slip == 0.0:
                 modes.grip[k] = GRIP_PROBE
-                modes.anchor[k] = 0.0
+                modes.anchor[k, 0] = 0.0
                 resting = True
     if resting:
         settle_grips(model, work, t, y, np.empty_like(y))

@@ -145,9 +145,9 @@ def friction_force(laws, modes, k, normal, touch):
         return -laws.coefficient[k] * normal * math.tanh(touch.slip / laws.creep[k])
     grip = modes.grip[k]
     if grip == GRIP_STICK:
-        return -laws.grip_stiffness[k] * (touch.along - modes.anchor[k]) - laws.grip_damping[k] * touch.slip
+        return -laws.grip_stiffness[k] * (touch.along - modes.anchor[k, 0]) - laws.grip_damping[k] * touch.slip
     if grip == GRIP_PROBE:
-        return modes.anchor[k]
+        return modes.anchor[k, 0]
     return -laws.coefficient[k] * normal * grip
 
 

@@ -67,7 +67,7 @@ def _log(modes, t, g):
                 row[1] = k
                 row[2] = modes.mode[k]
                 row[3] = modes.grip[k]
-                row[4] = modes.anchor[k]
+                row[4] = modes.anchor[k, 0]
                 row[5] = modes.dashpot[k]
 
 

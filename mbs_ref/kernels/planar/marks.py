@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-from mbs_ref.kernels.jit import inlined, jit
+from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.planar.vectors import cross, minus, plus, turn
 
 
@@ -27,13 +27,13 @@ def arm(pose, body, point):
     return turn(pose[body, 2], pose[body, 3], point)
 
 
-@inlined
+@jit
 def gap_between(kin, a, b, arm_a, arm_b):
     """Return r_b - r_a (m) of two marks given by their arms."""
     return minus(minus(plus(kin.pose[b], arm_b), kin.pose[a]), arm_a)
 
 
-@inlined
+@jit
 def rate_between(kin, a, b, arm_a, arm_b):
     """Return r_b' - r_a' (m/s) of two marks given by their arms."""
     va, vb = kin.motion[a], kin.motion[b]
@@ -43,7 +43,7 @@ def rate_between(kin, a, b, arm_a, arm_b):
     )
 
 
-@inlined
+@jit
 def separation(kin, a, b, point_a, point_b):
     """Return the Separation of two marks."""
     arm_a, arm_b = arm(kin.pose, a, point_a), arm(kin.pose, b, point_b)

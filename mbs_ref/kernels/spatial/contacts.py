@@ -24,7 +24,7 @@ from mbs_ref.kernels.contact.laws import (
 )
 from mbs_ref.kernels.contact.near_pairs import refresh
 from mbs_ref.kernels.jit import jit
-from mbs_ref.kernels.spatial.loads import push
+from mbs_ref.kernels.spatial.marks import push
 from mbs_ref.kernels.spatial.model import (
     PAIR_PLANE,
     contact_laws_of,

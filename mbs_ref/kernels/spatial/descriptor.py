@@ -11,7 +11,7 @@ import numpy as np
 
 from mbs_ref.kernels.border.questions import apply_loads, factor, fill_rows, solve
 from mbs_ref.kernels.jit import jit
-from mbs_ref.kernels.spatial.contacts import apply_contacts
+from mbs_ref.kernels.rows import take_reactions
 from mbs_ref.kernels.spatial.model import bodies_of, kinematics_of, rows_of, slots_of, tree_of
 from mbs_ref.kernels.spatial.orientation import load_state, parameters, put_parameters
 from mbs_ref.kernels.spatial.vectors import add, dot, put, symmetric_times, times, triple, turn, turn_back
@@ -33,17 +33,9 @@ def spatial_force_balance(model, work, t, y, lam, out):
     bodies, slots, rows, kin = bodies_of(model), slots_of(model), rows_of(work), kinematics_of(work)
     load_state(model, work, y)
     apply_loads(model, work, t)
-    apply_contacts(model, work)
     fill_rows(model, work, t)
-    n = bodies.mass.shape[0]
-    for slot in range(slots.body.shape[0]):
-        for side in range(2):
-            body = slots.body[slot, side]
-            for row in range(slots.count[slot]):
-                for c in range(6):
-                    kin.force[body, c] -= rows.jacobian[slot, side, row, c] * lam[slot, row]
-    for c in range(6):
-        kin.force[n, c] = 0.0
+    take_reactions(kin.force, slots.body, rows.jacobian, lam)
+    kin.force[bodies.mass.shape[0]] = 0.0
     _to_body(model, work, kin.force, out)
 
 

@@ -13,12 +13,22 @@ from __future__ import annotations
 
 from mbs_ref.kernels.algebra.refinement import refinements
 from mbs_ref.kernels.border.questions import accelerate, apply_loads, factor, fill_rows, solve
-from mbs_ref.kernels.controls import CONTROL_POSITION_GAIN, CONTROL_VELOCITY_GAIN
 from mbs_ref.kernels.jit import jit
-from mbs_ref.kernels.rows import add_to, copy_rows, largest_entry, stabilize, take_accelerations, take_reactions
-from mbs_ref.kernels.spatial.closure import correct_for_closures, factor_closures, row_times
-from mbs_ref.kernels.spatial.contacts import apply_contacts, fill_deflection_rates
+from mbs_ref.kernels.rigid.closures import correct_for_closures, row_times
+from mbs_ref.kernels.rows import (
+    add_to,
+    clear,
+    copy_rows,
+    largest_entry,
+    negate,
+    stabilize,
+    take_accelerations,
+    take_reactions,
+)
+from mbs_ref.kernels.spatial.closure import factor_closures
+from mbs_ref.kernels.spatial.contacts import fill_deflection_rates
 from mbs_ref.kernels.spatial.model import (
+    RATES,
     bodies_of,
     closures_of,
     kinematics_of,
@@ -45,26 +55,19 @@ def spatial_factor(model, work):
     factor_tree(model, work)
     if slots_of(model).closure_slot.shape[0] > 0:
         zero = rows_of(work).multiplier
-        for i in range(zero.shape[0]):
-            for c in range(6):
-                zero[i, c] = 0.0
+        clear(zero)
         factor_closures(model, work, zero)
 
 
 @jit
 def spatial_solve(model, work, gamma):
     """Solve the augmented system for the tree's load and `gamma` into its acceleration and the multipliers."""
-    acceleration, multiplier = tree_of(work).acceleration, rows_of(work).multiplier
-    solve_tree(model, work, gamma, acceleration, multiplier)
-    if slots_of(model).closure_slot.shape[0] > 0:
-        correct_for_closures(model, work, gamma, acceleration, multiplier)
-
-
-@jit
-def _stabilize(model, work):
-    """gamma -= 2 g C_dot + g^2 C (Baumgarte 1972); the norms need none, their size has no effect."""
-    control, rows = world_of(model).control, rows_of(work)
-    stabilize(control[CONTROL_VELOCITY_GAIN], control[CONTROL_POSITION_GAIN], rows.gamma, rows.rate, rows.residual)
+    slots, rows, acceleration = slots_of(model), rows_of(work), tree_of(work).acceleration
+    solve_tree(model, work, gamma, acceleration, rows.multiplier)
+    if slots.closure_slot.shape[0] > 0:
+        correct_for_closures(
+            RATES, slots, rows.jacobian, closures_of(work), gamma, acceleration, rows.multiplier
+        )
 
 
 @jit
@@ -90,15 +93,12 @@ def spatial_accelerate(model, work, t, y):
     """Compute accelerations and multipliers at (t, y) into `work`."""
     load_state(model, work, y)
     apply_loads(model, work, t)
-    apply_contacts(model, work)
     fill_rows(model, work, t)
-    _stabilize(model, work)
+    rows = rows_of(work)
+    stabilize(world_of(model).control, rows.gamma, rows.rate, rows.residual)  # the norms need none: they act on nothing
     factor(model, work)
-    load, force = tree_of(work).load, kinematics_of(work).force
-    for i in range(load.shape[0]):
-        for c in range(6):
-            load[i, c] = force[i, c]
-    solve(model, work, rows_of(work).gamma)
+    copy_rows(kinematics_of(work).force, tree_of(work).load)
+    solve(model, work, rows.gamma)
     for _ in range(refinements(closures_of(work).regularity[0])):
         _refine(model, work)
 
@@ -155,12 +155,8 @@ def _largest_norm(model, work):
 def _response(model, work, defect):
     """Solve for the mass-weighted least-squares correction that removes `defect`."""
     tree, gamma = tree_of(work), rows_of(work).gamma
-    for i in range(defect.shape[0]):
-        for c in range(6):
-            gamma[i, c] = -defect[i, c]
-    for i in range(tree.load.shape[0]):
-        for c in range(6):
-            tree.load[i, c] = 0.0
+    negate(defect, gamma)
+    clear(tree.load)
     solve(model, work, gamma)
 
 
@@ -189,13 +185,12 @@ def _correct_places(model, work, y):
 @jit
 def _removed(model, work):
     """Turn the increments in the tree's acceleration into the correction that lets them keep the rows."""
-    acceleration, rate = tree_of(work).acceleration, rows_of(work).rate
-    for slot in range(rate.shape[0]):
-        for row in range(slots_of(model).count[slot]):
-            rate[slot, row] = row_times(model, work, slot, row, acceleration)
-        for row in range(slots_of(model).count[slot], 6):
-            rate[slot, row] = 0.0
-    _response(model, work, rate)
+    slots, rows, acceleration = slots_of(model), rows_of(work), tree_of(work).acceleration
+    clear(rows.rate)
+    for slot in range(rows.rate.shape[0]):
+        for row in range(slots.count[slot]):
+            rows.rate[slot, row] = row_times(RATES, slots.body, rows.jacobian, slot, row, acceleration)
+    _response(model, work, rows.rate)
 
 
 @jit

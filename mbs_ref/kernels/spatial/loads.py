@@ -14,7 +14,8 @@ from mbs_ref.kernels.border.callback import call_user_force
 from mbs_ref.kernels.controls import CONTROL_MODE_TIME
 from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.signals import evaluate
-from mbs_ref.kernels.spatial.marks import separation
+from mbs_ref.kernels.spatial.contacts import apply_contacts
+from mbs_ref.kernels.spatial.marks import push, separation, twist
 from mbs_ref.kernels.spatial.model import (
     attraction_of,
     bodies_of,
@@ -53,19 +54,6 @@ def apply_gravity(model, work):
         force, omega = kin.force[i], kin.omega[i]
         put(force, 0, times(bodies.mass[i], gravity))
         put(force, 3, cross(symmetric_times(kin.inertia[i], omega), omega))
-
-
-@jit
-def push(kin, body, arm, force):
-    """Add a force at rho."""
-    add(kin.force[body], 0, force)
-    twist(kin, body, cross(arm, force))
-
-
-@jit
-def twist(kin, body, torque):
-    """Add a torque."""
-    add(kin.force[body], 3, torque)
 
 
 @jit
@@ -249,3 +237,4 @@ def spatial_apply_loads(model, work, t):
         apply_attraction(model, work)
     if world_of(model).user_force[0] != 0:
         apply_user_force(model, work, t)
+    apply_contacts(model, work)

@@ -1,4 +1,4 @@
-"""Marks: points fixed in bodies, and how far and fast two of them are apart.
+"""Marks: points fixed in bodies, how far and fast two of them are apart, and forces that act at them.
 
 r = R + rho, rho = A u (Fox 1999 eq 2), r' = R' + omega x rho. Vectors are triples along world axes.
 """
@@ -8,7 +8,7 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 from mbs_ref.kernels.jit import jit
-from mbs_ref.kernels.spatial.vectors import cross, minus, plus, turn
+from mbs_ref.kernels.spatial.vectors import add, cross, minus, plus, turn
 
 
 class Mark(NamedTuple):
@@ -47,3 +47,16 @@ def separation(kin, a, b, point_a, point_b):
 def centripetal(kin, a, b, apart):
     """Return d'' without the bodies' accelerations: omega_b x (omega_b x rho_b) - omega_a x (omega_a x rho_a)."""
     return minus(cross(kin.omega[b], apart.arm_rate_b), cross(kin.omega[a], apart.arm_rate_a))
+
+
+@jit
+def push(kin, body, arm, force):
+    """Add a force at rho."""
+    add(kin.force[body], 0, force)
+    twist(kin, body, cross(arm, force))
+
+
+@jit
+def twist(kin, body, torque):
+    """Add a torque."""
+    add(kin.force[body], 3, torque)
