@@ -153,6 +153,11 @@ def settle_grips(model, work, t, y, dy) -> Any:
     """Let the contacts that stopped sliding stick where friction holds them, else slide on; dy is scratch."""
 
 
+@question(NOTHING, MODEL, WORK, VECTOR, MATRIX)
+def slip_velocities(model, work, y, out) -> Any:
+    """Fill out (n_contacts, tangents) with the slip velocities (m/s) at y of the contacts whose friction is probed."""
+
+
 @question(NOTHING, MODEL, WORK, MATRIX)
 def solve(model, work, gamma) -> Any:
     """Solve the augmented system for the load in `work` and `gamma`, into its acceleration and multipliers."""

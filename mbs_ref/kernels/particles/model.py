@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, NamedTuple
 
-import numpy as np
-
-from mbs_ref.kernels.border.groups import Floats, Ints
+from mbs_ref.kernels.border.groups import Floats, Ints, empty
 from mbs_ref.kernels.border.handles import accessor
 
 LANES = 8  # instants evaluated side by side: the stages of a Gauss step, or one instant repeated
@@ -105,16 +103,9 @@ class ParticleScratch(NamedTuple):
     lanes: Lanes
 
 
-def floats(*shape: int) -> np.ndarray:
-    return np.zeros(shape)
-
-
 def particle_scratch(n: int) -> ParticleScratch:
     """Allocate the scratch of one run."""
-    wide = [floats(n, 3, LANES) for _ in range(4)]
-    return ParticleScratch(
-        Lanes(floats(LANES), floats(n, 3), *wide, floats(n, LANES), floats(n, LANES), floats(12, LANES), floats(3, 3))
-    )
+    return ParticleScratch(empty(Lanes, n=n, LANES=LANES))
 
 
 particles_of = accessor(ParticleGroups, "particles")

@@ -10,7 +10,6 @@ import numpy as np
 from mbs_ref.kernels.border.questions import (
     accelerate,
     contact_mobility,
-    derivative,
     factor,
     fill_rows,
     settle_grips,
@@ -55,8 +54,8 @@ from mbs_ref.kernels.planar.model import (
     tree_of,
 )
 from mbs_ref.kernels.planar.vectors import cross, plus
+from mbs_ref.kernels.rigid.stopped_contacts import holding_forces
 
-PROBE_SWEEPS = 200  # for the friction of contacts that stop sliding together
 AT_REST = 10.0  # of the noise: how close and slow a constraint contact must be to begin closed
 
 
@@ -151,78 +150,38 @@ def contact_transition(model, work, t, y, g, dy):
 
 
 @jit
-def _slide_rate(model, work, t, y, dy, k):
-    """Return the rate of a contact's sliding speed in the present modes, by differences along the motion."""
-    pairs, kin = contact_pairs_of(model), kinematics_of(work)
-    derivative(model, work, t, y, dy)
-    step = 1e-6
-    ahead = y + step * dy
-    load_state(model, work, ahead)
-    later = contact_geometry(pairs, kin, k).slip
-    ahead = y - step * dy
-    load_state(model, work, ahead)
-    return (later - contact_geometry(pairs, kin, k).slip) / (2.0 * step)
-
-
-@jit
-def _probed_load(pairs, laws, modes, kin):
-    """Return the sum of the normal forces of the contacts under probe, and their number."""
-    total = 0.0
-    count = 0
+def planar_slip_velocities(model, work, y, out):
+    """Fill out (n_contacts, 1) with the sliding speeds (m/s) at y of the contacts under probe."""
+    pairs, modes = contact_pairs_of(model), contact_modes_of(model)
+    load_state(model, work, y)
     for k in range(pairs.kind.shape[0]):
         if modes.grip[k] == GRIP_PROBE:
-            touch = contact_geometry(pairs, kin, k)
-            total += max(normal_force(laws, modes, k, -touch.gap, -touch.closing), 0.0)
-            count += 1
-    return total, count
+            out[k, 0] = contact_geometry(pairs, kinematics_of(work), k).slip
 
 
 @jit
 def planar_settle_grips(model, work, t, y, dy):
-    """Find the friction that keeps the stopped contacts at rest; stick where mu_s allows it, else slide on.
-
-    Each probe force changes its own sliding rate linearly. Where friction is not unique, as under two
-    corners of one block, weights by the normal force make the contacts share in proportion to it.
-    """
+    """Let the stopped contacts stick where mu_s allows what holds them, else slide on against it."""
     pairs, laws, modes = contact_pairs_of(model), contact_laws_of(model), contact_modes_of(model)
-    kin = kinematics_of(work)
+    kin, count = kinematics_of(work), pairs.kind.shape[0]
+    loads, place, force = np.zeros(count), np.zeros(count), np.zeros((count, 1))
     load_state(model, work, y)
-    total, count = _probed_load(pairs, laws, modes, kin)
-    change = np.zeros(pairs.kind.shape[0])
-    for _ in range(PROBE_SWEEPS):
-        largest = 0.0
-        most = 0.0
-        for k in range(pairs.kind.shape[0]):
-            if modes.grip[k] != GRIP_PROBE:
-                continue
-            before = modes.anchor[k, 0]
-            rate = _slide_rate(model, work, t, y, dy, k)
-            modes.anchor[k, 0] = before + 1.0
-            mobility = _slide_rate(model, work, t, y, dy, k) - rate
-            modes.anchor[k, 0] = before
-            load_state(model, work, y)
+    for k in range(count):
+        if modes.grip[k] == GRIP_PROBE:
             touch = contact_geometry(pairs, kin, k)
-            normal = max(normal_force(laws, modes, k, -touch.gap, -touch.closing), 0.0)
-            share = normal / total if total > 0.0 else 1.0 / count
-            change[k] = -share * rate / mobility if mobility > 0.0 else 0.0
-            largest = max(largest, abs(change[k]))
-        for k in range(pairs.kind.shape[0]):
-            if modes.grip[k] == GRIP_PROBE:
-                modes.anchor[k, 0] += change[k]
-                most = max(most, abs(modes.anchor[k, 0]))
-        if largest <= 1e-10 * most:
-            break
-    for k in range(pairs.kind.shape[0]):
+            loads[k] = max(normal_force(laws, modes, k, -touch.gap, -touch.closing), 0.0)
+            place[k] = touch.along
+    if np.sum(loads) > 0.0:
+        mass = bodies_of(model).mass
+        holding_forces(model, work, t, y, dy, modes, laws.grip_stiffness, pairs.a, pairs.b, mass, loads, force)
+    for k in range(count):
         if modes.grip[k] != GRIP_PROBE:
             continue
-        load_state(model, work, y)
-        touch = contact_geometry(pairs, kin, k)
-        needed = modes.anchor[k, 0]
-        if abs(needed) <= laws.static[k] * normal_force(laws, modes, k, -touch.gap, -touch.closing):
+        if abs(force[k, 0]) <= laws.static[k] * loads[k]:
             modes.grip[k] = GRIP_STICK
-            modes.anchor[k, 0] = touch.along + needed / laws.grip_stiffness[k]
+            modes.anchor[k, 0] = place[k] + force[k, 0] / laws.grip_stiffness[k]
         else:
-            modes.grip[k] = -1 if needed > 0.0 else 1
+            modes.grip[k] = -1 if force[k, 0] > 0.0 else 1
 
 
 @jit

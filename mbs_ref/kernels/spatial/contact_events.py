@@ -11,7 +11,7 @@ import math
 
 import numpy as np
 
-from mbs_ref.kernels.border.questions import contact_mobility, derivative, factor, fill_rows, settle_grips, solve
+from mbs_ref.kernels.border.questions import contact_mobility, factor, fill_rows, settle_grips, solve
 from mbs_ref.kernels.contact.laws import (
     FRICTION_STICK_SLIP,
     GRIP_FORWARD,
@@ -38,6 +38,7 @@ from mbs_ref.kernels.contact.modes import (
     normal_roots,
 )
 from mbs_ref.kernels.jit import jit
+from mbs_ref.kernels.rigid.stopped_contacts import holding_forces
 from mbs_ref.kernels.spatial.contacts import (
     SLOW,
     contact_force,
@@ -63,9 +64,7 @@ from mbs_ref.kernels.spatial.orientation import load_state
 from mbs_ref.kernels.spatial.vectors import add, cross, dot, negative, times, triple, turn_back
 
 COSINE = 0.5  # of the angle between slip and frozen direction at which the direction is frozen anew
-DIFFERENCE = 1e-6  # s, for the rate of a slip velocity
 TOGETHER = 10.0  # of the slip velocity that counts as a stop: so slow, a contact stops along with another one
-ACCURACY = 1e-18  # of the square of what is left of the slip rates: what differences resolve
 
 
 @jit
@@ -222,22 +221,13 @@ def _log(modes, t, g):
 
 
 @jit
-def _slip_rates(model, work, t, y, dy, force, rates):
-    """Fill the rates of the slip velocities under probe forces (N), by differences along the motion."""
-    pairs, modes, kin = contact_pairs_of(model), contact_modes_of(model), kinematics_of(work)
-    count = pairs.kind.shape[0]
-    for k in range(count):
+def spatial_slip_velocities(model, work, y, out):
+    """Fill out (n_contacts, 2) with the slip velocities (m/s) at y of the contacts under probe, along their edges."""
+    pairs, modes = contact_pairs_of(model), contact_modes_of(model)
+    load_state(model, work, y)
+    for k in range(pairs.kind.shape[0]):
         if modes.grip[k] == GRIP_PROBE:
-            modes.anchor[k] = force[k]
-    derivative(model, work, t, y, dy)
-    rates[:, :] = 0.0
-    for sign in (1.0, -1.0):
-        load_state(model, work, y + sign * DIFFERENCE * dy)
-        for k in range(count):
-            if modes.grip[k] == GRIP_PROBE:
-                along, across = slip_along(contact_geometry(pairs, kin, k))
-                rates[k, 0] += 0.5 * sign / DIFFERENCE * along
-                rates[k, 1] += 0.5 * sign / DIFFERENCE * across
+            out[k, 0], out[k, 1] = slip_along(contact_geometry(pairs, kinematics_of(work), k))
 
 
 @jit
@@ -256,44 +246,14 @@ def _normal_loads(model, work, y, loads):
 
 
 @jit
-def _holding_forces(model, work, t, y, dy, loads, force):
-    """Find the friction that keeps the stopped contacts from slipping, by conjugate gradients.
-
-    The slip rates are linear in it. Where it is not unique, as under the corners of one block, preconditioning by
-    the normal loads gives the smallest in proportion to them: sum |F|^2 / N is least.
-    """
-    base = np.zeros_like(force)
-    change = np.zeros_like(force)
-    force[:, :] = 0.0
-    _slip_rates(model, work, t, y, dy, force, base)
-    residual = -base
-    direction = loads.reshape(-1, 1) * residual
-    square = np.sum(residual * direction)
-    least = ACCURACY * square
-    for _ in range(2 * force.shape[0] + 2):
-        if square <= least:
-            break
-        _slip_rates(model, work, t, y, dy, direction, change)
-        change -= base
-        curvature = np.sum(direction * change)
-        if not curvature > 0.0:
-            break
-        step = square / curvature
-        force += step * direction
-        residual -= step * change
-        before = square
-        square = np.sum(residual * (loads.reshape(-1, 1) * residual))
-        direction = loads.reshape(-1, 1) * residual + square / before * direction
-
-
-@jit
 def spatial_settle_grips(model, work, t, y, dy):
     """Let the stopped contacts stick where mu_s allows what holds them, else slide on against it."""
     laws, modes = contact_laws_of(model), contact_modes_of(model)
     loads = np.zeros(modes.grip.shape[0])
     force = np.zeros((modes.grip.shape[0], 2))
     if _normal_loads(model, work, y, loads) > 0.0:
-        _holding_forces(model, work, t, y, dy, loads, force)
+        pairs, mass = contact_pairs_of(model), bodies_of(model).mass
+        holding_forces(model, work, t, y, dy, modes, laws.grip_stiffness, pairs.a, pairs.b, mass, loads, force)
     for k in range(modes.grip.shape[0]):
         if modes.grip[k] != GRIP_PROBE:
             continue

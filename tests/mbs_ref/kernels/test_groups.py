@@ -16,8 +16,8 @@ def forces(**changes: np.ndarray) -> Forces:
 
 def test_an_empty_group_has_the_lengths_that_are_given():
     bodies = empty(Bodies, n=3)
-    assert bodies.mass.shape == (3,) and bodies.mass.dtype == np.float64
-    assert bodies.parent.shape == (3,) and bodies.parent.dtype == np.int64
+    assert (bodies.mass.shape, bodies.mass.dtype) == ((3,), np.float64)
+    assert (bodies.parent.shape, bodies.parent.dtype) == ((3,), np.int64)
     assert empty(Forces).point.shape == (0, 2)
     check(bodies)
 
