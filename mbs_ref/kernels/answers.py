@@ -41,7 +41,7 @@ def _nothing(model, work, t, y, g, rate):
 
 
 @jit
-def _no_change(model, work, t, y, g, dy):
+def _no_change(model, work, t, span, y, g, dy):
     return 0, 0
 
 
@@ -200,21 +200,9 @@ def call_start_modes(model, work, t, y, located):
 
 
 @jit
-def call_root_count(model):
-    """Entry point from Python."""
-    return ask.root_count(model)
-
-
-@jit
 def call_roots(model, work, t, y, g, rate):
     """Entry point from Python."""
     ask.roots(model, work, t, y, g, rate)
-
-
-@jit
-def call_transition(model, work, t, y, g, dy):
-    """Entry point from Python."""
-    return ask.transition(model, work, t, y, g, dy)
 
 
 @jit

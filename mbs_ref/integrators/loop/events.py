@@ -43,7 +43,7 @@ def settle(model, work, t, y, table, run, most):
         if broken == 0:
             return RUNNING
         run.events += broken
-        code, contact = transition(model, work, t, y, table[AT_LOW], scratch)
+        code, contact = transition(model, work, t, run.span, y, table[AT_LOW], scratch)
         run.event_source = contact
         if code == STOP:
             return STOP_EVENT

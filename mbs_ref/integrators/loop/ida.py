@@ -72,8 +72,8 @@ class _Ida:
         self.matrix = core.SUNDenseMatrix(size, size, self.context)
         self.solver = core.SUNLinSol_Dense(self.yy, self.matrix, self.context)
         self._ok(idas.IDASetLinearSolver(self.memory, self.solver, self.matrix), "IDASetLinearSolver")
-        if len(events.g):
-            self._ok(idas.IDARootInit(self.memory, len(events.g), self._event_functions), "IDARootInit")
+        if events.count:
+            self._ok(idas.IDARootInit(self.memory, events.count, self._event_functions), "IDARootInit")
             self._ok(idas.IDASetNoInactiveRootWarn(self.memory), "IDASetNoInactiveRootWarn")
 
     def _start(self, y: np.ndarray, t0: float, rows: int) -> None:
@@ -113,7 +113,7 @@ class _Ida:
         return 0 if np.isfinite(out).all() else 1
 
     def _event_functions(self, t: float, yy: Any, _yp: Any, out: np.ndarray, _data: Any = None) -> int:
-        self.events.gaps(t, self.core.N_VGetArrayPointer(yy)[: self.size], out)
+        self.events.values(t, self.core.N_VGetArrayPointer(yy)[: self.size], out)
         return 0
 
     def _ok(self, flag: int, call: str) -> None:

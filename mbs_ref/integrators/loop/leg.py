@@ -53,6 +53,7 @@ PROGRESS = np.dtype(
         ("t", float),  # s
         ("h", float),  # s, next step
         ("h_before", float),  # s, step before
+        ("span", float),  # s, of the leg
         ("compliance", float),  # largest |C| since the last sample
         ("steps", np.int64),
         ("rejected", np.int64),
@@ -166,7 +167,7 @@ def run_chunks(
     """Call a compiled loop, which fills the outputs, until it ends or creeps; Ctrl-C is heard between."""
     outputs = Outputs(times, np.empty((len(times), len(y))), np.zeros(len(times)))
     outputs.states[0] = y
-    run.next_output = 1
+    run.next_output, run.span = 1, times[-1] - times[0]
     pace = Pace(float(times[0]), float(times[-1]), options.max_steps, options.chunk)
     code = RUNNING
     while code == RUNNING:

@@ -43,6 +43,7 @@ class MultistepLeg:
         self.states[0] = y
         self.t, self.now, self.reached = float(times[0]), y.copy(), 1  # s, state, outputs filled
         self.longest = float(times[-1] - times[0]) / FEWEST  # s, step
+        run.span = times[-1] - times[0]
         self.events = ContactEvents(system, options, run)
         self.loops = options.project and system.n_closure_rows > 0
         self.pace = Pace(self.t, float(times[-1]), options.max_steps, LOOK_EVERY)

@@ -174,7 +174,7 @@ def _stop_together(model, work, y, g):
 
 
 @jit
-def spatial_transition(model, work, t, y, g, dy):
+def spatial_transition(model, work, t, span, y, g, dy):
     """Change the modes whose functions are negative, with impulses where rigid; return code and contact.
 
     dy is scratch of y's shape. Velocities in y change at rigid impacts, deflections where a contact sticks.
@@ -185,7 +185,7 @@ def spatial_transition(model, work, t, y, g, dy):
     for k in range(pairs.kind.shape[0]):
         if not is_broken(g, k):
             continue
-        if is_endless(modes, k, t):
+        if is_endless(modes, k, t, span):
             return ENDLESS, k
         load_state(model, work, y)
         touch = contact_geometry(pairs, kin, k)
