@@ -44,6 +44,5 @@ def contact_noise(scene: Scene) -> float:
 
 
 def contact_modes(scene: Scene, count: int) -> shared.ContactModes:
-    """Return `count` modes before a run has settled them; in space an anchor has two numbers."""
-    anchors = 2 if scene.dimension == 3 else None
-    return shared.fresh_modes(count, contact_noise(scene), MOST_LOGGED, anchors)
+    """Return `count` modes before a run has settled them."""
+    return shared.fresh_modes(count, contact_noise(scene), MOST_LOGGED, scene.dimension)

@@ -10,14 +10,6 @@ import numpy as np
 
 from mbs_ref.cores.system import System
 from mbs_ref.integrators.loop.leg import (
-    CLOCK_H,
-    CLOCK_T,
-    COUNT_CONTACT,
-    COUNT_EVENTS,
-    COUNT_OWN,
-    COUNT_REJECTED,
-    COUNT_RHS,
-    COUNT_STEPS,
     FEWEST,
     Leg,
     Options,
@@ -32,13 +24,23 @@ from mbs_ref.trajectory import Status
 EPS = float(np.finfo(float).eps)
 
 
+class Counts(NamedTuple):
+    """Work done in a run."""
+
+    steps: int
+    rejected_steps: int
+    rhs_calls: int
+    events: int
+    switches: int  # between a method's families
+
+
 class Run(NamedTuple):
     """What a run of all legs left: samples up to the last time or the first trouble."""
 
     times: np.ndarray  # (n_t,) s
     states: np.ndarray  # (n_t, n_state)
     compliance: np.ndarray  # (n_t,) m, the largest since the sample before
-    counts: np.ndarray  # steps, rejected steps, right-hand sides, events, the integrator's own
+    counts: Counts
     status: Status
     message: str
     loop_s: float  # in the integrator
@@ -59,14 +61,13 @@ def run_legs(system: System, plan: Plan, y: np.ndarray, refine: int = 1) -> Run:
     """
     planned = _planned(system, plan, refine)
     run = progress(0.0)
-    with Interrupts(run.counts, plan.options.max_steps) as interrupts:
+    with Interrupts(run, plan.options.max_steps) as interrupts:
         began = time.perf_counter()
         legs = _advanced(system, plan, planned, run, y)
         loop_s = time.perf_counter() - began
     states, compliance = _samples(planned, legs)
-    counts = run.counts[[COUNT_STEPS, COUNT_REJECTED, COUNT_RHS, COUNT_EVENTS, COUNT_OWN]]
-    counts[0] = interrupts.steps
-    times, stuck = plan.times[: len(states)], float(run.clock[CLOCK_T])
+    counts = Counts(interrupts.steps, *map(int, (run.rejected, run.rhs_calls, run.events, run.switches)))
+    times, stuck = plan.times[: len(states)], float(run.t)
     status, message = _outcome(system, plan, legs[-1], run, y, interrupts.asked)
     if status is Status.STOP_EVENT:
         times, states, compliance = np.append(times, stuck), np.vstack((states, y)), np.append(compliance, 0.0)
@@ -109,7 +110,7 @@ def _advanced(system: System, plan: Plan, planned: list[LegPlan], run: Progress,
     legs: list[Leg] = []
     for leg in planned:
         system.set_mode_time(0.5 * (leg.times[0] + leg.times[-1]))
-        run.clock[CLOCK_T], run.clock[CLOCK_H] = leg.times[0], 0.0
+        run.t, run.h = leg.times[0], 0.0
         legs.append(plan.integrator.advance(system, leg.options, run, y, leg.times))
         if legs[-1].status is not Status.SUCCESS:
             break
@@ -146,7 +147,7 @@ def _outcome(
     system: System, plan: Plan, last: Leg, run: Progress, y: np.ndarray, interrupted: bool
 ) -> tuple[Status, str]:
     """Return how the run ended and the sentence for it, with the part or the cause where one is known."""
-    stuck = float(run.clock[CLOCK_T])
+    stuck = float(run.t)
     if system.user_error is not None:
         return Status.ENGINE_ERROR, f"a user force raised {system.user_error!r}"
     if interrupted and last.status is Status.TOO_MANY_STEPS:
@@ -154,9 +155,9 @@ def _outcome(
     if last.status is Status.SUCCESS:
         return Status.SUCCESS, last.message or f"reached t = {plan.times[-1]:g} s"
     if last.status is Status.ENDLESS_EVENTS:
-        return last.status, f"{last.message}; {system.event_sources[run.counts[COUNT_CONTACT]]!r} was the last"
+        return last.status, f"{last.message}; {system.event_sources[run.event_source]!r} was the last"
     if last.status is Status.STOP_EVENT:
-        return last.status, f"{last.message}: {system.event_sources[run.counts[COUNT_CONTACT]]!r}"
+        return last.status, f"{last.message}: {system.event_sources[run.event_source]!r}"
     if last.status is Status.SINGULAR and plan.options.rtol < EPS:
         asked = f"rtol = {plan.options.rtol:.3g} asks for more than roundoff leaves"
         return Status.STEP_TOO_SMALL, f"at t = {stuck:.9g} s {asked}"

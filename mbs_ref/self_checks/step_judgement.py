@@ -15,7 +15,7 @@ import numpy as np
 
 from mbs_ref.cores.choice import compile_scene
 from mbs_ref.cores.system import System
-from mbs_ref.integrators.loop.leg import COUNT_STEPS, Options
+from mbs_ref.integrators.loop.leg import Options
 from mbs_ref.run.legs import Run, run_legs
 from mbs_ref.run.plan import ON_GRID, Plan
 from mbs_ref.self_checks.energy_watch import phase_error
@@ -55,7 +55,7 @@ class _Doubt(NamedTuple):
 
 
 def _doubt(system: System, plan: Plan, run: Run) -> _Doubt:
-    rtol, steps = plan.options.rtol, int(run.counts[COUNT_STEPS])
+    rtol, steps = plan.options.rtol, run.counts.steps
     if rtol < TIGHTEST:
         return _Doubt(False, False)
     if rtol >= COARSE or steps >= LONG:
