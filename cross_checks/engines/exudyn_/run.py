@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import reduce
 from math import gcd
 
@@ -13,7 +14,8 @@ import numpy as np
 from exudyn.exudynCPP import SolverError
 
 from cross_checks.engines.exudyn_.methods import SOLVERS
-from cross_checks.workshop.outcome import End, Plan
+from cross_checks.workshop.outcome import End
+from cross_checks.workshop.plan import Plan
 from mbs_ref.scene import Scene
 from mbs_ref.scene.traits import traits
 from mbs_ref.trajectory import Status
@@ -73,6 +75,42 @@ def first_call(model, plan: Plan, options) -> None:
     _solve(model, plan, options)
 
 
+@dataclass(frozen=True)
+class Left:
+    """What a run of Exudyn's solver left behind, besides what its sensors hold."""
+
+    steps: int
+    failure: str = ""  # why the solver stopped
+    rows: np.ndarray | None = None  # (n_t, n), adaptive methods: the states read between calls
+    samples: int = 0  # of rows
+
+
+def advance_fixed(model, plan: Plan, options) -> Left:
+    """Run the whole interval in one call; sensors record at a common divisor of the output intervals."""
+    time = options.timeIntegration
+    time.startTime, time.endTime, time.numberOfSteps = 0.0, float(plan.times[-1]), sum(plan.counts)
+    options.solution.sensors.writePeriod = reduce(gcd, plan.counts) * plan.step
+    failure = _solve(model, plan, options)
+    return Left(_steps_done(model), failure)
+
+
+def sampled_fixed(model, plan: Plan, left: Left) -> tuple[np.ndarray, End]:
+    """Return what the sensors recorded at the output times, and how far that goes."""
+    at, values = _stored(model)
+    rows = np.zeros((len(plan.times), values.shape[1]))
+    wanted = np.concatenate(([0], np.cumsum(plan.counts))) // reduce(gcd, plan.counts)
+    # after a failure fewer samples are there, each at its own time
+    pairs = zip(wanted, plan.times, strict=True)
+    there = np.array([k < len(at) and abs(at[k] - t) < 0.5 * plan.step for k, t in pairs])
+    samples = len(there) if there.all() else int(np.argmin(there))
+    rows[:samples] = values[wanted[:samples]]
+    if left.failure:
+        return rows, End(samples, Status.NOT_CONVERGED, left.failure)
+    if samples < len(plan.times):
+        return rows, End(samples, Status.RESET, f"exudyn left out the output at t = {plan.times[samples]:g} s")
+    return rows, End(samples)
+
+
 def _stored(model) -> tuple[np.ndarray, np.ndarray]:
     """Return the sensors' times (n,) and values (n, ...)."""
     # all values of one sensor stand together, after its time
@@ -80,31 +118,7 @@ def _stored(model) -> tuple[np.ndarray, np.ndarray]:
     return data[0][:, 0], np.hstack([d[:, 1:] for d in data])
 
 
-def advance_fixed(model, plan: Plan, options, max_steps: int) -> tuple[np.ndarray, End, int]:
-    """Run the whole interval in one call; sensors record at a common divisor of the output intervals."""
-    every = reduce(gcd, plan.counts)
-    total = sum(plan.counts)
-    time = options.timeIntegration
-    time.startTime, time.endTime, time.numberOfSteps = 0.0, float(plan.times[-1]), total
-    options.solution.sensors.writePeriod = every * plan.step
-    failure = _solve(model, plan, options)
-    at, values = _stored(model)
-    rows = np.zeros((len(plan.times), values.shape[1]))
-    wanted = np.concatenate(([0], np.cumsum(plan.counts))) // every
-    # after a failure fewer samples are there, each at its own time
-    pairs = zip(wanted, plan.times, strict=True)
-    there = np.array([k < len(at) and abs(at[k] - t) < 0.5 * plan.step for k, t in pairs])
-    samples = len(there) if there.all() else int(np.argmin(there))
-    rows[:samples] = values[wanted[:samples]]
-    steps = _steps_done(model)
-    if failure:
-        return rows, End(samples, Status.NOT_CONVERGED, failure), steps
-    if samples < len(plan.times):
-        return rows, End(samples, Status.RESET, f"exudyn left out the output at t = {plan.times[samples]:g} s"), steps
-    return rows, End(samples), steps
-
-
-def advance_adaptive(model, plan: Plan, options, max_steps: int) -> tuple[np.ndarray, End, int]:
+def advance_adaptive(model, plan: Plan, options) -> Left:
     """Call the solver for each output interval: one-step methods restart without loss."""
     system = model.mbs.systemData
     state = exu.ConfigurationType.Initial
@@ -119,8 +133,17 @@ def advance_adaptive(model, plan: Plan, options, max_steps: int) -> tuple[np.nda
         failure = _solve(model, plan, options, keep=True)
         steps += _steps_done(model)
         rows[k] = np.concatenate((system.GetODE2Coordinates(), system.GetODE2Coordinates_t()))
-        if failure:
-            return rows, End(k, Status.ENGINE_ERROR, failure), steps
-        if steps > max_steps:
-            return rows, End(k, Status.TOO_MANY_STEPS, f"max_steps = {max_steps} exceeded at t = {stop:g} s"), steps
-    return rows, End(len(plan.times)), steps
+        if failure or steps > plan.max_steps:
+            return Left(steps, failure, rows, k)
+    return Left(steps, "", rows, len(rows))
+
+
+def sampled_adaptive(model, plan: Plan, left: Left) -> tuple[np.ndarray, End]:
+    """Return the states read between calls, and how far they go."""
+    assert left.rows is not None
+    if left.failure:
+        return left.rows, End(left.samples, Status.ENGINE_ERROR, left.failure)
+    if left.samples < len(plan.times):
+        said = f"max_steps = {plan.max_steps} exceeded at t = {plan.times[left.samples]:g} s"
+        return left.rows, End(left.samples, Status.TOO_MANY_STEPS, said)
+    return left.rows, End(left.samples)
