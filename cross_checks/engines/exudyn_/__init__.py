@@ -5,7 +5,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
 import exudyn as exu
@@ -22,6 +22,7 @@ from cross_checks.engines.exudyn_.run import (
     advance_adaptive,
     advance_fixed,
     first_call,
+    needs_dense,
     options_of,
     sampled_adaptive,
     sampled_fixed,
@@ -32,6 +33,7 @@ from cross_checks.workshop.outcome import Loop
 from cross_checks.workshop.plan import Plan
 from cross_checks.workshop.planar_forces import CLIPPED_CONTACTS, contact_refusals
 from mbs_ref.scene import Scene
+from mbs_ref.scene.traits import traits
 
 
 @dataclass(frozen=True)
@@ -40,6 +42,8 @@ class Built:
 
     model: Any  # Redundant, Spatial or Tree
     options: Any
+    loops: bool
+    left: list[Left] = field(default_factory=list)  # what the run left, once it is over
 
 
 class Exudyn(Engine):
@@ -88,19 +92,20 @@ class Exudyn(Engine):
         exu.config.printToConsole = False
         model = _build(scene, plan.method.name)
         model.mbs.Assemble()
-        return Built(model, options_of(plan, scene))
+        return Built(model, options_of(plan, dense=needs_dense(model.mbs, scene)), "closed-loop" in traits(scene))
 
     def first_call(self, model: Built, plan: Plan) -> None:
         first_call(model.model, plan, model.options)
 
     def advance(self, model: Built, plan: Plan) -> Left:
         if plan.method.kind == "fixed":
-            return advance_fixed(model.model, plan, model.options)
+            return advance_fixed(model.model, plan, model.options, loops=model.loops)
         return advance_adaptive(model.model, plan, model.options)
 
     def collect(self, model: Built, plan: Plan, left: Left) -> Loop:
         sampled = sampled_fixed if plan.method.kind == "fixed" else sampled_adaptive
         rows, end = sampled(model.model, plan, left)
+        model.left.append(left)
         return Loop(rows, end, left.steps, left.steps * STAGES.get(plan.method.name, 1))
 
     def poses(self, model: Built, plan: Plan, states: np.ndarray) -> Poses:
@@ -110,7 +115,8 @@ class Exudyn(Engine):
         return model.model.reactions(states)
 
     def notes(self, model: Built, plan: Plan) -> tuple[str, ...]:
-        return model.model.notes
+        retried = [left.retried for left in model.left if left.retried]
+        return model.model.notes + tuple(f"sparse elimination stopped, and dense began anew: {why}" for why in retried)
 
 
 ENGINE = Exudyn
