@@ -70,7 +70,7 @@ def mistakes() -> tuple[Mistake, ...]:
         Mistake("one step late", run=_late),
         Mistake("lost order", run=_of_first_order),
         Mistake("state restarted half-way", run=_restarted),
-        Mistake("single precision", spoil=lambda s, p: replace(p, position=_single(p.position), velocity=_single(p.velocity))),
+        Mistake("single precision", spoil=_in_single),
         Mistake("velocities of the other sign", spoil=lambda s, p: replace(p, velocity=-p.velocity)),
         Mistake("velocities times 1.01", spoil=lambda s, p: replace(p, velocity=1.01 * p.velocity)),
         Mistake("velocities zero but the first", spoil=lambda s, p: replace(p, velocity=_first_alone(p.velocity))),
@@ -81,8 +81,8 @@ def mistakes() -> tuple[Mistake, ...]:
         Mistake("bodies swapped", spoil=lambda s, p: _ordered(p, [1, 0, *range(2, len(s.bodies))])),
         Mistake("orientations of the other sign", spoil=_turned_back),
         Mistake("angles wrong, positions right", spoil=_angles_off),
-        Mistake("a clock that lies", spoil=lambda s, p: replace(p, timing=replace(p.timing, loop_s=1e-6 * p.timing.loop_s))),
-        Mistake("a clock of half the truth and more", spoil=lambda s, p: replace(p, timing=replace(p.timing, loop_s=1.0))),
+        Mistake("a clock that lies", spoil=lambda s, p: _clocked(p, 1e-6 * p.timing.loop_s)),
+        Mistake("a clock beyond the call", spoil=lambda s, p: _clocked(p, 3600.0)),
         Mistake("samples at other times", spoil=lambda s, p: replace(p, times=p.times * (1.0 + 1e-6))),
     )  # fmt: skip
 
@@ -92,7 +92,7 @@ class Caught:
     """How a mistake was noticed."""
 
     mistake: str
-    applies: bool  # it changes some run of the engine at all
+    applies: bool  # False for the engine without a mistake
     by: tuple[str, ...]  # questions failed
 
 
@@ -100,7 +100,8 @@ def self_test(good: Engine, examine: Callable[[Engine, str], Report]) -> Iterato
     """Examine the engine with each mistake in turn; first with none, where every failure is a false alarm."""
     for mistake in (Mistake("none"), *mistakes()):
         report = examine(Broken(good, mistake), good.name)
-        yield Caught(mistake.name, mistake.name != "none", tuple(dict.fromkeys(f.question for f in report.of("failed"))))
+        questions = tuple(dict.fromkeys(finding.question for finding in report.of("failed")))
+        yield Caught(mistake.name, mistake.name != "none", questions)
 
 
 def _bodies(scene: Scene, change: Callable) -> Scene:
@@ -167,8 +168,18 @@ def _ordered(path: Trajectory, bodies: list[int]) -> Trajectory:
     return replace(path, **{part: getattr(path, part)[:, bodies] for part in parts})
 
 
-def _single(values: np.ndarray) -> np.ndarray:
-    return values.astype(np.float32).astype(float)
+def _in_single(scene: Scene, path: Trajectory) -> Trajectory:
+    """Round what comes back; the start stays exact, as a number that was read in would."""
+    rounded = {}
+    for part in ("position", "velocity"):
+        exact = getattr(path, part)
+        rounded[part] = exact.astype(np.float32).astype(float)
+        rounded[part][0] = exact[0]
+    return replace(path, **rounded)
+
+
+def _clocked(path: Trajectory, loop_s: float) -> Trajectory:
+    return replace(path, timing=replace(path.timing, loop_s=loop_s))
 
 
 def _first_alone(values: np.ndarray) -> np.ndarray:

@@ -107,7 +107,8 @@ def _hopeless(engine: Engine, method: Method, question: Asked) -> Finding:
     loose = {"step": half} if method.kind == "fixed" else {"rtol": 1e-2}
     wrong = ""
     try:
-        result = engine.run(scene, Settings.model_validate({"method": method.name, "unresolved": "keep", **loose}), times)
+        settings = Settings.model_validate({"method": method.name, "unresolved": "keep", **loose})
+        result = engine.run(scene, settings, times)
     except ValueError:  # it refuses the setting, aloud
         return verdict("hopeless step", method.name, scene.name, "")
     if result.ok and not (np.isfinite(result.position).all() and np.array_equal(result.times, times)):

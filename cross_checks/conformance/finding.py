@@ -63,4 +63,5 @@ def verdict(question: str, method: str, scene: str, wrong: str, *, seen: str = "
 
 def failures(findings: Iterable[Finding], question: str) -> list[str]:
     """Return a line for each failure of one question."""
-    return [f"{f.scene} by {f.method}: {f.detail}" for f in findings if f.question == question and f.outcome == "failed"]
+    wrong = [f for f in findings if f.question == question and f.outcome == "failed"]
+    return [f"{f.scene} by {f.method}: {f.detail}" for f in wrong]

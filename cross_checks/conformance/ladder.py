@@ -100,7 +100,8 @@ def _excusable(method: Method, question: Asked, good: list[Run], row: Row) -> It
     name, scene, excuse = method.name, question.scene.name, method.wrong_limit
     floor = max(GOOD, 100.0 * question.truth.uncertainty / figures.size(question))
     seen = f"error {row.error:.1e}"
-    yield verdict("truth", name, scene, _unshrunk(question, [r.error for r in good], floor, "errors"), seen=seen, excuse=excuse)
+    wrong = _unshrunk(question, [run.error for run in good], floor, "errors")
+    yield verdict("truth", name, scene, wrong, seen=seen, excuse=excuse)
     energy = [figures.energy_miss(question.scene, run.path) for run in good]
     yield verdict("energy", name, scene, _unshrunk(question, energy, GOOD, "energy is lost or won:"), excuse=excuse)
     gaps = [figures.joint_gap(question, run.path) for run in good]
@@ -137,11 +138,12 @@ def _wrong_start(question: Asked, path: Trajectory) -> str:
     axes = [figures.axes(question.scene, p.orientation[:1])[:, turns] for p in (path, start)]
     length = float(np.linalg.norm(path.velocity, axis=-1).max()) or 1.0
     spin = float(np.abs(path.angular_velocity).max()) or 1.0
+    spun = np.abs(path.angular_velocity[0] - start.angular_velocity[0])[turns]
     parts = {
         "positions": np.abs(path.position[0] - start.position[0]).max() / figures.size(question),
         "orientations": np.abs(axes[0] - axes[1]).max(initial=0.0),
         "velocities": np.abs(path.velocity[0] - start.velocity[0]).max() / length,
-        "angular velocities": np.abs((path.angular_velocity - start.angular_velocity)[0, turns]).max(initial=0.0) / spin,
+        "angular velocities": spun.max(initial=0.0) / spin,
     }
     wrong = [f"{part} by {miss:.1e} of their scale" for part, miss in parts.items() if not miss <= AT_START]
     return f"the first sample misses the initial state: {', '.join(wrong)}" if wrong else ""
@@ -153,12 +155,14 @@ def _wrong_slope(method: Method, question: Asked, good: list[Run]) -> str:
     floor = max(SLOPE, 10.0 * unsure[-1])
     if misses[-1] <= floor:
         return ""
-    shrinks = misses[-1] < SHRINKS * misses[0] and misses[-1] < 0.1  # noqa: PLR2004
-    order = math.log(misses[0] / misses[-1]) / math.log((good[0].settings.step or 1.0) / (good[-1].settings.step or 0.1))
+    shrinks = misses[-1] < SHRINKS * misses[0] and misses[-1] < 0.1
+    steps = [run.settings.step or math.nan for run in good]
+    order = math.log(misses[0] / misses[-1]) / math.log(steps[0] / steps[-1])
     slow = method.kind == "fixed" and question.is_smooth and order < min(method.order or 1, 2) - 2.0 * ORDER_OFF
     if shrinks and not slow:
         return ""
-    return f"velocities miss the slope of positions by {' '.join(f'{m:.1e}' for m in misses)} of the largest, coarse to fine"
+    seen = " ".join(f"{miss:.1e}" for miss in misses)
+    return f"velocities miss the slope of positions by {seen} of the largest, coarse to fine"
 
 
 def _wrong_clock(good: list[Run]) -> str:
@@ -168,10 +172,12 @@ def _wrong_clock(good: list[Run]) -> str:
         total = clock.build_s + clock.first_call_s + clock.loop_s
         if not clock.loop_s > 0.0:
             return f"{run.setting}: the loop is not timed"
+        # the two clocks are read apart: a tenth of a millisecond may pass between
         if total > 1.01 * run.wall_s + 1e-4:
             return f"{run.setting}: {total:.2e} s are reported of a call of {run.wall_s:.2e} s"
         if clock.loop_s < counted * FASTEST:
-            return f"{run.setting}: {counted} steps or right-hand sides in {clock.loop_s:.2e} s are beyond any processor"
+            told = f"{counted} steps or right-hand sides in {clock.loop_s:.2e} s"
+            return f"{run.setting}: {told} are beyond any processor"
     more = good[-1].cpu_s - good[0].cpu_s  # what eight times the steps cost
     told = good[-1].path.timing.loop_s - good[0].path.timing.loop_s
     if good[-1].settings.step and more > max(0.02, 0.5 * good[-1].cpu_s) and told < 0.1 * more:

@@ -18,7 +18,7 @@ from mbs_ref.settings import Settings
 SPANS = {  # s: long enough for every part to matter, short enough for many runs
     "pendulum": 1.0, "spring_pendulum": 1.0, "double_pendulum": 1.0, "n_four_bar": 1.0, "slider_crank": 0.5,
     "spherical_pendulum": 1.0, "heavy_top": 0.5, "torque_free_top": 6.0, "spatial_n_four_bar": 1.0,
-    "incline": 1.0, "bouncing_ball": 0.4, "kepler": 6.0, "satellite": 6000.0,
+    "sliding_block": 1.0, "bouncing_ball": 0.4, "kepler": 6.0, "satellite": 6000.0,
 }  # fmt: skip
 SAMPLES = 51
 STEPS = (50, 100, 200, 400)  # over the span
