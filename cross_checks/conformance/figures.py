@@ -52,16 +52,15 @@ def orientation_error(question: Asked, path: Trajectory) -> float:
 def slope_mismatch(scene: Scene, path: Trajectory) -> tuple[float, float]:
     """Return by how much velocities miss the slope of positions, over the largest speed, and how sure that is.
 
-    Angular velocities are held against the slope of the rotation matrices, R' R^T. In scenes with contact, where
-    velocities jump, the median over samples is taken, elsewhere the largest.
+    Angular velocities are held against the slope of the rotation matrices, R' = omega x R. The median over samples is
+    taken: a short transient, or the jump of an impact, is not resolved by the samples.
     """
     found = [_misses(path.position, path.velocity, path.times)]
     bodies = turning(scene)
     if bodies.any():
         turned = axes(scene, path.orientation)[:, bodies]
         found.append(_misses(turned, _spun(scene, path.angular_velocity[:, bodies], turned), path.times))
-    pick = np.median if scene.contacts else np.max
-    return tuple(max(float(pick(miss)) for miss in part) for part in zip(*found, strict=True))  # type: ignore[return-value]
+    return tuple(max(float(np.median(miss)) for miss in part) for part in zip(*found, strict=True))  # type: ignore[return-value]
 
 
 def _spun(scene: Scene, omega: np.ndarray, turned: np.ndarray) -> np.ndarray:

@@ -99,25 +99,25 @@ def _excusable(method: Method, question: Asked, good: list[Run], row: Row) -> It
     """Yield what a method that declares a wrong limit may fail: accuracy, energy, joints."""
     name, scene, excuse = method.name, question.scene.name, method.wrong_limit
     floor = max(GOOD, 100.0 * question.truth.uncertainty / figures.size(question))
-    seen = f"error {row.error:.1e}"
-    wrong = _unshrunk(question, [run.error for run in good], floor, "errors")
+    seen, steady = f"error {row.error:.1e}", question.is_smooth and method.order is not None
+    wrong = _unshrunk(steady, [run.error for run in good], floor, "errors")
     yield verdict("truth", name, scene, wrong, seen=seen, excuse=excuse)
     energy = [figures.energy_miss(question.scene, run.path) for run in good]
-    yield verdict("energy", name, scene, _unshrunk(question, energy, GOOD, "energy is lost or won:"), excuse=excuse)
+    yield verdict("energy", name, scene, _unshrunk(steady, energy, GOOD, "energy is lost or won:"), excuse=excuse)
     gaps = [figures.joint_gap(question, run.path) for run in good]
-    yield verdict("joints", name, scene, _unshrunk(question, gaps, GOOD, "joints open by"), excuse=excuse)
+    yield verdict("joints", name, scene, _unshrunk(steady, gaps, GOOD, "joints open by"), excuse=excuse)
 
 
-def _unshrunk(question: Asked, found: list[float | None], floor: float, what: str) -> str:
+def _unshrunk(steady: bool, found: list[float | None], floor: float, what: str) -> str:
     """Return a sentence where a figure is not small and does not shrink any more.
 
-    Each refinement must bring something on smooth motions. Where contacts begin and end between steps, errors go up
-    and down by chance, and the finest run is held against the worst before it.
+    Each refinement must bring something where it is `steady`. Where contacts begin and end between steps, and where a
+    method documents no order, errors go up and down, and the finest run is held against the worst before it.
     """
     known = [figure for figure in found if figure is not None]
     if len(known) < 2 or known[-1] <= floor:
         return ""
-    before = known[-2] if question.is_smooth else max(known[:-1])
+    before = known[-2] if steady else max(known[:-1])
     if known[-1] < SHRINKS * before:
         return ""
     return f"{what} {' '.join(f'{figure:.1e}' for figure in known)} of the scene's scale, coarse to fine"
@@ -155,9 +155,9 @@ def _wrong_slope(method: Method, question: Asked, good: list[Run]) -> str:
     floor = max(SLOPE, 10.0 * unsure[-1])
     if misses[-1] <= floor:
         return ""
-    shrinks = misses[-1] < SHRINKS * misses[0] and misses[-1] < 0.1
+    shrinks = misses[-1] < SHRINKS * misses[-2] and misses[-1] < 0.1
     steps = [run.settings.step or math.nan for run in good]
-    order = math.log(misses[0] / misses[-1]) / math.log(steps[0] / steps[-1])
+    order = math.log(misses[-2] / misses[-1]) / math.log(steps[-2] / steps[-1])
     slow = method.kind == "fixed" and question.is_smooth and order < min(method.order or 1, 2) - 2.0 * ORDER_OFF
     if shrinks and not slow:
         return ""
