@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from enum import StrEnum
+from typing import Any
 
 import numpy as np
 
@@ -20,7 +21,7 @@ class Status(StrEnum):
     INCONSISTENT = "inconsistent"  # initial conditions break a constraint
     NOT_CONVERGED = "not-converged"  # an implicit step's iteration failed
     SINGULAR = "singular"  # a singular pose where the branch of the motion is ambiguous
-    UNRESOLVED = "unresolved"  # a step or tolerance so coarse that another motion came out
+    UNRESOLVED = "unresolved"  # by the run's own estimate no output after the start has a digit that holds
     COLLISION = "collision"  # two bodies came closer than the sum of their radii
     ENDLESS_EVENTS = "endless-events"  # contact events accumulate: endless bouncing (Zeno), or more than allowed
     STOP_EVENT = "stop-event"  # an event that the scene declares ended the run; its state is the last sample
@@ -37,6 +38,58 @@ class Timing:
     build_s: float = 0.0
     first_call_s: float = 0.0
     loop_s: float = 0.0
+
+
+SEEN = 0.01  # of the motion's size: an error beyond is seen with the naked eye
+PROMISED = 100.0  # times the tolerance, which bounds the error of one step alone: more than that is said
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """How far a run may be off, by its own account: the largest distance over bodies of world points from the truth.
+
+    The points are the centres of mass and those one radius of gyration away.
+    """
+
+    times: np.ndarray  # (n_t,) s
+    over_time: np.ndarray  # (n_t,) m; infinite where nothing vouches for the run
+    how: str  # one sentence
+    size: float  # m, how far the motion goes
+    tolerance: float  # m, rtol times the largest coordinate
+    cost_s: float  # s of wall time, outside of `timing`
+    unit: str = "m"
+
+    @property
+    def value(self) -> float:
+        """The largest over the outputs, m."""
+        return float(self.over_time[-1])
+
+    @property
+    def holds_until(self) -> float | None:
+        """The last output (s) at which the estimate is below SEEN of the motion, or below the tolerance; None: the end."""
+        beyond = np.flatnonzero(self.over_time > max(SEEN * self.size, self.tolerance))
+        return float(self.times[max(beyond[0] - 1, 0)]) if len(beyond) else None
+
+    @property
+    def is_void(self) -> bool:
+        """Whether already the first output after the start may be off by as much as the motion is large."""
+        return bool(self.over_time[1:2] >= max(self.size, self.tolerance))
+
+    def remark(self) -> str:
+        """Return a sentence where the estimate is more than was asked for, or nothing."""
+        if self.holds_until is not None:
+            return (f"the digits hold until t = {self.holds_until:.6g} s: beyond, the estimated error is more than "
+                    f"{SEEN:g} of the motion's {self.size:.3g} m, up to {self.value:.2g} m")  # fmt: skip
+        if self.value > PROMISED * self.tolerance:
+            return (f"the estimated error of {self.value:.2g} m is more than {PROMISED:g} times the relative tolerance, "
+                    f"which is {self.tolerance:.2g} m here")  # fmt: skip
+        return ""
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return plain data for JSON; the value is None where it is infinite."""
+        value = self.value if np.isfinite(self.value) else None
+        return {"value": value, "unit": self.unit, "how": self.how, "holds_until": self.holds_until,
+                "motion_size": self.size, "cost_s": self.cost_s}  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -62,6 +115,7 @@ class Trajectory:
     event_names: tuple[str, ...] = ()  # contacts, then tension-only springs, then declared events
     step_compliance: np.ndarray | None = None  # (n_samples, 2) time s, max |C| over the steps since the last sample
     notes: tuple[str, ...] = ()  # what the user should know: corrections applied, redundant rows, warnings
+    estimate: Estimate | None = None  # of the error; None where it is switched off, where the run failed, and elsewhere
     unreported: bool = False  # the engine itself said nothing: the failure in `status` was found by looking at its numbers
 
     @property

@@ -34,12 +34,12 @@ def rungs(method: Method, scene: Scene) -> list[Settings]:
     if method.kind == "adaptive":
         unit = tolerance_unit(scene)
         tolerances = method.ladder or TOLERANCES
-        return [Settings(method=method.name, rtol=r, atol=r * unit, unresolved="keep") for r in tolerances]
+        return [Settings(method=method.name, rtol=r, atol=r * unit, estimate="off") for r in tolerances]
     interval = scene.duration / (SAMPLES - 1)
     unit = free_fall_time(scene)
     asked = (*(step * unit for step in method.ladder or STEPS), *_bearable(method, scene))
     steps = dict.fromkeys(fitted(step, interval) for step in asked)
-    return [Settings(method=method.name, step=step, unresolved="keep") for step in steps]
+    return [Settings(method=method.name, step=step, estimate="off") for step in steps]
 
 
 def _bearable(method: Method, scene: Scene) -> tuple[float, ...]:
