@@ -37,7 +37,8 @@ def _measured(scene: Scene, path: Trajectory, truth: Truth | NoTruth, reference:
     momentum = momentum_drift(scene, path)
     error = pose_error(scene, path, truth) if isinstance(truth, Truth) else None
     observed = observe(scene, float(path.times[-1]))
-    history = {"t": path.times, "compliance": position, "energy_drift": energy, "error": error}
+    estimate = None if path.estimate is None else path.estimate.over_time
+    history = {"t": path.times, "compliance": position, "energy_drift": energy, "error": error, "estimate": estimate}
     return {
         "compliance": {"position": _largest(position, _between_samples(path)), "velocity": _largest(velocity)},
         "energy_drift": _largest(energy),

@@ -65,7 +65,8 @@ class Record:
     )  # body -> significant figures at the end, against an ephemeris
     contact: dict[str, float] = field(default_factory=dict)  # restitution, penetration, ... by "contact: figure, unit"
     events: dict[str, list[float]] = field(default_factory=dict)  # declared event -> its times (s), where located
-    history: dict[str, list[float]] = field(default_factory=dict)  # t, compliance, energy_drift, error: for the plots
+    estimate: dict[str, Any] | None = None  # of the error, by the run itself: value, unit, how, holds_until (s), ...
+    history: dict[str, list[float]] = field(default_factory=dict)  # t, compliance, energy_drift, error, estimate
 
     def to_dict(self) -> dict[str, Any]:
         """Return plain data for JSON."""

@@ -6,7 +6,9 @@ order p, 2 where impacts and kinks leave order 1, and 10 if errors are in propor
 II.4). Two runs cannot show that they converge as they should, so SAFETY times that is said. Errors vanish by chance
 alone, so the estimate never falls in time.
 
-Where the finer companion does not end, a coarser one is made: its errors are the larger ones, and d is their size.
+A companion that takes no more steps shows that the tolerance does not govern them: another is made, tighter by two
+decades more. Where the finer companion does not end, a coarser one is made: its errors are the larger ones, and d is
+their size.
 """
 
 from __future__ import annotations
@@ -47,54 +49,77 @@ class _Compared(NamedTuple):
 
     bounds: np.ndarray  # (n,) m, the estimate at the outputs that both reached
     size: float  # m, how far it goes
+    is_alike: bool  # no more steps, though its tolerance is the tighter one
     status: Status
-    message: str
+    how: str
+
+    @property
+    def has_ended(self) -> bool:
+        return self.status in ENDED
 
 
 def estimated(system: System, plan: Plan, run: Run) -> Estimate | None:
     """Estimate the error of a run's poses at its output times; None where Ctrl-C ended a companion."""
     began = time.perf_counter()
-    bounds, reached, how = np.zeros(len(run.times)), 1, []
-    first = system.poses(run.states)
-    scale, size = coordinate_size(system.scene, first), motion_size(system.scene, first, run.times)
-    for companion in _companions(system, plan):
-        found = _compared(system, plan, run, companion)
-        if found.status is Status.INTERRUPTED:
-            return None
-        count = len(found.bounds)
-        bounds[:count] = np.fmax(bounds[:count], found.bounds)
-        size, reached = max(size, found.size), max(reached, count)
-        how.append(_told(plan, companion, found))
-        if found.status in ENDED:
-            break
-    bounds[reached:] = np.inf
-    bounds[1:] += EPS * scale * math.sqrt(run.counts[COUNT_STEPS])  # roundoff as a random walk (Brouwer 1937)
+    found = _all_compared(system, plan, run)
+    if any(one.status is Status.INTERRUPTED for one in found):
+        return None
+    first, reached = system.poses(run.states), max(len(one.bounds) for one in found)
+    scale = coordinate_size(system.scene, first)
+    least = EPS * math.sqrt(run.counts[COUNT_STEPS])  # roundoff, a random walk (D. Brouwer, Astron. J. 46 (1937) 149)
+    if all(one.is_alike for one in found):
+        least += plan.options.rtol / DECADE**3  # no tolerance matters: what a step may err at the tightest
+    bounds = np.full(len(run.times), least * scale)
+    for one in found:
+        count = len(one.bounds)
+        bounds[:count] = np.fmax(bounds[:count], one.bounds)
+    bounds[0], bounds[reached:] = 0.0, np.inf
     return Estimate(
-        over_time=np.maximum.accumulate(bounds), how="; ".join(how), times=run.times, size=size,
+        times=run.times, over_time=np.maximum.accumulate(bounds), how="; ".join(one.how for one in found),
+        size=max(one.size for one in found),
         tolerance=plan.options.rtol * scale, cost_s=time.perf_counter() - began,
     )  # fmt: skip
 
 
-def _companions(system: System, plan: Plan) -> list[_Companion]:
-    """Return the finer and the coarser companion; the coarser alone where the finer would ask for less than roundoff."""
-    options, most = plan.options, MORE_STEPS * plan.options.max_steps
-    if options.step:
-        order = 1 if system.scene.contacts or system.scene.events else plan.integrator.order
-        finer = _Companion("half of the step", options._replace(max_steps=most), 2, _richardson(2.0**order))
-        return [finer, _Companion("twice the step", options._replace(step=2.0 * options.step), 1, SAFETY)]
-    coarser = _Companion("ten times the tolerance", _times(options, DECADE), 1, SAFETY)
+def _all_compared(system: System, plan: Plan, run: Run) -> list[_Compared]:
+    """Return what the companions say that are needed: one as a rule."""
+    finer = _half(system, plan) if plan.options.step else _tighter(plan, DECADE)
+    found = [_compared(system, plan, run, finer)]
+    if found[0].is_alike:
+        found.append(_compared(system, plan, run, _tighter(plan, DECADE**3)))
+    if not found[-1].has_ended and found[-1].status is not Status.INTERRUPTED:
+        found.append(_compared(system, plan, run, _coarser(plan)))
+    return found
+
+
+def _half(system: System, plan: Plan) -> _Companion:
+    order = 1 if system.scene.contacts or system.scene.events else plan.integrator.order
+    options = plan.options._replace(max_steps=2 * plan.options.max_steps)
+    return _Companion("half of the step", options, 2, _richardson(2.0**order))
+
+
+def _tighter(plan: Plan, factor: float) -> _Companion:
+    """Return a companion with a tolerance so many times tighter, or the coarser one where roundoff leaves none."""
+    options = plan.options
     if options.rtol / DECADE < TIGHTEST:
-        return [coarser]
-    tighter = _times(options, 1.0 / DECADE)._replace(max_steps=most)
-    return [_Companion("a tenth of the tolerance", tighter, 1, _richardson(DECADE)), coarser]
+        return _coarser(plan)
+    smaller = min(factor, options.rtol / TIGHTEST)
+    tight = options._replace(
+        rtol=options.rtol / smaller, atol=options.atol / smaller, max_steps=MORE_STEPS * options.max_steps
+    )
+    return _Companion(f"1/{smaller:g} of the tolerance", tight, 2, _richardson(smaller))
+
+
+def _coarser(plan: Plan) -> _Companion:
+    options = plan.options
+    if options.step:
+        return _Companion("twice the step", options._replace(step=2.0 * options.step), 1, SAFETY)
+    loose = options._replace(rtol=DECADE * options.rtol, atol=DECADE * options.atol)
+    return _Companion(f"{DECADE:g} times the tolerance", loose, 1, SAFETY)
 
 
 def _richardson(smaller: float) -> float:
     return SAFETY * smaller / (smaller - 1.0)
-
-
-def _times(options: Options, factor: float) -> Options:
-    return options._replace(rtol=factor * options.rtol, atol=factor * options.atol)
 
 
 def _compared(system: System, plan: Plan, run: Run, companion: _Companion) -> _Compared:
@@ -102,13 +127,18 @@ def _compared(system: System, plan: Plan, run: Run, companion: _Companion) -> _C
     other = _made(system, plan, companion, run.states[0], run.times)
     count = min(len(other.times), len(run.times))
     first, second = system.poses(run.states[:count]), system.poses(other.states[:count])
-    size = motion_size(system.scene, second, other.times[:count])
     gaps = pose_gap(system.scene, first, second)
     gaps[1:] = np.fmax(gaps[1:], _opening(system, plan, run, companion))
-    gaps = np.maximum.accumulate(gaps)
-    # what is as large as the motion needs no safety
-    bounds = np.fmax(gaps, np.minimum(companion.factor * gaps, max(size, float(np.min(gaps)))))
-    return _Compared(bounds, size, other.status, other.message)
+    size = max(motion_size(system.scene, path, run.times[:count]) for path in (first, second))
+    ended = other.status in ENDED
+    tighter = companion.options.rtol < plan.options.rtol
+    return _Compared(
+        # places no further than `size` from the start are no further than twice that from each other
+        bounds=np.fmax(gaps, np.minimum(companion.factor * gaps, 2.0 * size)), size=size,
+        is_alike=ended and tighter and bool(other.counts[COUNT_STEPS] <= run.counts[COUNT_STEPS]), status=other.status,
+        how=f"{companion.factor:.3g} times the difference from a run with {companion.share}"
+            + ("" if ended else f", which did not end: {other.message}"),
+    )  # fmt: skip
 
 
 def _opening(system: System, plan: Plan, run: Run, companion: _Companion) -> float:
@@ -135,8 +165,3 @@ def _made(system: System, plan: Plan, companion: _Companion, start: np.ndarray, 
     other.start_contacts(0.0, y, plan.settings.events != "none")
     again = replace(plan, times=times, options=companion.options._replace(stop_on_compliance=False))
     return run_legs(other, again, y, refine=companion.refine)
-
-
-def _told(plan: Plan, companion: _Companion, found: _Compared) -> str:
-    said = f"{companion.factor:.3g} times the difference from a run with {companion.share}"
-    return said if found.status in ENDED else f"{said}, which did not end: {found.message}"
