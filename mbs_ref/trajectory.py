@@ -41,6 +41,7 @@ class Timing:
 
 
 SEEN = 0.01  # of the motion's size: an error beyond is seen with the naked eye
+DIGIT = 0.1  # of the motion's size: an error beyond leaves not one digit, and is another motion
 PROMISED = 100.0  # times the tolerance, which bounds the error of one step alone: more than that is said
 
 
@@ -72,8 +73,8 @@ class Estimate:
 
     @property
     def is_void(self) -> bool:
-        """Whether already the first output after the start may be off by as much as the motion is large."""
-        return bool(self.over_time[1:2] >= max(self.size, self.tolerance))
+        """Whether already the first output after the start may have no digit."""
+        return bool(np.any(self.over_time[1:2] > max(DIGIT * self.size, self.tolerance)))
 
     def remark(self) -> str:
         """Return a sentence where the estimate is more than was asked for, or nothing."""

@@ -22,9 +22,10 @@ import numpy as np
 
 from mbs_ref.cores.choice import compile_scene
 from mbs_ref.cores.system import System
-from mbs_ref.integrators.loop.leg import COUNT_STEPS, FEWEST, Options
+from mbs_ref.integrators import DEFAULT, integrators
+from mbs_ref.integrators.loop.leg import COUNT_RHS, COUNT_STEPS, FEWEST, Options
 from mbs_ref.run.legs import EPS, Run, run_legs
-from mbs_ref.run.plan import Plan
+from mbs_ref.run.plan import DEFAULT_TOLERANCE, Plan
 from mbs_ref.self_checks.pose_gap import coordinate_size, motion_size, pose_gap
 from mbs_ref.trajectory import Estimate, Status
 
@@ -73,10 +74,12 @@ def estimated(system: System, plan: Plan, run: Run) -> Estimate | None:
     for one in found:
         count = len(one.bounds)
         bounds[:count] = np.fmax(bounds[:count], one.bounds)
+    opening, went = _opening(system, plan, run, scale) if plan.options.step else (0.0, 0.0)
+    bounds = np.fmax(bounds, SAFETY * opening)
     bounds[0], bounds[reached:] = 0.0, np.inf
     return Estimate(
         times=run.times, over_time=np.maximum.accumulate(bounds), how="; ".join(one.how for one in found),
-        size=max(one.size for one in found),
+        size=max(went, *(one.size for one in found)),
         tolerance=plan.options.rtol * scale, cost_s=time.perf_counter() - began,
     )  # fmt: skip
 
@@ -124,11 +127,10 @@ def _richardson(smaller: float) -> float:
 
 def _compared(system: System, plan: Plan, run: Run, companion: _Companion) -> _Compared:
     """Make the companion and hold the run against it."""
-    other = _made(system, plan, companion, run.states[0], run.times)
+    other = _made(system, replace(plan, options=companion.options), run.states[0], run.times, companion.refine)
     count = min(len(other.times), len(run.times))
     first, second = system.poses(run.states[:count]), system.poses(other.states[:count])
     gaps = pose_gap(system.scene, first, second)
-    gaps[1:] = np.fmax(gaps[1:], _opening(system, plan, run, companion))
     size = max(motion_size(system.scene, path, run.times[:count]) for path in (first, second))
     ended = other.status in ENDED
     tighter = companion.options.rtol < plan.options.rtol
@@ -141,27 +143,31 @@ def _compared(system: System, plan: Plan, run: Run, companion: _Companion) -> _C
     )  # fmt: skip
 
 
-def _opening(system: System, plan: Plan, run: Run, companion: _Companion) -> float:
-    """Return by how much (m) the two part in the FEWEST first steps, where fixed ones damp what they cannot follow.
+def _opening(system: System, plan: Plan, run: Run, scale: float) -> tuple[float, float]:
+    """Return by how much (m) the FEWEST first fixed steps are off, and how far these go (m), by DOP853's account.
 
-    What is gone before the first output leaves no trace in the others.
+    A method that damps what its steps cannot follow lands where half of the step lands, too.
     """
-    step = plan.options.step
-    if not step or run.times[1] <= step:
-        return 0.0
-    times = step * np.arange(min(FEWEST, int(run.times[1] / step)) + 1)
-    same = _Companion("", plan.options, 1, 0.0)
-    runs = [_made(system, plan, one, run.states[0], times) for one in (same, companion)]
+    times = plan.options.step * np.arange(FEWEST + 1)
+    times = times[times <= run.times[-1]]
+    if len(times) < 2:
+        return 0.0, 0.0
+    options = plan.options._replace(
+        step=0.0, rtol=DEFAULT_TOLERANCE, atol=DEFAULT_TOLERANCE * scale, project=True,
+        max_steps=int(run.counts[COUNT_RHS]),
+    )  # fmt: skip
+    fine = replace(plan, integrator=integrators()[DEFAULT], options=options, baumgarte_gain=0.0)
+    runs = [_made(system, one, run.states[0], times) for one in (plan, fine)]
     count = min(len(one.times) for one in runs)
     first, second = (system.poses(one.states[:count]) for one in runs)
-    return float(np.max(pose_gap(system.scene, first, second)))
+    return float(np.max(pose_gap(system.scene, first, second))), motion_size(system.scene, second, times[:count])
 
 
-def _made(system: System, plan: Plan, companion: _Companion, start: np.ndarray, times: np.ndarray) -> Run:
-    """Run the companion up to the same times, on a system of its own."""
+def _made(system: System, plan: Plan, start: np.ndarray, times: np.ndarray, refine: int = 1) -> Run:
+    """Run a plan up to other times, on a system of its own."""
     other, y = compile_scene(system.scene), start.copy()
     other.set_mode_time(0.0)
     other.set_baumgarte(plan.baumgarte_gain)
     other.start_contacts(0.0, y, plan.settings.events != "none")
-    again = replace(plan, times=times, options=companion.options._replace(stop_on_compliance=False))
-    return run_legs(other, again, y, refine=companion.refine)
+    again = replace(plan, times=times, options=plan.options._replace(stop_on_compliance=False))
+    return run_legs(other, again, y, refine=refine)
