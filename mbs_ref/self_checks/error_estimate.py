@@ -148,10 +148,8 @@ def _opening(system: System, plan: Plan, run: Run, scale: float) -> tuple[float,
 
     A method that damps what its steps cannot follow lands where half of the step lands, too.
     """
-    times = plan.options.step * np.arange(FEWEST + 1)
-    times = times[times <= run.times[-1]]
-    if len(times) < 2:
-        return 0.0, 0.0
+    grid = plan.options.step * np.arange(1, FEWEST + 1)
+    times = np.union1d(run.times, grid[grid <= run.times[-1]])[: FEWEST + 1]  # outputs end steps, too
     options = plan.options._replace(
         step=0.0, rtol=DEFAULT_TOLERANCE, atol=DEFAULT_TOLERANCE * scale, project=True,
         max_steps=int(run.counts[COUNT_RHS]),

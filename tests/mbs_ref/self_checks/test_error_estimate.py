@@ -132,7 +132,7 @@ def test_a_motion_that_steps_damp_away_before_the_first_output_is_missed(method,
     scene = Scene(name="ringing", bodies=(body,), joints=(guide,), loads=(spring,))
     path = simulate(scene, Settings(method=method, step=1e-3, t_end=1.0, samples=3))
     exact = 1.0 + 0.1 * np.cos(math.sqrt(stiffness) * path.times)
-    assert of(path).value > np.abs(path.position[:, 0, 0] - exact).max() > 0.05
+    assert of(path).value > np.abs(path.position[:, 0, 0] - exact).max() > 0.03
     assert path.status is Status.UNRESOLVED
 
 
