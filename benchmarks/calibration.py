@@ -14,14 +14,15 @@ from typing import Any
 import numpy as np
 
 from cross_checks.mechanisms.random_scenes import random_scene
-from cross_checks.records.record import MARGIN
+from cross_checks.truth import MARGIN
 from mbs_ref import scenes
 from mbs_ref.cores.system import Poses
 from mbs_ref.integrators import integrators
 from mbs_ref.run.plan import make_plan
 from mbs_ref.scene import Scene
+from mbs_ref.scene.scales import scales_of
 from mbs_ref.scene.units import free_fall_time, tolerance_unit
-from mbs_ref.self_checks.pose_gap import pose_gap
+from mbs_ref.self_checks.state_gap import state_gaps
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
 from mbs_ref.trajectory import Trajectory
@@ -44,9 +45,9 @@ class Trial:
     method: str
     setting: str  # step or tolerance
     status: str
-    estimate: float | None = None  # m; None where the run failed
-    error: float | None = None  # m; None where there is no truth
-    uncertainty: float | None = None  # m, of the truth
+    estimate: float | None = None  # over the scene's scales; None where the run failed
+    error: float | None = None  # likewise; None where there is no truth
+    uncertainty: float | None = None  # of the truth
     cost: float | None = None  # of the estimate, over the run's loop
 
     @property
@@ -128,7 +129,7 @@ def _takes(scene: Scene, method: str) -> bool:
 
 
 def _truth(scene: Scene, times: np.ndarray) -> tuple[Trajectory, float] | None:
-    """Return a far tighter run, and how well another method agrees with it (m)."""
+    """Return a far tighter run, and how well another method agrees with it."""
     runs = [
         simulate(scene, Settings(method=name, rtol=rtol, atol=rtol * tolerance_unit(scene), reactions=False,
                                  estimate="off", max_steps=20 * MAX_STEPS), times)
@@ -141,7 +142,7 @@ def _truth(scene: Scene, times: np.ndarray) -> tuple[Trajectory, float] | None:
 
 def _gap(scene: Scene, first: Trajectory, second: Trajectory) -> float:
     one, other = (Poses(x.position, x.orientation, x.velocity, x.angular_velocity) for x in (first, second))
-    return float(min(np.max(pose_gap(scene, one, other)), 1e300))
+    return float(min(np.max(state_gaps(scene, scales_of(scene), one, other)), 1e300))
 
 
 def table(found: Iterable[Trial]) -> list[dict[str, Any]]:

@@ -45,7 +45,7 @@ class Bounds:
         return record.error is not None and record.error.bound <= self.error
 
     def compliance_ok(self, record: Record) -> bool:
-        position = record.compliance.get("position")
+        position = record.measure("compliance_position")
         return self.compliance is None or (position is not None and position <= self.compliance)
 
     def met_by(self, record: Record) -> bool:
@@ -99,7 +99,7 @@ def cost(record: Record) -> float:
 
 
 def _gap(record: Record) -> float:
-    position = record.compliance.get("position")
+    position = record.measure("compliance_position")
     return float("inf") if position is None else position
 
 

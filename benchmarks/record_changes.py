@@ -104,7 +104,7 @@ def _by_error(old: Record, new: Record) -> tuple[Move, str]:
 
 
 def _by_gap(old: Record, new: Record) -> tuple[Move, str]:
-    gaps = old.compliance.get("position"), new.compliance.get("position")
+    gaps = old.measure("compliance_position"), new.measure("compliance_position")
     if gaps[0] is None or gaps[1] is None:
         return Move.SAME, ""
     return _grown("compliance", gaps[0], gaps[1], CLOSED, "m or rad")

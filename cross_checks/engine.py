@@ -27,7 +27,14 @@ class Method:
     excludes: frozenset[str] = frozenset()  # ... or must not have (see mbs_ref.scene.traits)
     locates_events: bool = False  # touch-down, lift-off, slip; else contact forces are clipped by the state
     stability: tuple[float, ...] = ()  # explicit fixed-step methods: coefficients of R(z), lowest power first
-    wrong_limit: str = ""  # why it is known to fail or converge elsewhere on some scenes (shown, never used to judge)
+    wrong_limit: str = ""  # why it is known to fail or converge elsewhere ...
+    weak_on: frozenset[str] = frozenset()  # ... on scenes with any of these traits: it excuses there, nowhere else
+
+    def excused(self, scene: Scene) -> str:
+        """Return why the method is known to go wrong on this very scene; empty where it is not."""
+        from mbs_ref.scene.traits import traits
+
+        return self.wrong_limit if self.weak_on & traits(scene) else ""
 
 
 def exponential(order: int) -> tuple[float, ...]:

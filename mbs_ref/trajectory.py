@@ -47,50 +47,62 @@ PROMISED = 100.0  # times the tolerance, which bounds the error of one step alon
 
 @dataclass(frozen=True)
 class Estimate:
-    """How far a run may be off, by its own account: the largest distance over bodies of world points from the truth.
+    """How far a run may be off, by its own account, in the quantity by which truths judge errors.
 
-    The points are the centres of mass and those one radius of gyration away.
+    That is the largest over bodies of position, orientation, velocity and angular velocity, each over the scene's own
+    scales (mbs_ref.scene.scales). Digits are counted by poses alone: rates jump where bodies hit.
     """
 
     times: np.ndarray  # (n_t,) s
-    over_time: np.ndarray  # (n_t,) m; infinite where nothing vouches for the run
+    components: np.ndarray  # (n_t, 4) of position, orientation and their rates; infinite where nothing vouches for them
     how: str  # one sentence
-    size: float  # m, how far the motion goes
-    tolerance: float  # m, rtol times the largest coordinate
+    size: float  # how far the motion goes in position or orientation
+    tolerance: float  # rtol times the largest coordinate
     cost_s: float  # s of wall time, outside of `timing`
-    unit: str = "m"
+    length: float = 1.0  # m, the scene's, which positions count in
+    time: float = 1.0  # s
+
+    @property
+    def over_time(self) -> np.ndarray:
+        """The largest component (n_t,)."""
+        return np.max(self.components, axis=1)
 
     @property
     def value(self) -> float:
-        """The largest over the outputs, m."""
+        """The largest over the outputs."""
         return float(self.over_time[-1])
 
     @property
+    def poses(self) -> np.ndarray:
+        """The larger of position and orientation (n_t,)."""
+        return np.max(self.components[:, :2], axis=1)
+
+    @property
     def holds_until(self) -> float | None:
-        """The last output (s) at which the estimate is below SEEN of the motion, or below the tolerance; None: the end."""
-        beyond = np.flatnonzero(self.over_time > max(SEEN * self.size, self.tolerance))
+        """The last output (s) whose pose may be off by less than SEEN of the motion, or the tolerance; None: the end."""
+        beyond = np.flatnonzero(self.poses > max(SEEN * self.size, self.tolerance))
         return float(self.times[max(beyond[0] - 1, 0)]) if len(beyond) else None
 
     @property
     def is_void(self) -> bool:
         """Whether already the first output after the start may have no digit."""
-        return bool(np.any(self.over_time[1:2] > max(DIGIT * self.size, self.tolerance)))
+        return bool(np.any(self.poses[1:2] > max(DIGIT * self.size, self.tolerance)))
 
     def remark(self) -> str:
         """Return a sentence where the estimate is more than was asked for, or nothing."""
         if self.holds_until is not None:
-            return (f"the digits hold until t = {self.holds_until:.6g} s: beyond, the estimated error is more than "
-                    f"{SEEN:g} of the motion's {self.size:.3g} m, up to {self.value:.2g} m")  # fmt: skip
-        if self.value > PROMISED * self.tolerance:
-            return (f"the estimated error of {self.value:.2g} m is more than {PROMISED:g} times the relative tolerance, "
-                    f"which is {self.tolerance:.2g} m here")  # fmt: skip
+            return (f"the digits hold until t = {self.holds_until:.6g} s: beyond, poses may be off by more than {SEEN:g} "
+                    f"of the motion, by up to {self.poses[-1] / self.size:.2g} of it")  # fmt: skip
+        if self.poses[-1] > PROMISED * self.tolerance:
+            return (f"poses may be off by {self.poses[-1]:.2g} of the scene, more than {PROMISED:g} times the relative "
+                    f"tolerance, which is {self.tolerance:.2g} here")  # fmt: skip
         return ""
 
     def to_dict(self) -> dict[str, Any]:
         """Return plain data for JSON; the value is None where it is infinite."""
         value = self.value if np.isfinite(self.value) else None
-        return {"value": value, "unit": self.unit, "how": self.how, "holds_until": self.holds_until,
-                "motion_size": self.size, "cost_s": self.cost_s}  # fmt: skip
+        return {"value": value, "unit": "of the scene", "how": self.how, "holds_until": self.holds_until,
+                "motion_size": self.size, "cost_s": self.cost_s, "length": self.length, "time": self.time}  # fmt: skip
 
 
 @dataclass(frozen=True)

@@ -30,5 +30,5 @@ def test_chain_at_equal_error(benchmark, engine, links):
     benchmark.extra_info |= {
         "links": links, "engine": engine, "setting": setting(best), "loop_s": min(loops),
         "error_m": best.error.value, "truth_uncertainty_m": best.error.uncertainty,
-        "compliance": best.compliance["position"],
+        "compliance": best.measure("compliance_position"),
     }  # fmt: skip

@@ -9,7 +9,9 @@ import numpy as np
 
 from cross_checks.certify.branches import extrapolate_branches
 from cross_checks.certify.extrapolation import extrapolate
+from cross_checks.certify.rates import along
 from cross_checks.certify.runge_kutta import runge_kutta
+from cross_checks.truth import Truth
 from mbs_ref.scene.euler_parameters import geodesic_angle
 
 NUDGE = 1e-10  # of the start, to measure how the motion magnifies an error
@@ -40,6 +42,23 @@ class Agreement:
     difference: float  # m, largest between the two runs; NaN where the second was spared
     sensitivity: float  # m of pose per unit of error at the start
     uncertainty: float  # m
+    velocity: np.ndarray  # (n_t, n_bodies, dimension) m/s
+    angular_velocity: np.ndarray  # (n_t, n_bodies) or (n_t, n_bodies, 3) rad/s
+    rate_uncertainty: np.ndarray  # (n_t,) m/s and rad/s
+
+
+def converged(found: Agreement, first: str, second: str) -> Truth:
+    """Return a truth that two ways agree on; `first` and `second` name them."""
+    how = f"{second}; {first} differ by {found.difference:.1e} m; a start error grows {found.sensitivity:.1e}-fold"
+    return agreed(found, how)
+
+
+def agreed(found: Agreement, how: str) -> Truth:
+    """Return an agreement as a truth; `how` says in a sentence what agrees."""
+    return Truth(
+        found.position, found.angle, found.uncertainty, "converged", how, found.difference,
+        velocity=found.velocity, angular_velocity=found.angular_velocity, rate_uncertainty=found.rate_uncertainty,
+    )  # fmt: skip
 
 
 def agree(
@@ -61,10 +80,13 @@ def agree(
     grid, asked = _grid(times, (*first.breakpoints, *second.breakpoints))
     kind = np.longdouble if extended else float
     tolerance = 64 * float(np.finfo(kind).eps)
-    coarse = _poses(first, grid, runge_kutta(first.derivative, first.start, grid, rk_tolerance))
+    states = runge_kutta(first.derivative, first.start, grid, rk_tolerance)
+    coarse, rates = _poses(first, grid, states), _rates(first, grid, states)
     sensitivity = _sensitivity(first, grid, coarse, rk_tolerance)
     if DOUBLE_EPS * sensitivity > LARGEST_UNCERTAINTY:
-        return Agreement(coarse[0][asked], coarse[1][asked], float("nan"), sensitivity, DOUBLE_EPS * sensitivity)
+        doubt = np.full(len(asked), np.inf)
+        given = (DOUBLE_EPS * sensitivity, rates[0][asked], rates[1][asked], doubt)
+        return Agreement(coarse[0][asked], coarse[1][asked], float("nan"), sensitivity, *given)
     start = second.start.astype(kind)
     solved = _extrapolated(second, start, grid, tolerance) if second_by is None else second_by(
         second.derivative, start, grid, tolerance
@@ -72,7 +94,10 @@ def agree(
     fine = _poses(second, grid, solved)
     difference = _gap(fine, coarse)
     uncertainty = difference + DOUBLE_EPS * max(1.0, sensitivity)
-    return Agreement(fine[0][asked], fine[1][asked], difference, sensitivity, uncertainty)
+    best = _rates(second, grid, solved)
+    doubt = best[2] + _largest_gap(best[:2], rates[:2]) + DOUBLE_EPS * max(1.0, sensitivity)
+    given = (best[0][asked], best[1][asked], doubt[asked])
+    return Agreement(fine[0][asked], fine[1][asked], difference, sensitivity, uncertainty, *given)
 
 
 def _extrapolated(formulation: Formulation, start: np.ndarray, grid: np.ndarray, tolerance: float) -> np.ndarray:
@@ -92,6 +117,18 @@ def _grid(times: np.ndarray, breakpoints: tuple[float, ...]) -> tuple[np.ndarray
 def _poses(formulation: Formulation, times: np.ndarray, states: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     found = [formulation.poses(t, y) for t, y in zip(times, states, strict=True)]
     return tuple(np.array(part, dtype=float) for part in zip(*found, strict=True))  # type: ignore[return-value]
+
+
+def _rates(formulation: Formulation, times: np.ndarray, states: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return velocities, angular velocities and how well they are known (n_t,) at every time."""
+    found = [along(formulation.derivative, formulation.poses, t, y) for t, y in zip(times, states, strict=True)]
+    return tuple(np.array(part) for part in zip(*found, strict=True))  # type: ignore[return-value]
+
+
+def _largest_gap(first: tuple[np.ndarray, np.ndarray], second: tuple[np.ndarray, np.ndarray]) -> np.ndarray:
+    """Return the largest difference of any component at each time (n_t,)."""
+    gaps = [np.abs(a - b).reshape(len(a), -1).max(axis=1) for a, b in zip(first, second, strict=True)]
+    return np.maximum(*gaps)
 
 
 def _gap(first: tuple[np.ndarray, np.ndarray], second: tuple[np.ndarray, np.ndarray]) -> float:

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from cross_checks.certify.extrapolation import extrapolate
-from cross_checks.truths import NoTruth, Truth
+from cross_checks.truth import NoTruth, Truth
 from mbs_ref.scene import Scene
 from mbs_ref.scene.celestial import Epoch, Newton, Oblateness, RadiationPressure
 from mbs_ref.scene.units import attraction, free_fall_time, tolerance_unit, unit_length

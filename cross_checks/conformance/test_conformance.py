@@ -134,7 +134,7 @@ def test_joints_close_better_with_finer_steps(engine):
                 continue
             times = np.linspace(0.0, 0.2, 11)
             records = [evaluate(scene, engine.name, settings_for(method, h), times) for h in (COARSE, FINE)]
-            found = [r.compliance["position"] for r in records if r.status == "success"]
+            found = [r.measure("compliance_position") for r in records if r.status == "success"]
             gaps = [gap for gap in found if gap is not None]
             if len(gaps) == 2:
                 told = f"{scene.name} by {method.name}: joints open from {gaps[0]} to {gaps[1]}"

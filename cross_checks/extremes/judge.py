@@ -90,7 +90,7 @@ def _accepted(extreme: Extreme, value: float, found: Trajectory) -> Point:
 def _says_wrong(extreme: Extreme, found: Trajectory) -> str:
     """Return the run's own words that it is off by more than `wrong` of the motion's size, or nothing."""
     estimate = found.estimate
-    if estimate is None or estimate.value <= extreme.wrong * estimate.size:
+    if estimate is None or estimate.poses[-1] <= extreme.wrong * estimate.size:
         return ""
     return estimate.remark()
 

@@ -1,4 +1,4 @@
-"""The ladder of settings of a method: steps or tolerances from coarse to fine."""
+"""The one number that a method's accuracy hangs on, its step or its tolerance, and the grid of a judged run."""
 
 from __future__ import annotations
 
@@ -8,14 +8,16 @@ import numpy as np
 
 from cross_checks.engine import Method
 from mbs_ref.scene import Scene
-from mbs_ref.scene.units import free_fall_time, tolerance_unit
-from mbs_ref.self_checks.stiffness import may_be_stiff, stiffness_at_start
+from mbs_ref.scene.scales import scales_of
+from mbs_ref.scene.units import free_fall_time
 from mbs_ref.settings import Settings
 
 SAMPLES = 41  # output times of a judged run
 STEPS = (2e-2, 1e-2, 5e-3, 2.5e-3, 1e-3, 5e-4, 2.5e-4, 1e-4)  # s, where a method names none
-FINER, SHARE = 3, 0.7  # steps added below what a stiff motion bears, the first at this share of it
 TOLERANCES = (1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
+TIGHTEST = 1e-14  # a relative tolerance below is roundoff
+LOOSEST = 1e-2
+DIGITS = 2  # of a tolerance, so that a reader can type it
 
 
 def grid(scene: Scene) -> np.ndarray:
@@ -23,33 +25,36 @@ def grid(scene: Scene) -> np.ndarray:
     return np.linspace(0.0, scene.duration, SAMPLES)
 
 
-def rungs(method: Method, scene: Scene) -> list[Settings]:
-    """Return the settings to try, coarse to fine; steps are shortened to divide the output interval.
+def coarsest(method: Method, scene: Scene) -> float:
+    """Return the coarsest setting that is tried: a step (s) of one output interval, or the loosest tolerance."""
+    return LOOSEST if method.kind == "adaptive" else scene.duration / (SAMPLES - 1)
 
-    Those too coarse are kept, and not run a second time: truths judge them. Where a stiff motion bears none of an
-    explicit method's steps, finer ones follow.
-    Steps and absolute tolerances are in seconds and metres in the laboratory; among attracting bodies they
-    count in the shortest free-fall time at the start, and in the distance or speed that goes with it.
+
+def settings_at(method: Method, scene: Scene, knob: float) -> Settings:
+    """Return the settings of a step (s), shortened to divide the output interval, or of a relative tolerance.
+
+    Absolute tolerances are in the scene's own length, or speed where that is less. Truths judge these runs, which
+    therefore make no estimate of their own.
     """
     if method.kind == "adaptive":
-        unit = tolerance_unit(scene)
-        tolerances = method.ladder or TOLERANCES
-        return [Settings(method=method.name, rtol=r, atol=r * unit, estimate="off") for r in tolerances]
-    interval = scene.duration / (SAMPLES - 1)
-    unit = free_fall_time(scene)
-    asked = (*(step * unit for step in method.ladder or STEPS), *_bearable(method, scene))
-    steps = dict.fromkeys(fitted(step, interval) for step in asked)
-    return [Settings(method=method.name, step=step, estimate="off") for step in steps]
+        rtol = float(f"{max(TIGHTEST, knob):.{DIGITS - 1}e}")
+        scales = scales_of(scene)
+        return Settings(method=method.name, rtol=rtol, atol=rtol * min(scales.length, scales.speed), estimate="off")
+    return Settings(method=method.name, step=fitted(knob, scene.duration / (SAMPLES - 1)), estimate="off")
 
 
-def _bearable(method: Method, scene: Scene) -> tuple[float, ...]:
-    """Return steps (s) that the linearised motion bears, where the method's own ladder ends before."""
-    if not method.stability or not may_be_stiff(scene):
-        return ()
-    limit = stiffness_at_start(scene).step_limit(method.stability)
-    if limit >= min(method.ladder or STEPS):
-        return ()
-    return tuple(SHARE * limit / 2.0**k for k in range(FINER))
+def knob_of(settings: Settings) -> float:
+    """Return the step (s) or the relative tolerance; NaN where neither is given."""
+    return settings.step or settings.rtol or math.nan
+
+
+def rungs(method: Method, scene: Scene) -> list[Settings]:
+    """Return the method's whole ladder, coarse to fine, for sweeps."""
+    if method.kind == "adaptive":
+        return [settings_at(method, scene, rtol) for rtol in method.ladder or TOLERANCES]
+    steps = (step * free_fall_time(scene) for step in method.ladder or STEPS)
+    found = [settings_at(method, scene, step) for step in steps]
+    return list({settings.step: settings for settings in found}.values())
 
 
 def fitted(step: float, interval: float) -> float:
@@ -59,4 +64,4 @@ def fitted(step: float, interval: float) -> float:
 
 def label(settings: Settings) -> str:
     """Return the setting as a reader would type it."""
-    return f"step={settings.step:.6g}" if settings.step is not None else f"rtol={settings.rtol:.1g}"
+    return f"step={settings.step:.6g}" if settings.step is not None else f"rtol={settings.rtol:.{DIGITS}g}"

@@ -13,8 +13,10 @@ import numpy as np
 
 from cross_checks import engines
 from cross_checks.engine import Engine, output_times
-from cross_checks.judge import measure as metrics_of_run
+from cross_checks.judge.measure import measure
+from cross_checks.metrics.metric import Judged
 from cross_checks.records.record import Record
+from cross_checks.truth import NoTruth, Truth
 from cross_checks.truths import seek_truth
 from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings
@@ -32,14 +34,15 @@ def evaluate(
     settings: Settings,
     times: np.ndarray | None = None,
     *,
+    truth: Truth | NoTruth | None = None,
     reference: Trajectory | None = None,
 ) -> Record:
     """Run the scene and judge it. Refusals, missing packages and failures are statuses with a sentence.
 
-    `reference` gives reaction forces to compare with. ValueError only where the engine or its method
-    is unknown, or the scene itself cannot be sampled.
+    `truth` is sought unless given; `reference` gives reaction forces to compare with. ValueError only where the
+    engine or its method is unknown, or the scene itself cannot be sampled.
     """
-    record, _ = judged_run(scene, engine_name, settings, times, reference=reference)
+    record, _ = judged_run(scene, engine_name, settings, times, truth=truth, reference=reference)
     if record.status == Status.INTERRUPTED:  # Ctrl-C ends what the run is part of
         raise KeyboardInterrupt(record.message)
     return record
@@ -51,6 +54,7 @@ def judged_run(
     settings: Settings,
     times: np.ndarray | None = None,
     *,
+    truth: Truth | NoTruth | None = None,
     reference: Trajectory | None = None,
 ) -> tuple[Record, Trajectory | None]:
     """As `evaluate`, with the trajectory's finite samples beside the record; None where nothing ran."""
@@ -68,7 +72,8 @@ def judged_run(
     if not isinstance(kept, Trajectory):
         status, message = kept
         return without_run(scene, engine_name, settings, status, message, engine), None
-    return _record(scene, engine, settings, kept, asked, reference), kept
+    against = seek_truth(scene, asked) if truth is None else truth
+    return record_of(engine, settings, Judged(scene, kept, against, reference)), kept
 
 
 def checked_run(
@@ -126,16 +131,9 @@ def _on_time(path: Trajectory, asked: np.ndarray) -> Trajectory:
     return path
 
 
-def _record(
-    scene: Scene,
-    engine: Engine,
-    settings: Settings,
-    path: Trajectory,
-    asked: np.ndarray,
-    reference: Trajectory | None,
-) -> Record:
-    truth = seek_truth(scene, asked)
-    measured = metrics_of_run.measure(scene, path, truth, reference)
+def record_of(engine: Engine, settings: Settings, judged: Judged) -> Record:
+    """Return the record of a run that came back."""
+    scene, path = judged.scene, judged.path
     return Record(
         scene=scene.name,
         parameters=dict(scene.parameters),
@@ -151,7 +149,7 @@ def _record(
         estimate=None if path.estimate is None else path.estimate.to_dict(),
         times={key: float(getattr(path.timing, key)) for key in ("build_s", "first_call_s", "loop_s")},
         versions=_versions(engine),
-        **measured,
+        **measure(judged),
     )
 
 
@@ -192,15 +190,5 @@ def without_run(
         settings=settings.model_dump(mode="json", exclude_none=True),
         status=status,
         message=message,
-        t_end=0.0,
-        steps=0,
-        rhs_calls=0,
-        final={},
-        compliance={"position": None, "velocity": None},
-        energy_drift=None,
-        momentum_drift=None,
-        error=None,
-        reaction_error=None,
-        times={},
         versions=_versions(engine),
     )

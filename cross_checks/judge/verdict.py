@@ -1,17 +1,34 @@
-"""The verdict on a method from a ladder of ever finer runs."""
+"""The verdict on a method: a pure function of its runs on a scene.
+
+Criteria, in the order in which they are asked. e is a run's error over the scene's scales, u the truth's uncertainty,
+d the distance of the finest run from the method's own limit. All runs count, from coarse to fine.
+
+    cannot       every run was refused, with reasons
+    agrees       from some run on, all finer ones have e <= AGREEMENT: at least two of them, or one to which the error
+                 fell at half the documented order or faster
+    lost         some run had e <= AGREEMENT, and a finer one has not: accuracy was reached and lost again
+    below-truth  the finest run has e < 30 u: better than the truth is known
+    wrong-limit  d < SETTLED e: the method's own limit is not the truth. d follows from the gaps between the last three
+                 runs, measured by the very function that measures e, and from the order at which they shrink
+    converging   over the last two refinements e fell at least at half the documented order, to 0.1 or less
+    diverged     the finest runs blew up, or e does not fall
+    not-shown    too few runs within the bound on work
+"""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import StrEnum
+from itertools import pairwise
 
-from cross_checks.records.record import MARGIN
+from cross_checks.truth import MARGIN
 
-AGREEMENT = 1e-6  # m: closer to the truth than this is agreement; in the sky, of the scene's unit length
-SETTLED = 0.1  # of the error: refinements that differ by less no longer approach the truth
-SETTLING = 0.3  # of the error: the same, where the error does not shrink at all
-PROGRESS = 0.7  # of the error before: less than this is progress
+AGREEMENT = 1e-6  # of the scene: closer to the truth than this is agreement
+SETTLED = 0.1  # of the error: a limit this close to the finest run, and the truth is elsewhere
+SHRINKING = 0.5  # the gap before, at least: less would not tell a limit
+RESOLVED = 0.1  # of the scene: an error beyond is no approach
 
 
 class Verdict(StrEnum):
@@ -19,6 +36,8 @@ class Verdict(StrEnum):
     CONVERGING = "converging"
     WRONG_LIMIT = "wrong-limit"
     DIVERGED = "diverged"
+    LOST = "lost"
+    NOT_SHOWN = "not-shown"
     CANNOT = "cannot"
     FAILED = "failed"
     BELOW_TRUTH = "below-truth"
@@ -28,15 +47,24 @@ class Verdict(StrEnum):
     OUT_OF_MEMORY = "out-of-memory"
 
 
+WRONG = frozenset({
+    Verdict.FAILED, Verdict.WRONG_LIMIT, Verdict.DIVERGED, Verdict.LOST, Verdict.CRASHED, Verdict.TIMEOUT,
+    Verdict.OUT_OF_MEMORY,
+})  # fmt: skip
+REFUSED = frozenset({Verdict.CANNOT, Verdict.ENGINE_MISSING})
+BLOWN_UP = frozenset({"non-finite", "reset"})
+
+
 @dataclass(frozen=True)
-class Rung:
-    """One run of the ladder."""
+class Point:
+    """One run of a method, as far as a verdict asks."""
 
     setting: str  # as a reader would type it: step=0.001
+    knob: float  # step (s) or relative tolerance
     status: str
-    message: str
-    error: float | None = None  # m, from the truth; None without one
-    difference: float | None = None  # m, from the run before; None for the first
+    message: str = ""
+    error: float | None = None  # from the truth, over the scene's scales; None without one
+    gap: float | None = None  # from the next coarser run that succeeded, by the same measure
 
     @property
     def ok(self) -> bool:
@@ -44,92 +72,107 @@ class Rung:
 
 
 def judge(
-    rungs: Sequence[Rung], uncertainty: float = 0.0, why_no_truth: str = "", agreement: float = AGREEMENT
+    points: Sequence[Point], order: float | None = None, uncertainty: float = 0.0, why_no_truth: str = ""
 ) -> tuple[Verdict, str]:
-    """Return the verdict and its sentence. Rungs go from coarse to fine; `uncertainty` (m) is the truth's.
-
-    wrong-limit: the differences between refinements shrink well below the error, and the error stays.
-    """
-    refused = next((r for r in rungs if r.status in (Verdict.CANNOT, Verdict.ENGINE_MISSING)), None)
-    good = [r for r in rungs if r.ok]
+    """Return the verdict and its sentence. Points go from coarse to fine; `order` is that of the error in the knob."""
+    good = [point for point in points if point.ok]
     if not good:
-        if refused is not None:
-            return Verdict(refused.status), refused.message
-        return _stopped(rungs[-1])
+        return _without_success(points)
     if good[-1].error is None:
-        return _without_truth(good, why_no_truth)
-    kept = good[: telling(good, agreement) + 1]
-    verdict, reason = _by_error(kept, uncertainty, agreement)
-    if len(kept) < len(good):
-        reason += f", and lost again: {good[-1].error:.1e} m at {good[-1].setting}"
-    return _with_failures(rungs, verdict, reason)
+        return _without_truth(good, order, why_no_truth)
+    verdict, reason = _by_error(good, order or 1.0, uncertainty)
+    return _with_failures(points, good, verdict, reason)
 
 
-def telling(rungs: Sequence[Rung], agreement: float = AGREEMENT) -> int:
-    """Return the index of the run that speaks for the ladder, -1 where none succeeded.
+def speaking(points: Sequence[Point]) -> int:
+    """Return the index of the run that speaks for a method: the finest in agreement, else the finest; -1 for none."""
+    good = [k for k, point in enumerate(points) if point.ok]
+    agreeing = [k for k in good if points[k].error is not None and points[k].error <= AGREEMENT]  # type: ignore[operator]
+    return (agreeing or good or [-1])[-1]
 
-    The finest that succeeded; or the finest in agreement, where at least two agree and finer ones do not.
+
+def limit_distance(good: Sequence[Point], order: float) -> float | None:
+    """Return how far the finest run is from the method's own limit, from the gaps of the last three; None if untold.
+
+    With e = C s^p the gap between settings s1 > s2 is C (s1^p - s2^p), so that C s2^p = gap / ((s1/s2)^p - 1); by
+    the contraction r of the gaps it is gap r / (1 - r). The larger one is told.
     """
-    agree = [k for k, r in enumerate(rungs) if r.ok and r.error is not None and r.error <= agreement]
-    finest = max((k for k, r in enumerate(rungs) if r.ok), default=-1)
-    return agree[-1] if len(agree) > 1 else finest
+    if len(good) < 3 or good[-1].gap is None or good[-2].gap is None or not good[-2].gap > 0.0:
+        return None
+    contraction = good[-1].gap / good[-2].gap
+    if contraction > SHRINKING:
+        return None
+    by_order = 1.0 / ((good[-2].knob / good[-1].knob) ** order - 1.0)
+    return good[-1].gap * max(by_order, contraction / (1.0 - contraction))
 
 
-def is_telling(good: Sequence[Rung]) -> bool:
-    """Whether the last runs show a trend: errors that shrink, or have settled. Otherwise a finer run may yet."""
-    errors = [r.error for r in good if r.error is not None]
-    return len(errors) < 2 or errors[-1] < PROGRESS * errors[-2] or _is_settled(good)
+def _by_error(good: Sequence[Point], order: float, uncertainty: float) -> tuple[Verdict, str]:
+    errors = [point.error for point in good if point.error is not None]
+    last, finest = good[-1], errors[-1]
+    inside = [k for k, error in enumerate(errors) if error <= AGREEMENT]
+    if inside and finest <= AGREEMENT and inside == list(range(inside[0], len(errors))):
+        if uncertainty > AGREEMENT / MARGIN:
+            return Verdict.BELOW_TRUTH, f"{finest:.1e} at {last.setting}, and the truth is known to {uncertainty:.1e}"
+        if len(inside) >= 2 or (len(errors) >= 2 and _slope(good[-2], last) >= 0.5 * order):
+            return Verdict.AGREES, f"{finest:.1e} from the truth at {last.setting}"
+        return Verdict.NOT_SHOWN, f"only {last.setting} reaches {finest:.1e}: one run shows no convergence"
+    if inside:
+        best = good[inside[-1]]
+        return Verdict.LOST, f"{best.error:.1e} at {best.setting}, and lost again: {finest:.1e} at {last.setting}"
+    if finest < MARGIN * uncertainty:
+        return Verdict.BELOW_TRUTH, f"{finest:.1e} at {last.setting}, and the truth is known to {uncertainty:.1e}"
+    distance = limit_distance(good, order)
+    if distance is not None and distance < SETTLED * finest:
+        return Verdict.WRONG_LIMIT, f"within {distance:.1e} of its own limit, and the error stays at {finest:.1e}"
+    return _by_trend(good, errors, order)
 
 
-def _stopped(last: Rung) -> tuple[Verdict, str]:
+def _by_trend(good: Sequence[Point], errors: Sequence[float], order: float) -> tuple[Verdict, str]:
+    last, finest = good[-1], errors[-1]
+    if len(good) < 2:
+        return Verdict.NOT_SHOWN, f"only {last.setting} ran, {finest:.1e} off: one run shows no convergence"
+    steps = list(pairwise(good[-3:]))
+    slopes = [_slope(a, b) for a, b in steps]
+    if min(slopes) >= 0.5 * order and finest <= RESOLVED:
+        return Verdict.CONVERGING, f"{finest:.1e} at {last.setting}, falling with order {min(slopes):.2g}"
+    if slopes[-1] > 0.0:
+        return Verdict.NOT_SHOWN, f"still {finest:.1e} off at {last.setting}, falling with order {slopes[-1]:.2g}"
+    return Verdict.DIVERGED, f"the error does not fall: {errors[-2]:.1e}, then {finest:.1e} at {last.setting}"
+
+
+def _slope(coarse: Point, fine: Point) -> float:
+    """Return the order at which the error fell between two runs; 0 where one of them has none to speak of."""
+    if not coarse.error or not fine.error:
+        return 0.0
+    return math.log(coarse.error / fine.error) / math.log(coarse.knob / fine.knob)
+
+
+def _without_success(points: Sequence[Point]) -> tuple[Verdict, str]:
+    refused = [point for point in points if point.status in REFUSED]
+    if len(refused) == len(points):
+        return (Verdict(refused[-1].status), refused[-1].message) if refused else (Verdict.NOT_SHOWN, "no run was made")
+    last = next(point for point in reversed(points) if point.status not in REFUSED)
     if last.status in (Verdict.TIMEOUT, Verdict.CRASHED, Verdict.OUT_OF_MEMORY):
         return Verdict(last.status), f"{last.setting}: {last.message}"
-    blown = last.status in ("non-finite", "reset")
-    return (Verdict.DIVERGED if blown else Verdict.FAILED), f"{last.setting}: {last.status}: {last.message}"
+    verdict = Verdict.DIVERGED if last.status in BLOWN_UP else Verdict.FAILED
+    return verdict, f"{last.setting}: {last.status}: {last.message}"
 
 
-def _by_error(good: Sequence[Rung], uncertainty: float, agreement: float) -> tuple[Verdict, str]:
-    errors = [r.error for r in good if r.error is not None]
-    finest = errors[-1]
-    if finest <= agreement and uncertainty <= agreement / MARGIN:
-        return Verdict.AGREES, f"{finest:.1e} m from the truth at {good[-1].setting}"
-    if finest < MARGIN * uncertainty:
-        known = f"the truth, known to {uncertainty:.1e} m, judges no error below {MARGIN * uncertainty:.1e} m"
-        return Verdict.BELOW_TRUTH, f"{finest:.1e} m at {good[-1].setting}, and {known}"
-    if _is_settled(good):
-        return Verdict.WRONG_LIMIT, (
-            f"refinements differ by {good[-1].difference:.1e} m and less, and the error stays at {finest:.1e} m"
-        )
-    if len(errors) > 1 and finest < PROGRESS * errors[-2]:
-        return Verdict.CONVERGING, f"{finest:.1e} m at {good[-1].setting}, and still shrinking"
-    if len(errors) == 1:
-        return Verdict.FAILED, f"only {good[0].setting} ran, {finest:.1e} m off: one run shows no convergence"
-    return Verdict.DIVERGED, f"the error does not shrink: {errors[-2]:.1e} m, then {finest:.1e} m at {good[-1].setting}"
+def _without_truth(good: Sequence[Point], order: float | None, why: str) -> tuple[Verdict, str]:
+    distance = limit_distance(good, order or 1.0)
+    if distance is not None and distance <= RESOLVED:
+        return Verdict.CONVERGING, f"to a limit of its own, {distance:.1e} away. No truth: {why}"
+    return Verdict.NOT_SHOWN, f"no convergence shown, and no truth to compare with: {why}"
 
 
-def _is_settled(good: Sequence[Rung]) -> bool:
-    """Whether the last runs agree with each other much better than with the truth, ever more so."""
-    gaps = [r.difference for r in good[1:] if r.difference is not None]
-    errors = [r.error for r in good if r.error is not None]
-    if len(gaps) < 2:
-        return False
-    stays = errors[-1] > (1.0 - 2.0 * SETTLED) * errors[-2] and gaps[-1] < SETTLED * errors[-1]
-    grows = errors[-1] >= errors[-2] and gaps[-1] < SETTLING * errors[-1]
-    return (stays and gaps[-1] <= max(gaps[:-1])) or (grows and gaps[-1] < PROGRESS * gaps[-2])
-
-
-def _without_truth(good: Sequence[Rung], why: str) -> tuple[Verdict, str]:
-    gaps = [r.difference for r in good if r.difference is not None]
-    if len(gaps) > 1 and gaps[-1] < gaps[-2]:
-        return Verdict.CONVERGING, f"to itself: the last runs differ by {gaps[-1]:.1e} m. No truth: {why}"
-    return Verdict.FAILED, f"no convergence shown, and no truth to compare with: {why}"
-
-
-def _with_failures(rungs: Sequence[Rung], verdict: Verdict, reason: str) -> tuple[Verdict, str]:
-    """A finer run that failed is told beside the best one's verdict, and spoils all but agreement."""
-    last = rungs[-1]
-    if last.ok:
+def _with_failures(
+    points: Sequence[Point], good: Sequence[Point], verdict: Verdict, reason: str
+) -> tuple[Verdict, str]:
+    """A finer run that failed is told beside the verdict; where nothing else was shown, it is the verdict."""
+    last = points[-1]
+    if last.ok or last.status in REFUSED:
         return verdict, reason
     told = f"{reason}; {last.setting} ends with {last.status}: {last.message}"
-    kept = verdict in (Verdict.AGREES, Verdict.WRONG_LIMIT, Verdict.BELOW_TRUTH)
-    return (verdict if kept else _stopped(last)[0]), told
+    if verdict is not Verdict.NOT_SHOWN or last.knob > good[-1].knob:
+        return verdict, told
+    return (Verdict.DIVERGED if last.status in BLOWN_UP else Verdict.FAILED), told

@@ -1,1 +1,17 @@
-"""What is measured of a run, one file a metric; all look at world poses and velocities."""
+"""What is measured of a run, one file a metric, found by listing; all look at world poses and velocities."""
+
+from __future__ import annotations
+
+import importlib
+import pkgutil
+from functools import cache
+
+from cross_checks.metrics.metric import Metric
+
+
+@cache
+def every() -> dict[str, Metric]:
+    """Return every metric by its name, in alphabetical order of their files."""
+    modules = [importlib.import_module(f"{__name__}.{info.name}") for info in pkgutil.iter_modules(__path__)]
+    listed = [metric for module in modules for metric in getattr(module, "METRICS", ())]
+    return {metric.name: metric for metric in listed}

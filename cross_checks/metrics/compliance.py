@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from cross_checks.metrics.metric import Judged, Metric
 from mbs_ref.observables import rows
 from mbs_ref.scene import Scene
 from mbs_ref.trajectory import Trajectory
@@ -23,3 +24,20 @@ def worst_joint(scene: Scene, trajectory: Trajectory) -> tuple[str, float] | Non
     largest = np.max(np.abs(found.residual), axis=0)
     k = int(np.argmax(largest))
     return found.joints[k], float(largest[k])
+
+
+def _position(judged: Judged) -> np.ndarray:
+    """|C| at the samples and, in-house, the largest over the steps before each."""
+    at_samples = compliance(judged.scene, judged.path)[0]
+    steps = judged.path.step_compliance
+    if steps is None or not len(at_samples):
+        return at_samples
+    between = np.zeros_like(at_samples)
+    between[: len(steps)] = steps[: len(between), 1]
+    return np.maximum(at_samples, between)
+
+
+METRICS = (
+    Metric("compliance_position", "compliance", "m, rad", _position, plotted=True),
+    Metric("compliance_velocity", "rate compliance", "m/s, rad/s", lambda run: compliance(run.scene, run.path)[1]),
+)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from cross_checks.metrics.metric import Absent, Judged, Metric
 from mbs_ref.observables import energy_balance
 from mbs_ref.scene import Scene
 from mbs_ref.trajectory import Trajectory
@@ -22,3 +23,11 @@ def energy_drift(scene: Scene, trajectory: Trajectory) -> tuple[np.ndarray | Non
         text = f"the samples resolve the work to {balance.resolution:.1e} J only; ask for more samples"
         return None, text
     return drift, ""
+
+
+def _curve(judged: Judged) -> np.ndarray | Absent:
+    drift, reason = energy_drift(judged.scene, judged.path)
+    return Absent(f"no energy drift: {reason}") if drift is None else drift
+
+
+METRICS = (Metric("energy_drift", "energy drift", "J", _curve, plotted=True),)

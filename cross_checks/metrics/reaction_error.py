@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from cross_checks.metrics.metric import Absent, Judged, Metric
+
 
 def reaction_error(reactions: dict[str, np.ndarray], reference: dict[str, np.ndarray]) -> float | None:
     """Return the largest difference (N, N m) over the joints and samples both report; None without any.
@@ -19,3 +21,11 @@ def reaction_error(reactions: dict[str, np.ndarray], reference: dict[str, np.nda
 def _largest_gap(found: np.ndarray, expected: np.ndarray) -> float:
     n = min(len(found), len(expected))
     return float(np.max(np.abs(found[:n] - expected[:n]), initial=0.0))
+
+
+def _curve(judged: Judged) -> np.ndarray | Absent:
+    found = None if judged.reference is None else reaction_error(judged.path.reactions, judged.reference.reactions)
+    return Absent() if found is None else np.array([found])
+
+
+METRICS = (Metric("reaction_error", "joint force error", "N, N m", _curve),)

@@ -1,31 +1,37 @@
-"""One run, judged: the line of JSON that reports, sweeps and history read."""
+"""One run, judged: what reports, sweeps and history read."""
 
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
-MARGIN = 30.0  # a truth this many times better known than an error judges it
+from cross_checks.truth import MARGIN
 
 
 @dataclass(frozen=True)
 class Error:
-    """Distance from the truth, and how well the truth is known."""
+    """Distance from the truth over the scene's own scales, and how well the truth is known in the same measure.
 
-    value: float  # largest distance over bodies and times of body reference points
-    unit: str  # m
-    truth: str  # exact | published | converged | ephemeris, and where it comes from
-    uncertainty: float  # of the truth, same unit
+    The largest over components (position, orientation, velocity, angular velocity), bodies and times; see
+    cross_checks.metrics.state_error. Each component in its own unit is among the record's measures.
+    """
+
+    value: float
+    truth: str  # exact | published | converged | agreed, and where it comes from
+    uncertainty: float  # of the truth
     final: float  # at the last time alone
+    worst: str = "position"  # the component that is largest, and of which body
+    length: float = 1.0  # m, what a position counts in
+    time: float = 1.0  # s
 
     @property
     def bound(self) -> float:
-        """What the error is at most (m): the distance and the truth's own uncertainty."""
+        """What the error is at most: the distance and the truth's own uncertainty."""
         return self.value + self.uncertainty
 
     @property
     def floor(self) -> float:
-        """The smallest error (m) that this truth can judge."""
+        """The smallest error that this truth can judge."""
         return MARGIN * self.uncertainty
 
     @property
@@ -33,10 +39,15 @@ class Error:
         """Whether the truth is known well enough to judge this error."""
         return self.value >= self.floor
 
+    @property
+    def metres(self) -> float:
+        """The error as a length: its value times the scene's."""
+        return self.value * self.length
+
 
 @dataclass(frozen=True)
 class Record:
-    """The result of (scene, engine, settings). Numbers are finite or None with a reason in `message`."""
+    """The result of (scene, engine, settings). Numbers are finite or None with a reason in `message` or `notes`."""
 
     scene: str
     parameters: dict[str, Any]
@@ -44,29 +55,25 @@ class Record:
     method: str
     settings: dict[str, Any]
     status: str  # of mbs_ref.trajectory.Status, or cannot | engine-missing | crashed | timeout | out-of-memory
-    message: str
-    t_end: float  # s, reached
-    steps: int
-    rhs_calls: int
-    final: dict[str, dict[str, Any]]  # body -> position, angle or orientation, velocity, angular_velocity
-    compliance: dict[
-        str, float | None
-    ]  # position (m, rad), velocity (m/s, rad/s): largest over samples and, in-house, every step
-    energy_drift: float | None  # J, largest |E(t) - E(0) - work| where the energy balance is defined
-    momentum_drift: float | None
-    error: Error | None
-    reaction_error: float | None  # N, N m
-    times: dict[str, float]  # build_s, first_call_s, loop_s
-    versions: dict[str, str]
+    message: str = ""
+    t_end: float = 0.0  # s, reached
+    steps: int = 0
+    rhs_calls: int = 0
+    final: dict[str, dict[str, Any]] = field(default_factory=dict)  # body -> position, angle or orientation, rates
+    measures: dict[str, float | None] = field(default_factory=dict)  # by the name of a metric (cross_checks.metrics)
+    error: Error | None = None
+    times: dict[str, float] = field(default_factory=dict)  # build_s, first_call_s, loop_s
+    versions: dict[str, str] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
-    orientation_error: float | None = None  # rad, largest geodesic angle from the truth; spatial scenes
-    figures: dict[str, float] = field(
-        default_factory=dict
-    )  # body -> significant figures at the end, against an ephemeris
-    contact: dict[str, float] = field(default_factory=dict)  # restitution, penetration, ... by "contact: figure, unit"
+    figures: dict[str, float] = field(default_factory=dict)  # body -> significant figures, against an ephemeris
+    contact: dict[str, float] = field(default_factory=dict)  # restitution, ... by "contact: figure, unit"
     events: dict[str, list[float]] = field(default_factory=dict)  # declared event -> its times (s), where located
     estimate: dict[str, Any] | None = None  # of the error, by the run itself: value, unit, how, holds_until (s), ...
-    history: dict[str, list[float]] = field(default_factory=dict)  # t, compliance, energy_drift, error, estimate
+    history: dict[str, list[float]] = field(default_factory=dict)  # t, error, estimate and the plotted metrics' curves
+
+    def measure(self, name: str) -> float | None:
+        """Return a metric's figure; None where it is not defined."""
+        return self.measures.get(name)
 
     def to_dict(self) -> dict[str, Any]:
         """Return plain data for JSON."""

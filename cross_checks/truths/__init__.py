@@ -3,45 +3,25 @@
 from __future__ import annotations
 
 import importlib
+import json
 import pkgutil
-from dataclasses import dataclass
-from functools import lru_cache
-from typing import Literal
+from collections.abc import Callable
+from dataclasses import replace
+from functools import cache, lru_cache
+from pathlib import Path
 
 import numpy as np
 
-from cross_checks.certify import kept_poses
-from cross_checks.certify.agreement import LARGEST_UNCERTAINTY, Agreement
+from cross_checks.certify import kept_poses, rates
+from cross_checks.certify.agreement import LARGEST_UNCERTAINTY
 from cross_checks.certify.extrapolation import NoConvergenceError
+from cross_checks.certify.kept_poses import physics_of
+from cross_checks.truth import NoTruth, Truth
 from mbs_ref import scenes
 from mbs_ref.scene import Scene
-from mbs_ref.scene.units import unit_length
+from mbs_ref.scene.scales import scales_of
 
-
-@dataclass(frozen=True)
-class Truth:
-    """World poses of every body at the asked times."""
-
-    position: np.ndarray  # (n_t, n_bodies, dimension) m, centres of mass
-    angle: np.ndarray  # (n_t, n_bodies) rad; in space (n_t, n_bodies, 4) Euler parameters
-    uncertainty: float  # m, of every world point at every time
-    kind: Literal["exact", "published", "converged"]
-    how: str  # one sentence
-    difference: float | None = None  # m, between two unlike ways to it; None where it was found in one
-    is_costly: bool = False  # takes so long to make that `mbs-ref certify --write` keeps its poses
-
-
-@dataclass(frozen=True)
-class NoTruth:
-    """Why there is nothing to compare with."""
-
-    reason: str
-
-
-def converged(found: Agreement, first: str, second: str) -> Truth:
-    """Return a truth that two ways agree on; `first` and `second` name them."""
-    how = f"{second}; {first} differ by {found.difference:.1e} m; a start error grows {found.sensitivity:.1e}-fold"
-    return Truth(found.position, found.angle, found.uncertainty, "converged", how, difference=found.difference)
+CERTIFICATES = Path(__file__).parents[1] / "certificates" / "kept"
 
 
 def known() -> list[str]:
@@ -58,40 +38,95 @@ def truth_for(scene: Scene, times: np.ndarray) -> Truth | None:
 def seek_truth(scene: Scene, times: np.ndarray, *, afresh: bool = False) -> Truth | NoTruth:
     """Return the truth, or the reason for having none. Answers are kept in memory.
 
-    A costly truth is read from the disk where it was kept, unless it is to be made `afresh`.
+    A truth belongs to physics, not to a name: a scene file with the bodies, joints and loads of a library's scene has
+    its truth. A costly one is read from the disk where it was kept, unless it is to be made `afresh`.
     """
-    if scene.name not in known():
-        return NoTruth(f"no truth is known for a scene named {scene.name}")
-    if not is_unchanged(scene):
-        return NoTruth(f"the scene differs from {scene.name} with its parameters, for which the truth is known")
-    parameters = tuple(sorted(scene.parameters.items()))
     asked = np.asarray(times, dtype=float)
     kept = None if afresh else kept_poses.find(scene, asked)
     if kept is not None:
-        _, position, angle, uncertainty, difference, how = kept
-        return Truth(position, angle, uncertainty, "converged", how, difference, is_costly=True)
-    return _solved(scene.name, parameters, tuple(asked.tolist()))
+        return Truth(
+            kept.position, kept.orientation, kept.uncertainty, "converged", kept.how, kept.difference, True,
+            kept.velocity, kept.angular_velocity, kept.rate_uncertainty,
+        )  # fmt: skip
+    twin = library_twin(scene)
+    if twin is None:
+        return NoTruth(f"no truth is known of the physics of {scene.name}")
+    return _solved(twin.name, tuple(sorted(twin.parameters.items())), tuple(asked.tolist()))
+
+
+def library_twin(scene: Scene) -> Scene | None:
+    """Return the library's scene of the same physics that has a truth, whatever the given one is called."""
+    candidates = [(scene.name, tuple(sorted(scene.parameters.items())))] if scene.name in known() else []
+    for name, parameters in candidates:
+        twin = _made(name, parameters)
+        if twin is not None and _same(twin, scene):
+            return twin
+    found = _library().get(physics_of(scene))
+    return None if found is None else _made(*found)
 
 
 def is_unchanged(scene: Scene) -> bool:
     """Return whether the scene is what its name and parameters build: only the same physics has the same truth."""
+    ours = _made(scene.name, tuple(sorted(scene.parameters.items())))
+    return ours is not None and _same(ours, scene)
+
+
+def _same(first: Scene, second: Scene) -> bool:
+    return all(getattr(first, part) == getattr(second, part) for part in kept_poses.PHYSICS)
+
+
+@lru_cache(maxsize=256)
+def _made(name: str, parameters: tuple) -> Scene | None:
     try:
-        ours = scenes.make(scene.name, **scene.parameters)
+        return scenes.make(name, **dict(parameters))
     except ValueError:
-        return False
-    return all(getattr(ours, part) == getattr(scene, part) for part in kept_poses.PHYSICS)
+        return None
+
+
+@cache
+def _library() -> dict[str, tuple[str, tuple]]:
+    """Return name and parameters by physics of every scene with a truth: as it stands, and as certified."""
+    found = {}
+    for name, parameters in (*((name, ()) for name in known()), *_certified()):
+        made = _made(name, parameters)
+        if made is not None:
+            found.setdefault(physics_of(made), (name, tuple(sorted(made.parameters.items()))))
+    return found
+
+
+def _certified() -> list[tuple[str, tuple]]:
+    """Return name and parameters of every certificate kept."""
+    read = (json.loads(file.read_text()) for file in sorted(CERTIFICATES.glob("*.json")))
+    return [(one["scene"], tuple(sorted(one["parameters"].items()))) for one in read]
 
 
 @lru_cache(maxsize=64)
 def _solved(name: str, parameters: tuple, times: tuple[float, ...]) -> Truth | NoTruth:
     solver = importlib.import_module(f"{__name__}.{name}")
-    scene = scenes.make(name, **dict(parameters))
+    scene, asked = scenes.make(name, **dict(parameters)), np.array(times)
     try:
-        found = solver.solve(scene, np.array(times))
+        found = solver.solve(scene, asked)
+        if isinstance(found, Truth) and found.velocity is None:
+            found = _with_rates(solver.solve, scene, asked, found)
     except NoConvergenceError as error:
         return NoTruth(f"the truth does not converge: {error}")
-    largest = LARGEST_UNCERTAINTY * unit_length(scene)
+    largest = LARGEST_UNCERTAINTY * scales_of(scene).length
     if isinstance(found, Truth) and not found.uncertainty <= largest:
         known_to, limit = f"{found.uncertainty:.1e} m", f"{largest:.0e} m"
         return NoTruth(f"the truth is uncertain by {known_to}, more than {limit}: the motion is too sensitive")
     return found
+
+
+def _with_rates(solve: Callable, scene: Scene, times: np.ndarray, found: Truth) -> Truth:
+    """Return the truth with velocities from differences of its poses around every time, where it has such poses."""
+    if len(times) < 2 or np.isnan(found.position).any():
+        return found
+    asked, h = rates.stencil_times(times)
+    try:
+        around = solve(scene, asked)
+    except NoConvergenceError:
+        return found
+    if isinstance(around, NoTruth):
+        return found
+    velocity, spin, doubt = rates.of_poses(times, h, asked, around.position, around.orientation, around.uncertainty)
+    return replace(found, velocity=velocity, angular_velocity=spin, rate_uncertainty=doubt)

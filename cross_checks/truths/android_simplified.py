@@ -6,9 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from cross_checks.certify.agreement import agree
+from cross_checks.certify.agreement import agree, converged
 from cross_checks.certify.hinged_tree import formulations
-from cross_checks.truths import Truth, converged
+from cross_checks.truth import Truth
 from mbs_ref import scenes
 from mbs_ref.observables.signal_values import motion
 from mbs_ref.scene import CoordinateDrive, Scene

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from cross_checks.truths import Truth
+from cross_checks.truth import Truth
 from cross_checks.truths.android_simplified import crash_truth
 from mbs_ref.scene import Scene
 

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from scipy.optimize import root_scalar
 
-from cross_checks.truths import NoTruth, Truth
+from cross_checks.truth import NoTruth, Truth
 from mbs_ref.scene import Scene
 from mbs_ref.scene.contact import ConstraintLaw
 

@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from cross_checks.certify.agreement import Formulation, agree
-from cross_checks.truths import Truth, converged
+from cross_checks.certify.agreement import Formulation, agree, converged
+from cross_checks.truth import Truth
 from mbs_ref.scene import Scene
 from mbs_ref.scene.contact import ProgressiveLaw
 

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from scipy.linalg import expm
 
-from cross_checks.truths import NoTruth, Truth
+from cross_checks.truth import NoTruth, Truth
 from mbs_ref.scene import Scene
 
 UNCERTAINTY = 1e-12  # m, of the matrix exponential at these sinks

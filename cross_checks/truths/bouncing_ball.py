@@ -16,7 +16,7 @@ from scipy.integrate import quad
 from scipy.special import lambertw
 
 from cross_checks.certify.unilateral import Line, Unilateral, line_motion
-from cross_checks.truths import NoTruth, Truth
+from cross_checks.truth import NoTruth, Truth
 from mbs_ref.scene import Scene
 from mbs_ref.scene.contact import (
     FloresLaw,

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from cross_checks.truths import NoTruth, Truth, bouncing_ball
+from cross_checks.truth import NoTruth, Truth
+from cross_checks.truths import bouncing_ball
 from mbs_ref import scenes
 from mbs_ref.scene import Scene
 from mbs_ref.scenes.bouncing_sphere import floor_normal

@@ -7,9 +7,10 @@ from itertools import pairwise
 import numpy as np
 
 from cross_checks.certify import jet
+from cross_checks.certify.agreement import converged
 from cross_checks.certify.jet import Jet
 from cross_checks.certify.one_freedom import agree_on
-from cross_checks.truths import Truth, converged
+from cross_checks.truth import Truth
 from mbs_ref.scene import Scene, SpatialBody
 from mbs_ref.scene.euler_parameters import rotation_matrices
 from mbs_ref.scenes.bricard import AXES, CORNERS

@@ -10,7 +10,7 @@ import numpy as np
 from scipy.integrate import quad
 from scipy.optimize import brentq
 
-from cross_checks.truths import NoTruth, Truth
+from cross_checks.truth import NoTruth, Truth
 from mbs_ref.scene import Scene
 from mbs_ref.scene.contact import RigidLaw, SpringDamperLaw
 from mbs_ref.scenes.colliding_spheres import RADIUS_A, RADIUS_B, RUN_UP, line_of_centres

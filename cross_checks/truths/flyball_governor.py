@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cross_checks.certify.agreement import Formulation, agree
+from cross_checks.certify.agreement import Formulation, agree, converged
 from cross_checks.certify.implicit import radau
-from cross_checks.truths import Truth, converged
+from cross_checks.truth import Truth
 from mbs_ref.scene import Scene, SpatialBody
 from mbs_ref.scene.euler_parameters import from_axis_angle, product
 from mbs_ref.scenes.flyball_governor import DROOP, LENGTH, OFFSET, REST, SLIDER_HEIGHT

@@ -6,7 +6,7 @@ import numpy as np
 
 from cross_checks.certify.elliptic import amplitude, quarter_period
 from cross_checks.certify.quadrature import running_integral
-from cross_checks.truths import Truth
+from cross_checks.truth import Truth
 from mbs_ref.scene import Scene
 from mbs_ref.scene.euler_parameters import from_axis_angle, product
 from mbs_ref.scenes.heavy_top import ARM, ARM_MASS, AXIAL, TRANSVERSE, steady_precession

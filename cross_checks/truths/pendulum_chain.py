@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from cross_checks.certify.agreement import agree
+from cross_checks.certify.agreement import agree, agreed
 from cross_checks.certify.rod_chain import EXTENDED_UP_TO, Rods, hamilton, lagrange
-from cross_checks.truths import NoTruth, Truth
+from cross_checks.truth import NoTruth, Truth
 from mbs_ref.scene import Scene
 
 LARGEST = 200  # links: the dense mass matrix in absolute angles takes too long beyond
@@ -35,4 +35,4 @@ def converged(rods: Rods, times: np.ndarray) -> Truth:
         f"Hamilton's equations in absolute angles by extrapolation in {precision} precision; "
         f"Lagrange's by DOP853 differ by {found.difference:.1e} m; a start error grows {found.sensitivity:.1e}-fold"
     )
-    return Truth(found.position, found.angle, found.uncertainty, "converged", how, difference=found.difference)
+    return agreed(found, how)

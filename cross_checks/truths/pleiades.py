@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from cross_checks.truths import NoTruth, Truth
+from cross_checks.truth import NoTruth, Truth
 from mbs_ref.scene import Scene
 
 # Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, sec. II.10; the test set's 16 digits

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from cross_checks.truths import Truth
+from cross_checks.truth import Truth
 from mbs_ref.scene import Scene
 
 ROUNDOFF = 1e-14  # m

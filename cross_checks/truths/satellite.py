@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from cross_checks.certify.particles import converge
-from cross_checks.truths import NoTruth, Truth
+from cross_checks.truth import NoTruth, Truth
 from mbs_ref.scene import Scene
 
 

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cross_checks.certify.agreement import Formulation, agree
-from cross_checks.truths import Truth
+from cross_checks.certify.agreement import Formulation, agree, agreed
+from cross_checks.truth import Truth
 from mbs_ref.scene import Scene
 
 
@@ -22,7 +22,7 @@ def solve(scene: Scene, times: np.ndarray) -> Truth:
         "Hamilton's equations in the crank angle by extrapolation in extended precision; "
         f"Lagrange's by DOP853 differ by {found.difference:.1e} m"
     )
-    return Truth(found.position, found.angle, found.uncertainty, "converged", how, difference=found.difference)
+    return agreed(found, how)
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,8 @@ from dataclasses import replace
 import numpy as np
 
 from cross_checks.certify.particles import converge
-from cross_checks.truths import NoTruth, Truth, seek_truth
+from cross_checks.truth import NoTruth, Truth
+from cross_checks.truths import seek_truth
 from mbs_ref import scenes
 from mbs_ref.scene import Scene, SpatialBody
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from cross_checks.certify.elliptic import amplitude, quarter_period
 from cross_checks.certify.quadrature import running_integral
-from cross_checks.truths import Truth
+from cross_checks.truth import Truth
 from mbs_ref.scene import Scene
 
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from cross_checks.certify.agreement import Formulation, agree
-from cross_checks.truths import Truth
+from cross_checks.certify.agreement import Formulation, agree, agreed
+from cross_checks.truth import Truth
 from mbs_ref.scene import Scene
 
 
@@ -17,7 +17,7 @@ def solve(scene: Scene, times: np.ndarray) -> Truth:
         "polar Hamilton's equations by extrapolation in extended precision; "
         f"Newton's in x, y by DOP853 differ by {found.difference:.1e} m"
     )
-    return Truth(found.position, found.angle, found.uncertainty, "converged", how, difference=found.difference)
+    return agreed(found, how)
 
 
 def _cartesian(rest_length, mass, stiffness, damping, gravity) -> Formulation:

@@ -26,7 +26,8 @@ from mbs_ref.integrators import DEFAULT, integrators
 from mbs_ref.integrators.loop.leg import COUNT_RHS, COUNT_STEPS, FEWEST, Options
 from mbs_ref.run.legs import EPS, Run, run_legs
 from mbs_ref.run.plan import DEFAULT_TOLERANCE, Plan
-from mbs_ref.self_checks.pose_gap import coordinate_size, motion_size, pose_gap
+from mbs_ref.scene.scales import Scales, scales_of
+from mbs_ref.self_checks.state_gap import coordinate_size, state_gaps, state_sizes
 from mbs_ref.trajectory import Estimate, Status
 
 SAFETY = 3.0  # for two runs (P. J. Roache, J. Fluids Eng. 116 (1994) 405: the grid convergence index)
@@ -48,8 +49,8 @@ class _Companion(NamedTuple):
 class _Compared(NamedTuple):
     """What a companion says."""
 
-    bounds: np.ndarray  # (n,) m, the estimate at the outputs that both reached
-    size: float  # m, how far it goes
+    bounds: np.ndarray  # (n, 4), the estimate at the outputs that both reached
+    sizes: np.ndarray  # (4,), how far the two go
     is_alike: bool  # no more steps, though its tolerance is the tighter one
     status: Status
     how: str
@@ -60,38 +61,43 @@ class _Compared(NamedTuple):
 
 
 def estimated(system: System, plan: Plan, run: Run) -> Estimate | None:
-    """Estimate the error of a run's poses at its output times; None where Ctrl-C ended a companion."""
-    began = time.perf_counter()
-    found = _all_compared(system, plan, run)
+    """Estimate the error of a run at its output times; None where Ctrl-C ended a companion."""
+    began, scales = time.perf_counter(), scales_of(system.scene)
+    found = _all_compared(system, scales, plan, run)
     if any(one.status is Status.INTERRUPTED for one in found):
         return None
-    first, reached = system.poses(run.states), max(len(one.bounds) for one in found)
-    scale = coordinate_size(system.scene, first)
-    least = EPS * math.sqrt(run.counts[COUNT_STEPS])  # roundoff, a random walk (D. Brouwer, Astron. J. 46 (1937) 149)
-    if all(one.is_alike for one in found):
-        least += plan.options.rtol / DECADE**3  # no tolerance matters: what a step may err at the tightest
-    bounds = np.full(len(run.times), least * scale)
+    opening, went = _opening(system, scales, plan, run) if plan.options.step else (np.zeros(4), np.zeros(4))
+    reached = max(len(one.bounds) for one in found)
+    scale = coordinate_size(scales, system.poses(run.states))
+    bounds = np.tile(np.fmax(SAFETY * opening, _least(plan, run, found) * scale), (len(run.times), 1))
     for one in found:
         count = len(one.bounds)
         bounds[:count] = np.fmax(bounds[:count], one.bounds)
-    opening, went = _opening(system, plan, run, scale) if plan.options.step else (0.0, 0.0)
-    bounds = np.fmax(bounds, SAFETY * opening)
     bounds[0], bounds[reached:] = 0.0, np.inf
     return Estimate(
-        times=run.times, over_time=np.maximum.accumulate(bounds), how="; ".join(one.how for one in found),
-        size=max(went, *(one.size for one in found)),
-        tolerance=plan.options.rtol * scale, cost_s=time.perf_counter() - began,
+        times=run.times, components=np.maximum.accumulate(bounds), how="; ".join(one.how for one in found),
+        size=float(np.max([sizes[:2] for sizes in (went, *(one.sizes for one in found))])),
+        tolerance=plan.options.rtol * scale, cost_s=time.perf_counter() - began, length=scales.length, time=scales.time,
     )  # fmt: skip
 
 
-def _all_compared(system: System, plan: Plan, run: Run) -> list[_Compared]:
+def _least(plan: Plan, run: Run, found: list[_Compared]) -> float:
+    """Return what a run errs at least, relative: roundoff, a random walk (D. Brouwer, Astron. J. 46 (1937) 149).
+
+    Where no tolerance matters it is what a step may err at the tightest.
+    """
+    roundoff = EPS * math.sqrt(run.counts[COUNT_STEPS])
+    return roundoff + (plan.options.rtol / DECADE**3 if all(one.is_alike for one in found) else 0.0)
+
+
+def _all_compared(system: System, scales: Scales, plan: Plan, run: Run) -> list[_Compared]:
     """Return what the companions say that are needed: one as a rule."""
     finer = _half(system, plan) if plan.options.step else _tighter(plan, DECADE)
-    found = [_compared(system, plan, run, finer)]
+    found = [_compared(system, scales, plan, run, finer)]
     if found[0].is_alike:
-        found.append(_compared(system, plan, run, _tighter(plan, DECADE**3)))
+        found.append(_compared(system, scales, plan, run, _tighter(plan, DECADE**3)))
     if not found[-1].has_ended and found[-1].status is not Status.INTERRUPTED:
-        found.append(_compared(system, plan, run, _coarser(plan)))
+        found.append(_compared(system, scales, plan, run, _coarser(plan)))
     return found
 
 
@@ -125,40 +131,44 @@ def _richardson(smaller: float) -> float:
     return SAFETY * smaller / (smaller - 1.0)
 
 
-def _compared(system: System, plan: Plan, run: Run, companion: _Companion) -> _Compared:
+def _compared(system: System, scales: Scales, plan: Plan, run: Run, companion: _Companion) -> _Compared:
     """Make the companion and hold the run against it."""
     other = _made(system, replace(plan, options=companion.options), run.states[0], run.times, companion.refine)
-    count = min(len(other.times), len(run.times))
-    first, second = system.poses(run.states[:count]), system.poses(other.states[:count])
-    gaps = pose_gap(system.scene, first, second)
-    size = max(motion_size(system.scene, path, run.times[:count]) for path in (first, second))
+    gaps, sizes = _apart(system, scales, run, other)
     ended = other.status in ENDED
     tighter = companion.options.rtol < plan.options.rtol
     return _Compared(
-        # places no further than `size` from the start are no further than twice that from each other
-        bounds=np.fmax(gaps, np.minimum(companion.factor * gaps, 2.0 * size)), size=size,
+        # places no further than so far from the start are no further than twice that from each other
+        bounds=np.fmax(gaps, np.minimum(companion.factor * gaps, 2.0 * sizes)), sizes=sizes,
         is_alike=ended and tighter and bool(other.counts[COUNT_STEPS] <= run.counts[COUNT_STEPS]), status=other.status,
         how=f"{companion.factor:.3g} times the difference from a run with {companion.share}"
             + ("" if ended else f", which did not end: {other.message}"),
     )  # fmt: skip
 
 
-def _opening(system: System, plan: Plan, run: Run, scale: float) -> tuple[float, float]:
-    """Return by how much (m) the FEWEST first fixed steps are off, and how far these go (m), by DOP853's account.
+def _apart(system: System, scales: Scales, run: Run, other: Run) -> tuple[np.ndarray, np.ndarray]:
+    """Return how far two runs are apart (n, 4) where both are, and how far they go (4,)."""
+    count = min(len(other.times), len(run.times))
+    first, second = system.poses(run.states[:count]), system.poses(other.states[:count])
+    sizes = [state_sizes(system.scene, scales, path, run.times[:count]) for path in (first, second)]
+    return state_gaps(system.scene, scales, first, second), np.maximum(*sizes)
+
+
+def _opening(system: System, scales: Scales, plan: Plan, run: Run) -> tuple[np.ndarray, np.ndarray]:
+    """Return by how much the FEWEST first fixed steps are off (4,), and how far these go (4,), by DOP853's account.
 
     A method that damps what its steps cannot follow lands where half of the step lands, too.
     """
     grid = plan.options.step * np.arange(1, FEWEST + 1)
     times = np.union1d(run.times, grid[grid <= run.times[-1]])[: FEWEST + 1]  # outputs end steps, too
     options = plan.options._replace(
-        step=0.0, rtol=DEFAULT_TOLERANCE, atol=DEFAULT_TOLERANCE * scale, project=True,
+        step=0.0, rtol=DEFAULT_TOLERANCE, atol=DEFAULT_TOLERANCE * scales.length, project=True,
         max_steps=int(run.counts[COUNT_RHS]),
     )  # fmt: skip
     fine = replace(plan, integrator=integrators()[DEFAULT], options=options, baumgarte_gain=0.0)
-    runs = [_made(system, one, run.states[0], times) for one in (plan, fine)]
-    count = min(len(one.times) for one in runs)
-    first, second = (system.poses(one.states[:count]) for one in runs)
-    return float(np.max(pose_gap(system.scene, first, second))), motion_size(system.scene, second, times[:count])
+    first, second = (_made(system, one, run.states[0], times) for one in (plan, fine))
+    gaps, sizes = _apart(system, scales, first, second)
+    return np.max(gaps, axis=0), sizes
 
 
 def _made(system: System, plan: Plan, start: np.ndarray, times: np.ndarray, refine: int = 1) -> Run:

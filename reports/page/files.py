@@ -52,9 +52,9 @@ def csv_row(record: Record) -> dict[str, Any]:
         "error_m": error.value if error else None,
         "truth_uncertainty_m": error.uncertainty if error else None,
         "truth": error.truth if error else None,
-        "compliance_position": record.compliance.get("position"),
-        "compliance_velocity": record.compliance.get("velocity"),
-        "energy_drift_J": record.energy_drift,
+        "compliance_position": record.measure("compliance_position"),
+        "compliance_velocity": record.measure("compliance_velocity"),
+        "energy_drift_J": record.measure("energy_drift"),
         **{f"{phase}": record.times.get(phase) for phase in ("build_s", "first_call_s", "loop_s")},
         "command": command(record),
     }

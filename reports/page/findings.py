@@ -82,8 +82,8 @@ def low_orders(data: ReportData) -> Iterator[Finding]:
 def perfect_but_wrong(data: ReportData) -> Iterator[Finding]:
     """Methods whose joints or energy look perfect at their finest setting while the motion is wrong."""
     far = [r for r in _finest(data) if known_error(r) > FAR_OFF]
-    closed = [r for r in far if (r.compliance.get("position") or 1.0) < CLOSED_JOINTS]
-    conserving = [r for r in far if r.energy_drift is not None and r.energy_drift < CONSERVED]
+    closed = [r for r in far if (r.measure("compliance_position") or 1.0) < CLOSED_JOINTS]
+    conserving = [r for r in far if (r.measure("energy_drift") or CONSERVED) < CONSERVED]
     if closed:
         text = f"Joints closed within {metres(CLOSED_JOINTS)}, and yet the motion is wrong: {_listed(closed)}."
         yield Finding("fair", "Closed joints do not prove a right answer", text)

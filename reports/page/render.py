@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import hashlib
 from functools import cache
+from itertools import takewhile
 from pathlib import Path
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
@@ -31,6 +32,8 @@ def render(data: ReportData) -> str:
     engine_colours = colours(data.engines)
     plotly, js = get_plotlyjs(), "".join((TEMPLATES / name).read_text(encoding="utf-8") for name in SCRIPTS)
 
+    opening = list(takewhile(lambda section: not section.plots, SECTIONS))
+
     def body(section: Section) -> Markup:
         shared = {"scenes": data.scenes, "engine_colours": engine_colours, "absence": data.absence}
         context = {"section": section, **shared, **section.context(data)}
@@ -41,6 +44,8 @@ def render(data: ReportData) -> str:
         .get_template("page.html")
         .render(
             sections=SECTIONS,
+            opening=opening,
+            closing=[section for section in SECTIONS[len(opening) :] if not section.plots],
             body=body,
             scenes=data.scenes,
             engines=engine_colours,

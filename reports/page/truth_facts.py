@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from cross_checks.certificates import certificate
 from cross_checks.certificates.certificate import Certificate
-from cross_checks.truths import NoTruth
+from cross_checks.truth import NoTruth
 from mbs_ref.scene import Scene
 
 

@@ -41,7 +41,7 @@ class Swing(Engine):
         truth = truth_for(scene, times)
         still = np.zeros_like(truth.position)
         place, timing = truth.position + np.array([off, 0.0]), Timing(loop_s=h)
-        path = Trajectory(times, place, truth.angle, still, truth.angle, timing=timing)
+        path = Trajectory(times, place, truth.orientation, still, truth.orientation, timing=timing)
         return self.trouble(path) if self.trouble else path
 
 

@@ -33,10 +33,11 @@ STAGES = {"contact_rk44": 4, "pair_contact_rk44": 4, "tree_rk44": 4, "tree_rk67"
 PLANAR, SPATIAL = frozenset({"planar"}), frozenset({"spatial"})
 METHODS = (
     Method("generalized_alpha", "fixed", 2, "generalized-alpha, index 3, redundant coordinates", STEPS),
-    Method("trapezoidal", "fixed", 2, "trapezoidal rule, index 2, redundant coordinates", STEPS, wrong_limit=SINGULAR),
+    Method("trapezoidal", "fixed", 2, "trapezoidal rule, index 2, redundant coordinates", STEPS, wrong_limit=SINGULAR,
+           weak_on=frozenset({"closed-loop"})),
     Method("rotation_vector", "fixed", 2, "generalized-alpha on rotation vectors (Lie group)", STEPS, requires=SPATIAL),
     Method("contact_rk44", "fixed", None, "Runge-Kutta 4 with GeneralContact; bodies without joints", STEPS,
-           requires=frozenset({"contact"}), wrong_limit=FRICTION),
+           requires=frozenset({"contact"}), wrong_limit=FRICTION, weak_on=frozenset({"contact"})),
     Method("pair_contact_rk44", "fixed", None, "Runge-Kutta 4 with contact connectors; bodies without joints", STEPS,
            requires=frozenset({"contact", "spatial"})),
     Method("tree_dopri5", "adaptive", 5, "KinematicTree, Dormand-Prince 5", RTOLS, requires=PLANAR),

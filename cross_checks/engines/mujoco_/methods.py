@@ -32,7 +32,8 @@ STEP_SOFT = "loop closures are springs whose time constant is two steps"
 
 def _methods() -> tuple[Method, ...]:
     plain = [
-        Method(n, "fixed", p, text, LADDER, stability=exponential(p), wrong_limit=SOFT)
+        Method(n, "fixed", p, text, LADDER, stability=exponential(p), wrong_limit=SOFT,
+               weak_on=frozenset({"closed-loop", "contact"}))
         for n, (_, p, text) in INTEGRATORS.items()
     ]  # what is implicit bears more, but shared forces are explicit in all
     tight = [
@@ -41,7 +42,8 @@ def _methods() -> tuple[Method, ...]:
         if m.name in ("rk4", "implicitfast")
     ]
     stock = Method("rk4" + STOCK, "fixed", None, "explicit Runge-Kutta 4; MuJoCo's default contacts", LADDER,
-                   wrong_limit="contacts have MuJoCo's default stiffness and damping, not the scene's")  # fmt: skip
+                   wrong_limit="contacts have MuJoCo's default stiffness and damping, not the scene's",
+                   weak_on=frozenset({"contact"}))  # fmt: skip
     return (*plain, *tight, stock)
 
 

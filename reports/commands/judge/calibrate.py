@@ -69,7 +69,7 @@ def _show(rows: list[dict[str, Any]]) -> None:
 def _show_below(found: list[Any]) -> None:
     if not found:
         return
-    listing = table("\nAbove their estimate", "seed", "scene", "method", "setting", "error, m", "estimate, m")
+    listing = table("\nAbove their estimate", "seed", "scene", "method", "setting", "error", "estimate")
     for one in found:
         figures = number(one.error), number(one.estimate)
         listing.add_row(str(one.seed), one.scene, one.method, one.setting, *figures)

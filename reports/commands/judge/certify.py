@@ -9,7 +9,8 @@ import click
 
 from cross_checks.certificates import certificate
 from cross_checks.certificates.certificate import Certificate
-from cross_checks.truths import NoTruth, known
+from cross_checks.truth import NoTruth
+from cross_checks.truths import known
 from mbs_ref import scenes
 from mbs_ref.scene import Scene
 from reports import inputs

@@ -113,7 +113,7 @@ def _afresh(scene: Scene, choice: Choice) -> Record | None:
 def _check(again: Record, bounds: Bounds) -> None:
     """Say what the setting did when it was run afresh."""
     reached = "no error" if again.error is None else f"{again.error.bound:.2e} m"
-    gap = again.compliance.get("position")
+    gap = again.measure("compliance_position")
     told = f"run afresh: {again.status}, {reached}, joints open by {'nothing known' if gap is None else f'{gap:.2e}'}"
     if again.status in BY_MACHINE:
         raise Incomplete(f"{told}: {again.message}")

@@ -51,6 +51,6 @@ def _show(records: list[Record]) -> None:
         keys = [key for key in ("step", "rtol") if record.settings.get(key) is not None]
         setting = " ".join(f"{key} {record.settings[key]:g}" for key in keys)
         error = number(record.error.value if record.error else None)
-        figures = (error, number(record.compliance.get("position")), number(record.times.get("loop_s")))
+        figures = (error, number(record.measure("compliance_position")), number(record.times.get("loop_s")))
         listing.add_row(record.engine, record.method, setting, record.status, *figures)
     show(listing)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from cross_checks.truths import NoTruth
+from cross_checks.truth import NoTruth
 from reports.page.numbers import ABSENT, metres
 from reports.page.report_data import ReportData
 from reports.page.section import Section

@@ -58,7 +58,7 @@ def pick_rows(data: ReportData) -> list[dict[str, Any]]:
             "setting": setting(r.settings),
             "error": known_error(r),
             "floor": r.error.floor if r.error else 0.0,
-            "compliance": r.compliance.get("position"),
+            "compliance": r.measure("compliance_position"),
             "ms": r.times["loop_s"] * 1e3,
             "command": command(r),
         }

@@ -12,7 +12,8 @@ from cross_checks import engines, ephemerides
 from cross_checks.judge.one_run import evaluate
 from cross_checks.metrics.pose_error import distance
 from cross_checks.records.record import Record
-from cross_checks.truths import Truth, seek_truth
+from cross_checks.truth import Truth
+from cross_checks.truths import seek_truth
 from mbs_ref import scenes
 from mbs_ref.observables import energy_balance
 from mbs_ref.scene import Scene

@@ -68,7 +68,7 @@ def _formulation(record: Record) -> list[str]:
     rigid = record.parameters["formulation"] == "euler_parameters"
     name = "rigid bodies, Euler parameters" if rigid else "point masses"
     numbers = len(record.final) * (13 if rigid else 6)
-    compliance = record.compliance["position"]
+    compliance = record.measure("compliance_position")
     return [
         f"{record.parameters['days']:g}",
         name + (", turning" if record.parameters["spin"] else ""),

@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 
 from cross_checks.metrics.orientation_error import orientation_error
-from cross_checks.truths import Truth, seek_truth
+from cross_checks.truth import Truth
+from cross_checks.truths import seek_truth
 from mbs_ref import observables, scenes
 from mbs_ref.scene import PointMass, Scene, SpatialBody
 from mbs_ref.settings import Settings

@@ -26,7 +26,7 @@ def test_springs_dampers_forces_and_torques_agree():
 
 
 def test_slides_in_turned_frames_agree():
-    from test_engine_traps import mixed_slides
+    from tests.cross_checks.engines.test_engine_traps import mixed_slides
 
     fine = run("pinocchio", "dop853", mixed_slides(), rtol=1e-12, t_end=0.5, samples=6)
     for name, method in (("mujoco", "rk4"), ("exudyn", "tree_rk44")):

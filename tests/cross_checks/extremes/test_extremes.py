@@ -34,7 +34,7 @@ def path(status: Status = Status.SUCCESS, message: str = "", unreported: bool = 
 def admitting(error: float) -> Trajectory:
     """A success on a motion of 1 m that says itself how far it may be off (m)."""
     times = np.array([0.0, 1.0])
-    estimate = Estimate(times, np.array([0.0, error]), "made up", size=1.0, tolerance=1e-8, cost_s=0.0)
+    estimate = Estimate(times, np.array([[0.0] * 4, [error] * 4]), "made up", size=1.0, tolerance=1e-8, cost_s=0.0)
     return replace(path(), estimate=estimate)
 
 

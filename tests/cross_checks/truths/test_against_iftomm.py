@@ -12,7 +12,8 @@ from scipy.special import ellipj, ellipk
 
 from cross_checks.certify.elliptic import amplitude, quarter_period
 from cross_checks.certify.extrapolation import extrapolate
-from cross_checks.truths import Truth, known, truth_for
+from cross_checks.truth import Truth
+from cross_checks.truths import known, truth_for
 from mbs_ref import scenes
 
 quoted_to = 1e-13  # m, the digits of A01 that hold
@@ -52,7 +53,7 @@ def test_a02_equals_its_differential_equation(loops):
 
     theta = extrapolate(derivative, np.array([0.0, 1.0], dtype=np.longdouble), np.linspace(0.0, 10.0, 11), 1e-16)[:, 0]
     truth = truth_at("n_four_bar", *np.linspace(0.0, 10.0, 11), loops=loops)
-    np.testing.assert_allclose(truth.angle[:, 0], (np.pi / 2 - theta).astype(float), atol=3e-12)
+    np.testing.assert_allclose(truth.orientation[:, 0], (np.pi / 2 - theta).astype(float), atol=3e-12)
 
 
 def test_scenes_start_where_their_truths_do():

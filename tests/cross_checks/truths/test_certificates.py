@@ -10,7 +10,7 @@ from cross_checks.certificates import certificate
 from cross_checks.certificates.certificate import Certificate, certify, departure, holds, read, stored, write
 from cross_checks.judge.verdict import AGREEMENT
 from cross_checks.records.record import Error
-from cross_checks.truths import NoTruth
+from cross_checks.truth import NoTruth
 from mbs_ref import scenes
 
 QUICK = ("n_four_bar", "pendulum", "slider_crank", "spring_pendulum", "torque_free_top")

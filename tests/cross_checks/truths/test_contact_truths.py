@@ -10,7 +10,8 @@ import pytest
 from cross_checks import engines
 from cross_checks.judge.one_run import judged_run
 from cross_checks.metrics.contact_figures import contact_figures
-from cross_checks.truths import NoTruth, Truth, seek_truth
+from cross_checks.truth import NoTruth, Truth
+from cross_checks.truths import seek_truth
 from cross_checks.truths.bouncing_ball import impact
 from mbs_ref import scenes
 from mbs_ref.scene.events import CoordinateEvent
@@ -46,7 +47,7 @@ def test_the_reference_solver_meets_the_exact_motion(name, parameters, tolerance
     assert isinstance(truth, Truth), truth
     assert truth.kind == "exact"
     assert np.abs(truth.position - run.position).max() < tolerance
-    assert np.abs(truth.angle - run.orientation).max() < 10.0 * tolerance
+    assert np.abs(truth.orientation - run.orientation).max() < 10.0 * tolerance
 
 
 @pytest.mark.parametrize("parameters", [{}, {"law": "progressive", "damping": 1e3}, {"offset": 0.48}])
@@ -58,7 +59,7 @@ def test_the_moving_seat_meets_its_converged_motion(parameters):
     assert isinstance(truth, Truth), truth
     assert truth.uncertainty < 1e-11
     assert np.abs(truth.position - run.position).max() < 1e-10
-    assert np.abs(truth.angle - run.orientation).max() < 1e-10
+    assert np.abs(truth.orientation - run.orientation).max() < 1e-10
 
 
 @pytest.mark.parametrize(

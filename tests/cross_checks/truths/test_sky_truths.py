@@ -8,7 +8,8 @@ import pytest
 from cross_checks.judge.matrix import judge_method
 from cross_checks.judge.one_run import evaluate
 from cross_checks.judge.verdict import Verdict
-from cross_checks.truths import NoTruth, Truth, seek_truth
+from cross_checks.truth import NoTruth, Truth
+from cross_checks.truths import seek_truth
 from mbs_ref import scenes
 from mbs_ref.integrators import integrators
 from mbs_ref.scene.units import free_fall_time, unit_length

@@ -9,7 +9,8 @@ from scipy.integrate import solve_ivp
 from cross_checks.certify.agreement import Formulation, agree
 from cross_checks.certify.extrapolation import NoConvergenceError, extrapolate
 from cross_checks.certify.rod_chain import solve
-from cross_checks.truths import NoTruth, Truth, known, seek_truth, truth_for
+from cross_checks.truth import NoTruth, Truth
+from cross_checks.truths import known, seek_truth, truth_for
 from mbs_ref import observables as judge
 from mbs_ref import scenes
 from mbs_ref.scene import Scene
@@ -26,7 +27,7 @@ def moving(scene: Scene, end: float) -> tuple[Truth, Trajectory]:
     inner = slice(4, -4)
     weights = np.array([1 / 280, -4 / 105, 1 / 5, -4 / 5, 0.0, 4 / 5, -1 / 5, 4 / 105, -1 / 280]) / SPACING
     n = len(times)
-    angle = truth.angle if scene.dimension == 2 else continuous(truth.angle)
+    angle = truth.orientation if scene.dimension == 2 else continuous(truth.orientation)
     velocity, spin = (
         np.asarray(sum(w * q[k : n - 8 + k] for k, w in enumerate(weights))) for q in (truth.position, angle)
     )
@@ -106,7 +107,7 @@ def test_double_pendulum_against_the_textbook_pair_of_equations():
     end = solve_ivp(derivative, (0.0, 1.0), [0.0, 0.5, 0.0, 0.0], method="Radau", rtol=1e-10, atol=1e-12).y[:2, -1]
     truth = truth_for(scenes.make("double_pendulum"), np.array([0.0, 1.0]))
     assert truth is not None
-    np.testing.assert_allclose(truth.angle[-1], end, atol=1e-8)
+    np.testing.assert_allclose(truth.orientation[-1], end, atol=1e-8)
 
 
 def test_one_link_swings_as_a_compound_pendulum():

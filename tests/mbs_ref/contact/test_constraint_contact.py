@@ -7,7 +7,8 @@ import math
 import numpy as np
 import pytest
 
-from cross_checks.truths import Truth, seek_truth
+from cross_checks.truth import Truth
+from cross_checks.truths import seek_truth
 from cross_checks.truths.ball_on_driven_seat import Flight, Shaker, flights
 from mbs_ref import scenes
 from mbs_ref.cores.choice import compile_scene

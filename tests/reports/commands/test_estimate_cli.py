@@ -28,7 +28,8 @@ def test_json_holds_the_estimate_beside_the_error():
     done = run("simulate", "pendulum", "--t-end", "4", "--samples", "5", "--rtol", "1e-5", "--json")
     record = json.loads(done.stdout)
     estimate, error = record["estimate"], record["error"]
-    assert estimate["unit"] == error["unit"] == "m"
+    assert estimate["unit"] == "of the scene"
+    assert (estimate["length"], estimate["time"]) == (error["length"], error["time"])
     assert error["value"] <= estimate["value"] <= 10.0 * error["value"]
     assert "difference from a run with 1/10 of the tolerance" in estimate["how"]
     assert estimate["holds_until"] is None

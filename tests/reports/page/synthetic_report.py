@@ -87,7 +87,7 @@ def _cell(scene: str, parameters: dict, method: tuple, own: list[Record], verdic
     error = min(measured, default=None)
     seen = float(order) if verdict in ("agrees", "converging") else None
     label = scene_label(scene, parameters)
-    compliance = own[-1].compliance["position"] if measured else None
+    compliance = own[-1].measure("compliance_position") if measured else None
     return Cell(label, engine, name, verdict, reason, error, compliance, seen)
 
 

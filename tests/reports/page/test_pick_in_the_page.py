@@ -37,7 +37,7 @@ def in_the_page(rows: list, asked: list) -> list:
 def rough(record: Record, random: random.Random) -> Record:
     """The synthetic report is too orderly: shake times and joints, so that every bound may limit."""
     loop_s = record.times["loop_s"] * random.uniform(0.1, 10.0)
-    gap = (record.compliance["position"] or 1.0) * 10.0 ** random.uniform(-3.0, 3.0)
+    gap = (record.measure("compliance_position") or 1.0) * 10.0 ** random.uniform(-3.0, 3.0)
     return replace(record, times=record.times | {"loop_s": loop_s}, compliance={"position": gap, "velocity": None})
 
 

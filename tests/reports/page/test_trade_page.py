@@ -9,7 +9,7 @@ import pytest
 from benchmarks.profiles import ERRORS, profiles
 from cross_checks.certificates.certificate import Certificate, certify
 from cross_checks.records.record import Record
-from cross_checks.truths import NoTruth
+from cross_checks.truth import NoTruth
 from mbs_ref import scenes
 from reports.page.publish import publish
 from reports.page.report_data import ReportData

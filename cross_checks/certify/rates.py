@@ -1,0 +1,81 @@
+"""Velocities of a truth that gives poses: differences of order six, with an error bar from those of order four."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+
+from mbs_ref.scene.euler_parameters import conjugate, product
+
+OFFSETS = np.arange(-3, 4)
+SIXTH = np.array([-1, 9, -45, 0, 45, -9, 1]) / 60.0  # f' of order 6 (Fornberg 1988, table 1)
+FOURTH = np.array([0, 1, -8, 0, 8, -1, 0]) / 12.0
+WIDTH = 0.02  # of the interval between outputs
+SHORT = 2e-3  # of the time in which a state changes by its own size
+AMPLIFIED = float(np.abs(SIXTH).sum())  # of an error in the values
+
+Poses = tuple[np.ndarray, np.ndarray]  # position (n_bodies, d) m, orientation (n_bodies,) rad or (n_bodies, 4)
+
+
+class Rates(NamedTuple):
+    """Velocities at the asked times and how well they are known."""
+
+    velocity: np.ndarray  # (n_t, n_bodies, d) m/s
+    angular_velocity: np.ndarray  # (n_t, n_bodies) or (n_t, n_bodies, 3) rad/s
+    uncertainty: np.ndarray  # (n_t,) m/s and rad/s
+
+
+def along(derivative: Callable, poses: Callable, t: float, y: np.ndarray) -> tuple[np.ndarray, np.ndarray, float]:
+    """Return the velocities at (t, y), the slopes of poses(t + s, y + s y') at s = 0, and how well they are known."""
+    slope = derivative(t, y)
+    h = SHORT / (1.0 + float(np.max(np.abs(slope) / (1.0 + np.abs(y)))))
+    return _slopes([poses(t + s, y + s * slope) for s in h * OFFSETS], h)
+
+
+def stencil_times(times: np.ndarray) -> tuple[np.ndarray, float]:
+    """Return every time (s) that `of_poses` needs, and the step between them; none lies before 0."""
+    h = WIDTH * float(np.min(np.diff(times)))
+    return np.unique(np.concatenate([(times + j * h)[times + j * h >= 0.0] for j in OFFSETS])), h
+
+
+def of_poses(
+    times: np.ndarray, h: float, asked: np.ndarray, position: np.ndarray, orientation: np.ndarray, uncertainty: float
+) -> Rates:
+    """Return the rates at `times` from poses at the times `asked` (see stencil_times), known to `uncertainty` (m).
+
+    At the start, which no pose precedes, nothing is known: the uncertainty is infinite there.
+    """
+    first = np.full(len(times), np.inf)
+    velocity = np.zeros((len(times), *position.shape[1:]))
+    spin = np.zeros((*velocity.shape[:2], 3) if velocity.shape[2] == 3 else velocity.shape[:2])
+    for k, t in enumerate(times):
+        places = np.searchsorted(asked, t + h * OFFSETS - 1e-9 * h)
+        if t + h * OFFSETS[0] < 0.0:
+            continue
+        velocity[k], turning, doubt = _slopes([(position[j], orientation[j]) for j in places], h)
+        spin[k] = turning if turning.ndim == spin.ndim - 1 else 0.0  # particles have no orientation
+        first[k] = doubt + AMPLIFIED * uncertainty / h
+    return Rates(velocity, spin, first)
+
+
+def _slopes(poses: list[Poses], h: float) -> tuple[np.ndarray, np.ndarray, float]:
+    """Return velocity, angular velocity and the difference between orders six and four."""
+    place = np.array([one[0] for one in poses])
+    turn = _turns([one[1] for one in poses])
+    slopes = [np.tensordot(weights, values, 1) / h for values in (place, turn) for weights in (SIXTH, FOURTH)]
+    doubt = max(float(np.max(np.abs(a - b), initial=0.0)) for a, b in (slopes[:2], slopes[2:]))
+    return slopes[0].astype(float), slopes[2].astype(float), doubt
+
+
+def _turns(orientation: list[np.ndarray]) -> np.ndarray:
+    """Return angles, or in space the rotation vectors (world axes) from the middle orientation to each."""
+    values = np.array(orientation)
+    if values.ndim == 2:
+        return values
+    turn = product(values, conjugate(values[len(values) // 2])[None])
+    turn = np.where(turn[..., :1] < 0.0, -turn, turn)
+    sine = np.linalg.norm(turn[..., 1:], axis=-1, keepdims=True)
+    angle = 2.0 * np.arctan2(sine, turn[..., :1])
+    return turn[..., 1:] * np.where(sine > 0.0, angle / np.where(sine > 0.0, sine, 1.0), 2.0)

@@ -1,0 +1,101 @@
+"""A working truth where no certified one exists: what engines agree on that share as little as possible.
+
+Every engine that runs the scene gives its best method at two fine settings. The pair of engines that is closest,
+its members' own last refinements included, is believed to that distance: agreed, not certified. Where one engine runs
+the scene alone, two unlike methods of its own must do, and the sentence says so.
+"""
+
+from __future__ import annotations
+
+from itertools import combinations
+from typing import NamedTuple
+
+import numpy as np
+
+from cross_checks import engines
+from cross_checks.engine import Engine, Method
+from cross_checks.judge.ladder import label, settings_at
+from cross_checks.judge.runs import Runs, gap
+from cross_checks.truth import NoTruth, Truth
+from mbs_ref.scene import Scene
+from mbs_ref.scene.scales import scales_of
+from mbs_ref.trajectory import Trajectory
+
+FINE = {"adaptive": (1e-10, 1e-12), "fixed": (2.5e-4, 5e-5)}  # tolerances; steps over the duration
+WORST = 1e-3  # of the scene: engines further apart agree on nothing
+PER_ENGINE = 2  # methods asked of each
+
+
+class Witness(NamedTuple):
+    """A run at the finer of two settings, and how far it moved from the coarser."""
+
+    engine: str
+    method: str
+    setting: str
+    path: Trajectory
+    moved: float  # over the scene's scales
+
+    @property
+    def name(self) -> str:
+        return f"{self.engine} {self.method} {self.setting}"
+
+
+def working_truth(runs: Runs, scene: Scene, reason: str = "") -> Truth | NoTruth:
+    """Return what engines agree on; NoTruth with `reason` and the distance where they do not."""
+    witnesses = _witnesses(runs, scene)
+    engines_met = {witness.engine for witness in witnesses}
+    pairs = [(a, b) for a, b in combinations(witnesses, 2) if a.engine != b.engine or len(engines_met) == 1]
+    apart = [(max(_distance(scene, a, b), a.moved, b.moved), a, b) for a, b in pairs]
+    if not apart:
+        return NoTruth(f"{reason}; fewer than two methods run the scene to its end".lstrip("; "))
+    known_to, first, second = min(apart, key=lambda entry: entry[0])
+    if not known_to <= WORST:
+        told = f"the closest, {first.name} and {second.name}, are {known_to:.1e} of the scene apart"
+        return NoTruth(f"{reason}; engines agree on nothing: {told}".lstrip("; "))
+    return _agreed(scene, known_to, *sorted((first, second), key=lambda witness: witness.moved))
+
+
+def _agreed(scene: Scene, known_to: float, best: Witness, other: Witness) -> Truth:
+    scales = scales_of(scene)
+    alone = "; both are of one engine" if best.engine == other.engine else ""
+    how = f"agreed, not certified: {best.name} and {other.name} are {known_to:.1e} of the scene apart{alone}"
+    return Truth(
+        best.path.position, best.path.orientation, known_to * scales.length, "agreed", how, known_to * scales.length,
+        velocity=best.path.velocity, angular_velocity=best.path.angular_velocity,
+        rate_uncertainty=np.full(len(best.path.times), known_to * max(scales.speed, 1.0 / scales.time)),
+    )  # fmt: skip
+
+
+def _distance(scene: Scene, first: Witness, second: Witness) -> float:
+    found = gap(scene, first.path, second.path)
+    return float("inf") if found is None else found
+
+
+def _witnesses(runs: Runs, scene: Scene) -> list[Witness]:
+    found = []
+    for name in engines.names():
+        try:
+            engine = engines.get(name)
+        except engines.EngineMissing:
+            continue
+        heard = (_heard(runs, scene, name, method) for method in _best_methods(engine, scene))
+        found += [witness for witness in heard if witness is not None]
+    return found
+
+
+def _best_methods(engine: Engine, scene: Scene) -> list[Method]:
+    """Return the methods of highest order that run the scene and are not known to go wrong on it, unlike ones first."""
+    if engine.refusals(scene):
+        return []
+    able = [m for m in engine.methods() if not engine.method_refusals(scene, m) and not m.excused(scene)]
+    ranked = sorted(able, key=lambda m: (m.kind != "adaptive", -(m.order or 4)))
+    return ranked[:PER_ENGINE]
+
+
+def _heard(runs: Runs, scene: Scene, engine: str, method: Method) -> Witness | None:
+    knobs = [knob * (scene.duration if method.kind == "fixed" else 1.0) for knob in FINE[method.kind]]
+    coarse, fine = (runs.run(scene, engine, settings_at(method, scene, knob)) for knob in knobs)
+    moved = gap(scene, coarse.path, fine.path)
+    if fine.record.status != "success" or coarse.record.status != "success" or moved is None or fine.path is None:
+        return None
+    return Witness(engine, method.name, label(settings_at(method, scene, knobs[1])), fine.path, moved)

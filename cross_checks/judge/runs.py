@@ -1,0 +1,108 @@
+"""Runs of scenes, each made once: what the store does not hold is made in the caller's process or another, and kept."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from cross_checks import engines
+from cross_checks.isolation.parent import Caller, Lost, direct
+from cross_checks.judge.ladder import grid
+from cross_checks.judge.measure import component_errors, error_of
+from cross_checks.judge.one_run import judged_run, without_run
+from cross_checks.metrics.metric import Judged
+from cross_checks.metrics.state_error import differences
+from cross_checks.records.naming import run_name, truth_name
+from cross_checks.records.record import Record
+from cross_checks.records.store import Run, Store
+from cross_checks.truth import NoTruth, Truth
+from cross_checks.truths import seek_truth
+from mbs_ref.scene import Scene
+from mbs_ref.scene.scales import scales_of
+from mbs_ref.settings import Settings
+from mbs_ref.trajectory import Trajectory
+
+PASSING = frozenset({"timeout", "out-of-memory"})  # the machine's doing: the next one may see the run come back
+UNTOLD = NoTruth("runs are kept without a truth, which may become known later")
+
+
+@dataclass
+class Runs:
+    """The runs that a store holds or gets."""
+
+    store: Store = field(default_factory=Store)
+    call: Caller = direct  # makes the runs; cross_checks.isolation.parent survives engines that do not come back
+    made: int = 0  # runs that were not in the store
+
+    def judged(self, scene: Scene, engine: str, settings: Settings, truth: Truth | NoTruth) -> Record:
+        """Return the record of a run on the judges' grid, held against a truth."""
+        run = self.run(scene, engine, settings)
+        return against(scene, run, truth)
+
+    def run(self, scene: Scene, engine: str, settings: Settings) -> Run:
+        """Return the run; made unless the store holds it."""
+        times = grid(scene)
+        try:
+            key = run_name(scene, engines.get(engine), settings, times)
+        except engines.EngineMissing as missing:
+            return Run(without_run(scene, engine, settings, "engine-missing", str(missing)), None)
+        kept = self.store.run(key)
+        if kept is not None:
+            return named(kept, scene)
+        self.made += 1
+        try:
+            made = self.call(make, scene, engine, settings, times)
+        except Lost as lost:
+            made = Run(without_run(scene, engine, settings, lost.status, str(lost)), None)
+        if made.record.status not in PASSING:
+            self.store.keep_run(key, made)
+        return made
+
+    def truth(self, scene: Scene) -> Truth | NoTruth:
+        """Return the scene's truth on the judges' grid: kept, or made and kept; the reason where there is none."""
+        key = truth_name(scene, grid(scene))
+        kept = self.store.arrays(key)
+        if kept is not None:
+            facts, arrays = kept
+            return NoTruth(**facts) if "reason" in facts else Truth(**(facts | arrays))
+        found = self.call(seek_truth, scene, grid(scene))
+        self.store.keep_arrays(key, *_parts(found))
+        return found
+
+
+def make(scene: Scene, engine: str, settings: Settings, times: np.ndarray) -> Run:
+    """Make a run, held against no truth."""
+    return Run(*judged_run(scene, engine, settings, times, truth=UNTOLD))
+
+
+def against(scene: Scene, run: Run, truth: Truth | NoTruth) -> Record:
+    """Return the run's record with its error from a truth."""
+    record, path = run.record, run.path
+    if path is None or not len(path.times) or isinstance(truth, NoTruth):
+        told = (f"no error: {truth.reason}",) if isinstance(truth, NoTruth) else ()
+        return replace(record, notes=(*record.notes, *told))
+    judged = Judged(scene, path, truth)
+    error, curve = error_of(judged)
+    history = record.history if curve is None else record.history | {"error": curve.tolist()}
+    return replace(record, error=error, history=history, measures=record.measures | component_errors(judged))
+
+
+def gap(scene: Scene, first: Trajectory | None, second: Trajectory | None) -> float | None:
+    """Return how far two runs are apart, in the measure of the error; None where one of them has no samples."""
+    if first is None or second is None or not len(first.times) or not len(second.times):
+        return None
+    with np.errstate(over="ignore", invalid="ignore"):
+        largest = float(np.max(differences(scene, first, second).relative(scales_of(scene))))
+    return largest if np.isfinite(largest) else None
+
+
+def named(run: Run, scene: Scene) -> Run:
+    """Return a run under the name that its scene has here: physics alone decided what came out."""
+    return replace(run, record=replace(run.record, scene=scene.name, parameters=dict(scene.parameters)))
+
+
+def _parts(truth: Truth | NoTruth) -> tuple[dict, dict[str, np.ndarray]]:
+    plain = {key: value for key, value in vars(truth).items() if value is not None}
+    arrays = {key: value for key, value in plain.items() if isinstance(value, np.ndarray)}
+    return {key: value for key, value in plain.items() if key not in arrays}, arrays

@@ -1,0 +1,252 @@
+"""Find, for every target error, the cheapest setting of a method that reaches it, in as few runs as its order tells.
+
+The error follows a power of the setting, e = C s^p. One run gives C; the documented order tells where each target is
+met; runs made so far, two by two, tell the order better. A setting that is refused or fails is a bound on the coarse
+side, and the search goes on beyond it. Work is counted in steps, the same for every engine, so that what is tried
+does not depend on how busy a machine is; a target that would cost more is `not tried`, with the steps it would take.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Literal
+
+from cross_checks.engine import Method
+from cross_checks.judge.ladder import TIGHTEST, coarsest, knob_of, label, settings_at
+from cross_checks.judge.runs import Runs, against, gap
+from cross_checks.judge.verdict import REFUSED, Point
+from cross_checks.records.record import Record
+from cross_checks.truth import NoTruth, Truth
+from mbs_ref.scene import Scene
+from mbs_ref.scene.units import free_fall_time
+from mbs_ref.self_checks.stiffness import may_be_stiff, stiffness_at_start
+from mbs_ref.settings import Settings
+from mbs_ref.trajectory import Trajectory
+
+TARGETS = (1e-3, 1e-6, 1e-9)  # errors over the scene's scales
+MOST_STEPS = 100_000  # that a run may take
+WINDOW = 10.0  # a chosen error lies within this factor below its target
+AIM = 0.3  # of the target: the middle of the window, on a logarithmic scale
+TRIES = 4  # runs for one target, beside those of the others
+BACK = 4.0  # factor to a finer step after one that was refused or failed; its square for a tolerance
+MOST_BACK = 10  # such steps in a row
+FIRST_RTOL, FIRST_STEP = 1e-5, 5e-3  # where the search begins; steps in s, or in free-fall times
+STABLE = 0.7  # of the step that the linearised motion bears
+STALLED = 0.5  # of the error before: less progress than this, and refining does not help
+
+Answer = Literal["reached", "not-reached", "not-tried", "cannot", "unjudged"]
+
+
+@dataclass(frozen=True)
+class Reached:
+    """What became of one target."""
+
+    target: float
+    answer: Answer
+    record: Record | None = None  # of the cheapest run that reached it
+    reason: str = ""
+
+
+@dataclass
+class Tried:
+    """The runs of one method on one scene, coarse to fine."""
+
+    scene: Scene
+    engine: str
+    method: Method
+    truth: Truth | NoTruth
+    records: dict[float, Record] = field(default_factory=dict)
+    paths: dict[float, Trajectory | None] = field(default_factory=dict)
+
+    @property
+    def knobs(self) -> list[float]:
+        """The settings tried, coarse to fine."""
+        return sorted(self.records, reverse=True)
+
+    @property
+    def order(self) -> float:
+        """The order of the error in the setting: documented for steps; proportionality for tolerances."""
+        return 1.0 if self.method.kind == "adaptive" else float(self.method.order or 1)
+
+    def good(self) -> list[tuple[float, float]]:
+        """Return setting and error of every run that succeeded, coarse to fine."""
+        runs = ((knob, self.records[knob]) for knob in self.knobs)
+        return [(knob, r.error.value) for knob, r in runs if r.status == "success" and r.error is not None]
+
+    def points(self) -> list[Point]:
+        """Return what the verdict asks, coarse to fine, gaps between neighbours among them."""
+        points, before = [], None
+        for knob in self.knobs:
+            record, path = self.records[knob], self.paths[knob]
+            ok = record.status == "success"
+            apart = gap(self.scene, path, before) if ok else None
+            error = record.error.value if record.error is not None and ok else None
+            points.append(Point(label(Settings(**record.settings)), knob, record.status, record.message, error, apart))
+            before = path if ok else before
+        return points
+
+
+def search(
+    runs: Runs, scene: Scene, engine: str, method: Method, truth: Truth | NoTruth, targets: Sequence[float] = TARGETS
+) -> tuple[Tried, list[Reached]]:
+    """Search the method's settings for every target; return all runs made and what became of each target."""
+    tried = Tried(scene, engine, method, truth)
+    if not _begin(runs, tried):
+        return tried, [Reached(target, "cannot", None, _last_words(tried)) for target in targets]
+    if isinstance(truth, NoTruth):
+        _refine(runs, tried, 2)
+        return tried, [Reached(target, "unjudged", None, truth.reason) for target in targets]
+    answers = [_aim(runs, tried, target) for target in sorted(targets, reverse=True)]
+    if len(tried.good()) < 3 and not _is_over(tried):
+        _refine(runs, tried, 3 - len(tried.good()))
+    return tried, [_answer(tried, answer) for answer in answers]
+
+
+def _begin(runs: Runs, tried: Tried) -> bool:
+    """Find a first setting at which the method runs, going finer from where it is refused or fails."""
+    knob, factor = _first(tried), BACK if tried.method.kind == "fixed" else BACK**2
+    for _ in range(MOST_BACK):
+        record = _try(runs, tried, knob)
+        if record.status == "success":
+            return True
+        if record.status in REFUSED and not _names_a_setting(record):
+            return False
+        knob /= factor
+        if _steps(tried, knob) > MOST_STEPS or knob < TIGHTEST:
+            return False
+    return False
+
+
+def _names_a_setting(record: Record) -> bool:
+    """Whether another step may be admitted: what is refused for its scene is refused at every step."""
+    return "step" in record.message
+
+
+def _first(tried: Tried) -> float:
+    """Return where the search begins: within what a stiff motion bears, where the method is explicit."""
+    method, scene = tried.method, tried.scene
+    if method.kind == "adaptive":
+        return FIRST_RTOL
+    step = min(FIRST_STEP * free_fall_time(scene), coarsest(method, scene))
+    if method.stability and may_be_stiff(scene):
+        step = min(step, STABLE * stiffness_at_start(scene).step_limit(method.stability))
+    return step
+
+
+def _aim(runs: Runs, tried: Tried, target: float) -> Reached:
+    """Try settings until one meets the target from within its window, or it is plain that none will."""
+    for _ in range(TRIES):
+        if _met(tried, target) is not None or _is_over(tried):
+            break
+        knob = _aimed(tried, AIM * target)
+        if _steps(tried, knob) > MOST_STEPS:
+            return Reached(target, "not-tried", None, f"it would take about {_steps(tried, knob):.1g} steps")
+        if _same_as_tried(tried, knob):
+            break
+        _try(runs, tried, knob)
+    return Reached(target, "not-reached")
+
+
+def _met(tried: Tried, target: float) -> float | None:
+    """Return the coarsest setting that reaches the target, where its error is within the window, or it is coarsest."""
+    reaching = [(knob, error) for knob, error in tried.good() if error <= target]
+    if not reaching:
+        return None
+    knob, error = reaching[0]
+    coarser = [other for other in tried.knobs if other > knob]
+    is_near = bool(coarser) and _is_close(tried, min(coarser), knob)
+    at_end = knob >= 0.99 * knob_of(settings_at(tried.method, tried.scene, coarsest(tried.method, tried.scene)))
+    return knob if error >= target / WINDOW or is_near or at_end else None
+
+
+def _is_close(tried: Tried, coarser: float, knob: float) -> bool:
+    """Whether no setting between two is worth a run: the window is narrower than what lies between them."""
+    return (coarser / knob) ** tried.order <= WINDOW**0.5
+
+
+def _aimed(tried: Tried, error: float) -> float:
+    """Return the setting at which a power law through the runs nearest to `error` meets it."""
+    good = tried.good()
+    order = tried.order
+    near = sorted(good, key=lambda run: abs(math.log(max(run[1], 1e-300) / error)))[:2]
+    if len(near) == 2 and near[0][1] > 0.0 and near[1][1] > 0.0 and near[0][1] != near[1][1]:
+        slope = math.log(near[0][1] / near[1][1]) / math.log(near[0][0] / near[1][0])
+        order = min(max(slope, 0.5 * order), 2.0 * order)
+    knob, found = near[0]
+    wanted = knob * (error / max(found, 1e-300)) ** (1.0 / order)
+    failed = [other for other in tried.knobs if tried.records[other].status != "success" and other > good[0][0]]
+    if failed and wanted >= min(failed):  # between the finest that failed and the coarsest that did not
+        wanted = math.sqrt(min(failed) * good[0][0])
+    return min(max(wanted, TIGHTEST), coarsest(tried.method, tried.scene))
+
+
+def _is_over(tried: Tried) -> bool:
+    """Whether the finest runs no longer improve, or finer ones fail: a limit of its own, roundoff, or its end."""
+    good = tried.good()
+    if len(good) < 3:
+        return False
+    last = [error for _, error in good[-3:]]
+    return last[1] > STALLED * last[0] and last[2] > STALLED * last[1]
+
+
+def _refine(runs: Runs, tried: Tried, count: int) -> None:
+    """Make `count` finer runs than the finest, within the bound on work."""
+    for _ in range(count):
+        done = [knob for knob in tried.knobs if tried.records[knob].status == "success"]
+        knob = min(done) / (BACK if tried.method.kind == "fixed" else BACK**2)
+        if _steps(tried, knob) > MOST_STEPS or knob < TIGHTEST:
+            return
+        if _try(runs, tried, knob).status != "success":
+            return
+
+
+def _try(runs: Runs, tried: Tried, knob: float) -> Record:
+    settings = settings_at(tried.method, tried.scene, knob)
+    run = runs.run(tried.scene, tried.engine, settings)
+    record = against(tried.scene, run, tried.truth)
+    tried.records[knob_of(settings)], tried.paths[knob_of(settings)] = record, run.path
+    return record
+
+
+def _same_as_tried(tried: Tried, knob: float) -> bool:
+    return knob_of(settings_at(tried.method, tried.scene, knob)) in tried.records
+
+
+def _steps(tried: Tried, knob: float) -> float:
+    """Return how many steps a setting takes: counted for a fixed step, foretold from the runs made for a tolerance."""
+    if tried.method.kind == "fixed":
+        return tried.scene.duration / knob
+    done = [(k, r.steps) for k, r in tried.records.items() if r.status == "success" and r.steps]
+    if not done:
+        return 0.0
+    known, steps = min(done)
+    return steps * max(1.0, (known / knob) ** (1.0 / ((tried.method.order or 5) + 1)))
+
+
+def _answer(tried: Tried, found: Reached) -> Reached:
+    """Say what became of a target, from all the runs that were made in the end."""
+    good = tried.good()
+    truth = tried.truth
+    record = next((r for r in _successes(tried) if r.error is not None and r.error.value <= found.target), None)
+    if record is not None:
+        return Reached(found.target, "reached", record)
+    if isinstance(truth, Truth) and good:
+        floor = next(r.error.floor for r in _successes(tried) if r.error is not None)
+        if found.target < floor:
+            return Reached(found.target, "unjudged", None, f"the truth judges no error below {floor:.1e}")
+    if found.answer == "not-tried":
+        return found
+    best = min((error for _, error in good), default=None)
+    reason = _last_words(tried) if best is None else f"its best is {best:.1e}; finer settings do not help"
+    return Reached(found.target, "not-reached", None, reason)
+
+
+def _successes(tried: Tried) -> list[Record]:
+    return [tried.records[knob] for knob in tried.knobs if tried.records[knob].status == "success"]
+
+
+def _last_words(tried: Tried) -> str:
+    last = tried.records[tried.knobs[-1]]
+    return last.message or last.status

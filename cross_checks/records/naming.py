@@ -1,0 +1,61 @@
+"""What a run is called: its physics, engine, adapter, method, settings, and the code that makes it."""
+
+from __future__ import annotations
+
+import hashlib
+import importlib
+import json
+import pkgutil
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from cross_checks import truths
+from cross_checks.certify.kept_poses import physics_of
+from cross_checks.engine import Engine
+from mbs_ref.kernels.jit import source_digest, sources_of
+from mbs_ref.scene import Scene
+from mbs_ref.settings import Settings
+
+MEASURING = "cross_checks.judge.measure"  # whose changes make records anew
+LISTED_BY = {"mbs_ref.integrators": "mbs_ref.integrators.methods", "cross_checks.metrics": "cross_checks.metrics"}
+LISTING = frozenset(LISTED_BY)  # packages that import what lies in a folder by listing it
+
+
+def run_name(scene: Scene, engine: Engine, settings: Settings, times: np.ndarray) -> str:
+    """Return the key of a run; the same wherever and whenever it is made, and whatever the scene is called."""
+    facts = {
+        "physics": physics_of(scene),
+        "times": hashlib.sha256(np.ascontiguousarray(times, dtype=float).tobytes()).hexdigest(),
+        "engine": [engine.name, engine.version(), code_of(type(engine).__module__)],
+        "settings": settings.model_dump(mode="json", exclude_none=True),
+        "measured by": code_of(MEASURING),
+    }
+    return digest_of(facts)
+
+
+def truth_name(scene: Scene, times: np.ndarray) -> str:
+    """Return the key of a truth: the scene's physics, the times, and the code of the truths of the library."""
+    files = sorted((Path(truths.__file__).parent).glob("*.py"))
+    code = [source_digest(f"{truths.__name__}.{file.stem}") for file in files if file.stem != "__init__"]
+    return digest_of([physics_of(scene), np.asarray(times, dtype=float).tolist(), code, source_digest(truths.__name__)])
+
+
+def digest_of(facts: Any) -> str:
+    """Return a digest of plain data."""
+    return hashlib.sha256(json.dumps(facts, sort_keys=True).encode()).hexdigest()
+
+
+@cache
+def code_of(module: str) -> str:
+    """Return a digest of an adapter, of the modules of its own folder, and of all that they import of this project."""
+    made = importlib.import_module(module)
+    inner = [info.name for info in pkgutil.iter_modules(getattr(made, "__path__", []), f"{module}.")]
+    listed = [name for folder in sources_of(module) & LISTING for name in _modules_in(LISTED_BY[folder])]
+    return digest_of([source_digest(name) for name in sorted({module, *inner, *listed})])
+
+
+def _modules_in(package: str) -> list[str]:
+    return [info.name for info in pkgutil.iter_modules(importlib.import_module(package).__path__, f"{package}.")]

@@ -1,0 +1,139 @@
+"""The store of runs: each is made once, kept in one SQLite file, and asked for by everything that judges or shows.
+
+A run is written in one transaction: a crash loses at most the run that is being written. Files of several machines or
+shards are merged by `merge`. Samples are kept compressed beside the record, so that errors from any truth, and gaps
+between runs, are questions to the store.
+"""
+
+from __future__ import annotations
+
+import io
+import json
+import os
+import sqlite3
+import threading
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from cross_checks.records.lines import from_dict
+from cross_checks.records.record import Record
+from mbs_ref.trajectory import Trajectory
+
+SAMPLES = ("times", "position", "orientation", "velocity", "angular_velocity")
+TABLES = """
+CREATE TABLE IF NOT EXISTS runs (key TEXT PRIMARY KEY, record TEXT NOT NULL, samples BLOB);
+CREATE TABLE IF NOT EXISTS timings (key TEXT, host TEXT, loops TEXT NOT NULL, PRIMARY KEY (key, host));
+CREATE TABLE IF NOT EXISTS arrays (key TEXT PRIMARY KEY, facts TEXT NOT NULL, data BLOB NOT NULL);
+"""
+PATIENCE = 60.0  # s to wait for another process that writes
+
+
+@dataclass(frozen=True)
+class Run:
+    """A record without an error, which depends on the truth, and the samples it was made from."""
+
+    record: Record
+    path: Trajectory | None  # None where nothing came back
+
+
+def default_path() -> Path:
+    """Return the file of the machine's store: MBS_REF_STORE, else runs.sqlite in the cache folder."""
+    named = os.environ.get("MBS_REF_STORE")
+    root = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
+    return Path(named) if named else Path(root) / "mbs-ref" / "runs.sqlite"
+
+
+class Store:
+    """A store in a file, or in memory without one. Safe to use from several threads and processes."""
+
+    def __init__(self, path: Path | None = None) -> None:
+        if path is not None:
+            path.parent.mkdir(parents=True, exist_ok=True)
+        self.path = path
+        self._lock = threading.Lock()
+        self._base = sqlite3.connect(path or ":memory:", timeout=PATIENCE, check_same_thread=False)
+        self._base.execute("PRAGMA journal_mode=WAL")
+        self._base.execute("PRAGMA synchronous=NORMAL")
+        self._base.executescript(TABLES)
+
+    def __enter__(self) -> Store:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Close the file."""
+        self._base.close()
+
+    def run(self, key: str) -> Run | None:
+        """Return what is kept under a key."""
+        row = self._one("SELECT record, samples FROM runs WHERE key = ?", key)
+        return None if row is None else Run(from_dict(json.loads(row[0])), _unpacked(row[1]))
+
+    def keep_run(self, key: str, run: Run) -> None:
+        """Keep a run whole or not at all; the first one kept stays. ValueError where its record holds NaN."""
+        text = json.dumps(run.record.to_dict(), allow_nan=False)
+        self._write("INSERT OR IGNORE INTO runs VALUES (?, ?, ?)", key, text, _packed(run.path))
+
+    def timings(self, key: str, host: str) -> list[float]:
+        """Return the loop times (s) of a run on a machine."""
+        row = self._one("SELECT loops FROM timings WHERE key = ? AND host = ?", key, host)
+        return [] if row is None else json.loads(row[0])
+
+    def keep_timings(self, key: str, host: str, loops: list[float]) -> None:
+        """Keep the loop times (s) of a run on a machine, in place of those before."""
+        self._write("INSERT OR REPLACE INTO timings VALUES (?, ?, ?)", key, host, json.dumps(loops))
+
+    def arrays(self, key: str) -> tuple[dict[str, Any], dict[str, np.ndarray]] | None:
+        """Return facts and arrays kept under a key, for truths that took long to make."""
+        row = self._one("SELECT facts, data FROM arrays WHERE key = ?", key)
+        return None if row is None else (json.loads(row[0]), _arrays(row[1]))
+
+    def keep_arrays(self, key: str, facts: dict[str, Any], arrays: dict[str, np.ndarray]) -> None:
+        """Keep facts and arrays under a key."""
+        self._write("INSERT OR REPLACE INTO arrays VALUES (?, ?, ?)", key, json.dumps(facts), _blob(arrays))
+
+    def merge(self, other: Path) -> int:
+        """Add the runs of another store that this one lacks; return how many."""
+        with self._lock:
+            self._base.execute("ATTACH ? AS other", (str(other),))
+            try:
+                with self._base:
+                    return self._base.execute("INSERT OR IGNORE INTO runs SELECT * FROM other.runs").rowcount
+            finally:
+                self._base.execute("DETACH other")
+
+    def __len__(self) -> int:
+        row = self._one("SELECT count(*) FROM runs")
+        return 0 if row is None else int(row[0])
+
+    def _one(self, query: str, *given: Any) -> Any:
+        with self._lock:
+            return self._base.execute(query, given).fetchone()
+
+    def _write(self, query: str, *given: Any) -> None:
+        with self._lock, self._base:
+            self._base.execute(query, given)
+
+
+def _packed(path: Trajectory | None) -> bytes | None:
+    return None if path is None else _blob({name: getattr(path, name) for name in SAMPLES})
+
+
+def _unpacked(blob: bytes | None) -> Trajectory | None:
+    return None if blob is None else Trajectory(**dict[str, Any](_arrays(blob)))
+
+
+def _blob(arrays: dict[str, np.ndarray]) -> bytes:
+    buffer = io.BytesIO()
+    np.savez_compressed(buffer, allow_pickle=False, **arrays)
+    return buffer.getvalue()
+
+
+def _arrays(blob: bytes) -> dict[str, np.ndarray]:
+    with np.load(io.BytesIO(blob)) as kept:
+        return {name: kept[name] for name in kept.files}

@@ -1,0 +1,33 @@
+"""What is right, and how well that is known."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+MARGIN = 30.0  # a truth this many times better known than an error judges it
+
+
+@dataclass(frozen=True)
+class Truth:
+    """World poses of every body at the asked times, and their rates where they are known."""
+
+    position: np.ndarray  # (n_t, n_bodies, dimension) m, centres of mass
+    orientation: np.ndarray  # (n_t, n_bodies) rad; in space (n_t, n_bodies, 4) Euler parameters
+    uncertainty: float  # m, of every world point at every time
+    kind: Literal["exact", "published", "converged", "agreed"]
+    how: str  # one sentence
+    difference: float | None = None  # m, between two unlike ways to it; None where it was found in one
+    is_costly: bool = False  # takes so long to make that `mbs-ref certify --write` keeps its poses
+    velocity: np.ndarray | None = None  # (n_t, n_bodies, dimension) m/s
+    angular_velocity: np.ndarray | None = None  # (n_t, n_bodies) or (n_t, n_bodies, 3) rad/s, world axes
+    rate_uncertainty: np.ndarray | None = None  # (n_t,) m/s and rad/s; inf where the rates are not known
+
+
+@dataclass(frozen=True)
+class NoTruth:
+    """Why there is nothing to compare with."""
+
+    reason: str

@@ -1,0 +1,74 @@
+"""The length and the time that a scene's errors and tolerances are counted in."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+from mbs_ref.scene.scene import Scene
+from mbs_ref.scene.units import attraction, free_fall_time, unit_length
+
+MARKS = ("point", "point_a", "point_b", "center", "center_a", "center_b", "point_1", "point_2", "axle")
+
+
+@dataclass(frozen=True)
+class Scales:
+    """What is neither large nor small in a scene."""
+
+    length: float  # m
+    time: float  # s
+
+    @property
+    def speed(self) -> float:
+        """Length over time, m/s."""
+        return self.length / self.time
+
+
+def scales_of(scene: Scene) -> Scales:
+    """Return a scene's length and time scale.
+
+    Among attracting bodies: their shortest distance at the start, and the free-fall time over it. Elsewhere the length
+    is the extent of all bodies, joints and attachments at the start (a single body has its radius of gyration, or its
+    height above what it may touch), and the time is what the fastest of gravity, the initial motion and the duration
+    make of it: 1/T^2 = g/L + (v/L)^2 + w^2 + 1/duration^2.
+    """
+    if any(attraction(scene)):
+        return Scales(unit_length(scene), free_fall_time(scene))
+    length = _extent(scene)
+    speed = max(math.hypot(*body.velocity) for body in scene.bodies)
+    spin = max(_spin(body) for body in scene.bodies)
+    gravity = math.hypot(*scene.gravity)
+    rate = math.sqrt(gravity / length + (speed / length) ** 2 + spin**2 + scene.duration**-2)
+    return Scales(length, 1.0 / rate)
+
+
+def _extent(scene: Scene) -> float:
+    """Return the diagonal of the box around every marked point, or the largest body's size; 1 m for a mere point."""
+    points = [tuple(point) for point in _points(scene)]
+    sides = [max(axis) - min(axis) for axis in zip(*points, strict=True)]
+    sizes = [body.gyration_radius for body in scene.bodies]
+    return max(math.hypot(*sides), *sizes, *_reaches(scene)) or 1.0
+
+
+def _points(scene: Scene) -> Iterator[tuple[float, ...]]:
+    for body in scene.bodies:
+        yield body.position
+    for part in itertools.chain(scene.joints, scene.loads, scene.contacts):
+        for mark in MARKS:
+            point = getattr(part, mark, None)
+            if point is not None and len(point) == scene.dimension:
+                yield point
+
+
+def _reaches(scene: Scene) -> Iterator[float]:
+    """Yield the radii of what touches."""
+    for contact in scene.contacts:
+        yield from (getattr(contact, name) for name in ("radius", "radius_a") if getattr(contact, name, None))
+
+
+def _spin(body: Any) -> float:
+    rate = getattr(body, "angular_velocity", 0.0)
+    return math.hypot(*rate) if isinstance(rate, tuple) else abs(rate)
