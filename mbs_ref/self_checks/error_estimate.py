@@ -86,7 +86,7 @@ def _least(plan: Plan, run: Run, found: list[_Compared]) -> float:
 
     Where no tolerance matters it is what a step may err at the tightest.
     """
-    roundoff = EPS * math.sqrt(run.counts[COUNT_STEPS])
+    roundoff = SAFETY * EPS * math.sqrt(run.counts[COUNT_STEPS])
     return roundoff + (plan.options.rtol / DECADE**3 if all(one.is_alike for one in found) else 0.0)
 
 
