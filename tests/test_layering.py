@@ -27,14 +27,16 @@ ROOMS = {
         "run scenes", "self_checks", "simulate",
     ),
     "cross_checks": (
-        "engine isolation truth", "workshop", "certify engines", "capabilities truths", "ephemerides records",
-        "metrics", "judge", "certificates conformance extremes",
+        "isolation method truth", "workshop", "engine", "certify engines", "capabilities mechanisms truths",
+        "ephemerides", "metrics", "records", "judge", "certificates conformance extremes symmetry",
     ),
     "benchmarks": (
         "event_work cluster pick profiles scaling sweep timing tree_worker", "confirm dask_matrix history tree",
         "record_changes regression", "slowed_tree", "suites",
     ),
-    "reports": ("console exit_codes film poses_file", "inputs", "sweeping", "page studies", "commands", "cli"),
+    "reports": (
+        "asking console exit_codes film poses_file reproduce", "inputs", "sweeping", "page studies", "commands", "cli",
+    ),
 }  # fmt: skip
 MOST_ROOMS = 16  # files and folders of code at one level
 LISTS = ("mbs_ref/scenes", "cross_checks/truths", "cross_checks/extremes/families")  # one file for each of many things

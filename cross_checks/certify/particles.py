@@ -17,7 +17,7 @@ from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
 
 LONGEST = 4000.0  # free-fall times (600 revolutions): beyond, the second solution takes minutes
-FINEST = Settings(method="gauss", rtol=1e-18)
+FINEST = Settings(method="gauss", rtol=1e-18, estimate="off")
 STEP_IN_SHADOW = 1.0 / 400.0  # free-fall times, 2 s in a low orbit: the penumbra takes 8 s
 UNLIKE_RTOL = 1e-14  # of the second method where forces are not written twice
 
@@ -61,8 +61,8 @@ def converge(scene: Scene, times: np.ndarray) -> Truth | NoTruth:
 def _unlike(scene: Scene, units: Units) -> Settings:
     """Return DOP853's settings; its error control does not notice the edge of a shadow, small steps resolve it."""
     if any(isinstance(load, RadiationPressure) for load in scene.loads):
-        return Settings(method="dop853", step=STEP_IN_SHADOW * units.time)
-    return Settings(method="dop853", rtol=UNLIKE_RTOL, atol=UNLIKE_RTOL * tolerance_unit(scene))
+        return Settings(method="dop853", step=STEP_IN_SHADOW * units.time, estimate="off")
+    return Settings(method="dop853", rtol=UNLIKE_RTOL, atol=UNLIKE_RTOL * tolerance_unit(scene), estimate="off")
 
 
 def _unturned(position: np.ndarray) -> np.ndarray:

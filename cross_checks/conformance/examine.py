@@ -107,7 +107,7 @@ def _hopeless(engine: Engine, method: Method, question: Asked) -> Finding:
     loose = {"step": half} if method.kind == "fixed" else {"rtol": 1e-2}
     wrong = ""
     try:
-        settings = Settings.model_validate({"method": method.name, "unresolved": "keep", **loose})
+        settings = Settings.model_validate({"method": method.name, "estimate": "off", **loose})
         result = engine.run(scene, settings, times)
     except ValueError:  # it refuses the setting, aloud
         return verdict("hopeless step", method.name, scene.name, "")

@@ -74,9 +74,9 @@ def rungs(method: Method, times: np.ndarray, *, jumps: bool = False) -> list[Set
     """
     if method.kind == "fixed":
         steps = [float(times[-1]) / n for n in STEPS]
-        return [Settings(method=method.name, step=h, unresolved="keep", refuse_unstable=False) for h in steps]
+        return [Settings(method=method.name, step=h, estimate="off", refuse_unstable=False) for h in steps]
     rtols = RTOLS[:2] if jumps and not method.locates_events else RTOLS
-    return [Settings(method=method.name, rtol=r, unresolved="keep") for r in rtols]
+    return [Settings(method=method.name, rtol=r, estimate="off") for r in rtols]
 
 
 def impossible() -> Scene:

@@ -87,13 +87,16 @@ def _planned(system: System, plan: Plan, refine: int) -> list[LegPlan]:
 
 
 def _leg(options: Options, times: np.ndarray, start: float, end: float, length: float, refine: int) -> LegPlan:
-    """Return the leg from start to end (s), of FEWEST steps at least over `length` (s), each divided by `refine`."""
+    """Return the leg from start to end (s), of FEWEST steps at least over `length` (s), each divided by `refine`.
+
+    Adaptive steps are their own choice, but may end at outputs: there the way between two of them is divided.
+    """
     inside = times[(times > start) & (times <= end)]
     own = np.unique(np.concatenate(([start], inside, [end])))
     if options.step:
         options = options._replace(step=min(options.step, length / FEWEST) / refine)
     if refine > 1:
-        own = _refined(own, refine * options.step, refine)
+        own = _refined(own, refine * options.step or np.inf, refine)
     return LegPlan(own, np.searchsorted(own, inside), options)
 
 

@@ -57,7 +57,7 @@ def _exact(scene: Scene) -> float:
 
 def _errors(law: str, events: str, counts: tuple[int, ...], **parameters) -> np.ndarray:
     ball = scenes.make("bouncing_sphere", law=law, **parameters)
-    rk4 = Settings(method="rk4", step=0.4, events=events, refuse_unstable=False, unresolved="keep")  # type: ignore[arg-type]
+    rk4 = Settings(method="rk4", step=0.4, events=events, refuse_unstable=False, estimate="off")  # type: ignore[arg-type]
     settings = [rk4.model_copy(update={"step": 0.4 / n}) for n in counts]
     return np.array([abs(_restitution(ball, each) - _exact(ball)) for each in settings])
 

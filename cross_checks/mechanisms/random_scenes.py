@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from cross_checks.mechanisms.dense_oracle import Augmented, Moment, augmented
 from mbs_ref.scene import (
     GROUND,
     Bushing,
@@ -38,7 +39,6 @@ from mbs_ref.scene import (
     Weld,
 )
 from mbs_ref.scene.signals import Constant, HalfSine, Harmonic, Polynomial, Table
-from tests.mbs_ref.cores.dense_oracle import Augmented, Moment, augmented
 
 MOST_BODIES = 50
 LEAST_SINGULAR = 1e-3  # of the largest singular value of the mass-scaled C_q, for a loop or drive to be taken
