@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from benchmarks.timing import Comparison, Pace, compare
-from benchmarks.tree import Tree
+from benchmarks.trees.tree import Tree
 
 NOT_MEASURED = "not measured"
 MOST_PAIRS = 3  # of processes, to confirm that one tree is faster

@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from cross_checks.method import Method, Refusal, exponential
+from cross_checks.workshop.method import Method, Refusal, exponential
 from cross_checks.workshop.outcome import Loop, end_of
 from cross_checks.workshop.plan import Plan, output_times, plan_run
 from mbs_ref.scene import Scene

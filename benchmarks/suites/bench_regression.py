@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from benchmarks.regression import Finding, regressions
-from benchmarks.slowed_tree import HERE, calibrate, case_named, copy_tree
+from benchmarks.trees.slowed import HERE, calibrate, case_named, copy_tree
 from benchmarks.timing import Pace
 
 CASE = case_named("pendulum_chain links=10 mbs_ref dop853")

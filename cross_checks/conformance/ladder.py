@@ -13,7 +13,7 @@ from cross_checks.conformance import figures
 from cross_checks.conformance.finding import Finding, Row, verdict
 from cross_checks.conformance.questions import Asked, rungs
 from cross_checks.engine import Engine
-from cross_checks.method import Method
+from cross_checks.workshop.method import Method
 from mbs_ref.settings import Settings
 from mbs_ref.trajectory import Trajectory
 

@@ -8,7 +8,7 @@ from functools import cache
 import numpy as np
 
 from cross_checks.engine import Engine
-from cross_checks.method import Method
+from cross_checks.workshop.method import Method
 from cross_checks.truths import Truth, known, truth_for
 from mbs_ref import scenes
 from mbs_ref.scene import GROUND, PointMass, Scene, UserForce

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from cross_checks.method import Refusal
+from cross_checks.workshop.method import Refusal
 from cross_checks.workshop.planar_motion import arrays_of, motion_of, project
 from cross_checks.workshop.planar_tree import JointTree
 from mbs_ref.cores.planar.system import PlanarSystem

@@ -6,7 +6,7 @@ from dataclasses import asdict
 
 import click
 
-from cross_checks.capabilities import Capability, capabilities
+from cross_checks.engines.capabilities import Capability, capabilities
 from mbs_ref.scene.traits import PART_TYPES
 from reports.console import echo_json, show, table
 

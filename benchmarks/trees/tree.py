@@ -9,7 +9,7 @@ import sys
 from pathlib import Path
 from typing import Any, Self
 
-from benchmarks import tree_worker
+from benchmarks.trees import worker as tree_worker
 from benchmarks.timing import Sample
 from cross_checks.isolation.parent import ONE_THREAD
 

@@ -1,6 +1,6 @@
 """Copies of the source tree: unchanged, or with a kernel slowed by a known share, to try the regression verdicts on.
 
-python -m benchmarks.slowed_tree FOLDER --percent 15 --only "links=10 mbs_ref dop853"
+python -m benchmarks.trees.slowed FOLDER --percent 15 --only "links=10 mbs_ref dop853"
 mbs-ref compare . FOLDER --only "links=10 mbs_ref dop853"
 """
 
@@ -14,9 +14,9 @@ from pathlib import Path
 import click
 
 from benchmarks.regression import CASES, Case, cheapest
-from benchmarks.tree import Tree
+from benchmarks.trees.tree import Tree
 
-HERE = Path(__file__).parents[1]
+HERE = Path(__file__).parents[2]
 PACKAGES = ("mbs_ref", "cross_checks", "benchmarks")
 KERNEL = Path("mbs_ref/kernels/planar/dynamics.py")
 FIRST_GUESS = 50  # turns: a few hundred nanoseconds
