@@ -35,31 +35,39 @@ class Violation:
     symmetry: str
     size: float | None  # m, largest distance of world points from where they belong; None where it does not apply
     noise: float  # m, what roundoff and the method's tolerance do by themselves
+    error: float  # m, what half the step, or a tenth of the tolerance, changes
     reason: str = ""  # why there is no size
 
     @property
     def is_broken(self) -> bool:
-        return self.size is not None and self.size > MARGIN * self.noise
+        """Whether the symmetry is broken beyond roundoff; running back undoes nothing of the method's error."""
+        allowed = max(self.noise, self.error) if self.symmetry == BACK else self.noise
+        return self.size is not None and self.size > MARGIN * allowed
+
+    @property
+    def exceeds_error(self) -> bool:
+        """Whether it is broken by more than the method errs anyway: no smaller step will mend it."""
+        return self.is_broken and self.size is not None and self.size > MARGIN * self.error
 
 
 def violations(engine: Engine, scene: Scene, settings: Settings) -> list[Violation]:
     """Return what every symmetry leaves, in the order of SYMMETRIES. Raises NotRunError where the plain run fails."""
     times = np.linspace(0.0, settings.t_end or scene.duration, SAMPLES)
     plain = _run(engine, scene, settings, times)
-    noise = _noise(engine, scene, settings, times, plain)
-    return [_violation(name, measure, engine, scene, settings, plain, noise) for name, measure in SYMMETRIES.items()]
+    noise, error = _noise(engine, scene, settings, times, plain), _error(engine, scene, settings, plain)
+    found = []
+    for name, measure in SYMMETRIES.items():
+        size = _measured(measure, engine, scene, settings, plain)
+        is_known = not isinstance(size, str)
+        found.append(Violation(name, size if is_known else None, noise, error, "" if is_known else size))
+    return found
 
 
-def _violation(name, measure, engine, scene, settings, plain, noise) -> Violation:
+def _measured(measure, engine, scene, settings, plain) -> float | str:
     try:
-        found = measure(engine, scene, settings, plain)
+        return measure(engine, scene, settings, plain)
     except NotRunError as error:
-        return Violation(name, None, noise, str(error))
-    if isinstance(found, str):
-        return Violation(name, None, noise, found)
-    if name == BACK:  # the way back undoes nothing of the method's error
-        noise = max(noise, _error(engine, scene, settings, plain))
-    return Violation(name, found, noise)
+        return str(error)
 
 
 def _error(engine: Engine, scene: Scene, settings: Settings, plain: Trajectory) -> float:
