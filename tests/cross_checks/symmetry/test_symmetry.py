@@ -36,7 +36,8 @@ QUICK = [
     ("solar_system", {"model": "gr"}, 1e5, GAUSS),
 ]
 LABORATORY = [case for case in QUICK if case[3] is STEP]
-SKY = [("figure_eight", {}, 1.0), ("satellite", {}, 4000.0), ("outer_solar_system", {}, 1e7)]
+# figure_eight is not among them: run back from t = 1 s, REBOUND's IAS15 never returns
+SKY = [("satellite", {}, 4000.0), ("outer_solar_system", {}, 1e7)]
 UNITS = {"other units", "other mass and length"}
 # (engine, method, scene): symmetries that the engine breaks by more than it errs. MuJoCo's loop closures are soft
 # within an absolute width, which no choice of units changes: 4e-5 m and 7e-5 m are left in 0.3 s.
@@ -47,7 +48,9 @@ KNOWN: dict[tuple[str, str, str], set[str]] = {
     ("mujoco", "implicitfast", "n_four_bar"): UNITS,
 }
 STOPS = {  # runs that the engine does not finish at this step
-    ("exudyn", method, "bouncing_ball") for method in ("generalized_alpha", "trapezoidal")
+    ("exudyn", "generalized_alpha", "bouncing_ball"),
+    ("exudyn", "trapezoidal", "bouncing_ball"),
+    ("exudyn", "pair_contact_rk44", "bouncing_sphere"),
 }
 
 
@@ -126,7 +129,8 @@ def cases() -> Iterator[tuple[str, tuple]]:
                 built = scenes.make(scene, **parameters)
                 if not engine.refusals(built) and not engine.method_refusals(built, method):
                     step = 1e-3 if name != "rebound" else (t_end or built.duration) / 2000
-                    accuracy = {"step": step} if method.kind == "fixed" else {"rtol": 1e-10}
+                    # a tenth of the tolerance is asked as well, and no engine goes on below its ladder
+                    accuracy = {"step": step} if method.kind == "fixed" else {"rtol": 20.0 * method.ladder[-1]}
                     yield name, (scene, parameters, t_end, {"method": method.name, **accuracy})
 
 

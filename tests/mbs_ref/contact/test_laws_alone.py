@@ -88,6 +88,18 @@ def test_a_block_lets_go_at_the_static_limit_and_slides_at_the_sliding_one(dimen
     assert _advance(_run(scene, end), rates=True) == pytest.approx(exact, rel=1e-4)
 
 
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_a_block_that_stops_is_held_up_to_the_static_limit(dimension):
+    """Thrown against a pull between the sliding and the static limit: it stops after v^2 / 2 (mu g + F/m) and stays."""
+    mu, static, pull, speed = 0.2, 0.5, 0.35 * G, 1.0
+    grip = StickSlip(coefficient=mu, static=static, stiffness=1e6, damping=1e3)
+    scene = _block(dimension, friction=grip, speed=speed)
+    back = Force(name="pull", body="block", point=scene.bodies[0].position, vector=_along(dimension, -pull, 0.0))
+    run = _run(scene.model_copy(update={"loads": (back,)}), 0.5)
+    assert _advance(run) == pytest.approx(speed**2 / (2 * (mu * G + pull)), abs=2 * pull / 1e6)
+    assert abs(_advance(run, rates=True)) < 1e-6
+
+
 @pytest.mark.parametrize("events", ["located", "none"])
 @pytest.mark.parametrize("dimension", [2, 3])
 def test_what_is_deeper_than_the_surface_is_thick_is_behind_it(dimension, events):
