@@ -110,9 +110,9 @@ def _value(part: Any, name: str, value: Any, placement: Placement) -> Any:
             return _in_body_axes(np.array(value) * unit, what, placement)
         return tuple((sign * unit * (placement.matrix @ np.array(value))).tolist())
     if what == "angle":
-        return placement.angle + placement.sense * value
+        return placement.angle + placement.sense * float(value)
     if what == "sense" or what == "axial":  # in the plane
-        return placement.sense * unit * value
+        return placement.sense * unit * float(value)
     if name in ("exponent", "teeth", "flank_angle", "jd_tdb", "zonal", "level"):
         return value
     return tuple(unit * x for x in value) if isinstance(value, tuple) else _scaled(value, unit)
