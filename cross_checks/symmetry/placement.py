@@ -101,6 +101,7 @@ def _part(part: Any, placement: Placement) -> Any:
 
 def _value(part: Any, name: str, value: Any, placement: Placement) -> Any:
     what, unit = kind(part.type, name), placement.unit(dimension(part, name))
+    number: Any = value  # in the plane a sense of rotation is a number
     vector = isinstance(value, tuple) and len(value) == len(placement.shift)
     if what == "point":
         return tuple(placement.points(np.array(value)).tolist())
@@ -110,9 +111,9 @@ def _value(part: Any, name: str, value: Any, placement: Placement) -> Any:
             return _in_body_axes(np.array(value) * unit, what, placement)
         return tuple((sign * unit * (placement.matrix @ np.array(value))).tolist())
     if what == "angle":
-        return placement.angle + placement.sense * float(value)
+        return placement.angle + placement.sense * number
     if what == "sense" or what == "axial":  # in the plane
-        return placement.sense * unit * float(value)
+        return placement.sense * unit * number
     if name in ("exponent", "teeth", "flank_angle", "jd_tdb", "zonal", "level"):
         return value
     return tuple(unit * x for x in value) if isinstance(value, tuple) else _scaled(value, unit)
