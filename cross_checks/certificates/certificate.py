@@ -88,7 +88,7 @@ def keep_poses(scene: Scene) -> Path | None:
 
 
 def _confirmation(scene: Scene) -> tuple[str, float | None]:
-    """Run the reference solver at its finest: other equations and another integrator than the truth's."""
+    """Run the reference solver at its finest: it shares the scene's data with the truth, and no code of motion."""
     solver = engines.get("mbs_ref")
     fit = [method for method in solver.methods() if not solver.method_refusals(scene, method)]
     if solver.refusals(scene) or not fit:

@@ -91,7 +91,10 @@ class Tide(CelestialPart):
 
 
 class Ring(CelestialPart):
-    """A ring of equal fixed point masses about the origin (Park et al. 2021, sec. 2: the Kuiper belt)."""
+    """A ring of equal fixed point masses about the origin (Park et al. 2021, sec. 2: the Kuiper belt).
+
+    The first lies along the normal's cross product with the coordinate axis that is most across it.
+    """
 
     type: Literal["ring"] = "ring"
     gm: Positive  # m^3/s^2, of the whole ring
@@ -103,7 +106,8 @@ class Ring(CelestialPart):
 class ThirdBody(CelestialPart):
     """The Moon's or the Sun's pull on satellites of a body at rest, its own fall towards it taken off.
 
-    Positions by series good to some 0.1 %: Montenbruck and Gill, Satellite Orbits (2000), sec. 3.3.2.
+    Positions by series good to some 0.1 %: Montenbruck and Gill, Satellite Orbits (2000), sec. 3.3.2, with the
+    obliquity of the ecliptic of IAU 2006, 84381.406 seconds of arc.
     """
 
     type: Literal["third_body"] = "third_body"
@@ -127,7 +131,10 @@ class Drag(CelestialPart):
 
 
 class RadiationPressure(CelestialPart):
-    """Sunlight on a satellite, with umbra and penumbra of a body at rest (Montenbruck and Gill, sec. 3.4)."""
+    """Sunlight on a satellite, with umbra and penumbra of a body at rest (Montenbruck and Gill, sec. 3.4).
+
+    The Sun is where ThirdBody has it, and its radius is 6.957e8 m (IAU 2015 Resolution B3).
+    """
 
     type: Literal["radiation_pressure"] = "radiation_pressure"
     body: BodyName
