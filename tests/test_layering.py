@@ -27,8 +27,8 @@ ROOMS = {
         "run scenes", "self_checks", "simulate",
     ),
     "cross_checks": (
-        "isolation method truth", "workshop", "engine", "certify engines", "capabilities mechanisms truths",
-        "ephemerides", "metrics", "records", "judge", "certificates conformance extremes symmetry",
+        "isolation truth", "workshop", "engine", "certify engines", "mechanisms truths",
+        "ephemerides", "metrics", "records", "judge", "certificates conformance extremes",
     ),
     "benchmarks": (
         "event_work cluster pick profiles scaling sweep timing tree_worker", "confirm dask_matrix history tree",

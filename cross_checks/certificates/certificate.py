@@ -19,8 +19,7 @@ from cross_checks.certify import kept_poses
 from cross_checks.certify.kept_poses import KeptPoses
 from cross_checks.judge import ladder
 from cross_checks.judge.one_run import evaluate
-from cross_checks.truth import MARGIN
-from cross_checks.truth import NoTruth, Truth
+from cross_checks.truth import MARGIN, NoTruth, Truth
 from cross_checks.truths import seek_truth
 from mbs_ref import scenes
 from mbs_ref.atomic_file import write_atomic

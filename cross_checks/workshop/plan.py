@@ -7,8 +7,8 @@ from typing import Protocol
 
 import numpy as np
 
-from cross_checks.workshop.method import Method, Refusal
 from cross_checks.workshop.initial_state import inconsistency
+from cross_checks.workshop.method import Method, Refusal
 from cross_checks.workshop.outcome import stopped
 from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings

@@ -19,7 +19,7 @@ DRAWN = {
     "mbs_ref/integrators/stages": 8, "mbs_ref/integrators/methods": 10, "mbs_ref/crash/injury.py": 12,
     "mbs_ref/crash/results.py": 8, "mbs_ref/observables": 20, "mbs_ref/self_checks": 10, "cross_checks/metrics": 10,
     "cross_checks/judge": 8, "cross_checks/workshop": 12, "cross_checks/engines": 14, "cross_checks/certify": 16,
-    "cross_checks/truths": 14, "cross_checks/symmetry": 6,
+    "cross_checks/truths": 14, "cross_checks/conformance/symmetry": 6,
 }  # fmt: skip
 SWAPPED = {ast.Add: "-", ast.Sub: "+", ast.Mult: "/", ast.Div: "*"}
 COMPARED = {ast.Lt: ">", ast.Gt: "<", ast.LtE: ">", ast.GtE: "<", ast.Eq: "!=", ast.NotEq: "=="}

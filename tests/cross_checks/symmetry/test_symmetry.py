@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from cross_checks import engines
-from cross_checks.symmetry.placement import Placement, image
-from cross_checks.symmetry.violation import SYMMETRIES, NotRunError, Violation, violations
+from cross_checks.conformance.symmetry.placement import Placement, image
+from cross_checks.conformance.symmetry.violation import SYMMETRIES, NotRunError, Violation, violations
 from mbs_ref import scenes
 from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings

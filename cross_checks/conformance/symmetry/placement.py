@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from pydantic import BaseModel
 
-from cross_checks.symmetry.quantities import NOT_FREE, dimension, kind
+from cross_checks.conformance.symmetry.quantities import NOT_FREE, dimension, kind
 from mbs_ref.scene import Scene
 from mbs_ref.scene.euler_parameters import from_matrix, rotation_matrices
 from mbs_ref.trajectory import Trajectory

@@ -7,11 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from cross_checks.conformance.symmetry import placement as place
+from cross_checks.conformance.symmetry import restart
+from cross_checks.conformance.symmetry.placement import Placement, image, moved
 from cross_checks.engine import Engine
 from cross_checks.metrics.pose_error import arms
-from cross_checks.symmetry import placement as place
-from cross_checks.symmetry import restart
-from cross_checks.symmetry.placement import Placement, image, moved
 from mbs_ref.scene import PlanarBody, Scene
 from mbs_ref.scene.euler_parameters import geodesic_angle
 from mbs_ref.settings import Settings
