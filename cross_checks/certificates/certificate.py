@@ -19,7 +19,6 @@ from cross_checks.certify import kept_poses
 from cross_checks.certify.kept_poses import KeptPoses
 from cross_checks.judge import ladder
 from cross_checks.judge.one_run import evaluate
-from cross_checks.metrics.pose_error import distance
 from cross_checks.records.record import MARGIN
 from cross_checks.truth import NoTruth, Truth
 from cross_checks.truths import seek_truth
@@ -99,7 +98,7 @@ def _confirmation(scene: Scene) -> tuple[str, float | None]:
     by = f"{solver.name} {fit[0].name} {ladder.label(finest)}"
     if record.error is None:
         return f"{by} does not finish: {record.message}", None
-    return by, record.error.value
+    return by, record.measure("position_error")
 
 
 def _end(scene: Scene, truth: Truth) -> dict[str, list[float | None]]:
@@ -120,7 +119,7 @@ def departure(stored: Certificate, fresh: Certificate) -> float:
     """Return how far (m) the ends of two certificates of one truth are apart; ValueError where they are of two."""
     if (stored.scene, stored.parameters, stored.t_end) != (fresh.scene, fresh.parameters, fresh.t_end):
         raise ValueError(f"{file_name(stored)} and {file_name(fresh)} certify different truths")
-    return float(distance(_places(stored), _places(fresh))[0])
+    return float(np.max(np.linalg.norm(_places(stored) - _places(fresh), axis=1)))
 
 
 def holds(stored: Certificate, fresh: Certificate) -> bool:
@@ -129,7 +128,7 @@ def holds(stored: Certificate, fresh: Certificate) -> bool:
 
 
 def _places(certificate: Certificate) -> np.ndarray:
-    return np.array([[[0.0 if x is None else x for x in place] for place in certificate.end.values()]])
+    return np.array([[0.0 if x is None else x for x in place] for place in certificate.end.values()])
 
 
 def file_name(certificate: Certificate | Scene) -> str:

@@ -95,7 +95,7 @@ def agree(
     difference = _gap(fine, coarse)
     uncertainty = difference + DOUBLE_EPS * max(1.0, sensitivity)
     best = _rates(second, grid, solved)
-    doubt = _largest_gap(best, rates) + DOUBLE_EPS * max(1.0, sensitivity)
+    doubt = best[2] + _largest_gap(best[:2], rates[:2]) + DOUBLE_EPS * max(1.0, sensitivity)
     given = (best[0][asked], best[1][asked], doubt[asked])
     return Agreement(fine[0][asked], fine[1][asked], difference, sensitivity, uncertainty, *given)
 
@@ -119,8 +119,8 @@ def _poses(formulation: Formulation, times: np.ndarray, states: np.ndarray) -> t
     return tuple(np.array(part, dtype=float) for part in zip(*found, strict=True))  # type: ignore[return-value]
 
 
-def _rates(formulation: Formulation, times: np.ndarray, states: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return velocities and angular velocities at every time."""
+def _rates(formulation: Formulation, times: np.ndarray, states: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return velocities, angular velocities and how well they are known (n_t,) at every time."""
     found = [along(formulation.derivative, formulation.poses, t, y) for t, y in zip(times, states, strict=True)]
     return tuple(np.array(part) for part in zip(*found, strict=True))  # type: ignore[return-value]
 

@@ -12,7 +12,8 @@ from mbs_ref.scene.euler_parameters import conjugate, product
 OFFSETS = np.arange(-3, 4)
 SIXTH = np.array([-1, 9, -45, 0, 45, -9, 1]) / 60.0  # f' of order 6 (Fornberg 1988, table 1)
 FOURTH = np.array([0, 1, -8, 0, 8, -1, 0]) / 12.0
-WIDTH = 0.02  # of the interval between outputs, or of the time in which a state changes by its own size
+WIDTH = 0.02  # of the interval between outputs
+SHORT = 2e-3  # of the time in which a state changes by its own size
 AMPLIFIED = float(np.abs(SIXTH).sum())  # of an error in the values
 
 Poses = tuple[np.ndarray, np.ndarray]  # position (n_bodies, d) m, orientation (n_bodies,) rad or (n_bodies, 4)
@@ -26,12 +27,11 @@ class Rates(NamedTuple):
     uncertainty: np.ndarray  # (n_t,) m/s and rad/s
 
 
-def along(derivative: Callable, poses: Callable, t: float, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the velocities at (t, y): the slope of poses(t + s, y + s y') at s = 0."""
+def along(derivative: Callable, poses: Callable, t: float, y: np.ndarray) -> tuple[np.ndarray, np.ndarray, float]:
+    """Return the velocities at (t, y), the slopes of poses(t + s, y + s y') at s = 0, and how well they are known."""
     slope = derivative(t, y)
-    h = WIDTH / (1.0 + float(np.max(np.abs(slope) / (1.0 + np.abs(y)))))
-    velocity, spin, _ = _slopes([poses(t + s, y + s * slope) for s in h * OFFSETS], h)
-    return velocity, spin
+    h = SHORT / (1.0 + float(np.max(np.abs(slope) / (1.0 + np.abs(y)))))
+    return _slopes([poses(t + s, y + s * slope) for s in h * OFFSETS], h)
 
 
 def stencil_times(times: np.ndarray) -> tuple[np.ndarray, float]:

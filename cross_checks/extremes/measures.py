@@ -8,7 +8,7 @@ import numpy as np
 
 from cross_checks.extremes.extreme import Measure
 from cross_checks.metrics.compliance import compliance
-from cross_checks.metrics.pose_error import pose_error
+from cross_checks.metrics.state_error import from_truth
 from cross_checks.truth import NoTruth, Truth
 from mbs_ref import observables
 from mbs_ref.scene import Scene
@@ -34,7 +34,9 @@ def truth(solve: Callable[[Scene, np.ndarray], Truth | NoTruth], size: float = 1
         found = solve(scene, path.times)
         if not isinstance(found, Truth):
             raise LookupError(f"{scene.name} has no truth here: {found}")
-        return float(np.max(pose_error(scene, path, found))) / size
+        sizes = from_truth(scene, path, found).sizes
+        arm = max(body.gyration_radius for body in scene.bodies)
+        return float(np.max(np.maximum(sizes[:, 0], arm * sizes[:, 1]))) / size
 
     return measure
 

@@ -65,7 +65,7 @@ class Runs:
         kept = self.store.arrays(key)
         if kept is not None:
             facts, arrays = kept
-            return NoTruth(**facts) if "reason" in facts else Truth(**facts, **arrays)
+            return NoTruth(**facts) if "reason" in facts else Truth(**(facts | arrays))
         found = self.call(seek_truth, scene, grid(scene))
         self.store.keep_arrays(key, *_parts(found))
         return found

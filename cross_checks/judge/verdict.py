@@ -4,8 +4,8 @@ Criteria, in the order in which they are asked. e is a run's error over the scen
 d the distance of the finest run from the method's own limit. All runs count, from coarse to fine.
 
     cannot       every run was refused, with reasons
-    agrees       from some run on, all finer ones have e <= AGREEMENT, at least two of them, or the last of three or
-                 more whose errors fell from run to run
+    agrees       from some run on, all finer ones have e <= AGREEMENT: at least two of them, or one to which the error
+                 fell at half the documented order or faster
     lost         some run had e <= AGREEMENT, and a finer one has not: accuracy was reached and lost again
     below-truth  the finest run has e < 30 u: better than the truth is known
     wrong-limit  d < SETTLED e: the method's own limit is not the truth. d follows from the gaps between the last three
@@ -21,6 +21,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import StrEnum
+from itertools import pairwise
 
 from cross_checks.truth import MARGIN
 
@@ -112,8 +113,7 @@ def _by_error(good: Sequence[Point], order: float, uncertainty: float) -> tuple[
     if inside and finest <= AGREEMENT and inside == list(range(inside[0], len(errors))):
         if uncertainty > AGREEMENT / MARGIN:
             return Verdict.BELOW_TRUTH, f"{finest:.1e} at {last.setting}, and the truth is known to {uncertainty:.1e}"
-        falling = len(errors) >= 3 and errors[-1] < errors[-2] < errors[-3]
-        if len(inside) >= 2 or falling:
+        if len(inside) >= 2 or (len(errors) >= 2 and _slope(good[-2], last) >= 0.5 * order):
             return Verdict.AGREES, f"{finest:.1e} from the truth at {last.setting}"
         return Verdict.NOT_SHOWN, f"only {last.setting} reaches {finest:.1e}: one run shows no convergence"
     if inside:
@@ -131,14 +131,20 @@ def _by_trend(good: Sequence[Point], errors: Sequence[float], order: float) -> t
     last, finest = good[-1], errors[-1]
     if len(good) < 2:
         return Verdict.NOT_SHOWN, f"only {last.setting} ran, {finest:.1e} off: one run shows no convergence"
-    steps = list(zip(good[-3:-1], good[-2:], errors[-3:-1], errors[-2:], strict=False)) if len(good) > 2 else []
-    steps = steps or [(good[-2], good[-1], errors[-2], errors[-1])]
-    slopes = [math.log(e / f) / math.log(a.knob / b.knob) for a, b, e, f in steps if f > 0.0 and e > 0.0]
-    if slopes and min(slopes) >= 0.5 * order and finest <= RESOLVED:
+    steps = list(pairwise(good[-3:]))
+    slopes = [_slope(a, b) for a, b in steps]
+    if min(slopes) >= 0.5 * order and finest <= RESOLVED:
         return Verdict.CONVERGING, f"{finest:.1e} at {last.setting}, falling with order {min(slopes):.2g}"
-    if slopes and slopes[-1] > 0.0:
+    if slopes[-1] > 0.0:
         return Verdict.NOT_SHOWN, f"still {finest:.1e} off at {last.setting}, falling with order {slopes[-1]:.2g}"
     return Verdict.DIVERGED, f"the error does not fall: {errors[-2]:.1e}, then {finest:.1e} at {last.setting}"
+
+
+def _slope(coarse: Point, fine: Point) -> float:
+    """Return the order at which the error fell between two runs; 0 where one of them has none to speak of."""
+    if not coarse.error or not fine.error:
+        return 0.0
+    return math.log(coarse.error / fine.error) / math.log(coarse.knob / fine.knob)
 
 
 def _without_success(points: Sequence[Point]) -> tuple[Verdict, str]:

@@ -125,7 +125,7 @@ def _packed(path: Trajectory | None) -> bytes | None:
 
 
 def _unpacked(blob: bytes | None) -> Trajectory | None:
-    return None if blob is None else Trajectory(**_arrays(blob))
+    return None if blob is None else Trajectory(**dict[str, Any](_arrays(blob)))
 
 
 def _blob(arrays: dict[str, np.ndarray]) -> bytes:

@@ -2,80 +2,85 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import click
 
 from cross_checks import engines
-from cross_checks.isolation.parent import Isolated
+from cross_checks.judge.cell import Cell, check
+from cross_checks.judge.verdict import REFUSED
 from mbs_ref import scenes
 from reports import inputs
+from reports.asking import STORE, asked_runs
 from reports.console import echo_json, number, progress, show, table
 from reports.exit_codes import Failed, Incomplete, NothingSelected
 
-WRONG = frozenset({"failed", "wrong-limit", "diverged", "crashed", "timeout", "out-of-memory"})
-
 
 @click.command(name="check")
-@click.argument("scene", nargs=-1)
+@click.argument("scene", nargs=-1, metavar="[SCENE|FILE.toml]...")
 @click.option("-p", "parameters", multiple=True, metavar="NAME=VALUE", help="A parameter of the scene; repeatable.")
 @click.option("--engine", "chosen", multiple=True, metavar="E", help="Only this engine; repeatable.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON: a list of cells.")
-def command(scene: tuple[str, ...], parameters: tuple[str, ...], chosen: tuple[str, ...], as_json: bool) -> None:
+@STORE
+def command(
+    scene: tuple[str, ...], parameters: tuple[str, ...], chosen: tuple[str, ...], as_json: bool, store: str | None
+) -> None:
     """Compare engines with each other and with the truth, on every SCENE or on those named.
 
-    Engines run in a process of their own: one that hangs, crashes or eats memory costs its own cell.
-    Exit code 1 where a method is wrong without declaring that it is known to be.
+    Where no truth is certified, engines are held against what unlike ones agree on. Runs are made once and kept in a
+    store; each engine runs in a process of its own: one that hangs, crashes or eats memory costs its own cell.
+    Exit code 1 where a method is wrong where it does not declare that it is known to be.
     """
     if parameters and len(scene) != 1:
         raise click.UsageError(f"-p {parameters[0]} needs exactly one SCENE; {len(scene)} are named")
     selected = [inputs.scene(name, parameters) for name in scene or scenes.names()]
     for name in chosen:
         inputs.engine(name)
-
-    from cross_checks.judge import matrix
-
-    rows, interrupted = [], False
+    cells: list[Cell] = []
+    interrupted = False
     try:
-        with progress("check") as report, Isolated(matrix.CELL_TIMEOUT) as call:
-            for cell in matrix.check(selected, list(chosen) or engines.names(), report, call=call):
-                rows.append(cell.to_dict())
+        with progress("check") as report, asked_runs(selected, store) as runs:
+            for cell in check(runs, selected, list(chosen) or engines.names(), report):
+                cells.append(cell)
     except KeyboardInterrupt:
         interrupted = True
     if as_json:
-        echo_json(rows)
+        echo_json([cell.to_dict() for cell in cells])
     else:
-        _show(rows)
+        _show(cells)
     if interrupted:
-        raise Incomplete(f"interrupted after {len(rows)} cells")
-    if not any(row["verdict"] not in ("cannot", "engine-missing") for row in rows):
+        raise Incomplete(f"interrupted after {len(cells)} cells")
+    if not any(cell.verdict not in ("cannot", "engine-missing") for cell in cells):
         raise NothingSelected("no engine runs any of the scenes; the reasons are in the table")
-    unexpected = [row for row in rows if row["verdict"] in WRONG and not _declared(row["engine"], row["method"])]
-    if unexpected:
-        named = ", ".join(f"{row['scene']}/{row['engine']}/{row['method']}: {row['verdict']}" for row in unexpected)
-        raise Failed(f"{len(unexpected)} of {len(rows)} cells are wrong: {named}")
+    wrong = [cell for cell in cells if cell.is_wrong]
+    if wrong:
+        named = ", ".join(f"{cell.scene}/{cell.engine}/{cell.method}: {cell.verdict}" for cell in wrong)
+        raise Failed(f"{len(wrong)} of {len(cells)} cells are wrong: {named}")
 
 
-def _declared(engine: str, method: str | None) -> bool:
-    """Return whether the method itself says that it is known to go wrong somewhere."""
-    return any(m.name == method and m.wrong_limit for m in engines.get(engine).methods())
-
-
-def _show(rows: list[dict[str, Any]]) -> None:
+def _show(cells: list[Cell]) -> None:
     listing = table("", "scene", "engine", "method", "verdict", "error", "compliance", "order", "reason")
-    for row in rows:
-        figures = (number(row[key]) for key in ("error", "compliance", "order"))
-        listing.add_row(row["scene"], row["engine"], row["method"] or "", row["verdict"], *figures, row["reason"] or "")
+    for cell in cells:
+        if cell.verdict in REFUSED:
+            continue
+        figures = (number(value) for value in (cell.error, cell.compliance, cell.order))
+        excuse = f" (known: {cell.excuse})" if cell.excuse else ""
+        listing.add_row(cell.scene, cell.engine, cell.method, cell.verdict, *figures, f"{cell.reason}{excuse}")
     show(listing)
-    _show_contact([row for row in rows if row.get("contact")])
+    refused = len([cell for cell in cells if cell.verdict in REFUSED])
+    if refused:
+        click.echo(f"{refused} more cells are refused or not installed; --json gives the reasons", err=True)
+    kinds = sorted({cell.truth for cell in cells if cell.truth})
+    if kinds:
+        click.echo(f"Errors are over each scene's own length and time; truths are {', '.join(kinds)}.", err=True)
+    _show_contact([cell for cell in cells if cell.contact])
 
 
-def _show_contact(rows: list[dict[str, Any]]) -> None:
+def _show_contact(cells: list[Cell]) -> None:
     """List what contact did in the run that speaks for each cell."""
-    if not rows:
+    if not cells:
         return
     listing = table("\nContact", "scene", "engine", "method", "figures")
-    for row in rows:
-        figures = "; ".join(f"{name} {number(value)}" for name, value in row["contact"].items())
-        listing.add_row(row["scene"], row["engine"], row["method"] or "", figures)
+    for cell in cells:
+        figures = "; ".join(f"{name} {number(value)}" for name, value in cell.contact.items())
+        listing.add_row(cell.scene, cell.engine, cell.method, figures)
     show(listing)
+

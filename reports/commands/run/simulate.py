@@ -6,6 +6,7 @@ from typing import Any
 
 import click
 
+from cross_checks import metrics
 from cross_checks.records.record import Record
 from reports import inputs
 from reports.console import echo_json, number, show, table
@@ -73,11 +74,13 @@ def _show(record: Record) -> None:
     error = record.error
     facts.add_row("status", f"{record.status} {record.message}".rstrip())
     facts.add_row("reached", f"{record.t_end:g} s in {record.steps} steps, {record.rhs_calls} right-hand sides")
-    facts.add_row("error", "no truth known" if error is None else f"{number(error.value)} {error.unit}")
+    facts.add_row("error", "no truth known" if error is None else f"{number(error.value)} of the scene ({error.worst})")
     if error is not None:
-        facts.add_row("truth", f"{error.truth}, known to {number(error.uncertainty)} {error.unit}")
-    facts.add_row("compliance", ", ".join(f"{key} {number(value)}" for key, value in record.compliance.items()))
-    facts.add_row("energy drift", f"{number(record.measure("energy_drift"))} J")
+        known = f"{number(error.uncertainty)} of the scene, whose length is {number(error.length)} m"
+        facts.add_row("truth", f"{error.truth}, known to {known}")
+    for name, metric in metrics.every().items():
+        if record.measure(name) is not None:
+            facts.add_row(metric.label, f"{number(record.measure(name))} {metric.unit}")
     facts.add_row("times", ", ".join(f"{key} {number(value)}" for key, value in record.times.items()))
     for name, value in record.contact.items():
         facts.add_row(name, number(value))
