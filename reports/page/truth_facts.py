@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cross_checks.certify import certificate
+from cross_checks.certificates import certificate
 from cross_checks.truth import MARGIN, NoTruth, Truth
 from mbs_ref.scene import Scene
 from mbs_ref.scene.scales import scales_of

@@ -67,4 +67,3 @@ def _slope_triangle(figure, records: list[Record], order: int) -> None:
         showlegend=False,
         hoverinfo="skip",
     )
-
