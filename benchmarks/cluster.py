@@ -14,9 +14,10 @@ from typing import Any
 from cross_checks import engines as registry
 from cross_checks.isolation.parent import Isolated, Lost
 from cross_checks.judge import ladder
-from cross_checks.judge.one_run import evaluate, without_run
-from cross_checks.records.lines import Key, key_of
+from cross_checks.judge.one_run import without_run
+from cross_checks.judge.runs import Runs, against, make
 from cross_checks.records.record import Record
+from cross_checks.records.store import Run
 from mbs_ref import scenes
 from mbs_ref.settings import Settings
 
@@ -66,38 +67,47 @@ def shard[T](tasks: Sequence[T], index: int, count: int) -> list[T]:
     return list(tasks[index - 1 :: count])
 
 
-def key_of_task(task: Task) -> Key:
-    """Return what identifies the task's record."""
-    return key_of(_planned(task, "", ""))
-
-
 def _planned(task: Task, status: str, message: str) -> Record:
     scene = scenes.make(task.scene, **dict(task.parameters))
     return without_run(scene, task.engine, Settings(**dict(task.settings)), status, message)
 
 
-def run_task(task: Task) -> Record:
-    """Make one run, judged; the whole task's wall time is times['task_s'], its processor time times['cpu_s']."""
+def run_task(task: Task) -> Run:
+    """Make one run; the whole task's wall time is times['task_s'], its processor time times['cpu_s']."""
     wall, cpu = time.perf_counter(), time.process_time()
     scene, settings = scenes.make(task.scene, **dict(task.parameters)), Settings(**dict(task.settings))
-    record = evaluate(scene, task.engine, settings, ladder.grid(scene))
+    run = make(scene, task.engine, settings, ladder.grid(scene))
     spent = {"task_s": time.perf_counter() - wall, "cpu_s": time.process_time() - cpu}
-    return replace(record, times=record.times | spent)
+    return replace(run, record=replace(run.record, times=run.record.times | spent))
 
 
-def isolated_task(task: Task, call: Isolated) -> Record:
+def isolated_task(task: Task, call: Isolated) -> Run:
     """Make one run in another process; a run that is lost there is a status."""
     try:
         return call(run_task, task)
     except Lost as lost:
-        return _planned(task, lost.status, str(lost))
+        return Run(_planned(task, lost.status, str(lost)), None)
 
 
-def serial(tasks: Iterable[Task], timeout: float) -> Iterator[tuple[Task, Record]]:
-    """Yield each task's record, one after the other."""
+def serial(tasks: Iterable[Task], timeout: float) -> Iterator[tuple[Task, Run]]:
+    """Yield each task's run, one after the other."""
     with Isolated(timeout=timeout) as call:
         for task in tasks:
             yield task, isolated_task(task, call)
+
+
+def kept(runs: Runs, task: Task, run: Run) -> Record:
+    """Keep a task's run in the store, and return its record held against the scene's truth."""
+    scene = scenes.make(task.scene, **dict(task.parameters))
+    runs.keep(scene, task.engine, Settings(**dict(task.settings)), run)
+    return against(scene, run, runs.truth(scene))
+
+
+def held(runs: Runs, task: Task) -> Record | None:
+    """Return the record of a task whose run the store holds."""
+    scene = scenes.make(task.scene, **dict(task.parameters))
+    run = runs.held(scene, task.engine, Settings(**dict(task.settings)))
+    return None if run is None else against(scene, run, runs.truth(scene))
 
 
 def same(first: Record, second: Record) -> bool:

@@ -12,6 +12,7 @@ from cross_checks.isolation.parent import Caller, Lost, direct
 from cross_checks.judge import ladder
 from cross_checks.judge.one_run import evaluate, without_run
 from cross_checks.records.record import Record
+from cross_checks.truth import NoTruth, Truth
 from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings
 
@@ -56,10 +57,14 @@ def settled(choice: Choice, found: Comparison) -> Choice:
     return replace(choice, best=first, runner_up=second, margin=ratio, sentence=sentence)
 
 
-def afresh(scene: Scene, record: Record, call: Caller = direct) -> Record:
-    """Run a record's setting again and judge it anew."""
+def afresh(scene: Scene, record: Record, truth: Truth | NoTruth, call: Caller = direct) -> Record:
+    """Run a record's setting again, whatever the store holds, and hold it against the truth."""
     settings = Settings(**record.settings)
     try:
-        return call(evaluate, scene, record.engine, settings, ladder.grid(scene))
+        return call(_judged, scene, record.engine, settings, truth)
     except Lost as lost:
         return without_run(scene, record.engine, settings, lost.status, str(lost))
+
+
+def _judged(scene: Scene, engine: str, settings: Settings, truth: Truth | NoTruth) -> Record:
+    return evaluate(scene, engine, settings, ladder.grid(scene), truth=truth)

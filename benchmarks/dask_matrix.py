@@ -9,15 +9,15 @@ from distributed.worker import get_worker
 
 from benchmarks.cluster import RETRIES, Task, isolated_task
 from cross_checks.isolation.parent import Isolated
-from cross_checks.records.record import Record
+from cross_checks.records.store import Run
 
 NOWHERE: str = None  # type: ignore[assignment] - distributed's own way to have no dashboard
 
 
 def distributed(
     tasks: Iterable[Task], timeout: float, scheduler: str | None = None, workers: int | None = None
-) -> Iterator[tuple[Task, Record]]:
-    """Yield records as they come, from the cluster at `scheduler`, or from a local one of `workers` processes."""
+) -> Iterator[tuple[Task, Run]]:
+    """Yield runs as they come, from the cluster at `scheduler`, or from a local one of `workers` processes."""
     if scheduler is not None:
         with Client(scheduler) as client:
             yield from gather(client, tasks, timeout)
@@ -27,15 +27,15 @@ def distributed(
         yield from gather(client, tasks, timeout)
 
 
-def gather(client: Client, tasks: Iterable[Task], timeout: float) -> Iterator[tuple[Task, Record]]:
-    """Yield records as they come; a task whose worker is lost runs again on another."""
+def gather(client: Client, tasks: Iterable[Task], timeout: float) -> Iterator[tuple[Task, Run]]:
+    """Yield runs as they come; a task whose worker is lost runs again on another."""
     futures = client.map(_on_worker, list(tasks), timeout=timeout, retries=RETRIES, pure=False)
     for future in as_completed(futures):
         yield future.result()
         future.release()  # a worker that is lost later need not make it again
 
 
-def _on_worker(task: Task, timeout: float) -> tuple[Task, Record]:
+def _on_worker(task: Task, timeout: float) -> tuple[Task, Run]:
     """Run in a process beside the worker, so that a crash of an engine does not end the worker."""
     worker = get_worker()
     call = _CALLS.get(worker.id)

@@ -29,7 +29,7 @@ class Choice:
 
 @dataclass(frozen=True)
 class Bounds:
-    """What is asked: error (m), compliance (m, rad) and loop time (s)."""
+    """What is asked: error (over the scene's scales), compliance (m, rad) and loop time (s)."""
 
     error: float
     compliance: float | None = None
@@ -56,7 +56,7 @@ class Bounds:
 def pick(
     records: Iterable[Record], error: float, compliance: float | None = None, budget: float | None = None
 ) -> Choice:
-    """Return the cheapest measured setting with error (m), compliance (m, rad) and loop time (s) within bounds.
+    """Return the cheapest measured setting with error (of the scene's scales), compliance (m, rad), loop (s) in bounds.
 
     Only measured runs count, nothing is extrapolated, and the truth's uncertainty is added to the
     error. Where the truth is not 30 times better known than the error asked, nobody is chosen.
@@ -67,7 +67,8 @@ def pick(
     _check_one_scene(measured)
     floor = max((r.error.floor for r in measured if r.error), default=0.0)
     if error < floor:
-        return Choice(None, None, None, f"the truth of this scene judges no error below {floor:.1e} m; ask for more")
+        told = f"the truth of this scene judges no error below {floor:.1e} of it; ask for more"
+        return Choice(None, None, None, told)
     reached = [r for r in measured if bounds.met_by(r)]
     affordable = sorted((r for r in reached if budget is None or cost(r) <= budget), key=cost)
     if not affordable:
@@ -91,6 +92,13 @@ def _check_one_scene(records: Sequence[Record]) -> None:
 
 def _error(record: Record) -> float:
     return float("inf") if record.error is None else record.error.bound
+
+
+def _length(record: Record) -> str:
+    """Say an error as a share of the scene and as a length."""
+    if record.error is None:
+        return "no known error"
+    return f"{record.error.bound:.1e} of the scene ({record.error.bound * record.error.length:.1e} m)"
 
 
 def cost(record: Record) -> float:
@@ -124,7 +132,7 @@ def setting(record: Record) -> str:
 
 
 def _why(best: Record, second: Record | None, margin: float | None) -> str:
-    text = f"{setting(best)} reaches {_error(best):.1e} m in {1e3 * cost(best):.3g} ms"
+    text = f"{setting(best)} reaches {_length(best)} in {1e3 * cost(best):.3g} ms"
     if second is None or margin is None:
         return f"{text}; no other method reaches it."
     return f"{text}, {margin:.3g} times cheaper than {setting(second)} ({1e3 * cost(second):.3g} ms)."
@@ -135,7 +143,7 @@ def _why_not_cheaper(limit: Limit | None) -> str:
         return "Nothing cheaper misses one bound alone."
     near, price = limit.cheaper, f"{1e3 * cost(limit.cheaper):.3g} ms"
     if limit.bound == "error":
-        return f"The error limits it: for {price} the nearest is {setting(near)} with {_error(near):.1e} m."
+        return f"The error limits it: for {price} the nearest is {setting(near)} with {_length(near)}."
     return f"The compliance limits it: for {price} {setting(near)} opens the joints by {_gap(near):.1e}."
 
 
@@ -149,6 +157,6 @@ def _why_none(measured: Sequence[Record], reached: Sequence[Record], bounds: Bou
     close = [r for r in measured if bounds.error_ok(r)]
     if close and bounds.compliance is not None:
         count, tight = len(close), bounds.compliance
-        return f"{count} settings reach {bounds.error:.1e} m, but none keeps the constraints within {tight:.1e}"
+        return f"{count} settings reach {bounds.error:.1e}, but none keeps the constraints within {tight:.1e}"
     nearest = min(measured, key=_error)
-    return f"none reached {bounds.error:.1e} m; the nearest is {setting(nearest)} with {_error(nearest):.1e} m"
+    return f"none reached {bounds.error:.1e} of the scene; the nearest is {setting(nearest)} with {_length(nearest)}"

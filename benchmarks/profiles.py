@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from cross_checks.records.record import Record
 
-ERRORS = (1e-3, 1e-6, 1e-9)  # m
+ERRORS = (1e-3, 1e-6, 1e-9)  # over the scenes' scales
 
 Solver = tuple[str, str]  # engine, method
 Problem = str  # a scene with its parameters
@@ -32,7 +32,7 @@ class Profile:
 
 
 def profiles(records: Iterable[Record], error: float) -> list[Profile]:
-    """Return each engine and method's profile at an error (m), the most often best first (Dolan & More 2002, eq 1).
+    """Return each engine and method's profile at an error, the most often best first (Dolan & More 2002, eq 1).
 
     Problems that nobody solves are left out, and those whose truth is not known 30 times better than `error`.
     """

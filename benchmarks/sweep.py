@@ -1,25 +1,29 @@
-"""Work-precision sweeps: every method's ladder, accuracy judged and the loop timed alone."""
+"""Work against precision: the settings that meet a row of target errors, each with its loop timed alone."""
 
 from __future__ import annotations
 
+import platform
 import time
-from collections.abc import Callable, Collection, Iterable, Iterator
+from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import replace
 
 from cross_checks import engines as registry
 from cross_checks.engine import Method
-from cross_checks.isolation.parent import Caller, Lost, direct
-from cross_checks.judge import ladder
-from cross_checks.judge.one_run import evaluate, without_run
-from cross_checks.records.lines import Key, key_of
+from cross_checks.isolation.parent import Lost
+from cross_checks.judge.cell import refused, tasks, truth_of
+from cross_checks.judge.ladder import grid
+from cross_checks.judge.one_run import CANNOT, MISSING, without_run
+from cross_checks.judge.runs import Runs
+from cross_checks.judge.search import search
+from cross_checks.records.naming import run_name
 from cross_checks.records.record import Record
+from cross_checks.truth import NoTruth, Truth
 from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings
 
+DECADES = tuple(10.0**-k for k in range(2, 11))  # targets of a sweep, over the scene's scales
 REPEATS = 5  # timed runs of a setting, of which the fastest counts
 REPEAT_BUDGET = 0.5  # s of loop time after which no more repeats are made
-LONGEST = 5.0  # s of loop time after which a ladder climbs no further
-HOPELESS = frozenset({"cannot", "engine-missing", "timeout", "out-of-memory"})  # finer would be no better
 BUSY = 0.9  # of a processor: a timed run that got less shared the machine
 BUSY_NOTE = "timed on a busy machine"
 
@@ -27,85 +31,78 @@ Progress = Callable[[int, int, str], None]  # (methods done, of how many, what c
 
 
 def sweep(
-    scene: Scene,
-    engines: Collection[str] | None = None,
-    methods: Collection[str] | None = None,
-    progress: Progress | None = None,
-    *,
-    call: Caller = direct,
-    known: Iterable[Record] = (),
-) -> Iterator[Record]:
-    """Yield a record for every rung of every method's ladder; runs are serial, because they are timed.
+    runs: Runs, scene: Scene, engines: Collection[str] | None = None, methods: Collection[str] | None = None,
+    progress: Progress | None = None, targets: Sequence[float] = DECADES,
+) -> Iterator[Record]:  # fmt: skip
+    """Yield every run of every method's search for the targets, judged and timed, coarse to fine.
 
-    The first run of a setting warms up and is judged; the fastest of the repeats is its loop time.
-    `call` makes the runs (cross_checks.isolation.parent survives engines that do not come back); settings of
-    `known` records, from an interrupted sweep, are not run again. ValueError where an engine or a
-    method is unknown.
+    Without a certified truth, errors are from what engines agree on. ValueError where an engine or a method is unknown.
     """
-    tasks, before = _tasks(engines, methods), {key_of(record): record for record in known}
-    for done, (engine, method) in enumerate(tasks):
+    listed = _chosen(scene, engines, methods)
+    truth = truth_of(runs, scene)
+    for done, (engine, method) in enumerate(listed):
         if progress is not None:
-            progress(done, len(tasks), f"{engine} {method.name if method else ''}".strip())
-        rungs = [Settings()] if method is None else ladder.rungs(method, scene)
-        yield from _climb(scene, engine, rungs, call, before)
+            progress(done, len(listed), f"{engine} {method.name if method else ''}".strip())
+        yield from _of_method(runs, scene, engine, method, truth, targets)
     if progress is not None:
-        progress(len(tasks), len(tasks), "")
+        progress(len(listed), len(listed), "")
 
 
-def _tasks(engines: Collection[str] | None, methods: Collection[str] | None) -> list[tuple[str, Method | None]]:
-    found: list[tuple[str, Method | None]] = []
-    for engine in registry.names() if engines is None else engines:
-        try:
-            offered = registry.get(engine).methods()
-        except registry.EngineMissing:
-            found.append((engine, None))
-            continue
-        found += [(engine, method) for method in offered if methods is None or method.name in methods]
-    known = {method.name for _, method in found if method is not None}
-    unknown = sorted(set(methods or ()) - known)
+def _chosen(
+    scene: Scene, engines: Collection[str] | None, methods: Collection[str] | None
+) -> list[tuple[str, Method | None]]:
+    found = tasks(scene, registry.names() if engines is None else engines)
+    unknown = sorted(set(methods or ()) - {method.name for _, method in found if method is not None})
     if unknown:
         raise ValueError(f"method = {', '.join(unknown)} is offered by none of the engines asked")
-    return found
+    return [(engine, method) for engine, method in found if methods is None or (method and method.name in methods)]
 
 
-def _climb(
-    scene: Scene, engine: str, rungs: list[Settings], call: Caller, before: dict[Key, Record]
+def _of_method(
+    runs: Runs, scene: Scene, engine: str, method: Method | None, truth: Truth | NoTruth, targets: Sequence[float]
 ) -> Iterator[Record]:
-    for settings in rungs:
-        planned = without_run(scene, engine, settings, "", "")
-        record = before.get(key_of(planned))
-        if record is None:
-            record = measured(scene, engine, settings, call)
-            yield record
-        if record.status in HOPELESS or record.times.get("loop_s", 0.0) > LONGEST:
-            return
+    name, reason = refused(scene, engine, method)
+    if method is None or reason:
+        settings = Settings() if method is None else Settings(method=name)
+        yield without_run(scene, engine, settings, MISSING if method is None else CANNOT, reason)
+        return
+    tried, _ = search(runs, scene, engine, method, truth, targets)
+    for knob in tried.knobs:
+        yield timed(runs, scene, tried.records[knob])
 
 
-def measured(scene: Scene, engine: str, settings: Settings, call: Caller) -> Record:
-    """Return the judged and timed run; what is lost with its process is a status with a sentence."""
-    try:
-        return call(measure, scene, engine, settings)
-    except Lost as lost:
-        return without_run(scene, engine, settings, lost.status, str(lost))
-
-
-def measure(scene: Scene, engine: str, settings: Settings) -> Record:
-    """Run, judge and time one setting."""
-    return _timed(scene, evaluate(scene, engine, settings, ladder.grid(scene)), settings)
-
-
-def _timed(scene: Scene, record: Record, settings: Settings) -> Record:
-    """Repeat the run without judging it and keep the fastest loop."""
+def timed(runs: Runs, scene: Scene, record: Record) -> Record:
+    """Return a record with the fastest of some repeats of its loop on this machine; made once and kept."""
     if record.status != "success":
         return record
-    engine, times = registry.get(record.engine), ladder.grid(scene)
+    settings = Settings(**record.settings)
+    key = run_name(scene, registry.get(record.engine), settings, grid(scene))
+    loops = runs.store.timings(key, host())
+    notes = record.notes
+    if not loops:
+        try:
+            loops, share = runs.call(loops_of, scene, record.engine, settings)
+        except Lost as lost:
+            return replace(record, notes=(*notes, f"not timed: a repeat {lost}"))
+        notes = notes if share >= BUSY else (*notes, f"{BUSY_NOTE}: it got {share:.0%} of a processor")
+        if share >= BUSY:
+            runs.store.keep_timings(key, host(), loops)
+    spread = {"loop_s": min(loops), "loop_median_s": sorted(loops)[len(loops) // 2], "loop_runs": float(len(loops))}
+    return replace(record, times=record.times | spread, notes=notes)
+
+
+def loops_of(scene: Scene, engine: str, settings: Settings) -> tuple[list[float], float]:
+    """Repeat a run without judging it; return its loop times (s) and the share of a processor that it got."""
+    solver, times = registry.get(engine), grid(scene)
     loops: list[float] = []
     wall, cpu = time.perf_counter(), time.process_time()
     while len(loops) < REPEATS and sum(loops) < REPEAT_BUDGET:
-        loops.append(engine.run(scene, settings, times).timing.loop_s)
+        loops.append(solver.run(scene, settings, times).timing.loop_s)
         if loops[-1] <= 0.0:  # an engine that measures nothing would repeat for nothing
             break
-    share = (time.process_time() - cpu) / max(time.perf_counter() - wall, 1e-9)
-    spread = {"loop_s": min(loops), "loop_median_s": sorted(loops)[len(loops) // 2], "loop_runs": float(len(loops))}
-    notes = record.notes if share >= BUSY else (*record.notes, f"{BUSY_NOTE}: it got {share:.0%} of a processor")
-    return replace(record, times=record.times | spread | {"cpu_share": share}, notes=notes)
+    return loops, (time.process_time() - cpu) / max(time.perf_counter() - wall, 1e-9)
+
+
+def host() -> str:
+    """Return the machine that a time belongs to."""
+    return f"{platform.node()} {platform.machine()}"

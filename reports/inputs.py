@@ -16,6 +16,7 @@ from cross_checks.engine import Engine
 from mbs_ref import scenes
 from mbs_ref.scene import Scene
 from mbs_ref.scene import messages as problems
+from mbs_ref.scene.scales import scales_of
 from mbs_ref.scene.toml import SceneFileError, read_scene
 from mbs_ref.settings import Settings
 from reports.exit_codes import EngineAbsent
@@ -128,3 +129,20 @@ def _number(text: str) -> int | float | bool | str:
         except ValueError:
             continue
     return text
+
+
+LENGTHS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "nm": 1e-9, "km": 1e3}
+
+
+def relative_error(text: str, scene: Scene) -> float:
+    """Return an error over the scene's scales: a bare number as it is, a length such as 1mm over the scene's length."""
+    found = re.fullmatch(r"\s*([-+0-9.eE]+?)\s*([a-z]*)\s*", text)
+    try:
+        value = float(found.group(1)) if found else math.nan
+    except ValueError:
+        value = math.nan
+    unit = found.group(2) if found else ""
+    if not value > 0.0 or not math.isfinite(value) or (unit and unit not in LENGTHS):
+        allowed = f"a positive number of the scene's scales, or a length in {', '.join(LENGTHS)}, as 1mm"
+        raise click.UsageError(f"--error {text!r} is not understood; give {allowed}")
+    return value if not unit else value * LENGTHS[unit] / scales_of(scene).length

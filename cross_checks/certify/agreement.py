@@ -119,7 +119,9 @@ def _poses(formulation: Formulation, times: np.ndarray, states: np.ndarray) -> t
     return tuple(np.array(part, dtype=float) for part in zip(*found, strict=True))  # type: ignore[return-value]
 
 
-def _rates(formulation: Formulation, times: np.ndarray, states: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _rates(
+    formulation: Formulation, times: np.ndarray, states: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return velocities, angular velocities and how well they are known (n_t,) at every time."""
     found = [along(formulation.derivative, formulation.poses, t, y) for t, y in zip(times, states, strict=True)]
     return tuple(np.array(part) for part in zip(*found, strict=True))  # type: ignore[return-value]

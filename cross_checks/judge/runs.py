@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 
@@ -42,22 +43,31 @@ class Runs:
 
     def run(self, scene: Scene, engine: str, settings: Settings) -> Run:
         """Return the run; made unless the store holds it."""
-        times = grid(scene)
         try:
-            key = run_name(scene, engines.get(engine), settings, times)
+            held = self.held(scene, engine, settings)
         except engines.EngineMissing as missing:
             return Run(without_run(scene, engine, settings, "engine-missing", str(missing)), None)
-        kept = self.store.run(key)
-        if kept is not None:
-            return named(kept, scene)
+        if held is not None:
+            return held
         self.made += 1
         try:
-            made = self.call(make, scene, engine, settings, times)
+            made = self.call(make, scene, engine, settings, grid(scene))
         except Lost as lost:
             made = Run(without_run(scene, engine, settings, lost.status, str(lost)), None)
-        if made.record.status not in PASSING:
-            self.store.keep_run(key, made)
+        self.keep(scene, engine, settings, made)
         return made
+
+    def held(self, scene: Scene, engine: str, settings: Settings) -> Run | None:
+        """Return the run that the store holds, under the name that the scene has here: physics alone decided it."""
+        kept = self.store.run(run_name(scene, engines.get(engine), settings, grid(scene)))
+        if kept is None:
+            return None
+        return replace(kept, record=replace(kept.record, scene=scene.name, parameters=dict(scene.parameters)))
+
+    def keep(self, scene: Scene, engine: str, settings: Settings, run: Run) -> None:
+        """Keep a run that another process made, unless it was lost for want of time or memory."""
+        if run.record.status not in PASSING:
+            self.store.keep_run(run_name(scene, engines.get(engine), settings, grid(scene)), run)
 
     def truth(self, scene: Scene) -> Truth | NoTruth:
         """Return the scene's truth on the judges' grid: kept, or made and kept; the reason where there is none."""
@@ -65,7 +75,8 @@ class Runs:
         kept = self.store.arrays(key)
         if kept is not None:
             facts, arrays = kept
-            return NoTruth(**facts) if "reason" in facts else Truth(**(facts | arrays))
+            given: dict[str, Any] = {**facts, **arrays}
+            return NoTruth(**given) if "reason" in facts else Truth(**given)
         found = self.call(seek_truth, scene, grid(scene))
         self.store.keep_arrays(key, *_parts(found))
         return found
@@ -95,11 +106,6 @@ def gap(scene: Scene, first: Trajectory | None, second: Trajectory | None) -> fl
     with np.errstate(over="ignore", invalid="ignore"):
         largest = float(np.max(differences(scene, first, second).relative(scales_of(scene))))
     return largest if np.isfinite(largest) else None
-
-
-def named(run: Run, scene: Scene) -> Run:
-    """Return a run under the name that its scene has here: physics alone decided what came out."""
-    return replace(run, record=replace(run.record, scene=scene.name, parameters=dict(scene.parameters)))
 
 
 def _parts(truth: Truth | NoTruth) -> tuple[dict, dict[str, np.ndarray]]:

@@ -16,7 +16,7 @@ from typing import Literal
 from cross_checks.engine import Method
 from cross_checks.judge.ladder import TIGHTEST, coarsest, knob_of, label, settings_at
 from cross_checks.judge.runs import Runs, against, gap
-from cross_checks.judge.verdict import REFUSED, Point
+from cross_checks.judge.verdict import AGREEMENT, REFUSED, Point
 from cross_checks.records.record import Record
 from cross_checks.truth import NoTruth, Truth
 from mbs_ref.scene import Scene
@@ -34,6 +34,7 @@ BACK = 4.0  # factor to a finer step after one that was refused or failed; its s
 MOST_BACK = 10  # such steps in a row
 FIRST_RTOL, FIRST_STEP = 1e-5, 5e-3  # where the search begins; steps in s, or in free-fall times
 STABLE = 0.7  # of the step that the linearised motion bears
+ENOUGH = 3  # runs that show whether a method converges
 STALLED = 0.5  # of the error before: less progress than this, and refining does not help
 
 Answer = Literal["reached", "not-reached", "not-tried", "cannot", "unjudged"]
@@ -96,11 +97,11 @@ def search(
     if not _begin(runs, tried):
         return tried, [Reached(target, "cannot", None, _last_words(tried)) for target in targets]
     if isinstance(truth, NoTruth):
-        _refine(runs, tried, 2)
+        _support(runs, tried)
         return tried, [Reached(target, "unjudged", None, truth.reason) for target in targets]
     answers = [_aim(runs, tried, target) for target in sorted(targets, reverse=True)]
-    if len(tried.good()) < 3 and not _is_over(tried):
-        _refine(runs, tried, 3 - len(tried.good()))
+    if not _is_shown(tried):
+        _support(runs, tried)
     return tried, [_answer(tried, answer) for answer in answers]
 
 
@@ -191,15 +192,32 @@ def _is_over(tried: Tried) -> bool:
     return last[1] > STALLED * last[0] and last[2] > STALLED * last[1]
 
 
-def _refine(runs: Runs, tried: Tried, count: int) -> None:
-    """Make `count` finer runs than the finest, within the bound on work."""
-    for _ in range(count):
+def _is_shown(tried: Tried) -> bool:
+    """Whether the runs made are enough for a verdict: two in agreement, or ENOUGH of them."""
+    agreeing = [error for _, error in tried.good() if error <= AGREEMENT]
+    return len(agreeing) >= 2 or len(tried.good()) >= ENOUGH
+
+
+def _support(runs: Runs, tried: Tried) -> None:
+    """Make runs until ENOUGH succeeded: finer than the finest where work allows, else coarser, else between."""
+    for _ in range(TRIES):
         done = [knob for knob in tried.knobs if tried.records[knob].status == "success"]
-        knob = min(done) / (BACK if tried.method.kind == "fixed" else BACK**2)
-        if _steps(tried, knob) > MOST_STEPS or knob < TIGHTEST:
+        if len(done) >= ENOUGH:
             return
-        if _try(runs, tried, knob).status != "success":
+        factor = BACK if tried.method.kind == "fixed" else BACK**2
+        wanted = (min(done) / factor, max(done) * factor, math.sqrt(min(done) * max(done)))
+        able = [k for k in wanted if _is_able(tried, k) and not _same_as_tried(tried, k)]
+        if not able:
             return
+        _try(runs, tried, able[0])
+
+
+def _is_able(tried: Tried, knob: float) -> bool:
+    """Whether a setting is within the bound on work and what can be typed, and no coarser one failed that is finer."""
+    failed = [k for k in tried.knobs if tried.records[k].status != "success"]
+    finest = min(k for k in tried.knobs if tried.records[k].status == "success")
+    beyond = any(k <= knob for k in failed) if knob > finest else any(k >= knob and k < finest for k in failed)
+    return not beyond and TIGHTEST <= knob <= coarsest(tried.method, tried.scene) and _steps(tried, knob) <= MOST_STEPS
 
 
 def _try(runs: Runs, tried: Tried, knob: float) -> Record:
@@ -236,7 +254,7 @@ def _answer(tried: Tried, found: Reached) -> Reached:
         floor = next(r.error.floor for r in _successes(tried) if r.error is not None)
         if found.target < floor:
             return Reached(found.target, "unjudged", None, f"the truth judges no error below {floor:.1e}")
-    if found.answer == "not-tried":
+    if found.answer == "not-tried" and not _is_over(tried):
         return found
     best = min((error for _, error in good), default=None)
     reason = _last_words(tried) if best is None else f"its best is {best:.1e}; finer settings do not help"

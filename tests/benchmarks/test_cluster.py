@@ -40,7 +40,7 @@ def test_a_lost_worker_costs_only_time():
                 pids = list(client.run(os.getpid).values())
                 os.kill(pids[0], signal.SIGKILL)
     assert found.keys() == alone.keys()
-    different = [task for task in tasks if not same(found[task], alone[task])]
+    different = [task for task in tasks if not same(found[task].record, alone[task].record)]
     assert not different
 
 

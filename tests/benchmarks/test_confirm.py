@@ -10,6 +10,8 @@ from benchmarks import confirm
 from benchmarks.pick import Bounds, pick
 from benchmarks.sweep import sweep
 from benchmarks.timing import Comparison, Pace
+from cross_checks.judge.cell import truth_of
+from cross_checks.judge.runs import Runs
 from mbs_ref import scenes
 
 PENDULUM = scenes.make("pendulum")
@@ -18,7 +20,7 @@ PENDULUM = scenes.make("pendulum")
 @pytest.fixture
 def choice(swing):
     """The biased method is off by 0.25 m and, by its clock, as slow as the other at equal steps."""
-    records = list(sweep(PENDULUM, ["swing"], ["second", "biased"]))
+    records = list(sweep(Runs(), PENDULUM, ["swing"], ["second", "biased"]))
     return pick(records, 0.5)
 
 
@@ -45,8 +47,8 @@ def test_what_the_duel_leaves(choice):
 
 
 def test_a_setting_run_afresh_meets_what_it_met(choice, swing):
-    again = confirm.afresh(PENDULUM, choice.best)
+    again = confirm.afresh(PENDULUM, choice.best, truth_of(Runs(), PENDULUM))
     assert Bounds(0.5).met_by(again)
     assert not Bounds(1e-9).met_by(again)
     swing(lambda path: replace(path, position=path.position + 1.0))
-    assert not Bounds(0.5).met_by(confirm.afresh(PENDULUM, choice.best))
+    assert not Bounds(0.5).met_by(confirm.afresh(PENDULUM, choice.best, truth_of(Runs(), PENDULUM)))

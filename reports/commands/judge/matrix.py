@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from contextlib import ExitStack
 from typing import TYPE_CHECKING
 
 import click
 
-from cross_checks.records import lines as record_file
 from cross_checks.records.record import Record
+from cross_checks.records.store import Run
 from reports import inputs
-from reports.console import echo_json, finite_record, number, progress, show, table
+from reports.asking import STORE, asked_runs
+from reports.console import echo_json, number, progress, show, table
 from reports.exit_codes import Failed, Incomplete, NothingSelected
-from reports.sweeping import begun
 
 if TYPE_CHECKING:
     from benchmarks.cluster import Task
@@ -28,40 +27,31 @@ if TYPE_CHECKING:
 @click.option("--shard", metavar="I/N", default="1/1", help="Only part I of N, for batch systems.")
 @click.option("--timeout", type=float, default=120.0, show_default=True, help="Longest time of one run, s.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON lines, one a run.")
-@click.option("-o", "output", metavar="FILE.jsonl", help="Keep the lines in a file; what it holds already is not run.")
+@STORE
 def command(
-    chosen: tuple[str, ...],
-    quick: bool,
-    serial: bool,
-    scheduler: str | None,
-    workers: int | None,
-    shard: str,
-    timeout: float,
-    as_json: bool,
-    output: str | None,
-) -> None:
+    chosen: tuple[str, ...], quick: bool, serial: bool, scheduler: str | None, workers: int | None, shard: str,
+    timeout: float, as_json: bool, store: str | None,
+) -> None:  # fmt: skip
     """Judge every engine, method and setting on the default scenes; accuracy only, nothing is timed alone.
 
-    Records are the same however they are spread: lost workers, shards and interruptions cost nothing but time.
+    Runs are the same however they are spread: lost workers, shards and interruptions cost nothing but time. Shards
+    keep their runs in stores of their own, which `mbs-ref merge` joins.
     """
     from benchmarks import cluster
 
     for name in chosen:
         inputs.engine(name)
-    target = inputs.output(output, (".jsonl",))
     tasks = inputs.shard(cluster.plan(quick, list(chosen) or None), shard)
     if not tasks:
         raise NothingSelected("no runs in this part of the matrix")
-    with ExitStack() as stack:
-        before = {record_file.key_of(record): record for record in begun(stack, target)}
-        found = {task: before[key] for task in tasks if (key := cluster.key_of_task(task)) in before}
-        report = stack.enter_context(progress("matrix"))
+    found: dict[Task, Record] = {}
+    with asked_runs([], store) as runs, progress("matrix") as report:
+        held = {task: cluster.held(runs, task) for task in tasks}
+        found = {task: record for task, record in held.items() if record is not None}
         try:
-            for task, record in _spread([t for t in tasks if t not in found], serial, timeout, scheduler, workers):
-                found[task] = record
-                report(len(found), len(tasks), f"{record.scene} {record.engine} {record.method}")
-                if target is not None:
-                    record_file.append(target, [finite_record(record)])
+            for task, run in _spread([t for t in tasks if t not in found], serial, timeout, scheduler, workers):
+                found[task] = cluster.kept(runs, task, run)
+                report(len(found), len(tasks), f"{task.scene} {task.engine}")
         except KeyboardInterrupt:
             raise Incomplete(f"interrupted after {len(found)} of {len(tasks)} runs") from None
     _show([found[task] for task in tasks], as_json)
@@ -72,7 +62,7 @@ def _show(records: list[Record], as_json: bool) -> None:
         echo_json(record.to_dict(), indent=None)
     if as_json:
         return
-    listing = table("", "scene", "engine", "method", "status", "error, m", "task, s")
+    listing = table("", "scene", "engine", "method", "status", "error", "task, s")
     for r in records:
         figures = (number(r.error.value if r.error else None), number(r.times.get("task_s")))
         listing.add_row(r.scene, r.engine, r.method, r.status, *figures)
@@ -81,7 +71,7 @@ def _show(records: list[Record], as_json: bool) -> None:
 
 def _spread(
     tasks: list[Task], serial: bool, timeout: float, scheduler: str | None, workers: int | None
-) -> Iterator[tuple[Task, Record]]:
+) -> Iterator[tuple[Task, Run]]:
     from benchmarks import cluster
 
     if not tasks:

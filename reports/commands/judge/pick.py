@@ -14,14 +14,16 @@ from benchmarks.record_changes import BY_MACHINE
 from benchmarks.sweep import BUSY_NOTE
 from benchmarks.timing import Comparison
 from cross_checks.isolation.parent import Lost
+from cross_checks.judge.cell import truth_of
 from cross_checks.records import lines as record_file
 from cross_checks.records.record import Record
 from mbs_ref.scene import Scene
 from reports import inputs
+from reports.asking import STORE, asked_runs, isolated
 from reports.console import echo_json
 from reports.exit_codes import Failed, Incomplete, NothingSelected
-from reports.page.command import command as reproduce
-from reports.sweeping import isolated, sweep_records
+from reports.reproduce import command as reproduce
+from reports.sweeping import sweep_records
 
 PATIENCE = 600.0  # s for a run that is known to finish: loading compiled code on a busy machine may take minutes
 FILE = click.Path(exists=True, dir_okay=False, path_type=Path)
@@ -31,7 +33,7 @@ FILE = click.Path(exists=True, dir_okay=False, path_type=Path)
 @click.argument("scene", metavar="SCENE|FILE.toml")
 @click.option("-p", "parameters", multiple=True, metavar="NAME=VALUE", help="A parameter of the scene; repeatable.")
 @click.option("--engine", "chosen", multiple=True, metavar="E", help="Only this engine; repeatable.")
-@click.option("--error", type=float, required=True, callback=inputs.positive, help="Largest world-pose error, m.")
+@click.option("--error", metavar="E|1mm", required=True, help="Largest error, of the scene's scales or as 1mm.")
 @click.option("--compliance", type=float, callback=inputs.positive, help="Largest constraint violation, m or rad.")
 @click.option("--budget", metavar="50ms", help="Longest loop time.")
 @click.option("--records", type=FILE, help="Choose among the records of a sweep's JSON lines instead of sweeping.")
@@ -42,25 +44,31 @@ FILE = click.Path(exists=True, dir_okay=False, path_type=Path)
 )  # fmt: skip
 @click.option("--fresh", is_flag=True, help="Run the chosen setting afresh; exit code 1 where it misses.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
+@STORE
 def command(
     scene: str,
     parameters: tuple[str, ...],
     chosen: tuple[str, ...],
-    error: float,
+    error: str,
     compliance: float | None,
     budget: str | None,
     records: Path | None,
     confirming: bool | None,
     fresh: bool,
     as_json: bool,
+    store: str | None,
 ) -> None:
     """Name the cheapest engine, method and setting that reaches --error on SCENE."""
     limit = None if budget is None else inputs.seconds(budget)
     made = inputs.scene(scene, parameters)
-    found = sweep_records(made, chosen, (), None) if records is None else _of_scene(records, made, chosen)
+    asked = inputs.relative_error(error, made)
+    if records is None:
+        found = sweep_records(made, chosen, (), None, store=store, errors=(asked,))
+    else:
+        found = _of_scene(records, made, chosen)
     _warn(found)
-    choice, duel = _confirmed(made, pick.pick(found, error, compliance, limit), confirming)
-    again = _afresh(made, choice) if fresh else None
+    choice, duel = _confirmed(made, pick.pick(found, asked, compliance, limit), confirming)
+    again = _afresh(made, choice, store) if fresh else None
     if as_json:
         echo_json(_facts(choice, duel, again))
     if choice.best is None:
@@ -69,7 +77,7 @@ def command(
         click.echo(choice.sentence)
         click.echo(reproduce(choice.best))
     if again is not None:
-        _check(again, Bounds(error, compliance))
+        _check(again, Bounds(asked, compliance))
 
 
 def _of_scene(file: Path, scene: Scene, chosen: tuple[str, ...]) -> list[Record]:
@@ -96,23 +104,23 @@ def _confirmed(scene: Scene, choice: Choice, asked: bool | None) -> tuple[Choice
     if asked is False or (asked is None and choice.margin >= confirm.CLOSE):
         return choice, None
     try:
-        with isolated(scene, PATIENCE) as call:
+        with isolated([scene], PATIENCE) as call:
             duel = confirm.duel(scene, choice, call)
     except Lost as lost:
         return replace(choice, sentence=f"{choice.sentence} Not confirmed: a timed run {lost}."), None
     return confirm.settled(choice, duel), duel
 
 
-def _afresh(scene: Scene, choice: Choice) -> Record | None:
+def _afresh(scene: Scene, choice: Choice, store: str | None) -> Record | None:
     if choice.best is None:
         return None
-    with isolated(scene, PATIENCE) as call:
-        return confirm.afresh(scene, choice.best, call)
+    with asked_runs([scene], store, PATIENCE) as runs:
+        return confirm.afresh(scene, choice.best, truth_of(runs, scene), runs.call)
 
 
 def _check(again: Record, bounds: Bounds) -> None:
     """Say what the setting did when it was run afresh."""
-    reached = "no error" if again.error is None else f"{again.error.bound:.2e} m"
+    reached = "no error" if again.error is None else f"{again.error.bound:.2e}"
     gap = again.measure("compliance_position")
     told = f"run afresh: {again.status}, {reached}, joints open by {'nothing known' if gap is None else f'{gap:.2e}'}"
     if again.status in BY_MACHINE:

@@ -6,6 +6,7 @@ import click
 
 from cross_checks.records.record import Record
 from reports import inputs
+from reports.asking import STORE
 from reports.console import echo_json, number, show, table
 from reports.exit_codes import NothingSelected
 from reports.sweeping import sweep_records
@@ -20,6 +21,7 @@ from reports.sweeping import sweep_records
 @click.option("-o", "output", metavar="FILE.jsonl", help="Keep the lines in a file; what it holds already is not run.")
 @click.option("--timeout", type=float, callback=inputs.positive, help="Longest time of one run, s.  [default: 120]")
 @click.option("--memory", type=float, callback=inputs.positive, help="Most memory of one run, MiB.  [default: 4096]")
+@STORE
 def command(
     scene: str,
     parameters: tuple[str, ...],
@@ -29,14 +31,15 @@ def command(
     output: str | None,
     timeout: float | None,
     memory: float | None,
+    store: str | None,
 ) -> None:
-    """Measure work against precision on SCENE.
+    """Measure work against precision on SCENE: the settings that meet each decade of error, timed alone.
 
     Engines run in a process of their own: one that hangs, crashes or eats memory costs that one run.
     A sweep that was interrupted, or killed, goes on where it stopped.
     """
     target = inputs.output(output, (".jsonl",))
-    records = sweep_records(inputs.scene(scene, parameters), chosen, methods, target, timeout, memory)
+    records = sweep_records(inputs.scene(scene, parameters), chosen, methods, target, timeout, memory, store=store)
     if not records:
         raise NothingSelected("no engine and method to sweep")
     for record in records if as_json else ():
@@ -46,7 +49,7 @@ def command(
 
 
 def _show(records: list[Record]) -> None:
-    listing = table("", "engine", "method", "setting", "status", "error, m", "compliance", "loop, s")
+    listing = table("", "engine", "method", "setting", "status", "error", "compliance", "loop, s")
     for record in records:
         keys = [key for key in ("step", "rtol") if record.settings.get(key) is not None]
         setting = " ".join(f"{key} {record.settings[key]:g}" for key in keys)

@@ -1,68 +1,77 @@
-"""Verdicts and observed orders on made-up error sequences."""
+"""Verdicts and observed orders on made-up runs."""
 
 from __future__ import annotations
 
+import itertools
+
 import pytest
 
-from cross_checks.judge.verdict import Rung, Verdict, judge
+from cross_checks.judge.verdict import Point, Verdict, judge, limit_distance
 from cross_checks.metrics.observed_order import observed_order
 
 
-def ladder(errors, gaps, **last) -> list[Rung]:
-    found = [Rung(f"step={k}", "success", "", e, g) for k, (e, g) in enumerate(zip(errors, [None, *gaps], strict=True))]
-    return [*found, Rung("step=last", **last)] if last else found
+def runs(errors, gaps=(), knobs=None, **last) -> list[Point]:
+    knobs = knobs or [2.0**-k for k in range(len(errors))]
+    apart = [None, *gaps, *[None] * len(errors)]
+    found = [Point(f"step={h:g}", h, "success", "", e, g) for h, e, g in zip(knobs, errors, apart, strict=False)]
+    return [*found, Point("step=last", knobs[-1] / 2.0, **last)] if last else found
 
 
 @pytest.mark.parametrize(
-    ("errors", "gaps", "uncertainty", "verdict"),
+    ("errors", "gaps", "order", "verdict"),
     [
-        ([1e-2, 1e-4, 1e-7], [1e-2, 1e-4], 1e-14, Verdict.AGREES),
-        ([1e-2, 1e-3, 1e-4], [9e-3, 9e-4], 1e-14, Verdict.CONVERGING),
-        ([2.0, 2.0, 2.0], [1e-3, 1e-6], 1e-14, Verdict.WRONG_LIMIT),
-        ([1.99, 2.02, 2.03], [3e-2, 1e-2], 1e-14, Verdict.WRONG_LIMIT),
-        ([0.14, 0.17, 0.19], [0.06, 0.03], 1e-14, Verdict.WRONG_LIMIT),  # first order, towards another answer
-        ([2.0, 2.0, 2.0], [1.0, 1.5], 1e-14, Verdict.DIVERGED),
-        ([1e-2, 1e-1, 3.0], [1e-1, 3.0], 1e-14, Verdict.DIVERGED),
-        ([1e-2, 5e-4, 1e-4], [1e-2, 4e-4], 1e-3, Verdict.BELOW_TRUTH),
-        ([1e-2, 1e-4, 5e-7], [1e-2, 1e-4], 1e-6, Verdict.BELOW_TRUTH),  # near, but the truth is no better
-        ([1e-3], [], 1e-14, Verdict.FAILED),
+        ([1e-2, 1e-4, 1e-7, 1e-9], [1e-2, 1e-4, 1e-7], 4.0, Verdict.AGREES),
+        ([1e-3, 2e-7], [1e-3], 4.0, Verdict.AGREES),  # one in agreement, reached at the order
+        ([4e-3, 9e-7, 5e-7, 3e-2, 5e-2], [4e-3, 4e-7, 3e-2, 2e-2], 4.0, Verdict.LOST),
+        ([4e-1, 1e-1, 2.5e-2], [3e-1, 7.5e-2], 2.0, Verdict.CONVERGING),
+        ([9.0, 7.0, 4.8], [2.0, 2.2], 1.0, Verdict.NOT_SHOWN),  # falls, and is nowhere near
+        ([9e-2, 7e-2, 6e-2], [2e-2, 1.5e-2], 2.0, Verdict.NOT_SHOWN),  # falls too slowly for its order
+        ([2.0, 2.0, 2.0], [1e-2, 1e-3], 2.0, Verdict.WRONG_LIMIT),
+        ([0.4, 0.2, 0.1], [0.2, 0.1], 1.0, Verdict.CONVERGING),  # halving is no settling
+        ([2.0, 2.0, 2.0], [1.0, 1.5], 2.0, Verdict.DIVERGED),
+        ([1e-2, 1e-1, 3.0], [1e-1, 3.0], 2.0, Verdict.DIVERGED),
+        ([1e-3], [], 2.0, Verdict.NOT_SHOWN),
+        ([1e-8], [], 2.0, Verdict.NOT_SHOWN),  # one run shows nothing, however near
     ],
 )
-def test_by_error(errors, gaps, uncertainty, verdict):
-    found, reason = judge(ladder(errors, gaps), uncertainty)
+def test_by_error(errors, gaps, order, verdict):
+    found, reason = judge(runs(errors, gaps), order, 1e-14)
     assert found is verdict, reason
     assert reason
 
 
-def test_agreement_lost_in_finer_runs_is_told():
-    """Seen at a singular pose: every step from 5 ms to 0.5 ms agrees, a finer one does not."""
-    verdict, reason = judge(ladder([7e-8, 6e-10, 5e-6], [7e-8, 5e-6]), 1e-14)
-    assert verdict is Verdict.AGREES
-    assert reason == "6.0e-10 m from the truth at step=1, and lost again: 5.0e-06 m at step=2"
+def test_a_truth_that_knows_no_better_judges_nothing():
+    assert judge(runs([1e-2, 5e-4, 1e-4], [1e-2, 4e-4]), 2.0, 1e-3)[0] is Verdict.BELOW_TRUTH
+    assert judge(runs([1e-2, 1e-4, 5e-7], [1e-2, 1e-4]), 4.0, 1e-6)[0] is Verdict.BELOW_TRUTH
 
 
-def test_slow_convergence_is_no_wrong_limit():
-    """First order halving: the error falls with the differences."""
-    assert judge(ladder([0.8, 0.4, 0.2], [0.4, 0.2]), 0.0)[0] is Verdict.CONVERGING
+def test_the_limit_follows_from_the_gaps():
+    """Errors C h^2 + b: gaps are C (h1^2 - h2^2), and the finest run is C h^2 from the limit."""
+    knobs, c = [0.4, 0.2, 0.1], 3.0
+    gaps = [c * (a * a - b * b) for a, b in itertools.pairwise(knobs)]
+    points = runs([1.0 + c * h * h for h in knobs], gaps, knobs)
+    assert limit_distance(points, 2.0) == pytest.approx(c * knobs[-1] ** 2, rel=1e-9)
 
 
 def test_failures():
-    blown = Rung("step=1", "non-finite", "NaN at t = 1 s")
+    blown = Point("step=1", 1.0, "non-finite", "NaN at t = 1 s")
     assert judge([blown]) == (Verdict.DIVERGED, "step=1: non-finite: NaN at t = 1 s")
-    assert judge([Rung("step=1", "not-converged", "Newton")])[0] is Verdict.FAILED
-    assert judge([Rung("step=1", "cannot", "no loops")]) == (Verdict.CANNOT, "no loops")
+    assert judge([Point("step=1", 1.0, "not-converged", "Newton")])[0] is Verdict.FAILED
+    assert judge([Point("step=1", 1.0, "cannot", "no loops")]) == (Verdict.CANNOT, "no loops")
+    refused = Point("step=1", 1.0, "cannot", "step = 1 s is beyond what rk4 can bear")
+    assert judge([refused, *runs([1e-4, 1e-7, 1e-9], [1e-4, 1e-7])], 4.0, 1e-14)[0] is Verdict.AGREES
 
 
 def test_a_finer_run_that_fails_is_told():
     stops = {"status": "not-converged", "message": "singular at t = 4.6 s"}
-    verdict, reason = judge(ladder([1e-2, 1e-4, 1e-7], [1e-2, 1e-4], **stops), 1e-14)
+    verdict, reason = judge(runs([1e-2, 1e-4, 1e-7, 1e-9], [1e-2, 1e-4, 1e-7], **stops), 4.0, 1e-14)
     assert verdict is Verdict.AGREES
     assert "singular at t = 4.6 s" in reason
-    assert judge(ladder([1e-2, 1e-3], [1e-2], **stops), 1e-14)[0] is Verdict.FAILED
+    assert judge(runs([1e-2], **stops), 4.0, 1e-14)[0] is Verdict.FAILED
 
 
 def test_without_a_truth_only_convergence_to_itself_shows():
-    verdict, reason = judge(ladder([None, None, None], [1e-2, 1e-4]), why_no_truth="it is chaotic")
+    verdict, reason = judge(runs([None, None, None], [1e-2, 1e-4]), 2.0, why_no_truth="it is chaotic")
     assert verdict is Verdict.CONVERGING
     assert "it is chaotic" in reason
 

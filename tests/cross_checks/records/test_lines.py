@@ -29,7 +29,7 @@ def test_corrupt_lines_are_reported_with_their_number_and_skipped(tmp_path, reco
     append(path, [record])
     whole = path.read_bytes()
     with path.open("ab") as file:
-        file.write(b'{"scene": 1}\n[]\n\xff\xfe\n' + whole.replace(b'"steps":0', b'"steps":NaN'))
+        file.write(b'{"scene": 1}\n[]\n\xff\xfe\n' + whole.replace(b'"t_end":', b'"t_end":NaN,"x":'))
         file.write(whole[: len(whole) // 2])
     append(path, [record])  # after a torn line
     records, problems = read(path)
@@ -40,5 +40,5 @@ def test_corrupt_lines_are_reported_with_their_number_and_skipped(tmp_path, reco
 def test_nan_is_never_written(tmp_path, record):
     path = tmp_path / "records.jsonl"
     with pytest.raises(ValueError, match="JSON"):
-        append(path, [replace(record, energy_drift=float("nan"))])
+        append(path, [replace(record, t_end=float("nan"))])
     assert read(path) == ([], [])

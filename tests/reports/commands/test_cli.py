@@ -35,8 +35,8 @@ RECORD = Record(
     scene="pendulum", parameters={}, engine="quick", method="rk4", settings={"step": 0.01}, status="success",
     message="", t_end=1.0, steps=100, rhs_calls=400,
     final={"bob": {"position": [0.0, -1.0], "angle": None, "velocity": [1.0, 0.0], "angular_velocity": None}},
-    compliance={"position": 1e-12, "velocity": math.nan}, energy_drift=1e-9, momentum_drift=None,
-    error=Error(1e-9, "m", "exact", 1e-14, 1e-9), reaction_error=None,
+    measures={"compliance_position": 1e-12, "compliance_velocity": math.nan, "energy_drift": 1e-9},
+    error=Error(1e-9, "exact", 1e-14, 1e-9),
     times={"build_s": 0.1, "first_call_s": 0.1, "loop_s": 0.01}, versions={"quick": "1"},
 )  # fmt: skip
 
@@ -375,7 +375,7 @@ def test_durations():
 
 @pytest.mark.parametrize(("error", "code"), [(1e-9, 0), (1.0, 1), (math.nan, 1)])
 def test_doctor_runs_a_pendulum(stand, error, code):
-    stand["record"] = replace(RECORD, error=Error(error, "m", "exact", 1e-14, error))
+    stand["record"] = replace(RECORD, error=Error(error, "exact", 1e-14, error))
     monkey = run("doctor", "--json")
     assert monkey.exit_code == code
     assert json.loads(monkey.stdout)["engines"]["gone"].startswith("missing")

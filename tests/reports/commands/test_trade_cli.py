@@ -23,8 +23,8 @@ PENDULUM = scenes.make("pendulum")
 RECORD = Record(
     scene="pendulum", parameters=dict(PENDULUM.parameters), engine="mbs_ref", method="rk4",
     settings={"method": "rk4", "step": 0.01}, status="success", message="", t_end=10.0, steps=1000, rhs_calls=4000,
-    final={}, compliance={"position": 1e-12, "velocity": 1e-12}, energy_drift=None, momentum_drift=None,
-    error=Error(1e-7, "m", "exact: made up", 1e-14, 1e-7), reaction_error=None, times={"loop_s": 1e-3}, versions={},
+    final={}, measures={"compliance_position": 1e-12, "compliance_velocity": 1e-12, "energy_drift": None},
+    error=Error(1e-7, "exact: made up", 1e-14, 1e-7), times={"loop_s": 1e-3}, versions={},
 )  # fmt: skip
 DEAR = replace(RECORD, method="euler", settings={"method": "euler", "step": 0.01}, times={"loop_s": 1.0})
 

@@ -1,0 +1,97 @@
+"""Cells of the validation matrix: a tiny engine, the store behind it, and the observations that once were wrong."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+
+import pytest
+
+from cross_checks import engines
+from cross_checks.judge.cell import check, judge_method, truth_of
+from cross_checks.judge.runs import Runs
+from cross_checks.judge.verdict import Verdict
+from cross_checks.records.store import Store
+from mbs_ref import scenes
+from tests.cross_checks.conftest import BIAS, raising
+
+PENDULUM = scenes.make("pendulum")
+LENGTH = 2.0**0.5  # m, of the pendulum's box: its pin and its bob
+CRANK = {"name": "my_crank", "parameters": {}}  # what a scene file changes of the library's scene
+
+
+def test_every_cell_has_its_verdict(swing):
+    seen = []
+    cells = list(check(Runs(), [PENDULUM], progress=lambda done, total, text: seen.append((done, total, text))))
+    second, biased, loops, absent = cells
+    assert (second.verdict, biased.verdict) == (Verdict.AGREES, Verdict.WRONG_LIMIT)
+    assert (loops.verdict, absent.verdict) == (Verdict.CANNOT, Verdict.ENGINE_MISSING)
+    assert second.order == pytest.approx(2.0, abs=1e-3)
+    assert [target.answer for target in second.targets] == ["reached", "reached", "not-tried"]
+    assert biased.error * truth_length() == pytest.approx(BIAS, rel=1e-2)
+    assert seen[0][:2] == (0, 4)
+    assert seen[-1] == (4, 4, "")
+    json.dumps([cell.to_dict() for cell in cells], allow_nan=False)
+
+
+def truth_length() -> float:
+    from mbs_ref.scene.scales import scales_of
+
+    return scales_of(PENDULUM).length
+
+
+def test_an_engine_that_raises_fails_its_own_cells(swing):
+    swing(raising(RuntimeError("singular")))
+    verdicts = {cell.method: cell.verdict for cell in check(Runs(), [PENDULUM], ["swing"])}
+    assert verdicts == {"second": Verdict.FAILED, "biased": Verdict.FAILED, "loops": Verdict.CANNOT}
+
+
+def test_unknown_engines_are_refused(swing):
+    with pytest.raises(ValueError, match="nobody"):
+        list(check(Runs(), [PENDULUM], ["nobody"]))
+
+
+@pytest.mark.parametrize("wrong", ["velocity", "angular_velocity"])
+def test_wrong_rates_do_not_agree(swing, wrong):
+    """An engine whose positions are right and whose velocities are not was once said to agree."""
+    swing(lambda path: replace(path, **{wrong: -3.0 * getattr(path, wrong) + (wrong == "angular_velocity")}))
+    scene = PENDULUM if wrong == "velocity" else None
+    if scene is None:
+        pytest.skip("the pendulum is a particle, which has no spin")
+    cell = judge_method(Runs(), scene, "swing", engines.get("swing").method("second"), truth_of(Runs(), scene))
+    assert cell.verdict not in (Verdict.AGREES, Verdict.CONVERGING)
+
+
+def test_the_same_store_asked_twice_makes_no_run_and_says_the_same(swing):
+    runs = Runs(Store())
+    first = [cell.to_dict() for cell in check(runs, [PENDULUM], ["swing"])]
+    made = runs.made
+    again = [cell.to_dict() for cell in check(runs, [PENDULUM], ["swing"])]
+    assert made == runs.made > 0
+    assert json.dumps(first, sort_keys=True) == json.dumps(again, sort_keys=True)
+
+
+def test_a_body_that_turns_about_a_resting_centre_is_not_settled():
+    """Gaps once were measured by positions alone, which do not move here: every coarse run had 'settled'."""
+    scene = scenes.make("torque_free_top", turns=10.0)
+    runs = Runs()
+    cell = judge_method(runs, scene, "mbs_ref", engines.get("mbs_ref").method("euler"), truth_of(runs, scene))
+    assert cell.verdict in (Verdict.CONVERGING, Verdict.NOT_SHOWN), cell.reason
+    assert "order 1" in cell.reason
+
+
+def test_a_copy_under_another_name_has_the_truth_and_the_verdict_of_the_original():
+    scene = scenes.make("slider_crank")
+    copy = scene.model_copy(update=CRANK)
+    runs, method = Runs(), engines.get("mujoco").method("rk4")
+    known, found = (judge_method(runs, one, "mujoco", method, truth_of(runs, one)) for one in (scene, copy))
+    assert known.verdict is Verdict.WRONG_LIMIT
+    assert (found.verdict, found.error, found.reason) == (known.verdict, known.error, known.reason)
+    assert known.excuse
+    assert not known.is_wrong
+
+
+def test_a_weakness_excuses_where_its_trait_holds_alone():
+    method = engines.get("mujoco").method("rk4")
+    assert method.excused(scenes.make("slider_crank"))
+    assert not method.excused(scenes.make("pendulum_chain", links=3))

@@ -1,0 +1,96 @@
+"""The search for settings: made-up methods whose error is known, then engines."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+import pytest
+
+from cross_checks import engines
+from cross_checks.engine import Method
+from cross_checks.judge.cell import truth_of
+from cross_checks.judge.runs import Runs
+from cross_checks.judge.search import MOST_STEPS, WINDOW, search
+from cross_checks.records.record import Record
+from cross_checks.records.store import Run
+from cross_checks.truth import Truth
+from mbs_ref import scenes
+from mbs_ref.scene.scales import scales_of
+from mbs_ref.trajectory import Trajectory
+
+SCENE = scenes.make("pendulum")
+TIMES = np.linspace(0.0, SCENE.duration, 41)
+TRUTH = Truth(np.zeros((41, 1, 2)), np.zeros((41, 1)), 1e-16, "exact", "nowhere")
+FOURTH, ADAPTIVE = Method("rk4", "fixed", 4, "made up"), Method("tight", "adaptive", 8, "made up")
+
+
+@dataclass
+class MadeUp:
+    """Runs whose error is a function of the step or the tolerance; `refuses` and `blows` say where they end."""
+
+    error: object
+    refuses: object = lambda knob: False
+    blows: object = lambda knob: False
+    asked: list = field(default_factory=list)
+
+    def run(self, scene, engine, settings):
+        knob = settings.step or settings.rtol
+        self.asked.append(knob)
+        steps = int(scene.duration / knob) if settings.step else int(30 * knob**-0.1)
+        plain = dict(scene=scene.name, parameters={}, engine=engine, method=settings.method, steps=steps,
+                     settings=settings.model_dump(exclude_none=True))  # fmt: skip
+        if self.refuses(knob):
+            return Run(Record(**plain, status="cannot", message=f"step = {knob} s is too long"), None)
+        if self.blows(knob):
+            return Run(Record(**plain, status="non-finite", message="NaN"), None)
+        place = np.full((41, 1, 2), self.error(knob) * scales_of(scene).length / 2.0**0.5)
+        still = np.zeros((41, 1))
+        return Run(Record(**plain, status="success"), Trajectory(TIMES, place, still, 0.0 * place, still))
+
+
+@pytest.mark.parametrize("constant", [1e-3, 1.0, 50.0])
+@pytest.mark.parametrize("method", [FOURTH, ADAPTIVE], ids=["fixed", "adaptive"])
+def test_each_target_is_met_from_within_its_window_in_few_runs(method, constant):
+    runs = MadeUp((lambda h: constant * h**4) if method is FOURTH else (lambda r: constant * r**0.9))
+    _, answers = search(runs, SCENE, "made", method, TRUTH)
+    assert [answer.answer for answer in answers] == ["reached"] * 3
+    coarsest = max(runs.asked)
+    for answer in answers:
+        error, knob = answer.record.error.value, answer.record.settings.get("step") or answer.record.settings["rtol"]
+        assert answer.target / WINDOW <= error <= answer.target or knob == coarsest
+    assert len(runs.asked) <= 6
+
+
+def test_refused_and_failing_steps_on_the_coarse_side_are_passed():
+    runs = MadeUp(lambda h: 1e6 * h**4, refuses=lambda h: h > 3e-3, blows=lambda h: 1e-3 < h <= 3e-3)
+    _, answers = search(runs, SCENE, "made", FOURTH, TRUTH)
+    assert [answer.answer for answer in answers] == ["reached"] * 3
+
+
+def test_what_costs_too_much_is_not_tried_and_says_so():
+    runs = MadeUp(lambda h: h)
+    _, answers = search(runs, SCENE, "made", Method("euler", "fixed", 1, "made up"), TRUTH)
+    assert [answer.answer for answer in answers] == ["reached", "not-tried", "not-tried"]
+    assert "steps" in answers[1].reason
+    assert SCENE.duration / min(runs.asked) <= 1.01 * MOST_STEPS
+
+
+def test_a_limit_of_its_own_is_not_reached():
+    _, answers = search(MadeUp(lambda h: 0.25 + h**4), SCENE, "made", FOURTH, TRUTH)
+    assert {answer.answer for answer in answers} == {"not-reached"}
+
+
+def test_the_same_question_makes_the_same_runs():
+    first, second = MadeUp(lambda h: h**4), MadeUp(lambda h: h**4)
+    for runs in (first, second):
+        search(runs, SCENE, "made", FOURTH, TRUTH)
+    assert first.asked == second.asked
+
+
+def test_a_stiff_android_runs_with_the_steps_that_it_bears():
+    """Ladders once ended at the first refused step, so that our own RK4 'cannot'."""
+    scene, runs = scenes.make("android_simplified"), Runs()
+    method = engines.get("mbs_ref").method("rk4")
+    _, (coarse, *_) = search(runs, scene, "mbs_ref", method, truth_of(runs, scene), (1e-3,))
+    assert coarse.answer == "reached"

@@ -1,0 +1,93 @@
+"""The store of runs: what is kept comes back, a torn write loses that run alone, shards merge."""
+
+from __future__ import annotations
+
+import os
+import random
+import signal
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pytest
+
+from cross_checks.records.record import Record
+from cross_checks.records.store import Run, Store
+from mbs_ref.trajectory import Trajectory
+
+RECORD = Record("pendulum", {}, "swing", "second", {"step": 0.1}, "success", measures={"energy_drift": 1e-9})
+WRITER = """
+import sys
+import numpy as np
+from pathlib import Path
+from tests.cross_checks.records.test_store import RECORD, path_of
+from cross_checks.records.store import Run, Store
+store = Store(Path(sys.argv[1]))
+for k in range(400):
+    store.keep_run(f"run {k}", Run(RECORD, path_of(k)))
+    print(k, flush=True)
+"""
+KILLS = 20
+
+
+def path_of(k: int) -> Trajectory:
+    times = np.linspace(0.0, 1.0, 41)
+    place = np.full((41, 3, 2), float(k)) + times[:, None, None]
+    return Trajectory(times, place, place[:, :, 0], 2.0 * place, place[:, :, 1])
+
+
+def test_a_run_comes_back_as_it_was():
+    store = Store()
+    store.keep_run("a", Run(RECORD, path_of(7)))
+    kept = store.run("a")
+    assert kept.record == RECORD
+    np.testing.assert_array_equal(kept.path.velocity, path_of(7).velocity)
+    assert store.run("b") is None
+    store.keep_run("none", Run(RECORD, None))
+    assert store.run("none").path is None
+
+
+def test_the_first_run_kept_stays_and_nan_is_refused():
+    store = Store()
+    store.keep_run("a", Run(RECORD, path_of(1)))
+    store.keep_run("a", Run(RECORD, path_of(2)))
+    assert store.run("a").path.position[0, 0, 0] == 1.0
+    spoiled = Record("pendulum", {}, "swing", "second", {}, "success", t_end=float("nan"))
+    with pytest.raises(ValueError, match="not JSON compliant"):
+        store.keep_run("b", Run(spoiled, None))
+    assert len(store) == 1
+
+
+def test_shards_merge_without_doubling(tmp_path):
+    first, second = (Store(tmp_path / name) for name in ("a.sqlite", "b.sqlite"))
+    first.keep_run("shared", Run(RECORD, path_of(0)))
+    for key in ("shared", "own"):
+        second.keep_run(key, Run(RECORD, path_of(1)))
+    second.close()
+    assert first.merge(tmp_path / "b.sqlite") == 1
+    assert len(first) == 2
+
+
+def test_timings_belong_to_a_machine():
+    store = Store()
+    store.keep_timings("a", "here", [1.0, 2.0])
+    assert store.timings("a", "here") == [1.0, 2.0]
+    assert store.timings("a", "there") == []
+
+
+@pytest.mark.slow
+def test_a_writer_killed_twenty_times_loses_and_doubles_nothing(tmp_path):
+    file, chance = tmp_path / "runs.sqlite", random.Random(5)
+    for _ in range(KILLS):
+        child = subprocess.Popen([sys.executable, "-c", WRITER, str(file)], stdout=subprocess.PIPE, text=True)
+        assert child.stdout.readline()
+        time.sleep(chance.uniform(0.0, 0.4))
+        os.kill(child.pid, signal.SIGKILL)
+        said = [0, *(int(line) for line in child.stdout.read().split())]
+        child.wait()
+        with Store(file) as store:
+            assert all(store.run(f"run {k}").path.position[0, 0, 0] == k for k in said)  # what was said is there, whole
+    assert subprocess.run([sys.executable, "-c", WRITER, str(file)], stdout=subprocess.DEVNULL).returncode == 0
+    with Store(file) as store:
+        assert len(store) == 400
