@@ -7,7 +7,7 @@ from typing import Any
 from cross_checks.judge.search import TARGETS
 from reports.page.cheapest import Entry, entries, known_error, loop_time, usable
 from reports.page.command import command
-from reports.page.numbers import ABSENT, duration, metres, setting, short
+from reports.page.numbers import duration, metres, setting, short
 from reports.page.plots.palette import styles
 from reports.page.plots.work_precision import work_precision
 from reports.page.report_data import OURS, ReportData, scene_label
@@ -64,6 +64,11 @@ def _factor(entry: Entry, first: Entry | None) -> str:
     return "cheapest" if entry is first else f"{short(loop_time(entry.best) / loop_time(first.best))} ×"
 
 
+def inside(data: ReportData) -> dict[str, str]:
+    """Return what lies inside the timed loop of each engine that was timed."""
+    return {name: INSIDE[name] for name in data.engines if name in INSIDE and any(r.engine == name for r in data.records)}
+
+
 def spread(record) -> str:
     """Return the interval of the loop's times, and whether the machine was busy."""
     if not is_timed(record):
@@ -96,7 +101,7 @@ def context(data: ReportData) -> dict[str, Any]:
     style = styles(data.records, data.engines)
     plots = {scene: work_precision(data.of_scene(scene), style) for scene in data.scenes if data.of_scene(scene)}
     tables = {scene: price_table(data, scene) for scene in data.scenes}
-    return {"plots": plots, "tables": tables, "pick_rows": pick_rows(data), "absent": ABSENT}
+    return {"plots": plots, "tables": tables, "pick_rows": pick_rows(data), "inside": inside(data)}
 
 
 SECTION = Section("prices", "Cost at equal error", LEAD, context)
