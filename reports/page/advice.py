@@ -39,7 +39,9 @@ def _of_engine(data: ReportData, engine: str) -> Advice:
     cells = [c for c in data.cells if c.engine == engine]
     if cells and all(c.verdict == "engine-missing" for c in cells):
         return Advice(engine, "Not installed here: nothing is known of it.", "", "", "", engine == OURS)
-    return Advice(engine, _trust(data, engine), _limit(data, engine), silent(cells), _pace(data, engine), engine == OURS)
+    return Advice(
+        engine, _trust(data, engine), _limit(data, engine), silent(cells), _pace(data, engine), engine == OURS
+    )
 
 
 def modelled(data: ReportData, engine: str) -> list[str]:

@@ -1,4 +1,4 @@
-"""Compile the solver's kernels before anything is run or timed: plane, space and particles in processes side by side."""
+"""Compile the solver's kernels before anything is run or timed: plane, space and particles side by side."""
 
 from __future__ import annotations
 
@@ -25,9 +25,7 @@ def compile_kernels(store: Store, report: Report) -> None:
     if recall(store, key, bool):
         return
     report(0, len(CORES), f"compiling {', '.join(CORES)}: a minute, once for each change of the solver")
-    done = 0
-    for core, _ in each(list(CORES), _compile):
-        done += 1
+    for done, (core, _) in enumerate(each(list(CORES), _compile), 1):
         report(done, len(CORES), f"compiled {core}")
     remembered(store, key, bool, lambda: True)
 

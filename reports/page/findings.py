@@ -10,8 +10,9 @@ from cross_checks.records.record import Record
 from mbs_ref.trajectory import Status
 from reports.page.cheapest import Entry, entries, known_error, loop_time, usable
 from reports.page.numbers import count, duration, joules, metres, of_scene, setting, short
-from reports.page.report_data import OURS, Cell, ReportData, scene_label
+from reports.page.report_data import OURS, Cell, ReportData
 from reports.page.verdicts import verdict
+from reports.reproduce import scene_label
 from reports.studies.sky.section import worst_planet
 
 SILENT = (Status.NON_FINITE, Status.RESET)  # what engines do without saying so
@@ -122,7 +123,8 @@ def fastest(data: ReportData) -> Iterator[Finding]:
     for engine in dict.fromkeys(bests[0].engine for bests in reached.values()):
         won = {scene: bests for scene, bests in reached.items() if bests[0].engine == engine}
         margins = [loop_time(bests[1]) / loop_time(bests[0]) for bests in won.values() if len(bests) > 1]
-        title = f"Of the other engines {engine} is cheapest within {short(MIDDLE)} on {len(won)} of {count(len(data.scenes), 'scene')}"
+        where = f"{len(won)} of {count(len(data.scenes), 'scene')}"
+        title = f"Of the other engines {engine} is cheapest within {short(MIDDLE)} on {where}"
         parts = "; ".join(f"{scene}: {_cost(bests[0])}" for scene, bests in won.items())
         ending = f" The next engine takes {_span(margins)} times as long." if margins else ""
         yield Finding("good", title, f"{parts}.{ending}")

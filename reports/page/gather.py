@@ -25,10 +25,11 @@ from reports.page.cheapest import contenders
 from reports.page.compiling import compile_kernels
 from reports.page.environment import environment
 from reports.page.kept import engine_versions, keep, recall, remembered
-from reports.page.report_data import Capability, Cell, ReportData, scene_label
+from reports.page.report_data import Capability, ReportData
 from reports.page.timing import timed
 from reports.page.truth_facts import TruthFacts, truth_facts
 from reports.page.workers import each
+from reports.reproduce import scene_label
 from reports.studies.androids.facts import AndroidFacts
 from reports.studies.contact.facts import ContactFacts
 from reports.studies.crashes.facts import CrashFacts
@@ -78,8 +79,7 @@ def gather(
     data = ReportData((), (), environment=environment(), quick=quick)
     stages = (_judged, _timed, _beyond) if quick else (_judged, _timed, _beyond, _studied)
     for stage in stages:
-        for data in stage(store, chosen, data, report, extremes_file, again):
-            pass
+        data = stage(store, chosen, data, report, extremes_file, again)
         if data.incomplete.startswith(INTERRUPTED):
             break
     report(1, 1, "writing the page")
@@ -104,7 +104,7 @@ def _interruptible(told: list[str], what: Callable[[], str]) -> Iterator[None]:
         told.append(f"{INTERRUPTED} after {what()}")
 
 
-def _judged(store: Store, chosen: dict[str, Scene], data: ReportData, report: Progress, *_: Any):
+def _judged(store: Store, chosen: dict[str, Scene], data: ReportData, report: Progress, *_: Any) -> ReportData:
     """Judge every method on every scene; unfinished ones are left out after Ctrl-C."""
     asked = questions(chosen)
     found = kept_answers(store, asked)
@@ -120,7 +120,7 @@ def _judged(store: Store, chosen: dict[str, Scene], data: ReportData, report: Pr
                 name = question.method.name if question.method else ""
                 report(len(found), len(asked), f"{question.label}, {question.engine} {name}".rstrip())
     there = [found[question] for question in asked if question in found]
-    yield replace(
+    return replace(
         data, cells=tuple(answer.cell for answer in there), incomplete="; ".join(told),
         records=tuple(record for answer in there for record in answer.records),
     )  # fmt: skip
@@ -135,27 +135,29 @@ def _truth_key(label: str, scene: Scene) -> str:
     return digest_of(["truth facts", label, questions({label: scene})[0].key, code_of("reports.page.truth_facts")])
 
 
-def _timed(store: Store, chosen: dict[str, Scene], data: ReportData, report: Progress, _: Any, again: bool):
+def _timed(store: Store, chosen: dict[str, Scene], data: ReportData, report: Progress, _: Any, again: bool) -> ReportData:
     """Time what is ranked, alone."""
     told: list[str] = []
     found: dict[int, Any] = {}
     with _interruptible(told, lambda: "the accuracy runs, before all was timed"):
         found = timed(store, contenders(data), report, again)
     records = tuple(found.get(id(record), record) for record in data.records)
-    yield replace(data, records=records, incomplete="; ".join(told))
+    return replace(data, records=records, incomplete="; ".join(told))
 
 
-def _beyond(store: Store, chosen: dict[str, Scene], data: ReportData, report: Progress, extremes: Path | None, _: Any):
+def _beyond(store: Store, chosen: dict[str, Scene], data: ReportData, report: Progress, extremes: Path | None, _: Any) -> ReportData:
     """Add what is asked of adapters and truths, and the extremes."""
     told: list[str] = []
     kept = [recall(store, _truth_key(label, scene), TruthFacts) for label, scene in chosen.items()]
     data = replace(data, truths=tuple(facts for facts in kept if facts is not None))
-    key = digest_of(["capabilities", engine_versions(), _adapters(), list(chosen), code_of("cross_checks.capabilities")])
+    key = digest_of(
+        ["capabilities", engine_versions(), _adapters(), list(chosen), code_of("cross_checks.capabilities")]
+    )
     able = remembered(store, key, tuple[Capability, ...], lambda: capabilities(chosen))  # type: ignore[type-var]
     data = replace(data, capabilities=able)
     with _interruptible(told, lambda: "the timed runs, before the extremes"):
         data = replace(data, extremes=extreme_cells(store, extremes, data.quick, report))
-    yield replace(data, incomplete="; ".join(told))
+    return replace(data, incomplete="; ".join(told))
 
 
 def _adapters() -> list[str]:
@@ -176,19 +178,21 @@ def extreme_cells(store: Store, kept: Path | None, quick: bool, report: Progress
     if quick:
         return ()
     few = [named(name) for name in FEW_EXTREMES]
-    key = digest_of(["extremes", list(FEW_EXTREMES), engine_versions(), _adapters(), code_of("cross_checks.extremes.run")])
+    key = digest_of(
+        ["extremes", list(FEW_EXTREMES), engine_versions(), _adapters(), code_of("cross_checks.extremes.run")]
+    )
     kind = tuple[ExtremeCell, ...]
     return remembered(store, key, kind, lambda: tuple(matrix(few, engines.names(), progress=report)))  # type: ignore[type-var]
 
 
-def _studied(store: Store, chosen: dict[str, Scene], data: ReportData, report: Progress, *_: Any):
+def _studied(store: Store, chosen: dict[str, Scene], data: ReportData, report: Progress, *_: Any) -> ReportData:
     """Add the studies; one that fails costs its own page only."""
     told: list[str] = []
     found: dict[str, Any] = {}
     with _interruptible(told, lambda: f"{len(found)} of {len(STUDIES)} studies"):
         failed = study(store, found, report)
         told += failed
-    yield replace(data, **found, incomplete="; ".join(told))
+    return replace(data, **found, incomplete="; ".join(told))
 
 
 def study(store: Store, found: dict[str, Any], report: Progress) -> list[str]:

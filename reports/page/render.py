@@ -39,7 +39,7 @@ def _templates() -> Environment:
 
 
 def render(data: ReportData) -> dict[str, bytes]:
-    """Return every file of the report by its name. Text from the data is escaped; only this project's scripts may run."""
+    """Return every file of the report by its name. Text from the data is escaped; only the report's own scripts run."""
     images, listed = Images(), pages(data)
     made = {page.file: _page(page, listed, data, images).encode() for page in listed}
     shared = {name: (TEMPLATES / name).read_bytes() for name in SHARED}

@@ -7,14 +7,13 @@ from collections import defaultdict
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any
 
 from cross_checks.extremes.cell import Cell as ExtremeCell
 from cross_checks.judge.ladder import label
 from cross_checks.records.record import Record
-from mbs_ref import scenes
 from mbs_ref.settings import Settings
 from reports.page.truth_facts import TruthFacts
+from reports.reproduce import scene_label
 from reports.studies.androids.facts import AndroidFacts
 from reports.studies.contact.facts import ContactFacts
 from reports.studies.crashes.facts import CrashFacts
@@ -141,20 +140,6 @@ def setting_label(record: Record) -> str:
     if given.get("step") is None and given.get("rtol") is None:
         return "defaults"
     return label(Settings(step=given.get("step"), rtol=given.get("rtol")))
-
-
-def scene_label(name: str, parameters: dict[str, Any]) -> str:
-    """Return a scene's name with its counts and whatever else was chosen, as the command line takes them."""
-    chosen = chosen_parameters(name, parameters)
-    counts = {key for key, value in parameters.items() if isinstance(value, int) and not isinstance(value, bool)}
-    shown = {key: value for key, value in parameters.items() if key in counts or key in chosen}
-    return " ".join([name, *(f"{key}={value}" for key, value in shown.items())])
-
-
-def chosen_parameters(name: str, parameters: dict[str, Any]) -> dict[str, Any]:
-    """Return the parameters that differ from the scene's defaults."""
-    defaults = scenes.describe(name).parameters if name in scenes.names() else {}
-    return {key: value for key, value in parameters.items() if defaults.get(key) != value}
 
 
 def _unique(names: Iterable[str]) -> list[str]:

@@ -73,7 +73,7 @@ def _measured(store: Store, record: Record, call: Isolated) -> Record:
 
 
 def time_loops(scene: str, parameters: dict, engine: str, settings: dict) -> tuple[list[float], float]:
-    """Return the loop times (s), and the share of a processor that the process got meanwhile. The first run warms up."""
+    """Return the loop times (s), and the share of a processor that the process got meanwhile; a first run warms up."""
     made, solver, chosen = scenes.make(scene, **parameters), engines.get(engine), Settings(**settings)
     times = grid(made)
     solver.run(made, chosen, times)

@@ -24,7 +24,7 @@ from reports.console import progress
 from reports.exit_codes import Failed, Incomplete
 from reports.page.environment import environment
 from reports.page.plots.trend import write_trends
-from reports.page.report_data import scene_label
+from reports.reproduce import scene_label
 from reports.sweeping import sweep_records
 
 FILE = click.Path(dir_okay=False, path_type=Path)

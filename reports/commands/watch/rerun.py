@@ -40,14 +40,20 @@ def command(cell: str, as_json: bool) -> None:
 
 
 def _tables(found) -> None:
-    listing = table(f"{found.scene} {found.engine} {found.method}: {found.verdict}, {found.reason}", "setting", "status", "error")
+    listing = table(
+        f"{found.scene} {found.engine} {found.method}: {found.verdict}, {found.reason}", "setting", "status", "error"
+    )
     for run in found.runs:
         listing.add_row(run["setting"], run["status"], number(run["error"]))
     show(listing)
     targets = table("\nTargets", "target", "answer", "setting or reason", "loop, s")
     for reached in found.targets:
         record = reached.record
-        told = reached.reason if record is None else ", ".join(f"{k}={v}" for k, v in record.settings.items() if k in ("step", "rtol"))
+        told = (
+            reached.reason
+            if record is None
+            else ", ".join(f"{k}={v}" for k, v in record.settings.items() if k in ("step", "rtol"))
+        )
         loop = None if record is None else record.times.get("loop_s")
         targets.add_row(f"{reached.target:g}", reached.answer, told, number(loop))
     show(targets)

@@ -42,7 +42,10 @@ def told(entry: Entry | None) -> str:
 
 def _missed(rivals: list[Entry]) -> str:
     answers = [entry.answer for entry in rivals]
-    return next((f"none: {word.replace('-', ' ')}" for word in ("unjudged", "not-tried", "not-reached") if word in answers), "none can")
+    return next(
+        (f"none: {word.replace('-', ' ')}" for word in ("unjudged", "not-tried", "not-reached") if word in answers),
+        "none can",
+    )
 
 
 SECTION = Section("overview", "Scenes", LEAD, context)

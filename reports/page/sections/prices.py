@@ -6,14 +6,14 @@ from typing import Any
 
 from cross_checks.judge.search import TARGETS
 from reports.page.cheapest import Entry, entries, known_error, loop_time, usable
-from reports.page.command import command
 from reports.page.numbers import duration, metres, setting, short
 from reports.page.plots.palette import styles
 from reports.page.plots.work_precision import work_precision
-from reports.page.report_data import OURS, ReportData, scene_label
+from reports.page.report_data import OURS, ReportData
 from reports.page.section import Section
-from reports.page.timing import is_busy, is_timed
 from reports.page.timed_loop import INSIDE
+from reports.page.timing import is_busy, is_timed
+from reports.reproduce import command, scene_label
 
 LEAD = (
     "The cheapest setting of each engine that comes within the target error, over the scene's own scales. Our own "
@@ -39,7 +39,12 @@ def _block(data: ReportData, scene: str, target: float) -> dict[str, Any]:
 
 
 def _row(entry: Entry, first: Entry | None) -> dict[str, Any]:
-    row = {"engine": entry.engine, "ours": entry.engine == OURS, "answer": entry.answer, "inside": INSIDE.get(entry.engine, "")}
+    row = {
+        "engine": entry.engine,
+        "ours": entry.engine == OURS,
+        "answer": entry.answer,
+        "inside": INSIDE.get(entry.engine, ""),
+    }
     record = entry.best
     if record is None or record.error is None:
         told = f"{WORDS[entry.answer]}: {entry.reason or 'no reason was given'}"
@@ -66,7 +71,9 @@ def _factor(entry: Entry, first: Entry | None) -> str:
 
 def inside(data: ReportData) -> dict[str, str]:
     """Return what lies inside the timed loop of each engine that was timed."""
-    return {name: INSIDE[name] for name in data.engines if name in INSIDE and any(r.engine == name for r in data.records)}
+    return {
+        name: INSIDE[name] for name in data.engines if name in INSIDE and any(r.engine == name for r in data.records)
+    }
 
 
 def spread(record) -> str:

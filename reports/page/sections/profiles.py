@@ -14,8 +14,8 @@ from reports.page.section import Section
 from reports.page.timing import is_timed
 
 LEAD = (
-    "Over all scenes at once, each engine at its cheapest setting: how often it is the cheapest (at the left edge), how "
-    "often it comes within a factor of the cheapest, and how many scenes it solves at all (at the right edge). A scene "
+    "Over all scenes at once, each engine at its cheapest setting: how often it is the cheapest (left edge), how often "
+    "it comes within a factor of the cheapest, and how many scenes it solves at all (right edge). A scene "
     "it cannot model counts as missed. Our own solver takes no part in the ranking."
 )
 BEST = "cheapest setting"

@@ -5,14 +5,14 @@ from __future__ import annotations
 from typing import Any
 
 from cross_checks.records.record import Record
-from reports.page.command import command
 from reports.page.numbers import ABSENT, duration, joules, metres, of_scene, setting
 from reports.page.report_data import ReportData
 from reports.page.section import Section
+from reports.reproduce import command
 
 LEAD = (
-    "Every run behind the plots. Copy a row's command to make it again. Times are of one run made beside others, except "
-    "where a setting is ranked: those were timed alone."
+    "Every run behind the plots. Copy a row's command to make it again. Times are of one run made beside others, "
+    "except where a setting is ranked: those were timed alone."
 )
 
 

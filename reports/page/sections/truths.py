@@ -22,7 +22,8 @@ def row(facts: TruthFacts) -> dict[str, Any]:
     certified = facts.certified or "no certificate"
     off = "" if facts.departs_by is None else f"off by {metres(facts.departs_by)}"
     return {
-        "scene": facts.scene, "none": "", "kind": facts.kind, "how": facts.how, "uncertainty": metres(facts.uncertainty),
+        "scene": facts.scene, "none": "", "kind": facts.kind, "how": facts.how,
+        "uncertainty": metres(facts.uncertainty),
         "floor": short(facts.floor), "difference": metres(facts.difference), "length": metres(facts.length),
         "confirmed": ABSENT if facts.confirmed_to is None else metres(facts.confirmed_to), "by": facts.confirmed_by,
         "tone": "good" if facts.certified else "plain", "word": certified, "kept": off,

@@ -8,7 +8,8 @@ from cross_checks.extremes.cell import Cell as ExtremeCell
 from cross_checks.extremes.cell import made_of
 from cross_checks.extremes.judge import Fate, Point
 from cross_checks.records.record import Error, Record
-from reports.page.report_data import Capability, Cell, ReportData, scene_label
+from reports.page.report_data import Capability, Cell, ReportData
+from reports.reproduce import scene_label
 
 HOSTILE = "<script>alert('x')</script> & <b>bold</b> | pipe"
 SCENES = [("pendulum", {}), ("pendulum_chain", {"links": 3}), ("pendulum_chain", {"links": 10}),

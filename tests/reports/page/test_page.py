@@ -9,12 +9,12 @@ from html.parser import HTMLParser
 
 import pytest
 
-from reports.page.command import command
 from reports.page.contents import SECTIONS
 from reports.page.numbers import duration, metres, setting, short
 from reports.page.plots.palette import COLOURS, colours
 from reports.page.publish import publish
-from reports.page.report_data import ReportData, scene_label
+from reports.page.report_data import ReportData
+from reports.reproduce import command, scene_label
 from tests.reports.page.synthetic_report import HOSTILE, report_data
 
 LOADING = {"src", "href", "data", "poster", "action", "srcset"}  # attributes that make a browser fetch
