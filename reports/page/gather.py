@@ -135,7 +135,9 @@ def _truth_key(label: str, scene: Scene) -> str:
     return digest_of(["truth facts", label, questions({label: scene})[0].key, code_of("reports.page.truth_facts")])
 
 
-def _timed(store: Store, chosen: dict[str, Scene], data: ReportData, report: Progress, _: Any, again: bool) -> ReportData:
+def _timed(
+    store: Store, chosen: dict[str, Scene], data: ReportData, report: Progress, _: Any, again: bool
+) -> ReportData:
     """Time what is ranked, alone."""
     told: list[str] = []
     found: dict[int, Any] = {}
@@ -145,7 +147,9 @@ def _timed(store: Store, chosen: dict[str, Scene], data: ReportData, report: Pro
     return replace(data, records=records, incomplete="; ".join(told))
 
 
-def _beyond(store: Store, chosen: dict[str, Scene], data: ReportData, report: Progress, extremes: Path | None, _: Any) -> ReportData:
+def _beyond(
+    store: Store, chosen: dict[str, Scene], data: ReportData, report: Progress, extremes: Path | None, _: Any
+) -> ReportData:
     """Add what is asked of adapters and truths, and the extremes."""
     told: list[str] = []
     kept = [recall(store, _truth_key(label, scene), TruthFacts) for label, scene in chosen.items()]
@@ -217,8 +221,8 @@ def _measured(call: Caller, name: str) -> Any:
     """Return a study's facts, or the sentence why there are none."""
     try:
         return call(measure_study, name)
-    except (RuntimeError, ValueError, ArithmeticError) as error:  # Lost is a RuntimeError
-        return str(error) or type(error).__name__
+    except Exception as error:  # raised in a process of its own: whatever it is, it costs this study alone
+        return f"{type(error).__name__}: {error}"
 
 
 def measure_study(name: str) -> Any:

@@ -26,7 +26,7 @@ def view(cell: Cell) -> dict[str, Any]:
         "word": cell.verdict,
         "tone": "fair" if known.tone == "bad" and cell.excuse else known.tone,
         "meaning": known.meaning,
-        "reason": cell.reason,
+        "reason": cell.reason or ABSENT,
         "excuse": cell.excuse,
         "error": of_scene(cell.error),
         "setting": cell.setting or ABSENT,
