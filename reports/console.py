@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import sys
+import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
@@ -17,6 +18,8 @@ from rich.table import Table
 
 from cross_checks.records import lines as record_file
 from cross_checks.records.record import Record
+
+EVERY = 3.0  # s between lines of progress in a log
 
 Report = Callable[[int, int, str], None]  # done, total, what comes next
 
@@ -52,16 +55,43 @@ def number(value: float | None) -> str:
 
 @contextmanager
 def progress(title: str) -> Iterator[Report]:
-    """Show a bar on stderr where that is a terminal."""
+    """Show a bar on stderr; where that is no terminal, a line every EVERY seconds."""
+    if not sys.stderr.isatty():
+        yield Lines(title)
+        return
     console = Console(file=sys.stderr)
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
-    with Progress(*columns, console=console, transient=True, disable=not sys.stderr.isatty()) as bar:
+    with Progress(*columns, console=console, transient=True) as bar:
         task = bar.add_task(title, total=None)
 
         def report(done: int, total: int, what: str = "") -> None:
             bar.update(task, completed=done, total=total, description=f"{title} {what}".rstrip())
 
         yield report
+
+
+class Lines:
+    """Progress for a log: done of how many, what comes next, and how long the rest takes at the pace so far."""
+
+    def __init__(self, title: str) -> None:
+        self.title, self.begun = title, time.monotonic()
+        self.said = self.begun
+        self.stage: tuple[int, float, int] = (-1, self.begun, 0)  # total, since when, done then
+
+    def __call__(self, done: int, total: int, what: str = "") -> None:
+        now = time.monotonic()
+        if total != self.stage[0] or done < self.stage[2]:
+            self.stage = (total, now, done)
+        if now - self.said >= EVERY:
+            self.said = now
+            click.echo(f"{self.title}: {done}/{total} {what}{self._left(done, total, now)}".rstrip(), err=True)
+
+    def _left(self, done: int, total: int, now: float) -> str:
+        _, since, first = self.stage
+        if done <= first:
+            return ""
+        left = (now - since) / (done - first) * (total - done)
+        return f", {now - self.begun:.0f} s so far, about {left:.0f} s left of this"
 
 
 def finite_record(record: Record) -> Record:

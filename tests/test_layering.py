@@ -31,8 +31,8 @@ ROOMS = {
         "ephemerides", "metrics", "records", "judge", "certificates conformance extremes",
     ),
     "benchmarks": (
-        "event_work cluster pick profiles scaling sweep timing tree_worker", "confirm dask_matrix history tree",
-        "record_changes regression", "slowed_tree", "suites",
+        "calibration event_work cluster pick profiles scaling sweep timing", "confirm dask_matrix history trees",
+        "record_changes", "suites",
     ),
     "reports": (
         "asking console exit_codes film poses_file reproduce", "inputs", "sweeping", "page studies", "commands", "cli",

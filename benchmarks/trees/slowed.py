@@ -13,7 +13,7 @@ from pathlib import Path
 
 import click
 
-from benchmarks.regression import CASES, Case, cheapest
+from benchmarks.trees.regression import CASES, Case, cheapest
 from benchmarks.trees.tree import Tree
 
 HERE = Path(__file__).parents[2]

@@ -19,7 +19,7 @@ def solve(scene: Scene, times: np.ndarray) -> Truth | NoTruth:
         return converge(scene, times)
     points = {**scene.parameters, "formulation": "point", "spin": False}
     found = seek_truth(scenes.make(scene.name, **points), times)  # which may be known already
-    return found if isinstance(found, NoTruth) else replace(found, angle=_turned(scene, times))
+    return found if isinstance(found, NoTruth) else replace(found, orientation=_turned(scene, times))
 
 
 def _turned(scene: Scene, times: np.ndarray) -> np.ndarray:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import ClassVar, Protocol
 
 import numpy as np
 
@@ -41,8 +41,8 @@ class Plan:
 class Planned(Protocol):
     """What of an engine a plan depends on."""
 
-    @property
-    def name(self) -> str: ...
+    name: ClassVar[str]
+
     def method(self, name: str | None) -> Method: ...
     def refusals(self, scene: Scene) -> list[Refusal]: ...
     def method_refusals(self, scene: Scene, method: Method) -> list[Refusal]: ...

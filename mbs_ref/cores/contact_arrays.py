@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from mbs_ref.kernels.contact import laws as shared
@@ -31,11 +33,10 @@ def contact_laws(scene: Scene, slots: dict[int, int]) -> shared.ContactLaws:
         "friction": [_FRICTIONS[friction.kind] for friction in frictions],
         "slot": [slots.get(k, -1) for k in range(len(laws))],
     }
-    return shared.ContactLaws(**{
-        name: np.array(coded[name], dtype=np.int64) if name in coded
-        else np.array([row[name] for row in numbers], dtype=float)
-        for name in shared.ContactLaws._fields
-    })  # fmt: skip
+    arrays: dict[str, Any] = {name: np.array(values, dtype=np.int64) for name, values in coded.items()}
+    plain = (name for name in shared.ContactLaws._fields if name not in coded)
+    arrays |= {name: np.array([row[name] for row in numbers], dtype=float) for name in plain}
+    return shared.ContactLaws(**arrays)
 
 
 def contact_noise(scene: Scene) -> float:

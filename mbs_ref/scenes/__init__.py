@@ -9,6 +9,7 @@ import pkgutil
 import typing
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cache
 from typing import Any
 
 from pydantic import BaseModel, ConfigDict, ValidationError, create_model
@@ -29,9 +30,15 @@ class SceneInfo:
 
 def names() -> list[str]:
     """Return the names of every scene, sorted."""
-    return sorted(module.name for module in pkgutil.iter_modules(__path__))
+    return list(_listed())
 
 
+@cache
+def _listed() -> tuple[str, ...]:
+    return tuple(sorted(module.name for module in pkgutil.iter_modules(__path__)))
+
+
+@cache
 def describe(name: str) -> SceneInfo:
     """Return the scene's summary and parameters; ValueError where there is no such scene."""
     builder = _builder(name)

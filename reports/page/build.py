@@ -1,20 +1,31 @@
-"""Make the report: run, judge, render and write."""
+"""Make the report: ask the store, make what it lacks, render and write."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
+from cross_checks.records.store import Store, default_path
 from reports.page.gather import Progress, gather
-from reports.page.publish import publish
+from reports.page.publish import publish, read_data
 
 EXTREMES = "extremes.jsonl"  # beside the page: what `mbs-ref extremes -o` kept
 
 
-def write_report(out_dir: Path, quick: bool = False, progress: Progress | None = None) -> tuple[Path, str]:
-    """Run the default scenes on every engine and write the report.
+def write_report(
+    out_dir: Path, quick: bool = False, progress: Progress | None = None, again: bool = False
+) -> tuple[Path, str]:
+    """Bring the default scenes' runs up to date on every engine and write the report.
 
-    Return the path of index.html, and why it is incomplete or nothing. `quick` runs fewer scenes. What EXTREMES
-    holds there is shown, else a few extremes are run. `progress` is called with (done, total, what comes next).
+    Return the path of index.html, and why it is incomplete or nothing. `quick` runs fewer scenes; `again` times what
+    is ranked anew. What EXTREMES holds there is shown, else a few extremes are run. `progress` is called with
+    (done, total, what comes next).
     """
-    data = gather(quick, progress, Path(out_dir) / EXTREMES)
-    return publish(data, Path(out_dir)), data.incomplete
+    with Store(default_path()) as store:
+        data = gather(store, quick, progress, out_dir / EXTREMES, again)
+    return publish(data, out_dir), data.incomplete
+
+
+def render_again(out_dir: Path) -> tuple[Path, str]:
+    """Render the data that the last report left, and simulate nothing. FileNotFoundError where there are none."""
+    data = read_data(out_dir)
+    return publish(data, out_dir), data.incomplete

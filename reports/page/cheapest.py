@@ -1,22 +1,28 @@
-"""Cost at equal error: the cheapest run that reached an error."""
+"""Cost at equal error: each engine's cheapest run at a target."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
+from cross_checks.judge.search import TARGETS
 from cross_checks.records.record import Record
 from mbs_ref.trajectory import Status
+from reports.page.report_data import Cell, ReportData
 
-TARGETS = (1e-3, 1e-6, 1e-9)  # m
+NEAR = 1.5  # times the cheapest first run: settings that near are timed, too, since first runs are noisy
+RANK = ("not-tried", "not-reached", "unjudged", "cannot")  # which of its methods' answers speaks for an engine
 
 
 @dataclass(frozen=True)
 class Entry:
-    """An engine's cheapest run at an error, or the best it reached instead."""
+    """What an engine offers at a target error."""
 
     engine: str
-    best: Record | None  # None: the error was not reached
-    reached: float | None  # m, the smallest error of any run; None when no run finished
+    answer: str  # reached | not-reached | not-tried | cannot | unjudged
+    best: Record | None = None  # its cheapest run, where it reached the target
+    reason: str = ""
+    method: str = ""
 
 
 def usable(record: Record) -> bool:
@@ -25,30 +31,59 @@ def usable(record: Record) -> bool:
 
 
 def known_error(record: Record) -> float:
-    """Return the error (m) with the truth's uncertainty added, as `mbs-ref pick` counts it."""
+    """Return the error with the truth's uncertainty added, as `mbs-ref pick` counts it."""
     assert record.error is not None
     return record.error.bound
 
 
-def floor(records: list[Record]) -> float:
-    """Return the smallest error (m) that the records' truth judges."""
+def floor(records: Iterable[Record]) -> float:
+    """Return the smallest error that the records' truth judges."""
     return max((r.error.floor for r in records if r.error), default=0.0)
 
 
-def cheapest(records: list[Record], target: float) -> Record | None:
-    """Return the record with the shortest loop among those within `target` (m) of the truth."""
-    within = [r for r in records if usable(r) and known_error(r) <= target]
-    return min(within, key=lambda r: r.times["loop_s"], default=None)
+def loop_time(record: Record) -> float:
+    """Return the loop time (s) by which runs are ranked."""
+    return record.times.get("loop_s", float("inf"))
 
 
-def entries(records: list[Record], engines: list[str], target: float) -> list[Entry]:
-    """Return one entry an engine, the cheapest first, those that missed the error last."""
-    found = []
-    for engine in engines:
-        own = [r for r in records if r.engine == engine]
-        reached = min((known_error(r) for r in own if usable(r)), default=None)
-        found.append(Entry(engine, cheapest(own, target), reached))
-    return sorted(found, key=lambda e: e.best.times["loop_s"] if e.best else float("inf"))
+def reaching(data: ReportData, scene: str, engine: str, target: float) -> list[Record]:
+    """Return the cheapest run of each of an engine's methods that reaches a target on a scene, cheapest first."""
+    cells = [c for c in data.cells if (c.scene, c.engine) == (scene, engine)]
+    found = [data.record(c, t.setting) for c in cells for t in c.targets if t.target == target and t.setting]
+    return sorted((record for record in found if record is not None), key=loop_time)
+
+
+def entries(data: ReportData, scene: str, target: float) -> list[Entry]:
+    """Return one entry an engine, the cheapest first, those that missed the target last."""
+    found = [_entry(data, scene, engine, target) for engine in data.engines]
+    return sorted(found, key=lambda e: loop_time(e.best) if e.best else float("inf"))
+
+
+def _entry(data: ReportData, scene: str, engine: str, target: float) -> Entry:
+    runs = reaching(data, scene, engine, target)
+    if runs:
+        return Entry(engine, "reached", runs[0], method=runs[0].method)
+    cells = [c for c in data.cells if (c.scene, c.engine) == (scene, engine)]
+    missed = [(RANK.index(t.answer), c, t) for c in cells for t in c.targets if t.target == target and t.answer in RANK]
+    if not missed:
+        return Entry(engine, "cannot", reason="no method of it was asked")
+    _, cell, told = min(missed, key=lambda item: (item[0], _smallest(item[1])))
+    return Entry(engine, told.answer, None, told.reason or cell.reason, cell.method)
+
+
+def _smallest(cell: Cell) -> float:
+    return float("inf") if cell.error is None else cell.error
+
+
+def contenders(data: ReportData) -> list[Record]:
+    """Return the runs that may be an engine's cheapest at a target: what is timed."""
+    found: dict[int, Record] = {}
+    for scene in data.scenes:
+        for engine in data.engines:
+            for target in TARGETS:
+                runs = reaching(data, scene, engine, target)
+                found |= {id(r): r for r in runs if loop_time(r) <= NEAR * loop_time(runs[0])}
+    return list(found.values())
 
 
 def representative(records: list[Record], target: float = 1e-6) -> list[Record]:
@@ -57,6 +92,18 @@ def representative(records: list[Record], target: float = 1e-6) -> list[Record]:
     for key in dict.fromkeys((r.engine, r.method) for r in records):
         own = [r for r in records if (r.engine, r.method) == key]
         measured = [r for r in own if usable(r)]
-        nearest = min(measured, key=known_error, default=None)
-        chosen.append(cheapest(own, target) or nearest or own[-1])
+        within = [r for r in measured if known_error(r) <= target]
+        chosen.append(min(within, key=loop_time, default=None) or min(measured, key=known_error, default=own[-1]))
     return chosen
+
+
+def best_of_engines(records: list[Record], target: float = 1e-6) -> list[Record]:
+    """Return one record for each engine: its cheapest within `target`, else its most accurate."""
+    chosen = representative(records, target)
+    found = []
+    for engine in dict.fromkeys(r.engine for r in chosen):
+        own = [r for r in chosen if r.engine == engine]
+        measured = [r for r in own if usable(r)]
+        within = [r for r in measured if known_error(r) <= target]
+        found.append(min(within, key=loop_time, default=None) or min(measured, key=known_error, default=own[0]))
+    return found

@@ -20,7 +20,7 @@ def environment() -> dict[str, str]:
     return {
         "made": datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
         "commit": _commit(),
-        "processor": _processor(),
+        "processor": processor(),
         "processors": str(os.cpu_count()),
         "system": platform.platform(),
         "python": platform.python_version(),
@@ -29,7 +29,8 @@ def environment() -> dict[str, str]:
     }
 
 
-def _processor() -> str:
+def processor() -> str:
+    """Return the processor's name."""
     lines = CPU_FACTS.read_text().splitlines() if CPU_FACTS.exists() else []
     models = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]
     return next(iter(models), platform.processor() or platform.machine())

@@ -7,17 +7,21 @@ import io
 import json
 from typing import Any
 
+from cross_checks import metrics
 from cross_checks.records.record import Record
 from reports.console import json_text
-from reports.page.cheapest import TARGETS, entries, floor
-from reports.page.command import command
+from reports.page.advice import Advice, advice
 from reports.page.findings import findings
-from reports.page.numbers import ABSENT, duration, metres, setting
+from reports.page.numbers import ABSENT, setting
 from reports.page.report_data import ReportData
-from reports.page.sections.matrix import rows
-from reports.page.sections.verdict import flagged, sentence
+from reports.page.sections.decisions import told
+from reports.page.sections.matrix import view
+from reports.page.sections.prices import price_table
+from reports.page.timing import is_busy
+from reports.reproduce import command
 
-MISSED = ["not reached", ABSENT, ABSENT]
+TIMES = ("build_s", "first_call_s", "loop_s", "loop_median_s", "loop_most_s", "loop_runs")
+PRICES = ("within", "engine", "method", "setting", "error", "loop time", "over the cheapest")
 
 
 def jsonl(records: tuple[Record, ...]) -> str:
@@ -36,8 +40,9 @@ def csv_table(records: tuple[Record, ...]) -> str:
 
 
 def csv_row(record: Record) -> dict[str, Any]:
-    """Return a record's figures with the unit in each name."""
+    """Return a record's figures with the unit in each name; every metric has a column."""
     error = record.error
+    units = {name: metric.unit for name, metric in metrics.every().items()}
     return {
         "scene": record.scene,
         "parameters": json.dumps(record.parameters),
@@ -49,48 +54,53 @@ def csv_row(record: Record) -> dict[str, Any]:
         "t_end_s": record.t_end,
         "steps": record.steps,
         "rhs_calls": record.rhs_calls,
-        "error_m": error.value if error else None,
-        "truth_uncertainty_m": error.uncertainty if error else None,
+        "error": error.value if error else None,
+        "error_m": error.metres if error else None,
+        "error_worst": error.worst if error else None,
+        "truth_uncertainty": error.uncertainty if error else None,
         "truth": error.truth if error else None,
-        "compliance_position": record.measure("compliance_position"),
-        "compliance_velocity": record.measure("compliance_velocity"),
-        "energy_drift_J": record.measure("energy_drift"),
-        **{f"{phase}": record.times.get(phase) for phase in ("build_s", "first_call_s", "loop_s")},
+        **{f"{name} [{unit}]": record.measure(name) for name, unit in units.items()},
+        **{phase: record.times.get(phase) for phase in TIMES},
+        "busy": is_busy(record),
         "command": command(record),
     }
 
 
 def markdown(data: ReportData) -> str:
     """Return the report's tables and sentences as Markdown."""
-    parts = ["# mbs-ref: validation and benchmark report", sentence(data), *(f"- {text}" for text in flagged(data))]
-    parts += ["## Validation matrix", _matrix(data)]
+    parts = ["# mbs-ref: validation and benchmark report", told(data), "## Engines"]
+    parts += [f"- **{_plain(line.engine)}**: {_plain(_advice(line))}" for line in advice(data)]
+    parts += ["## Cost at equal error", *(price_text(data, scene) for scene in data.scenes)]
+    parts += ["## Verdicts", *(verdict_text(data, scene) for scene in data.scenes)]
     parts += ["## Findings", *(f"- **{_plain(f.title)}.** {_plain(f.text)}" for f in findings(data))]
-    parts += ["## Cost at equal error", *(_costs(data, scene) for scene in data.scenes if data.of_scene(scene))]
     parts += ["## Environment", _table(["what", "value"], [[k, v] for k, v in data.environment.items()])]
     return "\n\n".join(parts) + "\n"
 
 
-def _matrix(data: ReportData) -> str:
-    body = [[f"{row['engine']} {row['method']}", *(_cell(c) for c in row["cells"])] for row in rows(data)]
-    return _table(["engine and method", *data.scenes], body)
+def _advice(line: Advice) -> str:
+    silent = f"Wrong with success reported: {line.silent}." if line.silent else ""
+    pace = f"{line.pace}." if line.pace else ""
+    return " ".join(part for part in (line.trust, silent, line.limit, pace) if part)
 
 
-def _cell(cell: dict[str, str]) -> str:
-    return f"{cell['word']} ({cell['figure']})" if cell["tone"] != "plain" else cell["word"]
+def price_text(data: ReportData, scene: str) -> str:
+    """Return a scene's cost at equal error as a Markdown table."""
+    body = [price_row(block["target"], row) for block in price_table(data, scene) for row in block["rows"]]
+    return f"### {_plain(scene)}\n\n" + _table(list(PRICES), body)
 
 
-def _costs(data: ReportData, scene: str) -> str:
-    body, records = [], data.of_scene(scene)
-    for target in TARGETS:
-        if target < floor(records):
-            told = f"not ranked: the truth judges no error below {metres(floor(records))}"
-            body.append([metres(target), told, *[ABSENT] * 3])
-            continue
-        for entry in entries(records, data.engines, target):
-            best = entry.best
-            cost = [best.method, setting(best.settings), duration(best.times["loop_s"])] if best else MISSED
-            body.append([metres(target), entry.engine, *cost])
-    return f"### {_plain(scene)}\n\n" + _table(["within", "engine", "method", "setting", "loop time"], body)
+def price_row(target: str, row: dict[str, Any]) -> list[str]:
+    """Return a row of cost at equal error: target, engine, and what it takes or why not."""
+    if row["missed"]:
+        return [target, row["engine"], row["missed"], *[ABSENT] * 4]
+    return [target, row["engine"], row["method"], row["setting"], row["error"], row["time"], row["factor"]]
+
+
+def verdict_text(data: ReportData, scene: str) -> str:
+    """Return a scene's verdicts as a Markdown table."""
+    cells = [view(cell) for cell in data.cells if cell.scene == scene]
+    body = [[c["engine"], c["method"], c["word"], c["error"], c["setting"], c["reason"]] for c in cells]
+    return f"### {_plain(scene)}\n\n" + _table(["engine", "method", "verdict", "error", "setting", "why"], body)
 
 
 def _table(head: list[str], body: list[list[str]]) -> str:

@@ -8,18 +8,20 @@ from dataclasses import dataclass
 
 from cross_checks.records.record import Record
 from mbs_ref.trajectory import Status
-from reports.page.cheapest import entries, known_error, usable
-from reports.page.numbers import count, duration, joules, metres, setting, short
-from reports.page.report_data import Cell, ReportData, scene_label
+from reports.page.cheapest import Entry, entries, known_error, loop_time, usable
+from reports.page.numbers import count, duration, joules, metres, of_scene, setting, short
+from reports.page.report_data import OURS, Cell, ReportData
 from reports.page.verdicts import verdict
+from reports.reproduce import scene_label
 from reports.studies.sky.section import worst_planet
 
 SILENT = (Status.NON_FINITE, Status.RESET)  # what engines do without saying so
 ORDER_SLACK = 0.5  # an observed order lower than documented by more than this is worth a sentence
 CLOSED_JOINTS = 1e-8  # m, compliance that looks perfect
-FAR_OFF = 1e-2  # m, an error anyone would mind
+FAR_OFF = 1e-2  # of the scene, an error anyone would mind
 CONSERVED = 1e-6  # J, energy drift that looks perfect
 WORTH_TELLING = 0.3  # figures, a factor of two in distance
+MIDDLE = 1e-6  # over the scene's scales, at which costs are compared
 MOST = 8  # findings of one rule shown
 
 
@@ -41,7 +43,7 @@ def wrong_limits(data: ReportData) -> Iterator[Finding]:
     """Methods that converge to another answer."""
     for engine, methods, cells in grouped(data, {"wrong-limit"}):
         worst = max((c.error for c in cells if c.error is not None), default=None)
-        where = f"on {_scenes(cells)} it stays up to {metres(worst)} away however small the step"
+        where = f"on {_scenes(cells)} it stays up to {of_scene(worst)} away however fine the setting"
         text = f"It converges, but not to the truth: {where}. {_sentence(cells[0].reason)}"
         yield Finding("bad", f"{engine} {methods}: a wrong limit", text.strip())
 
@@ -49,7 +51,7 @@ def wrong_limits(data: ReportData) -> Iterator[Finding]:
 def failing_beside_a_sibling(data: ReportData) -> Iterator[Finding]:
     """Methods that fail where another method of the same engine agrees."""
     good = {(c.engine, c.scene): c.method for c in data.cells if verdict(c.verdict).tone == "good"}
-    for word in ("failed", "diverged", "crashed", "timeout"):
+    for word in ("lost", "failed", "diverged", "crashed", "timeout", "out-of-memory"):
         for engine, methods, cells in grouped(data, {word}):
             sibling = next((good[engine, c.scene] for c in cells if (engine, c.scene) in good), None)
             beside = f", where {sibling} agrees" if sibling else ""
@@ -70,10 +72,10 @@ def silent_failures(data: ReportData) -> Iterator[Finding]:
 def low_orders(data: ReportData) -> Iterator[Finding]:
     """Methods whose observed order falls short of the documented one."""
     low = [
-        f"{c.engine} {c.method} on {c.scene}: {short(c.order)} instead of {data.orders[c.engine, c.method]}"
+        f"{c.engine} {c.method} on {c.scene}: {short(c.order)} instead of {c.documented_order}"
         for c in data.cells
-        if c.order is not None and c.verdict != "wrong-limit"
-        and c.order < data.orders.get((c.engine, c.method), 0) - ORDER_SLACK
+        if c.order is not None and c.verdict not in ("wrong-limit", "lost")
+        and c.order < (c.documented_order or 0) - ORDER_SLACK
     ]  # fmt: skip
     if low:
         yield Finding("fair", "Observed orders below the documented ones", "; ".join(low) + ".")
@@ -108,27 +110,41 @@ def _run(record: Record) -> str:
 
 def _listed(records: list[Record]) -> str:
     worst = sorted(records, key=known_error, reverse=True)
-    named = [f"{_run(record)} is {metres(known_error(record))} off" for record in worst]
+    named = [f"{_run(record)} is {of_scene(known_error(record))} off" for record in worst]
     more = [f"{len(named) - MOST} more"] if len(named) > MOST else []
     return "; ".join(named[:MOST] + more)
 
 
 def fastest(data: ReportData) -> Iterator[Finding]:
-    """Who is cheapest at a micrometre on how many scenes, and by what margin."""
-    ranked = {scene: entries(data.of_scene(scene), data.engines, 1e-6) for scene in data.scenes}
-    found = {scene: [entry.best for entry in ranking if entry.best] for scene, ranking in ranked.items()}
+    """Which of the other engines is cheapest on how many scenes, by what margin, and how our own solver compares."""
+    ranked = {scene: entries(data, scene, MIDDLE) for scene in data.scenes}
+    found = {scene: [e.best for e in ranking if e.best and e.engine != OURS] for scene, ranking in ranked.items()}
     reached = {scene: bests for scene, bests in found.items() if bests}
     for engine in dict.fromkeys(bests[0].engine for bests in reached.values()):
         won = {scene: bests for scene, bests in reached.items() if bests[0].engine == engine}
-        margins = [bests[1].times["loop_s"] / bests[0].times["loop_s"] for bests in won.values() if len(bests) > 1]
-        title = f"{engine} is cheapest within 1e-6 m on {len(won)} of {count(len(data.scenes), 'scene')}"
+        margins = [loop_time(bests[1]) / loop_time(bests[0]) for bests in won.values() if len(bests) > 1]
+        where = f"{len(won)} of {count(len(data.scenes), 'scene')}"
+        title = f"Of the other engines {engine} is cheapest within {short(MIDDLE)} on {where}"
         parts = "; ".join(f"{scene}: {_cost(bests[0])}" for scene, bests in won.items())
         ending = f" The next engine takes {_span(margins)} times as long." if margins else ""
         yield Finding("good", title, f"{parts}.{ending}")
+    yield from _ours(ranked)
+
+
+def _ours(ranked: dict[str, list[Entry]]) -> Iterator[Finding]:
+    ratios = []
+    for ranking in ranked.values():
+        best = {e.engine: e.best for e in ranking if e.best}
+        rivals = [loop_time(run) for name, run in best.items() if name != OURS]
+        if OURS in best and rivals:
+            ratios.append(loop_time(best[OURS]) / min(rivals))
+    if ratios:
+        text = f"Its time over that of the cheapest other engine: {_span(ratios)} on {count(len(ratios), 'scene')}."
+        yield Finding("plain", f"Our own solver beside them, within {short(MIDDLE)}", text)
 
 
 def _cost(record: Record) -> str:
-    return f"{record.method}, {setting(record.settings)}, {duration(record.times['loop_s'])}"
+    return f"{record.method}, {setting(record.settings)}, {duration(loop_time(record))}"
 
 
 def _span(ratios: list[float]) -> str:

@@ -1,34 +1,40 @@
-"""Run what the report shows: every engine's methods on the default scenes, judged and timed."""
+"""What the report shows, asked of the store of runs: what it lacks is made on all cores, then timed alone."""
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import replace
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
-from benchmarks.sweep import sweep
 from cross_checks import engines
-from cross_checks.engine import Method
 from cross_checks.extremes import named
 from cross_checks.extremes.cell import Cell as ExtremeCell
 from cross_checks.extremes.cell import read as read_cells
 from cross_checks.extremes.run import matrix
-from cross_checks.isolation.parent import Caller, Isolated, Lost
-from cross_checks.judge.matrix import CELL_TIMEOUT, judged, missing
-from cross_checks.records.record import Record
+from cross_checks.isolation.parent import Caller
+from cross_checks.records.naming import code_of, digest_of
+from cross_checks.records.store import Store
 from mbs_ref import scenes
 from mbs_ref.scene import Scene
+from reports.page.accuracy import Truths, answers, kept_answers, questions, truths
 from reports.page.capability import capabilities
+from reports.page.cheapest import contenders
+from reports.page.compiling import compile_kernels
 from reports.page.environment import environment
-from reports.page.numbers import finite
-from reports.page.report_data import Cell, ReportData, scene_label
-from reports.page.truth_facts import truth_facts
-from reports.studies.androids import measure as androids
-from reports.studies.contact import measure as contact
-from reports.studies.crashes.measure import crashes
-from reports.studies.sky import measure as sky
-from reports.studies.space import measure as space
+from reports.page.kept import engine_versions, keep, recall, remembered
+from reports.page.report_data import Capability, ReportData
+from reports.page.timing import timed
+from reports.page.truth_facts import TruthFacts, truth_facts
+from reports.page.workers import each
+from reports.reproduce import scene_label
+from reports.studies.androids.facts import AndroidFacts
+from reports.studies.contact.facts import ContactFacts
+from reports.studies.crashes.facts import CrashFacts
+from reports.studies.sky.facts import SkyFacts
+from reports.studies.space.facts import SpaceFacts
 
 Progress = Callable[[int, int, str], None]  # done, total, what comes next
 
@@ -51,131 +57,184 @@ SCENES: tuple[tuple[str, dict[str, Any]], ...] = (
     ("solar_system", {"model": "newton"}),
     ("satellite", {}),
 )
-RUN_TIME = 125.0  # s for all runs, so that the report with its compilation stays within five minutes on two cores
-QUICK_TIME = 25.0  # s, for a first look
-LEAST_SHARE = 0.2  # s for a method on a scene, however late it is
-FEW_EXTREMES = ("stiff-spring-quiet", "crash-pulse", "overflow")
-EXTREME_TIME = 20.0  # s
-PARTS: dict[str, Callable[[], Any]] = {  # what ReportData holds beside the cells and sweeps of the default scenes
-    "space": space.measure, "sky": sky.measure, "contact": contact.measure, "crashes": crashes,
-    "androids": androids.measure,
-}  # fmt: skip
-PART_TIMEOUT = 300.0  # s, compilation included
 QUICK = (("pendulum", {}), ("pendulum_chain", {"links": 3}), ("n_four_bar", {"loops": 1}))
+FEW_EXTREMES = ("stiff-spring-quiet", "crash-pulse", "overflow")
+STUDIES: dict[str, type] = {  # reports/studies/<name>/measure.py makes these facts
+    "contact": ContactFacts, "sky": SkyFacts, "space": SpaceFacts, "crashes": CrashFacts, "androids": AndroidFacts,
+}  # fmt: skip
+RACING = ("sky", "space")  # time things, so that nothing else may run meanwhile
 
 
 def gather(
-    quick: bool = False, progress: Progress | None = None, extremes_file: Path | None = None
-) -> ReportData:
-    """Return cells and records of the default scenes (few of them when quick), within RUN_TIME (QUICK_TIME).
+    store: Store, quick: bool = False, progress: Progress | None = None, extremes_file: Path | None = None,
+    again: bool = False,
+) -> ReportData:  # fmt: skip
+    """Return the cells, runs and studies of the default scenes (few of them when quick).
 
+    Effort is bounded by the work that a search may do, never by a clock. `again` times anew what the store has timed.
     After Ctrl-C, what there is so far, with a sentence in `incomplete`.
     """
-    begun = time.perf_counter()
-    made = [scenes.make(name, **parameters) for name, parameters in (QUICK if quick else SCENES)]
-    chosen = {scene_label(scene.name, scene.parameters): scene for scene in made}
     report = progress or _silent
-    tasks = [(*item, name, method) for item in chosen.items() for name in engines.names() for method in _methods(name)]
-    cells: list[Cell] = []
-    records: list[Record] = []
-    incomplete, beyond = "", dict[str, Any]()
+    chosen = chosen_scenes(quick)
+    data = ReportData((), (), environment=environment(), quick=quick)
+    stages = (_judged, _timed, _beyond) if quick else (_judged, _timed, _beyond, _studied)
+    for stage in stages:
+        data = stage(store, chosen, data, report, extremes_file, again)
+        if data.incomplete.startswith(INTERRUPTED):
+            break
+    report(1, 1, "writing the page")
+    return data
+
+
+INTERRUPTED = "interrupted"
+
+
+def chosen_scenes(quick: bool = False) -> dict[str, Scene]:
+    """Return the scenes of the report by their labels."""
+    made = [scenes.make(name, **parameters) for name, parameters in (QUICK if quick else SCENES)]
+    return {scene_label(scene.name, scene.parameters): scene for scene in made}
+
+
+@contextmanager
+def _interruptible(told: list[str], what: Callable[[], str]) -> Iterator[None]:
+    """Turn Ctrl-C into a sentence."""
     try:
-        with Isolated(CELL_TIMEOUT) as call:
-            _warm_up(next(iter(chosen.values())), report, call)
-            _run(tasks, begun, cells, records, report, call, QUICK_TIME if quick else RUN_TIME)
-        beyond = {"truths": truth_facts(chosen), "extremes": extreme_cells(extremes_file, quick)}
-        incomplete = "" if quick else measure_parts(beyond, report)
+        yield
     except KeyboardInterrupt:
-        incomplete = f"interrupted after {len(cells)} of {len(tasks)} cells"
-    report(len(tasks), len(tasks), "writing the page")
-    seconds = time.perf_counter() - begun
-    facts = environment() | {"time of the runs": f"{seconds:.0f} s"}
-    return ReportData(
-        tuple(cells), tuple(records), capabilities(chosen), facts, _orders(), quick, seconds=seconds,
-        incomplete=incomplete, **beyond,
+        told.append(f"{INTERRUPTED} after {what()}")
+
+
+def _judged(store: Store, chosen: dict[str, Scene], data: ReportData, report: Progress, *_: Any) -> ReportData:
+    """Judge every method on every scene; unfinished ones are left out after Ctrl-C."""
+    asked = questions(chosen)
+    found = kept_answers(store, asked)
+    missing = [question for question in asked if question not in found]
+    told: list[str] = []
+    with _interruptible(told, lambda: f"{len(found)} of {len(asked)} cells"):
+        if missing:
+            compile_kernels(store, report)
+            known = truths(store, {q.label: chosen[q.label] for q in missing}, report)
+            _keep_truths(store, chosen, known)
+            for question, answer in answers(store, missing, known):
+                found[question] = answer
+                name = question.method.name if question.method else ""
+                report(len(found), len(asked), f"{question.label}, {question.engine} {name}".rstrip())
+    there = [found[question] for question in asked if question in found]
+    return replace(
+        data, cells=tuple(answer.cell for answer in there), incomplete="; ".join(told),
+        records=tuple(record for answer in there for record in answer.records),
     )  # fmt: skip
 
 
-def measure_parts(found: dict[str, Any], report: Progress) -> str:
-    """Add what PARTS measure to `found`; return which failed and why. One that fails costs its own section only."""
-    failed = []
-    with Isolated(PART_TIMEOUT) as call:
-        for done, (name, measure) in enumerate(PARTS.items()):
-            report(done, len(PARTS), f"section {name}")
-            try:
-                found[name] = call(measure)
-            except (Lost, RuntimeError, ValueError, ArithmeticError) as error:
-                failed.append(f"section {name}: {error}")
-    return "; ".join(failed)
+def _keep_truths(store: Store, chosen: dict[str, Scene], known: Truths) -> None:
+    for label, truth in known.items():
+        keep(store, _truth_key(label, chosen[label]), TruthFacts, truth_facts(label, chosen[label], truth))
 
 
-def _run(
-    tasks, begun: float, cells: list[Cell], records: list[Record], report: Progress, call: Caller, run_time: float
-) -> None:
-    """Add each task's cell and records as soon as they are there."""
-    for done, (label, scene, engine, method) in enumerate(tasks):
-        report(done, len(tasks), f"{label}, {engine} {method.name if method else 'is not installed'}")
-        if method is None:
-            cells.append(_cell(label, missing(scene, engine)))
-            continue
-        # time that earlier tasks left unused goes to the later ones
-        share = max(LEAST_SHARE, (run_time - time.perf_counter() + begun) / (len(tasks) - done))
-        cells.append(_cell(label, judged(scene, engine, method, share / 2, call)))
-        records.extend(_timed(scene, engine, method, share / 2, call))
+def _truth_key(label: str, scene: Scene) -> str:
+    return digest_of(["truth facts", label, questions({label: scene})[0].key, code_of("reports.page.truth_facts")])
 
 
-def extreme_cells(kept: Path | None, quick: bool) -> tuple[ExtremeCell, ...]:
-    """Return the cells kept in a file, full ones first; without a file a few, within EXTREME_TIME."""
+def _timed(
+    store: Store, chosen: dict[str, Scene], data: ReportData, report: Progress, _: Any, again: bool
+) -> ReportData:
+    """Time what is ranked, alone."""
+    told: list[str] = []
+    found: dict[int, Any] = {}
+    with _interruptible(told, lambda: "the accuracy runs, before all was timed"):
+        found = timed(store, contenders(data), report, again)
+    records = tuple(found.get(id(record), record) for record in data.records)
+    return replace(data, records=records, incomplete="; ".join(told))
+
+
+def _beyond(
+    store: Store, chosen: dict[str, Scene], data: ReportData, report: Progress, extremes: Path | None, _: Any
+) -> ReportData:
+    """Add what is asked of adapters and truths, and the extremes."""
+    told: list[str] = []
+    kept = [recall(store, _truth_key(label, scene), TruthFacts) for label, scene in chosen.items()]
+    data = replace(data, truths=tuple(facts for facts in kept if facts is not None))
+    key = digest_of(
+        ["capabilities", engine_versions(), _adapters(), list(chosen), code_of("cross_checks.capabilities")]
+    )
+    able = remembered(store, key, tuple[Capability, ...], lambda: capabilities(chosen))  # type: ignore[type-var]
+    data = replace(data, capabilities=able)
+    with _interruptible(told, lambda: "the timed runs, before the extremes"):
+        data = replace(data, extremes=extreme_cells(store, extremes, data.quick, report))
+    return replace(data, incomplete="; ".join(told))
+
+
+def _adapters() -> list[str]:
+    found = []
+    for name in engines.names():
+        try:
+            found.append(code_of(type(engines.get(name)).__module__))
+        except engines.EngineMissing:
+            found.append("missing")
+    return found
+
+
+def extreme_cells(store: Store, kept: Path | None, quick: bool, report: Progress) -> tuple[ExtremeCell, ...]:
+    """Return the cells kept in a file, full ones first; without a file those of a few extremes."""
     if kept is not None and kept.is_file():
         found = {(c.extreme, c.engine, c.method): c for c in sorted(read_cells(kept)[0], key=lambda c: c.full)}
         return tuple(found.values())
     if quick:
         return ()
-    cells, begun = [], time.perf_counter()
-    for cell in matrix([named(name) for name in FEW_EXTREMES], engines.names()):
-        cells.append(cell)
-        if time.perf_counter() - begun > EXTREME_TIME:
-            break
-    return tuple(cells)
+    few = [named(name) for name in FEW_EXTREMES]
+    key = digest_of(
+        ["extremes", list(FEW_EXTREMES), engine_versions(), _adapters(), code_of("cross_checks.extremes.run")]
+    )
+    kind = tuple[ExtremeCell, ...]
+    return remembered(store, key, kind, lambda: tuple(matrix(few, engines.names(), progress=report)))  # type: ignore[type-var]
 
 
-def _warm_up(scene: Scene, report: Progress, call: Caller) -> None:
-    """Run every method once, so that compiling and loading eat no method's share of the time."""
-    for name in engines.names():
-        report(0, 1, f"compiling and loading {name}")
-        for method in _methods(name):
-            if method is not None:
-                judged(scene, name, method, 0.0, call)
+def _studied(store: Store, chosen: dict[str, Scene], data: ReportData, report: Progress, *_: Any) -> ReportData:
+    """Add the studies; one that fails costs its own page only."""
+    told: list[str] = []
+    found: dict[str, Any] = {}
+    with _interruptible(told, lambda: f"{len(found)} of {len(STUDIES)} studies"):
+        failed = study(store, found, report)
+        told += failed
+    return replace(data, **found, incomplete="; ".join(told))
 
 
-def _timed(scene: Scene, engine: str, method: Method, budget_s: float, call: Caller) -> Iterator[Record]:
-    """Yield the method's sweep until its share of the report's time is spent."""
-    begun = time.perf_counter()
-    for record in sweep(scene, [engine], [method.name], call=call):
-        yield record
-        if time.perf_counter() - begun > budget_s:
-            return
+def study(store: Store, found: dict[str, Any], report: Progress) -> list[str]:
+    """Add to `found` the facts of every study, kept or measured on all cores; return what failed and why."""
+    for name, kind in STUDIES.items():
+        held = recall(store, _study_key(name), kind)
+        if held is not None:
+            found[name] = held
+    failed, missing = [], [name for name in STUDIES if name not in found]
+    alone = [name for name in missing if name in RACING]
+    together = [name for name in missing if name not in RACING]
+    for name, facts in chain(each(together, _measured), each(alone, _measured, workers=1)):
+        if isinstance(facts, str):
+            failed.append(f"section {name}: {facts}")
+        else:
+            found[name] = keep(store, _study_key(name), STUDIES[name], facts)
+        report(len(found) + len(failed), len(STUDIES), f"study of {name}")
+    return failed
 
 
-def _methods(engine: str) -> tuple[Method | None, ...]:
-    """Return the engine's methods, or a single None where it is not installed."""
+def _measured(call: Caller, name: str) -> Any:
+    """Return a study's facts, or the sentence why there are none."""
     try:
-        return engines.get(engine).methods()
-    except engines.EngineMissing:
-        return (None,)
+        return call(measure_study, name)
+    except Exception as error:  # raised in a process of its own: whatever it is, it costs this study alone
+        return f"{type(error).__name__}: {error}"
+
+
+def measure_study(name: str) -> Any:
+    """Measure a study: for a process of its own."""
+    from importlib import import_module
+
+    return import_module(f"reports.studies.{name}.measure").measure()
+
+
+def _study_key(name: str) -> str:
+    return digest_of(["study", name, engine_versions(), _adapters(), code_of(f"reports.studies.{name}.measure")])
 
 
 def _silent(done: int, total: int, what: str) -> None:
     pass
-
-
-def _cell(label: str, found) -> Cell:
-    """Return the judge's cell under the scene's label, with finite numbers or None."""
-    return Cell(label, found.engine, found.method or "any method", found.verdict, found.reason or "",
-                finite(found.error), finite(found.compliance), finite(found.order))  # fmt: skip
-
-
-def _orders() -> dict[tuple[str, str], int]:
-    """Return the documented order of every fixed-step method of the engines installed."""
-    every = [(name, method) for name in engines.names() for method in _methods(name) if method is not None]
-    return {(name, m.name): m.order for name, m in every if m.kind == "fixed" and m.order}

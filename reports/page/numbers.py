@@ -25,6 +25,13 @@ def metres(value: float | None) -> str:
     return _with_unit(value, "m")
 
 
+def of_scene(value: float | None) -> str:
+    """Return an error over the scene's scales; per cent where it is large."""
+    if value is not None and value >= 1e-2:
+        return f"{short(100.0 * value)} % of the scene"
+    return short(value)
+
+
 def joules(value: float | None) -> str:
     """Return an energy with its unit (J)."""
     return _with_unit(value, "J")

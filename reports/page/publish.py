@@ -1,4 +1,4 @@
-"""Write the report's files, each whole or not at all."""
+"""Write the report's files, each whole or not at all, and its data, from which it can be rendered again."""
 
 from __future__ import annotations
 
@@ -6,19 +6,28 @@ from pathlib import Path
 
 from mbs_ref.atomic_file import write_atomic
 from reports.page.files import csv_table, jsonl, markdown
+from reports.page.kept import adapter
+from reports.page.pages import INDEX
 from reports.page.render import render
 from reports.page.report_data import ReportData
 
+DATA = "report.json"
+
 
 def publish(data: ReportData, out_dir: Path) -> Path:
-    """Write index.html, report.md, records.csv and records.jsonl; return the path of index.html."""
+    """Write the pages and, beside them, the data as JSON, CSV and Markdown; return the path of the first page."""
     contents = {
-        "records.jsonl": jsonl(data.records),
-        "records.csv": csv_table(data.records),
-        "report.md": markdown(data),
-        "index.html": render(data),
+        DATA: adapter(ReportData).dump_json(data),
+        "records.jsonl": jsonl(data.records).encode(),
+        "records.csv": csv_table(data.records).encode(),
+        "report.md": markdown(data).encode(),
     }
     out_dir.mkdir(parents=True, exist_ok=True)
-    for name, content in contents.items():
-        write_atomic(out_dir / name, content.encode())
-    return out_dir / "index.html"
+    for name, content in (contents | render(data)).items():
+        write_atomic(out_dir / name, content)
+    return out_dir / INDEX
+
+
+def read_data(out_dir: Path) -> ReportData:
+    """Return the data that a report left. FileNotFoundError where there are none; ValueError where they do not fit."""
+    return adapter(ReportData).validate_json((out_dir / DATA).read_bytes())

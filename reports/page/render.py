@@ -1,25 +1,36 @@
-"""Data to HTML: one file that loads nothing from anywhere."""
+"""Data to HTML: small pages beside one another that load nothing from anywhere else, and compute nothing."""
 
 from __future__ import annotations
 
 import base64
-import hashlib
+from dataclasses import dataclass, field
 from functools import cache
-from itertools import takewhile
 from pathlib import Path
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 from plotly.offline import get_plotlyjs
 
-from reports.page.contents import SECTIONS
+from reports.page.pages import Page, pages
 from reports.page.plots.palette import colours
 from reports.page.report_data import ReportData
 from reports.page.section import Section
 
 TEMPLATES = Path(__file__).parent / "templates"
 STUDIES = Path(__file__).parents[1] / "studies"
-SCRIPTS = ("pick.js", "page.js")
+SHARED = ("style.css", "pick.js", "page.js")
+
+
+@dataclass
+class Images:
+    """The pictures that pages show, each a file of its own."""
+
+    files: dict[str, bytes] = field(default_factory=dict)
+
+    def add(self, name: str, content: str) -> str:
+        """Keep a picture given in base64; return its name."""
+        self.files[name] = base64.b64decode(content)
+        return name
 
 
 @cache
@@ -27,41 +38,31 @@ def _templates() -> Environment:
     return Environment(loader=FileSystemLoader((TEMPLATES, STUDIES)), autoescape=True, undefined=StrictUndefined)
 
 
-def render(data: ReportData) -> str:
-    """Return the whole page. Text from the data is escaped; only this project's own scripts may run."""
-    engine_colours = colours(data.engines)
-    plotly, js = get_plotlyjs(), "".join((TEMPLATES / name).read_text(encoding="utf-8") for name in SCRIPTS)
+def render(data: ReportData) -> dict[str, bytes]:
+    """Return every file of the report by its name. Text from the data is escaped; only the report's own scripts run."""
+    images, listed = Images(), pages(data)
+    made = {page.file: _page(page, listed, data, images).encode() for page in listed}
+    shared = {name: (TEMPLATES / name).read_bytes() for name in SHARED}
+    return made | shared | {"plotly.js": get_plotlyjs().encode()} | images.files
 
-    opening = list(takewhile(lambda section: not section.plots, SECTIONS))
+
+def _page(page: Page, listed: list[Page], data: ReportData, images: Images) -> str:
+    engine_colours = colours(data.engines)
 
     def body(section: Section) -> Markup:
-        shared = {"scenes": data.scenes, "engine_colours": engine_colours, "absence": data.absence}
-        context = {"section": section, **shared, **section.context(data)}
+        shared = {"scenes": page.data.scenes, "engine_colours": engine_colours, "absence": data.absence}
+        context = {"section": section, "image": images.add, **shared, **section.context(page.data)}
         return Markup(_templates().get_template(section.template or f"{section.name}.html").render(context))
 
     return (
         _templates()
         .get_template("page.html")
         .render(
-            sections=SECTIONS,
-            opening=opening,
-            closing=[section for section in SECTIONS[len(opening) :] if not section.plots],
-            body=body,
-            scenes=data.scenes,
-            engines=engine_colours,
+            page=page,
+            listed=listed,
+            bodies=[body(section) for section in page.sections],
             quick=data.quick,
             incomplete=data.incomplete,
             stamp=data.environment.get("made", ""),
-            css=Markup((TEMPLATES / "style.css").read_text(encoding="utf-8")),
-            plotly=Markup(plotly),
-            js=Markup(js),
-            script_hashes=Markup(" ".join(_script_hash(script) for script in (plotly, js))),
         )
     )
-
-
-def _script_hash(script: str) -> str:
-    """Return the content-security-policy source that lets exactly this inline script run."""
-    # the HTML parser turns CR LF into LF before it hashes
-    digest = hashlib.sha256(script.replace("\r\n", "\n").encode()).digest()
-    return f"'sha256-{base64.b64encode(digest).decode()}'"

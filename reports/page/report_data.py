@@ -1,34 +1,59 @@
-"""Everything the page shows, as plain data: the page reads this and nothing else."""
+"""Everything the page shows, as plain data: the page reads this and nothing else. `mbs-ref report --render` reads it
+from the file that the last report left."""
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Iterable
-from dataclasses import dataclass, field
-from typing import Any
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 from cross_checks.extremes.cell import Cell as ExtremeCell
+from cross_checks.judge.ladder import label
 from cross_checks.records.record import Record
-from mbs_ref import scenes
+from mbs_ref.settings import Settings
 from reports.page.truth_facts import TruthFacts
-from reports.studies.androids.measure import AndroidFacts
-from reports.studies.contact.measure import ContactFacts
-from reports.studies.crashes.measure import Crash
-from reports.studies.sky.measure import SkyFacts
-from reports.studies.space.measure import SpaceFacts
+from reports.reproduce import scene_label
+from reports.studies.androids.facts import AndroidFacts
+from reports.studies.contact.facts import ContactFacts
+from reports.studies.crashes.facts import CrashFacts
+from reports.studies.sky.facts import SkyFacts
+from reports.studies.space.facts import SpaceFacts
+
+OURS = "mbs_ref"  # shown apart from the ranking of engines
+
+
+@dataclass(frozen=True)
+class Target:
+    """What became of one target error."""
+
+    target: float  # over the scene's scales
+    answer: str  # reached | not-reached | not-tried | cannot | unjudged
+    reason: str = ""
+    setting: str = ""  # of the cheapest run that reached it
 
 
 @dataclass(frozen=True)
 class Cell:
-    """One cell of the validation matrix. Numbers are finite or None."""
+    """One method on one scene. Errors are over the scene's scales. Numbers are finite or None."""
 
     scene: str  # label, with parameters
     engine: str
     method: str
     verdict: str
     reason: str
-    error: float | None  # m
+    error: float | None
     compliance: float | None  # m, rad
     order: float | None  # observed
+    excuse: str = ""  # why the method is known to go wrong on such a scene
+    documented_order: int | None = None
+    setting: str = ""  # of the run that speaks for the method
+    targets: tuple[Target, ...] = ()
+
+    @property
+    def name(self) -> str:
+        """How `mbs-ref rerun` calls it."""
+        return f"{self.scene.replace(' ', ',')}/{self.engine}/{self.method}"
 
 
 @dataclass(frozen=True)
@@ -50,13 +75,11 @@ class ReportData:
     records: tuple[Record, ...]
     capabilities: tuple[Capability, ...] = ()
     environment: dict[str, str] = field(default_factory=dict)
-    orders: dict[tuple[str, str], int] = field(default_factory=dict)  # (engine, method) -> documented order
     quick: bool = False
     incomplete: str = ""  # why it holds less than asked; empty where it holds all
     sky: SkyFacts | None = None  # digits against physics, races, formulations; None in a quick report
-    crashes: tuple[Crash, ...] = ()  # the androids; empty in a quick report
+    crashes: CrashFacts | None = None  # the androids; None in a quick report
     androids: AndroidFacts | None = None  # under many methods and engines; None in a quick report
-    seconds: float = 0.0  # s, spent on the runs
     contact: ContactFacts | None = None  # the ball and the tracked vehicle; None in a quick report
     truths: tuple[TruthFacts, ...] = ()  # what the errors are measured from
     extremes: tuple[ExtremeCell, ...] = ()  # read from a file beside the page, or a few cells
@@ -67,33 +90,56 @@ class ReportData:
         """Return why a section that is not there is not."""
         return "The full report measures this; a quick one does not." if self.quick else f"Missing: {self.incomplete}."
 
-    @property
+    @cached_property
     def scenes(self) -> list[str]:
         """Return the labels of every scene, in the order they were run."""
-        return _unique([*(c.scene for c in self.cells), *(scene_label(r.scene, r.parameters) for r in self.records)])
+        return _unique([*(c.scene for c in self.cells), *self._by_scene])
 
-    @property
+    @cached_property
     def engines(self) -> list[str]:
         """Return every engine met, the reference solver first."""
         met = _unique([*(c.engine for c in self.cells), *(r.engine for r in self.records)])
-        return sorted(met, key=lambda name: (name != "mbs_ref", name))
+        return sorted(met, key=lambda name: (name != OURS, name))
 
     def of_scene(self, label: str) -> list[Record]:
         """Return the records of one scene."""
-        return [r for r in self.records if scene_label(r.scene, r.parameters) == label]
+        return self._by_scene.get(label, [])
+
+    def record(self, cell: Cell, setting: str) -> Record | None:
+        """Return a cell's run at a setting."""
+        return self._by_run.get((cell.scene, cell.engine, cell.method, setting))
+
+    def only(self, scene: str | None = None, engine: str | None = None) -> ReportData:
+        """Return what concerns one scene or one engine."""
+        here = [c for c in self.cells if scene in (None, c.scene) and engine in (None, c.engine)]
+        runs = self.records if scene is None else self.of_scene(scene)
+        return replace(
+            self, cells=tuple(here), records=tuple(r for r in runs if engine in (None, r.engine)),
+            truths=tuple(t for t in self.truths if scene in (None, t.scene)),
+            capabilities=tuple(c for c in self.capabilities if engine in (None, c.engine)),
+            extremes=tuple(c for c in self.extremes if engine in (None, c.engine)),
+        )  # fmt: skip
+
+    @cached_property
+    def _by_scene(self) -> dict[str, list[Record]]:
+        found: dict[str, list[Record]] = defaultdict(list)
+        for record in self.records:
+            found[scene_label(record.scene, record.parameters)].append(record)
+        return dict(found)
+
+    @cached_property
+    def _by_run(self) -> dict[tuple[str, str, str, str], Record]:
+        return {
+            (scene, r.engine, r.method, setting_label(r)): r for scene, runs in self._by_scene.items() for r in runs
+        }
 
 
-def scene_label(name: str, parameters: dict[str, Any]) -> str:
-    """Return a scene's name with its counts and whatever else was chosen, as the command line takes them."""
-    chosen = chosen_parameters(name, parameters)
-    shown = {key: value for key, value in parameters.items() if isinstance(value, int) or key in chosen}
-    return " ".join([name, *(f"{key}={value}" for key, value in shown.items())])
-
-
-def chosen_parameters(name: str, parameters: dict[str, Any]) -> dict[str, Any]:
-    """Return the parameters that differ from the scene's defaults."""
-    defaults = scenes.describe(name).parameters if name in scenes.names() else {}
-    return {key: value for key, value in parameters.items() if defaults.get(key) != value}
+def setting_label(record: Record) -> str:
+    """Return the accuracy setting of a record as the judge names it: step=0.001, rtol=1e-06."""
+    given = record.settings
+    if given.get("step") is None and given.get("rtol") is None:
+        return "defaults"
+    return label(Settings(step=given.get("step"), rtol=given.get("rtol")))
 
 
 def _unique(names: Iterable[str]) -> list[str]:

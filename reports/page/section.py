@@ -17,5 +17,4 @@ class Section:
     title: str
     lead: str  # one sentence in plain words
     context: Callable[[ReportData], dict[str, Any]]
-    plots: bool = False  # shown beneath the toolbar that chooses scene and engines
     template: str = ""  # a study's own; else templates/<name>.html

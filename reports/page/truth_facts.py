@@ -1,41 +1,54 @@
-"""What the report says of each scene's truth: its certificate made now, and the one kept."""
+"""What the report says of each scene's truth, and of the certificate kept of it."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from cross_checks.certificates import certificate
-from cross_checks.certificates.certificate import Certificate
-from cross_checks.truth import NoTruth
+from cross_checks.truth import MARGIN, NoTruth, Truth
 from mbs_ref.scene import Scene
+from mbs_ref.scene.scales import scales_of
 
 
 @dataclass(frozen=True)
 class TruthFacts:
-    """One scene's truth, or the reason for having none."""
+    """One scene's truth, or the reason for having none. Lengths in m."""
 
     scene: str  # label, with parameters
-    made: Certificate | NoTruth
-    kept: Certificate | None
-
-    @property
-    def departs_by(self) -> float | None:
-        """How far (m) the truth made now ends from the one kept; None where one is missing."""
-        if self.kept is None or isinstance(self.made, NoTruth):
-            return None
-        return certificate.departure(self.kept, self.made)
-
-    @property
-    def holds(self) -> bool | None:
-        """Whether the two agree to what they claim to know; None where one is missing."""
-        if self.kept is None or isinstance(self.made, NoTruth):
-            return None
-        return certificate.holds(self.kept, self.made)
+    none: str = ""  # why there is no truth; empty where there is one
+    kind: str = ""
+    how: str = ""
+    uncertainty: float | None = None
+    floor: float | None = None  # the smallest error that it judges, over the scene's length
+    difference: float | None = None  # between two unlike ways; None where it was found in one
+    length: float | None = None  # of the scene
+    certified: str = ""  # when its certificate was made; empty without one
+    confirmed_by: str = ""
+    confirmed_to: float | None = None
+    departs_by: float | None = None  # from the certificate, at the end
 
 
-def truth_facts(scenes: dict[str, Scene]) -> tuple[TruthFacts, ...]:
-    """Return the facts of each labelled scene."""
-    return tuple(
-        TruthFacts(label, certificate.certify(scene, confirm=False), certificate.stored(scene))
-        for label, scene in scenes.items()
-    )
+def truth_facts(label: str, scene: Scene, truth: Truth | NoTruth) -> TruthFacts:
+    """Return the facts of one labelled scene."""
+    if isinstance(truth, NoTruth):
+        return TruthFacts(label, none=truth.reason)
+    kept, length = certificate.stored(scene), scales_of(scene).length
+    return TruthFacts(
+        label, "", truth.kind, truth.how, truth.uncertainty, MARGIN * truth.uncertainty / length, truth.difference,
+        length, "" if kept is None else kept.made, "" if kept is None else kept.confirmed_by,
+        None if kept is None else kept.confirmed_to,
+        None if kept is None else _departure(scene, truth, kept.end),
+    )  # fmt: skip
+
+
+def _departure(scene: Scene, truth: Truth, end: dict[str, list[float | None]]) -> float | None:
+    """Return the largest distance (m) between where the truth and its certificate end."""
+    apart = [
+        float(np.linalg.norm(truth.position[-1, scene.body_index(name)] - np.array(place, dtype=float)))
+        for name, place in end.items()
+        if None not in place
+    ]
+    finite = [distance for distance in apart if np.isfinite(distance)]
+    return max(finite, default=None)

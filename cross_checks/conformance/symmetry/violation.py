@@ -11,7 +11,6 @@ from cross_checks.conformance.symmetry import placement as place
 from cross_checks.conformance.symmetry import restart
 from cross_checks.conformance.symmetry.placement import Placement, image, moved
 from cross_checks.engine import Engine
-from cross_checks.metrics.pose_error import arms
 from mbs_ref.scene import PlanarBody, Scene
 from mbs_ref.scene.euler_parameters import geodesic_angle
 from mbs_ref.settings import Settings
@@ -111,7 +110,7 @@ def _gap(scene: Scene, found: tuple[np.ndarray, np.ndarray], wanted: tuple[np.nd
     if found[1].ndim == 2:
         arm = [np.sqrt(b.inertia / b.mass) if isinstance(b, PlanarBody) else 0.0 for b in scene.bodies]
         return max(gap, float(np.max(np.abs(found[1] - wanted[1]) * arm)))
-    return max(gap, float(np.max(geodesic_angle(found[1], wanted[1]) * arms(scene))))
+    return max(gap, float(np.max(geodesic_angle(found[1], wanted[1]) * _arms(scene))))
 
 
 def _seen(make: Callable[[Scene], Placement], *, needs_step: bool = False) -> Callable:
@@ -214,3 +213,8 @@ SYMMETRIES: dict[str, Callable[[Engine, Scene, Settings, Trajectory], float | st
     "cut in two": _cut,
     BACK: _there_and_back,
 }
+
+
+def _arms(scene: Scene) -> np.ndarray:
+    """Return each body's radius of gyration (n_bodies,), m: points that far away turn about the centre."""
+    return np.array([body.gyration_radius for body in scene.bodies])

@@ -69,10 +69,10 @@ def _land(solver: DOP853, landing: float, steps: int, max_steps: int) -> tuple[i
     solver.t_bound = landing
     solver.status = "running"
     while solver.status == "running" and steps < max_steps:
-        planned = solver.h_abs
+        planned = float(solver.h_abs or 0.0)
         message = solver.step()
         steps += 1
-        if solver.status == "finished" and solver.step_size < planned:
+        if solver.status == "finished" and (solver.step_size or 0.0) < planned:
             solver.h_abs = max(planned, solver.h_abs)
     solver.t_bound = bound
     return steps, message

@@ -16,7 +16,7 @@ from benchmarks import history, record_changes, regression
 from benchmarks.cluster import FULL
 from benchmarks.history import Entry
 from benchmarks.record_changes import Move
-from benchmarks.regression import Finding
+from benchmarks.trees.regression import Finding
 from cross_checks.records import lines as record_file
 from mbs_ref import scenes
 from reports.commands.watch.compare import tree
@@ -24,7 +24,7 @@ from reports.console import progress
 from reports.exit_codes import Failed, Incomplete
 from reports.page.environment import environment
 from reports.page.plots.trend import write_trends
-from reports.page.report_data import scene_label
+from reports.reproduce import scene_label
 from reports.sweeping import sweep_records
 
 FILE = click.Path(dir_okay=False, path_type=Path)

@@ -9,21 +9,36 @@ from pathlib import Path
 import click
 
 from reports.console import progress
-from reports.exit_codes import Incomplete
+from reports.exit_codes import Incomplete, NothingSelected
 
 FOLDER = click.Path(file_okay=False, path_type=Path)
 
 
 @click.command(name="report")
 @click.option("--open", "open_it", is_flag=True, help="Open the page in a browser.")
-@click.option("--quick", is_flag=True, help="Fewer scenes and settings, for a first look.")
+@click.option("--quick", is_flag=True, help="Few scenes, for a first look.")
+@click.option("--render", "render_only", is_flag=True, help="Render the data of the last report; simulate nothing.")
+@click.option("--retime", is_flag=True, help="Time anew what is ranked, though the store holds times of it.")
+@click.option("--text", is_flag=True, help="Print verdicts and prices, too.")
 @click.option("-o", "folder", default="reports/out", show_default=True, type=FOLDER)
-def command(open_it: bool, quick: bool, folder: Path) -> None:
-    """Run the comparison and write one HTML page that works offline, with its data beside it."""
-    from reports.page.build import write_report
+def command(open_it: bool, quick: bool, render_only: bool, retime: bool, text: bool, folder: Path) -> None:
+    """Run the comparison and write small HTML pages that work offline, with their data beside them.
 
-    with progress("report") as report:
-        page, incomplete = write_report(folder, quick, report)
+    Runs are made once and kept in the store (MBS_REF_STORE, else the cache folder): the next report makes what changed.
+    Ctrl-C leaves pages of what there is, and exit code 4.
+    """
+    from reports.page.build import render_again, write_report
+
+    if render_only:
+        try:
+            page, incomplete = render_again(folder)
+        except (FileNotFoundError, ValueError) as error:
+            raise NothingSelected(f"{folder} holds no data to render; make them by mbs-ref report ({error})") from error
+    else:
+        with progress("report") as report:
+            page, incomplete = write_report(folder, quick, report, retime)
+    if text:
+        click.echo((folder / "report.md").read_text(encoding="utf-8"))
     click.echo(page)
     if incomplete:
         raise Incomplete(f"{incomplete}; the page shows what there is")

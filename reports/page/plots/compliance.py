@@ -11,4 +11,4 @@ from reports.page.plots.palette import Style
 
 def compliance(records: list[Record], styles: dict[tuple[str, str], Style]) -> dict[str, Any] | None:
     """Return the figure of the largest |C(q, t)| (m, rad) over time (s)."""
-    return history(records, styles, "compliance", "largest |C(q, t)|, m or rad")
+    return history(records, styles, "compliance_position", "largest |C(q, t)|, m or rad")

@@ -6,22 +6,22 @@ from typing import Any
 
 from cross_checks.records.record import Record
 from reports.page.cheapest import known_error, usable
-from reports.page.numbers import metres, setting
+from reports.page.numbers import setting, short
 from reports.page.plots.figure import add_series, lines, new_figure, to_data
 from reports.page.plots.palette import Style
 
-STRAIGHT = 0.3  # m; lines bend above it, where a mechanism's own size limits the error
+STRAIGHT = 0.1  # of the scene; lines bend above it, where a mechanism's own size limits the error
 AXES = {"step": "step h, s", "rtol": "relative tolerance asked"}
 
 
 def convergence(
     records: list[Record], styles: dict[tuple[str, str], Style], over: str, orders: dict[tuple[str, str], int]
 ) -> dict[str, Any] | None:
-    """Return the figure of error (m) over `over` (step in s, or rtol), or None without such records."""
+    """Return the figure of the error over `over` (step in s, or rtol), or None without such records."""
     drawn = [r for r in records if usable(r) and r.settings.get(over) is not None]
     if not drawn:
         return None
-    figure = new_figure(AXES[over], "largest position error, m")
+    figure = new_figure(AXES[over], "error over the scene's scales")
     for (engine, method), style in styles.items():
         own = sorted((r for r in drawn if (r.engine, r.method) == (engine, method)), key=lambda r: r.settings[over])
         if own:
@@ -36,7 +36,7 @@ def convergence(
 
 def _error(record: Record) -> str:
     assert record.error is not None
-    return metres(record.error.value)
+    return f"{short(record.error.value)} of the scene"
 
 
 def _slope_triangle(figure, records: list[Record], order: int) -> None:
@@ -67,4 +67,3 @@ def _slope_triangle(figure, records: list[Record], order: int) -> None:
         showlegend=False,
         hoverinfo="skip",
     )
-

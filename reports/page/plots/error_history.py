@@ -10,5 +10,5 @@ from reports.page.plots.palette import Style
 
 
 def error_history(records: list[Record], styles: dict[tuple[str, str], Style]) -> dict[str, Any] | None:
-    """Return the figure of the position error (m) over time (s)."""
-    return history(records, styles, "error", "position error, m")
+    """Return the figure of the error over the scene's scales over time (s)."""
+    return history(records, styles, "error", "error over the scene's scales")

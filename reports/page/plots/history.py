@@ -1,11 +1,11 @@
-"""A quantity over time, one line a method: what compliance, energy drift and error have in common."""
+"""A quantity over time, one line an engine: what compliance, energy drift and error have in common."""
 
 from __future__ import annotations
 
 from typing import Any
 
 from cross_checks.records.record import Record
-from reports.page.cheapest import representative
+from reports.page.cheapest import best_of_engines
 from reports.page.numbers import setting
 from reports.page.plots.figure import add_series, lines, new_figure, to_data
 from reports.page.plots.palette import Style
@@ -13,7 +13,7 @@ from reports.page.plots.palette import Style
 
 def history(records: list[Record], styles: dict[tuple[str, str], Style], key: str, title: str) -> dict[str, Any] | None:
     """Return the figure of `history[key]` over time (s), or None where no record holds it."""
-    drawn = [r for r in representative(records) if r.history.get(key) and r.history.get("t")]
+    drawn = [r for r in best_of_engines(records) if r.history.get(key) and r.history.get("t")]
     if not drawn:
         return None
     drawn.sort(key=lambda r: list(styles).index((r.engine, r.method)))

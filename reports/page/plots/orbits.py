@@ -10,24 +10,25 @@ from mbs_ref.scene.celestial import AU_M
 from reports.page.plots.figure import new_figure, to_data
 
 OBLIQUITY = np.radians(84_381.406 / 3600.0)  # of the ecliptic of J2000, IAU 2006
+Places = dict[str, tuple[tuple[float, float, float], ...]]
 INNER = ("mercury", "venus", "earth", "mars")
 
 
-def inner_orbits(bodies: list[str], position: np.ndarray) -> dict[str, Any]:
-    """Return the figure of the inner planets from barycentric places (n_t, n_bodies, 3), m, equatorial axes."""
-    return _orbits(bodies, position, [name for name in bodies if name in INNER])
+def inner_orbits(year: Places) -> dict[str, Any]:
+    """Return the figure of the inner planets from barycentric places by body (n_t, 3), m, equatorial axes."""
+    return _orbits(year, [name for name in year if name in INNER])
 
 
-def outer_orbits(bodies: list[str], position: np.ndarray) -> dict[str, Any]:
+def outer_orbits(year: Places) -> dict[str, Any]:
     """Return the same of the others; the Moon would hide behind the Earth."""
-    return _orbits(bodies, position, [name for name in bodies if name not in (*INNER, "sun", "moon")])
+    return _orbits(year, [name for name in year if name not in (*INNER, "sun", "moon")])
 
 
-def _orbits(bodies: list[str], position: np.ndarray, shown: list[str]) -> dict[str, Any]:
+def _orbits(year: Places, shown: list[str]) -> dict[str, Any]:
     figure = new_figure("x, au", "y, au", x_log=False, y_log=False)
-    sun = position[:, bodies.index("sun")]
+    sun = np.array(year["sun"])
     for name in shown:
-        seen = (position[:, bodies.index(name)] - sun) / AU_M
+        seen = (np.array(year[name]) - sun) / AU_M
         y = np.cos(OBLIQUITY) * seen[:, 1] + np.sin(OBLIQUITY) * seen[:, 2]
         figure.add_scatter(x=seen[:, 0].round(4).tolist(), y=y.round(4).tolist(), mode="lines", name=name)
         figure.add_scatter(x=[seen[-1, 0]], y=[y[-1]], mode="markers", showlegend=False, hoverinfo="skip")

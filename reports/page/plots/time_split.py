@@ -6,7 +6,7 @@ import html
 from typing import Any
 
 from cross_checks.records.record import Record
-from reports.page.cheapest import representative, usable
+from reports.page.cheapest import best_of_engines, usable
 from reports.page.numbers import duration, setting
 from reports.page.plots.figure import lines, new_figure, to_data
 
@@ -18,12 +18,12 @@ PHASES = {
 
 
 def time_split(records: list[Record]) -> dict[str, Any] | None:
-    """Return the bars of each method's phases (ms, logarithmic), or None when nothing finished."""
-    drawn = [r for r in representative(records) if usable(r)]
+    """Return the bars of each method's phases (ms), or None when nothing finished."""
+    drawn = [r for r in best_of_engines(records) if usable(r)]
     if not drawn:
         return None
     drawn.sort(key=lambda r: r.times["loop_s"], reverse=True)
-    figure = new_figure("time, ms", "", y_log=False)
+    figure = new_figure("time, ms", "", x_log=False, y_log=False)
     names = [html.escape(f"{r.engine} · {r.method}") for r in drawn]
     for key, (phase, colour) in PHASES.items():
         spans = [r.times.get(key, 0.0) for r in drawn]

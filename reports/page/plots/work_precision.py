@@ -1,4 +1,4 @@
-"""Error against loop time: what accuracy costs, method by method."""
+"""Error against loop time: one line an engine, its frontier, with every method's own line on demand."""
 
 from __future__ import annotations
 
@@ -6,34 +6,60 @@ import math
 from typing import Any
 
 from cross_checks.records.record import Record
-from reports.page.cheapest import floor, usable
-from reports.page.numbers import duration, metres, setting
+from reports.page.cheapest import floor, loop_time, usable
+from reports.page.numbers import duration, metres, setting, short
 from reports.page.plots.figure import FLOOR, add_series, lines, new_figure, to_data
 from reports.page.plots.palette import Style
+from reports.page.timing import is_timed
+
+FRONTIER = "frontier"  # the name of an engine's one line
 
 
 def work_precision(records: list[Record], styles: dict[tuple[str, str], Style]) -> dict[str, Any]:
-    """Return the figure of one scene: time of the loop (ms) across, largest position error (m) up."""
-    figure = new_figure("time of the integration loop, ms", "largest position error, m")
-    for (engine, method), style in styles.items():
-        own = [r for r in records if (r.engine, r.method) == (engine, method) and usable(r)]
-        own.sort(key=lambda r: r.times["loop_s"])
+    """Return the figure of one scene: time of the loop (ms) across, error over the scene's scales up."""
+    figure = new_figure("time of the integration loop, ms", "error over the scene's scales")
+    for engine in dict.fromkeys(engine for engine, _ in styles):
+        own = frontier([r for r in records if r.engine == engine])
         if own:
-            x = [r.times["loop_s"] * 1e3 for r in own]
-            y = [r.error.value for r in own if r.error]
-            text = [_hover(r) for r in own]
-            add_series(figure, engine, method, style, x, y, text=text, hovertemplate="%{text}<extra></extra>")
+            style = next(style for (name, _), style in styles.items() if name == engine)
+            symbols = [styles[engine, r.method].symbol for r in own]
+            _add(figure, engine, FRONTIER, style, own)
+            figure.data[-1].update(marker={"symbol": symbols, "size": 9}, line={"dash": "solid", "width": 2.5})
+    for (engine, method), style in styles.items():
+        own = sorted((r for r in records if (r.engine, r.method) == (engine, method) and usable(r)), key=loop_time)
+        if own:
+            _add(figure, engine, method, style, own, visible="legendonly")
+            figure.data[-1].update(meta={"engine": engine, "detail": True}, line={"width": 1.2})
     _truth_band(figure, records)
     return to_data(figure)
 
 
+def frontier(records: list[Record]) -> list[Record]:
+    """Return the runs that no other beats both in time and in error, the cheapest first."""
+    found: list[Record] = []
+    for record in sorted(filter(usable, records), key=loop_time):
+        assert record.error is not None
+        if not found or record.error.value < found[-1].error.value:  # type: ignore[union-attr]
+            found.append(record)
+    return found
+
+
+def _add(figure, engine: str, method: str, style: Style, records: list[Record], **more: Any) -> None:
+    x = [loop_time(r) * 1e3 for r in records]
+    y = [r.error.value for r in records if r.error]
+    text = [_hover(r) for r in records]
+    add_series(figure, engine, method, style, x, y, text=text, hovertemplate="%{text}<extra></extra>", **more)
+
+
 def _hover(record: Record) -> str:
     assert record.error is not None
+    how = "timed alone" if is_timed(record) else "timed once, beside other runs"
     return lines(
         f"{record.engine} · {record.method}",
         setting(record.settings),
-        f"error {metres(record.error.value)}, compliance {metres(record.compliance.get('position'))}",
-        f"loop {duration(record.times['loop_s'])}, {record.steps} steps, {record.rhs_calls} right-hand sides",
+        f"error {short(record.error.value)}, {metres(record.error.metres)}; worst: {record.error.worst}",
+        f"joints within {metres(record.measure('compliance_position'))}",
+        f"loop {duration(record.times['loop_s'])} ({how}), {record.steps} steps, {record.rhs_calls} right-hand sides",
     )
 
 
@@ -46,7 +72,7 @@ def _truth_band(figure, records: list[Record]) -> None:
     low, high = min(known / 10.0, min(drawn) / 3.0), max(drawn) * 3.0
     figure.add_shape(type="rect", xref="paper", x0=0, x1=1, y0=low * 1e-3, y1=known,
                      fillcolor="rgba(128,128,128,0.18)", line_width=0, layer="below")  # fmt: skip
-    figure.add_annotation(text=f"the truth judges no error below {metres(known)}", xref="paper", x=0.01,
+    figure.add_annotation(text=f"the truth judges no error below {short(known)}", xref="paper", x=0.01,
                           y=math.log10(known), yanchor="top", xanchor="left", showarrow=False,
                           font={"size": 12})  # fmt: skip
     figure.update_yaxes(range=[math.log10(low), math.log10(high)])

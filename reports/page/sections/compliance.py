@@ -20,4 +20,4 @@ def context(data: ReportData) -> dict[str, Any]:
     return {"compliance": per_scene(data, compliance), "error": per_scene(data, error_history)}
 
 
-SECTION = Section("compliance", "Compliance over time", LEAD, context, plots=True)
+SECTION = Section("compliance", "Compliance over time", LEAD, context)

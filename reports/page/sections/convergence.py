@@ -17,9 +17,10 @@ LEAD = (
 
 
 def context(data: ReportData) -> dict[str, Any]:
-    by_step = partial(convergence, over="step", orders=data.orders)
-    by_tolerance = partial(convergence, over="rtol", orders=data.orders)
+    orders = {(c.engine, c.method): c.documented_order for c in data.cells if c.documented_order}
+    by_step = partial(convergence, over="step", orders=orders)
+    by_tolerance = partial(convergence, over="rtol", orders=orders)
     return {"by_step": per_scene(data, by_step), "by_tolerance": per_scene(data, by_tolerance)}
 
 
-SECTION = Section("convergence", "Convergence order", LEAD, context, plots=True)
+SECTION = Section("convergence", "Convergence order", LEAD, context)

@@ -16,4 +16,4 @@ def context(data: ReportData) -> dict[str, Any]:
     return {"plots": per_scene(data, energy)}
 
 
-SECTION = Section("energy", "Energy drift", LEAD, context, plots=True)
+SECTION = Section("energy", "Energy drift", LEAD, context)

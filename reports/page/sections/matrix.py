@@ -1,50 +1,62 @@
-"""The validation matrix: every engine and method against every scene."""
+"""The validation matrix: every method of every engine against the truth of every scene."""
 
 from __future__ import annotations
 
 from typing import Any
 
-from reports.page.numbers import ABSENT, metres, short
+from reports.page.numbers import ABSENT, metres, of_scene, short
 from reports.page.report_data import Cell, ReportData
 from reports.page.section import Section
 from reports.page.verdicts import verdict
 
-LEAD = "Each cell says whether an engine's method reaches a scene's truth. Click a cell for its reason and figures."
+LEAD = (
+    "What each method does on each scene it takes. Errors are over the scene's own scales: position over its length, "
+    "angles in rad, velocities over length by time; the largest component of any body at any output counts."
+)
+ANSWERS = {"reached": "good", "not-reached": "bad", "not-tried": "fair", "unjudged": "plain", "cannot": "plain"}
 
 
-def view(cell: Cell | None, key: str) -> dict[str, str]:
-    """Return what a cell shows: a verdict word with tone, a figure, and the details behind it."""
-    if cell is None:
-        return {"key": key, "word": "not run", "tone": "plain", "meaning": "left out of this report", "reason": "",
-                "figure": ABSENT, "error": ABSENT, "compliance": ABSENT, "order": ABSENT}  # fmt: skip
+def view(cell: Cell) -> dict[str, Any]:
+    """Return what a cell shows: its verdict with tone, figures, targets, and the command that makes it again."""
     known = verdict(cell.verdict)
     return {
-        "key": key,
-        "word": cell.verdict or "not run",
-        "tone": known.tone,
+        "scene": cell.scene,
+        "engine": cell.engine,
+        "method": cell.method,
+        "word": cell.verdict,
+        "tone": "fair" if known.tone == "bad" and cell.excuse else known.tone,
         "meaning": known.meaning,
-        "reason": cell.reason,
-        "figure": metres(cell.error) if known.tone != "plain" else ABSENT,
-        "error": metres(cell.error),
+        "reason": cell.reason or ABSENT,
+        "excuse": cell.excuse,
+        "error": of_scene(cell.error),
+        "setting": cell.setting or ABSENT,
         "compliance": metres(cell.compliance),
-        "order": short(cell.order),
+        "order": ABSENT if cell.order is None else f"{short(cell.order)} of {cell.documented_order}",
+        "targets": [_target(target) for target in cell.targets],
+        "command": f"mbs-ref rerun {cell.name}",
     }
 
 
-def rows(data: ReportData) -> list[dict[str, Any]]:
-    """Return one row for each engine and method, with one cell a scene."""
-    found = {(c.engine, c.method, c.scene): c for c in data.cells}
-    table = []
-    for engine in data.engines:
-        methods = list(dict.fromkeys(c.method for c in data.cells if c.engine == engine))
-        for k, method in enumerate(methods):
-            cells = [view(found.get((engine, method, s)), f"c{len(table)}-{j}") for j, s in enumerate(data.scenes)]
-            table.append({"engine": engine, "span": len(methods) if k == 0 else 0, "method": method, "cells": cells})
-    return table
+def _target(target) -> dict[str, str]:
+    told = target.setting if target.answer == "reached" else target.answer
+    return {"target": short(target.target), "tone": ANSWERS[target.answer], "text": told, "reason": target.reason}
 
 
 def context(data: ReportData) -> dict[str, Any]:
-    return {"rows": rows(data), "scenes": data.scenes}
+    ran = [view(c) for c in data.cells if c.verdict not in ("cannot", "engine-missing")]
+    return {"rows": ran, "refused": refused(data), "several_scenes": len(data.scenes) > 1}
 
 
-SECTION = Section("matrix", "Validation matrix", LEAD, context)
+def refused(data: ReportData) -> list[dict[str, str]]:
+    """Return who takes no part and why, methods of one reason together."""
+    groups: dict[tuple[str, str, str], list[str]] = {}
+    for cell in data.cells:
+        if cell.verdict in ("cannot", "engine-missing"):
+            groups.setdefault((cell.scene, cell.engine, cell.reason), []).append(cell.method)
+    return [
+        {"scene": scene, "engine": engine, "methods": ", ".join(methods), "reason": reason}
+        for (scene, engine, reason), methods in groups.items()
+    ]
+
+
+SECTION = Section("matrix", "Verdicts by method", LEAD, context)

@@ -5,12 +5,15 @@ from __future__ import annotations
 from typing import Any
 
 from cross_checks.records.record import Record
-from reports.page.command import command
-from reports.page.numbers import ABSENT, duration, joules, metres, setting
+from reports.page.numbers import ABSENT, duration, joules, metres, of_scene, setting
 from reports.page.report_data import ReportData
 from reports.page.section import Section
+from reports.reproduce import command
 
-LEAD = "Every run behind the plots. Copy a row's command to make it again."
+LEAD = (
+    "Every run behind the plots. Copy a row's command to make it again. Times are of one run made beside others, "
+    "except where a setting is ranked: those were timed alone."
+)
 
 
 def row(record: Record) -> dict[str, Any]:
@@ -21,7 +24,7 @@ def row(record: Record) -> dict[str, Any]:
         "setting": setting(record.settings),
         "status": record.status or ABSENT,
         "message": record.message,
-        "error": metres(record.error.value if record.error else None),
+        "error": of_scene(record.error.value if record.error else None),
         "compliance": metres(record.measure("compliance_position")),
         "energy": joules(record.measure("energy_drift")),
         "steps": record.steps,

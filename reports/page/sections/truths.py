@@ -4,39 +4,30 @@ from __future__ import annotations
 
 from typing import Any
 
-from cross_checks.truth import NoTruth
-from reports.page.numbers import ABSENT, metres
+from reports.page.numbers import ABSENT, metres, short
 from reports.page.report_data import ReportData
 from reports.page.section import Section
 from reports.page.truth_facts import TruthFacts
 
 LEAD = (
-    "What the errors on this page are measured from. A truth judges no error that is less than 30 times larger than "
-    "its own uncertainty; each is made again for this report and held to the certificate kept with the project."
+    "What the errors are measured from. A truth judges no error that is less than 30 times larger than its own "
+    "uncertainty. Certified truths are kept with the project; mbs-ref certify makes one again."
 )
 
 
 def row(facts: TruthFacts) -> dict[str, Any]:
     """Return a scene's line of the table."""
-    if isinstance(facts.made, NoTruth):
-        return {"scene": facts.scene, "none": facts.made.reason}
-    made, kept = facts.made, facts.kept
-    words = {None: ("plain", "no certificate"), True: ("good", "holds"), False: ("bad", "departs")}
-    tone, word = words[facts.holds]
+    if facts.none:
+        return {"scene": facts.scene, "none": facts.none}
+    certified = facts.certified or "no certificate"
+    off = "" if facts.departs_by is None else f"off by {metres(facts.departs_by)}"
     return {
-        "scene": facts.scene,
-        "none": "",
-        "kind": made.kind,
-        "how": made.how,
-        "uncertainty": metres(made.uncertainty),
-        "floor": metres(made.floor),
-        "difference": metres(made.difference),
-        "confirmed": ABSENT if kept is None else metres(kept.confirmed_to),
-        "by": "" if kept is None else kept.confirmed_by,
-        "tone": tone,
-        "word": word,
-        "kept": "" if kept is None else f"{kept.made}, off by {metres(facts.departs_by)}",
-    }
+        "scene": facts.scene, "none": "", "kind": facts.kind, "how": facts.how,
+        "uncertainty": metres(facts.uncertainty),
+        "floor": short(facts.floor), "difference": metres(facts.difference), "length": metres(facts.length),
+        "confirmed": ABSENT if facts.confirmed_to is None else metres(facts.confirmed_to), "by": facts.confirmed_by,
+        "tone": "good" if facts.certified else "plain", "word": certified, "kept": off,
+    }  # fmt: skip
 
 
 def context(data: ReportData) -> dict[str, Any]:

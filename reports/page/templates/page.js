@@ -1,8 +1,16 @@
-// Draws the plots of the chosen scene, keeps scene and engine choice common to all, and answers the pick box.
+// Folds wide tables, draws plots when they come near the screen, and answers the pick box.
+"use strict";
 const css = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 const narrow = () => window.innerWidth < 760;
-const hiddenEngines = new Set();
-const sceneSelect = document.getElementById("scene");
+
+// on a narrow screen every cell stands beneath the last, with its column's title before it
+for (const table of document.querySelectorAll("table.fold")) {
+  const titles = [...table.querySelectorAll("thead th")].map((cell) => cell.textContent.trim());
+  for (const row of table.querySelectorAll("tbody tr")) {
+    let column = 0;
+    for (const cell of row.cells) { if (cell.colSpan === 1) cell.dataset.label = titles[column] ?? ""; column += cell.colSpan; }
+  }
+}
 
 function themed() {
   const axis = { gridcolor: css("--grid"), linecolor: css("--line"), tickcolor: css("--line") };
@@ -12,58 +20,53 @@ function themed() {
   return look;
 }
 
-function engineVisibility(traces) {
-  return traces.map((trace) => !(trace.meta && hiddenEngines.has(trace.meta.engine)));
-}
-
 function forScreen(layout) {
   if (!narrow()) return layout;
   const below = { orientation: "h", y: -0.22, yanchor: "top", font: { size: 11 }, groupclick: "toggleitem" };
   return { ...layout, legend: { ...layout.legend, ...below }, margin: { ...layout.margin, l: 52, r: 8 }, height: layout.height + 190 };
 }
 
+let library = null;
+function plotly() {
+  library ??= new Promise((resolve, reject) => {
+    const script = document.createElement("script");
+    script.src = "plotly.js";
+    script.onload = () => resolve(window.Plotly);
+    script.onerror = () => reject(new Error("plotly.js is not beside this page"));
+    document.head.append(script);
+  });
+  return library;
+}
+
 async function draw(div) {
   if (div.dataset.drawn) return;
   div.dataset.drawn = "yes";
-  const { data, layout } = JSON.parse(div.nextElementSibling.textContent);
-  engineVisibility(data).forEach((visible, k) => { data[k].visible = visible; });
-  const options = { responsive: true, displaylogo: false, modeBarButtonsToRemove: ["lasso2d", "select2d", "autoScale2d"], toImageButtonOptions: { format: "svg" } };
-  await Plotly.newPlot(div, data, forScreen(layout), options);
-  Plotly.relayout(div, themed());
+  try {
+    const Plotly = await plotly();
+    const { data, layout } = JSON.parse(div.nextElementSibling.textContent);
+    const options = { responsive: true, displaylogo: false, modeBarButtonsToRemove: ["lasso2d", "select2d", "autoScale2d"], toImageButtonOptions: { format: "svg" } };
+    await Plotly.newPlot(div, data, forScreen(layout), options);
+    Plotly.relayout(div, themed());
+  } catch (error) { div.textContent = `This plot could not be drawn: ${error.message}.`; }
 }
 
-// one after the other, so that the page stays responsive
-async function drawShown() {
-  for (const div of document.querySelectorAll(".panel:not([hidden]) .plot")) {
-    await draw(div);
-    await new Promise((resume) => setTimeout(resume));
-  }
-}
-
-// plots that no panel shows or hides wait until they come near the screen, or until their details are opened
 const near = new IntersectionObserver((entries) => {
   for (const entry of entries) if (entry.isIntersecting) { near.unobserve(entry.target); draw(entry.target); }
-}, { rootMargin: "800px" });
-document.querySelectorAll(".plot").forEach((div) => { if (!div.closest(".panel")) near.observe(div); });
+}, { rootMargin: "400px" });
+document.querySelectorAll(".plot").forEach((div) => near.observe(div));
 
 function drawnPlots() { return document.querySelectorAll(".plot[data-drawn]"); }
 
-function chooseScene() {
-  document.querySelectorAll(".panel[data-scene]").forEach((panel) => { panel.hidden = panel.dataset.scene !== sceneSelect.value; });
-  document.querySelectorAll(".panel:not([hidden]) .plot[data-drawn]").forEach((div) => Plotly.Plots.resize(div));
-  drawShown();
-  answer();
-}
-
-function chooseEngines(event) {
-  if (event.target.type !== "checkbox") return;
-  if (event.target.checked) hiddenEngines.delete(event.target.value); else hiddenEngines.add(event.target.value);
-  drawnPlots().forEach((div) => Plotly.restyle(div, { visible: engineVisibility(div.data) }));
-  answer();
+function everyMethod(event) {
+  for (const div of drawnPlots()) {
+    const detail = div.data.map((trace, k) => (trace.meta && trace.meta.detail ? k : -1)).filter((k) => k >= 0);
+    if (detail.length) window.Plotly.restyle(div, { visible: event.target.checked ? true : "legendonly" }, detail);
+  }
 }
 
 const short = (value) => (value === null ? "unknown" : value === 0 ? "0" : Number(value.toPrecision(2)) >= 0.01 && value < 1e4 ? String(Number(value.toPrecision(3))) : value.toExponential(1));
-const rows = JSON.parse(document.getElementById("pick-rows").textContent);
+const pick = document.getElementById("pick");
+const rows = pick ? JSON.parse(document.getElementById("pick-rows").textContent) : [];
 
 function limitFrom(id) {
   const text = document.getElementById(id).value.trim();
@@ -86,13 +89,12 @@ function answer() {
   out.replaceChildren();
   const bounds = { error: limitFrom("pick-error"), compliance: limitFrom("pick-compliance"), ms: limitFrom("pick-budget") };
   if (Object.values(bounds).includes(undefined)) { node("p", "Give positive numbers, such as 1e-6; leave a field empty to ask nothing.", out); return; }
-  const here = rows.filter((row) => row.scene === sceneSelect.value && !hiddenEngines.has(row.engine));
-  const found = choose(here, bounds);
+  const found = choose(rows, bounds);
   if (!found.best) { node("p", refusal(found, bounds), out); return; }
   const { best, second, margin, limit } = found;
   const head = node("p", "", out);
   node("strong", `${named(best)}: ${short(best.ms)} ms`, head);
-  head.append(` (error ${short(best.error)} m, joints closed to ${short(best.compliance)} m).`);
+  head.append(` (error ${short(best.error)}, joints closed to ${short(best.compliance)} m).`);
   node("p", second ? `Runner-up: ${named(second)}, at ${short(second.ms)} ms: ${short(margin)} times as long.` : "No other method shown reaches it.", out);
   node("p", limits(limit), out);
   const line = node("div", "", out);
@@ -104,24 +106,24 @@ function answer() {
 
 function refusal({ why, near, floor, count }, bounds) {
   if (why === "nothing") return "No run of the engines shown finished on this scene.";
-  if (why === "floor") return `The truth of this scene judges no error below ${short(floor)} m; ask for more.`;
+  if (why === "floor") return `The truth of this scene judges no error below ${short(floor)}; ask for more.`;
   if (why === "budget") return `None within ${short(bounds.ms)} ms; the cheapest is ${named(near)} at ${short(near.ms)} ms.`;
   if (why === "compliance") return `${count} settings reach the error, but none keeps the joints within ${short(bounds.compliance)} m; the nearest is ${named(near)} with ${short(near.compliance)} m.`;
-  return `None reached this; the nearest is ${named(near)} with ${short(near.error)} m.`;
+  return `None reached this; the nearest is ${named(near)} with ${short(near.error)}.`;
 }
 
 function limits(limit) {
   if (!limit) return "Nothing cheaper misses one bound alone.";
   const { bound, cheaper } = limit;
-  const off = bound === "error" ? `an error of ${short(cheaper.error)} m` : `joints open by ${short(cheaper.compliance)} m`;
+  const off = bound === "error" ? `an error of ${short(cheaper.error)}` : `joints open by ${short(cheaper.compliance)} m`;
   return `The ${bound} limits it: the nearest cheaper one is ${named(cheaper)}, at ${short(cheaper.ms)} ms with ${off}.`;
 }
 
 async function copy(button) {
-  const text = button.dataset.command;
+  const text = button.dataset.command, told = button.textContent;
   try { await navigator.clipboard.writeText(text); } catch { copyBySelection(text); }
   button.textContent = "copied";
-  setTimeout(() => { button.textContent = "copy"; }, 1500);
+  setTimeout(() => { button.textContent = told; }, 1500);
 }
 
 // file:// pages may not reach the clipboard interface
@@ -135,16 +137,12 @@ function copyBySelection(text) {
 }
 
 document.addEventListener("click", (event) => { if (event.target.matches(".copy")) copy(event.target); });
-sceneSelect.addEventListener("change", chooseScene);
-document.getElementById("toolbar").addEventListener("change", chooseEngines);
-for (const id of ["pick", "toolbar"]) document.getElementById(id).addEventListener("submit", (event) => event.preventDefault());
-document.getElementById("pick").addEventListener("input", answer);
-matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => drawnPlots().forEach((div) => Plotly.relayout(div, themed())));
-
-const links = new Map([...document.querySelectorAll("nav li a")].map((link) => [link.hash.slice(1), link]));
-const here = new IntersectionObserver((entries) => {
-  for (const entry of entries) links.get(entry.target.id).classList.toggle("here", entry.isIntersecting);
-}, { rootMargin: "-20% 0px -70% 0px" });
-document.querySelectorAll("section[id]").forEach((section) => here.observe(section));
-answer();
-drawShown();
+if (pick) {
+  pick.addEventListener("submit", (event) => event.preventDefault());
+  pick.addEventListener("input", answer);
+  answer();
+}
+document.getElementById("every-method")?.addEventListener("change", everyMethod);
+matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => drawnPlots().forEach((div) => window.Plotly.relayout(div, themed())));
+if (narrow()) document.querySelectorAll("nav details").forEach((part) => { part.open = false; });
+window.addEventListener("beforeprint", () => document.querySelectorAll("details").forEach((part) => { part.open = true; }));

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from importlib.util import find_spec
 from itertools import product
 from typing import Any
@@ -13,17 +12,23 @@ import numpy as np
 from cross_checks import engines
 from cross_checks.engine import Method
 from cross_checks.judge import ladder
-from cross_checks.judge.matrix import Cell, judge_method
-from cross_checks.metrics.pose_error import distance
+from cross_checks.judge.cell import cell_of
+from cross_checks.judge.one_run import judged_run
+from cross_checks.judge.runs import Runs
+from cross_checks.judge.search import search
+from cross_checks.records.store import Store, default_path
+from cross_checks.truth import NoTruth, Truth
 from cross_checks.truths import truth_for
 from mbs_ref import scenes
 from mbs_ref.integrators import integrators
 from mbs_ref.observables import constraint_residual
 from mbs_ref.scene import Scene
-from mbs_ref.self_checks.stiffness import Stiffness, stiffness_at_start
+from mbs_ref.self_checks.stiffness import stiffness_at_start
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
 from mbs_ref.trajectory import Status, Trajectory
+from reports.studies.androids.facts import AndroidFacts, Convergence, Peer, Run, Stable
+from reports.studies.curves import Curves, curves, plain
 
 SIMPLIFIED, VERTEBRAL = NAMES = ("android_simplified", "android_vertebral")
 IMPACTS = ("front", "rear")
@@ -44,80 +49,32 @@ MOST_STEPS = 20_000  # of a run; the longest that is meant to end takes 8 000
 TESTED = ("rk4", "euler", "lsodar")  # the papers' methods, whose compliance test is run, too
 UNLIKE = ("dop853", "radau")  # explicit of order 8, implicit of order 5
 WATCHED = {"head": "head", "hip": "bottom"}
-ENGINE_BUDGET = 0.5  # s for a method's ladder
 ADAPTIVE = {("pinocchio", "dop853")}
+PEER_TARGETS = (1e-3, 1e-6)  # over the scene's scales; finer takes minutes on 48 bodies
 SHOWN = {  # on 48 bodies what takes seconds
     (SIMPLIFIED, "rear"): ADAPTIVE | {("exudyn", "tree_dopri5")},
     (VERTEBRAL, "front"): ADAPTIVE | {("pinocchio", "rk4"), ("mujoco", "rk4")},
     (VERTEBRAL, "rear"): ADAPTIVE,
 }
-FEWEST = 2  # rungs, which show an order
-
-
-@dataclass(frozen=True)
-class Run:
-    """One android under one method and setting."""
-
-    scene: str
-    impact: str
-    method: str
-    settings: Settings
-    path: Trajectory
-    paper_test: str  # how the papers' test |C| < h at every step ends
-    error: float | None  # m, from the truth, largest over bodies and samples; None where the run stopped
-
-
-@dataclass(frozen=True)
-class Stable:
-    """What the linearised motion allows, and what becomes of a longer step."""
-
-    scene: str
-    stiffness: Stiffness
-    limits: dict[str, float]  # explicit method -> s
-    beyond: float  # s, a step that RK4 cannot bear
-    refusal: str  # the sentence that meets it
-    forced: str  # how it ends if it is run all the same
-
-
-@dataclass(frozen=True)
-class Convergence:
-    """Two unlike integrators on one android and impact."""
-
-    scene: str
-    impact: str
-    times: np.ndarray  # (n_t,) s
-    gaps: dict[str, np.ndarray]  # head, hip -> (n_t,) m between the two methods
-    compliance: dict[str, float]  # method -> m, largest |C|
-    error: float | None  # m, of DOP853 from the truth
-    uncertainty: float | None  # m, of the truth
-
-
-@dataclass(frozen=True)
-class AndroidFacts:
-    """Everything measured."""
-
-    runs: tuple[Run, ...]
-    stable: tuple[Stable, ...]
-    convergence: tuple[Convergence, ...]
-    peers: tuple[Cell, ...]  # of other engines
 
 
 def measure() -> AndroidFacts:
     """Run what takes a report half a minute; the vertebral android's truths are kept on disk."""
     made = [scenes.make(name, impact=impact) for name, impact in product(NAMES, IMPACTS)]
-    runs = [found for scene in made for found in numerics(scene)]
-    return AndroidFacts(
-        tuple(runs),
-        tuple(stable(scenes.make(name)) for name in NAMES),
-        tuple(convergence(scene, _fine(scene, runs)) for scene in made),
-        tuple(found for scene in made for found in peers(scene)),
-    )
+    runs = [numerics(scene) for scene in made]
+    with Store(default_path()) as store:
+        return AndroidFacts(
+            tuple(run for own in runs for run, _ in own),
+            tuple(stable(scenes.make(name)) for name in NAMES),
+            tuple(convergence(scene, _fine(own)) for scene, own in zip(made, runs, strict=True)),
+            tuple(found for scene in made for found in peers(Runs(store), scene)),
+        )
 
 
 # --- methods of integration ------------------------------------------------------------------------------
 
 
-def numerics(scene: Scene) -> list[Run]:
+def numerics(scene: Scene) -> list[tuple[Run, Trajectory]]:
     """Run the papers' methods without stabilization, and the others as they come."""
     fixed = [Settings(method=method, step=step, **more) for method, step, more in STEPS[scene.name]]
     adaptive = [
@@ -140,13 +97,33 @@ def _with_events(settings: Settings) -> Settings:
     return settings if located else settings.model_copy(update={"events": "none"})
 
 
-def run(scene: Scene, settings: Settings) -> Run:
+def run(scene: Scene, settings: Settings) -> tuple[Run, Trajectory]:
     """Run one setting; the papers' methods under the papers' test, and again without it where it stops them."""
     settings = settings.model_copy(update={"reactions": False, "max_steps": MOST_STEPS})
     path, test = _tested(scene, settings) if settings.method in TESTED else (None, "not asked")
     path = path or simulate(scene, settings, ladder.grid(scene))
-    impact = str(scene.parameters["impact"])
-    return Run(scene.name, impact, str(settings.method), settings, path, test, _error(scene, path))
+    given = {"step": settings.step, "rtol": settings.rtol}
+    kept = path.step_compliance if path.step_compliance is not None and len(path.step_compliance) else None
+    return Run(
+        scene.name, str(scene.parameters["impact"]), str(settings.method), given, str(path.status), path.message,
+        int(path.steps), int(path.rejected_steps), int(path.rhs_calls), path.method_switches, int(path.events),
+        float(path.timing.loop_s), None if kept is None else _finite(float(np.max(kept[:, 1]))), _curve(kept), test,
+        _error(scene, path),
+    ), path  # fmt: skip
+
+
+def _curve(kept: np.ndarray | None) -> Curves | None:
+    """Return |C| over time, as long as it is finite."""
+    if kept is None:
+        return None
+    good = kept[1:][np.isfinite(kept[1:, 1])]
+    return (
+        curves(good[:, 0], {"|C|": good[:, 1]}, "largest |C| since the last sample, m", log=True) if len(good) else None
+    )
+
+
+def _finite(value: float) -> float | None:
+    return value if np.isfinite(value) else None
 
 
 def _tested(scene: Scene, settings: Settings) -> tuple[Trajectory | None, str]:
@@ -160,7 +137,7 @@ def _tested(scene: Scene, settings: Settings) -> tuple[Trajectory | None, str]:
 def _error(scene: Scene, path: Trajectory) -> float | None:
     """Return the distance from the truth."""
     truth = truth_for(scene, ladder.grid(scene)) if path.ok else None
-    return None if truth is None else float(np.max(distance(path.position, truth.position)))
+    return None if truth is None else float(np.linalg.norm(path.position - truth.position, axis=2).max())
 
 
 # --- stable steps -----------------------------------------------------------------------------------------
@@ -175,9 +152,13 @@ def stable(scene: Scene) -> Stable:
     most = {"max_steps": MOST_STEPS, "max_events": MOST_STEPS}
     bold = {"stabilization": "none", "estimate": "off", "refuse_unstable": False, **most}
     forced = simulate(scene, asked.model_copy(update=bold))
+    rules = {"1/omega": found.oscillation_rule, "m/c": found.damping_rule}
     return Stable(
-        scene.name, found, limits, beyond, simulate(scene, asked).message, f"{forced.status}: {forced.message}"
-    )
+        scene.name, plain(np.real(found.modes)), plain(np.imag(found.modes)), found.fastest_decay,
+        {name: value for name, value in rules.items() if np.isfinite(value)},
+        {name: _finite(float(value)) for name, value in limits.items()}, beyond, simulate(scene, asked).message,
+        f"{forced.status}: {forced.message}",
+    )  # fmt: skip
 
 
 # --- convergence ------------------------------------------------------------------------------------------
@@ -195,22 +176,22 @@ def convergence(scene: Scene, paths: dict[str, Trajectory] | None = None) -> Con
     truth = truth_for(scene, times)
     compliance = {m: float(np.abs(constraint_residual(scene, path)).max()) for m, path in paths.items()}
     known = None if truth is None else truth.uncertainty
-    return Convergence(scene.name, str(scene.parameters["impact"]), times, gaps, compliance, _error(scene, one), known)
+    apart = curves(times[1:], {part: gap[1:] for part, gap in gaps.items()}, "distance, m", log=True)
+    return Convergence(scene.name, str(scene.parameters["impact"]), apart, compliance, _error(scene, one), known)
 
 
-def _fine(scene: Scene, runs: Sequence[Run]) -> dict[str, Trajectory]:
-    """Return the runs of the two methods at FINE."""
-    own = [run for run in runs if (run.scene, run.impact) == (scene.name, scene.parameters["impact"])]
-    return {run.method: run.path for run in own if run.method in UNLIKE and run.settings.rtol == FINE}
+def _fine(own: Sequence[tuple[Run, Trajectory]]) -> dict[str, Trajectory]:
+    """Return the paths of the two methods at FINE."""
+    return {run.method: path for run, path in own if run.method in UNLIKE and run.settings["rtol"] == FINE}
 
 
 # --- engines ----------------------------------------------------------------------------------------------
 
 
-def peers(scene: Scene, names: Sequence[str] | None = None, budget_s: float = ENGINE_BUDGET) -> list[Cell]:
+def peers(runs: Runs, scene: Scene, names: Sequence[str] | None = None) -> list[Peer]:
     """Judge the methods of every other engine that can run the scene: all in the first crash, few in the others."""
     found, crash = [], (scene.name, str(scene.parameters["impact"]))
-    ours = simulate(scene, Settings(rtol=FINE), ladder.grid(scene))
+    truth, ours = runs.truth(scene), simulate(scene, Settings(rtol=FINE), ladder.grid(scene))
     for name in engines.names() if names is None else names:
         try:
             engine = engines.get(name)
@@ -220,14 +201,22 @@ def peers(scene: Scene, names: Sequence[str] | None = None, budget_s: float = EN
             continue
         able = [m for m in engine.methods() if not engine.method_refusals(scene, m)]
         shown = [m for m in able if crash not in SHOWN or (name, m.name) in SHOWN[crash]]
-        found += [judge_method(scene, name, m, budget_s, rungs=_rungs(scene, m), reference=ours) for m in shown]
+        found += [peer(runs, scene, name, method, truth, ours) for method in shown]
     return found
 
 
-def _rungs(scene: Scene, method: Method) -> list[Settings]:
-    """Return the method's ladder; on the vertebral android the coarsest two that the linearised motion bears."""
-    rungs = ladder.rungs(method, scene)
-    if scene.name == SIMPLIFIED:
-        return rungs
-    limit = stiffness_at_start(scene).step_limit(method.stability) if method.stability else np.inf
-    return [rung for rung in rungs if rung.step is None or rung.step <= limit][:FEWEST]
+def peer(runs: Runs, scene: Scene, engine: str, method: Method, truth: Truth | NoTruth, ours: Trajectory) -> Peer:
+    """Judge one method; its joint forces are compared with ours at the setting that speaks for it."""
+    tried, answers = search(runs, scene, engine, method, truth, PEER_TARGETS)
+    cell = cell_of(tried, answers)
+    spoken = next((r for r in tried.records.values() if ladder.label(Settings(**r.settings)) == cell.setting), None)
+    forces = None
+    if spoken is not None:
+        again, _ = judged_run(
+            scene, engine, Settings(**spoken.settings), ladder.grid(scene), truth=truth, reference=ours
+        )
+        forces = again.measure("reaction_error")
+    return Peer(
+        scene.name, str(scene.parameters["impact"]), engine, method.name, str(cell.verdict), cell.reason, cell.error,
+        cell.order, cell.documented_order, cell.setting, cell.loop_s, forces,
+    )  # fmt: skip

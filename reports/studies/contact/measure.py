@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import math
-from dataclasses import dataclass
-
 import numpy as np
 
 from benchmarks.event_work import Balance, balance
@@ -16,6 +13,8 @@ from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
 from mbs_ref.trajectory import Trajectory
+from reports.studies.contact.facts import ContactFacts, EngineBounce, OrderLadder, Restitution, VehicleRun
+from reports.studies.curves import Curves, curves, film
 
 STEPS = (375, 750, 1500, 3000, 6000)  # over the ball's 0.4 s
 LAWS = {
@@ -26,86 +25,30 @@ LAWS = {
 ENGINE_METHODS = (("mujoco", "rk4"), ("mujoco", "rk4_stock_contact"), ("exudyn", "contact_rk44"))
 OFF_GRID = 0.1234567  # m, height: no whole number of steps, so that no engine meets gap = 0 at a step's end
 VEHICLE_END, VEHICLE_SAMPLES = 2.0, 201
+FILMED = 5  # samples a picture
 VEHICLE_RUNS = (
     Settings(method="dop853", rtol=1e-8), Settings(method="rk4", step=1e-4, estimate="off"),
     Settings(method="lsodar", rtol=1e-7),
 )  # fmt: skip
 
 
-@dataclass(frozen=True)
-class OrderLadder:
-    """RK4 on the bouncing ball: error of the speed after the bounce."""
-
-    law: str
-    events: str
-    steps: tuple[int, ...]
-    errors: tuple[float, ...]  # m/s; the ball arrives at 1 m/s
-
-    @property
-    def order(self) -> float:
-        """The slope over the whole ladder."""
-        return math.log(self.errors[0] / self.errors[-1]) / math.log(self.steps[-1] / self.steps[0])
-
-
-@dataclass(frozen=True)
-class Restitution:
-    """One law: what it is called, what it exactly returns, what a run returns."""
-
-    law: str
-    nominal: float | None
-    exact: float
-    found: float
-
-
-@dataclass(frozen=True)
-class EngineBounce:
-    """The ball in another engine, judged from its poses."""
-
-    engine: str
-    method: str
-    figures: dict[str, float]
-    error: float | None  # m
-    message: str
-
-
-@dataclass(frozen=True)
-class VehicleRun:
-    """One method on the tracked vehicle."""
-
-    setting: str
-    steps: int
-    events: int
-    compliance: float  # m, largest over every step
-    difference: float  # m, from the first run, over all bodies and samples
-    loop_s: float
-    status: str
-
-
-@dataclass(frozen=True)
-class ContactFacts:
-    """All of it."""
-
-    orders: tuple[OrderLadder, ...]
-    restitutions: tuple[Restitution, ...]
-    engines: tuple[EngineBounce, ...]
-    vehicle: Scene
-    path: Trajectory
-    runs: tuple[VehicleRun, ...]
-    energy: Balance
-
-
 def measure() -> ContactFacts:
     """Measure it; about a minute, most of it the vehicle."""
     vehicle = scenes.make("tracked_vehicle")
     paths, runs = vehicle_runs(vehicle)
+    energy = balance(vehicle, Settings(method="dop853", rtol=1e-8, t_end=0.1), longest=2e-4)
     return ContactFacts(
         orders=tuple(_ladder(law, way) for law in ("spring_damper", "progressive") for way in ("none", "located")),
         restitutions=tuple(_restitution(law) for law in LAWS),
         engines=tuple(_bounce(*each) for each in ENGINE_METHODS if each[0] in engines.names()),
-        vehicle=vehicle,
-        path=paths[0],
         runs=runs,
-        energy=balance(vehicle, Settings(method="dop853", rtol=1e-8, t_end=0.1), longest=2e-4),
+        description=vehicle.description,
+        t_end=float(paths[0].times[-1]),
+        film=film(vehicle, paths[0], FILMED),
+        curves=vehicle_curves(vehicle, paths[0], energy),
+        energy_end=float(energy.times[-1]),
+        exchanged=energy.exchanged,
+        drift=float(np.max(np.abs(energy.drift))),
     )
 
 
@@ -152,3 +95,37 @@ def _bounce(engine: str, method: str) -> EngineBounce:
     record, _ = judged_run(ball, engine, Settings(method=method, step=2e-4, samples=101))
     error = None if record.error is None else record.error.value
     return EngineBounce(engine, method, record.contact, error, record.message)
+
+
+def vehicle_curves(scene: Scene, path: Trajectory, energy: Balance) -> dict[str, Curves]:
+    """Return the histories of the vehicle: path and speed, slip, contact forces, track tension, compliance, energy."""
+    t = path.times
+    chassis, sprocket = scene.body_index("chassis"), scene.body_index("sprocket")
+    rim = -path.angular_velocity[:, sprocket] * _pitch_radius(scene)
+    speed = path.velocity[:, chassis, 0]
+    ground = [part for part in scene.contacts if part.body_b == "ground"]
+    teeth = [part for part in scene.contacts if part.body_b == "sprocket"]
+    feet = np.sum([path.contacts[part.name][:, 2] for part in ground], axis=0)
+    push = np.sum([path.contacts[part.name][:, 1] for part in ground], axis=0)
+    driven = np.max([np.hypot(*path.contacts[part.name][:, 1:3].T) for part in teeth], axis=0)
+    pins = [joint.name for joint in scene.joints if joint.name.startswith("pin")]
+    tension = np.array([np.hypot(*path.reactions[name][:, :2].T) for name in pins])
+    compliance = np.zeros((0, 2)) if path.step_compliance is None else path.step_compliance[1:]
+    place = path.position[:, chassis] - path.position[0, chassis]
+    return {
+        "Path of the chassis": curves(t, {"x": place[:, 0], "y": place[:, 1]}, "displacement, m"),
+        "Speed, and slip of the track": curves(
+            t, {"chassis": speed, "sprocket's pitch circle": rim, "slip": rim - speed}, "m/s"
+        ),
+        "Ground forces": curves(t, {"normal, all feet": feet, "thrust, all feet": push}, "N"),
+        "Largest force of a sprocket tooth": curves(t, {"tooth": driven}, "N"),
+        "Track tension": curves(t, {"largest": tension.max(axis=0), "mean": tension.mean(axis=0)}, "N"),
+        "Constraint compliance": curves(
+            compliance[:, 0], {"dop853": compliance[:, 1]}, "largest |C|, m", log=True
+        ),
+        "Energy less the work done": curves(energy.times, {"energy less work": energy.drift}, "J"),
+    }  # fmt: skip
+
+
+def _pitch_radius(scene: Scene) -> float:
+    return next(part.pitch_radius for part in scene.contacts if part.type == "pin_on_sprocket")

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from benchmarks.timing import interval
 from cross_checks import engines, ephemerides
 from cross_checks.judge.one_run import evaluate
-from cross_checks.metrics.pose_error import distance
 from cross_checks.records.record import Record
 from cross_checks.truth import Truth
 from cross_checks.truths import seek_truth
@@ -20,6 +18,7 @@ from mbs_ref.scene import Scene
 from mbs_ref.scenes.solar_system import julian_date
 from mbs_ref.settings import Settings
 from mbs_ref.trajectory import Trajectory
+from reports.studies.sky.facts import Lap, Race, SkyFacts, Splitting
 
 LEVELS = ("lumped", "newton", "gr_sun", "gr", "j2", "asteroids", "full")
 FINE = Settings(method="gauss", rtol=1e-16, samples=2)
@@ -36,58 +35,19 @@ ORBIT_DAYS = 3.0
 PAIRS = 5  # interleaved runs of each on each scene, of which the fastest counts
 
 
-@dataclass(frozen=True)
-class Lap:
-    """One scene of a race; errors from the truth in m, None where it was not computed."""
-
-    scene: str
-    ratio: float  # the rival's loop time over ours
-    our_error: float | None
-    rival_error: float | None
-
-
-@dataclass(frozen=True)
-class Race:
-    """Paired ratios over several scenes."""
-
-    rival: str
-    ours: str
-    laps: tuple[Lap, ...]
-    low: float  # 95 % bootstrap interval of the median ratio
-    high: float
-
-    @property
-    def ratio(self) -> float:
-        """The median of the laps."""
-        return float(np.median([lap.ratio for lap in self.laps]))
-
-
-@dataclass(frozen=True)
-class Splitting:
-    """WHFast at one day with the Moon as a body of its own."""
-
-    energy: float | None  # relative error, largest of the year; None without rebound
-    moon_figures: float | None
-
-
-@dataclass(frozen=True)
-class SkyFacts:
-    """Everything measured."""
-
-    ladder: tuple[Record, ...]  # the solar system over 360 days at each level of physics
-    formulations: tuple[Record, ...]  # point masses and rigid bodies over 200 and 360 days
-    spread: dict[str, dict[str, float]]  # ephemeris -> body -> figures that it shares with DE440, after 360 days
-    races: tuple[Race, ...]
-    splitting: Splitting
-    year: Trajectory  # the solar system over a year, for drawing
-    bodies: tuple[str, ...]  # its bodies
-
-
 def measure() -> SkyFacts:
     """Run everything; half a minute with compiled code at hand."""
     scene = scenes.make("solar_system", model="newton")
     year = engines.get("mbs_ref").run(scene, FINE.model_copy(update={"samples": 361}))
-    return SkyFacts(digits_ladder(), formulations(), spread(), races(), splitting(), year, tuple(scene.body_names))
+    return SkyFacts(digits_ladder(), formulations(), spread(), races(), splitting(), _places(scene, year))
+
+
+def _places(scene: Scene, path: Trajectory) -> dict[str, tuple[tuple[float, float, float], ...]]:
+    """Return every body's places (m), to what a drawing shows."""
+    return {
+        name: tuple(tuple(float(f"{x:.6g}") for x in place) for place in path.position[:, k])
+        for k, name in enumerate(scene.body_names)
+    }  # type: ignore[return-value]
 
 
 def digits_ladder() -> tuple[Record, ...]:
@@ -158,4 +118,8 @@ def _lap(rival: str, theirs: Settings, scene: Scene, random: np.random.Generator
 
 def _error(scene: Scene, path: Trajectory) -> float | None:
     truth = seek_truth(scene, path.times)
-    return float(distance(path.position, truth.position)[-1]) if isinstance(truth, Truth) and path.ok else None
+    return (
+        float(np.linalg.norm(path.position[-1] - truth.position[-1], axis=1).max())
+        if isinstance(truth, Truth) and path.ok
+        else None
+    )

@@ -10,7 +10,7 @@ from reports.page.plots.orbits import inner_orbits, outer_orbits
 from reports.page.plots.sky_ladder import sky_ladder
 from reports.page.report_data import ReportData
 from reports.page.section import Section
-from reports.studies.sky.measure import Race, SkyFacts
+from reports.studies.sky.facts import Race, SkyFacts
 
 LEAD = (
     "Significant figures of each body's place after 360 days against JPL DE440: planets seen from the Sun, the Moon "
@@ -55,9 +55,8 @@ def worst_planet(record: Record) -> float:
 
 def _plots(sky: SkyFacts, judged: list[Record]) -> dict[str, Any]:
     ladder = sky_ladder([NAMES[level_of(r)] for r in judged], [r.figures for r in judged])
-    drawn = (list(sky.bodies), sky.year.position)
-    return {"Figures against physics": ladder, "A year of the inner planets": inner_orbits(*drawn),
-            "The same year of the outer planets": outer_orbits(*drawn)}  # fmt: skip
+    return {"Figures against physics": ladder, "A year of the inner planets": inner_orbits(sky.year),
+            "The same year of the outer planets": outer_orbits(sky.year)}  # fmt: skip
 
 
 def _cells(figures: dict[str, float], bodies: list[str]) -> list[str]:

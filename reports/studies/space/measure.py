@@ -3,53 +3,22 @@
 from __future__ import annotations
 
 import random
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from cross_checks.metrics.orientation_error import orientation_error
 from cross_checks.truth import Truth
 from cross_checks.truths import seek_truth
 from mbs_ref import observables, scenes
 from mbs_ref.scene import PointMass, Scene, SpatialBody
+from mbs_ref.scene.euler_parameters import geodesic_angle
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
 from mbs_ref.trajectory import Trajectory
+from reports.studies.space.facts import LongSteps, NormDrift, SpaceFacts
 
 FALLING = 20  # bodies in the scenes whose cost is compared
 PAIRS = 9  # interleaved runs of each; the least counts
-
-
-@dataclass(frozen=True)
-class NormDrift:
-    """A steady spin by RK4 without projection, against N (w h / 2)^6 / 144, and the same run normalised."""
-
-    half_angle: float  # rad, w h / 2 of a step
-    steps: int
-    measured: float  # 1 - |theta|
-    formula: float
-    error_free: float  # rad, orientation error without ...
-    error_normalised: float  # rad, ... and with projection of the norm
-
-
-@dataclass(frozen=True)
-class LongSteps:
-    """A spin that makes 10 rad a step."""
-
-    radians_a_step: float
-    energy_error: float  # relative, largest
-    orientation_error: float  # rad, largest
-
-
-@dataclass(frozen=True)
-class SpaceFacts:
-    """Everything measured."""
-
-    drift: tuple[NormDrift, ...]
-    long_steps: LongSteps
-    cost_ratio: float  # loop time of rigid bodies over point masses on the same free fall, paired in one run
-    states: tuple[int, int]  # numbers in the state of one: rigid, point mass
 
 
 def measure() -> SpaceFacts:
@@ -67,7 +36,7 @@ def _rk4(scene: Scene, step: float, kept: bool, samples: int = 2) -> Trajectory:
 def _turned_away(scene: Scene, path: Trajectory) -> float:
     truth = seek_truth(scene, path.times)
     assert isinstance(truth, Truth), truth
-    return float(orientation_error(path, truth).max())
+    return float(geodesic_angle(path.orientation, truth.orientation).max())
 
 
 def _norm_drift(half: float) -> NormDrift:

@@ -10,8 +10,9 @@ import pytest
 
 import cross_checks
 from cross_checks.certify.particles import converge
-from cross_checks.judge.matrix import judge_method
+from cross_checks.judge.cell import judge_method, truth_of
 from cross_checks.judge.one_run import evaluate
+from cross_checks.judge.runs import Runs
 from cross_checks.judge.verdict import Verdict
 from cross_checks.truth import NoTruth, Truth
 from cross_checks.truths import seek_truth
@@ -86,7 +87,8 @@ def test_the_truth_judges_the_solver_and_the_ephemeris_the_model():
 
 
 def test_a_method_agrees_with_the_truth_of_a_satellite():
-    cell = judge_method(scenes.make("satellite", days=0.2), "mbs_ref", _method("gauss"))
+    scene, runs = scenes.make("satellite", days=0.2), Runs()
+    cell = judge_method(runs, scene, "mbs_ref", _method("gauss"), truth_of(runs, scene))
     assert cell.verdict is Verdict.AGREES, cell.reason
 
 

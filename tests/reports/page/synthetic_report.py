@@ -7,9 +7,12 @@ import math
 from cross_checks.extremes.cell import Cell as ExtremeCell
 from cross_checks.extremes.cell import made_of
 from cross_checks.extremes.judge import Fate, Point
+from cross_checks.judge.search import TARGETS
 from cross_checks.records.record import Error, Record
-from reports.page.report_data import Capability, Cell, ReportData, scene_label
+from reports.page.report_data import Capability, Cell, ReportData, Target, setting_label
+from reports.reproduce import scene_label
 
+TIMED = {"loop_median_s": 1.0, "loop_most_s": 2.0, "loop_runs": 3.0}
 HOSTILE = "<script>alert('x')</script> & <b>bold</b> | pipe"
 SCENES = [("pendulum", {}), ("pendulum_chain", {"links": 3}), ("pendulum_chain", {"links": 10}),
           ("n_four_bar", {"loops": 1}), ("n_four_bar", {"loops": 2}), ("slider_crank", {})]  # fmt: skip
@@ -56,7 +59,7 @@ def _history(error: float, compliance: float) -> dict[str, list[float]]:
     swing = [abs(math.sin(3.0 * s)) + 0.1 for s in t]
     return {
         "t": t,
-        "compliance": [0.0, *(compliance * s for s in swing[1:])],
+        "compliance_position": [0.0, *(compliance * s for s in swing[1:])],
         "energy_drift": [0.0, *(30 * error * s * x for s, x in zip(swing[1:], t[1:], strict=True))],
         "error": [0.0, *(error * s * x / 10.0 for s, x in zip(swing[1:], t[1:], strict=True))],
     }
@@ -73,10 +76,12 @@ def _record(scene: str, parameters: dict, method: tuple, knob: float, verdict: s
         scene=scene, parameters=parameters, engine=engine, method=name,
         settings={"step": knob, "rtol": None, "t_end": 10.0} if kind == "fixed" else {"rtol": knob, "atol": knob},
         status="success" if ok else "not-converged", message="" if ok else reason, t_end=10.0 if ok else 0.31,
-        steps=steps, rhs_calls=steps * 4, final={}, compliance={"position": compliance, "velocity": 10 * compliance},
-        energy_drift=30 * error if ok else None, momentum_drift=None,
-        error=Error(error, "m", "converged: two methods", 3e-13, error) if ok else None, reaction_error=None,
-        times={"build_s": 2e-3, "first_call_s": 4e-4, "loop_s": steps * cost * links / 4}, versions={engine: "1.2.3"},
+        steps=steps, rhs_calls=steps * 4, final={},
+        measures={"compliance_position": compliance, "compliance_velocity": 10 * compliance,
+                  "energy_drift": 30 * error if ok else None},
+        error=Error(error, "converged: two methods", 3e-13, error, length=2.0) if ok else None,
+        times={"build_s": 2e-3, "first_call_s": 4e-4, "loop_s": steps * cost * links / 4} | TIMED,
+        versions={engine: "1.2.3"},
         history=_history(error, compliance) if ok else {},
     )  # fmt: skip
 
@@ -88,7 +93,19 @@ def _cell(scene: str, parameters: dict, method: tuple, own: list[Record], verdic
     seen = float(order) if verdict in ("agrees", "converging") else None
     label = scene_label(scene, parameters)
     compliance = own[-1].measure("compliance_position") if measured else None
-    return Cell(label, engine, name, verdict, reason, error, compliance, seen)
+    targets = tuple(_target(target, own, verdict, reason) for target in TARGETS)
+    return Cell(label, engine, name, verdict, reason, error, compliance, seen, "", order, targets=targets)
+
+
+def _target(target: float, own: list[Record], verdict: str, reason: str) -> Target:
+    reaching = [r for r in own if r.error and r.error.value <= target]
+    if reaching:
+        return Target(target, "reached", "", setting_label(reaching[0]))
+    if verdict == "cannot":
+        return Target(target, "cannot", reason)
+    if verdict == "converging":
+        return Target(target, "not-tried", "it would take about 1e+07 steps")
+    return Target(target, "not-reached", "its best is 0.3; finer settings do not help")
 
 
 def _extremes() -> tuple[ExtremeCell, ...]:
@@ -125,8 +142,7 @@ def report_data() -> ReportData:
         for kind, name in (("part", "revolute"), ("part", "user_force"), ("trait", "closed-loop"))
         for engine in ("mbs_ref", "exudyn", "pinocchio", "mujoco")
     ]
-    orders = {(m[0], m[1]): m[3] for m in METHODS if m[2] == "fixed"}
     environment = {"made": "2026-01-02 03:04 UTC", "python": "3.12.1", "processor": HOSTILE, "exudyn": "1.2.3"}
     return ReportData(
-        tuple(cells), tuple(records), tuple(capabilities), environment, orders, seconds=12.0, extremes=_extremes()
+        tuple(cells), tuple(records), tuple(capabilities), environment, extremes=_extremes()
     )

@@ -54,7 +54,13 @@ class Elements(HTMLParser):
 
 
 def page_of(data: ReportData, folder) -> Elements:
-    return Elements(publish(data, folder).read_text(encoding="utf-8"))
+    """Read every page as one."""
+    publish(data, folder)
+    return Elements(source_of(folder))
+
+
+def source_of(folder) -> str:
+    return "".join(path.read_text(encoding="utf-8") for path in sorted(folder.glob("*.html")))
 
 
 def hostile(data: ReportData) -> ReportData:
@@ -71,7 +77,7 @@ def test_hostile_records_add_no_element(tmp_path):
     page, plain = page_of(hostile(report_data()), tmp_path / "a"), page_of(report_data(), tmp_path / "b")
     assert page.bad == []
     assert page.scripts <= plain.scripts + 2 * len(report_data().records)  # a block of data more a plot, none that runs
-    source = (tmp_path / "a" / "index.html").read_text(encoding="utf-8")
+    source = source_of(tmp_path / "a")
     assert "<script>alert" not in source
     assert "<img src=x" not in source
 
@@ -82,7 +88,7 @@ def test_a_hostile_scene_file_is_read_judged_and_shown_as_text(tmp_path):
     again = record_file.from_line(json.dumps(record.to_dict()).encode())
     page = page_of(ReportData((), (again,)), tmp_path / "out")
     assert page.bad == []
-    source = (tmp_path / "out" / "index.html").read_text(encoding="utf-8")
+    source = source_of(tmp_path / "out")
     assert "<script>alert" not in source
     assert "<img src=x" not in source
 

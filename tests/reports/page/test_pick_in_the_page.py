@@ -11,7 +11,7 @@ import pytest
 from benchmarks.pick import cost, pick
 from cross_checks.records.record import Record
 from reports.page.render import TEMPLATES
-from reports.page.sections.work_precision import pick_rows
+from reports.page.sections.prices import pick_rows
 from tests.reports.page.synthetic_report import report_data
 
 TRIALS = 200
@@ -38,7 +38,8 @@ def rough(record: Record, random: random.Random) -> Record:
     """The synthetic report is too orderly: shake times and joints, so that every bound may limit."""
     loop_s = record.times["loop_s"] * random.uniform(0.1, 10.0)
     gap = (record.measure("compliance_position") or 1.0) * 10.0 ** random.uniform(-3.0, 3.0)
-    return replace(record, times=record.times | {"loop_s": loop_s}, compliance={"position": gap, "velocity": None})
+    measures = record.measures | {"compliance_position": gap}
+    return replace(record, times=record.times | {"loop_s": loop_s}, measures=measures)
 
 
 def test_the_page_answers_as_the_command_does():

@@ -5,31 +5,38 @@ from __future__ import annotations
 import os
 from math import sqrt
 
+from cross_checks.records.store import Store
 from reports.page import gather
 from reports.page.render import render
 from reports.page.report_data import ReportData
 
-
-def silent(done: int, total: int, what: str) -> None:
-    pass
+STUDIES = {"space": float, "sky": float, "contact": int}
 
 
-def test_a_part_that_raises_or_crashes_leaves_the_others(monkeypatch):
-    parts = {"space": out_of_domain, "sky": os.abort, "contact": os.getpid}
-    monkeypatch.setattr(gather, "PARTS", parts)
+def test_a_study_that_raises_or_crashes_leaves_the_others(monkeypatch):
+    monkeypatch.setattr(gather, "STUDIES", STUDIES)
+    monkeypatch.setattr(gather, "measure_study", made_up)
     found: dict[str, object] = {}
-    told = gather.measure_parts(found, silent)
-    assert list(found) == ["contact"]
-    assert told.startswith("section space: ")
-    assert "section sky: its process was ended" in told
+    with Store() as store:
+        failed = gather.study(store, found, lambda done, total, what: None)
+        assert found == {"contact": 7}
+        assert sorted(told.partition(":")[0] for told in failed) == ["section sky", "section space"]
+        assert any("its process was ended" in told for told in failed)
+        found.clear()
+        monkeypatch.setattr(gather, "measure_study", os.abort)
+        monkeypatch.setattr(gather, "STUDIES", {"contact": int})
+        assert gather.study(store, found, lambda done, total, what: None) == []
+        assert found == {"contact": 7}, "what was measured is kept"
 
 
 def test_the_page_says_why_a_section_is_missing():
-    page = render(ReportData((), (), incomplete="section space: <no root>"))
+    page = render(ReportData((), (), incomplete="section space: <no root>"))["space.html"].decode()
     assert "Missing: section space: &lt;no root&gt;." in page
-    assert "a quick one does not" in render(ReportData((), (), quick=True))
+    assert "a quick one does not" in render(ReportData((), (), quick=True))["space.html"].decode()
 
 
-def out_of_domain() -> float:
+def made_up(name: str) -> object:
     """Importable by name, as a child process needs it."""
-    return sqrt(-1.0)
+    if name == "sky":
+        os.abort()
+    return sqrt(-1.0) if name == "space" else 7

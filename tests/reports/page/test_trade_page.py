@@ -4,33 +4,31 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-import pytest
-
 from benchmarks.profiles import ERRORS, profiles
-from cross_checks.certificates.certificate import Certificate, certify
+from cross_checks.judge.ladder import grid
 from cross_checks.records.record import Record
-from cross_checks.truth import NoTruth
+from cross_checks.truth import Truth
+from cross_checks.truths import seek_truth
 from mbs_ref import scenes
 from reports.page.publish import publish
 from reports.page.report_data import ReportData
 from reports.page.sections import truths
 from reports.page.sections.profiles import context
-from reports.page.sections.work_precision import equal_error_table
-from reports.page.truth_facts import TruthFacts
+from reports.page.truth_facts import TruthFacts, truth_facts
 from tests.reports.page.synthetic_report import report_data
 
 DATA = report_data()
 
 
-def test_a_profile_at_each_accuracy_with_its_table():
+def test_a_profile_at_each_accuracy_ranks_engines_and_leaves_ours_out():
     blocks = context(DATA)["blocks"]
     assert len(blocks) == len(ERRORS)
-    for block, error in zip(blocks, ERRORS, strict=True):
-        solvers = [profile for profile in profiles(DATA.records, error) if profile.factors]
-        assert len(block["rows"]) == len(block["plot"]["data"]) == len(solvers)
-        for trace, profile in zip(block["plot"]["data"], solvers, strict=True):
+    for block in blocks:
+        engines = [row["engine"] for row in block["rows"]]
+        assert "mbs_ref" not in engines
+        assert len(set(engines)) == len(engines) == len(block["plot"]["data"])
+        for trace in block["plot"]["data"]:
             assert trace["y"] == sorted(trace["y"])
-            assert trace["y"][-1] == pytest.approx(profile.solved)
             assert trace["line"]["shape"] == "hv"
     best = blocks[1]["rows"][0]
     assert best["shares"][0] == max((row["shares"][0] for row in blocks[1]["rows"]), key=lambda text: int(text[:-1]))
@@ -45,23 +43,29 @@ def test_what_a_truth_cannot_judge_is_not_ranked():
     hazy = [unsure(record) if record.scene == "pendulum" else record for record in DATA.records]
     count = {kind: profiles(records, 1e-9)[0].problems for kind, records in (("all", DATA.records), ("hazy", hazy))}
     assert count["hazy"] == count["all"] - 1
-    blocks = equal_error_table(replace(DATA, records=tuple(hazy)), "pendulum")
-    assert [bool(block["unjudged"]) for block in blocks] == [False, False, True]
-    assert "judges no error below 3e-8 m" in blocks[-1]["unjudged"]
 
 
-def test_truths_hold_depart_or_are_none(tmp_path):
-    made = certify(scenes.make("pendulum"), confirm=False)
-    assert isinstance(made, Certificate)
-    moved = replace(made, end={name: [1.0, 1.0] for name in made.end}, confirmed_to=1e-12, confirmed_by="somebody")
+def test_truths_are_certified_agreed_or_none(tmp_path):
     facts = (
-        TruthFacts("pendulum", made, made),
-        TruthFacts("moved", made, moved),
-        TruthFacts("new", made, None),
-        TruthFacts("none", NoTruth("it is chaotic"), None),
+        TruthFacts("pendulum", "", "exact", "by hand", 1e-14, 3e-13, None, 1.0, "2026-01-01", "somebody", 1e-12, 0.0),
+        TruthFacts("new", "", "agreed", "two engines", 1e-9, 3e-8, None, 1.0),
+        TruthFacts("none", none="it is chaotic"),
     )
     words = [truths.row(f).get("word", truths.row(f)["none"]) for f in facts]
-    assert words == ["holds", "departs", "no certificate", "it is chaotic"]
-    page = publish(ReportData((), (), truths=facts), tmp_path).read_text()
+    assert words == ["2026-01-01", "no certificate", "it is chaotic"]
+    publish(ReportData((), (), truths=facts), tmp_path)
+    page = (tmp_path / "method.html").read_text()
     assert "no truth: it is chaotic" in page
     assert "somebody" in page
+
+
+def test_a_truth_known_afresh_is_held_to_its_certificate():
+    scene = scenes.make("pendulum")
+    truth = seek_truth(scene, grid(scene))
+    assert isinstance(truth, Truth)
+    facts = truth_facts("pendulum", scene, truth)
+    assert facts.certified
+    assert facts.departs_by is not None
+    assert facts.departs_by < 1e-10
+    moved = replace(truth, position=truth.position + 1.0)
+    assert (truth_facts("pendulum", scene, moved).departs_by or 0.0) > 1.0

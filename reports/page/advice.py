@@ -1,0 +1,126 @@
+"""One line an engine that an engineer can act on: what to trust it for, at which setting, and where it goes wrong."""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass
+
+from cross_checks.judge.search import TARGETS
+from cross_checks.judge.verdict import WRONG
+from cross_checks.records.record import Record
+from reports.page.cheapest import entries, loop_time, reaching
+from reports.page.numbers import count, of_scene, short
+from reports.page.report_data import OURS, Cell, ReportData
+from reports.page.verdicts import SILENT
+
+MIDDLE = 1e-6  # the target that settings are recommended for
+MOST_NAMED = 4  # methods named in one line
+
+
+@dataclass(frozen=True)
+class Advice:
+    """What the first screen says of an engine."""
+
+    engine: str
+    trust: str  # the method and setting, and on how many scenes it reaches what
+    limit: str  # what it cannot model, and what it does not reach
+    silent: str  # what it gets wrong with success reported; empty where nothing was seen
+    pace: str  # its time beside the cheapest of the other engines
+    ours: bool
+
+
+def advice(data: ReportData) -> list[Advice]:
+    """Return a line for each engine, ours last: it is no part of the ranking."""
+    found = [_of_engine(data, engine) for engine in data.engines]
+    return sorted(found, key=lambda line: line.ours)
+
+
+def _of_engine(data: ReportData, engine: str) -> Advice:
+    cells = [c for c in data.cells if c.engine == engine]
+    if cells and all(c.verdict == "engine-missing" for c in cells):
+        return Advice(engine, "Not installed here: nothing is known of it.", "", "", "", engine == OURS)
+    return Advice(
+        engine, _trust(data, engine), _limit(data, engine), silent(cells), _pace(data, engine), engine == OURS
+    )
+
+
+def modelled(data: ReportData, engine: str) -> list[str]:
+    """Return the scenes that some method of the engine takes."""
+    able = {c.scene for c in data.cells if c.engine == engine and c.verdict not in ("cannot", "engine-missing")}
+    return [scene for scene in data.scenes if scene in able]
+
+
+def reached(data: ReportData, engine: str, target: float) -> dict[str, Record]:
+    """Return the engine's cheapest run at a target, by scene."""
+    runs = {scene: reaching(data, scene, engine, target) for scene in data.scenes}
+    return {scene: own[0] for scene, own in runs.items() if own}
+
+
+def _trust(data: ReportData, engine: str) -> str:
+    able = modelled(data, engine)
+    if not able:
+        return "It runs none of these scenes."
+    hits = {target: reached(data, engine, target) for target in TARGETS}
+    told = ", ".join(f"{short(target)} on {len(hits[target])}" for target in TARGETS)
+    best = hits[MIDDLE] or hits[TARGETS[0]]
+    if not best:
+        return f"It comes within {short(TARGETS[0])} of the truth on none of {count(len(able), 'scene')}."
+    method, number = Counter(run.method for run in best.values()).most_common(1)[0]
+    runs = [run for run in best.values() if run.method == method]
+    within = MIDDLE if hits[MIDDLE] else TARGETS[0]
+    first = f"Use {method} at {_span(runs)} for {short(within)}: cheapest of its methods on {number} of {len(best)}."
+    return f"{first} Of {count(len(able), 'scene')} it models, it reaches {told}."
+
+
+def _span(runs: list[Record]) -> str:
+    """Return the range of settings of some runs in words."""
+    for key, name, unit in (("step", "h", " s"), ("rtol", "rtol", "")):
+        values = [float(run.settings[key]) for run in runs if run.settings.get(key) is not None]
+        if values:
+            low, high = short(min(values)), short(max(values))
+            return f"{name} = {low}{unit}" if low == high else f"{name} = {low} to {high}{unit}"
+    return "its defaults"
+
+
+def _limit(data: ReportData, engine: str) -> str:
+    able = modelled(data, engine)
+    cannot = [scene for scene in data.scenes if scene not in able]
+    hit = reached(data, engine, MIDDLE)
+    missed = [scene for scene in able if scene not in hit]
+    parts = []
+    if missed:
+        parts.append(f"{short(MIDDLE)} is out of reach on {', '.join(missed)}")
+    if cannot:
+        parts.append(f"it cannot model {', '.join(cannot)}")
+    return ". ".join(part[:1].upper() + part[1:] for part in parts) + ("." if parts else "")
+
+
+def silent(cells: list[Cell]) -> str:
+    """Name the methods whose finest runs report success and are wrong: the worst first, declared or not."""
+    wrong = [c for c in cells if c.verdict in SILENT and c.error is not None and c.verdict in WRONG]
+    by_method: dict[str, list[Cell]] = {}
+    for cell in sorted(wrong, key=lambda c: -(c.error or 0.0)):
+        by_method.setdefault(cell.method, []).append(cell)
+    named = [_wrong(method, own) for method, own in by_method.items()]
+    more = [f"{len(named) - MOST_NAMED} more"] if len(named) > MOST_NAMED else []
+    return "; ".join(named[:MOST_NAMED] + more)
+
+
+def _wrong(method: str, cells: list[Cell]) -> str:
+    known = " (known)" if all(c.excuse for c in cells) else ""
+    where = cells[0].scene if len(cells) == 1 else f"{cells[0].scene} and {count(len(cells) - 1, 'other scene')}"
+    return f"{method}{known} on {where}: {of_scene(cells[0].error)} off"
+
+
+def _pace(data: ReportData, engine: str) -> str:
+    """Return its median time over the cheapest other engine's at MIDDLE, of those that are ranked."""
+    factors = []
+    for scene in data.scenes:
+        found = {e.engine: e.best for e in entries(data, scene, MIDDLE) if e.best is not None}
+        rivals = [loop_time(best) for name, best in found.items() if name not in (engine, OURS)]
+        if engine in found and rivals:
+            factors.append(loop_time(found[engine]) / min(rivals))
+    if not factors:
+        return ""
+    middle = sorted(factors)[len(factors) // 2]
+    return f"{short(middle)} × the time of the best other engine (median of {count(len(factors), 'scene')})"

@@ -1,0 +1,48 @@
+"""Compile the solver's kernels before anything is run or timed: plane, space and particles side by side."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from cross_checks import engines
+from cross_checks.isolation.parent import Caller
+from cross_checks.records.naming import code_of, digest_of
+from cross_checks.records.store import Store
+from mbs_ref import scenes
+from mbs_ref.settings import Settings
+from reports.page.kept import recall, remembered
+from reports.page.workers import each
+
+CORES = {"plane": "pendulum", "space": "heavy_top", "particles": "kepler"}  # the smallest scene of each
+SOLVER = "mbs_ref"
+
+Report = Callable[[int, int, str], None]
+
+
+def compile_kernels(store: Store, report: Report) -> None:
+    """Run every method of the solver once on each core, unless the store knows that this code is compiled here."""
+    key = digest_of(["compiled", code_of(type(engines.get(SOLVER)).__module__)])
+    if recall(store, key, bool):
+        return
+    report(0, len(CORES), f"compiling {', '.join(CORES)}: a minute, once for each change of the solver")
+    for done, (core, _) in enumerate(each(list(CORES), _compile), 1):
+        report(done, len(CORES), f"compiled {core}")
+    remembered(store, key, bool, lambda: True)
+
+
+def _compile(call: Caller, core: str) -> None:
+    call(run_methods, CORES[core])
+
+
+def run_methods(scene: str) -> None:
+    """Run the first hundredth of a scene by every method that takes it."""
+    made, solver = scenes.make(scene), engines.get(SOLVER)
+    for method in solver.methods():
+        if not solver.method_refusals(made, method):
+            solver.run(made, _settings(method.name, method.kind, made.duration))
+
+
+def _settings(method: str, kind: str, duration: float) -> Settings:
+    short = {"t_end": 0.01 * duration, "samples": 2, "unresolved": "keep"}
+    knob = {"rtol": 1e-6} if kind == "adaptive" else {"step": 0.005 * duration}
+    return Settings(method=method, **short, **knob)  # type: ignore[arg-type]

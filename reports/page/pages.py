@@ -1,0 +1,75 @@
+"""The files of the report: what stands on which page."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from reports.page.report_data import ReportData
+from reports.page.section import Section
+from reports.page.sections import (
+    capabilities,
+    compliance,
+    convergence,
+    decisions,
+    energy,
+    environment,
+    extremes,
+    findings,
+    matrix,
+    method,
+    overview,
+    prices,
+    profiles,
+    records,
+    time_split,
+    truths,
+)
+from reports.page.slug import engine_file, scene_file
+from reports.studies.androids import section as androids
+from reports.studies.contact import section as contact
+from reports.studies.crashes import section as crashes
+from reports.studies.sky import section as sky
+from reports.studies.space import section as space
+
+INDEX = "index.html"
+STUDIES = {
+    "extremes.html": ("Extremes", (extremes,)),
+    "sky.html": ("The sky", (sky,)),
+    "contact.html": ("Contact and the tracked vehicle", (contact,)),
+    "androids.html": ("The crash androids", (crashes, androids)),
+    "space.html": ("Euler parameters", (space,)),
+}
+WRONG, ALL_SCENES, METHOD, CAN = "findings.html", "profiles.html", "method.html", "capabilities.html"
+
+
+@dataclass(frozen=True)
+class Page:
+    """A file of the report. `data` is what concerns it."""
+
+    file: str
+    title: str
+    data: ReportData
+    sections: tuple[Section, ...]
+    kind: str  # index | scene | engine | study | more: where its link stands
+
+
+def pages(data: ReportData) -> list[Page]:
+    """Return every page, the first screen first."""
+    return [
+        Page(INDEX, "mbs-ref report", data, _of(decisions, overview), "index"),
+        *(Page(scene_file(name), name, data.only(scene=name), SCENE, "scene") for name in data.scenes),
+        *(Page(engine_file(name), name, data.only(engine=name), ENGINE, "engine") for name in data.engines),
+        *(Page(file, title, data, _of(*modules), "study") for file, (title, modules) in STUDIES.items()),
+        Page(WRONG, "What went wrong", data, _of(findings), "more"),
+        Page(ALL_SCENES, "All scenes at once", data, _of(profiles), "more"),
+        Page(CAN, "What each engine can model", data, _of(capabilities), "more"),
+        Page(METHOD, "How it is judged and timed", data, _of(method, truths, environment), "more"),
+    ]
+
+
+def _of(*modules) -> tuple[Section, ...]:
+    return tuple(module.SECTION for module in modules)
+
+
+SCENE = _of(prices, matrix, compliance, energy, convergence, time_split, truths, records)
+ENGINE = _of(decisions, matrix, extremes, capabilities)

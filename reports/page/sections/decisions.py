@@ -1,0 +1,40 @@
+"""The first screen: for each engine one line to act on, and where to go next."""
+
+from __future__ import annotations
+
+from collections import Counter
+from typing import Any
+
+from reports.page.advice import advice
+from reports.page.numbers import count
+from reports.page.report_data import ReportData
+from reports.page.section import Section
+from reports.page.slug import engine_file
+from reports.page.verdicts import VERDICTS, verdict
+
+LEAD = (
+    "Which engine to trust for what, from the runs of this report. An error of 1e-6 is a millionth of the scene's own "
+    "size; times are of the integration loop at equal error."
+)
+
+
+def context(data: ReportData) -> dict[str, Any]:
+    return {"advice": advice(data), "files": {name: engine_file(name) for name in data.engines}, "told": told(data)}
+
+
+def told(data: ReportData) -> str:
+    """Say how many cells there are, and what became of them."""
+    if not data.cells:
+        return "No validation was run: this page holds no cells."
+    counts = Counter(cell.verdict for cell in data.cells)
+    words = [*VERDICTS, *(word for word in counts if word not in VERDICTS)]
+    parts = ", ".join(f"{counts[word]} {word}" for word in words if counts[word])
+    return f"{count(len(data.cells), 'cell')} of {count(len(data.scenes), 'scene')} and every method: {parts}."
+
+
+def tones(data: ReportData) -> Counter[str]:
+    """Count the cells by tone."""
+    return Counter(verdict(cell.verdict).tone for cell in data.cells)
+
+
+SECTION = Section("decisions", "Which engine for what", LEAD, context)

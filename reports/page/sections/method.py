@@ -1,0 +1,32 @@
+"""How this report judges and times."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from benchmarks.timing import BUSY
+from cross_checks.judge import search, verdict
+from reports.page import timing
+from reports.page.report_data import ReportData
+from reports.page.section import Section
+from reports.page.timed_loop import INSIDE
+from reports.page.timing import is_busy, is_timed
+
+LEAD = "The criteria of every verdict, as the judge's own source states them, and what a time holds."
+
+
+def context(data: ReportData) -> dict[str, Any]:
+    ranked = [record for record in data.records if is_timed(record)]
+    return {
+        "criteria": str(verdict.__doc__),
+        "search": str(search.__doc__),
+        "rule": str(timing.__doc__),
+        "inside": {name: INSIDE[name] for name in data.engines if name in INSIDE},
+        "ranked": len(ranked),
+        "busy": sum(is_busy(record) for record in ranked),
+        "busy_share": f"{BUSY:.0%}",
+        "most_steps": search.MOST_STEPS,
+    }
+
+
+SECTION = Section("method", "How it is judged and timed", LEAD, context)

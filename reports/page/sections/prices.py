@@ -1,0 +1,114 @@
+"""Cost at equal error on one scene: each engine's cheapest setting at each target, and the box that picks one."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from cross_checks.judge.search import TARGETS
+from reports.page.cheapest import Entry, entries, known_error, loop_time, usable
+from reports.page.numbers import duration, metres, setting, short
+from reports.page.plots.palette import styles
+from reports.page.plots.work_precision import work_precision
+from reports.page.report_data import OURS, ReportData
+from reports.page.section import Section
+from reports.page.timed_loop import INSIDE
+from reports.page.timing import is_busy, is_timed
+from reports.reproduce import command, scene_label
+
+LEAD = (
+    "The cheapest setting of each engine that comes within the target error, over the scene's own scales. Our own "
+    "solver stands below the ranking: it is no competitor here, but what the suite is built around."
+)
+WORDS = {
+    "not-tried": "not tried", "not-reached": "not reached", "unjudged": "not judged", "cannot": "cannot",
+    "reached": "reached",
+}  # fmt: skip
+
+
+def price_table(data: ReportData, scene: str) -> list[dict[str, Any]]:
+    """Return one block a target error, with a row an engine; the fastest of the ranked carries no factor."""
+    return [_block(data, scene, target) for target in TARGETS]
+
+
+def _block(data: ReportData, scene: str, target: float) -> dict[str, Any]:
+    found = entries(data, scene, target)
+    ranked = [e for e in found if e.engine != OURS]
+    first = next((e for e in ranked if e.best), None)
+    ordered = [*ranked, *(e for e in found if e.engine == OURS)]
+    return {"target": short(target), "rows": [_row(entry, first) for entry in ordered]}
+
+
+def _row(entry: Entry, first: Entry | None) -> dict[str, Any]:
+    row = {
+        "engine": entry.engine,
+        "ours": entry.engine == OURS,
+        "answer": entry.answer,
+        "inside": INSIDE.get(entry.engine, ""),
+    }
+    record = entry.best
+    if record is None or record.error is None:
+        told = f"{WORDS[entry.answer]}: {entry.reason or 'no reason was given'}"
+        named = f" ({entry.method})" if entry.method and entry.answer != "cannot" else ""
+        return row | {"missed": told + named}
+    return row | {
+        "missed": "",
+        "method": record.method,
+        "setting": setting(record.settings),
+        "error": short(record.error.value),
+        "metres": metres(record.error.metres),
+        "time": duration(loop_time(record)),
+        "spread": spread(record),
+        "factor": _factor(entry, first),
+        "command": command(record),
+    }
+
+
+def _factor(entry: Entry, first: Entry | None) -> str:
+    if first is None or first.best is None or entry.best is None:
+        return "alone"
+    return "cheapest" if entry is first else f"{short(loop_time(entry.best) / loop_time(first.best))} ×"
+
+
+def inside(data: ReportData) -> dict[str, str]:
+    """Return what lies inside the timed loop of each engine that was timed."""
+    return {
+        name: INSIDE[name] for name in data.engines if name in INSIDE and any(r.engine == name for r in data.records)
+    }
+
+
+def spread(record) -> str:
+    """Return the interval of the loop's times, and whether the machine was busy."""
+    if not is_timed(record):
+        return "one run, beside others"
+    times = record.times
+    told = f"{duration(times['loop_s'])} to {duration(times['loop_most_s'])} in {times['loop_runs']:.0f} runs"
+    return f"{told}; busy machine" if is_busy(record) else told
+
+
+def pick_rows(data: ReportData) -> list[dict[str, Any]]:
+    """Return what the pick box chooses from: every finished run with its cost and command."""
+    return [
+        {
+            "scene": scene_label(r.scene, r.parameters),
+            "engine": r.engine,
+            "method": r.method,
+            "setting": setting(r.settings),
+            "error": known_error(r),
+            "floor": r.error.floor if r.error else 0.0,
+            "compliance": r.measure("compliance_position"),
+            "ms": r.times["loop_s"] * 1e3,
+            "command": command(r),
+        }
+        for r in data.records
+        if usable(r)
+    ]
+
+
+def context(data: ReportData) -> dict[str, Any]:
+    style = styles(data.records, data.engines)
+    plots = {scene: work_precision(data.of_scene(scene), style) for scene in data.scenes if data.of_scene(scene)}
+    tables = {scene: price_table(data, scene) for scene in data.scenes}
+    return {"plots": plots, "tables": tables, "pick_rows": pick_rows(data), "inside": inside(data)}
+
+
+SECTION = Section("prices", "Cost at equal error", LEAD, context)

@@ -1,0 +1,57 @@
+"""Lines over a common axis, and films of a motion, as plain data that a page can draw without computing anything."""
+
+from __future__ import annotations
+
+import base64
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from mbs_ref.scene import Scene
+from mbs_ref.trajectory import Trajectory
+from reports.film import filmstrip, gif
+
+MOST_POINTS = 201  # of a line
+DIGITS = 6
+
+
+@dataclass(frozen=True)
+class Curves:
+    """What a small plot shows; every line has the x of all."""
+
+    x: tuple[float, ...]
+    lines: dict[str, tuple[float, ...]]
+    y_label: str
+    x_label: str = "t, s"
+    log: bool = False
+
+
+@dataclass(frozen=True)
+class Film:
+    """A motion in pictures: base64 of a GIF that plays it, and of a PNG strip of moments."""
+
+    gif: str
+    strip: str
+
+
+def curves(x: np.ndarray, lines: Mapping[str, np.ndarray], y_label: str, log: bool = False) -> Curves:
+    """Return lines thinned to MOST_POINTS and rounded to DIGITS; ValueError where one is not finite."""
+    every = max(1, (len(x) - 1) // (MOST_POINTS - 1))
+    return Curves(plain(x[::every]), {name: plain(line[::every]) for name, line in lines.items()}, y_label, log=log)
+
+
+def plain(values: Any) -> tuple[float, ...]:
+    """Return rounded floats; ValueError where one is not finite."""
+    found = np.asarray(values, dtype=float)
+    if not np.all(np.isfinite(found)):
+        raise ValueError("a curve holds a value that is not finite")
+    return tuple(float(f"{value:.{DIGITS}g}") for value in found)
+
+
+def film(scene: Scene, path: Trajectory, every: int) -> Film:
+    """Return the pictures of a motion, every so many samples."""
+    fields = ("times", "position", "orientation", "velocity", "angular_velocity")
+    few = replace(path, **{name: getattr(path, name)[::every] for name in fields})
+    return Film(*(base64.b64encode(picture).decode() for picture in (gif(scene, few), filmstrip(scene, few))))

@@ -1,0 +1,60 @@
+"""Loop times of what is ranked: when they are enough, and how a busy machine's are kept apart."""
+
+from __future__ import annotations
+
+import pytest
+
+from cross_checks.judge.ladder import grid
+from cross_checks.judge.one_run import evaluate
+from cross_checks.records.record import Record
+from cross_checks.records.store import Store
+from mbs_ref import scenes
+from mbs_ref.settings import Settings
+from reports.page import timing
+from reports.page.cheapest import contenders
+from reports.page.timing import is_busy, is_enough, is_timed, kept_times, timed
+from tests.reports.page.synthetic_report import report_data
+
+
+@pytest.fixture(scope="module")
+def record() -> Record:
+    scene = scenes.make("pendulum")
+    return evaluate(scene, "mbs_ref", Settings(method="rk4", step=scene.duration / 40), grid(scene))
+
+
+@pytest.mark.parametrize(
+    ("loops", "enough"),
+    [([1.0, 1.0], False), ([1.0, 1.01, 1.02], True), ([1.0, 1.2, 1.4], False), ([1.0, 2.0, 3.0, 4.0, 5.0], True)],
+)
+def test_runs_repeat_until_their_interval_is_narrow_or_the_bound_is_met(loops, enough):
+    assert is_enough([1e-3 * loop for loop in loops]) is enough
+
+
+def test_times_are_measured_once_and_kept(record, monkeypatch):
+    with Store() as store:
+        first = timed(store, [record], lambda done, total, what: None)[id(record)]
+        assert is_timed(first)
+        monkeypatch.setattr(timing, "time_loops", None)  # would not travel to another process
+        again = timed(store, [record], lambda done, total, what: None)[id(record)]
+        assert again.times == first.times
+
+
+def test_a_busy_machines_time_is_marked_and_gives_way_to_a_quiet_one(record):
+    with Store() as store:
+        store.keep_timings(timing._key(record), timing.machine() + timing.SHARED, [3.0, 3.0, 3.0])
+        busy = kept_times(store, record)
+        assert busy is not None
+        assert is_busy(busy)
+        store.keep_timings(timing._key(record), timing.machine(), [1.0, 1.0, 1.1])
+        quiet = kept_times(store, record)
+        assert quiet is not None
+        assert not is_busy(quiet)
+        assert (quiet.times["loop_s"], quiet.times["loop_most_s"]) == (1.0, 1.1)
+
+
+def test_only_what_may_win_is_timed():
+    data = report_data()
+    ranked = contenders(data)
+    assert 0 < len(ranked) < len(data.records) / 2
+    ours = {r.method for r in ranked if r.engine == "mbs_ref"}
+    assert ours == {"rk4"}, "the others are dearer by more than NEAR at every target"
