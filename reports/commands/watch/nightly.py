@@ -12,10 +12,11 @@ from pathlib import Path
 
 import click
 
-from benchmarks import history, record_changes, regression
+from benchmarks import history, record_changes
 from benchmarks.cluster import FULL
 from benchmarks.history import Entry
 from benchmarks.record_changes import Move
+from benchmarks.trees import regression
 from benchmarks.trees.regression import Finding
 from cross_checks.records import lines as record_file
 from mbs_ref import scenes
