@@ -86,8 +86,8 @@ def wait_for_a_line(file: Path) -> None:
 
 
 @pytest.mark.slow
-def test_a_check_shows_its_cells():
-    child = begin("check", "pendulum", "--engine", "mbs_ref", "--json")
+def test_a_check_shows_its_cells(tmp_path):
+    child = begin("check", "pendulum", "--engine", "mbs_ref", "--json", store=tmp_path / "runs.sqlite")
     out, errors = after_it_runs(child)
     assert child.returncode == 4, errors
     assert isinstance(json.loads(out), list)
