@@ -2,12 +2,17 @@
 SHELL := /bin/bash
 .SHELLFLAGS := -euo pipefail -c
 .DEFAULT_GOAL := help
-.PHONY: help venv test report lint nightly bench lock clean
+.PHONY: help venv test report lint nightly mutants bench lock clean
 
 BIN := .venv/bin
 STAMP := .venv/.installed
+# The nightly run's own environment: JPL's ephemerides, heyoka and LSODAR besides, so that nothing is skipped for good.
+NIGHT := .venv-nightly/bin
+NIGHT_STAMP := .venv-nightly/.installed
 # What the nightly run compares with: a git revision or a folder.
 BASELINE ?= HEAD~1
+# How long the nightly run begins new seeded defects; the next night goes on from there.
+MUTANT_MINUTES ?= 120
 CANDIDATES := python3.12 python3.13 python3.14 python3 python
 
 help:  ## this list
@@ -15,8 +20,9 @@ help:  ## this list
 
 venv: $(STAMP)  ## make .venv with everything the lock file pins
 
+# $(1) the environment's folder, $(2) its lock file.
 # A candidate is run, not looked up: a pyenv shim may exist and fail.
-$(STAMP): requirements.lock pyproject.toml
+define install
 	@for candidate in $(CANDIDATES); do \
 	  if "$$candidate" -c 'import sys, venv, ensurepip; sys.exit(sys.version_info < (3, 12))' >/dev/null 2>&1; \
 	  then python="$$candidate"; break; fi; \
@@ -24,15 +30,22 @@ $(STAMP): requirements.lock pyproject.toml
 	if [ -z "$${python:-}" ]; then \
 	  echo "mbs-ref needs Python 3.12 or newer with its venv module; none of $(CANDIDATES) is one here." >&2; exit 1; \
 	fi; \
-	if ! $(BIN)/python -c 'import sys, pip; sys.exit(sys.version_info < (3, 12))' >/dev/null 2>&1; then \
-	  rm -rf .venv; "$$python" -m venv .venv; \
+	if ! $(1)/bin/python -c 'import sys, pip; sys.exit(sys.version_info < (3, 12))' >/dev/null 2>&1; then \
+	  rm -rf $(1); "$$python" -m venv $(1); \
 	fi
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements.lock
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation --editable .
-	@touch $@
+	$(1)/bin/python -m pip install --quiet --disable-pip-version-check --require-hashes -r $(2)
+	$(1)/bin/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation --editable .
+	@touch $(1)/.installed
+endef
+
+$(STAMP): requirements.lock pyproject.toml
+	$(call install,.venv,requirements.lock)
+
+$(NIGHT_STAMP): requirements-nightly.lock pyproject.toml
+	$(call install,.venv-nightly,requirements-nightly.lock)
 
 test: venv  ## the tests that finish in minutes
-	$(BIN)/python -m pytest -n auto
+	$(BIN)/python -m pytest -n auto -rs
 
 report: venv  ## the main job: run the comparison and write reports/out/
 	$(BIN)/mbs-ref report
@@ -42,26 +55,34 @@ lint: venv  ## ruff and pyright
 	$(BIN)/pyright
 
 # Every step runs, whatever became of those before; the exit code printed is that of the first that failed.
-nightly: venv  ## the slow tests, the benchmarks, the full report, sweeps and the regression verdicts
+nightly: $(NIGHT_STAMP)  ## all tests, seeded defects, the benchmarks, the full report, sweeps and the regression verdicts
 	@mkdir -p reports/out; rm -f reports/out/bench.json reports/out/extremes.jsonl; failed=0; \
 	step() { echo "== $$*"; "$$@" || { code=$$?; echo "exit code $$code: $$*" >&2; \
 	  if [ $$failed -eq 0 ]; then failed=$$code; fi; }; }; \
-	step $(BIN)/python -m pytest -n auto -m slow; \
-	step $(BIN)/python -m pytest benchmarks -m '' --benchmark-only -p no:xdist --benchmark-json=reports/out/bench.json; \
-	step $(BIN)/mbs-ref certify; \
-	step $(BIN)/mbs-ref extremes --full -o reports/out/extremes.jsonl; \
-	step $(BIN)/mbs-ref report; \
+	step $(NIGHT)/python -m pytest -n auto -rs -m ''; \
+	step $(NIGHT)/python -m tests.mutants.run --slow --minutes $(MUTANT_MINUTES); \
+	step $(NIGHT)/python -m pytest benchmarks -m '' --benchmark-only -p no:xdist --benchmark-json=reports/out/bench.json; \
+	step $(NIGHT)/mbs-ref certify; \
+	step $(NIGHT)/mbs-ref extremes --full -o reports/out/extremes.jsonl; \
+	step $(NIGHT)/mbs-ref report; \
 	bench=; if [ -s reports/out/bench.json ]; then bench="--bench reports/out/bench.json"; fi; \
-	step $(BIN)/mbs-ref nightly --baseline $(BASELINE) $$bench --sweeps reports/out/sweeps --trends reports/out/trends.html; \
+	step $(NIGHT)/mbs-ref nightly --baseline $(BASELINE) $$bench --sweeps reports/out/sweeps --trends reports/out/trends.html; \
 	exit $$failed
+
+mutants: venv  ## seeded defects: does every one fail a test? goes on where it stopped
+	$(BIN)/python -m tests.mutants.run
 
 bench: venv  ## pytest-benchmark suites, alone on the machine
 	$(BIN)/python -m pytest benchmarks -m '' --benchmark-only -p no:xdist
 
+PINNED := --universal --python-version 3.12 --generate-hashes --no-emit-index-url --no-header --no-annotate --quiet
+EXTRAS := --extra engines --extra cluster --extra dev
+
 lock:  ## pin again what pyproject.toml asks for (needs uv)
-	uv pip compile pyproject.toml --extra engines --extra cluster --extra dev --universal --python-version 3.12 \
-	  --generate-hashes --no-emit-index-url --no-header --no-annotate --upgrade --quiet -o requirements.lock
+	uv pip compile pyproject.toml $(EXTRAS) $(PINNED) --upgrade -o requirements.lock
+	uv pip compile pyproject.toml $(EXTRAS) --extra ephemeris --extra heyoka --extra lsodar $(PINNED) --upgrade \
+	  -c requirements.lock -o requirements-nightly.lock
 
 clean:  ## remove everything that make made
-	rm -rf .venv build dist *.egg-info reports/out .pytest_cache .ruff_cache .hypothesis .benchmarks
+	rm -rf .venv .venv-nightly build dist *.egg-info reports/out .pytest_cache .ruff_cache .hypothesis .benchmarks
 	find . -name __pycache__ -prune -exec rm -rf {} +

@@ -3,51 +3,22 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass
-from math import factorial
-from typing import ClassVar, Literal
+from time import perf_counter
+from typing import Any, ClassVar
 
 import numpy as np
 
+from cross_checks.workshop.method import Method, Refusal, exponential
+from cross_checks.workshop.outcome import Loop, end_of
+from cross_checks.workshop.plan import Plan, output_times, plan_run
 from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings
-from mbs_ref.trajectory import Trajectory
+from mbs_ref.trajectory import Timing, Trajectory
 
+__all__ = ["Engine", "Method", "Poses", "Refusal", "exponential", "output_times"]
 
-@dataclass(frozen=True)
-class Method:
-    """One way an engine integrates."""
-
-    name: str
-    kind: Literal["fixed", "adaptive"]
-    order: int | None  # of convergence in the step, as documented; None where it varies
-    description: str
-    ladder: tuple[float, ...] = ()  # steps (s) or rtols a sweep tries, coarse to fine
-    requires: frozenset[str] = frozenset()  # traits the scene must have ...
-    excludes: frozenset[str] = frozenset()  # ... or must not have (see mbs_ref.scene.traits)
-    locates_events: bool = False  # touch-down, lift-off, slip; else contact forces are clipped by the state
-    stability: tuple[float, ...] = ()  # explicit fixed-step methods: coefficients of R(z), lowest power first
-    wrong_limit: str = ""  # why it is known to fail or converge elsewhere ...
-    weak_on: frozenset[str] = frozenset()  # ... on scenes with any of these traits: it excuses there, nowhere else
-
-    def excused(self, scene: Scene) -> str:
-        """Return why the method is known to go wrong on this very scene; empty where it is not."""
-        from mbs_ref.scene.traits import traits
-
-        return self.wrong_limit if self.weak_on & traits(scene) else ""
-
-
-def exponential(order: int) -> tuple[float, ...]:
-    """Return R(z) of an explicit method with as many stages as its order: exp(z) up to there."""
-    return tuple(1.0 / factorial(k) for k in range(order + 1))
-
-
-@dataclass(frozen=True)
-class Refusal:
-    """Why an engine cannot run a scene."""
-
-    reason: str
-    permanent: bool  # True: never, by its nature; False: not yet taught
+type Poses = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]  # position, orientation, velocity, angular velocity
+DRIVEN = "driven from Python"
 
 
 class Engine(ABC):
@@ -58,13 +29,19 @@ class Engine(ABC):
     3. `methods()` lists every method with its documented order; the first is the default.
     4. `part_types` names the scene parts translated (their `type` fields); everything else is refused.
     5. `refusals()` adds what depends on topology (see `traits`); it gives every reason at once.
-    6. `run()` builds, integrates and returns world poses and velocities at the asked times, exact
-       multiples of the step for fixed-step methods, never interpolated from coarse output.
-    7. An unknown or unsupported setting is a ValueError that names it, its value and what is allowed.
-    8. Failure is a status with a sentence: NaN, silent resets, silent step changes and missed
-       convergence are looked for here, because nobody else can.
-    9. Build, first call and loop are timed apart; the loop runs in the engine's own compiled code
-       where it has one, without output, hooks or verbosity.
+    6. `build()` returns the engine's model of the scene, at t = 0 and ready to go.
+    7. `first_call()` does what only the first call of the engine takes time for (compilation, allocation),
+       and leaves the model at t = 0.
+    8. `advance()` is what is timed: the engine's own loop to the output times, which are exact multiples of the
+       step for fixed-step methods and never interpolated from coarse output; in compiled code where the engine
+       has any, without output, hooks or verbosity, and without any check of ours.
+    9. `collect()` turns what the loop left into rows at the output times, and finds the failures that the engine
+       keeps to itself: silent resets, silent step changes, missed convergence. NaN is looked for by `run`.
+    10. `poses()` returns world poses and velocities of those rows, `reactions()` the joint reactions, if known.
+
+    `run` reads the settings, refuses what cannot be run, times build, first call and loop apart, and assembles the
+    trajectory. An engine that cannot be cut like this may override `run` itself: duties 8 to 10 are then its own,
+    and an unknown or unsupported setting is a ValueError that names it, its value and what is allowed.
     """
 
     name: ClassVar[str]
@@ -84,12 +61,66 @@ class Engine(ABC):
         """Return the reasons that follow from the scene's traits rather than its part types."""
         return []
 
-    @abstractmethod
+    def build(self, scene: Scene, plan: Plan) -> Any:
+        """Return the engine's model of the scene at t = 0."""
+        raise NotImplementedError(f"{self.name} must offer build, advance and poses, or a run of its own")
+
+    def first_call(self, model: Any, plan: Plan) -> None:  # noqa: B027 - most engines have nothing to do
+        """Do what takes time only once, and leave the model at t = 0."""
+
+    def advance(self, model: Any, plan: Plan) -> Any:
+        """Run the engine's loop and return a Loop, or what `collect` makes one of."""
+        raise NotImplementedError(f"{self.name} must offer build, advance and poses, or a run of its own")
+
+    def collect(self, model: Any, plan: Plan, left: Any) -> Loop:
+        """Return what the loop left as rows at the output times, outside the timed part."""
+        return left
+
+    def poses(self, model: Any, plan: Plan, states: np.ndarray) -> Poses:
+        """Return world poses and velocities of the first len(states) output times, as a Trajectory holds them."""
+        raise NotImplementedError(f"{self.name} must offer build, advance and poses, or a run of its own")
+
+    def reactions(self, model: Any, plan: Plan, states: np.ndarray, poses: Poses) -> dict[str, np.ndarray]:
+        """Return joint reactions as a Trajectory holds them; empty where the engine gives none."""
+        return {}
+
+    def notes(self, model: Any, plan: Plan) -> tuple[str, ...]:
+        """Return what the user should know of how this run was made."""
+        return ()
+
     def run(self, scene: Scene, settings: Settings, times: np.ndarray | None = None) -> Trajectory:
         """Integrate and return poses and velocities at `times` (s; the first is 0).
 
         Without `times`, `settings.samples` even ones from 0 to `settings.t_end` or the scene's duration.
         """
+        plan = plan_run(self, scene, settings, times)
+        if isinstance(plan, Trajectory):
+            return plan
+        start = perf_counter()
+        model = self.build(scene, plan)
+        built = perf_counter()
+        self.first_call(model, plan)
+        called = perf_counter()
+        left = self.advance(model, plan)
+        looped = perf_counter()
+        loop = self.collect(model, plan, left)
+        end = end_of(loop.states.reshape(len(loop.states), -1), plan.times, loop.end)
+        states = loop.states[: end.samples]
+        poses = self.poses(model, plan, states)
+        return Trajectory(
+            plan.times[: end.samples],
+            *poses,
+            end.status,
+            end.message or f"reached t = {plan.times[-1]:g} s",
+            steps=loop.steps,
+            rejected_steps=loop.rejected_steps,
+            rhs_calls=loop.rhs_calls,
+            timing=Timing(built - start, called - built, looped - called),
+            reactions=self.reactions(model, plan, states, poses) if settings.reactions else {},
+            notes=((DRIVEN,) if plan.method.driven_from_python else ()) + self.notes(model, plan),
+            used=plan.used,
+            unreported=end.unreported,
+        )
 
     def method(self, name: str | None) -> Method:
         """Return the named method, or the default; ValueError lists what is allowed."""
@@ -115,11 +146,3 @@ class Engine(ABC):
         reasons = [f"{method.name} needs a scene that is {t}" for t in sorted(method.requires - found)]
         reasons += [f"{method.name} cannot model a scene that is {t}" for t in sorted(method.excludes & found)]
         return [Refusal(reason, permanent=True) for reason in reasons]
-
-
-def output_times(scene: Scene, settings: Settings, times: np.ndarray | None) -> np.ndarray:
-    """Return the asked times, or the settings' even grid."""
-    if times is not None:
-        return np.asarray(times, dtype=float)
-    t_end = settings.t_end if settings.t_end is not None else scene.duration
-    return np.linspace(0.0, t_end, settings.samples)

@@ -6,7 +6,7 @@ from typing import Literal, Self
 
 from pydantic import Field, model_validator
 
-from mbs_ref.scene.part import NonNegative, Part, Positive
+from mbs_ref.scene.base.part import NonNegative, Part, Positive
 
 Stabilization = Literal["none", "baumgarte", "projection"]
 
@@ -28,7 +28,7 @@ class Settings(Part):
     events: Literal["located", "none"] | None = None
     max_events: int = Field(default=1_000_000, ge=1)  # located in one run
     refuse_unstable: bool = True  # an explicit fixed step that the linearised motion cannot bear does not run
-    unresolved: Literal["stop", "keep"] = "stop"  # a step or tolerance too coarse for the motion
+    estimate: Literal["on", "off"] = "on"  # of the error, by a second run after the timed loop
     ambiguous: Literal["stop", "continue"] = "stop"  # a start at rest in a singular pose, where branches meet
     project_initial: bool = False  # repair inconsistent initial conditions and report the correction
     reactions: bool = True  # evaluate joint reactions at the output times, after the timed loop

@@ -1,8 +1,9 @@
-"""simulate(scene, settings) -> Trajectory: a plan, a consistent start, the legs, the judgement of the step."""
+"""simulate(scene, settings) -> Trajectory: a plan, a consistent start, the legs, an estimate of the error."""
 
 from __future__ import annotations
 
 import time
+from dataclasses import replace
 
 import numpy as np
 
@@ -19,9 +20,9 @@ from mbs_ref.self_checks.consistent_start import (
     redundancy,
     unstable_step,
 )
+from mbs_ref.self_checks.error_estimate import ENDED, estimated
 from mbs_ref.self_checks.rank_watch import singular_passage
 from mbs_ref.self_checks.soundness import ambiguous_start, require_sound
-from mbs_ref.self_checks.step_judgement import judged
 from mbs_ref.settings import Settings
 from mbs_ref.trajectory import Status, Timing, Trajectory
 
@@ -37,10 +38,9 @@ def simulate(scene: Scene, settings: Settings | None = None, times: np.ndarray |
     constraint (unless they are to be projected). Everything later is a status with a sentence; Ctrl-C keeps
     what was computed.
 
-    A run with a fixed step is made again with half of it; one with a relative tolerance of 1e-5 and coarser, of a
-    million steps, or whose energy tells of a wrong phase (self_checks/energy_watch.py), with a tenth of the tolerance.
-    It is `unresolved` where the two part (self_checks/second_run.py). The second run's time is outside of `timing`;
-    unresolved = 'keep' leaves it out.
+    A run that ends well is made again with half of its step, or a tenth of its tolerances: what the two differ by
+    estimates the error (self_checks/error_estimate.py). It is `unresolved` where no output after the start has a digit
+    that holds. The second run's time is outside of `timing`; estimate = 'off' leaves it out.
     """
     settings = settings or Settings()
     plan = make_plan(scene, settings, times)
@@ -67,10 +67,9 @@ def simulate(scene: Scene, settings: Settings | None = None, times: np.ndarray |
     system.start_contacts(0.0, y, located)
     ready = time.perf_counter()
     run = run_legs(system, plan, y)
-    if run.status is Status.SUCCESS:
-        run = judged(system, plan, run)
     timing = Timing(build_s=built - started, first_call_s=ready - built, loop_s=run.loop_s)
-    return _trajectory(system, plan, run, notes, timing)
+    path = _trajectory(system, plan, run, notes, timing)
+    return _with_estimate(system, plan, run, path)
 
 
 def _refused(system: System, reason: str, status: Status = Status.REFUSED) -> Trajectory:
@@ -94,19 +93,33 @@ def _trajectory(system: System, plan: Plan, run: Run, notes: list[str], timing: 
         **system.poses(states)._asdict(),
         status=run.status,
         message=run.message,
-        steps=int(counts[0]),
-        rejected_steps=int(counts[1]),
-        rhs_calls=int(counts[2]),
-        events=int(counts[3]),
-        method_switches=int(counts[4]) if plan.integrator.switches else None,
+        steps=counts.steps,
+        rejected_steps=counts.rejected_steps,
+        rhs_calls=counts.rhs_calls,
+        events=counts.events,
+        method_switches=counts.switches if plan.integrator.switches else None,
         timing=timing,
         step_compliance=np.column_stack((times, run.compliance)),
-        notes=(*notes, *_switching(plan, int(counts[4])), *singular_passage(system, times, states)),
+        notes=(*notes, *_switching(plan, counts.switches), *singular_passage(system, times, states)),
         contacts=contacts,
         event_times=system.contact_events() if system.event_sources else None,
         event_names=system.event_sources,
         reactions=_reactions(system, plan, times, states),
     )
+
+
+def _with_estimate(system: System, plan: Plan, run: Run, path: Trajectory) -> Trajectory:
+    """Add the estimate of its error to a run that ended well, and say what it is worth."""
+    if run.status not in ENDED or plan.settings.estimate == "off":
+        return path
+    estimate = estimated(system, plan, run)
+    if estimate is None:
+        reason = "interrupted while a second run estimated the error of this one, which is complete"
+        return replace(path, status=Status.INTERRUPTED, message=reason)
+    remark = estimate.remark()
+    if estimate.is_void:
+        return replace(path, estimate=estimate, status=Status.UNRESOLVED, message=f"no output has a digit: {remark}")
+    return replace(path, estimate=estimate, notes=(*path.notes, remark) if remark else path.notes)
 
 
 def _switching(plan: Plan, count: int) -> tuple[str, ...]:

@@ -12,9 +12,9 @@ from dataclasses import dataclass
 import numpy as np
 from PIL import Image, ImageDraw
 
-from mbs_ref.cores.spatial.elements import normals, unit
 from mbs_ref.observables.attachment import Motion
 from mbs_ref.scene import GROUND, CoordinateDrive, Scene
+from mbs_ref.scene.base.directions import normals, unit
 from mbs_ref.scene.contact import CircleOnCircle, CircleOnLine, SphereOnPlane, SphereOnSphere
 from mbs_ref.trajectory import Trajectory
 

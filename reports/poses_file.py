@@ -20,6 +20,7 @@ def write_poses(trajectory: Trajectory, bodies: list[str], path: Path) -> None:
 
 def _npz(trajectory: Trajectory, bodies: list[str]) -> bytes:
     buffer = io.BytesIO()
+    estimate = trajectory.estimate
     np.savez_compressed(
         buffer,
         bodies=np.array(bodies),
@@ -28,6 +29,7 @@ def _npz(trajectory: Trajectory, bodies: list[str]) -> bytes:
         orientation=trajectory.orientation,
         velocity=trajectory.velocity,
         angular_velocity=trajectory.angular_velocity,
+        estimate=np.zeros(0) if estimate is None else estimate.over_time,  # (n_t,) m; none where it was not made
     )
     return buffer.getvalue()
 

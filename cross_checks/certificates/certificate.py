@@ -19,8 +19,7 @@ from cross_checks.certify import kept_poses
 from cross_checks.certify.kept_poses import KeptPoses
 from cross_checks.judge import ladder
 from cross_checks.judge.one_run import evaluate
-from cross_checks.records.record import MARGIN
-from cross_checks.truth import NoTruth, Truth
+from cross_checks.truth import MARGIN, NoTruth, Truth
 from cross_checks.truths import seek_truth
 from mbs_ref import scenes
 from mbs_ref.atomic_file import write_atomic
@@ -88,7 +87,7 @@ def keep_poses(scene: Scene) -> Path | None:
 
 
 def _confirmation(scene: Scene) -> tuple[str, float | None]:
-    """Run the reference solver at its finest: other equations and another integrator than the truth's."""
+    """Run the reference solver at its finest: it shares the scene's data with the truth, and no code of motion."""
     solver = engines.get("mbs_ref")
     fit = [method for method in solver.methods() if not solver.method_refusals(scene, method)]
     if solver.refusals(scene) or not fit:

@@ -5,21 +5,22 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from importlib.metadata import version
-from time import perf_counter
 from typing import Any, ClassVar
 
 import heyoka  # pyright: ignore[reportMissingImports]  # an optional extra
 import numpy as np
 
-from cross_checks.engine import Engine, Method, Refusal
-from cross_checks.workshop.outcome import End, Plan, end_of, plan_run, trajectory
+from cross_checks.engine import Engine, Method, Poses, Refusal
+from cross_checks.workshop.outcome import End, Loop
+from cross_checks.workshop.particles import of_particles
+from cross_checks.workshop.plan import Plan
 from mbs_ref.cores.choice import compile_scene
 from mbs_ref.scene import Scene
 from mbs_ref.scene.celestial import Oblateness
 from mbs_ref.scene.units import attraction, is_celestial
-from mbs_ref.settings import Settings
-from mbs_ref.trajectory import Status, Timing, Trajectory
+from mbs_ref.trajectory import Status
 
 TOLERANCES = (1e-6, 1e-9, 1e-12, 1e-15, 1e-18)  # of the Taylor series' remainder; 1e-18 is below roundoff
 UNROLLED = 3  # bodies; beyond, unrolled code takes minutes to compile
@@ -27,6 +28,15 @@ METHODS = (
     Method("taylor", "adaptive", None, "Taylor's method, order and step by the tolerance", TOLERANCES),
     Method("taylor_compensated", "adaptive", None, "the same with compensated sums", TOLERANCES),
 )
+
+
+@dataclass
+class Built:
+    """The equations of motion, and the integrator once it is compiled."""
+
+    equations: list[tuple[Any, Any]]
+    start: np.ndarray
+    integrator: Any = None
 
 
 class Heyoka(Engine):
@@ -47,22 +57,33 @@ class Heyoka(Engine):
             return [Refusal("the adapter writes free particles in space under gravity as series, nothing else", False)]
         return [Refusal(reason, False) for reason in _untaught(scene)]
 
-    def run(self, scene: Scene, settings: Settings, times: np.ndarray | None = None) -> Trajectory:
-        plan = plan_run(self, scene, settings, times)
-        if isinstance(plan, Trajectory):
-            return plan
-        begun = perf_counter()
-        equations, start = _equations(scene), _start(scene)
-        built = perf_counter()
-        integrator = _compiled(equations, start, plan)
-        compiled = perf_counter()
-        states, end, steps = _advance(integrator, plan, len(scene.bodies))
-        looped = perf_counter()
-        kept = states[: end.samples].reshape(-1, len(scene.bodies), 6)
-        turn = np.zeros((len(kept), len(scene.bodies), 4))
-        turn[:, :, 0] = 1.0
-        poses = (kept[:, :, :3], turn, kept[:, :, 3:], np.zeros_like(kept[:, :, 3:]))
-        return trajectory(plan, poses, end, Timing(built - begun, compiled - built, looped - compiled), steps=steps)
+    def build(self, scene: Scene, plan: Plan) -> Built:
+        return Built(_equations(scene), _start(scene))
+
+    def first_call(self, model: Built, plan: Plan) -> None:
+        """Compile machine code, which the construction of the integrator does."""
+        model.integrator = heyoka.taylor_adaptive(
+            model.equations, model.start.tolist(), tol=plan.rtol, compact_mode=len(model.start) > 6 * UNROLLED,
+            high_accuracy=plan.method.name == "taylor_compensated",
+        )  # fmt: skip
+
+    def advance(self, model: Built, plan: Plan) -> Loop:
+        """Stop at every asked time by a step that ends there: no dense output."""
+        integrator, steps = model.integrator, 0
+        states = np.full((len(plan.times), len(model.start)), np.nan)
+        states[0] = integrator.state
+        for k, t in enumerate(plan.times[1:].tolist(), start=1):
+            outcome, _, _, made, _, _ = integrator.propagate_until(t)
+            steps += made
+            if outcome != heyoka.taylor_outcome.time_limit:
+                end = End(k, Status.NON_FINITE, f"heyoka stopped before t = {t:g} s with {outcome}")
+                return Loop(states, end, steps)
+            states[k] = integrator.state
+        return Loop(states, End(len(plan.times)), steps)
+
+    def poses(self, model: Built, plan: Plan, states: np.ndarray) -> Poses:
+        both = states.reshape(len(states), -1, 6)
+        return of_particles(both[:, :, :3], both[:, :, 3:])
 
 
 ENGINE = Heyoka
@@ -132,26 +153,3 @@ def _legendre_slope(n: int, s: Any) -> Any:
     for coefficient in powers[-2::-1]:
         total = total * s + float(coefficient)
     return total
-
-
-def _compiled(equations: list[tuple[Any, Any]], start: np.ndarray, plan: Plan) -> Any:
-    """Return the integrator; its construction compiles machine code."""
-    return heyoka.taylor_adaptive(
-        equations, start.tolist(), tol=plan.rtol, compact_mode=len(start) > 6 * UNROLLED,
-        high_accuracy=plan.method.name == "taylor_compensated",
-    )  # fmt: skip
-
-
-def _advance(integrator: Any, plan: Plan, n: int) -> tuple[np.ndarray, End, int]:
-    """Stop at every asked time by a step that ends there: no dense output."""
-    states = np.full((len(plan.times), 6 * n), np.nan)
-    steps, end = 0, End(len(plan.times))
-    for k, t in enumerate(plan.times):
-        if t > 0.0:
-            outcome, _, _, made, _, _ = integrator.propagate_until(float(t))
-            steps += made
-            if outcome != heyoka.taylor_outcome.time_limit:
-                end = End(k, Status.NON_FINITE, f"heyoka stopped before t = {t:g} s with {outcome}")
-                break
-        states[k] = integrator.state
-    return states, end_of(states, plan.times, end), steps

@@ -14,22 +14,12 @@ from mbs_ref.cores.choice import compile_scene, core_name
 from mbs_ref.integrators import integrators
 from mbs_ref.integrators.loop.leg import Integrator
 from mbs_ref.scene import Scene
-from mbs_ref.scene.celestial import CELESTIAL_TYPES
-from mbs_ref.scene.traits import NO_DEFLECTIONS, deflecting
+from mbs_ref.scene.traits import NO_DEFLECTIONS, PART_TYPES, deflecting
 from mbs_ref.scene.units import is_celestial
 from mbs_ref.self_checks.soundness import UnsoundScene
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import InconsistentScene, simulate
 from mbs_ref.trajectory import Status, Trajectory
-
-PART_TYPES = (
-    "planar spatial point_mass revolute spherical universal cylindrical prismatic weld distance point_on_plane "
-    "coordinate_drive point_drive rotation_drive "
-    "force torque torque_vector spring_damper torsion_spring bushing point_bushing user_force "
-    "circle_on_line circle_on_circle pin_on_sprocket sphere_on_plane sphere_on_sphere "
-    "spring_damper_law progressive_law hunt_crossley_law lankarani_nikravesh_law flores_law rigid_law "
-    "constraint_law regularised_coulomb stick_slip coordinate_event distance_event"
-)
 
 
 class MbsRef(Engine):
@@ -38,7 +28,7 @@ class MbsRef(Engine):
     name: ClassVar[str] = "mbs_ref"
     package: ClassVar[str] = "mbs_ref"
     checks_start: ClassVar[bool] = True
-    part_types: ClassVar[frozenset[str]] = frozenset(PART_TYPES.split()) | CELESTIAL_TYPES
+    part_types: ClassVar[frozenset[str]] = frozenset(PART_TYPES)
 
     def methods(self) -> tuple[Method, ...]:
         return tuple(_method(entry) for entry in integrators().values())

@@ -6,20 +6,20 @@
 from __future__ import annotations
 
 from importlib.util import find_spec
-from time import perf_counter
 from typing import Any, ClassVar
 
 import numpy as np
 import rebound
 
-from cross_checks.engine import Engine, Method, Refusal
-from cross_checks.workshop.outcome import End, Plan, end_of, plan_run, trajectory
+from cross_checks.engine import Engine, Method, Poses, Refusal
+from cross_checks.workshop.outcome import End, Loop
+from cross_checks.workshop.particles import of_particles
+from cross_checks.workshop.plan import Plan
 from mbs_ref.cores.choice import compile_scene
 from mbs_ref.scene import Scene
 from mbs_ref.scene.celestial import Oblateness, Relativity
 from mbs_ref.scene.units import attraction, free_fall_time, is_celestial
-from mbs_ref.settings import Settings
-from mbs_ref.trajectory import Status, Timing, Trajectory
+from mbs_ref.trajectory import Status
 
 STEPS = (4e-2, 2e-2, 1e-2, 5e-3, 2.5e-3)  # s; WHFast and SABA, in time units of the Kepler scene
 EPSILONS = (1e-3, 1e-5, 1e-7, 1e-9)  # IAS15's own measure; its default 1e-9 is machine precision
@@ -58,22 +58,33 @@ class Rebound(Engine):
             return [Refusal(f"{method.name} splits Newton's forces alone; with reboundx's it loses its order", True)]
         return super().method_refusals(scene, method)
 
-    def run(self, scene: Scene, settings: Settings, times: np.ndarray | None = None) -> Trajectory:
-        plan = plan_run(self, scene, settings, times)
-        if isinstance(plan, Trajectory):
-            return plan
-        begun = perf_counter()
+    def build(self, scene: Scene, plan: Plan) -> tuple[Any, Any]:
+        """Return the simulation and its extras, which must stay alive."""
         simulation, extras = _simulation(scene)
         _choose(simulation, plan, free_fall_time(scene))
-        built = perf_counter()
-        states, end, steps = _advance(simulation, plan, len(scene.bodies))
-        looped = perf_counter()
-        del extras
-        kept = states[: end.samples]
-        turn = np.zeros((len(kept), len(scene.bodies), 4))
-        turn[:, :, 0] = 1.0
-        poses = (kept[:, :, :3], turn, kept[:, :, 3:], np.zeros_like(kept[:, :, 3:]))
-        return trajectory(plan, poses, end, Timing(built - begun, 0.0, looped - built), steps=steps)
+        return simulation, extras
+
+    def advance(self, model: tuple[Any, Any], plan: Plan) -> np.ndarray:
+        simulation, fixed = model[0], plan.method.kind == "fixed"
+        states = np.empty((len(plan.times), 2, simulation.N, 3))
+        _read(simulation, states[0])
+        for k, t in enumerate(plan.times[1:].tolist(), start=1):
+            if fixed:
+                simulation.steps(plan.counts[k - 1])
+                simulation.synchronize()
+            else:
+                simulation.integrate(t)
+            _read(simulation, states[k])
+        return states
+
+    def collect(self, model: tuple[Any, Any], plan: Plan, left: np.ndarray) -> Loop:
+        simulation = model[0]
+        late = abs(simulation.t - plan.times[-1]) > 1e-9 * plan.times[-1]
+        end = End(len(left), Status.RESET, f"the clock stands at {simulation.t:g} s") if late else End(len(left))
+        return Loop(left, end, int(simulation.steps_done))
+
+    def poses(self, model: tuple[Any, Any], plan: Plan, states: np.ndarray) -> Poses:
+        return of_particles(states[:, 0], states[:, 1])
 
 
 ENGINE = Rebound
@@ -144,23 +155,5 @@ def _choose(simulation: Any, plan: Plan, free_fall: float) -> None:
         simulation.integrator.eps_rel, simulation.integrator.eps_abs = plan.rtol, plan.atol
 
 
-def _advance(simulation: Any, plan: Plan, n: int) -> tuple[np.ndarray, End, int]:
-    states = np.full((len(plan.times), n, 6), np.nan)
-    fixed = plan.method.kind == "fixed"
-    for k, t in enumerate(plan.times):
-        if t > 0.0:
-            if fixed:
-                simulation.steps(plan.counts[k - 1])
-                simulation.synchronize()
-            else:
-                simulation.integrate(t)
-        _read(simulation, states[k])
-    late = abs(simulation.t - plan.times[-1]) > 1e-9 * plan.times[-1]
-    end = End(len(states), Status.RESET, f"the clock stands at {simulation.t:g} s") if late else End(len(states))
-    return states, end_of(states.reshape(len(states), -1), plan.times, end), int(simulation.steps_done)
-
-
 def _read(simulation: Any, out: np.ndarray) -> None:
-    flat = np.empty((2, len(out), 3))
-    simulation.serialize_particle_data(xyz=flat[0], vxvyvz=flat[1])
-    out[:, :3], out[:, 3:] = flat
+    simulation.serialize_particle_data(xyz=out[0], vxvyvz=out[1])

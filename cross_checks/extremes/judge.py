@@ -4,7 +4,8 @@ The rule, the same for every engine, ours included:
 
 - survived: it reported success and the error is at most the extreme's `good`;
 - stopped: it refused or stopped and said why; so did our own checks for a run that never came back;
-- degraded: it reported success, and the error is above `good` but no lie (see below);
+- degraded: it reported success, and the error is above `good` but no lie (see below), or its own estimate of the
+  error says that it is another motion, off by more than `wrong`;
 - silently-wrong: it reported success, or said nothing, and yet gave NaN, restarted its clock, accepted what
   has no right answer, or is off by more than the extreme's `wrong`, whatever its tolerance. Errors are shares
   of the motion's size: one of 1 is as large as the motion.
@@ -63,9 +64,8 @@ def judge(extreme: Extreme, case: Case, value: float, found: Trajectory | tuple[
     if not found.ok:
         return _stopped(case, value, str(found.status), found.message)
     if case.must_stop:
-        reason = "it accepted what has no right answer"
-        return Point(value, Fate.SILENTLY_WRONG, False, True, None, str(found.status), reason)
-    return _by_error(extreme, value, case.measure(case.scene, found))
+        return _accepted(extreme, value, found)
+    return _by_error(extreme, value, case.measure(case.scene, found), found)
 
 
 def lost(value: float, status: str, message: str) -> Point:
@@ -79,10 +79,29 @@ def _stopped(case: Case, value: float, status: str, message: str) -> Point:
     return Point(value, Fate.STOPPED, right, False, None, "refused" if status == CANNOT else status, message)
 
 
-def _by_error(extreme: Extreme, value: float, error: float) -> Point:
+def _accepted(extreme: Extreme, value: float, found: Trajectory) -> Point:
+    """Judge a success where there is no right answer: to say that it is another motion is as good as a refusal."""
+    said = _says_wrong(extreme, found)
+    reason = f"it says itself that {said}" if said else "it accepted what has no right answer"
+    fate = Fate.DEGRADED if said else Fate.SILENTLY_WRONG
+    return Point(value, fate, bool(said), not said, None, str(found.status), reason)
+
+
+def _says_wrong(extreme: Extreme, found: Trajectory) -> str:
+    """Return the run's own words that it is off by more than `wrong` of the motion's size, or nothing."""
+    estimate = found.estimate
+    if estimate is None or estimate.poses[-1] <= extreme.wrong * estimate.size:
+        return ""
+    return estimate.remark()
+
+
+def _by_error(extreme: Extreme, value: float, error: float, found: Trajectory) -> Point:
     if not math.isfinite(error) or error > extreme.wrong:
         shown = f"{error:.2g} of the motion's size" if math.isfinite(error) else "beyond all measure"
         reason = f"success, but the error is {shown}; more than {extreme.wrong:.2g} is another motion"
+        said = _says_wrong(extreme, found)
+        if said:
+            return Point(value, Fate.DEGRADED, False, False, _finite(error), "success", f"{reason}; it says so: {said}")
         return Point(value, Fate.SILENTLY_WRONG, False, True, _finite(error), "success", reason)
     fate = Fate.SURVIVED if error <= extreme.good else Fate.DEGRADED
     reason = f"error {error:.2g} of the motion's size"

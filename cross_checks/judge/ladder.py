@@ -39,8 +39,8 @@ def settings_at(method: Method, scene: Scene, knob: float) -> Settings:
     if method.kind == "adaptive":
         rtol = float(f"{max(TIGHTEST, knob):.{DIGITS - 1}e}")
         scales = scales_of(scene)
-        return Settings(method=method.name, rtol=rtol, atol=rtol * min(scales.length, scales.speed), unresolved="keep")
-    return Settings(method=method.name, step=fitted(knob, scene.duration / (SAMPLES - 1)), unresolved="keep")
+        return Settings(method=method.name, rtol=rtol, atol=rtol * min(scales.length, scales.speed), estimate="off")
+    return Settings(method=method.name, step=fitted(knob, scene.duration / (SAMPLES - 1)), estimate="off")
 
 
 def knob_of(settings: Settings) -> float:

@@ -76,7 +76,8 @@ def _smallest_arm(scene: Scene) -> float:
 
 def _history(path: Trajectory, curves: dict[str, Any], error: np.ndarray | None) -> dict[str, list[float]]:
     plotted = {name: curve for name, curve in curves.items() if metrics.every()[name].plotted}
-    every = {"t": path.times, "error": error, **plotted}
+    estimate = None if path.estimate is None else path.estimate.over_time
+    every = {"t": path.times, "error": error, "estimate": estimate, **plotted}
     known = {name: c for name, c in every.items() if isinstance(c, np.ndarray) and np.isfinite(c).all()}
     return {name: curve.tolist() for name, curve in known.items()}
 

@@ -146,6 +146,7 @@ def record_of(engine: Engine, settings: Settings, judged: Judged) -> Record:
         steps=int(path.steps),
         rhs_calls=int(path.rhs_calls),
         final=final_state(scene, path),
+        estimate=None if path.estimate is None else path.estimate.to_dict(),
         times={key: float(getattr(path.timing, key)) for key in ("build_s", "first_call_s", "loop_s")},
         versions=_versions(engine),
         **measure(judged),

@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from itertools import pairwise
 from typing import Literal
 
 from cross_checks.engine import Method
@@ -34,6 +35,7 @@ BACK = 4.0  # factor to a finer step after one that was refused or failed; its s
 MOST_BACK = 10  # such steps in a row
 FIRST_RTOL, FIRST_STEP = 1e-5, 5e-3  # where the search begins; steps in s, or in free-fall times
 STABLE = 0.7  # of the step that the linearised motion bears
+TINY = 1e-300  # an error of zero has no logarithm
 ENOUGH = 3  # runs that show whether a method converges
 STALLED = 0.5  # of the error before: less progress than this, and refining does not help
 
@@ -168,15 +170,19 @@ def _is_close(tried: Tried, coarser: float, knob: float) -> bool:
 
 
 def _aimed(tried: Tried, error: float) -> float:
-    """Return the setting at which a power law through the runs nearest to `error` meets it."""
+    """Return the setting at which a power law through the runs nearest to `error` meets it.
+
+    Where two runs show no order that a method can have, as where coarse ones are held up by the outputs that they land
+    on, the documented one tells where to go from the finer of them.
+    """
     good = tried.good()
+    near = sorted(good, key=lambda run: (abs(math.log(max(run[1], TINY) / error)), run[0]))[:2]
+    knob, found = min(near) if error < min(e for _, e in good) else near[0]
     order = tried.order
-    near = sorted(good, key=lambda run: abs(math.log(max(run[1], 1e-300) / error)))[:2]
-    if len(near) == 2 and near[0][1] > 0.0 and near[1][1] > 0.0 and near[0][1] != near[1][1]:
+    if len(near) == 2 and near[0][1] > 0.0 and near[1][1] > 0.0:
         slope = math.log(near[0][1] / near[1][1]) / math.log(near[0][0] / near[1][0])
-        order = min(max(slope, 0.5 * order), 2.0 * order)
-    knob, found = near[0]
-    wanted = knob * (error / max(found, 1e-300)) ** (1.0 / order)
+        order = slope if 0.5 * order <= slope <= 2.0 * order else order
+    wanted = knob * (error / max(found, TINY)) ** (1.0 / order)
     failed = [other for other in tried.knobs if tried.records[other].status != "success" and other > good[0][0]]
     if failed and wanted >= min(failed):  # between the finest that failed and the coarsest that did not
         wanted = math.sqrt(min(failed) * good[0][0])
@@ -184,12 +190,11 @@ def _aimed(tried: Tried, error: float) -> float:
 
 
 def _is_over(tried: Tried) -> bool:
-    """Whether the finest runs no longer improve, or finer ones fail: a limit of its own, roundoff, or its end."""
-    good = tried.good()
-    if len(good) < 3:
-        return False
-    last = [error for _, error in good[-3:]]
-    return last[1] > STALLED * last[0] and last[2] > STALLED * last[1]
+    """Whether two refinements in a row that promised a better run, at half the order, did not give it."""
+    good = tried.good()[-3:]
+    promised = [(a[0] / b[0]) ** (0.5 * tried.order) >= 1.0 / STALLED for a, b in pairwise(good)]
+    kept = [b[1] <= STALLED * a[1] for a, b in pairwise(good)]
+    return len(good) == 3 and all(promised) and not any(kept)
 
 
 def _is_shown(tried: Tried) -> bool:

@@ -110,10 +110,11 @@ def _by_error(good: Sequence[Point], order: float, uncertainty: float) -> tuple[
     errors = [point.error for point in good if point.error is not None]
     last, finest = good[-1], errors[-1]
     inside = [k for k, error in enumerate(errors) if error <= AGREEMENT]
-    if inside and finest <= AGREEMENT and inside == list(range(inside[0], len(errors))):
+    tail = len(errors) - 1 - max((k for k, error in enumerate(errors) if error > AGREEMENT), default=-1)
+    if tail:
         if uncertainty > AGREEMENT / MARGIN:
             return Verdict.BELOW_TRUTH, f"{finest:.1e} at {last.setting}, and the truth is known to {uncertainty:.1e}"
-        if len(inside) >= 2 or (len(errors) >= 2 and _slope(good[-2], last) >= 0.5 * order):
+        if tail >= 2 or (len(errors) >= 2 and _slope(good[-2], last) >= 0.5 * order):
             return Verdict.AGREES, f"{finest:.1e} from the truth at {last.setting}"
         return Verdict.NOT_SHOWN, f"only {last.setting} reaches {finest:.1e}: one run shows no convergence"
     if inside:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from cross_checks.records.record import MARGIN
+from cross_checks.truth import MARGIN
 
 ROUNDOFF = 1e-10  # m; thousands of steps of double rounding, magnified by the motion
 ASYMPTOTIC = 1e-1  # m; larger errors are not yet in the regime where the order shows

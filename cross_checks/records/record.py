@@ -68,7 +68,8 @@ class Record:
     figures: dict[str, float] = field(default_factory=dict)  # body -> significant figures, against an ephemeris
     contact: dict[str, float] = field(default_factory=dict)  # restitution, ... by "contact: figure, unit"
     events: dict[str, list[float]] = field(default_factory=dict)  # declared event -> its times (s), where located
-    history: dict[str, list[float]] = field(default_factory=dict)  # t, error and the plotted metrics' curves
+    estimate: dict[str, Any] | None = None  # of the error, by the run itself: value, unit, how, holds_until (s), ...
+    history: dict[str, list[float]] = field(default_factory=dict)  # t, error, estimate and the plotted metrics' curves
 
     def measure(self, name: str) -> float | None:
         """Return a metric's figure; None where it is not defined."""

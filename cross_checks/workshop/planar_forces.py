@@ -8,13 +8,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from cross_checks.engine import Refusal
+from cross_checks.workshop.method import Refusal
 from cross_checks.workshop.planar_motion import arrays_of, motion_of, project
 from cross_checks.workshop.planar_tree import JointTree
 from mbs_ref.cores.planar.system import PlanarSystem
 from mbs_ref.scene import Scene
 from mbs_ref.scene.contact import FloresLaw, LankaraniNikraveshLaw, RigidLaw, StickSlip
 
+SHARED = "loads and contacts come from the shared force code, called through Python"
 # what gives a force that follows from the state alone
 CLIPPED_CONTACTS = frozenset(
     {"circle_on_line", "circle_on_circle", "pin_on_sprocket"}

@@ -2,93 +2,41 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from mbs_ref.kernels.contact import laws as shared
 from mbs_ref.scene import Scene
-from mbs_ref.scene.contact import (
-    ConstraintLaw,
-    FloresLaw,
-    HuntCrossleyLaw,
-    LankaraniNikraveshLaw,
-    ProgressiveLaw,
-    RegularisedCoulomb,
-    RigidLaw,
-    SpringDamperLaw,
-    StickSlip,
-)
+from mbs_ref.scene.contact import FrictionNumbers
 
 NOISE = 1e-13  # of the scene's size in metres (at least 1 m): above what roundoff and projection leave of a gap
 MOST_LOGGED = 100_000  # events of one run whose modes are kept for output
 
 
-@dataclass(frozen=True)
-class _Law:
-    """One row of ContactLaws without friction."""
-
-    stiffness: float = 0.0
-    damping: float = 0.0
-    exponent: float = 1.0
-    damping_exponent: float = 0.0
-    impact_damping: float = 0.0
-    slowest: float = 1.0
-    release: int = shared.RELEASE_GAP
-    restitution: float = 0.0
-
-
-def _spring_damper(law: SpringDamperLaw) -> _Law:
-    release = shared.RELEASE_FORCE if law.release == "force" else shared.RELEASE_GAP
-    return _Law(law.stiffness, law.damping, release=release)
-
-
-def _by_impact_speed(law: Any, factor: float) -> _Law:
-    return _Law(law.stiffness, 0.0, law.exponent, law.exponent, factor, law.slowest)
-
-
-_LAWS: dict[type, Any] = {
-    SpringDamperLaw: _spring_damper,
-    ProgressiveLaw: lambda law: _Law(law.stiffness, law.damping, 1.0, 1.0),
-    HuntCrossleyLaw: lambda law: _Law(law.stiffness, law.damping, law.exponent, law.exponent),
-    LankaraniNikraveshLaw: lambda law: _by_impact_speed(law, 0.75 * (1.0 - law.restitution**2)),
-    FloresLaw: lambda law: _by_impact_speed(law, 1.6 * (1.0 - law.restitution) / law.restitution),
-    RigidLaw: lambda law: _Law(release=shared.RELEASE_RIGID, restitution=law.restitution),
-    ConstraintLaw: lambda law: _Law(release=shared.RELEASE_CONSTRAINT),
-}
-_FRICTIONS: dict[type, int] = {
-    type(None): shared.FRICTION_NONE,
-    RegularisedCoulomb: shared.FRICTION_SMOOTH,
-    StickSlip: shared.FRICTION_STICK_SLIP,
-}
+_RELEASES = {
+    "gap": shared.RELEASE_GAP, "force": shared.RELEASE_FORCE, "rigid": shared.RELEASE_RIGID,
+    "constraint": shared.RELEASE_CONSTRAINT,
+}  # fmt: skip
+_FRICTIONS = {
+    "none": shared.FRICTION_NONE, "smooth": shared.FRICTION_SMOOTH, "stick_slip": shared.FRICTION_STICK_SLIP
+}  # fmt: skip
 
 
 def contact_laws(scene: Scene, slots: dict[int, int]) -> shared.ContactLaws:
     """Return the laws and frictions; `slots` holds the row of each constraint contact, by its place."""
-    laws: list[_Law] = [_LAWS[type(part.law)](part.law) for part in scene.contacts]
-    frictions: list[Any] = [part.friction for part in scene.contacts]
-
-    def of_law(field: str) -> np.ndarray:
-        return np.array([getattr(law, field) for law in laws], dtype=np.int64 if field == "release" else float)
-
-    def of_friction(field: str, default: float = 0.0) -> np.ndarray:
-        values = [getattr(friction, field, default) for friction in frictions]
-        return np.array([default if value is None else value for value in values], dtype=float)
-
-    sticking = [isinstance(friction, StickSlip) for friction in frictions]
-    static = [f.coefficient if s and f.static is None else getattr(f, "static", 0.0) for f, s in
-              zip(frictions, sticking, strict=True)]  # fmt: skip
-    return shared.ContactLaws(
-        **{name: of_law(name) for name in _Law.__dataclass_fields__},
-        friction=np.array([_FRICTIONS[type(friction)] for friction in frictions], dtype=np.int64),
-        coefficient=of_friction("coefficient"),
-        static=np.array(static, dtype=float),
-        creep=of_friction("speed", 1.0),
-        grip_stiffness=of_friction("stiffness"),
-        grip_damping=of_friction("damping"),
-        slot=np.array([slots.get(k, -1) for k in range(len(laws))], dtype=np.int64),
-    )
+    laws = [part.law.numbers() for part in scene.contacts]
+    frictions = [part.friction.numbers() if part.friction else FrictionNumbers() for part in scene.contacts]
+    numbers = [law._asdict() | friction._asdict() for law, friction in zip(laws, frictions, strict=True)]
+    coded = {
+        "release": [_RELEASES[law.release] for law in laws],
+        "friction": [_FRICTIONS[friction.kind] for friction in frictions],
+        "slot": [slots.get(k, -1) for k in range(len(laws))],
+    }
+    arrays: dict[str, Any] = {name: np.array(values, dtype=np.int64) for name, values in coded.items()}
+    plain = (name for name in shared.ContactLaws._fields if name not in coded)
+    arrays |= {name: np.array([row[name] for row in numbers], dtype=float) for name in plain}
+    return shared.ContactLaws(**arrays)
 
 
 def contact_noise(scene: Scene) -> float:
@@ -97,6 +45,5 @@ def contact_noise(scene: Scene) -> float:
 
 
 def contact_modes(scene: Scene, count: int) -> shared.ContactModes:
-    """Return `count` modes before a run has settled them; in space an anchor has two numbers."""
-    anchors = 2 if scene.dimension == 3 else None
-    return shared.fresh_modes(count, contact_noise(scene), MOST_LOGGED, anchors)
+    """Return `count` modes before a run has settled them."""
+    return shared.fresh_modes(count, contact_noise(scene), MOST_LOGGED, scene.dimension)

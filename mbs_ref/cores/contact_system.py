@@ -66,8 +66,8 @@ class ContactSystem(System):
         The modes of each time are replayed from the log of events, so the states must be the last run's.
         """
         self.prepare(core.REPORT)
-        found = np.zeros((len(times), len(self.scene.contacts), 1 + 2 * self.scene.dimension))
+        forces = np.zeros((len(times), len(self.scene.contacts), 1 + 2 * self.scene.dimension))
         for place, (t, y) in enumerate(zip(times, states, strict=True)):
             self.recall_modes(t)
-            core.call_contact_forces(self.model, self.work, float(t), y, found[place])
-        return {part.name: found[:, k] for k, part in enumerate(self.scene.contacts)}
+            core.call_contact_forces(self.model, self.work, float(t), y, forces[place])
+        return {part.name: forces[:, k] for k, part in enumerate(self.scene.contacts)}

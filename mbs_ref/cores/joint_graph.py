@@ -3,21 +3,17 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable
-from dataclasses import dataclass, field
-from typing import Any
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from mbs_ref.scene import CoordinateDrive, Distance, PointDrive, Prismatic, Revolute, Scene, Weld
-from mbs_ref.scene.traits import joint_ends
+from mbs_ref.scene import Scene
+from mbs_ref.scene.base.rows import Prescribed, PrescribedAngle, Product, Row, SameAngle, SharedPoint, Turn
 
 MAX_ROWS = 3  # a planar body cannot lose more than three freedoms to one neighbour
-
-
-def row_count(joint: Any) -> int:
-    """Return the number of constraint rows of a planar joint."""
-    return {"revolute": 2, "prismatic": 2, "weld": 3}.get(joint.type, 1)
+INDEPENDENT = 0.1  # least singular value of unit directions that count as independent
+PARALLEL = 1e-9  # sine of the angle between axes that count as one
 
 
 @dataclass
@@ -27,7 +23,11 @@ class Edge:
     a: int  # scene index, -1 for ground
     b: int
     joints: list[int] = field(default_factory=list)  # indices into scene.joints
-    rows: int = 0
+    rows: list[Row] = field(default_factory=list)
+
+    @property
+    def count(self) -> int:
+        return row_count(self.rows)
 
 
 @dataclass
@@ -40,64 +40,84 @@ class Layout:
     closures: list[Edge]
 
 
-def _translation(joint: Any, scene: Scene) -> tuple[tuple[float, ...], np.ndarray] | None:
-    """Return the point and the directions (k, 2) a joint fixes, or None."""
-    if isinstance(joint, Revolute | Weld):
-        return joint.point, np.eye(2)
-    if isinstance(joint, PointDrive):
-        return joint.point, np.array([joint.direction]) / np.linalg.norm(joint.direction)
-    if isinstance(joint, CoordinateDrive) and joint.coordinate != "angle":
-        centre = scene.bodies[scene.body_index(joint.body)].position
-        return centre, np.array([[1.0, 0.0] if joint.coordinate == "x" else [0.0, 1.0]])
-    return None
+def joint_rows(scene: Scene) -> list[list[Row]]:
+    """Return the elementary rows of every joint; those on a centre of mass with its place."""
+    return [[_placed(row, scene, joint.ends[1]) for row in joint.rows(scene.dimension)] for joint in scene.joints]
 
 
-def _fixes_angle(joint: Any) -> bool:
-    return isinstance(joint, Weld) or getattr(joint, "coordinate", None) == "angle"
+def _placed(row: Row, scene: Scene, body: str) -> Row:
+    if isinstance(row, Prescribed) and row.point is None:
+        return replace(row, point=scene.bodies[scene.body_index(body)].position)
+    return row
 
 
-def _fits(edge: Edge, joint: Any, scene: Scene) -> bool:
-    """Return whether a planar joint's rows stay independent of the edge's in every pose."""
-    present = [scene.joints[k] for k in edge.joints]
-    if edge.rows + row_count(joint) > MAX_ROWS:
-        return False
-    if any(isinstance(j, Prismatic | Distance) for j in [*present, joint]):
-        return False
-    if sum(_fixes_angle(j) for j in [*present, joint]) > 1:
-        return False
-    fixed = [t for t in (_translation(j, scene) for j in [*present, joint]) if t is not None]
-    if len({point for point, _ in fixed}) > 1:
-        return False
-    directions = np.vstack([d for _, d in fixed]) if fixed else np.zeros((0, 2))
-    return np.linalg.matrix_rank(directions, tol=0.1) == len(directions)
+def row_count(rows: Sequence[Row]) -> int:
+    return sum(row.count for row in rows)
 
 
-def edges(scene: Scene, rows: Callable[[Any], int], fits: Callable[[Edge, Any, Scene], bool]) -> list[Edge]:
-    """Group the joints into slots: those of a pair of bodies whose rows `fits` finds independent."""
+def layout(scene: Scene, rows: list[list[Row]]) -> Layout:
+    """Lay out a scene whose joints have these rows."""
+    return _span_graph(scene, _edges(scene, rows))
+
+
+def _edges(scene: Scene, rows: list[list[Row]]) -> list[Edge]:
+    """Group the joints into slots: those of a pair of bodies whose rows are independent in every pose."""
+    fits = _fits_in_plane if scene.dimension == 2 else _fits_in_space
     result: list[Edge] = []
     by_pair: dict[frozenset[int], list[Edge]] = {}
     for k, joint in enumerate(scene.joints):
-        a, b = (scene.body_index(end) for end in joint_ends(joint))
+        a, b = (scene.body_index(end) for end in joint.ends)
         group = by_pair.setdefault(frozenset((a, b)), [])
-        edge = next((e for e in group if fits(e, joint, scene)), None)
+        edge = next((e for e in group if fits(e.rows, rows[k])), None)
         if edge is None:
             edge = Edge(a, b)
             group.append(edge)
             result.append(edge)
         edge.joints.append(k)
-        edge.rows += rows(joint)
+        edge.rows += rows[k]
     return result
 
 
-def layout(scene: Scene) -> Layout:
-    """Lay out a planar scene."""
-    return span_graph(scene, edges(scene, row_count, _fits))
+def _fits_in_plane(present: list[Row], added: list[Row]) -> bool:
+    """One angle and, at one point, independent directions."""
+    every = [*present, *added]
+    angles = [row for row in every if isinstance(row, SameAngle | PrescribedAngle)]
+    held = [row for row in every if isinstance(row, SharedPoint | Prescribed)]
+    if len(angles) + len(held) < len(every) or len(angles) > 1 or row_count(every) > MAX_ROWS:
+        return False
+    return _are_independent(held)
 
 
-def span_graph(scene: Scene, every: list[Edge]) -> Layout:
+def _fits_in_space(present: list[Row], added: list[Row]) -> bool:
+    """A turn goes with a joint that keeps its axis; prescribed directions at one point go together."""
+    if any(isinstance(row, Turn) for row in added):
+        axis = _kept_axis(present)
+        turn = next(row for row in added if isinstance(row, Turn))
+        return axis is not None and float(np.linalg.norm(np.cross(axis, np.cross(turn.zero, turn.quarter)))) < PARALLEL
+    held = [row for row in (*present, *added) if isinstance(row, Prescribed)]
+    return len(held) == len(present) + len(added) and _are_independent(held)
+
+
+def _kept_axis(rows: list[Row]) -> np.ndarray | None:
+    """Return the axis (3,) that the rows of one joint keep in both bodies and leave free to turn about."""
+    products = [row for row in rows if isinstance(row, Product)]
+    if len(products) != 2 or any(isinstance(row, Turn) for row in rows):
+        return None
+    first, second = (row.along_b for row in products)
+    return first if np.array_equal(first, second) else None
+
+
+def _are_independent(held: Sequence[SharedPoint | Prescribed]) -> bool:
+    if len({row.point_a if isinstance(row, SharedPoint) else row.point for row in held}) > 1:
+        return False
+    directions = [np.eye(row.count) if isinstance(row, SharedPoint) else row.direction[None] for row in held]
+    return not held or np.linalg.matrix_rank(np.vstack(directions), tol=INDEPENDENT) == row_count(held)
+
+
+def _span_graph(scene: Scene, every: list[Edge]) -> Layout:
     """Span the joint graph breadth first, ground first, stronger joints first."""
     neighbours: dict[int, list[Edge]] = {i: [] for i in range(-1, len(scene.bodies))}
-    for edge in sorted(every, key=lambda e: -e.rows):
+    for edge in sorted(every, key=lambda e: -e.count):
         neighbours[edge.a].append(edge)
         neighbours[edge.b].append(edge)
     number = {-1: len(scene.bodies)}

@@ -9,10 +9,11 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from mbs_ref.cores.builder import Place
 from mbs_ref.cores.contact_system import ContactSystem
 from mbs_ref.cores.system import RANK_TOLERANCE
 from mbs_ref.kernels.controls import CONTROL_MODE_TIME, CONTROL_POSITION_GAIN, CONTROL_VELOCITY_GAIN
-from mbs_ref.scene import UserForce
+from mbs_ref.scene import GROUND, UserForce
 
 _CALLBACK = ctypes.CFUNCTYPE(None, ctypes.c_double, ctypes.c_uint64)
 
@@ -23,7 +24,7 @@ class JointedSystem(ContactSystem):
     RATES: ClassVar[int]  # of a body
     SHARED: ClassVar[int]  # numbers a body in each array that a user's force law sees
     n_bodies: int
-    place: Mapping[int, tuple[int, int, int]]  # joint -> slot, first row, side of its first end
+    place: Mapping[int, Place]  # of each joint's rows
 
     # --- set-up -----------------------------------------------------------------------------------
 
@@ -62,18 +63,13 @@ class JointedSystem(ContactSystem):
 
     # --- constraint rows ----------------------------------------------------------------------------
 
-    @abstractmethod
-    def _row_count(self, joint: int) -> int:
-        """Return how many rows a joint has."""
-
     @property
     def n_closure_rows(self) -> int:
         return len(self.groups.slots.closure_slot)
 
     def rows(self, every: bool = False) -> list[tuple[int, int, int]]:
         """Return (joint, slot, row in slot) of every joint row, joint after joint."""
-        return [(k, slot, row + r) for k, (slot, row, _) in sorted(self.place.items())
-                for r in range(self._row_count(k))]  # fmt: skip
+        return [(k, at.slot, at.row + r) for k, at in sorted(self.place.items()) for r in range(at.count)]
 
     def row_joints(self) -> list[str]:
         return [self.scene.joints[k].name for k, _, _ in self.rows()]
@@ -83,9 +79,9 @@ class JointedSystem(ContactSystem):
         self.compliance(t, y)
         rows = self.scratch.rows
         result = {}
-        for k, (slot, row, _) in sorted(self.place.items()):
-            which = slice(row, row + self._row_count(k))
-            result[self.scene.joints[k].name] = (rows.residual[slot, which].copy(), rows.rate[slot, which].copy())
+        for k, at in sorted(self.place.items()):
+            here = at.slot, slice(at.row, at.row + at.count)
+            result[self.scene.joints[k].name] = (rows.residual[here].copy(), rows.rate[here].copy())
         return result
 
     def jacobian(self, t: float, y: np.ndarray) -> np.ndarray:
@@ -117,9 +113,9 @@ class JointedSystem(ContactSystem):
     def multipliers(self, t: float, y: np.ndarray) -> np.ndarray:
         """Return lambda (n_rows,) in the order of `rows`; minimum-norm where rows are dependent."""
         dy = self.derivative(t, y)
-        found = np.array([self.scratch.rows.multiplier[slot, row] for _, slot, row in self.rows()])
+        result = np.array([self.scratch.rows.multiplier[slot, row] for _, slot, row in self.rows()])
         if self.n_closure_rows == 0 or self.scratch.closures.rank[0] == self.n_closure_rows or not len(dy):
-            return found
+            return result
         unbalanced = self._unbalanced(t, y, dy)
         return np.linalg.lstsq(self.jacobian(t, y).T, unbalanced, rcond=RANK_TOLERANCE)[0]
 
@@ -133,6 +129,16 @@ class JointedSystem(ContactSystem):
         jacobian = self.jacobian(t, y)
         index = {k: [r for r, (joint, _, _) in enumerate(self.rows()) if joint == k] for k in self.place}
         return {self.scene.joints[k].name: self._reaction(k, -lam[r] @ jacobian[r], y) for k, r in index.items()}
+
+    def _reported(self, joint: int) -> tuple[str, str, float]:
+        """Return the body whose forces tell a joint's reaction, the field that names it, and the sign.
+
+        Ground has none: it receives the opposite of what the other body gets.
+        """
+        part: Any = self.scene.joints[joint]
+        if part.ends[1] == GROUND:
+            return part.body_a, "body_a", -1.0
+        return part.ends[1], "body_b" if hasattr(part, "body_b") else "body", 1.0
 
     @abstractmethod
     def _reaction(self, joint: int, generalized: np.ndarray, y: np.ndarray) -> np.ndarray:

@@ -6,7 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from mbs_ref.kernels.contact.near_pairs import NearPairs, no_pairs
+from mbs_ref.kernels.border.groups import empty
+from mbs_ref.kernels.contact.near_pairs import NearPairs
 
 FROM_PAIRS = 100  # a scene with fewer looks at all of them: that is cheaper than keeping a list
 SKIN = 0.5  # of the mean ball's radius
@@ -23,7 +24,7 @@ class Ball(NamedTuple):
 def near_pairs(sides: list[tuple[Ball, Ball | None]], dimension: int) -> NearPairs:
     """Return the list for pairs of balls; None stands for a shape without bounds."""
     bounded = [k for k, (_, other) in enumerate(sides) if other is not None]
-    every = no_pairs(dimension)._replace(
+    every = empty(NearPairs, dimension=dimension)._replace(
         pair=np.arange(len(sides)), count=np.array([len(sides)]), flag=np.zeros(len(sides), dtype=np.int64)
     )
     if len(sides) < FROM_PAIRS or not bounded:

@@ -29,8 +29,8 @@ from mbs_ref.scene import (
     TorsionSpring,
     Weld,
 )
+from mbs_ref.scene.base.part import NonNegative
 from mbs_ref.scene.contact import CircleOnLine, Contact, ContactLaw, ProgressiveLaw, SpringDamperLaw
-from mbs_ref.scene.part import NonNegative
 from mbs_ref.scene.signals import Constant, HalfSine, Signal, Table
 
 Point = tuple[float, float]
@@ -111,18 +111,18 @@ def android(name: str, description: str, crash: Crash) -> Scene:
 
 
 def _consequences(crash: Crash) -> list[str]:
-    found = []
+    notes = []
     if crash.pulse_duration > DURATION:
         share = 0.5 * (1.0 - math.cos(math.pi * DURATION / crash.pulse_duration))
-        found.append(
+        notes.append(
             f"The pulse lasts {crash.pulse_duration:.3f} s and ends after the run of {DURATION} s, "
             f"which sees {100 * share:.0f} % of the speed change."
         )
     if crash.lift > 0.0:
-        found.append(
+        notes.append(
             f"The android floats {crash.lift:g} m above its seat at t = 0: it falls, and its belts are strained."
         )
-    return found
+    return notes
 
 
 class _Model:
@@ -135,17 +135,17 @@ class _Model:
         self.scale = crash.mass / data["total_android_mass"]
 
     def bodies(self, entries: list[dict[str, Any]]) -> list[PlanarBody]:
-        found = []
+        bodies = []
         for entry in entries:
             scale = 1.0 if entry["name"] in self.seats else self.scale
             place, angle = self._pose(entry["name"])
-            found.append(
+            bodies.append(
                 PlanarBody(
                     name=entry["name"], mass=scale * entry["mass"], inertia=scale * entry["Izz"],
                     position=place, angle=angle,
                 )
             )  # fmt: skip
-        return found
+        return bodies
 
     def _pose(self, body: str) -> tuple[Point, float]:
         x, y, angle = self.body[body]["q0"]
@@ -229,13 +229,13 @@ class _Model:
         ]  # fmt: skip
 
     def seat_contacts(self) -> list[Contact]:
-        found: list[Contact] = []
+        contacts: list[Contact] = []
         for c in self.data["contacts"]:
             seat = self.body[c["surface_body"]]
             reach, height = seat["half_length"], seat["surface_y"]
             ends = (self._world(seat["name"], (-reach, height)), self._world(seat["name"], (reach, height)))
-            found.append(self._contact(c, seat["name"], *ends))
-        return found
+            contacts.append(self._contact(c, seat["name"], *ends))
+        return contacts
 
     def floor_contacts(self) -> list[Contact]:
         return [self._contact(c, GROUND, (0.0, 0.0), (1.0, 0.0)) for c in self.data["floor"]]

@@ -8,8 +8,8 @@ import numpy as np
 from scipy.integrate import cumulative_simpson
 
 from mbs_ref.crash import injury
+from mbs_ref.crash.body_forces import BodyForces, body_forces
 from mbs_ref.observables.attachment import Motion
-from mbs_ref.observables.body_forces import BodyForces, body_forces
 from mbs_ref.observables.energy import kinetic_energy, potential_energy
 from mbs_ref.observables.powers import LOADS
 from mbs_ref.observables.signal_values import values
@@ -87,11 +87,12 @@ def _excursion(scene: Scene, trajectory: Trajectory, body: str) -> np.ndarray:
 def _felt(scene: Scene, trajectory: Trajectory, forces: BodyForces, body: str) -> np.ndarray:
     """Return |a| in g against inertial space: the frame of a fixed seat has the pulse's acceleration itself."""
     k = scene.body_index(body)
-    found = forces.acceleration[:, k, :2].copy()
+    acceleration = forces.acceleration[:, k, :2].copy()
     for load in scene.loads:
         if isinstance(load, Force) and load.name == CRASH + body:
-            found -= values(load.factor, trajectory.times)[:, None] * np.array(load.vector) / scene.bodies[k].mass
-    return np.hypot(*found.T) / injury.STANDARD_GRAVITY
+            pulse = values(load.factor, trajectory.times)[:, None] * np.array(load.vector)
+            acceleration -= pulse / scene.bodies[k].mass
+    return np.hypot(*acceleration.T) / injury.STANDARD_GRAVITY
 
 
 def _belts(scene: Scene) -> list[SpringDamper]:
@@ -152,15 +153,15 @@ def _chest(motion: Motion) -> np.ndarray | None:
 
 def _powers(motion: Motion) -> dict[str, np.ndarray]:
     """Return the power (n_t,), W, of each kind of part that is not conservative."""
-    found = {name: np.zeros(len(motion.times)) for name in ("pulse", "belts", "joint dampers", "tissue", "contacts")}
+    power = {name: np.zeros(len(motion.times)) for name in ("pulse", "belts", "joint dampers", "tissue", "contacts")}
     kinds = {Force: "pulse", SpringDamper: "belts", TorsionSpring: "joint dampers", PointBushing: "tissue"}
     for load in motion.scene.loads:
-        found[kinds[type(load)]] += LOADS[type(load)](motion, load)
+        power[kinds[type(load)]] += LOADS[type(load)](motion, load)
     for contact in motion.scene.contacts:
         force = motion.trajectory.contacts[contact.name]
         slip = motion.rate_at(contact.body_a, force[:, 3:5]) - motion.rate_at(contact.body_b, force[:, 3:5])
-        found["contacts"] += np.sum(force[:, 1:3] * slip, axis=1)
-    return found
+        power["contacts"] += np.sum(force[:, 1:3] * slip, axis=1)
+    return power
 
 
 def _head_and_neck(times: np.ndarray, head: np.ndarray, axial: np.ndarray, nij: np.ndarray) -> dict[str, float]:
@@ -182,11 +183,11 @@ def _thorax_measures(
 ) -> dict[str, float]:
     """Return what is said of the thorax; without a chest that gives way there is no viscous criterion."""
     mass = sum(b.mass for b in motion.scene.bodies if not b.name.startswith("seat"))
-    found = {
+    figures = {
         "thorax 3 ms clip, g": injury.clip(motion.times, thorax),
         f"TTI at {AGE:g} years, g": injury.thoracic_trauma_index(AGE, float(rib.max()), float(t12.max()), mass),
     }
     if chest is not None:
-        found["chest deflection, m"] = float(np.max(chest[0] - chest))
-        found["VC, m/s"] = injury.viscous_criterion(motion.times, chest[0] - chest, float(chest[0]))
-    return found
+        figures["chest deflection, m"] = float(np.max(chest[0] - chest))
+        figures["VC, m/s"] = injury.viscous_criterion(motion.times, chest[0] - chest, float(chest[0]))
+    return figures

@@ -41,7 +41,7 @@ def _nothing(model, work, t, y, g, rate):
 
 
 @jit
-def _no_change(model, work, t, y, g, dy):
+def _no_change(model, work, t, span, y, g, dy):
     return 0, 0
 
 
@@ -76,6 +76,7 @@ ANSWERS: dict[str, dict[str, dict[str, Callable[..., Any]]]] = {
             "start_modes": planar_events.planar_start_modes,
             "contact_mobility": planar_contacts.planar_contact_mobility,
             "settle_grips": planar_contacts.planar_settle_grips,
+            "slip_velocities": planar_contacts.planar_slip_velocities,
             "accelerate": planar.planar_accelerate,
             "fill_rows": planar_rows.planar_fill_rows,
             "apply_loads": planar_loads.planar_apply_loads,
@@ -113,6 +114,7 @@ ANSWERS: dict[str, dict[str, dict[str, Callable[..., Any]]]] = {
             "start_modes": spatial_contacts.spatial_start_modes,
             "contact_mobility": spatial_contacts.spatial_contact_mobility,
             "settle_grips": spatial_contacts.spatial_settle_grips,
+            "slip_velocities": spatial_contacts.spatial_slip_velocities,
             "accelerate": spatial.spatial_accelerate,
             "fill_rows": spatial_joints.spatial_fill_rows,
             "apply_loads": spatial_loads.spatial_apply_loads,
@@ -198,21 +200,9 @@ def call_start_modes(model, work, t, y, located):
 
 
 @jit
-def call_root_count(model):
-    """Entry point from Python."""
-    return ask.root_count(model)
-
-
-@jit
 def call_roots(model, work, t, y, g, rate):
     """Entry point from Python."""
     ask.roots(model, work, t, y, g, rate)
-
-
-@jit
-def call_transition(model, work, t, y, g, dy):
-    """Entry point from Python."""
-    return ask.transition(model, work, t, y, g, dy)
 
 
 @jit

@@ -6,6 +6,7 @@ sides they are.
 
 from __future__ import annotations
 
+from mbs_ref.kernels.controls import CONTROL_POSITION_GAIN, CONTROL_VELOCITY_GAIN
 from mbs_ref.kernels.jit import jit
 
 
@@ -22,8 +23,9 @@ def largest_entry(values):
 
 
 @jit
-def stabilize(velocity_gain, position_gain, gamma, rate, residual):
-    """gamma -= 2 g C_dot + g^2 C (Baumgarte 1972), given 2 g (1/s) and g^2 (1/s^2)."""
+def stabilize(control, gamma, rate, residual):
+    """gamma -= 2 g C_dot + g^2 C (Baumgarte 1972), with the gains in a model's `control`."""
+    velocity_gain, position_gain = control[CONTROL_VELOCITY_GAIN], control[CONTROL_POSITION_GAIN]
     if velocity_gain == 0.0 and position_gain == 0.0:
         return
     for slot in range(gamma.shape[0]):
@@ -59,6 +61,22 @@ def add_to(target, other):
     for i in range(target.shape[0]):
         for c in range(target.shape[1]):
             target[i, c] += other[i, c]
+
+
+@jit
+def clear(target):
+    """target = 0."""
+    for i in range(target.shape[0]):
+        for c in range(target.shape[1]):
+            target[i, c] = 0.0
+
+
+@jit
+def negate(source, target):
+    """target = -source."""
+    for i in range(source.shape[0]):
+        for c in range(source.shape[1]):
+            target[i, c] = -source[i, c]
 
 
 @jit

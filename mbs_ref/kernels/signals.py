@@ -2,22 +2,23 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 
+from mbs_ref.kernels.border.groups import Floats, Ints
 from mbs_ref.kernels.jit import jit
 
 
 class SignalArrays(NamedTuple):
     """All signals of a scene; signal k owns segments first[k] to first[k + 1]."""
 
-    first: np.ndarray  # (n_signals + 1,) int
-    start: np.ndarray  # (n_segments,) s
-    coefficients: np.ndarray  # (n_segments, degree + 1)
-    amplitude: np.ndarray  # (n_segments,)
-    omega: np.ndarray  # (n_segments,) rad/s
-    phase: np.ndarray  # (n_segments,) rad
+    first: Annotated[Ints, "n_signals + 1"]
+    start: Annotated[Floats, "n_segments"]  # s
+    coefficients: Annotated[Floats, "n_segments", "degree + 1"]
+    amplitude: Annotated[Floats, "n_segments"]
+    omega: Annotated[Floats, "n_segments"]  # rad/s
+    phase: Annotated[Floats, "n_segments"]  # rad
 
 
 @jit

@@ -47,8 +47,8 @@ def energy(scene: Scene, trajectory: Trajectory) -> np.ndarray:
 
 def drift(scene: Scene, trajectory: Trajectory) -> np.ndarray:
     """Return E(t) - E(0) (n_t,), J."""
-    found = energy(scene, trajectory)
-    return (found - found[0]).astype(float)
+    every = energy(scene, trajectory)
+    return (every - every[0]).astype(float)
 
 
 def momentum_drift(scene: Scene, trajectory: Trajectory) -> np.ndarray | None:

@@ -13,7 +13,6 @@ from mbs_ref.observables.attachment import Motion
 from mbs_ref.observables.powers import powers
 from mbs_ref.observables.springs import bushing_strain, gap_of, length_of, twist_of
 from mbs_ref.scene import (
-    DRIVES,
     Bushing,
     Force,
     PlanarBody,
@@ -24,8 +23,8 @@ from mbs_ref.scene import (
     Torque,
     TorsionSpring,
 )
-from mbs_ref.scene.contact import ConstraintLaw, RigidLaw
 from mbs_ref.scene.euler_parameters import rotation_matrices
+from mbs_ref.scene.joints import Drive
 from mbs_ref.scene.signals import Constant, Signal
 from mbs_ref.scene.units import is_celestial
 from mbs_ref.trajectory import Trajectory
@@ -73,18 +72,15 @@ def potential_energy(scene: Scene, trajectory: Trajectory) -> np.ndarray:
     motion = Motion(scene, trajectory)
     total = -(trajectory.position @ np.asarray(scene.gravity)) @ mass
     for load in scene.loads:
-        if type(load) in POTENTIALS and is_conservative(load):
+        if is_conservative(load):
             total = total + POTENTIALS[type(load)](motion, load)
     return total
 
 
 def is_conservative(load) -> bool:
-    """Return whether the load has a potential (its damping apart)."""
-    if isinstance(load, Force):
-        return isinstance(load.factor, Constant) and load.frame == "world"
-    if isinstance(load, Torque):
-        return isinstance(load.factor, Constant)
-    return isinstance(load, SpringDamper | TorsionSpring | Bushing | PointBushing)
+    """Return whether the load has a potential (its damping apart): it does not change, nor turn with its body."""
+    steady = all(isinstance(signal, Constant) for signal in load.signals)
+    return type(load) in POTENTIALS and steady and getattr(load, "frame", "world") == "world"
 
 
 @np.errstate(over="ignore", invalid="ignore")
@@ -97,8 +93,8 @@ def energy_balance(scene: Scene, trajectory: Trajectory) -> EnergyBalance:
     if is_celestial(scene):
         if not celestial.is_newtonian(scene):
             return EnergyBalance(np.zeros(len(trajectory.times)), None, None, 0.0, celestial.not_newtonian(scene))
-        found = celestial.energy(scene, trajectory).astype(float)
-        return EnergyBalance(found, np.zeros_like(found), celestial.drift(scene, trajectory), 0.0)
+        energy = celestial.energy(scene, trajectory).astype(float)
+        return EnergyBalance(energy, np.zeros_like(energy), celestial.drift(scene, trajectory), 0.0)
     if celestial.is_attracted(scene):
         return _attracted(scene, trajectory)
     energy = kinetic_energy(scene, trajectory) + potential_energy(scene, trajectory)
@@ -121,12 +117,12 @@ def _attracted(scene: Scene, trajectory: Trajectory) -> EnergyBalance:
         reason = "the judge draws the balance of attracting bodies without joints or other loads alone"
         return EnergyBalance(np.zeros(len(trajectory.times)), None, None, 0.0, reason)
     spin = _spatial_rotation(scene, trajectory)
-    found = celestial.energy(scene, trajectory).astype(float) + spin
-    return EnergyBalance(found, np.zeros_like(found), celestial.drift(scene, trajectory) + spin - spin[0], 0.0)
+    energy = celestial.energy(scene, trajectory).astype(float) + spin
+    return EnergyBalance(energy, np.zeros_like(energy), celestial.drift(scene, trajectory) + spin - spin[0], 0.0)
 
 
 def _undefined(scene: Scene, trajectory: Trajectory) -> str:
-    drives = [j.name for j in scene.joints if isinstance(j, DRIVES)]
+    drives = [j.name for j in scene.joints if isinstance(j, Drive)]
     missing = [name for name in drives if name not in trajectory.reactions]
     if missing:
         return f"energy is not conserved: {', '.join(missing)} does work, and the engine reports no reaction there"
@@ -144,10 +140,7 @@ def _undefined(scene: Scene, trajectory: Trajectory) -> str:
 def _struck(scene: Scene, trajectory: Trajectory) -> list[str]:
     """Return the contacts whose impulses took energy within the run."""
     events = trajectory.event_times
-    lossy = [
-        isinstance(c.law, ConstraintLaw) or (isinstance(c.law, RigidLaw) and c.law.restitution < 1.0)
-        for c in scene.contacts
-    ]
+    lossy = [c.law.IMPULSIVE and c.law.numbers().restitution < 1.0 for c in scene.contacts]
     if events is None or not any(lossy):
         return []
     met = {int(k) for k in events[:, 1]}

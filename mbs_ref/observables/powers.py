@@ -36,18 +36,14 @@ def powers(motion: Motion, is_conservative: Callable) -> np.ndarray | None:
 
 def _contact(motion: Motion, contact: Contact) -> np.ndarray:
     """The power of a contact's force on both bodies, at the point where it acts."""
-    found = motion.trajectory.contacts[contact.name]
-    force, place = np.split(found[:, 1:], 2, axis=1)
+    force, place = np.split(motion.trajectory.contacts[contact.name][:, 1:], 2, axis=1)
     slip = motion.rate_at(contact.body_a, place) - motion.rate_at(contact.body_b, place)
     return np.sum(force * slip, axis=1)
 
 
 def _works(load, is_conservative: Callable) -> bool:
-    if isinstance(load, SpringDamper | TorsionSpring | PointBushing):
-        return load.damping > 0.0
-    if isinstance(load, Bushing):
-        return any(c > 0.0 for c in load.damping)
-    return not is_conservative(load)
+    damping = getattr(load, "damping", None)
+    return not is_conservative(load) if damping is None else bool(np.any(np.asarray(damping) > 0.0))
 
 
 def _damper(motion: Motion, load: SpringDamper) -> np.ndarray:

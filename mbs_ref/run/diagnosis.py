@@ -18,6 +18,21 @@ NEARLY_TURNED = 2.5  # rad: springs in space stop the run at 3
 CLOSED = frozenset({Status.SINGULAR, Status.PROJECTION})  # a loop that cannot be closed
 
 
+def culprit(system: System, t: float, y: np.ndarray) -> str:
+    """Name the body that is moved hardest and the joint that gapes most at (t, y), where a run got stuck."""
+    scene, half = system.scene, system.n_positions
+    with np.errstate(all="ignore"):
+        rate = np.abs(system.derivative(t, y)[half:])
+        gaps = {name: float(np.max(np.abs(pair[0]), initial=0.0)) for name, pair in system.residuals(t, y).items()}
+    hardest = int(np.argmax(np.where(np.isnan(rate), np.inf, rate)))
+    body = scene.bodies[min(hardest // max(1, len(rate) // len(scene.bodies)), len(scene.bodies) - 1)].name
+    words = f"; body {body!r} is accelerated most there ({rate[hardest]:.3g} m/s^2 or rad/s^2)"
+    if gaps:
+        joint = max(gaps, key=lambda name: np.inf if np.isnan(gaps[name]) else gaps[name])
+        words += f", and joint {joint!r} gapes most ({gaps[joint]:.3g} m or rad)"
+    return words
+
+
 def deeper_cause(system: System, status: Status, t: float, y: np.ndarray) -> str:
     """Return a clause on joints near rank loss, or on springs that cannot count their turns; or nothing."""
     if not np.isfinite(y).all():

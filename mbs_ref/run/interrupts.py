@@ -7,9 +7,7 @@ import threading
 from types import FrameType
 from typing import Any, Self
 
-import numpy as np
-
-from mbs_ref.integrators.loop.leg import COUNT_STEPS
+from mbs_ref.integrators.loop.leg import Progress
 
 
 class Interrupts:
@@ -19,15 +17,15 @@ class Interrupts:
     Where Ctrl-C is somebody else's business, and in other threads than the main one, nothing is changed.
     """
 
-    def __init__(self, counts: np.ndarray, max_steps: int) -> None:
+    def __init__(self, run: Progress, max_steps: int) -> None:
         self.asked = False
-        self._counts, self._max_steps, self._taken = counts, max_steps, 0
+        self._run, self._max_steps, self._taken = run, max_steps, 0
         self._previous: Any = None
 
     @property
     def steps(self) -> int:
         """Steps truly taken."""
-        count = int(self._counts[COUNT_STEPS])
+        count = int(self._run.steps)
         return self._taken + count - self._max_steps if self.asked else count
 
     def __enter__(self) -> Self:
@@ -41,6 +39,6 @@ class Interrupts:
             signal.signal(signal.SIGINT, self._previous)
 
     def _hear(self, _number: int, _frame: FrameType | None) -> None:
-        self.asked, self._taken = True, int(self._counts[COUNT_STEPS])
-        self._counts[COUNT_STEPS] = self._max_steps
+        self.asked, self._taken = True, int(self._run.steps)
+        self._run.steps = self._max_steps
         signal.signal(signal.SIGINT, self._previous)

@@ -10,27 +10,28 @@ import numpy as np
 
 from mbs_ref.cores.system import System
 from mbs_ref.integrators.loop.leg import (
-    CLOCK_H,
-    CLOCK_T,
-    COUNT_CONTACT,
-    COUNT_EVENTS,
-    COUNT_OWN,
-    COUNT_REJECTED,
-    COUNT_RHS,
-    COUNT_STEPS,
     FEWEST,
     Leg,
     Options,
     Progress,
     progress,
 )
-from mbs_ref.run.diagnosis import deeper_cause
+from mbs_ref.run.diagnosis import culprit, deeper_cause
 from mbs_ref.run.interrupts import Interrupts
 from mbs_ref.run.plan import ON_GRID, Plan
-from mbs_ref.self_checks.soundness import culprit
 from mbs_ref.trajectory import Status
 
 EPS = float(np.finfo(float).eps)
+
+
+class Counts(NamedTuple):
+    """Work done in a run."""
+
+    steps: int
+    rejected_steps: int
+    rhs_calls: int
+    events: int
+    switches: int  # between a method's families
 
 
 class Run(NamedTuple):
@@ -39,7 +40,7 @@ class Run(NamedTuple):
     times: np.ndarray  # (n_t,) s
     states: np.ndarray  # (n_t, n_state)
     compliance: np.ndarray  # (n_t,) m, the largest since the sample before
-    counts: np.ndarray  # steps, rejected steps, right-hand sides, events, the integrator's own
+    counts: Counts
     status: Status
     message: str
     loop_s: float  # in the integrator
@@ -60,14 +61,13 @@ def run_legs(system: System, plan: Plan, y: np.ndarray, refine: int = 1) -> Run:
     """
     planned = _planned(system, plan, refine)
     run = progress(0.0)
-    with Interrupts(run.counts, plan.options.max_steps) as interrupts:
+    with Interrupts(run, plan.options.max_steps) as interrupts:
         began = time.perf_counter()
         legs = _advanced(system, plan, planned, run, y)
         loop_s = time.perf_counter() - began
     states, compliance = _samples(planned, legs)
-    counts = run.counts[[COUNT_STEPS, COUNT_REJECTED, COUNT_RHS, COUNT_EVENTS, COUNT_OWN]]
-    counts[0] = interrupts.steps
-    times, stuck = plan.times[: len(states)], float(run.clock[CLOCK_T])
+    counts = Counts(interrupts.steps, *map(int, (run.rejected, run.rhs_calls, run.events, run.switches)))
+    times, stuck = plan.times[: len(states)], float(run.t)
     status, message = _outcome(system, plan, legs[-1], run, y, interrupts.asked)
     if status is Status.STOP_EVENT:
         times, states, compliance = np.append(times, stuck), np.vstack((states, y)), np.append(compliance, 0.0)
@@ -87,13 +87,16 @@ def _planned(system: System, plan: Plan, refine: int) -> list[LegPlan]:
 
 
 def _leg(options: Options, times: np.ndarray, start: float, end: float, length: float, refine: int) -> LegPlan:
-    """Return the leg from start to end (s), of FEWEST steps at least over `length` (s), each divided by `refine`."""
+    """Return the leg from start to end (s), of FEWEST steps at least over `length` (s), each divided by `refine`.
+
+    Adaptive steps are their own choice, but may end at outputs: there the way between two of them is divided.
+    """
     inside = times[(times > start) & (times <= end)]
     own = np.unique(np.concatenate(([start], inside, [end])))
     if options.step:
         options = options._replace(step=min(options.step, length / FEWEST) / refine)
     if refine > 1:
-        own = _refined(own, refine * options.step, refine)
+        own = _refined(own, refine * options.step or np.inf, refine)
     return LegPlan(own, np.searchsorted(own, inside), options)
 
 
@@ -110,7 +113,7 @@ def _advanced(system: System, plan: Plan, planned: list[LegPlan], run: Progress,
     legs: list[Leg] = []
     for leg in planned:
         system.set_mode_time(0.5 * (leg.times[0] + leg.times[-1]))
-        run.clock[CLOCK_T], run.clock[CLOCK_H] = leg.times[0], 0.0
+        run.t, run.h = leg.times[0], 0.0
         legs.append(plan.integrator.advance(system, leg.options, run, y, leg.times))
         if legs[-1].status is not Status.SUCCESS:
             break
@@ -147,7 +150,7 @@ def _outcome(
     system: System, plan: Plan, last: Leg, run: Progress, y: np.ndarray, interrupted: bool
 ) -> tuple[Status, str]:
     """Return how the run ended and the sentence for it, with the part or the cause where one is known."""
-    stuck = float(run.clock[CLOCK_T])
+    stuck = float(run.t)
     if system.user_error is not None:
         return Status.ENGINE_ERROR, f"a user force raised {system.user_error!r}"
     if interrupted and last.status is Status.TOO_MANY_STEPS:
@@ -155,9 +158,9 @@ def _outcome(
     if last.status is Status.SUCCESS:
         return Status.SUCCESS, last.message or f"reached t = {plan.times[-1]:g} s"
     if last.status is Status.ENDLESS_EVENTS:
-        return last.status, f"{last.message}; {system.event_sources[run.counts[COUNT_CONTACT]]!r} was the last"
+        return last.status, f"{last.message}; {system.event_sources[run.event_source]!r} was the last"
     if last.status is Status.STOP_EVENT:
-        return last.status, f"{last.message}: {system.event_sources[run.counts[COUNT_CONTACT]]!r}"
+        return last.status, f"{last.message}: {system.event_sources[run.event_source]!r}"
     if last.status is Status.SINGULAR and plan.options.rtol < EPS:
         asked = f"rtol = {plan.options.rtol:.3g} asks for more than roundoff leaves"
         return Status.STEP_TOO_SMALL, f"at t = {stuck:.9g} s {asked}"

@@ -10,7 +10,6 @@ from mbs_ref.cores.choice import core_name
 from mbs_ref.integrators import DEFAULT, integrators
 from mbs_ref.integrators.loop.leg import Integrator, Options
 from mbs_ref.scene import Scene
-from mbs_ref.scene.contact import ConstraintLaw, FloresLaw, LankaraniNikraveshLaw, RigidLaw, StickSlip
 from mbs_ref.scene.traits import NO_DEFLECTIONS, deflecting, traits
 from mbs_ref.settings import Settings
 
@@ -87,12 +86,13 @@ def _check_events(scene: Scene, settings: Settings, integrator: Integrator) -> N
     extra = deflecting(scene)
     if extra and not integrator.holds_deflections:
         raise ValueError(f"method {integrator.name!r} cannot run {', '.join(extra[:8])}: {NO_DEFLECTIONS}")
-    impulsive = RigidLaw | ConstraintLaw
-    needs = [c.name for c in scene.contacts if isinstance(c.law, impulsive) or isinstance(c.friction, StickSlip)]
-    if settings.events == "none" and needs:
+    if settings.events != "none":
+        return
+    needs = [c.name for c in scene.contacts if c.law.IMPULSIVE or (c.friction and c.friction.STICKS)]
+    if needs:
         raise ValueError(f"events = 'none' cannot run {', '.join(needs[:8])}: impacts and sticking are events")
-    needs = [c.name for c in scene.contacts if isinstance(c.law, LankaraniNikraveshLaw | FloresLaw)]
-    if settings.events == "none" and needs:
+    needs = [c.name for c in scene.contacts if c.law.NEEDS_IMPACT_SPEED]
+    if needs:
         raise ValueError(f"events = 'none' cannot run {', '.join(needs[:8])}: the law needs the speed at touch-down")
 
 

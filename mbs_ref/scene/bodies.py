@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal, Self
 import numpy as np
 from pydantic import BeforeValidator, Field, model_validator
 
-from mbs_ref.scene.part import Name, Part, Positive, Vector, Vector3
+from mbs_ref.scene.base.part import Name, Part, Positive, Vector, Vector3
 
 GROUND = "ground"  # the name that joints and loads use for the world
 

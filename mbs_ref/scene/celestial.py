@@ -6,11 +6,12 @@ seconds. G m is known to ten digits and more, G to four: parts therefore take th
 
 from __future__ import annotations
 
-from typing import Annotated, Literal, Self
+from typing import Annotated, ClassVar, Literal, Self
 
 from pydantic import Field, model_validator
 
-from mbs_ref.scene.part import Name, NonNegative, Part, Positive
+from mbs_ref.scene.base.attached import Attached
+from mbs_ref.scene.base.part import BodyName, Direction3, Name, NonNegative, Positive
 
 G_SI = 6.67430e-11  # m^3/(kg s^2), CODATA 2018; turns gm into kilograms where energy is wanted in joules
 C_SI = 299_792_458.0  # m/s, exact
@@ -21,16 +22,21 @@ J2000_JD = 2_451_545.0  # TDB
 Pole = Literal["fixed", "earth_iau2006"]
 
 
-class Newton(Part):
+class CelestialPart(Attached):
+    """What acts on point masses in space."""
+
+    DIMENSIONS: ClassVar[tuple[int, ...]] = (3,)
+
+
+class Newton(CelestialPart):
     """Newton's attraction between all pairs, the gm of each body in scene order."""
 
     type: Literal["newton"] = "newton"
-    name: Name
     gm: tuple[NonNegative, ...]  # m^3/s^2; 0 for a body that is attracted and attracts nothing
     radius: tuple[NonNegative, ...] = ()  # m; two bodies closer than the sum of theirs have collided
 
 
-class Relativity(Part):
+class Relativity(CelestialPart):
     """Post-Newtonian gravity: the Einstein-Infeld-Hoffmann equations, or the first body's field alone.
 
     Sources: eih, Park et al., Astron. J. 161 (2021) 105, eq 27 with beta = gamma = 1; central,
@@ -38,87 +44,84 @@ class Relativity(Part):
     """
 
     type: Literal["relativity"] = "relativity"
-    name: Name
     form: Literal["eih", "central"] = "eih"
     c: Positive = C_SI  # m/s
 
 
-class Oblateness(Part):
+class Oblateness(CelestialPart):
     """Zonal harmonics J2 to J6 of a body, acting on every other body, with the reaction on it.
 
     The pole is fixed, or the Earth's: precession and the 18.6-year nutation (IERS Conventions 2010, eq 5.16).
     """
 
     type: Literal["oblateness"] = "oblateness"
-    name: Name
-    body: Name
+    body: BodyName
     radius: Positive  # m
     zonal: Annotated[tuple[float, ...], Field(min_length=1, max_length=5)]  # J2, J3, ... J6
     pole: Pole = "fixed"
-    axis: tuple[float, float, float] = (0.0, 0.0, 1.0)  # unit vector, ICRF; of the fixed pole
+    axis: Direction3 = (0.0, 0.0, 1.0)  # unit vector, ICRF; of the fixed pole
 
 
-class LunarFigure(Part):
+class LunarFigure(CelestialPart):
     """The Moon's J2 and C22, turned by the IAU rotation model: approximate, good to 0.02 degrees.
 
     Rotation: Archinal et al., Celest. Mech. Dyn. Astr. 109 (2011) 101, table 2.
     """
 
     type: Literal["lunar_figure"] = "lunar_figure"
-    name: Name
-    body: Name
+    body: BodyName
     radius: Positive  # m
     j2: float
     c22: float
 
 
-class Tide(Part):
+class Tide(CelestialPart):
     """The tide that `raiser` raises on `body`, acting back on it with one constant time lag: approximate.
 
     Source: Mignard, Moon and Planets 20 (1979) 301, eq 5.
     """
 
     type: Literal["tide"] = "tide"
-    name: Name
-    body: Name
-    raiser: Name
+    body: BodyName
+    raiser: BodyName
     radius: Positive  # m, of the body
     love_number: NonNegative  # k2
     lag: NonNegative  # s
     spin: tuple[float, float, float]  # rad/s, of the body
 
 
-class Ring(Part):
-    """A ring of equal fixed point masses about the origin (Park et al. 2021, sec. 2: the Kuiper belt)."""
+class Ring(CelestialPart):
+    """A ring of equal fixed point masses about the origin (Park et al. 2021, sec. 2: the Kuiper belt).
+
+    The first lies along the normal's cross product with the coordinate axis that is most across it.
+    """
 
     type: Literal["ring"] = "ring"
-    name: Name
     gm: Positive  # m^3/s^2, of the whole ring
     radius: Positive  # m
-    normal: tuple[float, float, float]  # unit vector, ICRF
+    normal: Direction3  # unit vector, ICRF
     count: Annotated[int, Field(ge=3, le=1000)] = 36
 
 
-class ThirdBody(Part):
+class ThirdBody(CelestialPart):
     """The Moon's or the Sun's pull on satellites of a body at rest, its own fall towards it taken off.
 
-    Positions by series good to some 0.1 %: Montenbruck and Gill, Satellite Orbits (2000), sec. 3.3.2.
+    Positions by series good to some 0.1 %: Montenbruck and Gill, Satellite Orbits (2000), sec. 3.3.2, with the
+    obliquity of the ecliptic of IAU 2006, 84381.406 seconds of arc.
     """
 
     type: Literal["third_body"] = "third_body"
-    name: Name
-    body: Name  # the attracted satellite
+    body: BodyName  # the attracted satellite
     source: Literal["sun", "moon"]
     gm: Positive  # m^3/s^2
 
 
-class Drag(Part):
+class Drag(CelestialPart):
     """Drag in an exponential atmosphere that turns with the body (Montenbruck and Gill, sec. 3.5)."""
 
     type: Literal["drag"] = "drag"
-    name: Name
-    body: Name
-    planet: Name
+    body: BodyName
+    planet: BodyName
     coefficient: NonNegative  # c_D A / m, m^2/kg
     density: Positive  # kg/m^3, at `altitude`
     altitude: float  # m
@@ -127,19 +130,21 @@ class Drag(Part):
     spin: float = 7.292115e-5  # rad/s, about z; IERS Conventions 2010, table 1.2
 
 
-class RadiationPressure(Part):
-    """Sunlight on a satellite, with umbra and penumbra of a body at rest (Montenbruck and Gill, sec. 3.4)."""
+class RadiationPressure(CelestialPart):
+    """Sunlight on a satellite, with umbra and penumbra of a body at rest (Montenbruck and Gill, sec. 3.4).
+
+    The Sun is where ThirdBody has it, and its radius is 6.957e8 m (IAU 2015 Resolution B3).
+    """
 
     type: Literal["radiation_pressure"] = "radiation_pressure"
-    name: Name
-    body: Name
-    planet: Name
+    body: BodyName
+    planet: BodyName
     coefficient: NonNegative  # c_R A / m, m^2/kg
     radius: Positive  # m, of the body that casts the shadow
     pressure: Positive = 4.56e-6  # N/m^2 at 1 au; Montenbruck and Gill, eq 3.69
 
 
-class Epoch(Part):
+class Epoch(CelestialPart):
     """When t = 0 is: needed by every part whose direction depends on the date."""
 
     type: Literal["epoch"] = "epoch"
@@ -156,4 +161,3 @@ class Epoch(Part):
 CelestialLoad = (
     Newton | Relativity | Oblateness | LunarFigure | Tide | Ring | ThirdBody | Drag | RadiationPressure | Epoch
 )
-CELESTIAL_TYPES = frozenset(part.model_fields["type"].default for part in CelestialLoad.__args__)

@@ -1,26 +1,53 @@
 """Contact parts of a scene: what touches what, by which law, with which friction.
 
 The penetration d is positive inside; d' is its rate. Every law is a type of its own and names the rule
-by which it lets go. Points are world points at t = 0.
+by which it lets go, and gives its numbers as the solver's kernels take them. Points are world points at t = 0.
 """
 
 from __future__ import annotations
 
 import math
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, ClassVar, Literal, NamedTuple, Self
 
 from pydantic import Field, model_validator
 
-from mbs_ref.scene.part import Name, NonNegative, Part, Positive, Vector
+from mbs_ref.scene.base.attached import Attached
+from mbs_ref.scene.base.part import Direction3, EndName, NonNegative, Part, Positive, Vector, Vector3
 
-Vector3 = tuple[float, float, float]
 Restitution = Annotated[float, Field(ge=0.0, le=1.0)]
 
 
 # --- laws -----------------------------------------------------------------------------------------
 
 
-class SpringDamperLaw(Part):
+class LawNumbers(NamedTuple):
+    """F = k d^n + c d^m d' with c = damping + impact_damping k / v0, v0 the speed at touch-down."""
+
+    stiffness: float = 0.0  # k, N/m^n
+    damping: float = 0.0  # N s/m^(m + 1)
+    exponent: float = 1.0  # n
+    damping_exponent: float = 0.0  # m
+    impact_damping: float = 0.0  # -
+    slowest: float = 1.0  # m/s, v0 is taken no smaller
+    restitution: float = 0.0  # -, of an impulse
+    release: Literal["gap", "force", "rigid", "constraint"] = "gap"  # where it lets go
+
+
+class Law(Part):
+    """A contact law."""
+
+    IMPULSIVE: ClassVar[bool] = False  # acts at touch-down, in an instant
+    HOLDS: ClassVar[bool] = False  # stands for a constraint while contact lasts
+    NEEDS_IMPACT_SPEED: ClassVar[bool] = False
+
+    type: Any
+
+    def numbers(self) -> LawNumbers:
+        """Return what stands in the solver's arrays."""
+        raise NotImplementedError(f"{type(self).__name__} names no numbers")
+
+
+class SpringDamperLaw(Law):
     """F = k d + c d' (Fox 1999 eq 18, Fox 2001 eq 28): jumps by c v0 at touch-down.
 
     release "gap" lets go at d = 0 and pulls shortly before; "force" lets go where F = 0 and never pulls.
@@ -31,16 +58,22 @@ class SpringDamperLaw(Part):
     damping: NonNegative = 0.0  # N s/m
     release: Literal["gap", "force"] = "gap"
 
+    def numbers(self) -> LawNumbers:
+        return LawNumbers(self.stiffness, self.damping, release=self.release)
 
-class ProgressiveLaw(Part):
+
+class ProgressiveLaw(Law):
     """F = k d + c d d' (Fox 1999 eq 33, Fox 2001 eq 34): continuous with a kink; lets go at d = 0, where F = 0."""
 
     type: Literal["progressive_law"] = "progressive_law"
     stiffness: Positive  # N/m
     damping: NonNegative = 0.0  # N s/m^2
 
+    def numbers(self) -> LawNumbers:
+        return LawNumbers(self.stiffness, self.damping, damping_exponent=1.0)
 
-class HuntCrossleyLaw(Part):
+
+class HuntCrossleyLaw(Law):
     """F = d^n (k + c d') (Hunt and Crossley 1975); lets go at d = 0, where F = 0."""
 
     type: Literal["hunt_crossley_law"] = "hunt_crossley_law"
@@ -48,12 +81,17 @@ class HuntCrossleyLaw(Part):
     damping: NonNegative = 0.0  # N s/m^(n + 1)
     exponent: Annotated[float, Field(ge=1.0, le=10.0)] = 1.5
 
+    def numbers(self) -> LawNumbers:
+        return LawNumbers(self.stiffness, self.damping, self.exponent, self.exponent)
 
-class LankaraniNikraveshLaw(Part):
+
+class LankaraniNikraveshLaw(Law):
     """F = k d^n (1 + 3 (1 - e^2)/4 d'/v0), v0 the speed at touch-down (Lankarani and Nikravesh 1990).
 
     Lets go at d = 0, where F = 0. e is nominal: the law returns another restitution.
     """
+
+    NEEDS_IMPACT_SPEED: ClassVar[bool] = True
 
     type: Literal["lankarani_nikravesh_law"] = "lankarani_nikravesh_law"
     stiffness: Positive  # N/m^n
@@ -61,12 +99,18 @@ class LankaraniNikraveshLaw(Part):
     exponent: Annotated[float, Field(ge=1.0, le=10.0)] = 1.5
     slowest: Positive = 1e-3  # m/s, v0 is taken no smaller: a contact made at rest has no impact speed
 
+    def numbers(self) -> LawNumbers:
+        factor = 0.75 * (1.0 - self.restitution**2)
+        return LawNumbers(self.stiffness, 0.0, self.exponent, self.exponent, factor, self.slowest)
 
-class FloresLaw(Part):
+
+class FloresLaw(Law):
     """F = k d^n (1 + 8 (1 - e)/(5 e) d'/v0), v0 the speed at touch-down (Flores et al. 2011).
 
     Lets go at d = 0, where F = 0. e is nominal: the law returns another restitution.
     """
+
+    NEEDS_IMPACT_SPEED: ClassVar[bool] = True
 
     type: Literal["flores_law"] = "flores_law"
     stiffness: Positive  # N/m^n
@@ -74,22 +118,37 @@ class FloresLaw(Part):
     exponent: Annotated[float, Field(ge=1.0, le=10.0)] = 1.5
     slowest: Positive = 1e-3  # m/s, v0 is taken no smaller
 
+    def numbers(self) -> LawNumbers:
+        factor = 1.6 * (1.0 - self.restitution) / self.restitution
+        return LawNumbers(self.stiffness, 0.0, self.exponent, self.exponent, factor, self.slowest)
 
-class RigidLaw(Part):
+
+class RigidLaw(Law):
     """No penetration: at touch-down an impulse reverses the normal speed, v+ = -e v- (Newton)."""
+
+    IMPULSIVE: ClassVar[bool] = True
 
     type: Literal["rigid_law"] = "rigid_law"
     restitution: Restitution
 
+    def numbers(self) -> LawNumbers:
+        return LawNumbers(restitution=self.restitution, release="rigid")
 
-class ConstraintLaw(Part):
+
+class ConstraintLaw(Law):
     """No penetration and no rebound: while contact lasts the constraint gap = 0 stands for the force.
 
     The papers' other cure (Fox 2001). At touch-down an impulse takes the approach speed away (restitution 0);
     the contact lets go where the multiplier would pull. Circles on lines and circles alone, without friction.
     """
 
+    IMPULSIVE: ClassVar[bool] = True
+    HOLDS: ClassVar[bool] = True
+
     type: Literal["constraint_law"] = "constraint_law"
+
+    def numbers(self) -> LawNumbers:
+        return LawNumbers(release="constraint")
 
 
 ContactLaw = Annotated[
@@ -107,12 +166,28 @@ ContactLaw = Annotated[
 # --- friction -------------------------------------------------------------------------------------
 
 
+class FrictionNumbers(NamedTuple):
+    """Friction as the solver's arrays hold it."""
+
+    kind: Literal["none", "smooth", "stick_slip"] = "none"
+    coefficient: float = 0.0  # mu
+    static: float = 0.0  # mu_s
+    creep: float = 1.0  # m/s, v_s
+    grip_stiffness: float = 0.0  # N/m
+    grip_damping: float = 0.0  # N s/m
+
+
 class RegularisedCoulomb(Part):
     """F_t = -mu F_n tanh(v_t / v_s): smooth, and creeps where Coulomb's law would stick."""
+
+    STICKS: ClassVar[bool] = False
 
     type: Literal["regularised_coulomb"] = "regularised_coulomb"
     coefficient: NonNegative
     speed: Positive = 1e-3  # m/s, v_s
+
+    def numbers(self) -> FrictionNumbers:
+        return FrictionNumbers("smooth", self.coefficient, creep=self.speed)
 
 
 class StickSlip(Part):
@@ -120,6 +195,8 @@ class StickSlip(Part):
 
     Sticks where the tangential force needed is within mu_s F_n, and slips where it is not.
     """
+
+    STICKS: ClassVar[bool] = True  # located transitions; in space its deflections are states
 
     type: Literal["stick_slip"] = "stick_slip"
     coefficient: NonNegative  # mu
@@ -133,8 +210,37 @@ class StickSlip(Part):
             raise ValueError(f"static = {self.static} must not be below coefficient = {self.coefficient}")
         return self
 
+    def numbers(self) -> FrictionNumbers:
+        static = self.coefficient if self.static is None else self.static
+        return FrictionNumbers("stick_slip", self.coefficient, static, 1.0, self.stiffness, self.damping)
+
 
 Friction = Annotated[RegularisedCoulomb | StickSlip, Field(discriminator="type")]
+
+
+# --- pairs ----------------------------------------------------------------------------------------
+
+
+class ContactPart(Attached):
+    """Two shapes on two bodies, a law and friction."""
+
+    SHAPED_B: ClassVar[bool] = False  # whether body_b carries more than a circle or a sphere
+    MAY_HOLD: ClassVar[bool] = False  # whether a law may stand for a constraint here
+
+    law: ContactLaw
+    friction: Any = None
+
+    @model_validator(mode="after")
+    def _check_law(self) -> Self:
+        if self.law.HOLDS and not self.MAY_HOLD:
+            raise ValueError(f"law = {self.law.type!r} is for circle_on_line and circle_on_circle, not for {self.type}")
+        if self.law.IMPULSIVE and self.friction is not None:
+            raise ValueError(f"law = {self.law.type!r} has no force that friction could use; leave friction out")
+        return self
+
+    def refuses_particle(self, end: str, dimension: int) -> str:
+        shaped = end == "body_b" and self.SHAPED_B
+        return "and carries circles without friction only; use a rigid body" if self.friction or shaped else ""
 
 
 def _require_radius(radius_a: float, radius_b: float) -> None:
@@ -142,77 +248,74 @@ def _require_radius(radius_a: float, radius_b: float) -> None:
         raise ValueError("radius_a and radius_b are both 0; one must be positive")
 
 
-def _no_friction_on_a_constraint(law: Any, friction: Any) -> None:
-    if isinstance(law, ConstraintLaw) and friction is not None:
-        raise ValueError(f"friction = {friction.type} does not go with constraint_law; leave it out")
-
-
-# --- pairs ----------------------------------------------------------------------------------------
-
-
-class CircleOnLine(Part):
+class CircleOnLine(ContactPart):
     """A circle on one body against a straight surface on another or on ground; a radius of 0 is a corner.
 
     Walking from point_1 to point_2 the free side is on the left. `extent`: "line" has no ends, "segment"
     touches only where the circle's centre is between the ends, "capped" has solid end points too.
     """
 
+    DIMENSIONS: ClassVar[tuple[int, ...]] = (2,)
+    COUNTERPART: ClassVar[str] = "sphere_on_plane"
+    SHAPED_B: ClassVar[bool] = True
+    MAY_HOLD: ClassVar[bool] = True
+
     type: Literal["circle_on_line"] = "circle_on_line"
-    name: Name
-    body_a: Name  # carries the circle
+    body_a: EndName  # carries the circle
     center: Vector  # m, world, t = 0
     radius: NonNegative  # m
-    body_b: Name = "ground"  # carries the line
+    body_b: EndName = "ground"  # carries the line
     point_1: Vector  # m, world, t = 0
     point_2: Vector  # m, world, t = 0
     extent: Literal["line", "segment", "capped"] = "line"
     thickness: Positive | None = None  # m: what appears deeper than this is behind the surface, not in it
-    law: ContactLaw
     friction: Friction | None = None
 
     @model_validator(mode="after")
     def _check(self) -> Self:
         if math.dist(self.point_1, self.point_2) == 0.0:
             raise ValueError("point_1 and point_2 coincide; the surface has no direction")
-        if isinstance(self.law, ConstraintLaw) and self.extent == "capped":
-            raise ValueError("extent = 'capped' does not go with constraint_law; allowed: 'line', 'segment'")
-        _no_friction_on_a_constraint(self.law, self.friction)
+        if self.law.HOLDS and self.extent == "capped":
+            raise ValueError(f"extent = 'capped' does not go with {self.law.type}; allowed: 'line', 'segment'")
         return self
 
 
-class CircleOnCircle(Part):
+class CircleOnCircle(ContactPart):
     """Two discs that touch from outside."""
 
+    DIMENSIONS: ClassVar[tuple[int, ...]] = (2,)
+    COUNTERPART: ClassVar[str] = "sphere_on_sphere"
+    MAY_HOLD: ClassVar[bool] = True
+
     type: Literal["circle_on_circle"] = "circle_on_circle"
-    name: Name
-    body_a: Name
+    body_a: EndName
     center_a: Vector  # m, world, t = 0
     radius_a: NonNegative  # m
-    body_b: Name
+    body_b: EndName
     center_b: Vector  # m, world, t = 0
     radius_b: NonNegative  # m
-    law: ContactLaw
     friction: RegularisedCoulomb | None = None
 
     @model_validator(mode="after")
     def _check(self) -> Self:
         _require_radius(self.radius_a, self.radius_b)
-        _no_friction_on_a_constraint(self.law, self.friction)
         return self
 
 
-class PinOnSprocket(Part):
+class PinOnSprocket(ContactPart):
     """A round pin in the tooth gaps of a sprocket: seats on the pitch circle with straight flanks.
 
     A gap is an arc about a point of the pitch circle, wider than the pin by `clearance`, opening
     outwards between flanks inclined by `flank_angle`; beyond the addendum radius there is no tooth.
     """
 
+    DIMENSIONS: ClassVar[tuple[int, ...]] = (2,)
+    SHAPED_B: ClassVar[bool] = True
+
     type: Literal["pin_on_sprocket"] = "pin_on_sprocket"
-    name: Name
-    body_a: Name  # carries the pin
+    body_a: EndName  # carries the pin
     center: Vector  # m, world, t = 0
-    body_b: Name  # the sprocket
+    body_b: EndName  # the sprocket
     axle: Vector  # m, world, t = 0: its centre
     teeth: Annotated[int, Field(ge=3, le=1000)]
     pitch_radius: Positive  # m
@@ -220,17 +323,10 @@ class PinOnSprocket(Part):
     first_seat: float = 0.0  # rad, world angle of one gap at t = 0
     clearance: Positive  # m, seat radius minus pin radius
     flank_angle: Annotated[float, Field(ge=0.0, lt=1.5)] = 0.3490658503988659  # rad (20 degrees), from the radius
-    law: ContactLaw
     friction: RegularisedCoulomb | None = None
 
-    @model_validator(mode="after")
-    def _check(self) -> Self:
-        if isinstance(self.law, ConstraintLaw):
-            raise ValueError("law = constraint_law is for circle_on_line and circle_on_circle, not for pin_on_sprocket")
-        return self
 
-
-class SphereOnPlane(Part):
+class SphereOnPlane(ContactPart):
     """A sphere on one body against a flat surface on another or on ground (space); a radius of 0 is a corner.
 
     The normal points to the free side. `extent`: "plane" has no ends, "rectangle" touches only where the
@@ -238,64 +334,56 @@ class SphereOnPlane(Part):
     about `point` and the direction `edge` of its first side.
     """
 
+    DIMENSIONS: ClassVar[tuple[int, ...]] = (3,)
+    COUNTERPART: ClassVar[str] = "circle_on_line"
+    SHAPED_B: ClassVar[bool] = True
+
     type: Literal["sphere_on_plane"] = "sphere_on_plane"
-    name: Name
-    body_a: Name  # carries the sphere
+    body_a: EndName  # carries the sphere
     center: Vector3  # m, world, t = 0
     radius: NonNegative  # m
-    body_b: Name = "ground"  # carries the plane
+    body_b: EndName = "ground"  # carries the plane
     point: Vector3  # m, world, t = 0: on the plane, the middle of a rectangle
-    normal: Vector3  # direction, world, t = 0
+    normal: Direction3  # direction, world, t = 0
     extent: Literal["plane", "rectangle", "capped"] = "plane"
     size: tuple[Positive, Positive] | None = None  # m, sides of a rectangle
-    edge: Vector3 | None = None  # direction of the first side, world, t = 0; perpendicular to normal
+    edge: Direction3 | None = None  # direction of the first side, world, t = 0; perpendicular to normal
     thickness: Positive | None = None  # m: what appears deeper than this is behind the surface, not in it
-    law: ContactLaw
     friction: Friction | None = None
 
     @model_validator(mode="after")
     def _check(self) -> Self:
-        if not math.hypot(*self.normal) > 0.0:
-            raise ValueError(f"normal = {self.normal} has no direction; give any vector but zero")
         bounded = self.extent != "plane"
         if bounded != (self.size is not None) or bounded != (self.edge is not None):
             raise ValueError(f"extent = {self.extent!r}: a rectangle needs size and edge, a plane has neither")
         if self.edge is not None:
             scale = math.hypot(*self.normal) * math.hypot(*self.edge)
-            if not abs(math.sumprod(self.normal, self.edge)) <= 1e-9 * scale or scale == 0.0:
+            if not abs(math.sumprod(self.normal, self.edge)) <= 1e-9 * scale:
                 raise ValueError(f"edge = {self.edge} must be perpendicular to normal = {self.normal}")
-        if self.extent == "capped" and isinstance(self.friction, StickSlip):
+        if self.extent == "capped" and self.friction is not None and self.friction.STICKS:
             raise ValueError("extent = 'capped' turns the tangent plane at its edges; stick_slip needs a flat surface")
-        _require_force(self.law, self.friction)
         return self
 
 
-class SphereOnSphere(Part):
+class SphereOnSphere(ContactPart):
     """Two spheres that touch from outside (space)."""
 
+    DIMENSIONS: ClassVar[tuple[int, ...]] = (3,)
+    COUNTERPART: ClassVar[str] = "circle_on_circle"
+
     type: Literal["sphere_on_sphere"] = "sphere_on_sphere"
-    name: Name
-    body_a: Name
+    body_a: EndName
     center_a: Vector3  # m, world, t = 0
     radius_a: NonNegative  # m
-    body_b: Name
+    body_b: EndName
     center_b: Vector3  # m, world, t = 0
     radius_b: NonNegative  # m
-    law: ContactLaw
     friction: RegularisedCoulomb | None = None
 
     @model_validator(mode="after")
     def _check(self) -> Self:
         _require_radius(self.radius_a, self.radius_b)
-        _require_force(self.law, self.friction)
         return self
-
-
-def _require_force(law: ContactLaw, friction: Friction | None) -> None:
-    if friction is not None and isinstance(law, RigidLaw):
-        raise ValueError(f"law = {law.type!r} acts in an instant and has no force for friction; leave friction out")
-    if isinstance(law, ConstraintLaw):
-        raise ValueError("law = constraint_law is for circle_on_line and circle_on_circle, not yet for space")
 
 
 Contact = Annotated[

@@ -11,8 +11,8 @@ import numpy as np
 
 def floats(values) -> np.ndarray:
     """Return an array of floats, in extended precision where the values have it."""
-    found = np.asarray(values)
-    return found.astype(np.result_type(found, float), copy=False)
+    array = np.asarray(values)
+    return array.astype(np.result_type(array, float), copy=False)
 
 
 def from_axis_angle(axis, angle) -> np.ndarray:

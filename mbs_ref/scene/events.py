@@ -2,36 +2,42 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field
 
-from mbs_ref.scene.part import Name, Part, Vector
+from mbs_ref.scene.base.attached import NO_ORIENTATION, Attached
+from mbs_ref.scene.base.part import BodyName, EndName, Vector
 
 Crossing = Literal["either", "rising", "falling"]
 Action = Literal["record", "stop"]
 
 
-class CoordinateEvent(Part):
+class CoordinateEvent(Attached):
     """A body's coordinate, or its rate, crosses a value."""
 
+    DIMENSIONS: ClassVar[tuple[int, ...]] = (2,)
+
     type: Literal["coordinate_event"] = "coordinate_event"
-    name: Name
-    body: Name
+    body: BodyName
     coordinate: Literal["x", "y", "angle"]
     rate: bool = False  # watch the coordinate's rate instead
     value: float = 0.0  # m or rad; m/s or rad/s
     crossing: Crossing = "either"
     action: Action = "record"
 
+    def refuses_particle(self, end: str, dimension: int) -> str:
+        return NO_ORIENTATION if self.coordinate == "angle" else ""
 
-class DistanceEvent(Part):
+
+class DistanceEvent(Attached):
     """The distance between two marks crosses a value."""
 
+    DIMENSIONS: ClassVar[tuple[int, ...]] = (2,)
+
     type: Literal["distance_event"] = "distance_event"
-    name: Name
-    body_a: Name
-    body_b: Name
+    body_a: EndName
+    body_b: EndName
     point_a: Vector  # m, world, t = 0
     point_b: Vector  # m, world, t = 0
     value: Annotated[float, Field(gt=0.0)]  # m

@@ -3,126 +3,174 @@
 from __future__ import annotations
 
 import math
-from typing import Annotated, Literal, Self
+from collections.abc import Iterator
+from typing import Annotated, ClassVar, Literal, Self
 
+import numpy as np
 from pydantic import Field, model_validator
 
-from mbs_ref.scene.directions import require_direction, require_perpendicular
-from mbs_ref.scene.part import Name, Part, Positive, Vector, Vector3
+from mbs_ref.scene.base.attached import NO_ORIENTATION, Attached
+from mbs_ref.scene.base.directions import normals, require_perpendicular, unit
+from mbs_ref.scene.base.part import BodyName, Direction, Direction3, EndName, Positive, Vector, Vector3
+from mbs_ref.scene.base.rows import (
+    OnPlane,
+    Prescribed,
+    PrescribedAngle,
+    Product,
+    Rod,
+    Row,
+    SharedPoint,
+    Turn,
+    along,
+    parallel,
+    same_orientation,
+)
 from mbs_ref.scene.signals import Level, Signal
 
 
-class Revolute(Part):
+class JointPart(Attached):
+    """A joint: it is made of elementary rows, and everything that solves it asks for these."""
+
+    def rows(self, dimension: int) -> list[Row]:
+        """Return its rows in the plane (2) or in space (3); ask where `complaints` finds nothing."""
+        raise NotImplementedError(f"{type(self).__name__} names no rows")
+
+    def refuses_particle(self, end: str, dimension: int) -> str:
+        return NO_ORIENTATION if any(row.TURNS for row in self.rows(dimension)) else ""
+
+
+class Drive(JointPart):
+    """A joint that prescribes a motion in time."""
+
+    motion: Signal  # m or rad; counted from its own value at t = 0
+    level: Level = "position"  # the derivative of the displacement that `motion` gives
+
+
+def axis_complaints(kind: str, axis: tuple[float, ...] | None, dimension: int) -> Iterator[str]:
+    """Yield what is wrong with the axis of a part that turns about the normal in the plane."""
+    if dimension == 3 and axis is None:
+        yield f"a {kind} in space needs an axis"
+    if dimension == 2 and axis is not None:
+        yield f"axis = {axis}: in the plane a {kind} turns about the normal; leave the axis out"
+
+
+class Revolute(JointPart):
     """Two bodies share a point (planar: 2 rows); in space also an axis through it (5 rows)."""
 
     type: Literal["revolute"] = "revolute"
-    name: Name
-    body_a: Name
-    body_b: Name
+    body_a: EndName
+    body_b: EndName
     point: Vector  # m, world, t = 0
     point_b: Vector | None = None  # m, where body b's mark is at t = 0 when the loop is still open
-    axis: Vector | None = None  # direction, world, t = 0; in space alone, and there it must be given
+    axis: Direction | None = None  # direction, world, t = 0; in space alone, and there it must be given
 
-    @model_validator(mode="after")
-    def _check(self) -> Self:
-        if self.axis is not None:
-            require_direction("axis", self.axis)
-        return self
+    def complaints(self, dimension: int) -> Iterator[str]:
+        yield from axis_complaints(self.type, self.axis, dimension)
+
+    def rows(self, dimension: int) -> list[Row]:
+        shared = SharedPoint(self.point, self.point if self.point_b is None else self.point_b)
+        return [shared] if self.axis is None else [shared, *parallel(self.axis)]
 
 
-class Spherical(Part):
+class Spherical(JointPart):
     """Two bodies share a point (space: 3 rows)."""
 
+    DIMENSIONS: ClassVar[tuple[int, ...]] = (3,)
+    COUNTERPART: ClassVar[str] = "revolute"
+
     type: Literal["spherical"] = "spherical"
-    name: Name
-    body_a: Name
-    body_b: Name
+    body_a: EndName
+    body_b: EndName
     point: Vector3  # m, world, t = 0
 
+    def rows(self, dimension: int) -> list[Row]:
+        return [SharedPoint(self.point, self.point)]
 
-class Universal(Part):
+
+class Universal(JointPart):
     """Two bodies share a point, and an axis of one stays perpendicular to an axis of the other (4 rows)."""
 
+    DIMENSIONS: ClassVar[tuple[int, ...]] = (3,)
+
     type: Literal["universal"] = "universal"
-    name: Name
-    body_a: Name
-    body_b: Name
+    body_a: EndName
+    body_b: EndName
     point: Vector3  # m, world, t = 0
-    axis_a: Vector3  # direction fixed in body a, world, t = 0
-    axis_b: Vector3  # direction fixed in body b, world, t = 0; perpendicular to axis_a
+    axis_a: Direction3  # direction fixed in body a, world, t = 0
+    axis_b: Direction3  # direction fixed in body b, world, t = 0; perpendicular to axis_a
 
     @model_validator(mode="after")
     def _check(self) -> Self:
         require_perpendicular("axis_a", self.axis_a, "axis_b", self.axis_b)
         return self
 
+    def rows(self, dimension: int) -> list[Row]:
+        return [SharedPoint(self.point, self.point), Product(unit(self.axis_a), unit(self.axis_b))]
 
-class Cylindrical(Part):
+
+class Cylindrical(JointPart):
     """Body b slides along an axis fixed in body a and turns about it (space: 4 rows)."""
 
+    DIMENSIONS: ClassVar[tuple[int, ...]] = (3,)
+
     type: Literal["cylindrical"] = "cylindrical"
-    name: Name
-    body_a: Name
-    body_b: Name
+    body_a: EndName
+    body_b: EndName
     point: Vector3  # m, world, t = 0
-    axis: Vector3  # direction, world, t = 0
+    axis: Direction3  # direction, world, t = 0
 
-    @model_validator(mode="after")
-    def _check(self) -> Self:
-        require_direction("axis", self.axis)
-        return self
+    def rows(self, dimension: int) -> list[Row]:
+        return [*along(self.point, self.axis), *parallel(self.axis)]
 
 
-class PointOnPlane(Part):
+class PointOnPlane(JointPart):
     """A point of body b stays on a plane fixed in body a (space: 1 row)."""
 
+    DIMENSIONS: ClassVar[tuple[int, ...]] = (3,)
+
     type: Literal["point_on_plane"] = "point_on_plane"
-    name: Name
-    body_a: Name
-    body_b: Name
+    body_a: EndName
+    body_b: EndName
     point: Vector3  # m, world, t = 0
-    normal: Vector3  # direction, world, t = 0
+    normal: Direction3  # direction, world, t = 0
 
-    @model_validator(mode="after")
-    def _check(self) -> Self:
-        require_direction("normal", self.normal)
-        return self
+    def rows(self, dimension: int) -> list[Row]:
+        return [OnPlane(self.point, self.point, unit(self.normal))]
 
 
-class Prismatic(Part):
+class Prismatic(JointPart):
     """Body b slides along an axis fixed in body a without turning (planar: 2 rows; space: 5)."""
 
     type: Literal["prismatic"] = "prismatic"
-    name: Name
-    body_a: Name
-    body_b: Name
+    body_a: EndName
+    body_b: EndName
     point: Vector  # m, world, t = 0
-    axis: Vector  # direction, world, t = 0; any length but zero
+    axis: Direction  # world, t = 0
 
-    @model_validator(mode="after")
-    def _check(self) -> Self:
-        require_direction("axis", self.axis)
-        return self
+    def rows(self, dimension: int) -> list[Row]:
+        return [*along(self.point, self.axis), *same_orientation(dimension)]
 
 
-class Weld(Part):
+class Weld(JointPart):
     """No relative motion (planar: 3 rows; space: 6)."""
 
     type: Literal["weld"] = "weld"
-    name: Name
-    body_a: Name
-    body_b: Name
+    body_a: EndName
+    body_b: EndName
     point: Vector  # m, world, t = 0
     point_b: Vector | None = None  # m, where body b's mark is at t = 0 when the loop is still open
 
+    def rows(self, dimension: int) -> list[Row]:
+        shared = SharedPoint(self.point, self.point if self.point_b is None else self.point_b)
+        return [shared, *same_orientation(dimension)]
 
-class Distance(Part):
+
+class Distance(JointPart):
     """A massless rod between two points (1 row); its length is their distance at t = 0 unless given."""
 
     type: Literal["distance"] = "distance"
-    name: Name
-    body_a: Name
-    body_b: Name
+    body_a: EndName
+    body_b: EndName
     point_a: Vector  # m, world, t = 0
     point_b: Vector  # m, world, t = 0
     length: Positive | None = None  # m
@@ -133,54 +181,58 @@ class Distance(Part):
             raise ValueError("point_a and point_b coincide; a distance joint needs a length > 0")
         return self
 
+    def rows(self, dimension: int) -> list[Row]:
+        length = math.dist(self.point_a, self.point_b) if self.length is None else self.length
+        return [Rod(self.point_a, self.point_b, length)]
 
-class CoordinateDrive(Part):
+
+class CoordinateDrive(Drive):
     """A coordinate of a body follows its initial value plus a motion (rheonomic, 1 row)."""
 
     type: Literal["coordinate_drive"] = "coordinate_drive"
-    name: Name
-    body: Name
+    body: BodyName
     coordinate: Literal["x", "y", "z", "angle"]  # z in space alone, angle in the plane alone
-    motion: Signal  # m or rad; counted from its own value at t = 0
-    level: Level = "position"  # the derivative of the displacement that `motion` gives
+
+    def complaints(self, dimension: int) -> Iterator[str]:
+        if dimension == 2 and self.coordinate == "z":
+            yield "coordinate = 'z' is for space alone"
+        if dimension == 3 and self.coordinate == "angle":
+            yield "coordinate = 'angle' is for the plane alone; use rotation_drive"
+
+    def rows(self, dimension: int) -> list[Row]:
+        if self.coordinate == "angle":
+            return [PrescribedAngle()]
+        return [Prescribed(None, np.eye(dimension)["xyz".index(self.coordinate)])]
 
 
-class PointDrive(Part):
+class PointDrive(Drive):
     """A point of a body follows its initial place plus a motion along a fixed direction (1 row)."""
 
     type: Literal["point_drive"] = "point_drive"
-    name: Name
-    body: Name
+    body: BodyName
     point: Vector  # m, world, t = 0
-    direction: Vector  # world; any length but zero
-    motion: Signal  # m; counted from its own value at t = 0
-    level: Level = "position"
+    direction: Direction  # world
 
-    @model_validator(mode="after")
-    def _check(self) -> Self:
-        require_direction("direction", self.direction)
-        return self
+    def rows(self, dimension: int) -> list[Row]:
+        return [Prescribed(self.point, unit(self.direction))]
 
 
-class RotationDrive(Part):
-    """Body b turns about an axis fixed in body a by a prescribed angle (space, rheonomic, 1 row).
+class RotationDrive(Drive):
+    """Body b turns about an axis fixed in body a by a prescribed angle, right-handed (space, rheonomic, 1 row).
 
     It goes with a joint that keeps the axis: a constant `motion` at the level `velocity` drives at constant
     angular velocity.
     """
 
-    type: Literal["rotation_drive"] = "rotation_drive"
-    name: Name
-    body_a: Name
-    body_b: Name
-    axis: Vector3  # direction, world, t = 0
-    motion: Signal  # rad, right-handed about the axis; counted from its own value at t = 0
-    level: Level = "position"
+    DIMENSIONS: ClassVar[tuple[int, ...]] = (3,)
 
-    @model_validator(mode="after")
-    def _check(self) -> Self:
-        require_direction("axis", self.axis)
-        return self
+    type: Literal["rotation_drive"] = "rotation_drive"
+    body_a: EndName
+    body_b: EndName
+    axis: Direction3  # direction, world, t = 0
+
+    def rows(self, dimension: int) -> list[Row]:
+        return [Turn(*normals(self.axis))]
 
 
 Joint = Annotated[
@@ -197,4 +249,4 @@ Joint = Annotated[
     | RotationDrive,
     Field(discriminator="type"),
 ]
-DRIVES = (CoordinateDrive, PointDrive, RotationDrive)  # what prescribes a motion in time
+DRIVES = (CoordinateDrive, PointDrive, RotationDrive)

@@ -2,57 +2,72 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Annotated, Any, Literal, Self
+from collections.abc import Callable, Iterator
+from typing import Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import Field, SkipValidation, model_validator
 
+from mbs_ref.scene.base.attached import Attached
+from mbs_ref.scene.base.directions import require_perpendicular
+from mbs_ref.scene.base.part import (
+    BodyName,
+    Direction,
+    Direction3,
+    EndName,
+    NonNegative,
+    SixNonNegative,
+    Vector,
+    Vector3,
+)
 from mbs_ref.scene.celestial import CelestialLoad
-from mbs_ref.scene.directions import require_perpendicular
-from mbs_ref.scene.part import Name, NonNegative, Part, SixNonNegative, Vector, Vector3
+from mbs_ref.scene.joints import axis_complaints
 from mbs_ref.scene.signals import Constant, Signal
 
 
-class Force(Part):
+class Force(Attached):
     """A force at a point of a body: vector times a signal, along fixed world or body axes."""
 
     type: Literal["force"] = "force"
-    name: Name
-    body: Name
+    body: BodyName
     point: Vector  # m, world, t = 0
     vector: Vector  # N
     frame: Literal["world", "body"] = "world"
     factor: Signal = Constant()
 
 
-class Torque(Part):
+class Torque(Attached):
     """A torque on a planar body times a signal."""
 
+    DIMENSIONS: ClassVar[tuple[int, ...]] = (2,)
+    COUNTERPART: ClassVar[str] = "torque_vector"
+    TURNS: ClassVar[bool] = True
+
     type: Literal["torque"] = "torque"
-    name: Name
-    body: Name
+    body: BodyName
     torque: float  # N m
     factor: Signal = Constant()
 
 
-class TorqueVector(Part):
+class TorqueVector(Attached):
     """A torque on a spatial body: vector times a signal, along fixed world or body axes."""
 
+    DIMENSIONS: ClassVar[tuple[int, ...]] = (3,)
+    COUNTERPART: ClassVar[str] = "torque"
+    TURNS: ClassVar[bool] = True
+
     type: Literal["torque_vector"] = "torque_vector"
-    name: Name
-    body: Name
+    body: BodyName
     vector: Vector3  # N m
     frame: Literal["world", "body"] = "world"
     factor: Signal = Constant()
 
 
-class SpringDamper(Part):
+class SpringDamper(Attached):
     """A point-to-point spring and damper: F = k (l - l0) + c dl/dt, optionally in tension only."""
 
     type: Literal["spring_damper"] = "spring_damper"
-    name: Name
-    body_a: Name
-    body_b: Name
+    body_a: EndName
+    body_b: EndName
     point_a: Vector  # m, world, t = 0
     point_b: Vector  # m, world, t = 0
     stiffness: NonNegative  # N/m
@@ -61,39 +76,45 @@ class SpringDamper(Part):
     tension_only: bool = False  # slack below the rest length, and never pushing
 
 
-class TorsionSpring(Part):
+class TorsionSpring(Attached):
     """A rotational spring and damper on the relative angle of two bodies.
 
     In space the angle is that of body b about `axis`, fixed in body a, counted from t = 0; it goes with a
     joint that keeps the axis. Beyond 3 rad either way a spatial spring stops the run: it cannot count turns.
     """
 
+    TURNS: ClassVar[bool] = True
+
     type: Literal["torsion_spring"] = "torsion_spring"
-    name: Name
-    body_a: Name
-    body_b: Name
+    body_a: EndName
+    body_b: EndName
     stiffness: NonNegative  # N m/rad
     damping: NonNegative = 0.0  # N m s/rad
     rest_angle: float | None = None  # rad, of b relative to a; the initial one unless given
-    axis: Vector | None = None  # direction, world, t = 0; in space alone, and there it must be given
+    axis: Direction | None = None  # direction, world, t = 0; in space alone, and there it must be given
+
+    def complaints(self, dimension: int) -> Iterator[str]:
+        yield from axis_complaints(self.type, self.axis, dimension)
 
 
-class Bushing(Part):
+class Bushing(Attached):
     """Six springs and dampers between two bodies at a point, along axes fixed in body a (space).
 
     Stiffness and damping are for the offset along x, y, z and the rotation vector about x, y, z of the
     bushing's axes; neither is strained at t = 0. Beyond 3 rad of relative rotation it stops the run.
     """
 
+    DIMENSIONS: ClassVar[tuple[int, ...]] = (3,)
+    TURNS: ClassVar[bool] = True
+
     type: Literal["bushing"] = "bushing"
-    name: Name
-    body_a: Name
-    body_b: Name
+    body_a: EndName
+    body_b: EndName
     point: Vector3  # m, world, t = 0
     stiffness: SixNonNegative  # N/m, N m/rad
     damping: SixNonNegative = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)  # N s/m, N m s/rad
-    x_axis: Vector3 = (1.0, 0.0, 0.0)  # direction, world, t = 0
-    y_axis: Vector3 = (0.0, 1.0, 0.0)  # direction, world, t = 0; perpendicular to x_axis
+    x_axis: Direction3 = (1.0, 0.0, 0.0)  # direction, world, t = 0
+    y_axis: Direction3 = (0.0, 1.0, 0.0)  # direction, world, t = 0; perpendicular to x_axis
 
     @model_validator(mode="after")
     def _check(self) -> Self:
@@ -101,23 +122,27 @@ class Bushing(Part):
         return self
 
 
-class PointBushing(Part):
+class PointBushing(Attached):
     """An isotropic spring and damper between two marks that coincide at t = 0: F = k e + c de/dt, e their gap (plane).
 
     Both forces act at body b's mark, so no couple is left over: momentum is kept, and the damper only takes energy.
     Body a bears their arm, so it may not be a point mass.
     """
 
+    DIMENSIONS: ClassVar[tuple[int, ...]] = (2,)
+
     type: Literal["point_bushing"] = "point_bushing"
-    name: Name
-    body_a: Name
-    body_b: Name
+    body_a: EndName
+    body_b: EndName
     point: Vector  # m, world, t = 0
     stiffness: NonNegative  # N/m
     damping: NonNegative = 0.0  # N s/m
 
+    def refuses_particle(self, end: str, dimension: int) -> str:
+        return "and cannot bear the bushing's couple; let it be body_b" if end == "body_a" else ""
 
-class UserForce(Part):
+
+class UserForce(Attached):
     """A user's own force law, called as function(t, q, v) -> generalized forces.
 
     q, v and the result have shape (n_bodies, 3) in the scene's body order: m, m, rad; N, N, N m. In space
@@ -126,7 +151,6 @@ class UserForce(Part):
     """
 
     type: Literal["user_force"] = "user_force"
-    name: Name
     function: Annotated[Callable[..., Any], SkipValidation]
 
 

@@ -57,10 +57,10 @@ def problems(error: ValidationError, model: type[BaseModel], data: Any) -> list[
     """Return what is wrong with `data`, which failed to become a `model`, each place once; MOST_PROBLEMS at most."""
     details = error.errors(include_url=False, include_input=False)
     told = islice((p for detail in details for p in _translate(detail, model, data)), MOST_PROBLEMS)
-    found = list({(p.path, p.message): p for p in told}.values())
+    once = list({(p.path, p.message): p for p in told}.values())
     if len(details) > MOST_PROBLEMS:
-        found.append(Problem("", "", "", f"and more of {len(details)} mistakes in all"))
-    return found
+        once.append(Problem("", "", "", f"and more of {len(details)} mistakes in all"))
+    return once
 
 
 def sentences(error: ValidationError, model: type[BaseModel], data: Any) -> str:

@@ -7,13 +7,13 @@ from typing import Any, Self
 
 from pydantic import Field, model_validator
 
+from mbs_ref.scene.base.complaints import complaints
+from mbs_ref.scene.base.part import Name, Part, Positive, Vector
 from mbs_ref.scene.bodies import GROUND, Body
-from mbs_ref.scene.complaints import complaints
 from mbs_ref.scene.contact import Contact
 from mbs_ref.scene.events import Event
-from mbs_ref.scene.joints import DRIVES, Joint
-from mbs_ref.scene.loads import Force, Load, Torque, TorqueVector
-from mbs_ref.scene.part import Name, Part, Positive, Vector
+from mbs_ref.scene.joints import Joint
+from mbs_ref.scene.loads import Load
 from mbs_ref.scene.signals import breakpoints
 
 MOST_COMPLAINTS = 100  # about one scene at once: each may list the bodies, and there may be 100 000
@@ -36,11 +36,12 @@ class Scene(Part):
 
     @model_validator(mode="after")
     def _check(self) -> Self:
-        found = list(islice(complaints(self), MOST_COMPLAINTS))
-        if len(found) == MOST_COMPLAINTS:
-            found.append("and perhaps more: no further complaints were looked for")
-        if found:
-            raise ValueError("\n".join(found))
+        attached = {"joints": self.joints, "loads": self.loads, "contacts": self.contacts, "events": self.events}
+        told = list(islice(complaints(self.dimension, self.gravity, self.bodies, attached), MOST_COMPLAINTS))
+        if len(told) == MOST_COMPLAINTS:
+            told.append("and perhaps more: no further complaints were looked for")
+        if told:
+            raise ValueError("\n".join(told))
         return self
 
     @property
@@ -68,6 +69,5 @@ class Scene(Part):
 
     def breakpoints(self) -> list[float]:
         """Return the sorted times (s) at which a declared signal may be non-smooth."""
-        signals = [load.factor for load in self.loads if isinstance(load, Force | Torque | TorqueVector)]
-        signals += [j.motion for j in self.joints if isinstance(j, DRIVES)]
-        return sorted({t for signal in signals for t in breakpoints(signal)})
+        parts = (*self.loads, *self.joints)
+        return sorted({t for part in parts for signal in part.signals for t in breakpoints(signal)})

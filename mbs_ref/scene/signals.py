@@ -13,7 +13,7 @@ from typing import Annotated, Literal, NamedTuple, Self
 
 from pydantic import Field, model_validator
 
-from mbs_ref.scene.part import Part, Positive
+from mbs_ref.scene.base.part import Part, Positive
 
 DEGREE = 6  # highest polynomial degree a compiled segment carries (4 plus two integrations)
 
@@ -120,7 +120,8 @@ class Polynomial(Part):
         return [Segment(0.0, self.coefficients)]
 
 
-Signal = Annotated[Constant | Table | HalfSine | Harmonic | Polynomial, Field(discriminator="type")]
+AnySignal = Constant | Table | HalfSine | Harmonic | Polynomial
+Signal = Annotated[AnySignal, Field(discriminator="type")]
 Level = Literal["position", "velocity", "acceleration"]
 
 

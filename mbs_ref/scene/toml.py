@@ -10,9 +10,9 @@ import tomli_w
 from pydantic import ValidationError
 
 from mbs_ref.atomic_file import write_atomic
+from mbs_ref.scene.base.part import Part
 from mbs_ref.scene.loads import UserForce
 from mbs_ref.scene.messages import Problem, problems
-from mbs_ref.scene.part import Part
 from mbs_ref.scene.scene import Scene
 
 LARGEST_FILE = 32 * 2**20  # bytes; 100 000 bodies with their joints take about 25 MiB
@@ -20,12 +20,12 @@ USER_FORCE: str = UserForce.model_fields["type"].default
 
 
 class SceneFileError(ValueError):
-    """A scene file that cannot be read or written: `file`, and a `Problem` for everything found."""
+    """A scene file that cannot be read or written: `file`, and a `Problem` for each thing wrong with it."""
 
-    def __init__(self, file: str, found: list[Problem]) -> None:
+    def __init__(self, file: str, listed: list[Problem]) -> None:
         self.file = file
-        self.problems = tuple(found)
-        super().__init__("\n".join(f"{file}: {problem}" for problem in found))
+        self.problems = tuple(listed)
+        super().__init__("\n".join(f"{file}: {problem}" for problem in listed))
 
 
 def read_scene(path: str | Path) -> Scene:
@@ -74,13 +74,13 @@ def write_scene(scene: Scene, path: str | Path) -> None:
 
 def dumps(scene: Scene, file: str = "scene") -> str:
     """Return the scene as TOML without what is default; `loads` gives an equal scene back."""
-    found = [
+    unwritable = [
         Problem(f"loads[{k}]", load.name, "", "is the user's own Python function, which a scene file cannot hold")
         for k, load in enumerate(scene.loads)
         if isinstance(load, UserForce)
     ]
-    if found:
-        raise SceneFileError(file, found)
+    if unwritable:
+        raise SceneFileError(file, unwritable)
     return tomli_w.dumps(_plain(scene))
 
 

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
-from mbs_ref.scene.bodies import GROUND, PointMass
-from mbs_ref.scene.contact import StickSlip
-from mbs_ref.scene.joints import DRIVES, CoordinateDrive, PointDrive
-from mbs_ref.scene.loads import UserForce
+from typing import get_args
+
+from mbs_ref.scene.bodies import GROUND, Body, PointMass
+from mbs_ref.scene.contact import Contact, ContactLaw, Friction
+from mbs_ref.scene.events import Event
+from mbs_ref.scene.joints import Drive, Joint
+from mbs_ref.scene.loads import Load, UserForce
 from mbs_ref.scene.scene import Scene
 
 ALL_TRAITS = {
@@ -25,6 +28,13 @@ ALL_TRAITS = {
 NO_DEFLECTIONS = "where contacts stick in space, their deflections are states that this method does not carry"
 
 
+PART_TYPES: tuple[str, ...] = tuple(
+    part.model_fields["type"].default
+    for kind in (Body, Joint, Load, Contact, ContactLaw, Friction, Event)
+    for part in get_args(get_args(kind)[0])
+)  # of the whole language, in its order
+
+
 def part_types(scene: Scene) -> frozenset[str]:
     """Return the `type` of every part the scene contains, contact laws, friction and declared events included."""
     parts = {part.type for part in (*scene.bodies, *scene.joints, *scene.loads, *scene.contacts, *scene.events)}
@@ -39,7 +49,7 @@ def traits(scene: Scene) -> frozenset[str]:
         "planar": scene.dimension == 2,
         "spatial": scene.dimension == 3,
         "closed-loop": loops,
-        "rheonomic": any(isinstance(j, DRIVES) for j in scene.joints),
+        "rheonomic": any(isinstance(j, Drive) for j in scene.joints),
         "unconstrained": not scene.joints,
         "constrained": bool(scene.joints),
         "point-mass": any(isinstance(b, PointMass) for b in scene.bodies),
@@ -54,14 +64,7 @@ def traits(scene: Scene) -> frozenset[str]:
 
 def deflecting(scene: Scene) -> list[str]:
     """Return the contacts whose sticking adds states: all that can stick in space."""
-    return [c.name for c in scene.contacts if scene.dimension == 3 and isinstance(c.friction, StickSlip)]
-
-
-def joint_ends(joint) -> tuple[str, str]:
-    """Return the two bodies a joint connects; a drive connects its body to ground."""
-    if isinstance(joint, CoordinateDrive | PointDrive):
-        return GROUND, joint.body
-    return joint.body_a, joint.body_b
+    return [c.name for c in scene.contacts if scene.dimension == 3 and c.friction and c.friction.STICKS]
 
 
 def _cycles_and_free(scene: Scene) -> tuple[bool, bool]:
@@ -76,9 +79,8 @@ def _cycles_and_free(scene: Scene) -> tuple[bool, bool]:
 
     cycle = False
     for joint in scene.joints:
-        a, b = (root(end) for end in joint_ends(joint))
-        drive = isinstance(joint, DRIVES)
-        cycle |= a == b and not drive
+        a, b = (root(end) for end in joint.ends)
+        cycle |= a == b and not isinstance(joint, Drive)
         parent[a] = b
     free = any(root(name) != root(GROUND) for name in scene.body_names)
     return cycle, free

@@ -6,7 +6,7 @@ import itertools
 import math
 
 from mbs_ref.scene.bodies import PointMass
-from mbs_ref.scene.celestial import CELESTIAL_TYPES, Newton
+from mbs_ref.scene.celestial import CelestialPart, Newton
 from mbs_ref.scene.scene import Scene
 
 
@@ -16,7 +16,7 @@ def is_celestial(scene: Scene) -> bool:
         scene.dimension == 3
         and not scene.joints
         and all(isinstance(body, PointMass) for body in scene.bodies)
-        and all(load.type in CELESTIAL_TYPES for load in scene.loads)
+        and all(isinstance(load, CelestialPart) for load in scene.loads)
     )
 
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Literal
 
 from mbs_ref.scene import CoordinateDrive, PlanarBody, Scene
+from mbs_ref.scene.base.part import NonNegative, Positive
 from mbs_ref.scene.contact import CircleOnLine, ConstraintLaw, ContactLaw, SpringDamperLaw
-from mbs_ref.scene.part import NonNegative, Positive
 from mbs_ref.scene.signals import Constant, Harmonic
 
 RADIUS = 0.05  # m

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Literal
 
 from mbs_ref.scene import PlanarBody, Scene
+from mbs_ref.scene.base.part import NonNegative, Positive
 from mbs_ref.scene.contact import CircleOnLine, ContactLaw, ProgressiveLaw, RegularisedCoulomb, SpringDamperLaw
-from mbs_ref.scene.part import NonNegative, Positive
 
 RADIUS = 0.05  # m
 

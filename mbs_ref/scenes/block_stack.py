@@ -8,9 +8,9 @@ from typing import Annotated
 from pydantic import Field
 
 from mbs_ref.scene import GROUND, Scene, SpatialBody
+from mbs_ref.scene.base.part import NonNegative, Positive
 from mbs_ref.scene.contact import SphereOnPlane, SpringDamperLaw
 from mbs_ref.scene.inertia import block
-from mbs_ref.scene.part import NonNegative, Positive
 
 LENGTH, WIDTH, HEIGHT = 0.4, 0.3, 0.2  # m
 

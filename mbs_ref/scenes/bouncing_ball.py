@@ -7,6 +7,7 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from mbs_ref.scene import PlanarBody, Scene
+from mbs_ref.scene.base.part import NonNegative, Positive
 from mbs_ref.scene.contact import (
     CircleOnLine,
     ContactLaw,
@@ -17,7 +18,6 @@ from mbs_ref.scene.contact import (
     RigidLaw,
     SpringDamperLaw,
 )
-from mbs_ref.scene.part import NonNegative, Positive
 
 Law = Literal[
     "spring_damper", "spring_damper_force", "progressive", "hunt_crossley", "lankarani_nikravesh", "flores", "rigid"

@@ -9,9 +9,9 @@ import numpy as np
 from pydantic import Field
 
 from mbs_ref.scene import Scene, SpatialBody
+from mbs_ref.scene.base.part import NonNegative, Positive
 from mbs_ref.scene.contact import SphereOnPlane
 from mbs_ref.scene.inertia import sphere
-from mbs_ref.scene.part import NonNegative, Positive
 from mbs_ref.scenes import bouncing_ball
 from mbs_ref.scenes.bouncing_ball import RADIUS, Law
 

@@ -7,8 +7,8 @@ from typing import Annotated
 from pydantic import Field
 
 from mbs_ref.scene import GROUND, PlanarBody, Scene
+from mbs_ref.scene.base.part import NonNegative, Positive
 from mbs_ref.scene.contact import CircleOnLine, SpringDamperLaw
-from mbs_ref.scene.part import NonNegative, Positive
 
 WIDTH, HEIGHT = 0.4, 0.2  # m
 

@@ -8,8 +8,8 @@ from itertools import pairwise
 import numpy as np
 
 from mbs_ref.scene import GROUND, Revolute, Scene, SpatialBody
+from mbs_ref.scene.base.part import Positive
 from mbs_ref.scene.euler_parameters import from_matrix
-from mbs_ref.scene.part import Positive
 
 ROD_MASS, ROD_LENGTH = 1.0, 1.0  # kg, m
 ACROSS = ROD_MASS * ROD_LENGTH**2 / 12.0  # kg m^2, uniform thin rod about its centre

@@ -9,9 +9,9 @@ import numpy as np
 from pydantic import Field
 
 from mbs_ref.scene import Scene, SpatialBody
+from mbs_ref.scene.base.part import NonNegative, Positive
 from mbs_ref.scene.contact import ContactLaw, RigidLaw, SphereOnSphere, SpringDamperLaw
 from mbs_ref.scene.inertia import sphere
-from mbs_ref.scene.part import NonNegative, Positive
 
 RADIUS_A, RADIUS_B = 0.05, 0.08  # m
 RUN_UP = 0.0876543  # m, no whole number of steps, so that no engine meets touch-down at the end of a step

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Literal
 
 from mbs_ref.scene import PlanarBody, Scene
+from mbs_ref.scene.base.part import Positive
 from mbs_ref.scene.contact import CircleOnLine, ContactLaw, RigidLaw, SpringDamperLaw
-from mbs_ref.scene.part import Positive
 
 RADIUS, WIDTH = 0.1, 1.0  # m
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from mbs_ref.scene import GROUND, Scene, SpatialBody, Spherical
-from mbs_ref.scene.part import Positive
+from mbs_ref.scene.base.part import Positive
 
 MASS, HALF = 1.0, 0.25  # kg; m, from a joint to the centre of mass
 AXIAL, ACROSS = 0.02, 0.03  # kg m^2

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from mbs_ref.scene import GROUND, CoordinateDrive, PlanarBody, Prismatic, Revolute, Scene
-from mbs_ref.scene.part import Positive
+from mbs_ref.scene.base.part import Positive
 from mbs_ref.scene.signals import Harmonic
 
 

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from mbs_ref.scene import PointMass, Scene
+from mbs_ref.scene.base.part import Positive
 from mbs_ref.scene.celestial import Newton
-from mbs_ref.scene.part import Positive
 
 PERIOD = 6.32591398  # s, for gm = 1 m^3/s^2; Chenciner and Montgomery 2000, sec. 1
 PLACE = (0.97000436, -0.24308753)  # m, of the first; the second is opposite, the third at the origin

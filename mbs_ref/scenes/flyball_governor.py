@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 
 from mbs_ref.scene import GROUND, Prismatic, Revolute, Scene, SpatialBody, SpringDamper
-from mbs_ref.scene.part import NonNegative
+from mbs_ref.scene.base.part import NonNegative
 
 DENSITY = 3000.0  # kg/m^3
 LENGTH, THICKNESS, EDGE = 1.0, 0.01, 0.1  # m: shaft and rods are 1 x 0.01 x 0.01, the slider a cube

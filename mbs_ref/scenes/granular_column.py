@@ -9,9 +9,9 @@ import numpy as np
 from pydantic import Field
 
 from mbs_ref.scene import PlanarBody, Scene, SpatialBody
+from mbs_ref.scene.base.part import NonNegative, Positive
 from mbs_ref.scene.contact import CircleOnCircle, CircleOnLine, Contact, ProgressiveLaw, SphereOnPlane, SphereOnSphere
 from mbs_ref.scene.inertia import sphere
-from mbs_ref.scene.part import NonNegative, Positive
 
 RADIUS = 0.05  # m
 SPACING = 2.2 * RADIUS  # m

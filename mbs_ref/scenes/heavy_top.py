@@ -8,7 +8,7 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from mbs_ref.scene import GROUND, Scene, SpatialBody, Spherical
-from mbs_ref.scene.part import Positive
+from mbs_ref.scene.base.part import Positive
 
 ARM_MASS, ARM = 1.0, 0.3  # kg; m, from the fixed point to the centre of mass
 AXIAL, TRANSVERSE = 0.02, 0.04  # kg m^2, about the centre of mass

@@ -9,8 +9,8 @@ from pydantic import Field
 from scipy.optimize import root_scalar
 
 from mbs_ref.scene import PlanarBody, Scene
+from mbs_ref.scene.base.part import NonNegative, Positive
 from mbs_ref.scene.contact import CircleOnLine, Friction, SpringDamperLaw, StickSlip
-from mbs_ref.scene.part import NonNegative, Positive
 
 LENGTH, HEIGHT = 0.4, 0.1  # m
 

@@ -8,8 +8,8 @@ from typing import Annotated
 from pydantic import Field
 
 from mbs_ref.scene import PointMass, Scene
+from mbs_ref.scene.base.part import Positive
 from mbs_ref.scene.celestial import Newton
-from mbs_ref.scene.part import Positive
 
 
 def build(*, eccentricity: Annotated[float, Field(ge=0.0, le=0.999)] = 0.6, orbits: Positive = 10.0) -> Scene:

@@ -7,7 +7,7 @@ from typing import Annotated
 from pydantic import Field
 
 from mbs_ref.scene import GROUND, Joint, PlanarBody, Revolute, Scene
-from mbs_ref.scene.part import Positive
+from mbs_ref.scene.base.part import Positive
 
 LINK_LENGTH = 1.0  # m
 LINK_MASS = 1.0  # kg
@@ -50,9 +50,9 @@ def _coupler(k: int) -> PlanarBody:
 def _joints(k: int, loops: int) -> list[Joint]:
     """The hinges at the foot A_k and the tip B_k of crank k."""
     tip = (k * LINK_LENGTH, LINK_LENGTH)
-    found: list[Joint] = [Revolute(name=f"A{k}", body_a=GROUND, body_b=f"crank{k}", point=(k * LINK_LENGTH, 0.0))]
+    joints: list[Joint] = [Revolute(name=f"A{k}", body_a=GROUND, body_b=f"crank{k}", point=(k * LINK_LENGTH, 0.0))]
     if k > 0:
-        found.append(Revolute(name=f"B{k}.left", body_a=f"coupler{k - 1}", body_b=f"crank{k}", point=tip))
+        joints.append(Revolute(name=f"B{k}.left", body_a=f"coupler{k - 1}", body_b=f"crank{k}", point=tip))
     if k < loops:
-        found.append(Revolute(name=f"B{k}.right", body_a=f"crank{k}", body_b=f"coupler{k}", point=tip))
-    return found
+        joints.append(Revolute(name=f"B{k}.right", body_a=f"crank{k}", body_b=f"coupler{k}", point=tip))
+    return joints

@@ -7,8 +7,8 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from mbs_ref.scene import PlanarBody, Scene
+from mbs_ref.scene.base.part import NonNegative, Positive
 from mbs_ref.scene.contact import CircleOnCircle, ContactLaw, RigidLaw, SpringDamperLaw
-from mbs_ref.scene.part import NonNegative, Positive
 
 RADIUS = 0.05  # m
 RUN_UP = 0.0234567  # m, no whole number of steps, so that no engine meets the floor of a step at touch-down

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from mbs_ref.scene import PlanarBody, Scene
+from mbs_ref.scene.base.part import NonNegative, Positive
 from mbs_ref.scene.contact import CircleOnLine, SpringDamperLaw, StickSlip
-from mbs_ref.scene.part import NonNegative, Positive
 
 RADIUS = 0.1  # m
 

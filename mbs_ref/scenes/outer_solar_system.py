@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from mbs_ref.scene import PointMass, Scene
+from mbs_ref.scene.base.part import Positive
 from mbs_ref.scene.celestial import AU_M, DAY_S, G_SI, Newton
-from mbs_ref.scene.part import Positive
 
 G_AU3_DAY2 = 2.95912208286e-4  # au^3/(day^2 solar masses), as the source has it
 # name: mass (solar masses), position (au), velocity (au/day), heliocentric, 1994-09-05 0 h

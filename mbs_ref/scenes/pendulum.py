@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from mbs_ref.scene import GROUND, Distance, PointMass, Scene
-from mbs_ref.scene.part import Positive
+from mbs_ref.scene.base.part import Positive
 
 
 def build(*, length: Positive = 1.0, mass: Positive = 1.0, gravity: Positive = 9.81) -> Scene:

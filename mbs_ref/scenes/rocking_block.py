@@ -8,8 +8,8 @@ from typing import Annotated
 from pydantic import Field
 
 from mbs_ref.scene import PlanarBody, Scene
+from mbs_ref.scene.base.part import NonNegative, Positive
 from mbs_ref.scene.contact import CircleOnLine, RegularisedCoulomb, SpringDamperLaw
-from mbs_ref.scene.part import NonNegative, Positive
 
 WIDTH, HEIGHT = 0.2, 0.8  # m
 

@@ -6,9 +6,9 @@ import math
 from typing import Literal
 
 from mbs_ref.scene import Scene, SpatialBody
+from mbs_ref.scene.base.part import NonNegative, Positive
 from mbs_ref.scene.contact import SphereOnPlane, SpringDamperLaw, StickSlip
 from mbs_ref.scene.inertia import sphere
-from mbs_ref.scene.part import NonNegative, Positive
 
 RADIUS = 0.1  # m
 

@@ -8,8 +8,8 @@ from typing import Any, Literal
 import numpy as np
 
 from mbs_ref.scene import PointMass, Scene
+from mbs_ref.scene.base.part import Positive
 from mbs_ref.scene.celestial import DAY_S, Drag, Epoch, Newton, Oblateness, RadiationPressure, ThirdBody
-from mbs_ref.scene.part import Positive
 
 Orbit = Literal["leo", "gps", "geo", "molniya", "sun_synchronous"]
 GM_EARTH = 3.986004415e14  # m^3/s^2, EGM2008 (Pavlis et al., J. Geophys. Res. 117, 2012, B04406), as its J_n below

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from mbs_ref.scene import Scene
+from mbs_ref.scene.base.part import NonNegative, Positive
 from mbs_ref.scene.contact import StickSlip
-from mbs_ref.scene.part import NonNegative, Positive
 from mbs_ref.scenes.incline import resting_block
 
 

@@ -11,8 +11,8 @@ from pydantic import Field
 from mbs_ref import ephemeris
 from mbs_ref.ephemeris.rotation import ROTATIONS
 from mbs_ref.scene import PointMass, Scene, SpatialBody
+from mbs_ref.scene.base.part import Positive
 from mbs_ref.scene.celestial import DAY_S, G_SI, Epoch, LunarFigure, Newton, Oblateness, Relativity, Ring, Tide
-from mbs_ref.scene.part import Positive
 
 Formulation = Literal["point", "euler_parameters"]
 Triple = tuple[float, float, float]

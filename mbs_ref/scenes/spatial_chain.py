@@ -8,7 +8,7 @@ from typing import Annotated
 from pydantic import Field
 
 from mbs_ref.scene import GROUND, Scene, SpatialBody, Spherical
-from mbs_ref.scene.part import Positive
+from mbs_ref.scene.base.part import Positive
 
 LINK_LENGTH = 1.0  # m
 LINK_MASS = 1.0  # kg

@@ -8,7 +8,7 @@ from typing import Annotated, Any
 from pydantic import Field
 
 from mbs_ref.scene import Revolute, Scene, SpatialBody
-from mbs_ref.scene.part import Positive
+from mbs_ref.scene.base.part import Positive
 from mbs_ref.scenes import n_four_bar
 
 OUT_OF_PLANE = 0.01  # of the in-plane moment: the rod's axial one, which nothing turns

@@ -10,8 +10,8 @@ import math
 import numpy as np
 
 from mbs_ref.scene import GROUND, Prismatic, Revolute, Scene, SpatialBody, Spherical, Universal
+from mbs_ref.scene.base.part import Positive
 from mbs_ref.scene.euler_parameters import from_matrix
-from mbs_ref.scene.part import Positive
 
 PIVOT = np.array([0.0, 0.1, 0.12])  # m, Haug's mechanism: the crank's bearing, its axis along x
 

@@ -8,7 +8,7 @@ from typing import Annotated
 from pydantic import Field
 
 from mbs_ref.scene import GROUND, Distance, PointMass, Scene
-from mbs_ref.scene.part import Positive
+from mbs_ref.scene.base.part import Positive
 
 
 def build(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from mbs_ref.scene import GROUND, PointMass, Scene, SpringDamper
-from mbs_ref.scene.part import NonNegative, Positive
+from mbs_ref.scene.base.part import NonNegative, Positive
 
 
 def build(

@@ -9,8 +9,8 @@ import numpy as np
 from pydantic import Field
 
 from mbs_ref.scene import Scene, SpatialBody
+from mbs_ref.scene.base.part import Positive
 from mbs_ref.scene.euler_parameters import rotation_matrices
-from mbs_ref.scene.part import Positive
 
 
 def build(

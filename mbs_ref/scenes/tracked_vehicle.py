@@ -11,6 +11,7 @@ import numpy as np
 from pydantic import Field
 
 from mbs_ref.scene import GROUND, PlanarBody, Revolute, Scene, Torque
+from mbs_ref.scene.base.part import NonNegative, Positive
 from mbs_ref.scene.contact import (
     CircleOnLine,
     Contact,
@@ -20,7 +21,6 @@ from mbs_ref.scene.contact import (
     RegularisedCoulomb,
     SpringDamperLaw,
 )
-from mbs_ref.scene.part import NonNegative, Positive
 from mbs_ref.scene.signals import Table
 
 DATA: dict[str, Any] = json.loads((files("mbs_ref.scenes") / "data" / "tracked_vehicle.json").read_text())
@@ -82,11 +82,11 @@ def _wheels(base: float, rollers: int, upper: int) -> dict[str, tuple[tuple[floa
     """Return centre and radius (m) of everything that turns on the chassis."""
     spread = base * np.arange(1, rollers + 1) / (rollers + 1)
     over = base * np.arange(1, upper + 1) / (upper + 1)
-    found = {"sprocket": ((0.0, AXLE_HEIGHT), PITCH_RADIUS), "idler": ((base, AXLE_HEIGHT), APOTHEM - 0.5 * HEIGHT)}
-    found |= {f"roller{k + 1}": ((float(x), HEIGHT + ROLLER_RADIUS), ROLLER_RADIUS) for k, x in enumerate(spread)}
+    wheels = {"sprocket": ((0.0, AXLE_HEIGHT), PITCH_RADIUS), "idler": ((base, AXLE_HEIGHT), APOTHEM - 0.5 * HEIGHT)}
+    wheels |= {f"roller{k + 1}": ((float(x), HEIGHT + ROLLER_RADIUS), ROLLER_RADIUS) for k, x in enumerate(spread)}
     top = AXLE_HEIGHT + PITCH_RADIUS - 0.5 * HEIGHT
     small = 0.5 * ROLLER_RADIUS
-    return found | {f"upper{k + 1}": ((float(x), top - small), small) for k, x in enumerate(over)}
+    return wheels | {f"upper{k + 1}": ((float(x), top - small), small) for k, x in enumerate(over)}
 
 
 def _chassis(base: float) -> PlanarBody:
@@ -148,13 +148,13 @@ def _law(kind: str, law: str) -> ContactLaw:
 
 def _contacts(pins: np.ndarray, wheels: dict, law: str) -> list[Contact]:
     ahead = np.roll(pins, -1, axis=0)
-    found: list[Contact] = []
+    contacts: list[Contact] = []
     for k, (a, b) in enumerate(zip(pins, ahead, strict=True)):
         along = (b - a) / PITCH
         inner = 0.5 * HEIGHT * np.array([-along[1], along[0]])
         middle = 0.5 * (a + b)
-        found += [_foot(k, side, middle + FEET[side] * PITCH * along, law) for side in (0, 1)]
-        found += [
+        contacts += [_foot(k, side, middle + FEET[side] * PITCH * along, law) for side in (0, 1)]
+        contacts += [
             CircleOnLine(
                 name=f"{name}.link{k}", body_a=name, center=center, radius=radius, body_b=f"link{k}",
                 point_1=tuple(a + inner), point_2=tuple(b + inner), extent="segment", thickness=0.5 * HEIGHT,
@@ -163,8 +163,8 @@ def _contacts(pins: np.ndarray, wheels: dict, law: str) -> list[Contact]:
             for name, (center, radius) in wheels.items()
             if name != "sprocket"
         ]  # fmt: skip
-        found.append(_tooth(k, a, wheels["sprocket"][0], law))
-    return found
+        contacts.append(_tooth(k, a, wheels["sprocket"][0], law))
+    return contacts
 
 
 def _foot(k: int, side: int, center: np.ndarray, law: str) -> CircleOnLine:

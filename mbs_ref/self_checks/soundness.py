@@ -90,18 +90,3 @@ def _neighbour(system: System, y: np.ndarray, random: np.random.Generator) -> np
     left = system.project(0.0, near)
     moved = float(np.abs(near - y)[:half].max())
     return near if left <= 1e-10 and moved > 0.1 * NUDGE else None
-
-
-def culprit(system: System, t: float, y: np.ndarray) -> str:
-    """Name the body that is moved hardest and the joint that gapes most at (t, y), where a run got stuck."""
-    scene, half = system.scene, system.n_positions
-    with np.errstate(all="ignore"):
-        rate = np.abs(system.derivative(t, y)[half:])
-        gaps = {name: float(np.max(np.abs(pair[0]), initial=0.0)) for name, pair in system.residuals(t, y).items()}
-    hardest = int(np.argmax(np.where(np.isnan(rate), np.inf, rate)))
-    body = scene.bodies[min(hardest // max(1, len(rate) // len(scene.bodies)), len(scene.bodies) - 1)].name
-    words = f"; body {body!r} is accelerated most there ({rate[hardest]:.3g} m/s^2 or rad/s^2)"
-    if gaps:
-        joint = max(gaps, key=lambda name: np.inf if np.isnan(gaps[name]) else gaps[name])
-        words += f", and joint {joint!r} gapes most ({gaps[joint]:.3g} m or rad)"
-    return words

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from cross_checks import engines
-from cross_checks.capabilities import part_types
 from cross_checks.engine import Engine, Refusal
 from mbs_ref.scene import Scene
-from mbs_ref.scene.traits import ALL_TRAITS, traits
+from mbs_ref.scene.traits import ALL_TRAITS, PART_TYPES, traits
 from reports.page.report_data import Capability
 
 
@@ -20,9 +19,9 @@ def _of_engine(name: str, probes: dict[str, Scene]) -> list[Capability]:
     try:
         engine = engines.get(name)
     except engines.EngineMissing as error:
-        asked = [*(("part", kind) for kind in part_types()), *(("trait", trait) for trait in shown)]
+        asked = [*(("part", kind) for kind in PART_TYPES), *(("trait", trait) for trait in shown)]
         return [Capability(name, kind, what, "missing", str(error)) for kind, what in asked]
-    parts = [Capability(name, "part", k, "can" if k in engine.part_types else "not-yet") for k in part_types()]
+    parts = [Capability(name, "part", k, "can" if k in engine.part_types else "not-yet") for k in PART_TYPES]
     return parts + [_of_trait(engine, trait, probes) for trait in shown]
 
 

@@ -10,9 +10,9 @@ import pytest
 
 from benchmarks.history import Entry, append, change_points, from_benchmarks, index, series
 from benchmarks.profiles import profiles
-from benchmarks.regression import Finding, cheapest, confirmed, overall
 from benchmarks.sweep import sweep
 from benchmarks.timing import Pace, Sample, compare
+from benchmarks.trees.regression import Finding, cheapest, confirmed, overall
 from cross_checks.judge.runs import Runs
 from cross_checks.records.lines import Busy, exclusive
 from mbs_ref import scenes

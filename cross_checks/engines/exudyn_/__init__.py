@@ -5,26 +5,45 @@
 
 from __future__ import annotations
 
-from time import perf_counter
-from typing import ClassVar
+from dataclasses import dataclass, field
+from typing import Any, ClassVar
 
 import exudyn as exu
 import numpy as np
 
-from cross_checks.engine import Engine, Method, Refusal
+from cross_checks.engine import Engine, Method, Poses, Refusal
 from cross_checks.engines.exudyn_.contact import general_contact_refusals
 from cross_checks.engines.exudyn_.kinematic_tree import build_tree, tree_refusals
 from cross_checks.engines.exudyn_.methods import CONTACT, EXPLICIT_CONTACT, METHODS, STAGES, TREE
 from cross_checks.engines.exudyn_.pair_contact import pair_contact_refusals
 from cross_checks.engines.exudyn_.planar_build import build_redundant
-from cross_checks.engines.exudyn_.run import advance_adaptive, advance_fixed, first_call, options_of
+from cross_checks.engines.exudyn_.run import (
+    Left,
+    advance_adaptive,
+    advance_fixed,
+    first_call,
+    needs_dense,
+    options_of,
+    sampled_adaptive,
+    sampled_fixed,
+)
 from cross_checks.engines.exudyn_.spatial_build import build_spatial
 from cross_checks.engines.exudyn_.spatial_parts import SPATIAL_PARTS
-from cross_checks.workshop.outcome import end_of, plan_run, trajectory
+from cross_checks.workshop.outcome import Loop
+from cross_checks.workshop.plan import Plan
 from cross_checks.workshop.planar_forces import CLIPPED_CONTACTS, contact_refusals
 from mbs_ref.scene import Scene
-from mbs_ref.settings import Settings
-from mbs_ref.trajectory import Timing, Trajectory
+from mbs_ref.scene.traits import traits
+
+
+@dataclass(frozen=True)
+class Built:
+    """An assembled system, and the options of its solver."""
+
+    model: Any  # Redundant, Spatial or Tree
+    options: Any
+    loops: bool
+    left: list[Left] = field(default_factory=list)  # what the run left, once it is over
 
 
 class Exudyn(Engine):
@@ -69,32 +88,35 @@ class Exudyn(Engine):
             reasons += tree_refusals(scene)
         return reasons
 
-    def run(self, scene: Scene, settings: Settings, times: np.ndarray | None = None) -> Trajectory:
-        plan = plan_run(self, scene, settings, times)
-        if isinstance(plan, Trajectory):
-            return plan
+    def build(self, scene: Scene, plan: Plan) -> Built:
         exu.config.printToConsole = False
-        start = perf_counter()
         model = _build(scene, plan.method.name)
         model.mbs.Assemble()
-        options = options_of(plan, scene)
-        built = perf_counter()
-        first_call(model, plan, options)
-        called = perf_counter()
-        advance = advance_fixed if plan.method.kind == "fixed" else advance_adaptive
-        rows, end, steps = advance(model, plan, options, settings.max_steps)
-        looped = perf_counter()
-        end = end_of(rows, plan.times, end)
-        return trajectory(
-            plan,
-            model.poses(rows),
-            end,
-            Timing(built - start, called - built, looped - called),
-            steps=steps,
-            rhs_calls=steps * STAGES.get(plan.method.name, 1),
-            reactions=model.reactions(rows) if settings.reactions else {},
-            notes=model.notes,
-        )
+        return Built(model, options_of(plan, dense=needs_dense(model.mbs, scene)), "closed-loop" in traits(scene))
+
+    def first_call(self, model: Built, plan: Plan) -> None:
+        first_call(model.model, plan, model.options)
+
+    def advance(self, model: Built, plan: Plan) -> Left:
+        if plan.method.kind == "fixed":
+            return advance_fixed(model.model, plan, model.options, loops=model.loops)
+        return advance_adaptive(model.model, plan, model.options)
+
+    def collect(self, model: Built, plan: Plan, left: Left) -> Loop:
+        sampled = sampled_fixed if plan.method.kind == "fixed" else sampled_adaptive
+        rows, end = sampled(model.model, plan, left)
+        model.left.append(left)
+        return Loop(rows, end, left.steps, left.steps * STAGES.get(plan.method.name, 1))
+
+    def poses(self, model: Built, plan: Plan, states: np.ndarray) -> Poses:
+        return model.model.poses(states)
+
+    def reactions(self, model: Built, plan: Plan, states: np.ndarray, poses: Poses) -> dict[str, np.ndarray]:
+        return model.model.reactions(states)
+
+    def notes(self, model: Built, plan: Plan) -> tuple[str, ...]:
+        retried = [left.retried for left in model.left if left.retried]
+        return model.model.notes + tuple(f"sparse elimination stopped, and dense began anew: {why}" for why in retried)
 
 
 ENGINE = Exudyn

@@ -14,8 +14,7 @@ import numpy as np
 
 from cross_checks.engine import Refusal
 from cross_checks.engines.exudyn_.planar_model import in_body, node_sensor
-from cross_checks.engines.exudyn_.shared_forces import SHARED
-from cross_checks.workshop.planar_forces import AppliedForces
+from cross_checks.workshop.planar_forces import SHARED, AppliedForces
 from cross_checks.workshop.planar_tree import FIXED, JointTree, joint_tree
 from mbs_ref.scene import GROUND, CoordinateDrive, PlanarBody, Scene, Weld
 

@@ -15,8 +15,8 @@ import numpy as np
 from cross_checks.engine import Refusal
 from cross_checks.engines.exudyn_.contact import REACH, SLOW, one_coefficient
 from cross_checks.engines.exudyn_.spatial_model import Spatial
-from mbs_ref.cores.spatial.elements import normals
 from mbs_ref.scene import Scene
+from mbs_ref.scene.base.directions import normals
 from mbs_ref.scene.contact import SphereOnPlane, SphereOnSphere, SpringDamperLaw
 
 

@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import reduce
 from math import gcd
 
@@ -13,7 +14,8 @@ import numpy as np
 from exudyn.exudynCPP import SolverError
 
 from cross_checks.engines.exudyn_.methods import SOLVERS
-from cross_checks.workshop.outcome import End, Plan
+from cross_checks.workshop.outcome import End
+from cross_checks.workshop.plan import Plan
 from mbs_ref.scene import Scene
 from mbs_ref.scene.traits import traits
 from mbs_ref.trajectory import Status
@@ -22,16 +24,37 @@ SPECTRAL_RADIUS = 0.9  # of generalized-alpha at infinite frequency: Exudyn's de
 # tighter, Newton stops at singular poses (generalized-alpha at 1e-10); looser, the order is lost below 1e-8 m
 NEWTON = {"relativeTolerance": 1e-9, "absoluteTolerance": 1e-9, "maxIterations": 25}
 SMALLEST_STEP = 1e-13  # s, adaptive methods
+DENSE = 60  # unknowns up to which dense elimination costs no more than sparse (chains of 10: 50 equal, 110 half more)
 
 
-def options_of(plan: Plan, scene: Scene):
-    """Leave nothing to defaults that surprise: halving of the step, modified Newton, output files."""
+def needs_dense(mbs, scene: Scene) -> bool:
+    """Return whether elimination must bear rows that depend on each other, or may at no cost.
+
+    Trees never have such rows. Loops may: at the start, as Exudyn's own count of freedoms tells, or in a singular
+    pose on the way. Sparse elimination stops there.
+    """
+    if "closed-loop" not in traits(scene):
+        return False
+    return unknowns(mbs) <= DENSE or mbs.ComputeSystemDegreeOfFreedom()["redundantConstraints"] > 0
+
+
+def unknowns(mbs) -> int:
+    """Return the size of the linear system of an implicit step."""
+    return len(mbs.systemData.GetODE2Coordinates()) + len(mbs.systemData.GetAECoordinates())
+
+
+def eliminate(options, *, dense: bool) -> None:
+    """Choose the elimination; the dense one leaves out rows that depend on others."""
+    kinds = exu.LinearSolverType
+    options.linearSolver.solverType = kinds.EigenDense if dense else kinds.EigenSparse
+    options.linearSolver.ignoreSingularJacobian = dense
+
+
+def options_of(plan: Plan, *, dense: bool):
+    """Leave nothing to defaults that surprise: halving of the step, output files."""
     options = exu.SimulationSettings()
     options.solution.file.write = False
-    options.linearSolver.solverType = exu.LinearSolverType.EigenSparse
-    if "closed-loop" in traits(scene):  # sparse elimination fails at once on redundant rows and singular poses
-        options.linearSolver.solverType = exu.LinearSolverType.EigenDense
-        options.linearSolver.ignoreSingularJacobian = True
+    eliminate(options, dense=dense)
     options.parallel.numberOfThreads = 1
     time = options.timeIntegration
     time.verboseMode = 0
@@ -40,7 +63,7 @@ def options_of(plan: Plan, scene: Scene):
     time.generalizedAlpha.spectralRadius = SPECTRAL_RADIUS
     # useIndex2Constraints needs useNewmark, and is then TrapezoidalIndex2 to the last bit
     time.generalizedAlpha.useIndex2Constraints = time.generalizedAlpha.useNewmark = False
-    time.newton.useModifiedNewton = False
+    time.newton.useModifiedNewton = True  # the same errors to four figures in half the time, and no pose is lost
     for name, value in NEWTON.items():
         setattr(time.newton, name, value)
     if adaptive:
@@ -48,12 +71,10 @@ def options_of(plan: Plan, scene: Scene):
     return options
 
 
-def _solve(model, plan: Plan, options, keep: bool = False) -> str:
+def _solve(model, plan: Plan, options) -> str:
     """Run Exudyn's solver and return why it failed, or nothing."""
     try:
-        done = model.mbs.SolveDynamic(
-            options, solverType=SOLVERS[plan.method.name], updateInitialValues=keep, storeSolver=True
-        )
+        done = model.mbs.SolveDynamic(options, solverType=SOLVERS[plan.method.name], storeSolver=True)
     except SolverError as error:
         return f"exudyn: {error} at t = {model.mbs.systemData.GetTime():g} s"
     return "" if done else f"exudyn's solver returned False at t = {model.mbs.systemData.GetTime():g} s"
@@ -73,6 +94,50 @@ def first_call(model, plan: Plan, options) -> None:
     _solve(model, plan, options)
 
 
+@dataclass(frozen=True)
+class Left:
+    """What a run of Exudyn's solver left behind, besides what its sensors hold."""
+
+    steps: int
+    failure: str = ""  # why the solver stopped
+    rows: np.ndarray | None = None  # (n_t, n), adaptive methods: the states read between calls
+    samples: int = 0  # of rows
+    retried: str = ""  # why the run was made a second time, with dense elimination
+
+
+def advance_fixed(model, plan: Plan, options, *, loops: bool) -> Left:
+    """Run the whole interval in one call; sensors record at a common divisor of the output intervals.
+
+    Where sparse elimination stops in a mechanism with loops, dense elimination starts again.
+    """
+    time = options.timeIntegration
+    time.startTime, time.endTime, time.numberOfSteps = 0.0, float(plan.times[-1]), sum(plan.counts)
+    options.solution.sensors.writePeriod = reduce(gcd, plan.counts) * plan.step
+    failure, retried = _solve(model, plan, options), ""
+    if failure and loops and options.linearSolver.solverType == exu.LinearSolverType.EigenSparse:
+        retried = failure
+        eliminate(options, dense=True)
+        failure = _solve(model, plan, options)
+    return Left(_steps_done(model), failure, retried=retried)
+
+
+def sampled_fixed(model, plan: Plan, left: Left) -> tuple[np.ndarray, End]:
+    """Return what the sensors recorded at the output times, and how far that goes."""
+    at, values = _stored(model)
+    rows = np.zeros((len(plan.times), values.shape[1]))
+    wanted = np.concatenate(([0], np.cumsum(plan.counts))) // reduce(gcd, plan.counts)
+    # after a failure fewer samples are there, each at its own time
+    pairs = zip(wanted, plan.times, strict=True)
+    there = np.array([k < len(at) and abs(at[k] - t) < 0.5 * plan.step for k, t in pairs])
+    samples = len(there) if there.all() else int(np.argmin(there))
+    rows[:samples] = values[wanted[:samples]]
+    if left.failure:
+        return rows, End(samples, Status.NOT_CONVERGED, left.failure)
+    if samples < len(plan.times):
+        return rows, End(samples, Status.RESET, f"exudyn left out the output at t = {plan.times[samples]:g} s")
+    return rows, End(samples)
+
+
 def _stored(model) -> tuple[np.ndarray, np.ndarray]:
     """Return the sensors' times (n,) and values (n, ...)."""
     # all values of one sensor stand together, after its time
@@ -80,47 +145,42 @@ def _stored(model) -> tuple[np.ndarray, np.ndarray]:
     return data[0][:, 0], np.hstack([d[:, 1:] for d in data])
 
 
-def advance_fixed(model, plan: Plan, options, max_steps: int) -> tuple[np.ndarray, End, int]:
-    """Run the whole interval in one call; sensors record at a common divisor of the output intervals."""
-    every = reduce(gcd, plan.counts)
-    total = sum(plan.counts)
-    time = options.timeIntegration
-    time.startTime, time.endTime, time.numberOfSteps = 0.0, float(plan.times[-1]), total
-    options.solution.sensors.writePeriod = every * plan.step
-    failure = _solve(model, plan, options)
-    at, values = _stored(model)
-    rows = np.zeros((len(plan.times), values.shape[1]))
-    wanted = np.concatenate(([0], np.cumsum(plan.counts))) // every
-    # after a failure fewer samples are there, each at its own time
-    pairs = zip(wanted, plan.times, strict=True)
-    there = np.array([k < len(at) and abs(at[k] - t) < 0.5 * plan.step for k, t in pairs])
-    samples = len(there) if there.all() else int(np.argmin(there))
-    rows[:samples] = values[wanted[:samples]]
-    steps = _steps_done(model)
-    if failure:
-        return rows, End(samples, Status.NOT_CONVERGED, failure), steps
-    if samples < len(plan.times):
-        return rows, End(samples, Status.RESET, f"exudyn left out the output at t = {plan.times[samples]:g} s"), steps
-    return rows, End(samples), steps
-
-
-def advance_adaptive(model, plan: Plan, options, max_steps: int) -> tuple[np.ndarray, End, int]:
-    """Call the solver for each output interval: one-step methods restart without loss."""
-    system = model.mbs.systemData
-    state = exu.ConfigurationType.Initial
-    first = np.concatenate((system.GetODE2Coordinates(state), system.GetODE2Coordinates_t(state)))
-    rows = np.zeros((len(plan.times), len(first)))
+def advance_adaptive(model, plan: Plan, options) -> Left:
+    """Run one solver from output to output: it is initialised once, and lands on each."""
+    mbs, time = model.mbs, options.timeIntegration
+    time.startTime, time.endTime, time.numberOfSteps = 0.0, float(plan.times[-1]), 1
+    time.solverType = SOLVERS[plan.method.name]
+    options.solution.sensors.active = False
+    solver = exu.MainSolverExplicit()
+    first = _state(mbs, exu.ConfigurationType.Initial)
+    rows, steps = np.zeros((len(plan.times), len(first))), 0
     rows[0] = first
-    steps = 0
-    time = options.timeIntegration
-    for k, (begin, stop) in enumerate(zip(plan.times, plan.times[1:], strict=False), start=1):
-        time.startTime, time.endTime, time.numberOfSteps = float(begin), float(stop), 1
-        options.solution.sensors.writePeriod = float(stop)
-        failure = _solve(model, plan, options, keep=True)
-        steps += _steps_done(model)
-        rows[k] = np.concatenate((system.GetODE2Coordinates(), system.GetODE2Coordinates_t()))
-        if failure:
-            return rows, End(k, Status.ENGINE_ERROR, failure), steps
-        if steps > max_steps:
-            return rows, End(k, Status.TOO_MANY_STEPS, f"max_steps = {max_steps} exceeded at t = {stop:g} s"), steps
-    return rows, End(len(plan.times)), steps
+    try:
+        solver.InitializeSolver(mbs, options)
+        for k, stop in enumerate(plan.times[1:].tolist(), start=1):
+            solver.it.endTime = stop
+            done = solver.SolveSteps(mbs, options)
+            steps += solver.it.currentStepIndex - 1  # it points to the step to come, and starts anew in each call
+            rows[k] = _state(mbs, exu.ConfigurationType.Current)
+            if not done or steps > plan.max_steps:
+                said = "" if done else f"exudyn's solver returned False at t = {mbs.systemData.GetTime():g} s"
+                return Left(steps, said, rows, k)
+    except SolverError as error:
+        return Left(steps, f"exudyn: {error} at t = {mbs.systemData.GetTime():g} s", rows, k)
+    return Left(steps, "", rows, len(rows))
+
+
+def _state(mbs, configuration) -> np.ndarray:
+    data = mbs.systemData
+    return np.concatenate((data.GetODE2Coordinates(configuration), data.GetODE2Coordinates_t(configuration)))
+
+
+def sampled_adaptive(model, plan: Plan, left: Left) -> tuple[np.ndarray, End]:
+    """Return the states read between calls, and how far they go."""
+    assert left.rows is not None
+    if left.failure:
+        return left.rows, End(left.samples, Status.ENGINE_ERROR, left.failure)
+    if left.samples < len(plan.times):
+        said = f"max_steps = {plan.max_steps} exceeded at t = {plan.times[left.samples]:g} s"
+        return left.rows, End(left.samples, Status.TOO_MANY_STEPS, said)
+    return left.rows, End(left.samples)

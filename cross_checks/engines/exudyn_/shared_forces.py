@@ -9,11 +9,9 @@ import exudyn.itemInterface as item
 import numpy as np
 
 from cross_checks.engines.exudyn_.planar_model import Redundant
-from cross_checks.workshop.planar_forces import AppliedForces
+from cross_checks.workshop.planar_forces import SHARED, AppliedForces
 from cross_checks.workshop.planar_tree import joint_tree
 from mbs_ref.scene import PlanarBody
-
-SHARED = "loads and contacts come from the shared force code, called through Python"
 
 
 def add_shared_forces(model: Redundant) -> None:

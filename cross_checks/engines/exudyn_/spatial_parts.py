@@ -11,7 +11,6 @@ import numpy as np
 from cross_checks.engines.exudyn_.loads import add_load, pull_only
 from cross_checks.engines.exudyn_.planar_joints import rod
 from cross_checks.engines.exudyn_.spatial_model import Spatial
-from mbs_ref.cores.spatial.elements import normals
 from mbs_ref.scene import (
     Cylindrical,
     Distance,
@@ -24,6 +23,7 @@ from mbs_ref.scene import (
     TorqueVector,
     Weld,
 )
+from mbs_ref.scene.base.directions import normals
 
 
 def _generic(model: Spatial, joint, axis, fixed: list[int]) -> None:

@@ -5,30 +5,44 @@
 
 from __future__ import annotations
 
-from contextlib import nullcontext
-from time import perf_counter
+from dataclasses import dataclass
 from typing import ClassVar
 
 import mujoco
 import numpy as np
 
-from cross_checks.engine import Engine, Method, Refusal
+from cross_checks.engine import Engine, Method, Poses, Refusal
 from cross_checks.engines.mujoco_.contact import contact_refusals
 from cross_checks.engines.mujoco_.methods import METHODS, STOCK, TIGHT
-from cross_checks.engines.mujoco_.observe import observe_planar, observe_spatial
+from cross_checks.engines.mujoco_.observe import observe_planar, observe_spatial, wrenches
 from cross_checks.engines.mujoco_.planar_build import compile_planar
 from cross_checks.engines.mujoco_.refusals import closure_refusals, spatial_refusals
-from cross_checks.engines.mujoco_.run import advance, at_start
-from cross_checks.engines.mujoco_.shared_forces import SHARED, force_refusals, shared_forces, takes_shared_forces
+from cross_checks.engines.mujoco_.run import Left, advance, at_start, clock_end
+from cross_checks.engines.mujoco_.shared_forces import (
+    Callback,
+    force_refusals,
+    passive,
+    shared_forces,
+    takes_shared_forces,
+)
 from cross_checks.engines.mujoco_.spatial_build import compile_spatial
-from cross_checks.workshop.outcome import plan_run, trajectory
-from cross_checks.workshop.planar_forces import CLIPPED_CONTACTS
+from cross_checks.workshop.outcome import Loop, end_of
+from cross_checks.workshop.plan import Plan
+from cross_checks.workshop.planar_forces import CLIPPED_CONTACTS, SHARED
 from cross_checks.workshop.planar_reactions import tree_reactions
 from cross_checks.workshop.planar_tree import JointTree, joint_tree
 from cross_checks.workshop.spatial_tree import SpatialTree, spatial_tree
 from mbs_ref.scene import Scene
-from mbs_ref.settings import Settings
-from mbs_ref.trajectory import Timing, Trajectory
+
+
+@dataclass(frozen=True)
+class Built:
+    """A MuJoCo model, its state at t = 0, and the forces it calls Python for."""
+
+    tree: JointTree | SpatialTree
+    model: mujoco.MjModel
+    data: mujoco.MjData
+    act: Callback | None
 
 
 class MuJoCo(Engine):
@@ -66,42 +80,44 @@ class MuJoCo(Engine):
             reasons.append(Refusal(f"{method.name} differs only in MuJoCo's own contacts, and {SHARED}", True))
         return reasons
 
-    def run(self, scene: Scene, settings: Settings, times: np.ndarray | None = None) -> Trajectory:
-        plan = plan_run(self, scene, settings, times)
-        if isinstance(plan, Trajectory):
-            return plan
-        start = perf_counter()
+    def build(self, scene: Scene, plan: Plan) -> Built:
         tree = joint_tree(scene) if scene.dimension == 2 else spatial_tree(scene)
         model = compile_planar(tree, plan) if isinstance(tree, JointTree) else compile_spatial(tree, plan)
-        data = at_start(model, tree)
         shared = isinstance(tree, JointTree) and takes_shared_forces(scene)
-        forces = shared_forces(model, tree) if isinstance(tree, JointTree) and shared else nullcontext()
-        built = perf_counter()
-        with forces:
-            advance(model, at_start(model, tree), plan, 1)
-            called = perf_counter()
-            states, end = advance(model, data, plan, len(plan.times))
-            looped = perf_counter()
-            states = states[: end.samples]
-            if isinstance(tree, SpatialTree):
-                poses, reactions = observe_spatial(model, tree, states), {}
-            else:
-                poses, wrench = observe_planar(model, tree, plan.times[: end.samples], states)
-                bare = not scene.loads and not scene.contacts  # cfrc_int leaves out tendons and actuators
-                known = settings.reactions and (bare or shared)
-                reactions = tree_reactions(tree, poses, wrench) if known else {}
+        act = shared_forces(model, tree) if isinstance(tree, JointTree) and shared else None
+        return Built(tree, model, at_start(model, tree), act)
+
+    def first_call(self, model: Built, plan: Plan) -> None:
+        with passive(model.act):
+            mujoco.mj_step(model.model, at_start(model.model, model.tree))
+
+    def advance(self, model: Built, plan: Plan) -> Left:
+        with passive(model.act):
+            return advance(model.model, model.data, plan)
+
+    def collect(self, model: Built, plan: Plan, left: Left) -> Loop:
+        end = end_of(left.states, plan.times, clock_end(model.data, left.clock, plan))
         steps = sum(plan.counts[: max(0, end.samples - 1)])
-        stages = 4 if model.opt.integrator == mujoco.mjtIntegrator.mjINT_RK4 else 1
-        return trajectory(
-            plan,
-            poses,
-            end,
-            Timing(built - start, called - built, looped - called),
-            steps=steps,
-            rhs_calls=steps * stages,
-            reactions=reactions,
-            notes=(SHARED,) if shared else (),
-        )
+        stages = 4 if model.model.opt.integrator == mujoco.mjtIntegrator.mjINT_RK4 else 1
+        return Loop(left.states, end, steps, steps * stages)
+
+    def poses(self, model: Built, plan: Plan, states: np.ndarray) -> Poses:
+        if isinstance(model.tree, SpatialTree):
+            return observe_spatial(model.model, model.tree, states)
+        with passive(model.act):
+            return observe_planar(model.model, model.tree, plan.times[: len(states)], states)
+
+    def reactions(self, model: Built, plan: Plan, states: np.ndarray, poses: Poses) -> dict[str, np.ndarray]:
+        """Return none where MuJoCo's own tendons and actuators act: cfrc_int leaves them out."""
+        scene = model.tree.scene
+        if isinstance(model.tree, SpatialTree) or ((scene.loads or scene.contacts) and model.act is None):
+            return {}
+        with passive(model.act):
+            wrench = wrenches(model.model, model.tree, plan.times[: len(states)], states)
+        return tree_reactions(model.tree, poses, wrench)
+
+    def notes(self, model: Built, plan: Plan) -> tuple[str, ...]:
+        return (SHARED,) if model.act else ()
 
 
 ENGINE = MuJoCo

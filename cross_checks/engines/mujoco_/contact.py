@@ -27,7 +27,6 @@ from mbs_ref.scene.contact import (
     SphereOnSphere,
     SpringDamperLaw,
 )
-from mbs_ref.scene.traits import joint_ends
 
 STOCK_SOLREF, STOCK_SOLIMP = (0.02, 1.0), (0.9, 0.95, 0.001, 0.5, 2.0)  # MuJoCo's defaults, pinned
 # solimp with the least impedance MuJoCo allows: F = m_eff (K d + B d' + impedance * a), a the acceleration without it
@@ -87,7 +86,7 @@ def _contact_mass(scene: Scene, contact) -> float:
 
 def contact_refusals(scene: Scene) -> list[Refusal]:
     reasons = []
-    jointed = {end for joint in scene.joints for end in joint_ends(joint)}
+    jointed = {end for joint in scene.joints for end in joint.ends}
     for contact in scene.contacts:
         where = f"contact {contact.name!r}"
         known = isinstance(contact, CircleOnLine | CircleOnCircle | SphereOnPlane | SphereOnSphere)

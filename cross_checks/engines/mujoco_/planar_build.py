@@ -14,7 +14,7 @@ from cross_checks.engines.mujoco_.planar_closures import add_closure
 from cross_checks.engines.mujoco_.planar_loads import LOADS
 from cross_checks.engines.mujoco_.planar_places import Z, anchor, hinge_name
 from cross_checks.engines.mujoco_.shared_forces import takes_shared_forces
-from cross_checks.workshop.outcome import Plan
+from cross_checks.workshop.plan import Plan
 from cross_checks.workshop.planar_tree import FIXED, Edge, JointTree, local
 from mbs_ref.scene import PlanarBody
 

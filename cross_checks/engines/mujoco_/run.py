@@ -5,11 +5,14 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import mujoco
 import numpy as np
 
 from cross_checks.engines.mujoco_.spatial_build import start_rates
-from cross_checks.workshop.outcome import End, Plan, end_of
+from cross_checks.workshop.outcome import End
+from cross_checks.workshop.plan import Plan
 from cross_checks.workshop.planar_tree import JointTree
 from cross_checks.workshop.spatial_tree import SpatialTree, depth_first
 from mbs_ref.trajectory import Status
@@ -24,27 +27,36 @@ def at_start(model: mujoco.MjModel, tree: JointTree | SpatialTree) -> mujoco.MjD
     return data
 
 
-def advance(model: mujoco.MjModel, data: mujoco.MjData, plan: Plan, samples: int) -> tuple[np.ndarray, End]:
+@dataclass(frozen=True)
+class Left:
+    """What the loop read at the output times."""
+
+    states: np.ndarray  # (n_t, n_q + n_v)
+    clock: np.ndarray  # (n_t,) s, what MuJoCo's own clock showed
+
+
+def advance(model: mujoco.MjModel, data: mujoco.MjData, plan: Plan) -> Left:
     """Step through the output times; each interval is one call into C."""
-    states = np.zeros((len(plan.times), model.nq + model.nv))
-    states[0] = np.concatenate((data.qpos, data.qvel))
-    if samples == 1:  # a first call: one step
-        mujoco.mj_step(model, data)
-        return states, End(1)
+    nq, qpos, qvel = model.nq, data.qpos, data.qvel
+    left = Left(np.empty((len(plan.times), nq + model.nv)), np.empty(len(plan.times)))
+    places, speeds, clock = left.states[:, :nq], left.states[:, nq:], left.clock
+    places[0], speeds[0], clock[0] = qpos, qvel, data.time
     for k, count in enumerate(plan.counts, start=1):
         mujoco.mj_step(model, data, nstep=count)
-        states[k, : model.nq], states[k, model.nq :] = data.qpos, data.qvel
-        trouble = trouble_of(data, plan.times[k], plan.step)
-        if trouble:
-            return states, end_of(states, plan.times, End(k, Status.RESET, trouble))
-    return states, end_of(states, plan.times, End(len(plan.times)))
+        places[k], speeds[k], clock[k] = qpos, qvel, data.time
+    return left
 
 
-def trouble_of(data: mujoco.MjData, time: float, step: float) -> str:
-    """Return a sentence if MuJoCo warned or restarted: it goes on from t = 0 without an exception."""
+def clock_end(data: mujoco.MjData, clock: np.ndarray, plan: Plan) -> End:
+    """Return where MuJoCo restarted: a bad state sends its clock back to 0 without an exception, and is counted.
+
+    Other warnings (a full buffer) leave the clock alone: then only the start is vouched for.
+    """
+    late = np.abs(clock - plan.times) > 0.5 * plan.step
     counts = {mujoco.mjtWarning(k).name: int(w.number) for k, w in enumerate(data.warning) if w.number}
-    late = abs(data.time - time) > 0.5 * step
-    if not counts and not late:
-        return ""
+    if not late.any():
+        return End(1, Status.ENGINE_ERROR, f"mujoco warned on the way: {counts}") if counts else End(len(plan.times))
+    k = int(np.argmax(late))
     warned = f", with the warnings {counts}" if counts else ""
-    return f"mujoco reset its state before t = {time:g} s and reports t = {data.time:g} s{warned}"
+    where = f"before t = {plan.times[k]:g} s and reports t = {clock[k]:g} s"
+    return End(k, Status.RESET, f"mujoco reset its state {where}{warned}")

@@ -5,7 +5,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 import mujoco
@@ -19,7 +19,7 @@ from cross_checks.workshop.planar_forces import contact_refusals as located_refu
 from cross_checks.workshop.planar_tree import JointTree, joint_tree
 from mbs_ref.scene import PointBushing, Scene
 
-SHARED = "loads and contacts come from the shared force code, called through Python"
+type Callback = Callable[[mujoco.MjModel, mujoco.MjData], None]
 
 
 def takes_shared_forces(scene: Scene) -> bool:
@@ -40,8 +40,17 @@ def force_refusals(scene: Scene) -> list[Refusal]:
 
 
 @contextmanager
-def shared_forces(model: mujoco.MjModel, tree: JointTree) -> Iterator[None]:
-    """Set the forces on all bodies whenever MuJoCo asks for passive ones: at every stage of every step."""
+def passive(act: Callback | None) -> Iterator[None]:
+    """Let MuJoCo call `act` whenever it asks for passive forces: at every stage of every step."""
+    mujoco.set_mjcb_passive(act)
+    try:
+        yield
+    finally:
+        mujoco.set_mjcb_passive(None)
+
+
+def shared_forces(model: mujoco.MjModel, tree: JointTree) -> Callback:
+    """Return what sets the forces on all bodies."""
     applied = AppliedForces(tree)
     index = np.array([model.body(name).id for name in tree.scene.body_names])
     turns, start = _turns(model, tree), tree.angle[:-1]
@@ -53,11 +62,7 @@ def shared_forces(model: mujoco.MjModel, tree: JointTree) -> Iterator[None]:
         v = np.column_stack((speed[:, :2], data.cvel[index, 2]))
         data.xfrc_applied[np.ix_(index, (0, 1, 5))] = applied.of_poses(data.time, q, v)
 
-    mujoco.set_mjcb_passive(act)
-    try:
-        yield
-    finally:
-        mujoco.set_mjcb_passive(None)
+    return act
 
 
 def _turns(model: mujoco.MjModel, tree: JointTree) -> np.ndarray:

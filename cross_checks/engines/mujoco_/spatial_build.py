@@ -11,7 +11,7 @@ import numpy as np
 from cross_checks.engines.mujoco_.contact import add_contact
 from cross_checks.engines.mujoco_.methods import STOCK, pin_options, solref_of
 from cross_checks.engines.mujoco_.spatial_closures import add_closure, add_spring
-from cross_checks.workshop.outcome import Plan
+from cross_checks.workshop.plan import Plan
 from cross_checks.workshop.planar_tree import FIXED
 from cross_checks.workshop.spatial_tree import SpatialEdge, SpatialTree
 from mbs_ref.scene import SpatialBody, SpringDamper

@@ -5,31 +5,41 @@
 
 from __future__ import annotations
 
-from time import perf_counter
-from typing import ClassVar
+from dataclasses import dataclass
+from typing import Any, ClassVar
 
 import numpy as np
 import pinocchio as pin
 
-from cross_checks.engine import Engine, Method, Refusal
-from cross_checks.engines.pinocchio_.dynamics import right_hand_side
+from cross_checks.engine import Engine, Method, Poses, Refusal
+from cross_checks.engines.pinocchio_.dynamics import RightHandSide, right_hand_side
 from cross_checks.engines.pinocchio_.loop import advance_adaptive, advance_fixed
-from cross_checks.engines.pinocchio_.methods import DRIVEN, GAINS, METHODS, NO_GAINS
+from cross_checks.engines.pinocchio_.methods import GAINS, METHODS, NO_GAINS
 from cross_checks.engines.pinocchio_.planar_build import Mechanism, mechanism_of
 from cross_checks.engines.pinocchio_.planar_observe import poses_of, reactions_of
 from cross_checks.engines.pinocchio_.spatial_build import SpatialMechanism, mechanism_in_space, start_rates
 from cross_checks.engines.pinocchio_.spatial_observe import poses_in_space, reactions_in_space
-from cross_checks.workshop.outcome import plan_run, trajectory
-from cross_checks.workshop.planar_forces import CLIPPED_CONTACTS, contact_refusals
+from cross_checks.workshop.outcome import Loop
+from cross_checks.workshop.plan import Plan
+from cross_checks.workshop.planar_forces import CLIPPED_CONTACTS, SHARED, contact_refusals
 from cross_checks.workshop.planar_tree import joint_tree
 from cross_checks.workshop.spatial_tree import spatial_tree
 from mbs_ref.scene import DRIVES, Revolute, Scene, Spherical, UserForce, Weld
-from mbs_ref.settings import Settings
-from mbs_ref.trajectory import Timing, Trajectory
 
 DATA_BYTES = 32  # times n_v^3: what pinocchio.Data takes for a chain
 MOST_BYTES = 1e9
 CLOSING, CLOSING_IN_SPACE = (Revolute, Weld), (Spherical, Revolute, Weld)
+
+
+@dataclass(frozen=True)
+class Built:
+    """A Pinocchio model with its right-hand side and its state (q, v) at t = 0."""
+
+    mechanism: Mechanism | SpatialMechanism
+    contact_data: Any
+    rhs: RightHandSide
+    start: np.ndarray
+    breakpoints: list[float]  # s
 
 
 class Pinocchio(Engine):
@@ -70,35 +80,31 @@ class Pinocchio(Engine):
             reasons.append(Refusal(f"pinocchio's data take {needs:.1f} GB for {size} coordinates", True))
         return reasons + contact_refusals(scene)
 
-    def run(self, scene: Scene, settings: Settings, times: np.ndarray | None = None) -> Trajectory:
-        plan = plan_run(self, scene, settings, times)
-        if isinstance(plan, Trajectory):
-            return plan
-        start = perf_counter()
-        mechanism, initial = _at_start(scene, (0.0, 0.0) if plan.method.name.endswith(NO_GAINS) else GAINS)
+    def build(self, scene: Scene, plan: Plan) -> Built:
+        mechanism, start = _at_start(scene, (0.0, 0.0) if plan.method.name.endswith(NO_GAINS) else GAINS)
         contact_data = pin.StdVec_RigidConstraintData()
         rhs = right_hand_side(mechanism, contact_data)
-        built = perf_counter()
-        rhs(0.0, initial)
-        called = perf_counter()
-        advance = advance_fixed if plan.method.kind == "fixed" else advance_adaptive
-        states, end, steps, calls = advance(rhs, initial, plan, settings.max_steps, scene.breakpoints())
-        looped = perf_counter()
-        states, reached = states[: end.samples], plan.times[: end.samples]
-        if isinstance(mechanism, SpatialMechanism):
-            poses, observed = poses_in_space(mechanism, states), reactions_in_space
-        else:
-            poses, observed = poses_of(mechanism, states), reactions_of
-        return trajectory(
-            plan,
-            poses,
-            end,
-            Timing(built - start, called - built, looped - called),
-            steps=steps,
-            rhs_calls=calls,
-            reactions=observed(mechanism, rhs, contact_data, reached, states, poses) if settings.reactions else {},  # pyright: ignore[reportArgumentType]
-            notes=(DRIVEN,) + (("loads and contacts come from the shared force code",) if mechanism.applied else ()),
-        )
+        return Built(mechanism, contact_data, rhs, start, scene.breakpoints())
+
+    def first_call(self, model: Built, plan: Plan) -> None:
+        model.rhs(0.0, model.start)
+
+    def advance(self, model: Built, plan: Plan) -> Loop:
+        if plan.method.kind == "fixed":
+            return advance_fixed(model.rhs, model.start, plan)
+        return advance_adaptive(model.rhs, model.start, plan, model.breakpoints)
+
+    def poses(self, model: Built, plan: Plan, states: np.ndarray) -> Poses:
+        in_space = isinstance(model.mechanism, SpatialMechanism)
+        return (poses_in_space if in_space else poses_of)(model.mechanism, states)  # pyright: ignore[reportArgumentType]
+
+    def reactions(self, model: Built, plan: Plan, states: np.ndarray, poses: Poses) -> dict[str, np.ndarray]:
+        observed = reactions_in_space if isinstance(model.mechanism, SpatialMechanism) else reactions_of
+        times = plan.times[: len(states)]
+        return observed(model.mechanism, model.rhs, model.contact_data, times, states, poses)  # pyright: ignore[reportArgumentType]
+
+    def notes(self, model: Built, plan: Plan) -> tuple[str, ...]:
+        return (SHARED,) if model.mechanism.applied else ()
 
 
 ENGINE = Pinocchio

@@ -6,12 +6,14 @@
 from __future__ import annotations
 
 from itertools import pairwise
+from math import isfinite
 
 import numpy as np
 from scipy.integrate import DOP853
 
 from cross_checks.engines.pinocchio_.dynamics import RightHandSide
-from cross_checks.workshop.outcome import End, Plan, end_of
+from cross_checks.workshop.outcome import End, Loop
+from cross_checks.workshop.plan import Plan
 from mbs_ref.trajectory import Status
 
 
@@ -28,43 +30,52 @@ def _rk4_step(rhs: RightHandSide, t: float, y: np.ndarray, h: float) -> np.ndarr
     return total
 
 
-def advance_fixed(rhs: RightHandSide, y: np.ndarray, plan: Plan, max_steps: int, breakpoints: list[float]):
+def advance_fixed(rhs: RightHandSide, y: np.ndarray, plan: Plan) -> Loop:
     states = np.zeros((len(plan.times), len(y)))
     states[0] = y
-    n = 0
+    n, h = 0, plan.step
     for k, count in enumerate(plan.counts, start=1):
         for _ in range(count):
-            y = _rk4_step(rhs, n * plan.step, y, plan.step)
+            y = _rk4_step(rhs, n * h, y, h)
             n += 1
         states[k] = y
-        if not np.isfinite(y).all():
-            break
-    end = end_of(states[: k + 1], plan.times, End(k + 1))
-    return states, end, n, 4 * n
+        if not isfinite(y[0]):
+            return Loop(states, End(k + 1), n, 4 * n)
+    return Loop(states, End(len(states)), n, 4 * n)
 
 
-def advance_adaptive(rhs: RightHandSide, y: np.ndarray, plan: Plan, max_steps: int, breakpoints: list[float]):
-    """Stop the integrator at every output time and breakpoint: nothing is interpolated."""
+def advance_adaptive(rhs: RightHandSide, y: np.ndarray, plan: Plan, breakpoints: list[float]) -> Loop:
+    """Land on every output time and breakpoint: nothing is interpolated. Only breakpoints restart the integrator."""
     states = np.zeros((len(plan.times), len(y)))
     states[0] = y
-    steps, calls, h = 0, 0, None
-    stops = np.union1d(plan.times, [t for t in breakpoints if 0.0 < t < plan.times[-1]])
-    reached = 1
-    for begin, stop in pairwise(stops):
-        first = None if h is None else min(h, stop - begin)
-        solver = DOP853(lambda t, x: rhs(t, x).copy(), begin, y, stop, rtol=plan.rtol, atol=plan.atol, first_step=first)
-        while solver.status == "running" and steps < max_steps:
-            message = solver.step()
-            steps += 1
-            # the last step of an interval is cut short; the one before it tells the natural size
-            h = max(h or 0.0, solver.step_size or 0.0) if solver.t == stop else solver.step_size
-        calls += solver.nfev
-        y = solver.y
-        if solver.status != "finished":
-            return states, _failure(solver, message, reached, max_steps), steps, calls
-        if stop == plan.times[reached]:
-            states[reached], reached = y, reached + 1
-    return states, end_of(states, plan.times, End(len(plan.times))), steps, calls
+    steps, calls, reached = 0, 0, 1
+    breaks = np.union1d([t for t in breakpoints if 0.0 < t < plan.times[-1]], [0.0, plan.times[-1]])
+    for begin, stop in pairwise(breaks.tolist()):
+        solver = DOP853(lambda t, x: rhs(t, x).copy(), begin, y, stop, rtol=plan.rtol, atol=plan.atol)
+        landings = np.union1d(plan.times[(plan.times > begin) & (plan.times < stop)], [stop]).tolist()
+        for landing in landings:
+            steps, message = _land(solver, landing, steps, plan.max_steps)
+            if solver.status == "failed" or solver.t != landing:
+                return Loop(states, _failure(solver, message, reached, plan.max_steps), steps, calls + solver.nfev)
+            if landing == plan.times[reached]:
+                states[reached], reached = solver.y, reached + 1
+        calls, y = calls + solver.nfev, solver.y
+    return Loop(states, End(len(plan.times)), steps, calls)
+
+
+def _land(solver: DOP853, landing: float, steps: int, max_steps: int) -> tuple[int, str | None]:
+    """Step to the landing and no further; a step that is cut short there leaves the next one's size as it was."""
+    message, bound = None, solver.t_bound
+    solver.t_bound = landing
+    solver.status = "running"
+    while solver.status == "running" and steps < max_steps:
+        planned = float(solver.h_abs or 0.0)
+        message = solver.step()
+        steps += 1
+        if solver.status == "finished" and (solver.step_size or 0.0) < planned:
+            solver.h_abs = max(planned, solver.h_abs)
+    solver.t_bound = bound
+    return steps, message
 
 
 def _failure(solver: DOP853, message: str | None, reached: int, max_steps: int) -> End:

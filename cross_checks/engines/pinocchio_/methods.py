@@ -13,20 +13,21 @@ RTOLS = (1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
 NO_GAINS = "_no_gains"
 SHRINK = "in loops, steps that shrink towards a singular pose end on it, where the proximal solve loses the energy"
 DRIFT = "without gains nothing holds the loop once a singular pose has let it slip"
-DRIVEN = "driven from Python"
 METHODS = (
-    Method("dop853", "adaptive", 8, f"SciPy DOP853, {DRIVEN}, Baumgarte gains in loops", RTOLS, wrong_limit=SHRINK,
-           weak_on=frozenset({"closed-loop"})),
-    Method("rk4", "fixed", 4, f"Runge-Kutta 4, {DRIVEN}, Baumgarte gains in loops", STEPS, stability=exponential(4)),
+    Method("dop853", "adaptive", 8, "SciPy DOP853, driven from Python, Baumgarte gains in loops", RTOLS,
+           wrong_limit=SHRINK, weak_on=frozenset({"closed-loop"}), driven_from_python=True),
+    Method("rk4", "fixed", 4, "Runge-Kutta 4, driven from Python, Baumgarte gains in loops", STEPS,
+           stability=exponential(4), driven_from_python=True),
     Method(
         "rk4" + NO_GAINS,
         "fixed",
         4,
-        f"Runge-Kutta 4, {DRIVEN}, with Pinocchio's default gains of zero",
+        "Runge-Kutta 4, driven from Python, with Pinocchio's default gains of zero",
         STEPS,
         frozenset({"closed-loop"}),
         stability=exponential(4),
         wrong_limit=DRIFT,
         weak_on=frozenset({"closed-loop"}),
+        driven_from_python=True,
     ),
 )

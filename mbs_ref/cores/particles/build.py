@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
 
@@ -24,14 +24,14 @@ def _floats(values: list, *shape: int) -> np.ndarray:
 def build_particles(scene: Scene) -> arrays.ParticleGroups:
     """Compile a scene of particles; ValueError where a part contradicts another."""
     place = scene.body_index
-    found: dict[type, list[Any]] = {kind: [] for kind in celestial.CelestialLoad.__args__}
+    by_kind: dict[type, list[Any]] = {kind: [] for kind in get_args(celestial.CelestialLoad)}
     for load in scene.loads:
-        found[type(load)].append(load)
-    zonals, figures, tides = found[celestial.Oblateness], found[celestial.LunarFigure], found[celestial.Tide]
-    third, drags, lights = found[celestial.ThirdBody], found[celestial.Drag], found[celestial.RadiationPressure]
-    relativity = _at_most_one(found[celestial.Relativity])
+        by_kind[type(load)].append(load)
+    zonals, figures, tides = by_kind[celestial.Oblateness], by_kind[celestial.LunarFigure], by_kind[celestial.Tide]
+    third, drags, lights = by_kind[celestial.ThirdBody], by_kind[celestial.Drag], by_kind[celestial.RadiationPressure]
+    relativity = _at_most_one(by_kind[celestial.Relativity])
     return arrays.ParticleGroups(
-        particles=_particles(scene, found),
+        particles=_particles(scene, by_kind),
         relativity=arrays.RelativityArrays(
             _ints([_FORMS[relativity.form] if relativity else 0]), _floats([relativity.c**-2 if relativity else 0.0])
         ),
@@ -49,7 +49,7 @@ def build_particles(scene: Scene) -> arrays.ParticleGroups:
             _floats([x.radius for x in tides]), _floats([x.love_number for x in tides]),
             _floats([x.lag for x in tides]), _floats([x.spin for x in tides], 3),
         ),
-        points=_ring(found[celestial.Ring]),
+        points=_ring(by_kind[celestial.Ring]),
         third_bodies=arrays.ThirdBodies(
             _ints([place(x.body) for x in third]), _ints([_SOURCES[x.source] for x in third]),
             _floats([x.gm for x in third]),
@@ -71,9 +71,9 @@ def _at_most_one(parts: list[Any]) -> Any:
     return parts[0] if parts else None
 
 
-def _particles(scene: Scene, found: dict[type, list[Any]]) -> arrays.Particles:
+def _particles(scene: Scene, by_kind: dict[type, list[Any]]) -> arrays.Particles:
     n = len(scene.bodies)
-    newton, epoch = _at_most_one(found[celestial.Newton]), _at_most_one(found[celestial.Epoch])
+    newton, epoch = _at_most_one(by_kind[celestial.Newton]), _at_most_one(by_kind[celestial.Epoch])
     gm = np.array(newton.gm if newton else np.zeros(n), dtype=float)
     radius = np.array(newton.radius if newton and newton.radius else np.zeros(n), dtype=float)
     if len(gm) != n or len(radius) != n:
@@ -83,7 +83,7 @@ def _particles(scene: Scene, found: dict[type, list[Any]]) -> arrays.Particles:
     seconds = (epoch.jd_tdb - celestial.J2000_JD) * celestial.DAY_S if epoch else 0.0
     return arrays.Particles(
         gm, radius, np.array(scene.gravity, dtype=float), np.array([seconds]),
-        _ints([int(any(found[kind] for kind in velocity))]),
+        _ints([int(any(by_kind[kind] for kind in velocity))]),
     )  # fmt: skip
 
 

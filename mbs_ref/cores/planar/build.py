@@ -7,26 +7,14 @@ from typing import Any
 
 import numpy as np
 
+from mbs_ref.cores.builder import Builder, Place, PlacedRow, contiguous, floats, ints, signal_arrays, table, where
 from mbs_ref.cores.contact_arrays import contact_laws
-from mbs_ref.cores.joint_graph import Edge, Layout, layout, row_count
 from mbs_ref.cores.planar.shapes import contact_balls, contact_pairs, planar_modes, tension_only, watches
 from mbs_ref.kernels.planar import model as arrays
-from mbs_ref.kernels.signals import SignalArrays
-from mbs_ref.scene import (
-    CoordinateDrive,
-    Force,
-    PlanarBody,
-    PointBushing,
-    PointDrive,
-    PointMass,
-    Scene,
-    SpringDamper,
-    Torque,
-    TorsionSpring,
-)
-from mbs_ref.scene.contact import ConstraintLaw
-from mbs_ref.scene.signals import DEGREE, Segment, motion_segments
-from mbs_ref.scene.traits import joint_ends
+from mbs_ref.scene import Force, PlanarBody, PointBushing, PointMass, Scene, SpringDamper, Torque, TorsionSpring
+from mbs_ref.scene.base.rows import OnPlane, Prescribed, PrescribedAngle, Rod, Row, SameAngle, SharedPoint
+from mbs_ref.scene.contact import Contact
+from mbs_ref.scene.joints import Drive
 
 _HELD_INERTIA = 1.0  # kg m^2 in the idle third slot of a point mass: nothing ever turns it
 
@@ -36,42 +24,19 @@ def _rotation(angle: float) -> np.ndarray:
     return np.array([[c, -s], [s, c]])
 
 
-class _Builder:
-    """Places of bodies, slots and signals while a scene is compiled."""
+class _Builder(Builder):
+    """Planar bodies' places and angles, and a slot for each contact that stands for a constraint."""
 
     def __init__(self, scene: Scene) -> None:
-        self.scene = scene
-        self.layout: Layout = layout(scene)
-        self.n = len(scene.bodies)
-        self.number = {body: k for k, body in enumerate(self.layout.order)} | {-1: self.n}
-        self.segments: list[list[Segment]] = []
-        self.place: dict[int, tuple[int, int, int]] = {}  # joint index -> slot, row, side of its first end
-        self.slot_bodies: list[tuple[int, int]] = []
-        self.slot_rows: list[int] = []
-        for child, edge in enumerate(self.layout.tree_edge):
-            self._add_slot(edge, child, self.layout.parent[child])
-        for edge in self.layout.closures:
-            self._add_slot(edge, self.number[edge.a], self.number[edge.b])
-        self.contact_slot = {
-            k: self._add_contact(contact)
-            for k, contact in enumerate(scene.contacts)
-            if isinstance(contact.law, ConstraintLaw)
-        }
+        super().__init__(scene)
+        held = [k for k, contact in enumerate(scene.contacts) if contact.law.HOLDS]
+        self.contact_slot = {k: self._add_contact(scene.contacts[k]) for k in held}
 
-    def _add_contact(self, contact: Any) -> int:
+    def _add_contact(self, contact: Contact) -> int:
         """Give a constraint contact a slot of one row, as if it closed a loop."""
         self.slot_bodies.append((self.body(contact.body_a), self.body(contact.body_b)))
         self.slot_rows.append(1)
         return len(self.slot_rows) - 1
-
-    def _add_slot(self, edge: Edge | None, side0: int, side1: int) -> None:
-        slot, row = len(self.slot_bodies), 0
-        self.slot_bodies.append((side0, side1))
-        for k in edge.joints if edge else []:
-            first = self.number[self.scene.body_index(joint_ends(self.scene.joints[k])[0])]
-            self.place[k] = (slot, row, 0 if first == side0 else 1)
-            row += row_count(self.scene.joints[k])
-        self.slot_rows.append(row)
 
     def local(self, name: str, point: tuple[float, ...]) -> np.ndarray:
         """Return a world point at t = 0 in body axes."""
@@ -86,104 +51,87 @@ class _Builder:
         body: Any = self.scene.bodies[self.scene.body_index(name)] if name != "ground" else None
         return body.angle if isinstance(body, PlanarBody) else 0.0
 
-    def body(self, name: str) -> int:
-        return self.number[self.scene.body_index(name)]
 
-    def signal(self, segments: list[Segment]) -> int:
-        self.segments.append(segments)
-        return len(self.segments) - 1
+_PAIRS: dict[str, tuple[type[Row], ...]] = {
+    "revolute": (SharedPoint,), "prismatic": (OnPlane, SameAngle), "weld": (SharedPoint, SameAngle), "distance": (Rod,),
+}  # fmt: skip
 
 
-def ints(values: list[int]) -> np.ndarray:
-    return np.array(values, dtype=np.int64)
-
-
-def table(rows: list, width: int) -> np.ndarray:
-    return np.array(rows, dtype=float).reshape(len(rows), width)
-
-
-def _pair_joints(build: _Builder, kind: str) -> arrays.PairJoints:
-    chosen = [(k, j) for k, j in enumerate(build.scene.joints) if j.type == kind]
-    joints: list[Any] = [j for _, j in chosen]
-    places = [build.place[k] for k, _ in chosen]
+def _pair_joints(build: _Builder, kinds: tuple[type[Row], ...]) -> arrays.PairJoints:
+    """Return the joints that are made of these kinds of rows."""
+    chosen = [k for k, rows in enumerate(build.joint_rows) if tuple(map(type, rows)) == kinds]
+    heads: list[Any] = [build.joint_rows[k][0] for k in chosen]
+    ends = [build.scene.joints[k].ends for k in chosen]
     return arrays.PairJoints(
-        slot=ints([p[0] for p in places]),
-        row=ints([p[1] for p in places]),
-        side_a=ints([p[2] for p in places]),
-        point_a=table([build.local(j.body_a, _mark_a(j)) for j in joints], 2),
-        point_b=table([build.local(j.body_b, _mark_b(j)) for j in joints], 2),
-        normal=table([_normal(build, j) for j in joints], 2),
-        value=np.array([_kept_value(build, j) for j in joints], dtype=float),
+        slot=ints([build.place[k].slot for k in chosen]),
+        row=ints([build.place[k].row for k in chosen]),
+        side_a=ints([build.place[k].side for k in chosen]),
+        point_a=table([build.local(a, head.point_a) for head, (a, _) in zip(heads, ends, strict=True)], 2),
+        point_b=table([build.local(b, head.point_b) for head, (_, b) in zip(heads, ends, strict=True)], 2),
+        normal=table([_normal(build, head, a) for head, (a, _) in zip(heads, ends, strict=True)], 2),
+        value=floats(_kept_value(build, head, *pair) for head, pair in zip(heads, ends, strict=True)),
     )
 
 
-def _mark_a(joint: Any) -> tuple[float, ...]:
-    return joint.point_a if joint.type == "distance" else joint.point
+def _normal(build: _Builder, head: Row, a: str) -> np.ndarray:
+    return _rotation(build.angle(a)).T @ head.normal if isinstance(head, OnPlane) else np.zeros(2)
 
 
-def _mark_b(joint: Any) -> tuple[float, ...]:
-    if joint.type == "prismatic" or joint.point_b is None:
-        return joint.point
-    return joint.point_b
+def _kept_value(build: _Builder, head: Row, a: str, b: str) -> float:
+    return head.length if isinstance(head, Rod) else build.angle(b) - build.angle(a)
 
 
-def _normal(build: _Builder, joint: Any) -> np.ndarray:
-    if joint.type != "prismatic":
-        return np.zeros(2)
-    axis = np.array(joint.axis) / np.linalg.norm(joint.axis)
-    return _rotation(build.angle(joint.body_a)).T @ np.array([-axis[1], axis[0]])
-
-
-def _kept_value(build: _Builder, joint: Any) -> float:
-    if joint.type == "distance":
-        return joint.length if joint.length is not None else math.dist(joint.point_a, joint.point_b)
-    return build.angle(joint.body_b) - build.angle(joint.body_a)
+def _refuse_unknown_rows(scene: Scene, joint_rows: list[list[Row]]) -> None:
+    for joint, rows in zip(scene.joints, joint_rows, strict=True):
+        if not isinstance(joint, Drive) and tuple(map(type, rows)) not in _PAIRS.values():
+            names = ", ".join(type(row).__name__ for row in rows)
+            raise ValueError(f"joint {joint.name!r}: the planar core has no kernel for the rows {names} together")
 
 
 def _drives(build: _Builder) -> arrays.Drives:
-    chosen = [(k, j) for k, j in enumerate(build.scene.joints) if isinstance(j, CoordinateDrive | PointDrive)]
-    rows = [_drive_row(build, joint) for _, joint in chosen]
-    places = [build.place[k] for k, _ in chosen]
+    drives = build.of(Prescribed, PrescribedAngle)
+    slot, row, first = where(drives)
+    parts = [_drive_parts(build, r) for r in drives]
     return arrays.Drives(
-        slot=ints([p[0] for p in places]),
-        row=ints([p[1] for p in places]),
-        side=ints([1 - p[2] for p in places]),  # a drive's first end is ground
-        point=table([r[0] for r in rows], 2),
-        direction=table([r[1] for r in rows], 2),
-        turn=np.array([r[2] for r in rows], dtype=float),
-        start=np.array([r[3] for r in rows], dtype=float),
-        signal=ints([build.signal(motion_segments(j.motion, j.level)) for _, j in chosen]),
+        slot=slot,
+        row=row,
+        side=1 - first,  # a drive's first end is ground
+        point=table([point for point, _, _, _ in parts], 2),
+        direction=table([direction for _, direction, _, _ in parts], 2),
+        turn=floats(turn for _, _, turn, _ in parts),
+        start=floats(start for _, _, _, start in parts),
+        signal=ints([build.motion(r.joint) for r in drives]),
     )
 
 
-def _drive_row(build: _Builder, drive: Any) -> tuple[np.ndarray, np.ndarray, float, float]:
+def _drive_parts(build: _Builder, drive: PlacedRow) -> tuple[np.ndarray, np.ndarray, float, float]:
     """Return body-fixed point, direction, turn and starting value."""
-    body: Any = build.scene.bodies[build.scene.body_index(drive.body)]
-    if isinstance(drive, CoordinateDrive):
-        if drive.coordinate == "angle":
-            return np.zeros(2), np.zeros(2), 1.0, body.angle
-        direction = np.array([1.0, 0.0] if drive.coordinate == "x" else [0.0, 1.0])
-        return np.zeros(2), direction, 0.0, float(direction @ body.position)
-    direction = np.array(drive.direction) / np.linalg.norm(drive.direction)
-    return build.local(drive.body, drive.point), direction, 0.0, float(direction @ drive.point)
+    if isinstance(drive.row, PrescribedAngle):
+        return np.zeros(2), np.zeros(2), 1.0, build.angle(drive.b)
+    point, direction = drive.row.point, drive.row.direction
+    return build.local(drive.b, point), direction, 0.0, float(direction @ point)
 
 
 def _forces(build: _Builder) -> arrays.Forces:
-    loads: list[Any] = [x for x in build.scene.loads if isinstance(x, Force | Torque)]
-    forces = [isinstance(x, Force) for x in loads]
-    follows = [f and x.frame == "body" for f, x in zip(forces, loads, strict=True)]
-    vectors = [
-        _rotation(build.angle(x.body)).T @ x.vector if body_axes else (x.vector if f else (0.0, 0.0))
-        for f, body_axes, x in zip(forces, follows, loads, strict=True)
-    ]
+    loads = [x for x in build.scene.loads if isinstance(x, Force | Torque)]
+    parts = [_force_parts(build, x) for x in loads]
     return arrays.Forces(
         body=ints([build.body(x.body) for x in loads]),
-        point=table([build.local(x.body, x.point) if f else (0, 0) for f, x in zip(forces, loads, strict=True)], 2),
-        vector=table(vectors, 2),
-        follows=ints([int(f) for f in follows]),
-        torque=np.array([0.0 if f else x.torque for f, x in zip(forces, loads, strict=True)], dtype=float),
+        point=table([point for point, _, _, _ in parts], 2),
+        vector=table([vector for _, vector, _, _ in parts], 2),
+        follows=ints([follows for _, _, follows, _ in parts]),
+        torque=floats(torque for _, _, _, torque in parts),
         signal=ints([build.signal(x.factor.segments()) for x in loads]),
     )
+
+
+def _force_parts(build: _Builder, load: Force | Torque) -> tuple[np.ndarray, np.ndarray, int, float]:
+    """Return body-fixed point, force, whether it turns with the body, and torque."""
+    if isinstance(load, Torque):
+        return np.zeros(2), np.zeros(2), 0, load.torque
+    follows, vector = load.frame == "body", np.array(load.vector)
+    turned = _rotation(build.angle(load.body)).T @ vector if follows else vector
+    return build.local(load.body, load.point), turned, int(follows), 0.0
 
 
 def _springs(build: _Builder) -> arrays.Springs:
@@ -195,9 +143,9 @@ def _springs(build: _Builder) -> arrays.Springs:
         b=ints([build.body(x.body_b) for x in loads]),
         point_a=table([build.local(x.body_a, a) for x, (a, _) in zip(loads, marks, strict=True)], 2),
         point_b=table([build.local(x.body_b, b) for x, (_, b) in zip(loads, marks, strict=True)], 2),
-        stiffness=np.array([x.stiffness for x in loads], dtype=float),
-        damping=np.array([x.damping for x in loads], dtype=float),
-        rest_length=np.array([_rest_length(x) for x in loads], dtype=float),
+        stiffness=floats(x.stiffness for x in loads),
+        damping=floats(x.damping for x in loads),
+        rest_length=floats(_rest_length(x) for x in loads),
         tension_only=ints([int(isinstance(x, SpringDamper) and x.tension_only) for x in loads]),
         isotropic=ints([int(isinstance(x, PointBushing)) for x in loads]),
         place=ints([places.get(x.name, -1) for x in loads]),
@@ -217,44 +165,25 @@ def _torsion_springs(build: _Builder) -> arrays.TorsionSprings:
     return arrays.TorsionSprings(
         a=ints([build.body(x.body_a) for x in loads]),
         b=ints([build.body(x.body_b) for x in loads]),
-        stiffness=np.array([x.stiffness for x in loads], dtype=float),
-        damping=np.array([x.damping for x in loads], dtype=float),
+        stiffness=floats(x.stiffness for x in loads),
+        damping=floats(x.damping for x in loads),
         rest_angle=np.array(rest, dtype=float),
     )
 
 
-def signal_arrays(signals: list[list[Segment]]) -> SignalArrays:
-    """Flatten the segments of every signal."""
-    flat = [segment for signal in signals for segment in signal]
-    coefficients = np.zeros((len(flat), DEGREE + 1))
-    for k, segment in enumerate(flat):
-        coefficients[k, : len(segment.coefficients)] = segment.coefficients
-    return SignalArrays(
-        first=ints([0, *np.cumsum([len(s) for s in signals], dtype=int).tolist()]),
-        start=np.array([s.start if math.isfinite(s.start) else 0.0 for s in flat], dtype=float),
-        coefficients=coefficients,
-        amplitude=np.array([s.amplitude for s in flat], dtype=float),
-        omega=np.array([s.omega for s in flat], dtype=float),
-        phase=np.array([s.phase for s in flat], dtype=float),
-    )
-
-
-def contiguous(group: Any) -> Any:
-    return type(group)(*map(np.ascontiguousarray, group))
-
-
-def build_planar(scene: Scene) -> tuple[arrays.PlanarGroups, dict[int, tuple[int, int, int]]]:
-    """Compile a planar scene; also return where each joint's rows are: slot, row, side of its first end."""
+def build_planar(scene: Scene) -> tuple[arrays.PlanarGroups, dict[int, Place]]:
+    """Compile a planar scene; also return where each joint's rows are."""
     build = _Builder(scene)
     ordered: list[Any] = [scene.bodies[i] for i in build.layout.order]
-    closures = [(slot, row) for slot in range(build.n, len(build.slot_rows)) for row in range(build.slot_rows[slot])]
-    joints = {kind: _pair_joints(build, kind) for kind in ("revolute", "prismatic", "weld", "distance")}
+    _refuse_unknown_rows(scene, build.joint_rows)
+    closures = build.closures()
+    joints = {name: _pair_joints(build, kinds) for name, kinds in _PAIRS.items()}
     drives, forces = _drives(build), _forces(build)
     pairs = contact_pairs(scene, build)
     groups = arrays.PlanarGroups(
         bodies=arrays.Bodies(
-            mass=np.array([b.mass for b in ordered], dtype=float),
-            inertia=np.array([_HELD_INERTIA if isinstance(b, PointMass) else b.inertia for b in ordered], dtype=float),
+            mass=floats(b.mass for b in ordered),
+            inertia=floats(_HELD_INERTIA if isinstance(b, PointMass) else b.inertia for b in ordered),
             scene_index=ints(build.layout.order),
             parent=ints(build.layout.parent),
         ),

@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 
-from mbs_ref.cores.joint_graph import row_count
 from mbs_ref.cores.jointed_system import JointedSystem
 from mbs_ref.cores.planar.build import build_planar
 from mbs_ref.cores.planar.shapes import event_sources
@@ -91,9 +90,6 @@ class PlanarSystem(JointedSystem):
         contacts = dict(zip(self.groups.contact_laws.slot.tolist(), self.event_sources, strict=False))
         return [self.scene.joints[k].name if k >= 0 else contacts[slot] for k, slot, _ in self.rows()]
 
-    def _row_count(self, joint: int) -> int:
-        return row_count(self.scene.joints[joint])
-
     def augmented(
         self, t: float, q: np.ndarray, v: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
@@ -127,29 +123,19 @@ class PlanarSystem(JointedSystem):
         return force - self.mass_matrix() * dy[half:]
 
     def _reaction(self, joint: int, generalized: np.ndarray, y: np.ndarray) -> np.ndarray:
-        part: Any = self.scene.joints[joint]
-        name = part.body if part.type.endswith("drive") else part.body_b
-        if name == "ground":  # report what ground receives: the opposite of what the other body gets
-            name, sign = part.body_a, -1.0
-        else:
-            sign = 1.0
+        name, end, sign = self._reported(joint)
         body = self.scene.body_index(name)
         fx, fy, torque = sign * generalized.reshape(-1, 3)[body]
-        arm = self._joint_point(part, name, y) - y[3 * body : 3 * body + 2]
+        mark = self.scene.joints[joint].mark(end)
+        arm = np.zeros(2) if mark is None else self._place(mark, body, y) - y[3 * body : 3 * body + 2]
         return np.array([fx, fy, torque - (arm[0] * fy - arm[1] * fx)])
 
-    def _joint_point(self, part: Any, name: str, y: np.ndarray) -> np.ndarray:
-        """Return where the joint's mark on the body is now; for a coordinate drive, its centre."""
-        body: Any = self.scene.bodies[self.scene.body_index(name)]
-        k = 3 * self.scene.body_index(name)
-        if part.type == "coordinate_drive":
-            return y[k : k + 2]
-        side = "point_b" if part.type != "point_drive" and name == part.body_b else "point_a"
-        own = getattr(part, side, None)
-        mark = part.point if own is None else own
-        turn = y[k + 2] - (body.angle if isinstance(body, PlanarBody) else 0.0)
+    def _place(self, mark: tuple[float, ...], body: int, y: np.ndarray) -> np.ndarray:
+        """Return where a mark on a body is now, m."""
+        start: Any = self.scene.bodies[body]
+        turn = y[3 * body + 2] - (start.angle if isinstance(start, PlanarBody) else 0.0)
         c, s = np.cos(turn), np.sin(turn)
-        return y[k : k + 2] + np.array([[c, -s], [s, c]]) @ (np.array(mark) - np.array(body.position))
+        return y[3 * body : 3 * body + 2] + np.array([[c, -s], [s, c]]) @ np.subtract(mark, start.position)
 
 
 @core.jit

@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 import math
-from typing import Any, Protocol
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
 from mbs_ref.cores.near_pairs import Ball, near_pairs
-from mbs_ref.cores.spatial.elements import normals, unit
 from mbs_ref.kernels.contact import laws as shared
 from mbs_ref.kernels.contact.near_pairs import NearPairs
 from mbs_ref.kernels.spatial import model as arrays
 from mbs_ref.scene import Scene
-from mbs_ref.scene.contact import SphereOnPlane, SphereOnSphere, StickSlip
+from mbs_ref.scene.base.directions import normals, unit
+from mbs_ref.scene.contact import SphereOnPlane, SphereOnSphere
 
 _ENDS = {"plane": shared.ENDS_NONE, "rectangle": shared.ENDS_OPEN, "capped": shared.ENDS_CAPPED}
 
@@ -28,45 +28,62 @@ class Places(Protocol):
     def direction(self, name: str, world: Any) -> np.ndarray: ...
 
 
-def contact_pairs(scene: Scene, places: Places) -> arrays.ContactPairs:
-    """Return the shapes in body axes."""
-    parts: list[Any] = list(scene.contacts)
-    flat = [isinstance(part, SphereOnPlane) for part in parts]
-    count = len(parts)
-    sticking = [isinstance(part.friction, StickSlip) for part in parts]
-    centers = [p.center if f else p.center_a for p, f in zip(parts, flat, strict=True)]
-    origins = [p.point if f else p.center_b for p, f in zip(parts, flat, strict=True)]
-    thickness = [p.thickness if f and p.thickness is not None else math.inf for p, f in zip(parts, flat, strict=True)]
-    return arrays.ContactPairs(
-        kind=np.array([arrays.PAIR_PLANE if f else arrays.PAIR_SPHERE for f in flat], dtype=np.int64),
-        a=np.array([places.body(p.body_a) for p in parts], dtype=np.int64),
-        b=np.array([places.body(p.body_b) for p in parts], dtype=np.int64),
-        center=np.array([places.point(p.body_a, x) for p, x in zip(parts, centers, strict=True)]).reshape(count, 3),
-        radius=np.array([p.radius if f else p.radius_a for p, f in zip(parts, flat, strict=True)], dtype=float),
-        origin=np.array([places.point(p.body_b, x) for p, x in zip(parts, origins, strict=True)]).reshape(count, 3),
-        axes=np.array([[places.direction(p.body_b, x) for x in _axes(p)] for p in parts]).reshape(count, 3, 3),
-        half=np.array([_half(p) for p in parts], dtype=float).reshape(count, 2),
-        ends=np.array([_ENDS[p.extent] if f else shared.ENDS_NONE for p, f in zip(parts, flat, strict=True)],
-                      dtype=np.int64),
-        thickness=np.array(thickness, dtype=float),
-        deflection=np.where(sticking, np.cumsum(sticking) - 1, -1).astype(np.int64).reshape(count),
-        sticking=np.array([sum(sticking)], dtype=np.int64),
-    )  # fmt: skip
+class _Shape(NamedTuple):
+    """One row of ContactPairs, with the marks in world axes at t = 0."""
+
+    kind: int
+    center: tuple[float, ...]
+    radius: float
+    origin: tuple[float, ...]
+    half: tuple[float, float]
+    axes: tuple[np.ndarray, ...] = tuple(np.eye(3))  # two edges and the normal, right-handed
+    ends: int = shared.ENDS_NONE
+    thickness: float = math.inf
 
 
-def _axes(part: SphereOnPlane | SphereOnSphere) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return two edges and the normal, right-handed; for spheres any three."""
-    if isinstance(part, SphereOnSphere):
-        return np.array([1.0, 0.0, 0.0]), np.array([0.0, 1.0, 0.0]), np.array([0.0, 0.0, 1.0])
+def _plane(part: SphereOnPlane) -> _Shape:
     normal = unit(part.normal)
     edge = normals(part.normal)[0] if part.edge is None else unit(part.edge)
-    return edge, np.cross(normal, edge), normal
+    return _Shape(
+        kind=arrays.PAIR_PLANE,
+        center=part.center,
+        radius=part.radius,
+        origin=part.point,
+        half=(math.inf, math.inf) if part.size is None else (0.5 * part.size[0], 0.5 * part.size[1]),
+        axes=(edge, np.cross(normal, edge), normal),
+        ends=_ENDS[part.extent],
+        thickness=math.inf if part.thickness is None else part.thickness,
+    )
 
 
-def _half(part: SphereOnPlane | SphereOnSphere) -> tuple[float, float]:
-    if isinstance(part, SphereOnSphere):
-        return part.radius_b, part.radius_b
-    return (math.inf, math.inf) if part.size is None else (0.5 * part.size[0], 0.5 * part.size[1])
+def _sphere(part: SphereOnSphere) -> _Shape:
+    half = part.radius_b, part.radius_b
+    return _Shape(arrays.PAIR_SPHERE, part.center_a, part.radius_a, part.center_b, half)
+
+
+_SHAPES: dict[type, Any] = {SphereOnPlane: _plane, SphereOnSphere: _sphere}
+
+
+def contact_pairs(scene: Scene, places: Places) -> arrays.ContactPairs:
+    """Return the shapes in body axes."""
+    parts, count = scene.contacts, len(scene.contacts)
+    shapes: list[_Shape] = [_SHAPES[type(part)](part) for part in parts]
+    pairs = list(zip(parts, shapes, strict=True))
+    sticking = [part.friction is not None and part.friction.STICKS for part in parts]
+    return arrays.ContactPairs(
+        kind=np.array([s.kind for s in shapes], dtype=np.int64),
+        a=np.array([places.body(p.body_a) for p in parts], dtype=np.int64),
+        b=np.array([places.body(p.body_b) for p in parts], dtype=np.int64),
+        center=np.array([places.point(p.body_a, s.center) for p, s in pairs]).reshape(count, 3),
+        radius=np.array([s.radius for s in shapes], dtype=float),
+        origin=np.array([places.point(p.body_b, s.origin) for p, s in pairs]).reshape(count, 3),
+        axes=np.array([[places.direction(p.body_b, x) for x in s.axes] for p, s in pairs]).reshape(count, 3, 3),
+        half=np.array([s.half for s in shapes], dtype=float).reshape(count, 2),
+        ends=np.array([s.ends for s in shapes], dtype=np.int64),
+        thickness=np.array([s.thickness for s in shapes], dtype=float),
+        deflection=np.where(sticking, np.cumsum(sticking) - 1, -1).astype(np.int64).reshape(count),
+        sticking=np.array([sum(sticking)], dtype=np.int64),
+    )
 
 
 def contact_balls(pairs: arrays.ContactPairs) -> NearPairs:

@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 from scipy.linalg import qr
 
 from mbs_ref.cores.jointed_system import JointedSystem
 from mbs_ref.cores.spatial.build import build_spatial, world_axes
-from mbs_ref.cores.spatial.elements import row_count
 from mbs_ref.cores.system import Poses
 from mbs_ref.kernels import answers as core
 from mbs_ref.kernels.spatial.model import spatial_scratch
-from mbs_ref.scene import DRIVES, GROUND, Scene, SpatialBody, symmetric
+from mbs_ref.scene import Scene, SpatialBody, symmetric
 from mbs_ref.scene.euler_parameters import parameter_matrix, rotation_matrices
 
 RANK_POSES = 3  # random poses, besides the first, in which the rank of the loops is looked at
@@ -149,21 +147,21 @@ class SpatialSystem(JointedSystem):
 
     def _rate_map(self, y: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Return d(R', omega)/d(q'), the Jacobian of the norms and their right-hand side -2 theta'^T theta'."""
-        found = np.zeros((6 * self.n_bodies, self.n_positions))
+        to_rates = np.zeros((6 * self.n_bodies, self.n_positions))
         norms, squares = np.zeros((len(self.rigid), self.n_positions)), np.zeros(len(self.rigid))
         bodies = self.groups.bodies
         place = {k: (bodies.q[i], bodies.v[i]) for i, k in enumerate(bodies.scene_index)}
         for k in range(self.n_bodies):
-            found[6 * k : 6 * k + 3, place[k][0] : place[k][0] + 3] = np.eye(3)
+            to_rates[6 * k : 6 * k + 3, place[k][0] : place[k][0] + 3] = np.eye(3)
         for row, k in enumerate(self.rigid):
             q, v = place[k]
             theta = y[q + 3 : q + 7]
             e = parameter_matrix(theta)
-            found[6 * k + 3 : 6 * k + 6, q + 3 : q + 7] = 2.0 * e
+            to_rates[6 * k + 3 : 6 * k + 6, q + 3 : q + 7] = 2.0 * e
             norms[row, q + 3 : q + 7] = 2.0 * theta
             rate = 0.5 * e.T @ rotation_matrices(theta) @ y[v + 3 : v + 6]
             squares[row] = -2.0 * rate @ rate
-        return found, norms, squares
+        return to_rates, norms, squares
 
     def scaled_jacobian(self, t: float, y: np.ndarray) -> np.ndarray:
         jacobian = self.jacobian(t, y)
@@ -196,30 +194,22 @@ class SpatialSystem(JointedSystem):
         """Joint rows and one norm row a rigid body."""
         return len(self.rows()) + len(self.rigid)
 
-    def _row_count(self, joint: int) -> int:
-        return row_count(self.scene.joints[joint])
-
     def _unbalanced(self, t: float, y: np.ndarray, dy: np.ndarray) -> np.ndarray:
         force = self._in_scene_order(self.scratch.kinematics.force[: self.n_bodies]).ravel()
         acceleration = self._in_scene_order(self.scratch.tree.acceleration[: self.n_bodies]).ravel()
         return force - self.mass_matrix() @ acceleration
 
     def _reaction(self, joint: int, generalized: np.ndarray, y: np.ndarray) -> np.ndarray:
-        part: Any = self.scene.joints[joint]
-        name, sign = getattr(part, "body_b", None) or part.body, 1.0
-        if name == GROUND:  # report what ground receives: the opposite of what the other body gets
-            name, sign = part.body_a, -1.0
-        wrench = sign * generalized.reshape(-1, 6)[self.scene.body_index(name)]
-        arm = self._joint_arm(part, name)
+        name, end, sign = self._reported(joint)
+        body = self.scene.body_index(name)
+        wrench = sign * generalized.reshape(-1, 6)[body]
+        arm = self._arm(self.scene.joints[joint].mark(end), body)
         return np.concatenate((wrench[:3], wrench[3:] - np.cross(arm, wrench[:3])))
 
-    def _joint_arm(self, part: Any, name: str) -> np.ndarray:
-        """Return the joint's mark on the body now, from its centre of mass, world axes; zero where it has none."""
-        body: Any = self.scene.bodies[self.scene.body_index(name)]
-        side = "point_b" if not isinstance(part, DRIVES) and name == part.body_b else "point_a"
-        own = getattr(part, side, None)
-        mark = getattr(part, "point", None) if own is None else own
+    def _arm(self, mark: tuple[float, ...] | None, body: int) -> np.ndarray:
+        """Return a mark on a body now, from its centre of mass, world axes; zero where there is none."""
         if mark is None:
             return np.zeros(3)
-        turned = self._in_scene_order(self.scratch.kinematics.turned[: self.n_bodies])[self.scene.body_index(name)]
-        return turned @ world_axes(body).T @ (np.array(mark) - np.array(body.position))
+        start = self.scene.bodies[body]
+        turned = self._in_scene_order(self.scratch.kinematics.turned[: self.n_bodies])[body]
+        return turned @ world_axes(start).T @ np.subtract(mark, start.position)

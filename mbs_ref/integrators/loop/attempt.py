@@ -6,11 +6,6 @@ from typing import NamedTuple
 
 from mbs_ref.integrators.loop.events import EVENT, KEEP, settle, watch
 from mbs_ref.integrators.loop.leg import (
-    CLOCK_COMPLIANCE,
-    CLOCK_H,
-    CLOCK_T,
-    COUNT_OUTPUT,
-    COUNT_STEPS,
     PROJECTION,
     RUNNING,
 )
@@ -34,8 +29,8 @@ class Attempt(NamedTuple):
 @inlined
 def next_attempt(options, run, outputs, evenly, search):
     """Choose the step: the proposed one, up to the next output time, or what the search for an event asks."""
-    t, target = run.clock[CLOCK_T], outputs.times[run.counts[COUNT_OUTPUT]]
-    proposed = run.clock[CLOCK_H] if options.step == 0.0 else options.step
+    t, target = run.t, outputs.times[run.next_output]
+    proposed = run.h if options.step == 0.0 else options.step
     h, lands, searching = choose_step(proposed, target - t, evenly, search)
     return Attempt(t, target if lands else t + h, h, proposed, lands, searching)
 
@@ -52,9 +47,9 @@ def close_attempt(model, work, options, run, attempt, span, trial, search, table
 
     An adaptive step that cannot be closed is withdrawn; `span` (s) is that of the leg.
     """
-    code, run.clock[CLOCK_COMPLIANCE] = close_step(
+    code, run.compliance = close_step(
         model, work, attempt.t_new, trial, attempt.h, options.project, options.projection_tolerance,
-        options.stop_on_compliance, run.clock[CLOCK_COMPLIANCE],
+        options.stop_on_compliance, run.compliance,
     )  # fmt: skip
     if code == PROJECTION and options.step == 0.0 and not attempt.searching:
         return withdraw(run, attempt.t, attempt.h, span), WITHDRAWN
@@ -67,7 +62,7 @@ def close_attempt(model, work, options, run, attempt, span, trial, search, table
 def propose_again(options, run, attempt):
     """Take back the proposal of a step that an event cuts short: the step after the event starts from it."""
     if options.step == 0.0:
-        run.clock[CLOCK_H] = attempt.proposed
+        run.h = attempt.proposed
 
 
 @inlined
@@ -75,8 +70,8 @@ def take(model, work, options, run, attempt, verdict, y, trial, table, outputs):
     """Move y to the step's end, settle an event there, keep an output; return a status code."""
     for k in range(y.shape[0]):
         y[k] = trial[k]
-    run.clock[CLOCK_T] = attempt.t_new
-    run.counts[COUNT_STEPS] += 1
+    run.t = attempt.t_new
+    run.steps += 1
     if verdict == EVENT:
         code = settle(model, work, attempt.t_new, y, table, run, options.max_events)
         if code != RUNNING:

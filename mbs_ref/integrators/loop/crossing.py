@@ -12,15 +12,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from mbs_ref.integrators.loop.explicit import explicit
-from mbs_ref.integrators.loop.leg import CLOCK_T, COUNT_OUTPUT, Leg, Options, Progress, progress
+from mbs_ref.integrators.loop.leg import Leg, Options, Progress, progress
 from mbs_ref.integrators.stages.dop853_tableau import TABLEAU
+from mbs_ref.trajectory import Status
 
 if TYPE_CHECKING:
     from mbs_ref.cores.system import System
 
 NEAR = 1e-2  # relative closure pivot below which a leap begins
-LEAP = 0.02  # s at most between looks at the pivot
-MOST_LEAPS = 500  # in a row
+MOST_STEPS = 500  # in a row
 _dop853 = explicit(TABLEAU)
 
 
@@ -45,23 +45,18 @@ def leap(
     times: np.ndarray, reached: int, states: np.ndarray,
 ) -> Landing:  # fmt: skip
     """Integrate from (t, y) until the pose is regular again, filling the outputs on the way."""
-    now = y.copy()
+    now, own = y.copy(), progress(t)
     system.project(t, now, options.projection_tolerance)
-    for _ in range(MOST_LEAPS):
-        end = min(t + LEAP, float(times[-1]))
-        inside = times[(times > t) & (times < end)]
-        own = progress(t)
-        leg = _dop853(system, options, own, now, np.array([t, *inside, end]))
-        run.counts[: COUNT_OUTPUT] += own.counts[: COUNT_OUTPUT]
-        if leg.reached < len(inside) + 2:
-            return Landing(float(own.clock[CLOCK_T]), now, reached, leg)
-        for state in leg.states[1 : 1 + len(inside)]:
+    for _ in range(MOST_STEPS):
+        one_more = options._replace(max_steps=int(own.steps) + 1)
+        leg = _dop853(system, one_more, own, now, np.array([float(own.t), *times[reached:]]))
+        for state in leg.states[1 : leg.reached]:
             states[reached] = state
             reached += 1
-        t, now = end, leg.states[-1].copy()
-        if reached < len(times) and t >= times[reached]:
-            states[reached] = now
-            reached += 1
-        if reached == len(times) or not is_near_singular(system, t, now):
+        failed = leg.status not in (Status.SUCCESS, Status.TOO_MANY_STEPS)
+        if failed or reached == len(times) or not is_near_singular(system, float(own.t), now):
             break
-    return Landing(t, now, reached)
+    run.steps += own.steps
+    run.rejected += own.rejected
+    run.rhs_calls += own.rhs_calls
+    return Landing(float(own.t), now, reached, leg if failed else None)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from mbs_ref.integrators.loop.leg import COUNT_CONTACT, COUNT_EVENTS, ENDLESS_EVENTS, RUNNING, STOP_EVENT
+from mbs_ref.integrators.loop.leg import ENDLESS_EVENTS, RUNNING, STOP_EVENT
 from mbs_ref.kernels.border.questions import root_count, roots, transition
 from mbs_ref.kernels.contact.modes import STOP
 from mbs_ref.kernels.jit import jit
@@ -42,12 +42,12 @@ def settle(model, work, t, y, table, run, most):
                 broken += 1
         if broken == 0:
             return RUNNING
-        run.counts[COUNT_EVENTS] += broken
-        code, contact = transition(model, work, t, y, table[AT_LOW], scratch)
-        run.counts[COUNT_CONTACT] = contact
+        run.events += broken
+        code, contact = transition(model, work, t, run.span, y, table[AT_LOW], scratch)
+        run.event_source = contact
         if code == STOP:
             return STOP_EVENT
-        if code != 0 or run.counts[COUNT_EVENTS] > most:
+        if code != 0 or run.events > most:
             return ENDLESS_EVENTS
     return ENDLESS_EVENTS
 

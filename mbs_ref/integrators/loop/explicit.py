@@ -9,11 +9,6 @@ import numpy as np
 from mbs_ref.integrators.loop.attempt import WITHDRAWN, close_attempt, next_attempt, propose_again, stands_still, take
 from mbs_ref.integrators.loop.events import EVENT, RETRY, event_tables
 from mbs_ref.integrators.loop.leg import (
-    CLOCK_H,
-    COUNT_OUTPUT,
-    COUNT_REJECTED,
-    COUNT_RHS,
-    COUNT_STEPS,
     DONE,
     NON_FINITE,
     RUNNING,
@@ -84,16 +79,16 @@ def _judge(model, work, tableau, options, run, attempt, span, y, stages, restore
     if restore:
         project(model, work, attempt.t_new, stages.new, options.projection_tolerance, STAGE_ITERATIONS)
     derivative(model, work, attempt.t_new, stages.new, stages.slopes[last])
-    run.counts[COUNT_RHS] += 1
+    run.rhs_calls += 1
     error = error_norm(model, work, tableau, options, attempt.h, y, stages, restore)
-    accepted, run.clock[CLOCK_H] = _resize(
+    accepted, run.h = _resize(
         error, tableau.error_order, attempt.h, attempt.proposed, attempt.lands, past.marks[REJECTED] == 1
     )
     past.marks[REJECTED] = 0 if accepted else 1
     if accepted:
         return RUNNING
-    run.counts[COUNT_REJECTED] += 1
-    if attempt.t + run.clock[CLOCK_H] == attempt.t or run.clock[CLOCK_H] < SHORTEST * span:
+    run.rejected += 1
+    if attempt.t + run.h == attempt.t or run.h < SHORTEST * span:
         return STEP_TOO_SMALL if np.isfinite(error) else NON_FINITE
     return RUNNING
 
@@ -118,9 +113,9 @@ def _avoid(run, attempt, new, outputs, noisy_end, past):
         return SINGULAR
     if attempt.lands:
         record(run, new, outputs.states, outputs.compliance)
-        return DONE if run.counts[COUNT_OUTPUT] == outputs.times.shape[0] else RUNNING
-    past.natural[0] = max(past.natural[0], run.clock[CLOCK_H])
-    run.clock[CLOCK_H] = (AVOID if noisy_end else AVOID_STAGE) * attempt.h
+        return DONE if run.next_output == outputs.times.shape[0] else RUNNING
+    past.natural[0] = max(past.natural[0], run.h)
+    run.h = (AVOID if noisy_end else AVOID_STAGE) * attempt.h
     return RUNNING
 
 
@@ -128,7 +123,7 @@ def _avoid(run, attempt, new, outputs, noisy_end, past):
 def _settle_down(run, past):
     """Go back to the step that accuracy allows: no singular pose is near."""
     if past.natural[0] > 0.0:
-        run.clock[CLOCK_H] = past.natural[0]
+        run.h = past.natural[0]
     past.natural[0] = 0.0
     past.marks[AVOIDED] = 0
 
@@ -142,29 +137,29 @@ def _next_slope(model, work, options, run, attempt, verdict, y, slopes):
             slopes[0, k] = slopes[last, k]
         return
     derivative(model, work, attempt.t_new, y, slopes[0])
-    run.counts[COUNT_RHS] += 1
+    run.rhs_calls += 1
 
 
 @jit
 def advance_explicit(model, work, tableau, options, run, y, outputs):
     """Advance y through the output times, in place; return a status code (RUNNING when the chunk is used up)."""
-    counts, adaptive, n = run.counts, options.step == 0.0, y.shape[0]
+    adaptive, n = options.step == 0.0, y.shape[0]
     span = outputs.times[-1] - outputs.times[0]
     stages = Stages(np.empty((tableau.b.shape[0] + 1, n)), np.empty(n), np.empty(n))
     past = Past(np.zeros(1), np.zeros(2, dtype=np.int64))
     search, table = event_tables(model)
-    budget = counts[COUNT_STEPS] + options.chunk
+    budget = run.steps + options.chunk
     code = begin(model, work, run, y, stages.slopes[0], table, options.max_events)
     if code != RUNNING:
         return code
     propose_first(model, work, options, run, y, stages.slopes[0], tableau.order, span)
-    while code == RUNNING and counts[COUNT_STEPS] < budget:
+    while code == RUNNING and run.steps < budget:
         attempt = next_attempt(options, run, outputs, adaptive and past.natural[0] == 0.0, search)
         if stands_still(attempt):
             return STEP_TOO_SMALL
         restore = options.project and (past.marks[REJECTED] == 1 or regularity(work) < NEAR_SINGULAR)
         stage_pivot = fill_stages(model, work, tableau, options, attempt.t, attempt.h, y, stages, restore)
-        counts[COUNT_RHS] += tableau.b.shape[0] - 1
+        run.rhs_calls += tableau.b.shape[0] - 1
         if adaptive and not attempt.searching:  # a shorter step than an accepted one needs no second judgement
             code = _judge(model, work, tableau, options, run, attempt, span, y, stages, restore, past)
             if past.marks[REJECTED] == 1:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from mbs_ref.cores.jointed_system import JointedSystem
-from mbs_ref.integrators.loop.leg import COUNT_REJECTED, COUNT_RHS, COUNT_STEPS, Advance, Leg, Options, Progress
+from mbs_ref.integrators.loop.leg import Advance, Leg, Options, Progress
 from mbs_ref.integrators.loop.multistep import MultistepLeg
 from mbs_ref.kernels.answers import FORM
 from mbs_ref.kernels.residual import GGL, largest_balance, residual
@@ -72,8 +72,8 @@ class _Ida:
         self.matrix = core.SUNDenseMatrix(size, size, self.context)
         self.solver = core.SUNLinSol_Dense(self.yy, self.matrix, self.context)
         self._ok(idas.IDASetLinearSolver(self.memory, self.solver, self.matrix), "IDASetLinearSolver")
-        if len(events.g):
-            self._ok(idas.IDARootInit(self.memory, len(events.g), self._event_functions), "IDARootInit")
+        if events.count:
+            self._ok(idas.IDARootInit(self.memory, events.count, self._event_functions), "IDARootInit")
             self._ok(idas.IDASetNoInactiveRootWarn(self.memory), "IDASetNoInactiveRootWarn")
 
     def _start(self, y: np.ndarray, t0: float, rows: int) -> None:
@@ -113,7 +113,7 @@ class _Ida:
         return 0 if np.isfinite(out).all() else 1
 
     def _event_functions(self, t: float, yy: Any, _yp: Any, out: np.ndarray, _data: Any = None) -> int:
-        self.events.gaps(t, self.core.N_VGetArrayPointer(yy)[: self.size], out)
+        self.events.values(t, self.core.N_VGetArrayPointer(yy)[: self.size], out)
         return 0
 
     def _ok(self, flag: int, call: str) -> None:
@@ -135,8 +135,8 @@ class _Ida:
 
     def count(self, run: Progress) -> None:
         """Add what this memory spent."""
-        run.counts[COUNT_RHS] += self.residuals
-        run.counts[COUNT_REJECTED] += self.failed_error_tests()
+        run.rhs_calls += self.residuals
+        run.rejected += self.failed_error_tests()
 
 
 def _stop_failed(leg: MultistepLeg, flag: int) -> None:
@@ -147,7 +147,7 @@ def _stop_failed(leg: MultistepLeg, flag: int) -> None:
 
 def _passes_tests(leg: MultistepLeg, solver: _Ida) -> bool:
     """Return whether the error test still tells steps apart; where it fails whatever the step, the leg ends."""
-    failed, steps = solver.failed_error_tests(), leg.run.counts[COUNT_STEPS]
+    failed, steps = solver.failed_error_tests(), leg.run.steps
     if failed <= HOPELESS_FAILURES or failed <= HOPELESS_SHARE * steps:
         return True
     leg.stop(

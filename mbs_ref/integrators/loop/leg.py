@@ -47,20 +47,33 @@ class Options(NamedTuple):
     chunk: int  # steps before compiled code returns to Python, so that Ctrl-C is heard
 
 
-class Progress(NamedTuple):
-    """Mutable state of a run, kept over chunks and legs."""
-
-    clock: np.ndarray  # (4,) s: time, next step, largest |C| since the last sample, step before
-    counts: np.ndarray  # (7,) int: steps, rejected, right-hand sides, next output, a method's own, events, last source
+# The state of a run, kept over chunks and legs: one record, whose fields Python and compiled code read and write alike.
+PROGRESS = np.dtype(
+    [
+        ("t", float),  # s
+        ("h", float),  # s, next step
+        ("h_before", float),  # s, step before
+        ("span", float),  # s, of the leg
+        ("compliance", float),  # largest |C| since the last sample
+        ("steps", np.int64),
+        ("rejected", np.int64),
+        ("rhs_calls", np.int64),
+        ("next_output", np.int64),  # place among the leg's times
+        ("events", np.int64),
+        ("event_source", np.int64),  # of the last event
+        ("switches", np.int64),  # between a method's families
+        ("needs_tangent", np.int64),  # 1 once corrections with the mass matrix alone have failed
+    ]
+)
+Progress = np.record
 
 
 def progress(t: float) -> Progress:
     """Return the state of a run that starts at t."""
-    return Progress(np.array([t, 0.0, 0.0, 0.0]), np.zeros(7, dtype=np.int64))
-
-
-CLOCK_T, CLOCK_H, CLOCK_COMPLIANCE, CLOCK_LAST = range(4)
-COUNT_STEPS, COUNT_REJECTED, COUNT_RHS, COUNT_OUTPUT, COUNT_OWN, COUNT_EVENTS, COUNT_CONTACT = range(7)
+    run = np.recarray(1, PROGRESS)
+    run[:] = 0
+    run.t = t
+    return run[0]
 
 
 class Outputs(NamedTuple):
@@ -144,8 +157,8 @@ MESSAGES = {
 def finish_leg(code: int, states: np.ndarray, compliance: np.ndarray, run: Progress) -> Leg:
     """Turn a compiled loop's code into a leg with a sentence."""
     status = STATUS[code]
-    message = "" if code == DONE else f"at t = {run.clock[CLOCK_T]:.9g} s {MESSAGES[code]}"
-    return Leg(states, compliance, int(run.counts[COUNT_OUTPUT]), status, message)
+    message = "" if code == DONE else f"at t = {run.t:.9g} s {MESSAGES[code]}"
+    return Leg(states, compliance, int(run.next_output), status, message)
 
 
 def run_chunks(
@@ -154,11 +167,11 @@ def run_chunks(
     """Call a compiled loop, which fills the outputs, until it ends or creeps; Ctrl-C is heard between."""
     outputs = Outputs(times, np.empty((len(times), len(y))), np.zeros(len(times)))
     outputs.states[0] = y
-    run.counts[COUNT_OUTPUT] = 1
+    run.next_output, run.span = 1, times[-1] - times[0]
     pace = Pace(float(times[0]), float(times[-1]), options.max_steps, options.chunk)
     code = RUNNING
     while code == RUNNING:
         code = chunk(outputs)
-        if code == RUNNING and pace.is_hopeless(float(run.clock[CLOCK_T]), int(run.counts[COUNT_STEPS])):
+        if code == RUNNING and pace.is_hopeless(float(run.t), int(run.steps)):
             code = STALLED
     return finish_leg(code, outputs.states, outputs.compliance, run)

@@ -9,9 +9,6 @@ import numpy as np
 from mbs_ref.integrators.loop.contact_events import ContactEvents
 from mbs_ref.integrators.loop.crossing import is_near_singular, leap
 from mbs_ref.integrators.loop.leg import (
-    CLOCK_COMPLIANCE,
-    CLOCK_T,
-    COUNT_STEPS,
     FEWEST,
     MESSAGES,
     RUNNING,
@@ -46,6 +43,7 @@ class MultistepLeg:
         self.states[0] = y
         self.t, self.now, self.reached = float(times[0]), y.copy(), 1  # s, state, outputs filled
         self.longest = float(times[-1] - times[0]) / FEWEST  # s, step
+        run.span = times[-1] - times[0]
         self.events = ContactEvents(system, options, run)
         self.loops = options.project and system.n_closure_rows > 0
         self.pace = Pace(self.t, float(times[-1]), options.max_steps, LOOK_EVERY)
@@ -61,16 +59,16 @@ class MultistepLeg:
     def arrive(self, t: float, now: np.ndarray, step: float) -> bool:
         """Count a step (s) that ended at (t, now), and watch |C| there; return whether the leg goes on."""
         run, self.t, self.now = self.run, t, now
-        run.counts[COUNT_STEPS] += 1
+        run.steps += 1
         gap, _ = self.system.compliance(t, now)
-        run.clock[CLOCK_COMPLIANCE] = max(run.clock[CLOCK_COMPLIANCE], gap)
+        run.compliance = max(run.compliance, gap)
         if self.options.stop_on_compliance and gap >= step:
             self.stop(Status.COMPLIANCE, f"|C| = {gap:.3g} is not below h = {step:.3g}")
         return self.ending is None
 
     def keeps_pace(self) -> bool:
         """Return whether the end is within reach of the steps that are left."""
-        steps = int(self.run.counts[COUNT_STEPS])
+        steps = int(self.run.steps)
         if self.pace.is_hopeless(self.t, steps):
             self.stop(Status.STEP_TOO_SMALL, MESSAGES[STALLED])
         elif steps >= self.options.max_steps:
@@ -79,8 +77,8 @@ class MultistepLeg:
 
     def record(self, state: np.ndarray) -> None:
         """Keep the next output, and the largest |C| since the one before."""
-        self.states[self.reached], self.worst[self.reached] = state, self.run.clock[CLOCK_COMPLIANCE]
-        self.run.clock[CLOCK_COMPLIANCE] = 0.0
+        self.states[self.reached], self.worst[self.reached] = state, self.run.compliance
+        self.run.compliance = 0.0
         self.reached += 1
 
     def jumps(self, event: bool) -> bool:
@@ -112,6 +110,6 @@ class MultistepLeg:
 
     def finish(self) -> Leg:
         """Leave clock and state where the leg ended, and return it."""
-        self.run.clock[CLOCK_T] = self.t
+        self.run.t = self.t
         self.y[:] = self.now
         return Leg(self.states, self.worst, self.reached, *(self.ending or (Status.SUCCESS, "")))

@@ -6,14 +6,7 @@ import numpy as np
 
 from mbs_ref.integrators.loop.events import ACTIVE, H_NEXT, IDLE, settle
 from mbs_ref.integrators.loop.leg import (
-    CLOCK_COMPLIANCE,
-    CLOCK_H,
-    CLOCK_T,
     COMPLIANCE,
-    COUNT_OUTPUT,
-    COUNT_REJECTED,
-    COUNT_RHS,
-    COUNT_STEPS,
     DONE,
     NON_FINITE,
     PROJECTION,
@@ -51,11 +44,11 @@ def weighted_norm(x, y0, y1, rtol, atol):
 def begin(model, work, run, y, dy, table, max_events):
     """Settle the modes at the start and evaluate dy/dt there; return a status code."""
     if table.shape[1] > 0:
-        code = settle(model, work, run.clock[CLOCK_T], y, table, run, max_events)
+        code = settle(model, work, run.t, y, table, run, max_events)
         if code != RUNNING:
             return code
-    derivative(model, work, run.clock[CLOCK_T], y, dy)
-    run.counts[COUNT_RHS] += 1
+    derivative(model, work, run.t, y, dy)
+    run.rhs_calls += 1
     return RUNNING
 
 
@@ -78,10 +71,10 @@ def first_step(model, work, t, y, dy, order, rtol, atol, span):
 @inlined
 def propose_first(model, work, options, run, y, dy, order, span):
     """Guess the first step of an adaptive run that has none yet."""
-    if options.step == 0.0 and run.clock[CLOCK_H] == 0.0:
-        t = run.clock[CLOCK_T]
-        run.clock[CLOCK_H] = first_step(model, work, t, y, dy, order, options.rtol, options.atol, span)
-        run.counts[COUNT_RHS] += 1
+    if options.step == 0.0 and run.h == 0.0:
+        t = run.t
+        run.h = first_step(model, work, t, y, dy, order, options.rtol, options.atol, span)
+        run.rhs_calls += 1
 
 
 @jit
@@ -119,20 +112,20 @@ def withdraw(run, t, h, span):
 
     What cannot be closed after a step may well be closed after a shorter one: a run ends where its loops do.
     """
-    run.counts[COUNT_REJECTED] += 1
-    run.clock[CLOCK_H] = WITHDRAWAL * h
+    run.rejected += 1
+    run.h = WITHDRAWAL * h
     return PROJECTION if t + WITHDRAWAL * h == t or WITHDRAWAL * h < SHORTEST * span else RUNNING
 
 
 @jit
 def record(run, y, states, worst_per_time):
     """Keep an output state and the largest |C| since the one before."""
-    place = run.counts[COUNT_OUTPUT]
+    place = run.next_output
     for k in range(y.shape[0]):
         states[place, k] = y[k]
-    worst_per_time[place] = run.clock[CLOCK_COMPLIANCE]
-    run.clock[CLOCK_COMPLIANCE] = 0.0
-    run.counts[COUNT_OUTPUT] = place + 1
+    worst_per_time[place] = run.compliance
+    run.compliance = 0.0
+    run.next_output = place + 1
 
 
 @jit
@@ -140,6 +133,6 @@ def end_step(run, lands, y, times, states, worst_per_time, max_steps):
     """Keep the state where the step landed on an output; return RUNNING, DONE or TOO_MANY_STEPS."""
     if lands:
         record(run, y, states, worst_per_time)
-    if run.counts[COUNT_OUTPUT] == times.shape[0]:
+    if run.next_output == times.shape[0]:
         return DONE
-    return TOO_MANY_STEPS if run.counts[COUNT_STEPS] >= max_steps else RUNNING
+    return TOO_MANY_STEPS if run.steps >= max_steps else RUNNING

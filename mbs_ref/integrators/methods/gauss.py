@@ -19,13 +19,6 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from mbs_ref.integrators.loop.leg import (
-    CLOCK_H,
-    CLOCK_LAST,
-    CLOCK_T,
-    COUNT_OUTPUT,
-    COUNT_REJECTED,
-    COUNT_RHS,
-    COUNT_STEPS,
     DONE,
     MESSAGES,
     NON_FINITE,
@@ -283,11 +276,11 @@ def _targets(model, options):
 
 
 @jit
-def _propose(clock, target, step):
+def _propose(run, target, step):
     """Return when the next step ends, its length and whether it ends at the target; `step` is 0 when adaptive."""
-    t = clock[CLOCK_T]
+    t = run.t
     reach = target - t
-    wanted = step if step > 0.0 else clock[CLOCK_H]
+    wanted = step if step > 0.0 else run.h
     if wanted >= reach * (1.0 - 1e-9):
         return target, reach, True
     h = wanted if step > 0.0 else reach / np.ceil(reach / wanted)  # even steps, not a whole one and a sliver
@@ -314,10 +307,10 @@ def _factor(g, f, made, goal):
 
 
 @jit
-def _lengthen(clock, h, factor):
+def _lengthen(run, h, factor):
     """Set the next step; one cut short to land on an output leaves the longer one proposed before."""
     grown = h * (factor * SAFETY if factor < GROW else GROW)
-    clock[CLOCK_H] = max(grown, clock[CLOCK_H]) if factor * SAFETY >= 1.0 else grown
+    run.h = max(grown, run.h) if factor * SAFETY >= 1.0 else grown
 
 
 @jit
@@ -328,54 +321,52 @@ def _broken(f):
 @jit
 def _one_step(model, work, g, options, run, y, low, stages, target, goal, enough):
     """Make one attempt; return a code, RUNNING where the run goes on, and whether it has reached the target."""
-    clock, counts = run.clock, run.counts
     adaptive = options.step == 0.0
-    t_new, h, lands = _propose(clock, target, options.step)
-    if h <= 0.0 or (adaptive and not lands and clock[CLOCK_H] < SMALLEST * clock[CLOCK_T]):
+    t_new, h, lands = _propose(run, target, options.step)
+    if h <= 0.0 or (adaptive and not lands and run.h < SMALLEST * run.t):
         return STEP_TOO_SMALL, False
-    made = _attempt(model, work, g, clock[CLOCK_T], h, y, low, stages, clock[CLOCK_LAST], enough)
-    counts[COUNT_RHS] += STAGES * abs(made)
+    made = _attempt(model, work, g, run.t, h, y, low, stages, run.h_before, enough)
+    run.rhs_calls += STAGES * abs(made)
     if made < 0 and not adaptive:
         return _broken(stages.f), False
     factor = _factor(g, stages.f, made, goal) if adaptive else 1.0
     if factor < 1.0 / ACCEPT:
-        counts[COUNT_REJECTED] += 1
-        clock[CLOCK_H] = h * SAFETY * factor
-        clock[CLOCK_LAST] = clock[CLOCK_LAST] if made > 0 and all_finite(stages.f.ravel()) else 0.0
+        run.rejected += 1
+        run.h = h * SAFETY * factor
+        run.h_before = run.h_before if made > 0 and all_finite(stages.f.ravel()) else 0.0
         return RUNNING, False
     _finish(g, h, y, low, stages.f)
     if not all_finite(y):
         return NON_FINITE, False
-    clock[CLOCK_T], clock[CLOCK_LAST] = t_new, h
-    counts[COUNT_STEPS] += 1
+    run.t, run.h_before = t_new, h
+    run.steps += 1
     _copy(stages.old, stages.f)
     if adaptive:
-        _lengthen(clock, h, factor)
+        _lengthen(run, h, factor)
     return COLLISION if touching(particles_of(model).radius, y, stages.f.shape[0]) else RUNNING, lands
 
 
 @jit
 def advance_gauss(model, work, g, options, run, y, low, stages, times, states):
     """Advance y through times[1:], in place; return a status code (RUNNING when the chunk is used up)."""
-    clock, counts = run.clock, run.counts
     goal, enough = _targets(model, options)
-    budget = counts[COUNT_STEPS] + options.chunk
-    if options.step == 0.0 and clock[CLOCK_H] == 0.0:
-        clock[CLOCK_H] = min(FIRST * free_fall(particles_of(model).gm, y, stages.f.shape[0]), times[-1] - times[0])
-    while counts[COUNT_OUTPUT] < times.shape[0]:
-        target = times[counts[COUNT_OUTPUT]]
+    budget = run.steps + options.chunk
+    if options.step == 0.0 and run.h == 0.0:
+        run.h = min(FIRST * free_fall(particles_of(model).gm, y, stages.f.shape[0]), times[-1] - times[0])
+    while run.next_output < times.shape[0]:
+        target = times[run.next_output]
         code, lands = _one_step(model, work, g, options, run, y, low, stages, target, goal, enough)
         if code != RUNNING:
             return code
         if lands:
             for k in range(y.shape[0]):
-                states[counts[COUNT_OUTPUT], k] = y[k]
-            counts[COUNT_OUTPUT] += 1
-        if counts[COUNT_OUTPUT] == times.shape[0]:
+                states[run.next_output, k] = y[k]
+            run.next_output += 1
+        if run.next_output == times.shape[0]:
             return DONE
-        if counts[COUNT_STEPS] >= options.max_steps:
+        if run.steps >= options.max_steps:
             return TOO_MANY_STEPS
-        if counts[COUNT_STEPS] >= budget:
+        if run.steps >= budget:
             return RUNNING
     return DONE
 
@@ -395,21 +386,21 @@ def advance(system: System, options: Options, run: Progress, y: np.ndarray, time
     """Advance a system of particles over one leg."""
     states = np.empty((len(times), len(y)))
     states[0] = y
-    run.counts[COUNT_OUTPUT] = 1
-    run.clock[CLOCK_LAST] = 0.0
+    run.next_output = 1
+    run.h_before = 0.0
     low, stages = np.zeros_like(y), _stages(len(y) // 6)
     g = gauss()
     g = g._replace(abar=g.abar.T.copy(), a=g.a.T.copy(), abar_low=g.abar_low.T.copy(), a_low=g.a_low.T.copy())
     code = RUNNING
     while code == RUNNING:
         code = advance_gauss(system.model, system.work, g, options, run, y, low, stages, times, states)
-    worst, at = np.zeros(len(times)), f"at t = {run.clock[CLOCK_T]:.9g} s"
+    worst, at = np.zeros(len(times)), f"at t = {run.t:.9g} s"
     if code == COLLISION:
         message = f"{at} two bodies collided: {_closest(system, y)}"
-        return Leg(states, worst, int(run.counts[COUNT_OUTPUT]), Status.COLLISION, message)
+        return Leg(states, worst, int(run.next_output), Status.COLLISION, message)
     if code == STEP_TOO_SMALL:
         message = f"{at} {MESSAGES[code]}: {_closest(system, y)}"
-        return Leg(states, worst, int(run.counts[COUNT_OUTPUT]), Status.STEP_TOO_SMALL, message)
+        return Leg(states, worst, int(run.next_output), Status.STEP_TOO_SMALL, message)
     return finish_leg(code, states, worst, run)
 
 

@@ -16,11 +16,6 @@ from mbs_ref.cores.jointed_system import JointedSystem
 from mbs_ref.integrators.loop.attempt import close_attempt, next_attempt, stands_still, take
 from mbs_ref.integrators.loop.events import EVENT, RETRY, event_tables, settle
 from mbs_ref.integrators.loop.leg import (
-    CLOCK_T,
-    COUNT_EVENTS,
-    COUNT_OWN,
-    COUNT_RHS,
-    COUNT_STEPS,
     NOT_CONVERGED,
     RUNNING,
     STEP_TOO_SMALL,
@@ -81,7 +76,7 @@ class Tangent(NamedTuple):
 @inlined
 def _is_dense(run, tangent):
     """Return whether steps are solved with the full tangent; once taken up it is kept."""
-    return tangent.lu.shape[0] > 0 and run.counts[COUNT_OWN] == 1
+    return tangent.lu.shape[0] > 0 and run.needs_tangent == 1
 
 
 @inlined
@@ -108,7 +103,7 @@ def _place(model, h, y, motion, iterate, move):
 @inlined
 def _correction(model, work, run, t, by_position, motion, iterate, tangent, dense):
     """Correct the iterate's accelerations and the multipliers; return |change| and the largest defect."""
-    run.counts[COUNT_RHS] += 1
+    run.rhs_calls += 1
     if dense:
         return dense_correction(
             model, work, t, iterate.y, iterate.qdd, motion.lam, by_position, False,
@@ -160,7 +155,7 @@ def _renew_tangent(model, work, run, attempt, motion, iterate, tangent):
         tangent.row_slot, tangent.row_row, tangent.lu, tangent.pivots,
     )  # fmt: skip
     if regular:
-        run.counts[COUNT_RHS] += motion.qdd.shape[0]
+        run.rhs_calls += motion.qdd.shape[0]
         tangent.step[0] = h
     return regular
 
@@ -181,7 +176,7 @@ def _solve(model, work, run, attempt, y, motion, iterate, tangent):
                 tangent.step[0] = 0.0
             return True
         if not dense and tangent.lu.shape[0] > 0:
-            run.counts[COUNT_OWN] = 1
+            run.needs_tangent = 1
             tangent.step[0] = 0.0
             motion.lam[:] = iterate.old_lam
             _predict(model, attempt.h, y, motion, iterate)
@@ -201,11 +196,11 @@ def _start(model, work, t, y, motion):
 @inlined
 def _begin(model, work, options, run, y, motion, table):
     """Settle the modes; where that moved anything, start anew. Return a status code."""
-    t, before = run.clock[CLOCK_T], run.counts[COUNT_EVENTS]
+    t, before = run.t, run.events
     if table.shape[1] == 0:
         return RUNNING
     code = settle(model, work, t, y, table, run, options.max_events)
-    if code == RUNNING and run.counts[COUNT_EVENTS] != before:
+    if code == RUNNING and run.events != before:
         _start(model, work, t, y, motion)
     return code
 
@@ -213,14 +208,14 @@ def _begin(model, work, options, run, y, motion, table):
 @jit
 def advance_generalized_alpha(model, work, options, run, y, motion, tangent, outputs):
     """Advance y through the output times, in place; return a status code (RUNNING when the chunk is used up)."""
-    n, counts = motion.qdd.shape[0], run.counts
+    n = motion.qdd.shape[0]
     iterate = Iterate(np.empty_like(y), np.empty(n), np.empty(n), motion.lam.copy())
     span = outputs.times[-1] - outputs.times[0]
     search, table = event_tables(model)
-    budget = counts[COUNT_STEPS] + options.chunk
+    budget = run.steps + options.chunk
     code = _begin(model, work, options, run, y, motion, table)
     tangent.step[0] = 0.0
-    while code == RUNNING and counts[COUNT_STEPS] < budget:
+    while code == RUNNING and run.steps < budget:
         attempt = next_attempt(options, run, outputs, False, search)
         if stands_still(attempt):
             return STEP_TOO_SMALL
@@ -249,7 +244,7 @@ def advance(system: System, options: Options, run: Progress, y: np.ndarray, time
     n = len(y) - system.n_positions
     motion = Motion(np.empty(n), np.empty(n), np.zeros_like(system.scratch.rows.multiplier))
     _start(system.model, system.work, float(times[0]), y, motion)
-    run.counts[COUNT_RHS] += 1
+    run.rhs_calls += 1
     tangent = _tangent(system, n)
 
     def chunk(outputs: Outputs) -> int:

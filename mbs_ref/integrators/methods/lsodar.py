@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.integrate import LSODA
 
-from mbs_ref.integrators.loop.leg import COUNT_OWN, COUNT_RHS, Integrator, Leg, Options, Progress
+from mbs_ref.integrators.loop.leg import Integrator, Leg, Options, Progress
 from mbs_ref.integrators.loop.multistep import Ending, MultistepLeg
 from mbs_ref.trajectory import Status
 
@@ -35,16 +35,16 @@ def advance(system: System, options: Options, run: Progress, y: np.ndarray, time
             leg.ending = _failure(solver, failure)
             break
         before_it, family = family, _family(solver)
-        run.counts[COUNT_OWN] += family != before_it
+        run.switches += family != before_it
         t, now = leg.events.locate(before, solver)
         # the method's own step, where an event cuts it
         if not (leg.arrive(t, now, solver.t - before) and leg.keeps_pace()):
             break
         _record_passed(solver, leg)
         if leg.jumps(leg.events.found):
-            run.counts[COUNT_RHS] += solver.nfev
+            run.rhs_calls += solver.nfev
             solver = None
-    run.counts[COUNT_RHS] += solver.nfev if solver is not None else 0
+    run.rhs_calls += solver.nfev if solver is not None else 0
     return leg.finish()
 
 

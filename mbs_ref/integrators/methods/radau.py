@@ -14,12 +14,6 @@ import numpy as np
 from mbs_ref.integrators.loop.attempt import WITHDRAWN, close_attempt, next_attempt, propose_again, stands_still, take
 from mbs_ref.integrators.loop.events import EVENT, RETRY, event_tables
 from mbs_ref.integrators.loop.leg import (
-    CLOCK_H,
-    CLOCK_LAST,
-    CLOCK_T,
-    COUNT_REJECTED,
-    COUNT_RHS,
-    COUNT_STEPS,
     NON_FINITE,
     NOT_CONVERGED,
     RUNNING,
@@ -89,8 +83,8 @@ def _tolerances(options):
 @inlined
 def _renew_jacobian(model, work, run, y, f, scratch, jacobian, past):
     """Make the Jacobian that of the present state; no factors belong to it."""
-    fill_jacobian(model, work, run.clock[CLOCK_T], y, f, scratch, jacobian)
-    run.counts[COUNT_RHS] += y.shape[0]
+    fill_jacobian(model, work, run.t, y, f, scratch, jacobian)
+    run.rhs_calls += y.shape[0]
     past.marks[FRESH], past.marks[STALE] = 1, 0
     past.values[H_FACTORED] = 0.0
 
@@ -124,8 +118,8 @@ def _recover(options, run, attempt, past):
         return NOT_CONVERGED
     if past.marks[FAILURES] > MOST_FAILURES:
         return NON_FINITE
-    run.clock[CLOCK_H] = 0.5 * attempt.h
-    run.counts[COUNT_REJECTED] += 1
+    run.h = 0.5 * attempt.h
+    run.rejected += 1
     return RUNNING
 
 
@@ -133,7 +127,7 @@ def _recover(options, run, attempt, past):
 def _growth(run, past, h, error, safety, rate):
     """Return the factor of the next step: Gustafsson's prediction, or 1 where that saves a factorization."""
     growth = safety * error**-0.25
-    h_last, error_last, rejected = run.clock[CLOCK_LAST], past.values[ERROR_LAST], past.marks[REJECTED] == 1
+    h_last, error_last, rejected = run.h_before, past.values[ERROR_LAST], past.marks[REJECTED] == 1
     if h_last > 0.0 and not rejected and error_last > 0.0:
         growth = min(growth, safety * h / h_last * (error_last / error) ** 0.25 * error**-0.25)
     growth = min(MAX_FACTOR, max(MIN_FACTOR, growth))
@@ -145,28 +139,28 @@ def _growth(run, past, h, error, safety, rate):
 @inlined
 def _judge(run, attempt, past, error, solved):
     """Return whether the error is borne, and propose the next step: the shorter, the longer Newton took (sec. IV.8)."""
-    h, clock = attempt.h, run.clock
+    h = attempt.h
     safety = SAFETY * (2 * NEWTON_ITERATIONS + 1) / (2 * NEWTON_ITERATIONS + solved.iterations)
     if not error < 1.0:
-        run.counts[COUNT_REJECTED] += 1
-        clock[CLOCK_H] = h * (MIN_FACTOR if not np.isfinite(error) else max(MIN_FACTOR, safety * error**-0.25))
+        run.rejected += 1
+        run.h = h * (MIN_FACTOR if not np.isfinite(error) else max(MIN_FACTOR, safety * error**-0.25))
         past.marks[REJECTED] = 1
         past.values[H_LAST] = 0.0
         return False
     error = max(error, 1e-10)
     growth = _growth(run, past, h, error, safety, solved.rate)
     past.values[ERROR_LAST] = error
-    clock[CLOCK_LAST] = h
+    run.h_before = h
     past.marks[REJECTED] = 0
     suggested = h * growth
-    clock[CLOCK_H] = max(suggested, attempt.proposed) if attempt.lands and growth >= 1.0 else suggested
+    run.h = max(suggested, attempt.proposed) if attempt.lands and growth >= 1.0 else suggested
     return True
 
 
 @inlined
 def _is_accurate(model, work, run, attempt, y, f, tolerances, newton, past, solved):
     """Estimate the error and judge it; after a rejection, and in the first step, the estimate is filtered."""
-    again = past.marks[REJECTED] == 1 or run.counts[COUNT_STEPS] == 0
+    again = past.marks[REJECTED] == 1 or run.steps == 0
     error = error_norm(model, work, attempt.t, attempt.h, y, f, newton, tolerances.rtol, tolerances.atol, again)
     return _judge(run, attempt, past, error, solved)
 
@@ -185,11 +179,11 @@ def _remember(past, attempt, rate, verdict):
 @jit
 def advance_radau(model, work, options, run, y, outputs):
     """Advance y through the output times, in place; return a status code (RUNNING when the chunk is used up)."""
-    counts, tolerances = run.counts, _tolerances(options)
-    adaptive, span = options.step == 0.0, outputs.times[-1] - outputs.times[0]
+    tolerances, adaptive = _tolerances(options), options.step == 0.0
+    span = outputs.times[-1] - outputs.times[0]
     f, trial = np.empty_like(y), np.empty_like(y)
     search, table = event_tables(model)
-    budget = counts[COUNT_STEPS] + options.chunk
+    budget = run.steps + options.chunk
     code = begin(model, work, run, y, f, table, options.max_events)
     if code != RUNNING:
         return code
@@ -197,14 +191,14 @@ def advance_radau(model, work, options, run, y, outputs):
     jacobian, past = np.empty((y.shape[0], y.shape[0])), Past(np.zeros(3), np.zeros(4, dtype=np.int64))
     _renew_jacobian(model, work, run, y, f, trial, jacobian, past)
     newton = newton_for(jacobian)
-    while code == RUNNING and counts[COUNT_STEPS] < budget:
+    while code == RUNNING and run.steps < budget:
         attempt = next_attempt(options, run, outputs, adaptive, search)
         if stands_still(attempt) or (attempt.h < SHORTEST * span and not attempt.searching):
             return STEP_TOO_SMALL
         if not _prepare(model, work, run, attempt, y, f, trial, tolerances, newton, past):
             return NON_FINITE
         solved = solve_stages(model, work, attempt.t, attempt.h, y, newton, tolerances.newton)
-        counts[COUNT_RHS] += 3 * solved.iterations
+        run.rhs_calls += 3 * solved.iterations
         if not solved.converged:
             code = _recover(options, run, attempt, past)
             continue
@@ -225,7 +219,7 @@ def advance_radau(model, work, options, run, y, outputs):
         if code == RUNNING:
             _remember(past, attempt, solved.rate, verdict)
             derivative(model, work, attempt.t_new, y, f)
-            counts[COUNT_RHS] += 1
+            run.rhs_calls += 1
     return code
 
 

@@ -8,7 +8,7 @@ compiled code counts the references of an array it is given, atomically, at ever
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, get_type_hints
 
 import numpy as np
 from llvmlite import ir
@@ -16,6 +16,8 @@ from numba import types
 from numba.core import cgutils
 from numba.extending import intrinsic
 from numba.np.arrayobj import make_array, populate_array
+
+from mbs_ref.kernels.border.groups import check, declared
 
 QUESTIONS = 40  # a handle's first words: where the answers to questions are (mbs_ref.kernels.border.calls)
 _WORDS = 5  # then, per array: address, then up to four lengths
@@ -35,30 +37,30 @@ class Work(NamedTuple):
 
 
 def make_handle(groups: Any) -> np.ndarray:
-    """Return the handle of a named tuple of named tuples of C-contiguous arrays.
+    """Return the handle of a named tuple of groups of arrays, which must be what the groups declare.
 
     The handle does not own the memory: whoever holds it must keep `groups` alive.
     """
+    for group in groups:
+        check(group)
     arrays = [array for group in groups for array in group]
     handle = np.zeros((len(arrays), _WORDS), dtype=np.int64)
     for entry, array in zip(handle, arrays, strict=True):
-        if array.dtype not in _DTYPES or not array.flags.c_contiguous:
-            raise ValueError(f"arrays of a handle are contiguous float64 or int64; got {array.dtype}")
         entry[0] = array.ctypes.data
         entry[1 : 1 + array.ndim] = array.shape
     return np.concatenate((np.zeros(QUESTIONS, dtype=np.int64), handle.ravel()))
 
 
-def accessor(example: Any, name: str) -> Any:
+def accessor(groups: type, name: str) -> Any:
     """Return a compiled function (owner) -> the group `name`, where the owner's handle came from `make_handle`.
 
-    `example` is a named tuple of groups with arrays of the right types and dimensions.
+    `groups` is the class of the named tuple of groups that the handle was made of.
     """
-    fields = list(example._fields)
-    first = sum(len(getattr(example, field)) for field in fields[: fields.index(name)])
-    group = getattr(example, name)
-    array_types = [types.Array(_DTYPES[array.dtype], array.ndim, "C") for array in group]
-    group_type = types.NamedTuple(array_types, type(group))
+    kinds = get_type_hints(groups)
+    fields = list(kinds)
+    first = sum(len(declared(kinds[field])) for field in fields[: fields.index(name)])
+    array_types = [types.Array(_DTYPES[x.dtype], len(x.shape), "C") for x in declared(kinds[name]).values()]
+    group_type = types.NamedTuple(array_types, kinds[name])
 
     @intrinsic
     def access(typingctx, owner):

@@ -108,9 +108,12 @@ def roots(model, work, t, y, g, rate) -> Any:
     """Fill the event functions, positive while the frozen modes hold, and their rates where known, else 0."""
 
 
-@question(types.UniTuple(COUNT, 2), MODEL, WORK, NUMBER, VECTOR, VECTOR, VECTOR)
-def transition(model, work, t, y, g, dy) -> Any:
-    """Change the modes whose event functions are negative; return 0, 1 (endless) or 2 (stop), and the last source."""
+@question(types.UniTuple(COUNT, 2), MODEL, WORK, NUMBER, NUMBER, VECTOR, VECTOR, VECTOR)
+def transition(model, work, t, span, y, g, dy) -> Any:
+    """Change the modes whose event functions are negative; return 0, 1 (endless) or 2 (stop), and the last source.
+
+    `span` (s) is the leg's: what it takes for events to follow each other at once is measured by it.
+    """
 
 
 @question(NOTHING, MODEL, WORK, NUMBER, VECTOR, FLAG)
@@ -151,6 +154,11 @@ def factor(model, work) -> Any:
 @question(NOTHING, MODEL, WORK, NUMBER, VECTOR, VECTOR)
 def settle_grips(model, work, t, y, dy) -> Any:
     """Let the contacts that stopped sliding stick where friction holds them, else slide on; dy is scratch."""
+
+
+@question(NOTHING, MODEL, WORK, VECTOR, MATRIX)
+def slip_velocities(model, work, y, out) -> Any:
+    """Fill out (n_contacts, tangents) with the slip velocities (m/s) at y of the contacts whose friction is probed."""
 
 
 @question(NOTHING, MODEL, WORK, MATRIX)

@@ -21,7 +21,7 @@ from mbs_ref.kernels.contact.laws import (
 from mbs_ref.kernels.jit import jit
 
 SETTLED, ENDLESS, STOP = range(3)
-AT_ONCE = 1e-9  # s, events of one contact closer than this form a burst ...
+AT_ONCE = 1e-9  # of the leg: events of one contact closer than this form a burst ...
 LONGEST_BURST = 60  # ... and a burst longer than this is endless
 NOTHING, IMPACT, TOUCH, FRICTION, LANDING = range(5)  # what a change of mode leaves for the core to do
 
@@ -64,9 +64,9 @@ def is_broken(g, k):
 
 
 @jit
-def is_endless(modes, k, t):
+def is_endless(modes, k, t, span):
     """Count the event at t (s) into the contact's burst; return whether it is longer than any real one."""
-    modes.burst[k] = modes.burst[k] + 1 if t - modes.stamp[k] < AT_ONCE else 0
+    modes.burst[k] = modes.burst[k] + 1 if t - modes.stamp[k] < AT_ONCE * span else 0
     modes.stamp[k] = t
     return modes.burst[k] > LONGEST_BURST
 

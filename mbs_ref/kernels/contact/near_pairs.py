@@ -7,10 +7,11 @@ is left out can touch: what is computed, and in which order, is what it would be
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 
+from mbs_ref.kernels.border.groups import Floats, Ints
 from mbs_ref.kernels.contact.laws import MODE_OPEN, MODE_PLAIN
 from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.rows import copy_rows
@@ -19,30 +20,22 @@ from mbs_ref.kernels.rows import copy_rows
 class NearPairs(NamedTuple):
     """Pairs that are looked at, and the balls they are chosen by."""
 
-    pair: np.ndarray  # (n_pairs,) int: the first `count`, ascending
-    count: np.ndarray  # (1,) int
-    stale: np.ndarray  # (1,) int: 1 where modes were set from outside
-    skin: np.ndarray  # (1,) m; 0 keeps every pair in the list
-    body: np.ndarray  # (s,) int, of each ball
-    center: np.ndarray  # (s, dimension) m, in the body
-    reach: np.ndarray  # (s,) m, radius
-    place: np.ndarray  # (s, dimension) m, world, now; the core fills it
-    built: np.ndarray  # (s, dimension) m, when the list was made
-    last: np.ndarray  # (s, dimension) m, when it was last looked at
-    order: np.ndarray  # (s,) int, by lower bound
-    low: np.ndarray  # (s,) m, lower bound along the axis
-    key: np.ndarray  # (k,) int, ascending: first ball times s plus second ball
-    keyed: np.ndarray  # (k,) int, the pair of each key
-    always: np.ndarray  # (a,) int, pairs with a side that has no bounds
-    flag: np.ndarray  # (n_pairs,) int
-
-
-def no_pairs(dimension: int) -> NearPairs:
-    """Return the list of a scene without contact."""
-    shaped = ("center", "place", "built", "last")
-    empty = {name: np.zeros((0, dimension)) for name in shaped} | {"reach": np.zeros(0), "low": np.zeros(0)}
-    single = {"count": np.zeros(1, dtype=np.int64), "stale": np.zeros(1, dtype=np.int64), "skin": np.zeros(1)}
-    return NearPairs(**{name: (empty | single).get(name, np.zeros(0, dtype=np.int64)) for name in NearPairs._fields})
+    pair: Annotated[Ints, "n_pairs"]  # the first `count`, ascending
+    count: Annotated[Ints, 1]
+    stale: Annotated[Ints, 1]  # 1 where modes were set from outside
+    skin: Annotated[Floats, 1]  # m; 0 keeps every pair in the list
+    body: Annotated[Ints, "s"]  # of each ball
+    center: Annotated[Floats, "s", "dimension"]  # m, in the body
+    reach: Annotated[Floats, "s"]  # m, radius
+    place: Annotated[Floats, "s", "dimension"]  # m, world, now; the core fills it
+    built: Annotated[Floats, "s", "dimension"]  # m, when the list was made
+    last: Annotated[Floats, "s", "dimension"]  # m, when it was last looked at
+    order: Annotated[Ints, "s"]  # by lower bound
+    low: Annotated[Floats, "s"]  # m, lower bound along the axis
+    key: Annotated[Ints, "k"]  # ascending: first ball times s plus second ball
+    keyed: Annotated[Ints, "k"]  # the pair of each key
+    always: Annotated[Ints, "a"]  # pairs with a side that has no bounds
+    flag: Annotated[Ints, "n_pairs"]
 
 
 @jit

@@ -118,7 +118,7 @@ def add_figures(model, work):
         for k in range(LANES):
             moon_axes((particles.epoch[0] + lanes.time[k]) / DAY, axes)
             for j in range(gm.shape[0]):
-                if j == i or gm[j] == 0.0:
+                if j == i or (gm[i] == 0.0 and gm[j] == 0.0):
                     continue
                 x = base[j, 0] - base[i, 0] + (delta[j, 0, k] - delta[i, 0, k])
                 y = base[j, 1] - base[i, 1] + (delta[j, 1, k] - delta[i, 1, k])

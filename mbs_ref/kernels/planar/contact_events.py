@@ -10,7 +10,6 @@ import numpy as np
 from mbs_ref.kernels.border.questions import (
     accelerate,
     contact_mobility,
-    derivative,
     factor,
     fill_rows,
     settle_grips,
@@ -54,8 +53,9 @@ from mbs_ref.kernels.planar.model import (
     rows_of,
     tree_of,
 )
+from mbs_ref.kernels.planar.vectors import cross, plus
+from mbs_ref.kernels.rigid.stopped_contacts import holding_forces
 
-PROBE_SWEEPS = 200  # for the friction of contacts that stop sliding together
 AT_REST = 10.0  # of the noise: how close and slow a constraint contact must be to begin closed
 
 
@@ -74,16 +74,16 @@ def contact_roots(model, work, t, y, g, rate):
         rate[i] = 0.0
     for place in range(near.count[0]):
         k = near.pair[place]
-        gap, closing, _, _, speed, along, beyond, _, _, _, _ = contact_geometry(pairs, kin, k)
+        touch = contact_geometry(pairs, kin, k)
         i = ROOTS_EACH * k
         closed = modes.mode[k] == MODE_CLOSED
         if closed and laws.release[k] == RELEASE_CONSTRAINT:
-            g[i] = modes.noise[0] - beyond
+            g[i] = modes.noise[0] - touch.beyond
             g[i + 1] = contact_push(work, laws, k) + modes.noise[0] * contact_mass(model, k)
             continue
-        normal_roots(laws, modes, k, gap, closing, beyond, g, rate)
+        normal_roots(laws, modes, k, touch.gap, touch.closing, touch.beyond, g, rate)
         if closed and laws.friction[k] == FRICTION_STICK_SLIP:
-            g[i + 2] = _grip_margin(laws, modes, k, gap, closing, speed, along) + modes.noise[0]
+            g[i + 2] = _grip_margin(laws, modes, k, touch) + modes.noise[0]
 
 
 @jit
@@ -95,20 +95,20 @@ def _some_constrained(laws, modes):
 
 
 @jit
-def _grip_margin(laws, modes, k, gap, closing, speed, along):
+def _grip_margin(laws, modes, k, touch):
     if modes.grip[k] == GRIP_STICK:
-        normal = normal_force(laws, modes, k, -gap, -closing)
-        return laws.static[k] * normal - abs(friction_force(laws, modes, k, normal, speed, along))
-    return modes.grip[k] * speed
+        normal = normal_force(laws, modes, k, -touch.gap, -touch.closing)
+        return laws.static[k] * normal - abs(friction_force(laws, modes, k, normal, touch))
+    return modes.grip[k] * touch.slip
 
 
 @jit
-def _take_grip(laws, modes, k, speed, along):
+def _take_grip(modes, k, touch):
     """Slide where there is a sliding speed; stick, unloaded, where there is none."""
-    modes.anchor[k] = along
-    if speed > 0.0:
+    modes.anchor[k, 0] = touch.along
+    if touch.slip > 0.0:
         modes.grip[k] = 1
-    elif speed < 0.0:
+    elif touch.slip < 0.0:
         modes.grip[k] = -1
     else:
         modes.grip[k] = GRIP_STICK
@@ -128,20 +128,20 @@ def contact_transition(model, work, t, y, g, dy):
         if not is_broken(g, k):
             continue
         load_state(model, work, y)
-        gap, closing, _, _, speed, along, _, _, _, _, _ = contact_geometry(pairs, kin, k)
-        left = next_mode(laws, modes, k, g, closing, is_behind(pairs, k, gap))
+        touch = contact_geometry(pairs, kin, k)
+        left = next_mode(laws, modes, k, g, touch.closing, is_behind(pairs, k, touch.gap))
         if left == IMPACT:
             _impact(model, work, t, y, k)
         elif left == LANDING:
             landed = True
         elif left == TOUCH:
-            _take_grip(laws, modes, k, speed, along)
+            _take_grip(modes, k, touch)
         elif left == FRICTION and modes.grip[k] == GRIP_STICK:
-            normal = normal_force(laws, modes, k, -gap, -closing)
-            modes.grip[k] = -1 if friction_force(laws, modes, k, normal, speed, along) > 0.0 else 1
+            normal = normal_force(laws, modes, k, -touch.gap, -touch.closing)
+            modes.grip[k] = -1 if friction_force(laws, modes, k, normal, touch) > 0.0 else 1
         elif left == FRICTION:
             modes.grip[k] = GRIP_PROBE
-            modes.anchor[k] = 0.0
+            modes.anchor[k, 0] = 0.0
             regrip = True
     if landed:
         land(model, work, t, y, g)
@@ -150,78 +150,38 @@ def contact_transition(model, work, t, y, g, dy):
 
 
 @jit
-def _slide_rate(model, work, t, y, dy, k):
-    """Return the rate of a contact's sliding speed in the present modes, by differences along the motion."""
-    pairs, kin = contact_pairs_of(model), kinematics_of(work)
-    derivative(model, work, t, y, dy)
-    step = 1e-6
-    ahead = y + step * dy
-    load_state(model, work, ahead)
-    later = contact_geometry(pairs, kin, k)[4]
-    ahead = y - step * dy
-    load_state(model, work, ahead)
-    return (later - contact_geometry(pairs, kin, k)[4]) / (2.0 * step)
-
-
-@jit
-def _probed_load(pairs, laws, modes, kin):
-    """Return the sum of the normal forces of the contacts under probe, and their number."""
-    total = 0.0
-    count = 0
+def planar_slip_velocities(model, work, y, out):
+    """Fill out (n_contacts, 1) with the sliding speeds (m/s) at y of the contacts under probe."""
+    pairs, modes = contact_pairs_of(model), contact_modes_of(model)
+    load_state(model, work, y)
     for k in range(pairs.kind.shape[0]):
         if modes.grip[k] == GRIP_PROBE:
-            gap, closing, _, _, _, _, _, _, _, _, _ = contact_geometry(pairs, kin, k)
-            total += max(normal_force(laws, modes, k, -gap, -closing), 0.0)
-            count += 1
-    return total, count
+            out[k, 0] = contact_geometry(pairs, kinematics_of(work), k).slip
 
 
 @jit
 def planar_settle_grips(model, work, t, y, dy):
-    """Find the friction that keeps the stopped contacts at rest; stick where mu_s allows it, else slide on.
-
-    Each probe force changes its own sliding rate linearly. Where friction is not unique, as under two
-    corners of one block, weights by the normal force make the contacts share in proportion to it.
-    """
+    """Let the stopped contacts stick where mu_s allows what holds them, else slide on against it."""
     pairs, laws, modes = contact_pairs_of(model), contact_laws_of(model), contact_modes_of(model)
-    kin = kinematics_of(work)
+    kin, count = kinematics_of(work), pairs.kind.shape[0]
+    loads, place, force = np.zeros(count), np.zeros(count), np.zeros((count, 1))
     load_state(model, work, y)
-    total, count = _probed_load(pairs, laws, modes, kin)
-    change = np.zeros(pairs.kind.shape[0])
-    for _ in range(PROBE_SWEEPS):
-        largest = 0.0
-        most = 0.0
-        for k in range(pairs.kind.shape[0]):
-            if modes.grip[k] != GRIP_PROBE:
-                continue
-            before = modes.anchor[k]
-            rate = _slide_rate(model, work, t, y, dy, k)
-            modes.anchor[k] = before + 1.0
-            mobility = _slide_rate(model, work, t, y, dy, k) - rate
-            modes.anchor[k] = before
-            load_state(model, work, y)
-            gap, closing, _, _, _, _, _, _, _, _, _ = contact_geometry(pairs, kin, k)
-            normal = max(normal_force(laws, modes, k, -gap, -closing), 0.0)
-            share = normal / total if total > 0.0 else 1.0 / count
-            change[k] = -share * rate / mobility if mobility > 0.0 else 0.0
-            largest = max(largest, abs(change[k]))
-        for k in range(pairs.kind.shape[0]):
-            if modes.grip[k] == GRIP_PROBE:
-                modes.anchor[k] += change[k]
-                most = max(most, abs(modes.anchor[k]))
-        if largest <= 1e-10 * most:
-            break
-    for k in range(pairs.kind.shape[0]):
+    for k in range(count):
+        if modes.grip[k] == GRIP_PROBE:
+            touch = contact_geometry(pairs, kin, k)
+            loads[k] = max(normal_force(laws, modes, k, -touch.gap, -touch.closing), 0.0)
+            place[k] = touch.along
+    if np.sum(loads) > 0.0:
+        mass = bodies_of(model).mass
+        holding_forces(model, work, t, y, dy, modes, laws.grip_stiffness, pairs.a, pairs.b, mass, loads, force)
+    for k in range(count):
         if modes.grip[k] != GRIP_PROBE:
             continue
-        load_state(model, work, y)
-        gap, closing, _, _, _, along, _, _, _, _, _ = contact_geometry(pairs, kin, k)
-        needed = modes.anchor[k]
-        if abs(needed) <= laws.static[k] * normal_force(laws, modes, k, -gap, -closing):
+        if abs(force[k, 0]) <= laws.static[k] * loads[k]:
             modes.grip[k] = GRIP_STICK
-            modes.anchor[k] = along + needed / laws.grip_stiffness[k]
+            modes.anchor[k, 0] = place[k] + force[k, 0] / laws.grip_stiffness[k]
         else:
-            modes.grip[k] = -1 if needed > 0.0 else 1
+            modes.grip[k] = -1 if force[k, 0] > 0.0 else 1
 
 
 @jit
@@ -233,26 +193,26 @@ def start_contacts(model, work, t, y, located):
     near_pairs_of(model).stale[0] = 1
     for k in range(pairs.kind.shape[0]):
         load_state(model, work, y)
-        gap, closing, _, _, speed, along, beyond, _, _, _, _ = contact_geometry(pairs, kin, k)
+        touch = contact_geometry(pairs, kin, k)
         modes.dashpot[k] = laws.damping[k] + laws.impact_damping[k] * laws.stiffness[k] / laws.slowest[k]
         modes.grip[k] = GRIP_STICK
-        modes.anchor[k] = along
+        modes.anchor[k, 0] = touch.along
         near = AT_REST * modes.noise[0]
         if not located:
             modes.mode[k] = MODE_PLAIN
         elif laws.release[k] == RELEASE_CONSTRAINT:
-            still = beyond <= 0.0 and abs(gap) <= near and abs(closing) <= near
+            still = touch.beyond <= 0.0 and abs(touch.gap) <= near and abs(touch.closing) <= near
             modes.mode[k] = MODE_CLOSED if still else MODE_OPEN
-        elif beyond > 0.0 or gap > 0.0 or laws.release[k] == RELEASE_RIGID:
+        elif touch.beyond > 0.0 or touch.gap > 0.0 or laws.release[k] == RELEASE_RIGID:
             modes.mode[k] = MODE_OPEN
-        elif is_behind(pairs, k, gap):
+        elif is_behind(pairs, k, touch.gap):
             modes.mode[k] = MODE_BEHIND
         else:
-            close(laws, modes, k, max(-closing, 0.0))
-            _take_grip(laws, modes, k, speed, along)
-            if laws.friction[k] == FRICTION_STICK_SLIP and speed == 0.0:
+            close(laws, modes, k, max(-touch.closing, 0.0))
+            _take_grip(modes, k, touch)
+            if laws.friction[k] == FRICTION_STICK_SLIP and touch.slip == 0.0:
                 modes.grip[k] = GRIP_PROBE
-                modes.anchor[k] = 0.0
+                modes.anchor[k, 0] = 0.0
                 resting = True
     if resting:
         settle_grips(model, work, t, y, np.empty_like(y))
@@ -266,25 +226,23 @@ def planar_contact_mobility(model, work, t, y, k):
     load_state(model, work, y)
     fill_rows(model, work, t)
     factor(model, work)
-    _, _, nx, ny, _, _, _, ax, ay, bx, by = contact_geometry(pairs, kin, k)
-    a = pairs.a[k]
-    b = pairs.b[k]
+    touch = contact_geometry(pairs, kin, k)
+    n, a, b = touch.normal, pairs.a[k], pairs.b[k]
     for i in range(tree.load.shape[0]):
         for c in range(3):
             tree.load[i, c] = 0.0
-    tree.load[a, 0] += nx
-    tree.load[a, 1] += ny
-    tree.load[a, 2] += ax * ny - ay * nx
-    tree.load[b, 0] -= nx
-    tree.load[b, 1] -= ny
-    tree.load[b, 2] -= bx * ny - by * nx
+    for c in range(2):
+        tree.load[a, c] += n[c]
+        tree.load[b, c] -= n[c]
+    tree.load[a, 2] += cross(touch.arm_a, n)
+    tree.load[b, 2] -= cross(touch.arm_b, n)
     for slot in range(rows.gamma.shape[0]):
         for row in range(3):
             rows.gamma[slot, row] = 0.0
     solve(model, work, rows.gamma)
-    response = tree.acceleration
-    mobility = nx * (response[a, 0] - ay * response[a, 2] - response[b, 0] + by * response[b, 2])
-    return mobility + ny * (response[a, 1] + ax * response[a, 2] - response[b, 1] - bx * response[b, 2])
+    (ax, ay), (bx, by), response = touch.arm_a, touch.arm_b, tree.acceleration
+    x = response[a, 0] - ay * response[a, 2] - response[b, 0] + by * response[b, 2]
+    return n[0] * x + n[1] * (response[a, 1] + ax * response[a, 2] - response[b, 1] - bx * response[b, 2])
 
 
 @jit
@@ -292,7 +250,7 @@ def _impact(model, work, t, y, k):
     """Reverse the normal speed by an impulse, v+ = -e v-, within the joints: dv = W n p."""
     pairs, laws, bodies = contact_pairs_of(model), contact_laws_of(model), bodies_of(model)
     mobility = contact_mobility(model, work, t, y, k)
-    closing = contact_geometry(pairs, kinematics_of(work), k)[1]
+    closing = contact_geometry(pairs, kinematics_of(work), k).closing
     response = tree_of(work).acceleration
     impulse = -(1.0 + laws.restitution[k]) * closing / mobility
     n = bodies.mass.shape[0]
@@ -312,18 +270,18 @@ def planar_contact_forces(model, work, t, y, out):
     else:
         load_state(model, work, y)
     for k in range(pairs.kind.shape[0]):
-        gap, rate, nx, ny, speed, along, beyond, ax, ay, _, _ = contact_geometry(pairs, kin, k)
-        touching = gap < 0.0 and beyond <= 0.0 and not is_behind(pairs, k, gap)
+        touch = contact_geometry(pairs, kin, k)
+        touching = touch.gap < 0.0 and touch.beyond <= 0.0 and not is_behind(pairs, k, touch.gap)
         if modes.mode[k] != MODE_PLAIN:
             touching = modes.mode[k] == MODE_CLOSED
-        normal = normal_force(laws, modes, k, -gap, -rate) if touching else 0.0
+        normal = normal_force(laws, modes, k, -touch.gap, -touch.closing) if touching else 0.0
         if touching and laws.release[k] == RELEASE_CONSTRAINT:
             normal = contact_push(work, laws, k)
         if modes.mode[k] == MODE_PLAIN and laws.release[k] == RELEASE_FORCE:
             normal = max(normal, 0.0)
-        tangential = friction_force(laws, modes, k, normal, speed, along) if touching else 0.0
-        out[k, 0] = -gap
-        out[k, 1] = normal * nx + tangential * ny
-        out[k, 2] = normal * ny - tangential * nx
-        out[k, 3] = kin.pose[pairs.a[k], 0] + ax
-        out[k, 4] = kin.pose[pairs.a[k], 1] + ay
+        tangential = friction_force(laws, modes, k, normal, touch) if touching else 0.0
+        n, point = touch.normal, plus(kin.pose[pairs.a[k]], touch.arm_a)
+        out[k, 0] = -touch.gap
+        out[k, 1] = normal * n[0] + tangential * n[1]
+        out[k, 2] = normal * n[1] - tangential * n[0]
+        out[k, 3], out[k, 4] = point

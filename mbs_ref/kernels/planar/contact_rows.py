@@ -8,12 +8,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from mbs_ref.kernels.contact.laws import (
-    MODE_CLOSED,
-)
+from mbs_ref.kernels.contact.laws import MODE_CLOSED
 from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.planar.contacts import contact_geometry
-from mbs_ref.kernels.planar.joints import arm, fill_joints
+from mbs_ref.kernels.planar.joints import fill_joints
+from mbs_ref.kernels.planar.marks import separation
 from mbs_ref.kernels.planar.model import (
     PAIR_LINE,
     contact_laws_of,
@@ -22,6 +21,7 @@ from mbs_ref.kernels.planar.model import (
     kinematics_of,
     rows_of,
 )
+from mbs_ref.kernels.planar.vectors import cross, dot
 
 
 @jit
@@ -52,32 +52,25 @@ def _clear(rows, slot):
 def _fill_contact(model, work, k):
     pairs, kin, rows = contact_pairs_of(model), kinematics_of(work), rows_of(work)
     slot = contact_laws_of(model).slot[k]
-    gap, rate, nx, ny, _, _, _, ax, ay, bx, by = contact_geometry(pairs, kin, k)
-    on_a = rows.jacobian[slot, 0, 0]
-    on_b = rows.jacobian[slot, 1, 0]
-    on_a[0], on_a[1], on_a[2] = nx, ny, ax * ny - ay * nx
-    on_b[0], on_b[1], on_b[2] = -nx, -ny, -(bx * ny - by * nx)
-    rows.residual[slot, 0] = gap
-    rows.rate[slot, 0] = rate
-    rows.gamma[slot, 0] = _contact_gamma(pairs, kin, k, nx, ny)
+    touch = contact_geometry(pairs, kin, k)
+    n = touch.normal
+    on_a, on_b = rows.jacobian[slot, 0, 0], rows.jacobian[slot, 1, 0]
+    on_a[0], on_a[1], on_a[2] = n[0], n[1], cross(touch.arm_a, n)
+    on_b[0], on_b[1], on_b[2] = -n[0], -n[1], -cross(touch.arm_b, n)
+    rows.residual[slot, 0] = touch.gap
+    rows.rate[slot, 0] = touch.closing
+    rows.gamma[slot, 0] = _contact_gamma(pairs, kin, k, n)
 
 
 @jit
-def _contact_gamma(pairs, kin, k, nx, ny):
-    """Return what the gap's second rate lacks of J a, negative: d = c - o in world axes."""
-    a = pairs.a[k]
-    b = pairs.b[k]
-    cx, cy = arm(kin.pose, a, pairs.center[k])
-    ox, oy = arm(kin.pose, b, pairs.origin[k])
-    wa = kin.motion[a, 2]
-    wb = kin.motion[b, 2]
-    dx = kin.pose[a, 0] + cx - kin.pose[b, 0] - ox
-    dy = kin.pose[a, 1] + cy - kin.pose[b, 1] - oy
-    ux = kin.motion[a, 0] - cy * wa - kin.motion[b, 0] + oy * wb
-    uy = kin.motion[a, 1] + cx * wa - kin.motion[b, 1] - ox * wb
-    centripetal = nx * (cx * wa * wa - ox * wb * wb) + ny * (cy * wa * wa - oy * wb * wb)
+def _contact_gamma(pairs, kin, k, n):
+    """Return what the gap's second rate lacks of J a, negative."""
+    a, b = pairs.a[k], pairs.b[k]
+    apart = separation(kin, b, a, pairs.origin[k], pairs.center[k])
+    surplus = dot(n, apart.centripetal)
     if pairs.kind[k] == PAIR_LINE:
-        sweep = nx * uy - ny * ux  # perp(n) . d_dot
-        return centripetal - 2.0 * wb * sweep + wb * wb * (nx * dx + ny * dy)
-    along = nx * ux + ny * uy
-    return centripetal - (ux * ux + uy * uy - along * along) / np.sqrt(dx * dx + dy * dy)
+        wb = kin.motion[b, 2]
+        sweep = cross(n, apart.rate)  # d(n)/d(theta_b) . d_dot
+        return surplus - 2.0 * wb * sweep + wb * wb * dot(n, apart.gap)
+    along = dot(n, apart.rate)
+    return surplus - (dot(apart.rate, apart.rate) - along * along) / np.sqrt(dot(apart.gap, apart.gap))

@@ -6,6 +6,7 @@ The force acts on both bodies at the circle's deepest point, so momentum is kept
 from __future__ import annotations
 
 import math
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -23,7 +24,7 @@ from mbs_ref.kernels.contact.laws import (
 )
 from mbs_ref.kernels.contact.near_pairs import refresh
 from mbs_ref.kernels.jit import jit
-from mbs_ref.kernels.planar.joints import arm
+from mbs_ref.kernels.planar.marks import arm, gap_between, push, push_back, rate_between
 from mbs_ref.kernels.planar.model import (
     PAIR_CIRCLE,
     PAIR_LINE,
@@ -33,50 +34,65 @@ from mbs_ref.kernels.planar.model import (
     kinematics_of,
     near_pairs_of,
 )
+from mbs_ref.kernels.planar.vectors import cross, dot, left, minus, over, plus, times, turn
+
+
+class Surface(NamedTuple):
+    """The point of a surface that is nearest to a circle's centre."""
+
+    gap: Any  # m
+    normal: Any  # outwards, a pair along world axes
+    beyond: Any  # m, excess over open ends
+    along: Any  # m, place along a line
+
+
+class Touch(NamedTuple):
+    """Where and how two shapes meet; vectors are pairs along world axes."""
+
+    gap: Any  # m
+    closing: Any  # m/s, the gap's rate
+    beyond: Any  # m, excess over open ends
+    normal: Any  # from b to a; the tangent is the normal turned by -90 degrees
+    slip: Any  # m/s, of a on b along the tangent
+    along: Any  # m, rolled and slid along a line: what a sticking contact keeps
+    arm_a: Any  # m, from the centre of mass of a to the point of contact
+    arm_b: Any  # m
 
 
 @jit
-def _on_line(pairs, k, x, y, tx, ty):
-    """Return the gap, the outward normal, how far beyond an open end, and the place along the line."""
-    nx = -ty
-    ny = tx
-    along = x * tx + y * ty
-    above = x * nx + y * ny
+def _on_line(pairs, k, x, tangent):
+    """Return the Surface that a line, a segment or a capped segment shows at x."""
+    normal = left(tangent)
+    along, above = dot(x, tangent), dot(x, normal)
     beyond = abs(along) - pairs.half[k]
     if pairs.ends[k] == ENDS_OPEN:
-        return above - pairs.radius[k], nx, ny, beyond, along
+        return Surface(above - pairs.radius[k], normal, beyond, along)
     if pairs.ends[k] == ENDS_CAPPED and beyond > 0.0:
         px = math.copysign(beyond, along)
         distance = math.sqrt(px * px + above * above)
-        return distance - pairs.radius[k], (px * tx + above * nx) / distance, (
-            px * ty + above * ny
-        ) / distance, -1.0, along
-    return above - pairs.radius[k], nx, ny, -1.0, along
+        outward = over(plus(times(px, tangent), times(above, normal)), distance)
+        return Surface(distance - pairs.radius[k], outward, -1.0, along)
+    return Surface(above - pairs.radius[k], normal, -1.0, along)
 
 
 @jit
-def _on_circle(pairs, k, x, y):
-    distance = math.sqrt(x * x + y * y)
+def _on_circle(pairs, k, x):
+    distance = math.sqrt(dot(x, x))
     if distance == 0.0:
-        return -pairs.radius[k] - pairs.half[k], 0.0, 1.0, -1.0, 0.0
-    return distance - pairs.radius[k] - pairs.half[k], x / distance, y / distance, -1.0, 0.0
+        return Surface(-pairs.radius[k] - pairs.half[k], (0.0, 1.0), -1.0, 0.0)
+    return Surface(distance - pairs.radius[k] - pairs.half[k], over(x, distance), -1.0, 0.0)
 
 
 @jit
-def _in_sprocket(pairs, k, x, y, sx, sy):
-    """Gap between a pin and the nearest tooth gap's wall; the normal points from the wall to the pin."""
-    turn = math.atan2(sx * y - sy * x, sx * x + sy * y)
+def _in_sprocket(pairs, k, x, seat):
+    """Return the Surface of the wall of the tooth gap nearest to a pin at x; `seat` points to the first gap."""
     pitch = 2.0 * math.pi / pairs.ends[k]
-    seat = pitch * np.round(turn / pitch)
-    c = math.cos(seat)
-    s = math.sin(seat)
-    ox = c * sx - s * sy  # outward, through the seat
-    oy = s * sx + c * sy
-    out = x * ox + y * oy - pairs.half[k]
-    side = oy * x - ox * y
+    angle = pitch * np.round(math.atan2(cross(seat, x), dot(seat, x)) / pitch)
+    outward = turn(math.cos(angle), math.sin(angle), seat)  # through the gap
+    out = dot(x, outward) - pairs.half[k]
+    side = outward[1] * x[0] - outward[0] * x[1]
     wall = math.copysign(1.0, side)
-    cosine = pairs.flank[k, 0]
-    sine = pairs.flank[k, 1]
+    cosine, sine = pairs.flank[k]
     width = abs(side)
     if width * sine + out * cosine > 0.0:  # on the straight flank
         offset = width * cosine - out * sine
@@ -86,39 +102,34 @@ def _in_sprocket(pairs, k, x, y, sx, sy):
         offset = math.sqrt(width * width + out * out)
         du = -out / offset if offset > 0.0 else 1.0
         dw = -side / offset if offset > 0.0 else 0.0
-    return pairs.radius[k] - offset, du * ox + dw * oy, du * oy - dw * ox, out - pairs.thickness[k], 0.0
+    normal = (du * outward[0] + dw * outward[1], du * outward[1] - dw * outward[0])
+    return Surface(pairs.radius[k] - offset, normal, out - pairs.thickness[k], 0.0)
 
 
 @jit
 def contact_geometry(pairs, kin, k):
-    """Return gap, its rate, normal (from b to a), sliding speed, place for sticking, excess beyond the ends, arms.
-
-    The tangent is the normal turned by -90 degrees.
-    """
-    a = pairs.a[k]
-    b = pairs.b[k]
-    cx, cy = arm(kin.pose, a, pairs.center[k])
-    ox, oy = arm(kin.pose, b, pairs.origin[k])
-    x = kin.pose[a, 0] + cx - kin.pose[b, 0] - ox
-    y = kin.pose[a, 1] + cy - kin.pose[b, 1] - oy
+    """Return the Touch of a pair."""
+    a, b = pairs.a[k], pairs.b[k]
+    center, origin = arm(kin.pose, a, pairs.center[k]), arm(kin.pose, b, pairs.origin[k])
+    x = gap_between(kin, b, a, origin, center)
     back = pairs.radius[k]
+    rolled = 0.0
     if pairs.kind[k] == PAIR_CIRCLE:
-        gap, nx, ny, beyond, along = _on_circle(pairs, k, x, y)
+        surface = _on_circle(pairs, k, x)
     else:
-        dx, dy = arm(kin.pose, b, pairs.direction[k])
+        direction = arm(kin.pose, b, pairs.direction[k])
         if pairs.kind[k] == PAIR_LINE:
-            gap, nx, ny, beyond, along = _on_line(pairs, k, x, y, dx, dy)
-            along += back * (kin.motion[a, 3] - kin.motion[b, 3])
+            surface = _on_line(pairs, k, x, direction)
+            rolled = back * (kin.motion[a, 3] - kin.motion[b, 3])
         else:
-            gap, nx, ny, beyond, along = _in_sprocket(pairs, k, x, y, dx, dy)
+            surface = _in_sprocket(pairs, k, x, direction)
             back = 0.0
-    ax = cx - back * nx
-    ay = cy - back * ny
-    bx = kin.pose[a, 0] + ax - kin.pose[b, 0]
-    by = kin.pose[a, 1] + ay - kin.pose[b, 1]
-    ux = kin.motion[a, 0] - ay * kin.motion[a, 2] - kin.motion[b, 0] + by * kin.motion[b, 2]
-    uy = kin.motion[a, 1] + ax * kin.motion[a, 2] - kin.motion[b, 1] - bx * kin.motion[b, 2]
-    return gap, nx * ux + ny * uy, nx, ny, ny * ux - nx * uy, along, beyond, ax, ay, bx, by
+    n = surface.normal
+    arm_a = minus(center, times(back, n))
+    arm_b = minus(plus(kin.pose[a], arm_a), kin.pose[b])
+    u = rate_between(kin, b, a, arm_b, arm_a)
+    slip = n[1] * u[0] - n[0] * u[1]
+    return Touch(surface.gap, dot(n, u), surface.beyond, n, slip, surface.along + rolled, arm_a, arm_b)
 
 
 @jit
@@ -128,15 +139,15 @@ def is_behind(pairs, k, gap):
 
 
 @jit
-def friction_force(laws, modes, k, normal, speed, along):
+def friction_force(laws, modes, k, normal, touch):
     """Return the force on body a along the tangent."""
     if laws.friction[k] == FRICTION_SMOOTH:
-        return -laws.coefficient[k] * normal * math.tanh(speed / laws.creep[k])
+        return -laws.coefficient[k] * normal * math.tanh(touch.slip / laws.creep[k])
     grip = modes.grip[k]
     if grip == GRIP_STICK:
-        return -laws.grip_stiffness[k] * (along - modes.anchor[k]) - laws.grip_damping[k] * speed
+        return -laws.grip_stiffness[k] * (touch.along - modes.anchor[k, 0]) - laws.grip_damping[k] * touch.slip
     if grip == GRIP_PROBE:
-        return modes.anchor[k]
+        return modes.anchor[k, 0]
     return -laws.coefficient[k] * normal * grip
 
 
@@ -146,9 +157,8 @@ def find_near(model, work):
     near, kin = near_pairs_of(model), kinematics_of(work)
     for s in range(near.body.shape[0]):
         body = near.body[s]
-        x, y = arm(kin.pose, body, near.center[s])
-        near.place[s, 0] = kin.pose[body, 0] + x
-        near.place[s, 1] = kin.pose[body, 1] + y
+        place = plus(kin.pose[body], arm(kin.pose, body, near.center[s]))
+        near.place[s, 0], near.place[s, 1] = place
     refresh(near, contact_modes_of(model))
 
 
@@ -166,23 +176,17 @@ def apply_contacts(model, work):
         mode = modes.mode[k]
         if mode != MODE_CLOSED and mode != MODE_PLAIN:
             continue
-        gap, rate, nx, ny, speed, along, beyond, ax, ay, bx, by = contact_geometry(pairs, kin, k)
-        if mode == MODE_PLAIN and not (gap < 0.0 and beyond <= 0.0 and not is_behind(pairs, k, gap)):
+        touch = contact_geometry(pairs, kin, k)
+        if mode == MODE_PLAIN and not (
+            touch.gap < 0.0 and touch.beyond <= 0.0 and not is_behind(pairs, k, touch.gap)
+        ):
             continue
-        normal = normal_force(laws, modes, k, -gap, -rate)
+        normal = normal_force(laws, modes, k, -touch.gap, -touch.closing)
         if mode == MODE_PLAIN and laws.release[k] == RELEASE_FORCE and normal < 0.0:
             continue
-        fx = normal * nx
-        fy = normal * ny
+        force = times(normal, touch.normal)
         if laws.friction[k] != FRICTION_NONE:
-            tangential = friction_force(laws, modes, k, normal, speed, along)
-            fx += tangential * ny
-            fy -= tangential * nx
-        a = pairs.a[k]
-        b = pairs.b[k]
-        kin.force[a, 0] += fx
-        kin.force[a, 1] += fy
-        kin.force[a, 2] += ax * fy - ay * fx
-        kin.force[b, 0] -= fx
-        kin.force[b, 1] -= fy
-        kin.force[b, 2] -= bx * fy - by * fx
+            tangential = friction_force(laws, modes, k, normal, touch)
+            force = (force[0] + tangential * touch.normal[1], force[1] - tangential * touch.normal[0])
+        push(kin, pairs.a[k], touch.arm_a, force)
+        push_back(kin, pairs.b[k], touch.arm_b, force)

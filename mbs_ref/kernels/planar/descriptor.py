@@ -6,6 +6,7 @@ from mbs_ref.kernels.border.questions import apply_loads, factor, fill_rows, sol
 from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.planar.dynamics import load_state
 from mbs_ref.kernels.planar.model import bodies_of, kinematics_of, rows_of, slots_of, tree_of
+from mbs_ref.kernels.rows import take_reactions
 
 
 @jit
@@ -22,18 +23,12 @@ def planar_force_balance(model, work, t, y, lam, out):
     apply_loads(model, work, t)
     fill_rows(model, work, t)
     n = bodies.mass.shape[0]
-    for slot in range(slots.body.shape[0]):
-        for side in range(2):
-            body = slots.body[slot, side]
-            for row in range(3):
-                for c in range(3):
-                    kin.force[body, c] -= rows.jacobian[slot, side, row, c] * lam[slot, row]
+    take_reactions(kin.force, slots.body, rows.jacobian, lam)
+    kin.force[n] = 0.0
     for i in range(n):
         k = 3 * bodies.scene_index[i]
         for c in range(3):
             out[k + c] = kin.force[i, c]
-    for c in range(3):
-        kin.force[n, c] = 0.0
 
 
 @jit

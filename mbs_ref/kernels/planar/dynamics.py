@@ -10,10 +10,10 @@ import numpy as np
 
 from mbs_ref.kernels.algebra.refinement import refinements
 from mbs_ref.kernels.border.questions import accelerate, apply_loads, factor, fill_rows, solve
-from mbs_ref.kernels.controls import CONTROL_POSITION_GAIN, CONTROL_VELOCITY_GAIN
 from mbs_ref.kernels.jit import jit
-from mbs_ref.kernels.planar.closure import correct_for_closures, factor_closures, row_times
+from mbs_ref.kernels.planar.closure import factor_closures
 from mbs_ref.kernels.planar.model import (
+    RATES,
     bodies_of,
     closures_of,
     kinematics_of,
@@ -23,7 +23,17 @@ from mbs_ref.kernels.planar.model import (
     world_of,
 )
 from mbs_ref.kernels.planar.tree import factor_tree, solve_tree
-from mbs_ref.kernels.rows import add_to, copy_rows, largest_entry, stabilize, take_accelerations, take_reactions
+from mbs_ref.kernels.rigid.closures import correct_for_closures, row_times
+from mbs_ref.kernels.rows import (
+    add_to,
+    clear,
+    copy_rows,
+    largest_entry,
+    negate,
+    stabilize,
+    take_accelerations,
+    take_reactions,
+)
 
 
 @jit
@@ -50,26 +60,19 @@ def planar_factor(model, work):
     factor_tree(model, work)
     if slots_of(model).closure_slot.shape[0] > 0:
         zero = rows_of(work).multiplier
-        for i in range(zero.shape[0]):
-            for c in range(3):
-                zero[i, c] = 0.0
+        clear(zero)
         factor_closures(model, work, zero)
 
 
 @jit
 def planar_solve(model, work, gamma):
     """Solve the augmented system for the tree's load and `gamma` into its acceleration and the multipliers."""
-    acceleration, multiplier = tree_of(work).acceleration, rows_of(work).multiplier
-    solve_tree(model, work, gamma, acceleration, multiplier)
-    if slots_of(model).closure_slot.shape[0] > 0:
-        correct_for_closures(model, work, gamma, acceleration, multiplier)
-
-
-@jit
-def _stabilize(model, work):
-    """gamma -= 2 g C_dot + g^2 C (Baumgarte 1972)."""
-    control, rows = world_of(model).control, rows_of(work)
-    stabilize(control[CONTROL_VELOCITY_GAIN], control[CONTROL_POSITION_GAIN], rows.gamma, rows.rate, rows.residual)
+    slots, rows, acceleration = slots_of(model), rows_of(work), tree_of(work).acceleration
+    solve_tree(model, work, gamma, acceleration, rows.multiplier)
+    if slots.closure_slot.shape[0] > 0:
+        correct_for_closures(
+            RATES, slots, rows.jacobian, closures_of(work), gamma, acceleration, rows.multiplier
+        )
 
 
 @jit
@@ -95,13 +98,11 @@ def planar_accelerate(model, work, t, y):
     load_state(model, work, y)
     apply_loads(model, work, t)
     fill_rows(model, work, t)
-    _stabilize(model, work)
+    rows = rows_of(work)
+    stabilize(world_of(model).control, rows.gamma, rows.rate, rows.residual)
     factor(model, work)
-    load, force = tree_of(work).load, kinematics_of(work).force
-    for i in range(load.shape[0]):
-        for c in range(3):
-            load[i, c] = force[i, c]
-    solve(model, work, rows_of(work).gamma)
+    copy_rows(kinematics_of(work).force, tree_of(work).load)
+    solve(model, work, rows.gamma)
     for _ in range(refinements(closures_of(work).regularity[0])):
         _refine(model, work)
 
@@ -145,15 +146,10 @@ def planar_multipliers(work, lam):
 def _correct(model, work, defect, y, offset):
     """Add the mass-weighted least-squares correction that removes `defect` to half of the state."""
     bodies, tree, gamma = bodies_of(model), tree_of(work), rows_of(work).gamma
-    n = bodies.mass.shape[0]
-    for i in range(defect.shape[0]):
-        for c in range(3):
-            gamma[i, c] = -defect[i, c]
-    for i in range(n):
-        for c in range(3):
-            tree.load[i, c] = 0.0
+    negate(defect, gamma)
+    clear(tree.load)
     solve(model, work, gamma)
-    for i in range(n):
+    for i in range(bodies.mass.shape[0]):
         k = offset + 3 * bodies.scene_index[i]
         for c in range(3):
             y[k + c] += tree.acceleration[i, c]
@@ -165,17 +161,17 @@ def planar_tangent(model, work, x):
 
     Uses the factorization in `work`, of the last acceleration or projection.
     """
-    bodies, acceleration, rate = bodies_of(model), tree_of(work).acceleration, rows_of(work).rate
+    bodies, slots, rows, acceleration = bodies_of(model), slots_of(model), rows_of(work), tree_of(work).acceleration
     n = bodies.mass.shape[0]
     for offset in (0, 3 * n):
         for i in range(n):
             k = offset + 3 * bodies.scene_index[i]
             for c in range(3):
                 acceleration[i, c] = x[k + c]
-        for slot in range(rate.shape[0]):
+        for slot in range(rows.rate.shape[0]):
             for row in range(3):
-                rate[slot, row] = row_times(model, work, slot, row, acceleration)
-        _correct(model, work, rate, x, offset)
+                rows.rate[slot, row] = row_times(RATES, slots.body, rows.jacobian, slot, row, acceleration)
+        _correct(model, work, rows.rate, x, offset)
 
 
 @jit

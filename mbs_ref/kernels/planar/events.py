@@ -36,7 +36,7 @@ def planar_roots(model, work, t, y, g, rate):
 
 
 @jit
-def planar_transition(model, work, t, y, g, dy):
+def planar_transition(model, work, t, span, y, g, dy):
     """Change the modes whose functions are negative, with impulses where rigid; return code and source.
 
     dy is scratch of y's shape. y changes at impacts only.
@@ -46,7 +46,7 @@ def planar_transition(model, work, t, y, g, dy):
     for k in range(modes.mode.shape[0]):
         if is_broken(g, k):
             source = k
-            if is_endless(modes, k, t):
+            if is_endless(modes, k, t, span):
                 return ENDLESS, k
     contact_transition(model, work, t, y, g, dy)
     spring_transition(model, g)
@@ -67,7 +67,7 @@ def _log(modes, t, g):
                 row[1] = k
                 row[2] = modes.mode[k]
                 row[3] = modes.grip[k]
-                row[4] = modes.anchor[k]
+                row[4] = modes.anchor[k, 0]
                 row[5] = modes.dashpot[k]
 
 

@@ -12,7 +12,7 @@ from mbs_ref.kernels.contact.laws import (
 from mbs_ref.kernels.controls import CONTROL_MODE_TIME
 from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.planar.contacts import apply_contacts
-from mbs_ref.kernels.planar.joints import arm
+from mbs_ref.kernels.planar.marks import arm, push, push_back, separation
 from mbs_ref.kernels.planar.model import (
     bodies_of,
     contact_modes_of,
@@ -23,6 +23,7 @@ from mbs_ref.kernels.planar.model import (
     torsion_springs_of,
     world_of,
 )
+from mbs_ref.kernels.planar.vectors import cross, dot, left, minus, over, plus, times
 from mbs_ref.kernels.signals import evaluate
 
 
@@ -45,30 +46,19 @@ def apply_forces(model, work, t):
     for k in range(load.body.shape[0]):
         body = load.body[k]
         scale, _, _ = evaluate(signals, load.signal[k], t, mode_time)
-        fx = scale * load.vector[k, 0]
-        fy = scale * load.vector[k, 1]
+        force = times(scale, load.vector[k])
         if load.follows[k] == 1:
-            c = kin.pose[body, 2]
-            s = kin.pose[body, 3]
-            fx, fy = c * fx - s * fy, s * fx + c * fy
-        rx, ry = arm(kin.pose, body, load.point[k])
-        kin.force[body, 0] += fx
-        kin.force[body, 1] += fy
-        kin.force[body, 2] += rx * fy - ry * fx + scale * load.torque[k]
+            force = arm(kin.pose, body, force)
+        torque = cross(arm(kin.pose, body, load.point[k]), force) + scale * load.torque[k]
+        kin.force[body, 0] += force[0]
+        kin.force[body, 1] += force[1]
+        kin.force[body, 2] += torque
 
 
 @jit
-def spring_geometry(spring, kin, k):
-    """Return the vector from mark a to mark b, its rate and both arms."""
-    a = spring.a[k]
-    b = spring.b[k]
-    ax, ay = arm(kin.pose, a, spring.point_a[k])
-    bx, by = arm(kin.pose, b, spring.point_b[k])
-    dx = kin.pose[b, 0] + bx - kin.pose[a, 0] - ax
-    dy = kin.pose[b, 1] + by - kin.pose[a, 1] - ay
-    ux = kin.motion[b, 0] - by * kin.motion[b, 2] - kin.motion[a, 0] + ay * kin.motion[a, 2]
-    uy = kin.motion[b, 1] + bx * kin.motion[b, 2] - kin.motion[a, 1] - ax * kin.motion[a, 2]
-    return dx, dy, ux, uy, ax, ay, bx, by
+def spring_separation(spring, kin, k):
+    """Return the Separation of a spring's marks."""
+    return separation(kin, spring.a[k], spring.b[k], spring.point_a[k], spring.point_b[k])
 
 
 @jit
@@ -85,32 +75,24 @@ def apply_springs(model, work):
     spring, kin, modes = springs_of(model), kinematics_of(work), contact_modes_of(model)
     for k in range(spring.a.shape[0]):
         a = spring.a[k]
-        b = spring.b[k]
-        dx, dy, ux, uy, ax, ay, bx, by = spring_geometry(spring, kin, k)
-        length = np.sqrt(dx * dx + dy * dy)
+        apart = spring_separation(spring, kin, k)
+        gap, rate, arm_a = apart.gap, apart.rate, apart.arm_a
+        length = np.sqrt(dot(gap, gap))
         stretch = length - spring.rest_length[k]
         if spring.isotropic[k] == 1:
-            ux += dy * kin.motion[a, 2]  # against body a's matter at b's mark, where both forces act
-            uy -= dx * kin.motion[a, 2]
-            ax += dx
-            ay += dy
-            fx = spring.stiffness[k] * dx + spring.damping[k] * ux
-            fy = spring.stiffness[k] * dy + spring.damping[k] * uy
+            # against body a's matter at b's mark, where both forces act
+            rate = minus(rate, times(kin.motion[a, 2], left(gap)))
+            arm_a = plus(arm_a, gap)
+            force = plus(times(spring.stiffness[k], gap), times(spring.damping[k], rate))
         elif length == 0.0:
-            fx = spring.damping[k] * ux  # no line of action: only the isotropic limit of the damper
-            fy = spring.damping[k] * uy
+            force = times(spring.damping[k], rate)  # no line of action: only the isotropic limit of the damper
         else:
-            tension = spring.stiffness[k] * stretch + spring.damping[k] * (dx * ux + dy * uy) / length
+            tension = spring.stiffness[k] * stretch + spring.damping[k] * dot(gap, rate) / length
             if spring.tension_only[k] == 1 and is_slack(modes, spring.place[k], stretch, tension):
                 tension = 0.0
-            fx = tension * dx / length
-            fy = tension * dy / length
-        kin.force[a, 0] += fx
-        kin.force[a, 1] += fy
-        kin.force[a, 2] += ax * fy - ay * fx
-        kin.force[b, 0] -= fx
-        kin.force[b, 1] -= fy
-        kin.force[b, 2] -= bx * fy - by * fx
+            force = over(times(tension, gap), length)
+        push(kin, a, arm_a, force)
+        push_back(kin, spring.b[k], apart.arm_b, force)
 
 
 @jit

@@ -15,20 +15,21 @@ from mbs_ref.kernels.contact.laws import (
     ROOTS_EACH,
 )
 from mbs_ref.kernels.jit import jit
-from mbs_ref.kernels.planar.loads import spring_geometry
+from mbs_ref.kernels.planar.loads import spring_separation
 from mbs_ref.kernels.planar.model import (
     contact_modes_of,
     kinematics_of,
     springs_of,
 )
+from mbs_ref.kernels.planar.vectors import dot
 
 
 @jit
 def _pull(spring, kin, k):
     """Return stretch, its rate, and the tension without any clipping."""
-    dx, dy, ux, uy, _, _, _, _ = spring_geometry(spring, kin, k)
-    length = np.sqrt(dx * dx + dy * dy)
-    rate = (dx * ux + dy * uy) / length if length > 0.0 else 0.0
+    apart = spring_separation(spring, kin, k)
+    length = np.sqrt(dot(apart.gap, apart.gap))
+    rate = dot(apart.gap, apart.rate) / length if length > 0.0 else 0.0
     stretch = length - spring.rest_length[k]
     return stretch, rate, spring.stiffness[k] * stretch + spring.damping[k] * rate
 

@@ -4,11 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from mbs_ref.kernels.contact.laws import (
-    ROOTS_EACH,
-)
+from mbs_ref.kernels.contact.laws import ROOTS_EACH
 from mbs_ref.kernels.jit import jit
-from mbs_ref.kernels.planar.joints import arm
+from mbs_ref.kernels.planar.marks import separation
 from mbs_ref.kernels.planar.model import (
     WATCH_DISTANCE,
     WATCH_RATE,
@@ -16,22 +14,17 @@ from mbs_ref.kernels.planar.model import (
     kinematics_of,
     watches_of,
 )
+from mbs_ref.kernels.planar.vectors import dot
 
 
 @jit
 def _watched(watches, kin, k):
     """Return the quantity above its value, and its rate where known, else 0."""
     a = watches.a[k]
-    b = watches.b[k]
     if watches.quantity[k] == WATCH_DISTANCE:
-        ax, ay = arm(kin.pose, a, watches.point_a[k])
-        bx, by = arm(kin.pose, b, watches.point_b[k])
-        dx = kin.pose[b, 0] + bx - kin.pose[a, 0] - ax
-        dy = kin.pose[b, 1] + by - kin.pose[a, 1] - ay
-        ux = kin.motion[b, 0] - by * kin.motion[b, 2] - kin.motion[a, 0] + ay * kin.motion[a, 2]
-        uy = kin.motion[b, 1] + bx * kin.motion[b, 2] - kin.motion[a, 1] - ax * kin.motion[a, 2]
-        length = np.sqrt(dx * dx + dy * dy)
-        rate = (dx * ux + dy * uy) / length if length > 0.0 else 0.0
+        apart = separation(kin, a, watches.b[k], watches.point_a[k], watches.point_b[k])
+        length = np.sqrt(dot(apart.gap, apart.gap))
+        rate = dot(apart.gap, apart.rate) / length if length > 0.0 else 0.0
         return length - watches.value[k], rate
     component = watches.component[k]
     if watches.quantity[k] == WATCH_RATE:

@@ -1,31 +1,15 @@
-"""Loop closures: a small Schur complement over the tree solution, rank-revealing.
+"""Loop closures in space (mbs_ref.kernels.rigid.closures).
 
-With T the tree's response operator and G the closure rows, (G T G^T) mu = G a_tree - gamma and
-a = a_tree - T G^T mu. Dependent rows get the minimum-norm mu. The rank never exceeds the mechanism's own
-(`closure_rank`): off the constraints, where an integrator's stages are, the redundant rows of an
-overconstrained loop such as Bricard's look independent by the square of the distance.
+The rank never exceeds the mechanism's own (`closure_rank`): off the constraints, where an integrator's stages are,
+the redundant rows of an overconstrained loop such as Bricard's look independent by the square of the distance.
 """
 
 from __future__ import annotations
 
-from mbs_ref.kernels.algebra.ldl import minimum_norm_solve, pivoted_cholesky
 from mbs_ref.kernels.jit import jit
-from mbs_ref.kernels.spatial.model import bodies_of, closures_of, kinematics_of, rows_of, slots_of, tree_of
+from mbs_ref.kernels.rigid.closures import factor_schur, fill_schur, load_row
+from mbs_ref.kernels.spatial.model import RATES, bodies_of, closures_of, kinematics_of, rows_of, slots_of, tree_of
 from mbs_ref.kernels.spatial.tree import solve_tree
-
-RANK_TOLERANCE = 1e-13  # of a closure pivot against the row's mobility without joints
-
-
-@jit
-def row_times(model, work, slot, row, acceleration):
-    """Return one constraint row applied to accelerations."""
-    slots, rows = slots_of(model), rows_of(work)
-    total = 0.0
-    for side in range(2):
-        body = slots.body[slot, side]
-        for c in range(6):
-            total += rows.jacobian[slot, side, row, c] * acceleration[body, c]
-    return total
 
 
 @jit
@@ -47,43 +31,11 @@ def _row_mobility(model, work, slot, row):
 @jit
 def factor_closures(model, work, zero_gamma):
     """Form T G^T column by column, then the Schur complement and its pivoted factor."""
-    slots, rows, tree, closures = slots_of(model), rows_of(work), tree_of(work), closures_of(work)
-    n = tree.free.shape[0]
+    slots, jacobian, tree, closures = slots_of(model), rows_of(work).jacobian, tree_of(work), closures_of(work)
     for r in range(slots.closure_slot.shape[0]):
-        slot = slots.closure_slot[r]
-        row = slots.closure_row[r]
-        for i in range(n + 1):
-            for c in range(6):
-                tree.load[i, c] = 0.0
-        for side in range(2):
-            body = slots.body[slot, side]
-            for c in range(6):
-                tree.load[body, c] += rows.jacobian[slot, side, row, c]
+        slot, row = slots.closure_slot[r], slots.closure_row[r]
+        load_row(RATES, slots.body, jacobian, slot, row, tree.load)
         solve_tree(model, work, zero_gamma, closures.columns[r], closures.column_multiplier[r])
         closures.scale[r] = _row_mobility(model, work, slot, row)
-        for other in range(r + 1):
-            value = row_times(model, work, slots.closure_slot[other], slots.closure_row[other], closures.columns[r])
-            closures.schur[r, other] = value
-            closures.schur[other, r] = value
-    closures.rank[0], closures.regularity[0] = pivoted_cholesky(
-        closures.schur, closures.scale, RANK_TOLERANCE, closures.lower, closures.order, slots.closure_rank[0]
-    )
-
-
-@jit
-def correct_for_closures(model, work, gamma, acceleration, multiplier):
-    """Turn the tree solution into the solution with closed loops."""
-    slots, closures = slots_of(model), closures_of(work)
-    n = acceleration.shape[0] - 1
-    for r in range(slots.closure_slot.shape[0]):
-        slot = slots.closure_slot[r]
-        row = slots.closure_row[r]
-        closures.rhs[r] = row_times(model, work, slot, row, acceleration) - gamma[slot, row]
-    minimum_norm_solve(closures.lower, closures.order, closures.rank[0], closures.gram, closures.rhs, closures.mu)
-    for r in range(slots.closure_slot.shape[0]):
-        mu = closures.mu[r]
-        multiplier[slots.closure_slot[r], slots.closure_row[r]] = mu
-        for i in range(n):
-            for c in range(6):
-                acceleration[i, c] -= mu * closures.columns[r, i, c]
-                multiplier[i, c] -= mu * closures.column_multiplier[r, i, c]
+        fill_schur(RATES, slots, jacobian, closures, r)
+    factor_schur(closures, slots.closure_rank[0])

@@ -11,7 +11,7 @@ import math
 
 import numpy as np
 
-from mbs_ref.kernels.border.questions import contact_mobility, derivative, factor, fill_rows, settle_grips, solve
+from mbs_ref.kernels.border.questions import contact_mobility, factor, fill_rows, settle_grips, solve
 from mbs_ref.kernels.contact.laws import (
     FRICTION_STICK_SLIP,
     GRIP_FORWARD,
@@ -38,6 +38,7 @@ from mbs_ref.kernels.contact.modes import (
     normal_roots,
 )
 from mbs_ref.kernels.jit import jit
+from mbs_ref.kernels.rigid.stopped_contacts import holding_forces
 from mbs_ref.kernels.spatial.contacts import (
     SLOW,
     contact_force,
@@ -60,12 +61,10 @@ from mbs_ref.kernels.spatial.model import (
     tree_of,
 )
 from mbs_ref.kernels.spatial.orientation import load_state
-from mbs_ref.kernels.spatial.vectors import cross, dot, turn_back
+from mbs_ref.kernels.spatial.vectors import add, cross, dot, negative, times, triple, turn_back
 
 COSINE = 0.5  # of the angle between slip and frozen direction at which the direction is frozen anew
-DIFFERENCE = 1e-6  # s, for the rate of a slip velocity
 TOGETHER = 10.0  # of the slip velocity that counts as a stop: so slow, a contact stops along with another one
-ACCURACY = 1e-18  # of the square of what is left of the slip rates: what differences resolve
 
 
 @jit
@@ -175,7 +174,7 @@ def _stop_together(model, work, y, g):
 
 
 @jit
-def spatial_transition(model, work, t, y, g, dy):
+def spatial_transition(model, work, t, span, y, g, dy):
     """Change the modes whose functions are negative, with impulses where rigid; return code and contact.
 
     dy is scratch of y's shape. Velocities in y change at rigid impacts, deflections where a contact sticks.
@@ -186,7 +185,7 @@ def spatial_transition(model, work, t, y, g, dy):
     for k in range(pairs.kind.shape[0]):
         if not is_broken(g, k):
             continue
-        if is_endless(modes, k, t):
+        if is_endless(modes, k, t, span):
             return ENDLESS, k
         load_state(model, work, y)
         touch = contact_geometry(pairs, kin, k)
@@ -222,22 +221,13 @@ def _log(modes, t, g):
 
 
 @jit
-def _slip_rates(model, work, t, y, dy, force, rates):
-    """Fill the rates of the slip velocities under probe forces (N), by differences along the motion."""
-    pairs, modes, kin = contact_pairs_of(model), contact_modes_of(model), kinematics_of(work)
-    count = pairs.kind.shape[0]
-    for k in range(count):
+def spatial_slip_velocities(model, work, y, out):
+    """Fill out (n_contacts, 2) with the slip velocities (m/s) at y of the contacts under probe, along their edges."""
+    pairs, modes = contact_pairs_of(model), contact_modes_of(model)
+    load_state(model, work, y)
+    for k in range(pairs.kind.shape[0]):
         if modes.grip[k] == GRIP_PROBE:
-            modes.anchor[k] = force[k]
-    derivative(model, work, t, y, dy)
-    rates[:, :] = 0.0
-    for sign in (1.0, -1.0):
-        load_state(model, work, y + sign * DIFFERENCE * dy)
-        for k in range(count):
-            if modes.grip[k] == GRIP_PROBE:
-                along, across = slip_along(contact_geometry(pairs, kin, k))
-                rates[k, 0] += 0.5 * sign / DIFFERENCE * along
-                rates[k, 1] += 0.5 * sign / DIFFERENCE * across
+            out[k, 0], out[k, 1] = slip_along(contact_geometry(pairs, kinematics_of(work), k))
 
 
 @jit
@@ -256,44 +246,14 @@ def _normal_loads(model, work, y, loads):
 
 
 @jit
-def _holding_forces(model, work, t, y, dy, loads, force):
-    """Find the friction that keeps the stopped contacts from slipping, by conjugate gradients.
-
-    The slip rates are linear in it. Where it is not unique, as under the corners of one block, preconditioning by
-    the normal loads gives the smallest in proportion to them: sum |F|^2 / N is least.
-    """
-    base = np.zeros_like(force)
-    change = np.zeros_like(force)
-    force[:, :] = 0.0
-    _slip_rates(model, work, t, y, dy, force, base)
-    residual = -base
-    direction = loads.reshape(-1, 1) * residual
-    square = np.sum(residual * direction)
-    least = ACCURACY * square
-    for _ in range(2 * force.shape[0] + 2):
-        if square <= least:
-            break
-        _slip_rates(model, work, t, y, dy, direction, change)
-        change -= base
-        curvature = np.sum(direction * change)
-        if not curvature > 0.0:
-            break
-        step = square / curvature
-        force += step * direction
-        residual -= step * change
-        before = square
-        square = np.sum(residual * (loads.reshape(-1, 1) * residual))
-        direction = loads.reshape(-1, 1) * residual + square / before * direction
-
-
-@jit
 def spatial_settle_grips(model, work, t, y, dy):
     """Let the stopped contacts stick where mu_s allows what holds them, else slide on against it."""
     laws, modes = contact_laws_of(model), contact_modes_of(model)
     loads = np.zeros(modes.grip.shape[0])
     force = np.zeros((modes.grip.shape[0], 2))
     if _normal_loads(model, work, y, loads) > 0.0:
-        _holding_forces(model, work, t, y, dy, loads, force)
+        pairs, mass = contact_pairs_of(model), bodies_of(model).mass
+        holding_forces(model, work, t, y, dy, modes, laws.grip_stiffness, pairs.a, pairs.b, mass, loads, force)
     for k in range(modes.grip.shape[0]):
         if modes.grip[k] != GRIP_PROBE:
             continue
@@ -357,18 +317,15 @@ def spatial_contact_mobility(model, work, t, y, k):
     n, on_a, on_b = touch.normal, touch.arm_a, touch.arm_b
     a, b = pairs.a[k], pairs.b[k]
     tree.load[:, :] = 0.0
-    p = cross(on_a[0], on_a[1], on_a[2], n[0], n[1], n[2])
-    q = cross(on_b[0], on_b[1], on_b[2], n[0], n[1], n[2])
-    for c in range(3):
-        tree.load[a, c] += n[c]
-        tree.load[a, 3 + c] += p[c]
-        tree.load[b, c] -= n[c]
-        tree.load[b, 3 + c] -= q[c]
+    p, q = cross(on_a, n), cross(on_b, n)
+    add(tree.load[a], 0, n)
+    add(tree.load[a], 3, p)
+    add(tree.load[b], 0, negative(n))
+    add(tree.load[b], 3, negative(q))
     rows.gamma[:, :] = 0.0
     solve(model, work, rows.gamma)
     x, z = tree.acceleration[a], tree.acceleration[b]
-    mobility = dot(n[0], n[1], n[2], x[0], x[1], x[2]) + dot(p[0], p[1], p[2], x[3], x[4], x[5])
-    return mobility - dot(n[0], n[1], n[2], z[0], z[1], z[2]) - dot(q[0], q[1], q[2], z[3], z[4], z[5])
+    return dot(n, x) + dot(p, triple(x, 3)) - dot(n, z) - dot(q, triple(z, 3))
 
 
 @jit
@@ -382,12 +339,9 @@ def _impact(model, work, t, y, k):
     impulse = -(1.0 + laws.restitution[k]) * closing / mobility
     for i in range(bodies.mass.shape[0]):
         v = bodies.v[i]
-        for c in range(3):
-            y[v + c] += impulse * response[i, c]
+        add(y, v, times(impulse, response[i]))
         if bodies.rigid[i] == 1:
-            turned = turn_back(kin.turned[i], response[i, 3], response[i, 4], response[i, 5])
-            for c in range(3):
-                y[v + 3 + c] += impulse * turned[c]
+            add(y, v + 3, times(impulse, turn_back(kin.turned[i], triple(response[i], 3))))
 
 
 @jit

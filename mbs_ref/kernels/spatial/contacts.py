@@ -24,7 +24,7 @@ from mbs_ref.kernels.contact.laws import (
 )
 from mbs_ref.kernels.contact.near_pairs import refresh
 from mbs_ref.kernels.jit import jit
-from mbs_ref.kernels.spatial.loads import push
+from mbs_ref.kernels.spatial.marks import push
 from mbs_ref.kernels.spatial.model import (
     PAIR_PLANE,
     contact_laws_of,
@@ -34,7 +34,7 @@ from mbs_ref.kernels.spatial.model import (
     kinematics_of,
     near_pairs_of,
 )
-from mbs_ref.kernels.spatial.vectors import cross, dot, turn
+from mbs_ref.kernels.spatial.vectors import cross, dot, minus, negative, over, plus, put, times, turn
 
 SLOW = 1e5  # of the modes' noise, 1e-8 m/s: below, the direction of sliding is the frozen one, not roundoff's
 
@@ -56,33 +56,26 @@ class Touch(NamedTuple):
 @jit
 def _on_plane(pairs, k, x, e, f, n):
     """Return the gap, the outward normal and how far the centre is beyond an open end."""
-    along = dot(x[0], x[1], x[2], e[0], e[1], e[2])
-    across = dot(x[0], x[1], x[2], f[0], f[1], f[2])
-    above = dot(x[0], x[1], x[2], n[0], n[1], n[2])
-    over = abs(along) - pairs.half[k, 0]
-    past = abs(across) - pairs.half[k, 1]
+    along, across, above = dot(x, e), dot(x, f), dot(x, n)
+    past_e = abs(along) - pairs.half[k, 0]
+    past_f = abs(across) - pairs.half[k, 1]
     if pairs.ends[k] == ENDS_OPEN:
-        return above - pairs.radius[k], n, max(over, past)
-    if pairs.ends[k] == ENDS_CAPPED and (over > 0.0 or past > 0.0):
-        p = math.copysign(max(over, 0.0), along)
-        q = math.copysign(max(past, 0.0), across)
+        return above - pairs.radius[k], n, max(past_e, past_f)
+    if pairs.ends[k] == ENDS_CAPPED and (past_e > 0.0 or past_f > 0.0):
+        p = math.copysign(max(past_e, 0.0), along)
+        q = math.copysign(max(past_f, 0.0), across)
         distance = math.sqrt(p * p + q * q + above * above)
-        outward = (
-            (p * e[0] + q * f[0] + above * n[0]) / distance,
-            (p * e[1] + q * f[1] + above * n[1]) / distance,
-            (p * e[2] + q * f[2] + above * n[2]) / distance,
-        )
+        outward = over(plus(plus(times(p, e), times(q, f)), times(above, n)), distance)
         return distance - pairs.radius[k], outward, -1.0
     return above - pairs.radius[k], n, -1.0
 
 
 @jit
 def _on_sphere(pairs, k, x, n):
-    distance = math.sqrt(x[0] * x[0] + x[1] * x[1] + x[2] * x[2])
+    distance = math.sqrt(dot(x, x))
     if distance == 0.0:
         return -pairs.radius[k] - pairs.half[k, 0], n, -1.0
-    outward = (x[0] / distance, x[1] / distance, x[2] / distance)
-    return distance - pairs.radius[k] - pairs.half[k, 0], outward, -1.0
+    return distance - pairs.radius[k] - pairs.half[k, 0], over(x, distance), -1.0
 
 
 @jit
@@ -91,12 +84,8 @@ def contact_geometry(pairs, kin, k):
     a, b = pairs.a[k], pairs.b[k]
     c = turn(kin.turned[a], pairs.center[k])
     o = turn(kin.turned[b], pairs.origin[k])
-    apart = (
-        kin.position[a, 0] - kin.position[b, 0],
-        kin.position[a, 1] - kin.position[b, 1],
-        kin.position[a, 2] - kin.position[b, 2],
-    )
-    x = (apart[0] + c[0] - o[0], apart[1] + c[1] - o[1], apart[2] + c[2] - o[2])
+    apart = minus(kin.position[a], kin.position[b])
+    x = minus(plus(apart, c), o)
     e = turn(kin.turned[b], pairs.axes[k, 0])
     f = turn(kin.turned[b], pairs.axes[k, 1])
     n = turn(kin.turned[b], pairs.axes[k, 2])
@@ -104,23 +93,18 @@ def contact_geometry(pairs, kin, k):
         gap, n, beyond = _on_plane(pairs, k, x, e, f, n)
     else:
         gap, n, beyond = _on_sphere(pairs, k, x, n)
-    r = pairs.radius[k]
-    on_a = (c[0] - r * n[0], c[1] - r * n[1], c[2] - r * n[2])
-    on_b = (apart[0] + on_a[0], apart[1] + on_a[1], apart[2] + on_a[2])
-    wa, wb, va, vb = kin.omega[a], kin.omega[b], kin.velocity[a], kin.velocity[b]
-    p = cross(wa[0], wa[1], wa[2], on_a[0], on_a[1], on_a[2])
-    q = cross(wb[0], wb[1], wb[2], on_b[0], on_b[1], on_b[2])
-    u = (va[0] + p[0] - vb[0] - q[0], va[1] + p[1] - vb[1] - q[1], va[2] + p[2] - vb[2] - q[2])
-    closing = dot(n[0], n[1], n[2], u[0], u[1], u[2])
-    slip = (u[0] - closing * n[0], u[1] - closing * n[1], u[2] - closing * n[2])
-    return Touch(gap, closing, beyond, n, slip, on_a, on_b, e, f)
+    on_a = minus(c, times(pairs.radius[k], n))
+    on_b = plus(apart, on_a)
+    u = plus(kin.velocity[a], cross(kin.omega[a], on_a))
+    u = minus(minus(u, kin.velocity[b]), cross(kin.omega[b], on_b))
+    closing = dot(n, u)
+    return Touch(gap, closing, beyond, n, minus(u, times(closing, n)), on_a, on_b, e, f)
 
 
 @jit
 def slip_along(touch):
     """Return the slip velocity along the plane's edges, m/s."""
-    s, e, f = touch.slip, touch.edge_1, touch.edge_2
-    return dot(s[0], s[1], s[2], e[0], e[1], e[2]), dot(s[0], s[1], s[2], f[0], f[1], f[2])
+    return dot(touch.slip, touch.edge_1), dot(touch.slip, touch.edge_2)
 
 
 @jit
@@ -163,17 +147,14 @@ def friction_force(laws, modes, grips, pairs, k, normal, touch):
     """Return the friction on body a, world axes, N."""
     if laws.friction[k] == FRICTION_NONE:
         return 0.0, 0.0, 0.0
-    s = touch.slip
     if laws.friction[k] == FRICTION_SMOOTH:
-        speed = math.sqrt(s[0] * s[0] + s[1] * s[1] + s[2] * s[2])
+        speed = math.sqrt(dot(touch.slip, touch.slip))
         ratio = speed / laws.creep[k]
         share = 1.0 / laws.creep[k] if ratio < 1e-8 else math.tanh(ratio) / speed
-        share *= -laws.coefficient[k] * normal
-        return share * s[0], share * s[1], share * s[2]
+        return times(share * (-laws.coefficient[k] * normal), touch.slip)
     along, across = slip_along(touch)
     p, q = grip_force(laws, modes, grips, pairs, k, normal, along, across)
-    e, f = touch.edge_1, touch.edge_2
-    return p * e[0] + q * f[0], p * e[1] + q * f[1], p * e[2] + q * f[2]
+    return plus(times(p, touch.edge_1), times(q, touch.edge_2))
 
 
 @jit
@@ -182,9 +163,7 @@ def find_near(model, work):
     near, kin = near_pairs_of(model), kinematics_of(work)
     for s in range(near.body.shape[0]):
         body = near.body[s]
-        place = turn(kin.turned[body], near.center[s])
-        for c in range(3):
-            near.place[s, c] = kin.position[body, c] + place[c]
+        put(near.place[s], 0, plus(kin.position[body], turn(kin.turned[body], near.center[s])))
     refresh(near, contact_modes_of(model))
 
 
@@ -203,9 +182,8 @@ def contact_force(model, work, k, touch):
     normal = normal_force(laws, modes, k, -touch.gap, -touch.closing)
     if modes.mode[k] == MODE_PLAIN and laws.release[k] == RELEASE_FORCE:
         normal = max(normal, 0.0)
-    t0, t1, t2 = friction_force(laws, modes, grips_of(work), pairs, k, normal, touch)
-    n = touch.normal
-    return normal * n[0] + t0, normal * n[1] + t1, normal * n[2] + t2
+    friction = friction_force(laws, modes, grips_of(work), pairs, k, normal, touch)
+    return plus(times(normal, touch.normal), friction)
 
 
 @jit
@@ -224,10 +202,9 @@ def apply_contacts(model, work):
         touch = contact_geometry(pairs, kin, k)
         if not is_touching(pairs, modes, k, touch):
             continue
-        f0, f1, f2 = contact_force(model, work, k, touch)
-        a, b = touch.arm_a, touch.arm_b
-        push(kin, pairs.a[k], a[0], a[1], a[2], f0, f1, f2)
-        push(kin, pairs.b[k], b[0], b[1], b[2], -f0, -f1, -f2)
+        force = contact_force(model, work, k, touch)
+        push(kin, pairs.a[k], touch.arm_a, force)
+        push(kin, pairs.b[k], touch.arm_b, negative(force))
 
 
 @jit

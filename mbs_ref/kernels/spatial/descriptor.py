@@ -11,10 +11,10 @@ import numpy as np
 
 from mbs_ref.kernels.border.questions import apply_loads, factor, fill_rows, solve
 from mbs_ref.kernels.jit import jit
-from mbs_ref.kernels.spatial.contacts import apply_contacts
+from mbs_ref.kernels.rows import take_reactions
 from mbs_ref.kernels.spatial.model import bodies_of, kinematics_of, rows_of, slots_of, tree_of
-from mbs_ref.kernels.spatial.orientation import load_state
-from mbs_ref.kernels.spatial.vectors import symmetric_times, turn, turn_back
+from mbs_ref.kernels.spatial.orientation import load_state, parameters, put_parameters
+from mbs_ref.kernels.spatial.vectors import add, dot, put, symmetric_times, times, triple, turn, turn_back
 
 
 @jit
@@ -33,17 +33,9 @@ def spatial_force_balance(model, work, t, y, lam, out):
     bodies, slots, rows, kin = bodies_of(model), slots_of(model), rows_of(work), kinematics_of(work)
     load_state(model, work, y)
     apply_loads(model, work, t)
-    apply_contacts(model, work)
     fill_rows(model, work, t)
-    n = bodies.mass.shape[0]
-    for slot in range(slots.body.shape[0]):
-        for side in range(2):
-            body = slots.body[slot, side]
-            for row in range(slots.count[slot]):
-                for c in range(6):
-                    kin.force[body, c] -= rows.jacobian[slot, side, row, c] * lam[slot, row]
-    for c in range(6):
-        kin.force[n, c] = 0.0
+    take_reactions(kin.force, slots.body, rows.jacobian, lam)
+    kin.force[bodies.mass.shape[0]] = 0.0
     _to_body(model, work, kin.force, out)
 
 
@@ -57,7 +49,7 @@ def _to_body(model, work, world, out):
         for c in range(3):
             out[k + c] = world[i, c]
         if bodies.rigid[i] == 1:
-            out[k + 3], out[k + 4], out[k + 5] = turn_back(kin.turned[i], world[i, 3], world[i, 4], world[i, 5])
+            put(out, k + 3, turn_back(kin.turned[i], triple(world[i], 3)))
 
 
 @jit
@@ -70,9 +62,7 @@ def spatial_times_mass(model, rate, out):
         for c in range(3):
             out[k + c] = bodies.mass[i] * rate[k + c]
         if bodies.rigid[i] == 1:
-            out[k + 3], out[k + 4], out[k + 5] = symmetric_times(
-                bodies.inertia[i], rate[k + 3], rate[k + 4], rate[k + 5]
-            )
+            put(out, k + 3, symmetric_times(bodies.inertia[i], triple(rate, k + 3)))
 
 
 @jit
@@ -87,7 +77,7 @@ def spatial_answer(model, work, balance, out):
             tree.load[i, c] = balance[k + c]
             tree.load[i, 3 + c] = 0.0
         if bodies.rigid[i] == 1:
-            tree.load[i, 3], tree.load[i, 4], tree.load[i, 5] = turn(kin.turned[i], balance[k + 3 : k + 6])
+            put(tree.load[i], 3, turn(kin.turned[i], triple(balance, k + 3)))
     solve(model, work, rows_of(work).gamma)
     _to_body(model, work, tree.acceleration, out)
 
@@ -103,10 +93,9 @@ def _row_times(model, work, slot, row, rate):
         if body < bodies.mass.shape[0]:
             k = bodies.v[body] - start
             g = rows.jacobian[slot, side, row]
-            total += g[0] * rate[k] + g[1] * rate[k + 1] + g[2] * rate[k + 2]
+            total += dot(g, triple(rate, k))
             if bodies.rigid[body] == 1:
-                w0, w1, w2 = turn(kin.turned[body], rate[k + 3 : k + 6])
-                total += g[3] * w0 + g[4] * w1 + g[5] * w2
+                total += dot(triple(g, 3), turn(kin.turned[body], triple(rate, k + 3)))
     return total
 
 
@@ -127,13 +116,9 @@ def spatial_add_row(model, work, slot, row, factor, out):
         if body < bodies.mass.shape[0]:
             k = bodies.v[body] - start
             g = rows.jacobian[slot, side, row]
-            for c in range(3):
-                out[k + c] += factor * g[c]
+            add(out, k, times(factor, g))
             if bodies.rigid[body] == 1:
-                w0, w1, w2 = turn_back(kin.turned[body], g[3], g[4], g[5])
-                out[k + 3] += factor * w0
-                out[k + 4] += factor * w1
-                out[k + 5] += factor * w2
+                add(out, k + 3, times(factor, turn_back(kin.turned[body], triple(g, 3))))
 
 
 @jit
@@ -144,8 +129,10 @@ def spatial_subtract_rows(model, work, slots, rows, factors, out):
 
 
 @jit
-def _parameters_times(e0, e1, e2, e3, s, x, y, z):
-    """Return the product of theta and the quaternion (s, x, y, z)."""
+def _parameters_times(theta, s, v):
+    """Return the product of theta and the quaternion (s, v)."""
+    e0, e1, e2, e3 = theta
+    x, y, z = v
     return (
         e0 * s - e1 * x - e2 * y - e3 * z,
         e0 * x + e1 * s + e2 * z - e3 * y,
@@ -165,12 +152,10 @@ def spatial_displace(model, y, move, out):
         for c in range(3):
             out[q + c] = y[q + c] + move[k + c]
         if bodies.rigid[i] == 1:
-            square = move[k + 3] * move[k + 3] + move[k + 4] * move[k + 4] + move[k + 5] * move[k + 5]
-            half = 0.5 * np.sqrt(square)
+            turning = triple(move, k + 3)
+            half = 0.5 * np.sqrt(dot(turning, turning))
             s = 0.5 if half < 1e-8 else 0.5 * np.sin(half) / half
-            out[q + 3], out[q + 4], out[q + 5], out[q + 6] = _parameters_times(
-                y[q + 3], y[q + 4], y[q + 5], y[q + 6], np.cos(half), s * move[k + 3], s * move[k + 4], s * move[k + 5]
-            )
+            put_parameters(out, q + 3, _parameters_times(parameters(y, q + 3), np.cos(half), times(s, turning)))
 
 
 @jit
@@ -184,9 +169,8 @@ def spatial_position_rate(model, y, rate, out):
         for c in range(3):
             out[q + c] = rate[k + c]
         if bodies.rigid[i] == 1:
-            out[q + 3], out[q + 4], out[q + 5], out[q + 6] = _parameters_times(
-                y[q + 3], y[q + 4], y[q + 5], y[q + 6], 0.0, 0.5 * rate[k + 3], 0.5 * rate[k + 4], 0.5 * rate[k + 5]
-            )
+            half = times(0.5, triple(rate, k + 3))
+            put_parameters(out, q + 3, _parameters_times(parameters(y, q + 3), 0.0, half))
 
 
 @jit

@@ -13,12 +13,22 @@ from __future__ import annotations
 
 from mbs_ref.kernels.algebra.refinement import refinements
 from mbs_ref.kernels.border.questions import accelerate, apply_loads, factor, fill_rows, solve
-from mbs_ref.kernels.controls import CONTROL_POSITION_GAIN, CONTROL_VELOCITY_GAIN
 from mbs_ref.kernels.jit import jit
-from mbs_ref.kernels.rows import add_to, copy_rows, largest_entry, stabilize, take_accelerations, take_reactions
-from mbs_ref.kernels.spatial.closure import correct_for_closures, factor_closures, row_times
-from mbs_ref.kernels.spatial.contacts import apply_contacts, fill_deflection_rates
+from mbs_ref.kernels.rigid.closures import correct_for_closures, row_times
+from mbs_ref.kernels.rows import (
+    add_to,
+    clear,
+    copy_rows,
+    largest_entry,
+    negate,
+    stabilize,
+    take_accelerations,
+    take_reactions,
+)
+from mbs_ref.kernels.spatial.closure import factor_closures
+from mbs_ref.kernels.spatial.contacts import fill_deflection_rates
 from mbs_ref.kernels.spatial.model import (
+    RATES,
     bodies_of,
     closures_of,
     kinematics_of,
@@ -27,9 +37,16 @@ from mbs_ref.kernels.spatial.model import (
     tree_of,
     world_of,
 )
-from mbs_ref.kernels.spatial.orientation import load_state, theta_rate, turn_theta, turning_of
+from mbs_ref.kernels.spatial.orientation import (
+    load_state,
+    parameters,
+    put_parameters,
+    theta_rate,
+    turn_theta,
+    turning_of,
+)
 from mbs_ref.kernels.spatial.tree import factor_tree, solve_tree
-from mbs_ref.kernels.spatial.vectors import symmetric_times, turn, turn_back
+from mbs_ref.kernels.spatial.vectors import add, minus, put, symmetric_times, triple, turn, turn_back
 
 
 @jit
@@ -38,26 +55,19 @@ def spatial_factor(model, work):
     factor_tree(model, work)
     if slots_of(model).closure_slot.shape[0] > 0:
         zero = rows_of(work).multiplier
-        for i in range(zero.shape[0]):
-            for c in range(6):
-                zero[i, c] = 0.0
+        clear(zero)
         factor_closures(model, work, zero)
 
 
 @jit
 def spatial_solve(model, work, gamma):
     """Solve the augmented system for the tree's load and `gamma` into its acceleration and the multipliers."""
-    acceleration, multiplier = tree_of(work).acceleration, rows_of(work).multiplier
-    solve_tree(model, work, gamma, acceleration, multiplier)
-    if slots_of(model).closure_slot.shape[0] > 0:
-        correct_for_closures(model, work, gamma, acceleration, multiplier)
-
-
-@jit
-def _stabilize(model, work):
-    """gamma -= 2 g C_dot + g^2 C (Baumgarte 1972); the norms need none, their size has no effect."""
-    control, rows = world_of(model).control, rows_of(work)
-    stabilize(control[CONTROL_VELOCITY_GAIN], control[CONTROL_POSITION_GAIN], rows.gamma, rows.rate, rows.residual)
+    slots, rows, acceleration = slots_of(model), rows_of(work), tree_of(work).acceleration
+    solve_tree(model, work, gamma, acceleration, rows.multiplier)
+    if slots.closure_slot.shape[0] > 0:
+        correct_for_closures(
+            RATES, slots, rows.jacobian, closures_of(work), gamma, acceleration, rows.multiplier
+        )
 
 
 @jit
@@ -70,10 +80,7 @@ def _refine(model, work):
     for i in range(bodies.mass.shape[0]):
         for c in range(3):
             load[i, c] = kin.force[i, c] - bodies.mass[i] * first[i, c]
-        x, y, z = symmetric_times(kin.inertia[i], first[i, 3], first[i, 4], first[i, 5])
-        load[i, 3] = kin.force[i, 3] - x
-        load[i, 4] = kin.force[i, 4] - y
-        load[i, 5] = kin.force[i, 5] - z
+        put(load[i], 3, minus(triple(kin.force[i], 3), symmetric_times(kin.inertia[i], triple(first[i], 3))))
     take_reactions(load, slots.body, rows.jacobian, multiplier)
     take_accelerations(gamma, slots.body, rows.jacobian, first)
     solve(model, work, gamma)
@@ -86,15 +93,12 @@ def spatial_accelerate(model, work, t, y):
     """Compute accelerations and multipliers at (t, y) into `work`."""
     load_state(model, work, y)
     apply_loads(model, work, t)
-    apply_contacts(model, work)
     fill_rows(model, work, t)
-    _stabilize(model, work)
+    rows = rows_of(work)
+    stabilize(world_of(model).control, rows.gamma, rows.rate, rows.residual)  # the norms need none: they act on nothing
     factor(model, work)
-    load, force = tree_of(work).load, kinematics_of(work).force
-    for i in range(load.shape[0]):
-        for c in range(6):
-            load[i, c] = force[i, c]
-    solve(model, work, rows_of(work).gamma)
+    copy_rows(kinematics_of(work).force, tree_of(work).load)
+    solve(model, work, rows.gamma)
     for _ in range(refinements(closures_of(work).regularity[0])):
         _refine(model, work)
 
@@ -107,16 +111,13 @@ def spatial_derivative(model, work, t, y, dy):
     for i in range(bodies.mass.shape[0]):
         q = bodies.q[i]
         v = bodies.v[i]
-        a = acceleration[i]
         for c in range(3):
             dy[q + c] = y[v + c]
             dy[v + c] = acceleration[i, c]
         if bodies.rigid[i] == 1:
-            dy[q + 3], dy[q + 4], dy[q + 5], dy[q + 6] = theta_rate(
-                y[q + 3], y[q + 4], y[q + 5], y[q + 6], kin.omega[i, 0], kin.omega[i, 1], kin.omega[i, 2]
-            )
+            put_parameters(dy, q + 3, theta_rate(parameters(y, q + 3), triple(kin.omega[i], 0)))
             # omega_body' = A^T alpha: the body axes' own turning drops out
-            dy[v + 3], dy[v + 4], dy[v + 5] = turn_back(kin.turned[i], a[3], a[4], a[5])
+            put(dy, v + 3, turn_back(kin.turned[i], triple(acceleration[i], 3)))
     fill_deflection_rates(model, work, dy)
 
 
@@ -154,12 +155,8 @@ def _largest_norm(model, work):
 def _response(model, work, defect):
     """Solve for the mass-weighted least-squares correction that removes `defect`."""
     tree, gamma = tree_of(work), rows_of(work).gamma
-    for i in range(defect.shape[0]):
-        for c in range(6):
-            gamma[i, c] = -defect[i, c]
-    for i in range(tree.load.shape[0]):
-        for c in range(6):
-            tree.load[i, c] = 0.0
+    negate(defect, gamma)
+    clear(tree.load)
     solve(model, work, gamma)
 
 
@@ -169,14 +166,9 @@ def _correct_rates(model, work, y):
     bodies, kin, acceleration = bodies_of(model), kinematics_of(work), tree_of(work).acceleration
     for i in range(bodies.mass.shape[0]):
         v = bodies.v[i]
-        a = acceleration[i]
-        for c in range(3):
-            y[v + c] += a[c]
+        add(y, v, acceleration[i])
         if bodies.rigid[i] == 1:
-            w0, w1, w2 = turn_back(kin.turned[i], a[3], a[4], a[5])
-            y[v + 3] += w0
-            y[v + 4] += w1
-            y[v + 5] += w2
+            add(y, v + 3, turn_back(kin.turned[i], triple(acceleration[i], 3)))
 
 
 @jit
@@ -185,22 +177,20 @@ def _correct_places(model, work, y):
     bodies, acceleration = bodies_of(model), tree_of(work).acceleration
     for i in range(bodies.mass.shape[0]):
         q = bodies.q[i]
-        for c in range(3):
-            y[q + c] += acceleration[i, c]
+        add(y, q, acceleration[i])
         if bodies.rigid[i] == 1:
-            turn_theta(y, q + 3, acceleration[i, 3], acceleration[i, 4], acceleration[i, 5])
+            turn_theta(y, q + 3, triple(acceleration[i], 3))
 
 
 @jit
 def _removed(model, work):
     """Turn the increments in the tree's acceleration into the correction that lets them keep the rows."""
-    acceleration, rate = tree_of(work).acceleration, rows_of(work).rate
-    for slot in range(rate.shape[0]):
-        for row in range(slots_of(model).count[slot]):
-            rate[slot, row] = row_times(model, work, slot, row, acceleration)
-        for row in range(slots_of(model).count[slot], 6):
-            rate[slot, row] = 0.0
-    _response(model, work, rate)
+    slots, rows, acceleration = slots_of(model), rows_of(work), tree_of(work).acceleration
+    clear(rows.rate)
+    for slot in range(rows.rate.shape[0]):
+        for row in range(slots.count[slot]):
+            rows.rate[slot, row] = row_times(RATES, slots.body, rows.jacobian, slot, row, acceleration)
+    _response(model, work, rows.rate)
 
 
 @jit
@@ -213,36 +203,25 @@ def spatial_tangent(model, work, x):
     n = bodies.mass.shape[0]
     for i in range(n):
         q = bodies.q[i]
-        e = kin.theta[i]
-        for c in range(3):
-            acceleration[i, c] = x[q + c]
+        put(acceleration[i], 0, triple(x, q))
         if bodies.rigid[i] == 1:
-            acceleration[i, 3], acceleration[i, 4], acceleration[i, 5] = turning_of(
-                e[0], e[1], e[2], e[3], x[q + 3], x[q + 4], x[q + 5], x[q + 6]
-            )
-            x[q + 3], x[q + 4], x[q + 5], x[q + 6] = theta_rate(
-                e[0], e[1], e[2], e[3], acceleration[i, 3], acceleration[i, 4], acceleration[i, 5]
-            )
+            theta = parameters(kin.theta[i], 0)
+            turning = turning_of(theta, parameters(x, q + 3))
+            put(acceleration[i], 3, turning)
+            put_parameters(x, q + 3, theta_rate(theta, turning))
     _removed(model, work)
     for i in range(n):
         q = bodies.q[i]
-        e = kin.theta[i]
-        for c in range(3):
-            x[q + c] += acceleration[i, c]
+        add(x, q, acceleration[i])
         if bodies.rigid[i] == 1:
-            d0, d1, d2, d3 = theta_rate(
-                e[0], e[1], e[2], e[3], acceleration[i, 3], acceleration[i, 4], acceleration[i, 5]
-            )
-            x[q + 3] += d0
-            x[q + 4] += d1
-            x[q + 5] += d2
-            x[q + 6] += d3
+            change = theta_rate(parameters(kin.theta[i], 0), triple(acceleration[i], 3))
+            for c in range(4):
+                x[q + 3 + c] += change[c]
     for i in range(n):
         v = bodies.v[i]
-        for c in range(3):
-            acceleration[i, c] = x[v + c]
+        put(acceleration[i], 0, triple(x, v))
         if bodies.rigid[i] == 1:
-            acceleration[i, 3], acceleration[i, 4], acceleration[i, 5] = turn(kin.turned[i], x[v + 3 : v + 6])
+            put(acceleration[i], 3, turn(kin.turned[i], triple(x, v + 3)))
     _removed(model, work)
     _correct_rates(model, work, x)
 
@@ -253,7 +232,7 @@ def _normalize(model, y):
     bodies = bodies_of(model)
     for i in range(bodies.mass.shape[0]):
         if bodies.rigid[i] == 1:
-            turn_theta(y, bodies.q[i] + 3, 0.0, 0.0, 0.0)
+            turn_theta(y, bodies.q[i] + 3, (0.0, 0.0, 0.0))
 
 
 @jit

@@ -10,12 +10,25 @@ import numpy as np
 
 from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.spatial.model import bodies_of, grips_of, kinematics_of
-from mbs_ref.kernels.spatial.vectors import turn
+from mbs_ref.kernels.spatial.vectors import put, triple, turn
 
 
 @jit
-def rotation(e0, e1, e2, e3, turned):
+def parameters(row, k):
+    """Return row[k : k + 4]."""
+    return row[k], row[k + 1], row[k + 2], row[k + 3]
+
+
+@jit
+def put_parameters(row, k, theta):
+    """row[k : k + 4] = theta."""
+    row[k], row[k + 1], row[k + 2], row[k + 3] = theta
+
+
+@jit
+def rotation(theta, turned):
     """Write A(theta / |theta|) and return theta . theta."""
+    e0, e1, e2, e3 = theta
     square = e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3
     s = 2.0 / square
     turned[0, 0] = 1.0 - s * (e2 * e2 + e3 * e3)
@@ -31,8 +44,10 @@ def rotation(e0, e1, e2, e3, turned):
 
 
 @jit
-def theta_rate(e0, e1, e2, e3, w0, w1, w2):
+def theta_rate(theta, w):
     """Return E^T w / 2."""
+    e0, e1, e2, e3 = theta
+    w0, w1, w2 = w
     return (
         -0.5 * (w0 * e1 + w1 * e2 + w2 * e3),
         0.5 * (e0 * w0 + w1 * e3 - w2 * e2),
@@ -42,8 +57,10 @@ def theta_rate(e0, e1, e2, e3, w0, w1, w2):
 
 
 @jit
-def turning_of(e0, e1, e2, e3, d0, d1, d2, d3):
+def turning_of(theta, change):
     """Return 2 E d / |theta|^2: the small rotation (world) that a change d of theta means."""
+    e0, e1, e2, e3 = theta
+    d0, d1, d2, d3 = change
     s = 2.0 / (e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3)
     return (
         s * (e0 * d1 - d0 * e1 + e2 * d3 - e3 * d2),
@@ -80,8 +97,8 @@ def load_state(model, work, y):
         if bodies.rigid[i] == 1:
             for c in range(4):
                 kin.theta[i, c] = y[q + 3 + c]
-            kin.norm[i] = rotation(y[q + 3], y[q + 4], y[q + 5], y[q + 6], kin.turned[i]) - 1.0
-            kin.omega[i, 0], kin.omega[i, 1], kin.omega[i, 2] = turn(kin.turned[i], y[v + 3 : v + 6])
+            kin.norm[i] = rotation(parameters(y, q + 3), kin.turned[i]) - 1.0
+            put(kin.omega[i], 0, turn(kin.turned[i], triple(y, v + 3)))
             _world_inertia(kin.turned[i], bodies.inertia[i], kin.inertia[i])
     deflection = grips_of(work).deflection
     first = y.shape[0] - 2 * deflection.shape[0]
@@ -91,15 +108,9 @@ def load_state(model, work, y):
 
 
 @jit
-def turn_theta(y, q, d0, d1, d2):
-    """Turn the Euler parameters at y[q:q + 4] by a small world rotation, to norm one."""
-    p0, p1, p2, p3 = theta_rate(y[q], y[q + 1], y[q + 2], y[q + 3], d0, d1, d2)
-    e0 = y[q] + p0
-    e1 = y[q + 1] + p1
-    e2 = y[q + 2] + p2
-    e3 = y[q + 3] + p3
+def turn_theta(y, q, turning):
+    """Turn the Euler parameters at y[q : q + 4] by a small world rotation, to norm one."""
+    change = theta_rate(parameters(y, q), turning)
+    e0, e1, e2, e3 = y[q] + change[0], y[q + 1] + change[1], y[q + 2] + change[2], y[q + 3] + change[3]
     s = 1.0 / np.sqrt(e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3)
-    y[q] = s * e0
-    y[q + 1] = s * e1
-    y[q + 2] = s * e2
-    y[q + 3] = s * e3
+    put_parameters(y, q, (s * e0, s * e1, s * e2, s * e3))

@@ -1,4 +1,4 @@
-"""Three-vectors as scalars: what the spatial kernels are written in."""
+"""Vectors of three numbers. What is computed is a triple; rows of arrays are taken as well as triples."""
 
 from __future__ import annotations
 
@@ -6,13 +6,60 @@ from mbs_ref.kernels.jit import jit
 
 
 @jit
-def cross(a0, a1, a2, b0, b1, b2):
-    return a1 * b2 - a2 * b1, a2 * b0 - a0 * b2, a0 * b1 - a1 * b0
+def triple(row, k):
+    """Return row[k : k + 3]."""
+    return row[k], row[k + 1], row[k + 2]
 
 
 @jit
-def dot(a0, a1, a2, b0, b1, b2):
-    return a0 * b0 + a1 * b1 + a2 * b2
+def put(row, k, a):
+    """row[k : k + 3] = a."""
+    row[k] = a[0]
+    row[k + 1] = a[1]
+    row[k + 2] = a[2]
+
+
+@jit
+def plus(a, b):
+    return a[0] + b[0], a[1] + b[1], a[2] + b[2]
+
+
+@jit
+def minus(a, b):
+    return a[0] - b[0], a[1] - b[1], a[2] - b[2]
+
+
+@jit
+def negative(a):
+    return -a[0], -a[1], -a[2]
+
+
+@jit
+def times(factor, a):
+    return factor * a[0], factor * a[1], factor * a[2]
+
+
+@jit
+def over(a, divisor):
+    return a[0] / divisor, a[1] / divisor, a[2] / divisor
+
+
+@jit
+def cross(a, b):
+    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
+
+
+@jit
+def dot(a, b):
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+@jit
+def add(row, k, a):
+    """row[k : k + 3] += a."""
+    row[k] += a[0]
+    row[k + 1] += a[1]
+    row[k + 2] += a[2]
 
 
 @jit
@@ -26,27 +73,20 @@ def turn(m, u):
 
 
 @jit
-def turn_back(m, x, y, z):
-    """Return m^T (x, y, z)."""
+def turn_back(m, u):
+    """Return m^T u."""
     return (
-        m[0, 0] * x + m[1, 0] * y + m[2, 0] * z,
-        m[0, 1] * x + m[1, 1] * y + m[2, 1] * z,
-        m[0, 2] * x + m[1, 2] * y + m[2, 2] * z,
+        m[0, 0] * u[0] + m[1, 0] * u[1] + m[2, 0] * u[2],
+        m[0, 1] * u[0] + m[1, 1] * u[1] + m[2, 1] * u[2],
+        m[0, 2] * u[0] + m[1, 2] * u[1] + m[2, 2] * u[2],
     )
 
 
 @jit
-def symmetric_times(s, x, y, z):
-    """Return S (x, y, z) with S = xx, yy, zz, xy, xz, yz."""
+def symmetric_times(s, u):
+    """Return S u with S = xx, yy, zz, xy, xz, yz."""
     return (
-        s[0] * x + s[3] * y + s[4] * z,
-        s[3] * x + s[1] * y + s[5] * z,
-        s[4] * x + s[5] * y + s[2] * z,
+        s[0] * u[0] + s[3] * u[1] + s[4] * u[2],
+        s[3] * u[0] + s[1] * u[1] + s[5] * u[2],
+        s[4] * u[0] + s[5] * u[1] + s[2] * u[2],
     )
-
-
-@jit
-def centripetal(w0, w1, w2, r0, r1, r2):
-    """Return w x (w x r)."""
-    c0, c1, c2 = cross(w0, w1, w2, r0, r1, r2)
-    return cross(w0, w1, w2, c0, c1, c2)

@@ -8,7 +8,7 @@ from dataclasses import asdict
 
 import click
 
-from cross_checks.capabilities import Capability, capabilities, part_types
+from cross_checks.engines.capabilities import Capability, capabilities, part_types
 from reports.console import echo_json, show, table
 
 LACKS = re.compile(r"not yet taught the part type '?(\w+)")

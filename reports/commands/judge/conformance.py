@@ -2,52 +2,85 @@
 
 from __future__ import annotations
 
-import importlib.util
+import json
 import sys
+from collections.abc import Iterable
 from pathlib import Path
 
 import click
 
-from reports.exit_codes import Failed, NothingSelected
+from cross_checks.conformance.finding import Report
+from reports.exit_codes import Failed
 
-SUITE = "cross_checks.conformance.test_conformance"
-PLUGIN = "cross_checks.conformance.plugin"
+COLUMNS = f"{'scene':<20} {'method':<22} {'order':>6} {'asked':>6} {'error':>9} {'loop':>10}"
 
 
 @click.command(name="conformance")
-@click.argument("engine", metavar="ADAPTER.py|ENGINE")
-def command(engine: str) -> None:
-    """Examine a solver: refusals, order, compliance, agreement with truths, and how it fails.
+@click.argument("engine", metavar="ADAPTER.py|ENGINE", default="mbs_ref")
+@click.option("--json", "file", type=click.Path(dir_okay=False, path_type=Path), help="also write all findings here")
+@click.option("--self-test", is_flag=True, help="examine copies of mbs_ref with one mistake each instead")
+def command(engine: str, file: Path | None, self_test: bool) -> None:
+    """Examine a solver: refusals, times, velocities, clock, order, truths, energy, joints, and how it fails.
 
-    ADAPTER.py holds a subclass of cross_checks.engine.Engine and the line ENGINE = <that class>.
+    ADAPTER.py holds a subclass of cross_checks.engine.Engine and the line ENGINE = <that class>. Errors are relative
+    to each scene's size (in rad for orientations); a failure that the method declares as its weakness is named and
+    does not count.
     """
-    try:
-        import pytest
-    except ModuleNotFoundError as error:
-        if error.name != "pytest":
-            raise
-        raise Failed("the package pytest is not installed (pip install mbs-ref[conformance])") from error
+    from cross_checks.conformance.examine import examine
+    from cross_checks.conformance.loading import NoEngine, load, name_of
 
-    suite = importlib.util.find_spec(SUITE)
-    assert suite is not None
-    assert suite.origin is not None
-    chosen = ["--mbs-adapter" if engine.endswith(".py") else "--mbs-engine", engine]
-    # as a plugin only once: an installed mbs-ref has registered it by its entry point
-    early = [] if PLUGIN in sys.modules or _is_installed() else ["-p", PLUGIN]
-    folder = str(Path(suite.origin).parent)
-    quiet = ["-q", "-rs", "-c", "/dev/null", "-p", "no:cacheprovider", "--rootdir", folder]
-    code = pytest.main([*early, *quiet, suite.origin, *chosen])
-    if code == pytest.ExitCode.USAGE_ERROR:
-        raise click.UsageError(f"{engine} cannot be examined")
-    if code == pytest.ExitCode.NO_TESTS_COLLECTED:
-        raise NothingSelected("no test was collected")
-    if code != pytest.ExitCode.OK:
+    if self_test:
+        _self_test()
+        return
+    try:
+        made = load(engine)
+    except NoEngine as error:
+        raise click.UsageError(str(error)) from error
+    report = examine(made, name_of(engine), lambda text: _progress(text) if sys.stderr.isatty() else None)
+    if file is not None:
+        file.write_text(json.dumps(report.to_dict(), indent=1))
+    for line in _lines(report):
+        click.echo(line)
+    if not report.conforms:
         raise Failed(f"{engine} does not conform")
 
 
-def _is_installed() -> bool:
-    """Look at every distribution, as pytest does: an older one on the path must not hide the one installed."""
-    from importlib.metadata import distributions
+def _progress(text: str) -> None:
+    click.echo(f"\r{text:<60}", nl=False, err=True)
 
-    entries = (entry for found in distributions() for entry in found.entry_points)
-    return any(entry.group == "pytest11" and entry.value == PLUGIN for entry in entries)
+
+def _lines(report: Report) -> Iterable[str]:
+    """Yield the table of figures, what is excused, what failed, and the sum."""
+    yield f"{report.engine} {report.version}"
+    yield COLUMNS
+    for row in report.rows:
+        order = "" if row.order is None else f"{row.order:.2f}"
+        error = "none ends" if row.error is None else f"{row.error:.1e}"
+        loop = "" if row.loop_s is None else f"{1e3 * row.loop_s:.3g} ms"
+        yield f"{row.scene:<20} {row.method:<22} {order:>6} {row.documented or '':>6} {error:>9} {loop:>10}"
+    for finding in report.of("excused"):
+        yield f"excused: {finding.question}: {finding.scene} by {finding.method}: {finding.detail}"
+    for method, excuse in sorted({(f.method, f.excuse) for f in report.of("excused")}):
+        yield f"  {method} declares: {excuse}"
+    for finding in report.of("failed"):
+        yield f"FAILED: {finding.question}: {finding.scene} {finding.method}: {finding.detail}"
+    counts = {outcome: len(report.of(outcome)) for outcome in ("passed", "excused", "failed")}
+    yield ", ".join(f"{count} {outcome}" for outcome, count in counts.items())
+
+
+def _self_test() -> None:
+    """Print how each mistake is noticed, the detection rate, and false alarms."""
+    from cross_checks import engines
+    from cross_checks.conformance.broken_engines import self_test
+    from cross_checks.conformance.examine import examine
+
+    false, caught, asked = (), 0, 0
+    for found in self_test(engines.get("mbs_ref"), examine):
+        click.echo(f"{found.mistake:<40} {', '.join(found.by) or 'nothing noticed'}")
+        if not found.applies:
+            false = found.by
+            continue
+        asked, caught = asked + 1, caught + bool(set(found.by) - set(false))
+    click.echo(f"{caught} of {asked} mistakes noticed, {len(false)} false alarms")
+    if false or caught < asked:
+        raise Failed("the examination misses mistakes, or finds some that are none")

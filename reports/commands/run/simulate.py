@@ -26,6 +26,7 @@ from reports.poses_file import FORMATS, write_poses
 @click.option("--t-end", type=float, metavar="T", help="Duration, s; the scene's own unless given.")
 @click.option("--samples", type=int, metavar="N", help="Output times, evenly spaced from 0 to the end.")
 @click.option("--events", type=click.Choice(["located", "none"]), help="Locate contact events, or merely clip forces.")
+@click.option("--estimate", type=click.Choice(["on", "off"]), help="Whether a second run estimates the error; on.")
 @click.option("--project-initial", is_flag=True, help="Repair inconsistent initial conditions and report by how much.")
 @click.option("--stop-on-compliance", is_flag=True, help="End the run where |C(q, t)| < step fails (the papers' test).")
 @click.option("--json", "as_json", is_flag=True, help="Print the whole record as JSON.")
@@ -75,6 +76,8 @@ def _show(record: Record) -> None:
     facts.add_row("status", f"{record.status} {record.message}".rstrip())
     facts.add_row("reached", f"{record.t_end:g} s in {record.steps} steps, {record.rhs_calls} right-hand sides")
     facts.add_row("error", "no truth known" if error is None else f"{number(error.value)} of the scene ({error.worst})")
+    if record.estimate is not None:
+        facts.add_row("estimated error", _estimate(record.estimate))
     if error is not None:
         known = f"{number(error.uncertainty)} of the scene, whose length is {number(error.length)} m"
         facts.add_row("truth", f"{error.truth}, known to {known}")
@@ -90,6 +93,11 @@ def _show(record: Record) -> None:
         facts.add_row("note", note)
     show(facts)
     show(_final(record))
+
+
+def _estimate(estimate: dict[str, Any]) -> str:
+    value = "beyond all measure" if estimate["value"] is None else f"{number(estimate['value'])} {estimate['unit']}"
+    return f"{value}: {estimate['how']}; it took {number(estimate['cost_s'])} s"
 
 
 def _final(record: Record):

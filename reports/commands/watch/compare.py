@@ -28,7 +28,7 @@ def command(baseline: str, current: str, only: str, as_json: bool) -> None:
     measured in different jobs and decide nothing. Exit code 1 where B is slower or worse, 4 where
     something could not be measured or stayed inconclusive, 5 where the files share no run.
     """
-    from benchmarks import regression
+    from benchmarks.trees import regression
 
     files = [Path(name) for name in (baseline, current) if name.endswith(".jsonl")]
     if files:

@@ -16,7 +16,7 @@ from benchmarks import history, record_changes, regression
 from benchmarks.cluster import FULL
 from benchmarks.history import Entry
 from benchmarks.record_changes import Move
-from benchmarks.regression import Finding
+from benchmarks.trees.regression import Finding
 from cross_checks.records import lines as record_file
 from mbs_ref import scenes
 from reports.commands.watch.compare import tree

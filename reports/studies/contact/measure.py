@@ -27,7 +27,7 @@ OFF_GRID = 0.1234567  # m, height: no whole number of steps, so that no engine m
 VEHICLE_END, VEHICLE_SAMPLES = 2.0, 201
 FILMED = 5  # samples a picture
 VEHICLE_RUNS = (
-    Settings(method="dop853", rtol=1e-8), Settings(method="rk4", step=1e-4, unresolved="keep"),
+    Settings(method="dop853", rtol=1e-8), Settings(method="rk4", step=1e-4, estimate="off"),
     Settings(method="lsodar", rtol=1e-7),
 )  # fmt: skip
 
@@ -77,7 +77,7 @@ def _ball(law: str) -> Scene:
 def _ladder(law: str, events: str) -> OrderLadder:
     ball = _ball(law)
     exact = impact(ball.contacts[0].law, 1.0, 1.0).restitution
-    settings = [Settings(method="rk4", step=0.4 / n, events=events, samples=2, unresolved="keep") for n in STEPS]  # type: ignore[arg-type]
+    settings = [Settings(method="rk4", step=0.4 / n, events=events, samples=2, estimate="off") for n in STEPS]  # type: ignore[arg-type]
     errors = tuple(abs(float(simulate(ball, each).velocity[-1, 0, 1]) - exact) for each in settings)
     return OrderLadder(law, events, STEPS, errors)
 

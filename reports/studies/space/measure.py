@@ -29,7 +29,7 @@ def measure() -> SpaceFacts:
 
 def _rk4(scene: Scene, step: float, kept: bool, samples: int = 2) -> Trajectory:
     stabilization = "projection" if kept else "none"
-    coarse: dict[str, Any] = {"samples": samples, "unresolved": "keep"}
+    coarse: dict[str, Any] = {"samples": samples, "estimate": "off"}
     return simulate(scene, Settings(method="rk4", step=step, stabilization=stabilization, **coarse))
 
 
@@ -73,7 +73,7 @@ def _falling(rigid: bool) -> Scene:
 
 
 def _cost_ratio() -> float:
-    settings = Settings(method="rk4", step=1e-4, t_end=0.2, samples=2, stabilization="none", unresolved="keep")
+    settings = Settings(method="rk4", step=1e-4, t_end=0.2, samples=2, stabilization="none", estimate="off")
     pair = {rigid: _falling(rigid) for rigid in (True, False)}
     times: dict[bool, list[float]] = {True: [], False: []}
     order = random.Random(0)

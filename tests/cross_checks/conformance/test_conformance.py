@@ -1,15 +1,45 @@
-"""The conformance suite through its command, on the small engine of the docs and on spoiled copies of it."""
+"""The examination of engines, on the one of the docs, on spoiled copies of it, and on ones with a mistake."""
 
 from __future__ import annotations
 
+import json
 import re
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
+from click.testing import CliRunner
+
+from cross_checks import engines
+from cross_checks.conformance.broken_engines import Broken, Mistake, mistakes
+from cross_checks.conformance.examine import examine
+from cross_checks.conformance.finding import Report
+from reports.commands.judge.conformance import command
+from tests.cross_checks.engines.engine_runs import engine
 
 GUIDE = Path(__file__).parents[3] / "docs" / "your-engine.md"
+EXPECTED = {  # the question that must notice each mistake; others may too
+    "dropped joint": "joints",
+    "inertia about another point": "truth",
+    "inertia in wrong axes": "truth",
+    "gravity off by a thousandth": "truth",
+    "hidden damping": "energy",
+    "one step late": "order",
+    "lost order": "order",
+    "state restarted half-way": "truth",
+    "single precision": "truth",
+    "velocities of the other sign": "velocities",
+    "velocities times 1.01": "velocities",
+    "velocities zero but the first": "velocities",
+    "velocities one sample late": "velocities",
+    "angular velocities zero but the first": "velocities",
+    "angular velocities in body axes": "velocities",
+    "bodies swapped": "truth",
+    "orientations of the other sign": "truth",
+    "angles wrong, positions right": "truth",
+    "a clock that lies": "clock",
+    "a clock beyond the call": "clock",
+    "samples at other times": "asked times",
+}
 
 
 def small_engine() -> str:
@@ -17,28 +47,81 @@ def small_engine() -> str:
     return code
 
 
-def examine(tmp_path: Path, code: str):
-    file = tmp_path / "small_.py"
-    file.write_text(code)
-    main = "from reports.cli import main; main()"
-    return subprocess.run([sys.executable, "-c", main, "conformance", str(file)], capture_output=True, text=True)
+def written(tmp_path: Path, code: str, name: str) -> Path:
+    """Write an adapter under a name of its own: a module is imported once in a process."""
+    file = tmp_path / f"{name}_.py"
+    file.write_text(code.replace('"small"', f'"{name}"'))
+    return file
 
 
-def test_the_engine_of_the_docs_conforms(tmp_path):
-    done = examine(tmp_path, small_engine())
-    assert done.returncode == 0, done.stdout + done.stderr
-    assert "failed" not in done.stdout
+@pytest.fixture
+def conformance(monkeypatch):
+    """Return the command, leaving the environment as it was."""
+    monkeypatch.setenv(engines.ADAPTERS, "")
+    return lambda *arguments: CliRunner().invoke(command, [str(argument) for argument in arguments])
+
+
+def test_the_engine_of_the_docs_conforms_and_its_figures_are_printed(tmp_path, conformance):
+    done = conformance(written(tmp_path, small_engine(), "small"), "--json", tmp_path / "found.json")
+    assert done.exit_code == 0, done.output
+    assert re.search(r"pendulum +rk4 +4\.\d\d +4 +\d\.\de-\d\d", done.output)
+    found = json.loads((tmp_path / "found.json").read_text())
+    assert found["conforms"]
+    assert {finding["question"] for finding in found["findings"]} >= {"truth", "velocities", "clock", "energy", "order"}
 
 
 @pytest.mark.parametrize(
-    ("right", "wrong", "found"),
+    ("name", "right", "wrong", "noticed"),
     [
-        ("2 * k2 + 2 * k3 + k4)", "2 * k2 + 3 * k3)", "test_the_documented_order_is_observed"),
-        ("np.dot(tangent, gravity) / length", "1.01 * np.dot(tangent, gravity) / length", "test_it_agrees_with_every"),
+        ("lame", "2 * k2 + 2 * k3 + k4)", "2 * k2 + 3 * k3)", "order"),
+        ("light", "np.dot(tangent, self.gravity) /", "1.01 * np.dot(tangent, self.gravity) /", "truth"),
+        ("fast", "speed = (", "speed = -3 * (", "velocities"),
     ],
 )
-def test_a_mistake_is_found(tmp_path, right, wrong, found):
+def test_a_mistake_in_it_is_found(tmp_path, conformance, name, right, wrong, noticed):
     assert right in small_engine()
-    done = examine(tmp_path, small_engine().replace(right, wrong))
-    assert done.returncode == 1
-    assert found in done.stdout
+    done = conformance(written(tmp_path, small_engine().replace(right, wrong), name))
+    assert done.exit_code != 0
+    assert f"FAILED: {noticed}" in done.output
+
+
+@pytest.mark.parametrize(
+    ("name", "right", "wrong", "said"),
+    [
+        ("lineless", "ENGINE = Small", "", "has no line ENGINE = <class>; add ENGINE = Small"),
+        ("renamed", 'name, package = "renamed"', 'name, package = "other"', "its class is named 'other'"),
+        ("nameless", 'name, package = "nameless", "numpy"', "", "has no name"),
+        ("unmade", "ENGINE = Small", "ENGINE = Engine", "cannot be made"),
+    ],
+)
+def test_an_adapter_that_cannot_be_used_is_told_what_to_change(tmp_path, conformance, name, right, wrong, said):
+    file = written(tmp_path, small_engine(), name)
+    assert right in file.read_text()
+    file.write_text(file.read_text().replace(right, wrong))
+    done = conformance(file)
+    assert done.exit_code == 2
+    assert said in done.output
+
+
+def examined(mistake: Mistake, name: str = "mbs_ref") -> Report:
+    return examine(Broken(engines.get(name), mistake), name)
+
+
+def test_every_mistake_has_its_question():
+    assert {mistake.name for mistake in mistakes()} == set(EXPECTED)
+
+
+def test_the_engine_without_a_mistake_raises_no_alarm():
+    assert [finding for finding in examined(Mistake("none")).of("failed")] == []
+
+
+@pytest.mark.parametrize("mistake", mistakes(), ids=lambda mistake: mistake.name)
+def test_every_mistake_is_noticed_by_its_question(mistake):
+    assert EXPECTED[mistake.name] in {finding.question for finding in examined(mistake).of("failed")}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["exudyn", "mbs_ref", "mujoco", "pinocchio", "rebound"])
+def test_a_good_engine_raises_no_alarm(name):
+    report = examine(engine(name), name)
+    assert [f"{f.question}: {f.scene} {f.method}: {f.detail}" for f in report.of("failed")] == []

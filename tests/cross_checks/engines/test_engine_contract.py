@@ -41,7 +41,7 @@ each_engine = pytest.mark.parametrize("name", outside())
 def test_a_scene_is_refused_with_reasons_or_swings_to_the_exact_end(name, method):
     scene = scenes.make("pendulum")
     chosen = engine(name).method(method)
-    result = run(name, method, scene, step=2.5e-3, samples=11, unresolved="keep")  # the miss is judged here
+    result = run(name, method, scene, step=2.5e-3, samples=11, estimate="off")  # the miss is judged here
     if engine(name).method_refusals(scene, chosen):
         assert result.status is Status.REFUSED
         assert result.message
@@ -62,7 +62,7 @@ def test_poses_and_velocities_come_at_the_asked_times_in_the_scenes_order(name, 
     if engine(name).method_refusals(scene, engine(name).method(method)):
         return
     times = np.array([0.0, 0.01, 0.04, 0.1])
-    result = engine(name).run(scene, settings_of(name, method, unresolved="keep"), times)
+    result = engine(name).run(scene, settings_of(name, method, estimate="off"), times)
     if name == "mbs_ref" and method == "dassl_index3":  # raw index 3 must stop, and say when and why
         assert not result.ok
         assert "t = " in result.message

@@ -7,6 +7,8 @@ import math
 import numpy as np
 import pytest
 
+from cross_checks.workshop.outcome import End
+from cross_checks.workshop.plan import Plan
 from mbs_ref import scenes
 from mbs_ref.observables import constraint_residual
 from mbs_ref.scene import GROUND, PlanarBody, PointMass, Prismatic, Revolute, Scene, SpringDamper
@@ -50,14 +52,16 @@ def test_mujocos_silent_reset_is_a_status():
 
 
 def test_mujocos_clock_alone_betrays_a_reset():
-    from cross_checks.engines.mujoco_.run import trouble_of
-
     mujoco = pytest.importorskip("mujoco")
-    model = mujoco.MjSpec().compile()
-    data = mujoco.MjData(model)
-    data.time = 0.25
-    assert trouble_of(data, 0.25, 1e-3) == ""
-    assert "reports t = 0.25 s" in trouble_of(data, 1.0, 1e-3)
+    from cross_checks.engines.mujoco_.run import clock_end
+
+    data = mujoco.MjData(mujoco.MjSpec().compile())
+    times = np.array([0.0, 0.25, 0.5, 0.75])
+    plan = Plan(engine("mujoco").method("rk4"), times, step=1e-3)
+    assert clock_end(data, times + 1e-12, plan) == End(4)
+    end = clock_end(data, np.array([0.0, 0.25, 0.1, 0.35]), plan)
+    assert (end.samples, end.status) == (2, Status.RESET)
+    assert "before t = 0.5 s and reports t = 0.1 s" in end.message
 
 
 @pytest.mark.parametrize("method", ["tree_rk44", "trapezoidal", "generalized_alpha"])

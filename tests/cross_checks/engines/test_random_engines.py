@@ -7,6 +7,7 @@ import pytest
 
 from cross_checks import engines as registry
 from cross_checks.judge.one_run import checked_run
+from cross_checks.mechanisms.random_scenes import DURATION, random_scene
 from cross_checks.workshop.planar_tree import joint_tree
 from cross_checks.workshop.spatial_tree import spatial_tree
 from mbs_ref.scene import PlanarBody, Scene, TorsionSpring, Weld
@@ -14,7 +15,6 @@ from mbs_ref.scene.euler_parameters import geodesic_angle
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
 from mbs_ref.trajectory import Trajectory
-from tests.mbs_ref.cores.random_scenes import DURATION, random_scene
 
 MOST_BODIES = 8
 TIMES = np.linspace(0.0, DURATION, 11)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -12,7 +14,7 @@ from cross_checks.extremes.judge import Fate, Point, judge, lost
 from cross_checks.extremes.run import run_point
 from cross_checks.extremes.search import bisect, last_handled, scan
 from mbs_ref import scenes
-from mbs_ref.trajectory import Status, Trajectory
+from mbs_ref.trajectory import Estimate, Status, Trajectory
 
 SCENE = scenes.make("pendulum")
 
@@ -29,6 +31,13 @@ def path(status: Status = Status.SUCCESS, message: str = "", unreported: bool = 
     )
 
 
+def admitting(error: float) -> Trajectory:
+    """A success on a motion of 1 m that says itself how far it may be off (m)."""
+    times = np.array([0.0, 1.0])
+    estimate = Estimate(times, np.array([[0.0] * 4, [error] * 4]), "made up", size=1.0, tolerance=1e-8, cost_s=0.0)
+    return replace(path(), estimate=estimate)
+
+
 @pytest.mark.parametrize(
     ("error", "rtol", "fate"),
     [
@@ -43,6 +52,28 @@ def path(status: Status = Status.SUCCESS, message: str = "", unreported: bool = 
 )
 def test_a_success_is_judged_by_its_error(error, rtol, fate):
     assert judge(*made(error, rtol=rtol), 1.0, path()).fate is fate
+
+
+@pytest.mark.parametrize(
+    ("error", "said", "fate"),
+    [
+        (0.2, 0.3, Fate.DEGRADED),
+        (0.2, np.inf, Fate.DEGRADED),
+        (0.2, 0.05, Fate.SILENTLY_WRONG),  # it says less than another motion
+        (1e-4, 0.3, Fate.SURVIVED),
+    ],
+)
+def test_a_success_that_says_itself_that_it_is_another_motion_is_not_silent(error, said, fate):
+    point = judge(*made(error), 1.0, admitting(said))
+    assert point.fate is fate
+    assert point.handled is (fate is Fate.SURVIVED)
+    assert ("it says so: the digits hold until" in point.reason) is (fate is Fate.DEGRADED)
+
+
+def test_to_say_so_is_right_where_nothing_but_a_refusal_is():
+    assert judge(*made(must_stop=True), 1.0, admitting(0.05)).fate is Fate.SILENTLY_WRONG
+    point = judge(*made(must_stop=True), 1.0, admitting(0.3))
+    assert (point.fate, point.handled, point.said_fine) == (Fate.DEGRADED, True, False)
 
 
 def test_a_stop_with_a_reason_is_no_lie_and_is_right_where_nothing_else_is():

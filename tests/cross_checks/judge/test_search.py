@@ -62,6 +62,13 @@ def test_each_target_is_met_from_within_its_window_in_few_runs(method, constant)
     assert len(runs.asked) <= 6
 
 
+def test_a_plateau_of_coarse_tolerances_is_passed():
+    """A method that lands on every output errs alike at all coarse tolerances: no limit of its own."""
+    runs = MadeUp(lambda r: min(6e-7, 3.0 * r))
+    _, answers = search(runs, SCENE, "made", ADAPTIVE, TRUTH)
+    assert [answer.answer for answer in answers] == ["reached"] * 3
+
+
 def test_refused_and_failing_steps_on_the_coarse_side_are_passed():
     runs = MadeUp(lambda h: 1e6 * h**4, refuses=lambda h: h > 3e-3, blows=lambda h: 1e-3 < h <= 3e-3)
     _, answers = search(runs, SCENE, "made", FOURTH, TRUTH)

@@ -23,6 +23,7 @@ def runs(errors, gaps=(), knobs=None, **last) -> list[Point]:
         ([1e-2, 1e-4, 1e-7, 1e-9], [1e-2, 1e-4, 1e-7], 4.0, Verdict.AGREES),
         ([1e-3, 2e-7], [1e-3], 4.0, Verdict.AGREES),  # one in agreement, reached at the order
         ([4e-3, 9e-7, 5e-7, 3e-2, 5e-2], [4e-3, 4e-7, 3e-2, 2e-2], 4.0, Verdict.LOST),
+        ([1e-2, 2e-7, 3e-6, 1e-9, 1e-10], [1e-2, 3e-6, 3e-6, 1e-9], 4.0, Verdict.AGREES),  # once by luck
         ([4e-1, 1e-1, 2.5e-2], [3e-1, 7.5e-2], 2.0, Verdict.CONVERGING),
         ([9.0, 7.0, 4.8], [2.0, 2.2], 1.0, Verdict.NOT_SHOWN),  # falls, and is nowhere near
         ([9e-2, 7e-2, 6e-2], [2e-2, 1.5e-2], 2.0, Verdict.NOT_SHOWN),  # falls too slowly for its order

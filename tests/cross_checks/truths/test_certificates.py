@@ -12,21 +12,16 @@ from cross_checks.judge.verdict import AGREEMENT
 from cross_checks.records.record import Error
 from cross_checks.truth import NoTruth
 from mbs_ref import scenes
+from mbs_ref.scene.units import unit_length
 
 QUICK = ("n_four_bar", "pendulum", "slider_crank", "spring_pendulum", "torque_free_top")
 EVERY = certificate.every()
 
 
-def size(kept: Certificate) -> float:
-    """A scene's size in metres, at least 1: the sky is large."""
-    return max([1.0, *(abs(x) for place in kept.end.values() for x in place if x is not None)])
-
-
 def test_every_kept_certificate_judges_agreement_and_is_confirmed():
     assert len(EVERY) >= 12
     for kept in EVERY:
-        assert kept.scene in scenes.names()
-        near = AGREEMENT * size(kept)
+        near = AGREEMENT * unit_length(scenes.make(kept.scene, **kept.parameters))  # what a verdict calls agreement
         assert kept.floor <= near, kept.scene
         assert kept.confirmed_to is None or kept.confirmed_to < near, kept.scene
 

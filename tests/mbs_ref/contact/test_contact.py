@@ -36,7 +36,7 @@ def _restitution(law: str, settings: Settings, **parameters) -> float:
 def _errors(law: str, events: str, counts: tuple[int, ...], **parameters) -> np.ndarray:
     ball = scenes.make("bouncing_ball", law=law, **parameters)
     exact = impact(ball.contacts[0].law, 1.0, 1.0).restitution
-    rk4 = Settings(method="rk4", step=0.4, events=events, refuse_unstable=False, unresolved="keep")  # type: ignore[arg-type]
+    rk4 = Settings(method="rk4", step=0.4, events=events, refuse_unstable=False, estimate="off")  # type: ignore[arg-type]
     settings = [rk4.model_copy(update={"step": 0.4 / n}) for n in counts]
     return np.array([abs(_restitution(law, each, **parameters) - exact) for each in settings])
 
@@ -93,7 +93,7 @@ def test_every_integrator_locates(settings):
 def test_a_moving_finite_seat_keeps_momentum_and_order():
     scene = scenes.make("ball_on_moving_seat", offset=0.48)
     truth = simulate(scene, FINE)
-    runs = [simulate(scene, Settings(method="rk4", step=h, unresolved="keep")) for h in (2e-3, 5e-4)]
+    runs = [simulate(scene, Settings(method="rk4", step=h, estimate="off")) for h in (2e-3, 5e-4)]
     errors = [np.abs(run.position[-1] - truth.position[-1]).max() for run in runs]
     assert math.log(errors[0] / errors[1]) / math.log(4.0) > 3.3
     drift = momentum_drift(scene, truth)

@@ -12,11 +12,11 @@ from dataclasses import replace
 
 import numpy as np
 
+from cross_checks.mechanisms.dense_oracle import Moment, judged_rows
 from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
 from mbs_ref.trajectory import Status, Trajectory
-from tests.mbs_ref.cores.dense_oracle import Moment, judged_rows
 
 # s after the stop. A run at rtol = 1e-10 stops where roundoff in accelerations, eps / sigma^3, is more than was asked,
 # and the time left from there goes as sigma^2: below 1e-7 s where the reach ends fast, 1.04e-4 s in seed 314.

@@ -12,8 +12,8 @@ from typing import Any
 
 import numpy as np
 
+from cross_checks.mechanisms.dense_oracle import AUGMENTED_CUTOFF, Augmented, Moment, Solution, augmented
 from mbs_ref.scene import Scene
-from tests.mbs_ref.cores.dense_oracle import AUGMENTED_CUTOFF, Augmented, Moment, Solution, augmented
 
 EXTENDED = np.longdouble
 MOST_REFINEMENTS = 30

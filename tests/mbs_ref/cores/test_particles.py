@@ -51,7 +51,7 @@ def test_gauss_has_order_16():
     scene = scenes.make("kepler", eccentricity=0.5, orbits=1)
     errors = []
     for steps in (10, 12, 15):
-        run = simulate(scene, Settings(method="gauss", step=scene.duration / steps, samples=2, unresolved="keep"))
+        run = simulate(scene, Settings(method="gauss", step=scene.duration / steps, samples=2, estimate="off"))
         errors.append(np.linalg.norm(run.position[-1, 1] - [0.5, 0.0, 0.0]))
     order = np.log(errors[0] / errors[2]) / np.log(15 / 10)
     assert order == pytest.approx(16.0, abs=2.0)
@@ -224,7 +224,7 @@ def relative_energy_errors(eccentricity: float, orbits: float, members: int, **s
         turned = scene.model_copy(
             update={"bodies": (scene.bodies[0], planet.model_copy(update={"position": place, "velocity": rate}))}
         )
-        run = simulate(turned, Settings(method="gauss", samples=2, max_steps=10**8, unresolved="keep", **settings))
+        run = simulate(turned, Settings(method="gauss", samples=2, max_steps=10**8, estimate="off", **settings))
         assert run.ok, run.message
         balance = energy_balance(turned, run)
         errors.append(balance.drift[-1] / balance.energy[0])

@@ -10,6 +10,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from cross_checks.mechanisms.dense_oracle import Augmented, Moment, Solution, augmented
+from cross_checks.mechanisms.random_scenes import DURATION, random_scene
 from mbs_ref import observables
 from mbs_ref.cores.choice import compile_scene
 from mbs_ref.cores.spatial.system import SpatialSystem
@@ -22,9 +24,7 @@ from mbs_ref.simulate import simulate
 from mbs_ref.trajectory import Status, Trajectory
 from tests.mbs_ref.cores import exact_oracle
 from tests.mbs_ref.cores.dead_end import is_dead_end
-from tests.mbs_ref.cores.dense_oracle import Augmented, Moment, Solution, augmented
 from tests.mbs_ref.cores.exact_oracle import has_extended_precision
-from tests.mbs_ref.cores.random_scenes import DURATION, random_scene
 
 AGREEMENT = 1e-9  # relative, of accelerations and reactions, where the condition of C_q is below 1e6
 DOUBTFUL = 1e-11  # relative: a larger difference may be the double-precision oracle's own error

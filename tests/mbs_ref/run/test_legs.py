@@ -14,7 +14,7 @@ STEP = 1e-2  # s
 
 @pytest.fixture(scope="module")
 def settings():
-    return Settings(method="rk4", step=STEP, stabilization="none", unresolved="keep")
+    return Settings(method="rk4", step=STEP, stabilization="none", estimate="off")
 
 
 @pytest.mark.parametrize("name", ["slider_crank", "driven_pendulum"])

@@ -21,10 +21,10 @@ from typing import Any
 
 import tomli_w
 
+from cross_checks.mechanisms.random_scenes import random_scene
 from mbs_ref import scenes
 from mbs_ref.scene import toml as scene_file
 from mbs_ref.scene.toml import SceneFileError, dumps, loads
-from tests.mbs_ref.cores.random_scenes import random_scene
 
 WATCHED = str(Path(scene_file.__file__).parent)  # our own lines, not pydantic's
 TOOL = sys.monitoring.PROFILER_ID  # debuggers and coverage have their own

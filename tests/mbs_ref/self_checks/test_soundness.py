@@ -4,16 +4,13 @@ from __future__ import annotations
 
 import math
 import signal
-from dataclasses import dataclass
 
 import numpy as np
 import pytest
 
 from mbs_ref import scenes
-from mbs_ref.integrators.loop.leg import Integrator, Leg, Options
 from mbs_ref.scene import Force, PlanarBody, Scene, UserForce
 from mbs_ref.scene.signals import HalfSine, Table
-from mbs_ref.self_checks.resolution import resolution
 from mbs_ref.self_checks.soundness import UnsoundScene, clock_troubles, require_sound
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
@@ -52,55 +49,6 @@ def test_a_pulse_that_the_clock_cannot_tell_from_nothing_is_refused():
     assert "'push'" in found[0]
     assert clock_troubles(pushed(Table(times=(0.0, 1.0, 1.0, 2.0), values=(0.0, 1.0, 2.0, 0.0)))) == []
     assert len(clock_troubles(pushed(Table(times=(0.0, 1.0, 1.0 + 1e-15), values=(0.0, 1.0, 2.0))))) == 1
-
-
-@dataclass
-class Oscillator:
-    """What `resolution` asks of a system: x'' = -rate^2 x."""
-
-    rate: float  # rad/s
-    scene: Scene
-    n_positions: int = 3
-
-    def set_mode_time(self, t: float) -> None:
-        return None
-
-    def midpoint(self, system, options, run, y, times) -> Leg:
-        """Order 2, in steps of options.step."""
-        states = np.array([y, y])
-        for _ in range(round((times[1] - times[0]) / options.step)):
-            half = states[1] + 0.5 * options.step * self.slope(states[1])
-            states[1] += options.step * self.slope(half)
-        return Leg(states, np.zeros(2), 2, Status.SUCCESS)
-
-    def slope(self, y: np.ndarray) -> np.ndarray:
-        return np.concatenate((y[3:], -(self.rate**2) * y[:3]))
-
-
-@pytest.mark.parametrize(("rate", "lost"), [(0.1, False), (150.0, True)])
-def test_one_step_against_two_halves_tells_whether_a_step_follows_the_motion(rate, lost):
-    system = Oscillator(rate, pushed(Table(times=(0.0,), values=(0.0,))))
-    times = np.linspace(0.0, 1.0, 11)
-    swing = np.array([np.r_[np.cos(rate * t), 0, 0, -rate * np.sin(rate * t), 0, 0] for t in times])
-    method = Integrator("midpoint", "fixed", 2, "a test", system.midpoint)
-    options = Options(0.01, 1e-8, 1e-8, False, False, 1000, 1e-14, 10, 100)
-    found = resolution(system, method, options, times, swing, swing[:0])  # pyright: ignore[reportArgumentType]
-    assert found.lost is lost, found
-    assert found.body == "sled"
-
-
-def test_a_fixed_step_that_is_too_long_for_the_motion_does_not_pass_for_success():
-    fine = simulate(scenes.make("pendulum"), Settings(method="rk4", step=0.01, samples=11))
-    assert fine.ok, fine.message
-    coarse = simulate(scenes.make("pendulum"), Settings(method="rk4", step=0.5, samples=11))
-    assert not coarse.ok
-    assert "bob" in coarse.message
-
-
-def test_a_step_that_ends_at_a_breakpoint_is_not_judged_across_it():
-    scene = pushed(HalfSine(peak=1e4, duration=0.1, start=0.5))
-    path = simulate(scene, Settings(method="rk4", step=0.02, t_end=1.0))
-    assert path.ok, path.message
 
 
 def test_a_run_that_stops_names_time_body_joint_and_the_last_good_output():

@@ -10,8 +10,8 @@ from click.testing import CliRunner
 
 from benchmarks import cluster, confirm, regression
 from benchmarks.cluster import Task
-from benchmarks.regression import Case, Finding
 from benchmarks.timing import Comparison, Pace
+from benchmarks.trees.regression import Case, Finding
 from cross_checks.isolation.parent import Lost
 from cross_checks.records import lines as record_file
 from cross_checks.records.record import Error, Record

@@ -1,0 +1,171 @@
+"""Are the runs' own error estimates honest? Random runs of the reference solver, held against far tighter ones.
+
+Half of the runs are of random mechanisms, half of the project's scenes over a random part of their duration; method
+and step or tolerance are random too. The truth is a run of DOP853 at TIGHT, and known as well as LSODAR at its tightest
+agrees with it. Seeds are split in halves: the estimate is tuned on the even ones, and judged by the odd ones.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+
+from cross_checks.mechanisms.random_scenes import random_scene
+from cross_checks.truth import MARGIN
+from mbs_ref import scenes
+from mbs_ref.cores.system import Poses
+from mbs_ref.integrators import integrators
+from mbs_ref.run.plan import make_plan
+from mbs_ref.scene import Scene
+from mbs_ref.scene.scales import scales_of
+from mbs_ref.scene.units import free_fall_time, tolerance_unit
+from mbs_ref.self_checks.state_gap import state_gaps
+from mbs_ref.settings import Settings
+from mbs_ref.simulate import simulate
+from mbs_ref.trajectory import Trajectory
+
+TIGHT = {"dop853": 1e-13, "lsodar": 1e-12}  # relative tolerances of the two runs that are the truth
+LARGEST = 12  # bodies of a random mechanism
+SAMPLES = 21
+MAX_STEPS = 50_000  # of a run; a longer one is left out
+HEAVY = {  # share of the duration taken
+    "tracked_vehicle": 0.01, "granular_column": 0.02, "android_vertebral": 0.005, "solar_system": 0.002,
+}  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Trial:
+    """One run and its truth."""
+
+    seed: int
+    scene: str
+    method: str
+    setting: str  # step or tolerance
+    status: str
+    estimate: float | None = None  # over the scene's scales; None where the run failed
+    error: float | None = None  # likewise; None where there is no truth
+    uncertainty: float | None = None  # of the truth
+    cost: float | None = None  # of the estimate, over the run's loop
+
+    @property
+    def is_below(self) -> bool:
+        """Whether the error is certainly above the estimate."""
+        return self.is_decided and (self.error or 0.0) > (self.estimate or 0.0)
+
+    @property
+    def is_decided(self) -> bool:
+        """Whether the truth is known well enough to tell which is larger."""
+        if self.estimate is None or self.error is None or self.uncertainty is None:
+            return False
+        return abs(self.error - self.estimate) > self.uncertainty
+
+    @property
+    def overestimate(self) -> float | None:
+        """The estimate over the error; None where the truth is not known to a MARGINth of the error."""
+        if self.estimate is None or not self.error or not self.error > MARGIN * (self.uncertainty or 0.0):
+            return None
+        return self.estimate / self.error
+
+
+def trials(seeds: Iterable[int]) -> Iterator[Trial]:
+    """Yield a trial for every seed; those of runs that are refused, or whose truth fails, say so in their status."""
+    for seed in seeds:
+        yield trial(seed)
+
+
+def trial(seed: int) -> Trial:
+    """Make the run of a seed, always the same, and its truth."""
+    rng = np.random.default_rng([seed, 18])
+    scene, t_end = _scene(rng, seed)
+    method, settings = _settings(rng, scene, t_end)
+    setting = f"step {settings.step:.3g}" if settings.step else f"rtol {settings.rtol:.3g}"
+    settings = settings.model_copy(update={"max_steps": MAX_STEPS, "reactions": False, "samples": SAMPLES})
+    about = (seed, scene.name, method, setting)
+    try:
+        plan = make_plan(scene, settings, None)
+        path = simulate(scene, settings, plan.times)
+    except ValueError as error:
+        return Trial(*about, f"refused: {error}")
+    if path.estimate is None:
+        return Trial(*about, str(path.status))
+    value = float(min(path.estimate.value, 1e300))
+    cost = path.estimate.cost_s / max(path.timing.loop_s, 1e-9)
+    known = _truth(scene, plan.times)
+    if known is None:
+        return Trial(*about, str(path.status), value, cost=cost)
+    truth, uncertainty = known
+    return Trial(*about, str(path.status), value, _gap(scene, path, truth), uncertainty, cost)
+
+
+def _scene(rng: np.random.Generator, seed: int) -> tuple[Scene, float]:
+    if rng.random() < 0.5:
+        scene = random_scene(seed, most=LARGEST)
+        return scene, scene.duration * float(rng.uniform(1.0, 20.0))
+    name = str(rng.choice(scenes.names()))
+    scene = scenes.make(name)
+    return scene, scene.duration * float(rng.uniform(0.05, 1.0)) * HEAVY.get(name, 1.0)
+
+
+def _settings(rng: np.random.Generator, scene: Scene, t_end: float) -> tuple[str, Settings]:
+    method = str(rng.choice([name for name in integrators() if _takes(scene, name)]))
+    kind = integrators()[method].kind
+    if kind == "fixed" or (kind == "both" and rng.random() < 0.3):
+        step = min(t_end / 20.0, free_fall_time(scene) * 10.0 ** float(rng.uniform(-4.0, -1.5)))
+        return method, Settings(method=method, step=step, t_end=t_end)
+    rtol = 10.0 ** float(rng.uniform(-11.0, -2.0))
+    return method, Settings(method=method, rtol=rtol, atol=rtol * tolerance_unit(scene), t_end=t_end)
+
+
+def _takes(scene: Scene, method: str) -> bool:
+    settings = Settings(method=method, step=1e-3) if integrators()[method].kind == "fixed" else Settings(method=method)
+    try:
+        make_plan(scene, settings, None)
+    except ValueError:
+        return False
+    return True
+
+
+def _truth(scene: Scene, times: np.ndarray) -> tuple[Trajectory, float] | None:
+    """Return a far tighter run, and how well another method agrees with it."""
+    runs = [
+        simulate(scene, Settings(method=name, rtol=rtol, atol=rtol * tolerance_unit(scene), reactions=False,
+                                 estimate="off", max_steps=20 * MAX_STEPS), times)
+        for name, rtol in TIGHT.items()
+    ]  # fmt: skip
+    if not all(run.ok for run in runs):
+        return None
+    return runs[0], _gap(scene, *runs)
+
+
+def _gap(scene: Scene, first: Trajectory, second: Trajectory) -> float:
+    one, other = (Poses(x.position, x.orientation, x.velocity, x.angular_velocity) for x in (first, second))
+    return float(min(np.max(state_gaps(scene, scales_of(scene), one, other)), 1e300))
+
+
+def table(found: Iterable[Trial]) -> list[dict[str, Any]]:
+    """Return a row a method and one for all: runs judged, those below their error, and how far above the others are."""
+    every = list(found)
+    methods = sorted({one.method for one in every})
+    return [_row("all", every), *(_row(name, [one for one in every if one.method == name]) for name in methods)]
+
+
+def _row(name: str, found: list[Trial]) -> dict[str, Any]:
+    decided = [one for one in found if one.is_decided]
+    over = [one.overestimate for one in found if one.overestimate is not None]
+    costs = [one.cost for one in found if one.cost is not None]
+    low, median, high = np.percentile(over, (1, 50, 90)).tolist() if over else (None, None, None)
+    return {
+        "method": name, "runs": len(found), "with_estimate": len(costs), "judged": len(decided),
+        "below": sum(one.is_below for one in decided),
+        "share_below": sum(one.is_below for one in decided) / len(decided) if decided else None,
+        "overestimate_1": low, "overestimate_median": median, "overestimate_90": high,
+        "cost_median": float(np.median(costs)) if costs else None,
+    }  # fmt: skip
+
+
+def to_dict(one: Trial) -> dict[str, Any]:
+    """Return plain data for JSON."""
+    return asdict(one) | {"is_below": one.is_below, "overestimate": one.overestimate}

@@ -1,0 +1,134 @@
+"""Is one source tree slower than another at equal error? Both run in the same job, interleaved."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import asdict, dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+from benchmarks.timing import Comparison, Pace, compare
+from benchmarks.trees.tree import Tree
+
+NOT_MEASURED = "not measured"
+MOST_PAIRS = 3  # of processes, to confirm that one tree is faster
+
+
+@dataclass(frozen=True)
+class Case:
+    """What is timed: the cheapest rung of a method's ladder that reaches `error` (m)."""
+
+    scene: str
+    method: str
+    parameters: dict[str, Any] = field(default_factory=dict)
+    engine: str = "mbs_ref"
+    error: float = 1e-6  # m
+
+    @property
+    def name(self) -> str:
+        chosen = "".join(f" {key}={value}" for key, value in self.parameters.items())
+        return f"{self.scene}{chosen} {self.engine} {self.method}"
+
+    @property
+    def what(self) -> dict[str, Any]:
+        """Scene, parameters and engine, as a Tree is asked for them."""
+        return {"scene": self.scene, "parameters": self.parameters, "engine": self.engine}
+
+
+CASES = (
+    Case("pendulum_chain", "dop853", {"links": 10}),
+    Case("pendulum_chain", "dop853", {"links": 100}),
+    Case("pendulum_chain", "rk4", {"links": 10}),
+    Case("n_four_bar", "dop853", {"loops": 2}),
+    Case("slider_crank", "dop853"),
+)
+
+
+@dataclass(frozen=True)
+class Finding:
+    """The verdict on a case."""
+
+    case: str
+    verdict: str  # faster | same | slower | inconclusive | not measured
+    sentence: str
+    error: float
+    timing: Comparison | None = None
+
+    @property
+    def changed(self) -> bool:
+        """Whether it says that one tree is faster."""
+        return self.verdict in (Pace.FASTER, Pace.SLOWER)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return plain data for JSON."""
+        return asdict(self)
+
+
+def regressions(
+    baseline: Path,
+    current: Path,
+    cases: Sequence[Case] = CASES,
+    progress: Callable[[int, int, str], None] | None = None,
+    seed: int = 0,
+) -> Iterator[Finding]:
+    """Yield a finding for each case; ValueError where a folder is no source tree. `seed` orders the runs."""
+    with Tree(baseline) as before, Tree(current) as after:
+        for done, case in enumerate(cases):
+            if progress is not None:
+                progress(done, len(cases), case.name)
+            found = examine(before, after, case, seed)
+            yield confirmed(found, lambda case=case: _afresh(baseline, current, case)) if found.changed else found
+
+
+def confirmed(first: Finding, again: Callable[[], Finding]) -> Finding:
+    """Return what two of up to MOST_PAIRS pairs of processes say, or inconclusive.
+
+    Where a process happens to lie in memory can make all its runs 10 % faster or slower, which no number of runs within
+    one pair reveals (T. Mytkowicz and others, Producing wrong data without doing anything obviously wrong,
+    ASPLOS 2009).
+    """
+    found = [first]
+    while len(found) < MOST_PAIRS:
+        found.append(again())
+        if any(found[-1].verdict == earlier.verdict for earlier in found[:-1]):
+            return found[-1]
+    sentence = "; ".join(f"{finding.verdict}: {finding.sentence}" for finding in found)
+    return replace(first, verdict=str(Pace.INCONCLUSIVE), sentence=f"pairs of processes disagree: {sentence}")
+
+
+def _afresh(baseline: Path, current: Path, case: Case) -> Finding:
+    with Tree(baseline) as before, Tree(current) as after:
+        return examine(before, after, case)
+
+
+def examine(before: Tree, after: Tree, case: Case, seed: int = 0) -> Finding:
+    """Choose each tree's cheapest setting that reaches the error, and time the two against each other."""
+    what = case.what
+    chosen = [cheapest(tree.climb(**what, method=case.method), case.error) for tree in (before, after)]
+    for settings, name in zip(chosen, ("baseline", "current tree"), strict=True):
+        if settings is None:
+            text = f"no setting of the {name} reaches {case.error:g} m"
+            return Finding(case.name, NOT_MEASURED, text, case.error)
+    first, second = chosen
+    timing = compare(lambda: before.time(**what, settings=first), lambda: after.time(**what, settings=second), seed)
+    return Finding(case.name, timing.pace, _sentence(timing, case), case.error, timing)
+
+
+def cheapest(rungs: list[dict[str, Any]], error: float) -> dict[str, Any] | None:
+    """Return the coarsest settings that reach the error: coarse is cheap, and counting is not disturbed by noise."""
+    reached = (r for r in rungs if r["status"] == "success" and r["error"] is not None and r["error"] <= error)
+    first = next(reached, None)
+    return None if first is None else first["settings"]
+
+
+def _sentence(timing: Comparison, case: Case) -> str:
+    change = f"{timing.ratio:.3f} times the baseline's loop time [{timing.low:.3f}, {timing.high:.3f}]"
+    busy = f"; {timing.disturbed:.0%} of the runs shared the machine" if timing.disturbed > 0.1 else ""
+    return f"{change} to {case.error:g} m, {timing.blocks} blocks{busy}"
+
+
+def overall(findings: Sequence[Finding]) -> str:
+    """Return slower where any case is; not measured or inconclusive where any is that; else faster or same."""
+    verdicts = {finding.verdict for finding in findings}
+    order = (str(Pace.SLOWER), NOT_MEASURED, str(Pace.INCONCLUSIVE), str(Pace.FASTER), str(Pace.SAME))
+    return next((word for word in order if word in verdicts), NOT_MEASURED)

@@ -1,0 +1,78 @@
+"""What moves a satellite beside its planet's gravity: Sun and Moon, air, and sunlight."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from cross_checks.certify.sky import directions
+from cross_checks.certify.sky.numbers import PI, Field, dot, norm, real
+from mbs_ref.scene import Scene
+from mbs_ref.scene.celestial import AU_M, Drag, RadiationPressure, ThirdBody
+
+SUN_RADIUS = 6.957e8  # m, nominal: IAU 2015 Resolution B3
+PLACES = {"sun": directions.sun_place, "moon": directions.moon_place}
+
+
+def third_body(scene: Scene, load: ThirdBody) -> Field:
+    """Return gm [(s - r)/|s - r|^3 - s/|s|^3] (Montenbruck and Gill 2000, eq 3.37)."""
+    i, date, gm, place = scene.body_index(load.body), directions.date_of(scene), real(load.gm), PLACES[load.source]
+
+    def field(t: np.ndarray, x: np.ndarray, v: np.ndarray) -> np.ndarray:
+        s = place(date(t))
+        toward, pull = s - x[:, i], np.zeros_like(x)
+        pull[:, i] = gm * (toward / norm(toward) ** 3 - s / norm(s) ** 3)
+        return pull
+
+    return field
+
+
+def drag(scene: Scene, load: Drag) -> Field:
+    """Return -(1/2) c_D A/m rho u^2 along u, u the velocity in the turning air (M&G 2000, eq 3.97 and 3.98)."""
+    i, j = scene.body_index(load.body), scene.body_index(load.planet)
+    turning = real((0.0, 0.0, load.spin))
+    coefficient, ground, thickness = real(load.coefficient), real(load.density), real(load.scale_height)
+    reference = real(load.radius) + real(load.altitude)
+
+    def field(t: np.ndarray, x: np.ndarray, v: np.ndarray) -> np.ndarray:
+        r = x[:, i] - x[:, j]
+        wind = v[:, i] - v[:, j] - np.cross(turning, r)
+        density = ground * np.exp((reference - norm(r)) / thickness)
+        pull = np.zeros_like(x)
+        pull[:, i] = -coefficient * density * norm(wind) * wind / 2
+        return pull
+
+    return field
+
+
+def sunlight(scene: Scene, load: RadiationPressure) -> Field:
+    """Return nu P c_R A/m au^2 (r - s)/|r - s|^3, nu the share of the Sun that is seen (M&G 2000, eq 3.75)."""
+    i, j, date = scene.body_index(load.body), scene.body_index(load.planet), directions.date_of(scene)
+    strength, radius = real(load.pressure) * real(load.coefficient) * real(AU_M) ** 2, real(load.radius)
+
+    def field(t: np.ndarray, x: np.ndarray, v: np.ndarray) -> np.ndarray:
+        r = x[:, i] - x[:, j]
+        away = r - directions.sun_place(date(t))
+        pull = np.zeros_like(x)
+        pull[:, i] = strength * visible_share(r, away, radius) * away / norm(away) ** 3
+        return pull
+
+    return field
+
+
+def visible_share(r: np.ndarray, away: np.ndarray, radius: np.ndarray) -> np.ndarray:
+    """Return the share (m, 1) of the Sun's disc that a sphere at the origin leaves uncovered at r (M&G, sec. 3.4.2).
+
+    `away` points from the Sun. Discs of radii a and b, c apart: the lens is two segments a^2 (u - sin u cos u) wide.
+    """
+    a, b = np.arcsin(SUN_RADIUS / norm(away)), np.arcsin(np.minimum(radius / norm(r), 1))
+    c = np.arctan2(norm(np.cross(away, r)), dot(away, r))
+    u, w = _half_angle(a, b, c), _half_angle(b, a, c)
+    lens = a**2 * (u - np.sin(u) * np.cos(u)) + b**2 * (w - np.sin(w) * np.cos(w))
+    return 1 - lens / (PI * a**2)
+
+
+def _half_angle(a: np.ndarray, b: np.ndarray, c: np.ndarray) -> np.ndarray:
+    """Return half the arc of circle a inside circle b, from a's centre: 0 if outside, pi if swallowed."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        cosine = (a**2 + c**2 - b**2) / (2 * a * c)
+    return np.arccos(np.clip(np.where(c > 0, cosine, np.where(a < b, -1, 1)), -1, 1))

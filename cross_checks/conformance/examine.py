@@ -1,0 +1,129 @@
+"""The examination of an engine: who it is, what it refuses, how it fails, and every method on every quick scene."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from statistics import median
+
+import numpy as np
+
+from cross_checks.conformance.finding import Finding, Report, Row, verdict
+from cross_checks.conformance.ladder import ORDER_OFF, climb
+from cross_checks.conformance.questions import Asked, impossible, open_pendulum, questions, rungs, takes
+from cross_checks.engine import Engine
+from cross_checks.workshop.method import Method
+from mbs_ref.settings import Settings
+from mbs_ref.trajectory import Status
+
+ENGINE_WIDE = ""  # the method or scene of what concerns the whole engine
+QUESTIONS = (
+    "identity", "something runs", "refusals", "unknown method", "inconsistent start", "hopeless step", "runs",
+    "asked times", "start", "velocities", "clock", "truth", "energy", "joints", "same end", "order",
+)  # fmt: skip
+Progress = Callable[[str], None]
+
+
+def examine(engine: Engine, name: str, progress: Progress = lambda text: None) -> Report:
+    """Ask everything of the engine that is known by `name`."""
+    asked = questions(engine)
+    findings, rows = [*_whole(engine, name, asked)], []
+    for method in engine.methods():
+        mine = [question for question in asked if takes(engine, method, question.scene)]
+        if mine:
+            findings.append(_hopeless(engine, method, mine[0]))
+        for question in mine:
+            progress(f"{question.scene.name} by {method.name}")
+            found, row = climb(engine, method, question)
+            findings += found
+            rows.append(row)
+        findings += _order(method, [row for row in rows if row.method == method.name])
+    return Report(engine.name, engine.version(), tuple(findings), tuple(rows))
+
+
+def _whole(engine: Engine, name: str, asked: list[Asked]) -> Iterator[Finding]:
+    def finding(question: str, wrong: str) -> Finding:
+        return verdict(question, ENGINE_WIDE, ENGINE_WIDE, wrong)
+
+    yield finding("identity", _identity(engine, name))
+    yield finding("something runs", "" if asked else "it refuses every scene with a known truth")
+    yield finding("refusals", _refusal(engine))
+    if asked:
+        yield finding("unknown method", _unknown_method(engine, asked[0]))
+    yield finding("inconsistent start", _inconsistent(engine))
+
+
+def _identity(engine: Engine, name: str) -> str:
+    methods = engine.methods()
+    wrong = []
+    if engine.name != name:
+        wrong.append(f"its name is {engine.name!r}, and its file or entry point says {name!r}")
+    if not engine.package or not engine.version():
+        wrong.append("it has no package or no version")
+    if not methods or len({m.name for m in methods}) < len(methods):
+        wrong.append("it has no method, or two of one name")
+    wrong += [f"{m.name} has no description" for m in methods if not m.description]
+    wrong += [f"the ladder of {m.name} must go from coarse to fine" for m in methods if _is_unsorted(m)]
+    return "; ".join(wrong)
+
+
+def _is_unsorted(method: Method) -> bool:
+    return list(method.ladder) != sorted(method.ladder, reverse=True)
+
+
+def _refusal(engine: Engine) -> str:
+    scene = impossible()
+    reasons = [refusal.reason for refusal in engine.refusals(scene)]
+    if not reasons:
+        return ""
+    result = engine.run(scene, Settings())
+    if result.status is not Status.REFUSED or len(result.times):
+        return f"a scene that it cannot model ends as {result.status} with {len(result.times)} samples"
+    missing = [reason for reason in reasons if reason not in result.message]
+    return f"the refusal leaves out: {missing}" if missing else ""
+
+
+def _unknown_method(engine: Engine, question: Asked) -> str:
+    try:
+        engine.run(question.scene, Settings(method="no_such_method"))
+    except ValueError as error:
+        return "" if "no_such_method" in str(error) else f"the error does not name the method: {error}"
+    return "an unknown method is accepted"
+
+
+def _inconsistent(engine: Engine) -> str:
+    scene = open_pendulum()
+    method = next((m for m in engine.methods() if takes(engine, m, scene)), None)
+    if method is None:
+        return ""
+    result = engine.run(scene, rungs(method, np.array([0.0, scene.duration]))[-1])
+    named = result.status is Status.INCONSISTENT and result.message
+    return "" if named else "a velocity along the rod is accepted or changed without a word"
+
+
+def _hopeless(engine: Engine, method: Method, question: Asked) -> Finding:
+    """Absurd accuracy must end in a status, a refusal or finite poses; a NaN or a lost clock is not success."""
+    scene, times = question.scene, np.array([0.0, 0.5, 1.0]) * question.scene.duration
+    half = scene.duration / 2
+    loose = {"step": half} if method.kind == "fixed" else {"rtol": 1e-2}
+    wrong = ""
+    try:
+        settings = Settings.model_validate({"method": method.name, "estimate": "off", **loose})
+        result = engine.run(scene, settings, times)
+    except ValueError:  # it refuses the setting, aloud
+        return verdict("hopeless step", method.name, scene.name, "")
+    if result.ok and not (np.isfinite(result.position).all() and np.array_equal(result.times, times)):
+        wrong = "it reports success with poses that are no numbers, or at other times"
+    if not result.ok and not result.message:
+        wrong = f"it ends as {result.status} without a sentence"
+    return verdict("hopeless step", method.name, scene.name, wrong)
+
+
+def _order(method: Method, rows: list[Row]) -> list[Finding]:
+    """Judge the median over the smooth scenes: one alone may be better or worse than the method by its symmetry."""
+    seen = [row.order for row in rows if row.order is not None]
+    if method.order is None or not seen:
+        return []
+    order = median(seen)
+    text = f"order {order:.2f} observed over {len(seen)} scenes, {method.order} documented"
+    wrong = text if abs(order - method.order) > ORDER_OFF else ""
+    return [verdict("order", method.name, ENGINE_WIDE, wrong, seen=text, excuse=method.wrong_limit)]

@@ -1,0 +1,67 @@
+"""What the examination of an engine found."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import asdict, dataclass
+from typing import Any, Literal
+
+Outcome = Literal["passed", "failed", "excused"]
+
+
+@dataclass(frozen=True)
+class Finding:
+    """The answer to one question about one method on one scene."""
+
+    question: str
+    method: str
+    scene: str
+    outcome: Outcome
+    detail: str = ""  # what was seen; a sentence where it failed
+    excuse: str = ""  # the weakness that the method declares, where that is why a failure does not count
+
+
+@dataclass(frozen=True)
+class Row:
+    """The figures of one method on one scene."""
+
+    method: str
+    scene: str
+    order: float | None  # observed
+    documented: int | None
+    error: float | None  # of the best run, over the scene's size, or rad
+    loop_s: float | None  # of that run
+
+
+@dataclass(frozen=True)
+class Report:
+    """All findings, and the table of figures."""
+
+    engine: str
+    version: str
+    findings: tuple[Finding, ...]
+    rows: tuple[Row, ...]
+
+    def of(self, outcome: Outcome) -> tuple[Finding, ...]:
+        return tuple(f for f in self.findings if f.outcome == outcome)
+
+    @property
+    def conforms(self) -> bool:
+        return not self.of("failed")
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return plain data for JSON."""
+        return {**asdict(self), "conforms": self.conforms}
+
+
+def verdict(question: str, method: str, scene: str, wrong: str, *, seen: str = "", excuse: str = "") -> Finding:
+    """Return a finding: passed where nothing is wrong; a failure is excused by a weakness that the method declares."""
+    if not wrong:
+        return Finding(question, method, scene, "passed", seen)
+    return Finding(question, method, scene, "excused" if excuse else "failed", wrong, excuse)
+
+
+def failures(findings: Iterable[Finding], question: str) -> list[str]:
+    """Return a line for each failure of one question."""
+    wrong = [f for f in findings if f.question == question and f.outcome == "failed"]
+    return [f"{f.scene} by {f.method}: {f.detail}" for f in wrong]

@@ -1,0 +1,206 @@
+"""One method on one scene, from coarse to fine, and what the runs say of it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from time import perf_counter, process_time
+
+import numpy as np
+
+from cross_checks.conformance import figures
+from cross_checks.conformance.finding import Finding, Row, verdict
+from cross_checks.conformance.questions import Asked, rungs
+from cross_checks.engine import Engine
+from cross_checks.workshop.method import Method
+from mbs_ref.settings import Settings
+from mbs_ref.trajectory import Trajectory
+
+ORDER_OFF = 0.35  # how far an observed order may be from the documented one
+ROUNDOFF = 1e-10  # of the scene's size: where order can no longer be seen
+GOOD = 1e-8  # of the scene's size: an error that need not shrink any more
+AT_START = 1e-9  # of the scene's size and speed: how exactly the first sample is the scene's initial state
+SHRINKS = 0.8  # of an error by one refinement, the step halved: a third of an order does it
+SLOPE = 1e-5  # of the largest speed: a mismatch of velocity and slope that need not shrink any more
+ALOUD = "none: it stops before the end and says so, which is an answer"
+FASTEST = 5e-9  # s: no processor evaluates a right-hand side, or takes a step, in less
+RESTARTED = 1e-6  # of the scene's size: how far the end may depend on which samples are asked for
+
+
+@dataclass(frozen=True)
+class Run:
+    """One run and its clocks."""
+
+    settings: Settings
+    path: Trajectory
+    wall_s: float  # of the whole call
+    cpu_s: float
+    error: float = math.inf  # of positions, over the scene's size, and of orientations, rad
+
+    @property
+    def setting(self) -> str:
+        s = self.settings
+        return f"step = {s.step:g} s" if s.step else f"rtol = {s.rtol:g}"
+
+
+def climb(engine: Engine, method: Method, question: Asked) -> tuple[list[Finding], Row]:
+    """Run the method from coarse to fine and return what is found, with the figures of the best run."""
+    asked = rungs(method, question.times, jumps=not question.is_smooth)
+    runs = [timed(engine, question, settings) for settings in asked]
+    good = [run for run in runs if run.path.ok]
+    row = _row(method, question, good)
+    if len(good) < 2:
+        said = "; ".join(f"{run.setting}: {run.path.message}" for run in runs if not run.path.ok)
+        seen = f"fewer than two runs end: {said}"
+        return [verdict("runs", method.name, question.scene.name, seen, excuse=method.wrong_limit or ALOUD)], row
+    found = [verdict("runs", method.name, question.scene.name, "")]
+    found += list(_always(method, question, good)) + list(_excusable(method, question, good, row))
+    if question.is_smooth or method.kind == "fixed" or method.locates_events:  # else it may step over a contact
+        found.append(_same_end(engine, method, question, good[-1]))
+    return found, row
+
+
+def timed(engine: Engine, question: Asked, settings: Settings, times: np.ndarray | None = None) -> Run:
+    """Run once, with the clocks of the call and the error."""
+    asked = question.times if times is None else times
+    wall, cpu = perf_counter(), process_time()
+    path = engine.run(question.scene, settings, asked)
+    wall, cpu = perf_counter() - wall, process_time() - cpu
+    if not path.ok or len(path.times) != len(question.times):
+        return Run(settings, path, wall, cpu)
+    error = max(figures.position_error(question, path), figures.orientation_error(question, path))
+    return Run(settings, path, wall, cpu, error)
+
+
+def _row(method: Method, question: Asked, good: list[Run]) -> Row:
+    best = min(good, key=lambda run: run.error, default=None)
+    order = observed(good) if method.kind == "fixed" and question.is_smooth else None
+    error, loop = (best.error, best.path.timing.loop_s) if best else (None, None)
+    return Row(method.name, question.scene.name, order, method.order, error, loop)
+
+
+def observed(good: list[Run]) -> float | None:
+    """Return the order between the two finest runs whose errors are neither roundoff nor large; None without two."""
+    seen = [(run.settings.step, run.error) for run in good if run.settings.step and ROUNDOFF < run.error < 0.1]
+    if len(seen) < 2:
+        return None
+    (h, e), (finer, smaller) = seen[-2:]
+    return math.log(e / smaller) / math.log(h / finer)
+
+
+def _always(method: Method, question: Asked, good: list[Run]) -> Iterator[Finding]:
+    """Yield what no weakness excuses: samples, start, velocities, clocks."""
+    name, scene = method.name, question.scene.name
+    yield verdict("asked times", name, scene, _wrong_times(question, good))
+    yield verdict("start", name, scene, _wrong_start(question, good[-1].path))
+    yield verdict("velocities", name, scene, _wrong_slope(method, question, good))
+    yield verdict("clock", name, scene, _wrong_clock(good))
+
+
+def _excusable(method: Method, question: Asked, good: list[Run], row: Row) -> Iterator[Finding]:
+    """Yield what a method that declares a wrong limit may fail: accuracy, energy, joints."""
+    name, scene, excuse = method.name, question.scene.name, method.wrong_limit
+    floor = max(GOOD, 100.0 * question.truth.uncertainty / figures.size(question))
+    seen, steady = f"error {row.error:.1e}", question.is_smooth and method.order is not None
+    wrong = _unshrunk(steady, [run.error for run in good], floor, "errors")
+    yield verdict("truth", name, scene, wrong, seen=seen, excuse=excuse)
+    energy = [figures.energy_miss(question.scene, run.path) for run in good]
+    yield verdict("energy", name, scene, _unshrunk(steady, energy, GOOD, "energy is lost or won:"), excuse=excuse)
+    gaps = [figures.joint_gap(question, run.path) for run in good]
+    yield verdict("joints", name, scene, _unshrunk(steady, gaps, GOOD, "joints open by"), excuse=excuse)
+
+
+def _unshrunk(steady: bool, found: list[float | None], floor: float, what: str) -> str:
+    """Return a sentence where a figure is not small and does not shrink any more.
+
+    Each refinement must bring something where it is `steady`. Where contacts begin and end between steps, and where a
+    method documents no order, errors go up and down, and the finest run is held against the worst before it.
+    """
+    known = [figure for figure in found if figure is not None]
+    if len(known) < 2 or known[-1] <= floor:
+        return ""
+    before = known[-2] if steady else max(known[:-1])
+    if known[-1] < SHRINKS * before:
+        return ""
+    return f"{what} {' '.join(f'{figure:.1e}' for figure in known)} of the scene's scale, coarse to fine"
+
+
+def _wrong_times(question: Asked, good: list[Run]) -> str:
+    for run in good:
+        if not np.array_equal(run.path.times, question.times):
+            return f"{run.setting}: samples are not at the times that were asked for"
+    return ""
+
+
+def _wrong_start(question: Asked, path: Trajectory) -> str:
+    """Compare the first sample with the scene: every part, whatever the method."""
+    from cross_checks.workshop.initial_state import initial_sample
+
+    start, turns = initial_sample(question.scene), figures.turning(question.scene)
+    axes = [figures.axes(question.scene, p.orientation[:1])[:, turns] for p in (path, start)]
+    length = float(np.linalg.norm(path.velocity, axis=-1).max()) or 1.0
+    spin = float(np.abs(path.angular_velocity).max()) or 1.0
+    spun = np.abs(path.angular_velocity[0] - start.angular_velocity[0])[turns]
+    parts = {
+        "positions": np.abs(path.position[0] - start.position[0]).max() / figures.size(question),
+        "orientations": np.abs(axes[0] - axes[1]).max(initial=0.0),
+        "velocities": np.abs(path.velocity[0] - start.velocity[0]).max() / length,
+        "angular velocities": spun.max(initial=0.0) / spin,
+    }
+    wrong = [f"{part} by {miss:.1e} of their scale" for part, miss in parts.items() if not miss <= AT_START]
+    return f"the first sample misses the initial state: {', '.join(wrong)}" if wrong else ""
+
+
+def _wrong_slope(method: Method, question: Asked, good: list[Run]) -> str:
+    """A velocity is what the position's slope converges to, as fast as the method's order says."""
+    misses, unsure = zip(*(figures.slope_mismatch(question.scene, run.path) for run in good), strict=True)
+    floor = max(SLOPE, 10.0 * unsure[-1])
+    if misses[-1] <= floor:
+        return ""
+    shrinks = misses[-1] < SHRINKS * misses[-2] and misses[-1] < 0.1
+    steps = [run.settings.step or math.nan for run in good]
+    order = math.log(misses[-2] / misses[-1]) / math.log(steps[-2] / steps[-1])
+    slow = method.kind == "fixed" and question.is_smooth and order < min(method.order or 1, 2) - 2.0 * ORDER_OFF
+    if shrinks and not slow:
+        return ""
+    seen = " ".join(f"{miss:.1e}" for miss in misses)
+    return f"velocities miss the slope of positions by {seen} of the largest, coarse to fine"
+
+
+def _wrong_clock(good: list[Run]) -> str:
+    """The loop's time fits into the call, is not shorter than any processor takes, and grows as the work does."""
+    for run in good:
+        clock, counted = run.path.timing, max(run.path.steps, run.path.rhs_calls)
+        total = clock.build_s + clock.first_call_s + clock.loop_s
+        if not clock.loop_s > 0.0:
+            return f"{run.setting}: the loop is not timed"
+        # the two clocks are read apart: a tenth of a millisecond may pass between
+        if total > 1.01 * run.wall_s + 1e-4:
+            return f"{run.setting}: {total:.2e} s are reported of a call of {run.wall_s:.2e} s"
+        if clock.loop_s < counted * FASTEST:
+            told = f"{counted} steps or right-hand sides in {clock.loop_s:.2e} s"
+            return f"{run.setting}: {told} are beyond any processor"
+    more = good[-1].cpu_s - good[0].cpu_s  # what eight times the steps cost
+    told = good[-1].path.timing.loop_s - good[0].path.timing.loop_s
+    if good[-1].settings.step and more > max(0.02, 0.5 * good[-1].cpu_s) and told < 0.1 * more:
+        return f"finer steps cost {more:.2e} s more, and the loop's time tells of {told:.2e} s"
+    return ""
+
+
+def _same_end(engine: Engine, method: Method, question: Asked, fine: Run) -> Finding:
+    """Ask for the end alone: the state there must not depend on which samples are asked for."""
+    ends = question.times[[0, SPARSE, -1]]
+    alone = timed(engine, question, fine.settings, ends)
+    allowed = max(RESTARTED, 1e3 * (fine.settings.rtol or 0.0), fine.error)
+    wrong = ""
+    if not alone.path.ok:
+        wrong = f"{fine.setting}: with other samples the run ends: {alone.path.message}"
+    else:
+        gap = float(np.abs(alone.path.position[-1] - fine.path.position[-1]).max()) / figures.size(question)
+        if gap > allowed:
+            wrong = f"{fine.setting}: the end moves by {gap:.1e} of the scene's size with the samples asked for"
+    return verdict("same end", method.name, question.scene.name, wrong, excuse=method.wrong_limit)
+
+
+SPARSE = 20  # the one inner sample of those runs

@@ -1,0 +1,93 @@
+"""What an engine is asked: scenes short enough to be quick, each with a truth, and the settings of each run."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+
+from cross_checks.engine import Engine
+from cross_checks.truths import Truth, known, truth_for
+from cross_checks.workshop.method import Method
+from mbs_ref import scenes
+from mbs_ref.scene import GROUND, PointMass, Scene, UserForce
+from mbs_ref.scene import Distance as Rod
+from mbs_ref.settings import Settings
+
+SPANS = {  # s: long enough for every part to matter, short enough for many runs
+    "pendulum": 1.0, "spring_pendulum": 1.0, "double_pendulum": 1.0, "n_four_bar": 1.0, "slider_crank": 0.5,
+    "spherical_pendulum": 1.0, "heavy_top": 0.5, "torque_free_top": 6.0, "spatial_n_four_bar": 1.0,
+    "sliding_block": 1.0, "bouncing_ball": 0.4, "kepler": 6.0, "satellite": 6000.0,
+}  # fmt: skip
+SAMPLES = 51
+STEPS = (50, 100, 200, 400)  # over the span
+RTOLS = (1e-4, 1e-6, 1e-8, 1e-10)
+
+
+@dataclass(frozen=True)
+class Asked:
+    """A scene, the times asked for and its truth there."""
+
+    scene: Scene
+    times: np.ndarray  # (n_t,) s
+    truth: Truth
+
+    @property
+    def is_smooth(self) -> bool:
+        return not self.scene.contacts
+
+
+@cache
+def asked(name: str) -> Asked | None:
+    """Return the question that a scene is; None where no truth is known at its times."""
+    scene = scenes.make(name)
+    times = np.linspace(0.0, SPANS.get(name, scene.duration), SAMPLES)
+    truth = truth_for(scene, times)
+    return None if truth is None else Asked(scene, times, truth)
+
+
+def takes(engine: Engine, method: Method, scene: Scene) -> bool:
+    """Return whether the engine's method accepts the scene."""
+    return not engine.refusals(scene) and not engine.method_refusals(scene, method)
+
+
+def questions(engine: Engine) -> list[Asked]:
+    """Return the scenes that some method takes; one of the costlier ones where it takes none of the quick ones."""
+    quick = [name for name in SPANS if _is_taken(engine, name)]
+    others = (name for name in known() if name in scenes.names() and name not in SPANS and _is_taken(engine, name))
+    chosen = quick or [next(others, None)]
+    found = [asked(name) for name in chosen if name is not None]
+    return [question for question in found if question is not None]
+
+
+def _is_taken(engine: Engine, name: str) -> bool:
+    scene = scenes.make(name)
+    return any(takes(engine, method, scene) for method in engine.methods())
+
+
+def rungs(method: Method, times: np.ndarray, *, jumps: bool = False) -> list[Settings]:
+    """Return the settings of the runs, coarse to fine.
+
+    Where forces jump, an adaptive method that locates no events cannot meet a tight tolerance (Exudyn's DOPRI5 does
+    not come back from 1e-8), and is asked for the loose ones alone.
+    """
+    if method.kind == "fixed":
+        steps = [float(times[-1]) / n for n in STEPS]
+        return [Settings(method=method.name, step=h, estimate="off", refuse_unstable=False) for h in steps]
+    rtols = RTOLS[:2] if jumps and not method.locates_events else RTOLS
+    return [Settings(method=method.name, rtol=r, estimate="off") for r in rtols]
+
+
+def impossible() -> Scene:
+    """A scene in space under a Python force: few engines take either."""
+    stone = PointMass(name="stone", mass=1.0, position=(0.0, 0.0, 0.0), velocity=(0.0, 0.0, 0.0))
+    wind = UserForce(name="wind", function=lambda t, q, v: 0.0 * q)
+    return Scene(name="impossible", gravity=(0.0, 0.0, -9.81), bodies=(stone,), loads=(wind,))
+
+
+def open_pendulum() -> Scene:
+    """A particle that starts along its rod: the velocity breaks the constraint."""
+    bob = PointMass(name="bob", mass=1.0, position=(1.0, 0.0), velocity=(1.0, 0.0))
+    rod = Rod(name="rod", body_a=GROUND, body_b="bob", point_a=(0.0, 0.0), point_b=(1.0, 0.0))
+    return Scene(name="open", gravity=(0.0, -9.81), bodies=(bob,), joints=(rod,))

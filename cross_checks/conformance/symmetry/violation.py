@@ -1,0 +1,220 @@
+"""How far an engine's motion of a scene's image is from the image of its motion."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from cross_checks.conformance.symmetry import placement as place
+from cross_checks.conformance.symmetry import restart
+from cross_checks.conformance.symmetry.placement import Placement, image, moved
+from cross_checks.engine import Engine
+from mbs_ref.scene import PlanarBody, Scene
+from mbs_ref.scene.euler_parameters import geodesic_angle
+from mbs_ref.settings import Settings
+from mbs_ref.trajectory import Trajectory
+
+NUDGE = 2.0**-46  # of the scene's size: some roundings of a step's arithmetic
+MARGIN = 30.0  # times what roundoff and the method's own tolerance may do: beyond, a symmetry is broken
+SAMPLES = 5
+RTOL = 1e-8  # of an adaptive method that is told none
+BACK = "there and back"
+
+
+class NotRunError(RuntimeError):
+    """The engine did not finish a run; its words."""
+
+
+@dataclass(frozen=True)
+class Violation:
+    """What one symmetry leaves of one run."""
+
+    symmetry: str
+    size: float | None  # m, largest distance of world points from where they belong; None where it does not apply
+    noise: float  # m, what roundoff and the method's tolerance do by themselves
+    error: float  # m, what half the step, or a tenth of the tolerance, changes
+    reason: str = ""  # why there is no size
+
+    @property
+    def is_broken(self) -> bool:
+        """Whether the symmetry is broken beyond roundoff; running back undoes nothing of the method's error."""
+        allowed = max(self.noise, self.error) if self.symmetry == BACK else self.noise
+        return self.size is not None and self.size > MARGIN * allowed
+
+    @property
+    def exceeds_error(self) -> bool:
+        """Whether it is broken by more than the method errs anyway: no smaller step will mend it."""
+        return self.is_broken and self.size is not None and self.size > MARGIN * self.error
+
+
+def violations(engine: Engine, scene: Scene, settings: Settings) -> list[Violation]:
+    """Return what every symmetry leaves, in the order of SYMMETRIES. Raises NotRunError where the plain run fails."""
+    times = np.linspace(0.0, settings.t_end or scene.duration, SAMPLES)
+    plain = _run(engine, scene, settings, times)
+    noise, error = _noise(engine, scene, settings, times, plain), _error(engine, scene, settings, plain)
+    found = []
+    for name, measure in SYMMETRIES.items():
+        size = _measured(measure, engine, scene, settings, plain)
+        is_known = not isinstance(size, str)
+        found.append(Violation(name, size if is_known else None, noise, error, "" if is_known else size))
+    return found
+
+
+def _measured(measure, engine, scene, settings, plain) -> float | str:
+    try:
+        return measure(engine, scene, settings, plain)
+    except NotRunError as error:
+        return str(error)
+
+
+def _error(engine: Engine, scene: Scene, settings: Settings, plain: Trajectory) -> float:
+    """Return how far the motion is from one of half the step, or of a tenth of the tolerance."""
+    finer = {"step": 0.5 * settings.step} if settings.step else {"rtol": 0.1 * (settings.rtol or RTOL)}
+    run = _run(engine, scene, settings.model_copy(update=finer), plain.times)
+    return _gap(scene, _poses(run), _poses(plain))
+
+
+def _run(engine: Engine, scene: Scene, settings: Settings, times: np.ndarray) -> Trajectory:
+    t_end = float(times[-1])
+    run = engine.run(scene, settings.model_copy(update={"t_end": t_end}), times)
+    if not run.ok or len(run.times) < len(times):
+        raise NotRunError(f"{engine.name} does not finish: {run.message}")
+    return run
+
+
+def _noise(engine: Engine, scene: Scene, settings: Settings, times: np.ndarray, plain: Trajectory) -> float:
+    """Return how far the motion goes from a nudged start, and from a run of another tolerance."""
+    size = max(1.0, float(np.abs(plain.position).max()))
+    signs = np.random.default_rng(0).choice([-1.0, 1.0], size=(len(scene.bodies), len(scene.gravity)))
+    amount = NUDGE * size
+    bodies = tuple(
+        body.model_copy(update={"position": tuple((np.array(body.position) + amount * sign).tolist())})
+        for body, sign in zip(scene.bodies, signs, strict=True)
+    )
+    others = [(scene.model_copy(update={"bodies": bodies, "name": "nudged", "parameters": {}}), settings)]
+    if settings.rtol is not None:
+        others.append((scene, settings.model_copy(update={"rtol": 0.5 * settings.rtol})))
+    gaps = [_gap(scene, _poses(_run(engine, *other, times)), _poses(plain)) for other in others]
+    return max(amount, *gaps)
+
+
+def _poses(run: Trajectory) -> tuple[np.ndarray, np.ndarray]:
+    return run.position, run.orientation
+
+
+def _gap(scene: Scene, found: tuple[np.ndarray, np.ndarray], wanted: tuple[np.ndarray, np.ndarray]) -> float:
+    """Return the largest distance (m) of centres, and of points a radius of gyration away."""
+    gap = float(np.max(np.linalg.norm(found[0] - wanted[0], axis=2)))
+    if found[1].ndim == 2:
+        arm = [np.sqrt(b.inertia / b.mass) if isinstance(b, PlanarBody) else 0.0 for b in scene.bodies]
+        return max(gap, float(np.max(np.abs(found[1] - wanted[1]) * arm)))
+    return max(gap, float(np.max(geodesic_angle(found[1], wanted[1]) * _arms(scene))))
+
+
+def _seen(make: Callable[[Scene], Placement], *, needs_step: bool = False) -> Callable:
+    """Return what measures a placement: the image's motion against the motion's image, in the scene's metres."""
+
+    def measure(engine: Engine, scene: Scene, settings: Settings, plain: Trajectory) -> float | str:
+        placed = make(scene)
+        reason = place.obstacle(scene, placed)
+        if not reason and needs_step and settings.step is None:
+            reason = "an absolute tolerance has no image where speeds scale unlike lengths"
+        if reason:
+            return reason
+        changed = {"t_end": placed.time * float(plain.times[-1])}
+        if settings.step is not None:
+            changed["step"] = settings.step * placed.time
+        elif settings.atol is not None:
+            changed["atol"] = settings.atol * placed.length
+        seen = image(scene, placed)
+        run = _run(engine, seen, settings.model_copy(update=changed), plain.times * placed.time)
+        return _gap(seen, _poses(run), moved(plain, placed)) / placed.length
+
+    return measure
+
+
+def _in_space(scene: Scene, flip: bool = False) -> np.ndarray:
+    """Return an orthogonal matrix that keeps no axis, and mirrors space if asked."""
+    d = len(scene.gravity)
+    c, s = np.cos(0.7), np.sin(0.7)
+    turn = np.array([[c, -s], [s, c]]) if d == 2 else np.array([[2, -1, 2], [2, 2, -1], [-1, 2, 2]]) / 3.0
+    return turn @ np.diag([1.0] * (d - 1) + [-1.0 if flip else 1.0])
+
+
+def _turned(scene: Scene) -> Placement:
+    return Placement(_in_space(scene), np.zeros(len(scene.gravity)))
+
+
+def _mirrored(scene: Scene) -> Placement:
+    return Placement(_in_space(scene, flip=True), np.zeros(len(scene.gravity)))
+
+
+def _shifted(scene: Scene) -> Placement:
+    d = len(scene.gravity)
+    size = max(1.0, max(abs(x) for body in scene.bodies for x in body.position))
+    return Placement(np.eye(d), size * np.array([0.5, -0.25, 0.125])[:d])
+
+
+def _other_units(scene: Scene) -> Placement:
+    """Powers of two, which leave no rounding."""
+    d = len(scene.gravity)
+    return Placement(np.eye(d), np.zeros(d), mass=2.0**7, length=2.0**5, time=2.0**3)
+
+
+def _other_mass_and_length(scene: Scene) -> Placement:
+    d = len(scene.gravity)
+    return Placement(np.eye(d), np.zeros(d), mass=2.0**7, length=2.0**5)
+
+
+def _reordered(scene: Scene) -> Placement:
+    """The first body's gravity may be singled out: it stays first where it is."""
+    d, n = len(scene.gravity), len(scene.bodies)
+    keep = int(any(getattr(load, "form", "") == "central" for load in scene.loads))
+    return Placement(np.eye(d), np.zeros(d), order=(*range(keep), *reversed(range(keep, n))))
+
+
+def _renamed(scene: Scene) -> Placement:
+    d = len(scene.gravity)
+    names = {name: f"z{k}" for k, name in enumerate(reversed(scene.body_names))}
+    return Placement(np.eye(d), np.zeros(d), names=names)
+
+
+def _cut(engine: Engine, scene: Scene, settings: Settings, plain: Trajectory) -> float | str:
+    """Stop half way and start anew from there."""
+    reason = restart.obstacle(scene, back=False)
+    if reason:
+        return reason
+    half = len(plain.times) // 2
+    first = _run(engine, scene, settings, plain.times[: half + 1])
+    rest = restart.continued(scene, first, back=False)
+    second = _run(engine, rest, settings, plain.times[half:] - plain.times[half])
+    return _gap(scene, _poses(second), (plain.position[half:], plain.orientation[half:]))
+
+
+def _there_and_back(engine: Engine, scene: Scene, settings: Settings, plain: Trajectory) -> float | str:
+    """Turn all velocities round at the end: twice the method's error is left, where nothing is lost."""
+    reason = restart.obstacle(scene, back=True)
+    if reason:
+        return reason
+    back = _run(engine, restart.continued(scene, plain, back=True), settings, plain.times)
+    return _gap(scene, _poses(back), (plain.position[::-1], plain.orientation[::-1]))
+
+
+SYMMETRIES: dict[str, Callable[[Engine, Scene, Settings, Trajectory], float | str]] = {
+    "turned": _seen(_turned),
+    "mirrored": _seen(_mirrored),
+    "shifted": _seen(_shifted),
+    "other units": _seen(_other_units, needs_step=True),
+    "other mass and length": _seen(_other_mass_and_length),
+    "reordered": _seen(_reordered),
+    "renamed": _seen(_renamed),
+    "cut in two": _cut,
+    BACK: _there_and_back,
+}
+
+
+def _arms(scene: Scene) -> np.ndarray:
+    """Return each body's radius of gyration (n_bodies,), m: points that far away turn about the centre."""
+    return np.array([body.gyration_radius for body in scene.bodies])

@@ -1,0 +1,45 @@
+"""A method of an engine, and why an engine cannot run a scene."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import factorial
+from typing import Literal
+
+from mbs_ref.scene import Scene
+from mbs_ref.scene.traits import traits
+
+
+@dataclass(frozen=True)
+class Method:
+    """One way an engine integrates."""
+
+    name: str
+    kind: Literal["fixed", "adaptive"]
+    order: int | None  # of convergence in the step, as documented; None where it varies
+    description: str
+    ladder: tuple[float, ...] = ()  # steps (s) or rtols a sweep tries, coarse to fine
+    requires: frozenset[str] = frozenset()  # traits the scene must have ...
+    excludes: frozenset[str] = frozenset()  # ... or must not have (see mbs_ref.scene.traits)
+    locates_events: bool = False  # touch-down, lift-off, slip; else contact forces are clipped by the state
+    stability: tuple[float, ...] = ()  # explicit fixed-step methods: coefficients of R(z), lowest power first
+    wrong_limit: str = ""  # why it is known to fail or converge elsewhere ...
+    weak_on: frozenset[str] = frozenset()  # ... on scenes with any of these traits: it excuses there, nowhere else
+    driven_from_python: bool = False  # the engine gives accelerations alone; the time loop is Python code of ours
+
+    def excused(self, scene: Scene) -> str:
+        """Return why the method is known to go wrong on this very scene; empty where it is not."""
+        return self.wrong_limit if self.weak_on & traits(scene) else ""
+
+
+def exponential(order: int) -> tuple[float, ...]:
+    """Return R(z) of an explicit method with as many stages as its order: exp(z) up to there."""
+    return tuple(1.0 / factorial(k) for k in range(order + 1))
+
+
+@dataclass(frozen=True)
+class Refusal:
+    """Why an engine cannot run a scene."""
+
+    reason: str
+    permanent: bool  # True: never, by its nature; False: not yet taught

@@ -1,0 +1,133 @@
+"""A run whose settings have been understood: method, output times, steps between them, tolerances."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar, Protocol
+
+import numpy as np
+
+from cross_checks.workshop.initial_state import inconsistency
+from cross_checks.workshop.method import Method, Refusal
+from cross_checks.workshop.outcome import stopped
+from mbs_ref.scene import Scene
+from mbs_ref.settings import Settings
+from mbs_ref.trajectory import Status, Trajectory
+
+DEFAULT_STEP = 1e-3  # s, the largest step chosen when none is given
+DEFAULT_RTOL = 1e-9
+SLACK = 1e-9  # of a step: how exactly a step must divide an output interval
+
+
+@dataclass(frozen=True)
+class Plan:
+    """A run whose settings have been understood."""
+
+    method: Method
+    times: np.ndarray  # (n_t,) s
+    step: float = 0.0  # s, fixed-step methods
+    counts: tuple[int, ...] = ()  # steps between output times, fixed-step methods
+    rtol: float = 0.0
+    atol: float = 0.0
+    max_steps: int = Settings().max_steps
+
+    @property
+    def used(self) -> dict[str, float]:
+        """Return the settings that the run really has, defaults included."""
+        accuracy = {"step": self.step} if self.method.kind == "fixed" else {"rtol": self.rtol, "atol": self.atol}
+        return {**accuracy, "samples": len(self.times)}
+
+
+class Planned(Protocol):
+    """What of an engine a plan depends on."""
+
+    name: ClassVar[str]
+
+    def method(self, name: str | None) -> Method: ...
+    def refusals(self, scene: Scene) -> list[Refusal]: ...
+    def method_refusals(self, scene: Scene, method: Method) -> list[Refusal]: ...
+
+
+def plan_run(
+    engine: Planned, scene: Scene, settings: Settings, times: np.ndarray | None, supported: frozenset[str] = frozenset()
+) -> Plan | Trajectory:
+    """Return the plan, or a trajectory without samples that says why the scene is not run.
+
+    `supported` names the settings beyond method, step, tolerances and times that the engine honours; any
+    other that differs from its default is a ValueError.
+    """
+    method = engine.method(settings.method)
+    _check_settings(engine.name, method, settings, supported)
+    grid = step_grid(scene, settings) if times is None and settings.step else output_times(scene, settings, times)
+    _check_times(grid)
+    reasons = engine.refusals(scene) + engine.method_refusals(scene, method)
+    if reasons:
+        return stopped(scene, Status.REFUSED, "; ".join(refusal.reason for refusal in reasons))
+    broken = inconsistency(scene, settings.initial_tolerance)
+    if broken:
+        return stopped(scene, Status.INCONSISTENT, broken)
+    if method.kind == "adaptive":
+        rtol = settings.rtol or DEFAULT_RTOL
+        return Plan(method, grid, rtol=rtol, atol=settings.atol or rtol, max_steps=settings.max_steps)
+    step = settings.step or default_step(grid)
+    counts = step_counts(grid, step)
+    if sum(counts) > settings.max_steps:
+        raise ValueError(f"step = {step:g} needs {sum(counts)} steps, more than max_steps = {settings.max_steps}")
+    return Plan(method, grid, step, counts, max_steps=settings.max_steps)
+
+
+def _check_settings(engine: str, method: Method, settings: Settings, supported: frozenset[str]) -> None:
+    if method.kind == "fixed" and (settings.rtol is not None or settings.atol is not None):
+        raise ValueError(f"rtol, atol = {settings.rtol}, {settings.atol}: {method.name} takes a step instead")
+    if method.kind == "adaptive" and settings.step is not None:
+        raise ValueError(f"step = {settings.step}: {method.name} takes rtol and atol instead")
+    defaults = Settings()
+    for name in ("stabilization", "baumgarte_gain", "stop_on_compliance", "project_initial"):
+        value, default = getattr(settings, name), getattr(defaults, name)
+        if name not in supported and value != default:
+            raise ValueError(f"{name} = {value!r} is not offered by {engine}; allowed: {default!r}")
+    if settings.events == "located" and not method.locates_events:
+        raise ValueError(f"events = 'located': {method.name} of {engine} locates no events; allowed: 'none'")
+
+
+def _check_times(times: np.ndarray) -> None:
+    if times.ndim != 1 or len(times) < 2 or times[0] != 0.0 or not np.all(np.diff(times) > 0.0):
+        raise ValueError("times must be at least two increasing numbers, the first 0")
+
+
+def output_times(scene: Scene, settings: Settings, times: np.ndarray | None) -> np.ndarray:
+    """Return the asked times, or the settings' even grid."""
+    if times is not None:
+        return np.asarray(times, dtype=float)
+    t_end = settings.t_end if settings.t_end is not None else scene.duration
+    return np.linspace(0.0, t_end, settings.samples)
+
+
+def step_grid(scene: Scene, settings: Settings) -> np.ndarray:
+    """Return the asked number of samples, as evenly spread as multiples of the step allow."""
+    t_end = settings.t_end if settings.t_end is not None else scene.duration
+    assert settings.step is not None
+    (whole,) = step_counts(np.array([0.0, t_end]), settings.step)
+    samples = min(settings.samples, whole + 1)
+    times = np.unique(np.linspace(0, whole, samples).round()) * settings.step
+    times[-1] = t_end
+    return times
+
+
+def default_step(times: np.ndarray) -> float:
+    """Return the largest step up to DEFAULT_STEP that divides the smallest output interval."""
+    interval = float(np.min(np.diff(times)))
+    return interval / np.ceil(interval / DEFAULT_STEP * (1.0 - SLACK))
+
+
+def step_counts(times: np.ndarray, step: float) -> tuple[int, ...]:
+    """Return the whole numbers of steps between output times; ValueError names the nearest steps allowed."""
+    total = times / step
+    if np.any(np.abs(total - np.rint(total)) > SLACK * np.maximum(1.0, total)):
+        interval = float(np.min(np.diff(times)))
+        fewer = max(1, int(interval / step))
+        raise ValueError(
+            f"step = {step:g} s does not divide the output times (smallest interval {interval:g} s); allowed: "
+            f"{interval / fewer:.12g} or {interval / (fewer + 1):.12g}, or any whole fraction of the interval"
+        )
+    return tuple(int(n) for n in np.diff(np.rint(total)))

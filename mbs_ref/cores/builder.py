@@ -1,0 +1,127 @@
+"""What the planar and the spatial build share: places of bodies, rows and signals while a scene is compiled."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from mbs_ref.cores.joint_graph import Edge, joint_rows, layout, row_count
+from mbs_ref.kernels.signals import SignalArrays
+from mbs_ref.scene import Scene
+from mbs_ref.scene.base.rows import Row
+from mbs_ref.scene.joints import Drive
+from mbs_ref.scene.signals import DEGREE, Segment, motion_segments
+
+
+class Place(NamedTuple):
+    """Where a joint's rows are."""
+
+    slot: int
+    row: int
+    side: int  # of its first end
+    count: int
+
+
+class PlacedRow(NamedTuple):
+    """An elementary row, where it is and whose."""
+
+    row: Any  # one of mbs_ref.scene.base.rows
+    joint: Any
+    a: str
+    b: str
+    at: Place
+
+
+class Builder:
+    """Slots of a scene's joints; `signal` collects the functions of time."""
+
+    def __init__(self, scene: Scene) -> None:
+        self.scene = scene
+        self.joint_rows = joint_rows(scene)
+        self.layout = layout(scene, self.joint_rows)
+        self.n = len(scene.bodies)
+        self.number = {body: k for k, body in enumerate(self.layout.order)} | {-1: self.n}
+        self.segments: list[list[Segment]] = []
+        self.place: dict[int, Place] = {}  # by the joint's index
+        self.slot_bodies: list[tuple[int, int]] = []
+        self.slot_rows: list[int] = []
+        for child, edge in enumerate(self.layout.tree_edge):
+            self._add_slot(edge, child, self.layout.parent[child])
+        for edge in self.layout.closures:
+            self._add_slot(edge, self.number[edge.a], self.number[edge.b])
+        self.rows = [row for k in sorted(self.place) for row in self._placed_rows(k)]
+
+    def _add_slot(self, edge: Edge | None, side0: int, side1: int) -> None:
+        slot, row = len(self.slot_bodies), 0
+        self.slot_bodies.append((side0, side1))
+        for k in edge.joints if edge else []:
+            side, count = int(self.body(self.scene.joints[k].ends[0]) != side0), row_count(self.joint_rows[k])
+            self.place[k] = Place(slot, row, side, count)
+            row += count
+        self.slot_rows.append(row)
+
+    def _placed_rows(self, k: int) -> list[PlacedRow]:
+        joint, at = self.scene.joints[k], self.place[k]
+        result = []
+        for row in self.joint_rows[k]:
+            result.append(PlacedRow(row, joint, *joint.ends, at._replace(count=row.count)))
+            at = at._replace(row=at.row + row.count)
+        return result
+
+    def closures(self) -> list[tuple[int, int]]:
+        """Return slot and row of every row that closes a loop."""
+        return [(slot, row) for slot in range(self.n, len(self.slot_rows)) for row in range(self.slot_rows[slot])]
+
+    def of(self, *kinds: type[Row]) -> list[PlacedRow]:
+        return [placed for placed in self.rows if isinstance(placed.row, kinds)]
+
+    def body(self, name: str) -> int:
+        """Return a body's elimination number; that of ground is the number of bodies."""
+        return self.number[self.scene.body_index(name)]
+
+    def signal(self, segments: list[Segment]) -> int:
+        self.segments.append(segments)
+        return len(self.segments) - 1
+
+    def motion(self, drive: Drive) -> int:
+        """Return the signal of what a drive prescribes."""
+        return self.signal(motion_segments(drive.motion, drive.level))
+
+
+def where(rows: list[PlacedRow]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return slot, row and the first end's side of each."""
+    return ints([r.at.slot for r in rows]), ints([r.at.row for r in rows]), ints([r.at.side for r in rows])
+
+
+def ints(values: list[int]) -> np.ndarray:
+    return np.array(values, dtype=np.int64)
+
+
+def floats(values: Any) -> np.ndarray:
+    return np.array(list(values), dtype=float)
+
+
+def table(rows: list, width: int) -> np.ndarray:
+    return np.array(rows, dtype=float).reshape(len(rows), width)
+
+
+def contiguous(group: Any) -> Any:
+    return type(group)(*map(np.ascontiguousarray, group))
+
+
+def signal_arrays(signals: list[list[Segment]]) -> SignalArrays:
+    """Flatten the segments of every signal."""
+    flat = [segment for signal in signals for segment in signal]
+    coefficients = np.zeros((len(flat), DEGREE + 1))
+    for k, segment in enumerate(flat):
+        coefficients[k, : len(segment.coefficients)] = segment.coefficients
+    return SignalArrays(
+        first=ints([0, *np.cumsum([len(s) for s in signals], dtype=int).tolist()]),
+        start=floats(s.start if math.isfinite(s.start) else 0.0 for s in flat),
+        coefficients=coefficients,
+        amplitude=floats(s.amplitude for s in flat),
+        omega=floats(s.omega for s in flat),
+        phase=floats(s.phase for s in flat),
+    )

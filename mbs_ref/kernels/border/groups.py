@@ -1,0 +1,54 @@
+"""Groups of arrays: a NamedTuple whose annotations alone say what each array is, Annotated[Floats, "k", 3].
+
+A word names a length that is the same in the whole group; a number is that length. The empty group, the check of a
+built one and the types that compiled code sees (mbs_ref.kernels.border.handles) all follow from the annotations.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Any, NamedTuple, get_args, get_type_hints
+
+import numpy as np
+import numpy.typing as npt
+
+Floats = npt.NDArray[np.float64]
+Ints = npt.NDArray[np.int64]
+
+
+class Declared(NamedTuple):
+    """What an annotation says."""
+
+    dtype: np.dtype
+    shape: tuple[int | str, ...]
+
+
+@cache
+def declared(group: type) -> dict[str, Declared]:
+    """Return dtype and shape of every array of a group."""
+    hints = get_type_hints(group, include_extras=True)
+    arrays = {name: get_args(hint) for name, hint in hints.items()}
+    return {name: Declared(np.dtype(get_args(kind)[0]), tuple(shape)) for name, (kind, *shape) in arrays.items()}
+
+
+def empty(group: type, **lengths: int) -> Any:
+    """Return a group of zeros; the lengths that are not given are 0."""
+    shapes = {name: [lengths.get(n, 0) if isinstance(n, str) else n for n in array.shape]
+              for name, array in declared(group).items()}  # fmt: skip
+    return group(**{name: np.zeros(shape, declared(group)[name].dtype) for name, shape in shapes.items()})
+
+
+def check(group: Any) -> None:
+    """Raise ValueError where an array is not what its group declares, or not C-contiguous."""
+    lengths: dict[str, int] = {}
+    for name, array in declared(type(group)).items():
+        given: np.ndarray = getattr(group, name)
+        wanted = tuple(lengths.setdefault(n, k) if isinstance(n, str) else n
+                       for n, k in zip(array.shape, given.shape, strict=False))  # fmt: skip
+        if given.dtype != array.dtype or len(array.shape) != given.ndim or wanted != given.shape:
+            raise ValueError(
+                f"{type(group).__name__}.{name} is to be {array.dtype} of shape {array.shape} with {lengths}; "
+                f"got {given.dtype} of shape {given.shape}"
+            )
+        if not given.flags.c_contiguous:
+            raise ValueError(f"{type(group).__name__}.{name} is not contiguous")

@@ -1,0 +1,54 @@
+"""Vectors of two numbers. What is computed is a pair; rows of arrays are taken as well as pairs."""
+
+from __future__ import annotations
+
+from mbs_ref.kernels.jit import jit
+
+
+@jit
+def pair(row, k):
+    """Return row[k : k + 2]."""
+    return row[k], row[k + 1]
+
+
+@jit
+def plus(a, b):
+    return a[0] + b[0], a[1] + b[1]
+
+
+@jit
+def minus(a, b):
+    return a[0] - b[0], a[1] - b[1]
+
+
+@jit
+def times(factor, a):
+    return factor * a[0], factor * a[1]
+
+
+@jit
+def over(a, divisor):
+    return a[0] / divisor, a[1] / divisor
+
+
+@jit
+def dot(a, b):
+    return a[0] * b[0] + a[1] * b[1]
+
+
+@jit
+def cross(a, b):
+    """Return the third component of a x b."""
+    return a[0] * b[1] - a[1] * b[0]
+
+
+@jit
+def left(a):
+    """Return a turned by 90 degrees: d(a)/d(theta)."""
+    return -a[1], a[0]
+
+
+@jit
+def turn(c, s, u):
+    """Return u turned by an angle of this cosine and sine."""
+    return c * u[0] - s * u[1], s * u[0] + c * u[1]

@@ -1,0 +1,1 @@
+"""What the cores of rigid bodies share, in the plane and in space: closed loops, and the reduction to an ODE."""

@@ -1,0 +1,62 @@
+"""Marks: points fixed in bodies, how far and fast two of them are apart, and forces that act at them.
+
+r = R + rho, rho = A u (Fox 1999 eq 2), r' = R' + omega x rho. Vectors are triples along world axes.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+from mbs_ref.kernels.jit import jit
+from mbs_ref.kernels.spatial.vectors import add, cross, minus, plus, turn
+
+
+class Mark(NamedTuple):
+    arm: Any  # m, rho
+    rate: Any  # m/s, omega x rho
+
+
+class Separation(NamedTuple):
+    """From a mark of body a to one of body b."""
+
+    arm_a: Any  # m, rho_a
+    arm_b: Any  # m
+    gap: Any  # m, d = r_b - r_a
+    rate: Any  # m/s, d'
+    arm_rate_a: Any  # m/s, omega_a x rho_a
+    arm_rate_b: Any  # m/s
+
+
+@jit
+def mark(kin, body, point):
+    """Return rho and omega x rho of a point of a body."""
+    arm = turn(kin.turned[body], point)
+    return Mark(arm, cross(kin.omega[body], arm))
+
+
+@jit
+def separation(kin, a, b, point_a, point_b):
+    """Return the Separation of two marks."""
+    on_a, on_b = mark(kin, a, point_a), mark(kin, b, point_b)
+    gap = minus(minus(plus(kin.position[b], on_b.arm), kin.position[a]), on_a.arm)
+    rate = minus(minus(plus(kin.velocity[b], on_b.rate), kin.velocity[a]), on_a.rate)
+    return Separation(on_a.arm, on_b.arm, gap, rate, on_a.rate, on_b.rate)
+
+
+@jit
+def centripetal(kin, a, b, apart):
+    """Return d'' without the bodies' accelerations: omega_b x (omega_b x rho_b) - omega_a x (omega_a x rho_a)."""
+    return minus(cross(kin.omega[b], apart.arm_rate_b), cross(kin.omega[a], apart.arm_rate_a))
+
+
+@jit
+def push(kin, body, arm, force):
+    """Add a force at rho."""
+    add(kin.force[body], 0, force)
+    twist(kin, body, cross(arm, force))
+
+
+@jit
+def twist(kin, body, torque):
+    """Add a torque."""
+    add(kin.force[body], 3, torque)

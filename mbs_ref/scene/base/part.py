@@ -1,0 +1,53 @@
+"""The base of every part of a scene: frozen, validated, SI, unknown fields refused."""
+
+from __future__ import annotations
+
+import math
+from enum import Enum
+from functools import cache
+from typing import Annotated, get_args
+
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationInfo
+
+
+class Part(BaseModel):
+    """Frozen data. Unknown fields, NaN and infinities are errors."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, strict=False)
+
+
+class Role(Enum):
+    """What a field means to a scene as a whole."""
+
+    WORLD_VECTOR = "as many components as the scene has dimensions"
+    BODY = "the name of a body"
+    END = "the name of a body, or ground"
+
+
+def _directed(value: tuple[float, ...], info: ValidationInfo) -> tuple[float, ...]:
+    if not math.hypot(*value) > 0.0:  # neither overflows nor underflows
+        raise ValueError(f"{info.field_name} = {value} has no direction; give any vector but zero")
+    return value
+
+
+Positive = Annotated[float, Field(gt=0.0)]
+NonNegative = Annotated[float, Field(ge=0.0)]
+Name = Annotated[str, Field(min_length=1, max_length=64, pattern=r"^[A-Za-z][A-Za-z0-9_.\-]*$")]
+BodyName = Annotated[Name, Role.BODY]
+EndName = Annotated[Name, Role.END]
+Vector = Annotated[tuple[float, ...], Field(min_length=2, max_length=3), Role.WORLD_VECTOR]
+Vector3 = tuple[float, float, float]
+Direction = Annotated[Vector, AfterValidator(_directed)]  # of any length but zero
+Direction3 = Annotated[Vector3, AfterValidator(_directed)]
+SixNonNegative = tuple[NonNegative, NonNegative, NonNegative, NonNegative, NonNegative, NonNegative]
+
+
+@cache
+def fields_of(kind: type[Part], role: Role) -> tuple[str, ...]:
+    """Return the fields of a kind of part that have a role, whether or not they may also be None."""
+    return tuple(name for name, field in kind.model_fields.items() if role in _metadata(field))
+
+
+def _metadata(field) -> list:
+    alternatives = [entry for option in get_args(field.annotation) for entry in getattr(option, "__metadata__", ())]
+    return [*field.metadata, *alternatives]

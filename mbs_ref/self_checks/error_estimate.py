@@ -1,0 +1,181 @@
+"""How far may a run be off? A companion run that errs less tells, as Richardson (1911) and Roache (1994) have it.
+
+The companion takes half of a fixed step, or a tenth of the tolerances. If its errors are k times smaller, the two runs
+differ by d = e (1 - 1/k), and the run errs by e = d k / (k - 1) (Hairer, Norsett, Wanner I, eq. II.4.4): k = 2^p at
+order p, 2 where impacts and kinks leave order 1, and 10 if errors are in proportion to the tolerance (ibid., sec.
+II.4). Two runs cannot show that they converge as they should, so SAFETY times that is said. Errors vanish by chance
+alone, so the estimate never falls in time.
+
+A companion that takes no more steps shows that the tolerance does not govern them: another is made, tighter by two
+decades more. Where the finer companion does not end, a coarser one is made: its errors are the larger ones, and d is
+their size.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from mbs_ref.cores.choice import compile_scene
+from mbs_ref.cores.system import System
+from mbs_ref.integrators import DEFAULT, integrators
+from mbs_ref.integrators.loop.leg import FEWEST, Options
+from mbs_ref.run.legs import EPS, Run, run_legs
+from mbs_ref.run.plan import DEFAULT_TOLERANCE, Plan
+from mbs_ref.scene.scales import Scales, scales_of
+from mbs_ref.self_checks.state_gap import coordinate_size, state_gaps, state_sizes
+from mbs_ref.trajectory import Estimate, Status
+
+SAFETY = 3.0  # for two runs (P. J. Roache, J. Fluids Eng. 116 (1994) 405: the grid convergence index)
+DECADE = 10.0  # between the tolerances of the two
+TIGHTEST = 1e-13  # relative tolerance of a companion: some hundred EPS, beyond which roundoff decides
+MORE_STEPS = 4  # times those allowed for a finer companion: the square root of ten at order 2, rounded up
+ENDED = frozenset({Status.SUCCESS, Status.STOP_EVENT})
+
+
+class _Companion(NamedTuple):
+    """A run to compare with."""
+
+    share: str  # of the run's step or tolerance
+    options: Options
+    refine: int  # parts of each step
+    factor: float  # the estimate over the difference of the two
+
+
+class _Compared(NamedTuple):
+    """What a companion says."""
+
+    bounds: np.ndarray  # (n, 4), the estimate at the outputs that both reached
+    sizes: np.ndarray  # (4,), how far the two go
+    is_alike: bool  # no more steps, though its tolerance is the tighter one
+    status: Status
+    how: str
+
+    @property
+    def has_ended(self) -> bool:
+        return self.status in ENDED
+
+
+def estimated(system: System, plan: Plan, run: Run) -> Estimate | None:
+    """Estimate the error of a run at its output times; None where Ctrl-C ended a companion."""
+    began, scales = time.perf_counter(), scales_of(system.scene)
+    found = _all_compared(system, scales, plan, run)
+    if any(one.status is Status.INTERRUPTED for one in found):
+        return None
+    opening, went = _opening(system, scales, plan, run) if plan.options.step else (np.zeros(4), np.zeros(4))
+    reached = max(len(one.bounds) for one in found)
+    scale = coordinate_size(scales, system.poses(run.states))
+    bounds = np.tile(np.fmax(SAFETY * opening, _least(plan, run, found) * scale), (len(run.times), 1))
+    for one in found:
+        count = len(one.bounds)
+        bounds[:count] = np.fmax(bounds[:count], one.bounds)
+    bounds[0], bounds[reached:] = 0.0, np.inf
+    return Estimate(
+        times=run.times, components=np.maximum.accumulate(bounds), how="; ".join(one.how for one in found),
+        size=float(np.max([sizes[:2] for sizes in (went, *(one.sizes for one in found))])),
+        tolerance=plan.options.rtol * scale, cost_s=time.perf_counter() - began, length=scales.length, time=scales.time,
+    )  # fmt: skip
+
+
+def _least(plan: Plan, run: Run, found: list[_Compared]) -> float:
+    """Return what a run errs at least, relative: roundoff, a random walk (D. Brouwer, Astron. J. 46 (1937) 149).
+
+    Where no tolerance matters it is what a step may err at the tightest.
+    """
+    roundoff = SAFETY * EPS * math.sqrt(run.counts.steps)
+    return roundoff + (plan.options.rtol / DECADE**3 if all(one.is_alike for one in found) else 0.0)
+
+
+def _all_compared(system: System, scales: Scales, plan: Plan, run: Run) -> list[_Compared]:
+    """Return what the companions say that are needed: one as a rule."""
+    finer = _half(system, plan) if plan.options.step else _tighter(plan, DECADE)
+    found = [_compared(system, scales, plan, run, finer)]
+    if found[0].is_alike:
+        found.append(_compared(system, scales, plan, run, _tighter(plan, DECADE**3)))
+    if not found[-1].has_ended and found[-1].status is not Status.INTERRUPTED:
+        found.append(_compared(system, scales, plan, run, _coarser(plan)))
+    return found
+
+
+def _half(system: System, plan: Plan) -> _Companion:
+    order = 1 if system.scene.contacts or system.scene.events else plan.integrator.order
+    options = plan.options._replace(max_steps=2 * plan.options.max_steps)
+    return _Companion("half of the step", options, 2, _richardson(2.0**order))
+
+
+def _tighter(plan: Plan, factor: float) -> _Companion:
+    """Return a companion with a tolerance so many times tighter, or the coarser one where roundoff leaves none."""
+    options = plan.options
+    if options.rtol / DECADE < TIGHTEST:
+        return _coarser(plan)
+    smaller = min(factor, options.rtol / TIGHTEST)
+    tight = options._replace(
+        rtol=options.rtol / smaller, atol=options.atol / smaller, max_steps=MORE_STEPS * options.max_steps
+    )
+    return _Companion(f"1/{smaller:g} of the tolerance", tight, 2, _richardson(smaller))
+
+
+def _coarser(plan: Plan) -> _Companion:
+    options = plan.options
+    if options.step:
+        return _Companion("twice the step", options._replace(step=2.0 * options.step), 1, SAFETY)
+    loose = options._replace(rtol=DECADE * options.rtol, atol=DECADE * options.atol)
+    return _Companion(f"{DECADE:g} times the tolerance", loose, 1, SAFETY)
+
+
+def _richardson(smaller: float) -> float:
+    return SAFETY * smaller / (smaller - 1.0)
+
+
+def _compared(system: System, scales: Scales, plan: Plan, run: Run, companion: _Companion) -> _Compared:
+    """Make the companion and hold the run against it."""
+    other = _made(system, replace(plan, options=companion.options), run.states[0], run.times, companion.refine)
+    gaps, sizes = _apart(system, scales, run, other)
+    ended = other.status in ENDED
+    tighter = companion.options.rtol < plan.options.rtol
+    return _Compared(
+        # places no further than so far from the start are no further than twice that from each other
+        bounds=np.fmax(gaps, np.minimum(companion.factor * gaps, 2.0 * sizes)), sizes=sizes,
+        is_alike=ended and tighter and bool(other.counts.steps <= run.counts.steps), status=other.status,
+        how=f"{companion.factor:.3g} times the difference from a run with {companion.share}"
+            + ("" if ended else f", which did not end: {other.message}"),
+    )  # fmt: skip
+
+
+def _apart(system: System, scales: Scales, run: Run, other: Run) -> tuple[np.ndarray, np.ndarray]:
+    """Return how far two runs are apart (n, 4) where both are, and how far they go (4,)."""
+    count = min(len(other.times), len(run.times))
+    first, second = system.poses(run.states[:count]), system.poses(other.states[:count])
+    sizes = [state_sizes(system.scene, scales, path, run.times[:count]) for path in (first, second)]
+    return state_gaps(system.scene, scales, first, second), np.maximum(*sizes)
+
+
+def _opening(system: System, scales: Scales, plan: Plan, run: Run) -> tuple[np.ndarray, np.ndarray]:
+    """Return by how much the FEWEST first fixed steps are off (4,), and how far these go (4,), by DOP853's account.
+
+    A method that damps what its steps cannot follow lands where half of the step lands, too.
+    """
+    grid = plan.options.step * np.arange(1, FEWEST + 1)
+    times = np.union1d(run.times, grid[grid <= run.times[-1]])[: FEWEST + 1]  # outputs end steps, too
+    options = plan.options._replace(
+        step=0.0, rtol=DEFAULT_TOLERANCE, atol=DEFAULT_TOLERANCE * scales.length, project=True,
+        max_steps=int(run.counts.rhs_calls),
+    )  # fmt: skip
+    fine = replace(plan, integrator=integrators()[DEFAULT], options=options, baumgarte_gain=0.0)
+    first, second = (_made(system, one, run.states[0], times) for one in (plan, fine))
+    gaps, sizes = _apart(system, scales, first, second)
+    return np.max(gaps, axis=0), sizes
+
+
+def _made(system: System, plan: Plan, start: np.ndarray, times: np.ndarray, refine: int = 1) -> Run:
+    """Run a plan up to other times, on a system of its own."""
+    other, y = compile_scene(system.scene), start.copy()
+    other.set_mode_time(0.0)
+    other.set_baumgarte(plan.baumgarte_gain)
+    other.start_contacts(0.0, y, plan.settings.events != "none")
+    again = replace(plan, times=times, options=plan.options._replace(stop_on_compliance=False))
+    return run_legs(other, again, y, refine=refine)

@@ -1,0 +1,76 @@
+"""mbs-ref calibrate: are the reference solver's own error estimates honest?"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import click
+
+from reports import inputs
+from reports.console import echo_json, number, progress, show, table
+from reports.exit_codes import Failed, Incomplete, NothingSelected
+
+MOST_BELOW = 0.01  # share of the judged runs whose error may be above the estimate
+MOST_ABOVE = 10.0  # median of estimate over error
+
+
+@click.command(name="calibrate")
+@click.option("-n", "count", type=click.IntRange(min=1), default=500, show_default=True, help="Random runs.")
+@click.option("--first", type=click.IntRange(min=0), default=0, show_default=True, help="The first run's seed.")
+@click.option("--shard", metavar="I/N", default="1/1", help="Only part I of N of the runs, for batch systems.")
+@click.option("--json", "as_json", is_flag=True, help="Print JSON: the table, and every run.")
+def command(count: int, first: int, shard: str, as_json: bool) -> None:
+    """Hold the error estimates of random runs against far tighter ones: random mechanisms, scenes, methods, settings.
+
+    Exit code 1 where more than 1 % of the judged runs err by more than they say, or where the median run says more
+    than ten times its error.
+    """
+    from benchmarks import calibration
+
+    seeds = inputs.shard(list(range(first, first + count)), shard)
+    if not seeds:
+        raise NothingSelected(f"part {shard} of these runs is empty")
+    found: list[calibration.Trial] = []
+    try:
+        with progress("calibrate") as report:
+            for seed in seeds:
+                report(len(found), len(seeds), f"seed {seed}")
+                found.append(calibration.trial(seed))
+    except KeyboardInterrupt:
+        raise Incomplete(f"interrupted after {len(found)} runs") from None
+    rows = calibration.table(found)
+    if as_json:
+        echo_json({"table": rows, "runs": [calibration.to_dict(one) for one in found]})
+    else:
+        _show(rows)
+        _show_below([one for one in found if one.is_below])
+    _judge(rows[0])
+
+
+def _judge(row: dict[str, Any]) -> None:
+    if not row["judged"]:
+        raise NothingSelected("no run could be judged")
+    if row["share_below"] > MOST_BELOW:
+        raise Failed(f"{row['below']} of {row['judged']} runs err by more than they say")
+    if row["overestimate_median"] is not None and row["overestimate_median"] > MOST_ABOVE:
+        raise Failed(f"the median run says {row['overestimate_median']:.3g} times its error")
+
+
+def _show(rows: list[dict[str, Any]]) -> None:
+    over = ("1 % have less", "median", "90 % have less")
+    listing = table("Estimate over error", "method", "runs", "judged", "above their estimate", *over, "cost, loops")
+    for row in rows:
+        keys = ("overestimate_1", "overestimate_median", "overestimate_90", "cost_median")
+        listing.add_row(row["method"], str(row["runs"]), str(row["judged"]), str(row["below"]),
+                        *(number(row[key]) for key in keys))  # fmt: skip
+    show(listing)
+
+
+def _show_below(found: list[Any]) -> None:
+    if not found:
+        return
+    listing = table("\nAbove their estimate", "seed", "scene", "method", "setting", "error", "estimate")
+    for one in found:
+        figures = number(one.error), number(one.estimate)
+        listing.add_row(str(one.seed), one.scene, one.method, one.setting, *figures)
+    show(listing)

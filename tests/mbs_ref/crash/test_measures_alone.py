@@ -1,0 +1,55 @@
+"""What a crash's measures are made of: signs, constants and bodies, each against a case known by hand."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from mbs_ref import scenes
+from mbs_ref.crash import injury
+from mbs_ref.crash.results import Motion, _neck_axial, crash_results
+from mbs_ref.observables.signal_values import values
+from mbs_ref.scene import Force, PlanarBody, Revolute, Scene
+from mbs_ref.settings import Settings
+from mbs_ref.simulate import simulate
+
+
+@pytest.mark.parametrize("order", [("ground", "head"), ("head", "ground")])
+@pytest.mark.parametrize(("g", "wanted"), [(9.81, -1.0), (-9.81, 1.0)], ids=["carried", "drawn"])
+def test_a_neck_that_carries_the_head_is_compressed_and_one_that_holds_it_back_is_stretched(g, wanted, order):
+    """4 kg at rest above the joint, drawn down or up."""
+    mass = 4.0
+    head = PlanarBody(name="head", mass=mass, inertia=0.1, position=(0.0, 0.2))
+    neck = Revolute(name="-".join(order), body_a=order[0], body_b=order[1], point=(0.0, 0.0))
+    scene = Scene(name="neck", gravity=(0.0, -g), bodies=(head,), joints=(neck,))
+    run = simulate(scene, Settings(method="dop853", rtol=1e-10, t_end=1e-3, samples=2))
+    assert _neck_axial(Motion(scene, run)) == pytest.approx(wanted * mass * abs(g), rel=1e-6)
+
+
+def test_the_viscous_criterion_has_the_dummys_scale():
+    """Lau and Viano 1986, as regulated for Hybrid III: 1.3 times rate times compression."""
+    times = np.linspace(0.0, 0.02, 201)
+    depth, speed = 0.229, 3.0  # m, m/s
+    found = injury.viscous_criterion(times, speed * times, depth)
+    assert found == pytest.approx(1.3 * speed * (speed * 0.02) / depth, rel=1e-9)
+
+
+def test_the_thoracic_index_adds_the_ribs_and_the_twelfth_vertebras_peaks():
+    """Accelerations are differences of the velocities, less the pulse of the seat's frame; constants by hand."""
+    scene = scenes.make("android_vertebral")
+    run = simulate(scene, Settings(rtol=1e-8, t_end=0.06, samples=601))
+    assert run.ok, run.message
+    found = crash_results(scene, run).measures["TTI at 45 years, g"]
+
+    def peak(name: str) -> float:
+        k = scene.body_index(name)
+        felt = np.gradient(run.velocity[:, k], run.times, axis=0, edge_order=2)
+        for load in scene.loads:
+            if isinstance(load, Force) and load.body == name and load.name.startswith("crash."):
+                felt -= values(load.factor, run.times)[:, None] * np.array(load.vector) / scene.bodies[k].mass
+        return float(np.max(np.hypot(*felt.T)) / 9.80665)
+
+    mass = sum(body.mass for body in scene.bodies if not body.name.startswith("seat"))
+    wanted = 1.4 * 45.0 + 0.5 * (peak("rib4") + peak("T12")) * mass / 75.0
+    assert abs(peak("rib4") - peak("T12")) > 2.0  # g: neither stands for the other
+    assert found == pytest.approx(wanted, rel=0.02)

@@ -1,0 +1,108 @@
+"""Defects made by rule from sources: a sign, a factor, a comparison, an index, a bound wrong. Run once, then kept.
+
+    python -m tests.mutants.operators
+"""
+
+from __future__ import annotations
+
+import ast
+import random
+from collections.abc import Iterator
+from pathlib import Path
+
+from tests.mutants.defect import FOLDER, ROOT, Defect, write
+
+# folder or file -> how many defects are drawn from it
+DRAWN = {
+    "mbs_ref/kernels/particles": 24, "mbs_ref/kernels/planar": 30, "mbs_ref/kernels/spatial": 36,
+    "mbs_ref/kernels/contact": 6, "mbs_ref/kernels/algebra": 6, "mbs_ref/integrators/loop": 14,
+    "mbs_ref/integrators/stages": 8, "mbs_ref/integrators/methods": 10, "mbs_ref/crash/injury.py": 12,
+    "mbs_ref/crash/results.py": 8, "mbs_ref/observables": 20, "mbs_ref/self_checks": 10, "cross_checks/metrics": 10,
+    "cross_checks/judge": 8, "cross_checks/workshop": 12, "cross_checks/engines": 14, "cross_checks/certify": 16,
+    "cross_checks/truths": 14, "cross_checks/conformance/symmetry": 6,
+}  # fmt: skip
+SWAPPED = {ast.Add: "-", ast.Sub: "+", ast.Mult: "/", ast.Div: "*"}
+COMPARED = {ast.Lt: ">", ast.Gt: "<", ast.LtE: ">", ast.GtE: "<", ast.Eq: "!=", ast.NotEq: "=="}
+CALLED = {"sin": "cos", "cos": "sin", "min": "max", "max": "min"}
+
+
+def rewritten(node: ast.AST, source: str) -> Iterator[tuple[str, str]]:
+    """Yield wrong texts for a node, with what is wrong."""
+
+    def text(part: ast.AST) -> str:
+        return ast.get_source_segment(source, part) or ""
+
+    if isinstance(node, ast.BinOp) and type(node.op) in SWAPPED and not _is_text(node):
+        left, right = text(node.left), text(node.right)
+        if isinstance(node.right, ast.BinOp):
+            right = f"({right})"
+        yield f"{left} {SWAPPED[type(node.op)]} {right}", f"{SWAPPED[type(node.op)]} for its opposite"
+        if isinstance(node.op, ast.Add | ast.Sub):
+            yield text(node.left), "a term dropped"
+    if isinstance(node, ast.Compare) and len(node.ops) == 1 and type(node.ops[0]) in COMPARED:
+        sign = COMPARED[type(node.ops[0])]
+        yield f"{text(node.left)} {sign} {text(node.comparators[0])}", "a comparison turned round"
+    if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub) and not isinstance(node.operand, ast.Constant):
+        yield text(node.operand), "a sign dropped"
+    if isinstance(node, ast.Constant) and isinstance(node.value, float) and node.value not in (0.0, 1.0):
+        yield repr(node.value * 1.25), "a constant a quarter too large"
+    if isinstance(node, ast.Call) and text(node.func).split(".")[-1] in CALLED:
+        name = text(node.func)
+        wrong = name.removesuffix(name.split(".")[-1]) + CALLED[name.split(".")[-1]]
+        yield text(node).replace(name, wrong, 1), f"{wrong} for {name}"
+    if isinstance(node, ast.Subscript) and isinstance(node.slice, ast.Constant) and node.slice.value in (0, 1):
+        yield f"{text(node.value)}[{1 - int(node.slice.value)}]", "the wrong index"
+    if isinstance(node, ast.AugAssign) and type(node.op) in SWAPPED:
+        yield f"{text(node.target)} {SWAPPED[type(node.op)]}= {text(node.value)}", "added for taken off"
+
+
+def _is_text(node: ast.BinOp) -> bool:
+    return any(isinstance(x, ast.JoinedStr) or (isinstance(x, ast.Constant) and isinstance(x.value, str))
+               for x in ast.walk(node))  # fmt: skip
+
+
+def defects_of(file: Path) -> Iterator[Defect]:
+    """Yield every defect the rules make of a file whose text occurs once in it, on one line, within a function."""
+    source = file.read_text()
+    for function in ast.walk(ast.parse(source)):
+        if not isinstance(function, ast.FunctionDef):
+            continue
+        for statement in function.body:
+            for node in ast.walk(statement):
+                if isinstance(node, ast.expr | ast.AugAssign) and node.lineno == node.end_lineno:
+                    yield from _anchored(file, source, function.name, node)
+
+
+def _anchored(file: Path, source: str, function: str, node: ast.AST) -> Iterator[Defect]:
+    plain = ast.get_source_segment(source, node) or ""
+    line = source.splitlines()[node.lineno - 1]  # type: ignore[attr-defined]
+    for wrong, what in rewritten(node, source):
+        # a text too short to be unique is given with its line
+        start = len(line.encode()[: node.col_offset].decode())  # type: ignore[attr-defined]
+        whole = line.strip(), (line[:start] + wrong + line[start + len(plain) :]).strip()
+        for old, new in ((plain, wrong), whole):
+            if len(old) >= 12 and source.count(old) == 1 and old != new:
+                yield Defect(str(file.relative_to(ROOT)), old, new, f"{function}: {what}")
+                break
+
+
+def drawn() -> list[Defect]:
+    """Return the defects to keep: as many of every folder as DRAWN says, spread over its functions."""
+    chance = random.Random(0)
+    found: list[Defect] = []
+    for place, count in DRAWN.items():
+        files = sorted((ROOT / place).rglob("*.py")) if (ROOT / place).is_dir() else [ROOT / place]
+        each = {d.name: d for file in files for d in defects_of(file)}.values()
+        groups: dict[tuple[str, str], list[Defect]] = {}
+        for defect in each:
+            groups.setdefault((defect.file, defect.breaks.split(":")[0]), []).append(defect)
+        heads = list(groups.values())
+        chance.shuffle(heads)
+        rounds = [chance.choice(group) for group in heads for _ in range(1 + count // len(heads))]
+        chance.shuffle(rounds)
+        found += list({d.name: d for d in rounds}.values())[:count]
+    return found
+
+
+if __name__ == "__main__":
+    write(drawn(), FOLDER / "by_operator.jsonl")
