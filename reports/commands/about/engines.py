@@ -8,7 +8,7 @@ from dataclasses import asdict
 
 import click
 
-from cross_checks.engines.capabilities import Capability, capabilities, part_types
+from cross_checks.engines.capabilities import Capability, capabilities
 from reports.console import echo_json, show, table
 
 LACKS = re.compile(r"not yet taught the part type '?(\w+)")
@@ -41,7 +41,7 @@ def _methods(found: list[Capability]):
 def _parts(found: list[Capability]):
     here = [item for item in found if item.installed]
     listing = table("\nParts of a scene", "part", *(item.engine for item in here))
-    for kind in part_types():
+    for kind in PART_TYPES:
         listing.add_row(kind, *("yes" if item.parts[kind] else "not yet" for item in here))
     return listing
 
