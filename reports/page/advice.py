@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from dataclasses import dataclass
 
-from cross_checks.judge.search import TARGETS
+from cross_checks.judge.search import MOST_STEPS, TARGETS
 from cross_checks.judge.verdict import WRONG
 from cross_checks.records.record import Record
 from reports.page.cheapest import entries, loop_time, reaching
@@ -82,17 +82,29 @@ def _span(runs: list[Record]) -> str:
     return "its defaults"
 
 
+MISSED = {
+    "not-reached": "its own limit keeps it from {target} on {scenes}",
+    "not-tried": "{target} would take more than {steps:,} steps on {scenes}",
+    "cannot": "at no setting tried does it run to the end on {scenes}",
+    "unjudged": "no truth judges {target} on {scenes}",
+}
+
+
 def _limit(data: ReportData, engine: str) -> str:
+    """Say which scenes it does not bring to MIDDLE, and why."""
     able = modelled(data, engine)
-    cannot = [scene for scene in data.scenes if scene not in able]
-    hit = reached(data, engine, MIDDLE)
-    missed = [scene for scene in able if scene not in hit]
+    if not able:
+        return ""
+    answers = {scene: next(e.answer for e in entries(data, scene, MIDDLE) if e.engine == engine) for scene in able}
     parts = []
-    if missed:
-        parts.append(f"{short(MIDDLE)} is out of reach on {', '.join(missed)}")
+    for answer, told in MISSED.items():
+        where = ", ".join(scene for scene, found in answers.items() if found == answer)
+        if where:
+            parts.append(told.format(target=short(MIDDLE), scenes=where, steps=MOST_STEPS))
+    cannot = ", ".join(scene for scene in data.scenes if scene not in able)
     if cannot:
-        parts.append(f"it cannot model {', '.join(cannot)}")
-    return ". ".join(part[:1].upper() + part[1:] for part in parts) + ("." if parts else "")
+        parts.append(f"it cannot model {cannot}")
+    return " ".join(f"{part[:1].upper()}{part[1:]}." for part in parts)
 
 
 def silent(cells: list[Cell]) -> str:
@@ -109,6 +121,8 @@ def silent(cells: list[Cell]) -> str:
 def _wrong(method: str, cells: list[Cell]) -> str:
     known = " (known)" if all(c.excuse for c in cells) else ""
     where = cells[0].scene if len(cells) == 1 else f"{cells[0].scene} and {count(len(cells) - 1, 'other scene')}"
+    if cells[0].verdict == "lost":
+        return f"{method}{known} on {where}: it reaches {of_scene(cells[0].error)}, and loses it at finer settings"
     return f"{method}{known} on {where}: {of_scene(cells[0].error)} off"
 
 

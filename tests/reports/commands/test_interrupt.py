@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import signal
 import subprocess
 import sys
@@ -34,9 +35,10 @@ LONG = ["simulate", "pendulum", "--method", "rk4", "--step", "1e-5", "--t-end", 
         "--samples", "90001", "--json"]  # fmt: skip
 
 
-def begin(*words: str) -> subprocess.Popen[str]:
+def begin(*words: str, store: Path | None = None) -> subprocess.Popen[str]:
     pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
-    return subprocess.Popen([sys.executable, "-c", CHILD, *words], **pipes)
+    kept = {} if store is None else {"MBS_REF_STORE": str(store)}
+    return subprocess.Popen([sys.executable, "-c", CHILD, *words], env=os.environ | kept, **pipes)
 
 
 def interrupt(child: subprocess.Popen[str]) -> tuple[str, str]:
@@ -84,8 +86,8 @@ def wait_for_a_line(file: Path) -> None:
 
 
 @pytest.mark.slow
-def test_a_check_shows_its_cells():
-    child = begin("check", "pendulum", "--engine", "mbs_ref", "--json")
+def test_a_check_shows_its_cells(tmp_path):
+    child = begin("check", "pendulum", "--engine", "mbs_ref", "--json", store=tmp_path / "runs.sqlite")
     out, errors = after_it_runs(child)
     assert child.returncode == 4, errors
     assert isinstance(json.loads(out), list)
@@ -94,7 +96,7 @@ def test_a_check_shows_its_cells():
 
 @pytest.mark.slow
 def test_a_report_shows_what_there_is(tmp_path):
-    child = begin("report", "--quick", "-o", str(tmp_path / "out"))
+    child = begin("report", "--quick", "-o", str(tmp_path / "out"), store=tmp_path / "runs.sqlite")
     _, errors = after_it_runs(child, 2.0)
     assert child.returncode == 4, errors
     page = (tmp_path / "out" / "index.html").read_text(encoding="utf-8")
