@@ -100,7 +100,7 @@ def _by_error(old: Record, new: Record) -> tuple[Move, str]:
         both = old.error is None and new.error is None
         return (Move.SAME, "") if both else (Move.NOT_MEASURED, "one of the two has no truth")
     floor = max(old.error.floor, new.error.floor)
-    return _grown("error", old.error.value, new.error.value, floor, "m")
+    return _grown("error", old.error.value, new.error.value, floor, "of the scene")
 
 
 def _by_gap(old: Record, new: Record) -> tuple[Move, str]:

@@ -12,7 +12,7 @@ from mbs_ref.scene.euler_parameters import conjugate, product
 OFFSETS = np.arange(-3, 4)
 SIXTH = np.array([-1, 9, -45, 0, 45, -9, 1]) / 60.0  # f' of order 6 (Fornberg 1988, table 1)
 FOURTH = np.array([0, 1, -8, 0, 8, -1, 0]) / 12.0
-WIDTH = 0.02  # of the interval between outputs
+WIDTH = 0.02  # of the interval between outputs, or of the scene's time scale where that is shorter
 SHORT = 2e-3  # of the time in which a state changes by its own size
 AMPLIFIED = float(np.abs(SIXTH).sum())  # of an error in the values
 
@@ -34,9 +34,12 @@ def along(derivative: Callable, poses: Callable, t: float, y: np.ndarray) -> tup
     return _slopes([poses(t + s, y + s * slope) for s in h * OFFSETS], h)
 
 
-def stencil_times(times: np.ndarray) -> tuple[np.ndarray, float]:
-    """Return every time (s) that `of_poses` needs, and the step between them; none lies before 0."""
-    h = WIDTH * float(np.min(np.diff(times)))
+def stencil_times(times: np.ndarray, scale: float) -> tuple[np.ndarray, float]:
+    """Return every time (s) that `of_poses` needs, and the step between them; none lies before 0.
+
+    `scale` (s) is the scene's: over whole periods of a motion differences would see none.
+    """
+    h = WIDTH * min(scale, float(np.min(np.diff(times))))
     return np.unique(np.concatenate([(times + j * h)[times + j * h >= 0.0] for j in OFFSETS])), h
 
 

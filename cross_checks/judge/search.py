@@ -109,7 +109,7 @@ def search(
 
 def _begin(runs: Runs, tried: Tried) -> bool:
     """Find a first setting at which the method runs, going finer from where it is refused or fails."""
-    knob, factor = _first(tried), BACK if tried.method.kind == "fixed" else BACK**2
+    knob, factor = first_knob(tried.scene, tried.method), BACK if tried.method.kind == "fixed" else BACK**2
     for _ in range(MOST_BACK):
         record = _try(runs, tried, knob)
         if record.status == "success":
@@ -127,9 +127,8 @@ def _names_a_setting(record: Record) -> bool:
     return "step" in record.message
 
 
-def _first(tried: Tried) -> float:
+def first_knob(scene: Scene, method: Method) -> float:
     """Return where the search begins: within what a stiff motion bears, where the method is explicit."""
-    method, scene = tried.method, tried.scene
     if method.kind == "adaptive":
         return FIRST_RTOL
     step = min(FIRST_STEP * free_fall_time(scene), coarsest(method, scene))

@@ -121,7 +121,7 @@ def _with_rates(solve: Callable, scene: Scene, times: np.ndarray, found: Truth) 
     """Return the truth with velocities from differences of its poses around every time, where it has such poses."""
     if len(times) < 2 or np.isnan(found.position).any():
         return found
-    asked, h = rates.stencil_times(times)
+    asked, h = rates.stencil_times(times, scales_of(scene).time)
     try:
         around = solve(scene, asked)
     except NoConvergenceError:

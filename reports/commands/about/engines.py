@@ -9,6 +9,7 @@ from dataclasses import asdict
 import click
 
 from cross_checks.engines.capabilities import Capability, capabilities
+from mbs_ref.scene.traits import PART_TYPES
 from reports.console import echo_json, show, table
 
 LACKS = re.compile(r"not yet taught the part type '?(\w+)")

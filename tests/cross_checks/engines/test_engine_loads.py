@@ -38,7 +38,7 @@ def test_pinocchio_takes_every_load_through_the_applied_forces():
     native = run("mujoco", "rk4", scene, step=5e-4, t_end=0.5, samples=6)
     driven = run("pinocchio", "dop853", scene, rtol=1e-10, t_end=0.5, samples=6)
     assert distance(driven, native) < 1e-9
-    assert "loads and contacts come from the shared force code" in driven.notes
+    assert any("come from the shared force code" in note for note in driven.notes)
 
 
 def test_the_spring_pendulum_agrees():

@@ -77,7 +77,8 @@ def test_what_is_kept_on_disk_is_a_certified_truth_of_scenes_as_they_are():
 def test_poses_survive_the_disk_and_a_changed_scene_finds_none(tmp_path):
     scene = scenes.make("android_simplified")
     times, still = np.array([0.0, 0.1, 0.2]), np.zeros((3, 13, 2))
-    kept_poses.keep(scene, KeptPoses(times, still, still[..., 0], 1e-12, 2e-12, "made up"), tmp_path)
+    arrays = (still, still[..., 0], still, still[..., 0], times)
+    kept_poses.keep(scene, KeptPoses(times, *arrays, 1e-12, 2e-12, "made up"), tmp_path)
     found = kept_poses.find(scene, times[[0, 2]], tmp_path)
     assert found is not None
     assert found.times.tolist() == [0.0, 0.2]

@@ -85,7 +85,7 @@ def test_no_truth_no_certificate():
 
 
 def test_an_error_below_thirty_times_the_uncertainty_is_not_judged():
-    near, far = (Error(value, "m", "converged: made up", 1e-10, value) for value in (2.9e-9, 3.1e-9))
+    near, far = (Error(value, "converged: made up", 1e-10, value) for value in (2.9e-9, 3.1e-9))
     assert (near.is_judged, far.is_judged) == (False, True)
     assert near.floor == pytest.approx(3e-9)
     assert near.bound == pytest.approx(3.0e-9)

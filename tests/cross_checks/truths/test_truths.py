@@ -124,11 +124,12 @@ def test_a_truth_is_refused_with_a_reason():
     changed = scenes.make("pendulum").model_copy(update={"gravity": (0.0, -1.0)})
     stranger = scenes.make("pendulum").model_copy(update={"name": "stranger"})
     chaotic = seek_truth(scenes.make("double_pendulum", angle_1=2.0, angle_2=2.5), np.array([0.0, 20.0]))
-    refused = {"1000": long, "differs": seek_truth(changed, times), "stranger": seek_truth(stranger, times)}
+    refused = {"1000": long, "physics": seek_truth(changed, times)}
     for word, found in (refused | {"sensitive": chaotic}).items():
         assert isinstance(found, NoTruth)
         assert word in found.reason
     assert truth_for(changed, times) is None
+    assert truth_for(stranger, times) is not None  # a truth belongs to physics, not to a name
 
 
 def test_disagreement_becomes_uncertainty():

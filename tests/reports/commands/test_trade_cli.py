@@ -8,13 +8,15 @@ from dataclasses import replace
 import pytest
 from click.testing import CliRunner
 
-from benchmarks import cluster, confirm, regression
+from benchmarks import cluster, confirm
 from benchmarks.cluster import Task
 from benchmarks.timing import Comparison, Pace
+from benchmarks.trees import regression
 from benchmarks.trees.regression import Case, Finding
 from cross_checks.isolation.parent import Lost
 from cross_checks.records import lines as record_file
 from cross_checks.records.record import Error, Record
+from cross_checks.records.store import Run, Store
 from mbs_ref import scenes
 from reports.cli import main
 from reports.commands.watch import nightly
@@ -64,7 +66,7 @@ def test_a_duel_that_is_lost_leaves_the_choice_unconfirmed(tmp_path, monkeypatch
     [(RECORD, 0), (replace(RECORD, status="diverged", error=None), 1), (replace(RECORD, status="timeout"), 4)],
 )
 def test_a_setting_run_afresh_meets_misses_or_was_not_measured(tmp_path, monkeypatch, again, code):
-    monkeypatch.setattr(confirm, "afresh", lambda scene, record, call: again)
+    monkeypatch.setattr(confirm, "afresh", lambda scene, record, truth, call: again)
     file = file_of(tmp_path, "r.jsonl", RECORD)
     assert run("pick", "pendulum", "--error", "1e-6", "--records", file, "--fresh").exit_code == code
 
@@ -74,7 +76,7 @@ def test_pick_refuses_what_the_truth_cannot_judge(tmp_path):
     unsure = replace(RECORD, error=replace(RECORD.error, uncertainty=1e-9))
     done = run("pick", "pendulum", "--error", "2e-8", "--records", file_of(tmp_path, "r.jsonl", unsure))
     assert done.exit_code == 5
-    assert "judges no error below 3.0e-08 m" in done.stderr
+    assert "judges no error below 3.0e-08 of it" in done.stderr
 
 
 def test_compare_files(tmp_path):
@@ -85,7 +87,7 @@ def test_compare_files(tmp_path):
     assert run("compare", a, a).exit_code == 0
     done = run("compare", a, b)
     assert done.exit_code == 1
-    assert "error 1.00e-07, then 1.00e-03 m" in done.stdout
+    assert "error 1.00e-07, then 1.00e-03" in done.stdout
     found = json.loads(run("compare", a, b, "--json").stdout)
     assert (found["verdict"], len(found["runs"]), found["median_time_ratio"]) == ("worse", 2, 1.0)
     assert run("compare", a, ".").exit_code == 2
@@ -104,7 +106,7 @@ def tasks(monkeypatch):
             ran.append(task)
             if len(ran) == 2:
                 raise KeyboardInterrupt
-            yield task, replace(RECORD, settings=settings_of(task))
+            yield task, Run(replace(RECORD, settings=settings_of(task)), None)
 
     monkeypatch.setattr(cluster, "plan", lambda quick, engines: made)
     monkeypatch.setattr(cluster, "serial", serial)
@@ -116,13 +118,13 @@ def settings_of(task: Task) -> dict:
 
 
 def test_an_interrupted_matrix_goes_on_where_it_stopped(tasks, tmp_path):
-    words = ["matrix", "--serial", "-o", str(tmp_path / "m.jsonl")]
+    words = ["matrix", "--serial", "--store", str(tmp_path / "m.sqlite")]
     assert run(*words).exit_code == 4
     assert run(*words, "--json").exit_code == 0
     assert [task.settings[1][1] for task in tasks] == [0.1, 0.05, 0.05, 0.025]
     assert run(*words).exit_code == 0
     assert len(tasks) == 4
-    assert len(record_file.read(tmp_path / "m.jsonl")[0]) == 3
+    assert len(Store(tmp_path / "m.sqlite")) == 3
 
 
 def test_certify():
