@@ -43,6 +43,6 @@ def run_methods(scene: str) -> None:
 
 
 def _settings(method: str, kind: str, duration: float) -> Settings:
-    short = {"t_end": 0.01 * duration, "samples": 2, "unresolved": "keep"}
+    short = {"t_end": 0.01 * duration, "samples": 2, "estimate": "off"}
     knob = {"rtol": 1e-6} if kind == "adaptive" else {"step": 0.005 * duration}
     return Settings(method=method, **short, **knob)  # type: ignore[arg-type]
