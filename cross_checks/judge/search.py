@@ -97,7 +97,9 @@ def search(
     """Search the method's settings for every target; return all runs made and what became of each target."""
     tried = Tried(scene, engine, method, truth)
     if not _begin(runs, tried):
-        return tried, [Reached(target, "cannot", None, _last_words(tried)) for target in targets]
+        refused = all(record.status in REFUSED for record in tried.records.values())
+        answer: Answer = "cannot" if refused else "not-reached"
+        return tried, [Reached(target, answer, None, _last_words(tried)) for target in targets]
     if isinstance(truth, NoTruth):
         _support(runs, tried)
         return tried, [Reached(target, "unjudged", None, truth.reason) for target in targets]
