@@ -5,14 +5,19 @@ from __future__ import annotations
 import json
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from cross_checks import engines
 from cross_checks.judge.cell import check, judge_method, truth_of
 from cross_checks.judge.runs import Runs
 from cross_checks.judge.verdict import Verdict
+from cross_checks.metrics.state_error import from_truth
 from cross_checks.records.store import Store
+from cross_checks.truths import seek_truth
 from mbs_ref import scenes
+from mbs_ref.settings import Settings
+from mbs_ref.simulate import simulate
 from tests.cross_checks.conftest import BIAS, raising
 
 PENDULUM = scenes.make("pendulum")
@@ -51,15 +56,22 @@ def test_unknown_engines_are_refused(swing):
         list(check(Runs(), [PENDULUM], ["nobody"]))
 
 
-@pytest.mark.parametrize("wrong", ["velocity", "angular_velocity"])
-def test_wrong_rates_do_not_agree(swing, wrong):
+def test_wrong_velocities_do_not_agree(swing):
     """An engine whose positions are right and whose velocities are not was once said to agree."""
-    swing(lambda path: replace(path, **{wrong: -3.0 * getattr(path, wrong) + (wrong == "angular_velocity")}))
-    scene = PENDULUM if wrong == "velocity" else None
-    if scene is None:
-        pytest.skip("the pendulum is a particle, which has no spin")
-    cell = judge_method(Runs(), scene, "swing", engines.get("swing").method("second"), truth_of(Runs(), scene))
+    swing(lambda path: replace(path, velocity=-3.0 * path.velocity))
+    cell = judge_method(Runs(), PENDULUM, "swing", engines.get("swing").method("second"), truth_of(Runs(), PENDULUM))
     assert cell.verdict not in (Verdict.AGREES, Verdict.CONVERGING)
+
+
+@pytest.mark.parametrize(("wrong", "part"), [("orientation", 1), ("angular_velocity", 3)])
+def test_a_wrong_angle_or_spin_in_the_plane_is_an_error(wrong, part):
+    """A rolling disc of another angle and spin once scored 0."""
+    scene = scenes.make("rolling_disc")
+    path = simulate(scene, Settings(rtol=1e-10, estimate="off"), np.linspace(0.0, scene.duration, 41))
+    truth = seek_truth(scene, path.times)
+    assert from_truth(scene, path, truth).sizes[:, part].max() < 1e-6
+    spoiled = replace(path, **{wrong: -3.0 * getattr(path, wrong) + 1.0})
+    assert from_truth(scene, spoiled, truth).sizes[:, part].max() > 0.1
 
 
 def test_the_same_store_asked_twice_makes_no_run_and_says_the_same(swing):
