@@ -45,7 +45,7 @@ $(NIGHT_STAMP): requirements-nightly.lock pyproject.toml
 	$(call install,.venv-nightly,requirements-nightly.lock)
 
 test: venv  ## the tests that finish in minutes
-	$(BIN)/python -m pytest -n auto -rs
+	$(BIN)/python -m pytest -n auto --dist worksteal -rs
 
 report: venv  ## the main job: run the comparison and write reports/out/
 	$(BIN)/mbs-ref report
@@ -59,7 +59,7 @@ nightly: $(NIGHT_STAMP)  ## all tests, seeded defects, the benchmarks, the full 
 	@mkdir -p reports/out; rm -f reports/out/bench.json reports/out/extremes.jsonl; failed=0; \
 	step() { echo "== $$*"; "$$@" || { code=$$?; echo "exit code $$code: $$*" >&2; \
 	  if [ $$failed -eq 0 ]; then failed=$$code; fi; }; }; \
-	step $(NIGHT)/python -m pytest -n auto -rs -m ''; \
+	step $(NIGHT)/python -m pytest -n auto --dist worksteal -rs -m ''; \
 	step $(NIGHT)/python -m tests.mutants.run --slow --minutes $(MUTANT_MINUTES); \
 	step $(NIGHT)/python -m pytest benchmarks -m '' --benchmark-only -p no:xdist --benchmark-json=reports/out/bench.json; \
 	step $(NIGHT)/mbs-ref certify; \
