@@ -35,7 +35,12 @@ class StaleError(ValueError):
 
 def every(folder: Path = FOLDER) -> list[Defect]:
     """Return all defects kept, those written by hand first."""
-    return [Defect(**json.loads(line)) for name in LISTS for line in (folder / name).read_text().splitlines() if line]
+    return [defect for name in LISTS for defect in read(folder / name)]
+
+
+def read(file: Path) -> list[Defect]:
+    """Return the defects kept in a file."""
+    return [Defect(**json.loads(line)) for line in file.read_text().splitlines() if line]
 
 
 def write(defects: Iterable[Defect], file: Path) -> None:

@@ -1,4 +1,7 @@
-"""Defects made by rule from sources: a sign, a factor, a comparison, an index, a bound wrong. Run once, then kept.
+"""Defects made by rule from sources: a sign, a factor, a comparison, an index, a bound wrong.
+
+They are drawn once and kept. After sources have changed this keeps those whose text is still there, and draws others
+for the rest:
 
     python -m tests.mutants.operators
 """
@@ -10,7 +13,7 @@ import random
 from collections.abc import Iterator
 from pathlib import Path
 
-from tests.mutants.defect import FOLDER, ROOT, Defect, write
+from tests.mutants.defect import FOLDER, ROOT, Defect, StaleError, place, read, write
 
 # folder or file -> how many defects are drawn from it
 DRAWN = {
@@ -86,23 +89,38 @@ def _anchored(file: Path, source: str, function: str, node: ast.AST) -> Iterator
                 break
 
 
-def drawn() -> list[Defect]:
-    """Return the defects to keep: as many of every folder as DRAWN says, spread over its functions."""
-    chance = random.Random(0)
-    found: list[Defect] = []
-    for place, count in DRAWN.items():
-        files = sorted((ROOT / place).rglob("*.py")) if (ROOT / place).is_dir() else [ROOT / place]
-        each = {d.name: d for file in files for d in defects_of(file)}.values()
-        groups: dict[tuple[str, str], list[Defect]] = {}
-        for defect in each:
-            groups.setdefault((defect.file, defect.breaks.split(":")[0]), []).append(defect)
-        heads = list(groups.values())
-        chance.shuffle(heads)
-        rounds = [chance.choice(group) for group in heads for _ in range(1 + count // len(heads))]
-        chance.shuffle(rounds)
-        found += list({d.name: d for d in rounds}.values())[:count]
+def renewed(kept: list[Defect]) -> list[Defect]:
+    """Return the defects whose text is still found, and as many drawn anew as DRAWN says, spread over functions."""
+    found = [defect for defect in kept if _is_found(defect)]
+    for where, count in DRAWN.items():
+        own = [defect for defect in found if defect.file.startswith(where)]
+        found += _drawn(where, count - len(own), {defect.name for defect in own})
     return found
 
 
+def _is_found(defect: Defect) -> bool:
+    try:
+        place(defect, ROOT)
+    except StaleError:
+        return False
+    return True
+
+
+def _drawn(where: str, count: int, known: set[str]) -> list[Defect]:
+    if count <= 0:
+        return []
+    chance = random.Random(f"{where} {len(known)}")
+    files = sorted((ROOT / where).rglob("*.py")) if (ROOT / where).is_dir() else [ROOT / where]
+    each = {d.name: d for file in files for d in defects_of(file) if d.name not in known}.values()
+    groups: dict[tuple[str, str], list[Defect]] = {}
+    for defect in each:
+        groups.setdefault((defect.file, defect.breaks.split(":")[0]), []).append(defect)
+    heads = list(groups.values())
+    chance.shuffle(heads)
+    rounds = [chance.choice(group) for group in heads for _ in range(1 + count // len(heads))]
+    chance.shuffle(rounds)
+    return list({d.name: d for d in rounds}.values())[:count]
+
+
 if __name__ == "__main__":
-    write(drawn(), FOLDER / "by_operator.jsonl")
+    write(renewed(read(FOLDER / "by_operator.jsonl")), FOLDER / "by_operator.jsonl")

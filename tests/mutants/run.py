@@ -77,6 +77,8 @@ class Copy:
                 code, output = self._pytest(tests, markers)
                 if code is None:
                     return "noticed", f"{tests} does not end within {LONGEST:g} s"
+                if code in (3, 4):  # pytest's own error, or tests that are not there
+                    raise RuntimeError(f"{tests} could not be run: {output.strip()[-500:]}")
                 if code not in (0, 5):  # 5: no test was selected
                     failure = FIRST_FAILURE.search(output)
                     when = "make test" if markers == "not slow" else "make nightly"

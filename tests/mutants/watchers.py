@@ -15,7 +15,7 @@ CRASH = ("tests/mbs_ref/crash/test_against_injury_vectors.py", "tests/mbs_ref/cr
          "tests/mbs_ref/crash", "tests/reports/studies/test_android_page.py")
 SELF_CHECKS = ("tests/mbs_ref/run/test_ambiguous_start.py", "tests/mbs_ref/run", "tests/mbs_ref/self_checks")
 TRUTHS = ("tests/cross_checks/truths",)
-ENGINES = ("tests/cross_checks/engines", "tests/cross_checks/workshop", "tests/cross_checks/conformance/symmetry")
+ENGINES = ("tests/cross_checks/engines", "tests/cross_checks/workshop", "tests/cross_checks/symmetry")
 JUDGE = ("tests/cross_checks/judge", "tests/cross_checks/records", "tests/cross_checks/truths/test_sky_truths.py")
 
 # the longest prefix of a defect's file decides
@@ -42,7 +42,7 @@ WATCHERS: dict[str, tuple[str, ...]] = {
     "cross_checks/workshop": ("tests/cross_checks/workshop", *ENGINES),
     "cross_checks/judge": JUDGE,
     "cross_checks/metrics": (*JUDGE, "tests/cross_checks/engines"),
-    "cross_checks/conformance/symmetry": ("tests/cross_checks/conformance/symmetry",),
+    "cross_checks/conformance/symmetry": ("tests/cross_checks/symmetry",),
 }
 
 

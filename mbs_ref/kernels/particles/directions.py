@@ -14,9 +14,9 @@ OBLIQUITY = 84_381.406 * ARCSEC  # rad, of the ecliptic of J2000 (IAU 2006)
 
 @jit
 def earth_pole(d, axis):
-    """The celestial pole: precession and the 18.6-year nutation (IERS Conventions 2010, eq 5.16)."""
+    """The celestial pole: precession and the 18.6-year nutation (IERS Conventions 2010, eq 5.16, 5.43)."""
     t = d / CENTURY
-    node = (125.04455501 - 1934.1361849 * t) * DEGREE
+    node = 125.04455501 * DEGREE - 6_962_890.5431 * t * ARCSEC
     x = -0.016617 + t * (2004.191898 - 0.4297829 * t - 0.19861834 * t * t)
     y = -0.006951 + t * (-0.025896 - 22.4072747 * t + 0.00190059 * t * t)
     x += -6.844318 * np.sin(node)

@@ -30,7 +30,6 @@ ROUNDOFF = 1e-13  # relative to the force, of the kernels' double precision
 LOOSER = {  # what doubles, or the kernels' data, leave of some forces
     "Sun": 1e-11,  # two pulls that are equal but for 1 in 20 000
     "Moon": 1e-12,  # and for 1 in 50
-    "the Earth's pole": 3e-11,  # the node turns by 1934.1361849 deg a century in the kernels, 1934.1362620 in IERS
 }
 SPOT = np.longdouble(3e6)  # s after the epoch
 GM = (2.0e14, 0.5e14, 0.3e14)  # m^3/s^2
