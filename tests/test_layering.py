@@ -35,7 +35,8 @@ ROOMS = {
         "record_changes", "suites",
     ),
     "reports": (
-        "asking console exit_codes film poses_file reproduce", "inputs", "sweeping", "page studies", "commands", "cli",
+        "asking console exit_codes film poses_file reproduce", "inputs", "sweeping", "studies", "facts", "page",
+        "commands", "cli",
     ),
 }  # fmt: skip
 MOST_ROOMS = 16  # files and folders of code at one level
@@ -102,10 +103,7 @@ def arrows(layer: str) -> Iterator[tuple[str, str, str]]:
             yield from ((name, here, there) for there in targets - {here})
 
 
-CIRCLE = pytest.mark.xfail(strict=True, reason="the page lists the studies' sections, which draw with the page's plots")
-
-
-@pytest.mark.parametrize("layer", [pytest.param(r, marks=CIRCLE) if r == "reports" else r for r in ROOMS])
+@pytest.mark.parametrize("layer", ROOMS)
 def test_the_rooms_of_a_layer_import_downward(layer):
     floor = {room: k for k, rooms in enumerate(ROOMS[layer]) for room in rooms.split()}
     back = [f"{name} imports {there}" for name, here, there in arrows(layer) if not floor[there] < floor[here]]
@@ -128,7 +126,6 @@ def rooms(folder: Path) -> set[str]:
 FOLDERS = sorted({path.parent for path in CODE} | {path.parent.parent for path in CODE} - {ROOT})
 TOO_FULL = {
     "cross_checks/certify": "the certifiers of mechanisms and of the sky still share one folder",
-    "reports/page": "what the page asks and what it draws still share one folder",
 }
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from cross_checks.records.store import Store, default_path
-from reports.page.gather import Progress, gather
+from reports.facts.gather import Progress, gather
 from reports.page.publish import publish, read_data
 
 EXTREMES = "extremes.jsonl"  # beside the page: what `mbs-ref extremes -o` kept

@@ -8,12 +8,12 @@ from dataclasses import dataclass
 
 from cross_checks.records.record import Record
 from mbs_ref.trajectory import Status
-from reports.page.cheapest import Entry, entries, known_error, loop_time, usable
+from reports.facts.cheapest import Entry, entries, known_error, loop_time, usable
+from reports.facts.report_data import OURS, Cell, ReportData
 from reports.page.numbers import count, duration, joules, metres, of_scene, setting, short
-from reports.page.report_data import OURS, Cell, ReportData
+from reports.page.studies.sky import worst_planet
 from reports.page.verdicts import verdict
 from reports.reproduce import scene_label
-from reports.studies.sky.section import worst_planet
 
 SILENT = (Status.NON_FINITE, Status.RESET)  # what engines do without saying so
 ORDER_SLACK = 0.5  # an observed order lower than documented by more than this is worth a sentence

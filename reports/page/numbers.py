@@ -66,10 +66,5 @@ def setting(settings: dict[str, Any]) -> str:
     return ", ".join(words) or "defaults"
 
 
-def finite(value: float | None) -> float | None:
-    """Return the value if it is a finite number, else None."""
-    return value if value is not None and math.isfinite(value) else None
-
-
 def _with_unit(value: float | None, unit: str) -> str:
-    return ABSENT if finite(value) is None else f"{short(value)} {unit}"
+    return ABSENT if value is None or not math.isfinite(value) else f"{short(value)} {unit}"

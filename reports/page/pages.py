@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from reports.page.report_data import ReportData
+from reports.facts.report_data import ReportData
 from reports.page.section import Section
 from reports.page.sections import (
     capabilities,
@@ -25,11 +25,7 @@ from reports.page.sections import (
     truths,
 )
 from reports.page.slug import engine_file, scene_file
-from reports.studies.androids import section as androids
-from reports.studies.contact import section as contact
-from reports.studies.crashes import section as crashes
-from reports.studies.sky import section as sky
-from reports.studies.space import section as space
+from reports.page.studies import androids, contact, crashes, sky, space
 
 INDEX = "index.html"
 STUDIES = {

@@ -5,11 +5,11 @@ from __future__ import annotations
 from pathlib import Path
 
 from mbs_ref.atomic_file import write_atomic
+from reports.facts.kept import adapter
+from reports.facts.report_data import ReportData
 from reports.page.files import csv_table, jsonl, markdown
-from reports.page.kept import adapter
 from reports.page.pages import INDEX
 from reports.page.render import render
-from reports.page.report_data import ReportData
 
 DATA = "report.json"
 

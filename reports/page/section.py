@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from reports.page.report_data import ReportData
+from reports.facts.report_data import ReportData
 
 
 @dataclass(frozen=True)

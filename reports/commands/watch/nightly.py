@@ -23,7 +23,7 @@ from mbs_ref import scenes
 from reports.commands.watch.compare import tree
 from reports.console import progress
 from reports.exit_codes import Failed, Incomplete
-from reports.page.environment import environment
+from reports.facts.environment import environment
 from reports.page.plots.trend import write_trends
 from reports.reproduce import scene_label
 from reports.sweeping import sweep_records

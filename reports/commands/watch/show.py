@@ -13,9 +13,9 @@ import click
 from mbs_ref.scene.messages import suggest
 from reports.console import echo_json, show, table
 from reports.exit_codes import NothingSelected
+from reports.facts.report_data import ReportData
 from reports.page.files import PRICES, price_row
 from reports.page.publish import read_data
-from reports.page.report_data import ReportData
 from reports.page.sections.matrix import refused, view
 from reports.page.sections.prices import price_table
 

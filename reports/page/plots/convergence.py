@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from cross_checks.records.record import Record
-from reports.page.cheapest import known_error, usable
+from reports.facts.cheapest import known_error, usable
 from reports.page.numbers import setting, short
 from reports.page.plots.figure import add_series, lines, new_figure, to_data
 from reports.page.plots.palette import Style

@@ -6,7 +6,7 @@ import html
 from typing import Any
 
 from cross_checks.records.record import Record
-from reports.page.cheapest import best_of_engines, usable
+from reports.facts.cheapest import best_of_engines, usable
 from reports.page.numbers import duration, setting
 from reports.page.plots.figure import lines, new_figure, to_data
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from reports.page.report_data import Capability, ReportData
+from reports.facts.report_data import Capability, ReportData
 from reports.page.section import Section
 
 LEAD = "Asked of the adapters themselves: what each engine models, never will by its nature, or is not taught yet."

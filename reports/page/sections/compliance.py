@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
+from reports.facts.report_data import ReportData
 from reports.page.per_scene import per_scene
 from reports.page.plots.compliance import compliance
 from reports.page.plots.error_history import error_history
-from reports.page.report_data import ReportData
 from reports.page.section import Section
 
 LEAD = (

@@ -5,9 +5,9 @@ from __future__ import annotations
 from functools import partial
 from typing import Any
 
+from reports.facts.report_data import ReportData
 from reports.page.per_scene import per_scene
 from reports.page.plots.convergence import convergence
-from reports.page.report_data import ReportData
 from reports.page.section import Section
 
 LEAD = (

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
+from reports.facts.report_data import ReportData
 from reports.page.per_scene import per_scene
 from reports.page.plots.energy import energy
-from reports.page.report_data import ReportData
 from reports.page.section import Section
 
 LEAD = "Energy that the integration created or lost, work of drives counted. Small drift alone does not prove accuracy."

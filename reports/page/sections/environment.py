@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from reports.page.report_data import ReportData
+from reports.facts.report_data import ReportData
 from reports.page.section import Section
 
 LEAD = "Times compare only within one machine and one report; versions are those of the installed packages."

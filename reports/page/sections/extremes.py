@@ -10,9 +10,9 @@ from cross_checks.extremes import every
 from cross_checks.extremes.cell import Cell
 from cross_checks.extremes.extreme import Extreme
 from cross_checks.extremes.judge import Fate
+from reports.facts.report_data import ReportData
 from reports.page.plots.fates import chart, tick
 from reports.page.plots.palette import colours
-from reports.page.report_data import ReportData
 from reports.page.section import Section
 
 LEAD = "Up to here you can trust an engine's method: scenes driven from mild to hopeless, and what became of each."

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
+from reports.facts.report_data import ReportData
 from reports.page.findings import findings
-from reports.page.report_data import ReportData
 from reports.page.section import Section
 
 LEAD = "What a reader should take away, worded from the data of this very report."

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
+from reports.facts.report_data import Cell, ReportData
 from reports.page.numbers import ABSENT, metres, of_scene, short
-from reports.page.report_data import Cell, ReportData
 from reports.page.section import Section
 from reports.page.verdicts import verdict
 

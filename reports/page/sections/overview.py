@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import Any
 
 from cross_checks.judge.search import TARGETS
-from reports.page.cheapest import Entry, entries, loop_time
+from reports.facts.cheapest import Entry, entries, loop_time
+from reports.facts.report_data import OURS, ReportData
 from reports.page.numbers import duration, short
-from reports.page.report_data import OURS, ReportData
 from reports.page.section import Section
 from reports.page.slug import scene_file
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 from cross_checks.records.record import Record
+from reports.facts.report_data import ReportData
 from reports.page.numbers import ABSENT, duration, joules, metres, of_scene, setting
-from reports.page.report_data import ReportData
 from reports.page.section import Section
 from reports.reproduce import command
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
+from reports.facts.report_data import ReportData
 from reports.page.plots.time_split import time_split
-from reports.page.report_data import ReportData
 from reports.page.section import Section
 
 LEAD = (

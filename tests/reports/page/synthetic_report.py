@@ -9,7 +9,7 @@ from cross_checks.extremes.cell import made_of
 from cross_checks.extremes.judge import Fate, Point
 from cross_checks.judge.search import TARGETS
 from cross_checks.records.record import Error, Record
-from reports.page.report_data import Capability, Cell, ReportData, Target, setting_label
+from reports.facts.report_data import Capability, Cell, ReportData, Target, setting_label
 from reports.reproduce import scene_label
 
 TIMED = {"loop_median_s": 1.0, "loop_most_s": 2.0, "loop_runs": 3.0}

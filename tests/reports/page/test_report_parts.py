@@ -6,9 +6,9 @@ import os
 from math import sqrt
 
 from cross_checks.records.store import Store
-from reports.page import gather
+from reports.facts import gather
+from reports.facts.report_data import ReportData
 from reports.page.render import render
-from reports.page.report_data import ReportData
 
 STUDIES = {"space": float, "sky": float, "contact": int}
 

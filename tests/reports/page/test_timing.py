@@ -10,9 +10,9 @@ from cross_checks.records.record import Record
 from cross_checks.records.store import Store
 from mbs_ref import scenes
 from mbs_ref.settings import Settings
-from reports.page import timing
-from reports.page.cheapest import contenders
-from reports.page.timing import is_busy, is_enough, is_timed, kept_times, timed
+from reports.facts import timing
+from reports.facts.cheapest import contenders
+from reports.facts.timing import is_busy, is_enough, is_timed, kept_times, timed
 from tests.reports.page.synthetic_report import report_data
 
 

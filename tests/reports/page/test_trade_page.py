@@ -10,11 +10,11 @@ from cross_checks.records.record import Record
 from cross_checks.truth import Truth
 from cross_checks.truths import seek_truth
 from mbs_ref import scenes
+from reports.facts.report_data import ReportData
+from reports.facts.truth_facts import TruthFacts, truth_facts
 from reports.page.publish import publish
-from reports.page.report_data import ReportData
 from reports.page.sections import truths
 from reports.page.sections.profiles import context
-from reports.page.truth_facts import TruthFacts, truth_facts
 from tests.reports.page.synthetic_report import report_data
 
 DATA = report_data()

@@ -7,9 +7,9 @@ from dataclasses import replace
 from mbs_ref import scenes
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
-from reports.page.kept import adapter
+from reports.facts.kept import adapter
+from reports.facts.report_data import ReportData
 from reports.page.render import render
-from reports.page.report_data import ReportData
 from reports.studies.androids import measure as androids
 from reports.studies.androids.facts import AndroidFacts, Convergence
 from reports.studies.crashes.facts import CrashFacts

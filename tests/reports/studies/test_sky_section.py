@@ -7,9 +7,9 @@ from dataclasses import replace
 import pytest
 
 from cross_checks.records.record import Record
+from reports.facts.report_data import ReportData
 from reports.page.findings import digits
-from reports.page.report_data import ReportData
-from reports.studies.sky import section as sky
+from reports.page.studies import sky
 from reports.studies.sky.facts import Lap, Race, SkyFacts, Splitting
 
 BODIES = ("sun", "mercury", "earth", "moon", "jupiter")

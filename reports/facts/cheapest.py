@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from cross_checks.judge.search import TARGETS
 from cross_checks.records.record import Record
 from mbs_ref.trajectory import Status
-from reports.page.report_data import Cell, ReportData
+from reports.facts.report_data import Cell, ReportData
 
 NEAR = 1.5  # times the cheapest first run: settings that near are timed, too, since first runs are noisy
 RANK = ("not-tried", "not-reached", "unjudged", "cannot")  # which of its methods' answers speaks for an engine

@@ -6,7 +6,7 @@ from cross_checks import engines
 from cross_checks.engine import Engine, Refusal
 from mbs_ref.scene import Scene
 from mbs_ref.scene.traits import ALL_TRAITS, PART_TYPES, traits
-from reports.page.report_data import Capability
+from reports.facts.report_data import Capability
 
 
 def capabilities(probes: dict[str, Scene]) -> tuple[Capability, ...]:

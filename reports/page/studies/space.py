@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from reports.page.report_data import ReportData
+from reports.facts.report_data import ReportData
 from reports.page.section import Section
 
 LEAD = "Spatial bodies carry four Euler parameters of norm one: what that does, and what it costs."
@@ -14,4 +14,4 @@ def context(data: ReportData) -> dict[str, Any]:
     return {"space": data.space}
 
 
-SECTION = Section("space", "Space", LEAD, context, template="space/section.html")
+SECTION = Section("space", "Space", LEAD, context, template="studies/space.html")

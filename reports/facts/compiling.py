@@ -10,8 +10,8 @@ from cross_checks.records.naming import code_of, digest_of
 from cross_checks.records.store import Store
 from mbs_ref import scenes
 from mbs_ref.settings import Settings
-from reports.page.kept import recall, remembered
-from reports.page.workers import each
+from reports.facts.kept import recall, remembered
+from reports.facts.workers import each
 
 CORES = {"plane": "pendulum", "space": "heavy_top", "particles": "kepler"}  # the smallest scene of each
 SOLVER = "mbs_ref"

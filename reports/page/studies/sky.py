@@ -5,10 +5,10 @@ from __future__ import annotations
 from typing import Any
 
 from cross_checks.records.record import Record
+from reports.facts.report_data import ReportData
 from reports.page.numbers import duration, metres
 from reports.page.plots.orbits import inner_orbits, outer_orbits
 from reports.page.plots.sky_ladder import sky_ladder
-from reports.page.report_data import ReportData
 from reports.page.section import Section
 from reports.studies.sky.facts import Race, SkyFacts
 
@@ -90,4 +90,4 @@ def _distance(error: float | None) -> str:
     return "not computed" if error is None else metres(error)
 
 
-SECTION = Section("sky", "The sky: which physics buys which digit", LEAD, context, template="sky/section.html")
+SECTION = Section("sky", "The sky: which physics buys which digit", LEAD, context, template="studies/sky.html")

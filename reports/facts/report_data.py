@@ -12,7 +12,7 @@ from cross_checks.extremes.cell import Cell as ExtremeCell
 from cross_checks.judge.ladder import label
 from cross_checks.records.record import Record
 from mbs_ref.settings import Settings
-from reports.page.truth_facts import TruthFacts
+from reports.facts.truth_facts import TruthFacts
 from reports.reproduce import scene_label
 from reports.studies.androids.facts import AndroidFacts
 from reports.studies.contact.facts import ContactFacts

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
+from reports.facts.report_data import ReportData
 from reports.page.numbers import ABSENT, duration, setting, short
 from reports.page.plots.figure import FLOOR, new_figure, to_data
 from reports.page.plots.histories import HEIGHT, add_line, histories
-from reports.page.report_data import ReportData
 from reports.page.section import Section
 from reports.studies.androids.facts import AndroidFacts, Convergence, Peer, Run, Stable
 from reports.studies.curves import Curves
@@ -124,5 +124,5 @@ def _peer(cell: Peer) -> list[str]:
 
 
 SECTION = Section(
-    "android_numerics", "The androids by method and engine", LEAD, context, template="androids/section.html"
+    "android_numerics", "The androids by method and engine", LEAD, context, template="studies/androids.html"
 )

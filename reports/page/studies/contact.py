@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
+from reports.facts.report_data import ReportData
 from reports.page.plots.figure import new_figure, to_data
 from reports.page.plots.histories import histories
-from reports.page.report_data import ReportData
 from reports.page.section import Section
 from reports.studies.contact.facts import ContactFacts
 
@@ -37,4 +37,4 @@ def _orders(facts: ContactFacts) -> dict[str, Any]:
     return to_data(figure)
 
 
-SECTION = Section("contact", "Contact", LEAD, context, template="contact/section.html")
+SECTION = Section("contact", "Contact", LEAD, context, template="studies/contact.html")

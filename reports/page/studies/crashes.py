@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
+from reports.facts.report_data import ReportData
 from reports.page.numbers import short
 from reports.page.plots.histories import histories
-from reports.page.report_data import ReportData
 from reports.page.section import Section
 from reports.studies.crashes.facts import Crash, Whiplash
 
@@ -110,4 +110,4 @@ def _measure(run: Crash, name: str) -> str:
     return ABSENT if value is None else f"{value:.4g}"
 
 
-SECTION = Section("androids", "The androids of the first paper", LEAD, context, template="crashes/section.html")
+SECTION = Section("androids", "The androids of the first paper", LEAD, context, template="studies/crashes.html")

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, fields, replace
 from functools import cache
+from math import isfinite
 from typing import Any
 
 from cross_checks import engines as registry
@@ -22,10 +23,9 @@ from cross_checks.records.record import Record
 from cross_checks.records.store import Store
 from cross_checks.truth import NoTruth, Truth
 from mbs_ref.scene import Scene
-from reports.page.kept import keep, recall
-from reports.page.numbers import finite
-from reports.page.report_data import Cell, Target, setting_label
-from reports.page.workers import each
+from reports.facts.kept import keep, recall
+from reports.facts.report_data import Cell, Target, setting_label
+from reports.facts.workers import each
 
 JUDGING = "cross_checks.judge.cell"  # whose changes make cells anew
 MISSING = "any method"
@@ -106,10 +106,14 @@ def answer(runs: Runs, question: Question, truth: Truth | NoTruth) -> tuple[Answ
 def _plain(label: str, found: Judged) -> Cell:
     """Return the judge's cell as the page keeps it: under the scene's label, with finite numbers or None."""
     return Cell(
-        label, found.engine, found.method, str(found.verdict), found.reason, finite(found.error),
-        finite(found.compliance), finite(found.order), found.excuse, found.documented_order, found.setting,
+        label, found.engine, found.method, str(found.verdict), found.reason, _finite(found.error),
+        _finite(found.compliance), _finite(found.order), found.excuse, found.documented_order, found.setting,
         tuple(_target(reached) for reached in found.targets),
     )  # fmt: skip
+
+
+def _finite(value: float | None) -> float | None:
+    return value if value is not None and isfinite(value) else None
 
 
 def _target(found: Reached) -> Target:

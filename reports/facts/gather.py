@@ -19,16 +19,16 @@ from cross_checks.records.naming import code_of, digest_of
 from cross_checks.records.store import Store
 from mbs_ref import scenes
 from mbs_ref.scene import Scene
-from reports.page.accuracy import Truths, answers, kept_answers, questions, truths
-from reports.page.capability import capabilities
-from reports.page.cheapest import contenders
-from reports.page.compiling import compile_kernels
-from reports.page.environment import environment
-from reports.page.kept import engine_versions, keep, recall, remembered
-from reports.page.report_data import Capability, ReportData
-from reports.page.timing import timed
-from reports.page.truth_facts import TruthFacts, truth_facts
-from reports.page.workers import each
+from reports.facts.accuracy import Truths, answers, kept_answers, questions, truths
+from reports.facts.capability import capabilities
+from reports.facts.cheapest import contenders
+from reports.facts.compiling import compile_kernels
+from reports.facts.environment import environment
+from reports.facts.kept import engine_versions, keep, recall, remembered
+from reports.facts.report_data import Capability, ReportData
+from reports.facts.timing import timed
+from reports.facts.truth_facts import TruthFacts, truth_facts
+from reports.facts.workers import each
 from reports.reproduce import scene_label
 from reports.studies.androids.facts import AndroidFacts
 from reports.studies.contact.facts import ContactFacts
@@ -132,7 +132,7 @@ def _keep_truths(store: Store, chosen: dict[str, Scene], known: Truths) -> None:
 
 
 def _truth_key(label: str, scene: Scene) -> str:
-    return digest_of(["truth facts", label, questions({label: scene})[0].key, code_of("reports.page.truth_facts")])
+    return digest_of(["truth facts", label, questions({label: scene})[0].key, code_of("reports.facts.truth_facts")])
 
 
 def _timed(

@@ -25,7 +25,7 @@ from cross_checks.records.store import Store
 from mbs_ref import scenes
 from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings
-from reports.page.environment import processor
+from reports.facts.environment import processor
 
 LEAST, MOST = 3, 5  # runs of a setting
 NARROW = 0.05  # of the median: half of the interval

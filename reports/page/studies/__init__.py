@@ -1,0 +1,1 @@
+"""The pages of the studies; what they show is measured in reports/studies."""
