@@ -124,15 +124,9 @@ def rooms(folder: Path) -> set[str]:
 
 
 FOLDERS = sorted({path.parent for path in CODE} | {path.parent.parent for path in CODE} - {ROOT})
-TOO_FULL = {
-    "cross_checks/certify": "the certifiers of mechanisms and of the sky still share one folder",
-}
 
 
-@pytest.mark.parametrize("folder", [
-    pytest.param(f, marks=pytest.mark.xfail(strict=True, reason=TOO_FULL[label(f)])) if label(f) in TOO_FULL else f
-    for f in FOLDERS if label(f) not in LISTS
-], ids=label)  # fmt: skip
+@pytest.mark.parametrize("folder", [f for f in FOLDERS if label(f) not in LISTS], ids=label)
 def test_a_folder_is_read_at_a_glance(folder):
     assert len(rooms(folder)) <= MOST_ROOMS, sorted(rooms(folder))
 

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cross_checks.certify.branches import extrapolate_branches
-from cross_checks.certify.extrapolation import extrapolate
-from cross_checks.certify.rates import along
-from cross_checks.certify.runge_kutta import runge_kutta
+from cross_checks.certify.numerics.branches import extrapolate_branches
+from cross_checks.certify.numerics.extrapolation import extrapolate
+from cross_checks.certify.numerics.rates import along
+from cross_checks.certify.numerics.runge_kutta import runge_kutta
 from cross_checks.truth import Truth
 from mbs_ref.scene.euler_parameters import geodesic_angle
 

@@ -12,10 +12,11 @@ from pathlib import Path
 
 import numpy as np
 
-from cross_checks.certify import kept_poses, rates
+from cross_checks.certify import kept_poses
 from cross_checks.certify.agreement import LARGEST_UNCERTAINTY
-from cross_checks.certify.extrapolation import NoConvergenceError
 from cross_checks.certify.kept_poses import physics_of
+from cross_checks.certify.numerics import rates
+from cross_checks.certify.numerics.extrapolation import NoConvergenceError
 from cross_checks.truth import NoTruth, Truth
 from mbs_ref import scenes
 from mbs_ref.scene import Scene

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from cross_checks.certify.agreement import agree, converged
-from cross_checks.certify.hinged_tree import formulations
+from cross_checks.certify.mechanisms.hinged_tree import formulations
 from cross_checks.truth import Truth
 from mbs_ref import scenes
 from mbs_ref.observables.signal_values import motion

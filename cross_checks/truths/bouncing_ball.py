@@ -15,7 +15,7 @@ import numpy as np
 from scipy.integrate import quad
 from scipy.special import lambertw
 
-from cross_checks.certify.unilateral import Line, Unilateral, line_motion
+from cross_checks.certify.mechanisms.unilateral import Line, Unilateral, line_motion
 from cross_checks.truth import NoTruth, Truth
 from mbs_ref.scene import Scene
 from mbs_ref.scene.contact import (

@@ -6,10 +6,10 @@ from itertools import pairwise
 
 import numpy as np
 
-from cross_checks.certify import jet
 from cross_checks.certify.agreement import converged
-from cross_checks.certify.jet import Jet
-from cross_checks.certify.one_freedom import agree_on
+from cross_checks.certify.mechanisms.one_freedom import agree_on
+from cross_checks.certify.numerics import jet
+from cross_checks.certify.numerics.jet import Jet
 from cross_checks.truth import Truth
 from mbs_ref.scene import Scene, SpatialBody
 from mbs_ref.scene.euler_parameters import rotation_matrices

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cross_checks.certify.agreement import Formulation, agree, converged
-from cross_checks.certify.implicit import radau
+from cross_checks.certify.numerics.implicit import radau
 from cross_checks.truth import Truth
 from mbs_ref.scene import Scene, SpatialBody
 from mbs_ref.scene.euler_parameters import from_axis_angle, product

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from cross_checks.certify.unilateral import Line, Unilateral, line_motion
+from cross_checks.certify.mechanisms.unilateral import Line, Unilateral, line_motion
 from cross_checks.truth import Truth
 from mbs_ref.scene import Scene
 from mbs_ref.scene.contact import RigidLaw

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from cross_checks.certify.unilateral import Line, Unilateral, line_motion
+from cross_checks.certify.mechanisms.unilateral import Line, Unilateral, line_motion
 from cross_checks.truth import NoTruth, Truth
 from cross_checks.truths.bouncing_ball import impact
 from mbs_ref.scene import Scene

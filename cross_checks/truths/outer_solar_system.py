@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from cross_checks.certify.particles import converge
+from cross_checks.certify.sky.particles import converge
 from cross_checks.truth import NoTruth, Truth
 from mbs_ref.scene import Scene
 

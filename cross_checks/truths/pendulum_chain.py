@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from cross_checks.certify.agreement import agree, agreed
-from cross_checks.certify.rod_chain import EXTENDED_UP_TO, Rods, hamilton, lagrange
+from cross_checks.certify.mechanisms.rod_chain import EXTENDED_UP_TO, Rods, hamilton, lagrange
 from cross_checks.truth import NoTruth, Truth
 from mbs_ref.scene import Scene
 

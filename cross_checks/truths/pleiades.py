@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from cross_checks.certify.particles import converge
+from cross_checks.certify.sky.particles import converge
 from cross_checks.truth import NoTruth, Truth
 from mbs_ref.scene import Scene
 

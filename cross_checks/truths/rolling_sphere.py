@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from cross_checks.certify.extrapolation import extrapolate
+from cross_checks.certify.numerics.extrapolation import extrapolate
 from cross_checks.truth import NoTruth, Truth
 from mbs_ref.scene import Scene
 from mbs_ref.scene.euler_parameters import from_axis_angle, parameter_matrix, product

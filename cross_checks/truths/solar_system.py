@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from cross_checks.certify.particles import converge
+from cross_checks.certify.sky.particles import converge
 from cross_checks.truth import NoTruth, Truth
 from cross_checks.truths import seek_truth
 from mbs_ref import scenes

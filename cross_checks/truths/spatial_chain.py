@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from cross_checks.certify.agreement import agree, converged
-from cross_checks.certify.spherical_tree import EXTENDED_UP_TO, hamilton, newton_euler, spherical_tree
+from cross_checks.certify.mechanisms.spherical_tree import EXTENDED_UP_TO, hamilton, newton_euler, spherical_tree
 from cross_checks.truth import NoTruth, Truth
 from mbs_ref.scene import Scene
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from cross_checks.certify import jet
 from cross_checks.certify.agreement import converged
-from cross_checks.certify.jet import Jet
-from cross_checks.certify.one_freedom import agree_on
+from cross_checks.certify.mechanisms.one_freedom import agree_on
+from cross_checks.certify.numerics import jet
+from cross_checks.certify.numerics.jet import Jet
 from cross_checks.truth import Truth
 from mbs_ref.scene import Scene, Universal
 from mbs_ref.scenes.spatial_slider_crank import PIVOT

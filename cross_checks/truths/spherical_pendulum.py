@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from cross_checks.certify.elliptic import amplitude, quarter_period
-from cross_checks.certify.quadrature import running_integral
+from cross_checks.certify.numerics.elliptic import amplitude, quarter_period
+from cross_checks.certify.numerics.quadrature import running_integral
 from cross_checks.truth import Truth
 from mbs_ref.scene import Scene
 

@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from cross_checks.certify.elliptic import amplitude, argument, quarter_period
-from cross_checks.certify.extrapolation import NoConvergenceError
-from cross_checks.certify.quadrature import periodic_integral
+from cross_checks.certify.numerics.elliptic import amplitude, argument, quarter_period
+from cross_checks.certify.numerics.extrapolation import NoConvergenceError
+from cross_checks.certify.numerics.quadrature import periodic_integral
 from cross_checks.truth import Truth
 from mbs_ref.scene import Scene
 from mbs_ref.scene.euler_parameters import rotation_matrices

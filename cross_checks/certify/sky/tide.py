@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from cross_checks.certify.jet import Jet, lift
+from cross_checks.certify.numerics.jet import Jet, lift
 from cross_checks.certify.sky.numbers import Field, masses, norm, real
 from mbs_ref.scene import Scene
 from mbs_ref.scene.celestial import Tide

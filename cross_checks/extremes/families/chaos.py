@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from cross_checks.certify.rod_chain import Rods, lagrange
-from cross_checks.certify.runge_kutta import runge_kutta
+from cross_checks.certify.mechanisms.rod_chain import Rods, lagrange
+from cross_checks.certify.numerics.runge_kutta import runge_kutta
 from cross_checks.extremes import measures
 from cross_checks.extremes.extreme import Axis, Case, Extreme, grid
 from cross_checks.extremes.parts import rod_chain

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from scipy.special import ellipj, ellipk
 
-from cross_checks.certify.elliptic import amplitude, quarter_period
-from cross_checks.certify.extrapolation import extrapolate
+from cross_checks.certify.numerics.elliptic import amplitude, quarter_period
+from cross_checks.certify.numerics.extrapolation import extrapolate
 from cross_checks.truth import Truth
 from cross_checks.truths import known, truth_for
 from mbs_ref import scenes

@@ -6,9 +6,9 @@ import erfa
 import numpy as np
 import pytest
 
-from cross_checks.certify.particles import start
 from cross_checks.certify.sky import directions
 from cross_checks.certify.sky.field import FIELDS, acceleration
+from cross_checks.certify.sky.particles import start
 from cross_checks.certify.sky.satellites import visible_share
 from mbs_ref.cores.choice import compile_scene
 from mbs_ref.scene import PointMass, Scene

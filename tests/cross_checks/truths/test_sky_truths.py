@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import cross_checks
-from cross_checks.certify.particles import converge
+from cross_checks.certify.sky.particles import converge
 from cross_checks.judge.cell import judge_method, truth_of
 from cross_checks.judge.one_run import evaluate
 from cross_checks.judge.runs import Runs

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from cross_checks.certify.quadrature import periodic_integral
-from cross_checks.certify.spherical_tree import hamilton, newton_euler, spherical_tree
+from cross_checks.certify.mechanisms.spherical_tree import hamilton, newton_euler, spherical_tree
+from cross_checks.certify.numerics.quadrature import periodic_integral
 from cross_checks.truth import Truth
 from cross_checks.truths import seek_truth, torque_free_top
 from mbs_ref import scenes

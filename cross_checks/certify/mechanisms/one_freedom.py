@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from cross_checks.certify import jet
 from cross_checks.certify.agreement import Agreement, Formulation, agree
-from cross_checks.certify.jet import Jet
+from cross_checks.certify.numerics import jet
+from cross_checks.certify.numerics.jet import Jet
 from mbs_ref.scene import Scene, SpatialBody, symmetric
 from mbs_ref.scene.euler_parameters import from_matrix
 

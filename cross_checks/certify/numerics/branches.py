@@ -7,7 +7,7 @@ from functools import partial
 
 import numpy as np
 
-from cross_checks.certify.extrapolation import EASY, SMALLEST_STEP, NoConvergenceError, attempt
+from cross_checks.certify.numerics.extrapolation import EASY, SMALLEST_STEP, NoConvergenceError, attempt
 
 FIRST_STEP = 1e-3  # s
 RESOLUTION = 1e-15  # s, to which a change of branch is located

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from scipy.integrate import DOP853
 
-from cross_checks.certify.extrapolation import NoConvergenceError
+from cross_checks.certify.numerics.extrapolation import NoConvergenceError
 
 
 def runge_kutta(derivative: Callable, start: np.ndarray, times: np.ndarray, tolerance: float) -> np.ndarray:

@@ -7,7 +7,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from cross_checks.certify.extrapolation import NoConvergenceError
+from cross_checks.certify.numerics.extrapolation import NoConvergenceError
 
 STAGES = 14
 MOST_SWEEPS = 60

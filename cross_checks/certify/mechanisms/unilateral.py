@@ -12,7 +12,7 @@ import numpy as np
 from scipy.linalg import expm
 from scipy.optimize import root_scalar
 
-from cross_checks.certify.extrapolation import NoConvergenceError
+from cross_checks.certify.numerics.extrapolation import NoConvergenceError
 
 OPEN, CLOSED, LIFTED = range(3)
 MOST_EVENTS = 5_000

@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from cross_checks.certify.extrapolation import NoConvergenceError
+from cross_checks.certify.numerics.extrapolation import NoConvergenceError
 
 NODES = 24  # a piece; a sixteenth of a period needs fewer
 MOST_PIECES = 200_000

@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 from scipy.integrate import Radau
 
-from cross_checks.certify.runge_kutta import step_through
+from cross_checks.certify.numerics.runge_kutta import step_through
 
 TOLERANCE = 1e-12  # its steps are of order 5: tighter ones cost minutes
 

@@ -8,8 +8,8 @@ from itertools import combinations
 
 import numpy as np
 
-from cross_checks.certify.collocation import collocate
-from cross_checks.certify.extrapolation import extrapolate
+from cross_checks.certify.numerics.collocation import collocate
+from cross_checks.certify.numerics.extrapolation import extrapolate
 from cross_checks.certify.sky.field import acceleration
 from cross_checks.certify.sky.numbers import real
 from cross_checks.truth import NoTruth, Truth

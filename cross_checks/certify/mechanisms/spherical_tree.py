@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cross_checks.certify.agreement import Formulation
-from cross_checks.certify.rod_chain import solve
+from cross_checks.certify.mechanisms.rod_chain import solve
 from mbs_ref.scene import GROUND, Scene, SpatialBody, Spherical, symmetric
 from mbs_ref.scene.euler_parameters import rotation_matrices
 

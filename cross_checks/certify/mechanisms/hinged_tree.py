@@ -11,8 +11,15 @@ from typing import NamedTuple
 import numpy as np
 
 from cross_checks.certify.agreement import Formulation
-from cross_checks.certify.hinged_tree_loads import Loads, apply_loads, loads_of, mark, measure_switches, planar
-from cross_checks.certify.rod_chain import factor_and_solve
+from cross_checks.certify.mechanisms.hinged_tree_loads import (
+    Loads,
+    apply_loads,
+    loads_of,
+    mark,
+    measure_switches,
+    planar,
+)
+from cross_checks.certify.mechanisms.rod_chain import factor_and_solve
 from mbs_ref.kernels.jit import strict_jit
 from mbs_ref.scene import GROUND, Revolute, Scene, Weld
 

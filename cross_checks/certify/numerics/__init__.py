@@ -1,0 +1,1 @@
+"""Truths by arithmetic alone: convergent integration and quadrature, jets, elliptic functions, differences."""
