@@ -8,12 +8,15 @@ agrees with it. Seeds are split in halves: the estimate is tuned on the even one
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, fields, replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from cross_checks.mechanisms.random_scenes import random_scene
+from cross_checks.records import lines
+from cross_checks.records.naming import code_of
 from cross_checks.truth import MARGIN
 from mbs_ref import scenes
 from mbs_ref.cores.system import Poses
@@ -49,6 +52,7 @@ class Trial:
     error: float | None = None  # likewise; None where there is no truth
     uncertainty: float | None = None  # of the truth
     cost: float | None = None  # of the estimate, over the run's loop
+    code: str = ""  # digest of the sources that made it
 
     @property
     def is_below(self) -> bool:
@@ -76,8 +80,32 @@ def trials(seeds: Iterable[int]) -> Iterator[Trial]:
         yield trial(seed)
 
 
+def kept(file: Path) -> dict[int, Trial]:
+    """Return the trials in a file by their seeds; those that other sources made are left out."""
+    found = lines.read_data(file, _from_dict)[0] if file.is_file() else []
+    return {one.seed: one for one in found if one.code == _code()}
+
+
+def keep(file: Path, one: Trial) -> None:
+    """Add a trial to a file in one write."""
+    lines.append_data(file, [to_dict(one)])
+
+
+def _from_dict(data: Any) -> Trial:
+    names = {field.name for field in fields(Trial)}
+    return Trial(**{name: value for name, value in data.items() if name in names})
+
+
+def _code() -> str:
+    return code_of(__name__)
+
+
 def trial(seed: int) -> Trial:
     """Make the run of a seed, always the same, and its truth."""
+    return replace(_made(seed), code=_code())
+
+
+def _made(seed: int) -> Trial:
     rng = np.random.default_rng([seed, 18])
     scene, t_end = _scene(rng, seed)
     method, settings = _settings(rng, scene, t_end)

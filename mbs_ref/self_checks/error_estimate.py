@@ -6,6 +6,9 @@ order p, 2 where impacts and kinks leave order 1, and 10 if errors are in propor
 II.4). Two runs cannot show that they converge as they should, so SAFETY times that is said. Errors vanish by chance
 alone, so the estimate never falls in time.
 
+That proportion holds at one order. Where a method chooses its order, too, the companion's tolerance is two decades
+tighter, and no less than it is said. How far the run is off the constraints is measured: the companion may share it.
+
 A companion that takes no more steps shows that the tolerance does not govern them: another is made, tighter by two
 decades more. Where the finer companion does not end, a coarser one is made: its errors are the larger ones, and d is
 their size.
@@ -69,7 +72,8 @@ def estimated(system: System, plan: Plan, run: Run) -> Estimate | None:
     opening, went = _opening(system, scales, plan, run) if plan.options.step else (np.zeros(4), np.zeros(4))
     reached = max(len(one.bounds) for one in found)
     scale = coordinate_size(scales, system.poses(run.states))
-    bounds = np.tile(np.fmax(SAFETY * opening, _least(plan, run, found) * scale), (len(run.times), 1))
+    least = np.fmax(SAFETY * opening, _least(plan, run, found) * scale)
+    bounds = SAFETY * _off_constraints(system, scales, plan, run) + least
     for one in found:
         count = len(one.bounds)
         bounds[:count] = np.fmax(bounds[:count], one.bounds)
@@ -87,15 +91,22 @@ def _least(plan: Plan, run: Run, found: list[_Compared]) -> float:
     Where no tolerance matters it is what a step may err at the tightest.
     """
     roundoff = SAFETY * EPS * math.sqrt(run.counts.steps)
+    if plan.integrator.varies_order:
+        return roundoff + plan.options.rtol / _decades(plan)
     return roundoff + (plan.options.rtol / DECADE**3 if all(one.is_alike for one in found) else 0.0)
+
+
+def _decades(plan: Plan) -> float:
+    """Return by how much the companion's tolerance is tighter."""
+    return DECADE**2 if plan.integrator.varies_order else DECADE
 
 
 def _all_compared(system: System, scales: Scales, plan: Plan, run: Run) -> list[_Compared]:
     """Return what the companions say that are needed: one as a rule."""
-    finer = _half(system, plan) if plan.options.step else _tighter(plan, DECADE)
+    finer = _half(system, plan) if plan.options.step else _tighter(plan, _decades(plan))
     found = [_compared(system, scales, plan, run, finer)]
     if found[0].is_alike:
-        found.append(_compared(system, scales, plan, run, _tighter(plan, DECADE**3)))
+        found.append(_compared(system, scales, plan, run, _tighter(plan, DECADE**2 * _decades(plan))))
     if not found[-1].has_ended and found[-1].status is not Status.INTERRUPTED:
         found.append(_compared(system, scales, plan, run, _coarser(plan)))
     return found
@@ -152,6 +163,15 @@ def _apart(system: System, scales: Scales, run: Run, other: Run) -> tuple[np.nda
     first, second = system.poses(run.states[:count]), system.poses(other.states[:count])
     sizes = [state_sizes(system.scene, scales, path, run.times[:count]) for path in (first, second)]
     return state_gaps(system.scene, scales, first, second), np.maximum(*sizes)
+
+
+def _off_constraints(system: System, scales: Scales, plan: Plan, run: Run) -> np.ndarray:
+    """Return how far the outputs are from the nearest poses and rates that keep the constraints (n_t, 4)."""
+    other, near = compile_scene(system.scene), run.states.copy()
+    for t, y in zip(run.times, near, strict=True):
+        other.set_mode_time(float(t))
+        other.project(float(t), y, plan.options.projection_tolerance)
+    return state_gaps(system.scene, scales, system.poses(run.states), system.poses(near))
 
 
 def _opening(system: System, scales: Scales, plan: Plan, run: Run) -> tuple[np.ndarray, np.ndarray]:

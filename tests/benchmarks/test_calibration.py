@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
-from benchmarks.calibration import Trial, table, trial, trials
+from benchmarks.calibration import Trial, keep, kept, table, trial, trials
 
 
 def made(error: float | None, estimate: float | None, uncertainty: float = 0.0, method: str = "m") -> Trial:
@@ -38,6 +40,13 @@ def test_the_table_counts_what_is_below_and_takes_the_median_of_what_is_above():
 def test_a_trial_is_always_the_same():
     assert trial(3).error == trial(3).error
     assert trial(3).setting == trial(3).setting
+
+
+def test_what_other_sources_made_is_not_taken_for_kept(tmp_path):
+    file, one = tmp_path / "runs.jsonl", trial(3)
+    keep(file, one)
+    keep(file, replace(one, seed=4, code="of older sources"))
+    assert kept(file) == {3: one}
 
 
 @pytest.mark.slow

@@ -134,6 +134,7 @@ class Integrator:
     locates_events: bool = True  # touch-down, lift-off and slip are found; else contact forces are merely clipped
     stability: tuple[float, ...] = ()  # explicit methods: coefficients of R(z), lowest power first
     weakness: str = ""  # why the method is known to fail or stand wrong where others do not: shown, never judged by
+    varies_order: bool = False  # besides the step: its errors follow the tolerance loosely
     switches: str = ""  # the families between which the method changes and says so
     package: str | None = None  # optional third-party package it needs
     holds_deflections: bool = True  # carries the deflections of sticking contacts, which are states in space

@@ -8,6 +8,7 @@ INTEGRATOR = Integrator(
     name="dassl",
     kind="adaptive",
     order=5,
+    varies_order=True,
     description="DASSL (SUNDIALS IDA) on the stabilised index-2 (GGL) form",
     advance=ida(GGL),
     stabilizations=("none", "projection"),

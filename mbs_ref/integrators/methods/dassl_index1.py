@@ -8,6 +8,7 @@ INTEGRATOR = Integrator(
     name="dassl_index1",
     kind="adaptive",
     order=5,
+    varies_order=True,
     description="DASSL (SUNDIALS IDA) on the index-1 form: drifts",
     advance=ida(INDEX_1),
     stabilizations=("none", "projection"),

@@ -8,6 +8,7 @@ INTEGRATOR = Integrator(
     name="dassl_index3",
     kind="adaptive",
     order=5,
+    varies_order=True,
     description="DASSL (SUNDIALS IDA) on the raw index-3 form: fails or is poor, and shows why indices are reduced",
     advance=ida(INDEX_3),
     stabilization="none",

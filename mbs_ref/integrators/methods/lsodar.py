@@ -114,6 +114,7 @@ INTEGRATOR = Integrator(
     name="lsodar",
     kind="adaptive",
     order=12,
+    varies_order=True,
     description="Adams (order up to 12) and BDF (up to 5) with automatic switching: the papers' LSODAR, through SciPy",
     advance=advance,
     stabilizations=("none", "baumgarte", "projection"),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import click
@@ -18,24 +19,29 @@ MOST_ABOVE = 10.0  # median of estimate over error
 @click.option("-n", "count", type=click.IntRange(min=1), default=500, show_default=True, help="Random runs.")
 @click.option("--first", type=click.IntRange(min=0), default=0, show_default=True, help="The first run's seed.")
 @click.option("--shard", metavar="I/N", default="1/1", help="Only part I of N of the runs, for batch systems.")
+@click.option("--keep", type=click.Path(dir_okay=False, path_type=Path), metavar="FILE",
+              help="Lines of JSON to add each run to, and to take those from that are there already.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON: the table, and every run.")
-def command(count: int, first: int, shard: str, as_json: bool) -> None:
+def command(count: int, first: int, shard: str, keep: Path | None, as_json: bool) -> None:
     """Hold the error estimates of random runs against far tighter ones: random mechanisms, scenes, methods, settings.
 
     Exit code 1 where more than 1 % of the judged runs err by more than they say, or where the median run says more
-    than ten times its error.
+    than ten times its error. With --keep an interrupted calibration goes on where it stopped.
     """
     from benchmarks import calibration
 
     seeds = inputs.shard(list(range(first, first + count)), shard)
     if not seeds:
         raise NothingSelected(f"part {shard} of these runs is empty")
-    found: list[calibration.Trial] = []
+    known = calibration.kept(keep) if keep else {}
+    found = [known[seed] for seed in seeds if seed in known]
     try:
         with progress("calibrate") as report:
-            for seed in seeds:
+            for seed in [seed for seed in seeds if seed not in known]:
                 report(len(found), len(seeds), f"seed {seed}")
                 found.append(calibration.trial(seed))
+                if keep:
+                    calibration.keep(keep, found[-1])
     except KeyboardInterrupt:
         raise Incomplete(f"interrupted after {len(found)} runs") from None
     rows = calibration.table(found)
