@@ -28,7 +28,7 @@ ROOMS = {
     ),
     "cross_checks": (
         "isolation truth", "workshop", "engine", "certify engines", "mechanisms truths",
-        "ephemerides", "metrics", "records", "judge", "certificates conformance extremes",
+        "ephemerides", "metrics", "records", "judge", "certificates conformance extremes trajectory_files",
     ),
     "benchmarks": (
         "calibration event_work cluster pick profiles scaling sweep timing", "confirm dask_matrix history trees",

@@ -1,0 +1,175 @@
+"""What the columns of a tool's file mean: every unit, axis and convention is stated, and none is guessed."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError
+
+from cross_checks.trajectory_files import units
+from cross_checks.trajectory_files.columns import PLANE, SPACE, STATE, FileError
+
+AXIS = re.compile(r"-?[xyz]")
+EULER = re.compile(r"euler ([XYZ]{3}|[xyz]{3})")
+CONVENTIONS = (
+    "angle (in the plane), quaternion wxyz, quaternion xyzw, matrix (row by row), "
+    "euler ZYX (about turning axes, in any order), euler zyx (about fixed axes)"
+)
+
+
+def _unit_of(kind: str) -> AfterValidator:
+    def checked(unit: str) -> str:
+        units.factor(kind, unit)
+        return unit
+
+    return AfterValidator(checked)
+
+
+def _convention(text: str) -> str:
+    if text in ("angle", "quaternion wxyz", "quaternion xyzw", "matrix") or EULER.fullmatch(text):
+        return text
+    raise ValueError(f"convention = {text!r} is unknown; allowed: {CONVENTIONS}")
+
+
+def _axes(axes: tuple[str, ...]) -> tuple[str, ...]:
+    if all(AXIS.fullmatch(axis) for axis in axes) and sorted(axis[-1] for axis in axes) == sorted("xyz"[: len(axes)]):
+        return axes
+    raise ValueError(f"axes = {list(axes)} must name each of x, y, z once, with a sign where it is turned round")
+
+
+class Stated(BaseModel):
+    """What a map holds; a word that it does not know is a mistake."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+
+class Time(Stated):
+    column: str
+    unit: Annotated[str, _unit_of("time")]
+
+
+class World(Stated):
+    """The file's world: which of its axes each axis of the scene is, and where its origin lies in the scene."""
+
+    axes: Annotated[tuple[str, ...], AfterValidator(_axes)] = ("x", "y", "z")
+    origin: tuple[float, ...] = (0.0, 0.0, 0.0)  # m
+
+
+class Position(Stated):
+    """Of the centre of mass, in the file's world."""
+
+    columns: tuple[str, ...]
+    unit: Annotated[str, _unit_of("length")]
+
+
+class Orientation(Stated):
+    columns: tuple[str, ...]
+    convention: Annotated[str, AfterValidator(_convention)]
+    unit: Annotated[str, _unit_of("angle")] | None = None  # of angles
+    maps: Literal["body to world", "world to body"] | None = None  # in space
+
+
+class Velocity(Stated):
+    """Of the centre of mass, in the file's world."""
+
+    columns: tuple[str, ...]
+    unit: Annotated[str, _unit_of("velocity")]
+
+
+class AngularVelocity(Stated):
+    columns: tuple[str, ...]
+    unit: Annotated[str, _unit_of("angular velocity")]
+    axes: Literal["world", "body"] | None = None  # in space
+
+
+class Body(Stated):
+    """What the file tells of one body."""
+
+    position: Position | None = None
+    orientation: Orientation | None = None
+    velocity: Velocity | None = None
+    angular_velocity: AngularVelocity | None = None
+
+    @property
+    def untold(self) -> list[str]:
+        """Which parts the file does not tell."""
+        return [part.replace("_", " ") for part in STATE if getattr(self, part) is None]
+
+
+class ColumnMap(Stated):
+    """The whole map; bodies that it leaves out are not judged."""
+
+    time: Time
+    bodies: dict[str, Body] = Field(min_length=1)
+    world: World = World()
+    delimiter: str = Field(",", min_length=1, max_length=1)
+
+
+def read_map(path: Path) -> ColumnMap:
+    """Read a map from TOML; FileError lists every mistake with its place and what is allowed."""
+    try:
+        return ColumnMap.model_validate(tomllib.loads(path.read_text()))
+    except OSError as error:
+        raise FileError(f"{path}: cannot be read: {error.strerror}") from error
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise FileError(f"{path}: is no TOML: {error}") from error
+    except ValidationError as error:
+        raise FileError(f"{path}: {'; '.join(map(_sentence, error.errors()))}") from error
+
+
+def _sentence(mistake: Any) -> str:
+    return f"{'.'.join(map(str, mistake['loc']))}: {mistake['msg'].removeprefix('Value error, ')}"
+
+
+def own_map(header: list[str], bodies: list[str]) -> ColumnMap | None:
+    """Return the map of a file that `mbs-ref simulate -o` wrote of these bodies; None where the header is another."""
+    for words in (PLANE, SPACE):
+        if header == ["t", *(f"{body}.{word}" for body in bodies for word in words)]:
+            stated = {body: _own(body, words) for body in bodies}
+            return ColumnMap.model_validate({"time": {"column": "t", "unit": "s"}, "bodies": stated})
+    return None
+
+
+def _own(body: str, words: tuple[str, ...]) -> dict[str, Any]:
+    names = [f"{body}.{word}" for word in words]
+    if words == PLANE:
+        return {
+            "position": {"columns": names[:2], "unit": "m"},
+            "orientation": {"columns": names[2:3], "convention": "angle", "unit": "rad"},
+            "velocity": {"columns": names[3:5], "unit": "m/s"},
+            "angular_velocity": {"columns": names[5:], "unit": "rad/s"},
+        }
+    return {
+        "position": {"columns": names[:3], "unit": "m"},
+        "orientation": {"columns": names[3:7], "convention": "quaternion wxyz", "maps": "body to world"},
+        "velocity": {"columns": names[7:10], "unit": "m/s"},
+        "angular_velocity": {"columns": names[10:], "unit": "rad/s", "axes": "world"},
+    }
+
+
+def blank_map(columns: list[str], bodies: list[str], dimension: int) -> str:
+    """Return a map in TOML to be filled in: every statement that is needed, and the names that the file has."""
+    axes = "xyz"[:dimension]
+    place, speed = ", ".join(f'"{axis}?"' for axis in axes), ", ".join(f'"v{axis}?"' for axis in axes)
+    turn = 'columns = ["w?", "x?", "y?", "z?"]\nconvention = "quaternion wxyz"\nmaps = "body to world"'
+    spin = 'columns = ["wx?", "wy?", "wz?"]\nunit = "rad/s"\naxes = "world"'
+    if dimension == 2:
+        turn, spin = 'columns = ["angle?"]\nconvention = "angle"\nunit = "rad"', 'columns = ["rate?"]\nunit = "rad/s"'
+    head = [
+        "# What the columns mean. Leave out what the file does not tell; check every unit and convention.",
+        f"# The file's columns: {', '.join(columns)}",
+        f"# Conventions of an orientation: {CONVENTIONS}",
+        '[time]\ncolumn = "t?"\nunit = "s"\n',
+    ]
+    for body in bodies:
+        name = f"bodies.{body}" if re.fullmatch(r"[A-Za-z0-9_-]+", body) else f'bodies."{body}"'
+        head += [
+            f'[{name}.position]\ncolumns = [{place}]\nunit = "m"\n',
+            f"[{name}.orientation]\n{turn}\n",
+            f'[{name}.velocity]\ncolumns = [{speed}]\nunit = "m/s"\n',
+            f"[{name}.angular_velocity]\n{spin}\n",
+        ]
+    return "\n".join(head)

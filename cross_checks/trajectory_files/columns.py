@@ -1,0 +1,161 @@
+"""The numbers of a file by the names of their columns: CSV, NPZ or Parquet."""
+
+from __future__ import annotations
+
+import csv
+import importlib
+from collections.abc import Iterator
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+SUFFIXES = (".csv", ".txt", ".tsv", ".npz", ".parquet")
+
+
+STATE = ("position", "orientation", "velocity", "angular_velocity")
+OWN = {"bodies", "times", *STATE}
+PLANE = ("x", "y", "angle", "vx", "vy", "rate")  # of each body, in the files that `mbs-ref simulate -o` writes
+SPACE = ("x", "y", "z", "e0", "e1", "e2", "e3", "vx", "vy", "vz", "wx", "wy", "wz")
+
+
+class FileError(ValueError):
+    """A file cannot be read as a trajectory; the sentence names the line, the column and what is expected."""
+
+
+class Columns(NamedTuple):
+    """A table of numbers."""
+
+    path: Path
+    values: dict[str, np.ndarray]  # column -> (n_rows,)
+    lines: tuple[int, ...] = ()  # of the file, where each row stands; none where the file has no lines
+
+    def place(self, row: int, column: str) -> str:
+        """Return where a number stands, for a sentence."""
+        line = f"line {self.lines[row]}" if self.lines else f"row {row}"
+        return f"{self.path.name}: {line}, column {column!r}"
+
+
+def read_columns(path: Path, delimiter: str = ",") -> Columns:
+    """Read a file's columns.
+
+    Raises FileError: not a file, an unknown suffix, no row, a row that is too short or too long, a cell that is no
+    finite number, a column that stands twice.
+    """
+    if path.suffix not in SUFFIXES:
+        raise FileError(f"{path}: suffix {path.suffix!r} is unknown; allowed: {', '.join(SUFFIXES)}")
+    if not path.is_file():
+        raise FileError(f"{path}: there is no such file")
+    readers = {".npz": _npz, ".parquet": _parquet}
+    found = readers[path.suffix](path) if path.suffix in readers else _text(path, delimiter)
+    if not found.values or not len(next(iter(found.values.values()))):
+        raise FileError(f"{path}: holds no row of numbers; expected: a header and a row a time")
+    for name, values in found.values.items():
+        bad = np.flatnonzero(~np.isfinite(values))
+        if len(bad):
+            raise FileError(f"{found.place(int(bad[0]), name)}: {values[bad[0]]} is not finite")
+    return found
+
+
+def read_header(path: Path) -> list[str]:
+    """Return the names of a file's columns. Raises FileError."""
+    return list(read_columns(path).values)
+
+
+def _text(path: Path, delimiter: str) -> Columns:
+    try:
+        text = path.read_text(encoding="utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise FileError(f"{path}: byte {error.start} is not UTF-8 text") from error
+    rows = csv.reader(text.splitlines(), delimiter=delimiter, skipinitialspace=True)
+    lines = ((rows.line_num, [cell.strip() for cell in row]) for row in rows)
+    filled = [(line, row) for line, row in lines if any(row) and not row[0].startswith("#")]
+    if not filled:
+        raise FileError(f"{path}: is empty; expected: a header and a row a time")
+    names = _checked_header(path, *filled[0])
+    numbers = np.array([list(_numbers(path, line, row, names)) for line, row in filled[1:]]).reshape(-1, len(names))
+    return Columns(path, dict(zip(names, numbers.T, strict=True)), tuple(line for line, _ in filled[1:]))
+
+
+def _checked_header(path: Path, line: int, names: list[str]) -> list[str]:
+    if all(_number(name) is not None for name in names):
+        raise FileError(f"{path.name}: line {line} holds numbers; expected: the names of the columns")
+    twice = sorted({name for name in names if names.count(name) > 1})
+    if twice:
+        raise FileError(f"{path.name}: line {line}, column {twice[0]!r} stands {names.count(twice[0])} times")
+    return names
+
+
+def _numbers(path: Path, line: int, row: list[str], names: list[str]) -> Iterator[float]:
+    if len(row) != len(names):
+        told = f"{len(row)} cells; expected: {len(names)}, as in the header"
+        raise FileError(f"{path.name}: line {line} has {told}")
+    for name, cell in zip(names, row, strict=True):
+        value = _number(cell)
+        if value is None:
+            raise FileError(f"{path.name}: line {line}, column {name!r}: {cell!r} is no number")
+        yield value
+
+
+def _number(cell: str) -> float | None:
+    try:
+        return float(cell)
+    except ValueError:
+        return None
+
+
+def _npz(path: Path) -> Columns:
+    """Every array (n_rows,) is a column; of (n_rows, k) the columns are name[0] to name[k - 1]."""
+    try:
+        with np.load(path, allow_pickle=False) as arrays:
+            held = {name: arrays[name] for name in arrays.files}
+    except (ValueError, OSError) as error:
+        raise FileError(f"{path}: cannot be read as NPZ: {error}") from error
+    if held.keys() >= OWN:
+        return Columns(path, _of_one_length(path, _own(held)))
+    values = {}
+    for name, array in held.items():
+        if array.dtype.kind in "fiu" and array.ndim == 1:
+            values[name] = array.astype(float)
+        elif array.dtype.kind in "fiu" and array.ndim == 2:
+            values |= {f"{name}[{k}]": column.astype(float) for k, column in enumerate(array.T)}
+    return Columns(path, _of_one_length(path, values))
+
+
+def _own(held: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """Return the columns of an NPZ that `mbs-ref simulate -o` wrote, named as in its CSV."""
+    bodies, n = [str(body) for body in held["bodies"]], len(held["times"])
+    blocks = [held[name].reshape(n, len(bodies), -1) for name in STATE]
+    words = SPACE if blocks[0].shape[2] == 3 else PLANE
+    rows = np.concatenate(blocks, axis=2)
+    named = {f"{body}.{word}": rows[:, k, c] for k, body in enumerate(bodies) for c, word in enumerate(words)}
+    return {"t": held["times"], **named}
+
+
+def _parquet(path: Path) -> Columns:
+    try:
+        parquet = importlib.import_module("pyarrow.parquet")
+    except ImportError as error:
+        raise FileError(f"{path}: Parquet needs the package pyarrow: pip install pyarrow") from error
+    try:
+        held = parquet.read_table(path)
+    except (OSError, ValueError) as error:  # pyarrow's own errors are of these classes
+        raise FileError(f"{path}: cannot be read as Parquet: {error}") from error
+    numeric = {name: held[name].to_numpy() for name in held.column_names}
+    return Columns(path, {name: v.astype(float) for name, v in numeric.items() if v.dtype.kind in "fiu"})
+
+
+def _of_one_length(path: Path, values: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+    lengths = {name: len(column) for name, column in values.items()}
+    if len(set(lengths.values())) > 1:
+        told = ", ".join(f"{name}: {length}" for name, length in lengths.items())
+        raise FileError(f"{path}: columns differ in length ({told})")
+    return values
+
+
+def is_increasing(times: np.ndarray) -> int | None:
+    """Return the first row whose time is not above the one before; None where all are."""
+    back = np.flatnonzero(np.diff(times) <= 0.0)
+    return int(back[0]) + 1 if len(back) else None
+
+

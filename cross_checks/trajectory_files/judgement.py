@@ -1,0 +1,135 @@
+"""A file's motion held against a truth, or against another file: errors of every body and component, and a verdict."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from cross_checks import metrics
+from cross_checks.judge.measure import measure
+from cross_checks.metrics.metric import Judged
+from cross_checks.metrics.state_error import NAMES, UNITS, from_truth, units_of
+from cross_checks.records.record import Error
+from cross_checks.trajectory_files.columns import FileError
+from cross_checks.trajectory_files.told_motion import Told
+from cross_checks.truth import NoTruth, Truth
+from mbs_ref.scene import Scene
+from mbs_ref.scene.scales import scales_of
+from mbs_ref.trajectory import Trajectory
+
+SAME_TIME = 1e-9  # of the duration: samples of two files that are closer are of one time
+
+
+class Part(NamedTuple):
+    """How far one component of one body is off."""
+
+    body: str
+    component: str
+    largest: float | None  # in `unit`; None where the file, or what it is held against, does not tell
+    unit: str
+    relative: float | None  # over the scene's own scale
+    at: float | None  # s
+    final: float | None  # in `unit`, at the last sample
+
+
+@dataclass(frozen=True)
+class Judgement:
+    """What is said of a file."""
+
+    scene: str
+    verdict: str  # agrees, departs, not-judged
+    reason: str
+    asked: float  # the error that the verdict was asked for, of the scene
+    error: Error | None
+    parts: tuple[Part, ...]
+    measures: dict[str, float | None]  # compliance, drifts: the file's own consistency
+    untold: tuple[str, ...]
+    notes: tuple[str, ...]
+    curves: dict[str, list[float]]  # t (s) and each component's error over time, of the scene
+    suspicions: tuple[str, ...] = ()  # mistakes that would explain the error
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return plain data for JSON."""
+        error = None if self.error is None else vars(self.error)
+        return {**vars(self), "error": error, "parts": [part._asdict() for part in self.parts]}
+
+
+def judgement(scene: Scene, told: Told, truth: Truth | NoTruth, asked: float) -> Judgement:
+    """Return the verdict on a motion: it agrees where no told component is off by more than `asked` of the scene."""
+    found = measure(Judged(scene, told.path, truth))
+    verdict, reason = _verdict(found["error"], truth, asked)
+    own = {name: found["measures"][name] for name in metrics.every() if name not in _ERRORS}
+    parts = tuple(_parts(scene, told.path, truth)) if isinstance(truth, Truth) else ()
+    curves = _curves(scene, told.path, truth) if isinstance(truth, Truth) else {}
+    return Judgement(
+        scene.name, verdict, reason, asked, found["error"], parts, own, told.untold, found["notes"], curves
+    )
+
+
+def _curves(scene: Scene, path: Trajectory, truth: Truth) -> dict[str, list[float]]:
+    relative = from_truth(scene, path, truth).relative(scales_of(scene))
+    return {"t": path.times.tolist(), **{name: relative[:, c].tolist() for c, name in enumerate(NAMES)}}
+
+
+_ERRORS = frozenset({"position_error", "orientation_error", "velocity_error", "angular_velocity_error"})
+
+
+def _verdict(error: Error | None, truth: Truth | NoTruth, asked: float) -> tuple[str, str]:
+    if isinstance(truth, NoTruth):
+        return "not-judged", truth.reason
+    if error is None:
+        return "not-judged", "the error is not finite"
+    if error.value <= asked:
+        return "agrees", f"off by {error.value:.2g} of the scene at most; asked was {asked:g}"
+    if not error.is_judged:
+        known = f"known to {error.uncertainty:.1e} of the scene"
+        return "not-judged", f"the truth, {known}, judges no error below {error.floor:.1e}"
+    return "departs", f"off by {error.value:.3g} of the scene in {error.worst}; asked was {asked:g}"
+
+
+def _parts(scene: Scene, path: Trajectory, truth: Truth):
+    units = units_of(scales_of(scene))
+    for k, body in enumerate(scene.bodies):
+        alone = scene.model_copy(update={"bodies": (body,)})
+        sizes = from_truth(alone, _only(path, k), _only(truth, k)).sizes
+        for c, name in enumerate(NAMES):
+            known = [getattr(motion, name.replace(" ", "_")) for motion in (path, truth)]
+            if any(values is None or np.isnan(values[:, k]).all() for values in known):
+                yield Part(body.name, name, None, UNITS[c], None, None, None)
+                continue
+            row = int(np.argmax(sizes[:, c]))
+            worst = float(sizes[row, c])
+            yield Part(body.name, name, worst, UNITS[c], worst / units[c], float(path.times[row]), float(sizes[-1, c]))
+
+
+def _only(motion: Any, k: int) -> Any:
+    """Return a motion of one body."""
+    rates = {name: getattr(motion, name) for name in ("velocity", "angular_velocity")}
+    cut = {name: None if values is None else values[:, k : k + 1] for name, values in rates.items()}
+    return replace(motion, position=motion.position[:, k : k + 1], orientation=motion.orientation[:, k : k + 1], **cut)
+
+
+def as_truth(scene: Scene, first: Told, second: Told, name: str) -> tuple[Told, Truth]:
+    """Return a file's motion at the times that both files have, and the other's as what to hold it against.
+
+    FileError where the two have no time in common but the start.
+    """
+    near = SAME_TIME * scene.duration
+    at = np.searchsorted(second.path.times, first.path.times - near)
+    at = np.minimum(at, len(second.path.times) - 1)
+    common = np.abs(second.path.times[at] - first.path.times) <= near
+    if np.count_nonzero(common & (first.path.times > 0.0)) == 0:
+        raise FileError(f"{name}: no sample after the start is at a time that the first file has")
+    ours, theirs = _at(first.path, np.flatnonzero(common)), _at(second.path, at[common])
+    how = f"{name}, at the {len(ours.times)} times that both files have"
+    truth = Truth(theirs.position, theirs.orientation, 0.0, "published", how, velocity=theirs.velocity,
+                  angular_velocity=theirs.angular_velocity, rate_uncertainty=np.zeros(len(ours.times)))  # fmt: skip
+    return Told(ours, (*first.untold, *(f"{sentence} ({name})" for sentence in second.untold))), truth
+
+
+def _at(path: Trajectory, rows: np.ndarray) -> Trajectory:
+    return Trajectory(
+        path.times[rows], path.position[rows], path.orientation[rows], path.velocity[rows], path.angular_velocity[rows]
+    )

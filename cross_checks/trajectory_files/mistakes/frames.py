@@ -1,0 +1,95 @@
+"""Another frame: a world that is turned or shifted, body axes that are turned."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from cross_checks.trajectory_files.mistakes.case import NONE, Case, vector
+from mbs_ref.scene.euler_parameters import conjugate, product
+from mbs_ref.trajectory import Trajectory
+
+
+def turned_world(case: Case) -> Iterator[tuple[str, Case]]:
+    """Yield the rotation and the shift of the whole world that fit best."""
+    turn = _fitted_turn(case)
+    if turn is None:
+        return
+    path = _turned(case, turn)
+    gaps = case.truth.position - path.position
+    told = ~np.isnan(gaps).any(axis=2)
+    away = gaps[told].mean(axis=0) if told.any() else np.zeros(case.scene.dimension)
+    words = []
+    if turn.magnitude() > NONE:
+        words.append(f"turned by {np.degrees(turn.magnitude()):.4g} deg about {_axis(turn)}")
+    if np.linalg.norm(away) > NONE * case.length:
+        words.append(f"shifted by {vector(-away)} m")
+    if words:
+        told = f"the file's world is {' and '.join(words)}"
+        yield told, replace(case, path=replace(path, position=path.position + away))
+
+
+def _fitted_turn(case: Case) -> Rotation | None:
+    """Return the rotation from the file's world to the scene's, by poses; None where the file tells too little."""
+    path, truth = case.path, case.truth
+    if case.scene.dimension == 3:
+        rows = ~np.isnan(path.orientation).any(axis=2)
+        if rows.any() and truth.orientation.ndim == 3:
+            between = product(truth.orientation[rows], conjugate(path.orientation[rows]))
+            return Rotation.from_quat(between, scalar_first=True).mean()
+    told = ~np.isnan(path.position).any(axis=2)
+    if np.count_nonzero(told) < 2:
+        return None
+    ours, theirs = (_in_space(values[told] - values[told].mean(axis=0)) for values in (path.position, truth.position))
+    if case.scene.dimension == 2:
+        cross = float(np.sum(ours[:, 0] * theirs[:, 1] - ours[:, 1] * theirs[:, 0]))
+        return Rotation.from_rotvec([0.0, 0.0, np.arctan2(cross, float(np.sum(ours * theirs)))])
+    return Rotation.align_vectors(theirs, ours)[0]
+
+
+def _turned(case: Case, turn: Rotation) -> Trajectory:
+    path, d = case.path, case.scene.dimension
+    matrix = turn.as_matrix()[:d, :d]
+    if d == 2:
+        orientation, spin = path.orientation + turn.as_rotvec()[2], path.angular_velocity
+    else:
+        orientation = product(turn.as_quat(scalar_first=True), path.orientation)
+        spin = path.angular_velocity @ matrix.T
+    return replace(path, position=path.position @ matrix.T, orientation=orientation, velocity=path.velocity @ matrix.T,
+                   angular_velocity=spin)  # fmt: skip
+
+
+def turned_bodies(case: Case) -> Iterator[tuple[str, Case]]:
+    """Yield a constant rotation between the file's body axes and the scene's."""
+    if not case.told_turns:
+        return
+    words, orientation = [], case.path.orientation.copy()
+    for k, body in enumerate(case.scene.bodies):
+        told = ~np.isnan(orientation[:, k].reshape(len(orientation), -1)).any(axis=1)
+        if not told.any():
+            continue
+        if case.scene.dimension == 2:
+            gap = case.truth.orientation[told, k] - orientation[told, k]
+            turn = float(np.arctan2(np.sin(gap).mean(), np.cos(gap).mean()))
+            orientation[:, k] += turn
+            words += [f"{body.name} by {np.degrees(-turn):.4g} deg"] if abs(turn) > NONE else []
+        else:
+            between = product(conjugate(orientation[told, k]), case.truth.orientation[told, k])
+            mean = Rotation.from_quat(between, scalar_first=True).mean()
+            orientation[:, k] = product(orientation[:, k], mean.as_quat(scalar_first=True))
+            if mean.magnitude() > NONE:
+                words.append(f"{body.name} by {np.degrees(mean.magnitude()):.4g} deg about {_axis(mean.inv())}")
+    if words:
+        path = replace(case.path, orientation=orientation)
+        yield f"body axes are turned: {', '.join(words)}", replace(case, path=path)
+
+
+def _in_space(vectors: np.ndarray) -> np.ndarray:
+    return vectors if vectors.shape[1] == 3 else np.column_stack([vectors, np.zeros(len(vectors))])
+
+
+def _axis(turn: Rotation) -> str:
+    return vector(turn.as_rotvec() / turn.magnitude())

@@ -1,0 +1,150 @@
+"""mbs-ref judge: any tool's trajectory held against the truth of a scene, or against another file."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import click
+
+from cross_checks import metrics
+from cross_checks.trajectory_files.judgement import Judgement
+from cross_checks.truth import Truth
+from mbs_ref.atomic_file import write_atomic
+from mbs_ref.scene import Scene
+from reports import inputs
+from reports.asking import STORE, asked_runs
+from reports.console import echo_json, number, show, table
+from reports.exit_codes import Failed, NothingSelected
+from reports.page.plots.figure import FLOOR, new_figure
+
+
+@click.command(name="judge")
+@click.argument("file", metavar="FILE")
+@click.argument("scene", metavar="SCENE|FILE.toml")
+@click.option("-p", "parameters", multiple=True, metavar="NAME=VALUE", help="A parameter of the scene; repeatable.")
+@click.option("--map", "map_file", metavar="MAP.toml", help="What the columns mean; files of simulate -o need none.")
+@click.option("--write-map", metavar="MAP.toml", help="Write a map to be filled in, and judge nothing.")
+@click.option("--against", metavar="OTHER", help="Hold FILE against this file, not against the scene's truth.")
+@click.option("--against-map", metavar="MAP.toml", help="The map of OTHER; --map unless given.")
+@click.option(
+    "--error", "asked", default="1e-6", show_default=True, metavar="E",
+    help="What counts as agreement: a share of the scene, or a length as 1mm.",
+)  # fmt: skip
+@click.option("--t-end", type=float, metavar="T", callback=inputs.positive, help="Duration, s; the scene's own.")
+@click.option("--plot", metavar="FILE.html", help="Write the error over time, component by component.")
+@click.option("--json", "as_json", is_flag=True, help="Print JSON.")
+@STORE
+def command(
+    file: str,
+    scene: str,
+    parameters: tuple[str, ...],
+    map_file: str | None,
+    write_map: str | None,
+    against: str | None,
+    against_map: str | None,
+    asked: str,
+    t_end: float | None,
+    plot: str | None,
+    as_json: bool,
+    store: str | None,
+) -> None:
+    """Judge the trajectory in FILE (CSV, NPZ or Parquet), which any tool may have written of SCENE.
+
+    Every unit, axis and convention of the file is stated in a map; none is guessed. Errors are those of every table:
+    position, orientation, velocity and angular velocity of every body over the scene's own scales. Where the file is
+    off, mistakes that would explain it are looked for: units, conventions, frames, reference points, a lag, a term
+    that was left out. Exit code 1 where it is off by more than --error, 5 where there is no truth to judge it.
+    """
+    from cross_checks.trajectory_files.columns import FileError
+    from cross_checks.trajectory_files.judgement import as_truth, judgement
+    from cross_checks.trajectory_files.mistakes import suspicions
+    from cross_checks.trajectory_files.mistakes.case import Case
+    from cross_checks.trajectory_files.reading import read_motion
+    from cross_checks.trajectory_files.truth_at import truth_at
+
+    chosen = inputs.scene(scene, parameters)
+    if t_end is not None:
+        chosen = chosen.model_copy(update={"duration": t_end})
+    limit = inputs.relative_error(asked, chosen)
+    drawing = inputs.output(plot, (".html",))
+    try:
+        if write_map is not None:
+            return _begin_map(Path(file), chosen, write_map)
+        read = read_motion(Path(file), chosen, _path(map_file))
+        told = read.told
+        with asked_runs([chosen], store) as runs:
+            at = truth_at(runs, chosen)
+            if against is None:
+                truth = at(told.path.times)
+            else:
+                other = read_motion(Path(against), chosen, _path(against_map or map_file))
+                told, truth = as_truth(chosen, told, other.told, Path(against).name)
+            found = judgement(chosen, told, truth, limit)
+            if found.verdict == "departs" and against is None and isinstance(truth, Truth):
+                case = Case(chosen, read.columns, read.stated, told.path, truth, at)
+                found = replace(found, suspicions=tuple(suspicions(case, limit)))
+    except FileError as error:
+        raise click.UsageError(str(error)) from error
+    if drawing is not None:
+        _draw(found, drawing)
+    _answer(found, as_json)
+
+
+def _path(name: str | None) -> Path | None:
+    return None if name is None else Path(name)
+
+
+def _begin_map(file: Path, scene: Scene, target: str) -> None:
+    from cross_checks.trajectory_files.column_map import blank_map
+    from cross_checks.trajectory_files.columns import FileError, read_header
+
+    place = inputs.output(target, (".toml",))
+    assert place is not None
+    if place.exists():
+        raise FileError(f"--write-map {place}: exists already")
+    names = read_header(file)
+    write_atomic(place, blank_map(names, list(scene.body_names), scene.dimension).encode())
+    click.echo(f"{place} holds a map to be filled in for {len(names)} columns and {len(scene.bodies)} bodies", err=True)
+
+
+def _answer(found: Judgement, as_json: bool) -> None:
+    if as_json:
+        echo_json(found.to_dict())
+    else:
+        _show(found)
+    if found.verdict == "departs":
+        raise Failed(f"{found.verdict}: {found.reason}")
+    if found.verdict == "not-judged":
+        raise NothingSelected(f"not judged: {found.reason}")
+
+
+def _show(found: Judgement) -> None:
+    facts = table(f"{found.scene}", "", "")
+    facts.add_row("verdict", f"{found.verdict}: {found.reason}")
+    if found.error is not None:
+        facts.add_row("held against", found.error.truth)
+        known = f"{number(found.error.uncertainty)} of the scene"
+        facts.add_row("known to", f"{known}; the scene's length is {number(found.error.length)} m")
+    for sentence in found.suspicions:
+        facts.add_row("suspicion", sentence)
+    for name, metric in metrics.every().items():
+        if found.measures.get(name) is not None:
+            facts.add_row(metric.label, f"{number(found.measures[name])} {metric.unit}")
+    for sentence in (*found.untold, *found.notes):
+        facts.add_row("note", sentence)
+    show(facts)
+    listing = table("\nErrors", "body", "component", "largest", "unit", "of the scene", "at t, s", "at the end")
+    for part in found.parts:
+        told = (number(part.largest), part.unit, number(part.relative), number(part.at), number(part.final))
+        listing.add_row(part.body, part.component, *(("not told",) if part.largest is None else told))
+    show(listing)
+
+
+def _draw(found: Judgement, target: Path) -> None:
+    figure = new_figure("time, s", "error over the scene's scales", x_log=False)
+    times = found.curves.get("t", [])
+    for name, curve in found.curves.items():
+        if name != "t" and any(curve):
+            figure.add_scatter(x=times, y=[max(value, FLOOR) for value in curve], name=name, mode="lines+markers")
+    write_atomic(target, figure.to_html(include_plotlyjs=True).encode())
