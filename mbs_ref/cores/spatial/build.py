@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import Any, NamedTuple, get_type_hints
 
 import numpy as np
 
 from mbs_ref.cores.builder import Builder, Place, contiguous, floats, ints, signal_arrays, table, where
 from mbs_ref.cores.contact_arrays import contact_laws, contact_modes
 from mbs_ref.cores.spatial.shapes import contact_balls, contact_pairs
+from mbs_ref.kernels.border.groups import declared
 from mbs_ref.kernels.spatial import model as arrays
 from mbs_ref.scene import Bushing, Force, PointMass, Scene, SpatialBody, SpringDamper, TorqueVector, TorsionSpring
 from mbs_ref.scene.base.directions import normals, unit
-from mbs_ref.scene.base.rows import OnPlane, Prescribed, Product, Rod, SharedPoint, Turn
+from mbs_ref.scene.base.rows import Row
 from mbs_ref.scene.celestial import CelestialPart, Epoch, Newton
 from mbs_ref.scene.euler_parameters import rotation_matrices
 
@@ -23,6 +24,19 @@ _HELD_INERTIA = (1.0, 1.0, 1.0, 0.0, 0.0, 0.0)  # kg m^2 in the idle block of a 
 def world_axes(body: Any) -> np.ndarray:
     """Return the rotation matrix (3, 3) of a body at t = 0; one for ground (None) and point masses."""
     return rotation_matrices(body.orientation) if isinstance(body, SpatialBody) else np.eye(3)
+
+
+class _End(NamedTuple):
+    """The body that carries one end of a row; mbs_ref.scene.base.rows.Axes."""
+
+    build: _Builder
+    name: str
+
+    def point(self, world: Any) -> np.ndarray:
+        return self.build.point(self.name, world)
+
+    def direction(self, world: Any) -> np.ndarray:
+        return self.build.direction(self.name, world)
 
 
 class _Builder(Builder):
@@ -44,63 +58,22 @@ class _Builder(Builder):
         return np.array(world, dtype=float) if name == "ground" else self.axes[name].T @ world
 
 
-def _points(build: _Builder) -> arrays.Points:
-    rows = build.of(SharedPoint)
-    return arrays.Points(
-        *where(rows),
-        table([build.point(r.a, r.row.point_a) for r in rows], 3),
-        table([build.point(r.b, r.row.point_b) for r in rows], 3),
-    )
-
-
-def _products(build: _Builder) -> arrays.Products:
-    rows = build.of(Product)
-    along_a = [build.direction(r.a, r.row.along_a) for r in rows]
-    along_b = [build.direction(r.b, r.row.along_b) for r in rows]
-    return arrays.Products(*where(rows), table(along_a, 3), table(along_b, 3), np.zeros(len(rows)))
-
-
-def _planes(build: _Builder) -> arrays.Planes:
-    rows = build.of(OnPlane)
-    return arrays.Planes(
-        *where(rows),
-        table([build.point(r.a, r.row.point_a) for r in rows], 3),
-        table([build.point(r.b, r.row.point_b) for r in rows], 3),
-        table([build.direction(r.a, r.row.normal) for r in rows], 3),
-    )
-
-
-def _distances(build: _Builder) -> arrays.Distances:
-    rows = build.of(Rod)
-    return arrays.Distances(
-        *where(rows),
-        table([build.point(r.a, r.row.point_a) for r in rows], 3),
-        table([build.point(r.b, r.row.point_b) for r in rows], 3),
-        floats(r.row.length for r in rows),
-    )
-
-
-def _turns(build: _Builder) -> arrays.Turns:
-    rows = build.of(Turn)
-    return arrays.Turns(
-        *where(rows),
-        table([build.direction(r.a, r.row.zero) for r in rows], 3),
-        table([build.direction(r.a, r.row.quarter) for r in rows], 3),
-        table([build.direction(r.b, r.row.zero) for r in rows], 3),
-        ints([build.motion(r.joint) for r in rows]),
-    )
-
-
-def _drives(build: _Builder) -> arrays.Drives:
-    rows = build.of(Prescribed)
-    slot, row, first = where(rows)
-    return arrays.Drives(
-        slot, row, 1 - first,  # a drive's first end is ground
-        table([build.point(r.b, r.row.point) for r in rows], 3),
-        table([r.row.direction for r in rows], 3),
-        floats(float(r.row.direction @ r.row.point) for r in rows),
-        ints([build.motion(r.joint) for r in rows]),
-    )  # fmt: skip
+def _row_group(build: _Builder, kind: type[Row]) -> Any:
+    """Return the arrays of one kind of row: where each is, its numbers, and the signal of a prescribed one."""
+    group = get_type_hints(arrays.SpatialGroups)[kind.GROUP]
+    rows = build.of(kind)
+    slot, row, side_a = where(rows)
+    numbers = [r.row.numbers(_End(build, r.a), _End(build, r.b)) for r in rows]
+    own = list(declared(group).items())[3:]
+    columns = {
+        name: np.array([n[k] for n in numbers], dtype=float).reshape(-1, *array.shape[1:])
+        for k, (name, array) in enumerate(own)
+        if name != "signal"
+    }
+    if "signal" in group._fields:
+        columns["signal"] = ints([build.motion(r.joint) for r in rows])
+    side = side_a if "side_a" in group._fields else 1 - side_a  # a drive's first end is ground
+    return group(slot, row, side, **columns)
 
 
 def _forces(build: _Builder) -> arrays.Forces:
@@ -202,7 +175,8 @@ def build_spatial(scene: Scene) -> tuple[arrays.SpatialGroups, dict[int, Place]]
     """Compile a spatial scene; also return where each joint's rows are."""
     build = _Builder(scene)
     closures = build.closures()
-    turns, drives, forces = _turns(build), _drives(build), _forces(build)
+    rows = {kind.GROUP: _row_group(build, kind) for kind in Row.__subclasses__() if kind.GROUP}
+    forces = _forces(build)
     pairs = contact_pairs(scene, build)
     groups = arrays.SpatialGroups(
         bodies=_bodies(build),
@@ -213,12 +187,7 @@ def build_spatial(scene: Scene) -> tuple[arrays.SpatialGroups, dict[int, Place]]
             closure_row=ints([row for _, row in closures]),
             closure_rank=ints([len(closures)]),
         ),
-        points=_points(build),
-        products=_products(build),
-        planes=_planes(build),
-        distances=_distances(build),
-        turns=turns,
-        drives=drives,
+        **rows,
         forces=forces,
         springs=_springs(build),
         torsion_springs=_torsion_springs(build),

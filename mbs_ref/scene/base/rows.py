@@ -7,7 +7,7 @@ rows: Haug, Computer Aided Kinematics and Dynamics of Mechanical Systems (1989),
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar, Protocol
 
 import numpy as np
 
@@ -16,14 +16,31 @@ from mbs_ref.scene.base.directions import normals, unit
 Point = tuple[float, ...]
 
 
+class Axes(Protocol):
+    """A body's place and axes at t = 0."""
+
+    def point(self, world: Any) -> np.ndarray:
+        """Return a world point in body axes, m."""
+        ...
+
+    def direction(self, world: Any) -> np.ndarray:
+        """Return a world direction in body axes."""
+        ...
+
+
 class Row:
     """One elementary row, or a few that always come together."""
 
     TURNS: ClassVar[bool] = False  # whether it acts on the bodies' orientation alone
+    GROUP: ClassVar[str] = ""  # the group of arrays that it fills in space (mbs_ref/kernels/spatial/model.py)
 
     @property
     def count(self) -> int:
         return 1
+
+    def numbers(self, a: Axes, b: Axes) -> tuple[Any, ...]:
+        """Return its numbers in the axes of the bodies, in the order of its group's arrays (space)."""
+        raise NotImplementedError(f"{type(self).__name__} names no numbers in space")
 
 
 @dataclass(frozen=True)
@@ -32,10 +49,14 @@ class SharedPoint(Row):
 
     point_a: Point
     point_b: Point
+    GROUP: ClassVar[str] = "points"
 
     @property
     def count(self) -> int:
         return len(self.point_a)
+
+    def numbers(self, a: Axes, b: Axes) -> tuple[Any, ...]:
+        return a.point(self.point_a), b.point(self.point_b)
 
 
 @dataclass(frozen=True)
@@ -45,6 +66,10 @@ class OnPlane(Row):
     point_a: Point
     point_b: Point
     normal: np.ndarray  # fixed in a
+    GROUP: ClassVar[str] = "planes"
+
+    def numbers(self, a: Axes, b: Axes) -> tuple[Any, ...]:
+        return a.point(self.point_a), b.point(self.point_b), a.direction(self.normal)
 
 
 @dataclass(frozen=True)
@@ -54,6 +79,10 @@ class Rod(Row):
     point_a: Point
     point_b: Point
     length: float  # m
+    GROUP: ClassVar[str] = "distances"
+
+    def numbers(self, a: Axes, b: Axes) -> tuple[Any, ...]:
+        return a.point(self.point_a), b.point(self.point_b), self.length
 
 
 @dataclass(frozen=True)
@@ -62,7 +91,11 @@ class Product(Row):
 
     along_a: np.ndarray
     along_b: np.ndarray
+    GROUP: ClassVar[str] = "products"
     TURNS: ClassVar[bool] = True
+
+    def numbers(self, a: Axes, b: Axes) -> tuple[Any, ...]:
+        return a.direction(self.along_a), b.direction(self.along_b), 0.0
 
 
 @dataclass(frozen=True)
@@ -78,7 +111,11 @@ class Turn(Row):
 
     zero: np.ndarray  # across the axis
     quarter: np.ndarray  # axis x zero
+    GROUP: ClassVar[str] = "turns"
     TURNS: ClassVar[bool] = True
+
+    def numbers(self, a: Axes, b: Axes) -> tuple[Any, ...]:
+        return a.direction(self.zero), a.direction(self.quarter), b.direction(self.zero)
 
 
 @dataclass(frozen=True)
@@ -94,6 +131,10 @@ class Prescribed(Row):
 
     point: Point | None  # None: the centre of mass
     direction: np.ndarray
+    GROUP: ClassVar[str] = "drives"
+
+    def numbers(self, a: Axes, b: Axes) -> tuple[Any, ...]:
+        return b.point(self.point), self.direction, float(self.direction @ self.point)
 
 
 def parallel(axis: tuple[float, ...]) -> list[Row]:
