@@ -153,7 +153,9 @@ def gif(scene: Scene, trajectory: Trajectory, seconds: float = 4.0) -> bytes:
     """Return a GIF of every sample that plays for `seconds`, whatever the run's own duration."""
     scenery = drawing(scene, trajectory)
     camera = Camera(scenery)
-    frames = [camera.picture(scenery, k).quantize(16) for k in range(len(scenery.times))]
+    pictures = [camera.picture(scenery, k) for k in range(len(scenery.times))]
+    palette = pictures[0].quantize(16)  # every picture has the same few colours
+    frames = [picture.quantize(palette=palette, dither=Image.Dither.NONE) for picture in pictures]
     buffer = io.BytesIO()
     pause = max(round(1000.0 * seconds / len(frames)), 20)  # ms; players slow anything quicker down
     frames[0].save(buffer, "GIF", save_all=True, append_images=frames[1:], duration=pause, loop=0)

@@ -62,6 +62,7 @@ FEW_EXTREMES = ("stiff-spring-quiet", "crash-pulse", "overflow")
 STUDIES: dict[str, type] = {  # reports/studies/<name>/measure.py makes these facts
     "contact": ContactFacts, "sky": SkyFacts, "space": SpaceFacts, "crashes": CrashFacts, "androids": AndroidFacts,
 }  # fmt: skip
+LONGEST = 1800.0  # s for one study, on a machine however busy
 RACING = ("sky", "space")  # time things, so that nothing else may run meanwhile
 
 
@@ -208,7 +209,7 @@ def study(store: Store, found: dict[str, Any], report: Progress) -> list[str]:
     failed, missing = [], [name for name in STUDIES if name not in found]
     alone = [name for name in missing if name in RACING]
     together = [name for name in missing if name not in RACING]
-    for name, facts in chain(each(together, _measured), each(alone, _measured, workers=1)):
+    for name, facts in chain(each(together, _measured, timeout=LONGEST), each(alone, _measured, 1, LONGEST)):
         if isinstance(facts, str):
             failed.append(f"section {name}: {facts}")
         else:

@@ -14,14 +14,14 @@ TIMEOUT = 300.0  # s for one call; the search bounds its work by steps, so that 
 
 
 def each[Task, Result](
-    tasks: Sequence[Task], work: Callable[[Caller, Task], Result], workers: int = WORKERS
+    tasks: Sequence[Task], work: Callable[[Caller, Task], Result], workers: int = WORKERS, timeout: float = TIMEOUT
 ) -> Iterator[tuple[Task, Result]]:
     """Yield every task with what `work` returns for it, as soon as it is known; its exception is raised here."""
     waiting: queue.Queue[Task] = queue.Queue()
     done: queue.Queue[tuple[Task, Result] | BaseException] = queue.Queue()
     for task in tasks:
         waiting.put(task)
-    calls = [Isolated(TIMEOUT) for _ in range(min(workers, len(tasks)))]
+    calls = [Isolated(timeout) for _ in range(min(workers, len(tasks)))]
     threads = [threading.Thread(target=_serve, args=(waiting, done, work, call)) for call in calls]
     for thread in threads:
         thread.start()

@@ -14,7 +14,6 @@ from reports.page.numbers import count, of_scene, short
 from reports.page.verdicts import SILENT
 
 MIDDLE = 1e-6  # the target that settings are recommended for
-MOST_NAMED = 4  # methods named in one line
 
 
 @dataclass(frozen=True)
@@ -22,9 +21,10 @@ class Advice:
     """What the first screen says of an engine."""
 
     engine: str
-    trust: str  # the method and setting, and on how many scenes it reaches what
+    use: str  # the method and setting
+    reach: str  # on how many scenes it reaches what
     limit: str  # what it cannot model, and what it does not reach
-    silent: str  # what it gets wrong with success reported; empty where nothing was seen
+    silent: tuple[str, ...]  # what it gets wrong with success reported, a method each, the worst first
     pace: str  # its time beside the cheapest of the other engines
     ours: bool
 
@@ -38,9 +38,9 @@ def advice(data: ReportData) -> list[Advice]:
 def _of_engine(data: ReportData, engine: str) -> Advice:
     cells = [c for c in data.cells if c.engine == engine]
     if cells and all(c.verdict == "engine-missing" for c in cells):
-        return Advice(engine, "Not installed here: nothing is known of it.", "", "", "", engine == OURS)
+        return Advice(engine, "Not installed here: nothing is known of it.", "", "", (), "", engine == OURS)
     return Advice(
-        engine, _trust(data, engine), _limit(data, engine), silent(cells), _pace(data, engine), engine == OURS
+        engine, *_trust(data, engine), _limit(data, engine), silent(cells), _pace(data, engine), engine == OURS
     )
 
 
@@ -56,20 +56,20 @@ def reached(data: ReportData, engine: str, target: float) -> dict[str, Record]:
     return {scene: own[0] for scene, own in runs.items() if own}
 
 
-def _trust(data: ReportData, engine: str) -> str:
+def _trust(data: ReportData, engine: str) -> tuple[str, str]:
     able = modelled(data, engine)
     if not able:
-        return "It runs none of these scenes."
+        return "It runs none of these scenes.", ""
     hits = {target: reached(data, engine, target) for target in TARGETS}
     told = ", ".join(f"{short(target)} on {len(hits[target])}" for target in TARGETS)
     best = hits[MIDDLE] or hits[TARGETS[0]]
     if not best:
-        return f"It comes within {short(TARGETS[0])} of the truth on none of {count(len(able), 'scene')}."
+        return f"It comes within {short(TARGETS[0])} of the truth on none of {count(len(able), 'scene')}.", ""
     method, number = Counter(run.method for run in best.values()).most_common(1)[0]
     runs = [run for run in best.values() if run.method == method]
     within = MIDDLE if hits[MIDDLE] else TARGETS[0]
-    first = f"Use {method} at {_span(runs)} for {short(within)}: cheapest of its methods on {number} of {len(best)}."
-    return f"{first} Of {count(len(able), 'scene')} it models, it reaches {told}."
+    use = f"Use {method} at {_span(runs)} for {short(within)}: cheapest of its methods on {number} of {len(best)}."
+    return use, f"Of {count(len(able), 'scene')} it models, it reaches {told}."
 
 
 def _span(runs: list[Record]) -> str:
@@ -107,15 +107,13 @@ def _limit(data: ReportData, engine: str) -> str:
     return " ".join(f"{part[:1].upper()}{part[1:]}." for part in parts)
 
 
-def silent(cells: list[Cell]) -> str:
+def silent(cells: list[Cell]) -> tuple[str, ...]:
     """Name the methods whose finest runs report success and are wrong: the worst first, declared or not."""
     wrong = [c for c in cells if c.verdict in SILENT and c.error is not None and c.verdict in WRONG]
     by_method: dict[str, list[Cell]] = {}
     for cell in sorted(wrong, key=lambda c: -(c.error or 0.0)):
         by_method.setdefault(cell.method, []).append(cell)
-    named = [_wrong(method, own) for method, own in by_method.items()]
-    more = [f"{len(named) - MOST_NAMED} more"] if len(named) > MOST_NAMED else []
-    return "; ".join(named[:MOST_NAMED] + more)
+    return tuple(_wrong(method, own) for method, own in by_method.items())
 
 
 def _wrong(method: str, cells: list[Cell]) -> str:

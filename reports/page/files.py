@@ -78,9 +78,9 @@ def markdown(data: ReportData) -> str:
 
 
 def _advice(line: Advice) -> str:
-    silent = f"Wrong with success reported: {line.silent}." if line.silent else ""
+    silent = f"Wrong with success reported: {'; '.join(line.silent)}." if line.silent else ""
     pace = f"{line.pace}." if line.pace else ""
-    return " ".join(part for part in (line.trust, silent, line.limit, pace) if part)
+    return " ".join(part for part in (line.use, line.reach, silent, line.limit, pace) if part)
 
 
 def price_text(data: ReportData, scene: str) -> str:

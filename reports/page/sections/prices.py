@@ -38,6 +38,12 @@ def _block(data: ReportData, scene: str, target: float) -> dict[str, Any]:
     return {"target": short(target), "rows": [_row(entry, first) for entry in ordered]}
 
 
+def cannot(blocks: list[dict[str, Any]]) -> dict[str, str]:
+    """Return the engines that run the scene at no target, with the reason: said once, below the table."""
+    every = [{row["engine"]: row["missed"] for row in b["rows"] if row["answer"] == "cannot"} for b in blocks]
+    return {name: why for name, why in every[0].items() if all(name in one for one in every)}
+
+
 def _row(entry: Entry, first: Entry | None) -> dict[str, Any]:
     row = {
         "engine": entry.engine,
@@ -108,7 +114,8 @@ def context(data: ReportData) -> dict[str, Any]:
     style = styles(data.records, data.engines)
     plots = {scene: work_precision(data.of_scene(scene), style) for scene in data.scenes if data.of_scene(scene)}
     tables = {scene: price_table(data, scene) for scene in data.scenes}
-    return {"plots": plots, "tables": tables, "pick_rows": pick_rows(data), "inside": inside(data)}
+    never = {scene: cannot(blocks) for scene, blocks in tables.items()}
+    return {"plots": plots, "tables": tables, "never": never, "pick_rows": pick_rows(data), "inside": inside(data)}
 
 
 SECTION = Section("prices", "Cost at equal error", LEAD, context)

@@ -81,13 +81,13 @@ def _formulation(record: Record) -> list[str]:
 
 
 def _race(race: Race) -> dict[str, Any]:
-    laps = [[lap.scene, f"{lap.ratio:.1f}", _distance(lap.our_error), _distance(lap.rival_error)] for lap in race.laps]
+    laps = [[lap.scene, f"{lap.ratio:.1f}", _distance(lap.apart)] for lap in race.laps]
     told = f"{race.rival} takes {race.ratio:.2g} times as long as {race.ours} (95 %: {race.low:.2g} to {race.high:.2g})"
     return {"sentence": told, "laps": laps}
 
 
-def _distance(error: float | None) -> str:
-    return "not computed" if error is None else metres(error)
+def _distance(apart: float | None) -> str:
+    return "one did not get there" if apart is None else metres(apart)
 
 
 SECTION = Section("sky", "The sky: which physics buys which digit", LEAD, context, template="studies/sky.html")

@@ -27,16 +27,16 @@ OFF_GRID = 0.1234567  # m, height: no whole number of steps, so that no engine m
 VEHICLE_END, VEHICLE_SAMPLES = 2.0, 201
 FILMED = 5  # samples a picture
 VEHICLE_RUNS = (
-    Settings(method="dop853", rtol=1e-8), Settings(method="rk4", step=1e-4, estimate="off"),
-    Settings(method="lsodar", rtol=1e-7),
+    Settings(method="dop853", rtol=1e-8), Settings(method="rk4", step=1e-4, reactions=False),
+    Settings(method="lsodar", rtol=1e-7, reactions=False),
 )  # fmt: skip
 
 
 def measure() -> ContactFacts:
-    """Measure it; about a minute, most of it the vehicle."""
+    """Measure it; most of the time is the vehicle's."""
     vehicle = scenes.make("tracked_vehicle")
     paths, runs = vehicle_runs(vehicle)
-    energy = balance(vehicle, Settings(method="dop853", rtol=1e-8, t_end=0.1), longest=2e-4)
+    energy = balance(vehicle, Settings(method="dop853", rtol=1e-8, t_end=0.1, estimate="off"), longest=2e-4)
     return ContactFacts(
         orders=tuple(_ladder(law, way) for law in ("spring_damper", "progressive") for way in ("none", "located")),
         restitutions=tuple(_restitution(law) for law in LAWS),
@@ -54,7 +54,7 @@ def measure() -> ContactFacts:
 
 def vehicle_runs(vehicle: Scene) -> tuple[list[Trajectory], tuple[VehicleRun, ...]]:
     """Run the vehicle with each method; the first is what the others are compared with."""
-    more = {"t_end": VEHICLE_END, "samples": VEHICLE_SAMPLES}
+    more = {"t_end": VEHICLE_END, "samples": VEHICLE_SAMPLES, "estimate": "off"}
     paths = [simulate(vehicle, settings.model_copy(update=more)) for settings in VEHICLE_RUNS]
     return paths, tuple(_vehicle_run(s, p, paths[0]) for s, p in zip(VEHICLE_RUNS, paths, strict=True))
 
@@ -84,7 +84,7 @@ def _ladder(law: str, events: str) -> OrderLadder:
 
 def _restitution(law: str) -> Restitution:
     ball = _ball(law)
-    found = simulate(ball, Settings(method="dop853", rtol=1e-12, samples=2)).velocity[-1, 0, 1]
+    found = simulate(ball, Settings(method="dop853", rtol=1e-12, samples=2, estimate="off")).velocity[-1, 0, 1]
     nominal = getattr(ball.contacts[0].law, "restitution", None)
     return Restitution(law, nominal, impact(ball.contacts[0].law, 1.0, 1.0).restitution, float(found))
 

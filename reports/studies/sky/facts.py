@@ -10,12 +10,11 @@ from cross_checks.records.record import Record
 
 @dataclass(frozen=True)
 class Lap:
-    """One scene of a race; errors from the truth in m, None where it was not computed."""
+    """One scene of a race."""
 
     scene: str
     ratio: float  # the rival's loop time over ours
-    our_error: float | None
-    rival_error: float | None
+    apart: float | None  # m, the largest distance between the two at the end; None where one did not get there
 
 
 @dataclass(frozen=True)

@@ -145,7 +145,7 @@ def test_the_first_screen_says_what_to_use_and_what_is_wrong_without_a_word(data
     assert "wrong with success reported" in text
     assert re.search(r"Use \w+ at (h|rtol) = ", text)
     lines = {line.engine: line for line in advice(data)}
-    assert lines["mujoco"].silent.startswith("rk4 on ")
+    assert lines["mujoco"].silent[0].startswith("rk4 on ")
     assert [line.ours for line in lines.values()] == [False, False, False, True]
 
 

@@ -30,7 +30,7 @@ def facts() -> SkyFacts:
     year = {name: ((0.0, 0.0, 0.0), (1.0, 0.0, 0.0)) for name in BODIES}
     ladder = (record("lumped", 4.5, None), record("newton", 5.4, 4.3), record("gr", 8.6, 4.2), record("j2", 8.7, 5.7))
     rigid = record("newton", 5.4, 4.3, formulation="euler_parameters", spin=True)
-    laps = (Lap("solar_system 1998-01-01", 7.0, 0.1, 0.2), Lap("solar_system 2000-01-01", 9.0, None, None))
+    laps = (Lap("solar_system 1998-01-01", 7.0, 0.1), Lap("solar_system 2000-01-01", 9.0, None))
     race = Race("rebound ias15", "mbs_ref gauss", laps, 7.0, 9.0)
     spread = {"de421": {"mercury": 8.4}, "de405": {}, "astropy_builtin": {"mercury": 5.5}}
     return SkyFacts(ladder, (ladder[1], rigid), spread, (race,), Splitting(1e-14, 1.7), year)
