@@ -108,8 +108,3 @@ def held(runs: Runs, task: Task) -> Record | None:
     scene = scenes.make(task.scene, **dict(task.parameters))
     run = runs.held(scene, task.engine, Settings(**dict(task.settings)))
     return None if run is None else against(scene, run, runs.truth(scene))
-
-
-def same(first: Record, second: Record) -> bool:
-    """Whether two records say the same of everything but time, bit for bit."""
-    return replace(first, times={}, notes=()) == replace(second, times={}, notes=())

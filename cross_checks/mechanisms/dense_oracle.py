@@ -19,9 +19,9 @@ from mbs_ref.observables.attachment import Motion
 from mbs_ref.observables.signal_values import values
 from mbs_ref.observables.springs import bushing_strain, gap_of, length_of, twist_of
 from mbs_ref.scene import (
-    DRIVES,
     GROUND,
     Bushing,
+    Drive,
     Force,
     PointBushing,
     PointMass,
@@ -229,7 +229,7 @@ class Augmented:
         return np.concatenate((force, torque - np.atleast_1d(_cross(arm, force))))
 
     def _arm(self, joint: Any, name: str, k: int) -> np.ndarray:
-        side = "point_b" if not isinstance(joint, DRIVES) and name == joint.body_b else "point_a"
+        side = "point_b" if not isinstance(joint, Drive) and name == joint.body_b else "point_a"
         mark = getattr(joint, side, None) or getattr(joint, "point", None)
         if mark is None:
             return np.zeros(self.moment.scene.dimension)

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from mbs_ref.scene import DRIVES, Cylindrical, Distance, PointOnPlane, Prismatic, Scene, SpatialBody, Universal
+from mbs_ref.scene import Cylindrical, Drive, Prismatic, Scene, SpatialBody, Universal
 from mbs_ref.scene.euler_parameters import conjugate, product, rotation_matrices
 
 FIXED = -1  # ground
@@ -86,16 +86,16 @@ def depth_first(tree: SpatialTree) -> list[SpatialEdge]:
 
 
 def spatial_tree(scene: Scene) -> SpatialTree:
-    """Span the joint graph breadth first from ground; rods and planes always close loops.
+    """Span the joint graph breadth first from ground; joints of one row, rods and planes, always close loops.
 
     Slides and universal joints go into the tree wherever another joint of the loop can close it.
     """
-    joints = [joint for joint in scene.joints if not isinstance(joint, (Distance, PointOnPlane, *DRIVES))]
+    joints = [joint for joint in scene.joints if sum(row.count for row in joint.rows(3)) > 1]
     near = {joint.name for joint in _spanned(scene, joints)[1]}
     rank = {j.name: 0 if isinstance(j, HARD_TO_CLOSE) else 1 + (j.name not in near) for j in joints}
     used = _forest(scene, sorted(joints, key=lambda joint: rank[joint.name]))
     edges, _ = _spanned(scene, [joint for joint in joints if joint.name in used])
-    closures = (j for j in scene.joints if j.name not in used and not isinstance(j, DRIVES))
+    closures = (j for j in scene.joints if j.name not in used and not isinstance(j, Drive))
     return SpatialTree(scene, edges, tuple(closures))
 
 

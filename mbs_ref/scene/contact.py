@@ -12,7 +12,7 @@ from typing import Annotated, Any, ClassVar, Literal, NamedTuple, Self
 from pydantic import Field, model_validator
 
 from mbs_ref.scene.base.attached import Attached
-from mbs_ref.scene.base.part import Direction3, EndName, NonNegative, Part, Positive, Vector, Vector3
+from mbs_ref.scene.base.part import Direction3, EndName, NonNegative, Part, Point, Point3, Positive
 
 Restitution = Annotated[float, Field(ge=0.0, le=1.0)]
 
@@ -262,11 +262,11 @@ class CircleOnLine(ContactPart):
 
     type: Literal["circle_on_line"] = "circle_on_line"
     body_a: EndName  # carries the circle
-    center: Vector  # m, world, t = 0
+    center: Point  # m, world, t = 0
     radius: NonNegative  # m
     body_b: EndName = "ground"  # carries the line
-    point_1: Vector  # m, world, t = 0
-    point_2: Vector  # m, world, t = 0
+    point_1: Point  # m, world, t = 0
+    point_2: Point  # m, world, t = 0
     extent: Literal["line", "segment", "capped"] = "line"
     thickness: Positive | None = None  # m: what appears deeper than this is behind the surface, not in it
     friction: Friction | None = None
@@ -289,10 +289,10 @@ class CircleOnCircle(ContactPart):
 
     type: Literal["circle_on_circle"] = "circle_on_circle"
     body_a: EndName
-    center_a: Vector  # m, world, t = 0
+    center_a: Point  # m, world, t = 0
     radius_a: NonNegative  # m
     body_b: EndName
-    center_b: Vector  # m, world, t = 0
+    center_b: Point  # m, world, t = 0
     radius_b: NonNegative  # m
     friction: RegularisedCoulomb | None = None
 
@@ -314,9 +314,9 @@ class PinOnSprocket(ContactPart):
 
     type: Literal["pin_on_sprocket"] = "pin_on_sprocket"
     body_a: EndName  # carries the pin
-    center: Vector  # m, world, t = 0
+    center: Point  # m, world, t = 0
     body_b: EndName  # the sprocket
-    axle: Vector  # m, world, t = 0: its centre
+    axle: Point  # m, world, t = 0: its centre
     teeth: Annotated[int, Field(ge=3, le=1000)]
     pitch_radius: Positive  # m
     addendum_radius: Positive  # m
@@ -340,10 +340,10 @@ class SphereOnPlane(ContactPart):
 
     type: Literal["sphere_on_plane"] = "sphere_on_plane"
     body_a: EndName  # carries the sphere
-    center: Vector3  # m, world, t = 0
+    center: Point3  # m, world, t = 0
     radius: NonNegative  # m
     body_b: EndName = "ground"  # carries the plane
-    point: Vector3  # m, world, t = 0: on the plane, the middle of a rectangle
+    point: Point3  # m, world, t = 0: on the plane, the middle of a rectangle
     normal: Direction3  # direction, world, t = 0
     extent: Literal["plane", "rectangle", "capped"] = "plane"
     size: tuple[Positive, Positive] | None = None  # m, sides of a rectangle
@@ -373,10 +373,10 @@ class SphereOnSphere(ContactPart):
 
     type: Literal["sphere_on_sphere"] = "sphere_on_sphere"
     body_a: EndName
-    center_a: Vector3  # m, world, t = 0
+    center_a: Point3  # m, world, t = 0
     radius_a: NonNegative  # m
     body_b: EndName
-    center_b: Vector3  # m, world, t = 0
+    center_b: Point3  # m, world, t = 0
     radius_b: NonNegative  # m
     friction: RegularisedCoulomb | None = None
 

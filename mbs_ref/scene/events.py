@@ -7,7 +7,7 @@ from typing import Annotated, ClassVar, Literal
 from pydantic import Field
 
 from mbs_ref.scene.base.attached import NO_ORIENTATION, Attached
-from mbs_ref.scene.base.part import BodyName, EndName, Vector
+from mbs_ref.scene.base.part import BodyName, EndName, Point
 
 Crossing = Literal["either", "rising", "falling"]
 Action = Literal["record", "stop"]
@@ -38,8 +38,8 @@ class DistanceEvent(Attached):
     type: Literal["distance_event"] = "distance_event"
     body_a: EndName
     body_b: EndName
-    point_a: Vector  # m, world, t = 0
-    point_b: Vector  # m, world, t = 0
+    point_a: Point  # m, world, t = 0
+    point_b: Point  # m, world, t = 0
     value: Annotated[float, Field(gt=0.0)]  # m
     crossing: Crossing = "either"
     action: Action = "record"

@@ -11,7 +11,7 @@ from pydantic import Field, model_validator
 
 from mbs_ref.scene.base.attached import NO_ORIENTATION, Attached
 from mbs_ref.scene.base.directions import normals, require_perpendicular, unit
-from mbs_ref.scene.base.part import BodyName, Direction, Direction3, EndName, Positive, Vector, Vector3
+from mbs_ref.scene.base.part import BodyName, Direction, Direction3, EndName, Point, Point3, Positive
 from mbs_ref.scene.base.rows import (
     OnPlane,
     Prescribed,
@@ -60,8 +60,8 @@ class Revolute(JointPart):
     type: Literal["revolute"] = "revolute"
     body_a: EndName
     body_b: EndName
-    point: Vector  # m, world, t = 0
-    point_b: Vector | None = None  # m, where body b's mark is at t = 0 when the loop is still open
+    point: Point  # m, world, t = 0
+    point_b: Point | None = None  # m, where body b's mark is at t = 0 when the loop is still open
     axis: Direction | None = None  # direction, world, t = 0; in space alone, and there it must be given
 
     def complaints(self, dimension: int) -> Iterator[str]:
@@ -81,7 +81,7 @@ class Spherical(JointPart):
     type: Literal["spherical"] = "spherical"
     body_a: EndName
     body_b: EndName
-    point: Vector3  # m, world, t = 0
+    point: Point3  # m, world, t = 0
 
     def rows(self, dimension: int) -> list[Row]:
         return [SharedPoint(self.point, self.point)]
@@ -95,7 +95,7 @@ class Universal(JointPart):
     type: Literal["universal"] = "universal"
     body_a: EndName
     body_b: EndName
-    point: Vector3  # m, world, t = 0
+    point: Point3  # m, world, t = 0
     axis_a: Direction3  # direction fixed in body a, world, t = 0
     axis_b: Direction3  # direction fixed in body b, world, t = 0; perpendicular to axis_a
 
@@ -116,7 +116,7 @@ class Cylindrical(JointPart):
     type: Literal["cylindrical"] = "cylindrical"
     body_a: EndName
     body_b: EndName
-    point: Vector3  # m, world, t = 0
+    point: Point3  # m, world, t = 0
     axis: Direction3  # direction, world, t = 0
 
     def rows(self, dimension: int) -> list[Row]:
@@ -131,7 +131,7 @@ class PointOnPlane(JointPart):
     type: Literal["point_on_plane"] = "point_on_plane"
     body_a: EndName
     body_b: EndName
-    point: Vector3  # m, world, t = 0
+    point: Point3  # m, world, t = 0
     normal: Direction3  # direction, world, t = 0
 
     def rows(self, dimension: int) -> list[Row]:
@@ -144,7 +144,7 @@ class Prismatic(JointPart):
     type: Literal["prismatic"] = "prismatic"
     body_a: EndName
     body_b: EndName
-    point: Vector  # m, world, t = 0
+    point: Point  # m, world, t = 0
     axis: Direction  # world, t = 0
 
     def rows(self, dimension: int) -> list[Row]:
@@ -157,8 +157,8 @@ class Weld(JointPart):
     type: Literal["weld"] = "weld"
     body_a: EndName
     body_b: EndName
-    point: Vector  # m, world, t = 0
-    point_b: Vector | None = None  # m, where body b's mark is at t = 0 when the loop is still open
+    point: Point  # m, world, t = 0
+    point_b: Point | None = None  # m, where body b's mark is at t = 0 when the loop is still open
 
     def rows(self, dimension: int) -> list[Row]:
         shared = SharedPoint(self.point, self.point if self.point_b is None else self.point_b)
@@ -171,8 +171,8 @@ class Distance(JointPart):
     type: Literal["distance"] = "distance"
     body_a: EndName
     body_b: EndName
-    point_a: Vector  # m, world, t = 0
-    point_b: Vector  # m, world, t = 0
+    point_a: Point  # m, world, t = 0
+    point_b: Point  # m, world, t = 0
     length: Positive | None = None  # m
 
     @model_validator(mode="after")
@@ -210,7 +210,7 @@ class PointDrive(Drive):
 
     type: Literal["point_drive"] = "point_drive"
     body: BodyName
-    point: Vector  # m, world, t = 0
+    point: Point  # m, world, t = 0
     direction: Direction  # world
 
     def rows(self, dimension: int) -> list[Row]:
@@ -249,4 +249,3 @@ Joint = Annotated[
     | RotationDrive,
     Field(discriminator="type"),
 ]
-DRIVES = (CoordinateDrive, PointDrive, RotationDrive)

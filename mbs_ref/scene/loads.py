@@ -15,6 +15,8 @@ from mbs_ref.scene.base.part import (
     Direction3,
     EndName,
     NonNegative,
+    Point,
+    Point3,
     SixNonNegative,
     Vector,
     Vector3,
@@ -29,7 +31,7 @@ class Force(Attached):
 
     type: Literal["force"] = "force"
     body: BodyName
-    point: Vector  # m, world, t = 0
+    point: Point  # m, world, t = 0
     vector: Vector  # N
     frame: Literal["world", "body"] = "world"
     factor: Signal = Constant()
@@ -68,8 +70,8 @@ class SpringDamper(Attached):
     type: Literal["spring_damper"] = "spring_damper"
     body_a: EndName
     body_b: EndName
-    point_a: Vector  # m, world, t = 0
-    point_b: Vector  # m, world, t = 0
+    point_a: Point  # m, world, t = 0
+    point_b: Point  # m, world, t = 0
     stiffness: NonNegative  # N/m
     damping: NonNegative = 0.0  # N s/m
     rest_length: NonNegative | None = None  # m; the distance at t = 0 unless given
@@ -110,7 +112,7 @@ class Bushing(Attached):
     type: Literal["bushing"] = "bushing"
     body_a: EndName
     body_b: EndName
-    point: Vector3  # m, world, t = 0
+    point: Point3  # m, world, t = 0
     stiffness: SixNonNegative  # N/m, N m/rad
     damping: SixNonNegative = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)  # N s/m, N m s/rad
     x_axis: Direction3 = (1.0, 0.0, 0.0)  # direction, world, t = 0
@@ -134,7 +136,7 @@ class PointBushing(Attached):
     type: Literal["point_bushing"] = "point_bushing"
     body_a: EndName
     body_b: EndName
-    point: Vector  # m, world, t = 0
+    point: Point  # m, world, t = 0
     stiffness: NonNegative  # N/m
     damping: NonNegative = 0.0  # N s/m
 

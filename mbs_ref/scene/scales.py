@@ -8,10 +8,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
+from mbs_ref.scene.base.part import Role, fields_of
 from mbs_ref.scene.scene import Scene
 from mbs_ref.scene.units import attraction, free_fall_time, unit_length
-
-MARKS = ("point", "point_a", "point_b", "center", "center_a", "center_b", "point_1", "point_2", "axle")
 
 
 @dataclass(frozen=True)
@@ -57,8 +56,8 @@ def _points(scene: Scene) -> Iterator[tuple[float, ...]]:
     for body in scene.bodies:
         yield body.position
     for part in itertools.chain(scene.joints, scene.loads, scene.contacts):
-        for mark in MARKS:
-            point = getattr(part, mark, None)
+        for field in fields_of(type(part), Role.POINT):
+            point = getattr(part, field)
             if point is not None and len(point) == scene.dimension:
                 yield point
 

@@ -10,7 +10,7 @@ import numpy as np
 from pydantic import ValidationError
 
 from mbs_ref.cores.system import System
-from mbs_ref.scene import DRIVES, Force, Scene, Torque, TorqueVector
+from mbs_ref.scene import Scene
 from mbs_ref.scene.messages import sentences
 from mbs_ref.scene.signals import HalfSine, Signal, Table
 
@@ -42,12 +42,11 @@ def _part_troubles(kind: str, scene: Scene) -> Iterator[str]:
 
 def clock_troubles(scene: Scene) -> list[str]:
     """Return a sentence for every signal with a piece so short and late that the clock has no room for it."""
-    named = [(f"load {x.name!r}", x.factor) for x in scene.loads if isinstance(x, Force | Torque | TorqueVector)]
-    named += [(f"drive {x.name!r}", x.motion) for x in scene.joints if isinstance(x, DRIVES)]
     return [
-        f"{name}: its piece of {length:.3g} s at t = {at:.6g} s has fewer than {FEWEST_TICKS} ticks of the clock, "
-        f"which are {math.ulp(at):.2g} s there"
-        for name, signal in named
+        f"{part.type} {part.name!r}: its piece of {length:.3g} s at t = {at:.6g} s has fewer than {FEWEST_TICKS} "
+        f"ticks of the clock, which are {math.ulp(at):.2g} s there"
+        for part in (*scene.joints, *scene.loads)
+        for signal in part.signals
         for at, length in _pieces(signal)
         if length < FEWEST_TICKS * math.ulp(at)
     ]

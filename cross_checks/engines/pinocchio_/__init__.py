@@ -24,7 +24,7 @@ from cross_checks.workshop.plan import Plan
 from cross_checks.workshop.planar_forces import CLIPPED_CONTACTS, SHARED, contact_refusals
 from cross_checks.workshop.planar_tree import joint_tree
 from cross_checks.workshop.spatial_tree import spatial_tree
-from mbs_ref.scene import DRIVES, Revolute, Scene, Spherical, UserForce, Weld
+from mbs_ref.scene import Drive, Revolute, Scene, Spherical, UserForce, Weld
 
 DATA_BYTES = 32  # times n_v^3: what pinocchio.Data takes for a chain
 MOST_BYTES = 1e9
@@ -71,7 +71,7 @@ class Pinocchio(Engine):
             if not isinstance(joint, closing)
         ]
         if scene.dimension == 3:
-            drives = [j for j in scene.joints if isinstance(j, DRIVES)]
+            drives = [j for j in scene.joints if isinstance(j, Drive)]
             reasons += [Refusal(f"joint {j.name!r}: pinocchio has no drive; its joints are free", True) for j in drives]
             own = [load for load in scene.loads if isinstance(load, UserForce)]
             reasons += [Refusal(f"{x.name!r}: pinocchio is not yet taught {x.type} in space", False) for x in own]

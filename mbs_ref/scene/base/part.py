@@ -20,6 +20,7 @@ class Role(Enum):
     """What a field means to a scene as a whole."""
 
     WORLD_VECTOR = "as many components as the scene has dimensions"
+    POINT = "a world point at t = 0, m"
     BODY = "the name of a body"
     END = "the name of a body, or ground"
 
@@ -37,6 +38,8 @@ BodyName = Annotated[Name, Role.BODY]
 EndName = Annotated[Name, Role.END]
 Vector = Annotated[tuple[float, ...], Field(min_length=2, max_length=3), Role.WORLD_VECTOR]
 Vector3 = tuple[float, float, float]
+Point = Annotated[Vector, Role.POINT]
+Point3 = Annotated[Vector3, Role.POINT]
 Direction = Annotated[Vector, AfterValidator(_directed)]  # of any length but zero
 Direction3 = Annotated[Vector3, AfterValidator(_directed)]
 SixNonNegative = tuple[NonNegative, NonNegative, NonNegative, NonNegative, NonNegative, NonNegative]
