@@ -18,6 +18,11 @@ STORE = click.option(
 )
 
 
+def store_path(named: str | None) -> Path:
+    """Return the file of the store: the one named, else the machine's."""
+    return Path(named) if named else default_path()
+
+
 @contextmanager
 def asked_runs(
     scenes: Iterable[Scene], store: str | None = None, timeout: float | None = None, memory_mib: float | None = None
@@ -26,7 +31,7 @@ def asked_runs(
 
     A user's Python force cannot travel to another process: scenes that have one run in this process.
     """
-    with Store(Path(store) if store else default_path()) as kept, isolated(scenes, timeout, memory_mib) as call:
+    with Store(store_path(store)) as kept, isolated(scenes, timeout, memory_mib) as call:
         yield Runs(kept, call)
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import sys
+import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -20,6 +21,7 @@ from cross_checks.records import lines as record_file
 from cross_checks.records.record import Record
 
 EVERY = 3.0  # s between lines of progress in a log
+PAUSE = 1.0  # s that nobody minds to wait
 
 Report = Callable[[int, int, str], None]  # done, total, what comes next
 
@@ -46,6 +48,7 @@ def show(what: Any) -> None:
     """Print something for a person on stdout."""
     width = None if sys.stdout.isatty() else 160
     Console(file=sys.stdout, width=width, highlight=False, markup=False).print(what)
+    sys.stdout.flush()  # what is known is seen, though more is awaited
 
 
 def number(value: float | None) -> str:
@@ -68,6 +71,17 @@ def progress(title: str) -> Iterator[Report]:
             bar.update(task, completed=done, total=total, description=f"{title} {what}".rstrip())
 
         yield report
+
+
+@contextmanager
+def awaited(what: str) -> Iterator[None]:
+    """Say on stderr what is awaited, once it has taken longer than PAUSE."""
+    clock = threading.Timer(PAUSE, click.echo, [f"{what} ..."], {"err": True})
+    clock.start()
+    try:
+        yield
+    finally:
+        clock.cancel()
 
 
 class Lines:

@@ -12,6 +12,7 @@ import click
 from pydantic import ValidationError
 
 from cross_checks import engines
+from cross_checks.conformance.loading import NoEngine, load
 from cross_checks.engine import Engine
 from mbs_ref import scenes
 from mbs_ref.scene import Scene
@@ -21,6 +22,10 @@ from mbs_ref.scene.toml import SceneFileError, read_scene
 from mbs_ref.settings import Settings
 from reports.exit_codes import EngineAbsent
 
+ENGINES = click.option(
+    "--engine", "chosen", multiple=True, metavar="E|FILE.py",
+    help="Only this engine, by name or by its adapter file; repeatable.",
+)  # fmt: skip
 SECONDS = {"": 1.0, "s": 1.0, "ms": 1e-3, "us": 1e-6, "min": 60.0}  # s, in a duration's unit
 
 
@@ -47,14 +52,19 @@ def settings(**chosen: Any) -> Settings:
         raise click.UsageError(problems.sentences(error, Settings, given)) from error
 
 
-def engine(name: str) -> Engine:
-    """Return the engine, which must be installed."""
+def engine(name_or_file: str) -> Engine:
+    """Return the engine of that name, or of that adapter file; its package must be installed."""
     try:
-        return engines.get(name)
+        return load(name_or_file)
     except engines.EngineMissing as error:
         raise EngineAbsent(str(error)) from error
-    except ValueError as error:
+    except NoEngine as error:
         raise click.UsageError(str(error)) from error
+
+
+def engine_names(chosen: Sequence[str]) -> list[str]:
+    """Return the names of the engines chosen, by name or adapter file; of all that are known where none is."""
+    return [engine(one).name for one in chosen] or engines.names()
 
 
 def method(solver: Engine, name: str | None) -> str:

@@ -6,15 +6,17 @@ import shlex
 from functools import cache
 from typing import Any
 
+from cross_checks import engines
 from cross_checks.judge.ladder import SAMPLES
 from cross_checks.records.record import Record
 from mbs_ref import scenes
 
 
-def command(record: Record) -> str:
-    """Return the mbs-ref command that runs what the record holds."""
-    words = ["mbs-ref", "simulate", record.scene, "--engine", record.engine]
-    for name, value in chosen_parameters(record.scene, record.parameters).items():
+def command(record: Record, scene: str = "") -> str:
+    """Return the mbs-ref command that runs what the record holds, of a `scene` that was named so: perhaps by a file."""
+    words = ["mbs-ref", "simulate", scene or record.scene, "--engine", engines.called(record.engine)]
+    parameters = {} if scene.endswith(".toml") else chosen_parameters(record.scene, record.parameters)
+    for name, value in parameters.items():
         words += ["-p", f"{name}={value}"]
     options = {"method": record.method or None, **{key: record.settings.get(key) for key in ("step", "rtol", "atol")}}
     for name, value in options.items():

@@ -7,7 +7,6 @@ from pathlib import Path
 
 import click
 
-from cross_checks import engines
 from cross_checks.records import lines
 from cross_checks.records.lines import key_of
 from cross_checks.records.record import Record
@@ -35,15 +34,13 @@ def sweep_records(
     """
     from benchmarks.sweep import DECADES, sweep
 
-    for name in chosen:
-        inputs.engine(name)
+    names = inputs.engine_names(chosen)
     records: list[Record] = []
     with ExitStack() as stack:
         report = stack.enter_context(progress(f"sweep {scene.name}"))
         runs = stack.enter_context(asked_runs([scene], store, timeout, memory_mib))
         written = {key_of(record) for record in begun(stack, target)}
         try:
-            names = list(chosen) or engines.names()
             for record in sweep(runs, scene, names, list(methods) or None, report, errors or DECADES):
                 records.append(record)
                 if target is not None and key_of(record) not in written:

@@ -52,8 +52,8 @@ def climb(engine: Engine, method: Method, question: Asked) -> tuple[list[Finding
     row = _row(method, question, good)
     if len(good) < 2:
         said = "; ".join(f"{run.setting}: {run.path.message}" for run in runs if not run.path.ok)
-        seen = f"fewer than two runs end: {said}"
-        return [verdict("runs", method.name, question.scene.name, seen, excuse=method.wrong_limit or ALOUD)], row
+        seen, excuse = f"fewer than two runs end: {said}", method.excused(question.scene) or ALOUD
+        return [verdict("runs", method.name, question.scene.name, seen, excuse=excuse)], row
     found = [verdict("runs", method.name, question.scene.name, "")]
     found += list(_always(method, question, good)) + list(_excusable(method, question, good, row))
     if question.is_smooth or method.kind == "fixed" or method.locates_events:  # else it may step over a contact
@@ -99,8 +99,8 @@ def _always(method: Method, question: Asked, good: list[Run]) -> Iterator[Findin
 
 
 def _excusable(method: Method, question: Asked, good: list[Run], row: Row) -> Iterator[Finding]:
-    """Yield what a method that declares a wrong limit may fail: accuracy, energy, joints."""
-    name, scene, excuse = method.name, question.scene.name, method.wrong_limit
+    """Yield what a method may fail where it declares a weakness: accuracy, energy, joints."""
+    name, scene, excuse = method.name, question.scene.name, method.excused(question.scene)
     floor = max(GOOD, 100.0 * question.truth.uncertainty / figures.size(question))
     seen, steady = f"error {row.error:.1e}", question.is_smooth and method.order is not None
     wrong = _unshrunk(steady, [run.error for run in good], floor, "errors")
@@ -200,7 +200,7 @@ def _same_end(engine: Engine, method: Method, question: Asked, fine: Run) -> Fin
         gap = float(np.abs(alone.path.position[-1] - fine.path.position[-1]).max()) / figures.size(question)
         if gap > allowed:
             wrong = f"{fine.setting}: the end moves by {gap:.1e} of the scene's size with the samples asked for"
-    return verdict("same end", method.name, question.scene.name, wrong, excuse=method.wrong_limit)
+    return verdict("same end", method.name, question.scene.name, wrong, excuse=method.excused(question.scene))
 
 
 SPARSE = 20  # the one inner sample of those runs

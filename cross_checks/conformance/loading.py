@@ -1,4 +1,4 @@
-"""The engine under examination, from its adapter file or its name, or a sentence on what is wrong with either."""
+"""An engine from its adapter file or its name, or a sentence on what is wrong with either."""
 
 from __future__ import annotations
 
@@ -20,13 +20,11 @@ def name_of(engine: str) -> str:
 
 
 def load(engine: str) -> Engine:
-    """Return the engine of an adapter file or of that name. NoEngine says what is missing."""
+    """Return the engine of an adapter file or of that name. NoEngine says what is wrong; EngineMissing as `get`."""
     if engine.endswith(".py"):
         _announce(Path(engine))
     try:
         made = engines.get(name_of(engine))
-    except engines.EngineMissing as error:
-        raise NoEngine(str(error)) from error
     except (ValueError, AttributeError, TypeError) as error:
         raise NoEngine(_explained(engine, error)) from error
     if not isinstance(made, Engine):

@@ -47,6 +47,11 @@ def names() -> list[str]:
     return sorted(known, key=lambda name: name != "mbs_ref")
 
 
+def called(name: str) -> str:
+    """Return what a command line calls the engine: its adapter file where it is known by one, else its name."""
+    return str(_adapters().get(name, name))
+
+
 def get(name: str) -> Engine:
     """Return the named engine.
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import signal
 import socket
@@ -18,9 +19,7 @@ from typing import Any, Self
 
 from cross_checks.isolation.messages import COMPILING, NOTES, receive, send
 
-ONE_THREAD = dict.fromkeys(
-    ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"), "1"
-)
+ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"), "1")
 TIMEOUT = 120.0  # s for one call
 COMPILATION = 600.0  # s more that its compilation may take
 MEMORY = 4 * 2**30  # bytes of resident memory
@@ -76,17 +75,23 @@ class Isolated:
         """Return the function's result; Lost where there is none; its own exception where it raised one."""
         return self._call(function, arguments, apart=False)
 
+    def patient(self, function: Callable[..., Any], *arguments: Any) -> Any:
+        """Call without a limit on time: for our own code, which comes back however busy the machine is."""
+        return self._call(function, arguments, apart=False, timeout=math.inf)
+
     def apart(self, function: Callable[..., Any], *arguments: Any) -> Any:
         """Call in a copy of the child; where the copy is lost, the child itself stays."""
         return self._call(function, arguments, apart=True)
 
-    def _call(self, function: Callable[..., Any], arguments: tuple[Any, ...], apart: bool) -> Any:
+    def _call(
+        self, function: Callable[..., Any], arguments: tuple[Any, ...], apart: bool, timeout: float | None = None
+    ) -> Any:
         if self.fresh:
             self._start()
         assert self._pipe is not None
         try:
             send(self._pipe, (function, arguments, apart))
-            worked, answer = self._wait(apart)
+            worked, answer = self._wait(apart, timeout or self.timeout)
         except (Lost, OSError) as error:
             if self._cancelled:
                 raise Cancelled("the call was given up") from error
@@ -139,10 +144,10 @@ class Isolated:
             )  # fmt: skip
         self._pipe = Connection(ours.detach())
 
-    def _wait(self, apart: bool) -> tuple[bool, Any]:
+    def _wait(self, apart: bool, timeout: float) -> tuple[bool, Any]:
         assert self._child is not None
         assert self._pipe is not None
-        patience, peak = _Patience(self.timeout), 0
+        patience, peak = _Patience(timeout), 0
         try:
             self._copy = receive(self._pipe) if apart else None
             while (message := self._heard()) in (None, *NOTES):

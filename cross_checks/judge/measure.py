@@ -39,7 +39,7 @@ def _measured(judged: Judged) -> dict[str, Any]:
     return {
         "measures": {name: largest(curve) for name, curve in curves.items()},
         "error": error,
-        "notes": (*_notes(judged), *reasons, *_unjudged(error), *_told(observed)),
+        "notes": (*_notes(judged), *reasons, *unjudged(error), *_told(observed)),
         "figures": significant_figures(scene, path, observed) if isinstance(observed, Observed) else {},
         "contact": contact_figures(scene, path),
         "events": _declared_events(scene, path),
@@ -91,7 +91,8 @@ def _declared_events(scene: Scene, path: Trajectory) -> dict[str, list[float]]:
     return {name: when[source == place].tolist() for name, place in places.items()}
 
 
-def _unjudged(error: Error | None) -> tuple[str, ...]:
+def unjudged(error: Error | None) -> tuple[str, ...]:
+    """Return the sentence that a truth is not known well enough for this error, if so."""
     if error is None or error.is_judged:
         return ()
     told = f"the truth, known to {error.uncertainty:.1e} of the scene, judges no error below {error.floor:.1e}"

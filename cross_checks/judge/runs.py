@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 
 from cross_checks import engines
-from cross_checks.isolation.parent import Caller, Lost, direct
+from cross_checks.isolation.parent import Caller, Isolated, Lost, direct
 from cross_checks.judge.ladder import grid
-from cross_checks.judge.measure import component_errors, error_of
+from cross_checks.judge.measure import component_errors, error_of, unjudged
 from cross_checks.judge.one_run import judged_run, without_run
 from cross_checks.metrics.metric import Judged
 from cross_checks.metrics.state_error import differences
@@ -69,15 +69,20 @@ class Runs:
         if run.record.status not in PASSING:
             self.store.keep_run(run_name(scene, engines.get(engine), settings, grid(scene)), run)
 
-    def truth(self, scene: Scene) -> Truth | NoTruth:
-        """Return the scene's truth on the judges' grid: kept, or made and kept; the reason where there is none."""
-        key = truth_name(scene, grid(scene))
+    def truth(self, scene: Scene, times: np.ndarray | None = None) -> Truth | NoTruth:
+        """Return the scene's truth at `times` (s; the judges' grid unless given): kept, or made and kept.
+
+        The reason where there is none.
+        """
+        asked = grid(scene) if times is None else times
+        key = truth_name(scene, asked)
         kept = self.store.arrays(key)
         if kept is not None:
             facts, arrays = kept
             given: dict[str, Any] = {**facts, **arrays}
             return NoTruth(**given) if "reason" in facts else Truth(**given)
-        found = self.call(seek_truth, scene, grid(scene))
+        patient = self.call.patient if isinstance(self.call, Isolated) else self.call
+        found = patient(seek_truth, scene, asked)
         self.store.keep_arrays(key, *_parts(found))
         return found
 
@@ -96,7 +101,8 @@ def against(scene: Scene, run: Run, truth: Truth | NoTruth) -> Record:
     judged = Judged(scene, path, truth)
     error, curve = error_of(judged)
     history = record.history if curve is None else record.history | {"error": curve.tolist()}
-    return replace(record, error=error, history=history, measures=record.measures | component_errors(judged))
+    notes, measures = (*record.notes, *unjudged(error)), record.measures | component_errors(judged)
+    return replace(record, error=error, history=history, notes=notes, measures=measures)
 
 
 def gap(scene: Scene, first: Trajectory | None, second: Trajectory | None) -> float | None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import click
 
-from cross_checks import engines
 from cross_checks.judge.cell import Cell, check
 from cross_checks.judge.verdict import REFUSED
 from mbs_ref import scenes
@@ -17,7 +16,7 @@ from reports.exit_codes import Failed, Incomplete, NothingSelected
 @click.command(name="check")
 @click.argument("scene", nargs=-1, metavar="[SCENE|FILE.toml]...")
 @click.option("-p", "parameters", multiple=True, metavar="NAME=VALUE", help="A parameter of the scene; repeatable.")
-@click.option("--engine", "chosen", multiple=True, metavar="E", help="Only this engine; repeatable.")
+@inputs.ENGINES
 @click.option("--json", "as_json", is_flag=True, help="Print JSON: a list of cells.")
 @STORE
 def command(
@@ -32,13 +31,12 @@ def command(
     if parameters and len(scene) != 1:
         raise click.UsageError(f"-p {parameters[0]} needs exactly one SCENE; {len(scene)} are named")
     selected = [inputs.scene(name, parameters) for name in scene or scenes.names()]
-    for name in chosen:
-        inputs.engine(name)
+    names = inputs.engine_names(chosen)
     cells: list[Cell] = []
     interrupted = False
     try:
         with progress("check") as report, asked_runs(selected, store) as runs:
-            for cell in check(runs, selected, list(chosen) or engines.names(), report):
+            for cell in check(runs, selected, names, report):
                 cells.append(cell)
     except KeyboardInterrupt:
         interrupted = True
@@ -83,4 +81,3 @@ def _show_contact(cells: list[Cell]) -> None:
         figures = "; ".join(f"{name} {number(value)}" for name, value in cell.contact.items())
         listing.add_row(cell.scene, cell.engine, cell.method, figures)
     show(listing)
-

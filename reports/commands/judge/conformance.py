@@ -10,6 +10,7 @@ from pathlib import Path
 import click
 
 from cross_checks.conformance.finding import Report
+from reports import inputs
 from reports.exit_codes import Failed
 
 COLUMNS = f"{'scene':<20} {'method':<22} {'order':>6} {'asked':>6} {'error':>9} {'loop':>10}"
@@ -27,16 +28,12 @@ def command(engine: str, file: Path | None, self_test: bool) -> None:
     does not count.
     """
     from cross_checks.conformance.examine import examine
-    from cross_checks.conformance.loading import NoEngine, load, name_of
+    from cross_checks.conformance.loading import name_of
 
     if self_test:
         _self_test()
         return
-    try:
-        made = load(engine)
-    except NoEngine as error:
-        raise click.UsageError(str(error)) from error
-    report = examine(made, name_of(engine), lambda text: _progress(text) if sys.stderr.isatty() else None)
+    report = examine(inputs.engine(engine), name_of(engine), _progress)
     if file is not None:
         file.write_text(json.dumps(report.to_dict(), indent=1))
     for line in _lines(report):
@@ -46,6 +43,8 @@ def command(engine: str, file: Path | None, self_test: bool) -> None:
 
 
 def _progress(text: str) -> None:
+    if not sys.stderr.isatty():
+        return
     click.echo(f"\r{text:<60}", nl=False, err=True)
 
 

@@ -17,7 +17,7 @@ from reports.exit_codes import Failed, Incomplete, NothingSelected
 @click.command(name="extremes")
 @click.option("--full", is_flag=True, help="Every method and value, with patience: for nights.")
 @click.option("--only", metavar="TEXT", help="Only extremes whose name or family holds this.")
-@click.option("--engine", "chosen", multiple=True, metavar="E", help="Only this engine; repeatable.")
+@inputs.ENGINES
 @click.option("--shard", metavar="I/N", default="1/1", help="Only part I of N of the extremes, for batch systems.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON lines, one a cell.")
 @click.option("-o", "output", metavar="FILE.jsonl", help="Keep the cells in a file; what it holds already is not run.")
@@ -29,11 +29,9 @@ def command(
     Every run has a process of its own; two run at a time. Exit code 1 where the reference solver is
     silently wrong anywhere; other engines' failures are findings.
     """
-    from cross_checks import engines
     from cross_checks.extremes import cell, every, run
 
-    for name in chosen:
-        inputs.engine(name)
+    names = inputs.engine_names(chosen)
     extremes = [e for e in every() if only is None or only in e.name or only in e.family]
     if not extremes:
         raise NothingSelected(f"no extreme is named like {only!r}; there are {', '.join(e.name for e in every())}")
@@ -53,7 +51,7 @@ def command(
             for problem in problems:
                 click.echo(problem, err=True)
         try:
-            fresh = run.matrix(extremes, chosen or engines.names(), full=full, known=tuple(found), progress=report)
+            fresh = run.matrix(extremes, names, full=full, known=tuple(found), progress=report)
             for one in fresh:
                 if target is not None:
                     cell.append(target, one)

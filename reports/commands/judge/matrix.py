@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 @click.command(name="matrix")
-@click.option("--engine", "chosen", multiple=True, metavar="E", help="Only this engine; repeatable.")
+@inputs.ENGINES
 @click.option("--quick", is_flag=True, help="Three scenes, the coarsest settings.")
 @click.option("--serial", is_flag=True, help="One run after the other, without dask.")
 @click.option("--scheduler", metavar="tcp://HOST:PORT", help="A dask scheduler; a local cluster unless given.")
@@ -39,9 +39,7 @@ def command(
     """
     from benchmarks import cluster
 
-    for name in chosen:
-        inputs.engine(name)
-    tasks = inputs.shard(cluster.plan(quick, list(chosen) or None), shard)
+    tasks = inputs.shard(cluster.plan(quick, inputs.engine_names(chosen)), shard)
     if not tasks:
         raise NothingSelected("no runs in this part of the matrix")
     found: dict[Task, Record] = {}

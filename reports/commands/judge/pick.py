@@ -13,6 +13,7 @@ from benchmarks.pick import Bounds, Choice
 from benchmarks.record_changes import BY_MACHINE
 from benchmarks.sweep import BUSY_NOTE
 from benchmarks.timing import Comparison
+from cross_checks.conformance.loading import name_of
 from cross_checks.isolation.parent import Lost
 from cross_checks.judge.cell import truth_of
 from cross_checks.records import lines as record_file
@@ -32,7 +33,7 @@ FILE = click.Path(exists=True, dir_okay=False, path_type=Path)
 @click.command(name="pick")
 @click.argument("scene", metavar="SCENE|FILE.toml")
 @click.option("-p", "parameters", multiple=True, metavar="NAME=VALUE", help="A parameter of the scene; repeatable.")
-@click.option("--engine", "chosen", multiple=True, metavar="E", help="Only this engine; repeatable.")
+@inputs.ENGINES
 @click.option("--error", metavar="E|1mm", required=True, help="Largest error, of the scene's scales or as 1mm.")
 @click.option("--compliance", type=float, callback=inputs.positive, help="Largest constraint violation, m or rad.")
 @click.option("--budget", metavar="50ms", help="Longest loop time.")
@@ -70,12 +71,12 @@ def command(
     choice, duel = _confirmed(made, pick.pick(found, asked, compliance, limit), confirming)
     again = _afresh(made, choice, store) if fresh else None
     if as_json:
-        echo_json(_facts(choice, duel, again))
+        echo_json(_facts(choice, duel, again, scene))
     if choice.best is None:
         raise NothingSelected(choice.sentence)
     if not as_json:
         click.echo(choice.sentence)
-        click.echo(reproduce(choice.best))
+        click.echo(reproduce(choice.best, scene))
     if again is not None:
         _check(again, Bounds(asked, compliance))
 
@@ -88,7 +89,8 @@ def _of_scene(file: Path, scene: Scene, chosen: tuple[str, ...]) -> list[Record]
     own = [r for r in records if (r.scene, r.parameters) == (scene.name, scene.parameters)]
     if not own:
         raise NothingSelected(f"{file} holds no record of {scene.name} with these parameters")
-    return [r for r in own if not chosen or r.engine in chosen]
+    names = {name_of(one) for one in chosen}
+    return [r for r in own if not names or r.engine in names]
 
 
 def _warn(records: list[Record]) -> None:
@@ -130,11 +132,11 @@ def _check(again: Record, bounds: Bounds) -> None:
     click.echo(f"{told}: as asked", err=True)
 
 
-def _facts(choice: Choice, duel: Comparison | None, again: Record | None) -> dict[str, Any]:
+def _facts(choice: Choice, duel: Comparison | None, again: Record | None, scene: str) -> dict[str, Any]:
     """Return the choice as plain data, with the command that runs it, and without the curves of its records."""
     facts = asdict(choice) | {"duel": None if duel is None else asdict(duel), "fresh": again and asdict(again)}
     limit = facts["limit"]
     for record in (facts["best"], facts["runner_up"], facts["fresh"], limit and limit["cheaper"]):
         if record is not None:
             del record["history"]
-    return facts | {"command": None if choice.best is None else reproduce(choice.best)}
+    return facts | {"command": None if choice.best is None else reproduce(choice.best, scene)}

@@ -15,7 +15,7 @@ from reports.sweeping import sweep_records
 @click.command(name="sweep")
 @click.argument("scene", metavar="SCENE|FILE.toml")
 @click.option("-p", "parameters", multiple=True, metavar="NAME=VALUE", help="A parameter of the scene; repeatable.")
-@click.option("--engine", "chosen", multiple=True, metavar="E", help="Only this engine; repeatable.")
+@inputs.ENGINES
 @click.option("--method", "methods", multiple=True, metavar="M", help="Only this method; repeatable.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON lines, one a run.")
 @click.option("-o", "output", metavar="FILE.jsonl", help="Keep the lines in a file; what it holds already is not run.")

@@ -7,9 +7,14 @@ from typing import Any
 import click
 
 from cross_checks import metrics
+from cross_checks.metrics import component_errors
 from cross_checks.records.record import Record
+from cross_checks.records.store import Run, Store
+from mbs_ref.scene import Scene
+from mbs_ref.trajectory import Trajectory
 from reports import inputs
-from reports.console import echo_json, number, show, table
+from reports.asking import STORE, store_path
+from reports.console import awaited, echo_json, number, show, table
 from reports.exit_codes import EngineAbsent, Failed, Incomplete
 from reports.poses_file import FORMATS, write_poses
 
@@ -29,8 +34,10 @@ from reports.poses_file import FORMATS, write_poses
 @click.option("--estimate", type=click.Choice(["on", "off"]), help="Whether a second run estimates the error; on.")
 @click.option("--project-initial", is_flag=True, help="Repair inconsistent initial conditions and report by how much.")
 @click.option("--stop-on-compliance", is_flag=True, help="End the run where |C(q, t)| < step fails (the papers' test).")
+@click.option("--no-truth", is_flag=True, help="Hold the result against no truth: the first may take a minute to make.")
 @click.option("--json", "as_json", is_flag=True, help="Print the whole record as JSON.")
 @click.option("-o", "output", metavar="FILE", help="Write times and poses to a .npz or .csv file.")
+@STORE
 def command(
     scene: str,
     parameters: tuple[str, ...],
@@ -38,9 +45,14 @@ def command(
     method: str | None,
     output: str | None,
     as_json: bool,
+    no_truth: bool,
+    store: str | None,
     **options: Any,
 ) -> None:
-    """Simulate SCENE and judge the result against its truth."""
+    """Simulate SCENE and judge the result against its truth.
+
+    The result is printed at once, then its error. A truth is made once and kept in the store.
+    """
     target = inputs.output(output, tuple(FORMATS))
     chosen_scene = inputs.scene(scene, parameters)
     chosen = inputs.settings(method=method, **options)
@@ -48,17 +60,23 @@ def command(
     chosen = chosen.model_copy(update={"method": inputs.method(solver, method)})
 
     from cross_checks.judge import one_run as compare
+    from cross_checks.judge.runs import UNTOLD
 
     try:
-        record, trajectory = compare.judged_run(chosen_scene, engine, chosen)
+        record, trajectory = compare.judged_run(chosen_scene, solver.name, chosen, truth=UNTOLD)
         if target is not None and trajectory is not None and record.status in ("success", "interrupted"):
             write_poses(trajectory, chosen_scene.body_names, target)
     except OSError as error:
         raise Failed(f"-o {output}: cannot be written: {error.strerror}") from error
+    if not as_json:
+        _show(record)
+    if trajectory is not None and not no_truth and record.status in ("success", "stop-event"):
+        told = len(record.notes)
+        record = _judged(chosen_scene, record, trajectory, store)
+        if not as_json:
+            _show_error(record, record.notes[told:])
     if as_json:
         echo_json(record.to_dict())
-    else:
-        _show(record)
     if record.status == "engine-missing":
         raise EngineAbsent(record.message)
     if record.status == "interrupted":
@@ -67,20 +85,24 @@ def command(
         raise Failed(f"{record.status}: {record.message}")
 
 
+def _judged(scene: Scene, record: Record, path: Trajectory, store: str | None) -> Record:
+    """Return the record with its error from the scene's truth, which the store keeps."""
+    from cross_checks.judge.runs import Runs, against
+
+    with Store(store_path(store)) as kept, awaited(f"making the truth of {scene.name}, once: --no-truth leaves it out"):
+        truth = Runs(kept).truth(scene, path.times)
+    return against(scene, Run(record, path), truth)
+
+
 MOST_TIMES = 12  # of a declared event that are printed; --json has them all
 
 
 def _show(record: Record) -> None:
     facts = table(f"{record.scene} by {record.engine}, {record.method}", "", "")
-    error = record.error
     facts.add_row("status", f"{record.status} {record.message}".rstrip())
     facts.add_row("reached", f"{record.t_end:g} s in {record.steps} steps, {record.rhs_calls} right-hand sides")
-    facts.add_row("error", "no truth known" if error is None else f"{number(error.value)} of the scene ({error.worst})")
     if record.estimate is not None:
         facts.add_row("estimated error", _estimate(record.estimate))
-    if error is not None:
-        known = f"{number(error.uncertainty)} of the scene, whose length is {number(error.length)} m"
-        facts.add_row("truth", f"{error.truth}, known to {known}")
     for name, metric in metrics.every().items():
         if record.measure(name) is not None:
             facts.add_row(metric.label, f"{number(record.measure(name))} {metric.unit}")
@@ -93,6 +115,21 @@ def _show(record: Record) -> None:
         facts.add_row("note", note)
     show(facts)
     show(_final(record))
+
+
+def _show_error(record: Record, notes: tuple[str, ...]) -> None:
+    """Show what the truth tells of the run, with the notes that came of it."""
+    facts, error = table("\nAgainst the truth", "", ""), record.error
+    facts.add_row("error", "no truth known" if error is None else f"{number(error.value)} of the scene ({error.worst})")
+    if error is not None:
+        known = f"{number(error.uncertainty)} of the scene, whose length is {number(error.length)} m"
+        facts.add_row("truth", f"{error.truth}, known to {known}")
+    for metric in component_errors.METRICS:
+        if record.measure(metric.name) is not None:
+            facts.add_row(metric.label, f"{number(record.measure(metric.name))} {metric.unit}")
+    for note in notes:
+        facts.add_row("note", note)
+    show(facts)
 
 
 def _estimate(estimate: dict[str, Any]) -> str:

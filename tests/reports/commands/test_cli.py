@@ -23,9 +23,11 @@ from benchmarks.pick import Choice
 from cross_checks import engines
 from cross_checks.engine import Engine, Method
 from cross_checks.judge import one_run as compare
+from cross_checks.judge import runs as judged_runs
 from cross_checks.judge.cell import Cell
 from cross_checks.judge.verdict import Verdict
 from cross_checks.records.record import Error, Record
+from cross_checks.truths import seek_truth
 from mbs_ref import scenes
 from mbs_ref.scene.toml import write_scene
 from mbs_ref.trajectory import Trajectory
@@ -88,7 +90,7 @@ def stand(monkeypatch, tmp_path):
         fakes["asked"] = {"scene": scene, "engine": engine, "settings": settings}
         return fakes["record"]
 
-    def judged_run(scene, engine, settings, *, partial=False):
+    def judged_run(scene, engine, settings, *, truth):
         return evaluate(scene, engine, settings), Quick().run(scene, settings)
 
     def check(runs, scene_list, engine_names, progress):
@@ -196,8 +198,37 @@ def test_simulate_prints_the_record(stand):
 def test_simulate_speaks_to_a_person(stand):
     done = run("simulate", "pendulum", "--engine", "quick")
     assert done.exit_code == 0
-    assert "1e-09 of the scene" in done.stdout
+    assert done.stdout.index("At the end") < done.stdout.index("of the scene (")
     assert "nan" not in done.stdout
+
+
+def test_simulate_makes_a_truth_once_or_not_at_all(stand, monkeypatch):
+    made = []
+    monkeypatch.setattr(judged_runs, "seek_truth", lambda *asked: made.append(asked) or seek_truth(*asked))
+    words = ("simulate", "pendulum", "--engine", "quick")
+    assert "Against the truth" not in run(*words, "--no-truth").stdout
+    assert made == []
+    assert run(*words).stdout == run(*words).stdout
+    assert len(made) == 1
+
+
+def test_an_engine_s_file_stands_for_its_name(stand, monkeypatch, tmp_path):
+    monkeypatch.setenv(engines.ADAPTERS, "")
+    file = tmp_path / "quick_.py"
+    file.write_text("found by its name, which the fake knows")
+    for words in (["check", "pendulum"], ["sweep", "pendulum"], ["pick", "pendulum", "--error", "1e-3"]):
+        assert run(*words, "--engine", str(file)).exit_code == 0
+        if words[0] != "pick":
+            assert stand["asked"]["engines"] == ["quick"]
+    assert f"--engine {file}" in run("pick", "pendulum", "--error", "1e-3", "--engine", str(file)).stdout
+    done = run("check", "pendulum", "--engine", str(tmp_path / "none_.py"))
+    assert (done.exit_code, "there is no such file" in done.stderr) == (2, True)
+
+
+def test_pick_says_how_to_run_a_scene_s_file(stand, tmp_path):
+    write_scene(scenes.make("slider_crank"), tmp_path / "mine.toml")
+    done = run("pick", str(tmp_path / "mine.toml"), "--error", "1e-3")
+    assert f"mbs-ref simulate {tmp_path / 'mine.toml'} --engine quick --method rk4 --step 0.01" in done.stdout
 
 
 def test_simulate_takes_a_file(stand, tmp_path):
@@ -209,7 +240,8 @@ def test_simulate_takes_a_file(stand, tmp_path):
 @pytest.mark.parametrize("suffix", [".npz", ".csv"])
 def test_simulate_writes_poses(stand, tmp_path, suffix):
     file = tmp_path / f"poses{suffix}"
-    assert run("simulate", "pendulum", "--engine", "quick", "--samples", "4", "-o", str(file)).exit_code == 0
+    words = ("simulate", "pendulum", "--engine", "quick", "--samples", "4", "--no-truth")
+    assert run(*words, "-o", str(file)).exit_code == 0
     if suffix == ".npz":
         assert np.load(file)["position"].shape == (4, 1, 2)
     else:
