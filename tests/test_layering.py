@@ -35,7 +35,8 @@ ROOMS = {
         "record_changes", "suites",
     ),
     "reports": (
-        "asking console exit_codes film poses_file reproduce", "inputs", "sweeping", "studies", "facts", "page",
+        "asking console exit_codes film poses_file reproduce scene_summary text_plot", "inputs run_plot",
+        "sweeping", "studies", "facts", "page",
         "commands", "cli",
     ),
 }  # fmt: skip

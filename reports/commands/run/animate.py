@@ -19,16 +19,19 @@ from reports.exit_codes import Failed
 @click.option("--frames", type=click.IntRange(2, 1000), default=81, show_default=True, help="Pictures in the GIF.")
 @click.option("--strip", type=click.IntRange(1, 64), default=8, show_default=True, help="Pictures in the filmstrip.")
 @click.option("--seconds", type=float, default=4.0, show_default=True, callback=inputs.positive, help="It plays for.")
+@click.option("--project-initial", is_flag=True, help="Repair inconsistent initial conditions.")
 @click.option("-o", "output", metavar="FILE.gif", help="Where to; SCENE.gif unless given. The strip is FILE.png.")
 def command(
     scene: str, parameters: tuple[str, ...], t_end: float | None, frames: int, strip: int, seconds: float,
-    output: str | None,
+    project_initial: bool, output: str | None,
 ) -> None:  # fmt: skip
     """Simulate SCENE with mbs_ref and draw it: FILE.gif plays, FILE.png shows moments side by side."""
     chosen = inputs.scene(scene, parameters)
     target = inputs.output(output or f"{chosen.name}.gif", (".gif",))
     assert target is not None
-    settings = inputs.settings(t_end=t_end, samples=frames, reactions=False)
+    settings = inputs.settings(
+        t_end=t_end, samples=frames, reactions=False, estimate="off", project_initial=project_initial
+    )  # fmt: skip
 
     from mbs_ref.simulate import InconsistentScene, simulate
     from reports.film import filmstrip, gif

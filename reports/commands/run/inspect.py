@@ -12,6 +12,7 @@ from mbs_ref.scene.traits import traits
 from mbs_ref.self_checks.stiffness import Stiffness, stiffness_at_start
 from reports import inputs
 from reports.console import echo_json, number, show, table
+from reports.scene_summary import summary
 
 SHOWN = 6  # eigenvalues
 
@@ -26,6 +27,7 @@ def command(scene: str, parameters: tuple[str, ...], as_json: bool) -> None:
     found = stiffness_at_start(chosen)
     result: dict[str, Any] = {
         "scene": chosen.name,
+        "summary": summary(chosen).sentence(),
         "traits": sorted(traits(chosen)),
         "breakpoints_s": chosen.breakpoints(),
         "contacts": len(chosen.contacts),

@@ -3,18 +3,32 @@
 from __future__ import annotations
 
 from dataclasses import asdict
+from pathlib import Path
 
 import click
 
 from mbs_ref import scenes
+from mbs_ref.scene.toml import SceneFileError, write_scene
+from reports import inputs
 from reports.console import echo_json, show, table
+from reports.exit_codes import Failed
+
+FOLDER = click.Path(file_okay=False, path_type=Path)
 
 
 @click.command(name="scenes")
+@click.argument("names", nargs=-1, metavar="[NAME...]")
+@click.option("-p", "parameters", multiple=True, metavar="NAME=VALUE", help="A parameter of the one scene to write.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
-def command(as_json: bool) -> None:
-    """List the scenes and their parameters."""
-    found = [scenes.describe(name) for name in scenes.names()]
+@click.option("--files", "folder", type=FOLDER, help="Write the scenes into this folder as TOML files.")
+def command(names: tuple[str, ...], parameters: tuple[str, ...], as_json: bool, folder: Path | None) -> None:
+    """List the scenes and their parameters, all or those named; --files writes them as files to start from."""
+    found = [_described(name) for name in names or scenes.names()]
+    if parameters and not (folder and len(names) == 1):
+        raise click.UsageError("-p belongs to --files and the name of one scene")
+    if folder is not None:
+        _write([info.name for info in found], parameters, folder)
+        return
     if as_json:
         echo_json([asdict(info) for info in found])
         return
@@ -22,3 +36,25 @@ def command(as_json: bool) -> None:
     for info in found:
         listing.add_row(info.name, " ".join(f"{k}={v}" for k, v in info.parameters.items()), info.summary)
     show(listing)
+
+
+def _described(name: str):
+    try:
+        return scenes.describe(name)
+    except ValueError as error:
+        raise click.UsageError(str(error)) from error
+
+
+def _write(names: list[str], parameters: tuple[str, ...], folder: Path) -> None:
+    """Write a file a scene; one that holds a Python function cannot be written, and is named."""
+    folder.mkdir(parents=True, exist_ok=True)
+    failed = []
+    for name in names:
+        try:
+            write_scene(inputs.scene(name, parameters), folder / f"{name}.toml")
+            click.echo(folder / f"{name}.toml")
+        except SceneFileError as error:
+            failed.append(name)
+            click.echo(str(error), err=True)
+    if failed:
+        raise Failed(f"not written: {', '.join(failed)}")

@@ -17,6 +17,8 @@ from reports.asking import STORE, store_path
 from reports.console import awaited, echo_json, number, show, table
 from reports.exit_codes import EngineAbsent, Failed, Incomplete
 from reports.poses_file import FORMATS, write_poses
+from reports.run_plot import never_closed, run_plot
+from reports.scene_summary import summary
 
 
 @click.command(name="simulate")
@@ -36,6 +38,7 @@ from reports.poses_file import FORMATS, write_poses
 @click.option("--stop-on-compliance", is_flag=True, help="End the run where |C(q, t)| < step fails (the papers' test).")
 @click.option("--no-truth", is_flag=True, help="Hold the result against no truth: the first may take a minute to make.")
 @click.option("--json", "as_json", is_flag=True, help="Print the whole record as JSON.")
+@click.option("--plot", is_flag=True, help="Draw the last body's path and the error over time, in characters.")
 @click.option("-o", "output", metavar="FILE", help="Write times and poses to a .npz or .csv file.")
 @STORE
 def command(
@@ -47,6 +50,7 @@ def command(
     as_json: bool,
     no_truth: bool,
     store: str | None,
+    plot: bool,
     **options: Any,
 ) -> None:
     """Simulate SCENE and judge the result against its truth.
@@ -58,6 +62,9 @@ def command(
     chosen = inputs.settings(method=method, **options)
     solver = inputs.engine(engine)
     chosen = chosen.model_copy(update={"method": inputs.method(solver, method)})
+
+    if not as_json:
+        click.echo(summary(chosen_scene).sentence())
 
     from cross_checks.judge import one_run as compare
     from cross_checks.judge.runs import UNTOLD
@@ -77,6 +84,8 @@ def command(
             _show_error(record, record.notes[told:])
     if as_json:
         echo_json(record.to_dict())
+    if trajectory is not None and not as_json:
+        _show_path(chosen_scene, trajectory, record, plot)
     if record.status == "engine-missing":
         raise EngineAbsent(record.message)
     if record.status == "interrupted":
@@ -94,6 +103,16 @@ def _judged(scene: Scene, record: Record, path: Trajectory, store: str | None) -
     return against(scene, Run(record, path), truth)
 
 
+def _show_path(scene: Scene, path: Trajectory, record: Record, plot: bool) -> None:
+    open_all_along = never_closed(path)
+    if open_all_along:
+        named = ", ".join(open_all_along[:MOST_NAMED]) + (" ..." if len(open_all_along) > MOST_NAMED else "")
+        click.echo(f"Never closed in {path.times[-1]:g} s, of {len(path.contacts)} contacts: {named}")
+    if plot and len(path.times) > 1:
+        click.echo(f"\n{run_plot(scene, path, record)}")
+
+
+MOST_NAMED = 6  # contacts that never closed
 MOST_TIMES = 12  # of a declared event that are printed; --json has them all
 
 

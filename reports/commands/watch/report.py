@@ -19,7 +19,7 @@ FOLDER = click.Path(file_okay=False, path_type=Path)
 @click.option("--quick", is_flag=True, help="Few scenes, for a first look.")
 @click.option("--render", "render_only", is_flag=True, help="Render the data of the last report; simulate nothing.")
 @click.option("--retime", is_flag=True, help="Time anew what is ranked, though the store holds times of it.")
-@click.option("--text", is_flag=True, help="Print verdicts and prices, too.")
+@click.option("--text", is_flag=True, help="Print advice, prices, verdicts and small plots, too.")
 @click.option("-o", "folder", default="reports/out", show_default=True, type=FOLDER)
 def command(open_it: bool, quick: bool, render_only: bool, retime: bool, text: bool, folder: Path) -> None:
     """Run the comparison and write small HTML pages that work offline, with their data beside them.
@@ -27,6 +27,7 @@ def command(open_it: bool, quick: bool, render_only: bool, retime: bool, text: b
     Runs are made once and kept in the store (MBS_REF_STORE, else the cache folder): the next report makes what changed.
     Ctrl-C leaves pages of what there is, and exit code 4.
     """
+    from reports.commands.watch.show import last_report, print_report
     from reports.page.build import render_again, write_report
 
     if render_only:
@@ -38,7 +39,7 @@ def command(open_it: bool, quick: bool, render_only: bool, retime: bool, text: b
         with progress("report") as report:
             page, incomplete = write_report(folder, quick, report, retime)
     if text:
-        click.echo((folder / "report.md").read_text(encoding="utf-8"))
+        print_report(last_report(folder))
     click.echo(page)
     if incomplete:
         raise Incomplete(f"{incomplete}; the page shows what there is")

@@ -2,9 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict
+
 import click
 
 from cross_checks import engines
+from cross_checks.extremes import every, named
+from cross_checks.extremes.judge import Fate
+from cross_checks.extremes.run import cell_of
+from cross_checks.isolation.parent import Isolated
 from cross_checks.judge.cell import judge_method, truth_of
 from cross_checks.judge.runs import Runs
 from cross_checks.records.store import Store
@@ -12,20 +18,46 @@ from reports import inputs
 from reports.asking import isolated
 from reports.console import echo_json, number, show, table
 from reports.exit_codes import Failed
+from reports.facts.gather import STUDIES, measure_study
 
 
 @click.command(name="rerun")
-@click.argument("cell", metavar="SCENE[,NAME=VALUE...]/ENGINE/METHOD")
+@click.argument("cell", metavar="CELL")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 def command(cell: str, as_json: bool) -> None:
-    """Make every run of a CELL of the report again and judge it; nothing is taken from the store or kept in it.
+    """Make a CELL of the report again; nothing is taken from the store or kept in it.
 
-    For example mbs-ref rerun pendulum_chain,links=3/mujoco/rk4. Exit code 1 where the verdict accuses the method.
+    SCENE[,NAME=VALUE...]/ENGINE/METHOD judges a method anew: mbs-ref rerun pendulum_chain,links=3/mujoco/rk4.
+    EXTREME/ENGINE/METHOD drives it along an extreme's axis: mbs-ref rerun overflow/exudyn/trapezoidal.
+    STUDY measures a study: mbs-ref rerun space. Exit code 1 where the verdict accuses the method.
     """
-    named = cell.split("/")
-    if len(named) != 3:
-        raise click.UsageError(f"cell {cell!r} must be SCENE[,NAME=VALUE...]/ENGINE/METHOD")
-    (name, *parameters), engine, method = named[0].split(","), named[1], named[2]
+    parts = cell.split("/")
+    if cell in STUDIES:
+        echo_json(asdict(measure_study(cell)))
+    elif len(parts) != 3:
+        raise click.UsageError(f"cell {cell!r} must be SCENE[,NAME=VALUE...]/ENGINE/METHOD, EXTREME/ENGINE/METHOD or "
+                               f"one of {', '.join(STUDIES)}")  # fmt: skip
+    elif parts[0] in {extreme.name for extreme in every()}:
+        _extreme(*parts)
+    else:
+        _judge(cell, as_json)
+
+
+def _extreme(name: str, engine: str, method: str) -> None:
+    """Drive a method along the axis of an extreme, in a process of its own."""
+    solver = inputs.engine(engine)
+    chosen = solver.method(inputs.method(solver, method))
+    with Isolated() as call:
+        found = cell_of(named(name), solver, chosen, False, call)
+    echo_json(found.to_dict())
+    if found.fate == Fate.SILENTLY_WRONG:
+        raise Failed(f"{name}/{engine}/{method}: {found.fate}")
+
+
+def _judge(cell: str, as_json: bool) -> None:
+    """Judge a method on a scene, every run made afresh."""
+    first, engine, method = cell.split("/")
+    name, *parameters = first.split(",")
     scene, solver = inputs.scene(name, parameters), inputs.engine(engine)
     chosen = engines.get(engine).method(inputs.method(solver, method))
     with isolated((scene,)) as call:

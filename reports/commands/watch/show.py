@@ -13,11 +13,15 @@ import click
 from mbs_ref.scene.messages import suggest
 from reports.console import echo_json, show, table
 from reports.exit_codes import NothingSelected
+from reports.facts.cheapest import known_error, loop_time, usable
 from reports.facts.report_data import ReportData
+from reports.page.advice import advice
 from reports.page.files import PRICES, price_row
 from reports.page.publish import read_data
+from reports.page.sections.decisions import told
 from reports.page.sections.matrix import refused, view
-from reports.page.sections.prices import price_table
+from reports.page.sections.prices import cannot, price_table
+from reports.text_plot import text_plot
 
 FOLDER = click.Path(file_okay=False, path_type=Path)
 
@@ -66,11 +70,36 @@ def _print(data: ReportData, label: str, as_csv: bool, as_json: bool) -> None:
         _tables(data, label, prices)
 
 
+def price_plot(data: ReportData) -> str:
+    """Return error against loop time in characters: each engine's runs that none of its own beats."""
+    lines = {}
+    for engine in data.engines:
+        runs = sorted((loop_time(r) * 1e3, known_error(r)) for r in data.records if r.engine == engine and usable(r))
+        best = [pair for k, pair in enumerate(runs) if all(pair[1] < other for _, other in runs[:k])]
+        lines[engine] = ([ms for ms, _ in best], [error for _, error in best])
+    return text_plot(lines, "loop time, ms", "error over the scene's scales", log_x=True, log_y=True)
+
+
+def print_report(data: ReportData) -> None:
+    """Print what the first screen says, then every scene."""
+    listing = table(told(data), "engine", "use", "reaches", "wrong with success reported", "pace")
+    for line in advice(data):
+        listing.add_row(line.engine, line.use, line.reach, "; ".join(line.silent) or "nothing seen", line.pace or "-")
+    show(listing)
+    for label in data.scenes:
+        _print(data.only(scene=label), label, as_csv=False, as_json=False)
+
+
 def _tables(data: ReportData, label: str, prices: list[list[str]]) -> None:
     listing = table(f"{label}: cost at equal error, over the scene's own scales", *PRICES)
+    never = cannot(price_table(data, label))
     for row in prices:
-        listing.add_row(*row)
+        if row[1] not in never:  # said once, below
+            listing.add_row(*row)
     show(listing)
+    plot = price_plot(data)
+    if plot:
+        click.echo(f"\n{plot}")
     verdicts = table("\nVerdicts", "engine", "method", "verdict", "error", "setting", "why")
     for cell in data.cells:
         if cell.verdict not in ("cannot", "engine-missing"):
