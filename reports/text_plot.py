@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 WIDTH, HEIGHT = 72, 16  # characters of the field
 MARKS = "ox+*#@%&"
 
 
 def text_plot(
-    lines: Mapping[str, tuple[Sequence[float], Sequence[float]]], x_label: str, y_label: str,
+    lines: Mapping[str, tuple[ArrayLike, ArrayLike]], x_label: str, y_label: str,
     log_x: bool = False, log_y: bool = False,
 ) -> str:  # fmt: skip
     """Return a plot of every line's (x, y), each with a mark of its own; empty where there is nothing to draw.
@@ -33,7 +34,7 @@ def text_plot(
     return "\n".join(_framed(field, _ends(low, high, 1, log_y), _ends(low, high, 0, log_x), x_label, y_label, points))
 
 
-def _on_axes(x: Sequence[float], y: Sequence[float], log_x: bool, log_y: bool) -> np.ndarray:
+def _on_axes(x: ArrayLike, y: ArrayLike, log_x: bool, log_y: bool) -> np.ndarray:
     """Return the points (n, 2) that can be drawn, in the axes' own measure."""
     with np.errstate(divide="ignore", invalid="ignore"):
         columns = [np.log10(v) if log else np.asarray(v, float) for v, log in ((x, log_x), (y, log_y))]
