@@ -25,6 +25,7 @@ class OneFreedom:
     gravity: np.ndarray  # (3,) m/s^2
     start: Any  # s at t = 0, in any precision
     rate: Any  # s' at t = 0
+    stored: Callable[[Jet], Jet] = lambda s: s * 0  # s -> the potential of all forces but weight, J
 
     def at(self, s):
         """Return J, J' / 2, V and V' at s."""
@@ -34,8 +35,9 @@ class OneFreedom:
         momentum = np.einsum("kij,kj->ki", self.inertia, spin)
         size = np.sum(self.mass[:, None] * place.first**2) + np.sum(spin * momentum)
         half_slope = np.sum(self.mass[:, None] * place.first * place.second) + np.sum(more * momentum)
-        weight = self.mass[:, None] * self.gravity
-        return size, half_slope, -np.sum(place.value * weight), -np.sum(place.first * weight)
+        weight, stored = self.mass[:, None] * self.gravity, self.stored(jet.parameter(s))
+        height, pull = -np.sum(place.value * weight), -np.sum(place.first * weight)
+        return size, half_slope, height + stored.value, pull + stored.first
 
     def world(self, s) -> tuple[np.ndarray, np.ndarray]:
         """Return centres (n, 3) and Euler parameters (n, 4)."""

@@ -58,7 +58,7 @@ def test_a02_equals_its_differential_equation(loops):
 
 def test_scenes_start_where_their_truths_do():
     elsewhere = {"solar_system", "pleiades"}  # seen from a body, known at the end alone: test_against_de440.py
-    long = {"android_vertebral"}  # half a minute: test_android_truths.py
+    long = {"android_vertebral", "andrews"}  # half a minute: test_android_truths.py, test_published_problems.py
     for name in sorted(set(known()) - elsewhere - long):
         scene = scenes.make(name)
         start = [body.position for body in scene.bodies]

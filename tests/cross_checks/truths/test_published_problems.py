@@ -1,0 +1,41 @@
+"""Scenes whose end is published elsewhere: how many of the published digits the truth and the solver hold."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from cross_checks.judge.ladder import grid
+from cross_checks.truths import truth_for
+from mbs_ref import scenes
+from mbs_ref.settings import Settings
+from mbs_ref.simulate import simulate
+
+# Test Set for Initial Value Problem Solvers, release 2.4, andrews, t = 0.03 s; its own accuracy is about 1e-9 rad.
+ANDREWS = {
+    "beta": 15.81077119629904, "Theta": -15.75637105984298, "gamma": 0.04082224013073101, "Phi": -0.5347301163226948,
+    "delta": 0.5244099658805304, "Omega": 0.5347301163226948, "epsilon": 1.048080741042263,
+}  # fmt: skip
+HOLDS = 2e-9  # rad
+
+
+def published_angles() -> np.ndarray:
+    q = ANDREWS
+    return np.array([q["beta"], q["beta"] + q["Theta"], q["gamma"], q["Phi"] + q["delta"], q["delta"],
+                     q["Omega"] + q["epsilon"], q["epsilon"]])  # fmt: skip
+
+
+def apart(first: np.ndarray, second: np.ndarray) -> float:
+    """Return the largest angle between, whole turns apart, rad."""
+    return float(np.max(np.abs(np.remainder(first - second + np.pi, 2.0 * np.pi) - np.pi)))
+
+
+def test_andrews_squeezer_ends_at_the_published_angles():
+    scene = scenes.make("andrews")
+    truth = truth_for(scene, grid(scene))
+    assert truth is not None
+    path = simulate(scene, Settings(method="dop853", rtol=1e-12, estimate="off"), grid(scene))
+    assert path.ok
+    assert apart(truth.orientation[-1], published_angles()) < HOLDS
+    assert apart(path.orientation[-1], published_angles()) < HOLDS
+    assert np.max(np.abs(path.position - truth.position)) < 1e-11  # m; of recomputed values
+    assert path.orientation[-1, 0] > 5.0 * np.pi  # two and a half turns of the crank
