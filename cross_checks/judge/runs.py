@@ -35,6 +35,11 @@ class Runs:
     store: Store = field(default_factory=Store)
     call: Caller = direct  # makes the runs; cross_checks.isolation.parent survives engines that do not come back
     made: int = 0  # runs that were not in the store
+    times: np.ndarray | None = None  # (n_t,) s of every run; the judges' grid unless given
+
+    def grid(self, scene: Scene) -> np.ndarray:
+        """Return the times of a scene's runs (n_t,), s."""
+        return grid(scene) if self.times is None else self.times
 
     def judged(self, scene: Scene, engine: str, settings: Settings, truth: Truth | NoTruth) -> Record:
         """Return the record of a run on the judges' grid, held against a truth."""
@@ -51,7 +56,7 @@ class Runs:
             return held
         self.made += 1
         try:
-            made = self.call(make, scene, engine, settings, grid(scene))
+            made = self.call(make, scene, engine, settings, self.grid(scene))
         except Lost as lost:
             made = Run(without_run(scene, engine, settings, lost.status, str(lost)), None)
         self.keep(scene, engine, settings, made)
@@ -59,7 +64,7 @@ class Runs:
 
     def held(self, scene: Scene, engine: str, settings: Settings) -> Run | None:
         """Return the run that the store holds, under the name that the scene has here: physics alone decided it."""
-        kept = self.store.run(run_name(scene, engines.get(engine), settings, grid(scene)))
+        kept = self.store.run(run_name(scene, engines.get(engine), settings, self.grid(scene)))
         if kept is None:
             return None
         return replace(kept, record=replace(kept.record, scene=scene.name, parameters=dict(scene.parameters)))
@@ -67,14 +72,14 @@ class Runs:
     def keep(self, scene: Scene, engine: str, settings: Settings, run: Run) -> None:
         """Keep a run that another process made, unless it was lost for want of time or memory."""
         if run.record.status not in PASSING:
-            self.store.keep_run(run_name(scene, engines.get(engine), settings, grid(scene)), run)
+            self.store.keep_run(run_name(scene, engines.get(engine), settings, self.grid(scene)), run)
 
     def truth(self, scene: Scene, times: np.ndarray | None = None) -> Truth | NoTruth:
         """Return the scene's truth at `times` (s; the judges' grid unless given): kept, or made and kept.
 
         The reason where there is none.
         """
-        asked = grid(scene) if times is None else times
+        asked = self.grid(scene) if times is None else times
         key = truth_name(scene, asked)
         kept = self.store.arrays(key)
         if kept is not None:

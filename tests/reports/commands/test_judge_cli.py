@@ -8,6 +8,7 @@ import pytest
 from click.testing import CliRunner, Result
 
 from mbs_ref import scenes
+from mbs_ref.scene.toml import dumps, read_scene
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
 from reports.cli import main
@@ -98,3 +99,17 @@ def test_what_cannot_be_read_is_a_sentence(tmp_path):
     done = run(str(tmp_path / "bad.csv"), "pendulum")
     assert done.exit_code == 2
     assert "line 2, column 'x': 'a' is no number" in done.output
+
+
+def test_a_scene_of_the_users_own_is_judged_by_what_engines_agree_on(tmp_path):
+    text = dumps(scenes.make("driven_pendulum").model_copy(update={"name": "mine", "gravity": (0.1, -9.0)}))
+    (tmp_path / "mine.toml").write_text(text)
+    scene = read_scene(str(tmp_path / "mine.toml"))
+    path = simulate(scene, Settings(method="dop853", rtol=1e-12, samples=7, estimate="off"))
+    write_poses(path, list(scene.body_names), tmp_path / "mine.csv")
+    words = [str(tmp_path / "mine.csv"), str(tmp_path / "mine.toml"), "--json"]
+    done = CliRunner().invoke(main, ["judge", *words], prog_name="mbs-ref")
+    assert done.exit_code == 0, done.output
+    told = json.loads(done.stdout)
+    assert told["verdict"] == "agrees"
+    assert told["error"]["truth"].startswith("agreed: agreed, not certified")
