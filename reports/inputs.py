@@ -19,6 +19,7 @@ from mbs_ref.scene import Scene
 from mbs_ref.scene import messages as problems
 from mbs_ref.scene.scales import scales_of
 from mbs_ref.scene.toml import SceneFileError, read_scene
+from mbs_ref.self_checks import kept_rates
 from mbs_ref.settings import Settings
 from reports.exit_codes import EngineAbsent
 
@@ -41,6 +42,20 @@ def scene(name_or_file: str, parameters: Sequence[str] = ()) -> Scene:
         raise click.UsageError(problems.sentences(error, Scene, {})) from error
     except (SceneFileError, ValueError) as error:
         raise click.UsageError(str(error)) from error
+
+
+def keeping(scene: Scene, kept: Sequence[str]) -> Scene:
+    """Return the scene with consistent initial velocities that keep what `kept` names; as it is without a name."""
+    if not kept:
+        return scene
+    try:
+        return kept_rates.keeping(scene, kept, Settings().initial_tolerance)
+    except ValueError as error:
+        raise click.UsageError(str(error)) from error
+
+
+KEEP = click.option("--keep", "kept", multiple=True, metavar="BODY.velocity|BODY.angular_velocity",
+                    help="Keep this initial velocity and make the others fit the joints; repeatable.")  # fmt: skip
 
 
 def settings(**chosen: Any) -> Settings:

@@ -29,7 +29,8 @@ def consistent_start(system: System, y: np.ndarray, settings: Settings) -> list[
     if not settings.project_initial:
         raise InconsistentScene(
             f"initial conditions break {len(gaps)} constraint(s) by more than {settings.initial_tolerance:g}: "
-            f"{'; '.join(gaps[:8])}. Mend the scene, or ask for projection (project_initial)"
+            f"{'; '.join(gaps[:8])}. Mend the scene, ask for projection (project_initial), "
+            "or keep some velocities and let the others follow (--keep)"
         )
     before = y.copy()
     left = system.project(0.0, y)

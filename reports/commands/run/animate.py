@@ -20,13 +20,14 @@ from reports.exit_codes import Failed
 @click.option("--strip", type=click.IntRange(1, 64), default=8, show_default=True, help="Pictures in the filmstrip.")
 @click.option("--seconds", type=float, default=4.0, show_default=True, callback=inputs.positive, help="It plays for.")
 @click.option("--project-initial", is_flag=True, help="Repair inconsistent initial conditions.")
+@inputs.KEEP
 @click.option("-o", "output", metavar="FILE.gif", help="Where to; SCENE.gif unless given. The strip is FILE.png.")
 def command(
     scene: str, parameters: tuple[str, ...], t_end: float | None, frames: int, strip: int, seconds: float,
-    project_initial: bool, output: str | None,
+    project_initial: bool, kept: tuple[str, ...], output: str | None,
 ) -> None:  # fmt: skip
     """Simulate SCENE with mbs_ref and draw it: FILE.gif plays, FILE.png shows moments side by side."""
-    chosen = inputs.scene(scene, parameters)
+    chosen = inputs.keeping(inputs.scene(scene, parameters), kept)
     target = inputs.output(output or f"{chosen.name}.gif", (".gif",))
     assert target is not None
     settings = inputs.settings(

@@ -35,6 +35,7 @@ from reports.scene_summary import summary
 @click.option("--events", type=click.Choice(["located", "none"]), help="Locate contact events, or merely clip forces.")
 @click.option("--estimate", type=click.Choice(["on", "off"]), help="Whether a second run estimates the error; on.")
 @click.option("--project-initial", is_flag=True, help="Repair inconsistent initial conditions and report by how much.")
+@inputs.KEEP
 @click.option("--stop-on-compliance", is_flag=True, help="End the run where |C(q, t)| < step fails (the papers' test).")
 @click.option("--no-truth", is_flag=True, help="Hold the result against no truth: the first may take a minute to make.")
 @click.option("--json", "as_json", is_flag=True, help="Print the whole record as JSON.")
@@ -51,6 +52,7 @@ def command(
     no_truth: bool,
     store: str | None,
     plot: bool,
+    kept: tuple[str, ...],
     **options: Any,
 ) -> None:
     """Simulate SCENE and judge the result against its truth.
@@ -58,7 +60,7 @@ def command(
     The result is printed at once, then its error. A truth is made once and kept in the store.
     """
     target = inputs.output(output, tuple(FORMATS))
-    chosen_scene = inputs.scene(scene, parameters)
+    chosen_scene = inputs.keeping(inputs.scene(scene, parameters), kept)
     chosen = inputs.settings(method=method, **options)
     solver = inputs.engine(engine)
     chosen = chosen.model_copy(update={"method": inputs.method(solver, method)})

@@ -1,0 +1,42 @@
+"""A scene whose bodies were stopped but one gets its own velocities back: the joints have one freedom."""
+
+import numpy as np
+import pytest
+
+from mbs_ref import scenes
+from mbs_ref.scene import Scene
+from mbs_ref.self_checks.consistent_start import InconsistentScene
+from mbs_ref.self_checks.kept_rates import keeping
+
+CLOSED = 1e-9  # m/s, rad/s
+
+
+def stopped(scene: Scene, but: str) -> Scene:
+    """Return the scene with the velocities of one body alone."""
+    still = {2: {"velocity": (0.0, 0.0), "angular_velocity": 0.0},
+             3: {"velocity": (0.0,) * 3, "angular_velocity": (0.0,) * 3}}[scene.dimension]  # fmt: skip
+    bodies = tuple(b if b.name == but else b.model_copy(update=still) for b in scene.bodies)
+    return scene.model_copy(update={"bodies": bodies})
+
+
+@pytest.mark.parametrize("name", ["slider_crank", "spatial_n_four_bar"])
+def test_the_others_follow_from_the_one_that_is_kept(name):
+    scene = scenes.make(name)
+    fastest = max(scene.bodies, key=lambda body: np.linalg.norm(body.angular_velocity))
+    found = keeping(stopped(scene, fastest.name), [f"{fastest.name}.angular_velocity"], CLOSED)
+    for body, original in zip(found.bodies, scene.bodies, strict=True):
+        assert np.allclose(body.velocity, original.velocity, atol=1e-9), body.name
+        assert np.allclose(body.angular_velocity, original.angular_velocity, atol=1e-9), body.name
+
+
+def test_what_no_joint_allows_is_refused():
+    scene = scenes.make("slider_crank")
+    crank = scene.bodies[0].model_copy(update={"angular_velocity": 9.0})
+    faster = scene.model_copy(update={"bodies": (crank, *scene.bodies[1:])})
+    with pytest.raises(InconsistentScene, match="crank"):
+        keeping(faster, ["crank.angular_velocity", "slider.velocity"], CLOSED)
+
+
+def test_an_unknown_name_is_told():
+    with pytest.raises(ValueError, match="allowed: BODY"):
+        keeping(scenes.make("slider_crank"), ["crnk.angular_velocity"], CLOSED)
