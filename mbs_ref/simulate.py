@@ -10,7 +10,7 @@ import numpy as np
 from mbs_ref.cores.choice import compile_scene
 from mbs_ref.cores.system import System
 from mbs_ref.integrators.loop.leg import progress
-from mbs_ref.run.legs import Run, run_legs
+from mbs_ref.run.legs import Run, finite_part, run_legs
 from mbs_ref.run.plan import Plan, integration_options, make_plan
 from mbs_ref.scene import Scene
 from mbs_ref.self_checks.consistent_start import (
@@ -66,7 +66,7 @@ def simulate(scene: Scene, settings: Settings | None = None, times: np.ndarray |
     _first_call(system, plan, y)
     system.start_contacts(0.0, y, located)
     ready = time.perf_counter()
-    run = run_legs(system, plan, y)
+    run = finite_part(system, run_legs(system, plan, y))
     timing = Timing(build_s=built - started, first_call_s=ready - built, loop_s=run.loop_s)
     path = _trajectory(system, plan, run, notes, timing)
     return _with_estimate(system, plan, run, path)
@@ -100,7 +100,8 @@ def _trajectory(system: System, plan: Plan, run: Run, notes: list[str], timing: 
         method_switches=counts.switches if plan.integrator.switches else None,
         timing=timing,
         step_compliance=np.column_stack((times, run.compliance)),
-        notes=(*notes, *_switching(plan, counts.switches), *singular_passage(system, times, states)),
+        notes=(*notes, *_switching(plan, counts.switches), *_carried(plan, run), *singular_passage(system, times, states)),
+        used=_used(plan, run),
         contacts=contacts,
         event_times=system.contact_events() if system.event_sources else None,
         event_names=system.event_sources,
@@ -126,6 +127,23 @@ def _switching(plan: Plan, count: int) -> tuple[str, ...]:
     if not plan.integrator.switches:
         return ()
     return (f"{plan.integrator.name} changed {count} times between {plan.integrator.switches}",)
+
+
+def _carried(plan: Plan, run: Run) -> tuple[str, ...]:
+    """Say for what share of the time another method went on in place of the one that was asked for."""
+    if run.carried_share == 0.0:
+        return ()
+    return (f"DOP853 carried {plan.integrator.name} past singular poses, for {run.carried_share:.2g} of the time",)
+
+
+def _used(plan: Plan, run: Run) -> dict[str, float]:
+    """Return the settings that the run had, defaults included, and what share of the time another method made."""
+    options = plan.options
+    accuracy = {"step": options.step} if options.step else {"rtol": options.rtol, "atol": options.atol}
+    restored = {"projection_tolerance": options.projection_tolerance} if options.project else {}
+    damped = {"baumgarte_gain": plan.baumgarte_gain} if plan.baumgarte_gain else {}
+    carried = {"carried_share": run.carried_share} if run.carried_share else {}
+    return accuracy | restored | damped | carried | {"samples": len(plan.times)}
 
 
 def _reactions(system: System, plan: Plan, times: np.ndarray, states: np.ndarray) -> dict[str, np.ndarray]:

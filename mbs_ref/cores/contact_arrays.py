@@ -9,8 +9,10 @@ import numpy as np
 from mbs_ref.kernels.contact import laws as shared
 from mbs_ref.scene import Scene
 from mbs_ref.scene.contact import FrictionNumbers
+from mbs_ref.scene.scales import scales_of
 
 NOISE = 1e-13  # of the scene's size in metres (at least 1 m): above what roundoff and projection leave of a gap
+SLOW = 1e-8  # of the scene's speed, about eps^(1/2)
 MOST_LOGGED = 100_000  # events of one run whose modes are kept for output
 
 
@@ -46,4 +48,4 @@ def contact_noise(scene: Scene) -> float:
 
 def contact_modes(scene: Scene, count: int) -> shared.ContactModes:
     """Return `count` modes before a run has settled them."""
-    return shared.fresh_modes(count, contact_noise(scene), MOST_LOGGED, scene.dimension)
+    return shared.fresh_modes(count, contact_noise(scene), SLOW * scales_of(scene).speed, MOST_LOGGED, scene.dimension)

@@ -1,8 +1,8 @@
 """One compiler decorator, with a disk cache that can never serve stale code.
 
 Numba's cache watches only the file of the compiled function, not the files it calls. Here compiled code is kept
-under a digest of every source that it can be made of: its module's, and those of all modules of this project which
-that one imports, directly or not. So a change recompiles what it touches and nothing else, in whatever package the
+under a digest of every source that it can be made of: its module's, and those of all modules which that one imports,
+directly or not, from this project or from the folder that its own package lies in. So a change recompiles what it touches and nothing else, in whatever package the
 compiled function lies, and checkouts whose sources are equal share their code.
 """
 
@@ -12,6 +12,7 @@ import hashlib
 import importlib.util
 import os
 import re
+import sys
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
@@ -21,6 +22,7 @@ import numba
 from numba import types
 from numba.core import caching
 
+_PROJECT = Path(__file__).parents[2]
 # Imports in a module's first column: those within functions, or for types alone, reach no compiled code.
 _IMPORT = re.compile(r"^(?:from ([\w.]+) import (\([^)]*\)|[^\n]*)|import ([\w., ]+))", re.MULTILINE)
 
@@ -40,7 +42,7 @@ def source_digest(module: str) -> str:
 
 
 def sources_of(module: str) -> frozenset[str]:
-    """Return the module and every module of its project that it imports, directly or not."""
+    """Return the module and every module that compiled code of it can be made of."""
     reached, waiting = {module}, [module]
     while waiting:
         new = _source(waiting.pop())[1] - reached
@@ -51,7 +53,7 @@ def sources_of(module: str) -> frozenset[str]:
 
 @cache
 def _source(module: str) -> tuple[bytes, frozenset[str]]:
-    """Return a module's source and what it imports of the packages that lie beside its own."""
+    """Return a module's source and what it imports of this project and of the packages beside its own."""
     file = _file_of(module)
     if file is None:
         return b"", frozenset()
@@ -63,7 +65,7 @@ def _source(module: str) -> tuple[bytes, frozenset[str]]:
             found |= {name.split(" as ")[0].strip() for name in plain.split(",")}
         else:
             found |= {parent, *(f"{parent}.{name}" for name in re.findall(r"\w+(?: as \w+)?", names))}
-    return content, frozenset(name for name in found if _lies_in(home, name))
+    return content, frozenset(name for name in found if _lies_in(home, name) or _lies_in(_PROJECT, name))
 
 
 def _home_of(module: str, file: Path) -> Path:
@@ -79,8 +81,13 @@ def _lies_in(home: Path, module: str) -> bool:
 
 @cache
 def _file_of(module: str) -> Path | None:
-    spec = importlib.util.find_spec(module)
-    return Path(spec.origin) if spec is not None and spec.origin and spec.origin.endswith(".py") else None
+    """Return a module's source; None where it has none, as what is typed at a prompt."""
+    if module == "__main__":  # a script: it has no spec
+        origin = getattr(sys.modules[module], "__file__", None)
+    else:
+        spec = importlib.util.find_spec(module)
+        origin = spec.origin if spec is not None else None
+    return Path(origin).absolute() if origin and origin.endswith(".py") else None
 
 
 class _BySources(caching._CacheLocator):
@@ -123,7 +130,8 @@ class _Cache(caching.FunctionCache):
 def _compiler(**options: Any) -> Callable[[Callable], Any]:
     def compiled(function: Callable) -> Any:
         dispatcher: Any = numba.njit(**options)(function)
-        dispatcher._cache = _Cache(function)
+        if _file_of(function.__module__) is not None:
+            dispatcher._cache = _Cache(function)
         return dispatcher
 
     return compiled

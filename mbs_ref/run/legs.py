@@ -44,6 +44,7 @@ class Run(NamedTuple):
     status: Status
     message: str
     loop_s: float  # in the integrator
+    carried_share: float  # of the time reached, passed by DOP853 in place of a multistep method
 
 
 class LegPlan(NamedTuple):
@@ -73,7 +74,22 @@ def run_legs(system: System, plan: Plan, y: np.ndarray, refine: int = 1) -> Run:
         times, states, compliance = np.append(times, stuck), np.vstack((states, y)), np.append(compliance, 0.0)
     elif status is not Status.SUCCESS:
         message += f"; the last good output is at t = {times[-1]:.9g} s"
-    return Run(times, states, compliance, counts, status, message, loop_s)
+    carried_s = sum(leg.carried_s for leg in legs)
+    share = carried_s / stuck if carried_s else 0.0
+    return Run(times, states, compliance, counts, status, message, loop_s, share)
+
+
+def finite_part(system: System, run: Run) -> Run:
+    """Return the run up to its last finite output: one that holds an infinite or NaN number has failed there."""
+    with np.errstate(all="ignore"):
+        bad = [~np.isfinite(values).reshape(len(run.times), -1).all(axis=1) for values in system.poses(run.states)]
+    places = np.flatnonzero(np.any(bad, axis=0))
+    if not len(places):
+        return run
+    good = int(places[0])
+    message = f"the output at t = {run.times[good]:.9g} s holds an infinite number or NaN"
+    return run._replace(times=run.times[:good], states=run.states[:good], compliance=run.compliance[:good],
+                        status=Status.NON_FINITE, message=message)  # fmt: skip
 
 
 def _planned(system: System, plan: Plan, refine: int) -> list[LegPlan]:

@@ -93,6 +93,7 @@ class Leg:
     reached: int
     status: Status
     message: str = ""
+    carried_s: float = 0.0  # of its time, passed by DOP853 where the method could not (loop/crossing.py)
 
 
 class Pace:

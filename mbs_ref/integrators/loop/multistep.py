@@ -48,6 +48,7 @@ class MultistepLeg:
         self.loops = options.project and system.n_closure_rows > 0
         self.pace = Pace(self.t, float(times[-1]), options.max_steps, LOOK_EVERY)
         self.ending: Ending | None = None
+        self.carried = 0.0  # s, passed by DOP853
         self._settle()
 
     def goes_on(self) -> bool:
@@ -104,6 +105,7 @@ class MultistepLeg:
         landing = leap(
             self.system, self.options, self.run, self.t, self.now, self.times, self.reached, self.states
         )  # fmt: skip
+        self.carried += landing.t - self.t
         self.t, self.now, self.reached = landing.t, landing.y, landing.reached
         if landing.failed is not None:
             self.ending = Ending(landing.failed.status, landing.failed.message)
@@ -112,4 +114,5 @@ class MultistepLeg:
         """Leave clock and state where the leg ended, and return it."""
         self.run.t = self.t
         self.y[:] = self.now
-        return Leg(self.states, self.worst, self.reached, *(self.ending or (Status.SUCCESS, "")))
+        status, message = self.ending or (Status.SUCCESS, "")
+        return Leg(self.states, self.worst, self.reached, status, message, self.carried)

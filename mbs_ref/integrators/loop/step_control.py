@@ -98,6 +98,8 @@ def close_step(model, work, t, y, step, restore, tolerance, stop, worst):
         left = project(model, work, t, y, tolerance, PROJECTION_ITERATIONS)
         if not left <= PROJECTION_FAILURE * tolerance:
             return PROJECTION, worst
+        if not all_finite(y):  # velocities are projected last
+            return NON_FINITE, worst
     else:
         left, _ = compliance(model, work, t, y)
     worst = max(worst, left)

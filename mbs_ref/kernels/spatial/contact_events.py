@@ -40,7 +40,6 @@ from mbs_ref.kernels.contact.modes import (
 from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.rigid.stopped_contacts import holding_forces
 from mbs_ref.kernels.spatial.contacts import (
-    SLOW,
     contact_force,
     contact_geometry,
     find_near,
@@ -145,7 +144,7 @@ def _change_grip(model, work, k, touch):
         p, q = grip_force(laws, modes, grips_of(work), contact_pairs_of(model), k, normal, along, across)
         _aim(modes, k, -p, -q)
         return False
-    if math.sqrt(along * along + across * across) > SLOW * modes.noise[0]:  # it turns
+    if math.sqrt(along * along + across * across) > modes.slow[0]:  # it turns
         _aim(modes, k, along, across)
         return False
     modes.grip[k] = GRIP_PROBE
@@ -168,7 +167,7 @@ def _stop_together(model, work, y, g):
         if not closed or modes.grip[k] != GRIP_FORWARD:
             continue
         along, across = slip_along(contact_geometry(pairs, kin, k))
-        if math.sqrt(along * along + across * across) <= TOGETHER * SLOW * modes.noise[0]:
+        if math.sqrt(along * along + across * across) <= TOGETHER * modes.slow[0]:
             modes.grip[k] = GRIP_PROBE
             g[ROOTS_EACH * k + 2] = -1.0
 

@@ -36,7 +36,10 @@ from mbs_ref.kernels.spatial.model import (
 )
 from mbs_ref.kernels.spatial.vectors import cross, dot, minus, negative, over, plus, put, times, turn
 
-SLOW = 1e5  # of the modes' noise, 1e-8 m/s: below, the direction of sliding is the frozen one, not roundoff's
+# Below this many times `modes.slow` the direction of sliding is the frozen one. A step that ends where sliding stops
+# evaluates friction there; across the slip, its derivative mu N / (m v) turns roundoff of eps into eps / v, which has
+# to stay far below `slow`: with v = 1e3 slow it is 1e-2 slow.
+SLUGGISH = 1e3
 
 
 class Touch(NamedTuple):
@@ -117,14 +120,14 @@ def is_behind(pairs, k, gap):
 def _slide(laws, modes, k, normal, along, across):
     """Return mu N against the slip velocity.
 
-    Smooth through a stop: the slip along the frozen direction counts as positive, and as no less than SLOW.
+    Smooth through a stop: the slip along the frozen direction counts as positive, and as no less than SLUGGISH.
     """
     d0 = modes.anchor[k, 0]
     d1 = modes.anchor[k, 1]
     ahead = d0 * along + d1 * across
     aside0 = along - ahead * d0
     aside1 = across - ahead * d1
-    ahead = max(abs(ahead), SLOW * modes.noise[0])
+    ahead = max(abs(ahead), SLUGGISH * modes.slow[0])
     scale = -laws.coefficient[k] * normal / math.sqrt(ahead * ahead + aside0 * aside0 + aside1 * aside1)
     return scale * (ahead * d0 + aside0), scale * (ahead * d1 + aside1)
 

@@ -1,0 +1,85 @@
+"""A multistep method that DOP853 carries past singular poses says so, and pays for it with no accuracy."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from mbs_ref import scenes
+from mbs_ref.scene import GROUND, PlanarBody, Revolute, Scene
+from mbs_ref.settings import Settings
+from mbs_ref.simulate import simulate
+from mbs_ref.trajectory import Trajectory
+
+G = 9.81  # m/s^2
+
+
+def parallelograms(loops: int, faster: float = 1.0) -> Scene:
+    """Flat twice a turn; `faster` compresses time by that factor."""
+    scene = scenes.make("n_four_bar", loops=loops, gravity=G * faster**2)
+    bodies = tuple(
+        body.model_copy(update={
+            "velocity": tuple(faster * v for v in body.velocity), "angular_velocity": faster * body.angular_velocity,
+        })
+        for body in scene.bodies
+    )  # fmt: skip
+    return scene.model_copy(update={"bodies": bodies, "duration": scene.duration / faster})
+
+
+def pendulum(loops: int) -> Scene:
+    """One body that turns as every crank of `parallelograms` does: of their first and second mass moments."""
+    first, second = loops + 0.5 * (loops + 1), loops + (loops + 1) / 3.0  # kg m, kg m^2
+    mass = 2.0 * first
+    body = PlanarBody(name="rod", mass=mass, inertia=second - 0.25 * mass, position=(0.0, 0.5), angle=0.5 * math.pi,
+                      velocity=(0.5, 0.0), angular_velocity=-1.0)  # fmt: skip
+    pivot = Revolute(name="pivot", body_a=GROUND, body_b="rod", point=(0.0, 0.0))
+    return Scene(name="rod", gravity=(0.0, -G), duration=10.0, bodies=(body,), joints=(pivot,))
+
+
+def turned(scene: Scene, method: str, rtol: float, t_end: float) -> Trajectory:
+    run = simulate(scene, Settings(method=method, rtol=rtol, t_end=t_end, estimate="off", reactions=False))
+    assert run.ok, run.message
+    return run
+
+
+def mean_error(scene: Scene, method: str, rtols: list[float], t_end: float) -> float:
+    """Geometric mean over tolerances of a crank's largest error (rad) by tolerance: one alone is a matter of chance.
+
+    Errors at two singular poses may cancel, and what is left moves by a factor of 30 from one tolerance to the next.
+    """
+    truth = turned(scene, "dop853", 1e-12, t_end).orientation[:, 0]
+    errors = [np.abs(turned(scene, method, rtol, t_end).orientation[:, 0] - truth).max() / rtol for rtol in rtols]
+    return float(np.exp(np.mean(np.log(errors))))
+
+
+@pytest.mark.parametrize(("loops", "t_end", "count"), [
+    (1, 3.0, 5), pytest.param(1, 10.0, 13, marks=pytest.mark.slow), pytest.param(3, 10.0, 13, marks=pytest.mark.slow),
+])  # fmt: skip
+@pytest.mark.parametrize("method", ["lsodar", "dassl"])
+def test_singular_poses_cost_no_accuracy(method, loops, t_end, count):
+    """Beside the pendulum that moves alike and has none."""
+    rtols = np.geomspace(1e-5, 1e-9, count).tolist()
+    passing, free = (mean_error(scene, method, rtols, t_end) for scene in (parallelograms(loops), pendulum(loops)))
+    assert passing < 4.0 * free
+
+
+@pytest.mark.parametrize("method", ["lsodar", "dassl"])
+def test_the_share_that_another_method_made_is_told(method):
+    run = turned(parallelograms(2), method, 1e-7, 1.5)
+    share = run.used["carried_share"]
+    assert 0.02 < share < 0.2  # of two passages of 50 to 100 ms
+    assert any(f"DOP853 carried {method} past singular poses, for {share:.2g} of the time" in note for note in run.notes)
+
+
+def test_the_share_does_not_depend_on_the_unit_of_time():
+    """The same motion a hundred times as fast."""
+    own, fast = (turned(parallelograms(2, k), "lsodar", 1e-7, 1.5 / k).used["carried_share"] for k in (1.0, 100.0))
+    assert fast == pytest.approx(own, rel=0.2)
+
+
+def test_a_method_that_needs_no_help_tells_of_its_settings_alone():
+    run = turned(parallelograms(2), "dop853", 1e-7, 1.5)
+    assert run.used.keys() == {"rtol", "atol", "projection_tolerance", "samples"}
+    assert (run.used["rtol"], run.used["samples"]) == (1e-7, 101)
