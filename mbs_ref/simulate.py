@@ -100,7 +100,7 @@ def _trajectory(system: System, plan: Plan, run: Run, notes: list[str], timing: 
         method_switches=counts.switches if plan.integrator.switches else None,
         timing=timing,
         step_compliance=np.column_stack((times, run.compliance)),
-        notes=(*notes, *_switching(plan, counts.switches), *_carried(plan, run), *singular_passage(system, times, states)),
+        notes=(*notes, *_other_ways(plan, run), *singular_passage(system, times, states)),
         used=_used(plan, run),
         contacts=contacts,
         event_times=system.contact_events() if system.event_sources else None,
@@ -123,17 +123,12 @@ def _with_estimate(system: System, plan: Plan, run: Run, path: Trajectory) -> Tr
     return replace(path, estimate=estimate, notes=(*path.notes, remark) if remark else path.notes)
 
 
-def _switching(plan: Plan, count: int) -> tuple[str, ...]:
-    if not plan.integrator.switches:
-        return ()
-    return (f"{plan.integrator.name} changed {count} times between {plan.integrator.switches}",)
-
-
-def _carried(plan: Plan, run: Run) -> tuple[str, ...]:
-    """Say for what share of the time another method went on in place of the one that was asked for."""
-    if run.carried_share == 0.0:
-        return ()
-    return (f"DOP853 carried {plan.integrator.name} past singular poses, for {run.carried_share:.2g} of the time",)
+def _other_ways(plan: Plan, run: Run) -> tuple[str, ...]:
+    """Say how often the method changed its family, and for what share of the time another went on in its place."""
+    name, families, share = plan.integrator.name, plan.integrator.switches, run.carried_share
+    changed = (f"{name} changed {run.counts.switches} times between {families}",) if families else ()
+    carried = (f"DOP853 carried {name} past singular poses, for {share:.2g} of the time",) if share else ()
+    return changed + carried
 
 
 def _used(plan: Plan, run: Run) -> dict[str, float]:

@@ -2,8 +2,9 @@
 
 Numba's cache watches only the file of the compiled function, not the files it calls. Here compiled code is kept
 under a digest of every source that it can be made of: its module's, and those of all modules which that one imports,
-directly or not, from this project or from the folder that its own package lies in. So a change recompiles what it touches and nothing else, in whatever package the
-compiled function lies, and checkouts whose sources are equal share their code.
+directly or not, from this project or from the folder that its own package lies in. So a change recompiles what it
+touches and nothing else, in whatever package the compiled function lies, and checkouts whose sources are equal share
+their code.
 """
 
 from __future__ import annotations

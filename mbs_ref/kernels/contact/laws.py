@@ -67,7 +67,8 @@ def fresh_modes(count: int, noise: float, slow: float, most_logged: int, dimensi
     """Return the modes of `count` contacts before a run has settled them."""
     tangents = dimension - 1
     log = np.zeros((most_logged if count else 0, 5 + tangents))
-    return empty(ContactModes, k=count, tangents=tangents)._replace(noise=np.array([noise]), slow=np.array([slow]), log=log)
+    modes = empty(ContactModes, k=count, tangents=tangents)
+    return modes._replace(noise=np.array([noise]), slow=np.array([slow]), log=log)
 
 
 @jit

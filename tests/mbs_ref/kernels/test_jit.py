@@ -4,6 +4,8 @@ import os
 import subprocess
 import sys
 
+import pytest
+
 FORCE = "from mbs_ref.kernels.jit import jit\n\n@jit\ndef twice(x):\n    return {factor} * x\n\nprint(twice(3.0))\n"
 
 
@@ -14,6 +16,7 @@ def _printed(command: list[str], folder) -> str:
     return ended.stdout.strip()
 
 
+@pytest.mark.slow  # two processes of its own
 def test_a_script_may_compile_and_its_changes_are_seen(tmp_path):
     script = tmp_path / "own_force.py"
     for factor in (2.0, 3.0):
