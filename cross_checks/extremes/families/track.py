@@ -1,0 +1,114 @@
+"""The tracked vehicle: ever faster, ever tighter, and on ever steeper slopes. No truth is converged for it.
+
+Without ground and gravity nothing acts from outside: whatever the track does, momentum and angular momentum stay zero,
+and so they are judged, by the poses alone. On a slope energy may only fall, and no faster than the fall allows.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from cross_checks.extremes import measures
+from cross_checks.extremes.extreme import Axis, Case, Extreme, Measure, grid
+from cross_checks.metrics.compliance import compliance
+from mbs_ref import scenes
+from mbs_ref.observables import kinetic_energy
+from mbs_ref.scene import PlanarBody, Scene, SpringDamper
+from mbs_ref.trajectory import Trajectory
+
+FAMILY = "track"
+END, STEP, RTOL = 0.03, 1e-4, 1e-7  # s, s
+GRAVITY = 9.81  # m/s^2
+PITCH = 0.154  # m, of the track, by which open joints are counted
+
+
+def _afloat(torque: float, *ties: Any) -> Case:
+    """The vehicle without ground and weight; torque (N m) on its sprocket."""
+    scene = scenes.make("tracked_vehicle", torque=torque, ramp=0.01)
+    contacts = tuple(part for part in scene.contacts if part.body_b != "ground")
+    scene = scene.model_copy(
+        update={"name": "track_afloat", "parameters": {}, "gravity": (0.0, 0.0), "contacts": contacts,
+                "loads": (*scene.loads, *ties)},
+    )  # fmt: skip
+    return Case(scene, grid(END, STEP, 6), measures.worst(momentum, _open_joints), step=STEP, rtol=RTOL)
+
+
+def _tight(force: float) -> Case:
+    """Springs draw the upper run towards the lower one with `force` (N)."""
+    scene = scenes.make("tracked_vehicle")
+    upper, lower = (_middle(scene, choose) for choose in (max, min))
+    ends = [tuple(scene.bodies[k].position) for k in (upper, lower)]
+    length = math.dist(*ends)
+    tie = SpringDamper(
+        name="tie", body_a=scene.body_names[upper], body_b=scene.body_names[lower], point_a=ends[0], point_b=ends[1],
+        stiffness=2.0 * force / length, damping=0.0, rest_length=0.5 * length,
+    )  # fmt: skip
+    return _afloat(0.0, tie)
+
+
+def _middle(scene: Scene, choose: Callable) -> int:
+    """Return the index of the link in the middle of the upper (max) or the lower (min) run."""
+    links = [k for k, body in enumerate(scene.bodies) if body.name.startswith("link")]
+    x = np.array([scene.bodies[k].position for k in links])
+    run = [k for k, place in zip(links, x, strict=True) if abs(place[1] - choose(x[:, 1])) < 1e-6]
+    centre = x[:, 0].mean()
+    return min(run, key=lambda k: abs(scene.bodies[k].position[0] - centre))
+
+
+def momentum(scene: Scene, path: Trajectory) -> float:
+    """Return the largest momentum over sum m |v|, and angular momentum over its own sum of sizes."""
+    mass = np.array([body.mass for body in scene.bodies])
+    inertia = np.array([body.inertia for body in scene.bodies if isinstance(body, PlanarBody)])
+    x, v, w = path.position, path.velocity, path.angular_velocity
+    linear = np.linalg.norm(np.einsum("b,tbi->ti", mass, v), axis=1)
+    angular = np.abs((mass * (x[..., 0] * v[..., 1] - x[..., 1] * v[..., 0]) + inertia * w).sum(axis=1))
+    speed, arm = np.linalg.norm(v, axis=2), np.linalg.norm(x, axis=2)
+    return max(_share(linear, speed @ mass), _share(angular, (speed * arm) @ mass + np.abs(w) @ inertia))
+
+
+def _share(part: np.ndarray, whole: np.ndarray) -> float:
+    return float(np.max(part)) / max(float(np.max(whole)), 1e-300)
+
+
+def _open_joints(scene: Scene, path: Trajectory) -> float:
+    return float(np.max(compliance(scene, path)[0], initial=0.0)) / PITCH
+
+
+def _slope(degrees: float) -> Case:
+    """The vehicle at rest, let go without drive."""
+    angle = math.radians(degrees)
+    scene = scenes.make("tracked_vehicle", torque=0.0)
+    pull = (GRAVITY * math.sin(angle), -GRAVITY * math.cos(angle))
+    scene = scene.model_copy(update={"name": "track_on_slope", "parameters": {}, "gravity": pull})
+    return Case(scene, grid(END, STEP, 6), measures.worst(_downhill(), _open_joints), step=STEP, rtol=RTOL)
+
+
+def _downhill() -> Measure:
+    """Judge by what no passive mechanism does: gain energy, or fall faster than freely; over the fall's own size."""
+
+    def measure(scene: Scene, path: Trajectory) -> float:
+        mass = np.array([body.mass for body in scene.bodies])
+        way = np.einsum("b,tbi->ti", mass, path.position - path.position[:1]) / mass.sum()
+        pull = np.array(scene.gravity)
+        gained = kinetic_energy(scene, path) - mass.sum() * (way @ pull)  # no spring is strained at the start
+        free = 0.5 * np.linalg.norm(pull) * path.times**2
+        ahead = way @ pull / np.linalg.norm(pull) - free
+        longest = float(free[-1])
+        work = float(mass.sum() * np.linalg.norm(pull)) * longest
+        return max(float(np.max(gained)) / work, float(np.max(ahead)) / longest)
+
+    return measure
+
+
+EXTREMES = (
+    Extreme("track-speed", FAMILY, "A vehicle afloat drives its track ever faster; its momentum stays zero.",
+            Axis("torque", "N m", (1e3, 1e4, 1e5), full=(1e6,)), _afloat, good=1e-2),
+    Extreme("track-tension", FAMILY, "A vehicle afloat whose track is drawn ever tighter; its momentum stays zero.",
+            Axis("force", "N", (1e3, 1e5, 1e6), full=(1e7,)), _tight, good=1e-2),
+    Extreme("track-slope", FAMILY, "The vehicle is let go on ever steeper slopes; its energy may only fall.",
+            Axis("slope", "degrees", (0.0, 20.0, 45.0, 90.0)), _slope, good=1e-2),
+)  # fmt: skip
