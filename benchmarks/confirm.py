@@ -45,15 +45,17 @@ def duel(scene: Scene, choice: Choice, call: Caller = direct, seed: int = 0) -> 
     return compare(lambda: call(sample, scene, *first), lambda: call(sample, scene, *second), seed)
 
 
-def settled(choice: Choice, found: Comparison) -> Choice:
+def settled(choice: Choice, comparison: Comparison) -> Choice:
     """Return the choice as the duel leaves it: the two change places where the runner-up is the faster."""
     assert choice.best is not None
     assert choice.runner_up is not None
-    first, second, ratio = choice.best, choice.runner_up, found.ratio
-    if found.pace is Pace.FASTER:
+    first, second, ratio = choice.best, choice.runner_up, comparison.ratio
+    if comparison.pace is Pace.FASTER:
         first, second, ratio = second, first, 1.0 / ratio
-    told = f"{WORDS[found.pace]} {found.blocks} interleaved blocks: {setting(choice.runner_up)} takes {found.ratio:.3g}"
-    sentence = f"{choice.sentence} {told} [{found.low:.3g}, {found.high:.3g}] times as long as {setting(choice.best)}."
+    interval = f"{comparison.ratio:.3g} [{comparison.low:.3g}, {comparison.high:.3g}]"
+    blocks = f"{WORDS[comparison.pace]} {comparison.blocks} interleaved blocks"
+    told = f"{blocks}: {setting(choice.runner_up)} takes {interval} times as long as {setting(choice.best)}."
+    sentence = f"{choice.sentence} {told}"
     return replace(choice, best=first, runner_up=second, margin=ratio, sentence=sentence)
 
 

@@ -38,8 +38,8 @@ class Balance:
 
 def balance(scene: Scene, settings: Settings, longest: float) -> Balance:
     """Run twice and balance the energy; panels are `longest` (s) at most. ValueError where a run fails."""
-    found = _good(simulate(scene, settings.model_copy(update={"reactions": False})))
-    edges = _edges(scene, found, longest)
+    run = _good(simulate(scene, settings.model_copy(update={"reactions": False})))
+    edges = _edges(scene, run, longest)
     points, weights = np.polynomial.legendre.leggauss(POINTS)
     width = np.diff(edges)
     inside = edges[:-1, None] + 0.5 * width[:, None] * (1.0 + points)

@@ -84,12 +84,12 @@ def index(path: Path) -> tuple[Path, list[str]]:
 def series(database: Path, name_contains: str = "") -> dict[str, list[Entry]]:
     """Return every series whose name holds the text, each in the order of time."""
     asked = f"SELECT {', '.join(COLUMNS)} FROM entries WHERE instr(series, ?) ORDER BY series, made"
-    found: dict[str, list[Entry]] = {}
+    series: dict[str, list[Entry]] = {}
     with closing(sqlite3.connect(database)) as connection:
         for row in connection.execute(asked, (name_contains,)):
             entry = Entry(*row)
-            found.setdefault(entry.series, []).append(entry)
-    return found
+            series.setdefault(entry.series, []).append(entry)
+    return series
 
 
 def change_points(values: Sequence[float], seed: int = 0) -> list[int]:
@@ -151,10 +151,10 @@ def from_records(
     return entries
 
 
-def new_levels(found: dict[str, list[Entry]], last: int = LEAST) -> dict[str, Entry]:
+def new_levels(series: dict[str, list[Entry]], last: int = LEAST) -> dict[str, Entry]:
     """Return the first entry of a new level, for each series whose level changed within its `last` entries but one."""
     recent = {}
-    for name, entries in found.items():
+    for name, entries in series.items():
         places = change_points([entry.value for entry in entries])
         if places and places[-1] >= len(entries) - last - 1:
             recent[name] = entries[places[-1]]

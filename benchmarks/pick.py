@@ -85,9 +85,9 @@ def _is_measured(record: Record) -> bool:
 
 
 def _check_one_scene(records: Sequence[Record]) -> None:
-    found = {(r.scene, tuple(sorted(r.parameters.items()))) for r in records}
-    if len(found) > 1:
-        raise ValueError(f"the records are of {len(found)} scenes; choose among those of one")
+    scenes = {(r.scene, tuple(sorted(r.parameters.items()))) for r in records}
+    if len(scenes) > 1:
+        raise ValueError(f"the records are of {len(scenes)} scenes; choose among those of one")
 
 
 def _error(record: Record) -> float:

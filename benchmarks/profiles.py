@@ -51,8 +51,8 @@ def profiles(records: Iterable[Record], error: float) -> list[Profile]:
             own = times.setdefault(problem, {})
             own[solver] = min(loop_s, own.get(solver, loop_s))
     judged = {problem: own for problem, own in times.items() if problem not in unjudged}
-    found = [Profile(solver, _factors(judged, solver), len(judged)) for solver in sorted(solvers)] if judged else []
-    return sorted(found, key=lambda p: (-p.share(1.0), -p.share(10.0), -p.solved, p.solver))
+    profiles = [Profile(solver, _factors(judged, solver), len(judged)) for solver in sorted(solvers)] if judged else []
+    return sorted(profiles, key=lambda p: (-p.share(1.0), -p.share(10.0), -p.solved, p.solver))
 
 
 def _factors(times: dict[Problem, dict[Solver, float]], solver: Solver) -> tuple[float, ...]:

@@ -51,15 +51,15 @@ def alone(before: Iterable[Record], after: Iterable[Record]) -> tuple[int, int]:
     return len(old - new), len(new - old)
 
 
-def overall(found: Sequence[Change]) -> Move:
+def overall(changes: Sequence[Change]) -> Move:
     """Return worse where any run is; else not measured, better or same."""
-    moves = {change.move for change in found}
+    moves = {change.move for change in changes}
     return next((move for move in Move if move in moves), Move.NOT_MEASURED)
 
 
-def median_ratio(found: Sequence[Change]) -> float | None:
+def median_ratio(changes: Sequence[Change]) -> float | None:
     """Return the median of B's loop times over A's."""
-    ratios = [change.ratio for change in found if change.ratio is not None]
+    ratios = [change.ratio for change in changes if change.ratio is not None]
     return float(np.median(ratios)) if ratios else None
 
 

@@ -57,9 +57,9 @@ def main() -> None:
     half, longest = seconds[len(seconds) // 2], seconds[-1]
     print(f"{len(seconds)} tasks, {sum(seconds):.1f} s in all, median {half:.3f} s, the longest {longest:.1f} s")
     for cores in CORES:
-        found = scaling(seconds, cores)
-        gain = f"{found.speedup:7.1f} times faster, {found.efficiency:4.0%} used"
-        print(f"{cores:5d} cores: {found.seconds:9.2f} s, {gain}")
+        scaled = scaling(seconds, cores)
+        gain = f"{scaled.speedup:7.1f} times faster, {scaled.efficiency:4.0%} used"
+        print(f"{cores:5d} cores: {scaled.seconds:9.2f} s, {gain}")
 
 
 if __name__ == "__main__":

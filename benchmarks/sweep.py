@@ -51,11 +51,11 @@ def sweep(
 def _chosen(
     scene: Scene, engines: Collection[str] | None, methods: Collection[str] | None
 ) -> list[tuple[str, Method | None]]:
-    found = tasks(scene, registry.names() if engines is None else engines)
-    unknown = sorted(set(methods or ()) - {method.name for _, method in found if method is not None})
+    offered = tasks(scene, registry.names() if engines is None else engines)
+    unknown = sorted(set(methods or ()) - {method.name for _, method in offered if method is not None})
     if unknown:
         raise ValueError(f"method = {', '.join(unknown)} is offered by none of the engines asked")
-    return [(engine, method) for engine, method in found if methods is None or (method and method.name in methods)]
+    return [(engine, method) for engine, method in offered if methods is None or (method and method.name in methods)]
 
 
 def _of_method(

@@ -142,7 +142,7 @@ class Engine(ABC):
         """Return why this method of the engine cannot run the scene."""
         from mbs_ref.scene.traits import traits
 
-        found = traits(scene)
-        reasons = [f"{method.name} needs a scene that is {t}" for t in sorted(method.requires - found)]
-        reasons += [f"{method.name} cannot model a scene that is {t}" for t in sorted(method.excludes & found)]
+        present = traits(scene)
+        reasons = [f"{method.name} needs a scene that is {t}" for t in sorted(method.requires - present)]
+        reasons += [f"{method.name} cannot model a scene that is {t}" for t in sorted(method.excludes & present)]
         return [Refusal(reason, permanent=True) for reason in reasons]

@@ -21,10 +21,10 @@ def verdicts(folder: Path) -> list[Finding]:
     return [finding for seed in range(TIMES) for finding in regressions(HERE, folder, [CASE], seed=seed)]
 
 
-def told(benchmark, found: list[Finding], **facts: float) -> Counter[str]:
-    counts = Counter(str(finding.verdict) for finding in found)
+def told(benchmark, findings: list[Finding], **facts: float) -> Counter[str]:
+    counts = Counter(str(finding.verdict) for finding in findings)
     benchmark.extra_info |= {"verdicts": dict(counts), **facts}
-    for finding in found:
+    for finding in findings:
         print(f"{finding.verdict}: {finding.sentence}")
     return counts
 
@@ -35,14 +35,14 @@ def copy(tmp_path) -> Path:
 
 
 def test_an_unchanged_copy_is_called_same(benchmark, copy):
-    found: list[Finding] = []
-    benchmark.pedantic(lambda: found.extend(verdicts(copy)), rounds=1)
-    assert told(benchmark, found)[Pace.SAME] == TIMES
+    findings: list[Finding] = []
+    benchmark.pedantic(lambda: findings.extend(verdicts(copy)), rounds=1)
+    assert told(benchmark, findings)[Pace.SAME] == TIMES
 
 
 def test_a_slowed_kernel_is_called_slower(benchmark, copy):
     turns, share = calibrate(copy, CASE, SHARE)
     print(f"slowed by {share:.1%} with {turns} square roots a right-hand side")
-    found: list[Finding] = []
-    benchmark.pedantic(lambda: found.extend(verdicts(copy)), rounds=1)
-    assert told(benchmark, found, share=share)[Pace.SLOWER] == TIMES
+    findings: list[Finding] = []
+    benchmark.pedantic(lambda: findings.extend(verdicts(copy)), rounds=1)
+    assert told(benchmark, findings, share=share)[Pace.SLOWER] == TIMES

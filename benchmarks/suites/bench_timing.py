@@ -33,15 +33,15 @@ def timed(turns: int):
 
 def test_false_alarms_and_found_slowdowns(benchmark):
     spin(1)
-    found: dict[str, list[Pace]] = {}
+    paces: dict[str, list[Pace]] = {}
 
     def measure():
-        found["same"] = [compare(timed(WORK), timed(WORK), seed).pace for seed in range(IDENTICAL)]
-        found["slower"] = [compare(timed(WORK), timed(WORK * 11 // 10), seed).pace for seed in range(SLOWED)]
+        paces["same"] = [compare(timed(WORK), timed(WORK), seed).pace for seed in range(IDENTICAL)]
+        paces["slower"] = [compare(timed(WORK), timed(WORK * 11 // 10), seed).pace for seed in range(SLOWED)]
 
     benchmark.pedantic(measure, rounds=1)
-    alarms = sum(pace in (Pace.SLOWER, Pace.FASTER) for pace in found["same"])
-    hits = found["slower"].count(Pace.SLOWER)
+    alarms = sum(pace in (Pace.SLOWER, Pace.FASTER) for pace in paces["same"])
+    hits = paces["slower"].count(Pace.SLOWER)
     benchmark.extra_info |= {"false_alarms": f"{alarms}/{IDENTICAL}", "found": f"{hits}/{SLOWED}"}
     print(f"false alarms {alarms} of {IDENTICAL}, +10 % found {hits} of {SLOWED}")
     assert alarms < 0.05 * IDENTICAL

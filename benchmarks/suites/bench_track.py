@@ -18,13 +18,13 @@ def loop_seconds(links: int) -> float:
 
 
 def test_the_cost_of_a_track_grows_linearly(benchmark):
-    found: dict[int, list[float]] = {links: [] for links in LINKS}
+    times: dict[int, list[float]] = {links: [] for links in LINKS}
 
     def turns():
         for links in LINKS:
-            found[links].append(loop_seconds(links))
+            times[links].append(loop_seconds(links))
 
     benchmark.pedantic(turns, rounds=ROUNDS, warmup_rounds=1)
-    short, long = (min(found[links]) for links in LINKS)
+    short, long = (min(times[links]) for links in LINKS)
     benchmark.extra_info |= {"links": LINKS, "loop_s": (short, long), "ratio": long / short, "asked": ASKED}
     assert long / short <= ASKED

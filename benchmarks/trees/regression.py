@@ -76,8 +76,8 @@ def regressions(
         for done, case in enumerate(cases):
             if progress is not None:
                 progress(done, len(cases), case.name)
-            found = examine(before, after, case, seed)
-            yield confirmed(found, lambda case=case: _afresh(baseline, current, case)) if found.changed else found
+            finding = examine(before, after, case, seed)
+            yield confirmed(finding, lambda case=case: _afresh(baseline, current, case)) if finding.changed else finding
 
 
 def confirmed(first: Finding, again: Callable[[], Finding]) -> Finding:
@@ -87,12 +87,12 @@ def confirmed(first: Finding, again: Callable[[], Finding]) -> Finding:
     one pair reveals (T. Mytkowicz and others, Producing wrong data without doing anything obviously wrong,
     ASPLOS 2009).
     """
-    found = [first]
-    while len(found) < MOST_PAIRS:
-        found.append(again())
-        if any(found[-1].verdict == earlier.verdict for earlier in found[:-1]):
-            return found[-1]
-    sentence = "; ".join(f"{finding.verdict}: {finding.sentence}" for finding in found)
+    findings = [first]
+    while len(findings) < MOST_PAIRS:
+        findings.append(again())
+        if any(findings[-1].verdict == earlier.verdict for earlier in findings[:-1]):
+            return findings[-1]
+    sentence = "; ".join(f"{finding.verdict}: {finding.sentence}" for finding in findings)
     return replace(first, verdict=str(Pace.INCONCLUSIVE), sentence=f"pairs of processes disagree: {sentence}")
 
 

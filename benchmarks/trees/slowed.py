@@ -54,15 +54,15 @@ def slow_down(folder: Path, turns: int) -> None:
 
 def calibrate(folder: Path, case: Case, share: float) -> tuple[int, float]:
     """Slow a copy of this tree until the case takes `share` more time; return the turns and the share measured."""
-    turns, found = FIRST_GUESS, 0.0
+    turns, measured = FIRST_GUESS, 0.0
     for _ in range(ROUNDS):
         slow_down(folder, turns)
         with Tree(HERE) as before, Tree(folder) as after:
-            found = excess(before, after, case)
-        if abs(found - share) < NEAR:
+            measured = excess(before, after, case)
+        if abs(measured - share) < NEAR:
             break
-        turns = max(1, round(turns * share / max(found, share / 10.0)))
-    return turns, found
+        turns = max(1, round(turns * share / max(measured, share / 10.0)))
+    return turns, measured
 
 
 def excess(before: Tree, after: Tree, case: Case) -> float:
@@ -81,11 +81,11 @@ def excess(before: Tree, after: Tree, case: Case) -> float:
 
 def case_named(text: str) -> Case:
     """Return the one case whose name holds the text; ValueError where it is none or several."""
-    found = [case for case in CASES if text in case.name]
-    if len(found) != 1:
+    fitting = [case for case in CASES if text in case.name]
+    if len(fitting) != 1:
         names = ", ".join(case.name for case in CASES)
-        raise ValueError(f"case = {text!r} fits {len(found)} cases; give one of: {names}")
-    return found[0]
+        raise ValueError(f"case = {text!r} fits {len(fitting)} cases; give one of: {names}")
+    return fitting[0]
 
 
 @click.command()
@@ -102,8 +102,8 @@ def main(folder: Path, percent: float, only: str) -> None:
     if percent == 0.0:
         click.echo(f"{folder}: an unchanged copy")
         return
-    turns, found = calibrate(folder, case, percent / 100.0)
-    click.echo(f"{folder}: {case.name} takes {found:.1%} longer, {turns} square roots a right-hand side")
+    turns, measured = calibrate(folder, case, percent / 100.0)
+    click.echo(f"{folder}: {case.name} takes {measured:.1%} longer, {turns} square roots a right-hand side")
 
 
 if __name__ == "__main__":

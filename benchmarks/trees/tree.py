@@ -26,9 +26,9 @@ class Tree:
             env=os.environ | ONE_THREAD | {"PYTHONPATH": str(self.folder)},
             stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
         )  # fmt: skip
-        found = Path(self._answer()["tree"]).resolve()
-        if found != self.folder:
-            raise RuntimeError(f"the packages of {found} were loaded instead of those of {self.folder}")
+        loaded = Path(self._answer()["tree"]).resolve()
+        if loaded != self.folder:
+            raise RuntimeError(f"the packages of {loaded} were loaded instead of those of {self.folder}")
 
     def __enter__(self) -> Self:
         return self

@@ -37,15 +37,15 @@ def climb(scene: str, parameters: dict[str, Any], engine: str, method: str) -> l
     from mbs_ref import scenes
 
     made = scenes.make(scene, **parameters)
-    found = []
+    runs = []
     for settings in ladder.rungs(engines.get(engine).method(method), made):
         record = evaluate(made, engine, settings, ladder.grid(made))
         error = None if record.error is None else record.error.value + record.error.uncertainty
         loop_s, kept = record.times.get("loop_s"), record.settings
-        found.append({"settings": kept, "status": record.status, "error": error, "loop_s": loop_s})
+        runs.append({"settings": kept, "status": record.status, "error": error, "loop_s": loop_s})
         if (loop_s or 0.0) > 1.0:
             break
-    return found
+    return runs
 
 
 def timed(scene: str, parameters: dict[str, Any], engine: str, settings: dict[str, Any]) -> dict[str, float]:

@@ -79,11 +79,11 @@ def keep_poses(scene: Scene) -> Path | None:
         return None
     assert truth.angular_velocity is not None
     assert truth.rate_uncertainty is not None
-    found = KeptPoses(
+    poses = KeptPoses(
         times, truth.position, truth.orientation, truth.velocity, truth.angular_velocity, truth.rate_uncertainty,
         truth.uncertainty, truth.difference, truth.how,
     )  # fmt: skip
-    return kept_poses.keep(scene, found)
+    return kept_poses.keep(scene, poses)
 
 
 def _confirmation(scene: Scene) -> tuple[str, float | None]:
@@ -110,8 +110,8 @@ def _end(scene: Scene, truth: Truth) -> dict[str, list[float | None]]:
 
 def _versions() -> dict[str, str]:
     digits = np.finfo(np.longdouble).precision
-    found = {name: version(name) for name in MAKERS}
-    return {"python": platform.python_version(), **found, "extended precision": f"{digits} digits"}
+    versions = {name: version(name) for name in MAKERS}
+    return {"python": platform.python_version(), **versions, "extended precision": f"{digits} digits"}
 
 
 def departure(stored: Certificate, fresh: Certificate) -> float:
@@ -149,8 +149,8 @@ def write(certificate: Certificate, folder: Path = FOLDER) -> Path:
 def stored(scene: Scene, folder: Path = FOLDER) -> Certificate | None:
     """Return the certificate kept for a scene with its parameters, or None."""
     file = folder / file_name(scene)
-    found = read(file) if file.is_file() else None
-    return found if found is not None and found.parameters == scene.parameters else None
+    kept = read(file) if file.is_file() else None
+    return kept if kept is not None and kept.parameters == scene.parameters else None
 
 
 def read(file: Path) -> Certificate:

@@ -47,17 +47,19 @@ class Agreement:
     rate_uncertainty: np.ndarray  # (n_t,) m/s and rad/s
 
 
-def converged(found: Agreement, first: str, second: str) -> Truth:
+def converged(agreement: Agreement, first: str, second: str) -> Truth:
     """Return a truth that two ways agree on; `first` and `second` name them."""
-    how = f"{second}; {first} differ by {found.difference:.1e} m; a start error grows {found.sensitivity:.1e}-fold"
-    return agreed(found, how)
+    gap, growth = agreement.difference, agreement.sensitivity
+    how = f"{second}; {first} differ by {gap:.1e} m; a start error grows {growth:.1e}-fold"
+    return agreed(agreement, how)
 
 
-def agreed(found: Agreement, how: str) -> Truth:
+def agreed(agreement: Agreement, how: str) -> Truth:
     """Return an agreement as a truth; `how` says in a sentence what agrees."""
     return Truth(
-        found.position, found.angle, found.uncertainty, "converged", how, found.difference,
-        velocity=found.velocity, angular_velocity=found.angular_velocity, rate_uncertainty=found.rate_uncertainty,
+        agreement.position, agreement.angle, agreement.uncertainty, "converged", how, agreement.difference,
+        velocity=agreement.velocity, angular_velocity=agreement.angular_velocity,
+        rate_uncertainty=agreement.rate_uncertainty,
     )  # fmt: skip
 
 
@@ -115,16 +117,16 @@ def _grid(times: np.ndarray, breakpoints: tuple[float, ...]) -> tuple[np.ndarray
 
 
 def _poses(formulation: Formulation, times: np.ndarray, states: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    found = [formulation.poses(t, y) for t, y in zip(times, states, strict=True)]
-    return tuple(np.array(part, dtype=float) for part in zip(*found, strict=True))  # type: ignore[return-value]
+    poses = [formulation.poses(t, y) for t, y in zip(times, states, strict=True)]
+    return tuple(np.array(part, dtype=float) for part in zip(*poses, strict=True))  # type: ignore[return-value]
 
 
 def _rates(
     formulation: Formulation, times: np.ndarray, states: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return velocities, angular velocities and how well they are known (n_t,) at every time."""
-    found = [along(formulation.derivative, formulation.poses, t, y) for t, y in zip(times, states, strict=True)]
-    return tuple(np.array(part) for part in zip(*found, strict=True))  # type: ignore[return-value]
+    rates = [along(formulation.derivative, formulation.poses, t, y) for t, y in zip(times, states, strict=True)]
+    return tuple(np.array(part) for part in zip(*rates, strict=True))  # type: ignore[return-value]
 
 
 def _largest_gap(first: tuple[np.ndarray, np.ndarray], second: tuple[np.ndarray, np.ndarray]) -> np.ndarray:

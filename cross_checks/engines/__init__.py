@@ -31,8 +31,8 @@ def _entry_points() -> dict[str, EntryPoint]:
 def _files() -> list[str]:
     """Return the engines whose adapter is a file <engine>_.py, or a package <engine>_ when one file would be long."""
     here = Path(__file__).parent
-    found = [*here.glob("*[!_]_.py"), *(path.parent for path in here.glob("*[!_]_/__init__.py"))]
-    return sorted(path.stem.removesuffix("_") for path in found)
+    files = [*here.glob("*[!_]_.py"), *(path.parent for path in here.glob("*[!_]_/__init__.py"))]
+    return sorted(path.stem.removesuffix("_") for path in files)
 
 
 def _adapters() -> dict[str, Path]:

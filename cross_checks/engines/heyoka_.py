@@ -90,18 +90,18 @@ ENGINE = Heyoka
 
 
 def _untaught(scene: Scene) -> list[str]:
-    found = [
+    reasons = [
         f"oblateness {load.name!r}: heyoka is taught fixed poles alone"
         for load in scene.loads
         if isinstance(load, Oblateness) and load.pole != "fixed"
     ]
     if any(scene.gravity):
-        found.append(f"gravity = {scene.gravity}: heyoka is taught no uniform field")
+        reasons.append(f"gravity = {scene.gravity}: heyoka is taught no uniform field")
     try:
         compile_scene(scene)  # coincident bodies would give NaN
     except ValueError as error:
-        found.append(str(error))
-    return found
+        reasons.append(str(error))
+    return reasons
 
 
 def _start(scene: Scene) -> np.ndarray:

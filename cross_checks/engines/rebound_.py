@@ -92,16 +92,16 @@ ENGINE = Rebound
 
 def _untaught(scene: Scene) -> list[str]:
     zonal = [load for load in scene.loads if isinstance(load, Oblateness)]
-    found = [
+    reasons = [
         f"oblateness {load.name!r}: rebound is taught J2 about a fixed z axis alone"
         for load in zonal
         if load.pole != "fixed" or load.axis != (0.0, 0.0, 1.0) or any(load.zonal[1:])
     ]
     if any(scene.gravity):
-        found.append(f"gravity = {scene.gravity}: rebound is taught no uniform field")
+        reasons.append(f"gravity = {scene.gravity}: rebound is taught no uniform field")
     needs = any(isinstance(load, Relativity | Oblateness) for load in scene.loads)
     missing = needs and find_spec("reboundx") is None
-    return [*found, "relativity and oblateness need the package reboundx"] if missing else found
+    return [*reasons, "relativity and oblateness need the package reboundx"] if missing else reasons
 
 
 def _impossible(scene: Scene) -> list[str]:

@@ -66,14 +66,14 @@ def excerpt() -> dict[str, Any]:
 
 def spread(version: str, jd: float) -> dict[str, float]:
     """Return how far each body is from its place in DE440 (m): planets from the Sun, the Moon from the Earth."""
-    found = {}
+    gaps = {}
     for body in ephemeris.BODIES:
         if body == "sun":
             continue
         place, reference = heliocentric(version, body, jd), heliocentric(REFERENCE, body, jd)
         if place is not None and reference is not None:
-            found[body] = float(np.linalg.norm(place - reference))
-    return found
+            gaps[body] = float(np.linalg.norm(place - reference))
+    return gaps
 
 
 def figures(version: str, jd: float) -> dict[str, float]:

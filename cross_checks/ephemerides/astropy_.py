@@ -20,8 +20,8 @@ def place(version: str, body: str, jd: float) -> np.ndarray:
     """Return the barycentric place (3,), m, with ICRS axes."""
     if version == "astropy_builtin" and body == PLUTO:
         raise KeyError(body)
-    found: Any = get_body_barycentric(body, time_of(jd), ephemeris=_source(version))
-    return np.asarray(found.xyz.to_value(units.m))
+    place: Any = get_body_barycentric(body, time_of(jd), ephemeris=_source(version))
+    return np.asarray(place.xyz.to_value(units.m))
 
 
 def _source(version: str) -> str:

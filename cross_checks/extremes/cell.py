@@ -37,9 +37,9 @@ class Cell:
 
 def made_of(extreme: str, family: str, engine: str, method: str, full: bool, points: Iterable[Point]) -> Cell:
     """Return the cell of the points, mild first."""
-    found = tuple(points)
-    failure = next((point.reason for point in found if not point.handled), "")
-    return Cell(extreme, family, engine, method, full, fate_of(found), last_handled(found), found, failure)
+    kept = tuple(points)
+    failure = next((point.reason for point in kept if not point.handled), "")
+    return Cell(extreme, family, engine, method, full, fate_of(kept), last_handled(kept), kept, failure)
 
 
 def from_dict(data: Any) -> Cell:

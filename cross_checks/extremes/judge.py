@@ -53,19 +53,19 @@ class Point:
         return self.said_fine and self.fate is Fate.SILENTLY_WRONG and self.status != Status.SUCCESS
 
 
-def judge(extreme: Extreme, case: Case, value: float, found: Trajectory | tuple[str, str]) -> Point:
+def judge(extreme: Extreme, case: Case, value: float, run: Trajectory | tuple[str, str]) -> Point:
     """Return the verdict on a trajectory, or on a status and a sentence where there is none."""
-    if not isinstance(found, Trajectory):
-        status, message = found
+    if not isinstance(run, Trajectory):
+        status, message = run
         return _stopped(case, value, status, message)
-    if found.unreported or found.status is Status.RESET:
-        reason = f"it went on as if all were well: {found.message}"
-        return Point(value, Fate.SILENTLY_WRONG, False, True, None, str(found.status), reason)
-    if not found.ok:
-        return _stopped(case, value, str(found.status), found.message)
+    if run.unreported or run.status is Status.RESET:
+        reason = f"it went on as if all were well: {run.message}"
+        return Point(value, Fate.SILENTLY_WRONG, False, True, None, str(run.status), reason)
+    if not run.ok:
+        return _stopped(case, value, str(run.status), run.message)
     if case.must_stop:
-        return _accepted(extreme, value, found)
-    return _by_error(extreme, value, case.measure(case.scene, found), found)
+        return _accepted(extreme, value, run)
+    return _by_error(extreme, value, case.measure(case.scene, run), run)
 
 
 def lost(value: float, status: str, message: str) -> Point:
@@ -79,27 +79,27 @@ def _stopped(case: Case, value: float, status: str, message: str) -> Point:
     return Point(value, Fate.STOPPED, right, False, None, "refused" if status == CANNOT else status, message)
 
 
-def _accepted(extreme: Extreme, value: float, found: Trajectory) -> Point:
+def _accepted(extreme: Extreme, value: float, run: Trajectory) -> Point:
     """Judge a success where there is no right answer: to say that it is another motion is as good as a refusal."""
-    said = _says_wrong(extreme, found)
+    said = _says_wrong(extreme, run)
     reason = f"it says itself that {said}" if said else "it accepted what has no right answer"
     fate = Fate.DEGRADED if said else Fate.SILENTLY_WRONG
-    return Point(value, fate, bool(said), not said, None, str(found.status), reason)
+    return Point(value, fate, bool(said), not said, None, str(run.status), reason)
 
 
-def _says_wrong(extreme: Extreme, found: Trajectory) -> str:
+def _says_wrong(extreme: Extreme, run: Trajectory) -> str:
     """Return the run's own words that it is off by more than `wrong` of the motion's size, or nothing."""
-    estimate = found.estimate
+    estimate = run.estimate
     if estimate is None or estimate.poses[-1] <= extreme.wrong * estimate.size:
         return ""
     return estimate.remark()
 
 
-def _by_error(extreme: Extreme, value: float, error: float, found: Trajectory) -> Point:
+def _by_error(extreme: Extreme, value: float, error: float, run: Trajectory) -> Point:
     if not math.isfinite(error) or error > extreme.wrong:
         shown = f"{error:.2g} of the motion's size" if math.isfinite(error) else "beyond all measure"
         reason = f"success, but the error is {shown}; more than {extreme.wrong:.2g} is another motion"
-        said = _says_wrong(extreme, found)
+        said = _says_wrong(extreme, run)
         if said:
             return Point(value, Fate.DEGRADED, False, False, _finite(error), "success", f"{reason}; it says so: {said}")
         return Point(value, Fate.SILENTLY_WRONG, False, True, _finite(error), "success", reason)

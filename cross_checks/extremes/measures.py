@@ -31,10 +31,10 @@ def truth(solve: Callable[[Scene, np.ndarray], Truth | NoTruth], size: float = 1
     """Judge world points by a truth's solver; `size` in m."""
 
     def measure(scene: Scene, path: Trajectory) -> float:
-        found = solve(scene, path.times)
-        if not isinstance(found, Truth):
-            raise LookupError(f"{scene.name} has no truth here: {found}")
-        sizes = from_truth(scene, path, found).sizes
+        truth = solve(scene, path.times)
+        if not isinstance(truth, Truth):
+            raise LookupError(f"{scene.name} has no truth here: {truth}")
+        sizes = from_truth(scene, path, truth).sizes
         arm = max(body.gyration_radius for body in scene.bodies)
         return float(np.max(np.maximum(sizes[:, 0], arm * sizes[:, 1]))) / size
 

@@ -37,8 +37,8 @@ def run_point(extreme_name: str, value: float, engine_name: str, method_name: st
     settings = settings_for(case, method)
     if case.unchecked and not engine.checks_start:
         settings = settings.model_copy(update={"initial_tolerance": UNCHECKED})
-    found = checked_run(engine, case.scene, settings, output_times(case.scene, settings, case.times))
-    point = judge(extreme, case, value, found)
+    run = checked_run(engine, case.scene, settings, output_times(case.scene, settings, case.times))
+    point = judge(extreme, case, value, run)
     return replace(point, seconds=time.perf_counter() - began)
 
 
@@ -74,16 +74,16 @@ def cell_of(extreme: Extreme, engine: Engine, method: Method, full: bool, call: 
 
 def groups(extremes: Sequence[Extreme], engines: Collection[str], quick_methods: bool) -> list[Group]:
     """Return what is run together: all extremes of one method, so that a child loads each method once."""
-    found: list[Group] = []
+    groups: list[Group] = []
     for name in engines:
         try:
             engine = registry.get(name)
         except registry.EngineMissing:
-            found.append((name, None, tuple(extremes)))
+            groups.append((name, None, tuple(extremes)))
             continue
         chosen = [m for m in engine.methods() if not quick_methods or m.name in QUICK.get(name, (m.name,))]
-        found += [(name, method.name, tuple(extremes)) for method in chosen]
-    return found
+        groups += [(name, method.name, tuple(extremes)) for method in chosen]
+    return groups
 
 
 # The methods a quick look takes; an engine without an entry is taken whole.

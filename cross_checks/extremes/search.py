@@ -15,23 +15,23 @@ def bisect(values: Sequence[float], probe: Probe) -> list[Point]:
 
     Where both ends are handled the middle is looked at too, because an axis need not be monotone.
     """
-    found = {0: probe(values[0])}
-    if not found[0].handled or len(values) == 1:
-        return _ordered(found)
+    points = {0: probe(values[0])}
+    if not points[0].handled or len(values) == 1:
+        return _ordered(points)
     last = len(values) - 1
-    found[last] = probe(values[last])
+    points[last] = probe(values[last])
     low, high = 0, last
-    if found[last].handled:
+    if points[last].handled:
         middle = last // 2
-        found.setdefault(middle, probe(values[middle])) if middle not in found else None
-        if found[middle].handled:
-            return _ordered(found)
+        points.setdefault(middle, probe(values[middle])) if middle not in points else None
+        if points[middle].handled:
+            return _ordered(points)
         high = middle
     while high - low > 1:
         middle = (low + high) // 2
-        found[middle] = probe(values[middle])
-        low, high = (middle, high) if found[middle].handled else (low, middle)
-    return _ordered(found)
+        points[middle] = probe(values[middle])
+        low, high = (middle, high) if points[middle].handled else (low, middle)
+    return _ordered(points)
 
 
 def scan(values: Sequence[float], probe: Probe, refine: int) -> list[Point]:
@@ -65,5 +65,5 @@ def fate_of(points: Sequence[Point]) -> Fate:
     return next(fate for fate in order if any(point.fate is fate for point in points))
 
 
-def _ordered(found: dict[int, Point]) -> list[Point]:
-    return [found[k] for k in sorted(found)]
+def _ordered(points: dict[int, Point]) -> list[Point]:
+    return [points[k] for k in sorted(points)]

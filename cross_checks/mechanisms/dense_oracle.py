@@ -179,8 +179,8 @@ class Augmented:
         """The singular values of independent rows."""
         if not len(self.gamma):
             return np.ones(1)
-        found = np.linalg.svd(self.scaled, compute_uv=False)
-        return found[found > CUTOFF * found[0]]
+        singular_values = np.linalg.svd(self.scaled, compute_uv=False)
+        return singular_values[singular_values > CUTOFF * singular_values[0]]
 
     @property
     def redundant(self) -> int:
@@ -205,10 +205,10 @@ class Augmented:
         size, rows = len(self.force), len(self.gamma)
         matrix = np.block([[np.eye(size), self.scaled.T], [self.scaled, np.zeros((rows, rows))]])
         right = np.concatenate((np.linalg.solve(self.root, self.force), self.gamma / self.row_scale))
-        found = np.linalg.lstsq(matrix, right, rcond=AUGMENTED_CUTOFF)[0]
+        solution = np.linalg.lstsq(matrix, right, rcond=AUGMENTED_CUTOFF)[0]
         acceleration = np.zeros(self.moment.rate.shape)
-        acceleration[self.moment.used] = np.linalg.solve(self.root.T, found[:size])
-        lam = found[size:] / self.row_scale
+        acceleration[self.moment.used] = np.linalg.solve(self.root.T, solution[:size])
+        lam = solution[size:] / self.row_scale
         return Solution(acceleration, self.wrenches(lam), self.condition, self.redundant)
 
     def wrenches(self, lam: np.ndarray) -> dict[str, np.ndarray]:

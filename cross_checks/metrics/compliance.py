@@ -12,18 +12,18 @@ from mbs_ref.trajectory import Trajectory
 
 def compliance(scene: Scene, trajectory: Trajectory) -> tuple[np.ndarray, np.ndarray]:
     """Return the largest |C| (m, rad) and |dC/dt| (m/s, rad/s) over the rows, each (n_t,); zero without joints."""
-    found = rows(scene, trajectory)
-    return tuple(np.max(np.abs(part), axis=1, initial=0.0) for part in (found.residual, found.rate))  # type: ignore[return-value]
+    constraints = rows(scene, trajectory)
+    return tuple(np.max(np.abs(part), axis=1, initial=0.0) for part in (constraints.residual, constraints.rate))  # type: ignore[return-value]
 
 
 def worst_joint(scene: Scene, trajectory: Trajectory) -> tuple[str, float] | None:
     """Return the joint that is broken most and by how much (m, rad); None without joints."""
-    found = rows(scene, trajectory)
-    if not found.joints or not len(trajectory.times):
+    constraints = rows(scene, trajectory)
+    if not constraints.joints or not len(trajectory.times):
         return None
-    largest = np.max(np.abs(found.residual), axis=0)
+    largest = np.max(np.abs(constraints.residual), axis=0)
     k = int(np.argmax(largest))
-    return found.joints[k], float(largest[k])
+    return constraints.joints[k], float(largest[k])
 
 
 def _position(judged: Judged) -> np.ndarray:

@@ -10,8 +10,8 @@ from cross_checks.metrics.state_error import NAMES, UNITS
 
 def _component(place: int):
     def curve(judged: Judged) -> np.ndarray | Absent:
-        found = judged.differences
-        return Absent() if isinstance(found, Absent) else found.sizes[:, place]
+        differences = judged.differences
+        return Absent() if isinstance(differences, Absent) else differences.sizes[:, place]
 
     return curve
 

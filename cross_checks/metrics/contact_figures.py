@@ -23,12 +23,12 @@ def contact_figures(scene: Scene, path: Trajectory) -> dict[str, float]:
     if not scene.contacts or len(scene.contacts) > MANY or len(path.times) < 4:
         return {}
     motion = Motion(scene, path)
-    found: dict[str, float] = {}
+    listed: dict[str, float] = {}
     for contact in scene.contacts:
         if shapes_known(contact):
             figures = _of_contact(motion, contact)
-            found |= {f"{contact.name}: {label}": value for label, value in figures.items() if np.isfinite(value)}
-    return found
+            listed |= {f"{contact.name}: {label}": value for label, value in figures.items() if np.isfinite(value)}
+    return listed
 
 
 def _of_contact(motion: Motion, contact) -> dict[str, float]:

@@ -18,14 +18,14 @@ def reaction_error(reactions: dict[str, np.ndarray], reference: dict[str, np.nda
     return max(finite) if finite and len(finite) == len(gaps) else None
 
 
-def _largest_gap(found: np.ndarray, expected: np.ndarray) -> float:
-    n = min(len(found), len(expected))
-    return float(np.max(np.abs(found[:n] - expected[:n]), initial=0.0))
+def _largest_gap(given: np.ndarray, expected: np.ndarray) -> float:
+    n = min(len(given), len(expected))
+    return float(np.max(np.abs(given[:n] - expected[:n]), initial=0.0))
 
 
 def _curve(judged: Judged) -> np.ndarray | Absent:
-    found = None if judged.reference is None else reaction_error(judged.path.reactions, judged.reference.reactions)
-    return Absent() if found is None else np.array([found])
+    error = None if judged.reference is None else reaction_error(judged.path.reactions, judged.reference.reactions)
+    return Absent() if error is None else np.array([error])
 
 
 METRICS = (Metric("reaction_error", "joint force error", "N, N m", _curve),)

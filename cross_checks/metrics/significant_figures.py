@@ -16,7 +16,7 @@ MOST = 16.0  # figures a double can hold
 def significant_figures(scene: Scene, path: Trajectory, observed: Observed) -> dict[str, float]:
     """Return figures per body at the last sample."""
     names = scene.body_names
-    found = {}
+    figures = {}
     for k, name in enumerate(names):
         center = CENTERS.get(name, ORIGIN)
         if name == ORIGIN or center not in names or not np.all(np.isfinite(observed.position[k])):
@@ -24,5 +24,5 @@ def significant_figures(scene: Scene, path: Trajectory, observed: Observed) -> d
         c = names.index(center)
         true = observed.position[k] - observed.position[c]
         gap = np.linalg.norm(path.position[-1, k] - path.position[-1, c] - true) / np.linalg.norm(true)
-        found[name] = float(min(MOST, -np.log10(gap))) if gap > 0.0 else MOST
-    return found
+        figures[name] = float(min(MOST, -np.log10(gap))) if gap > 0.0 else MOST
+    return figures

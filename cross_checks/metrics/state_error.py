@@ -64,13 +64,13 @@ def differences(scene: Scene, first: Motion, second: Motion) -> Differences:
 
 def from_truth(scene: Scene, path: Motion, truth: Truth) -> Differences:
     """Return how far a run is from the truth; rates count where they differ by MARGIN times what the truth knows."""
-    found = differences(scene, path, truth)
+    gap = differences(scene, path, truth)
     if truth.velocity is None or truth.rate_uncertainty is None:
-        found.sizes[:, 2:] = 0.0
-        return found
-    known = found.sizes[:, 2:] >= MARGIN * truth.rate_uncertainty[: len(found.sizes), None]
-    found.sizes[:, 2:] *= known
-    return found
+        gap.sizes[:, 2:] = 0.0
+        return gap
+    known = gap.sizes[:, 2:] >= MARGIN * truth.rate_uncertainty[: len(gap.sizes), None]
+    gap.sizes[:, 2:] *= known
+    return gap
 
 
 def _turn(scene: Scene, first: np.ndarray, second: np.ndarray) -> np.ndarray:

@@ -32,8 +32,8 @@ def known() -> list[str]:
 
 def truth_for(scene: Scene, times: np.ndarray) -> Truth | None:
     """Return the truth of a scene at `times` (s, increasing, >= 0), or None; `seek_truth` says why."""
-    found = seek_truth(scene, times)
-    return found if isinstance(found, Truth) else None
+    truth = seek_truth(scene, times)
+    return truth if isinstance(truth, Truth) else None
 
 
 def seek_truth(scene: Scene, times: np.ndarray, *, afresh: bool = False) -> Truth | NoTruth:
@@ -62,8 +62,8 @@ def library_twin(scene: Scene) -> Scene | None:
         twin = _made(name, parameters)
         if twin is not None and _same(twin, scene):
             return twin
-    found = _library().get(physics_of(scene))
-    return None if found is None else _made(*found)
+    entry = _library().get(physics_of(scene))
+    return None if entry is None else _made(*entry)
 
 
 def is_unchanged(scene: Scene) -> bool:
@@ -87,12 +87,12 @@ def _made(name: str, parameters: tuple) -> Scene | None:
 @cache
 def _library() -> dict[str, tuple[str, tuple]]:
     """Return name and parameters by physics of every scene with a truth: as it stands, and as certified."""
-    found = {}
+    library = {}
     for name, parameters in (*((name, ()) for name in known()), *_certified()):
         made = _made(name, parameters)
         if made is not None:
-            found.setdefault(physics_of(made), (name, tuple(sorted(made.parameters.items()))))
-    return found
+            library.setdefault(physics_of(made), (name, tuple(sorted(made.parameters.items()))))
+    return library
 
 
 def _certified() -> list[tuple[str, tuple]]:
@@ -106,28 +106,28 @@ def _solved(name: str, parameters: tuple, times: tuple[float, ...]) -> Truth | N
     solver = importlib.import_module(f"{__name__}.{name}")
     scene, asked = scenes.make(name, **dict(parameters)), np.array(times)
     try:
-        found = solver.solve(scene, asked)
-        if isinstance(found, Truth) and found.velocity is None:
-            found = _with_rates(solver.solve, scene, asked, found)
+        truth = solver.solve(scene, asked)
+        if isinstance(truth, Truth) and truth.velocity is None:
+            truth = _with_rates(solver.solve, scene, asked, truth)
     except NoConvergenceError as error:
         return NoTruth(f"the truth does not converge: {error}")
     largest = LARGEST_UNCERTAINTY * scales_of(scene).length
-    if isinstance(found, Truth) and not found.uncertainty <= largest:
-        known_to, limit = f"{found.uncertainty:.1e} m", f"{largest:.0e} m"
+    if isinstance(truth, Truth) and not truth.uncertainty <= largest:
+        known_to, limit = f"{truth.uncertainty:.1e} m", f"{largest:.0e} m"
         return NoTruth(f"the truth is uncertain by {known_to}, more than {limit}: the motion is too sensitive")
-    return found
+    return truth
 
 
-def _with_rates(solve: Callable, scene: Scene, times: np.ndarray, found: Truth) -> Truth:
+def _with_rates(solve: Callable, scene: Scene, times: np.ndarray, truth: Truth) -> Truth:
     """Return the truth with velocities from differences of its poses around every time, where it has such poses."""
-    if len(times) < 2 or np.isnan(found.position).any():
-        return found
+    if len(times) < 2 or np.isnan(truth.position).any():
+        return truth
     asked, h = rates.stencil_times(times, scales_of(scene).time)
     try:
         around = solve(scene, asked)
     except NoConvergenceError:
-        return found
+        return truth
     if isinstance(around, NoTruth):
-        return found
+        return truth
     velocity, spin, doubt = rates.of_poses(times, h, asked, around.position, around.orientation, around.uncertainty)
-    return replace(found, velocity=velocity, angular_velocity=spin, rate_uncertainty=doubt)
+    return replace(truth, velocity=velocity, angular_velocity=spin, rate_uncertainty=doubt)

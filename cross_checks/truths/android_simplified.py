@@ -27,11 +27,11 @@ def crash_truth(scene: Scene, times: np.ndarray) -> Truth:
     The occupant moves on a driven seat as on a fixed one under the forces m a: the seat's own motion is added.
     """
     fixed = scenes.make(scene.name, **(scene.parameters | {"seat": "fixed"}))
-    found = agree(*formulations(fixed), times, extended=False, rk_tolerance=RK_TOLERANCE)
-    position = found.position.copy()
+    agreement = agree(*formulations(fixed), times, extended=False, rk_tolerance=RK_TOLERANCE)
+    position = agreement.position.copy()
     position[:, :, 0] += _seat_motion(scene, times)[:, None]
     ways = "Lagrange's by DOP853", "Hamilton's equations in body angles by extrapolation from event to event"
-    return converged(replace(found, position=position), *ways)
+    return converged(replace(agreement, position=position), *ways)
 
 
 def _seat_motion(scene: Scene, times: np.ndarray) -> np.ndarray:

@@ -60,17 +60,17 @@ class Flight:
 
 def flights(seat: Shaker, end: float) -> list[Flight] | NoTruth:
     """Return every flight that begins before `end` (s)."""
-    found: list[Flight] = []
+    flown: list[Flight] = []
     t = seat.lift_off(0.0)
     while t < end:
         flight = Flight(t, math.inf, seat.place(t), seat.speed(t))
         landing = _landing(seat, flight)
-        found.append(Flight(t, landing, flight.height, flight.speed))
+        flown.append(Flight(t, landing, flight.height, flight.speed))
         approach = seat.speed(landing) - (flight.speed - seat.gravity * (landing - t))
         if approach < GRAZING:
             return NoTruth(f"the ball grazes the seat at t = {landing:.6g} s: its motion is too sensitive there")
         t = seat.lift_off(landing) if seat.pushes(landing) else landing
-    return found
+    return flown
 
 
 def _landing(seat: Shaker, flight: Flight) -> float:
@@ -91,12 +91,12 @@ def solve(scene: Scene, times: np.ndarray) -> Truth | NoTruth:
     if not isinstance(scene.contacts[0].law, ConstraintLaw):
         return NoTruth("the closed form is of the constraint; a spring-damper contact gives way")
     seat = Shaker(given["amplitude"], given["omega"], given["gravity"])
-    found = flights(seat, float(times[-1]))
-    if isinstance(found, NoTruth):
-        return found
+    flown = flights(seat, float(times[-1]))
+    if isinstance(flown, NoTruth):
+        return flown
     under = seat.amplitude * np.sin(seat.omega * times)
     above = under.copy()
-    for flight in found:
+    for flight in flown:
         inside = (times > flight.t0) & (times < flight.t1)
         above[inside] = flight.place(times[inside], seat.gravity)
     position = np.zeros((len(times), 2, 2))

@@ -70,8 +70,8 @@ class Pair:
 def solve(scene: Scene, times: np.ndarray) -> Truth:
     """Newton's equations by DOP853; relative motion by extrapolation with located switches."""
     looks = tuple(np.arange(LOOKS, times[-1], LOOKS).tolist())
-    found = agree(_world(Pair(scene)), _relative(Pair(scene), looks), times, extended=False)
-    return converged(found, "Newton's in the world by DOP853", "relative motion by extrapolation, switches located")
+    agreement = agree(_world(Pair(scene)), _relative(Pair(scene), looks), times, extended=False)
+    return converged(agreement, "Newton's in the world by DOP853", "relative motion by extrapolation, switches located")
 
 
 def _turned(x: np.ndarray) -> np.ndarray:

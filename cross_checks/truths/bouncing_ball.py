@@ -124,14 +124,14 @@ def solve(scene: Scene, times: np.ndarray) -> Truth | NoTruth:
         return _under_gravity(scene, times)
     speed, height = -ball.velocity[1], ball.position[1] - contact.radius
     touch = height / speed if speed > 0.0 else math.inf
-    found = impact(contact.law, ball.mass, speed)
-    clear = touch + found.duration
+    rebound = impact(contact.law, ball.mass, speed)
+    clear = touch + rebound.duration
     inside = (times > touch) & (times < clear)
     if np.any(inside) and not _swings(contact.law, ball.mass):
         return NoTruth("the closed form gives the motion before and after contact; an asked time lies inside")
-    y = np.where(times <= touch, height - speed * times, found.restitution * speed * (times - clear))
+    y = np.where(times <= touch, height - speed * times, rebound.restitution * speed * (times - clear))
     if isinstance(contact.law, SpringDamperLaw) and contact.law.release == "force":
-        y = np.where(times <= touch, y, y - _left_inside(contact.law, ball.mass, speed, found))
+        y = np.where(times <= touch, y, y - _left_inside(contact.law, ball.mass, speed, rebound))
     if np.any(inside):
         y[inside] = -_depth(contact.law, ball.mass, speed, times[inside] - touch)
     position = np.zeros((len(times), 1, 2))
@@ -176,6 +176,6 @@ def _is_linear(law: Any) -> bool:
     return isinstance(law, SpringDamperLaw | RigidLaw)
 
 
-def _left_inside(law: SpringDamperLaw, mass: float, speed: float, found: Impact) -> float:
+def _left_inside(law: SpringDamperLaw, mass: float, speed: float, rebound: Impact) -> float:
     """Return the depth where F = 0: k d = c e v0."""
-    return law.damping * found.restitution * speed / law.stiffness
+    return law.damping * rebound.restitution * speed / law.stiffness

@@ -15,9 +15,9 @@ def solve(scene: Scene, times: np.ndarray) -> Truth | NoTruth:
     """The ball moves along the normal alone and does not turn."""
     given = dict(scene.parameters)
     normal = floor_normal(float(given.pop("tilt")), float(given.pop("heading")))
-    found = bouncing_ball.solve(scenes.make("bouncing_ball", **given), times)
-    if isinstance(found, NoTruth):
-        return found
-    position = found.position[:, :, 1:] * normal
+    planar = bouncing_ball.solve(scenes.make("bouncing_ball", **given), times)
+    if isinstance(planar, NoTruth):
+        return planar
+    position = planar.position[:, :, 1:] * normal
     still = np.tile([1.0, 0.0, 0.0, 0.0], (len(times), 1, 1))
-    return Truth(position, still, found.uncertainty, found.kind, found.how)
+    return Truth(position, still, planar.uncertainty, planar.kind, planar.how)

@@ -44,8 +44,8 @@ def solve(scene: Scene, times: np.ndarray) -> Truth:
             corner = corner + along
         return jet.stack(places), jet.stack(axes)
 
-    found = agree_on(scene, poses, START, np.longdouble(0), times)
+    agreement = agree_on(scene, poses, START, np.longdouble(0), times)
     return converged(
-        found, "Lagrange's by DOP853",
+        agreement, "Lagrange's by DOP853",
         "Hamilton's equations in the one coordinate of the closed loop by extrapolation in extended precision",
     )  # fmt: skip

@@ -73,25 +73,25 @@ def solve(scene: Scene, times: np.ndarray) -> Truth | NoTruth:
     normal = float(along @ line)
     across = along - normal * line
     aside = across / np.linalg.norm(across) if np.any(across) else np.zeros(3)
-    found = encounter(scene.contacts[0].law, 1.0 / (1.0 / a.mass + 1.0 / b.mass), normal, float(across @ aside))
-    if isinstance(found, NoTruth):
-        return found
+    collision = encounter(scene.contacts[0].law, 1.0 / (1.0 / a.mass + 1.0 / b.mass), normal, float(across @ aside))
+    if isinstance(collision, NoTruth):
+        return collision
     touch = RUN_UP / speed
-    clear = touch + found.duration
+    clear = touch + collision.duration
     if np.any((times > touch) & (times < clear)):
         return NoTruth("the closed form gives the motion before and after contact; an asked time lies inside")
     reach = RADIUS_A + RADIUS_B
     # from b to a: -line at touch-down, moving towards `aside` while it turns
-    c, s = math.cos(found.angle), math.sin(found.angle)
+    c, s = math.cos(collision.angle), math.sin(collision.angle)
     outward, sideways = -c * line + s * aside, s * line + c * aside
     since = (times - clear)[:, None]
     before = -reach * line + along * (times - touch)[:, None]
-    after = reach * outward + (found.normal * outward + found.tangential * sideways) * since
+    after = reach * outward + (collision.normal * outward + collision.tangential * sideways) * since
     apart = np.where(times[:, None] <= touch, before, after)
     share = b.mass / (a.mass + b.mass)
     middle = (1.0 - share) * (np.array(a.position) + along * times[:, None])
     position = np.stack((middle + share * apart, middle - (1.0 - share) * apart), axis=1)
     still = np.tile([1.0, 0.0, 0.0, 0.0], (len(times), 2, 1))
-    uncertainty = 1e-14 if found.duration == 0.0 else QUADRATURE
+    uncertainty = 1e-14 if collision.duration == 0.0 else QUADRATURE
     how = "impulse along the line of centres, or its motion by quadrature"
     return Truth(position, still, uncertainty, "exact", how)

@@ -12,12 +12,12 @@ from mbs_ref.scene import Scene
 def solve(scene: Scene, times: np.ndarray) -> Truth:
     """Lagrange's equation by DOP853 against Hamilton's by extrapolation in extended precision."""
     given = {key: float(value) for key, value in scene.parameters.items()}
-    found = agree(_lagrange(**given), _hamilton(**given), times, extended=True)
+    agreement = agree(_lagrange(**given), _hamilton(**given), times, extended=True)
     how = (
         "Hamilton's equations in the rod's angle by extrapolation in extended precision; "
-        f"Lagrange's by DOP853 differ by {found.difference:.1e} m"
+        f"Lagrange's by DOP853 differ by {agreement.difference:.1e} m"
     )
-    return agreed(found, how)
+    return agreed(agreement, how)
 
 
 def _lagrange(length, mass, amplitude, omega, angle, gravity) -> Formulation:

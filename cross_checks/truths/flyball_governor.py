@@ -19,9 +19,9 @@ HALF = 0.5 * LENGTH  # m, from the hinge to the coupler
 def solve(scene: Scene, times: np.ndarray) -> Truth:
     """Turned by half a turn the governor is itself: both arms droop alike. Two unlike sets of coordinates."""
     governor = _governor(scene)
-    found = agree(_heights(governor), _lengths(governor), times, extended=False, second_by=radau)
+    agreement = agree(_heights(governor), _lengths(governor), times, extended=False, second_by=radau)
     return converged(
-        found, "Lagrange's in slider height and arm angle by DOP853",
+        agreement, "Lagrange's in slider height and arm angle by DOP853",
         "Hamilton's equations in coupler length and arm angle by Radau IIA",
     )  # fmt: skip
 

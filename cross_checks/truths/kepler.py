@@ -30,15 +30,15 @@ def _eccentric_anomaly(mean: np.ndarray, e) -> np.ndarray:
     turns = np.rint(mean / (2 * np.pi))
     whole = turns * (2 * np.longdouble("3.14159265358979323846264338327950288"))
     rest = mean - whole
-    found = rest + e * np.sign(rest)
+    anomaly = rest + e * np.sign(rest)
     low, high = rest - e, rest + e  # E - M = e sin E lies between
     for _ in range(200):
-        residual = found - e * np.sin(found) - rest
-        high, low = np.where(residual > 0, found, high), np.where(residual > 0, low, found)
-        newton = found - residual / (1 - e * np.cos(found))
+        residual = anomaly - e * np.sin(anomaly) - rest
+        high, low = np.where(residual > 0, anomaly, high), np.where(residual > 0, low, anomaly)
+        newton = anomaly - residual / (1 - e * np.cos(anomaly))
         inside = (newton > low) & (newton < high)
         new = np.where(inside, newton, (low + high) / 2)
-        if np.all(np.abs(new - found) <= 1e-19 * (1 + np.abs(new))):
+        if np.all(np.abs(new - anomaly) <= 1e-19 * (1 + np.abs(new))):
             break
-        found = new
+        anomaly = new
     return new + whole

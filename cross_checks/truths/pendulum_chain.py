@@ -29,10 +29,11 @@ def rods_of(scene: Scene, length: np.ndarray) -> Rods:
 def converged(rods: Rods, times: np.ndarray) -> Truth:
     """Return the truth of rods released from rest."""
     extended = len(rods.length) <= EXTENDED_UP_TO
-    found = agree(lagrange(rods), hamilton(rods), times, extended=extended)
+    agreement = agree(lagrange(rods), hamilton(rods), times, extended=extended)
     precision = "extended" if extended else "double"
     how = (
         f"Hamilton's equations in absolute angles by extrapolation in {precision} precision; "
-        f"Lagrange's by DOP853 differ by {found.difference:.1e} m; a start error grows {found.sensitivity:.1e}-fold"
+        f"Lagrange's by DOP853 differ by {agreement.difference:.1e} m; "
+        f"a start error grows {agreement.sensitivity:.1e}-fold"
     )
-    return agreed(found, how)
+    return agreed(agreement, how)

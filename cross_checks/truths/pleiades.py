@@ -23,12 +23,12 @@ def solve(scene: Scene, times: np.ndarray) -> Truth | NoTruth:
     """Return the published end and, before it, a converged solution that ends there."""
     if times[-1] != END:
         return NoTruth(f"the Pleiades are published at t = {END:g} s alone, and the last time asked is {times[-1]:g} s")
-    found = converge(scene, times)
-    if isinstance(found, NoTruth):
-        return found
+    truth = converge(scene, times)
+    if isinstance(truth, NoTruth):
+        return truth
     published = np.column_stack((X, Y, np.zeros(7)))
-    gap = float(np.abs(found.position[-1] - published).max())
-    position = np.concatenate((found.position[:-1], published[None]))
-    how = f"Hairer, Norsett, Wanner (1993); before the end {found.how}"
-    uncertainty = max(KNOWN_TO, gap, found.uncertainty)
-    return replace(found, position=position, uncertainty=uncertainty, kind="published", how=how, difference=gap)
+    gap = float(np.abs(truth.position[-1] - published).max())
+    position = np.concatenate((truth.position[:-1], published[None]))
+    how = f"Hairer, Norsett, Wanner (1993); before the end {truth.how}"
+    uncertainty = max(KNOWN_TO, gap, truth.uncertainty)
+    return replace(truth, position=position, uncertainty=uncertainty, kind="published", how=how, difference=gap)

@@ -17,12 +17,12 @@ def solve(scene: Scene, times: np.ndarray) -> Truth:
     mass, inertia = (np.array([getattr(b, key) for b in scene.bodies]) for key in ("mass", "inertia"))
     crank = Crank(float(given["crank_length"]), float(given["rod_length"]), mass, inertia, float(given["gravity"]))
     phi, rate = float(given["crank_angle"]), float(given["crank_speed"])
-    found = agree(_lagrange(crank, phi, rate), _hamilton(crank, phi, rate), times, extended=True)
+    agreement = agree(_lagrange(crank, phi, rate), _hamilton(crank, phi, rate), times, extended=True)
     how = (
         "Hamilton's equations in the crank angle by extrapolation in extended precision; "
-        f"Lagrange's by DOP853 differ by {found.difference:.1e} m"
+        f"Lagrange's by DOP853 differ by {agreement.difference:.1e} m"
     )
-    return agreed(found, how)
+    return agreed(agreement, how)
 
 
 @dataclass(frozen=True)

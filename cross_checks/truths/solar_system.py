@@ -18,8 +18,8 @@ def solve(scene: Scene, times: np.ndarray) -> Truth | NoTruth:
     if scene.parameters["formulation"] == "point":
         return converge(scene, times)
     points = {**scene.parameters, "formulation": "point", "spin": False}
-    found = seek_truth(scenes.make(scene.name, **points), times)  # which may be known already
-    return found if isinstance(found, NoTruth) else replace(found, orientation=_turned(scene, times))
+    truth = seek_truth(scenes.make(scene.name, **points), times)  # which may be known already
+    return truth if isinstance(truth, NoTruth) else replace(truth, orientation=_turned(scene, times))
 
 
 def _turned(scene: Scene, times: np.ndarray) -> np.ndarray:

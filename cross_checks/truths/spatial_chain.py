@@ -18,9 +18,9 @@ def solve(scene: Scene, times: np.ndarray) -> Truth | NoTruth:
     if bodies > LARGEST:
         return NoTruth(f"the chain's truth is converged up to {LARGEST} links, and this one has {bodies}")
     tree, extended = spherical_tree(scene), bodies <= EXTENDED_UP_TO
-    found = agree(newton_euler(tree), hamilton(tree), times, extended=extended)
+    agreement = agree(newton_euler(tree), hamilton(tree), times, extended=extended)
     precision = "extended" if extended else "double"
     return converged(
-        found, "Newton's and Euler's by DOP853",
+        agreement, "Newton's and Euler's by DOP853",
         f"Hamilton's equations in absolute orientations by extrapolation in {precision} precision",
     )  # fmt: skip

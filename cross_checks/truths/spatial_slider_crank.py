@@ -34,7 +34,8 @@ def solve(scene: Scene, times: np.ndarray) -> Truth:
 
     sign = 1.0
     sign = float(np.sign(poses(jet.parameter(0.0))[1].value[1][:, 1] @ first))
-    found = agree_on(scene, poses, 0.0, float(scene.parameters["crank_speed"]), times)
+    agreement = agree_on(scene, poses, 0.0, float(scene.parameters["crank_speed"]), times)
     return converged(
-        found, "Lagrange's by DOP853", "Hamilton's equations in the crank angle by extrapolation in extended precision"
-    )
+        agreement, "Lagrange's by DOP853",
+        "Hamilton's equations in the crank angle by extrapolation in extended precision",
+    )  # fmt: skip

@@ -12,12 +12,12 @@ from mbs_ref.scene import Scene
 def solve(scene: Scene, times: np.ndarray) -> Truth:
     """Newton's equations by DOP853 against Hamilton's polar ones by extrapolation in extended precision."""
     given = {key: float(value) for key, value in scene.parameters.items()}
-    found = agree(_cartesian(**given), _polar(**given), times, extended=True)
+    agreement = agree(_cartesian(**given), _polar(**given), times, extended=True)
     how = (
         "polar Hamilton's equations by extrapolation in extended precision; "
-        f"Newton's in x, y by DOP853 differ by {found.difference:.1e} m"
+        f"Newton's in x, y by DOP853 differ by {agreement.difference:.1e} m"
     )
-    return agreed(found, how)
+    return agreed(agreement, how)
 
 
 def _cartesian(rest_length, mass, stiffness, damping, gravity) -> Formulation:

@@ -43,13 +43,13 @@ def _spatial_sample(scene: Scene) -> Trajectory:
 
 def worst_gap(scene: Scene) -> Gap | None:
     """Return the joint farthest from satisfied; None where there is no joint."""
-    found = rows(scene, initial_sample(scene))
-    if not found.joints:
+    constraints = rows(scene, initial_sample(scene))
+    if not constraints.joints:
         return None
-    size = np.maximum(np.abs(found.residual[0]), np.abs(found.rate[0]))
-    joint = found.joints[int(np.argmax(size))]
-    own = np.array([name == joint for name in found.joints])
-    return Gap(joint, float(np.abs(found.residual[0, own]).max()), float(np.abs(found.rate[0, own]).max()))
+    size = np.maximum(np.abs(constraints.residual[0]), np.abs(constraints.rate[0]))
+    joint = constraints.joints[int(np.argmax(size))]
+    own = np.array([name == joint for name in constraints.joints])
+    return Gap(joint, float(np.abs(constraints.residual[0, own]).max()), float(np.abs(constraints.rate[0, own]).max()))
 
 
 def open_loop(scene: Scene) -> str:

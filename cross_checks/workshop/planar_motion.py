@@ -100,21 +100,21 @@ def project(tree, q, pose, forces):
     for b in range(n):
         wrench[b, 0], wrench[b, 1] = forces[b, 0], forces[b, 1]
         wrench[b, 2] = forces[b, 2] * tree.turning[b] + pose[b, 0] * forces[b, 1] - pose[b, 1] * forces[b, 0]
-    found = np.zeros(tree.size)
+    generalized = np.zeros(tree.size)
     for e in range(tree.body.shape[0] - 1, -1, -1):
         b, p, s, kind = tree.body[e], tree.parent[e], tree.start[e], tree.kind[e]
         if kind == PRISMATIC:
             ux, uy = _rotated(turn[p], tree.axis[e, 0], tree.axis[e, 1])
-            found[s] = ux * wrench[b, 0] + uy * wrench[b, 1]
+            generalized[s] = ux * wrench[b, 0] + uy * wrench[b, 1]
         elif kind != WELD:
             bx, by = _rotated(turn[b], tree.point[e, 0] - tree.position[b, 0], tree.point[e, 1] - tree.position[b, 1])
             about = wrench[b, 2] - (pose[b, 0] + bx) * wrench[b, 1] + (pose[b, 1] + by) * wrench[b, 0]
             if kind == REVOLUTE:
-                found[s] = about
+                generalized[s] = about
             else:
-                found[s], found[s + 1] = wrench[b, 0], wrench[b, 1]
+                generalized[s], generalized[s + 1] = wrench[b, 0], wrench[b, 1]
                 if kind == FREE:
-                    found[s + 2] = about
+                    generalized[s + 2] = about
         for k in range(3):
             wrench[p, k] += wrench[b, k]
-    return found
+    return generalized

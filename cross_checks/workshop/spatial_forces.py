@@ -28,8 +28,8 @@ class SpatialApplied:
             if k in self.rigid:
                 y[q + 3 : q + 7], y[v + 3 : v + 6] = theta[k], axes[k].T @ omega[k]
         self.system.set_mode_time(t)
-        found = self.system.applied_forces(t, y).copy()
+        applied = self.system.applied_forces(t, y).copy()
         for k, body in self.rigid.items():  # the core counts the gyroscopic torque among them
             momentum = axes[k] @ symmetric(body.inertia) @ axes[k].T @ omega[k]
-            found[k, 3:] += np.cross(omega[k], momentum)
-        return found
+            applied[k, 3:] += np.cross(omega[k], momentum)
+        return applied

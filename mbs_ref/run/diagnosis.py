@@ -71,8 +71,8 @@ def _turned_springs(system: System, t: float, y: np.ndarray) -> str:
         return ""
     motion = Motion(system.scene, Trajectory(np.array([t]), *system.poses(y[None])))
     turned = {load.name: _turn(motion, load) for load in loads}
-    found = [name for name, angle in turned.items() if abs(angle) > NEARLY_TURNED]
-    return f"; load {_listed(found)} has turned by {turned[found[0]]:.3g} rad and cannot count turns" if found else ""
+    names = [name for name, angle in turned.items() if abs(angle) > NEARLY_TURNED]
+    return f"; load {_listed(names)} has turned by {turned[names[0]]:.3g} rad and cannot count turns" if names else ""
 
 
 def _turn(motion: Motion, load: TorsionSpring | Bushing) -> float:

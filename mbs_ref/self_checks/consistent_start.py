@@ -65,10 +65,10 @@ def unstable_step(system: System, plan: Plan, y: np.ndarray) -> str:
     asked = plan.options.step
     if not (asked and plan.integrator.stability and plan.settings.refuse_unstable and may_be_stiff(system.scene)):
         return ""
-    found = stiffness(system, 0.0, y)
-    limit = found.step_limit(plan.integrator.stability)
+    stiff = stiffness(system, 0.0, y)
+    limit = stiff.step_limit(plan.integrator.stability)
     if asked <= limit:
         return ""
     return (f"step = {asked:g} s is beyond what {plan.integrator.name} can bear: the fastest motion has |lambda| = "
-            f"{found.fastest:.4g} 1/s and needs a step of at most {limit:.3g} s; take that, an implicit or adaptive "
+            f"{stiff.fastest:.4g} 1/s and needs a step of at most {limit:.3g} s; take that, an implicit or adaptive "
             "method, or refuse_unstable = False")  # fmt: skip

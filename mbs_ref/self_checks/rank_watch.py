@@ -25,8 +25,8 @@ def singular_passage(system: System, times: np.ndarray, states: np.ndarray) -> t
     close = [looks[k] for k in np.argsort(pivots)[:MOST_CLOSE] if pivots[k] < SUSPECT]
     if not close:
         return ()
-    found = [(*weakest_joints(system, float(times[k]), states[k]), float(times[k])) for k in close]
-    smallest, joints, t = min(found, key=lambda one: one[0])
+    weakest = [(*weakest_joints(system, float(times[k]), states[k]), float(times[k])) for k in close]
+    smallest, joints, t = min(weakest, key=lambda one: one[0])
     start, _ = weakest_joints(system, 0.0, states[0])
     if not joints or smallest > NEAR * start:
         return ()

@@ -25,11 +25,11 @@ class UnsoundScene(ValueError):
 
 def require_sound(scene: Scene) -> None:
     """Check every part again: copies with changed fields are not checked by themselves. UnsoundScene lists all."""
-    found = [text for kind in ("bodies", "joints", "loads", "contacts") for text in _part_troubles(kind, scene)]
-    found += [] if all(map(math.isfinite, scene.gravity)) else [f"gravity = {scene.gravity} is not finite"]
-    found += clock_troubles(scene)
-    if found:
-        raise UnsoundScene("; ".join(found[:8]))
+    complaints = [text for kind in ("bodies", "joints", "loads", "contacts") for text in _part_troubles(kind, scene)]
+    complaints += [] if all(map(math.isfinite, scene.gravity)) else [f"gravity = {scene.gravity} is not finite"]
+    complaints += clock_troubles(scene)
+    if complaints:
+        raise UnsoundScene("; ".join(complaints[:8]))
 
 
 def _part_troubles(kind: str, scene: Scene) -> Iterator[str]:

@@ -45,17 +45,17 @@ def _hinges(scene: Scene, free: list[str]) -> dict[str, Revolute]:
     """Return the hinge that carries each body, the root's excepted, every carrier before what it carries."""
     hinges = [j for j in scene.joints if isinstance(j, Revolute)]
     welds = [j for j in scene.joints if isinstance(j, Weld)]
-    found: dict[str, Revolute] = {}
+    carrying: dict[str, Revolute] = {}
     reached = [free[0]]
     for body in reached:
         for joint in hinges:
             other = {joint.body_a: joint.body_b, joint.body_b: joint.body_a}.get(body)
             if other is not None and other not in reached:
-                found[other] = joint
+                carrying[other] = joint
                 reached.append(other)
     if len(reached) < len(free) or len(hinges) != len(free) - 1 or len(hinges) + len(welds) < len(scene.joints):
         raise ValueError(f"{scene.name!r} is no free tree of hinged bodies")
-    return found
+    return carrying
 
 
 def _tree(scene: Scene, free: list[str], hinge: dict[str, Revolute]) -> Tree:

@@ -183,17 +183,17 @@ def measure_switches(arrays, pose, rate):
     """Positive where a spring that pulls only is taut, and where a contact presses; springs first."""
     springs, contacts = arrays.springs, arrays.contacts
     n = springs.a.shape[0]
-    found = np.ones(n + contacts.a.shape[0])
+    values = np.ones(n + contacts.a.shape[0])
     for k in range(n):
         if springs.numbers[k, 3] == 1.0:
             _, _, _, _, _, _, pull, stretch = _line(springs, k, pose, rate)
-            found[k] = min(stretch, pull)
+            values[k] = min(stretch, pull)
     for k in range(contacts.a.shape[0]):
         depth, closing, _, _ = _depth(contacts, k, pose, rate)
-        found[n + k] = depth
+        values[n + k] = depth
         if contacts.numbers[k, 3] == 1.0:
-            found[n + k] = min(depth, _press(contacts, k, depth, closing))
-    return found
+            values[n + k] = min(depth, _press(contacts, k, depth, closing))
+    return values
 
 
 @strict_jit

@@ -117,16 +117,16 @@ class _Walk:
         mode holds."""
         gaps = states[:, : self.n] @ self.rows.T - self.offset
         rates = states[:, self.n : 2 * self.n] @ self.rows.T
-        found = np.ones((*gaps.shape, 2))
+        values = np.ones((*gaps.shape, 2))
         for k, (contact, mode) in enumerate(zip(self.line.contacts, self.modes, strict=True)):
-            found[:, k, 0] = NOISE + (gaps[:, k] if mode == OPEN else -gaps[:, k])
+            values[:, k, 0] = NOISE + (gaps[:, k] if mode == OPEN else -gaps[:, k])
             if mode != OPEN and contact.by_force:
                 force = -contact.stiffness * gaps[:, k] - contact.damping * rates[:, k]
                 slack = NOISE * (contact.stiffness + contact.damping)
-                found[:, k, 1] = slack + force * (1.0 if mode == CLOSED else -1.0)
+                values[:, k, 1] = slack + force * (1.0 if mode == CLOSED else -1.0)
             if contact.restitution is not None:
-                found[rates[:, k] >= 0.0, k, 0] = 1.0  # parting
-        return found
+                values[rates[:, k] >= 0.0, k, 0] = 1.0  # parting
+        return values
 
     def _until(self, t: float, z: np.ndarray, end: float) -> tuple[float | None, np.ndarray]:
         """Return the first event in (t, end] and the state there, or None."""
@@ -154,19 +154,19 @@ class _Walk:
     def _flight(self, z: np.ndarray) -> tuple[float, int]:
         """Return when the first gap of a free flight closes (inf: never), and which."""
         pull = self.line.force / self.line.mass
-        found = [_crossing(self._gap(k, z), float(row @ z[self.n : 2 * self.n]), float(row @ pull))
+        crossings = [_crossing(self._gap(k, z), float(row @ z[self.n : 2 * self.n]), float(row @ pull))
                  for k, row in enumerate(self.rows)]  # fmt: skip
-        return min(found), int(np.argmin(found))
+        return min(crossings), int(np.argmin(crossings))
 
     def _first(self, z: np.ndarray, now: np.ndarray, low: float, high: float) -> float:
         """Return the earliest root between two looks, and note whose it is."""
         start, stop = self._guards(np.array([now, self._at(z, high)]))
-        found = []
+        times = []
         for place in zip(*np.nonzero(stop < 0.0), strict=True):
             late = start[place] <= 0.0
             root = low if late else self._root(z, place, low, high)
-            found.append((root, int(place[0]), int(place[1])))
-        after, self.broken, self.which = min(found) if found else (high, self.broken, self.which)
+            times.append((root, int(place[0]), int(place[1])))
+        after, self.broken, self.which = min(times) if times else (high, self.broken, self.which)
         return after
 
     def _root(self, z: np.ndarray, place: tuple[int, int], low: float, high: float) -> float:

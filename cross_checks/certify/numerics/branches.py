@@ -32,27 +32,27 @@ def extrapolate_branches(
             whole = step >= goal - t
             h = goal - t if whole else step
             slope = partial(frozen, on=on)
-            found, columns = attempt(slope, t, y, h, tolerance)
-            if found is None:
+            ahead, columns = attempt(slope, t, y, h, tolerance)
+            if ahead is None:
                 step = h / 2
                 if step < SMALLEST_STEP:
                     raise NoConvergenceError(f"extrapolation stalls at t = {t:.6g} s")
                 continue
-            if np.any((switches(t + h, found) > 0.0) != on):
-                h, found = _cut(slope, switches, on, t, y, h, found, tolerance)
+            if np.any((switches(t + h, ahead) > 0.0) != on):
+                h, ahead = _cut(slope, switches, on, t, y, h, ahead, tolerance)
                 changes += 1
                 if changes > MOST_CHANGES:
                     raise NoConvergenceError(f"forces set in and let go without end at t = {t:.6g} s")
-                t, y = t + h, found
+                t, y = t + h, ahead
                 on = switches(t, y) > 0.0
                 continue
-            t, y = float(goal) if whole else t + h, found
+            t, y = float(goal) if whole else t + h, ahead
             step = max(step, 2 * h) if columns <= EASY else step
         states[k] = y
     return states
 
 
-def _cut(slope, switches, on, t, y, h, found, tolerance) -> tuple[float, np.ndarray]:
+def _cut(slope, switches, on, t, y, h, ahead, tolerance) -> tuple[float, np.ndarray]:
     """Bisect to the first step after which a switch has changed."""
     low = 0.0
     while h - low > RESOLUTION:
@@ -61,7 +61,7 @@ def _cut(slope, switches, on, t, y, h, found, tolerance) -> tuple[float, np.ndar
         if there is None:
             raise NoConvergenceError(f"extrapolation stalls at t = {t:.6g} s")
         if np.any((switches(t + middle, there) > 0.0) != on):
-            h, found = middle, there
+            h, ahead = middle, there
         else:
             low = middle
-    return h, found
+    return h, ahead

@@ -67,9 +67,9 @@ def shared_forces(model: mujoco.MjModel, tree: JointTree) -> Callback:
 
 def _turns(model: mujoco.MjModel, tree: JointTree) -> np.ndarray:
     """Return which coordinates turn each body, (n_bodies, n_q)."""
-    found = np.zeros((len(tree.scene.bodies), model.nq))
+    columns = np.zeros((len(tree.scene.bodies), model.nq))
     for k in range(len(tree.scene.bodies)):
         for edge in tree.path(k):
             if edge.kind in ("revolute", "free"):
-                found[k, edge.start + edge.size - 1] = 1.0
-    return found
+                columns[k, edge.start + edge.size - 1] = 1.0
+    return columns

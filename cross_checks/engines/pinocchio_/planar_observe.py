@@ -48,8 +48,8 @@ def reactions_of(mechanism: Mechanism, rhs: RightHandSide, contact_data, times, 
                 joint = mechanism.joint[body]
                 at_centre = pin.SE3(np.eye(3), data.oMi[joint].act(mechanism.placement[body].translation))
                 outside[joint] += data.oMi[joint].actInv(at_centre.act(load))
-        for c, (contact, found) in enumerate(zip(mechanism.contacts, contact_data, strict=True)):
-            on_first = found.oMc1.act(found.contact_force)
+        for c, (contact, solved) in enumerate(zip(mechanism.contacts, contact_data, strict=True)):
+            on_first = solved.oMc1.act(solved.contact_force)
             loops[c, k] = -_planar(on_first)
             outside[contact.joint1_id] += data.oMi[contact.joint1_id].actInv(on_first)
             outside[contact.joint2_id] -= data.oMi[contact.joint2_id].actInv(on_first)
@@ -57,11 +57,11 @@ def reactions_of(mechanism: Mechanism, rhs: RightHandSide, contact_data, times, 
         for body, joint in mechanism.joint.items():
             if body != FIXED:
                 wrench[k, body] = _planar(data.oMi[joint].act(data.f[joint]))
-    found = tree_reactions(tree, poses, wrench)
+    reactions = tree_reactions(tree, poses, wrench)
     welded = [edge.joint for edge in tree.edges if edge.kind == "weld"]  # one body with its parent to Pinocchio
-    found = {name: reaction for name, reaction in found.items() if name not in welded}
+    reactions = {name: reaction for name, reaction in reactions.items() if name not in welded}
     loop = {j.name: about(loops[c], mark(tree, j, poses)) for c, j in enumerate(tree.closures)}
-    return found | loop
+    return reactions | loop
 
 
 def _planar(force) -> np.ndarray:

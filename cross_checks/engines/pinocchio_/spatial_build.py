@@ -74,8 +74,8 @@ class SpatialMechanism:
         for joint in list(self.model.joints)[1:]:
             q, v, kind = joint.idx_q, joint.idx_v, joint.shortname()
             if kind == FREE:
-                for part, found in zip(flights, (range(q, q + 3), range(v, v + 3), len(turns[0])), strict=True):
-                    part.append(found)
+                for part, places in zip(flights, (range(q, q + 3), range(v, v + 3), len(turns[0])), strict=True):
+                    part.append(places)
                 q, v = q + 3, v + 3
             if kind in (FREE, BALL):
                 turns[0].append(range(q, q + 4))
@@ -99,8 +99,8 @@ class SpatialMechanism:
         """Return the loads on every joint in its frame, at the kinematics in `data`."""
         assert self.applied is not None
         outside = [pin.Force.Zero() for _ in range(self.model.njoints)]
-        found = self.applied.on_bodies(t, *self.poses())
-        for k, wrench in enumerate(found):
+        forces = self.applied.on_bodies(t, *self.poses())
+        for k, wrench in enumerate(forces):
             joint = self.joint[k]
             at_centre = pin.SE3(np.eye(3), (self.data.oMi[joint] * self.placement[k]).translation)
             outside[joint] += self.data.oMi[joint].actInv(at_centre.act(pin.Force(wrench[:3], wrench[3:])))
@@ -117,14 +117,14 @@ class SpatialMechanism:
             position[k] = world.act(placement.translation)
             velocity[k] = world.rotation @ (motion.linear + np.cross(motion.angular, placement.translation))
             if isinstance(self.tree.scene.bodies[k], SpatialBody):
-                found = pin.Quaternion(world.rotation @ placement.rotation)
-                theta[k] = (found.w, found.x, found.y, found.z)
+                quaternion = pin.Quaternion(world.rotation @ placement.rotation)
+                theta[k] = (quaternion.w, quaternion.x, quaternion.y, quaternion.z)
                 omega[k] = world.rotation @ motion.angular
         return position, theta, velocity, omega
 
 
 def _places(ranges: list, width: int) -> np.ndarray:
-    return np.array([list(found) for found in ranges], dtype=int).reshape(-1, width)
+    return np.array([list(places) for places in ranges], dtype=int).reshape(-1, width)
 
 
 def mechanism_in_space(tree: SpatialTree, gains: tuple[float, float]) -> SpatialMechanism:

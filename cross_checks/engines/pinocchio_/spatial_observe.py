@@ -16,11 +16,11 @@ from cross_checks.workshop.spatial_reactions import about, mark, spatial_tree_re
 def poses_in_space(mechanism: SpatialMechanism, states: np.ndarray):
     """Return positions, Euler parameters, velocities and angular velocities over the samples."""
     n = mechanism.n_q
-    found = []
+    samples = []
     for y in states:
         pin.forwardKinematics(mechanism.model, mechanism.data, mechanism.configured(y[:n]), y[n:])
-        found.append(mechanism.poses())
-    position, theta, velocity, omega = (np.array(part) for part in zip(*found, strict=True))
+        samples.append(mechanism.poses())
+    position, theta, velocity, omega = (np.array(part) for part in zip(*samples, strict=True))
     return position, theta, velocity, omega
 
 
@@ -34,8 +34,8 @@ def reactions_in_space(mechanism: SpatialMechanism, rhs: RightHandSide, contact_
         acceleration = rhs(t, y)[n:].copy()
         pin.forwardKinematics(model, data, q, v)  # neither ABA nor RNEA leaves world placements behind
         outside = list(mechanism.load_forces(t)) if mechanism.applied else [pin.Force.Zero() for _ in data.oMi]
-        for joint, contact, found in zip(mechanism.closing, mechanism.contacts, contact_data, strict=True):
-            on_first = found.oMc1.act(found.contact_force)
+        for joint, contact, solved in zip(mechanism.closing, mechanism.contacts, contact_data, strict=True):
+            on_first = solved.oMc1.act(solved.contact_force)
             loops[joint.name][k] -= np.concatenate((on_first.linear, on_first.angular))
             outside[contact.joint1_id] += data.oMi[contact.joint1_id].actInv(on_first)
             outside[contact.joint2_id] -= data.oMi[contact.joint2_id].actInv(on_first)
@@ -43,7 +43,8 @@ def reactions_in_space(mechanism: SpatialMechanism, rhs: RightHandSide, contact_
         for body, joint in mechanism.first.items():
             force = data.oMi[joint].act(data.f[joint])
             wrench[k, body] = np.concatenate((force.linear, force.angular))
-    found = spatial_tree_reactions(tree, poses, wrench)
+    reactions = spatial_tree_reactions(tree, poses, wrench)
     one_body = {edge.joint.name for edge in tree.edges if edge.joint is not None and edge.body not in mechanism.first}
-    found = {name: value for name, value in found.items() if name not in one_body}  # a weld, or a mass on a ball joint
-    return found | {joint.name: about(loops[joint.name], mark(tree, joint, poses)) for joint in mechanism.closing}
+    # inside one body of pinocchio: a weld, or a point mass on a ball joint
+    reactions = {name: value for name, value in reactions.items() if name not in one_body}
+    return reactions | {joint.name: about(loops[joint.name], mark(tree, joint, poses)) for joint in mechanism.closing}
