@@ -4,18 +4,18 @@ from __future__ import annotations
 
 SKY = ("tests/cross_checks/truths/test_sky_forces.py", "tests/mbs_ref/cores/test_particles.py",
        "tests/cross_checks/truths/test_sky_truths.py")  # fmt: skip
-ALONE = ("tests/mbs_ref/contact/test_laws_alone.py", "tests/mbs_ref/kernels/test_closed_forms.py")
-CONTACT = (*ALONE, "tests/mbs_ref/contact")
-PLANE = (*ALONE, "tests/mbs_ref/kernels", "tests/mbs_ref/contact", "tests/mbs_ref/cores/test_planar.py",
+ALONE = ("tests/mbs_ref/kernels/contact/test_laws_alone.py", "tests/mbs_ref/kernels/test_closed_forms.py")
+CONTACT = (*ALONE, "tests/mbs_ref/kernels/contact")
+PLANE = (*ALONE, "tests/mbs_ref/kernels", "tests/mbs_ref/cores/test_planar.py",
          "tests/mbs_ref/cores/test_random_scenes.py")  # fmt: skip
 SPACE = (*ALONE, "tests/mbs_ref/kernels", "tests/mbs_ref/cores/test_spatial.py",
-         "tests/mbs_ref/contact/test_spatial_contact.py", "tests/mbs_ref/cores/test_random_scenes.py")  # fmt: skip
-RUNS = ("tests/mbs_ref/integrators", "tests/mbs_ref/run", "tests/mbs_ref/contact", "tests/mbs_ref/cores")
+         "tests/mbs_ref/cores/test_random_scenes.py")  # fmt: skip
+RUNS = ("tests/mbs_ref/integrators", "tests/mbs_ref/run", "tests/mbs_ref/kernels/contact", "tests/mbs_ref/cores")
 CRASH = ("tests/mbs_ref/crash/test_against_injury_vectors.py", "tests/mbs_ref/crash/test_measures_alone.py",
          "tests/mbs_ref/crash", "tests/reports/studies/test_android_page.py")
-SELF_CHECKS = ("tests/mbs_ref/run/test_ambiguous_start.py", "tests/mbs_ref/run", "tests/mbs_ref/self_checks")
+SELF_CHECKS = ("tests/mbs_ref/self_checks/test_ambiguous_start.py", "tests/mbs_ref/run", "tests/mbs_ref/self_checks")
 TRUTHS = ("tests/cross_checks/truths",)
-ENGINES = ("tests/cross_checks/engines", "tests/cross_checks/workshop", "tests/cross_checks/symmetry")
+ENGINES = ("tests/cross_checks/engines", "tests/cross_checks/workshop", "tests/cross_checks/conformance/symmetry")
 JUDGE = ("tests/cross_checks/judge", "tests/cross_checks/records", "tests/cross_checks/truths/test_sky_truths.py")
 
 # the longest prefix of a defect's file decides
@@ -29,7 +29,7 @@ WATCHERS: dict[str, tuple[str, ...]] = {
     "mbs_ref/cores/particles": SKY,
     "mbs_ref/integrators": RUNS,
     "mbs_ref/crash": CRASH,
-    "mbs_ref/observables": ("tests/mbs_ref/observables", *CRASH, "tests/mbs_ref/contact", "tests/mbs_ref/cores"),
+    "mbs_ref/observables": ("tests/mbs_ref/observables", *CRASH, *CONTACT, "tests/mbs_ref/cores"),
     "mbs_ref/self_checks": SELF_CHECKS,
     "cross_checks": ("tests/cross_checks",),
     "cross_checks/certify": TRUTHS,
@@ -42,7 +42,7 @@ WATCHERS: dict[str, tuple[str, ...]] = {
     "cross_checks/workshop": ("tests/cross_checks/workshop", *ENGINES),
     "cross_checks/judge": JUDGE,
     "cross_checks/metrics": (*JUDGE, "tests/cross_checks/engines"),
-    "cross_checks/conformance/symmetry": ("tests/cross_checks/symmetry",),
+    "cross_checks/conformance/symmetry": ("tests/cross_checks/conformance/symmetry",),
 }
 
 
