@@ -2,6 +2,8 @@
 
 SciPy carries LSODA, which is LSODAR without its root finder. Roots are found here, as LSODAR does, on the
 interpolant of the last step; events and declared breakpoints restart it. Steps of both are the same.
+BDF's iteration matrix is factored by LAPACK, whose threads may sum in another order: of a system as large as the
+vertebral android the last bits depend on OMP_NUM_THREADS; with as many threads they repeat.
 Source: L. R. Petzold, SIAM J. Sci. Stat. Comput. 4 (1983) 136-148; A. C. Hindmarsh, ODEPACK, 1983.
 """
 
