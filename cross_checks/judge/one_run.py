@@ -76,9 +76,7 @@ def judged_run(
     return record_of(engine, settings, Judged(scene, kept, against, reference)), kept
 
 
-def checked_run(
-    engine: Engine, scene: Scene, settings: Settings, asked: np.ndarray
-) -> Trajectory | tuple[str, str]:
+def checked_run(engine: Engine, scene: Scene, settings: Settings, asked: np.ndarray) -> Trajectory | tuple[str, str]:
     """Run and look for what the engine does not say; a status and a sentence where nothing came back."""
     found = _attempt(lambda: engine.run(scene, settings, asked))
     return _on_time(_finite(found), asked) if isinstance(found, Trajectory) else found

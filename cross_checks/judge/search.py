@@ -144,7 +144,7 @@ def _aim(runs: Runs, tried: Tried, target: float) -> Reached:
     for _ in range(TRIES):
         if _met(tried, target) is not None or _is_over(tried):
             break
-        knob = _aimed(tried, AIM * target)
+        knob = _next(tried, target)
         if _steps(tried, knob) > MOST_STEPS:
             return Reached(target, "not-tried", None, f"it would take about {_steps(tried, knob):.1g} steps")
         if _same_as_tried(tried, knob):
@@ -153,16 +153,30 @@ def _aim(runs: Runs, tried: Tried, target: float) -> Reached:
     return Reached(target, "not-reached")
 
 
+def _next(tried: Tried, target: float) -> float:
+    """Return the setting to try next: for the middle of the window, or its edge where the middle costs too much.
+
+    Too few runs foretell no cost: then a finer setting is tried to see the order.
+    """
+    middle, edge = _aimed(tried, AIM * target), _aimed(tried, target)
+    if _steps(tried, middle) <= MOST_STEPS:
+        return middle
+    finer = tried.good()[-1][0] / (BACK if tried.method.kind == "fixed" else BACK**2)
+    able = (edge, finer) if len(tried.good()) < ENOUGH else (edge,)
+    return next((k for k in able if _steps(tried, k) <= MOST_STEPS and not _same_as_tried(tried, k)), middle)
+
+
 def _met(tried: Tried, target: float) -> float | None:
-    """Return the coarsest setting that reaches the target, where its error is within the window, or it is coarsest."""
+    """Return the coarsest setting that reaches the target, where its error is within the window or none is cheaper."""
     reaching = [(knob, error) for knob, error in tried.good() if error <= target]
     if not reaching:
         return None
     knob, error = reaching[0]
     coarser = [other for other in tried.knobs if other > knob]
     is_near = bool(coarser) and _is_close(tried, min(coarser), knob)
+    is_idle = any(tried.records[finer].steps <= tried.records[knob].steps for finer, _ in reaching[1:2])
     at_end = knob >= 0.99 * knob_of(settings_at(tried.method, tried.scene, coarsest(tried.method, tried.scene)))
-    return knob if error >= target / WINDOW or is_near or at_end else None
+    return knob if error >= target / WINDOW or is_near or is_idle or at_end else None
 
 
 def _is_close(tried: Tried, coarser: float, knob: float) -> bool:
@@ -171,29 +185,66 @@ def _is_close(tried: Tried, coarser: float, knob: float) -> bool:
 
 
 def _aimed(tried: Tried, error: float) -> float:
-    """Return the setting at which a power law through the runs nearest to `error` meets it.
+    """Return the setting at which a power law through two runs meets `error`: around it where there are such.
 
-    Where two runs show no order that a method can have, as where coarse ones are held up by the outputs that they land
-    on, the documented one tells where to go from the finer of them.
+    A setting beyond one that failed gives way to the middle between that one and the nearest that did not.
     """
     good = tried.good()
-    near = sorted(good, key=lambda run: (abs(math.log(max(run[1], TINY) / error)), run[0]))[:2]
-    knob, found = min(near) if error < min(e for _, e in good) else near[0]
-    order = tried.order
-    if len(near) == 2 and near[0][1] > 0.0 and near[1][1] > 0.0:
-        slope = math.log(near[0][1] / near[1][1]) / math.log(near[0][0] / near[1][0])
-        order = slope if 0.5 * order <= slope <= 2.0 * order else order
-    wanted = knob * (error / max(found, TINY)) ** (1.0 / order)
-    failed = [other for other in tried.knobs if tried.records[other].status != "success" and other > good[0][0]]
-    if failed and wanted >= min(failed):  # between the finest that failed and the coarsest that did not
-        wanted = math.sqrt(min(failed) * good[0][0])
-    return min(max(wanted, TIGHTEST), coarsest(tried.method, tried.scene))
+    around = _around(good, error)
+    wanted = _typed(tried, _between(tried, *around, error) if around else _beyond(tried, error))
+    failed = [other for other in tried.knobs if tried.records[other].status != "success"]
+    coarser, finer = [k for k in failed if k > good[0][0]], [k for k in failed if k < good[-1][0]]
+    if coarser and wanted >= min(coarser):
+        wanted = math.sqrt(min(coarser) * good[0][0])
+    if finer and wanted <= max(finer):
+        wanted = math.sqrt(max(finer) * good[-1][0])
+    return wanted
+
+
+def _typed(tried: Tried, knob: float) -> float:
+    """Return the setting that stands for a wish: within bounds, a step that divides the outputs, a short tolerance."""
+    bounded = min(max(knob, TIGHTEST), coarsest(tried.method, tried.scene))
+    return knob_of(settings_at(tried.method, tried.scene, bounded))
+
+
+def _around(good: list[tuple[float, float]], error: float) -> tuple[tuple[float, float], tuple[float, float]] | None:
+    """Return the coarsest run that reaches `error` and its coarser neighbour, which does not; None without both."""
+    place = next((k for k, (_, found) in enumerate(good) if found <= error), 0)
+    return (good[place - 1], good[place]) if place else None
+
+
+def _between(tried: Tried, coarse: tuple[float, float], fine: tuple[float, float], error: float) -> float:
+    """Return where the power law through two runs meets `error`; their middle where that is one of them."""
+    share = math.log(coarse[1] / error) / math.log(coarse[1] / max(fine[1], TINY))
+    knob = coarse[0] * (fine[0] / coarse[0]) ** share
+    return math.sqrt(coarse[0] * fine[0]) if _same_as_tried(tried, knob) else knob
+
+
+def _beyond(tried: Tried, error: float) -> float:
+    """Return where a power law leads from the nearest run to `error`.
+
+    Where the last two runs show a lower order than a method can have, as where coarse ones are held up by the outputs
+    that they land on, the documented one tells; no more than twice that is believed.
+    """
+    good, order = tried.good(), tried.order
+    is_finer = good[-1][1] > error
+    (knob, found), other = (good[-1], good[-2:-1]) if is_finer else (good[0], good[1:2])
+    for another, there in other:
+        slope = math.log(max(there, TINY) / max(found, TINY)) / math.log(another / knob)
+        order = min(slope, 2.0 * order) if slope >= 0.5 * order else order
+    return knob * (error / max(found, TINY)) ** (1.0 / order)
 
 
 def _is_over(tried: Tried) -> bool:
-    """Whether two refinements in a row that promised a better run, at half the order, did not give it."""
+    """Whether two refinements in a row that promised a better run, at half the order, did not give it.
+
+    One that takes no more steps, as where outputs govern them, promises nothing.
+    """
     good = tried.good()[-3:]
-    promised = [(a[0] / b[0]) ** (0.5 * tried.order) >= 1.0 / STALLED for a, b in pairwise(good)]
+    steps = {knob: record.steps for knob, record in tried.records.items()}
+    promised = [
+        steps[b[0]] > steps[a[0]] and (a[0] / b[0]) ** (0.5 * tried.order) >= 1.0 / STALLED for a, b in pairwise(good)
+    ]
     kept = [b[1] <= STALLED * a[1] for a, b in pairwise(good)]
     return len(good) == 3 and all(promised) and not any(kept)
 
@@ -235,7 +286,7 @@ def _try(runs: Runs, tried: Tried, knob: float) -> Record:
 
 
 def _same_as_tried(tried: Tried, knob: float) -> bool:
-    return knob_of(settings_at(tried.method, tried.scene, knob)) in tried.records
+    return _typed(tried, knob) in tried.records
 
 
 def _steps(tried: Tried, knob: float) -> float:

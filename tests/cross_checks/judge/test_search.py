@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import pytest
@@ -67,6 +67,38 @@ def test_a_plateau_of_coarse_tolerances_is_passed():
     runs = MadeUp(lambda r: min(6e-7, 3.0 * r))
     _, answers = search(runs, SCENE, "made", ADAPTIVE, TRUTH)
     assert [answer.answer for answer in answers] == ["reached"] * 3
+
+
+def test_a_failure_on_the_fine_side_is_passed():
+    """An extrapolation may lead beyond the settings at which a method runs: those before are tried then."""
+    runs = MadeUp(lambda r: 10.0 * r**0.6, blows=lambda r: r < 1e-12)
+    _, answers = search(runs, SCENE, "made", ADAPTIVE, TRUTH, (1e-3, 1e-6))
+    assert [answer.answer for answer in answers] == ["reached"] * 2
+
+
+def test_a_costly_target_is_tried_where_its_edge_is_within_the_bound():
+    runs = MadeUp(lambda h: 9.0 * h)  # 1e-3 is met by 90 000 steps, the middle of its window by 300 000
+    _, answers = search(runs, SCENE, "made", Method("euler", "fixed", 1, "made up"), TRUTH, (1e-3,))
+    assert [answer.answer for answer in answers] == ["reached"]
+
+
+def test_between_two_runs_a_steep_error_is_interpolated():
+    runs = MadeUp(lambda r: 1e20 * r**3)
+    _, (answer,) = search(runs, SCENE, "made", ADAPTIVE, TRUTH, (1e-6,))
+    assert answer.target / WINDOW <= answer.record.error.value <= answer.target
+    assert len(runs.asked) <= 5
+
+
+def test_a_coarser_setting_that_takes_no_fewer_steps_is_no_gain():
+    runs = MadeUp(lambda r: min(1e-7, r))
+    runs_of = runs.run
+    runs.run = lambda *asked: replace_steps(runs_of(*asked), 40)
+    search(runs, SCENE, "made", ADAPTIVE, TRUTH, (1e-3,))
+    assert len(runs.asked) <= 3
+
+
+def replace_steps(run: Run, steps: int) -> Run:
+    return replace(run, record=replace(run.record, steps=steps))
 
 
 def test_refused_and_failing_steps_on_the_coarse_side_are_passed():

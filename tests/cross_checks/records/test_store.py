@@ -80,12 +80,11 @@ def test_timings_belong_to_a_machine():
 def test_a_writer_killed_twenty_times_loses_and_doubles_nothing(tmp_path):
     file, chance = tmp_path / "runs.sqlite", random.Random(5)
     for _ in range(KILLS):
-        child = subprocess.Popen([sys.executable, "-c", WRITER, str(file)], stdout=subprocess.PIPE, text=True)
-        assert child.stdout.readline()
-        time.sleep(chance.uniform(0.0, 0.4))
-        os.kill(child.pid, signal.SIGKILL)
-        said = [0, *(int(line) for line in child.stdout.read().split())]
-        child.wait()
+        with subprocess.Popen([sys.executable, "-c", WRITER, str(file)], stdout=subprocess.PIPE, text=True) as child:
+            assert child.stdout.readline()
+            time.sleep(chance.uniform(0.0, 0.4))
+            os.kill(child.pid, signal.SIGKILL)
+            said = [0, *(int(line) for line in child.stdout.read().split())]
         with Store(file) as store:
             assert all(store.run(f"run {k}").path.position[0, 0, 0] == k for k in said)  # what was said is there, whole
     assert subprocess.run([sys.executable, "-c", WRITER, str(file)], stdout=subprocess.DEVNULL).returncode == 0
