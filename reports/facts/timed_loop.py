@@ -4,10 +4,12 @@ from __future__ import annotations
 
 INSIDE = {
     "mbs_ref": "compiled loop; the check of the start, and the error estimate of a judged run, lie outside",
-    "exudyn": "its own C++ loop; forces that it lacks come through Python callbacks inside the loop",
+    "exudyn": "its own C++ loop, one call a run for a fixed step, with modified Newton; "
+    "forces that it lacks come through Python callbacks inside the loop",
     "mujoco": "mj_step in C, called from Python once an output, where its warnings are read; "
     "forces that it lacks come through callbacks inside the loop",
-    "pinocchio": "its C++ dynamics called from Python at every stage: the calls are inside the loop",
+    "pinocchio": "its C++ dynamics called from Python at every stage: the calls are inside the loop; "
+    "only breakpoints restart its adaptive method",
     "rebound": "its own C loop; additional forces are compiled",
     "heyoka": "its own compiled loop; compiling the Taylor series is counted as building the model",
 }

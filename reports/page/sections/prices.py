@@ -87,7 +87,8 @@ def spread(record) -> str:
     if not is_timed(record):
         return "one run, beside others"
     times = record.times
-    told = f"{duration(times['loop_s'])} to {duration(times['loop_most_s'])} in {times['loop_runs']:.0f} runs"
+    several = f"{duration(times['loop_s'])} to {duration(times['loop_most_s'])} in {times['loop_runs']:.0f} runs"
+    told = several if times["loop_runs"] > 1 else "one run"
     return f"{told}; busy machine" if is_busy(record) else told
 
 
