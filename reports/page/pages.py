@@ -25,7 +25,7 @@ from reports.page.sections import (
     truths,
 )
 from reports.page.slug import engine_file, scene_file
-from reports.page.studies import androids, contact, crashes, sky, space
+from reports.page.studies import androids, contact, crashes, sky, space, trust
 
 INDEX = "index.html"
 STUDIES = {
@@ -34,6 +34,7 @@ STUDIES = {
     "contact.html": ("Contact and the tracked vehicle", (contact,)),
     "androids.html": ("The crash androids", (crashes, androids)),
     "space.html": ("Euler parameters", (space,)),
+    "trust.html": ("Trust in the error estimates", (trust,)),
 }
 WRONG, ALL_SCENES, METHOD, CAN = "findings.html", "profiles.html", "method.html", "capabilities.html"
 

@@ -48,9 +48,11 @@ def test_a_run_that_is_lost_on_the_way_says_so_and_one_without_a_digit_fails():
     assert "no output has a digit" in void.output
 
 
-def test_a_few_random_runs_are_calibrated():
-    done = run("calibrate", "-n", "6", "--json")
+def test_a_few_random_runs_are_calibrated(tmp_path):
+    target = tmp_path / "table.json"
+    done = run("calibrate", "-n", "6", "--json", "--table", str(target))
     found = json.loads(done.stdout)
     assert found["table"][0]["method"] == "all"
+    assert json.loads(target.read_text())["table"] == found["table"]
     assert len(found["runs"]) == found["table"][0]["runs"] == 6
     assert run("calibrate", "-n", "2", "--shard", "3/3").exit_code == 5
