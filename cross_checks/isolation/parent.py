@@ -9,7 +9,6 @@ import socket
 import subprocess
 import sys
 import threading
-import time
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, field
@@ -17,11 +16,11 @@ from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Any, Self
 
-from cross_checks.isolation.messages import COMPILING, NOTES, receive, send
+from cross_checks.isolation.messages import NOTES, receive, send
+from cross_checks.isolation.patience import Patience, moment
 
 ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"), "1")
-TIMEOUT = 120.0  # s for one call
-COMPILATION = 600.0  # s more that its compilation may take
+TIMEOUT = 120.0  # s for one call, of which it computes or sleeps
 MEMORY = 4 * 2**30  # bytes of resident memory
 LOOK = 0.05  # s between looks at the child
 PAGE = 4096 if sys.platform == "win32" else os.sysconf("SC_PAGE_SIZE")  # bytes
@@ -53,7 +52,7 @@ class Isolated:
     """A child process that makes calls one after the other, and is replaced when it is lost.
 
     Functions and arguments are pickled, so they must be importable by name. Limits hold for each call:
-    `timeout` in s, in which the time that Numba compiles does not count, and `memory` in bytes. `apart` makes a
+    `timeout` in s that the call computes or sleeps, without what Numba compiles, and `memory` in bytes. `apart` makes a
     call in a copy of the child: what the child has loaded survives a call that does not. Use as a context manager.
     """
 
@@ -147,16 +146,17 @@ class Isolated:
     def _wait(self, apart: bool, timeout: float) -> tuple[bool, Any]:
         assert self._child is not None
         assert self._pipe is not None
-        patience, peak = _Patience(timeout), 0
+        peak = 0
         try:
             self._copy = receive(self._pipe) if apart else None
+            patience = Patience(timeout, moment(self._copy or self._child.pid))
             while (message := self._heard()) in (None, *NOTES):
                 used = resident(self._copy or self._child.pid)
                 peak = max(peak, used)
                 if used > self.memory:
                     self._give_up()
                     raise Lost("out-of-memory", f"used more than {self.memory / 2**20:.0f} MiB and was stopped")
-                complaint = patience.spend(message)
+                complaint = patience.spend(moment(self._copy or self._child.pid), message)
                 if complaint:
                     self._give_up()
                     raise Lost("timeout", f"{complaint} and was stopped")
@@ -190,27 +190,6 @@ class Isolated:
             with suppress(ProcessLookupError):
                 os.kill(self._copy, signal.SIGKILL)
         self._copy = None
-
-
-class _Patience:
-    """What is left of a call's time; it is spent on the call or on its compilation."""
-
-    def __init__(self, timeout: float) -> None:
-        self._limit = self._left = timeout
-        self._compilation, self._compiling, self._seen = COMPILATION, False, time.monotonic()
-
-    def spend(self, note: str | None) -> str:
-        """Spend the time since the last look; return what to complain of, or nothing. A note changes what comes."""
-        now = time.monotonic()
-        spent, self._seen = now - self._seen, now
-        if self._compiling:
-            self._compilation -= spent
-        else:
-            self._left -= spent
-        self._compiling = note == COMPILING if note else self._compiling
-        if self._left < 0.0:
-            return f"gave no answer within {self._limit:g} s"
-        return f"compiled for more than {COMPILATION:g} s" if self._compilation < 0.0 else ""
 
 
 def resident(pid: int) -> int:

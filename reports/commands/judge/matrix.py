@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 @click.option("--scheduler", metavar="tcp://HOST:PORT", help="A dask scheduler; a local cluster unless given.")
 @click.option("--workers", type=click.IntRange(1), help="Processes of the local cluster; one a processor unless given.")
 @click.option("--shard", metavar="I/N", default="1/1", help="Only part I of N, for batch systems.")
-@click.option("--timeout", type=float, default=120.0, show_default=True, help="Longest time of one run, s.")
+@click.option("--timeout", type=float, default=120.0, show_default=True, help="Longest time a run computes, s.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON lines, one a run.")
 @STORE
 def command(

@@ -19,7 +19,7 @@ from reports.sweeping import sweep_records
 @click.option("--method", "methods", multiple=True, metavar="M", help="Only this method; repeatable.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON lines, one a run.")
 @click.option("-o", "output", metavar="FILE.jsonl", help="Keep the lines in a file; what it holds already is not run.")
-@click.option("--timeout", type=float, callback=inputs.positive, help="Longest time of one run, s.  [default: 120]")
+@click.option("--timeout", type=float, callback=inputs.positive, help="Longest time a run computes, s.  [default: 120]")
 @click.option("--memory", type=float, callback=inputs.positive, help="Most memory of one run, MiB.  [default: 4096]")
 @STORE
 def command(

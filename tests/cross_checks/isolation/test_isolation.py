@@ -10,8 +10,7 @@ from pathlib import Path
 import numba
 import pytest
 
-from cross_checks.isolation import compilation
-from cross_checks.isolation import parent as isolation
+from cross_checks.isolation import compilation, patience
 from cross_checks.isolation.parent import Cancelled, Isolated, Lost
 from tests.cross_checks.isolation import troubles
 
@@ -60,7 +59,7 @@ def test_time_spent_compiling_is_not_the_calls(isolated, call):
 
 
 def test_compiling_has_its_own_limit(monkeypatch, isolated, call):
-    monkeypatch.setattr(isolation, "COMPILATION", 0.5)
+    monkeypatch.setattr(patience, "COMPILATION", 0.5)
     with pytest.raises(Lost, match=r"compiled for more than 0\.5 s"):
         call(troubles.compile_slowly, 60.0)
     monkeypatch.undo()
