@@ -39,3 +39,22 @@ def test_andrews_squeezer_ends_at_the_published_angles():
     assert apart(path.orientation[-1], published_angles()) < HOLDS
     assert np.max(np.abs(path.position - truth.position)) < 1e-11  # m; of recomputed values
     assert path.orientation[-1, 0] > 5.0 * np.pi  # two and a half turns of the crank
+
+
+# The same test set, car axis, t = 3 s, in quadruple precision: left and right end, m.
+CAR_AXIS = (0.0493455784275402809122, 0.496989460230171153861, 1.04174252488542151681, 0.373911027265361256927)
+
+
+def test_the_car_axis_ends_at_the_published_place_and_keeps_its_constraints():
+    scene = scenes.make("car_axis")
+    times = np.linspace(0.0, scene.duration, 7)
+    truth = truth_for(scene, times)
+    assert truth is not None
+    path = simulate(scene, Settings(method="dop853", rtol=1e-12, estimate="off"), times)
+    assert path.ok
+    for motion in (truth, path):
+        np.testing.assert_allclose(motion.position[-1, 1:].ravel(), CAR_AXIS, rtol=0.0, atol=1e-11)
+        road, left, right = np.moveaxis(motion.position, 1, 0)
+        assert np.max(np.abs(np.sum(road * left, axis=1))) < 1e-13  # m^2: the left end is square above the left wheel
+        assert np.max(np.abs(np.linalg.norm(right - left, axis=1) - 1.0)) < 1e-13
+    np.testing.assert_allclose(truth.position[-1, 1:].ravel(), CAR_AXIS, rtol=0.0, atol=1e-12)
