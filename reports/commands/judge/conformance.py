@@ -19,8 +19,9 @@ COLUMNS = f"{'scene':<20} {'method':<22} {'order':>6} {'asked':>6} {'error':>9} 
 @click.command(name="conformance")
 @click.argument("engine", metavar="ADAPTER.py|ENGINE", default="mbs_ref")
 @click.option("--json", "file", type=click.Path(dir_okay=False, path_type=Path), help="also write all findings here")
+@click.option("--badge", type=click.Path(dir_okay=False, path_type=Path), help="also write a shields.io endpoint here")
 @click.option("--self-test", is_flag=True, help="examine copies of mbs_ref with one mistake each instead")
-def command(engine: str, file: Path | None, self_test: bool) -> None:
+def command(engine: str, file: Path | None, badge: Path | None, self_test: bool) -> None:
     """Examine a solver: refusals, times, velocities, clock, order, truths, energy, joints, and how it fails.
 
     ADAPTER.py holds a subclass of cross_checks.engine.Engine and the line ENGINE = <that class>. Errors are relative
@@ -36,6 +37,8 @@ def command(engine: str, file: Path | None, self_test: bool) -> None:
     report = examine(inputs.engine(engine), name_of(engine), _progress)
     if file is not None:
         file.write_text(json.dumps(report.to_dict(), indent=1))
+    if badge is not None:
+        badge.write_text(json.dumps(_badge(report)))
     for line in _lines(report):
         click.echo(line)
     if not report.conforms:
@@ -65,6 +68,14 @@ def _lines(report: Report) -> Iterable[str]:
         yield f"FAILED: {finding.question}: {finding.scene} {finding.method}: {finding.detail}"
     counts = {outcome: len(report.of(outcome)) for outcome in ("passed", "excused", "failed")}
     yield ", ".join(f"{count} {outcome}" for outcome, count in counts.items())
+
+
+def _badge(report: Report) -> dict[str, object]:
+    """Return a badge in the form that shields.io reads from an endpoint."""
+    counts = {outcome: len(report.of(outcome)) for outcome in ("passed", "excused", "failed")}
+    message = ", ".join(f"{count} {outcome}" for outcome, count in counts.items() if count)
+    colour = "red" if counts["failed"] else "yellow" if counts["excused"] else "brightgreen"
+    return {"schemaVersion": 1, "label": "mbs-ref conformance", "message": message, "color": colour}
 
 
 def _self_test() -> None:
