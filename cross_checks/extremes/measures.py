@@ -27,8 +27,8 @@ def positions(exact: Positions, size: float = 1.0) -> Measure:
     return measure
 
 
-def truth(solve: Callable[[Scene, np.ndarray], Truth | NoTruth], size: float = 1.0) -> Measure:
-    """Judge world points by a truth's solver; `size` in m."""
+def truth(solve: Callable[[Scene, np.ndarray], Truth | NoTruth], size: float | None = 1.0) -> Measure:
+    """Judge world points by a truth's solver; `size` in m, or None for how far the truth's own bodies go."""
 
     def measure(scene: Scene, path: Trajectory) -> float:
         truth = solve(scene, path.times)
@@ -36,9 +36,14 @@ def truth(solve: Callable[[Scene, np.ndarray], Truth | NoTruth], size: float = 1
             raise LookupError(f"{scene.name} has no truth here: {truth}")
         sizes = from_truth(scene, path, truth).sizes
         arm = max(body.gyration_radius for body in scene.bodies)
-        return float(np.max(np.maximum(sizes[:, 0], arm * sizes[:, 1]))) / size
+        return float(np.max(np.maximum(sizes[:, 0], arm * sizes[:, 1]))) / (size or _farthest(truth))
 
     return measure
+
+
+def _farthest(truth: Truth) -> float:
+    """Return the greatest distance (m) of any body from its start: the size that a run's own estimate counts in."""
+    return float(np.max(np.linalg.norm(truth.position - truth.position[:1], axis=2)))
 
 
 def rates(exact: Positions, size: float) -> Measure:

@@ -1,4 +1,7 @@
-"""Planets and satellites: ever longer steps and spans, and ever closer approaches."""
+"""Planets and satellites: ever longer steps and spans, and ever closer approaches.
+
+Errors are shares of how far the bodies go in the span, as a run's own estimate counts them.
+"""
 
 from __future__ import annotations
 
@@ -12,12 +15,10 @@ from cross_checks.extremes.extreme import Axis, Case, Extreme, grid
 from cross_checks.truth import NoTruth, Truth
 from mbs_ref import scenes
 from mbs_ref.scene import PointMass, Scene
-from mbs_ref.scene.celestial import AU_M, DAY_S
+from mbs_ref.scene.celestial import DAY_S
 
 FAMILY = "sky"
 YEAR = 365.25 * DAY_S  # s
-SPREAD = 10.0 * AU_M  # m, how far Jupiter moves
-ORBIT = 7e6  # m, a low satellite's
 RTOL = 1e-10
 MEETING = 3e6  # s, of the visitor's fall past Jupiter
 KNOWN = 3e9  # m aside, down to which a truth converges in a second; it then passes 1.4e8 m from Jupiter's centre
@@ -36,7 +37,7 @@ def _kept(name: str, times: tuple[float, ...]) -> Truth | NoTruth:
 
 def _planets(times: np.ndarray, step: float, rtol: float | None = None) -> Case:
     scene = scenes.make("outer_solar_system")
-    return Case(scene, times, measures.truth(_converged, SPREAD), step=step, rtol=rtol)
+    return Case(scene, times, measures.truth(_converged, None), step=step, rtol=rtol)
 
 
 def _visited(aside: float) -> Case:
@@ -52,13 +53,13 @@ def _visited(aside: float) -> Case:
     )
     scene = scene.model_copy(update={"name": "visited_jupiter", "parameters": {}, "bodies": bodies})
     step = MEETING / 1000.0
-    measure = measures.truth(converge, FAR) if aside >= KNOWN else measures.invariants()
+    measure = measures.truth(converge, None) if aside >= KNOWN else measures.invariants()
     return Case(scene, grid(MEETING, step, 9), measure, step=step, rtol=RTOL)
 
 
 def _satellite(times: np.ndarray, step: float, rtol: float | None = None) -> Case:
     scene = scenes.make("satellite")
-    return Case(scene, times, measures.truth(_converged, ORBIT), step=step, rtol=rtol)
+    return Case(scene, times, measures.truth(_converged, None), step=step, rtol=rtol)
 
 
 def _diving(altitude: float) -> Case:
@@ -71,13 +72,13 @@ def _diving(altitude: float) -> Case:
     start = {"position": (high, 0.0, 0.0), "velocity": (0.0, 0.6 * speed, 0.8 * speed)}
     bodies = tuple(body if k == earth else body.model_copy(update=start) for k, body in enumerate(scene.bodies))
     scene = scene.model_copy(update={"name": "diving_satellite", "parameters": {}, "bodies": bodies})
-    return Case(scene, grid(10_000.0, 10.0, 6), measures.truth(converge, ORBIT), step=10.0, rtol=RTOL)
+    return Case(scene, grid(10_000.0, 10.0, 6), measures.truth(converge, None), step=10.0, rtol=RTOL)
 
 
 EXTREMES = (
-    Extreme("planets-step", FAMILY, "Ten years of the outer planets in ever longer steps; Jupiter's year has 3.7e8 s.",
+    Extreme("planets-step", FAMILY, "Thirty years of the outer planets in ever longer steps; Jupiter's year is 12.",
             Axis("step", "s", (1e5, 1e6, 1e7, 3e7, 1e8)),
-            lambda step: _planets(grid(3e8, 3e8), step), good=1e-2),
+            lambda step: _planets(grid(1e9, 1e9), step), good=1e-2),
     Extreme("planets-span", FAMILY, "The outer planets for ever longer, in steps of two weeks where steps are fixed.",
             Axis("span", "s", (0.4 * YEAR, 4.0 * YEAR, 20.0 * YEAR)),
             lambda span: _planets(grid(span, YEAR / 25.0, 9), YEAR / 25.0, RTOL), good=1e-2),

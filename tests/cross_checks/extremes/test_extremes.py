@@ -7,13 +7,17 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from cross_checks.certify.sky.particles import converge
 from cross_checks.extremes import cell, every, named
 from cross_checks.extremes.cell import made_of
 from cross_checks.extremes.extreme import Axis, Case, Extreme, grid
 from cross_checks.extremes.judge import Fate, Point, judge, lost
 from cross_checks.extremes.run import run_point
 from cross_checks.extremes.search import bisect, last_handled, scan
+from cross_checks.truth import Truth
 from mbs_ref import scenes
+from mbs_ref.settings import Settings
+from mbs_ref.simulate import simulate
 from mbs_ref.trajectory import Estimate, Status, Trajectory
 
 SCENE = scenes.make("pendulum")
@@ -217,3 +221,25 @@ def test_rebound_carries_nan_along_and_is_caught():
     point = run_point("any-orbit", 1.0, "rebound", "whfast")
     assert (point.fate, point.caught, point.status) == (Fate.SILENTLY_WRONG, True, "non-finite")
     assert run_point("any-orbit", 1.0, "mbs_ref", "gauss").fate is Fate.STOPPED
+
+
+def test_the_sky_is_judged_by_how_far_its_bodies_go():
+    """Half an orbit later the satellite is across the Earth; nothing else moves."""
+    case = named("satellite-step").case(10.0)
+    start = np.array(case.scene.bodies[1].position)
+    assert case.measure(case.scene, standing(case)) == pytest.approx(1.0)
+    moved = standing(case)
+    moved.position[-1, 1] += 1e-3 * np.linalg.norm(start)
+    assert case.measure(case.scene, moved) == pytest.approx(1.0, rel=1e-2)
+
+
+def test_an_orbit_in_too_few_steps_says_how_far_it_is_off():
+    """RK4 at up to a seventh of Jupiter's year: whatever size counts as another motion, the error is known."""
+    scene, times = scenes.make("outer_solar_system"), np.array([0.0, 3e8])
+    truth = converge(scene, times)
+    assert isinstance(truth, Truth)
+    for step in (1e7, 3e7, 5e7):
+        run = simulate(scene, Settings(method="rk4", step=step, reactions=False), times)
+        error = float(np.linalg.norm(run.position[-1] - truth.position[-1], axis=1).max())
+        assert run.estimate is not None
+        assert 1.0 < run.estimate.poses[-1] * run.estimate.length / error < 10.0
