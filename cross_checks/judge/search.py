@@ -15,7 +15,7 @@ from itertools import pairwise
 from typing import Literal
 
 from cross_checks.engine import Method
-from cross_checks.judge.ladder import TIGHTEST, coarsest, knob_of, label, settings_at
+from cross_checks.judge.ladder import SAMPLES, TIGHTEST, coarsest, knob_of, label, settings_at
 from cross_checks.judge.runs import Runs, against, gap
 from cross_checks.judge.verdict import AGREEMENT, REFUSED, Point
 from cross_checks.records.record import Record
@@ -32,10 +32,12 @@ WINDOW = 10.0  # a chosen error lies within this factor below its target
 AIM = 0.3  # of the target: the middle of the window, on a logarithmic scale
 TRIES = 4  # runs for one target, beside those of the others
 BACK = 4.0  # factor to a finer step after one that was refused or failed; its square for a tolerance
-MOST_BACK = 10  # such steps in a row
+LEAP = 2.0  # power by which such a factor grows from one to the next
 FIRST_RTOL, FIRST_STEP = 1e-5, 5e-3  # where the search begins; steps in s, or in free-fall times
 STABLE = 0.7  # of the step that the linearised motion bears
+NEXT_TO_NONE = 0.1  # of the steps or of a setting: less is no difference
 TINY = 1e-300  # an error of zero has no logarithm
+TOO_SMALL = "step-too-small"  # what a method says that finds no step short enough: a tighter tolerance asks for more
 ENOUGH = 3  # runs that show whether a method converges
 STALLED = 0.5  # of the error before: less progress than this, and refining does not help
 
@@ -110,18 +112,22 @@ def search(
 
 
 def _begin(runs: Runs, tried: Tried) -> bool:
-    """Find a first setting at which the method runs, going finer from where it is refused or fails."""
-    knob, factor = first_knob(tried.scene, tried.method), BACK if tried.method.kind == "fixed" else BACK**2
-    for _ in range(MOST_BACK):
+    """Find a first setting at which the method runs, in growing leaps from where it is refused or fails."""
+    knob, factor = first_knob(tried.scene, tried.method), _factor(tried)
+    finest = TIGHTEST if tried.method.kind == "adaptive" else tried.scene.duration / MOST_STEPS
+    while knob >= finest:
         record = _try(runs, tried, knob)
         if record.status == "success":
             return True
-        if record.status in REFUSED and not _names_a_setting(record):
+        if record.status == TOO_SMALL or (record.status in REFUSED and not _names_a_setting(record)):
             return False
-        knob /= factor
-        if _steps(tried, knob) > MOST_STEPS or knob < TIGHTEST:
-            return False
+        knob, factor = max(knob / factor, finest) if knob > BACK * finest else 0.0, factor**LEAP
     return False
+
+
+def _factor(tried: Tried) -> float:
+    """Return the factor between a setting and a plainly finer one."""
+    return BACK if tried.method.kind == "fixed" else BACK**2
 
 
 def _names_a_setting(record: Record) -> bool:
@@ -147,7 +153,7 @@ def _aim(runs: Runs, tried: Tried, target: float) -> Reached:
         knob = _next(tried, target)
         if _steps(tried, knob) > MOST_STEPS:
             return Reached(target, "not-tried", None, f"it would take about {_steps(tried, knob):.1g} steps")
-        if _same_as_tried(tried, knob):
+        if _same_as_tried(tried, knob) or _is_vain(tried, knob, target):
             break
         _try(runs, tried, knob)
     return Reached(target, "not-reached")
@@ -161,7 +167,7 @@ def _next(tried: Tried, target: float) -> float:
     middle, edge = _aimed(tried, AIM * target), _aimed(tried, target)
     if _steps(tried, middle) <= MOST_STEPS:
         return middle
-    finer = tried.good()[-1][0] / (BACK if tried.method.kind == "fixed" else BACK**2)
+    finer = tried.good()[-1][0] / _factor(tried)
     able = (edge, finer) if len(tried.good()) < ENOUGH else (edge,)
     return next((k for k in able if _steps(tried, k) <= MOST_STEPS and not _same_as_tried(tried, k)), middle)
 
@@ -174,7 +180,9 @@ def _met(tried: Tried, target: float) -> float | None:
     knob, error = reaching[0]
     coarser = [other for other in tried.knobs if other > knob]
     is_near = bool(coarser) and _is_close(tried, min(coarser), knob)
-    is_idle = any(tried.records[finer].steps <= tried.records[knob].steps for finer, _ in reaching[1:2])
+    steps, intervals = tried.records[knob].steps, SAMPLES - 1
+    is_idle = any(tried.records[finer].steps <= steps for finer, _ in reaching[1:2])
+    is_idle = is_idle or intervals <= steps <= (1.0 + NEXT_TO_NONE) * intervals  # outputs alone end its steps
     at_end = knob >= 0.99 * knob_of(settings_at(tried.method, tried.scene, coarsest(tried.method, tried.scene)))
     return knob if error >= target / WINDOW or is_near or is_idle or at_end else None
 
@@ -187,7 +195,8 @@ def _is_close(tried: Tried, coarser: float, knob: float) -> bool:
 def _aimed(tried: Tried, error: float) -> float:
     """Return the setting at which a power law through two runs meets `error`: around it where there are such.
 
-    A setting beyond one that failed gives way to the middle between that one and the nearest that did not.
+    A setting beyond one that failed gives way to the middle between that one and the nearest that did not. A step
+    leaps once over one that failed, for the iteration of an implicit method may converge at a finer one.
     """
     good = tried.good()
     around = _around(good, error)
@@ -197,7 +206,9 @@ def _aimed(tried: Tried, error: float) -> float:
     if coarser and wanted >= min(coarser):
         wanted = math.sqrt(min(coarser) * good[0][0])
     if finer and wanted <= max(finer):
-        wanted = math.sqrt(max(finer) * good[-1][0])
+        beyond = min(wanted, min(finer) / BACK)
+        leaps = tried.method.kind == "fixed" and len(finer) == 1 and _steps(tried, beyond) <= MOST_STEPS
+        wanted = _typed(tried, beyond) if leaps else math.sqrt(max(finer) * good[-1][0])
     return wanted
 
 
@@ -235,6 +246,16 @@ def _beyond(tried: Tried, error: float) -> float:
     return knob * (error / max(found, TINY)) ** (1.0 / order)
 
 
+def _is_vain(tried: Tried, knob: float, target: float) -> bool:
+    """Whether a setting is hardly finer than the finest run, and the target asks for more than it can give.
+
+    So it is where a failure or roundoff bounds what may be tried.
+    """
+    finest, _ = tried.good()[-1]
+    wished = (1.0 + NEXT_TO_NONE) * _beyond(tried, target)
+    return wished < knob < finest and _is_close(tried, finest, knob)
+
+
 def _is_over(tried: Tried) -> bool:
     """Whether two refinements in a row that promised a better run, at half the order, did not give it.
 
@@ -261,7 +282,7 @@ def _support(runs: Runs, tried: Tried) -> None:
         done = [knob for knob in tried.knobs if tried.records[knob].status == "success"]
         if len(done) >= ENOUGH:
             return
-        factor = BACK if tried.method.kind == "fixed" else BACK**2
+        factor = _factor(tried)
         wanted = (min(done) / factor, max(done) * factor, math.sqrt(min(done) * max(done)))
         able = [k for k in wanted if _is_able(tried, k) and not _same_as_tried(tried, k)]
         if not able:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 import pytest
@@ -10,8 +10,9 @@ import pytest
 from cross_checks import engines
 from cross_checks.engine import Method
 from cross_checks.judge.cell import truth_of
+from cross_checks.judge.ladder import TIGHTEST
 from cross_checks.judge.runs import Runs
-from cross_checks.judge.search import MOST_STEPS, WINDOW, search
+from cross_checks.judge.search import BACK, MOST_STEPS, WINDOW, search
 from cross_checks.records.record import Record
 from cross_checks.records.store import Run
 from cross_checks.truth import Truth
@@ -32,18 +33,20 @@ class MadeUp:
     error: object
     refuses: object = lambda knob: False
     blows: object = lambda knob: False
+    status: str = "non-finite"  # of what blows
+    count: object = None  # steps of a tolerance
     asked: list = field(default_factory=list)
 
     def run(self, scene, engine, settings):
         knob = settings.step or settings.rtol
         self.asked.append(knob)
-        steps = int(scene.duration / knob) if settings.step else int(30 * knob**-0.1)
+        steps = int(scene.duration / knob) if settings.step else int((self.count or (lambda r: 30 * r**-0.1))(knob))
         plain = dict(scene=scene.name, parameters={}, engine=engine, method=settings.method, steps=steps,
                      settings=settings.model_dump(exclude_none=True))  # fmt: skip
         if self.refuses(knob):
             return Run(Record(**plain, status="cannot", message=f"step = {knob} s is too long"), None)
         if self.blows(knob):
-            return Run(Record(**plain, status="non-finite", message="NaN"), None)
+            return Run(Record(**plain, status=self.status, message="NaN"), None)
         place = np.full((41, 1, 2), self.error(knob) * scales_of(scene).length / 2.0**0.5)
         still = np.zeros((41, 1))
         return Run(Record(**plain, status="success"), Trajectory(TIMES, place, still, 0.0 * place, still))
@@ -76,6 +79,41 @@ def test_a_failure_on_the_fine_side_is_passed():
     assert [answer.answer for answer in answers] == ["reached"] * 2
 
 
+def test_a_step_that_fails_between_steps_that_run_is_leapt_over():
+    """As an implicit method does whose iteration fails at some steps and converges at finer ones."""
+    runs = MadeUp(lambda h: 1e2 * h**2, blows=lambda h: 8e-4 < h < 4e-3)
+    _, (answer,) = search(runs, SCENE, "made", Method("trapezoidal", "fixed", 2, "made up"), TRUTH, (1e-4,))
+    assert answer.answer == "reached"
+
+
+def test_between_a_run_and_a_failure_close_to_it_nothing_is_tried():
+    """What is in between cannot reach a target a thousand times smaller."""
+    runs = MadeUp(lambda h: 1e2 * h**2, blows=lambda h: h < 2e-3)
+    search(runs, SCENE, "made", Method("trapezoidal", "fixed", 2, "made up"), TRUTH)
+    assert len(runs.asked) <= 6
+
+
+def test_a_tolerance_that_no_step_meets_is_tried_no_tighter():
+    runs = MadeUp(lambda r: r, blows=lambda r: True, status="step-too-small")
+    _, (answer,) = search(runs, SCENE, "made", ADAPTIVE, TRUTH, (1e-3,))
+    assert answer.answer == "not-reached"
+    assert len(runs.asked) == 1
+
+
+def test_a_method_that_fails_at_all_tolerances_is_done_in_few_runs():
+    runs = MadeUp(lambda r: r, blows=lambda r: True)
+    search(runs, SCENE, "made", ADAPTIVE, TRUTH)
+    assert len(runs.asked) <= 4
+    assert TIGHTEST <= min(runs.asked) <= BACK * TIGHTEST
+
+
+def test_steps_that_outputs_end_make_no_looser_tolerance_cheaper():
+    runs = MadeUp(lambda r: min(1e-6, r), count=lambda r: 41)
+    search(runs, SCENE, "made", ADAPTIVE, TRUTH, (1e-3,))
+    assert len(runs.asked) <= 3
+    assert max(runs.asked) == 1e-5
+
+
 def test_a_costly_target_is_tried_where_its_edge_is_within_the_bound():
     runs = MadeUp(lambda h: 9.0 * h)  # 1e-3 is met by 90 000 steps, the middle of its window by 300 000
     _, answers = search(runs, SCENE, "made", Method("euler", "fixed", 1, "made up"), TRUTH, (1e-3,))
@@ -90,15 +128,9 @@ def test_between_two_runs_a_steep_error_is_interpolated():
 
 
 def test_a_coarser_setting_that_takes_no_fewer_steps_is_no_gain():
-    runs = MadeUp(lambda r: min(1e-7, r))
-    runs_of = runs.run
-    runs.run = lambda *asked: replace_steps(runs_of(*asked), 40)
+    runs = MadeUp(lambda r: min(1e-7, r), count=lambda r: 60)
     search(runs, SCENE, "made", ADAPTIVE, TRUTH, (1e-3,))
     assert len(runs.asked) <= 3
-
-
-def replace_steps(run: Run, steps: int) -> Run:
-    return replace(run, record=replace(run.record, steps=steps))
 
 
 def test_refused_and_failing_steps_on_the_coarse_side_are_passed():
