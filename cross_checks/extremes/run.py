@@ -92,6 +92,7 @@ QUICK = {
     "exudyn": ("generalized_alpha", "contact_rk44", "tree_dopri5", "tree_rk44"),
     "mujoco": ("rk4", "implicitfast", "rk4_stock_contact"),
     "pinocchio": ("dop853", "rk4"),
+    "pinocchio_cpp": ("dop853", "rk4"),
     "rebound": ("ias15", "whfast"),
     "heyoka": ("taylor",),
 }

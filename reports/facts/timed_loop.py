@@ -10,6 +10,8 @@ INSIDE = {
     "forces that it lacks come through callbacks inside the loop",
     "pinocchio": "its C++ dynamics called from Python at every stage: the calls are inside the loop; "
     "only breakpoints restart its adaptive method",
+    "pinocchio_cpp": "its C++ dynamics in a C++ loop of ours, compiled here against the headers of its wheel; "
+    "one call a run",
     "rebound": "its own C loop; additional forces are compiled",
     "heyoka": "its own compiled loop; compiling the Taylor series is counted as building the model",
 }

@@ -1,0 +1,68 @@
+"""Pinocchio as its users drive it: a loop in C++ over its own headers, for trees that gravity alone moves."""
+
+# It is installed under a prefix that only the interpreter knows.
+# pyright: reportMissingImports=false
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from cross_checks.engine import Method, Refusal, exponential
+from cross_checks.engines.pinocchio_ import Built, Pinocchio
+from cross_checks.engines.pinocchio_.methods import RTOLS, STEPS
+from cross_checks.engines.pinocchio_cpp_.compiler import described, obstacle
+from cross_checks.engines.pinocchio_cpp_.native import Tree
+from cross_checks.workshop.outcome import Loop
+from cross_checks.workshop.plan import Plan
+from mbs_ref.scene import Scene
+from mbs_ref.scene.traits import traits
+
+METHODS = (
+    Method("dop853", "adaptive", 8, "DOP853 in C++ with the step control of SciPy's", RTOLS),
+    Method("rk4", "fixed", 4, "Runge-Kutta 4 in C++", STEPS, stability=exponential(4)),
+)
+TREES = "the C++ loop drives trees; the engine pinocchio closes loops"
+
+
+@dataclass(frozen=True)
+class Compiled(Built):
+    """The model as the engine pinocchio builds it, and the same in the C++ program."""
+
+    tree: Tree
+
+
+class PinocchioCpp(Pinocchio):
+    """Pinocchio's ABA inside a compiled time loop: its model, poses and reactions are those of the engine pinocchio."""
+
+    name: ClassVar[str] = "pinocchio_cpp"
+    package: ClassVar[str] = "pinocchio"
+    part_types: ClassVar[frozenset[str]] = frozenset(
+        {"planar", "point_mass", "spatial"}
+        | {"revolute", "prismatic", "weld", "distance", "spherical", "cylindrical", "universal"}
+    )
+
+    def methods(self) -> tuple[Method, ...]:
+        return METHODS
+
+    def version(self) -> str:
+        return described()
+
+    def topology_refusals(self, scene: Scene) -> list[Refusal]:
+        reasons = [Refusal(TREES, permanent=False)] if "closed-loop" in traits(scene) else []
+        reasons += [Refusal(obstacle(), permanent=False)] if obstacle() else []
+        return reasons + super().topology_refusals(scene)
+
+    def build(self, scene: Scene, plan: Plan) -> Compiled:
+        built = super().build(scene, plan)
+        tree = Tree(built.mechanism.model)
+        return Compiled(built.mechanism, built.contact_data, built.rhs, built.start, built.breakpoints, tree)
+
+    def first_call(self, model: Compiled, plan: Plan) -> None:
+        model.tree.derivative(model.start)
+
+    def advance(self, model: Compiled, plan: Plan) -> Loop:
+        return model.tree.advance(model.start, plan)
+
+
+ENGINE = PinocchioCpp

@@ -1,0 +1,98 @@
+"""A Pinocchio model handed to the C++ program, joint by joint, and its loops there."""
+
+# It is installed under a prefix that only the interpreter knows.
+# pyright: reportMissingImports=false
+
+from __future__ import annotations
+
+import ctypes
+import weakref
+from functools import cache
+from typing import Any
+
+import numpy as np
+from scipy.integrate import DOP853
+
+from cross_checks.engines.pinocchio_cpp_.compiler import library
+from cross_checks.workshop.outcome import End, Loop
+from cross_checks.workshop.plan import Plan
+from mbs_ref.trajectory import Status
+
+KINDS = (  # in the order of the program's enumeration
+    "JointModelRZ", "JointModelRevoluteUnaligned", "JointModelPrismaticUnaligned", "JointModelSpherical",
+    "JointModelTranslation", "JointModelFreeFlyer",
+)  # fmt: skip
+SUCCESS, STEP_TOO_SMALL, TOO_MANY_STEPS = range(3)
+TABLEAU = tuple(np.ascontiguousarray(part, dtype=float) for part in (DOP853.A, DOP853.B, DOP853.E3, DOP853.E5))
+_array = np.ctypeslib.ndpointer
+_REALS, _WHOLE = _array(np.float64, flags="C"), _array(np.int32, flags="C")
+
+
+class Report(ctypes.Structure):
+    """What a loop of the program tells of itself."""
+
+    _fields_ = [
+        ("seconds", ctypes.c_double), ("steps", ctypes.c_long), ("calls", ctypes.c_long),
+        ("rejected", ctypes.c_long), ("reached", ctypes.c_int), ("outcome", ctypes.c_int), ("t", ctypes.c_double),
+    ]  # fmt: skip
+
+
+class Tree:
+    """A tree of joints in the program, and its state there."""
+
+    def __init__(self, model: Any) -> None:
+        joints = [(model.joints[k], model.jointPlacements[k], model.inertias[k]) for k in range(1, model.njoints)]
+        kinds = np.array([KINDS.index(joint.shortname()) for joint, _, _ in joints], dtype=np.int32)
+        parents = np.array(list(model.parents)[1:], dtype=np.int32)
+        numbers = np.array([_numbers(*joint) for joint in joints])
+        self._program = _program()
+        self._tree = self._program.make_tree(len(joints), kinds, parents, numbers, np.array(model.gravity.linear))
+        weakref.finalize(self, self._program.free_tree, self._tree)
+
+    def derivative(self, y: np.ndarray) -> np.ndarray:
+        """Return (q', v') of y = (q, v)."""
+        rate = np.empty_like(y)
+        self._program.derivative(self._tree, y, rate)
+        return rate
+
+    def advance(self, start: np.ndarray, plan: Plan) -> Loop:
+        """Return the states at the plan's times."""
+        states = np.zeros((len(plan.times), len(start)))
+        states[0] = start
+        if plan.method.kind == "fixed":
+            counts = np.array(plan.counts, dtype=np.int32)
+            told = self._program.run_rk4(self._tree, states, len(states), counts, plan.step)
+        else:
+            limits = plan.rtol, plan.atol, plan.max_steps
+            told = self._program.run_dop853(self._tree, states, len(states), plan.times, *limits, *TABLEAU)
+        return Loop(states, _end(told, plan), told.steps, told.calls, told.rejected)
+
+
+def _numbers(joint: Any, placement: Any, inertia: Any) -> np.ndarray:
+    """Return placement, axis, mass, centre and inertia of a joint's body: (28,)."""
+    axis = getattr(joint, "axis", np.zeros(3))
+    parts = placement.rotation, placement.translation, axis, [inertia.mass], inertia.lever, inertia.inertia
+    return np.concatenate([np.asarray(part, dtype=float).ravel() for part in parts])
+
+
+def _end(told: Report, plan: Plan) -> End:
+    if told.outcome == TOO_MANY_STEPS:
+        message = f"max_steps = {plan.max_steps} were used up at t = {told.t:g} s"
+        return End(told.reached, Status.TOO_MANY_STEPS, message)
+    if told.outcome == STEP_TOO_SMALL:
+        message = f"DOP853 stopped at t = {told.t:g} s: its step became too small"
+        return End(told.reached, Status.STEP_TOO_SMALL, message)
+    return End(told.reached)
+
+
+@cache
+def _program() -> ctypes.CDLL:
+    program = ctypes.CDLL(str(library()))
+    number, whole, tree = ctypes.c_double, ctypes.c_int, ctypes.c_void_p
+    program.make_tree.argtypes, program.make_tree.restype = [whole, _WHOLE, _WHOLE, _REALS, _REALS], tree
+    program.free_tree.argtypes, program.free_tree.restype = [tree], None
+    program.derivative.argtypes, program.derivative.restype = [tree, _REALS, _REALS], None
+    program.run_rk4.argtypes, program.run_rk4.restype = [tree, _REALS, whole, _WHOLE, number], Report
+    adaptive = [tree, _REALS, whole, _REALS, number, number, ctypes.c_long, *[_REALS] * 4]
+    program.run_dop853.argtypes, program.run_dop853.restype = adaptive, Report
+    return program
