@@ -31,7 +31,9 @@ SECONDS = {"": 1.0, "s": 1.0, "ms": 1e-3, "us": 1e-6, "min": 60.0}  # s, in a du
 
 
 def scene(name_or_file: str, parameters: Sequence[str] = ()) -> Scene:
-    """Return the scene of that name, or in that TOML file."""
+    """Return the scene of that name, or in that TOML or URDF file."""
+    if name_or_file.endswith(".urdf"):
+        return _robot(name_or_file, parameters)
     try:
         if name_or_file.endswith(".toml"):
             if parameters:
@@ -56,6 +58,20 @@ def keeping(scene: Scene, kept: Sequence[str]) -> Scene:
 
 KEEP = click.option("--keep", "kept", multiple=True, metavar="BODY.velocity|BODY.angular_velocity",
                     help="Keep this initial velocity and make the others fit the joints; repeatable.")  # fmt: skip
+
+
+def _robot(file: str, parameters: Sequence[str]) -> Scene:
+    """Return the scene of a robot, and say on stderr what was assumed."""
+    engine("pinocchio")  # whose parser reads it
+    from cross_checks.engines.pinocchio_.urdf import RobotError, read_urdf
+
+    try:
+        robot = read_urdf(Path(file), _parameters(parameters))
+    except (RobotError, ValueError) as error:
+        raise click.UsageError(str(error)) from error
+    for sentence in robot.assumed:
+        click.echo(f"{file}: assumed: {sentence}", err=True)
+    return robot.scene
 
 
 def settings(**chosen: Any) -> Settings:

@@ -100,7 +100,7 @@ def apply_torsion_springs(model, work):
         mark = turn(kin.turned[b], spring.mark[k])
         axis = cross(zero, quarter)
         angle = np.arctan2(dot(quarter, mark), dot(zero, mark))
-        if abs(angle) > LARGEST_TWIST:
+        if spring.stiffness[k] > 0.0 and abs(angle) > LARGEST_TWIST:  # a mere damper need not count turns
             angle = np.nan
         rate = dot(axis, minus(kin.omega[b], kin.omega[a]))
         torque = spring.stiffness[k] * (angle - spring.rest_angle[k]) + spring.damping[k] * rate

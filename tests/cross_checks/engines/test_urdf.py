@@ -1,0 +1,157 @@
+"""Robots from URDF: the scene moves as Pinocchio's own dynamics of the file does, in joint coordinates."""
+
+from __future__ import annotations
+
+import re
+from importlib.metadata import PackageNotFoundError, distribution
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from mbs_ref.settings import Settings
+from mbs_ref.simulate import simulate
+from reports.cli import main
+
+pinocchio = pytest.importorskip("pinocchio")
+
+from cross_checks import engines  # noqa: E402
+from cross_checks.engines.pinocchio_.urdf import RobotError, read_urdf  # noqa: E402
+from cross_checks.metrics.state_error import differences, units_of  # noqa: E402
+from mbs_ref.scene.scales import scales_of  # noqa: E402
+
+ROBOT = Path(__file__).parents[2] / "data" / "two_links_and_a_slider.urdf"
+START = {"shoulder": 0.3, "elbow": -0.5, "ram": 0.05, "elbow.rate": 1.0, "ram.rate": -0.2, "duration": 0.5}
+DAMPING = {"shoulder": 0.3, "ram": 2.0}
+
+
+def natively(path: Path, given: dict, duration: float, step: float, damping: dict[str, float]) -> np.ndarray:
+    """Return the centres of mass (n, 3) at the end, by Pinocchio's articulated bodies and the classical RK4."""
+    model = pinocchio.buildModelFromUrdf(str(path))
+    data, q, v = model.createData(), pinocchio.neutral(model), np.zeros(model.nv)
+    drag = np.zeros(model.nv)
+    for i in range(1, model.njoints):
+        joint, name = model.joints[i], model.names[i]
+        turn = given.get(name, 0.0)
+        q[joint.idx_q : joint.idx_q + joint.nq] = turn if joint.nq == 1 else (np.cos(turn), np.sin(turn))
+        v[joint.idx_v], drag[joint.idx_v] = given.get(f"{name}.rate", 0.0), damping.get(name, 0.0)
+
+    def slope(q, v):
+        return pinocchio.aba(model, data, q, v, -drag * v)
+
+    for _ in range(round(duration / step)):
+        a = slope(q, v)
+        vb = v + step / 2 * a
+        b = slope(pinocchio.integrate(model, q, step / 2 * v), vb)
+        vc = v + step / 2 * b
+        c = slope(pinocchio.integrate(model, q, step / 2 * vb), vc)
+        vd = v + step * c
+        d = slope(pinocchio.integrate(model, q, step * vc), vd)
+        q = pinocchio.integrate(model, q, step / 6 * (v + 2 * vb + 2 * vc + vd))
+        v = v + step / 6 * (a + 2 * b + 2 * c + d)
+    pinocchio.forwardKinematics(model, data, q)
+    return np.array([data.oMi[i].act(model.inertias[i].lever) for i in range(1, model.njoints)])
+
+
+def test_a_robot_moves_as_pinocchios_own_dynamics_of_the_file():
+    scene = read_urdf(ROBOT, START).scene
+    assert tuple(scene.body_names) == ("upper", "fore", "rod")
+    path = simulate(scene, Settings(method="dop853", rtol=1e-11, estimate="off"), np.array([0.0, 0.5]))
+    assert path.ok, path.message
+    np.testing.assert_allclose(path.position[-1], natively(ROBOT, START, 0.5, 1e-3, DAMPING), atol=1e-9)
+    moved = np.abs(path.position[-1] - path.position[0]).max()
+    assert moved > 0.1
+
+
+def test_a_locked_joint_is_part_of_the_link_before_it():
+    assert tuple(read_urdf(ROBOT, {"elbow": "locked"}).scene.body_names) == ("upper", "rod")
+
+
+HEAVY = (
+    '<link name="base"><inertial><mass value="3"/>'
+    '<inertia ixx="0.1" iyy="0.1" izz="0.1" ixy="0" ixz="0" iyz="0"/></inertial></link>'
+)
+
+
+def test_a_free_root_falls_with_all_that_hangs_on_it(tmp_path):
+    with pytest.raises(RobotError, match="link 'base' moves and has no mass"):
+        read_urdf(ROBOT, {"base": "free"})
+    scene = read_urdf(changed(tmp_path, '<link name="base"/>', HEAVY), {"base": "free", "elbow.rate": 2.0}).scene
+    assert len(scene.joints) == 3
+    path = simulate(scene, Settings(method="dop853", rtol=1e-11, estimate="off"), np.linspace(0.0, 0.5, 3))
+    assert path.ok, path.message
+    mass = np.array([body.mass for body in scene.bodies])
+    centre = np.einsum("k,tkd->td", mass, path.position) / mass.sum()
+    drift = np.einsum("k,kd->d", mass, path.velocity[0]) / mass.sum()
+    fallen = centre[0] + np.outer(path.times, drift) + np.outer(0.5 * path.times**2, (0.0, 0.0, -9.81))
+    np.testing.assert_allclose(centre, fallen, atol=1e-10)
+
+
+def test_what_is_assumed_is_said():
+    told = " ".join(read_urdf(ROBOT).assumed)
+    for words in ("fixed to the ground", "do not collide", "no limits of place, rate or effort: shoulder, ram", "cap"):
+        assert words in told
+
+
+def changed(tmp_path: Path, old: str, new: str) -> Path:
+    text = ROBOT.read_text()
+    assert old in text
+    target = tmp_path / "changed.urdf"
+    target.write_text(text.replace(old, new))
+    return target
+
+
+@pytest.mark.parametrize(("old", "new", "said"), [
+    ('<dynamics damping="0.3"/>', '<dynamics friction="0.1"/>', "joint 'shoulder' has dry friction of 0.1"),
+    ('type="continuous"', 'type="floating"', "joint 'elbow' is floating; taken: revolute, continuous"),
+    ('<axis xyz="0.6 0.0 0.8"/>', '<axis xyz="1 0 0"/><mimic joint="shoulder"/>', "joint 'elbow' mimics another"),
+    ("<robot name", "<sdf name", "cannot be read as XML"),
+    ('<mass value="0.5"/>', '<mass value="0.0"/>', "link 'rod' moves and has no mass"),
+    ('ixx="0.004" iyy="0.02" izz="0.02"', 'ixx="0.004" iyy="0.02" izz="0.2"', "exceeds the sum of the others"),
+])  # fmt: skip
+def test_what_no_scene_holds_is_refused_by_name(old, new, said, tmp_path):
+    with pytest.raises(RobotError, match=re.escape(said)):
+        read_urdf(changed(tmp_path, old, new))
+
+
+def test_an_unknown_joint_is_refused_with_a_hint():
+    with pytest.raises(RobotError, match="no joint has that name; did you mean 'elbow'"):
+        read_urdf(ROBOT, {"elbw": 1.0})
+
+
+def test_the_command_line_takes_a_robot_and_says_what_it_assumes():
+    done = CliRunner().invoke(main, ["simulate", str(ROBOT), "-p", "elbow=0.2", "--t-end", "0.1", "--no-truth"])
+    assert done.exit_code == 0, done.output
+    assert "assumed: links do not collide" in done.stderr
+    done = CliRunner().invoke(main, ["simulate", str(ROBOT), "-p", "knee=0.2"])
+    assert done.exit_code == 2
+    assert "-p knee: no joint has that name" in done.output
+
+
+REAL = {
+    "ur_description/urdf/ur5_robot.urdf": {},
+    "panda_description/urdf/panda.urdf": {"panda_finger_joint2": "locked", "panda_joint2": 0.4, "panda_joint4": -1.0},
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("file", REAL)
+def test_real_robots_move_alike_in_every_engine(file):
+    try:
+        installed = distribution("example-robot-data")
+    except PackageNotFoundError:
+        pytest.skip("the extra `robots` is not installed")
+    robots = Path(str(installed.locate_file("cmeel.prefix/share/example-robot-data/robots")))
+    scene = read_urdf(robots / file, REAL[file]).scene
+    times, fine = np.linspace(0.0, 1.0, 11), {"pinocchio": ("dop853", 1e-11, None), "mujoco": ("rk4", None, 2.5e-4)}
+    ours = simulate(scene, Settings(method="dop853", rtol=1e-11, estimate="off"), times)
+    assert ours.ok, ours.message
+    for name, (method, rtol, step) in fine.items():
+        engine = engines.get(name)
+        if not engine.refusals(scene):
+            given = Settings(method=method, step=step) if rtol is None else Settings(method=method, rtol=rtol)
+            theirs = engine.run(scene, given, times)
+            apart = differences(scene, ours, theirs).sizes.max(axis=0) / units_of(scales_of(scene))
+            assert theirs.ok, theirs.message
+            assert apart.max() < 1e-6
