@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from importlib.util import find_spec
+
 import numpy as np
 import pytest
 
@@ -32,6 +34,24 @@ def every_method() -> list[tuple[str, str]]:
             continue
     return found
 
+
+PACKAGES = {"exudyn": "exudyn", "mujoco": "mujoco", "pinocchio": "pinocchio"}  # engine -> what it is imported as
+
+
+@pytest.mark.parametrize("name", PACKAGES)
+def test_an_engine_that_is_missing_here_is_said_to_be(name):
+    """The lists of methods below are made where tests are collected: an engine that is lost leaves no trace there."""
+    if find_spec(PACKAGES[name]) is None:
+        pytest.skip(f"{name} is not installed")
+    assert name in outside()
+    assert {method for engine, method in every_method() if engine == name} >= LEAST[name]
+
+
+LEAST = {  # methods that tests rely on
+    "exudyn": {"generalized_alpha", "trapezoidal", "tree_rk44", "tree_rk67", "tree_dopri5"},
+    "mujoco": {"rk4", "euler", "implicit", "implicitfast"},
+    "pinocchio": {"dop853", "rk4"},
+}
 
 each_method = pytest.mark.parametrize(("name", "method"), every_method())
 each_engine = pytest.mark.parametrize("name", outside())

@@ -196,6 +196,20 @@ def test_friction_between_spheres_keeps_momentum_and_only_loses_energy():
     assert np.abs(balance.drift).max() < balance.resolution < 0.02
 
 
+def test_what_slides_throughout_an_impact_is_pushed_by_coulombs_share():
+    """Impulses from the velocities alone: 0.3 of the normal one across it, which turns the other sphere."""
+    scene = _collision(LAW, RegularisedCoulomb(coefficient=0.3), (30.0, -200.0, 100.0))
+    run = _run(scene, samples=301)
+    impulse = run.velocity[0, 0] - run.velocity[-1, 0]  # N s, of 1 kg
+    apart = run.position[:, 1] - run.position[:, 0]
+    normal = apart[np.argmin(np.linalg.norm(apart, axis=1))]
+    normal /= np.linalg.norm(normal)
+    across = np.linalg.norm(impulse - (impulse @ normal) * normal)
+    assert across == pytest.approx(0.3 * (impulse @ normal), rel=0.03)  # the normal turns, and slip begins at 1 mm/s
+    inertia, radius = scene.bodies[1].inertia[0], scene.contacts[0].radius_b
+    assert inertia * np.linalg.norm(run.angular_velocity[-1, 1]) == pytest.approx(radius * across, rel=0.03)
+
+
 def test_a_sphere_lands_on_a_free_plate_of_finite_size():
     """Beyond the edge it misses; a solid corner acts as a point does."""
 
