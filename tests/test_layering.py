@@ -31,7 +31,8 @@ ROOMS = {
         "ephemerides", "metrics", "records", "judge", "certificates conformance extremes trajectory_files",
     ),
     "benchmarks": (
-        "calibration event_work cluster pick profiles scaling sweep timing", "confirm dask_matrix history trees",
+        "calibration event_work cluster pick profiles repeatability scaling sweep timing",
+        "confirm dask_matrix history trees",
         "record_changes", "suites",
     ),
     "reports": (

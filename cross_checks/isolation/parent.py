@@ -19,7 +19,8 @@ from typing import Any, Self
 from cross_checks.isolation.messages import NOTES, receive, send
 from cross_checks.isolation.patience import Patience, moment
 
-ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"), "1")
+THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
+ONE_THREAD = dict.fromkeys(THREADS, "1")
 TIMEOUT = 120.0  # s for one call, of which it computes or sleeps
 MEMORY = 4 * 2**30  # bytes of resident memory
 LOOK = 0.05  # s between looks at the child
@@ -52,12 +53,14 @@ class Isolated:
     """A child process that makes calls one after the other, and is replaced when it is lost.
 
     Functions and arguments are pickled, so they must be importable by name. Limits hold for each call:
-    `timeout` in s that the call computes or sleeps, without what Numba compiles, and `memory` in bytes. `apart` makes a
-    call in a copy of the child: what the child has loaded survives a call that does not. Use as a context manager.
+    `timeout` in s that the call computes or sleeps, without what Numba compiles, and `memory` in bytes. Libraries may
+    use `threads`. `apart` makes a call in a copy of the child: what the child has loaded survives a call that does not.
+    Use as a context manager.
     """
 
     timeout: float = TIMEOUT
     memory: int = MEMORY
+    threads: int = 1
     _child: subprocess.Popen[bytes] | None = None
     _pipe: Connection | None = None
     _copy: int | None = None  # process id of the child's copy that makes the call
@@ -137,8 +140,9 @@ class Isolated:
         with theirs:
             command = [sys.executable, "-m", "cross_checks.isolation.child", str(theirs.fileno()), str(self.memory)]
             paths = os.pathsep.join(path or os.getcwd() for path in sys.path)
+            threads = dict.fromkeys(THREADS, str(self.threads))
             self._child = subprocess.Popen(
-                command, env=os.environ | ONE_THREAD | {"PYTHONPATH": paths}, pass_fds=(theirs.fileno(),),
+                command, env=os.environ | threads | {"PYTHONPATH": paths}, pass_fds=(theirs.fileno(),),
                 stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
             )  # fmt: skip
         self._pipe = Connection(ours.detach())

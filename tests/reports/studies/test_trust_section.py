@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from reports.commands.judge.calibrate import MOST_ABOVE, MOST_BELOW
+from reports.commands.judge.repeatability import SAME_MACHINE
 from reports.facts.report_data import ReportData
 from reports.page.studies import trust
 
@@ -14,3 +15,18 @@ def test_the_kept_calibration_is_honest():
     assert row["judged"] >= 1000
     assert row["below"] <= MOST_BELOW * row["judged"]
     assert row["overestimate_median"] < MOST_ABOVE
+
+
+def test_our_solver_breaks_no_symmetry_by_more_than_it_errs():
+    facts = trust.kept("symmetry")
+    ours = [row for row in facts["methods"] if row["engine"] == "mbs_ref"]
+    assert sum(row["judged"] for row in ours) > 300
+    assert all(row["beyond_error"] == 0 for row in ours)
+    assert {row["engine"] for row in facts["methods"]} >= {"mbs_ref", "exudyn", "mujoco", "pinocchio", "rebound"}
+
+
+def test_our_solver_gives_the_same_bits_again():
+    ours = [row for row in trust.kept("repeatability")["methods"] if row["engine"] == "mbs_ref"]
+    assert sum(row["runs"] for row in ours) > 50
+    for row in ours:
+        assert not any(each["differ"] for each in row["ways"] if each["way"] in SAME_MACHINE), row

@@ -1,0 +1,91 @@
+"""Which method of which engine is asked for symmetry and repeatability on which scene."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any, NamedTuple
+
+from cross_checks import engines
+from cross_checks.engine import Engine, Method
+from mbs_ref import scenes
+from mbs_ref.scene import Scene
+from mbs_ref.settings import Settings
+
+STEP = 1e-3  # s, in the laboratory
+SKY_STEPS = 2000  # of a fixed step in the sky
+LOOSER = 20.0  # than a method's tightest tolerance: a tenth of the tolerance is asked as well
+
+
+class Case(NamedTuple):
+    """One method on one scene."""
+
+    engine: str
+    method: str
+    scene: str
+    parameters: dict[str, Any]
+    settings: Settings
+
+    @property
+    def name(self) -> str:
+        words = [self.scene, *(str(value) for value in self.parameters.values())]
+        return f"{self.engine}-{self.method}-{'-'.join(words)}"
+
+    @property
+    def setting(self) -> str:
+        settings = self.settings
+        return f"step {settings.step:.3g} s" if settings.step else f"rtol {settings.rtol:.3g}"
+
+    def built(self) -> Scene:
+        return scenes.make(self.scene, **self.parameters)
+
+
+Placed = tuple[str, dict[str, Any], float | None]  # scene, parameters, end (s) or its own
+
+LABORATORY: tuple[Placed, ...] = (
+    ("double_pendulum", {}, 1.0),  # chaos, as long as roundoff stays small
+    ("n_four_bar", {}, 0.3),
+    ("spring_pendulum", {}, 0.5),
+    ("spatial_chain", {}, 0.3),
+    ("torque_free_top", {}, 0.2),
+    ("bouncing_ball", {}, None),
+    ("oblique_disc", {}, None),
+    ("newtons_cradle", {}, 0.3),
+    ("bouncing_sphere", {}, None),
+    ("rolling_sphere", {}, 0.3),
+    ("colliding_spheres", {}, None),
+)
+# figure_eight is asked of no other engine: run back from t = 1 s, REBOUND's IAS15 never returns
+SKY: tuple[Placed, ...] = (("satellite", {}, 4000.0), ("outer_solar_system", {}, 1e7))
+RELATIVE: tuple[Placed, ...] = (
+    ("figure_eight", {}, 1.0),
+    ("solar_system", {"model": "gr_sun"}, 1e5),
+    ("solar_system", {"model": "gr"}, 1e5),
+)
+
+
+def cases(names: list[str], more: tuple[Placed, ...] = ()) -> Iterator[Case]:
+    """Yield every method of these engines with every scene that it takes, `more` too; a missing engine has none."""
+    for name in names:
+        try:
+            engine = engines.get(name)
+        except engines.EngineMissing:
+            continue
+        for method in engine.methods():
+            yield from _of(engine, method, more)
+
+
+def _of(engine: Engine, method: Method, more: tuple[Placed, ...]) -> Iterator[Case]:
+    ours = engine.name == "mbs_ref"
+    for placed in (*LABORATORY, *SKY, *more, *(RELATIVE if ours and method.name == "gauss" else ())):
+        scene, parameters, t_end = placed
+        built = scenes.make(scene, **parameters)
+        if not engine.refusals(built) and not engine.method_refusals(built, method):
+            t_end = t_end or built.duration
+            yield Case(engine.name, method.name, scene, parameters, _settings(method, placed, t_end))
+
+
+def _settings(method: Method, placed: Placed, t_end: float) -> Settings:
+    if method.kind == "fixed":
+        step = t_end / SKY_STEPS if placed in (*SKY, *RELATIVE) else STEP
+        return Settings(method=method.name, t_end=t_end, step=step, estimate="off")
+    return Settings(method=method.name, t_end=t_end, rtol=LOOSER * method.ladder[-1], estimate="off")

@@ -1,0 +1,67 @@
+"""mbs-ref repeatability: does each engine give the same bits again?"""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import click
+
+from mbs_ref.atomic_file import write_atomic
+from reports import inputs
+from reports.console import echo_json, progress, show, table
+from reports.exit_codes import Failed, Incomplete, NothingSelected
+
+SAME_MACHINE = ("at once", "another process", "another order")  # what our own solver must repeat to the last bit
+
+
+@click.command(name="repeatability")
+@inputs.ENGINES
+@click.option("--only", metavar="TEXT", help="Only runs whose engine, method and scene hold this.")
+@click.option("--table", "target", type=click.Path(dir_okay=False, path_type=Path), metavar="FILE",
+              help="Write what was found as JSON: the page shows benchmarks/repeatability.json.")
+@click.option("--json", "as_json", is_flag=True, help="Print JSON.")
+def command(chosen: tuple[str, ...], only: str | None, target: Path | None, as_json: bool) -> None:
+    """Make runs twice, in another process, in the opposite order, and with two threads; compare their bits.
+
+    Every method of every engine. Exit code 1 where runs of the reference solver with one thread differ; what two
+    threads change is told, as other engines' differences are.
+    """
+    from benchmarks import repeatability
+    from cross_checks.conformance.cases import cases
+
+    every = cases(inputs.engine_names(chosen), repeatability.BLAS)
+    asked = [case for case in every if only is None or only in case.name]
+    if not asked:
+        raise NothingSelected(f"no case of these engines is named like {only!r}")
+    try:
+        with progress("repeatability") as report:
+            found = repeatability.measured(asked, report)
+    except KeyboardInterrupt:
+        raise Incomplete("interrupted") from None
+    facts = {"methods": repeatability.by_method(found), "runs": found}
+    if target:
+        write_atomic(target, (json.dumps(facts, indent=1, allow_nan=False) + "\n").encode())
+    if as_json:
+        echo_json(facts)
+    else:
+        _show(facts["methods"])
+    ours = [one for one in found if one["engine"] == "mbs_ref" and any(one["differs"].get(x) for x in SAME_MACHINE)]
+    if ours:
+        raise Failed("mbs_ref gives other bits: " + ", ".join(f"{one['method']} on {one['scene']}" for one in ours))
+
+
+def _show(rows: list[dict[str, Any]]) -> None:
+    ways = [each["way"] for each in rows[0]["ways"]]
+    listing = table("Runs with other bits, and by how much of the largest value", "engine", "method", "runs", *ways)
+    for row in rows:
+        listing.add_row(row["engine"], row["method"], str(row["runs"]), *(_told(each) for each in row["ways"]))
+    show(listing)
+
+
+def _told(each: dict[str, Any]) -> str:
+    if not each["differ"]:
+        return "-"
+    ended = f", {each['other_end']} end otherwise" if each["other_end"] else ""
+    return f"{each['differ']}: {each['largest'] or 0.0:.1e}{ended}"
