@@ -12,8 +12,8 @@ from reports.page.section import Section
 
 LEAD = (
     "Every run of mbs_ref estimates its own error. Random runs, of random mechanisms and of every scene, with random "
-    "methods and tolerances, were held against far tighter ones. Of every engine it was asked whether a scene that is "
-    "turned, rescaled or renamed moves as its image, and whether a run gives the same bits again."
+    "methods and tolerances, were held against far tighter ones. Of the engines in the tables it was asked whether a "
+    "scene that is turned, rescaled or renamed moves as its image, and whether a run gives the same bits again."
 )
 TABLES = ("calibration", "symmetry", "repeatability")
 
