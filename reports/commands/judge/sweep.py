@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from importlib.util import find_spec
+
 import click
 
 from cross_checks.records.record import Record
+from mbs_ref.atomic_file import write_atomic
 from reports import inputs
 from reports.asking import STORE
 from reports.console import echo_json, number, show, table
@@ -18,7 +21,7 @@ from reports.sweeping import sweep_records
 @inputs.ENGINES
 @click.option("--method", "methods", multiple=True, metavar="M", help="Only this method; repeatable.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON lines, one a run.")
-@click.option("-o", "output", metavar="FILE.jsonl", help="Keep the lines in a file; what it holds already is not run.")
+@click.option("-o", "output", metavar="FILE.jsonl|.parquet", help="Keep the runs in a file, as lines or as a table.")
 @click.option("--timeout", type=float, callback=inputs.positive, help="Longest time a run computes, s.  [default: 120]")
 @click.option("--memory", type=float, callback=inputs.positive, help="Most memory of one run, MiB.  [default: 4096]")
 @STORE
@@ -38,14 +41,29 @@ def command(
     Engines run in a process of their own: one that hangs, crashes or eats memory costs that one run.
     A sweep that was interrupted, or killed, goes on where it stopped.
     """
-    target = inputs.output(output, (".jsonl",))
-    records = sweep_records(inputs.scene(scene, parameters), chosen, methods, target, timeout, memory, store=store)
+    target = inputs.output(output, (".jsonl", ".parquet"))
+    columns = target if target is not None and target.suffix == ".parquet" else None
+    if columns is not None and not _has_pyarrow():
+        raise click.UsageError(f"-o {output}: Parquet needs the package pyarrow: pip install 'mbs-ref[parquet]'")
+    kept = target if columns is None else None
+    records = sweep_records(inputs.scene(scene, parameters), chosen, methods, kept, timeout, memory, store=store)
     if not records:
         raise NothingSelected("no engine and method to sweep")
+    if columns is not None:
+        from reports.page.files import parquet
+
+        write_atomic(columns, parquet(records))
     for record in records if as_json else ():
         echo_json(record.to_dict(), indent=None)
     if not as_json:
         _show(records)
+
+
+def _has_pyarrow() -> bool:
+    try:
+        return find_spec("pyarrow") is not None
+    except ValueError:  # its import is barred
+        return False
 
 
 def _show(records: list[Record]) -> None:

@@ -13,8 +13,7 @@ HEIGHT = 360  # pixels
 
 def histories(curves: Curves) -> dict[str, Any]:
     """Return a figure's data with a line for each name."""
-    figure = new_figure(curves.x_label, curves.y_label, x_log=False, y_log=curves.log)
-    figure.update_layout(height=HEIGHT)
+    figure = new_figure(curves.x_label, curves.y_label, x_log=False, y_log=curves.log, height=HEIGHT)
     for k, (name, line) in enumerate(curves.lines.items()):
         shown = [max(abs(value), FLOOR) for value in line] if curves.log else line
         add_line(figure, k, name, curves.x, shown)

@@ -343,6 +343,24 @@ def test_sweep_writes_lines(stand, tmp_path):
     assert run("sweep", "pendulum", "--engine", "quick", "--method", "rk5").exit_code == 2
 
 
+def test_sweep_writes_a_table_that_reads_back(stand, tmp_path):
+    parquet = pytest.importorskip("pyarrow.parquet")
+    stand["records"] = [RECORD, replace(RECORD, engine="other", error=None)]
+    file = tmp_path / "records.parquet"
+    assert run("sweep", "pendulum", "-o", str(file)).exit_code == 0
+    table = parquet.read_table(file).to_pylist()
+    assert [row["engine"] for row in table] == [RECORD.engine, "other"]
+    assert table[1]["error"] is None
+
+
+def test_a_table_without_pyarrow_is_refused_before_anything_runs(stand, tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "pyarrow", None)  # as where it is not installed
+    stand["records"] = [KeyboardInterrupt()]
+    done = run("sweep", "pendulum", "-o", str(tmp_path / "records.parquet"))
+    assert done.exit_code == 2
+    assert "pip install 'mbs-ref[parquet]'" in done.stderr
+
+
 def test_an_interrupted_sweep_keeps_what_it_has(stand, tmp_path):
     stand["records"] = [RECORD, KeyboardInterrupt()]
     file = tmp_path / "records.jsonl"
