@@ -33,8 +33,8 @@ def examine(engine: Engine, name: str, progress: Progress = lambda text: None) -
             findings.append(_hopeless(engine, method, mine[0]))
         for question in mine:
             progress(f"{question.scene.name} by {method.name}")
-            found, row = climb(engine, method, question)
-            findings += found
+            of_scene, row = climb(engine, method, question)
+            findings += of_scene
             rows.append(row)
         strong = {question.scene.name for question in mine if not method.excused(question.scene)}
         findings += _order(method, [row for row in rows if row.method == method.name and row.scene in strong])

@@ -45,8 +45,8 @@ def orientation_error(question: Asked, path: Trajectory) -> float:
     bodies = turning(question.scene)
     if not bodies.any():
         return 0.0
-    found, right = (axes(question.scene, turns)[:, bodies] for turns in (path.orientation, question.truth.orientation))
-    return float(np.abs(found - right).max())
+    turned, right = (axes(question.scene, turns)[:, bodies] for turns in (path.orientation, question.truth.orientation))
+    return float(np.abs(turned - right).max())
 
 
 def slope_mismatch(scene: Scene, path: Trajectory) -> tuple[float, float]:
@@ -55,12 +55,12 @@ def slope_mismatch(scene: Scene, path: Trajectory) -> tuple[float, float]:
     Angular velocities are held against the slope of the rotation matrices, R' = omega x R. The median over samples is
     taken: a short transient, or the jump of an impact, is not resolved by the samples.
     """
-    found = [_misses(path.position, path.velocity, path.times)]
+    misses = [_misses(path.position, path.velocity, path.times)]
     bodies = turning(scene)
     if bodies.any():
         turned = axes(scene, path.orientation)[:, bodies]
-        found.append(_misses(turned, _spun(scene, path.angular_velocity[:, bodies], turned), path.times))
-    return tuple(max(float(np.median(miss)) for miss in part) for part in zip(*found, strict=True))  # type: ignore[return-value]
+        misses.append(_misses(turned, _spun(scene, path.angular_velocity[:, bodies], turned), path.times))
+    return tuple(max(float(np.median(miss)) for miss in part) for part in zip(*misses, strict=True))  # type: ignore[return-value]
 
 
 def _spun(scene: Scene, omega: np.ndarray, turned: np.ndarray) -> np.ndarray:

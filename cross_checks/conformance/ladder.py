@@ -54,11 +54,11 @@ def climb(engine: Engine, method: Method, question: Asked) -> tuple[list[Finding
         said = "; ".join(f"{run.setting}: {run.path.message}" for run in runs if not run.path.ok)
         seen, excuse = f"fewer than two runs end: {said}", method.excused(question.scene) or ALOUD
         return [verdict("runs", method.name, question.scene.name, seen, excuse=excuse)], row
-    found = [verdict("runs", method.name, question.scene.name, "")]
-    found += list(_always(method, question, good)) + list(_excusable(method, question, good, row))
+    findings = [verdict("runs", method.name, question.scene.name, "")]
+    findings += list(_always(method, question, good)) + list(_excusable(method, question, good, row))
     if question.is_smooth or method.kind == "fixed" or method.locates_events:  # else it may step over a contact
-        found.append(_same_end(engine, method, question, good[-1]))
-    return found, row
+        findings.append(_same_end(engine, method, question, good[-1]))
+    return findings, row
 
 
 def timed(engine: Engine, question: Asked, settings: Settings, times: np.ndarray | None = None) -> Run:
@@ -111,13 +111,13 @@ def _excusable(method: Method, question: Asked, good: list[Run], row: Row) -> It
     yield verdict("joints", name, scene, _unshrunk(steady, gaps, GOOD, "joints open by"), excuse=excuse)
 
 
-def _unshrunk(steady: bool, found: list[float | None], floor: float, what: str) -> str:
+def _unshrunk(steady: bool, sizes: list[float | None], floor: float, what: str) -> str:
     """Return a sentence where a figure is not small and does not shrink any more.
 
     Each refinement must bring something where it is `steady`. Where contacts begin and end between steps, and where a
     method documents no order, errors go up and down, and the finest run is held against the worst before it.
     """
-    known = [figure for figure in found if figure is not None]
+    known = [figure for figure in sizes if figure is not None]
     if len(known) < 2 or known[-1] <= floor:
         return ""
     before = known[-2] if steady else max(known[:-1])

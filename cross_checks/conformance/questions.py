@@ -57,8 +57,8 @@ def questions(engine: Engine) -> list[Asked]:
     quick = [name for name in SPANS if _is_taken(engine, name)]
     others = (name for name in known() if name in scenes.names() and name not in SPANS and _is_taken(engine, name))
     chosen = quick or [next(others, None)]
-    found = [asked(name) for name in chosen if name is not None]
-    return [question for question in found if question is not None]
+    questions = [asked(name) for name in chosen if name is not None]
+    return [question for question in questions if question is not None]
 
 
 def _is_taken(engine: Engine, name: str) -> bool:

@@ -57,19 +57,19 @@ class Cell:
 
 def truth_of(runs: Runs, scene: Scene) -> Truth | NoTruth:
     """Return the scene's certified truth, else what engines agree on, else why there is neither."""
-    found = runs.truth(scene)
-    return working_truth(runs, scene, found.reason) if isinstance(found, NoTruth) else found
+    truth = runs.truth(scene)
+    return working_truth(runs, scene, truth.reason) if isinstance(truth, NoTruth) else truth
 
 
 def tasks(scene: Scene, engines: Iterable[str]) -> list[tuple[str, Method | None]]:
     """Return every method of the engines; None for an engine whose package is not installed. ValueError as `get`."""
-    found: list[tuple[str, Method | None]] = []
+    offered: list[tuple[str, Method | None]] = []
     for name in engines:
         try:
-            found += [(name, method) for method in registry.get(name).methods()]
+            offered += [(name, method) for method in registry.get(name).methods()]
         except registry.EngineMissing:
-            found.append((name, None))
-    return found
+            offered.append((name, None))
+    return offered
 
 
 def check(

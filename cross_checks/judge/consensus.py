@@ -67,20 +67,20 @@ def _agreed(scene: Scene, known_to: float, best: Witness, other: Witness) -> Tru
 
 
 def _distance(scene: Scene, first: Witness, second: Witness) -> float:
-    found = gap(scene, first.path, second.path)
-    return float("inf") if found is None else found
+    apart = gap(scene, first.path, second.path)
+    return float("inf") if apart is None else apart
 
 
 def _witnesses(runs: Runs, scene: Scene) -> list[Witness]:
-    found = []
+    witnesses = []
     for name in engines.names():
         try:
             engine = engines.get(name)
         except engines.EngineMissing:
             continue
         heard = (_heard(runs, scene, name, method) for method in _best_methods(engine, scene))
-        found += [witness for witness in heard if witness is not None]
-    return found
+        witnesses += [witness for witness in heard if witness is not None]
+    return witnesses
 
 
 def _best_methods(engine: Engine, scene: Scene) -> list[Method]:

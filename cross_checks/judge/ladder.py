@@ -53,8 +53,8 @@ def rungs(method: Method, scene: Scene) -> list[Settings]:
     if method.kind == "adaptive":
         return [settings_at(method, scene, rtol) for rtol in method.ladder or TOLERANCES]
     steps = (step * free_fall_time(scene) for step in method.ladder or STEPS)
-    found = [settings_at(method, scene, step) for step in steps]
-    return list({settings.step: settings for settings in found}.values())
+    every = [settings_at(method, scene, step) for step in steps]
+    return list({settings.step: settings for settings in every}.values())
 
 
 def fitted(step: float, interval: float) -> float:

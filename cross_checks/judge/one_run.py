@@ -78,8 +78,8 @@ def judged_run(
 
 def checked_run(engine: Engine, scene: Scene, settings: Settings, asked: np.ndarray) -> Trajectory | tuple[str, str]:
     """Run and look for what the engine does not say; a status and a sentence where nothing came back."""
-    found = _attempt(lambda: engine.run(scene, settings, asked))
-    return _on_time(_finite(found), asked) if isinstance(found, Trajectory) else found
+    outcome = _attempt(lambda: engine.run(scene, settings, asked))
+    return _on_time(_finite(outcome), asked) if isinstance(outcome, Trajectory) else outcome
 
 
 def _attempt(run: Callable[[], Trajectory]) -> Trajectory | tuple[str, str]:

@@ -87,9 +87,9 @@ class Runs:
             given: dict[str, Any] = {**facts, **arrays}
             return NoTruth(**given) if "reason" in facts else Truth(**given)
         patient = self.call.patient if isinstance(self.call, Isolated) else self.call
-        found = patient(seek_truth, scene, asked)
-        self.store.keep_arrays(key, *_parts(found))
-        return found
+        truth = patient(seek_truth, scene, asked)
+        self.store.keep_arrays(key, *_parts(truth))
+        return truth
 
 
 def make(scene: Scene, engine: str, settings: Settings, times: np.ndarray) -> Run:

@@ -220,7 +220,7 @@ def _typed(tried: Tried, knob: float) -> float:
 
 def _around(good: list[tuple[float, float]], error: float) -> tuple[tuple[float, float], tuple[float, float]] | None:
     """Return the coarsest run that reaches `error` and its coarser neighbour, which does not; None without both."""
-    place = next((k for k, (_, found) in enumerate(good) if found <= error), 0)
+    place = next((k for k, (_, reached) in enumerate(good) if reached <= error), 0)
     return (good[place - 1], good[place]) if place else None
 
 
@@ -239,11 +239,11 @@ def _beyond(tried: Tried, error: float) -> float:
     """
     good, order = tried.good(), tried.order
     is_finer = good[-1][1] > error
-    (knob, found), other = (good[-1], good[-2:-1]) if is_finer else (good[0], good[1:2])
+    (knob, here), other = (good[-1], good[-2:-1]) if is_finer else (good[0], good[1:2])
     for another, there in other:
-        slope = math.log(max(there, TINY) / max(found, TINY)) / math.log(another / knob)
+        slope = math.log(max(there, TINY) / max(here, TINY)) / math.log(another / knob)
         order = min(slope, 2.0 * order) if slope >= 0.5 * order else order
-    return knob * (error / max(found, TINY)) ** (1.0 / order)
+    return knob * (error / max(here, TINY)) ** (1.0 / order)
 
 
 def _is_vain(tried: Tried, knob: float, target: float) -> bool:
@@ -321,22 +321,22 @@ def _steps(tried: Tried, knob: float) -> float:
     return steps * max(1.0, (known / knob) ** (1.0 / ((tried.method.order or 5) + 1)))
 
 
-def _answer(tried: Tried, found: Reached) -> Reached:
+def _answer(tried: Tried, became: Reached) -> Reached:
     """Say what became of a target, from all the runs that were made in the end."""
     good = tried.good()
     truth = tried.truth
-    record = next((r for r in _successes(tried) if r.error is not None and r.error.value <= found.target), None)
+    record = next((r for r in _successes(tried) if r.error is not None and r.error.value <= became.target), None)
     if record is not None:
-        return Reached(found.target, "reached", record)
+        return Reached(became.target, "reached", record)
     if isinstance(truth, Truth) and good:
         floor = next(r.error.floor for r in _successes(tried) if r.error is not None)
-        if found.target < floor:
-            return Reached(found.target, "unjudged", None, f"the truth judges no error below {floor:.1e}")
-    if found.answer == "not-tried" and not _is_over(tried):
-        return found
+        if became.target < floor:
+            return Reached(became.target, "unjudged", None, f"the truth judges no error below {floor:.1e}")
+    if became.answer == "not-tried" and not _is_over(tried):
+        return became
     best = min((error for _, error in good), default=None)
     reason = _last_words(tried) if best is None else f"its best is {best:.1e}; finer settings do not help"
-    return Reached(found.target, "not-reached", None, reason)
+    return Reached(became.target, "not-reached", None, reason)
 
 
 def _successes(tried: Tried) -> list[Record]:

@@ -47,14 +47,14 @@ def read_columns(path: Path, delimiter: str = ",") -> Columns:
     if not path.is_file():
         raise FileError(f"{path}: there is no such file")
     readers = {".npz": _npz, ".parquet": _parquet}
-    found = readers[path.suffix](path) if path.suffix in readers else _text(path, delimiter)
-    if not found.values or not len(next(iter(found.values.values()))):
+    table = readers[path.suffix](path) if path.suffix in readers else _text(path, delimiter)
+    if not table.values or not len(next(iter(table.values.values()))):
         raise FileError(f"{path}: holds no row of numbers; expected: a header and a row a time")
-    for name, values in found.values.items():
+    for name, values in table.values.items():
         bad = np.flatnonzero(~np.isfinite(values))
         if len(bad):
-            raise FileError(f"{found.place(int(bad[0]), name)}: {values[bad[0]]} is not finite")
-    return found
+            raise FileError(f"{table.place(int(bad[0]), name)}: {values[bad[0]]} is not finite")
+    return table
 
 
 def read_header(path: Path) -> list[str]:

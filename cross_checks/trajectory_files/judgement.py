@@ -58,13 +58,13 @@ class Judgement:
 
 def judgement(scene: Scene, told: Told, truth: Truth | NoTruth, asked: float) -> Judgement:
     """Return the verdict on a motion: it agrees where no told component is off by more than `asked` of the scene."""
-    found = measure(Judged(scene, told.path, truth))
-    verdict, reason = _verdict(found["error"], truth, asked)
-    own = {name: found["measures"][name] for name in metrics.every() if name not in _ERRORS}
+    figures = measure(Judged(scene, told.path, truth))
+    verdict, reason = _verdict(figures["error"], truth, asked)
+    own = {name: figures["measures"][name] for name in metrics.every() if name not in _ERRORS}
     parts = tuple(_parts(scene, told.path, truth)) if isinstance(truth, Truth) else ()
     curves = _curves(scene, told.path, truth) if isinstance(truth, Truth) else {}
     return Judgement(
-        scene.name, verdict, reason, asked, found["error"], parts, own, told.untold, found["notes"], curves
+        scene.name, verdict, reason, asked, figures["error"], parts, own, told.untold, figures["notes"], curves
     )
 
 

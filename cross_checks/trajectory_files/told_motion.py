@@ -102,18 +102,18 @@ class _Reader:
         self.origin = np.array(stated.world.origin[:dimension])
 
     def read(self, body: Body) -> dict[str, np.ndarray]:
-        found: dict[str, np.ndarray] = {}
+        parts: dict[str, np.ndarray] = {}
         if body.position is not None:
             place = self._numbers(body.position, "position", self.dimension)
-            found["position"] = self.origin + place * units.factor("length", body.position.unit) @ self.turn.T
+            parts["position"] = self.origin + place * units.factor("length", body.position.unit) @ self.turn.T
         if body.velocity is not None:
             speed = self._numbers(body.velocity, "velocity", self.dimension)
-            found["velocity"] = speed * units.factor("velocity", body.velocity.unit) @ self.turn.T
+            parts["velocity"] = speed * units.factor("velocity", body.velocity.unit) @ self.turn.T
         if body.orientation is not None:
-            found["orientation"] = self._orientation(body.orientation)
+            parts["orientation"] = self._orientation(body.orientation)
         if body.angular_velocity is not None:
-            found["angular_velocity"] = self._spin(body.angular_velocity, found.get("orientation"))
-        return found
+            parts["angular_velocity"] = self._spin(body.angular_velocity, parts.get("orientation"))
+        return parts
 
     def _numbers(self, part: Any, what: str, count: int) -> np.ndarray:
         place = f"bodies.{self.body}.{what}"

@@ -70,11 +70,11 @@ def continued(scene: Scene, run: Trajectory, *, back: bool) -> Scene:
 
 def _carried(scene: Scene, run: Trajectory, part: Any) -> Any:
     """Return a part whose marks are where their bodies have taken them."""
-    found: dict[str, Any] = {}
+    changed: dict[str, Any] = {}
     if part.type in ("spring_damper", "distance"):
         name = "rest_length" if part.type == "spring_damper" else "length"
         if getattr(part, name) is None:
-            found[name] = math.dist(part.point_a, part.point_b)
+            changed[name] = math.dist(part.point_a, part.point_b)
     if part.type in ("newton", "relativity", "oblateness", "epoch"):
         return part
     for name in type(part).model_fields:
@@ -83,8 +83,8 @@ def _carried(scene: Scene, run: Trajectory, part: Any) -> Any:
             continue
         of_b = name in OF_B or (part.type in ON_B and name != "center")
         body = getattr(part, "body", None) or (part.body_b if of_b else part.body_a)
-        found[name] = _moved(scene, run, body, np.array(value), name in POINTS)
-    return part.model_copy(update=found)
+        changed[name] = _moved(scene, run, body, np.array(value), name in POINTS)
+    return part.model_copy(update=changed)
 
 
 def _moved(scene: Scene, run: Trajectory, body: str, value: np.ndarray, is_point: bool) -> tuple[float, ...]:

@@ -54,12 +54,12 @@ def violations(engine: Engine, scene: Scene, settings: Settings) -> list[Violati
     times = np.linspace(0.0, settings.t_end or scene.duration, SAMPLES)
     plain = _run(engine, scene, settings, times)
     noise, error = _noise(engine, scene, settings, times, plain), _error(engine, scene, settings, plain)
-    found = []
+    violations = []
     for name, measure in SYMMETRIES.items():
         size = _measured(measure, engine, scene, settings, plain)
         is_known = not isinstance(size, str)
-        found.append(Violation(name, size if is_known else None, noise, error, "" if is_known else size))
-    return found
+        violations.append(Violation(name, size if is_known else None, noise, error, "" if is_known else size))
+    return violations
 
 
 def _measured(measure, engine, scene, settings, plain) -> float | str:
@@ -104,13 +104,13 @@ def _poses(run: Trajectory) -> tuple[np.ndarray, np.ndarray]:
     return run.position, run.orientation
 
 
-def _gap(scene: Scene, found: tuple[np.ndarray, np.ndarray], wanted: tuple[np.ndarray, np.ndarray]) -> float:
+def _gap(scene: Scene, seen: tuple[np.ndarray, np.ndarray], wanted: tuple[np.ndarray, np.ndarray]) -> float:
     """Return the largest distance (m) of centres, and of points a radius of gyration away."""
-    gap = float(np.max(np.linalg.norm(found[0] - wanted[0], axis=2)))
-    if found[1].ndim == 2:
+    gap = float(np.max(np.linalg.norm(seen[0] - wanted[0], axis=2)))
+    if seen[1].ndim == 2:
         arm = [np.sqrt(b.inertia / b.mass) if isinstance(b, PlanarBody) else 0.0 for b in scene.bodies]
-        return max(gap, float(np.max(np.abs(found[1] - wanted[1]) * arm)))
-    return max(gap, float(np.max(geodesic_angle(found[1], wanted[1]) * _arms(scene))))
+        return max(gap, float(np.max(np.abs(seen[1] - wanted[1]) * arm)))
+    return max(gap, float(np.max(geodesic_angle(seen[1], wanted[1]) * _arms(scene))))
 
 
 def _seen(make: Callable[[Scene], Placement], *, needs_step: bool = False) -> Callable:

@@ -34,8 +34,8 @@ class Case:
     @property
     def error(self) -> float:
         """Of the scene; infinite where it is not finite."""
-        found, _ = error_of(Judged(self.scene, self.path, self.truth))
-        return np.inf if found is None else found.value
+        error, _ = error_of(Judged(self.scene, self.path, self.truth))
+        return np.inf if error is None else error.value
 
     @property
     def length(self) -> float:

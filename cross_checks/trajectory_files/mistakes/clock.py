@@ -59,9 +59,9 @@ def _rotation_vectors(first: np.ndarray, second: np.ndarray) -> np.ndarray:
         return np.remainder(first - second + np.pi, 2.0 * np.pi) - np.pi
     between = product(first, conjugate(second))
     known = np.isfinite(between).all(axis=2)
-    found = np.full((*between.shape[:2], 3), np.nan)
-    found[known] = Rotation.from_quat(between[known], scalar_first=True).as_rotvec()
-    return found
+    turns = np.full((*between.shape[:2], 3), np.nan)
+    turns[known] = Rotation.from_quat(between[known], scalar_first=True).as_rotvec()
+    return turns
 
 
 def _rows(path: Trajectory, rows: np.ndarray, times: np.ndarray) -> Trajectory:

@@ -1,0 +1,69 @@
+"""Verdicts and the machine: cells are the same beside busy loops and with nothing compiled beforehand."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
+
+import pytest
+
+# Every core (planar, spatial, particles), contact, loops, stiffness, and every engine.
+SCENES = (
+    ("pendulum_chain", "-p", "links=3"), ("n_four_bar",), ("heavy_top",), ("spatial_chain", "-p", "links=3"),
+    ("bouncing_ball",), ("kepler",), ("spring_pendulum",), ("bricard",),
+)  # fmt: skip
+TIMES = ("loop_s",)  # the figures of a cell that belong to the machine
+BUSY = "while True: pass"
+
+
+def cells(scene: tuple[str, ...], store: Path, **environment: str) -> list[dict]:
+    """Return what `mbs-ref check` says of a scene, from a store of its own; without times."""
+    command = [sys.executable, "-m", "reports.cli", "check", *scene, "--json", "--store", str(store)]
+    answer = subprocess.run(command, env=os.environ | environment, stdout=subprocess.PIPE, check=False)
+    assert answer.returncode in (0, 1), scene  # 1: a method is wrong, which is a verdict
+    return without_times(json.loads(answer.stdout))
+
+
+def without_times[T](plain: T) -> T:
+    """Return plain data without what a clock measured."""
+    if isinstance(plain, dict):
+        return {key: without_times(value) for key, value in plain.items() if key not in TIMES}  # type: ignore[return-value]
+    return [without_times(value) for value in plain] if isinstance(plain, list) else plain  # type: ignore[return-value]
+
+
+@contextmanager
+def busy(count: int) -> Iterator[None]:
+    """Run endless loops meanwhile."""
+    with ExitStack() as stack:
+        for _ in range(count):
+            loop = subprocess.Popen([sys.executable, "-c", BUSY])
+            stack.callback(loop.wait)
+            stack.callback(loop.kill)
+        yield
+
+
+def differences(first: list[dict], second: list[dict]) -> list[str]:
+    """Return the cells that are not the same, with the fields that differ."""
+    assert [_name(cell) for cell in first] == [_name(cell) for cell in second]
+    pairs = zip(first, second, strict=True)
+    return [f"{_name(a)}: {', '.join(k for k in a if a[k] != b[k])}" for a, b in pairs if a != b]
+
+
+def _name(cell: dict) -> str:
+    return f"{cell['scene']} {cell['engine']} {cell['method']}"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("scene", SCENES, ids=lambda scene: scene[0])
+def test_cells_depend_neither_on_load_nor_on_the_cache(scene, tmp_path):
+    quiet = cells(scene, tmp_path / "quiet.sqlite")
+    with busy(os.cpu_count() or 1):
+        assert differences(quiet, cells(scene, tmp_path / "busy.sqlite")) == []
+    cold = {"MBS_REF_CACHE": str(tmp_path / "cache")}
+    assert differences(quiet, cells(scene, tmp_path / "cold.sqlite", **cold)) == []
+    assert differences(quiet, cells(scene, tmp_path / "quiet.sqlite")) == []  # the same store asked twice
