@@ -182,7 +182,12 @@ def standing(case: Case) -> Trajectory:
     return Trajectory(case.times, place, np.tile(turned, (n,) + (1,) * turned.ndim), still, spin)
 
 
-@pytest.mark.parametrize("extreme", every(), ids=lambda e: e.name)
+LONG = {"chain-length", "chain-going-taut"}  # whose truths take ten seconds
+
+
+@pytest.mark.parametrize("extreme", [
+    pytest.param(e, marks=pytest.mark.slow) if e.name in LONG else e for e in every()
+], ids=lambda e: e.name)  # fmt: skip
 def test_an_answer_can_be_judged_everywhere_on_the_axis(extreme):
     """A truth that gives up, or takes long, would be held against the engine."""
     for value in extreme.values(full=True):

@@ -90,7 +90,7 @@ def test_two_orbits_close_to_a_collision_say_how_far_they_are_off(method, figure
 # --- what it must not miss -----------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("method", ["dop853", "lsodar"])
+@pytest.mark.parametrize("method", ["dop853", pytest.param("lsodar", marks=pytest.mark.slow)])
 @pytest.mark.parametrize("gap", [1e-2, 1e-6, 1e-8])
 @pytest.mark.parametrize("rtol", [1e-6, 1e-8, 1e-10])
 def test_a_near_collision_is_not_off_by_more_than_it_says(method, gap, rtol):
