@@ -18,6 +18,8 @@ from mbs_ref.settings import Settings
 from mbs_ref.trajectory import Trajectory
 
 ORDER_OFF = 0.35  # how far an observed order may be from the documented one
+LARGE = 0.1  # of the scene's size, rad: beyond, the order of a method cannot be seen
+MORE = 7  # halvings of the finest step where its error is LARGE
 ROUNDOFF = 1e-10  # of the scene's size: where order can no longer be seen
 GOOD = 1e-8  # of the scene's size: an error that need not shrink any more
 AT_START = 1e-9  # of the scene's size and speed: how exactly the first sample is the scene's initial state
@@ -48,6 +50,7 @@ def climb(engine: Engine, method: Method, question: Asked) -> tuple[list[Finding
     """Run the method from coarse to fine and return what is found, with the figures of the best run."""
     asked = rungs(method, question.times, jumps=not question.is_smooth)
     runs = [timed(engine, question, settings) for settings in asked]
+    runs += _refined(engine, method, question, runs)
     good = [run for run in runs if run.path.ok]
     row = _row(method, question, good)
     if len(good) < 2:
@@ -59,6 +62,17 @@ def climb(engine: Engine, method: Method, question: Asked) -> tuple[list[Finding
     if question.is_smooth or method.kind == "fixed" or method.locates_events:  # else it may step over a contact
         findings.append(_same_end(engine, method, question, good[-1]))
     return findings, row
+
+
+def _refined(engine: Engine, method: Method, question: Asked, runs: list[Run]) -> Iterator[Run]:
+    """Yield runs with ever half the step until the error is less than the motion, which tells nothing of convergence."""
+    last = runs[-1]
+    for _ in range(MORE):
+        if method.kind != "fixed" or not question.is_smooth or not last.path.ok or last.error < LARGE:
+            return
+        assert last.settings.step is not None
+        last = timed(engine, question, last.settings.model_copy(update={"step": last.settings.step / 2}))
+        yield last
 
 
 def timed(engine: Engine, question: Asked, settings: Settings, times: np.ndarray | None = None) -> Run:
@@ -82,7 +96,7 @@ def _row(method: Method, question: Asked, good: list[Run]) -> Row:
 
 def observed(good: list[Run]) -> float | None:
     """Return the order between the two finest runs whose errors are neither roundoff nor large; None without two."""
-    seen = [(run.settings.step, run.error) for run in good if run.settings.step and ROUNDOFF < run.error < 0.1]
+    seen = [(run.settings.step, run.error) for run in good if run.settings.step and ROUNDOFF < run.error < LARGE]
     if len(seen) < 2:
         return None
     (h, e), (finer, smaller) = seen[-2:]

@@ -7,7 +7,7 @@ from typing import get_args
 from mbs_ref.scene.bodies import GROUND, Body, PointMass
 from mbs_ref.scene.contact import Contact, ContactLaw, Friction
 from mbs_ref.scene.events import Event
-from mbs_ref.scene.joints import Drive, Joint
+from mbs_ref.scene.joints import Distance, Drive, Joint
 from mbs_ref.scene.loads import Load, UserForce
 from mbs_ref.scene.scene import Scene
 
@@ -21,6 +21,7 @@ ALL_TRAITS = {
     "point-mass": "some body is a particle",
     "free-body": "some body has no chain of joints to ground",
     "breakpoints": "a declared signal has a jump or kink",
+    "rod-in-space": "a massless rod in space holds two points apart",
     "contact": "bodies touch and part: forces or speeds jump",
     "user-force": "a force law is the user's own function",
 }
@@ -55,6 +56,7 @@ def traits(scene: Scene) -> frozenset[str]:
         "point-mass": any(isinstance(b, PointMass) for b in scene.bodies),
         "free-body": free,
         "breakpoints": bool(scene.breakpoints()),
+        "rod-in-space": scene.dimension == 3 and any(isinstance(j, Distance) for j in scene.joints),
         "contact": bool(scene.contacts),
         "user-force": any(isinstance(load, UserForce) for load in scene.loads),
     }
