@@ -65,7 +65,7 @@ def climb(engine: Engine, method: Method, question: Asked) -> tuple[list[Finding
 
 
 def _refined(engine: Engine, method: Method, question: Asked, runs: list[Run]) -> Iterator[Run]:
-    """Yield runs with ever half the step until the error is less than the motion, which tells nothing of convergence."""
+    """Yield runs with ever half the step: an error as large as the motion tells nothing of convergence."""
     last = runs[-1]
     for _ in range(MORE):
         if method.kind != "fixed" or not question.is_smooth or not last.path.ok or last.error < LARGE:

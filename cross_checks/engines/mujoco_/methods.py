@@ -24,7 +24,8 @@ TIGHT = "_tight"
 STOCK = "_stock_contact"
 # How much is lost depends on which joints close the loops: A02 loses 1.4 J over this tree, 7.1 J over a serial one.
 SOFT = (
-    "loop closures and rods in space are springs of 0.02 s time constant whatever the step: the energy of a loop is lost at every step; "
+    "loop closures and rods in space are springs of 0.02 s time constant whatever the step: "
+    "the energy of a loop is lost at every step; "
     "friction raises the normal force of a contact that slides"
 )
 STEP_SOFT = "loop closures and rods in space are springs whose time constant is two steps"
