@@ -113,8 +113,8 @@ def search(
 
 def _begin(runs: Runs, tried: Tried) -> bool:
     """Find a first setting at which the method runs, in growing leaps from where it is refused or fails."""
-    knob, factor = first_knob(tried.scene, tried.method), _factor(tried)
     finest = TIGHTEST if tried.method.kind == "adaptive" else tried.scene.duration / MOST_STEPS
+    knob, factor = max(first_knob(tried.scene, tried.method), finest), _factor(tried)
     while knob >= finest:
         record = _try(runs, tried, knob)
         if record.status == "success":

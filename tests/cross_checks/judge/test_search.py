@@ -12,10 +12,10 @@ from cross_checks.engine import Method
 from cross_checks.judge.cell import truth_of
 from cross_checks.judge.ladder import TIGHTEST
 from cross_checks.judge.runs import Runs
-from cross_checks.judge.search import BACK, MOST_STEPS, WINDOW, search
+from cross_checks.judge.search import BACK, MOST_STEPS, WINDOW, first_knob, search
 from cross_checks.records.record import Record
 from cross_checks.records.store import Run
-from cross_checks.truth import Truth
+from cross_checks.truth import NoTruth, Truth
 from mbs_ref import scenes
 from mbs_ref.scene.scales import scales_of
 from mbs_ref.trajectory import Trajectory
@@ -165,3 +165,12 @@ def test_a_stiff_android_runs_with_the_steps_that_it_bears():
     method = engines.get("mbs_ref").method("rk4")
     _, (coarse, *_) = search(runs, scene, "mbs_ref", method, truth_of(runs, scene), (1e-3,))
     assert coarse.answer == "reached"
+
+
+def test_a_search_whose_first_step_would_cost_too_much_begins_at_the_bound():
+    scene = scenes.make("kepler", eccentricity=0.9)  # ten orbits: the pericentre asks for steps beyond the bound
+    method = engines.get("mbs_ref").method("rk4")
+    assert first_knob(scene, method) < scene.duration / MOST_STEPS
+    tried, reached = search(Runs(), scene, "mbs_ref", method, NoTruth("not asked"))
+    assert tried.knobs
+    assert {answer.answer for answer in reached} == {"unjudged"}
