@@ -49,7 +49,7 @@ def test_an_adaptive_method_follows_its_tolerance(name, method, truth):
     scene = scenes.make("double_pendulum")
     errors = [distance(run(name, method, scene, rtol=r, t_end=T_END, samples=2), truth) for r in (1e-5, 1e-7, 1e-9)]
     assert errors[0] > errors[1] > errors[2]
-    assert errors[2] < 20 * 1e-9  # a multistep code bounds the error of each step, not of the run
+    assert errors[2] < 1e-8
 
 
 @pytest.mark.parametrize(("name", "method"), LOOPS)
