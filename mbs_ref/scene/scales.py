@@ -25,11 +25,6 @@ class Scales:
         """Length over time, m/s."""
         return self.length / self.time
 
-    @property
-    def period(self) -> float:
-        """Of an oscillation with that time scale, s: within it an error in a rate moves the body by it."""
-        return 2.0 * math.pi * self.time
-
 
 def scales_of(scene: Scene) -> Scales:
     """Return a scene's length and time scale.

@@ -182,7 +182,7 @@ def _opening(system: System, scales: Scales, plan: Plan, run: Run) -> tuple[np.n
     grid = plan.options.step * np.arange(1, FEWEST + 1)
     times = np.union1d(run.times, grid[grid <= run.times[-1]])[: FEWEST + 1]  # outputs end steps, too
     options = plan.options._replace(
-        step=0.0, rtol=DEFAULT_TOLERANCE, atol=DEFAULT_TOLERANCE * plan.options.units, project=True,
+        step=0.0, rtol=DEFAULT_TOLERANCE, atol=DEFAULT_TOLERANCE * scales.length, project=True,
         max_steps=int(run.counts.rhs_calls),
     )  # fmt: skip
     fine = replace(plan, integrator=integrators()[DEFAULT], options=options, baumgarte_gain=0.0)

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 PACKAGE = "sundials4py"
 PROXIMAL = 1e-12  # s, of a multiplier over the heaviest mass, left in its own row
-MULTIPLIER_SHARE = 1e-4  # of the largest applied force at the start, or of what moves the heaviest body
+MULTIPLIER_SHARE = 1e-4  # of the largest applied force at the start
 HOPELESS_FAILURES, HOPELESS_SHARE = 500, 0.4  # error-test failures, in all and per step taken, that end a run
 STOPPED = {  # IDA's return values, in words
     -1: ("too much work between outputs", Status.TOO_MANY_STEPS),
@@ -61,7 +61,7 @@ class _Ida:
         self.memory = self.view.get()
         self._ok(idas.IDAInit(self.memory, self._residual, t0, self.yy, self.yp), "IDAInit")
         self.atol = core.N_VNew_Serial(size, self.context)
-        core.N_VGetArrayPointer(self.atol)[: len(y)] = options.atol
+        core.N_VGetArrayPointer(self.atol)[:] = options.atol
         core.N_VGetArrayPointer(self.atol)[len(y) :] = self._multiplier_tolerance(options, y, t0)
         self._ok(idas.IDASVtolerances(self.memory, options.rtol, self.atol), "IDASVtolerances")
         self._ok(idas.IDASetId(self.memory, self.ids), "IDASetId")
@@ -100,8 +100,7 @@ class _Ida:
         Held to the states' own tolerance, lambda's roundoff of eps / h stops every small step.
         """
         force = largest_balance(self.system.model, self.system.work, t0, y, self.lam, self.balance)
-        heaviest = self.heaviest * float(options.units[self.system.n_positions]) / options.time  # m L / T^2
-        return MULTIPLIER_SHARE * max(heaviest, force)
+        return max(options.atol, MULTIPLIER_SHARE * max(1.0, force))
 
     def _residual(self, t: float, yy: Any, yp: Any, rr: Any, _data: Any = None) -> int:
         point = self.core.N_VGetArrayPointer

@@ -88,12 +88,10 @@ def test_the_papers_methods_reach_a_micrometre_on_the_four_bar(method, rtol):
     assert np.abs(2.0 * run.position[-1, 0] - A02_B0_END).max() < 1e-6
 
 
-@pytest.mark.parametrize("rtol", [7e-10, 1e-9, 1.5e-9])
-def test_a_multistep_method_without_leaps_does_not_pass_singular_poses(rtol):
-    """It stops there, or leaves on another branch."""
-    settings = Settings(method="lsodar", rtol=rtol, t_end=10.0, stabilization="none", max_steps=20_000, estimate="off")
+def test_a_multistep_method_without_leaps_stops_at_a_singular_pose():
+    settings = Settings(method="lsodar", rtol=1e-9, t_end=10.0, stabilization="none", max_steps=20_000)
     run = simulate(scenes.make("n_four_bar", loops=2), settings)
-    assert not run.ok or np.abs(2.0 * run.position[-1, 0] - A02_B0_END).max() > 0.1
+    assert not run.ok
 
 
 def test_raw_index_3_fails_or_is_poor_and_says_so():

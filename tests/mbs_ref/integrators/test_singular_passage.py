@@ -81,5 +81,5 @@ def test_the_share_does_not_depend_on_the_unit_of_time():
 
 def test_a_method_that_needs_no_help_tells_of_its_settings_alone():
     run = turned(parallelograms(2), "dop853", 1e-7, 1.5)
-    assert run.used.keys() == {"rtol", "projection_tolerance", "samples"}
+    assert run.used.keys() == {"rtol", "atol", "projection_tolerance", "samples"}
     assert (run.used["rtol"], run.used["samples"]) == (1e-7, 101)

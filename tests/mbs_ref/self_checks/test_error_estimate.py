@@ -41,8 +41,8 @@ def of(path: Trajectory) -> Estimate:
     return path.estimate
 
 
-def assert_honest(path: Trajectory, true: float, uncertainty: float = 0.0) -> None:
-    assert true - uncertainty <= of(path).value <= 10.0 * (true + uncertainty), f"{path.estimate} of {true}"
+def assert_honest(path: Trajectory, true: float) -> None:
+    assert true <= of(path).value <= 10.0 * true, f"{path.estimate} of {true}"
 
 
 # --- the four runs that were far off, and called success without a word --------------------------------------
@@ -105,7 +105,7 @@ def test_a_near_collision_is_not_off_by_more_than_it_says(method, gap, rtol):
 def test_a_tolerance_is_not_taken_at_its_word(method, rtol):
     scene = scenes.make("slider_crank")
     path = simulate(scene, Settings(method=method, rtol=rtol, t_end=2.0))
-    assert_honest(path, error(scene, path), uncertainty=10.0 * TIGHT)
+    assert_honest(path, error(scene, path))
 
 
 @pytest.mark.parametrize(("method", "step"), [("euler", 1e-3), ("rk4", 2e-2), ("dop853", 0.1), ("radau", 0.02)])
@@ -205,7 +205,7 @@ def test_a_block_at_rest_has_digits_however_little_it_trembles(rtol):
     assert of(path).holds_until is None
 
 
-@pytest.mark.parametrize("settings", [Settings(rtol=1e-6), Settings(method="rk4", step=2e-3 * math.pi)])
+@pytest.mark.parametrize("settings", [Settings(rtol=1e-5), Settings(method="rk4", step=2e-3 * math.pi)])
 def test_outputs_once_a_period_do_not_hide_how_far_the_motion_goes(settings):
     """Five orbits, looked at where each begins: errors of 1e-4 m are none on orbits of 2 m."""
     path = simulate(orbit(eccentricity=0.2, orbits=5.0), settings, 2.0 * math.pi * np.arange(6.0))
