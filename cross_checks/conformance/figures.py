@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from cross_checks.conformance.questions import Asked
+from cross_checks.truth import Truth
 from mbs_ref.observables import constraint_residual, energy_balance, kinetic_energy
 from mbs_ref.scene import PlanarBody, Scene, SpatialBody
 from mbs_ref.scene.euler_parameters import rotation_matrices
@@ -35,18 +36,14 @@ def axes(scene: Scene, orientation: np.ndarray) -> np.ndarray:
     return np.stack([np.stack([c, -s], axis=-1), np.stack([s, c], axis=-1)], axis=-2)
 
 
-def position_error(question: Asked, path: Trajectory) -> float:
-    """Return the largest distance from the truth over the scene's size."""
-    return float(np.abs(path.position - question.truth.position).max()) / size(question)
-
-
-def orientation_error(question: Asked, path: Trajectory) -> float:
-    """Return the largest difference of rotation matrices' entries from the truth (about rad); 0 where nothing turns."""
+def apart(question: Asked, one: Trajectory, other: Trajectory | Truth) -> float:
+    """Return how far two motions are apart: places over the scene's size, entries of rotation matrices (about rad)."""
+    places = float(np.abs(one.position - other.position).max()) / size(question)
     bodies = turning(question.scene)
     if not bodies.any():
-        return 0.0
-    turned, right = (axes(question.scene, turns)[:, bodies] for turns in (path.orientation, question.truth.orientation))
-    return float(np.abs(turned - right).max())
+        return places
+    turned, beside = (axes(question.scene, motion.orientation)[:, bodies] for motion in (one, other))
+    return max(places, float(np.abs(turned - beside).max()))
 
 
 def slope_mismatch(scene: Scene, path: Trajectory) -> tuple[float, float]:

@@ -65,13 +65,20 @@ def climb(engine: Engine, method: Method, question: Asked) -> tuple[list[Finding
 
 
 def _refined(engine: Engine, method: Method, question: Asked, runs: list[Run]) -> Iterator[Run]:
-    """Yield runs with ever half the step: an error as large as the motion tells nothing of convergence."""
-    last = runs[-1]
-    for _ in range(MORE):
+    """Yield runs with ever half the step while they tell nothing of convergence.
+
+    That is while the error is as large as the motion, unless all refinements that are left could not take it away at
+    the last one's pace: then the runs have converged, to another answer.
+    """
+    *_, before, last = runs
+    for left in range(MORE, 0, -1):
         if method.kind != "fixed" or not question.is_smooth or not last.path.ok or last.error < LARGE:
             return
+        if math.isfinite(before.error) and left * figures.apart(question, before.path, last.path) < last.error:
+            return
         assert last.settings.step is not None
-        last = timed(engine, question, last.settings.model_copy(update={"step": last.settings.step / 2}))
+        finer = timed(engine, question, last.settings.model_copy(update={"step": last.settings.step / 2}))
+        before, last = last, finer
         yield last
 
 
@@ -83,8 +90,7 @@ def timed(engine: Engine, question: Asked, settings: Settings, times: np.ndarray
     wall, cpu = perf_counter() - wall, process_time() - cpu
     if not path.ok or len(path.times) != len(question.times):
         return Run(settings, path, wall, cpu)
-    error = max(figures.position_error(question, path), figures.orientation_error(question, path))
-    return Run(settings, path, wall, cpu, error)
+    return Run(settings, path, wall, cpu, figures.apart(question, path, question.truth))
 
 
 def _row(method: Method, question: Asked, good: list[Run]) -> Row:
