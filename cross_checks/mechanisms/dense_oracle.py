@@ -112,7 +112,7 @@ class Moment:
         turns = full[:, self.scene.dimension :]
         if self.scene.dimension == 2:
             return replace(self, position=position, orientation=self.orientation + turns[:, 0])
-        orientation = np.array([_turned(e, w, 1.0) for e, w in zip(self.orientation, turns, strict=True)])
+        orientation = _turned(self.orientation, turns, np.ones(1))[0]
         return replace(self, position=position, orientation=orientation)
 
     def span(self, rate: np.ndarray) -> float:
@@ -127,16 +127,18 @@ class Moment:
         if dimension == 2:
             orientation = self.orientation + steps[:, None] * course[:, :, 2]
             return Motion(self.scene, Trajectory(times, position, orientation, linear, angular[:, :, 0]))
-        orientation = np.array([[_turned(e, w, s) for e, w in self._turns(course[0])] for s in steps])
+        orientation = _turned(self.orientation, course[0, :, 3:], steps)
         return Motion(self.scene, Trajectory(times, position, orientation, linear, angular))
 
-    def _turns(self, course: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
-        return list(zip(self.orientation, course[:, 3:], strict=True))
+
+def _turned(theta: np.ndarray, omega: np.ndarray, steps: np.ndarray) -> np.ndarray:
+    """Return orientations (n_steps, n, 4) after turning from theta (n, 4) at omega (n, 3) for each of the steps."""
+    return np.stack([_turned_one(e, w, steps) for e, w in zip(theta, omega, strict=True)], axis=1)
 
 
-def _turned(theta: np.ndarray, omega: np.ndarray, step: float) -> np.ndarray:
-    speed = np.linalg.norm(omega)
-    return theta if speed * step == 0.0 else product(from_axis_angle(omega, np.asarray(speed * step)), theta)
+def _turned_one(theta: np.ndarray, omega: np.ndarray, steps: np.ndarray) -> np.ndarray:
+    angles = np.linalg.norm(omega) * steps
+    return product(from_axis_angle(omega, angles), theta) if angles.any() else np.broadcast_to(theta, (len(steps), 4))
 
 
 def _derivative(samples: np.ndarray, span: float) -> np.ndarray:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -20,6 +21,10 @@ class Motion:
 
     scene: Scene
     trajectory: Trajectory
+
+    @cached_property
+    def _known_axes(self) -> dict[int, tuple[np.ndarray, np.ndarray]]:
+        return {}
 
     @property
     def times(self) -> np.ndarray:
@@ -57,10 +62,17 @@ class Motion:
         return now, self.trajectory.angular_velocity[:, k, None] * (now @ PERP.T)
 
     def _turned(self, k: int, world: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        body: Any = self.scene.bodies[k]
-        body_axes = rotation_matrices(body.orientation).T @ world
-        now = rotation_matrices(self.trajectory.orientation[:, k]) @ body_axes
+        start, course = self._axes(k)
+        now = course @ (start.T @ world)
         return now, np.cross(self.trajectory.angular_velocity[:, k], now)
+
+    def _axes(self, k: int) -> tuple[np.ndarray, np.ndarray]:
+        """Return the body's axes at t = 0 (3, 3) and at each time (n_t, 3, 3)."""
+        if k not in self._known_axes:
+            body: Any = self.scene.bodies[k]
+            course = rotation_matrices(self.trajectory.orientation[:, k])
+            self._known_axes[k] = rotation_matrices(body.orientation), course
+        return self._known_axes[k]
 
     def turning(self, body: str) -> np.ndarray:
         """Return the angular velocity (n_t, 3), rad/s, in space; zero for ground and particles."""

@@ -40,12 +40,17 @@ def rotation_matrices(theta) -> np.ndarray:
     theta = floats(theta)
     e0, e1, e2, e3 = np.moveaxis(theta, -1, 0)
     s = 2.0 / np.sum(theta**2, axis=-1)
-    rows = (
-        (1.0 - s * (e2**2 + e3**2), s * (e1 * e2 - e0 * e3), s * (e1 * e3 + e0 * e2)),
-        (s * (e1 * e2 + e0 * e3), 1.0 - s * (e1**2 + e3**2), s * (e2 * e3 - e0 * e1)),
-        (s * (e1 * e3 - e0 * e2), s * (e2 * e3 + e0 * e1), 1.0 - s * (e1**2 + e2**2)),
-    )
-    return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
+    axes = np.empty((*theta.shape[:-1], 3, 3), dtype=s.dtype)
+    axes[..., 0, 0] = 1.0 - s * (e2**2 + e3**2)
+    axes[..., 0, 1] = s * (e1 * e2 - e0 * e3)
+    axes[..., 0, 2] = s * (e1 * e3 + e0 * e2)
+    axes[..., 1, 0] = s * (e1 * e2 + e0 * e3)
+    axes[..., 1, 1] = 1.0 - s * (e1**2 + e3**2)
+    axes[..., 1, 2] = s * (e2 * e3 - e0 * e1)
+    axes[..., 2, 0] = s * (e1 * e3 - e0 * e2)
+    axes[..., 2, 1] = s * (e2 * e3 + e0 * e1)
+    axes[..., 2, 2] = 1.0 - s * (e1**2 + e2**2)
+    return axes
 
 
 def from_matrix(matrix) -> np.ndarray:
