@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -22,7 +23,7 @@ class Rods:
     gravity: float  # m/s^2, downward
     angle: np.ndarray  # (n,) rad, at t = 0, at rest
 
-    @property
+    @cached_property
     def carried(self) -> np.ndarray:
         """Mass (kg) hanging on the far end of each rod, with half its own."""
         beyond = np.cumsum(self.mass[::-1])[::-1] - self.mass
