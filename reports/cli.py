@@ -8,8 +8,9 @@ import pkgutil
 import click
 
 from mbs_ref.scene.messages import suggest
-from reports import commands, exit_codes
-from reports.exit_codes import Incomplete
+from reports import commands
+from reports.terminal import exit_codes
+from reports.terminal.exit_codes import Incomplete
 
 
 class Commands(click.Group):

@@ -7,7 +7,7 @@ import numpy as np
 from cross_checks.records.record import Record
 from mbs_ref.scene import Scene
 from mbs_ref.trajectory import Trajectory
-from reports.text_plot import text_plot
+from reports.terminal.text_plot import text_plot
 
 AXES = "xyz"
 

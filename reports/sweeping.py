@@ -12,9 +12,9 @@ from cross_checks.records.lines import key_of
 from cross_checks.records.record import Record
 from mbs_ref.scene import Scene
 from reports import inputs
-from reports.asking import asked_runs
-from reports.console import finite_record, progress
-from reports.exit_codes import Failed, Incomplete
+from reports.terminal.asking import asked_runs
+from reports.terminal.console import finite_record, progress
+from reports.terminal.exit_codes import Failed, Incomplete
 
 
 def sweep_records(

@@ -36,8 +36,8 @@ ROOMS = {
         "record_changes", "suites",
     ),
     "reports": (
-        "asking console exit_codes film poses_file reproduce scene_summary text_plot", "inputs run_plot",
-        "sweeping", "studies", "facts", "page",
+        "film poses_file reproduce scene_summary terminal", "inputs run_plot",
+        "sweeping", "facts", "drawing", "studies", "gather", "page",
         "commands", "cli",
     ),
 }  # fmt: skip

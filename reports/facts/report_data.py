@@ -7,6 +7,7 @@ from collections import defaultdict
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import Any
 
 from cross_checks.extremes.cell import Cell as ExtremeCell
 from cross_checks.judge.ladder import label
@@ -14,11 +15,6 @@ from cross_checks.records.record import Record
 from mbs_ref.settings import Settings
 from reports.facts.truth_facts import TruthFacts
 from reports.reproduce import scene_label
-from reports.studies.androids.facts import AndroidFacts
-from reports.studies.contact.facts import ContactFacts
-from reports.studies.crashes.facts import CrashFacts
-from reports.studies.sky.facts import SkyFacts
-from reports.studies.space.facts import SpaceFacts
 
 OURS = "mbs_ref"  # shown apart from the ranking of engines
 
@@ -77,18 +73,18 @@ class ReportData:
     environment: dict[str, str] = field(default_factory=dict)
     quick: bool = False
     incomplete: str = ""  # why it holds less than asked; empty where it holds all
-    sky: SkyFacts | None = None  # digits against physics, races, formulations; None in a quick report
-    crashes: CrashFacts | None = None  # the androids; None in a quick report
-    androids: AndroidFacts | None = None  # under many methods and engines; None in a quick report
-    contact: ContactFacts | None = None  # the ball and the tracked vehicle; None in a quick report
     truths: tuple[TruthFacts, ...] = ()  # what the errors are measured from
     extremes: tuple[ExtremeCell, ...] = ()  # read from a file beside the page, or a few cells
-    space: SpaceFacts | None = None  # measured on spatial bodies; None in a quick report
+    studies: dict[str, Any] = field(default_factory=dict)  # facts by the study's name; none in a quick report
 
     @property
     def absence(self) -> str:
         """Return why a section that is not there is not."""
         return "The full report measures this; a quick one does not." if self.quick else f"Missing: {self.incomplete}."
+
+    def study[Facts](self, kind: type[Facts]) -> Facts | None:
+        """Return the facts of a kind; None where that study is not there."""
+        return next((facts for facts in self.studies.values() if isinstance(facts, kind)), None)
 
     @cached_property
     def scenes(self) -> list[str]:

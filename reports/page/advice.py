@@ -8,9 +8,9 @@ from dataclasses import dataclass
 from cross_checks.judge.search import MOST_STEPS, TARGETS
 from cross_checks.judge.verdict import WRONG
 from cross_checks.records.record import Record
+from reports.drawing.numbers import count, of_scene, short
 from reports.facts.cheapest import entries, loop_time, reaching
 from reports.facts.report_data import OURS, Cell, ReportData
-from reports.page.numbers import count, of_scene, short
 from reports.page.verdicts import SILENT
 
 MIDDLE = 1e-6  # the target that settings are recommended for

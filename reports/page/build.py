@@ -5,8 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 
 from cross_checks.records.store import Store, default_path
-from reports.facts.gather import Progress, gather
+from reports.gather import gather
 from reports.page.publish import publish, read_data
+from reports.studies.measuring import Progress
 
 EXTREMES = "extremes.jsonl"  # beside the page: what `mbs-ref extremes -o` kept
 

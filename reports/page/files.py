@@ -10,16 +10,16 @@ from typing import Any
 
 from cross_checks import metrics
 from cross_checks.records.record import Record
-from reports.console import json_text
+from reports.drawing.numbers import ABSENT, setting
 from reports.facts.report_data import ReportData
 from reports.facts.timing import is_busy
 from reports.page.advice import Advice, advice
 from reports.page.findings import findings
-from reports.page.numbers import ABSENT, setting
 from reports.page.sections.decisions import told
 from reports.page.sections.matrix import view
 from reports.page.sections.prices import price_table
 from reports.reproduce import command
+from reports.terminal.console import json_text
 
 TIMES = ("build_s", "first_call_s", "loop_s", "loop_median_s", "loop_most_s", "loop_runs")
 PRICES = ("within", "engine", "method", "setting", "error", "loop time", "over the cheapest")

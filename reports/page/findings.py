@@ -2,41 +2,31 @@
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 from cross_checks.records.record import Record
 from mbs_ref.trajectory import Status
+from reports.drawing.numbers import count, duration, joules, metres, of_scene, setting, short
+from reports.drawing.section import Finding
 from reports.facts.cheapest import Entry, entries, known_error, loop_time, usable
 from reports.facts.report_data import OURS, Cell, ReportData
-from reports.page.numbers import count, duration, joules, metres, of_scene, setting, short
-from reports.page.studies.sky import worst_planet
 from reports.page.verdicts import verdict
 from reports.reproduce import scene_label
+from reports.studies.study import every, section
 
 SILENT = (Status.NON_FINITE, Status.RESET)  # what engines do without saying so
 ORDER_SLACK = 0.5  # an observed order lower than documented by more than this is worth a sentence
 CLOSED_JOINTS = 1e-8  # m, compliance that looks perfect
 FAR_OFF = 1e-2  # of the scene, an error anyone would mind
 CONSERVED = 1e-6  # J, energy drift that looks perfect
-WORTH_TELLING = 0.3  # figures, a factor of two in distance
 MIDDLE = 1e-6  # over the scene's scales, at which costs are compared
 MOST = 8  # findings of one rule shown
 
 
-@dataclass(frozen=True)
-class Finding:
-    """One sentence with its title and tone (good | fair | bad | plain)."""
-
-    tone: str
-    title: str
-    text: str
-
-
 def findings(data: ReportData) -> list[Finding]:
     """Return every finding, the most alarming rule first."""
-    return [finding for rule in RULES for finding in list(rule(data))[:MOST]]
+    rules = (*RULES, *(section(name).findings for name in every()))
+    return [finding for rule in rules for finding in list(rule(data))[:MOST]]
 
 
 def wrong_limits(data: ReportData) -> Iterator[Finding]:
@@ -152,25 +142,6 @@ def _span(ratios: list[float]) -> str:
     return low if low == high else f"{low} to {high}"
 
 
-def digits(data: ReportData) -> Iterator[Finding]:
-    """Which physics buys which figures of the planets, and of the Moon."""
-    ladder = [] if data.sky is None else [r for r in data.sky.ladder if r.figures and r.parameters["model"] != "gr_sun"]
-    gains = []
-    for before, after in itertools.pairwise(ladder):
-        for name, figures in (("the worst planet", worst_planet), ("the Moon", _moon)):
-            old, new = figures(before), figures(after)
-            if old is not None and new is not None and new - old > WORTH_TELLING:
-                gains.append(f"{after.parameters['model']} takes {name} from {old:.1f} to {new:.1f}")
-    if gains:
-        first, last = worst_planet(ladder[0]), worst_planet(ladder[-1])
-        title = f"Physics buys digits: from {first:.1f} to {last:.1f} figures of every planet after 360 days"
-        yield Finding("plain", title, "; ".join(gains) + ".")
-
-
-def _moon(record: Record) -> float | None:
-    return record.figures.get("moon")
-
-
 def grouped(data: ReportData, words: set[str]) -> Iterator[tuple[str, str, list[Cell]]]:
     """Yield engine, methods in words, and cells: the methods of an engine that share verdict and scenes together."""
     met = [c for c in data.cells if c.verdict in words]
@@ -191,4 +162,4 @@ def _scenes(cells: list[Cell]) -> str:
     return ", ".join(dict.fromkeys(c.scene for c in cells))
 
 
-RULES = (wrong_limits, failing_beside_a_sibling, silent_failures, perfect_but_wrong, low_orders, fastest, digits)
+RULES = (wrong_limits, failing_beside_a_sibling, silent_failures, perfect_but_wrong, low_orders, fastest)

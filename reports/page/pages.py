@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import groupby
 
+from reports.drawing.section import Section
 from reports.facts.report_data import ReportData
-from reports.page.section import Section
 from reports.page.sections import (
     capabilities,
     compliance,
@@ -25,17 +27,9 @@ from reports.page.sections import (
     truths,
 )
 from reports.page.slug import engine_file, scene_file
-from reports.page.studies import androids, contact, crashes, sky, space, trust
+from reports.studies.study import every, section
 
 INDEX = "index.html"
-STUDIES = {
-    "extremes.html": ("Extremes", (extremes,)),
-    "sky.html": ("The sky", (sky,)),
-    "contact.html": ("Contact and the tracked vehicle", (contact,)),
-    "androids.html": ("The crash androids", (crashes, androids)),
-    "space.html": ("Euler parameters", (space,)),
-    "trust.html": ("Trust in the error estimates", (trust,)),
-}
 WRONG, ALL_SCENES, METHOD, CAN = "findings.html", "profiles.html", "method.html", "capabilities.html"
 
 
@@ -56,12 +50,19 @@ def pages(data: ReportData) -> list[Page]:
         Page(INDEX, "mbs-ref report", data, _of(decisions, overview), "index"),
         *(Page(scene_file(name), name, data.only(scene=name), SCENE, "scene") for name in data.scenes),
         *(Page(engine_file(name), name, data.only(engine=name), ENGINE, "engine") for name in data.engines),
-        *(Page(file, title, data, _of(*modules), "study") for file, (title, modules) in STUDIES.items()),
+        Page("extremes.html", "Extremes", data, _of(extremes), "study"),
+        *_studies(data),
         Page(WRONG, "What went wrong", data, _of(findings), "more"),
         Page(ALL_SCENES, "All scenes at once", data, _of(profiles), "more"),
         Page(CAN, "What each engine can model", data, _of(capabilities), "more"),
         Page(METHOD, "How it is judged and timed", data, _of(method, truths, environment), "more"),
     ]
+
+
+def _studies(data: ReportData) -> Iterator[Page]:
+    """Yield a page for each file that studies name."""
+    for (file, title), names in groupby(every(), lambda name: (every()[name].page, every()[name].title)):
+        yield Page(file, title, data, tuple(section(name) for name in names), "study")
 
 
 def _of(*modules) -> tuple[Section, ...]:

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
+from reports.drawing.plots.palette import styles
 from reports.facts.report_data import ReportData
-from reports.page.plots.palette import styles
 
 
 def per_scene(data: ReportData, plot: Callable[..., dict[str, Any] | None]) -> dict[str, dict[str, Any]]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 from mbs_ref.atomic_file import write_atomic
@@ -10,6 +11,7 @@ from reports.facts.report_data import ReportData
 from reports.page.files import csv_table, jsonl, markdown
 from reports.page.pages import INDEX
 from reports.page.render import render
+from reports.studies.study import every
 
 DATA = "report.json"
 
@@ -30,4 +32,11 @@ def publish(data: ReportData, out_dir: Path) -> Path:
 
 def read_data(out_dir: Path) -> ReportData:
     """Return the data that a report left. FileNotFoundError where there are none; ValueError where they do not fit."""
-    return adapter(ReportData).validate_json((out_dir / DATA).read_bytes())
+    return data_of((out_dir / DATA).read_bytes())
+
+
+def data_of(content: bytes) -> ReportData:
+    """Return report data from JSON, each study's facts as its own type; ValueError where they do not fit."""
+    data = adapter(ReportData).validate_json(content)
+    kinds = {name: adapter(study.facts) for name, study in every().items() if name in data.studies}
+    return replace(data, studies={name: kind.validate_python(data.studies[name]) for name, kind in kinds.items()})

@@ -11,13 +11,14 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 from plotly.offline import get_plotlyjs
 
+from reports import studies
+from reports.drawing.plots.palette import colours
+from reports.drawing.section import Section
 from reports.facts.report_data import ReportData
 from reports.page.pages import Page, pages
-from reports.page.plots.palette import colours
-from reports.page.section import Section
 
-PAGE = Path(__file__).parent
-TEMPLATES = PAGE / "templates"
+TEMPLATES = Path(__file__).parent / "templates"
+STUDIES = Path(studies.__file__).parent
 SHARED = ("style.css", "pick.js", "page.js")
 
 
@@ -35,7 +36,7 @@ class Images:
 
 @cache
 def _templates() -> Environment:
-    return Environment(loader=FileSystemLoader((TEMPLATES, PAGE)), autoescape=True, undefined=StrictUndefined)
+    return Environment(loader=FileSystemLoader((TEMPLATES, STUDIES)), autoescape=True, undefined=StrictUndefined)
 
 
 def render(data: ReportData) -> dict[str, bytes]:

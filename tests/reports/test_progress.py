@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from reports import console
-from reports.console import Lines
+from reports.terminal import console
+from reports.terminal.console import Lines
 
 
 @pytest.fixture

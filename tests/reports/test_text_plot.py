@@ -1,6 +1,6 @@
 import numpy as np
 
-from reports.text_plot import HEIGHT, WIDTH, text_plot
+from reports.terminal.text_plot import HEIGHT, WIDTH, text_plot
 
 
 def field(plot: str) -> list[str]:

@@ -13,8 +13,8 @@ import click
 from cross_checks import engines
 from mbs_ref.kernels.jit import cache_folder
 from reports import inputs
-from reports.console import echo_json, number, show, table
-from reports.exit_codes import Failed
+from reports.terminal.console import echo_json, number, show, table
+from reports.terminal.exit_codes import Failed
 
 PACKAGES = ("mbs-ref", "numpy", "scipy", "numba", "llvmlite", "pydantic")
 LARGEST_ERROR = 1e-6  # m, of a pendulum at rtol 1e-9 against its exact motion: two digits of room

@@ -10,7 +10,7 @@ import click
 
 from cross_checks.engines.capabilities import Capability, capabilities
 from mbs_ref.scene.traits import PART_TYPES
-from reports.console import echo_json, show, table
+from reports.terminal.console import echo_json, show, table
 
 LACKS = re.compile(r"not yet taught the part type '?(\w+)")
 

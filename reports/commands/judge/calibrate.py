@@ -10,8 +10,8 @@ import click
 
 from mbs_ref.atomic_file import write_atomic
 from reports import inputs
-from reports.console import echo_json, number, progress, show, table
-from reports.exit_codes import Failed, Incomplete, NothingSelected
+from reports.terminal.console import echo_json, number, progress, show, table
+from reports.terminal.exit_codes import Failed, Incomplete, NothingSelected
 
 MOST_BELOW = 0.01  # share of the judged runs whose error may be above the estimate
 MOST_ABOVE = 10.0  # median of estimate over error

@@ -8,9 +8,9 @@ from cross_checks.judge.cell import Cell, check
 from cross_checks.judge.verdict import REFUSED
 from mbs_ref import scenes
 from reports import inputs
-from reports.asking import STORE, asked_runs
-from reports.console import echo_json, number, progress, show, table
-from reports.exit_codes import Failed, Incomplete, NothingSelected
+from reports.terminal.asking import STORE, asked_runs
+from reports.terminal.console import echo_json, number, progress, show, table
+from reports.terminal.exit_codes import Failed, Incomplete, NothingSelected
 
 
 @click.command(name="check")

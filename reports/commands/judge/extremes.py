@@ -10,8 +10,8 @@ from cross_checks.extremes.cell import Cell
 from cross_checks.extremes.judge import Fate
 from cross_checks.records import lines as record_file
 from reports import inputs
-from reports.console import echo_json, number, progress, show, table
-from reports.exit_codes import Failed, Incomplete, NothingSelected
+from reports.terminal.console import echo_json, number, progress, show, table
+from reports.terminal.exit_codes import Failed, Incomplete, NothingSelected
 
 
 @click.command(name="extremes")

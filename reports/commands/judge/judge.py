@@ -13,10 +13,10 @@ from cross_checks.truth import Truth
 from mbs_ref.atomic_file import write_atomic
 from mbs_ref.scene import Scene
 from reports import inputs
-from reports.asking import STORE, asked_runs
-from reports.console import echo_json, number, show, table
-from reports.exit_codes import Failed, NothingSelected
-from reports.page.plots.figure import FLOOR, new_figure
+from reports.drawing.plots.figure import FLOOR, new_figure
+from reports.terminal.asking import STORE, asked_runs
+from reports.terminal.console import echo_json, number, show, table
+from reports.terminal.exit_codes import Failed, NothingSelected
 
 
 @click.command(name="judge")

@@ -10,9 +10,9 @@ import click
 from cross_checks.records.record import Record
 from cross_checks.records.store import Run
 from reports import inputs
-from reports.asking import STORE, asked_runs
-from reports.console import echo_json, number, progress, show, table
-from reports.exit_codes import Failed, Incomplete, NothingSelected
+from reports.terminal.asking import STORE, asked_runs
+from reports.terminal.console import echo_json, number, progress, show, table
+from reports.terminal.exit_codes import Failed, Incomplete, NothingSelected
 
 if TYPE_CHECKING:
     from benchmarks.cluster import Task

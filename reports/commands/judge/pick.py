@@ -20,11 +20,11 @@ from cross_checks.records import lines as record_file
 from cross_checks.records.record import Record
 from mbs_ref.scene import Scene
 from reports import inputs
-from reports.asking import STORE, asked_runs, isolated
-from reports.console import echo_json
-from reports.exit_codes import Failed, Incomplete, NothingSelected
 from reports.reproduce import command as reproduce
 from reports.sweeping import sweep_records
+from reports.terminal.asking import STORE, asked_runs, isolated
+from reports.terminal.console import echo_json
+from reports.terminal.exit_codes import Failed, Incomplete, NothingSelected
 
 PATIENCE = 600.0  # s for a run that is known to finish: loading compiled code on a busy machine may take minutes
 FILE = click.Path(exists=True, dir_okay=False, path_type=Path)

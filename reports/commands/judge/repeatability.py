@@ -10,8 +10,8 @@ import click
 
 from mbs_ref.atomic_file import write_atomic
 from reports import inputs
-from reports.console import echo_json, progress, show, table
-from reports.exit_codes import Failed, Incomplete, NothingSelected
+from reports.terminal.console import echo_json, progress, show, table
+from reports.terminal.exit_codes import Failed, Incomplete, NothingSelected
 
 SAME_MACHINE = ("at once", "another process", "another order")  # what our own solver must repeat to the last bit
 

@@ -9,10 +9,10 @@ import click
 from cross_checks.records.record import Record
 from mbs_ref.atomic_file import write_atomic
 from reports import inputs
-from reports.asking import STORE
-from reports.console import echo_json, number, show, table
-from reports.exit_codes import NothingSelected
 from reports.sweeping import sweep_records
+from reports.terminal.asking import STORE
+from reports.terminal.console import echo_json, number, show, table
+from reports.terminal.exit_codes import NothingSelected
 
 
 @click.command(name="sweep")

@@ -8,8 +8,8 @@ import click
 
 from mbs_ref.atomic_file import write_atomic
 from reports import inputs
-from reports.console import progress
-from reports.exit_codes import Failed
+from reports.terminal.console import progress
+from reports.terminal.exit_codes import Failed
 
 
 @click.command(name="animate")

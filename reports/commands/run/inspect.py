@@ -11,8 +11,8 @@ from mbs_ref.integrators import integrators
 from mbs_ref.scene.traits import traits
 from mbs_ref.self_checks.stiffness import Stiffness, stiffness_at_start
 from reports import inputs
-from reports.console import echo_json, number, show, table
 from reports.scene_summary import summary
+from reports.terminal.console import echo_json, number, show, table
 
 SHOWN = 6  # eigenvalues
 

@@ -10,8 +10,8 @@ import click
 from mbs_ref import scenes
 from mbs_ref.scene.toml import SceneFileError, write_scene
 from reports import inputs
-from reports.console import echo_json, show, table
-from reports.exit_codes import Failed
+from reports.terminal.console import echo_json, show, table
+from reports.terminal.exit_codes import Failed
 
 FOLDER = click.Path(file_okay=False, path_type=Path)
 

@@ -13,12 +13,12 @@ from cross_checks.records.store import Run, Store
 from mbs_ref.scene import Scene
 from mbs_ref.trajectory import Trajectory
 from reports import inputs
-from reports.asking import STORE, store_path
-from reports.console import awaited, echo_json, number, show, table
-from reports.exit_codes import EngineAbsent, Failed, Incomplete
 from reports.poses_file import FORMATS, write_poses
 from reports.run_plot import never_closed, run_plot
 from reports.scene_summary import summary
+from reports.terminal.asking import STORE, store_path
+from reports.terminal.console import awaited, echo_json, number, show, table
+from reports.terminal.exit_codes import EngineAbsent, Failed, Incomplete
 
 
 @click.command(name="simulate")

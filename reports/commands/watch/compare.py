@@ -12,8 +12,8 @@ import click
 
 from cross_checks.records import lines as record_file
 from cross_checks.records.record import Record
-from reports.console import echo_json, number, progress, show, table
-from reports.exit_codes import Failed, Incomplete, NothingSelected
+from reports.terminal.console import echo_json, number, progress, show, table
+from reports.terminal.exit_codes import Failed, Incomplete, NothingSelected
 
 
 @click.command(name="compare")

@@ -10,8 +10,8 @@ import click
 from benchmarks import history
 from benchmarks.history import Entry
 from reports import inputs
-from reports.console import echo_json, number, show, table
-from reports.exit_codes import NothingSelected
+from reports.terminal.console import echo_json, number, show, table
+from reports.terminal.exit_codes import NothingSelected
 
 FILE = click.Path(exists=True, dir_okay=False, path_type=Path)
 
@@ -32,7 +32,7 @@ def command(file: Path, text: str, as_json: bool, output: str | None) -> None:
         raise NothingSelected(f"no series in {file} holds {text!r}")
     changes = {name: history.change_points([e.value for e in entries]) for name, entries in found.items()}
     if target is not None:
-        from reports.page.plots.trend import write_trends
+        from reports.drawing.plots.trend import write_trends
 
         write_trends(found, changes, target)
     if as_json:

@@ -21,12 +21,12 @@ from benchmarks.trees.regression import Finding
 from cross_checks.records import lines as record_file
 from mbs_ref import scenes
 from reports.commands.watch.compare import tree
-from reports.console import progress
-from reports.exit_codes import Failed, Incomplete
+from reports.drawing.plots.trend import write_trends
 from reports.facts.environment import environment
-from reports.page.plots.trend import write_trends
 from reports.reproduce import scene_label
 from reports.sweeping import sweep_records
+from reports.terminal.console import progress
+from reports.terminal.exit_codes import Failed, Incomplete
 
 FILE = click.Path(dir_okay=False, path_type=Path)
 FOLDER = click.Path(file_okay=False, path_type=Path)

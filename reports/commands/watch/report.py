@@ -8,8 +8,8 @@ from pathlib import Path
 
 import click
 
-from reports.console import progress
-from reports.exit_codes import Incomplete, NothingSelected
+from reports.terminal.console import progress
+from reports.terminal.exit_codes import Incomplete, NothingSelected
 
 FOLDER = click.Path(file_okay=False, path_type=Path)
 

@@ -15,10 +15,10 @@ from cross_checks.judge.cell import judge_method, truth_of
 from cross_checks.judge.runs import Runs
 from cross_checks.records.store import Store
 from reports import inputs
-from reports.asking import isolated
-from reports.console import echo_json, number, show, table
-from reports.exit_codes import Failed
-from reports.facts.gather import STUDIES, measure_study
+from reports.studies.measuring import measure, measured
+from reports.terminal.asking import isolated
+from reports.terminal.console import echo_json, number, show, table
+from reports.terminal.exit_codes import Failed
 
 
 @click.command(name="rerun")
@@ -32,11 +32,11 @@ def command(cell: str, as_json: bool) -> None:
     STUDY measures a study: mbs-ref rerun space. Exit code 1 where the verdict accuses the method.
     """
     parts = cell.split("/")
-    if cell in STUDIES:
-        echo_json(asdict(measure_study(cell)))
+    if cell in measured():
+        echo_json(asdict(measure(cell)))
     elif len(parts) != 3:
         raise click.UsageError(f"cell {cell!r} must be SCENE[,NAME=VALUE...]/ENGINE/METHOD, EXTREME/ENGINE/METHOD or "
-                               f"one of {', '.join(STUDIES)}")  # fmt: skip
+                               f"one of {', '.join(measured())}")  # fmt: skip
     elif parts[0] in {extreme.name for extreme in every()}:
         _extreme(*parts)
     else:

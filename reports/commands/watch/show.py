@@ -11,8 +11,6 @@ from pathlib import Path
 import click
 
 from mbs_ref.scene.messages import suggest
-from reports.console import echo_json, show, table
-from reports.exit_codes import NothingSelected
 from reports.facts.cheapest import known_error, loop_time, usable
 from reports.facts.report_data import ReportData
 from reports.page.advice import advice
@@ -21,7 +19,9 @@ from reports.page.publish import read_data
 from reports.page.sections.decisions import told
 from reports.page.sections.matrix import refused, view
 from reports.page.sections.prices import cannot, price_table
-from reports.text_plot import text_plot
+from reports.terminal.console import echo_json, show, table
+from reports.terminal.exit_codes import NothingSelected
+from reports.terminal.text_plot import text_plot
 
 FOLDER = click.Path(file_okay=False, path_type=Path)
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
+from reports.drawing.section import Section
 from reports.facts.report_data import Capability, ReportData
-from reports.page.section import Section
 
 LEAD = "Asked of the adapters themselves: what each engine models, never will by its nature, or is not taught yet."
 WORDS = {"can": ("good", "can"), "some": ("fair", "some methods"), "not-yet": ("plain", "not yet"),

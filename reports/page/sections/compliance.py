@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import Any
 
+from reports.drawing.plots.compliance import compliance
+from reports.drawing.plots.error_history import error_history
+from reports.drawing.section import Section
 from reports.facts.report_data import ReportData
 from reports.page.per_scene import per_scene
-from reports.page.plots.compliance import compliance
-from reports.page.plots.error_history import error_history
-from reports.page.section import Section
 
 LEAD = (
     "How far the joints gape while the mechanism moves, measured by one code from every engine's poses; and beside it "

@@ -5,10 +5,10 @@ from __future__ import annotations
 from functools import partial
 from typing import Any
 
+from reports.drawing.plots.convergence import convergence
+from reports.drawing.section import Section
 from reports.facts.report_data import ReportData
 from reports.page.per_scene import per_scene
-from reports.page.plots.convergence import convergence
-from reports.page.section import Section
 
 LEAD = (
     "A method of order p gains a factor 2^p when its step is halved: its line runs parallel to that order's triangle. "

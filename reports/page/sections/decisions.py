@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections import Counter
 from typing import Any
 
+from reports.drawing.numbers import count
+from reports.drawing.section import Section
 from reports.facts.report_data import ReportData
 from reports.page.advice import advice
-from reports.page.numbers import count
-from reports.page.section import Section
 from reports.page.slug import engine_file
 from reports.page.verdicts import VERDICTS, verdict
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
+from reports.drawing.plots.energy import energy
+from reports.drawing.section import Section
 from reports.facts.report_data import ReportData
 from reports.page.per_scene import per_scene
-from reports.page.plots.energy import energy
-from reports.page.section import Section
 
 LEAD = "Energy that the integration created or lost, work of drives counted. Small drift alone does not prove accuracy."
 

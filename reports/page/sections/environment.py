@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
+from reports.drawing.section import Section
 from reports.facts.report_data import ReportData
-from reports.page.section import Section
 
 LEAD = "Times compare only within one machine and one report; versions are those of the installed packages."
 

@@ -10,10 +10,10 @@ from cross_checks.extremes import every
 from cross_checks.extremes.cell import Cell
 from cross_checks.extremes.extreme import Extreme
 from cross_checks.extremes.judge import Fate
+from reports.drawing.plots.fates import chart, tick
+from reports.drawing.plots.palette import colours
+from reports.drawing.section import Section
 from reports.facts.report_data import ReportData
-from reports.page.plots.fates import chart, tick
-from reports.page.plots.palette import colours
-from reports.page.section import Section
 
 LEAD = "Up to here you can trust an engine's method: scenes driven from mild to hopeless, and what became of each."
 TONES = {Fate.SURVIVED: "good", Fate.STOPPED: "plain", Fate.DEGRADED: "fair", Fate.SILENTLY_WRONG: "bad"}

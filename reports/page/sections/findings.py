@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
+from reports.drawing.section import Section
 from reports.facts.report_data import ReportData
 from reports.page.findings import findings
-from reports.page.section import Section
 
 LEAD = "What a reader should take away, worded from the data of this very report."
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
+from reports.drawing.numbers import ABSENT, metres, of_scene, short
+from reports.drawing.section import Section
 from reports.facts.report_data import Cell, ReportData
-from reports.page.numbers import ABSENT, metres, of_scene, short
-from reports.page.section import Section
 from reports.page.verdicts import verdict
 
 LEAD = (

@@ -6,11 +6,11 @@ from typing import Any
 
 from benchmarks.timing import BUSY
 from cross_checks.judge import search, verdict
+from reports.drawing.section import Section
 from reports.facts import timing
 from reports.facts.report_data import ReportData
 from reports.facts.timed_loop import INSIDE
 from reports.facts.timing import is_busy, is_timed
-from reports.page.section import Section
 
 LEAD = "The criteria of every verdict, as the judge's own source states them, and what a time holds."
 

@@ -5,14 +5,14 @@ from __future__ import annotations
 from typing import Any
 
 from cross_checks.judge.search import TARGETS
+from reports.drawing.numbers import duration, metres, setting, short
+from reports.drawing.plots.palette import styles
+from reports.drawing.plots.work_precision import work_precision
+from reports.drawing.section import Section
 from reports.facts.cheapest import Entry, entries, known_error, loop_time, usable
 from reports.facts.report_data import OURS, ReportData
 from reports.facts.timed_loop import INSIDE
 from reports.facts.timing import is_busy, is_timed
-from reports.page.numbers import duration, metres, setting, short
-from reports.page.plots.palette import styles
-from reports.page.plots.work_precision import work_precision
-from reports.page.section import Section
 from reports.reproduce import command, scene_label
 
 LEAD = (

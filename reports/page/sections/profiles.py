@@ -6,12 +6,12 @@ from dataclasses import replace
 from typing import Any
 
 from benchmarks.profiles import ERRORS, Profile, profiles
+from reports.drawing.numbers import ABSENT, short
+from reports.drawing.plots.palette import styles
+from reports.drawing.plots.profiles import profile_plot
+from reports.drawing.section import Section
 from reports.facts.report_data import OURS, ReportData
 from reports.facts.timing import is_timed
-from reports.page.numbers import ABSENT, short
-from reports.page.plots.palette import styles
-from reports.page.plots.profiles import profile_plot
-from reports.page.section import Section
 
 LEAD = (
     "Over all scenes at once, each engine at its cheapest setting: how often it is the cheapest (left edge), how often "

@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import Any
 
 from cross_checks.records.record import Record
+from reports.drawing.numbers import ABSENT, duration, joules, metres, of_scene, setting
+from reports.drawing.section import Section
 from reports.facts.report_data import ReportData
-from reports.page.numbers import ABSENT, duration, joules, metres, of_scene, setting
-from reports.page.section import Section
 from reports.reproduce import command
 
 LEAD = (

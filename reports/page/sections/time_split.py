@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
+from reports.drawing.plots.time_split import time_split
+from reports.drawing.section import Section
 from reports.facts.report_data import ReportData
-from reports.page.plots.time_split import time_split
-from reports.page.section import Section
 
 LEAD = (
     "Building the model, the first call and the loop apart, at each engine's cheapest setting within 1e-6 of the scene."

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
+from reports.drawing.numbers import ABSENT, metres, short
+from reports.drawing.section import Section
 from reports.facts.report_data import ReportData
 from reports.facts.truth_facts import TruthFacts
-from reports.page.numbers import ABSENT, metres, short
-from reports.page.section import Section
 
 LEAD = (
     "What the errors are measured from. A truth judges no error that is less than 30 times larger than its own "

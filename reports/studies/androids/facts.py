@@ -5,7 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from reports.studies.curves import Curves
+from reports.facts.curves import Curves
+from reports.studies.study import Study
 
 
 @dataclass(frozen=True)
@@ -87,3 +88,6 @@ class AndroidFacts:
     stable: tuple[Stable, ...]
     convergence: tuple[Convergence, ...]
     peers: tuple[Peer, ...]  # of other engines
+
+
+STUDY = Study("androids.html", "The crash androids", AndroidFacts, place=1)

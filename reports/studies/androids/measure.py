@@ -27,8 +27,8 @@ from mbs_ref.self_checks.stiffness import stiffness_at_start
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
 from mbs_ref.trajectory import Status, Trajectory
+from reports.facts.curves import Curves, curves, plain
 from reports.studies.androids.facts import AndroidFacts, Convergence, Peer, Run, Stable
-from reports.studies.curves import Curves, curves, plain
 
 SIMPLIFIED, VERTEBRAL = NAMES = ("android_simplified", "android_vertebral")
 IMPACTS = ("front", "rear")

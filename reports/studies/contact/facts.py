@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from reports.studies.curves import Curves, Film
+from reports.facts.curves import Curves, Film
+from reports.studies.study import Study
 
 
 @dataclass(frozen=True)
@@ -72,3 +73,6 @@ class ContactFacts:
     energy_end: float  # s, how long the energy is balanced
     exchanged: float  # J, by contacts, friction and drive
     drift: float  # J, largest of energy less work
+
+
+STUDY = Study("contact.html", "Contact and the tracked vehicle", ContactFacts)

@@ -13,8 +13,8 @@ from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
 from mbs_ref.trajectory import Trajectory
+from reports.facts.curves import Curves, curves, film
 from reports.studies.contact.facts import ContactFacts, EngineBounce, OrderLadder, Restitution, VehicleRun
-from reports.studies.curves import Curves, curves, film
 
 STEPS = (375, 750, 1500, 3000, 6000)  # over the ball's 0.4 s
 LAWS = {

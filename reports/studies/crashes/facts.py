@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from reports.studies.curves import Curves, Film
+from reports.facts.curves import Curves, Film
+from reports.studies.study import Study
 
 
 @dataclass(frozen=True)
@@ -50,3 +51,6 @@ class CrashFacts:
     """Both androids in both impacts."""
 
     crashes: tuple[Crash, ...]
+
+
+STUDY = Study("androids.html", "The crash androids", CrashFacts)

@@ -12,9 +12,9 @@ from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
 from mbs_ref.trajectory import Trajectory
+from reports.facts.curves import Curves, curves, film, plain
 from reports.studies.androids.measure import IMPACTS, NAMES
 from reports.studies.crashes.facts import Crash, CrashFacts, Whiplash
-from reports.studies.curves import Curves, curves, film, plain
 
 SHOWN = {"android_simplified": ("head", "thorax", "bottom", "thigh"), "android_vertebral": ("head", "C1", "C3", "C6")}
 COMPONENTS = ("x, N", "y, N", "torque, N m")

@@ -6,6 +6,7 @@ import statistics
 from dataclasses import dataclass
 
 from cross_checks.records.record import Record
+from reports.studies.study import Study
 
 
 @dataclass(frozen=True)
@@ -51,3 +52,6 @@ class SkyFacts:
     races: tuple[Race, ...]
     splitting: Splitting
     year: dict[str, tuple[tuple[float, float, float], ...]]  # body -> places over a year (n_t), m, equatorial axes
+
+
+STUDY = Study("sky.html", "The sky", SkyFacts, alone=True)

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from reports.studies.study import Study
+
 
 @dataclass(frozen=True)
 class NormDrift:
@@ -34,3 +36,6 @@ class SpaceFacts:
     long_steps: LongSteps
     cost_ratio: float  # loop time of rigid bodies over point masses on the same free fall, paired in one run
     states: tuple[int, int]  # numbers in the state of one: rigid, point mass
+
+
+STUDY = Study("space.html", "Euler parameters", SpaceFacts, alone=True)

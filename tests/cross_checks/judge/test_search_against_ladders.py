@@ -25,7 +25,7 @@ from cross_checks.truth import NoTruth, Truth
 from mbs_ref import scenes
 from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings
-from reports.facts.gather import SCENES
+from reports.gather import SCENES
 from reports.reproduce import scene_label
 
 FEWER = 0.55  # of the ladders' runs

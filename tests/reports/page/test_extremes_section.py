@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from cross_checks.extremes.extreme import Axis
-from reports.page.plots.fates import LEFT, WIDTH, place
+from reports.drawing.plots.fates import LEFT, WIDTH, place
 from reports.page.sections.extremes import context
 from tests.reports.page.synthetic_report import report_data
 

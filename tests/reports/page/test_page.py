@@ -10,11 +10,11 @@ from html.parser import HTMLParser
 
 import pytest
 
+from reports.drawing.numbers import duration, metres, setting, short
+from reports.drawing.plots.palette import COLOURS, colours
 from reports.facts.report_data import ReportData
 from reports.page.advice import advice
-from reports.page.numbers import duration, metres, setting, short
 from reports.page.pages import pages
-from reports.page.plots.palette import COLOURS, colours
 from reports.page.publish import DATA, publish, read_data
 from reports.page.sections.prices import price_table
 from reports.page.slug import scene_file

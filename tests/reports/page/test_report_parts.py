@@ -6,26 +6,28 @@ import os
 from math import sqrt
 
 from cross_checks.records.store import Store
-from reports.facts import gather
 from reports.facts.report_data import ReportData
 from reports.page.render import render
+from reports.studies import measuring
+from reports.studies.study import Study
 
-STUDIES = {"space": float, "sky": float, "contact": int}
+KINDS = {"space": float, "sky": float, "contact": int}
+STUDIES = {name: Study(f"{name}.html", name, kind) for name, kind in KINDS.items()}
 
 
 def test_a_study_that_raises_or_crashes_leaves_the_others(monkeypatch):
-    monkeypatch.setattr(gather, "STUDIES", STUDIES)
-    monkeypatch.setattr(gather, "measure_study", made_up)
+    monkeypatch.setattr(measuring, "measured", lambda: STUDIES)
+    monkeypatch.setattr(measuring, "measure", made_up)
     found: dict[str, object] = {}
     with Store() as store:
-        failed = gather.study(store, found, lambda done, total, what: None)
+        failed = measuring.measure_all(store, found, (), lambda done, total, what: None)
         assert found == {"contact": 7}
         assert sorted(told.partition(":")[0] for told in failed) == ["section sky", "section space"]
         assert any("its process was ended" in told for told in failed)
         found.clear()
-        monkeypatch.setattr(gather, "measure_study", os.abort)
-        monkeypatch.setattr(gather, "STUDIES", {"contact": int})
-        assert gather.study(store, found, lambda done, total, what: None) == []
+        monkeypatch.setattr(measuring, "measure", os.abort)
+        monkeypatch.setattr(measuring, "measured", lambda: {"contact": STUDIES["contact"]})
+        assert measuring.measure_all(store, found, (), lambda done, total, what: None) == []
         assert found == {"contact": 7}, "what was measured is kept"
 
 

@@ -7,14 +7,15 @@ from dataclasses import replace
 from mbs_ref import scenes
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
+from reports.facts.curves import Curves
 from reports.facts.kept import adapter
 from reports.facts.report_data import ReportData
+from reports.page.publish import data_of
 from reports.page.render import render
 from reports.studies.androids import measure as androids
 from reports.studies.androids.facts import AndroidFacts, Convergence
 from reports.studies.crashes.facts import CrashFacts
 from reports.studies.crashes.measure import crash
-from reports.studies.curves import Curves
 from tests.reports.page.synthetic_report import report_data
 
 
@@ -34,8 +35,8 @@ def facts() -> AndroidFacts:
 
 
 def test_runs_stable_steps_and_convergence_are_told_from_facts_that_json_keeps():
-    data = replace(report_data(), crashes=occupant(), androids=facts())
-    kept = adapter(ReportData).validate_json(adapter(ReportData).dump_json(data))
+    data = replace(report_data(), studies={"crashes": occupant(), "androids": facts()})
+    kept = data_of(adapter(ReportData).dump_json(data))
     assert kept == data
     files = render(kept)
     page = files["androids.html"].decode()

@@ -8,8 +8,7 @@ import pytest
 
 from cross_checks.records.record import Record
 from reports.facts.report_data import ReportData
-from reports.page.findings import digits
-from reports.page.studies import sky
+from reports.studies.sky import section as sky
 from reports.studies.sky.facts import Lap, Race, SkyFacts, Splitting
 
 BODIES = ("sun", "mercury", "earth", "moon", "jupiter")
@@ -37,7 +36,7 @@ def facts() -> SkyFacts:
 
 
 def test_the_section_says_every_figure(facts):
-    found = sky.context(ReportData((), (), sky=facts))
+    found = sky.context(ReportData((), (), studies={"sky": facts}))
     assert [worst for _, worst, _ in found["rows"]] == ["4.50", "5.40", "8.60", "8.70"]
     assert found["rows"][0][2][found["bodies"].index("moon")] == "not in it"
     assert [row[1] for row in found["formulations"]] == ["point masses", "rigid bodies, Euler parameters, turning"]
@@ -49,17 +48,17 @@ def test_the_section_says_every_figure(facts):
 
 
 def test_findings_tell_which_physics_buys_which_digits(facts):
-    (found,) = digits(ReportData((), (), sky=facts))
+    (found,) = sky.SECTION.findings(ReportData((), (), studies={"sky": facts}))
     assert "gr takes the worst planet from 5.4 to 8.6" in found.text
     assert "j2 takes the Moon from 4.2 to 5.7" in found.text
     assert "j2 takes the worst planet" not in found.text
-    assert not list(digits(ReportData((), ())))
+    assert not list(sky.SECTION.findings(ReportData((), ())))
 
 
 def test_without_rebound_the_section_still_stands(facts):
     bare = replace(facts, races=(), splitting=Splitting(None, None))
     from reports.page.render import render
 
-    page = render(ReportData((), (), sky=bare))["sky.html"].decode()
+    page = render(ReportData((), (), studies={"sky": bare}))["sky.html"].decode()
     assert "WHFast at one day" not in page
     assert "Figures against physics" in page

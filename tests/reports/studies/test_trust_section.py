@@ -5,7 +5,7 @@ from __future__ import annotations
 from reports.commands.judge.calibrate import MOST_ABOVE, MOST_BELOW
 from reports.commands.judge.repeatability import SAME_MACHINE
 from reports.facts.report_data import ReportData
-from reports.page.studies import trust
+from reports.studies.trust import section as trust
 
 
 def test_the_kept_calibration_is_honest():

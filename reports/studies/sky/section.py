@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from itertools import pairwise
 from typing import Any
 
 from cross_checks.records.record import Record
+from reports.drawing.numbers import duration, metres
+from reports.drawing.plots.orbits import inner_orbits, outer_orbits
+from reports.drawing.plots.sky_ladder import sky_ladder
+from reports.drawing.section import Finding, Section
 from reports.facts.report_data import ReportData
-from reports.page.numbers import duration, metres
-from reports.page.plots.orbits import inner_orbits, outer_orbits
-from reports.page.plots.sky_ladder import sky_ladder
-from reports.page.section import Section
 from reports.studies.sky.facts import Race, SkyFacts
 
 LEAD = (
@@ -22,11 +24,12 @@ NAMES = {
     "gr": "+ relativity (EIH)", "j2": "+ J2 of Sun and Earth", "asteroids": "+ 16 asteroids",
     "full": "+ Moon's figure and tide, Kuiper ring",
 }  # fmt: skip
+WORTH_TELLING = 0.3  # figures, a factor of two in distance
 EPHEMERIDES = {"de421": "DE421 (2008)", "de405": "DE405 (1997)", "astropy_builtin": "astropy's builtin series"}
 
 
 def context(data: ReportData) -> dict[str, Any]:
-    sky = data.sky
+    sky = data.study(SkyFacts)
     if sky is None:
         return {"sky": None}
     judged = [record for record in sky.ladder if record.figures]
@@ -90,4 +93,24 @@ def _distance(apart: float | None) -> str:
     return "one did not get there" if apart is None else metres(apart)
 
 
-SECTION = Section("sky", "The sky: which physics buys which digit", LEAD, context, template="studies/sky.html")
+def digits(data: ReportData) -> Iterator[Finding]:
+    """Which physics buys which figures of the planets, and of the Moon."""
+    sky = data.study(SkyFacts)
+    ladder = [] if sky is None else [r for r in sky.ladder if r.figures and r.parameters["model"] != "gr_sun"]
+    gains = []
+    for before, after in pairwise(ladder):
+        for name, figures in (("the worst planet", worst_planet), ("the Moon", _moon)):
+            old, new = figures(before), figures(after)
+            if old is not None and new is not None and new - old > WORTH_TELLING:
+                gains.append(f"{after.parameters['model']} takes {name} from {old:.1f} to {new:.1f}")
+    if gains:
+        first, last = worst_planet(ladder[0]), worst_planet(ladder[-1])
+        title = f"Physics buys digits: from {first:.1f} to {last:.1f} figures of every planet after 360 days"
+        yield Finding("plain", title, "; ".join(gains) + ".")
+
+
+def _moon(record: Record) -> float | None:
+    return record.figures.get("moon")
+
+
+SECTION = Section("sky", "The sky: which physics buys which digit", LEAD, context, digits)

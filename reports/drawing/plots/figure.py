@@ -8,7 +8,7 @@ from typing import Any
 
 import plotly.graph_objects as go
 
-from reports.page.plots.palette import Style
+from reports.drawing.plots.palette import Style
 
 FLOOR = 1e-17  # a quantity that is exactly zero is drawn here on a logarithmic axis
 

@@ -6,9 +6,9 @@ import html
 from typing import Any
 
 from cross_checks.records.record import Record
+from reports.drawing.numbers import duration, setting
+from reports.drawing.plots.figure import lines, new_figure, to_data
 from reports.facts.cheapest import best_of_engines, usable
-from reports.page.numbers import duration, setting
-from reports.page.plots.figure import lines, new_figure, to_data
 
 PHASES = {
     "build_s": ("build the model", "#9aa7b5"),

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
-from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +13,6 @@ from cross_checks.extremes import named
 from cross_checks.extremes.cell import Cell as ExtremeCell
 from cross_checks.extremes.cell import read as read_cells
 from cross_checks.extremes.run import matrix
-from cross_checks.isolation.parent import Caller
 from cross_checks.records.naming import code_of, digest_of
 from cross_checks.records.store import Store
 from mbs_ref import scenes
@@ -28,15 +26,8 @@ from reports.facts.kept import engine_versions, keep, recall, remembered
 from reports.facts.report_data import Capability, ReportData
 from reports.facts.timing import timed
 from reports.facts.truth_facts import TruthFacts, truth_facts
-from reports.facts.workers import each
 from reports.reproduce import scene_label
-from reports.studies.androids.facts import AndroidFacts
-from reports.studies.contact.facts import ContactFacts
-from reports.studies.crashes.facts import CrashFacts
-from reports.studies.sky.facts import SkyFacts
-from reports.studies.space.facts import SpaceFacts
-
-Progress = Callable[[int, int, str], None]  # done, total, what comes next
+from reports.studies.measuring import Progress, measure_all, measured
 
 SCENES: tuple[tuple[str, dict[str, Any]], ...] = (
     ("pendulum", {}),
@@ -59,11 +50,6 @@ SCENES: tuple[tuple[str, dict[str, Any]], ...] = (
 )
 QUICK = (("pendulum", {}), ("pendulum_chain", {"links": 3}), ("n_four_bar", {"loops": 1}))
 FEW_EXTREMES = ("stiff-spring-quiet", "crash-pulse", "overflow")
-STUDIES: dict[str, type] = {  # reports/studies/<name>/measure.py makes these facts
-    "contact": ContactFacts, "sky": SkyFacts, "space": SpaceFacts, "crashes": CrashFacts, "androids": AndroidFacts,
-}  # fmt: skip
-LONGEST = 1800.0  # s for one study, on a machine however busy
-RACING = ("sky", "space")  # time things, so that nothing else may run meanwhile
 
 
 def gather(
@@ -194,47 +180,9 @@ def _studied(store: Store, chosen: dict[str, Scene], data: ReportData, report: P
     """Add the studies; one that fails costs its own page only."""
     told: list[str] = []
     found: dict[str, Any] = {}
-    with _interruptible(told, lambda: f"{len(found)} of {len(STUDIES)} studies"):
-        failed = study(store, found, report)
-        told += failed
-    return replace(data, **found, incomplete="; ".join(told))
-
-
-def study(store: Store, found: dict[str, Any], report: Progress) -> list[str]:
-    """Add to `found` the facts of every study, kept or measured on all cores; return what failed and why."""
-    for name, kind in STUDIES.items():
-        held = recall(store, _study_key(name), kind)
-        if held is not None:
-            found[name] = held
-    failed, missing = [], [name for name in STUDIES if name not in found]
-    alone = [name for name in missing if name in RACING]
-    together = [name for name in missing if name not in RACING]
-    for name, facts in chain(each(together, _measured, timeout=LONGEST), each(alone, _measured, 1, LONGEST)):
-        if isinstance(facts, str):
-            failed.append(f"section {name}: {facts}")
-        else:
-            found[name] = keep(store, _study_key(name), STUDIES[name], facts)
-        report(len(found) + len(failed), len(STUDIES), f"study of {name}")
-    return failed
-
-
-def _measured(call: Caller, name: str) -> Any:
-    """Return a study's facts, or the sentence why there are none."""
-    try:
-        return call(measure_study, name)
-    except Exception as error:  # raised in a process of its own: whatever it is, it costs this study alone
-        return f"{type(error).__name__}: {error}"
-
-
-def measure_study(name: str) -> Any:
-    """Measure a study: for a process of its own."""
-    from importlib import import_module
-
-    return import_module(f"reports.studies.{name}.measure").measure()
-
-
-def _study_key(name: str) -> str:
-    return digest_of(["study", name, engine_versions(), _adapters(), code_of(f"reports.studies.{name}.measure")])
+    with _interruptible(told, lambda: f"{len(found)} of {len(measured())} studies"):
+        told += measure_all(store, found, (engine_versions(), _adapters()), report)
+    return replace(data, studies=found, incomplete="; ".join(told))
 
 
 def _silent(done: int, total: int, what: str) -> None:

@@ -7,8 +7,8 @@ from functools import cache
 from importlib.resources import files
 from typing import Any
 
+from reports.drawing.section import Section
 from reports.facts.report_data import ReportData
-from reports.page.section import Section
 
 LEAD = (
     "Every run of mbs_ref estimates its own error. Random runs, of random mechanisms and of every scene, with random "
@@ -28,4 +28,4 @@ def context(data: ReportData) -> dict[str, Any]:
     return {table: kept(table) for table in TABLES}
 
 
-SECTION = Section("trust", "Trust: estimates, symmetry, repeatability", LEAD, context, template="studies/trust.html")
+SECTION = Section("trust", "Trust: estimates, symmetry, repeatability", LEAD, context)

@@ -2,11 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Any
 
 from reports.facts.report_data import ReportData
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One sentence with its title and tone (good | fair | bad | plain)."""
+
+    tone: str
+    title: str
+    text: str
+
+
+def nothing(data: ReportData) -> Iterable[Finding]:
+    """Find nothing."""
+    return ()
 
 
 @dataclass(frozen=True)
@@ -17,4 +31,5 @@ class Section:
     title: str
     lead: str  # one sentence in plain words
     context: Callable[[ReportData], dict[str, Any]]
-    template: str = ""  # a study's own; else templates/<name>.html
+    findings: Callable[[ReportData], Iterable[Finding]] = nothing  # what the first screen should tell of it
+    template: str = ""  # where it is not <name>.html

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from reports.page.plots.figure import new_figure, to_data
-from reports.page.plots.palette import COLOURS, DASHES
+from reports.drawing.plots.figure import new_figure, to_data
+from reports.drawing.plots.palette import COLOURS, DASHES
 
 
 def sky_ladder(levels: list[str], figures: list[dict[str, float]]) -> dict[str, Any]:

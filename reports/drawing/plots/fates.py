@@ -9,7 +9,7 @@ from typing import Any
 
 from cross_checks.extremes.cell import Cell
 from cross_checks.extremes.extreme import Axis
-from reports.page.numbers import short
+from reports.drawing.numbers import short
 
 LEFT, WIDTH, ROW, TOP, RIGHT = 250, 560, 19, 8, 34  # px: names, axis, row height, margins
 

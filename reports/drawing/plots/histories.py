@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from reports.page.plots.figure import FLOOR, new_figure, to_data
-from reports.page.plots.palette import COLOURS, DASHES
-from reports.studies.curves import Curves
+from reports.drawing.plots.figure import FLOOR, new_figure, to_data
+from reports.drawing.plots.palette import COLOURS, DASHES
+from reports.facts.curves import Curves
 
 HEIGHT = 360  # pixels
 

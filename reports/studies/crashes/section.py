@@ -5,11 +5,11 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
+from reports.drawing.numbers import short
+from reports.drawing.plots.histories import histories
+from reports.drawing.section import Section
 from reports.facts.report_data import ReportData
-from reports.page.numbers import short
-from reports.page.plots.histories import histories
-from reports.page.section import Section
-from reports.studies.crashes.facts import Crash, Whiplash
+from reports.studies.crashes.facts import Crash, CrashFacts, Whiplash
 
 LEAD = (
     "Two planar crash occupants, 13 bodies, and 48 with every vertebra, at 50 km/h from the front and from the rear. "
@@ -20,7 +20,8 @@ ABSENT = "rigid thorax"
 
 
 def context(data: ReportData) -> dict[str, Any]:
-    runs = [] if data.crashes is None else list(data.crashes.crashes)
+    facts = data.study(CrashFacts)
+    runs = [] if facts is None else list(facts.crashes)
     return {
         "androids": [_shown(run) for run in runs],
         "columns": [run.label for run in runs],
@@ -110,4 +111,4 @@ def _measure(run: Crash, name: str) -> str:
     return ABSENT if value is None else f"{value:.4g}"
 
 
-SECTION = Section("androids", "The androids of the first paper", LEAD, context, template="studies/crashes.html")
+SECTION = Section("androids", "The androids of the first paper", LEAD, context)

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from typing import Any
 
+from reports.drawing.numbers import ABSENT, duration, setting, short
+from reports.drawing.plots.figure import FLOOR, new_figure, to_data
+from reports.drawing.plots.histories import HEIGHT, add_line, histories
+from reports.drawing.section import Section
+from reports.facts.curves import Curves
 from reports.facts.report_data import ReportData
-from reports.page.numbers import ABSENT, duration, setting, short
-from reports.page.plots.figure import FLOOR, new_figure, to_data
-from reports.page.plots.histories import HEIGHT, add_line, histories
-from reports.page.section import Section
 from reports.studies.androids.facts import AndroidFacts, Convergence, Peer, Run, Stable
-from reports.studies.curves import Curves
 
 LEAD = (
     "The paper's integrators and others on the same crash, judged by a truth made without the solver's code: "
@@ -23,7 +23,7 @@ VERTEBRAL = "android_vertebral"
 
 
 def context(data: ReportData) -> dict[str, Any]:
-    facts = data.androids
+    facts = data.study(AndroidFacts)
     if facts is None:
         return {"facts": None}
     names = list(dict.fromkeys(_label(run) for run in facts.runs))
@@ -123,6 +123,4 @@ def _peer(cell: Peer) -> list[str]:
     return [crash, method, cell.verdict, *figures, cell.reason]
 
 
-SECTION = Section(
-    "android_numerics", "The androids by method and engine", LEAD, context, template="studies/androids.html"
-)
+SECTION = Section("android_numerics", "The androids by method and engine", LEAD, context)

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 from benchmarks.profiles import Profile
-from reports.page.plots.figure import add_series, lines, new_figure, to_data
-from reports.page.plots.palette import Style
+from reports.drawing.plots.figure import add_series, lines, new_figure, to_data
+from reports.drawing.plots.palette import Style
 
 BEYOND = 2.0  # times the largest factor: where the axis ends
 MOST = 1e4  # times the best: nobody waits longer

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 from cross_checks.records.record import Record
-from reports.page.plots.history import history
-from reports.page.plots.palette import Style
+from reports.drawing.plots.history import history
+from reports.drawing.plots.palette import Style
 
 
 def error_history(records: list[Record], styles: dict[tuple[str, str], Style]) -> dict[str, Any] | None:

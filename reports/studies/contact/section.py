@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
+from reports.drawing.plots.figure import new_figure, to_data
+from reports.drawing.plots.histories import histories
+from reports.drawing.section import Section
 from reports.facts.report_data import ReportData
-from reports.page.plots.figure import new_figure, to_data
-from reports.page.plots.histories import histories
-from reports.page.section import Section
 from reports.studies.contact.facts import ContactFacts
 
 LEAD = (
@@ -17,7 +17,7 @@ LEAD = (
 
 
 def context(data: ReportData) -> dict[str, Any]:
-    facts = data.contact
+    facts = data.study(ContactFacts)
     if facts is None:
         return {"contact": None}
     return {
@@ -37,4 +37,4 @@ def _orders(facts: ContactFacts) -> dict[str, Any]:
     return to_data(figure)
 
 
-SECTION = Section("contact", "Contact", LEAD, context, template="studies/contact.html")
+SECTION = Section("contact", "Contact", LEAD, context)

@@ -5,10 +5,10 @@ from __future__ import annotations
 from typing import Any
 
 from cross_checks.records.record import Record
+from reports.drawing.numbers import setting
+from reports.drawing.plots.figure import add_series, lines, new_figure, to_data
+from reports.drawing.plots.palette import Style
 from reports.facts.cheapest import best_of_engines
-from reports.page.numbers import setting
-from reports.page.plots.figure import add_series, lines, new_figure, to_data
-from reports.page.plots.palette import Style
 
 
 def history(records: list[Record], styles: dict[tuple[str, str], Style], key: str, title: str) -> dict[str, Any] | None:

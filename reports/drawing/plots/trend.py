@@ -7,7 +7,7 @@ from pathlib import Path
 
 from benchmarks.history import Entry
 from mbs_ref.atomic_file import write_atomic
-from reports.page.plots.figure import new_figure
+from reports.drawing.plots.figure import new_figure
 
 TITLES = {"1": "ratio to the job's own baseline", "s": "time, s"}
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 from typing import Any
 
 from cross_checks.records.record import Record
+from reports.drawing.numbers import setting, short
+from reports.drawing.plots.figure import add_series, lines, new_figure, to_data
+from reports.drawing.plots.palette import Style
 from reports.facts.cheapest import known_error, usable
-from reports.page.numbers import setting, short
-from reports.page.plots.figure import add_series, lines, new_figure, to_data
-from reports.page.plots.palette import Style
 
 STRAIGHT = 0.1  # of the scene; lines bend above it, where a mechanism's own size limits the error
 AXES = {"step": "step h, s", "rtol": "relative tolerance asked"}

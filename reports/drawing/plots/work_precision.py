@@ -6,11 +6,11 @@ import math
 from typing import Any
 
 from cross_checks.records.record import Record
+from reports.drawing.numbers import duration, metres, setting, short
+from reports.drawing.plots.figure import FLOOR, add_series, lines, new_figure, to_data
+from reports.drawing.plots.palette import Style
 from reports.facts.cheapest import floor, loop_time, usable
 from reports.facts.timing import is_timed
-from reports.page.numbers import duration, metres, setting, short
-from reports.page.plots.figure import FLOOR, add_series, lines, new_figure, to_data
-from reports.page.plots.palette import Style
 
 FRONTIER = "frontier"  # the name of an engine's one line
 

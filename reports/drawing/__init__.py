@@ -1,0 +1,1 @@
+"""What the pages are drawn with: plots, numbers in words, sections."""

@@ -1,0 +1,46 @@
+"""What a study is, and which there are: found by listing this folder."""
+
+from __future__ import annotations
+
+import pkgutil
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cache
+from importlib import import_module
+from typing import Any
+
+from reports import studies
+from reports.drawing.section import Section
+
+
+@dataclass(frozen=True)
+class Study:
+    """A study, as STUDY of its facts.py declares it.
+
+    Beside it stand measure.py, whose `measure()` makes the facts, and section.py with SECTION and section.html, which
+    show them and compute nothing.
+    """
+
+    page: str  # its file; studies of one file share a page
+    title: str  # of the page
+    facts: type | None = None  # None where it shows tables that commands left in the tree
+    place: int = 0  # on a shared page; the lowest stands first
+    alone: bool = False  # it times things, so that nothing else may run meanwhile
+
+
+@cache
+def every() -> dict[str, Study]:
+    """Return every study by its folder's name."""
+    names = [module.name for module in pkgutil.iter_modules(studies.__path__) if module.ispkg]
+    found = {name: import_module(f"reports.studies.{name}.facts").STUDY for name in names}
+    return dict(sorted(found.items(), key=lambda item: (item[1].page, item[1].place)))
+
+
+def measurement(name: str) -> Callable[[], Any]:
+    """Return what makes a study's facts."""
+    return import_module(f"reports.studies.{name}.measure").measure
+
+
+def section(name: str) -> Section:
+    """Return what shows a study."""
+    return replace(import_module(f"reports.studies.{name}.section").SECTION, template=f"{name}/section.html")

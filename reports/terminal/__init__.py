@@ -1,0 +1,1 @@
+"""What a person at a terminal reads and answers: colours, progress, questions, exit codes, plots in characters."""
