@@ -6,7 +6,7 @@ from typing import Any
 
 from cross_checks.records.record import Record
 from reports.drawing.numbers import setting, short
-from reports.drawing.plots.figure import add_series, lines, new_figure, to_data
+from reports.drawing.plots.figure import Figure, add_series, lines, new_figure, to_data
 from reports.drawing.plots.palette import Style
 from reports.facts.cheapest import known_error, usable
 
@@ -39,7 +39,7 @@ def _error(record: Record) -> str:
     return f"{short(record.error.value)} of the scene"
 
 
-def _slope_triangle(figure, records: list[Record], order: int) -> None:
+def _slope_triangle(figure: Figure, records: list[Record], order: int) -> None:
     """Draw h^order over a factor of three in the step, just below the lowest line of methods of that order."""
     near = [r for r in records if known_error(r) < STRAIGHT]
     if not near:

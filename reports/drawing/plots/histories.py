@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from reports.drawing.plots.figure import FLOOR, new_figure, to_data
+from reports.drawing.plots.figure import FLOOR, Figure, new_figure, to_data
 from reports.drawing.plots.palette import COLOURS, DASHES
 from reports.facts.curves import Curves
 
@@ -20,7 +20,7 @@ def histories(curves: Curves) -> dict[str, Any]:
     return to_data(figure)
 
 
-def add_line(figure, k: int, name: str, x, y) -> None:
+def add_line(figure: Figure, k: int, name: str, x, y) -> None:
     """Add the k-th line of a plot."""
     style = {"color": COLOURS[k % len(COLOURS)], "dash": DASHES[k // len(COLOURS) % len(DASHES)], "width": 2}
     figure.add_scatter(x=list(x), y=list(y), mode="lines", name=name, line=style)

@@ -28,6 +28,6 @@ def profile_plot(profiles: list[Profile], styles: dict[tuple[str, str], Style]) 
                 zip(x, y, strict=True)]  # fmt: skip
         add_series(figure, engine, method, styles[profile.solver], x, y, mode="lines", text=text,
                    hovertemplate="%{text}<extra></extra>")  # fmt: skip
-    figure.update_traces(line_shape="hv")
+        figure.data[-1]["line"] |= {"shape": "hv"}
     figure.update_yaxes(range=[0.0, 1.05], tickformat=".0%")
     return to_data(figure)

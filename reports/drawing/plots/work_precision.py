@@ -7,7 +7,7 @@ from typing import Any
 
 from cross_checks.records.record import Record
 from reports.drawing.numbers import duration, metres, setting, short
-from reports.drawing.plots.figure import FLOOR, add_series, lines, new_figure, to_data
+from reports.drawing.plots.figure import FLOOR, Figure, add_series, lines, new_figure, to_data
 from reports.drawing.plots.palette import Style
 from reports.facts.cheapest import floor, loop_time, usable
 from reports.facts.timing import is_timed
@@ -24,12 +24,14 @@ def work_precision(records: list[Record], styles: dict[tuple[str, str], Style]) 
             style = next(style for (name, _), style in styles.items() if name == engine)
             symbols = [styles[engine, r.method].symbol for r in own]
             _add(figure, engine, FRONTIER, style, own)
-            figure.data[-1].update(marker={"symbol": symbols, "size": 9}, line={"dash": "solid", "width": 2.5})
+            figure.data[-1]["marker"] |= {"symbol": symbols, "size": 9}
+            figure.data[-1]["line"] |= {"dash": "solid", "width": 2.5}
     for (engine, method), style in styles.items():
         own = sorted((r for r in records if (r.engine, r.method) == (engine, method) and usable(r)), key=loop_time)
         if own:
             _add(figure, engine, method, style, own, visible="legendonly")
-            figure.data[-1].update(meta={"engine": engine, "detail": True}, line={"width": 1.2})
+            figure.data[-1]["meta"] |= {"detail": True}
+            figure.data[-1]["line"] |= {"width": 1.2}
     _truth_band(figure, records)
     return to_data(figure)
 
@@ -44,7 +46,7 @@ def frontier(records: list[Record]) -> list[Record]:
     return found
 
 
-def _add(figure, engine: str, method: str, style: Style, records: list[Record], **more: Any) -> None:
+def _add(figure: Figure, engine: str, method: str, style: Style, records: list[Record], **more: Any) -> None:
     x = [loop_time(r) * 1e3 for r in records]
     y = [r.error.value for r in records if r.error]
     text = [_hover(r) for r in records]
@@ -63,16 +65,19 @@ def _hover(record: Record) -> str:
     )
 
 
-def _truth_band(figure, records: list[Record]) -> None:
+def _truth_band(figure: Figure, records: list[Record]) -> None:
     """Shade the errors that the truth cannot judge, and frame the axis to show it."""
     known = floor(records)
     drawn = [max(r.error.value, FLOOR) for r in records if usable(r) and r.error]
     if known <= 0.0 or not drawn:
         return
     low, high = min(known / 10.0, min(drawn) / 3.0), max(drawn) * 3.0
-    figure.add_shape(type="rect", xref="paper", x0=0, x1=1, y0=low * 1e-3, y1=known,
-                     fillcolor="rgba(128,128,128,0.18)", line_width=0, layer="below")  # fmt: skip
-    figure.add_annotation(text=f"the truth judges no error below {short(known)}", xref="paper", x=0.01,
-                          y=math.log10(known), yanchor="top", xanchor="left", showarrow=False,
-                          font={"size": 12})  # fmt: skip
+    grey = {"fillcolor": "rgba(128,128,128,0.18)", "line": {"width": 0}, "layer": "below"}
+    figure.layout["shapes"] = [
+        {"type": "rect", "xref": "paper", "x0": 0, "x1": 1, "y0": low * 1e-3, "y1": known, **grey}
+    ]
+    figure.layout["annotations"] = [
+        {"text": f"the truth judges no error below {short(known)}", "xref": "paper", "x": 0.01, "y": math.log10(known),
+         "yanchor": "top", "xanchor": "left", "showarrow": False, "font": {"size": 12}}
+    ]  # fmt: skip
     figure.update_yaxes(range=[math.log10(low), math.log10(high)])

@@ -83,8 +83,7 @@ def _row(run: Run) -> list[str]:
 
 def _compliance(runs: list[Run]) -> dict[str, Any]:
     """Draw |C| over time, a line for each method and setting."""
-    figure = new_figure("t, s", "largest |C| since the last sample, m", x_log=False)
-    figure.update_layout(height=HEIGHT + 60)
+    figure = new_figure("t, s", "largest |C| since the last sample, m", x_log=False, height=HEIGHT + 60)
     for k, run in enumerate(runs):
         if run.curve is not None:
             add_line(figure, k, _name(run), run.curve.x, [max(gap, FLOOR) for gap in run.curve.lines["|C|"]])
@@ -92,8 +91,7 @@ def _compliance(runs: list[Run]) -> dict[str, Any]:
 
 
 def _stable(found: Stable) -> dict[str, Any]:
-    figure = new_figure("real part, 1/s", "imaginary part, 1/s", x_log=False, y_log=False)
-    figure.update_layout(height=HEIGHT)
+    figure = new_figure("real part, 1/s", "imaginary part, 1/s", x_log=False, y_log=False, height=HEIGHT)
     figure.add_scatter(x=list(found.real), y=list(found.imaginary), mode="markers", name="eigenvalues")
     limits = ", ".join(f"{name} {short(limit)} s" for name, limit in found.limits.items())
     told = ", ".join(f"{name} = {short(value)} s" for name, value in found.rules.items())
