@@ -7,12 +7,14 @@ from dataclasses import replace
 from mbs_ref import scenes
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
+from reports.drawing.numbers import short
 from reports.facts.curves import Curves
 from reports.facts.kept import adapter
 from reports.facts.report_data import ReportData
 from reports.page.publish import data_of
 from reports.page.render import render
 from reports.studies.androids import measure as androids
+from reports.studies.androids import section
 from reports.studies.androids.facts import AndroidFacts, Convergence
 from reports.studies.crashes.facts import CrashFacts
 from reports.studies.crashes.measure import crash
@@ -45,3 +47,15 @@ def test_runs_stable_steps_and_convergence_are_told_from_facts_that_json_keeps()
     assert "energy less works" in page
     assert "kept to the end" in page
     assert files["android_simplified-rear.gif"].startswith(b"GIF")
+
+
+def test_the_papers_front_crash_is_told_with_its_own_figures():
+    """Runs of the rear crash come later in the facts and must not take its place."""
+    found = facts()
+    front = replace(found.runs[0], compliance=1.25e-12)
+    euler = replace(front, method="euler", compliance=4.5e-4)
+    rear = [replace(run, impact="rear", compliance=9.9) for run in (front, euler)]
+    said = section.context(replace(report_data(), studies={"androids": replace(found, runs=(front, euler, *rear))}))["claim"]
+    assert f"{short(front.compliance)} m" in said
+    assert f"{short(euler.compliance)} m" in said
+    assert "9.9" not in said

@@ -1,0 +1,166 @@
+"""A small planar tracked vehicle: the papers' third system, with a track of any length."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import Annotated, Literal
+
+import numpy as np
+from pydantic import Field
+
+from mbs_ref.scene import PlanarBody, Revolute, Scene, Torque
+from mbs_ref.scene.base.part import NonNegative, Positive
+from mbs_ref.scene.contact import CircleOnLine, Contact, PinOnSprocket
+from mbs_ref.scene.signals import Table
+from mbs_ref.scenes.tracked_vehicle.numbers import (
+    AXLE_HEIGHT,
+    DATA,
+    HEIGHT,
+    PITCH,
+    PITCH_RADIUS,
+    TEETH,
+    contact_law,
+    friction,
+)
+from mbs_ref.scenes.tracked_vehicle.running_gear import Wheel, gear_bodies, gear_joints, torsion_bars, wheels_of
+from mbs_ref.scenes.tracked_vehicle.terrain import foot
+
+FEET = (-0.25, 0.25)  # of the pitch: where a link's two round feet are
+SLIDING = "Without friction at idler and rollers nothing turns them: the track slides under them."
+
+
+def build(
+    *,
+    links: Annotated[int, Field(ge=20, le=2000, multiple_of=2)] = 30,
+    rollers: Annotated[int, Field(ge=0, le=100)] = 3,
+    upper_rollers: Annotated[int, Field(ge=0, le=100)] = 0,
+    law: Literal["progressive", "spring_damper"] = "progressive",
+    torque: NonNegative = 2000.0,
+    ramp: Positive = 0.5,
+    gravity: Positive = 9.81,
+    wheel_friction: NonNegative = 0.0,
+    suspension: bool = False,
+    ground: Literal["flat", "bump", "slope", "step"] = "flat",
+    height: Annotated[float, Field(gt=0.0, le=0.3)] = 0.02,
+) -> Scene:
+    """Drive a tracked vehicle by a torque ramp on its sprocket; a torque of 0 leaves it at rest.
+
+    links (even; 30 is the small vehicle, 42 with 7 rollers and 1 upper roller has the 54 bodies of the
+    papers' kind), rollers below and above, contact law, torque (N m) between chassis and sprocket reached
+    at the end of ramp (s), gravity (m/s^2). wheel_friction, Coulomb's coefficient of idler and rollers on the links:
+    with 0, the papers' bare model, nothing turns them. suspension: rollers on trailing arms with torsion bars. ground:
+    flat, or half a metre ahead of the track a bump, a slope or a step of `height` (m; a slope's over 1 m of way;
+    a step no higher than half a link).
+    """
+    if ground == "step" and height > 0.5 * HEIGHT:
+        raise ValueError(f"height = {height} m of a step must not exceed half a link, {0.5 * HEIGHT} m")
+    track = _pins(links)
+    base = (links - TEETH) // 2 * PITCH
+    wheels = wheels_of(base, rollers, upper_rollers, suspension)
+    hull = _chassis(base)
+    front = base + PITCH_RADIUS
+    return Scene(
+        name="tracked_vehicle",
+        description=_description(links, rollers + upper_rollers, wheel_friction, suspension, ground, height),
+        source="Fox 2001, tracked off-highway vehicle; numbers and their origin in scenes/data/tracked_vehicle.json",
+        duration=2.0,
+        gravity=(0.0, -gravity),
+        bodies=(hull, *gear_bodies(wheels), *_links(track)),
+        joints=(*gear_joints(wheels), *_chain(track)),
+        loads=(*_drive(torque, ramp), *torsion_bars(wheels, hull.mass * gravity)),
+        contacts=(
+            *(part for k in range(links) for part in _link_contacts(k, track, wheels, law, wheel_friction)),
+            *_ground_contacts(track, law, ground, height, front),
+        ),
+    )
+
+
+def _description(links: int, rollers: int, rub: float, suspension: bool, ground: str, height: float) -> str:
+    arms = ", on trailing arms with torsion bars," if suspension else ""
+    where = "flat ground" if ground == "flat" else f"ground with a {ground} of {height:g} m"
+    told = f"Chassis, sprocket, idler, {rollers} rollers{arms} and {links} links on {where}."
+    return told if rub else f"{told} {SLIDING}"
+
+
+def _pins(links: int) -> np.ndarray:
+    """Return the pins (links, 2) counterclockwise from the top of the sprocket: the inside is on the left."""
+    straight = (links - TEETH) // 2
+    base = straight * PITCH
+    half = TEETH // 2
+    around = 0.5 * math.pi + 2.0 * math.pi / TEETH * np.arange(half + 1)
+    left = PITCH_RADIUS * np.column_stack((np.cos(around), np.sin(around)))
+    inner = PITCH * np.arange(1, straight)
+    below = np.column_stack((inner, np.full(straight - 1, -PITCH_RADIUS)))
+    above = np.column_stack((base - inner, np.full(straight - 1, PITCH_RADIUS)))
+    pins = np.vstack((left, below, (base, 0.0) - left, above))
+    return pins + np.array([0.0, AXLE_HEIGHT])
+
+
+def _chassis(base: float) -> PlanarBody:
+    data = DATA["chassis"]
+    place = (0.5 * base, AXLE_HEIGHT + data["axle_below_centre"])
+    return PlanarBody(name="chassis", mass=data["mass"], inertia=data["inertia"], position=place)
+
+
+def _links(pins: np.ndarray) -> list[PlanarBody]:
+    ahead = np.roll(pins, -1, axis=0)
+    along = ahead - pins
+    return [
+        PlanarBody(
+            name=f"link{k}", mass=DATA["link"]["mass"], inertia=DATA["link"]["inertia"],
+            position=tuple(0.5 * (a + b)), angle=math.atan2(d[1], d[0]),
+        )
+        for k, (a, b, d) in enumerate(zip(pins, ahead, along, strict=True))
+    ]  # fmt: skip
+
+
+def _chain(pins: np.ndarray) -> list[Revolute]:
+    """Pin k joins link k - 1 to link k; the last one closes the track."""
+    n = len(pins)
+    return [
+        Revolute(name=f"pin{k % n}", body_a=f"link{k - 1}", body_b=f"link{k % n}", point=tuple(pins[k % n]))
+        for k in range(1, n + 1)
+    ]
+
+
+def _drive(torque: float, ramp: float) -> tuple[Torque, ...]:
+    """Clockwise on the sprocket: the vehicle drives along +x."""
+    if torque == 0.0:
+        return ()
+    signal = Table(times=(0.0, ramp), values=(0.0, 1.0))
+    return (
+        Torque(name="drive", body="sprocket", torque=-torque, factor=signal),
+        Torque(name="drive.reaction", body="chassis", torque=torque, factor=signal),
+    )
+
+
+def _link_contacts(k: int, pins: np.ndarray, wheels: list[Wheel], law: str, rub: float) -> Iterator[Contact]:
+    """Yield what wheels and sprocket touch of link k."""
+    a, b = pins[k], pins[(k + 1) % len(pins)]
+    along = (b - a) / PITCH
+    inner = 0.5 * HEIGHT * np.array([-along[1], along[0]])
+    for wheel in wheels[1:]:
+        yield CircleOnLine(
+            name=f"{wheel.name}.link{k}", body_a=wheel.name, center=wheel.center, radius=wheel.radius,
+            body_b=f"link{k}", point_1=tuple(a + inner), point_2=tuple(b + inner), extent="segment",
+            thickness=0.5 * HEIGHT, law=contact_law("link_wheel", law), friction=friction(rub),
+        )  # fmt: skip
+    yield _tooth(k, a, wheels[0].center, law)
+
+
+def _ground_contacts(pins: np.ndarray, law: str, ground, height: float, front: float) -> Iterator[Contact]:
+    for k, (a, b) in enumerate(zip(pins, np.roll(pins, -1, axis=0), strict=True)):
+        for side in (0, 1):
+            center = tuple(0.5 * (a + b) + FEET[side] * (b - a))
+            yield from foot(f"foot{k}.{side}", f"link{k}", center, law, ground, height, front)
+
+
+def _tooth(k: int, pin: np.ndarray, axle: tuple[float, float], law: str) -> PinOnSprocket:
+    seat = DATA["pin_seat"]
+    return PinOnSprocket(
+        name=f"tooth.pin{k}", body_a=f"link{k}", center=tuple(pin), body_b="sprocket", axle=axle, teeth=TEETH,
+        pitch_radius=PITCH_RADIUS, addendum_radius=DATA["sprocket"]["addendum_radius"], first_seat=0.5 * math.pi,
+        clearance=seat["clearance"], flank_angle=math.radians(seat["flank_angle_deg"]),
+        law=contact_law("sprocket_pin", law),
+    )  # fmt: skip

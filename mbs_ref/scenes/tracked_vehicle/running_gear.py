@@ -1,0 +1,102 @@
+"""What turns on the hull: sprocket, idler and rollers, on axles of the hull or on sprung trailing arms."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from mbs_ref.scene import Joint, Load, PlanarBody, Revolute, TorsionSpring
+from mbs_ref.scenes.tracked_vehicle.numbers import (
+    APOTHEM,
+    AXLE_HEIGHT,
+    DATA,
+    HEIGHT,
+    PITCH_RADIUS,
+    ROLLER_RADIUS,
+)
+
+Point = tuple[float, float]
+BAR = DATA["suspension"]
+
+
+@dataclass(frozen=True)
+class Wheel:
+    """A wheel in the plane at t = 0."""
+
+    name: str
+    kind: str  # of the data: sprocket, idler, roller
+    center: Point  # m
+    radius: float  # m; of the sprocket the pitch radius
+    is_sprung: bool = False
+
+    @property
+    def carrier(self) -> str:
+        """The body that its axle is on."""
+        return f"{self.name}.arm" if self.is_sprung else "chassis"
+
+    @property
+    def pivot(self) -> Point:
+        """Where its arm hangs on the hull: ahead and above."""
+        slope = math.radians(BAR["arm_slope_deg"])
+        (x, y), length = self.center, BAR["arm_length"]
+        return x + length * math.cos(slope), y + length * math.sin(slope)
+
+
+def wheels_of(base: float, rollers: int, upper: int, suspension: bool) -> list[Wheel]:
+    """Return everything that turns, for a wheel base (m)."""
+    top, small = AXLE_HEIGHT + PITCH_RADIUS - 0.5 * HEIGHT, 0.5 * ROLLER_RADIUS
+    ends = [
+        Wheel("sprocket", "sprocket", (0.0, AXLE_HEIGHT), PITCH_RADIUS),
+        Wheel("idler", "idler", (base, AXLE_HEIGHT), APOTHEM - 0.5 * HEIGHT),
+    ]
+    below = [
+        Wheel(f"roller{k + 1}", "roller", (x, HEIGHT + ROLLER_RADIUS), ROLLER_RADIUS, suspension)
+        for k, x in enumerate(_spread(base, rollers))
+    ]
+    above = [Wheel(f"upper{k + 1}", "roller", (x, top - small), small) for k, x in enumerate(_spread(base, upper))]
+    return [*ends, *below, *above]
+
+
+def _spread(base: float, count: int) -> list[float]:
+    return [float(x) for x in base * np.arange(1, count + 1) / (count + 1)]
+
+
+def gear_bodies(wheels: list[Wheel]) -> list[PlanarBody]:
+    """Return wheels and arms."""
+    turning = [
+        PlanarBody(name=w.name, mass=DATA[w.kind]["mass"], inertia=DATA[w.kind]["inertia"], position=w.center)
+        for w in wheels
+    ]
+    arms = [
+        PlanarBody(
+            name=w.carrier, mass=BAR["arm_mass"], inertia=BAR["arm_inertia"],
+            position=(0.5 * (w.center[0] + w.pivot[0]), 0.5 * (w.center[1] + w.pivot[1])),
+        )
+        for w in wheels if w.is_sprung
+    ]  # fmt: skip
+    return [*turning, *arms]
+
+
+def gear_joints(wheels: list[Wheel]) -> list[Joint]:
+    """Return the axles, and the pivots of the arms."""
+    pivots = [
+        Revolute(name=f"{w.carrier}.pivot", body_a="chassis", body_b=w.carrier, point=w.pivot)
+        for w in wheels if w.is_sprung
+    ]  # fmt: skip
+    axles = [Revolute(name=f"{w.name}.axle", body_a=w.carrier, body_b=w.name, point=w.center) for w in wheels]
+    return [*pivots, *axles]
+
+
+def torsion_bars(wheels: list[Wheel], weight: float) -> list[Load]:
+    """Return the springs, each wound to bear its share of the hull's `weight` (N) as the arms stand at t = 0."""
+    sprung = [w for w in wheels if w.is_sprung]
+    wound = [weight / len(sprung) * (w.pivot[0] - w.center[0]) / BAR["stiffness"] for w in sprung]
+    return [
+        TorsionSpring(
+            name=f"{w.name}.bar", body_a="chassis", body_b=w.carrier, stiffness=BAR["stiffness"],
+            damping=BAR["damping"], rest_angle=angle,
+        )
+        for w, angle in zip(sprung, wound, strict=True)
+    ]  # fmt: skip

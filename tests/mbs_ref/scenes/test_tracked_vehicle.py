@@ -1,0 +1,104 @@
+"""The tracked vehicle: wheels that roll or slide, uneven ground, sprung rollers."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from mbs_ref import scenes
+from mbs_ref.observables.attachment import Motion
+from mbs_ref.observables.rolling import rolling_slip
+from mbs_ref.scene import CoordinateDrive, PlanarBody, Revolute, Scene
+from mbs_ref.scene.signals import Constant
+from mbs_ref.scenes.tracked_vehicle.terrain import foot, profile
+from mbs_ref.settings import Settings
+from mbs_ref.simulate import simulate
+
+MU = 0.4  # between wheel and link, from the scene's data
+rolls = 0.02  # of the link's speed
+WHEELS = ("idler", "roller1", "roller2", "roller3")
+
+
+def drive(t_end: float, **parameters):
+    scene = scenes.make("tracked_vehicle", **parameters)
+    path = simulate(scene, Settings(method="rk4", step=1e-4, t_end=t_end, samples=101, estimate="off"))
+    assert path.ok, path.message
+    return scene, path
+
+
+def test_wheels_roll_with_friction_and_stand_still_without():
+    scene, path = drive(0.8, wheel_friction=MU)
+    bare, sliding = drive(0.1)
+    for wheel in WHEELS:
+        slip = rolling_slip(Motion(scene, path), wheel)
+        assert np.isfinite(slip).sum() > 40
+        assert np.nanpercentile(np.abs(slip), 90) < rolls
+        assert np.abs(sliding.angular_velocity[:, bare.body_index(wheel)]).max() < 1e-12
+    assert "slides" in bare.description
+    assert "slides" not in scene.description
+
+
+def test_slip_of_a_wheel_driven_at_a_known_rate():
+    """A wheel of radius r held above a surface that passes at v turns at w: its slip is w r / v - 1."""
+    radius, speed, turning = 0.25, 2.0, 9.0
+    at = {"mass": 1.0, "inertia": 1.0}
+    bodies = (
+        PlanarBody(name="wheel", position=(0.0, radius), angular_velocity=-turning, **at),
+        PlanarBody(name="belt", position=(0.0, -1.0), velocity=(-speed, 0.0), **at),
+    )
+    model = scenes.make("tracked_vehicle", links=20)
+    contact = next(c for c in model.contacts if c.name == "idler.link0").model_copy(
+        update={"body_a": "wheel", "body_b": "belt", "center": (0.0, radius), "radius": radius + 1e-3,
+                "point_1": (-1.0, 0.0), "point_2": (1.0, 0.0), "extent": "line", "friction": None}
+    )  # fmt: skip
+    axle = Revolute(name="axle", body_a="ground", body_b="wheel", point=(0.0, radius))
+    rails = (_held("belt", "x", -speed), _held("belt", "y"), _held("belt", "angle"))
+    scene = Scene(name="belt", bodies=bodies, joints=(axle, *rails), contacts=(contact,))
+    path = simulate(scene, Settings(t_end=0.1, samples=5))
+    assert rolling_slip(Motion(scene, path), "wheel") == pytest.approx(turning * radius / speed - 1.0, abs=0.005)
+
+
+def _held(body: str, coordinate, speed: float = 0.0) -> CoordinateDrive:
+    return CoordinateDrive(
+        name=f"{body}.{coordinate}", body=body, coordinate=coordinate, level="velocity", motion=Constant(value=speed)
+    )
+
+
+@pytest.mark.parametrize(("ground", "height"), [("flat", 0.02), ("bump", 0.05), ("slope", 0.1), ("step", 0.025)])
+def test_a_foot_rests_on_the_drawn_ground(ground, height):
+    """A foot that may only sink stands a radius off the profile, less its own sag."""
+    start = {"flat": 0.2, "bump": 0.8, "slope": 1.0, "step": 2.0}[ground]
+    above = 0.03 * math.hypot(1.0, height if ground == "slope" else 0.0)  # m, a foot's radius across the surface
+    body = PlanarBody(name="link", mass=1.0, inertia=1.0, position=(start, profile(start, ground, height, 0.0) + above))
+    parts = tuple(foot("foot", "link", body.position, "progressive", ground, height, 0.0))
+    upright = (_held("link", "x"), _held("link", "angle"))
+    scene = Scene(name="foot", bodies=(body,), joints=upright, contacts=parts, gravity=(0.0, -9.81))
+    path = simulate(scene, Settings(t_end=0.05, samples=6))
+    assert path.ok, path.message
+    assert np.abs(path.position[:, 0, 1] - body.position[1]).max() < 3e-5  # m: twice m g / k
+
+
+@pytest.mark.slow
+def test_a_slope_pitches_the_hull_by_its_angle():
+    height = 0.1
+    scene, path = drive(1.9, wheel_friction=MU, suspension=True, ground="slope", height=height)
+    level, flat = drive(1.9, wheel_friction=MU, suspension=True)
+    hull = scene.body_index("chassis")
+    pitch = path.orientation[-5:, hull].mean() - flat.orientation[-5:, level.body_index("chassis")].mean()
+    assert math.degrees(pitch) == pytest.approx(math.degrees(math.atan(height)), abs=0.6)
+
+
+def test_wound_torsion_bars_bear_the_hull():
+    """The arms' bars balance the hull at t = 0, so that it sinks by the contacts alone."""
+    heights = []
+    for suspension in (False, True):
+        scene, path = drive(0.3, torque=0.0, suspension=suspension)
+        heights.append(path.position[-1, scene.body_index("chassis"), 1])
+    assert heights[1] == pytest.approx(heights[0], abs=2e-3)
+
+
+def test_a_step_higher_than_a_foot_is_refused():
+    with pytest.raises(ValueError, match="of a step must not exceed half a link"):
+        scenes.make("tracked_vehicle", ground="step", height=0.05)
