@@ -54,6 +54,7 @@ def _central(omega2: float, normal: float, tangential: float) -> Encounter:
 
     def over(weight) -> float:
         """Integrate weight dr / r' there and back, r = least + span s^2."""
+
         def density(s: float) -> float:
             r = least + span * s * s
             return 4.0 * math.sqrt(span) * weight(r) / math.sqrt(slope(r))

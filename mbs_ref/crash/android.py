@@ -15,6 +15,9 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
+from mbs_ref.crash.body_contacts import body_contacts
+from mbs_ref.crash.places import Places, Point
+from mbs_ref.crash.stops import joint_stops
 from mbs_ref.scene import (
     GROUND,
     CoordinateDrive,
@@ -33,7 +36,6 @@ from mbs_ref.scene.base.part import NonNegative
 from mbs_ref.scene.contact import CircleOnLine, Contact, ContactLaw, ProgressiveLaw, SpringDamperLaw
 from mbs_ref.scene.signals import Constant, HalfSine, Signal, Table
 
-Point = tuple[float, float]
 DURATION = 0.2  # s, the longest crash of Fox 1999 eqs 34-35
 TABLE_POINTS = 41  # of the pulse as a breakpoint table
 PAPER = "Fox 1999 (the mechanism, forces and pulse); parameters and their origin in mbs_ref/crash/data/{}.json"
@@ -53,6 +55,9 @@ class Crash:
     seat: Literal["fixed", "driven"]
     pulse: Literal["half_sine", "table"]
     lift: float  # m
+    stops: bool
+    body_contacts: bool
+    head_restraint: Literal["integral", "separate", "none"]
 
     @property
     def pulse_duration(self) -> float:
@@ -67,7 +72,10 @@ class Crash:
 
 PARAMETERS = """peak_force (N) and speed_change_km_h fix a half sine (or its breakpoint table) with impulse m dv; front
 or rear impact; mass (kg) scales masses and inertias; belts, and their stiffness and damping times
-belt_stiffness; contact law; seat fixed with mass-proportional forces, or driven; lift (m) off the seat."""
+belt_stiffness; contact law; seat fixed with mass-proportional forces, or driven; lift (m) off the seat. What the
+paper's bare model does not have: stops of the joints at a person's ranges of motion; body_contacts of head, chin,
+chest, arms and shanks with thighs, chest and seat; and a head_restraint that is part of the seat back (integral,
+the paper's), separate at a gap behind the head, or none."""
 
 
 def scene_builder(name: str, summary: str | None, description: str) -> Callable[..., Scene]:
@@ -85,8 +93,14 @@ def scene_builder(name: str, summary: str | None, description: str) -> Callable[
         seat: Literal["fixed", "driven"] = "fixed",
         pulse: Literal["half_sine", "table"] = "half_sine",
         lift: Annotated[float, Field(ge=0.0, le=1.0)] = 0.0,
+        stops: bool = False,
+        body_contacts: bool = False,
+        head_restraint: Literal["integral", "separate", "none"] = "integral",
     ) -> Scene:
-        crash = Crash(peak_force, speed_change_km_h, impact, mass, belts, belt_stiffness, law, seat, pulse, lift)
+        crash = Crash(
+            peak_force, speed_change_km_h, impact, mass, belts, belt_stiffness, law, seat, pulse, lift, stops,
+            body_contacts, head_restraint,
+        )  # fmt: skip
         return android(name, description, crash)
 
     build.__doc__ = f"{summary}\n\n{PARAMETERS}"
@@ -95,8 +109,8 @@ def scene_builder(name: str, summary: str | None, description: str) -> Callable[
 
 def android(name: str, description: str, crash: Crash) -> Scene:
     """Return the android of mbs_ref/crash/data/<name>.json in a crash."""
-    data: dict[str, Any] = json.loads((files("mbs_ref.crash") / "data" / f"{name}.json").read_text(encoding="utf-8"))
-    model = _Model(data, crash)
+    model = _Model(read_data(name), crash)
+    data = model.data
     return Scene(
         name=name,
         description=" ".join((description, *_consequences(crash))),
@@ -105,13 +119,22 @@ def android(name: str, description: str, crash: Crash) -> Scene:
         gravity=(0.0, -data["gravity"]),
         bodies=(*model.bodies(data["bodies"]), *model.bodies(data["seat_bodies"])),
         joints=(*model.revolutes(), *model.seat_joints()),
-        loads=(*model.torsion_springs(), *model.bushings(), *model.belts(), *model.crash_forces()),
-        contacts=(*model.seat_contacts(), *model.floor_contacts()),
+        loads=(*model.torsion_springs(), *model.bushings(), *model.belts(), *model.crash_forces(), *model.stops()),
+        contacts=(*model.seat_contacts(), *model.floor_contacts(), *model.body_contacts()),
     )
 
 
+def read_data(name: str) -> dict[str, Any]:
+    """Return mbs_ref/crash/data/<name>.json."""
+    return json.loads((files("mbs_ref.crash") / "data" / f"{name}.json").read_text(encoding="utf-8"))
+
+
 def _consequences(crash: Crash) -> list[str]:
-    notes = []
+    has = {"joint stops": crash.stops, "contacts of its parts with one another": crash.body_contacts}
+    lacks = [what for what, there in {"friction": False, **has}.items() if not there]
+    notes = [f"It has no {', no '.join(lacks)}."]
+    if crash.head_restraint != "integral":
+        notes.append(f"Head restraint: {crash.head_restraint}.")
     if crash.pulse_duration > DURATION:
         share = 0.5 * (1.0 - math.cos(math.pi * DURATION / crash.pulse_duration))
         notes.append(
@@ -130,15 +153,15 @@ class _Model:
 
     def __init__(self, data: dict[str, Any], crash: Crash) -> None:
         self.data, self.crash = data, crash
-        self.seats = {b["name"] for b in data["seat_bodies"]}
-        self.body = {b["name"]: b for b in (*data["bodies"], *data["seat_bodies"])}
+        self.places = Places(data, crash.lift)
+        self.more = read_data("believable")
         self.scale = crash.mass / data["total_android_mass"]
 
     def bodies(self, entries: list[dict[str, Any]]) -> list[PlanarBody]:
         bodies = []
         for entry in entries:
-            scale = 1.0 if entry["name"] in self.seats else self.scale
-            place, angle = self._pose(entry["name"])
+            scale = 1.0 if entry["name"] in self.places.seats else self.scale
+            place, angle = self.places.pose(entry["name"])
             bodies.append(
                 PlanarBody(
                     name=entry["name"], mass=scale * entry["mass"], inertia=scale * entry["Izz"],
@@ -147,22 +170,13 @@ class _Model:
             )  # fmt: skip
         return bodies
 
-    def _pose(self, body: str) -> tuple[Point, float]:
-        x, y, angle = self.body[body]["q0"]
-        return (x, y + (0.0 if body in self.seats else self.crash.lift)), angle
-
-    def _world(self, body: str, local: tuple[float, float]) -> Point:
-        (x, y), angle = self._pose(body)
-        c, s = math.cos(angle), math.sin(angle)
-        return x + c * local[0] - s * local[1], y + s * local[0] + c * local[1]
-
-    def _point(self, body: str, point: str) -> Point:
-        return self._world(body, self.body[body]["points"][point])
-
     def revolutes(self) -> list[Revolute]:
         return [
             Revolute(
-                name=_pair(j), body_a=j["body_j"], body_b=j["body_i"], point=self._point(j["body_i"], j["point_i"])
+                name=_pair(j),
+                body_a=j["body_j"],
+                body_b=j["body_i"],
+                point=self.places.point(j["body_i"], j["point_i"]),
             )
             for j in self.data["joints"]
         ]
@@ -170,9 +184,12 @@ class _Model:
     def seat_joints(self) -> list[Joint]:
         """Hold the seat in the vehicle frame, or drive it by x = -double integral of a (rheonomic)."""
         if self.crash.seat == "fixed":
-            return [Weld(name=f"{s}.hold", body_a=GROUND, body_b=s, point=self._pose(s)[0]) for s in sorted(self.seats)]
+            return [
+                Weld(name=f"{s}.hold", body_a=GROUND, body_b=s, point=self.places.pose(s)[0])
+                for s in sorted(self.places.seats)
+            ]
         still, drives = Constant(value=0.0), []
-        for seat in sorted(self.seats):
+        for seat in sorted(self.places.seats):
             drives += [
                 CoordinateDrive(name=f"{seat}.x", body=seat, coordinate="x",
                                 motion=_pulse(self.crash, -self.crash.peak_acceleration), level="acceleration"),
@@ -195,8 +212,8 @@ class _Model:
         """Shoulder tissue and costal cartilage, free of force at t = 0."""
         return [
             PointBushing(
-                name=b["name"], body_a=b["body_j"], body_b=b["body_i"], point=self._point(b["body_i"], b["point_i"]),
-                stiffness=b["k"], damping=b["c"],
+                name=b["name"], body_a=b["body_j"], body_b=b["body_i"],
+                point=self.places.point(b["body_i"], b["point_i"]), stiffness=b["k"], damping=b["c"],
             )
             for b in self.data["bushings"]
         ]  # fmt: skip
@@ -208,7 +225,8 @@ class _Model:
         return [
             SpringDamper(
                 name=f"belt.{b['name']}", body_a=b["anchor_body"], body_b=b["body"],
-                point_a=self._point(b["anchor_body"], b["anchor_point"]), point_b=self._point(b["body"], b["point"]),
+                point_a=self.places.point(b["anchor_body"], b["anchor_point"]),
+                point_b=self.places.point(b["body"], b["point"]),
                 stiffness=factor * b["k"], damping=factor * b["c"], rest_length=b["rest_length"] + b["slack"],
                 tension_only=True,
             )
@@ -222,29 +240,47 @@ class _Model:
         signal = _pulse(self.crash, 1.0)
         return [
             Force(
-                name=f"crash.{b['name']}", body=b["name"], point=self._pose(b["name"])[0],
+                name=f"crash.{b['name']}", body=b["name"], point=self.places.pose(b["name"])[0],
                 vector=(self.scale * b["mass"] * self.crash.peak_acceleration, 0.0), factor=signal,
             )
             for b in self.data["bodies"]
         ]  # fmt: skip
 
     def seat_contacts(self) -> list[Contact]:
-        contacts: list[Contact] = []
-        for c in self.data["contacts"]:
-            seat = self.body[c["surface_body"]]
-            reach, height = seat["half_length"], seat["surface_y"]
-            ends = (self._world(seat["name"], (-reach, height)), self._world(seat["name"], (reach, height)))
-            contacts.append(self._contact(c, seat["name"], *ends))
-        return contacts
+        own = [c for c in self.data["contacts"] if c["body"] != "head" or self.crash.head_restraint == "integral"]
+        contacts: list[Contact] = [
+            self._contact(c, c["surface_body"], *self.places.seat_surface(c["surface_body"])) for c in own
+        ]
+        return [*contacts, *([self._head_restraint()] if self.crash.head_restraint == "separate" else [])]
+
+    def _head_restraint(self) -> Contact:
+        """A pad on the seat back's own plane, as far behind the head as its gap says."""
+        first, second = self.places.seat_surface("seat_back")
+        across, along = (second[k] - first[k] for k in (0, 1))
+        length = math.hypot(across, along)
+        out, head, pad = (-along / length, across / length), self.places.pose("head")[0], self.more["head_restraint"]
+        above = out[0] * (head[0] - first[0]) + out[1] * (head[1] - first[1])
+        shift = above - pad["radius"] - pad["backset"]
+        ends = [(p[0] + shift * out[0], p[1] + shift * out[1]) for p in (first, second)]
+        entry = {"body": "head", "point": "restraint", "radius": pad["radius"], **pad}
+        return self._contact(entry, "seat_back", *ends, center=head)
 
     def floor_contacts(self) -> list[Contact]:
         return [self._contact(c, GROUND, (0.0, 0.0), (1.0, 0.0)) for c in self.data["floor"]]
 
-    def _contact(self, entry: dict[str, Any], surface: str, first: Point, second: Point) -> CircleOnLine:
+    def stops(self) -> list[Load]:
+        return [*joint_stops(self.data["joints"], self.more["stops"], self.places)] if self.crash.stops else []
+
+    def body_contacts(self) -> list[Contact]:
+        return [*body_contacts(self.more["contacts"], self.places)] if self.crash.body_contacts else []
+
+    def _contact(
+        self, entry: dict[str, Any], surface: str, first: Point, second: Point, center: Point | None = None
+    ) -> CircleOnLine:
         where = "floor" if surface == GROUND else surface
         return CircleOnLine(
             name=f"{entry['body']}.{entry['point']}.{where}", body_a=entry["body"],
-            center=self._point(entry["body"], entry["point"]), radius=entry["radius"], body_b=surface,
+            center=center or self.places.point(entry["body"], entry["point"]), radius=entry["radius"], body_b=surface,
             point_1=first, point_2=second, law=_law(entry, self.crash.law),
         )  # fmt: skip
 

@@ -9,11 +9,12 @@ from scipy.integrate import cumulative_simpson
 
 from mbs_ref.crash import injury
 from mbs_ref.crash.body_forces import BodyForces, body_forces
+from mbs_ref.crash.stops import STOP, stop_load, tension
 from mbs_ref.observables.attachment import Motion
 from mbs_ref.observables.energy import kinetic_energy, potential_energy
 from mbs_ref.observables.powers import LOADS
 from mbs_ref.observables.signal_values import values
-from mbs_ref.observables.springs import length_of, twist_of
+from mbs_ref.observables.springs import twist_of
 from mbs_ref.scene import Force, PointBushing, Revolute, Scene, SpringDamper, TorsionSpring
 from mbs_ref.trajectory import Trajectory
 
@@ -58,7 +59,7 @@ def crash_results(scene: Scene, trajectory: Trajectory) -> CrashResults:
     return CrashResults(
         forces=forces,
         seat_force=np.sum([np.hypot(c[:, 1], c[:, 2]) for n, c in trajectory.contacts.items() if "seat" in n], axis=0),
-        belt_force=np.sum([np.zeros(len(trajectory.times)), *(_tension(motion, b) for b in _belts(scene))], axis=0),
+        belt_force=np.sum([np.zeros(len(trajectory.times)), *(tension(motion, b) for b in _belts(scene))], axis=0),
         head_g=head,
         thorax_g=thorax,
         head_excursion=_excursion(scene, trajectory, "head"),
@@ -99,18 +100,13 @@ def _belts(scene: Scene) -> list[SpringDamper]:
     return [load for load in scene.loads if isinstance(load, SpringDamper) and load.name.startswith(BELT)]
 
 
-def _tension(motion: Motion, belt: SpringDamper) -> np.ndarray:
-    _, stretch, rate = length_of(motion, belt)
-    return np.where(stretch > 0.0, np.maximum(belt.stiffness * stretch + belt.damping * rate, 0.0), 0.0)
-
-
 def _neck_axial(motion: Motion) -> np.ndarray:
-    """Return the occipital joint's pull on the head along the head's own axis; positive in tension."""
+    """Return the pull of the neck on the head, joint and stops, along the head's own axis; positive in tension."""
     joint = next(j for j in motion.scene.joints if isinstance(j, Revolute) and "head" in j.name.split("-"))
-    force = motion.trajectory.reactions[joint.name][:, :2]
-    down, _ = motion.direction("head", (0.0, -1.0))
     sign = 1.0 if joint.body_b == "head" else -1.0
-    return sign * np.sum(force * down, axis=1)
+    stops, _ = stop_load(motion, joint.point, "head", joint.body_a if sign > 0.0 else joint.body_b)
+    down, _ = motion.direction("head", (0.0, -1.0))
+    return np.sum((sign * motion.trajectory.reactions[joint.name][:, :2] + stops) * down, axis=1)
 
 
 def _neck_moment(motion: Motion) -> np.ndarray:
@@ -124,10 +120,13 @@ def _torsions(scene: Scene) -> list[TorsionSpring]:
 
 
 def _restoring(motion: Motion, spring: TorsionSpring, body: str) -> np.ndarray:
-    """Return a torsion spring's torque (n_t,), N m, on one of its bodies."""
+    """Return the torque (n_t,), N m, of a torsion spring and of the joint's stops on its upper body."""
     twist, rate = twist_of(motion, spring)
     torque = spring.stiffness * twist + spring.damping * rate
-    return torque if body == spring.body_a else -torque
+    own = torque if body == spring.body_a else -torque
+    pair = {spring.body_a, spring.body_b}
+    joint = next((j for j in motion.scene.joints if isinstance(j, Revolute) and {j.body_a, j.body_b} == pair), None)
+    return own if joint is None else own + stop_load(motion, joint.point, body, (pair - {body}).pop())[1]
 
 
 def _cervical_torques(motion: Motion) -> dict[str, np.ndarray]:
@@ -153,10 +152,12 @@ def _chest(motion: Motion) -> np.ndarray | None:
 
 def _powers(motion: Motion) -> dict[str, np.ndarray]:
     """Return the power (n_t,), W, of each kind of part that is not conservative."""
-    power = {name: np.zeros(len(motion.times)) for name in ("pulse", "belts", "joint dampers", "tissue", "contacts")}
+    names = ("pulse", "belts", "joint dampers", "joint stops", "tissue", "contacts")
+    power = {name: np.zeros(len(motion.times)) for name in names}
     kinds = {Force: "pulse", SpringDamper: "belts", TorsionSpring: "joint dampers", PointBushing: "tissue"}
     for load in motion.scene.loads:
-        power[kinds[type(load)]] += LOADS[type(load)](motion, load)
+        kind = "joint stops" if load.name.startswith(STOP) else kinds[type(load)]
+        power[kind] += LOADS[type(load)](motion, load)
     for contact in motion.scene.contacts:
         force = motion.trajectory.contacts[contact.name]
         slip = motion.rate_at(contact.body_a, force[:, 3:5]) - motion.rate_at(contact.body_b, force[:, 3:5])

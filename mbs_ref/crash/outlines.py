@@ -1,0 +1,96 @@
+"""The outlines of an android's parts, and how deep they are in one another, in the seat and in the floor.
+
+Judged from the motion alone, whatever contacts the scene has: a bare model passes through itself, and this says by how
+much. Depths count beyond what cushion, sole or flesh gives way by, which the data declare.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import product
+from typing import Any
+
+import numpy as np
+
+from mbs_ref.crash.android import read_data
+from mbs_ref.crash.places import Places
+from mbs_ref.observables.attachment import Motion
+
+LEGS, ARMS = ("thigh", "lower_leg", "foot"), ("upper_arm", "lower_arm", "hand")
+TRUNK = ("head", "thorax", *(f"rib{k}" for k in range(1, 13)))
+IN_ONE_PLANE = {("foot", "thigh"), *product(TRUNK, LEGS)}  # arms are beside trunk and legs
+SEATED = (*LEGS, *ARMS, "head")  # what may meet the seat where the paper has no contact of it
+
+
+@dataclass(frozen=True)
+class Capsule:
+    """A part's outline: all within `radius` (m) of the line between two of its points, world at t = 0."""
+
+    body: str
+    ends: tuple[tuple[float, float], tuple[float, float]]
+    radius: float
+
+
+def outlines(android: str) -> list[Capsule]:
+    """Return the outlines of android_simplified's or android_vertebral's parts; parts without one are thin."""
+    places = Places(read_data(android), 0.0)
+    return [_capsule(entry, places) for entry in read_data("believable")["outlines"] if entry["body"] in places.body]
+
+
+def _capsule(entry: dict[str, Any], places: Places) -> Capsule:
+    body = entry["body"]
+    first, second = (
+        places.world(body, tuple(entry[f"{end}_at"])) if f"{end}_at" in entry else places.point(body, entry[end])
+        for end in ("from", "to")
+    )
+    return Capsule(body, (first, second), entry["radius"])
+
+
+def excesses(motion: Motion) -> dict[str, np.ndarray]:
+    """Return (n_t,) m for each pair that may meet: how much deeper it is than what is soft there may be pressed in."""
+    shapes = {capsule.body: capsule for capsule in outlines(motion.scene.name)}
+    soft = read_data("believable")["depths"]
+    found = {
+        f"{one} in {other}": _overlap(motion, shapes[one], shapes[other]) - soft["flesh"]
+        for one, other in IN_ONE_PLANE if {one, other} <= shapes.keys()
+    }  # fmt: skip
+    for part, seat in product(SEATED, ("seat_base", "seat_back")):
+        found[f"{part} in {seat}"] = _in_cushion(motion, shapes[part], seat, soft) - soft[seat]
+    for part in (*LEGS, *ARMS):
+        ends = [motion.point(part, end)[0][:, 1] for end in shapes[part].ends]
+        found[f"{part} in floor"] = shapes[part].radius - np.min(ends, axis=0) - soft["floor"]
+    return found
+
+
+def _overlap(motion: Motion, one: Capsule, other: Capsule) -> np.ndarray:
+    """Return radii less the distance of two lines, (n_t,) m; where they cross, as deep as both radii."""
+    a, b = ([motion.point(shape.body, end)[0] for end in shape.ends] for shape in (one, other))
+    apart = np.min([_distance(x, *b) for x in a] + [_distance(x, *a) for x in b], axis=0)
+    crossing = (_side(a[0], *b) * _side(a[1], *b) < 0.0) & (_side(b[0], *a) * _side(b[1], *a) < 0.0)
+    return one.radius + other.radius - np.where(crossing, 0.0, apart)
+
+
+def _distance(x: np.ndarray, p: np.ndarray, q: np.ndarray) -> np.ndarray:
+    """Return how far points (n_t, 2) are from the lines between p and q."""
+    along = q - p
+    share = np.clip(np.sum((x - p) * along, axis=1) / np.sum(along**2, axis=1), 0.0, 1.0)
+    return np.linalg.norm(x - p - share[:, None] * along, axis=1)
+
+
+def _side(x: np.ndarray, p: np.ndarray, q: np.ndarray) -> np.ndarray:
+    """Return the signed area that says on which side of the line from p to q a point is; positive on the left."""
+    return (q[:, 0] - p[:, 0]) * (x[:, 1] - p[:, 1]) - (q[:, 1] - p[:, 1]) * (x[:, 0] - p[:, 0])
+
+
+def _in_cushion(motion: Motion, shape: Capsule, seat: str, soft: dict[str, float]) -> np.ndarray:
+    """Return how deep an outline's ends and middle are in a seat, (n_t,) m; nothing is beyond the seat's own ends."""
+    surface = Places(read_data(motion.scene.name), 0.0).seat_surface(seat)
+    p, q = (motion.point(seat, end)[0] for end in surface)
+    length = np.linalg.norm(q - p, axis=1)
+    first, second = (motion.point(shape.body, end)[0] for end in shape.ends)
+    deepest = np.full(len(motion.times), -np.inf)
+    for x in (first, 0.5 * (first + second), second):
+        along = np.sum((x - p) * (q - p), axis=1) / length
+        deep = shape.radius - _side(x, p, q) / length
+        deepest = np.maximum(deepest, np.where((along > 0.0) & (along < length), deep, -np.inf))
+    return np.maximum(deepest, -soft[seat])
