@@ -55,7 +55,8 @@ def test_the_papers_front_crash_is_told_with_its_own_figures():
     front = replace(found.runs[0], compliance=1.25e-12)
     euler = replace(front, method="euler", compliance=4.5e-4)
     rear = [replace(run, impact="rear", compliance=9.9) for run in (front, euler)]
-    said = section.context(replace(report_data(), studies={"androids": replace(found, runs=(front, euler, *rear))}))["claim"]
+    told = replace(found, runs=(front, euler, *rear))
+    said = section.context(replace(report_data(), studies={"androids": told}))["claim"]
     assert f"{short(front.compliance)} m" in said
     assert f"{short(euler.compliance)} m" in said
     assert "9.9" not in said
