@@ -30,7 +30,7 @@ from reports.facts.environment import processor
 
 LEAST, MOST = 3, 5  # runs of a setting
 NARROW = 0.05  # of the median: half of the interval
-ENOUGH = 2.0  # s of loop time
+ENOUGH = 1.0  # s of loop time
 BUSY_NOTE = "timed on a busy machine"
 SHARED = " while others used it"  # of a machine's name, under which times of a busy one are kept
 FIRST_NOTE = "timed once, while other runs shared the machine"

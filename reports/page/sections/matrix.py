@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from reports.drawing.numbers import ABSENT, metres, of_scene, short
+from reports.drawing.numbers import ABSENT, in_words, metres, of_scene, short
 from reports.drawing.section import Section
 from reports.facts.report_data import Cell, ReportData
 from reports.page.verdicts import verdict
@@ -29,7 +29,7 @@ def view(cell: Cell) -> dict[str, Any]:
         "reason": cell.reason or ABSENT,
         "excuse": cell.excuse,
         "error": of_scene(cell.error),
-        "setting": cell.setting or ABSENT,
+        "setting": in_words(cell.setting) or ABSENT,
         "compliance": metres(cell.compliance),
         "order": ABSENT if cell.order is None else f"{short(cell.order)} of {cell.documented_order}",
         "targets": [_target(target) for target in cell.targets],
@@ -38,13 +38,17 @@ def view(cell: Cell) -> dict[str, Any]:
 
 
 def _target(target) -> dict[str, str]:
-    told = target.setting if target.answer == "reached" else target.answer
+    told = in_words(target.setting) if target.answer == "reached" else target.answer
     return {"target": short(target.target), "tone": ANSWERS[target.answer], "text": told, "reason": target.reason}
 
 
 def context(data: ReportData) -> dict[str, Any]:
     ran = [view(c) for c in data.cells if c.verdict not in ("cannot", "engine-missing")]
-    return {"rows": ran, "refused": refused(data), "several_scenes": len(data.scenes) > 1}
+    targets = list(dict.fromkeys(target["target"] for row in ran for target in row["targets"]))
+    return {
+        "rows": ran, "refused": refused(data), "targets": targets,
+        "several_scenes": len(data.scenes) > 1, "several_engines": len(data.engines) > 1,
+    }  # fmt: skip
 
 
 def refused(data: ReportData) -> list[dict[str, str]]:
