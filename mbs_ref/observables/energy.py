@@ -5,8 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.integrate import cumulative_trapezoid
-from scipy.interpolate import make_interp_spline
 
 from mbs_ref.observables import celestial
 from mbs_ref.observables.attachment import Motion
@@ -160,6 +158,8 @@ def _is_smooth(scene: Scene, trajectory: Trajectory) -> bool:
 
 def _integrate_jumps(times: np.ndarray, power: np.ndarray) -> tuple[np.ndarray, float]:
     """Integrate by the trapezoidal rule; across a jump halving the spacing halves the error at best."""
+    from scipy.integrate import cumulative_trapezoid  # half of what importing mbs_ref would take
+
     work = cumulative_trapezoid(power, times, initial=0.0)
     coarse = cumulative_trapezoid(power[::2], times[::2], initial=0.0)
     return work, 2.0 * float(np.max(np.abs(coarse - work[::2])))
@@ -175,6 +175,8 @@ def _integrate(times: np.ndarray, power: np.ndarray) -> tuple[np.ndarray, float]
 
 def _antiderivative(times: np.ndarray, power: np.ndarray) -> np.ndarray:
     degree = min(5, (len(times) - 1) // 2 * 2 - 1)
+    from scipy.interpolate import make_interp_spline
+
     primitive = make_interp_spline(times, power, k=degree).antiderivative()
     return primitive(times) - primitive(times[0])
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from mbs_ref.observables.attachment import Motion
 from mbs_ref.scene import Bushing, PointBushing, SpringDamper, TorsionSpring
@@ -46,6 +45,8 @@ def bushing_strain(motion: Motion, bushing: Bushing) -> tuple[np.ndarray, np.nda
     here, there = (np.stack([motion.direction(body, e)[0] for e in axes], axis=2) for body in bodies)
     (a, a_rate), (b, b_rate) = motion.point(bushing.body_a, bushing.point), motion.point(bushing.body_b, bushing.point)
     carried = np.cross(motion.turning(bushing.body_a), b - a)
+    from scipy.spatial.transform import Rotation  # takes long to import
+
     relative = Rotation.from_matrix(np.swapaxes(here, 1, 2) @ there).as_rotvec()
     seen = [b - a, b_rate - a_rate - carried, motion.turning(bushing.body_b) - motion.turning(bushing.body_a)]
     offset, offset_rate, spin = (np.einsum("tij,ti->tj", here, v) for v in seen)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from functools import cached_property
 
 import numpy as np
-from scipy.linalg import qr
 
 from mbs_ref.cores.jointed_system import JointedSystem
 from mbs_ref.cores.spatial.build import build_spatial, world_axes
@@ -173,6 +172,8 @@ class SpatialSystem(JointedSystem):
         kept = every - self.n_closure_rows + int(self.groups.slots.closure_rank[0])
         if kept == every:
             return np.arange(every)
+        from scipy.linalg import qr  # takes long to import
+
         order = qr(self.scaled_jacobian(t, y).T, mode="r", pivoting=True)[-1]
         return np.sort(order[:kept])
 
