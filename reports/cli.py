@@ -10,7 +10,6 @@ from importlib.util import find_spec
 from pathlib import Path
 
 import click
-from click.utils import make_default_short_help
 
 from reports import commands
 from reports.terminal import exit_codes
@@ -36,8 +35,8 @@ class Commands(click.Group):
         """List the commands by their docstrings, read and not imported: that would take a second."""
         room = formatter.width - 6 - max(map(len, _modules()))
         with formatter.section("Commands"):
-            formatter.write_dl([(name, make_default_short_help(_help_of(_modules()[name]), room))
-                                for name in self.list_commands(ctx)])  # fmt: skip
+            listed = [click.Command(name, help=_help_of(_modules()[name])) for name in self.list_commands(ctx)]
+            formatter.write_dl([(str(one.name), one.get_short_help_str(room)) for one in listed])
 
     def invoke(self, ctx: click.Context) -> object:
         try:

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Any
 
 import click
 
-from mbs_ref.atomic_file import write_atomic
 from reports import inputs
+from reports.terminal import survey
 from reports.terminal.console import echo_json, number, progress, show, table
 from reports.terminal.exit_codes import Failed, Incomplete, NothingSelected
 
@@ -23,8 +22,7 @@ MOST_ABOVE = 10.0  # median of estimate over error
 @click.option("--shard", metavar="I/N", default="1/1", help="Only part I of N of the runs, for batch systems.")
 @click.option("--keep", type=click.Path(dir_okay=False, path_type=Path), metavar="FILE",
               help="Lines of JSON to add each run to, and to take those from that are there already.")
-@click.option("--table", "target", type=click.Path(dir_okay=False, path_type=Path), metavar="FILE",
-              help="Write the table as JSON: the page shows benchmarks/calibration.json.")
+@survey.table_file("calibration")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON: the table, and every run.")
 def command(count: int, first: int, shard: str, keep: Path | None, target: Path | None, as_json: bool) -> None:
     """Hold the error estimates of random runs against far tighter ones: random mechanisms, scenes, methods, settings.
@@ -52,7 +50,7 @@ def command(count: int, first: int, shard: str, keep: Path | None, target: Path 
     if target:
         told = [calibration.to_dict(one) for one in below]
         facts = {"first": first, "runs": len(found), "table": rows, "below": told}
-        write_atomic(target, (json.dumps(facts, indent=1, allow_nan=False) + "\n").encode())
+        survey.write_table(facts, target)
     if as_json:
         echo_json({"table": rows, "runs": [calibration.to_dict(one) for one in found]})
     else:

@@ -2,25 +2,23 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Any
 
 import click
 
-from mbs_ref.atomic_file import write_atomic
 from reports import inputs
-from reports.terminal.console import echo_json, progress, show, table
-from reports.terminal.exit_codes import Failed, Incomplete, NothingSelected
+from reports.terminal import survey
+from reports.terminal.console import progress, show, table
+from reports.terminal.exit_codes import Failed, Incomplete
 
 SAME_MACHINE = ("at once", "another process", "another order")  # what our own solver must repeat to the last bit
 
 
 @click.command(name="repeatability")
 @inputs.ENGINES
-@click.option("--only", metavar="TEXT", help="Only runs whose engine, method and scene hold this.")
-@click.option("--table", "target", type=click.Path(dir_okay=False, path_type=Path), metavar="FILE",
-              help="Write what was found as JSON: the page shows benchmarks/repeatability.json.")
+@survey.ONLY
+@survey.table_file("repeatability")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 def command(chosen: tuple[str, ...], only: str | None, target: Path | None, as_json: bool) -> None:
     """Make runs twice, in another process, in the opposite order, and with two threads; compare their bits.
@@ -31,28 +29,21 @@ def command(chosen: tuple[str, ...], only: str | None, target: Path | None, as_j
     from benchmarks import repeatability
     from cross_checks.conformance.cases import cases
 
-    every = cases(inputs.engine_names(chosen), repeatability.BLAS)
-    asked = [case for case in every if only is None or only in case.name]
-    if not asked:
-        raise NothingSelected(f"no case of these engines is named like {only!r}")
+    asked = survey.named(cases(inputs.engine_names(chosen), repeatability.BLAS), only)
     try:
         with progress("repeatability") as report:
             found = repeatability.measured(asked, report)
     except KeyboardInterrupt:
         raise Incomplete("interrupted") from None
     facts = {"methods": repeatability.by_method(found), "runs": found}
-    if target:
-        write_atomic(target, (json.dumps(facts, indent=1, allow_nan=False) + "\n").encode())
-    if as_json:
-        echo_json(facts)
-    else:
-        _show(facts["methods"])
+    survey.tell(facts, target, as_json, _show)
     ours = [one for one in found if one["engine"] == "mbs_ref" and any(one["differs"].get(x) for x in SAME_MACHINE)]
     if ours:
         raise Failed("mbs_ref gives other bits: " + ", ".join(f"{one['method']} on {one['scene']}" for one in ours))
 
 
-def _show(rows: list[dict[str, Any]]) -> None:
+def _show(facts: dict[str, Any]) -> None:
+    rows = facts["methods"]
     ways = [each["way"] for each in rows[0]["ways"]]
     listing = table("Runs with other bits, and by how much of the largest value", "engine", "method", "runs", *ways)
     for row in rows:

@@ -2,23 +2,21 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Any
 
 import click
 
-from mbs_ref.atomic_file import write_atomic
 from reports import inputs
-from reports.terminal.console import echo_json, progress, show, table
-from reports.terminal.exit_codes import Failed, Incomplete, NothingSelected
+from reports.terminal import survey
+from reports.terminal.console import progress, show, table
+from reports.terminal.exit_codes import Failed, Incomplete
 
 
 @click.command(name="symmetry")
 @inputs.ENGINES
-@click.option("--only", metavar="TEXT", help="Only cases whose engine, method and scene hold this.")
-@click.option("--table", "target", type=click.Path(dir_okay=False, path_type=Path), metavar="FILE",
-              help="Write what was found as JSON: the page shows benchmarks/symmetry.json.")
+@survey.ONLY
+@survey.table_file("symmetry")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 def command(chosen: tuple[str, ...], only: str | None, target: Path | None, as_json: bool) -> None:
     """Turn, mirror, shift, rescale, reorder, rename scenes, cut runs in two and run them back: the motion must follow.
@@ -27,27 +25,20 @@ def command(chosen: tuple[str, ...], only: str | None, target: Path | None, as_j
     symmetry by more than roundoff and its own error; other engines' violations are findings.
     """
     from cross_checks.conformance.cases import cases
-    from cross_checks.conformance.symmetry import survey
+    from cross_checks.conformance.symmetry.survey import by_method, isolated
     from cross_checks.isolation.parent import Isolated
 
-    asked = [case for case in cases(inputs.engine_names(chosen)) if only is None or only in case.name]
-    if not asked:
-        raise NothingSelected(f"no case of these engines is named like {only!r}")
+    asked = survey.named(cases(inputs.engine_names(chosen)), only)
     found: list[dict[str, Any]] = []
     try:
         with progress("symmetry") as report, Isolated() as call:
             for case in asked:
                 report(len(found), len(asked), case.name)
-                found.append(survey.isolated(case, call))
+                found.append(isolated(case, call))
     except KeyboardInterrupt:
         raise Incomplete(f"interrupted after {len(found)} cases") from None
-    facts = {"methods": survey.by_method(found), "cases": found}
-    if target:
-        write_atomic(target, (json.dumps(facts, indent=1, allow_nan=False) + "\n").encode())
-    if as_json:
-        echo_json(facts)
-    else:
-        _show(facts)
+    facts = {"methods": by_method(found), "cases": found}
+    survey.tell(facts, target, as_json, _show)
     ours = [one for one in found if one["engine"] == "mbs_ref" and any(x["exceeds_error"] for x in one["broken"])]
     if ours:
         raise Failed("mbs_ref breaks a symmetry: " + ", ".join(f"{one['method']} on {one['scene']}" for one in ours))
