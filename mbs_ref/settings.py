@@ -17,7 +17,7 @@ class Settings(Part):
     method: str | None = None  # the engine's default unless given
     step: Positive | None = None  # s
     rtol: Positive | None = None
-    atol: Positive | None = None  # rtol unless given
+    atol: Positive | None = None  # m, rad, m/s, rad/s; unless given, rtol times a tenth of the scene's scale of each
     stabilization: Stabilization | None = None  # the engine's default unless given
     baumgarte_gain: Positive = 20.0  # 1/s, critically damped: C'' + 2 g C' + g^2 C = 0
     t_end: Positive | None = None  # s, the scene's duration unless given

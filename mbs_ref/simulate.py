@@ -43,8 +43,8 @@ def simulate(scene: Scene, settings: Settings | None = None, times: np.ndarray |
     that holds. The second run's time is outside of `timing`; estimate = 'off' leaves it out.
     """
     settings = settings or Settings()
-    plan = make_plan(scene, settings, times)
     require_sound(scene)
+    plan = make_plan(scene, settings, times)
     started = time.perf_counter()
     system = compile_scene(scene)
     y = system.initial_state()
@@ -134,7 +134,7 @@ def _other_ways(plan: Plan, run: Run) -> tuple[str, ...]:
 def _used(plan: Plan, run: Run) -> dict[str, float]:
     """Return the settings that the run had, defaults included, and what share of the time another method made."""
     options = plan.options
-    accuracy = {"step": options.step} if options.step else {"rtol": options.rtol, "atol": options.atol}
+    accuracy = {"step": options.step} if options.step else {"rtol": options.rtol, "atol": float(options.atol[0])}
     restored = {"projection_tolerance": options.projection_tolerance} if options.project else {}
     damped = {"baumgarte_gain": plan.baumgarte_gain} if plan.baumgarte_gain else {}
     carried = {"carried_share": run.carried_share} if run.carried_share else {}

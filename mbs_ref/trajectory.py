@@ -127,7 +127,7 @@ class Trajectory:
     event_times: np.ndarray | None = None  # (n_events, 2) time s and index in event_names, where the engine locates events
     event_names: tuple[str, ...] = ()  # contacts, then tension-only springs, then declared events
     step_compliance: np.ndarray | None = None  # (n_samples, 2) time s, max |C| over the steps since the last sample
-    used: dict[str, float] = field(default_factory=dict)  # settings the run had, defaults included: step (s), or rtol and atol; samples; of ours also carried_share, by DOP853
+    used: dict[str, float] = field(default_factory=dict)  # settings the run had, defaults included: step (s), or rtol, and atol of lengths (m); samples; of ours also carried_share, by DOP853
     notes: tuple[str, ...] = ()  # what the user should know: corrections applied, redundant rows, warnings
     estimate: Estimate | None = None  # of the error; None where it is switched off, where the run failed, and elsewhere
     unreported: bool = False  # the engine itself said nothing: the failure in `status` was found by looking at its numbers

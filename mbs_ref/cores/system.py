@@ -11,6 +11,7 @@ import numpy as np
 from mbs_ref.kernels import answers as core
 from mbs_ref.kernels.border.handles import Model, Work, make_handle
 from mbs_ref.scene import Scene
+from mbs_ref.scene.scales import Scales
 
 RANK_TOLERANCE = 1e-10  # singular values of the scaled C_q below this share of the largest count as zero
 
@@ -134,6 +135,11 @@ class System(ABC):
     @abstractmethod
     def initial_state(self) -> np.ndarray:
         """Return y at t = 0."""
+
+    @staticmethod
+    @abstractmethod
+    def state_units(scene: Scene, scales: Scales) -> np.ndarray:
+        """Return what each entry of a scene's state counts in (n_state,): L, 1 rad, and the same over T."""
 
     @abstractmethod
     def poses(self, states: np.ndarray) -> Poses:

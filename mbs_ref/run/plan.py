@@ -6,14 +6,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mbs_ref.cores.choice import core_name
+from mbs_ref.cores.choice import core_name, state_units
 from mbs_ref.integrators import DEFAULT, integrators
 from mbs_ref.integrators.loop.leg import Integrator, Options
 from mbs_ref.scene import Scene
+from mbs_ref.scene.scales import scales_of
 from mbs_ref.scene.traits import NO_DEFLECTIONS, deflecting, traits
 from mbs_ref.settings import Settings
 
-DEFAULT_TOLERANCE = 1e-8  # rtol, and atol in m, rad, m/s, rad/s
+DEFAULT_TOLERANCE = 1e-8  # rtol
+ABSOLUTE = 0.1  # of the scene's length, radians, and these over its time: what atol counts in. A decade below the scale
+# of a motion, for most entries pass zero; so no looser than 1 m, rad, m/s, rad/s in scenes within a decade of size one
 PROJECTION_TOLERANCE = 1e-14  # of the scene's size in metres (at least 1 m): a little above roundoff
 CHUNK = 20_000  # steps between looks at the keyboard
 ON_GRID = 1e-9  # of a step: how far an asked time may be from a multiple of the step
@@ -61,12 +64,15 @@ def make_plan(scene: Scene, settings: Settings, times: np.ndarray | None) -> Pla
         allowed = ", ".join(integrator.stabilizations)
         raise ValueError(f"stabilization = {stabilization!r} does not go with method {name!r}; allowed: {allowed}")
     _check_events(scene, settings, integrator)
-    rtol = settings.rtol or DEFAULT_TOLERANCE
+    rtol, scales = settings.rtol or DEFAULT_TOLERANCE, scales_of(scene)
+    units = state_units(scene, scales)
     size = max([1.0, *(abs(x) for body in scene.bodies for x in body.position)])
     options = Options(
         step=float(settings.step or 0.0) if fixed else 0.0,
         rtol=float(rtol),
-        atol=float(settings.atol or rtol),
+        atol=np.full_like(units, settings.atol) if settings.atol else rtol * ABSOLUTE * units,
+        units=units,
+        time=scales.time,
         project=stabilization == "projection",
         stop_on_compliance=settings.stop_on_compliance,
         max_steps=settings.max_steps,

@@ -26,9 +26,12 @@ def attraction(scene: Scene) -> tuple[float, ...]:
     return newton[0].gm if newton else (0.0,) * len(scene.bodies)
 
 
-def free_fall_time(scene: Scene) -> float:
-    """Return the least sqrt(r^3 / gm) of any attracting pair at the start, s; 1 where nothing attracts."""
-    return min((math.sqrt(gap**3 / gm) for gap, gm in _pairs(scene)), default=1.0)
+def free_fall_time(scene: Scene, least: float = 0.0) -> float:
+    """Return the least sqrt(r^3 / gm) of any attracting pair at the start, s; 1 where nothing attracts.
+
+    Distances r below `least` (m) count as that.
+    """
+    return min((math.sqrt(max(gap, least) ** 3 / gm) for gap, gm in _pairs(scene)), default=1.0)
 
 
 def unit_length(scene: Scene) -> float:

@@ -3,8 +3,9 @@
 The companion takes half of a fixed step, or a tenth of the tolerances. If its errors are k times smaller, the two runs
 differ by d = e (1 - 1/k), and the run errs by e = d k / (k - 1) (Hairer, Norsett, Wanner I, eq. II.4.4): k = 2^p at
 order p, 2 where impacts and kinks leave order 1, and 10 if errors are in proportion to the tolerance (ibid., sec.
-II.4). Two runs cannot show that they converge as they should, so SAFETY times that is said. Errors vanish by chance
-alone, so the estimate never falls in time.
+II.4). To d is added what rounding does to the companion, which no refinement takes from it. Two runs cannot show that
+they converge as they should, so SAFETY times that is said. Errors vanish by chance alone, so the estimate never falls
+in time.
 
 That proportion holds at one order. Where a method chooses its order, too, the companion's tolerance is two decades
 tighter, and no less than it is said. How far the run is off the constraints is measured: the companion may share it.
@@ -28,7 +29,7 @@ from mbs_ref.cores.system import System
 from mbs_ref.integrators import DEFAULT, integrators
 from mbs_ref.integrators.loop.leg import FEWEST, Options
 from mbs_ref.run.legs import EPS, Run, run_legs
-from mbs_ref.run.plan import DEFAULT_TOLERANCE, Plan
+from mbs_ref.run.plan import ABSOLUTE, DEFAULT_TOLERANCE, Plan
 from mbs_ref.scene.scales import Scales, scales_of
 from mbs_ref.self_checks.state_gap import coordinate_size, state_gaps, state_sizes
 from mbs_ref.trajectory import Estimate, Status
@@ -86,14 +87,19 @@ def estimated(system: System, plan: Plan, run: Run) -> Estimate | None:
 
 
 def _least(plan: Plan, run: Run, found: list[_Compared]) -> float:
-    """Return what a run errs at least, relative: roundoff, a random walk (D. Brouwer, Astron. J. 46 (1937) 149).
+    """Return what a run errs at least, relative.
 
     Where no tolerance matters it is what a step may err at the tightest.
     """
-    roundoff = SAFETY * EPS * math.sqrt(run.counts.steps)
+    roundoff = SAFETY * _roundoff(run)
     if plan.integrator.varies_order:
         return roundoff + plan.options.rtol / _decades(plan)
     return roundoff + (plan.options.rtol / DECADE**3 if all(one.is_alike for one in found) else 0.0)
+
+
+def _roundoff(run: Run) -> float:
+    """Return what rounding does to coordinates, relative: a random walk (D. Brouwer, Astron. J. 46 (1937) 149)."""
+    return EPS * math.sqrt(run.counts.steps)
 
 
 def _decades(plan: Plan) -> float:
@@ -146,11 +152,14 @@ def _compared(system: System, scales: Scales, plan: Plan, run: Run, companion: _
     """Make the companion and hold the run against it."""
     other = _made(system, replace(plan, options=companion.options), run.states[0], run.times, companion.refine)
     gaps, sizes = _apart(system, scales, run, other)
+    # what rounding does to rates moves bodies by the same share of the way that they go
+    way = np.fmax(1.0, np.max(sizes[2:]) * run.times[: len(gaps), None] / scales.time)
+    apart = companion.factor * (gaps + _roundoff(other) * way)
     ended = other.status in ENDED
     tighter = companion.options.rtol < plan.options.rtol
     return _Compared(
         # places no further than so far from the start are no further than twice that from each other
-        bounds=np.fmax(gaps, np.minimum(companion.factor * gaps, 2.0 * sizes)), sizes=sizes,
+        bounds=np.fmax(gaps, np.minimum(apart, 2.0 * sizes)), sizes=sizes,
         is_alike=ended and tighter and bool(other.counts.steps <= run.counts.steps), status=other.status,
         how=f"{companion.factor:.3g} times the difference from a run with {companion.share}"
             + ("" if ended else f", which did not end: {other.message}"),
@@ -182,7 +191,7 @@ def _opening(system: System, scales: Scales, plan: Plan, run: Run) -> tuple[np.n
     grid = plan.options.step * np.arange(1, FEWEST + 1)
     times = np.union1d(run.times, grid[grid <= run.times[-1]])[: FEWEST + 1]  # outputs end steps, too
     options = plan.options._replace(
-        step=0.0, rtol=DEFAULT_TOLERANCE, atol=DEFAULT_TOLERANCE * scales.length, project=True,
+        step=0.0, rtol=DEFAULT_TOLERANCE, atol=DEFAULT_TOLERANCE * ABSOLUTE * plan.options.units, project=True,
         max_steps=int(run.counts.rhs_calls),
     )  # fmt: skip
     fine = replace(plan, integrator=integrators()[DEFAULT], options=options, baumgarte_gain=0.0)

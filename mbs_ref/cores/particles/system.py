@@ -10,6 +10,8 @@ from mbs_ref.cores.particles.build import build_particles
 from mbs_ref.cores.system import Poses, System
 from mbs_ref.kernels.particles.model import particle_scratch
 from mbs_ref.scene import Scene
+from mbs_ref.scene.scales import Scales
+from mbs_ref.scene.units import free_fall_time
 
 
 class ParticleSystem(System):
@@ -43,6 +45,15 @@ class ParticleSystem(System):
         q = [body.position for body in self.scene.bodies]
         v = [body.velocity for body in self.scene.bodies]
         return np.concatenate((np.ravel(q), np.ravel(v))).astype(float)
+
+    @staticmethod
+    def state_units(scene: Scene, scales: Scales) -> np.ndarray:
+        """Return L for every position and L / T for every velocity (6 n_bodies,).
+
+        T is the free-fall time over L, where bodies are closer than L at the start, too.
+        """
+        time = free_fall_time(scene, scales.length)
+        return np.repeat([scales.length, scales.length / time], 3 * len(scene.bodies))
 
     def poses(self, states: np.ndarray) -> Poses:
         """Turn states (n_t, n_state) into world poses and velocities; particles do not turn."""

@@ -17,6 +17,7 @@ from mbs_ref.kernels.contact.laws import MODE_CLOSED
 from mbs_ref.kernels.planar import dynamics
 from mbs_ref.kernels.planar.model import planar_scratch
 from mbs_ref.scene import PlanarBody, PointMass, Scene
+from mbs_ref.scene.scales import Scales
 
 
 class PlanarSystem(JointedSystem):
@@ -49,6 +50,12 @@ class PlanarSystem(JointedSystem):
             if isinstance(body, PlanarBody):
                 q[k, 2], v[k, 2] = body.angle, body.angular_velocity
         return np.concatenate((q.ravel(), v.ravel()))
+
+    @staticmethod
+    def state_units(scene: Scene, scales: Scales) -> np.ndarray:
+        """Return L, L, 1 rad of each body, then the same over T (6 n_bodies,)."""
+        q = np.tile([scales.length, scales.length, 1.0], len(scene.bodies))
+        return np.concatenate((q, q / scales.time))
 
     # --- contacts ---------------------------------------------------------------------------------
 

@@ -13,6 +13,8 @@ from mbs_ref.kernels import answers as core
 from mbs_ref.kernels.spatial.model import spatial_scratch
 from mbs_ref.scene import Scene, SpatialBody, symmetric
 from mbs_ref.scene.euler_parameters import parameter_matrix, rotation_matrices
+from mbs_ref.scene.scales import Scales
+from mbs_ref.scene.traits import deflecting
 
 RANK_POSES = 3  # random poses, besides the first, in which the rank of the loops is looked at
 RANK_STEP = 0.05  # m, rad: how far they are from the first
@@ -57,6 +59,15 @@ class SpatialSystem(JointedSystem):
                 q += (np.array(body.orientation) / np.linalg.norm(body.orientation)).tolist()
                 u += (rotation_matrices(body.orientation).T @ body.angular_velocity).tolist()
         return np.concatenate((q, u, np.zeros(2 * self.groups.contact_pairs.sticking[0])))
+
+    @staticmethod
+    def state_units(scene: Scene, scales: Scales) -> np.ndarray:
+        """Return L for places and deflections, 1 for Euler parameters, L / T and 1 rad / T for rates (n_state,)."""
+        length = [scales.length]
+        rigid = [isinstance(body, SpatialBody) for body in scene.bodies]
+        q = [unit for turns in rigid for unit in 3 * length + turns * 4 * [1.0]]
+        u = [unit for turns in rigid for unit in 3 * length + turns * 3 * [1.0]]
+        return np.concatenate((q, np.divide(u, scales.time), 2 * len(deflecting(scene)) * length))
 
     @cached_property
     def n_positions(self) -> int:

@@ -20,8 +20,8 @@ if TYPE_CHECKING:
     from mbs_ref.cores.system import System
 
 PACKAGE = "sundials4py"
-PROXIMAL = 1e-12  # s, of a multiplier over the heaviest mass, left in its own row
-MULTIPLIER_SHARE = 1e-4  # of the largest applied force at the start
+PROXIMAL = 1e-12  # of the scene's time, of a multiplier over the heaviest mass, left in its own row
+MULTIPLIER_SHARE = 1e-4  # of the largest applied force at the start, or of what moves the heaviest body
 HOPELESS_FAILURES, HOPELESS_SHARE = 500, 0.4  # error-test failures, in all and per step taken, that end a run
 STOPPED = {  # IDA's return values, in words
     -1: ("too much work between outputs", Status.TOO_MANY_STEPS),
@@ -52,6 +52,7 @@ class _Ida:
         self.lam = np.zeros_like(system.scratch.rows.multiplier)
         self.balance = np.zeros(len(y) - system.n_positions)
         self.residuals, self.heaviest = 0, float(system.groups.bodies.mass.max())
+        self.proximal = PROXIMAL * options.time  # s
         size = len(y) + len(rows) * (2 if form == GGL else 1)
         _, self.context = core.SUNContext_Create(core.SUN_COMM_NULL)
         core.SUNContext_ClearErrHandlers(self.context)  # failures are reported by flag, not on stderr
@@ -61,7 +62,7 @@ class _Ida:
         self.memory = self.view.get()
         self._ok(idas.IDAInit(self.memory, self._residual, t0, self.yy, self.yp), "IDAInit")
         self.atol = core.N_VNew_Serial(size, self.context)
-        core.N_VGetArrayPointer(self.atol)[:] = options.atol
+        core.N_VGetArrayPointer(self.atol)[: len(y)] = options.atol
         core.N_VGetArrayPointer(self.atol)[len(y) :] = self._multiplier_tolerance(options, y, t0)
         self._ok(idas.IDASVtolerances(self.memory, options.rtol, self.atol), "IDASVtolerances")
         self._ok(idas.IDASetId(self.memory, self.ids), "IDASetId")
@@ -100,13 +101,14 @@ class _Ida:
         Held to the states' own tolerance, lambda's roundoff of eps / h stops every small step.
         """
         force = largest_balance(self.system.model, self.system.work, t0, y, self.lam, self.balance)
-        return max(options.atol, MULTIPLIER_SHARE * max(1.0, force))
+        heaviest = self.heaviest * float(options.units[self.system.n_positions]) / options.time  # m L / T^2
+        return MULTIPLIER_SHARE * max(heaviest, force)
 
     def _residual(self, t: float, yy: Any, yp: Any, rr: Any, _data: Any = None) -> int:
         point = self.core.N_VGetArrayPointer
         out = point(rr)
         residual(
-            self.system.model, self.system.work, t, point(yy), point(yp), self.form, PROXIMAL,
+            self.system.model, self.system.work, t, point(yy), point(yp), self.form, self.proximal,
             self.heaviest, self.row_slot, self.row_row, self.lam, self.balance, out,
         )  # fmt: skip
         self.residuals += 1

@@ -34,11 +34,13 @@ FEWEST = 4  # steps in a leg between declared breakpoints, however short: a puls
 
 
 class Options(NamedTuple):
-    """Settings as compiled loops take them; every field is a float or a flag."""
+    """Settings as compiled loops take them."""
 
     step: float  # s, fixed step; 0 when adaptive
     rtol: float
-    atol: float
+    atol: np.ndarray  # (n_state,) in the state's units
+    units: np.ndarray  # (n_state,) what each entry of the state counts in: L, 1 rad, and the same over T
+    time: float  # s, T of the scene
     project: bool
     stop_on_compliance: bool
     max_steps: int

@@ -20,6 +20,7 @@ PROJECTION_ITERATIONS = 12
 PROJECTION_FAILURE = 1e4  # of the projection tolerance: a larger |C| left is a failure
 WITHDRAWAL = 0.2  # step factor after a step that ended where the loops cannot be closed
 SHORTEST = 1e-14  # of the leg, a step
+TINY = 1e-6  # of the scene's time: a first step where the state tells of none
 
 
 @jit
@@ -35,7 +36,7 @@ def weighted_norm(x, y0, y1, rtol, atol):
     """Root mean square of x / (atol + rtol max(|y0|, |y1|)) (Hairer, Norsett, Wanner I, eq II.4.11)."""
     total = 0.0
     for k in range(x.shape[0]):
-        scaled = x[k] / (atol + rtol * max(abs(y0[k]), abs(y1[k])))
+        scaled = x[k] / (atol[k] + rtol * max(abs(y0[k]), abs(y1[k])))
         total += scaled * scaled
     return np.sqrt(total / x.shape[0])
 
@@ -53,18 +54,22 @@ def begin(model, work, run, y, dy, table, max_events):
 
 
 @jit
-def first_step(model, work, t, y, dy, order, rtol, atol, span):
-    """Guess a first step (Hairer, Norsett, Wanner I, sec. II.4, algorithm a-f); costs one evaluation."""
+def first_step(model, work, t, y, dy, order, options, span):
+    """Guess a first step (Hairer, Norsett, Wanner I, sec. II.4, algorithm a-f); costs one evaluation.
+
+    The scene's time stands where the source has a second.
+    """
+    rtol, atol, unit = options.rtol, options.atol, options.time
     d0 = weighted_norm(y, y, y, rtol, atol)
-    d1 = weighted_norm(dy, y, y, rtol, atol)
-    h0 = 1e-6 if d0 < 1e-5 or d1 < 1e-5 else 0.01 * d0 / d1
+    d1 = weighted_norm(dy, y, y, rtol, atol) * unit
+    h0 = TINY * unit if d0 < 1e-5 or d1 < 1e-5 else 0.01 * d0 / d1 * unit
     h0 = min(h0, span)
     trial = y + h0 * dy
     slope = np.empty_like(y)
     derivative(model, work, t + h0, trial, slope)
-    d2 = weighted_norm(slope - dy, y, y, rtol, atol) / h0
+    d2 = weighted_norm(slope - dy, y, y, rtol, atol) / h0 * unit * unit
     largest = max(d1, d2)
-    h1 = max(1e-6, h0 * 1e-3) if largest <= 1e-15 else (0.01 / largest) ** (1.0 / (order + 1))
+    h1 = max(TINY * unit, h0 * 1e-3) if largest <= 1e-15 else (0.01 / largest) ** (1.0 / (order + 1)) * unit
     return min(100.0 * h0, min(h1, span))
 
 
@@ -73,7 +78,7 @@ def propose_first(model, work, options, run, y, dy, order, span):
     """Guess the first step of an adaptive run that has none yet."""
     if options.step == 0.0 and run.h == 0.0:
         t = run.t
-        run.h = first_step(model, work, t, y, dy, order, options.rtol, options.atol, span)
+        run.h = first_step(model, work, t, y, dy, order, options, span)
         run.rhs_calls += 1
 
 

@@ -9,7 +9,7 @@ Source: L. R. Petzold, SIAM J. Sci. Stat. Comput. 4 (1983) 136-148; A. C. Hindma
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from scipy.integrate import LSODA
@@ -64,9 +64,11 @@ def _start(leg: MultistepLeg) -> LSODA:
     options, end = leg.options, float(leg.times[-1])
     if options.project:
         return _OnConstraints(leg.system, options, leg.t, leg.now, end, leg.longest)
-    return LSODA(
-        leg.system.derivative, leg.t, leg.now, end, max_step=leg.longest, rtol=options.rtol, atol=options.atol
-    )  # fmt: skip
+    return LSODA(leg.system.derivative, leg.t, leg.now, end, max_step=leg.longest, **_tolerances(options))
+
+
+def _tolerances(options: Options) -> dict[str, Any]:
+    return {"rtol": options.rtol, "atol": options.atol}
 
 
 class _OnConstraints(LSODA):
@@ -80,7 +82,7 @@ class _OnConstraints(LSODA):
         self, system: System, options: Options, t: float, y: np.ndarray, t_end: float, longest: float
     ) -> None:
         self.system, self.tolerance = system, options.projection_tolerance
-        super().__init__(self._derivative, t, y, t_end, max_step=longest, rtol=options.rtol, atol=options.atol)
+        super().__init__(self._derivative, t, y, t_end, max_step=longest, **_tolerances(options))
 
     def _derivative(self, t: float, z: np.ndarray) -> np.ndarray:
         return self.system.derivative(t, self._onto(t, z))

@@ -51,7 +51,7 @@ class Tolerances(NamedTuple):
     """What errors may be, in the state's units where they are absolute."""
 
     rtol: float
-    atol: float
+    atol: np.ndarray  # (n,)
     newton: float  # of a step's tolerance, what the iteration may leave
 
 
@@ -75,34 +75,34 @@ FAILURES = 3  # of Newton in a row
 def _tolerances(options):
     """Return the tolerances; those of a fixed step serve Newton alone."""
     if options.step > 0.0:
-        return Tolerances(1e-12, 1e-12, 1e-2)
+        return Tolerances(1e-12, 1e-12 * options.units, 1e-2)
     rtol = options.rtol
     return Tolerances(rtol, options.atol, max(10 * 2.3e-16 / rtol, min(0.03, np.sqrt(rtol))))
 
 
 @inlined
-def _renew_jacobian(model, work, run, y, f, scratch, jacobian, past):
+def _renew_jacobian(model, work, options, run, y, f, scratch, jacobian, past):
     """Make the Jacobian that of the present state; no factors belong to it."""
-    fill_jacobian(model, work, run.t, y, f, scratch, jacobian)
+    fill_jacobian(model, work, run.t, y, f, options.units, scratch, jacobian)
     run.rhs_calls += y.shape[0]
     past.marks[FRESH], past.marks[STALE] = 1, 0
     past.values[H_FACTORED] = 0.0
 
 
 @inlined
-def _prepare(model, work, run, attempt, y, f, scratch, tolerances, newton, past):
+def _prepare(model, work, options, run, attempt, y, f, scratch, tolerances, newton, past):
     """Bring Jacobian, factors and the guess of the stages up to this attempt; return whether the factors exist."""
     if attempt.searching:
         past.values[H_LAST] = 0.0
     if past.marks[STALE] == 1:
-        _renew_jacobian(model, work, run, y, f, scratch, newton.jacobian, past)
+        _renew_jacobian(model, work, options, run, y, f, scratch, newton.jacobian, past)
     if past.values[H_FACTORED] != attempt.h:
         if not factor(newton, attempt.h):
             return False
         past.values[H_FACTORED] = attempt.h
     guess_stages(newton, past.values[H_LAST], attempt.h)
     for k in range(y.shape[0]):
-        newton.scale[k] = tolerances.atol + tolerances.rtol * abs(y[k])
+        newton.scale[k] = tolerances.atol[k] + tolerances.rtol * abs(y[k])
     return True
 
 
@@ -189,13 +189,13 @@ def advance_radau(model, work, options, run, y, outputs):
         return code
     propose_first(model, work, options, run, y, f, 3, span)
     jacobian, past = np.empty((y.shape[0], y.shape[0])), Past(np.zeros(3), np.zeros(4, dtype=np.int64))
-    _renew_jacobian(model, work, run, y, f, trial, jacobian, past)
+    _renew_jacobian(model, work, options, run, y, f, trial, jacobian, past)
     newton = newton_for(jacobian)
     while code == RUNNING and run.steps < budget:
         attempt = next_attempt(options, run, outputs, adaptive, search)
         if stands_still(attempt) or (attempt.h < SHORTEST * span and not attempt.searching):
             return STEP_TOO_SMALL
-        if not _prepare(model, work, run, attempt, y, f, trial, tolerances, newton, past):
+        if not _prepare(model, work, options, run, attempt, y, f, trial, tolerances, newton, past):
             return NON_FINITE
         solved = solve_stages(model, work, attempt.t, attempt.h, y, newton, tolerances.newton)
         run.rhs_calls += 3 * solved.iterations

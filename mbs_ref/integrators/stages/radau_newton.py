@@ -16,6 +16,7 @@ from mbs_ref.kernels.border.questions import derivative
 from mbs_ref.kernels.jit import jit
 
 NEWTON_ITERATIONS = 7
+DIFFERENCE = 1.5e-8  # sqrt(eps), of an entry or its unit: balances truncation and roundoff in a forward difference
 
 
 class Newton(NamedTuple):
@@ -53,12 +54,12 @@ def newton_for(jacobian):
 
 
 @jit
-def fill_jacobian(model, work, t, y, f0, scratch, out):
-    """Write df/dy by forward differences, one column an evaluation."""
+def fill_jacobian(model, work, t, y, f0, units, scratch, out):
+    """Write df/dy by forward differences, one column an evaluation; `units` (n,) is what entries of y count in."""
     n = y.shape[0]
     shifted = y.copy()
     for j in range(n):
-        delta = 1.5e-8 * max(1.0, abs(y[j]))
+        delta = DIFFERENCE * max(units[j], abs(y[j]))
         shifted[j] = y[j] + delta
         step = shifted[j] - y[j]
         derivative(model, work, t, shifted, scratch)
