@@ -78,9 +78,7 @@ class _OnConstraints(LSODA):
     them by the tolerance, y may not.
     """
 
-    def __init__(
-        self, system: System, options: Options, t: float, y: np.ndarray, t_end: float, longest: float
-    ) -> None:
+    def __init__(self, system: System, options: Options, t: float, y: np.ndarray, t_end: float, longest: float) -> None:
         self.system, self.tolerance = system, options.projection_tolerance
         super().__init__(self._derivative, t, y, t_end, max_step=longest, **_tolerances(options))
 

@@ -28,7 +28,7 @@ from reports.terminal.exit_codes import EngineAbsent, Failed, Incomplete
 @click.option("--method", help="How; the engine's default unless given.")
 @click.option("--step", type=float, metavar="H", help="Step of a fixed-step method, s.")
 @click.option("--rtol", type=float, metavar="R", help="Relative tolerance of an adaptive method.")
-@click.option("--atol", type=float, metavar="A", help="Absolute tolerance; rtol times a tenth of the scene's scales unless given.")
+@click.option("--atol", type=float, metavar="A", help="Absolute tolerance; follows the scene unless given.")
 @click.option("--stabilization", metavar="S", help="none, baumgarte or projection.")
 @click.option("--t-end", type=float, metavar="T", help="Duration, s; the scene's own unless given.")
 @click.option("--samples", type=int, metavar="N", help="Output times, evenly spaced from 0 to the end.")
