@@ -38,7 +38,7 @@ def measure() -> ContactFacts:
     paths, runs = vehicle_runs(vehicle)
     energy = balance(vehicle, Settings(method="dop853", rtol=1e-8, t_end=0.1, estimate="off"), longest=2e-4)
     return ContactFacts(
-        orders=tuple(_ladder(law, way) for law in ("spring_damper", "progressive") for way in ("none", "located")),
+        orders=tuple(ladder(law, way) for law in ("spring_damper", "progressive") for way in ("none", "located")),
         restitutions=tuple(_restitution(law) for law in LAWS),
         engines=tuple(_bounce(*each) for each in ENGINE_METHODS if each[0] in engines.names()),
         runs=runs,
@@ -74,7 +74,7 @@ def _ball(law: str) -> Scene:
     return scenes.make("bouncing_ball", law=law, **LAWS[law])
 
 
-def _ladder(law: str, events: str) -> OrderLadder:
+def ladder(law: str, events: str) -> OrderLadder:
     ball = _ball(law)
     exact = impact(ball.contacts[0].law, 1.0, 1.0).restitution
     settings = [Settings(method="rk4", step=0.4 / n, events=events, samples=2, estimate="off") for n in STEPS]  # type: ignore[arg-type]

@@ -1,0 +1,87 @@
+"""The tracked vehicle of the second paper: compliance under its integrators, wheels that slide and roll, engines."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from cross_checks import engines
+from mbs_ref import scenes
+from mbs_ref.observables.attachment import Motion
+from mbs_ref.observables.rolling import rolling_slip
+from mbs_ref.settings import Settings
+from mbs_ref.simulate import simulate
+from mbs_ref.trajectory import Status
+from reports.facts.curves import Curves, Film, curves, film
+
+MU = 0.4  # of wheels on links, scenes/data/tracked_vehicle.json
+ROLLING: dict[str, Any] = {"wheel_friction": MU}
+ROUGH: dict[str, Any] = {**ROLLING, "suspension": True, "ground": "bump", "height": 0.05}
+WHEELS = ("idler", "roller1", "roller2", "roller3")
+BRIEF, SHORT, LONG = 0.05, 0.5, 2.0  # s: for DASSL, which takes seconds; for engines and methods; for pictures
+REFERENCE = Settings(method="rk4", step=5e-5, reactions=False, estimate="off")
+METHODS: tuple[tuple[str, dict[str, Any]], ...] = (
+    ("rk4", {"step": 1e-4}), ("euler", {"step": 1e-5}), ("lsodar", {"rtol": 1e-6}), ("dop853", {"rtol": 1e-8}),
+    ("generalized_alpha", {"step": 1e-4}),
+)  # fmt: skip
+TESTED = ("rk4", "euler", "lsodar")  # the papers' own, under their test; the others only say how far C is from 0
+DRIVERS = (("pinocchio", "rk4", 1e-4), ("exudyn", "generalized_alpha", 1e-4))
+
+
+def measure_track() -> tuple[dict[str, float | str], dict[str, Film], dict[str, Curves]]:
+    """Drive the rolling vehicle by each method and engine; the rough one for pictures."""
+    figures: dict[str, float | str] = {}
+    scene, times = scenes.make("tracked_vehicle", **ROLLING), np.linspace(0.0, SHORT, 26)
+    fine = simulate(scene, REFERENCE, times)
+    for method, more in METHODS:
+        bare: dict[str, Any] = {"stabilization": "none"} if method in TESTED else {}
+        settings = Settings(method=method, **more, **bare, reactions=False, estimate="off", max_steps=10**6)
+        path = simulate(scene, settings.model_copy(update={"stop_on_compliance": method in TESTED}), times)
+        kept = np.zeros((1, 2)) if path.step_compliance is None else path.step_compliance
+        name = f"track.{method}"
+        figures |= {
+            f"{name}.test": "fails" if path.status is Status.COMPLIANCE else "keeps" if path.ok else path.message,
+            f"{name}.until": float(path.times[-1]), f"{name}.compliance": float(kept[:, 1].max()),
+            f"{name}.apart": float(np.abs(path.position - fine.position).max()) if path.ok else "stopped",
+            f"{name}.loop_s": path.timing.loop_s,
+        }  # fmt: skip
+    dassl = simulate(scene, Settings(method="dassl", rtol=1e-4, t_end=BRIEF, reactions=False, estimate="off"))
+    kept = np.zeros((1, 2)) if dassl.step_compliance is None else dassl.step_compliance
+    figures |= {"track.dassl.compliance": float(kept[:, 1].max()), "track.dassl.loop_s": dassl.timing.loop_s}
+    for engine, method, step in DRIVERS:
+        settings = Settings(method=method, step=step, reactions=False)
+        figures[f"track.{engine}.apart"] = _engine(scene, engine, settings, fine)
+    rolled, drawn = _rolling()
+    rough = scenes.make("tracked_vehicle", **ROUGH)
+    path = simulate(rough, REFERENCE.model_copy(update={"step": 1e-4, "t_end": LONG, "samples": 81, "method": "rk4"}))
+    hull = np.degrees(path.orientation[:, rough.body_index("chassis")])
+    drawn["Hull's pitch over a bump of 5 cm, rollers sprung"] = curves(path.times, {"pitch": hull}, "degrees")
+    return figures | rolled, {"Track over a bump": film(rough, path, 10)}, drawn
+
+
+def _engine(scene, name: str, settings: Settings, fine) -> float | str:
+    try:
+        path = engines.get(name).run(scene, settings, fine.times)
+    except engines.EngineMissing:
+        return "not installed"
+    return float(np.abs(path.position - fine.position).max()) if path.ok else path.message
+
+
+def _rolling() -> tuple[dict[str, float | str], dict[str, Curves]]:
+    """Return how well wheels roll, and that without friction nothing turns them."""
+    settings = Settings(method="rk4", step=1e-4, t_end=LONG, samples=401, estimate="off")
+    scene, bare = scenes.make("tracked_vehicle", **ROLLING), scenes.make("tracked_vehicle")
+    path, sliding = simulate(scene, settings), simulate(bare, settings)
+    slip = {wheel: rolling_slip(Motion(scene, path), wheel) for wheel in WHEELS}
+    every = np.abs(np.concatenate(list(slip.values())))
+    speeds = {"chassis": path.velocity[:, scene.body_index("chassis"), 0]}
+    for wheel in ("idler", "roller2"):
+        radius = next(c.radius for c in scene.contacts if c.body_a == wheel and c.type == "circle_on_line")
+        speeds[f"{wheel}'s rim"] = -radius * path.angular_velocity[:, scene.body_index(wheel)]
+    return {
+        "track.slip_median": float(np.nanmedian(every)), "track.slip_95": float(np.nanpercentile(every, 95.0)),
+        "track.sliding_turns": float(np.abs(sliding.angular_velocity[:, [bare.body_index(w) for w in WHEELS]]).max()),
+        "track.travel": float(path.position[-1, 0, 0] - path.position[0, 0, 0]),
+        "track.sliding_travel": float(sliding.position[-1, 0, 0] - sliding.position[0, 0, 0]),
+    }, {"Track: wheels roll": curves(path.times, speeds, "m/s")}  # fmt: skip

@@ -1,0 +1,81 @@
+"""The papers' claims: their verdicts follow the measured figures, and the page shows every one."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from reports.facts.curves import Curves
+from reports.page.pages import pages
+from reports.page.render import render
+from reports.studies.papers.claims import Claim, claims
+from reports.studies.papers.facts import PapersFacts
+from reports.studies.papers.formulations import SINGULAR, euler_angles, multipliers
+from reports.studies.papers.measure import measure
+from tests.reports.page.synthetic_report import report_data
+
+HALF_ORDER = 0.5
+
+
+def test_a_verdict_follows_the_figures():
+    claim = Claim(
+        "g", "1999", "Sec. I", "a is small", "{a} m", (("a", "<", 1.0), ("a", "<", "b"), ("word", "=", "yes"))
+    )
+    good = {"a": 0.5, "b": 2.0, "word": "yes"}
+    assert claim.judged(good) == "reproduced"
+    assert claim.judged(good | {"a": 1.5}) == "not reproduced"
+    assert claim.judged(good | {"b": 0.1}) == "not reproduced"
+    assert claim.judged(good | {"word": "no"}) == "not reproduced"
+    assert claim.judged(good | {"a": "stopped"}) == "not reproduced"
+    assert claim.judged({"word": "yes"}) == "not measured"
+    assert claim.told(good) == "0.5 m"
+    assert claim.told({}) == "(not measured) m"
+
+
+def test_every_claim_has_a_verdict_and_a_page():
+    files = {page.file for page in pages(report_data())}
+    for claim in claims():
+        assert bool(claim.stands) != (claim.verdict != "not measured"), claim.said
+        assert not claim.link or claim.link in files, claim.link
+    assert {claim.paper for claim in claims()} == {"1999", "2001"}
+    for figure in ("Fig. 1", "Fig. 2", "Fig. 3", "Fig. 4", "Fig. 5"):
+        assert any(figure in claim.where.replace("Figs.", "Fig.") for claim in claims())
+
+
+def test_the_page_tells_measured_and_missing_figures():
+    line = Curves((0.0, 0.1), {"head": (0.0, 1.0)}, "x, N")
+    facts = PapersFacts({"seats.imbalance": 2e-12, "simplified.rk4.test": "keeps"}, {}, {"Fig. 3, x": line})
+    page = render(replace(report_data(), studies={"papers": facts}))["papers.html"].decode()
+    assert "2.00e-12 N" in page
+    assert "(not measured)" in page
+    assert page.count("not reproduced") >= 1
+    assert all(claim.where in page for claim in claims())
+
+
+def test_differences_of_mu_lose_two_orders_and_grow_with_roundoff():
+    found = multipliers()
+    double = [float(found[f"multiplier.mu.float64.{h:g}"]) for h in (1e-2, 1e-3, 1e-4)]
+    solved = [float(found[f"multiplier.index1.float64.{h:g}"]) for h in (1e-2, 1e-3)]
+    assert double[0] / double[1] == pytest.approx(1e2, rel=0.1)
+    assert solved[0] / solved[1] > 10 ** (4 - HALF_ORDER)
+    single = [float(found[f"multiplier.mu.float32.{h:g}"]) for h in (1e-3, 1e-4)]
+    assert single[1] > 5.0 * single[0]
+
+
+def test_eulers_angles_stop_at_the_pole_with_a_name():
+    near, at = euler_angles(0.1), euler_angles(1e-8)
+    assert near["status"] == "success"
+    assert at["status"] == SINGULAR
+    assert at["until"] == pytest.approx(1.0, abs=1e-3)  # s: the axis starts a radian from the pole and turns at 1 rad/s
+    assert float(euler_angles(1e-3)["calls"]) > 2.0 * float(near["calls"])
+
+
+@pytest.mark.slow
+def test_every_figure_that_a_claim_names_is_measured():
+    found = measure()
+    words = {"keeps", "fails", "success", "singular"}
+    for claim in claims():
+        assert claim.named <= found.figures.keys(), claim.said
+        for _, _, other in claim.stands:
+            assert not isinstance(other, str) or other in words or other in found.figures
