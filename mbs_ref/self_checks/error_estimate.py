@@ -8,11 +8,12 @@ they converge as they should, so SAFETY times that is said. Errors vanish by cha
 in time.
 
 That proportion holds at one order. Where a method chooses its order, too, the companion's tolerance is two decades
-tighter, and no less than it is said. How far the run is off the constraints is measured: the companion may share it.
+tighter, and no less than it is said. Where a step may err more than the tolerance, it is tighter by as much again. How
+far the run is off the constraints is measured: the companion may share it.
 
-A companion that takes no more steps shows that the tolerance does not govern them: another is made, tighter by two
-decades more. Where the finer companion does not end, a coarser one is made: its errors are the larger ones, and d is
-their size.
+A companion that takes no more steps, or hardly differs, shows that the tolerance does not govern the steps that err
+most: another is made, tighter by two decades more. Where the finer companion does not end, a coarser one is made: its
+errors are the larger ones, and d is their size.
 """
 
 from __future__ import annotations
@@ -37,6 +38,7 @@ from mbs_ref.trajectory import Estimate, Status
 SAFETY = 3.0  # for two runs (P. J. Roache, J. Fluids Eng. 116 (1994) 405: the grid convergence index)
 DECADE = 10.0  # between the tolerances of the two
 TIGHTEST = 1e-13  # relative tolerance of a companion: some hundred EPS, beyond which roundoff decides
+LEAST = 1e-3  # of the tolerance: less than a step errs that it governs
 MORE_STEPS = 4  # times those allowed for a finer companion: the square root of ten at order 2, rounded up
 ENDED = frozenset({Status.SUCCESS, Status.STOP_EVENT})
 
@@ -56,6 +58,7 @@ class _Compared(NamedTuple):
     bounds: np.ndarray  # (n, 4), the estimate at the outputs that both reached
     sizes: np.ndarray  # (4,), how far the two go
     is_alike: bool  # no more steps, though its tolerance is the tighter one
+    is_vain: bool  # no more steps or hardly a difference, though its tolerance is the tighter one
     status: Status
     how: str
 
@@ -94,7 +97,7 @@ def _least(plan: Plan, run: Run, found: list[_Compared]) -> float:
     roundoff = SAFETY * _roundoff(run)
     if plan.integrator.varies_order:
         return roundoff + plan.options.rtol / _decades(plan)
-    return roundoff + (plan.options.rtol / DECADE**3 if all(one.is_alike for one in found) else 0.0)
+    return roundoff + (plan.options.rtol * LEAST if all(one.is_alike for one in found) else 0.0)
 
 
 def _roundoff(run: Run) -> float:
@@ -104,14 +107,14 @@ def _roundoff(run: Run) -> float:
 
 def _decades(plan: Plan) -> float:
     """Return by how much the companion's tolerance is tighter."""
-    return DECADE**2 if plan.integrator.varies_order else DECADE
+    return DECADE**2 if plan.integrator.varies_order else DECADE * plan.integrator.slack
 
 
 def _all_compared(system: System, scales: Scales, plan: Plan, run: Run) -> list[_Compared]:
     """Return what the companions say that are needed: one as a rule."""
     finer = _half(system, plan) if plan.options.step else _tighter(plan, _decades(plan))
     found = [_compared(system, scales, plan, run, finer)]
-    if found[0].is_alike:
+    if found[0].is_vain:
         found.append(_compared(system, scales, plan, run, _tighter(plan, DECADE**2 * _decades(plan))))
     if not found[-1].has_ended and found[-1].status is not Status.INTERRUPTED:
         found.append(_compared(system, scales, plan, run, _coarser(plan)))
@@ -157,10 +160,12 @@ def _compared(system: System, scales: Scales, plan: Plan, run: Run, companion: _
     apart = companion.factor * (gaps + _roundoff(other) * way)
     ended = other.status in ENDED
     tighter = companion.options.rtol < plan.options.rtol
+    is_alike = ended and tighter and bool(other.counts.steps <= run.counts.steps)
     return _Compared(
         # places no further than so far from the start are no further than twice that from each other
         bounds=np.fmax(gaps, np.minimum(apart, 2.0 * sizes)), sizes=sizes,
-        is_alike=ended and tighter and bool(other.counts.steps <= run.counts.steps), status=other.status,
+        is_alike=is_alike, status=other.status,
+        is_vain=is_alike or (ended and tighter and bool(np.max(gaps) < LEAST * plan.options.rtol)),
         how=f"{companion.factor:.3g} times the difference from a run with {companion.share}"
             + ("" if ended else f", which did not end: {other.message}"),
     )  # fmt: skip

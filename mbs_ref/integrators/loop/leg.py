@@ -138,6 +138,7 @@ class Integrator:
     stability: tuple[float, ...] = ()  # explicit methods: coefficients of R(z), lowest power first
     weakness: str = ""  # why the method is known to fail or stand wrong where others do not: shown, never judged by
     varies_order: bool = False  # besides the step: its errors follow the tolerance loosely
+    slack: float = 1.0  # how many times the tolerance a step may err and be accepted
     switches: str = ""  # the families between which the method changes and says so
     package: str | None = None  # optional third-party package it needs
     holds_deflections: bool = True  # carries the deflections of sticking contacts, which are states in space

@@ -415,4 +415,5 @@ INTEGRATOR = Integrator(
     ladder=(1e-4, 1e-6, 1e-8, 1e-10, 1e-12, 1e-14, 1e-16, 1e-18),
     source="Hairer, Lubich, Wanner, Geometric Numerical Integration, 2nd ed., Springer 2006, sec. VIII.6",
     cores=("particles",),
+    slack=ACCEPT ** (2 * STAGES),
 )

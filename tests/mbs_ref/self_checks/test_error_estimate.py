@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from cross_checks.extremes.parts import rod_chain
-from cross_checks.truths import kepler
+from cross_checks.truths import kepler, truth_for
 from mbs_ref import scenes
 from mbs_ref.cores.system import Poses
 from mbs_ref.scene import GROUND, Force, PlanarBody, PointMass, Prismatic, Scene, SpringDamper, UserForce, Weld
@@ -106,6 +106,20 @@ def test_a_tolerance_is_not_taken_at_its_word(method, rtol):
     scene = scenes.make("slider_crank")
     path = simulate(scene, Settings(method=method, rtol=rtol, t_end=2.0))
     assert_honest(path, error(scene, path))
+
+
+@pytest.mark.parametrize(
+    ("name", "method", "rtol", "t_end"),
+    [("kepler", "gauss", 1.72e-9, 11.408386643190838), ("bouncing_ball", "dop853", 1.69e-8, 0.20791137153657277)],
+)
+def test_a_companion_that_takes_the_same_long_step_is_not_believed(name, method, rtol, t_end):
+    """Both take the step that errs most alike: a growing one at the start, the one from an impact to an output."""
+    scene = scenes.make(name)
+    path = simulate(scene, Settings(method=method, rtol=rtol, atol=rtol, t_end=t_end, samples=21))
+    exact = truth_for(scene, path.times)
+    assert exact is not None
+    far = np.linalg.norm(path.position - exact.position, axis=2).max() / scales_of(scene).length
+    assert 0.0 < far <= of(path).value
 
 
 @pytest.mark.parametrize(("method", "step"), [("euler", 1e-3), ("rk4", 2e-2), ("dop853", 0.1), ("radau", 0.02)])
@@ -269,5 +283,3 @@ def test_a_tolerance_at_roundoff_is_compared_with_a_coarser_one():
     path = simulate(scene, Settings(rtol=2e-13, t_end=0.5))
     assert "10 times the tolerance" in of(path).how
     assert of(path).value > error(scene, path)
-
-
