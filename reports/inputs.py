@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -31,8 +31,8 @@ SECONDS = {"": 1.0, "s": 1.0, "ms": 1e-3, "us": 1e-6, "min": 60.0}  # s, in a du
 
 
 def scene(name_or_file: str, parameters: Sequence[str] = ()) -> Scene:
-    """Return the scene of that name, or in that TOML or URDF file."""
-    if name_or_file.endswith(".urdf"):
+    """Return the scene of that name, or in that TOML, URDF or MJCF (.xml) file."""
+    if name_or_file.endswith((".urdf", ".xml")):
         return _robot(name_or_file, parameters)
     try:
         if name_or_file.endswith(".toml"):
@@ -62,16 +62,28 @@ KEEP = click.option("--keep", "kept", multiple=True, metavar="BODY.velocity|BODY
 
 def _robot(file: str, parameters: Sequence[str]) -> Scene:
     """Return the scene of a robot, and say on stderr what was assumed."""
-    engine("pinocchio")  # whose parser reads it
-    from cross_checks.engines.pinocchio_.urdf import RobotError, read_urdf
+    from cross_checks.workshop.robot import RobotError
 
     try:
-        robot = read_urdf(Path(file), _parameters(parameters))
+        robot = _reader(file)(Path(file), _parameters(parameters))
     except (RobotError, ValueError) as error:
         raise click.UsageError(str(error)) from error
     for sentence in robot.assumed:
         click.echo(f"{file}: assumed: {sentence}", err=True)
     return robot.scene
+
+
+def _reader(file: str) -> Callable[..., Any]:
+    """Return what reads a robot file; its parser is that of an engine, which must be installed."""
+    if file.endswith(".urdf"):
+        engine("pinocchio")
+        from cross_checks.engines.pinocchio_.urdf import read_urdf
+
+        return read_urdf
+    engine("mujoco")
+    from cross_checks.engines.mujoco_.mjcf import read_mjcf
+
+    return read_mjcf
 
 
 def settings(**chosen: Any) -> Settings:

@@ -53,7 +53,7 @@ class MuJoCo(Engine):
     part_types: ClassVar[frozenset[str]] = frozenset(
         {"planar", "point_mass", "revolute", "prismatic", "weld", "distance"}
         | {"force", "torque", "spring_damper", "torsion_spring"}
-        | {"spatial", "spherical", "cylindrical"}
+        | {"spatial", "spherical", "cylindrical", "universal"}
         | {"point_bushing"}
         | CLIPPED_CONTACTS
         | {"sphere_on_plane", "sphere_on_sphere", "stick_slip"}

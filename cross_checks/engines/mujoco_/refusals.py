@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 from cross_checks.engine import Refusal
+from cross_checks.engines.mujoco_.spatial_build import hinge_of
 from cross_checks.workshop.planar_tree import joint_tree
 from cross_checks.workshop.prescribed import constant_value
 from cross_checks.workshop.spatial_tree import spatial_tree
@@ -19,6 +20,8 @@ from mbs_ref.scene import (
     Spherical,
     SpringDamper,
     Torque,
+    TorsionSpring,
+    Universal,
     Weld,
 )
 
@@ -41,12 +44,17 @@ def closure_refusals(scene: Scene) -> list[Refusal]:
     ]
 
 
-SPATIAL_PARTS = (Spherical, Revolute, Prismatic, Cylindrical, Weld, Distance, SpringDamper)
+SPATIAL_PARTS = (Spherical, Revolute, Universal, Prismatic, Cylindrical, Weld, Distance, SpringDamper, TorsionSpring)
 
 
 def spatial_refusals(scene: Scene) -> list[Refusal]:
     parts = [part for part in (*scene.joints, *scene.loads) if not isinstance(part, SPATIAL_PARTS)]
     reasons = [f"{part.name!r}: mujoco is not yet taught {part.type} in space" for part in parts]
-    slides = [j for j in spatial_tree(scene).closures if isinstance(j, Prismatic | Cylindrical)]
-    reasons += [f"joint {joint.name!r} closes a loop by a slide, which mujoco is not yet taught" for joint in slides]
+    tree = spatial_tree(scene)
+    slides = [j for j in tree.closures if isinstance(j, Prismatic | Cylindrical | Universal)]
+    reasons += [f"joint {joint.name!r} closes a loop by a {joint.type} joint, which mujoco is not yet taught"
+                for joint in slides]  # fmt: skip
+    springs = (load for load in scene.loads if isinstance(load, TorsionSpring))
+    loose = [load.name for load in springs if hinge_of(tree, load) is None]
+    reasons += [f"load {name!r} acts about no hinge of its bodies, which mujoco is not yet taught" for name in loose]
     return [Refusal(reason, permanent=False) for reason in reasons] + part_refusals(scene)

@@ -9,28 +9,26 @@ from xml.etree import ElementTree
 
 import numpy as np
 import pinocchio  # pyright: ignore[reportMissingImports]
-from pydantic import ValidationError
 
+from cross_checks.workshop.robot import (
+    LOCKED,
+    RATE,
+    Axis,
+    Robot,
+    RobotError,
+    of_file,
+    own_forces,
+    refuse,
+    six,
+    three,
+    unknown,
+)
 from mbs_ref.scene import GROUND, Bushing, Prismatic, Revolute, Scene, SpatialBody, TorsionSpring
 from mbs_ref.scene.euler_parameters import from_matrix
-from mbs_ref.scene.messages import suggest
 
-RATE = ".rate"  # a start rate is asked for as joint.rate
-FREELY = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)  # no stiffness
+OPTIONS = "gravity, duration, base"
 FREE = "root_joint"  # Pinocchio's name of the joint that a free root has
-LOCKED = "locked"  # the value of a joint that shall not move
 TURNING, SLIDING = ("revolute", "continuous"), ("prismatic",)
-
-
-class RobotError(ValueError):
-    """A robot file cannot be a scene; the sentence names each element that stands in the way."""
-
-
-class Robot(NamedTuple):
-    """A scene, and what was assumed to make it."""
-
-    scene: Scene
-    assumed: tuple[str, ...]
 
 
 class Element(NamedTuple):
@@ -60,25 +58,23 @@ def read_urdf(path: Path, given: Mapping[str, Any] | None = None) -> Robot:
         raise RobotError(f"-p base={base}: allowed: fixed, free")
     elements = {element.name: element for element in _elements(path)}
     movable = [name for name, element in elements.items() if element.kind != "fixed"]
-    _refuse(path, [_unknown(name, movable) for name in asked if name.removesuffix(RATE) not in movable])
+    refuse(path, (unknown(name, movable, OPTIONS) for name in asked if name.removesuffix(RATE) not in movable))
     locked = [name for name, value in asked.items() if value == LOCKED]
     elements |= {name: elements[name]._replace(kind="fixed", mimics=False) for name in locked}
-    _refuse(path, list(_refusals(elements.values())))
+    refuse(path, _refusals(elements.values()))
     model = _model(path, locked, base == "free")
     if base == "free":
         elements[FREE] = Element(FREE, "floating", _root(elements.values(), path), 0.0, 0.0, False, False)
     start = {name: float(value) for name, value in asked.items() if value != LOCKED}
     moving = _Posed(model, elements, start)
-    _refuse(path, list(moving.massless()))
-    try:
+    refuse(path, moving.massless())
+    with of_file(path):
         scene = Scene(
-            name=path.stem, description=f"The robot {model.name}, let go: no actuator acts.", source=path.name,
-            duration=duration, gravity=(0.0, 0.0, -gravity), bodies=tuple(map(moving.body, moving.joints)),
+            name=path.stem, source=path.name, description=f"The robot {model.name}, let go: no actuator acts.",
+            duration=duration,
+            gravity=(0.0, 0.0, -gravity), bodies=tuple(map(moving.body, moving.joints)),
             joints=tuple(moving.constraints()), loads=tuple(moving.dampers()), parameters=dict(given or {}),
         )  # fmt: skip
-    except ValidationError as error:
-        told = "; ".join(f"{'.'.join(map(str, one['loc']))}: {one['msg']}" for one in error.errors())
-        raise RobotError(f"{path}: {told}") from error
     return Robot(scene, tuple(_assumptions(elements.values(), base)))
 
 
@@ -129,17 +125,6 @@ def _refusals(elements) -> Iterator[str]:
             yield f"joint {element.name!r} has dry friction of {element.friction:g}; scenes have none in joints"
 
 
-def _refuse(path: Path, reasons: list[str]) -> None:
-    if reasons:
-        raise RobotError(f"{path}: {'; '.join(reasons)}")
-
-
-def _unknown(name: str, joints: list[str]) -> str:
-    hint = suggest(name, joints)
-    allowed = f"gravity, duration, base, {', '.join(joints)}, each joint also as NAME{RATE}"
-    return f"-p {name}: no joint has that name{hint}; allowed: {allowed}"
-
-
 def _assumptions(elements, base: str) -> Iterator[str]:
     limited = [element.name for element in elements if element.limited and element.kind not in ("fixed", "continuous")]
     fixed = [element.child for element in elements if element.kind == "fixed"]
@@ -183,9 +168,9 @@ class _Posed:
         velocity = turn @ (rate.linear + np.cross(rate.angular, arm))
         moments = np.array(inertia.inertia)
         return SpatialBody(
-            name=self.link(i), mass=inertia.mass, inertia=_six(0.5 * (moments + moments.T)),
-            position=_three(place.act(arm)), orientation=tuple(from_matrix(turn).tolist()), velocity=_three(velocity),
-            angular_velocity=_three(turn @ rate.angular),
+            name=self.link(i), mass=inertia.mass, inertia=six(0.5 * (moments + moments.T)),
+            position=three(place.act(arm)), orientation=tuple(from_matrix(turn).tolist()), velocity=three(velocity),
+            angular_velocity=three(turn @ rate.angular),
         )  # fmt: skip
 
     def constraints(self) -> Iterator[Revolute | Prismatic]:
@@ -193,7 +178,7 @@ class _Posed:
 
     def _joint(self, i: int) -> Revolute | Prismatic:
         name, (a, b), axis = self.model.names[i], self._ends(i), self._axis(i)
-        point = _three(self.data.oMi[i].translation)
+        point = three(self.data.oMi[i].translation)
         if self.elements[name].kind in SLIDING:
             return Prismatic(name=name, body_a=a, body_b=b, point=point, axis=axis)
         return Revolute(name=name, body_a=a, body_b=b, point=point, axis=axis)
@@ -205,14 +190,8 @@ class _Posed:
     def dampers(self) -> Iterator[TorsionSpring | Bushing]:
         for i in self.joints:
             element, (a, b) = self.elements[self.model.names[i]], self._ends(i)
-            name, along = f"{element.name}_damping", self._axis(i)
-            if element.damping and element.kind in SLIDING:
-                yield Bushing(
-                    name=name, body_a=a, body_b=b, point=_three(self.data.oMi[i].translation), x_axis=along,
-                    y_axis=_square_to(along), stiffness=FREELY, damping=(element.damping, 0.0, 0.0, 0.0, 0.0, 0.0),
-                )  # fmt: skip
-            elif element.damping:
-                yield TorsionSpring(name=name, body_a=a, body_b=b, stiffness=0.0, damping=element.damping, axis=along)
+            point, slides = three(self.data.oMi[i].translation), element.kind in SLIDING
+            yield from own_forces(Axis(element.name, a, b, point, self._axis(i), slides), 0.0, element.damping)
 
     def _axis(self, i: int) -> tuple[float, float, float]:
         """Return the axis of joint i in the world, from the columns of its Jacobian in its own axes."""
@@ -220,19 +199,4 @@ class _Posed:
         jacobian = pinocchio.computeJointJacobian(self.model, data, self.q, i)
         column = jacobian[:, self.model.joints[i].idx_v]
         local = column[:3] if self.elements[self.model.names[i]].kind in SLIDING else column[3:]
-        return _three(np.array(self.data.oMi[i].rotation) @ local)
-
-
-def _square_to(axis: tuple[float, float, float]) -> tuple[float, float, float]:
-    """Return a unit vector square to another."""
-    other = np.cross(axis, np.eye(3)[int(np.argmin(np.abs(axis)))])
-    return _three(other / np.linalg.norm(other))
-
-
-def _three(vector: Any) -> tuple[float, float, float]:
-    x, y, z = (float(value) for value in vector)
-    return x, y, z
-
-
-def _six(m: np.ndarray) -> tuple[float, float, float, float, float, float]:
-    return tuple(float(m[r, c]) for r, c in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)))  # pyright: ignore
+        return three(np.array(self.data.oMi[i].rotation) @ local)

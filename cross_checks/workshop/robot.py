@@ -1,0 +1,99 @@
+"""What readers of robot files share: how a start is asked for, refusals, and joints' own springs and dampers."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from pydantic import ValidationError
+
+from mbs_ref.scene import Bushing, Scene, TorsionSpring
+from mbs_ref.scene.messages import suggest
+
+RATE = ".rate"  # a start rate is asked for as joint.rate
+LOCKED = "locked"  # the value of a joint that shall not move
+
+
+class RobotError(ValueError):
+    """A robot file cannot be a scene; the sentence names each element that stands in the way."""
+
+
+class Robot(NamedTuple):
+    """A scene, and what was assumed to make it."""
+
+    scene: Scene
+    assumed: tuple[str, ...]
+
+
+class Axis(NamedTuple):
+    """One freedom between two bodies at the start."""
+
+    joint: str
+    body_a: str
+    body_b: str
+    point: tuple[float, float, float]  # m
+    along: tuple[float, float, float]  # direction
+    slides: bool
+
+
+def refuse(path: Path, reasons: Iterable[str]) -> None:
+    """Raise RobotError where there is a reason."""
+    told = list(reasons)
+    if told:
+        raise RobotError(f"{path}: {'; '.join(told)}")
+
+
+def unknown(name: str, joints: list[str], options: str) -> str:
+    """Return the sentence about a name that no joint has; `options` are the other names."""
+    hint = suggest(name, joints)
+    allowed = f"{options}, {', '.join(joints)}, each joint also as NAME{RATE}"
+    return f"-p {name}: no joint has that name{hint}; allowed: {allowed}"
+
+
+@contextmanager
+def of_file(path: Path) -> Iterator[None]:
+    """Turn what a part of a scene complains of into a RobotError about the file."""
+    try:
+        yield
+    except ValidationError as error:
+        told = (f"{'.'.join(map(str, one['loc']))}: {one['msg']}" for one in error.errors())
+        raise RobotError(f"{path}: {'; '.join(told)}") from error
+
+
+def own_forces(axis: Axis, stiffness: float, damping: float, rest: float = 0.0) -> Iterator[TorsionSpring | Bushing]:
+    """Yield the spring and damper of a joint's freedom, if any; `rest` is counted from the start (rad).
+
+    A slide's spring is relaxed at the start.
+    """
+    if not (stiffness or damping):
+        return
+    name, a, b = f"{axis.joint}_{'spring' if stiffness else 'damping'}", axis.body_a, axis.body_b
+    if not axis.slides:
+        zero = rest if stiffness else None
+        yield TorsionSpring(name=name, body_a=a, body_b=b, stiffness=stiffness, damping=damping, axis=axis.along,
+                            rest_angle=zero)  # fmt: skip
+        return
+    yield Bushing(
+        name=name, body_a=a, body_b=b, point=axis.point, x_axis=axis.along, y_axis=square_to(axis.along),
+        stiffness=(stiffness, 0.0, 0.0, 0.0, 0.0, 0.0), damping=(damping, 0.0, 0.0, 0.0, 0.0, 0.0),
+    )  # fmt: skip
+
+
+def square_to(axis: tuple[float, float, float]) -> tuple[float, float, float]:
+    """Return a unit vector square to another."""
+    other = np.cross(axis, np.eye(3)[int(np.argmin(np.abs(axis)))])
+    return three(other / np.linalg.norm(other))
+
+
+def three(vector: Any) -> tuple[float, float, float]:
+    """Return three floats."""
+    x, y, z = (float(value) for value in vector)
+    return x, y, z
+
+
+def six(m: np.ndarray) -> tuple[float, float, float, float, float, float]:
+    """Return xx, yy, zz, xy, xz, yz of a symmetric matrix (3, 3)."""
+    return tuple(float(m[r, c]) for r, c in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)))  # pyright: ignore
