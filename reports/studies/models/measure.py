@@ -1,0 +1,183 @@
+"""Ladders of models, each rung run by the same method: what it costs and what it buys."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+
+from cross_checks.judge.one_run import evaluate
+from cross_checks.truth import NoTruth, Truth
+from cross_checks.truths import seek_truth
+from mbs_ref import scenes
+from mbs_ref.crash.outlines import excesses
+from mbs_ref.crash.results import crash_results
+from mbs_ref.observables.attachment import Motion
+from mbs_ref.observables.rolling import rolling_slip
+from mbs_ref.scene import Scene
+from mbs_ref.scene.scales import scales_of
+from mbs_ref.settings import Settings
+from mbs_ref.simulate import simulate
+from mbs_ref.trajectory import Trajectory
+from reports.studies.models.facts import Ladder, ModelsFacts, Rung
+
+ROUNDS = 3  # interleaved runs of each rung, of which the least counts
+OBSERVED = NoTruth("held against where the bodies really were")
+Model = tuple[str, Scene, Settings]
+Told = Callable[[Scene, Trajectory], tuple[dict[str, float], float | None]]  # what is shown, and the accuracy
+
+SKY_LEVELS = ("lumped", "newton", "gr", "j2", "asteroids", "full")
+SKY = Settings(method="gauss", rtol=1e-16, samples=2, estimate="off")
+ORBIT = Settings(method="dop853", rtol=1e-11, samples=11, estimate="off")
+CRASH = Settings(method="dop853", rtol=1e-8, samples=201, estimate="off")
+LOOP = Settings(method="dop853", rtol=1e-9, samples=41, estimate="off", reactions=False)
+DRIVE = Settings(method="rk4", step=1e-4, t_end=1.6, samples=161, estimate="off")
+MU = 0.4  # of wheels on links
+FORCES = ("zonals", "third_bodies", "drag", "radiation")  # of a satellite, each with those before it
+
+
+def measure() -> ModelsFacts:
+    """Run every ladder; a minute with compiled code at hand."""
+    return ModelsFacts((planets(), satellites(), loops(), equations(), androids(), tracks()))
+
+
+def planets() -> Ladder:
+    """The solar system with ever more physics, against where the bodies really were."""
+    models = [(level, scenes.make("solar_system", model=level, days=200.0), SKY) for level in SKY_LEVELS]
+    return ladder(
+        "The solar system over 200 days", "Held against DE440.", "significant figures of the least exact body", models,
+        lambda scene, _: ({"bodies": float(len(scene.bodies))}, _figures(scene)),
+    )  # fmt: skip
+
+
+def _figures(scene: Scene) -> float:
+    return min(evaluate(scene, "mbs_ref", SKY, truth=OBSERVED).figures.values())
+
+
+def satellites() -> Ladder:
+    """A low satellite for a day with ever more forces, against the last rung."""
+    chosen = [("J2", {})] + [(f"and {name}", dict.fromkeys(FORCES[: k + 1], True)) for k, name in enumerate(FORCES)]
+    chosen = [("point mass Earth", {"j2": False}), *chosen]
+    models = [(name, scenes.make("satellite", **more), ORBIT) for name, more in chosen]
+    fullest = simulate(models[-1][1], ORBIT)
+
+    def told(scene: Scene, path: Trajectory) -> tuple[dict[str, float], float | None]:
+        off = float(np.linalg.norm(path.position - fullest.position, axis=2).max())
+        radius = float(np.linalg.norm(scene.bodies[1].position))
+        return {"off the fullest model, m": off}, -np.log10(off / radius) if off > 0.0 else None
+
+    note = "A day at 400 km; off is the distance from the last rung, which is no truth."
+    return ladder("A satellite's forces", note, "-log10 of off over the orbit's radius", models, told)
+
+
+def loops() -> Ladder:
+    """The same two four-bars on the planar and on the spatial core."""
+    models = [(name, scenes.make(name, loops=2), LOOP) for name in ("n_four_bar", "spatial_n_four_bar")]
+    return ladder("Planar or spatial bodies", "Two coupled four-bars, the same motion.", ERROR, models, _from_truth)
+
+
+ERROR = "-log10 of the error over the scene"
+
+
+def _from_truth(scene: Scene, path: Trajectory) -> tuple[dict[str, float], float | None]:
+    truth = seek_truth(scene, path.times)
+    kept = 0.0 if path.step_compliance is None else float(path.step_compliance[:, 1].max())
+    shown = {"largest |C|, m": kept}
+    if not isinstance(truth, Truth) or not path.ok:
+        return shown, None
+    off = float(np.linalg.norm(path.position - truth.position, axis=2).max()) / scales_of(scene).length
+    return shown, float(-np.log10(max(off, 1e-16)))
+
+
+def equations() -> Ladder:
+    """A slider-crank by the forms of its equations that the papers weigh."""
+    scene = scenes.make("slider_crank")
+    forms: tuple[tuple[str, dict[str, Any]], ...] = (
+        ("index 1, explicit, constraints closed", {"method": "dop853", "rtol": 1e-6}),
+        ("index 1, explicit, drifting", {"method": "dop853", "rtol": 1e-6, "stabilization": "none"}),
+        ("index 1, DASSL", {"method": "dassl_index1", "rtol": 1e-6}),
+        ("index 2 stabilised, DASSL", {"method": "dassl", "rtol": 1e-6}),
+        ("index 3, generalized-alpha", {"method": "generalized_alpha", "step": 1e-3}),
+    )
+    models = [(name, scene, LOOP.model_copy(update={"rtol": None, **more})) for name, more in forms]
+    note = "A slider-crank; one setting each, so that error and time go together."
+    return ladder("Form and index of the equations", note, ERROR, models, _from_truth)
+
+
+def androids() -> Ladder:
+    """A front crash from 13 bodies to 48 that touch; what no contact keeps apart passes through."""
+    believable = {"stops": True, "body_contacts": True}
+    chosen: tuple[tuple[str, str, dict[str, Any]], ...] = (
+        ("13 bodies, no belts", "simplified", {"belts": False}),
+        ("13 bodies", "simplified", {}),
+        ("13 bodies, joint stops", "simplified", {"stops": True}),
+        ("13 bodies, stops and contacts", "simplified", believable),
+        ("48 bodies", "vertebral", {}),
+        ("48 bodies, joint stops", "vertebral", {"stops": True}),
+        ("48 bodies, stops and contacts", "vertebral", believable),
+    )
+    models = [(name, scenes.make(f"android_{kind}", **more), CRASH) for name, kind, more in chosen]
+
+    def told(scene: Scene, path: Trajectory) -> tuple[dict[str, float], float | None]:
+        found = crash_results(scene, path)
+        through = max(float(depth.max()) for depth in excesses(Motion(scene, path)).values())
+        return {
+            "HIC36": found.measures["HIC36"], "Nij": found.measures["Nij"],
+            "head's travel, m": float(np.abs(found.head_excursion[:, 0]).max()),
+            "passes through, m": max(through, 0.0),
+        }, None  # fmt: skip
+
+    return ladder("Crash occupants", "From the front, 50 km/h. No truth says which is right.", "", models, told)
+
+
+def tracks() -> Ladder:
+    """A tracked vehicle that slides, rolls, is sprung, and meets a bump."""
+    rolling = {"wheel_friction": MU}
+    chosen: tuple[tuple[str, dict[str, Any]], ...] = (
+        ("no friction at the wheels", {}),
+        ("wheels roll", rolling),
+        ("rollers sprung", {**rolling, "suspension": True}),
+        ("over a bump", {**rolling, "suspension": True, "ground": "bump", "height": 0.05}),
+    )
+    models = [(name, scenes.make("tracked_vehicle", **more), DRIVE) for name, more in chosen]
+
+    def told(scene: Scene, path: Trajectory) -> tuple[dict[str, float], float | None]:
+        slip = np.abs(rolling_slip(Motion(scene, path), "roller2"))
+        hull = scene.body_index("chassis")
+        return {
+            "way, m": float(path.position[-1, hull, 0] - path.position[0, hull, 0]),
+            "slip of a roller, median": float(np.nanmedian(slip)),
+            "hull's pitch, degrees": float(np.degrees(np.abs(path.orientation[:, hull]).max())),
+        }, None  # fmt: skip
+
+    return ladder(
+        "Tracked vehicle",
+        "1.6 s of driving, the first half second while the torque rises; the bump is half a metre ahead.",
+        "",
+        models,
+        told,
+    )
+
+
+def ladder(title: str, note: str, measured: str, models: Sequence[Model], told: Told) -> Ladder:
+    """Run every model once for what it tells, and in randomly interleaved turns for its time."""
+    paths = [simulate(scene, settings) for _, scene, settings in models]
+    best, random = np.full(len(models), np.inf), np.random.default_rng(0)
+    for _ in range(ROUNDS):
+        for k in random.permutation(len(models)):
+            best[k] = min(best[k], simulate(*models[k][1:]).timing.loop_s)
+    rungs = []
+    for (name, scene, _), path, seconds in zip(models, paths, best, strict=True):
+        if not path.ok:
+            raise RuntimeError(f"{title}, {name}: {path.message}")
+        shown, accuracy = told(scene, path)
+        rungs.append(Rung(name, float(seconds), int(path.rhs_calls), shown, accuracy))
+    return Ladder(title, note, _method(models[0][2], models), measured, tuple(rungs))
+
+
+def _method(first: Settings, models: Sequence[Model]) -> str:
+    """Return the method and setting that all rungs share; nothing where they differ."""
+    if any(settings != first for _, _, settings in models):
+        return ""
+    return f"{first.method}, " + (f"h = {first.step:g} s" if first.step else f"rtol = {first.rtol:g}")

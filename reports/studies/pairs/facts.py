@@ -1,0 +1,56 @@
+"""What is measured of the pairs that the project names: a solver of its own and a peer on the same scenes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from reports.studies.study import Study
+
+
+@dataclass(frozen=True)
+class Row:
+    """One method at one target error, or the reason why it has none."""
+
+    scene: str
+    engine: str
+    method: str
+    target: float | None  # over the scene's scales; None where the scene is refused
+    answer: str  # reached | not-reached | not-tried | cannot | unjudged | engine-missing
+    reason: str = ""
+    setting: str = ""
+    error: float | None = None  # over the scene's scales
+    compliance: float | None = None  # m, rad; None where there are no rows to comply with
+    energy: float | None = None  # J, largest drift; None where the scene is not conservative
+    loop_s: float | None = None  # least of interleaved runs
+    ratio: float | None = None  # loop time over that of our cheapest at the same target
+
+
+@dataclass(frozen=True)
+class Pair:
+    """The scenes of one pair."""
+
+    title: str
+    note: str
+    rows: tuple[Row, ...]
+
+
+@dataclass(frozen=True)
+class Places:
+    """Places in the sky by two sources."""
+
+    what: str
+    days: float  # since 1998-01-01, or J2000 for the satellites' Sun and Moon
+    apart: dict[str, float]  # body -> m or rad, as `unit`
+    unit: str
+    figures: dict[str, float]  # body -> significant figures that they share
+
+
+@dataclass(frozen=True)
+class PairsFacts:
+    """Everything measured."""
+
+    pairs: tuple[Pair, ...]
+    astropy: tuple[Places, ...]  # of the default installation's built-in ephemeris; empty without astropy
+
+
+STUDY = Study("pairs.html", "Every pair at equal error", PairsFacts, alone=True)

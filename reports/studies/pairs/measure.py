@@ -1,0 +1,151 @@
+"""Every pair: both at the same target errors, relative to the scene, and timed in interleaved runs."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from cross_checks import engines
+from cross_checks.engine import Engine, Method
+from cross_checks.judge import ladder
+from cross_checks.judge.runs import Runs
+from cross_checks.judge.search import Reached, search
+from cross_checks.records.store import Store, default_path
+from mbs_ref import scenes
+from mbs_ref.scene import Scene
+from mbs_ref.settings import Settings
+from reports.reproduce import scene_label
+from reports.studies.pairs.facts import Pair, PairsFacts, Row
+from reports.studies.pairs.sky_places import sky_places
+
+OURS = "mbs_ref"
+ROUNDS = 3  # interleaved runs of each, of which the least counts
+Entrants = tuple[tuple[str, tuple[str, ...]], ...]  # engine and its methods; none named stands for all that run it
+
+
+@dataclass(frozen=True)
+class Asked:
+    """A pair: its scenes, who enters, and the targets over the scenes' scales."""
+
+    title: str
+    note: str
+    scenes: tuple[tuple[str, dict[str, Any]], ...]
+    entrants: Entrants
+    targets: tuple[float, ...] = (1e-3, 1e-6)
+
+
+SHARED = "Forces of contacts and belts are ours, called from Python: dynamics is what is compared."
+CHAINS = Asked(
+    "Chains and loops: Exudyn, Pinocchio", "Pinocchio is driven from Python, by its own stepping there.",
+    (("pendulum_chain", {"links": 10}), ("n_four_bar", {"loops": 2}), ("slider_crank", {})),
+    ((OURS, ("dop853", "rk4")), ("exudyn", ("tree_dopri5", "generalized_alpha")), ("pinocchio", ("dop853",))),
+)  # fmt: skip
+SMALL = Asked(
+    "The simplified android: Exudyn, Pinocchio", SHARED,
+    tuple(("android_simplified", {"impact": impact}) for impact in ("front", "rear")),
+    ((OURS, ("dop853", "rk4")), ("exudyn", ("tree_dopri5",)), ("pinocchio", ("dop853",))),
+)  # fmt: skip
+LARGE = Asked(
+    "The vertebral android: Exudyn, Pinocchio", SHARED,
+    tuple(("android_vertebral", {"impact": impact}) for impact in ("front", "rear")),
+    ((OURS, ("dop853", "rk4")), ("exudyn", ("tree_rk44",)), ("pinocchio", ("dop853",))), (1e-3,),
+)  # fmt: skip
+CONTACT = Asked(
+    "Contact: MuJoCo", "MuJoCo by its own contact, its reference set to the law; what it cannot model it says.",
+    (
+        ("bouncing_ball", {"law": "spring_damper_force"}), ("rolling_disc", {}), ("rolling_sphere", {}),
+        ("sliding_block", {}), ("incline", {}), ("block_stack", {}), ("newtons_cradle", {}),
+    ),
+    ((OURS, ("dop853", "rk4")), ("mujoco", ("rk4", "implicitfast"))), (1e-3, 1e-6),
+)  # fmt: skip
+SATELLITES = Asked(
+    "Satellites: REBOUND, heyoka", "J2; REBOUND takes its force from our code.",
+    tuple(("satellite", {"orbit": orbit}) for orbit in ("leo", "gps", "molniya")),
+    ((OURS, ("gauss", "dop853")), ("rebound", ("ias15", "bs")), ("heyoka", ("taylor",))), (1e-6, 1e-9),
+)  # fmt: skip
+PLANETS = Asked(
+    "Planets: REBOUND, heyoka", "Newton's gravity over 360 days; targets count in the shortest distance of two bodies.",
+    (("solar_system", {"model": "lumped"}),),
+    ((OURS, ("gauss", "dop853", "rk4")), ("rebound", ("ias15", "whfast", "bs")), ("heyoka", ("taylor",))),
+    (1e-6, 1e-9, 1e-11),
+)  # fmt: skip
+PAIRS = (CHAINS, SMALL, LARGE, CONTACT, SATELLITES, PLANETS)
+
+
+def measure() -> PairsFacts:
+    """Search and time everything; the store keeps the searched runs."""
+    with Store(default_path()) as store:
+        return PairsFacts(tuple(pair(Runs(store), asked) for asked in PAIRS), sky_places())
+
+
+def pair(runs: Runs, asked: Asked) -> Pair:
+    """Answer every scene of a pair."""
+    made = (scenes.make(name, **parameters) for name, parameters in asked.scenes)
+    return Pair(asked.title, asked.note, tuple(row for scene in made for row in compared(runs, scene, asked)))
+
+
+def compared(runs: Runs, scene: Scene, asked: Asked) -> list[Row]:
+    """Return the rows of one scene, timed together target by target."""
+    truth, rows, winners = runs.truth(scene), [], []
+    for name, methods in asked.entrants:
+        engine = _engine(name)
+        if isinstance(engine, str):
+            rows.append(Row(_label(scene), name, "", None, "engine-missing", engine))
+            continue
+        refusals = [refusal.reason for refusal in engine.refusals(scene)]
+        if refusals:
+            rows.append(Row(_label(scene), name, "", None, "cannot", refusals[0]))
+            continue
+        for method in (m for m in engine.methods() if m.name in methods):
+            refused = engine.method_refusals(scene, method)
+            if refused:
+                rows.append(Row(_label(scene), name, method.name, None, "cannot", refused[0].reason))
+                continue
+            found = search(runs, scene, name, method, truth, asked.targets)[1]
+            winners += [(name, method, reached) for reached in found]
+    timed = [row for target in asked.targets for row in _timed(scene, [w for w in winners if w[2].target == target])]
+    return timed + rows
+
+
+def _engine(name: str) -> Engine | str:
+    try:
+        return engines.get(name)
+    except engines.EngineMissing as missing:
+        return str(missing)
+
+
+def _label(scene: Scene) -> str:
+    return scene_label(scene.name, scene.parameters)
+
+
+def _timed(scene: Scene, entrants: Sequence[tuple[str, Method, Reached]]) -> list[Row]:
+    """Time everyone who reached a target in randomly interleaved runs."""
+    rows = [_row(scene, *entrant) for entrant in entrants]
+    ran = [k for k, row in enumerate(rows) if row.answer == "reached"]
+    best, random, times = dict.fromkeys(ran, np.inf), np.random.default_rng(0), ladder.grid(scene)
+    for _ in range(ROUNDS):
+        for k in random.permutation(ran):
+            record = entrants[k][2].record
+            assert record is not None
+            path = engines.get(entrants[k][0]).run(scene, Settings(**record.settings), times)
+            best[k] = min(best[k], path.timing.loop_s)
+    ours = min((best[k] for k in ran if rows[k].engine == OURS), default=None)
+    return [
+        replace(row, loop_s=float(best[k]), ratio=None if ours is None else float(best[k] / ours)) if k in best else row
+        for k, row in enumerate(rows)
+    ]
+
+
+def _row(scene: Scene, engine: str, method: Method, reached: Reached) -> Row:
+    record = reached.record
+    if record is None or record.error is None:
+        return Row(_label(scene), engine, method.name, reached.target, reached.answer, reached.reason)
+    constrained = bool(scene.joints)
+    return Row(
+        _label(scene), engine, method.name, reached.target, reached.answer, reached.reason,
+        ladder.label(Settings(**record.settings)), record.error.value,
+        record.measure("compliance_position") if constrained else None, record.measure("energy_drift"),
+    )  # fmt: skip
