@@ -2,13 +2,16 @@
 SHELL := /bin/bash
 .SHELLFLAGS := -euo pipefail -c
 .DEFAULT_GOAL := help
-.PHONY: help venv test report lint nightly mutants bench lock clean
+.PHONY: help venv test report lint nightly mutants bench site lock clean
 
 BIN := .venv/bin
 STAMP := .venv/.installed
 # The nightly run's own environment: JPL's ephemerides, heyoka and LSODAR besides, so that nothing is skipped for good.
 NIGHT := .venv-nightly/bin
 NIGHT_STAMP := .venv-nightly/.installed
+# Where the documentation is built: it needs no engine.
+DOCS := .venv-docs/bin
+DOCS_STAMP := .venv-docs/.installed
 # What the nightly run compares with: a git revision or a folder.
 BASELINE ?= HEAD~1
 # How long the nightly run begins new seeded defects; the next night goes on from there.
@@ -44,6 +47,9 @@ $(STAMP): requirements.lock pyproject.toml
 $(NIGHT_STAMP): requirements-nightly.lock pyproject.toml
 	$(call install,.venv-nightly,requirements-nightly.lock)
 
+$(DOCS_STAMP): requirements-docs.lock pyproject.toml
+	$(call install,.venv-docs,requirements-docs.lock)
+
 test: venv  ## the tests that finish in minutes
 	$(BIN)/python -m pytest -n auto --dist worksteal -rs
 
@@ -75,6 +81,11 @@ mutants: venv  ## seeded defects: does every one fail a test? goes on where it s
 bench: venv  ## pytest-benchmark suites, alone on the machine
 	$(BIN)/python -m pytest benchmarks -m '' --benchmark-only -p no:xdist
 
+site: venv $(DOCS_STAMP)  ## the documentation with the gallery, in build/site; a warning is an error
+	$(BIN)/python -m reports.site build/site-src
+	NO_MKDOCS_2_WARNING=1 $(DOCS)/mkdocs build --strict --quiet
+	@echo "build/site/index.html; its search needs a server: python -m http.server -d build/site"
+
 PINNED := --universal --python-version 3.12 --generate-hashes --no-emit-index-url --no-header --no-annotate --quiet
 EXTRAS := --extra engines --extra cluster --extra dev
 
@@ -82,7 +93,8 @@ lock:  ## pin again what pyproject.toml asks for (needs uv)
 	uv pip compile pyproject.toml $(EXTRAS) $(PINNED) --upgrade -o requirements.lock
 	uv pip compile pyproject.toml $(EXTRAS) --extra ephemeris --extra heyoka --extra lsodar $(PINNED) --upgrade \
 	  -c requirements.lock -o requirements-nightly.lock
+	uv pip compile pyproject.toml --extra docs $(PINNED) --upgrade -c requirements.lock -o requirements-docs.lock
 
 clean:  ## remove everything that make made
-	rm -rf .venv .venv-nightly build dist *.egg-info reports/out .pytest_cache .ruff_cache .hypothesis .benchmarks
+	rm -rf .venv .venv-nightly .venv-docs build dist *.egg-info reports/out .pytest_cache .ruff_cache .hypothesis .benchmarks
 	find . -name __pycache__ -prune -exec rm -rf {} +

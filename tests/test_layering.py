@@ -37,7 +37,7 @@ ROOMS = {
     ),
     "reports": (
         "film poses_file reproduce scene_summary terminal", "inputs run_plot",
-        "sweeping", "facts", "drawing", "studies", "gather", "page",
+        "sweeping site", "facts", "drawing", "studies", "gather", "page",
         "commands", "cli",
     ),
 }  # fmt: skip

@@ -1,0 +1,59 @@
+"""The gallery: every scene with its film, what it is made of, who can run it, how well its truth is known."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection
+from pathlib import Path
+
+from cross_checks.certificates.certificate import stored
+from cross_checks.engines.capabilities import Capability, capabilities
+from mbs_ref import scenes
+from mbs_ref.scene import Scene
+from mbs_ref.scene.traits import traits
+from mbs_ref.settings import Settings
+from mbs_ref.simulate import simulate
+from reports.film import gif
+from reports.scene_summary import summary
+from reports.site.tables import table, who_can
+
+PICTURES = 40  # of a film
+MOST_BODIES = 120  # of a scene that is filmed: others take minutes
+LEAD = (
+    "# Gallery\n\nEvery scene as it comes. `mbs-ref scenes NAME` prints its parameters with their ranges, "
+    "`mbs-ref scenes NAME --files .` writes it as TOML, `mbs-ref check NAME` holds every engine against its truth.\n"
+)
+
+
+def gallery(names: Collection[str], pictures: Path, say: Callable[[str], None]) -> str:
+    """Return the page; films go to `pictures`. A scene whose run fails is shown with the reason in the film's place."""
+    able, parts = capabilities(), [LEAD]
+    for name in sorted(names):
+        say(f"filming {name}")
+        parts.append(_entry(scenes.make(name), able, pictures))
+    return "\n".join(parts)
+
+
+def _entry(scene: Scene, able: Collection[Capability], pictures: Path) -> str:
+    known = stored(scene)
+    truth = "made when it is first asked for" if known is None else f"{known.kind}, known to {known.uncertainty:.1e} m"
+    rows = [
+        ["made of", summary(scene).sentence()],
+        ["traits", ", ".join(sorted(traits(scene))) or "none"],
+        ["who can", who_can(scene.name, able) or "nobody that is installed"],
+        ["truth", truth],
+        ["source", scene.source or "this project"],
+        ["again", f"`mbs-ref simulate {scene.name}`"],
+    ]
+    return f"## {scene.name}\n\n{scene.description}\n\n{_film(scene, pictures)}\n\n{table(['', ''], rows)}"
+
+
+def _film(scene: Scene, pictures: Path) -> str:
+    """Write a film; return what shows it, or the sentence why there is none."""
+    if len(scene.bodies) > MOST_BODIES:
+        return f"Not filmed here: {len(scene.bodies)} bodies. `mbs-ref animate {scene.name} -o film.gif` does."
+    path = simulate(scene, Settings(samples=PICTURES, estimate="off", reactions=False))
+    if not path.ok:
+        return f"Not filmed: {path.message}."
+    target = pictures / f"{scene.name}.gif"
+    target.write_bytes(gif(scene, path))
+    return f"![{scene.name} in motion](gallery/{target.name})"

@@ -1,0 +1,33 @@
+"""Write the sources of the documentation: the pages of docs/ as they are, and those that are made."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Callable, Collection
+from pathlib import Path
+
+from mbs_ref import scenes
+from reports.site.gallery import gallery
+from reports.site.tables import capability_page, truth_page
+
+ROOT = Path(__file__).parents[2]
+BESIDE = ("CHANGELOG.md", "CONTRIBUTING.md")  # pages that stand beside docs/
+
+
+def write_sources(target: Path, say: Callable[[str], None], only: Collection[str] | None = None) -> None:
+    """Write everything to a folder that is emptied first; `only` names the scenes of the gallery, else all.
+
+    FileNotFoundError where the tree has no docs, as an installed package has none.
+    """
+    shutil.rmtree(target, ignore_errors=True)
+    shutil.copytree(ROOT / "docs", target)
+    for name in BESIDE:
+        shutil.copy(ROOT / name, target / name)
+    say("what engines can")
+    (target / "capabilities.md").write_text(capability_page(), encoding="utf-8")
+    (target / "truths.md").write_text(truth_page(), encoding="utf-8")
+    pictures = target / "gallery"
+    pictures.mkdir()
+    (target / "gallery.md").write_text(
+        gallery(scenes.names() if only is None else only, pictures, say), encoding="utf-8"
+    )

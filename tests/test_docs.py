@@ -1,0 +1,98 @@
+"""The documentation does what it says: its commands exist with their options, its scenes read, its code compiles."""
+
+from __future__ import annotations
+
+import re
+import shlex
+import subprocess
+import sys
+from pathlib import Path
+
+import click
+import pytest
+import yaml
+
+from mbs_ref.scene.toml import loads
+from reports.cli import main
+from reports.site.write import write_sources
+
+ROOT = Path(__file__).parents[1]
+PAGES = sorted([*(ROOT / "docs").glob("*.md"), ROOT / "README.md", ROOT / "CONTRIBUTING.md"])
+FENCED = re.compile(r"^```(\w*)\n(.*?)^```", re.DOTALL | re.MULTILINE)
+COMMAND = re.compile(r"^    (?:\$ )?(mbs-ref [a-z][^#`]*?)(?:\s+#.*)?$", re.MULTILINE)
+OPEN = ("COMMAND", "NAME", "...")  # of a line that shows a shape and is no command
+
+
+def blocks(page: Path, language: str) -> list[str]:
+    return [text for kind, text in FENCED.findall(page.read_text(encoding="utf-8")) if kind == language]
+
+
+def commands() -> list[str]:
+    shown = [line for page in PAGES for line in COMMAND.findall(page.read_text(encoding="utf-8"))]
+    fenced = [line for page in PAGES for text in blocks(page, "sh") for line in text.splitlines()]
+    found = dict.fromkeys([*shown, *(line for line in fenced if line.startswith("mbs-ref "))])
+    return [line for line in found if not any(word in line for word in OPEN)]
+
+
+def test_commands_are_found():
+    assert len(commands()) > 30
+
+
+@pytest.mark.parametrize("line", commands())
+def test_a_command_of_the_docs_exists_with_its_options(line):
+    name, *words = shlex.split(line)[1:]
+    command = main.get_command(click.Context(main), name)
+    assert command is not None
+    given = set()
+    for word in words:
+        if word.startswith("-") and not word.lstrip("-")[:1].isdigit():
+            given.add(word.partition("=")[0])
+    known = {opt for param in command.params for opt in (*param.opts, *param.secondary_opts)} | {"--help"}
+    assert given <= known
+
+
+def test_every_page_is_in_the_navigation_and_the_other_way_round():
+    listed = set(re.findall(r"[\w-]+\.md", (ROOT / "mkdocs.yml").read_text(encoding="utf-8")))
+    made = {"gallery.md", "capabilities.md", "truths.md", "CHANGELOG.md", "CONTRIBUTING.md"}
+    assert listed == made | {page.name for page in PAGES if page.parent.name == "docs"}
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_blocks_of_code_are_what_they_say(page):
+    for text in blocks(page, "toml"):
+        loads(text)
+    for text in blocks(page, "python"):
+        compile(text, page.name, "exec")
+    for text in blocks(page, "yaml"):
+        yaml.safe_load(text)
+
+
+def test_made_pages_show_a_scene_and_who_can_run_it(tmp_path):
+    write_sources(tmp_path / "site", lambda text: None, ["pendulum"])
+    gallery = (tmp_path / "site" / "gallery.md").read_text(encoding="utf-8")
+    assert (tmp_path / "site" / "gallery" / "pendulum.gif").read_bytes().startswith(b"GIF")
+    assert "exact, known to" in gallery
+    assert "| who can | mbs_ref" in gallery
+    assert "| `pendulum` | yes |" in (tmp_path / "site" / "capabilities.md").read_text(encoding="utf-8")
+    assert "| `pendulum`" in (tmp_path / "site" / "truths.md").read_text(encoding="utf-8")
+
+
+@pytest.mark.slow
+def test_the_tutorial_by_copy_and_paste(tmp_path):
+    tutorial, engine = ROOT / "docs" / "tutorial.md", blocks(ROOT / "docs" / "your-engine.md", "python")[0]
+    (tmp_path / "swing.toml").write_text(blocks(tutorial, "toml")[0])
+    (tmp_path / "small_.py").write_text(engine)
+    program = Path(sys.executable).with_name("mbs-ref")
+    for line in "".join(blocks(tutorial, "sh")[1:]).splitlines():
+        done = subprocess.run(
+            [program, *shlex.split(line)[1:]], cwd=tmp_path, capture_output=True, text=True, timeout=900
+        )
+        assert done.returncode == 0, f"{line}\n{done.stdout}\n{done.stderr}"
+    wrong = blocks(tutorial, "toml")[0].replace("mass = 1.0", "mas = 1.0")
+    (tmp_path / "wrong.toml").write_text(wrong)
+    done = subprocess.run(
+        [program, "simulate", "wrong.toml"], cwd=tmp_path, capture_output=True, text=True, timeout=300
+    )
+    assert done.returncode == 2
+    assert "mas" in done.stderr
+    assert "mass" in done.stderr
