@@ -9,6 +9,7 @@ from reports.studies.contact.measure import ladder
 from reports.studies.papers.crash_figures import measure_crash
 from reports.studies.papers.facts import PapersFacts
 from reports.studies.papers.formulations import euler_angles, multipliers
+from reports.studies.papers.outline_pictures import outline_pictures
 from reports.studies.papers.sky_figures import measure_sky
 from reports.studies.papers.track_figures import measure_track
 
@@ -23,7 +24,7 @@ def measure() -> PapersFacts:
     figures = crash | track | measure_sky() | multipliers() | _indices() | _orders()
     for tilt in TILTS:
         figures |= {f"angles.{tilt:g}.{name}": value for name, value in euler_angles(tilt).items()}
-    return PapersFacts(figures, crash_films | track_films, crash_curves | track_curves)
+    return PapersFacts(figures, crash_films | track_films, crash_curves | track_curves, outline_pictures())
 
 
 def _indices() -> dict[str, float | str]:

@@ -10,7 +10,7 @@ from reports.facts.curves import Curves
 from reports.page.pages import pages
 from reports.page.render import render
 from reports.studies.papers.claims import Claim, claims
-from reports.studies.papers.facts import PapersFacts
+from reports.studies.papers.facts import Moment, Outline, PapersFacts
 from reports.studies.papers.formulations import SINGULAR, euler_angles, multipliers
 from reports.studies.papers.measure import measure
 from tests.reports.page.synthetic_report import report_data
@@ -44,11 +44,16 @@ def test_every_claim_has_a_verdict_and_a_page():
 
 
 def test_the_page_tells_measured_and_missing_figures():
+    moment = Moment(0.025, (Outline("arm", (0.1, 0.2), (0.3, 0.4), 0.05),))
     line = Curves((0.0, 0.1), {"head": (0.0, 1.0)}, "x, N")
-    facts = PapersFacts({"seats.imbalance": 2e-12, "simplified.rk4.test": "keeps"}, {}, {"Fig. 3, x": line})
+    facts = PapersFacts(
+        {"seats.imbalance": 2e-12, "simplified.rk4.test": "keeps"}, {}, {"Fig. 3, x": line}, {"rear, bare": (moment,)}
+    )
     page = render(replace(report_data(), studies={"papers": facts}))["papers.html"].decode()
     assert "2.00e-12 N" in page
     assert "(not measured)" in page
+    assert 'y1="-0.2"' in page
+    assert 'stroke-width="0.1"' in page
     assert page.count("not reproduced") >= 1
     assert all(claim.where in page for claim in claims())
 
