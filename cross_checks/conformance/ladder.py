@@ -13,14 +13,13 @@ from cross_checks.conformance import figures
 from cross_checks.conformance.finding import Finding, Row, verdict
 from cross_checks.conformance.questions import Asked, rungs
 from cross_checks.engine import Engine
+from cross_checks.metrics.observed_order import ASYMPTOTIC, observed_order
 from cross_checks.workshop.method import Method
 from mbs_ref.settings import Settings
 from mbs_ref.trajectory import Trajectory
 
 ORDER_OFF = 0.35  # how far an observed order may be from the documented one
-LARGE = 0.1  # of the scene's size, rad: beyond, the order of a method cannot be seen
-MORE = 7  # halvings of the finest step where its error is LARGE
-ROUNDOFF = 1e-10  # of the scene's size: where order can no longer be seen
+MORE = 7  # halvings of the finest step where its error is not ASYMPTOTIC
 GOOD = 1e-8  # of the scene's size: an error that need not shrink any more
 AT_START = 1e-9  # of the scene's size and speed: how exactly the first sample is the scene's initial state
 SHRINKS = 0.8  # of an error by one refinement, the step halved: a third of an order does it
@@ -72,7 +71,7 @@ def _refined(engine: Engine, method: Method, question: Asked, runs: list[Run]) -
     """
     *_, before, last = runs
     for left in range(MORE, 0, -1):
-        if method.kind != "fixed" or not question.is_smooth or not last.path.ok or last.error < LARGE:
+        if method.kind != "fixed" or not question.is_smooth or not last.path.ok or last.error < ASYMPTOTIC:
             return
         if math.isfinite(before.error) and left * figures.apart(question, before.path, last.path) < last.error:
             return
@@ -95,18 +94,14 @@ def timed(engine: Engine, question: Asked, settings: Settings, times: np.ndarray
 
 def _row(method: Method, question: Asked, good: list[Run]) -> Row:
     best = min(good, key=lambda run: run.error, default=None)
-    order = observed(good) if method.kind == "fixed" and question.is_smooth else None
+    order = _observed(question, good) if method.kind == "fixed" and question.is_smooth else None
     error, loop = (best.error, best.path.timing.loop_s) if best else (None, None)
     return Row(method.name, question.scene.name, order, method.order, error, loop)
 
 
-def observed(good: list[Run]) -> float | None:
-    """Return the order between the two finest runs whose errors are neither roundoff nor large; None without two."""
-    seen = [(run.settings.step, run.error) for run in good if run.settings.step and ROUNDOFF < run.error < LARGE]
-    if len(seen) < 2:
-        return None
-    (h, e), (finer, smaller) = seen[-2:]
-    return math.log(e / smaller) / math.log(h / finer)
+def _observed(question: Asked, good: list[Run]) -> float | None:
+    known = question.truth.uncertainty / figures.size(question)
+    return observed_order([run.settings.step or 0.0 for run in good], [run.error for run in good], known)
 
 
 def _always(method: Method, question: Asked, good: list[Run]) -> Iterator[Finding]:

@@ -54,14 +54,14 @@ def component_errors(judged: Judged) -> dict[str, float | None]:
 
 def error_of(judged: Judged) -> tuple[Error | None, np.ndarray | None]:
     """Return the error of a run and its curve over time (n_t,); None without a truth, or where it is not finite."""
-    found, truth = judged.differences, judged.truth
-    if isinstance(found, Absent) or not isinstance(truth, Truth):
+    apart, truth = judged.differences, judged.truth
+    if isinstance(apart, Absent) or not isinstance(truth, Truth):
         return None, None
-    relative = found.relative(judged.scales)
+    relative = apart.relative(judged.scales)
     if not relative.size or not np.isfinite(relative).all():
         return None, None
     sample, part = np.unravel_index(int(np.argmax(relative)), relative.shape)
-    body = judged.scene.body_names[int(found.bodies[sample, part])]
+    body = judged.scene.body_names[int(apart.bodies[sample, part])]
     told, curve = f"{truth.kind}: {truth.how}", np.max(relative, axis=1)
     worst = f"{NAMES[part]} of {body} at t = {judged.path.times[sample]:.4g} s"
     scales = judged.scales

@@ -29,35 +29,29 @@ ENGINE_FAILURES = (ArithmeticError, RuntimeError, MemoryError, OSError, LookupEr
 
 
 def evaluate(
-    scene: Scene,
-    engine_name: str,
-    settings: Settings,
-    times: np.ndarray | None = None,
-    *,
-    truth: Truth | NoTruth | None = None,
-    reference: Trajectory | None = None,
+    scene: Scene, engine: str, settings: Settings, times: np.ndarray | None = None, truth: Truth | NoTruth | None = None
 ) -> Record:
-    """Run the scene and judge it. Refusals, missing packages and failures are statuses with a sentence.
+    """Return the record of `judged_run`; Ctrl-C ends what the run is part of."""
+    return complete(judged_run(scene, engine, settings, times, truth=truth))[0]
 
-    `truth` is sought unless given; `reference` gives reaction forces to compare with. ValueError only where the
-    engine or its method is unknown, or the scene itself cannot be sampled.
-    """
-    record, _ = judged_run(scene, engine_name, settings, times, truth=truth, reference=reference)
-    if record.status == Status.INTERRUPTED:  # Ctrl-C ends what the run is part of
-        raise KeyboardInterrupt(record.message)
-    return record
+
+def complete(judged: tuple[Record, Trajectory | None]) -> tuple[Record, Trajectory | None]:
+    """Return what was judged; KeyboardInterrupt where Ctrl-C left a part of it."""
+    if judged[0].status == Status.INTERRUPTED:
+        raise KeyboardInterrupt(judged[0].message)
+    return judged
 
 
 def judged_run(
-    scene: Scene,
-    engine_name: str,
-    settings: Settings,
-    times: np.ndarray | None = None,
-    *,
-    truth: Truth | NoTruth | None = None,
-    reference: Trajectory | None = None,
-) -> tuple[Record, Trajectory | None]:
-    """As `evaluate`, with the trajectory's finite samples beside the record; None where nothing ran."""
+    scene: Scene, engine_name: str, settings: Settings, times: np.ndarray | None = None, *,
+    truth: Truth | NoTruth | None = None, reference: Trajectory | None = None,
+) -> tuple[Record, Trajectory | None]:  # fmt: skip
+    """Run the scene and judge it; return the record and the trajectory's finite samples, None where nothing ran.
+
+    Refusals, missing packages and failures are statuses with a sentence. `truth` is sought unless given; `reference`
+    gives reaction forces to compare with. ValueError only where the engine or its method is unknown, or the scene
+    itself cannot be sampled.
+    """
     try:
         engine = engines.get(engine_name)
     except engines.EngineMissing as error:
@@ -70,8 +64,7 @@ def judged_run(
     asked = output_times(scene, settings, times)
     kept = checked_run(engine, scene, settings, asked)
     if not isinstance(kept, Trajectory):
-        status, message = kept
-        return without_run(scene, engine_name, settings, status, message, engine), None
+        return without_run(scene, engine_name, settings, *kept, engine), None
     against = seek_truth(scene, asked) if truth is None else truth
     return record_of(engine, settings, Judged(scene, kept, against, reference)), kept
 
@@ -132,21 +125,15 @@ def _on_time(path: Trajectory, asked: np.ndarray) -> Trajectory:
 def record_of(engine: Engine, settings: Settings, judged: Judged) -> Record:
     """Return the record of a run that came back."""
     scene, path = judged.scene, judged.path
-    return Record(
-        scene=scene.name,
-        parameters=dict(scene.parameters),
-        engine=engine.name,
-        method=str(settings.method),
-        settings=settings.model_dump(mode="json", exclude_none=True),
-        status=str(path.status) if path.status is not Status.REFUSED else CANNOT,
-        message=path.message,
+    status = CANNOT if path.status is Status.REFUSED else str(path.status)
+    return replace(
+        without_run(scene, engine.name, settings, status, path.message, engine),
         t_end=float(path.times[-1]) if len(path.times) else 0.0,
         steps=int(path.steps),
         rhs_calls=int(path.rhs_calls),
         final=final_state(scene, path),
         estimate=None if path.estimate is None else path.estimate.to_dict(),
         times={key: float(getattr(path.timing, key)) for key in ("build_s", "first_call_s", "loop_s")},
-        versions=_versions(engine),
         **measure(judged),
     )
 

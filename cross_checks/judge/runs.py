@@ -11,7 +11,7 @@ from cross_checks import engines
 from cross_checks.isolation.parent import Caller, Isolated, Lost, direct
 from cross_checks.judge.ladder import grid
 from cross_checks.judge.measure import component_errors, error_of, unjudged
-from cross_checks.judge.one_run import judged_run, without_run
+from cross_checks.judge.one_run import complete, judged_run, without_run
 from cross_checks.metrics.metric import Judged
 from cross_checks.metrics.state_error import differences
 from cross_checks.records.naming import run_name, truth_name
@@ -93,8 +93,8 @@ class Runs:
 
 
 def make(scene: Scene, engine: str, settings: Settings, times: np.ndarray) -> Run:
-    """Make a run, held against no truth."""
-    return Run(*judged_run(scene, engine, settings, times, truth=UNTOLD))
+    """Make a run, held against no truth; one that Ctrl-C cut short is none."""
+    return Run(*complete(judged_run(scene, engine, settings, times, truth=UNTOLD)))
 
 
 def against(scene: Scene, run: Run, truth: Truth | NoTruth) -> Record:
