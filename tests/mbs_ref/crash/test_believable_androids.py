@@ -35,8 +35,11 @@ def deepest(name: str, **parameters) -> tuple[str, float]:
     return max(found.items(), key=lambda entry: entry[1])
 
 
+LARGE = pytest.param(NAMES[1], marks=pytest.mark.slow)
+
+
 @pytest.mark.parametrize("impact", ["front", "rear"])
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", [NAMES[0], LARGE])
 def test_nothing_passes_through_anything(name, impact):
     scene, path = run(name, impact=impact, **BELIEVABLE)
     assert max(depth.max() for depth in excesses(Motion(scene, path)).values()) < two_centimetres
@@ -48,7 +51,11 @@ def test_nothing_passes_through_anything(name, impact):
 
 
 @pytest.mark.parametrize(
-    ("name", "impact", "pair"), [(NAMES[0], "rear", "hand in seat_back"), (NAMES[1], "front", "head in thigh")]
+    ("name", "impact", "pair"),
+    [
+        (NAMES[0], "rear", "hand in seat_back"),
+        pytest.param(NAMES[1], "front", "head in thigh", marks=pytest.mark.slow),
+    ],
 )
 def test_the_bare_models_pass_through_seat_and_thighs(name, impact, pair):
     """So a check that sees nothing here would see nothing there."""
@@ -111,7 +118,7 @@ def test_a_head_without_restraint_is_whipped_back_and_a_near_one_prevents_it():
 
 def test_energy_balances_with_stops_and_contacts():
     scene = scenes.make(NAMES[0], **BELIEVABLE)
-    found = crash_results(scene, simulate(scene, Settings(rtol=1e-8, samples=2001)))
+    found = crash_results(scene, simulate(scene, Settings(rtol=1e-8, samples=401, estimate="off")))
     drift = found.energy - found.energy[0] - sum(found.works.values())
     assert np.max(np.abs(drift)) < 1e-3 * np.max(np.abs(found.works["pulse"]))
     assert found.works["joint stops"][-1] < 0.0
