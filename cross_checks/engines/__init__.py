@@ -10,7 +10,7 @@ import re
 import sys
 from difflib import get_close_matches
 from importlib import import_module
-from importlib.metadata import EntryPoint, entry_points
+from importlib.metadata import EntryPoint, PackageNotFoundError, entry_points, metadata
 from importlib.util import find_spec, module_from_spec, spec_from_file_location
 from pathlib import Path
 
@@ -73,7 +73,7 @@ def _create_from_file(path: Path, name: str) -> Engine:
     try:
         return getattr(sys.modules[_load(path)], "ENGINE")()  # noqa: B009 - the adapter's contract, not an attribute
     except ModuleNotFoundError as error:
-        if error.name != _declared_package(path):
+        if not _is_of(error.name, _declared_package(path)):
             raise
         raise EngineMissing(f"engine {name!r} needs the package {error.name!r}: {error}", name=error.name) from error
 
@@ -105,9 +105,24 @@ def _create(module_name: str, name: str, attribute: str | None = None) -> Engine
         module = import_module(module_name)
         return getattr(module, attribute or "ENGINE")()
     except ModuleNotFoundError as error:
-        if error.name != _package(module_name):
+        if not _is_of(error.name, _package(module_name)):
             raise
-        raise EngineMissing(f"engine {name!r} needs the package {error.name!r}: {error}", name=error.name) from error
+        needs = f"engine {name!r} needs the package {error.name!r}"
+        raise EngineMissing(f"{needs}{_installation(name)}: {error}", name=error.name) from error
+
+
+def _is_of(missing: str | None, declared: str | None) -> bool:
+    """Return whether the missing module is the declared package, or what that is inside of."""
+    return bool(missing and declared) and f"{declared}.".startswith(f"{missing}.")
+
+
+def _installation(name: str) -> str:
+    """Return how to get what an engine of this project needs; nothing of others, or where nobody can tell."""
+    try:
+        extras = metadata("mbs-ref").get_all("Provides-Extra") or []
+    except PackageNotFoundError:
+        return ""
+    return f" (pip install 'mbs-ref[{name if name in extras else 'engines'}]')" if name in _files() else ""
 
 
 def _package(module_name: str) -> str | None:

@@ -13,5 +13,8 @@ INSIDE = {
     "pinocchio_cpp": "its C++ dynamics in a C++ loop of ours, compiled here against the headers of its wheel; "
     "one call a run",
     "rebound": "its own C loop; additional forces are compiled",
+    "drake": "Simulator.AdvanceTo in C++, called from Python once an output; "
+    "forces that it lacks come through a Python system inside the loop",
+    "dart": "World.step in C++, called from Python once a step, as its users do",
     "heyoka": "its own compiled loop; compiling the Taylor series is counted as building the model",
 }

@@ -1,0 +1,107 @@
+"""Drake: trees under its integrators in continuous time; loops under SAP and CENIC, which hold constraints."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from importlib.metadata import version
+from typing import ClassVar
+
+import numpy as np
+from pydrake.multibody.plant import MultibodyPlant  # pyright: ignore[reportMissingImports]  # an optional extra
+
+from cross_checks.engine import Engine, Method, Poses, Refusal
+from cross_checks.engines.drake_.build import plant_of, tied_to_ground
+from cross_checks.engines.drake_.methods import METHODS, SAP, WORLD
+from cross_checks.engines.drake_.reader import Reader
+from cross_checks.engines.drake_.run import Simulated, advance, is_discrete, simulated
+from cross_checks.isolation.parent import Isolated, Lost
+from cross_checks.workshop.linkage import Applied, Linkage, applied, closure_refusals, linkage_of, poses_of
+from cross_checks.workshop.outcome import Loop, stopped
+from cross_checks.workshop.plan import Plan
+from cross_checks.workshop.planar_forces import CLIPPED_CONTACTS, SHARED, contact_refusals
+from mbs_ref.scene import Scene
+from mbs_ref.settings import Settings
+from mbs_ref.trajectory import Status, Trajectory
+
+ANCHORED = "loops to ground are closed at a body welded to the world: at the world itself drake's process dies"
+
+
+@dataclass(frozen=True)
+class Built:
+    """A plant, what reads its states, and its simulator at t = 0."""
+
+    linkage: Linkage
+    plant: MultibodyPlant
+    reader: Reader
+    applied: Applied | None
+    simulated: Simulated
+
+
+class Drake(Engine):
+    """Drake's MultibodyPlant under its own simulator."""
+
+    name: ClassVar[str] = "drake"
+    package: ClassVar[str] = "pydrake"
+    part_types: ClassVar[frozenset[str]] = frozenset(
+        {"planar", "point_mass", "revolute", "prismatic", "weld", "distance"}
+        | {"spatial", "spherical", "universal"}
+        | {"force", "torque", "spring_damper", "torsion_spring", "point_bushing"}
+        | {"torque_vector", "bushing"}
+        | CLIPPED_CONTACTS
+    )
+
+    def methods(self) -> tuple[Method, ...]:
+        return METHODS
+
+    def version(self) -> str:
+        return version("drake")
+
+    def topology_refusals(self, scene: Scene) -> list[Refusal]:
+        return closure_refusals("drake", scene, {"point", "hinge", "weld", "rod"}) + contact_refusals(scene)
+
+    def method_refusals(self, scene: Scene, method: Method) -> list[Refusal]:
+        reasons = super().method_refusals(scene, method)
+        if method.name == WORLD and not reasons and not tied_to_ground(linkage_of(scene)):
+            reasons.append(Refusal(f"{method.name} differs only where a loop is closed at ground, and none is", True))
+        return reasons
+
+    def run(self, scene: Scene, settings: Settings, times: np.ndarray | None = None) -> Trajectory:
+        """Make the runs that are known to end the process in a process of their own."""
+        if self.method(settings.method).name != WORLD:
+            return super().run(scene, settings, times)
+        with Isolated() as apart:
+            try:
+                return apart(_run_here, scene, settings, times)
+            except Lost as lost:
+                return stopped(scene, Status.ENGINE_ERROR, f"drake did not come back: {lost}")
+
+    def build(self, scene: Scene, plan: Plan) -> Built:
+        linkage = linkage_of(scene)
+        loads = applied(linkage)
+        step = plan.step if is_discrete(plan) else 0.0
+        # with loads, gravity comes with them from the one system of applied forces
+        plant = plant_of(linkage, step, linkage.gravity if loads is None else np.zeros(3), plan.method.name != SAP)
+        reader = Reader(plant, linkage)
+        model = simulated(plant, reader, loads, plan)
+        plant.SetPositionsAndVelocities(model.context, reader.start(linkage))
+        return Built(linkage, plant, reader, loads, model)
+
+    def first_call(self, model: Built, plan: Plan) -> None:
+        model.simulated.simulator.Initialize()
+
+    def advance(self, model: Built, plan: Plan) -> Loop:
+        return advance(model.simulated, model.plant, plan)
+
+    def poses(self, model: Built, plan: Plan, states: np.ndarray) -> Poses:
+        return poses_of(model.linkage, model.reader, states)
+
+    def notes(self, model: Built, plan: Plan) -> tuple[str, ...]:
+        shared = (SHARED,) if model.applied else ()
+        return (*shared, ANCHORED) if plan.method.name == SAP and tied_to_ground(model.linkage) else shared
+
+
+def _run_here(scene: Scene, settings: Settings, times: np.ndarray | None) -> Trajectory:
+    return Engine.run(Drake(), scene, settings, times)
+
+
+ENGINE = Drake

@@ -1,0 +1,88 @@
+"""A scene as a MultibodyPlant: every body's frame is its joint's, along the world's axes at t = 0."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from pydrake.math import RigidTransform, RotationMatrix  # pyright: ignore[reportMissingImports]
+from pydrake.multibody import tree as parts  # pyright: ignore[reportMissingImports]
+from pydrake.multibody.plant import (  # pyright: ignore[reportMissingImports]
+    DiscreteContactApproximation,
+    MultibodyPlant,
+)
+
+from cross_checks.workshop.linkage import Closure, Link, Linkage
+from cross_checks.workshop.spatial_tree import FIXED
+
+
+def plant_of(linkage: Linkage, step: float, gravity: np.ndarray, to_world: bool) -> MultibodyPlant:
+    """Return the plant; `step` (s) is 0 for continuous time, gravity (3,) in m/s^2.
+
+    Constraints `to_world` are tied to Drake's own world body; else to a body that is welded to it.
+    """
+    plant = MultibodyPlant(time_step=step)
+    if step:
+        plant.set_discrete_contact_approximation(DiscreteContactApproximation.kSap)
+    bodies = {FIXED: plant.world_body()}
+    for link in linkage.links:
+        bodies[link.body] = body = plant.AddRigidBody(link.name, _inertia(link))
+        place = RigidTransform(link.origin - linkage.origin(link.parent))
+        plant.AddJoint(_joint(link, bodies[link.parent].body_frame(), place, body.body_frame(), plant))
+    if not to_world and tied_to_ground(linkage):
+        bodies[FIXED] = _anchor(plant)
+    for closure in linkage.closures:
+        _add_closure(plant, bodies, linkage, closure)
+    plant.mutable_gravity_field().set_gravity_vector(gravity)
+    plant.Finalize()
+    return plant
+
+
+def tied_to_ground(linkage: Linkage) -> bool:
+    """Return whether a loop is closed at ground."""
+    return any(FIXED in (closure.a, closure.b) for closure in linkage.closures)
+
+
+def _anchor(plant: MultibodyPlant) -> Any:
+    """Return a body that stands still; its mass does nothing."""
+    anchor = plant.AddRigidBody("anchor", parts.SpatialInertia.SolidSphereWithMass(1.0, 1.0))
+    plant.WeldFrames(plant.world_frame(), anchor.body_frame())
+    return anchor
+
+
+def _inertia(link: Link) -> parts.SpatialInertia:
+    i = link.inertia
+    central = parts.RotationalInertia(i[0, 0], i[1, 1], i[2, 2], i[0, 1], i[0, 2], i[1, 2])
+    return parts.SpatialInertia.MakeFromCentralInertia(link.mass, link.centre, central)
+
+
+def _joint(link: Link, parent: Any, place: RigidTransform, child: Any, plant: MultibodyPlant) -> parts.Joint:
+    if link.kind == "universal":  # about x of the one frame and y of the other
+        axes = RigidTransform(RotationMatrix(np.column_stack((*link.axes, np.cross(*link.axes)))))
+        place, child = place @ axes, plant.AddFrame(parts.FixedOffsetFrame(f"{link.name}/axes", child, axes))
+    on = plant.AddFrame(parts.FixedOffsetFrame(f"{link.name}/on", parent, place))
+    name = f"{link.name}/joint"
+    kinds = {
+        "universal": parts.UniversalJoint, "ball": parts.BallRpyJoint, "planar": parts.PlanarJoint,
+        "free": parts.QuaternionFloatingJoint,
+    }  # fmt: skip
+    if link.kind in kinds:
+        return kinds[link.kind](name, on, child)
+    if link.kind == "weld":
+        return parts.WeldJoint(name, on, child, RigidTransform())
+    kind = {"revolute": parts.RevoluteJoint, "prismatic": parts.PrismaticJoint}[link.kind]
+    return kind(name, on, child, link.axes[0])
+
+
+def _add_closure(plant: MultibodyPlant, bodies: dict[int, Any], linkage: Linkage, closure: Closure) -> None:
+    """Tie two bodies; a hinge is two shared points on its axis."""
+    a, b = bodies[closure.a], bodies[closure.b]
+    at_a, at_b = closure.point_a - linkage.origin(closure.a), closure.point_b - linkage.origin(closure.b)
+    if closure.kind == "rod":
+        plant.AddDistanceConstraint(a, at_a, b, at_b, closure.length)
+    elif closure.kind == "weld":
+        plant.AddWeldConstraint(a, RigidTransform(at_a), b, RigidTransform(at_b))
+    else:
+        for offset in (-0.5, 0.5) if closure.kind == "hinge" else (0.0,):
+            along = offset * closure.axis
+            plant.AddBallConstraint(a, at_a + along, b, at_b + along)

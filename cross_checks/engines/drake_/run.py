@@ -1,0 +1,140 @@
+"""Drake's simulator, and the loads it asks Python for."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from pydrake.common.value import Value  # pyright: ignore[reportMissingImports]
+from pydrake.multibody.math import SpatialForce  # pyright: ignore[reportMissingImports]
+from pydrake.multibody.plant import (  # pyright: ignore[reportMissingImports]
+    ExternallyAppliedSpatialForce,
+    MultibodyPlant,
+)
+from pydrake.systems.analysis import ResetIntegratorFromFlags, Simulator  # pyright: ignore[reportMissingImports]
+from pydrake.systems.framework import DiagramBuilder, LeafSystem  # pyright: ignore[reportMissingImports]
+
+from cross_checks.engines.drake_.methods import FIXED, SAP, WORLD
+from cross_checks.engines.drake_.reader import Reader
+from cross_checks.workshop.linkage import Applied
+from cross_checks.workshop.outcome import End, Loop
+from cross_checks.workshop.plan import Plan
+from mbs_ref.trajectory import Status
+
+
+class Loads(LeafSystem):
+    """The scene's loads as forces at the centres of mass."""
+
+    def __init__(self, applied: Applied, reader: Reader, size: int) -> None:
+        super().__init__()
+        self.applied, self.reader = applied, reader
+        self.state = self.DeclareVectorInputPort("state", size)
+        none = Value([ExternallyAppliedSpatialForce()])
+        self.DeclareAbstractOutputPort("forces", lambda: none.Clone(), self._fill)
+
+    def _fill(self, context: Any, output: Any) -> None:
+        wrenches = self.applied.wrenches(context.get_time(), self.reader, self.state.Eval(context))
+        forces = []
+        for body, centre, wrench in zip(self.reader.bodies, self.reader.centres, wrenches, strict=True):
+            force = ExternallyAppliedSpatialForce()
+            force.body_index, force.p_BoBq_B = body.index(), centre
+            force.F_Bq_W = SpatialForce(wrench[3:], wrench[:3])
+            forces.append(force)
+        output.set_value(forces)
+
+
+@dataclass
+class Simulated:
+    """A simulator, and the plant's own part of its context."""
+
+    simulator: Simulator
+    context: Any
+
+
+def is_discrete(plan: Plan) -> bool:
+    """Return whether the plant itself steps in time."""
+    return plan.method.name in (SAP, WORLD)
+
+
+def simulated(plant: MultibodyPlant, reader: Reader, applied: Applied | None, plan: Plan) -> Simulated:
+    """Return a simulator whose integrator is chosen."""
+    if applied is None:
+        simulator = Simulator(plant)
+        found = Simulated(simulator, simulator.get_mutable_context())
+    else:
+        builder = DiagramBuilder()
+        builder.AddSystem(plant)
+        loads = builder.AddSystem(Loads(applied, reader, plant.num_multibody_states()))
+        builder.Connect(plant.get_state_output_port(), loads.get_input_port())
+        builder.Connect(loads.get_output_port(), plant.get_applied_spatial_force_input_port())
+        diagram = builder.Build()
+        simulator = Simulator(diagram)
+        found = Simulated(simulator, plant.GetMyMutableContextFromRoot(simulator.get_mutable_context()))
+    if not is_discrete(plan):
+        _choose_integrator(simulator, plan)
+    return found
+
+
+def _choose_integrator(simulator: Simulator, plan: Plan) -> None:
+    """A largest step of 10 ms, which is common, hides the accuracy: here it is the output interval."""
+    fixed = plan.method.kind == "fixed"
+    largest = plan.step if fixed else float(np.diff(plan.times).max())
+    integrator = ResetIntegratorFromFlags(simulator, plan.method.name.removesuffix(FIXED), largest)
+    integrator.set_fixed_step_mode(fixed)
+    if not fixed:
+        integrator.set_target_accuracy(plan.rtol)
+
+
+def advance(model: Simulated, plant: MultibodyPlant, plan: Plan) -> Loop:
+    """Land on every output time, at a fixed step in continuous time on every step: its own clock adds up roundoff."""
+    simulator, context = model.simulator, model.context
+    states = np.full((len(plan.times), plant.num_multibody_states()), np.nan)
+    states[0] = plant.GetPositionsAndVelocities(context)
+    for k, landings in enumerate(_landings(plan), start=1):
+        try:
+            for t in landings:
+                simulator.AdvanceTo(t)
+        except RuntimeError as error:
+            return Loop(states, End(k, _status(str(error)), _first_line(error)), *_counts(simulator, plan, k))
+        states[k] = plant.GetPositionsAndVelocities(context)
+        if not is_discrete(plan) and simulator.get_integrator().get_num_steps_taken() > plan.max_steps:
+            end = End(
+                k + 1, Status.TOO_MANY_STEPS, f"max_steps = {plan.max_steps} were used up at t = {plan.times[k]:g} s"
+            )
+            return Loop(states, end, *_counts(simulator, plan, k))
+    return Loop(states, End(len(states)), *_counts(simulator, plan, len(states) - 1))
+
+
+def _landings(plan: Plan) -> Iterator[list[float]]:
+    """Yield the times to advance to, for each output time after the first.
+
+    A discrete update belongs to the time where it begins: half a step earlier, no roundoff takes one too many.
+    """
+    n = 0
+    for k, t in enumerate(plan.times[1:].tolist()):
+        count = plan.counts[k] if plan.counts else 1
+        if is_discrete(plan):
+            yield [(n + count - 0.5) * plan.step]
+        else:
+            yield [*((n + i) * plan.step for i in range(1, count)), t]
+        n += count
+
+
+def _counts(simulator: Simulator, plan: Plan, reached: int) -> tuple[int, int, int]:
+    """Return steps, right-hand sides and rejected steps."""
+    if is_discrete(plan):
+        steps = sum(plan.counts[:reached])
+        return steps, steps, 0
+    integrator = simulator.get_integrator()
+    rejected = integrator.get_num_step_shrinkages_from_error_control()
+    return integrator.get_num_steps_taken(), integrator.get_num_derivative_evaluations(), rejected
+
+
+def _first_line(error: RuntimeError) -> str:
+    return f"drake stopped: {str(error).splitlines()[0]}"
+
+
+def _status(message: str) -> Status:
+    return Status.STEP_TOO_SMALL if "minimum" in message or "step size" in message else Status.ENGINE_ERROR
