@@ -6,7 +6,7 @@ import json
 import math
 import platform
 import re
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from datetime import UTC, datetime
 from importlib.metadata import version
 from pathlib import Path
@@ -154,11 +154,16 @@ def stored(scene: Scene, folder: Path = FOLDER) -> Certificate | None:
 
 
 def read(file: Path) -> Certificate:
-    """Return the certificate in a file; ValueError names the file where it holds none."""
+    """Return the certificate in a file; ValueError names the file where it holds none.
+
+    Of a scene that has gained parameters since, it certifies their defaults: what was made before they were.
+    """
     try:
-        return Certificate(**json.loads(file.read_text()))
+        kept = Certificate(**json.loads(file.read_text()))
     except (ValueError, TypeError) as error:
         raise ValueError(f"{file} holds no certificate: {error}") from error
+    defaults = scenes.describe(kept.scene).parameters if kept.scene in scenes.names() else {}
+    return replace(kept, parameters=defaults | kept.parameters)
 
 
 def every(folder: Path = FOLDER) -> list[Certificate]:

@@ -89,3 +89,15 @@ def test_an_error_below_thirty_times_the_uncertainty_is_not_judged():
     assert (near.is_judged, far.is_judged) == (False, True)
     assert near.floor == pytest.approx(3e-9)
     assert near.bound == pytest.approx(3.0e-9)
+
+
+def test_a_certificate_made_before_a_parameter_was_stands_for_its_default():
+    """The bare androids were certified before joint stops could be chosen, and are not those that have them."""
+    bare, stopped = scenes.make("android_simplified"), scenes.make("android_simplified", stops=True)
+    found, other = stored(bare), stored(stopped)
+    assert found is not None
+    assert other is not None
+    assert found.parameters == bare.parameters
+    assert other.parameters == stopped.parameters
+    with pytest.raises(ValueError, match="different truths"):
+        departure(found, other)
