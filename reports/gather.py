@@ -55,22 +55,23 @@ FEW_EXTREMES = ("stiff-spring-quiet", "crash-pulse", "overflow")
 def gather(
     store: Store, quick: bool = False, progress: Progress | None = None, extremes_file: Path | None = None,
     again: bool = False,
-) -> ReportData:  # fmt: skip
-    """Return the cells, runs and studies of the default scenes (few of them when quick).
+) -> Iterator[ReportData]:  # fmt: skip
+    """Yield the cells, runs and studies of the default scenes (few of them when quick), after each stage what there is.
 
     Effort is bounded by the work that a search may do, never by a clock. `again` times anew what the store has timed.
-    After Ctrl-C, what there is so far, with a sentence in `incomplete`.
+    `incomplete` says what is still being made; after Ctrl-C, what was interrupted.
     """
     report = progress or _silent
     chosen = chosen_scenes(quick)
     data = ReportData((), (), environment=environment(), quick=quick)
-    stages = (_judged, _timed, _beyond) if quick else (_judged, _timed, _beyond, _studied)
-    for stage in stages:
+    stages = STAGES[:-1] if quick else STAGES
+    for (_, stage), (following, _) in zip(stages, (*stages[1:], ("", None)), strict=True):
         data = stage(store, chosen, data, report, extremes_file, again)
-        if data.incomplete.startswith(INTERRUPTED):
+        if data.incomplete.startswith(INTERRUPTED) or not following:
             break
+        yield replace(data, incomplete=f"still being made: {following}")
     report(1, 1, "writing the page")
-    return data
+    yield data
 
 
 INTERRUPTED = "interrupted"
@@ -183,6 +184,11 @@ def _studied(store: Store, chosen: dict[str, Scene], data: ReportData, report: P
     with _interruptible(told, lambda: f"{len(found)} of {len(measured())} studies"):
         told += measure_all(store, found, (engine_versions(), _adapters()), report)
     return replace(data, studies=found, incomplete="; ".join(told))
+
+
+STAGES: tuple[tuple[str, Callable[..., ReportData]], ...] = (  # each with what a page without it still waits for
+    ("verdicts", _judged), ("times taken alone", _timed), ("capabilities and extremes", _beyond), ("studies", _studied),
+)  # fmt: skip
 
 
 def _silent(done: int, total: int, what: str) -> None:

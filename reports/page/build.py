@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from pathlib import Path
+from time import monotonic
 
 from cross_checks.records.store import Store, default_path
 from reports.gather import gather
 from reports.page.publish import publish, read_data
 from reports.studies.measuring import Progress
 
+PATIENCE = 10.0  # s after which a page of what there is is worth the time to write it
 EXTREMES = "extremes.jsonl"  # beside the page: what `mbs-ref extremes -o` kept
 
 
@@ -19,10 +21,14 @@ def write_report(
 
     Return the path of index.html, and why it is incomplete or nothing. `quick` runs fewer scenes; `again` times what
     is ranked anew. What EXTREMES holds there is shown, else a few extremes are run. `progress` is called with
-    (done, total, what comes next).
+    (done, total, what comes next). Where a stage takes long, the pages show what there is before the next one begins.
     """
+    shown = monotonic()
     with Store(default_path()) as store:
-        data = gather(store, quick, progress, out_dir / EXTREMES, again)
+        for data in gather(store, quick, progress, out_dir / EXTREMES, again):
+            if monotonic() > shown + PATIENCE:
+                publish(data, out_dir)
+                shown = monotonic()
     return publish(data, out_dir), data.incomplete
 
 
