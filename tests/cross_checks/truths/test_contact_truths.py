@@ -89,6 +89,16 @@ def test_figures_of_a_free_impact_are_the_exact_ones(law):
     assert found["floor: impulse, N s"] == pytest.approx(1.0 + exact.restitution, abs=1e-9)
 
 
+def test_no_contact_claims_an_impulse_that_it_shares():
+    """Two equal floors at one place: each gives half of what turns the ball."""
+    ball = scenes.make("bouncing_ball")
+    twice = ball.contacts[0].model_copy(update={"name": "other"})
+    shared = ball.model_copy(update={"contacts": (*ball.contacts, twice)})
+    found = contact_figures(shared, simulate(shared, FINE.model_copy(update={"samples": 501, "estimate": "off"})))
+    assert {"floor: restitution", "other: restitution"} <= found.keys()
+    assert not [name for name in found if "impulse" in name]
+
+
 def test_figures_of_rest_and_of_stopping():
     slid = scenes.make("sliding_block")
     found = contact_figures(slid, simulate(slid, FINE))
