@@ -23,6 +23,7 @@ from reports.studies.pairs.sky_places import sky_places
 
 OURS = "mbs_ref"
 ROUNDS = 3  # interleaved runs of each, of which the least counts
+LONG = 10.0  # s, of a run that is not repeated
 Entrants = tuple[tuple[str, tuple[str, ...]], ...]  # engine and its methods; none named stands for all that run it
 
 
@@ -49,9 +50,13 @@ SMALL = Asked(
     ((OURS, ("dop853", "rk4")), ("exudyn", ("tree_dopri5",)), ("pinocchio", ("dop853",))),
 )  # fmt: skip
 LARGE = Asked(
-    "The vertebral android: Exudyn, Pinocchio", SHARED,
-    tuple(("android_vertebral", {"impact": impact}) for impact in ("front", "rear")),
+    "The vertebral android: Exudyn, Pinocchio", f"{SHARED} Exudyn's fixed step from the rear would take minutes a run.",
+    (("android_vertebral", {}),),
     ((OURS, ("dop853", "rk4")), ("exudyn", ("tree_rk44",)), ("pinocchio", ("dop853",))), (1e-3,),
+)  # fmt: skip
+LARGE_REAR = Asked(
+    "The vertebral android from the rear: Pinocchio", SHARED, (("android_vertebral", {"impact": "rear"}),),
+    ((OURS, ("dop853", "rk4")), ("pinocchio", ("dop853",))), (1e-3,),
 )  # fmt: skip
 CONTACT = Asked(
     "Contact: MuJoCo", "MuJoCo by its own contact, its reference set to the law; what it cannot model it says.",
@@ -72,7 +77,7 @@ PLANETS = Asked(
     ((OURS, ("gauss", "dop853", "rk4")), ("rebound", ("ias15", "whfast", "bs")), ("heyoka", ("taylor",))),
     (1e-6, 1e-9, 1e-11),
 )  # fmt: skip
-PAIRS = (CHAINS, SMALL, LARGE, CONTACT, SATELLITES, PLANETS)
+PAIRS = (CHAINS, SMALL, LARGE, LARGE_REAR, CONTACT, SATELLITES, PLANETS)
 
 
 def measure() -> PairsFacts:
@@ -125,18 +130,25 @@ def _timed(scene: Scene, entrants: Sequence[tuple[str, Method, Reached]]) -> lis
     """Time everyone who reached a target in randomly interleaved runs."""
     rows = [_row(scene, *entrant) for entrant in entrants]
     ran = [k for k, row in enumerate(rows) if row.answer == "reached"]
-    best, random, times = dict.fromkeys(ran, np.inf), np.random.default_rng(0), ladder.grid(scene)
+    first = {k: _loop_time(entrants[k][2]) for k in ran}
+    again = [k for k in ran if first[k] < LONG]
+    best = first | dict.fromkeys(again, np.inf)
+    random, times = np.random.default_rng(0), ladder.grid(scene)
     for _ in range(ROUNDS):
-        for k in random.permutation(ran):
-            record = entrants[k][2].record
-            assert record is not None
-            path = engines.get(entrants[k][0]).run(scene, Settings(**record.settings), times)
+        for k in random.permutation(again):
+            settings = Settings(**entrants[k][2].record.settings)  # type: ignore[union-attr]
+            path = engines.get(entrants[k][0]).run(scene, settings, times)
             best[k] = min(best[k], path.timing.loop_s)
     ours = min((best[k] for k in ran if rows[k].engine == OURS), default=None)
     return [
         replace(row, loop_s=float(best[k]), ratio=None if ours is None else float(best[k] / ours)) if k in best else row
         for k, row in enumerate(rows)
     ]
+
+
+def _loop_time(reached: Reached) -> float:
+    """Return the loop time (s) of the run that was searched for."""
+    return np.inf if reached.record is None else reached.record.times.get("loop_s", np.inf)
 
 
 def _row(scene: Scene, engine: str, method: Method, reached: Reached) -> Row:

@@ -14,10 +14,8 @@ LEAD = (
     "error over the scene's own scales, what it leaves of the constraints and of the energy, and its time in "
     "interleaved runs, as a multiple of our cheapest."
 )
-NO_ROWS = "no rows to comply with"
-HEAD = (
-    "scene", "engine and method", "target", "setting", "error", "largest |C|", "energy drift", "time", "over ours", "",
-)  # fmt: skip
+NO_ROWS = "no rows"  # to comply with
+HEAD = ("scene", "engine and method", "target", "setting", "error", "largest |C|", "energy drift", "time", "over ours")
 
 
 def context(data: ReportData) -> dict[str, Any]:
@@ -38,12 +36,12 @@ def _table(pair: Pair) -> dict[str, Any]:
 def _cells(row: Row) -> list[str]:
     name = f"{row.engine} {row.method}".rstrip()
     if row.answer != "reached":
-        return [row.scene, name, _target(row), "", "", "", "", "", "", f"{row.answer}: {row.reason}".rstrip(": ")]
+        return [row.scene, name, _target(row), f"{row.answer}: {row.reason}".rstrip(": ")]
     kept = NO_ROWS if row.compliance is None else short(row.compliance)
-    energy = "not conserved" if row.energy is None else joules(row.energy)
+    energy = "worked on" if row.energy is None else joules(row.energy)
     return [
         row.scene, name, _target(row), row.setting, short(row.error), kept, energy, duration(row.loop_s),
-        ABSENT if row.ratio is None else f"{row.ratio:.3g}", "",
+        ABSENT if row.ratio is None else f"{row.ratio:.3g}",
     ]  # fmt: skip
 
 

@@ -54,5 +54,6 @@ def test_the_page_tells_rows_refusals_and_places():
     page = render(replace(report_data(), studies={"pairs": facts}))["pairs.html"].decode()
     assert "no rows to comply with" in page
     assert "cannot: closes a loop" in page
-    assert "not conserved" in page
+    assert "worked on" in page
+    assert 'colspan="6"' in page
     assert "4.8" in page
