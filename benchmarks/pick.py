@@ -63,7 +63,10 @@ def pick(
     ValueError where a bound is not positive or the records are of several scenes.
     """
     bounds = Bounds(error, compliance, budget)
-    measured = [r for r in records if _is_measured(r)]
+    listed = list(records)
+    measured = [r for r in listed if _is_measured(r)]
+    if not measured:
+        return Choice(None, None, None, _why_nothing(listed))
     _check_one_scene(measured)
     floor = max((r.error.floor for r in measured if r.error), default=0.0)
     if error < floor:
@@ -147,9 +150,13 @@ def _why_not_cheaper(limit: Limit | None) -> str:
     return f"The compliance limits it: for {price} {setting(near)} opens the joints by {_gap(near):.1e}."
 
 
+def _why_nothing(records: Sequence[Record]) -> str:
+    """Say why no run was measured: what each engine answered, its methods of one answer together."""
+    told = dict.fromkeys(f"{r.engine}: {r.message}" for r in records if r.status != "success" and r.message)
+    return "; ".join(["no run with a known error was measured", *told])
+
+
 def _why_none(measured: Sequence[Record], reached: Sequence[Record], bounds: Bounds) -> str:
-    if not measured:
-        return "no run with a known error was measured"
     if reached and bounds.budget is not None:
         cheapest = min(reached, key=cost)
         price = f"{1e3 * cost(cheapest):.3g} ms"

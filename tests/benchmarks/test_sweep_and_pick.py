@@ -5,11 +5,13 @@ from __future__ import annotations
 from dataclasses import replace
 
 import pytest
+from click.testing import CliRunner
 
 from benchmarks.pick import pick
 from benchmarks.sweep import sweep
 from cross_checks.judge.runs import Runs
 from mbs_ref import scenes
+from reports.cli import main
 
 PENDULUM = scenes.make("pendulum")
 
@@ -74,3 +76,9 @@ def test_bounds_and_records_are_checked(records):
     with pytest.raises(ValueError, match="2 scenes"):
         pick([*records, *other], 1.0)
     assert "no run" in pick([], 1.0).sentence
+
+
+def test_where_nothing_was_measured_the_engines_answers_are_told():
+    done = CliRunner().invoke(main, ["pick", "solar_system", "--error", "1e-3", "--engine", "mujoco"])
+    assert done.exit_code == 5
+    assert "no run with a known error was measured; mujoco: mujoco" in done.output
