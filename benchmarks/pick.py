@@ -151,9 +151,12 @@ def _why_not_cheaper(limit: Limit | None) -> str:
 
 
 def _why_nothing(records: Sequence[Record]) -> str:
-    """Say why no run was measured: what each engine answered, its methods of one answer together."""
-    told = dict.fromkeys(f"{r.engine}: {r.message}" for r in records if r.status != "success" and r.message)
-    return "; ".join(["no run with a known error was measured", *told])
+    """Say why no run was measured: an answer of each engine, the shortest that one of its methods gave."""
+    told: dict[str, str] = {}
+    for record in records:
+        if record.status != "success" and record.message:
+            told[record.engine] = min(told.get(record.engine, record.message), record.message, key=len)
+    return "; ".join(["no run with a known error was measured", *(f"{name}: {why}" for name, why in told.items())])
 
 
 def _why_none(measured: Sequence[Record], reached: Sequence[Record], bounds: Bounds) -> str:
