@@ -7,8 +7,13 @@ from dataclasses import replace
 
 import pytest
 
+from cross_checks.engine import Method
+from cross_checks.judge.ladder import STEPS, rungs
 from cross_checks.judge.one_run import evaluate
+from cross_checks.truth import NoTruth
 from mbs_ref import scenes
+from mbs_ref.scene.events import CoordinateEvent
+from mbs_ref.scene.units import free_fall_time
 from mbs_ref.settings import Settings
 from tests.cross_checks.conftest import raising, spoiled
 
@@ -78,3 +83,18 @@ def test_a_broken_adapter_is_seen(swing):
     swing(raising(TypeError("wrong argument")))
     with pytest.raises(TypeError):
         judged()
+
+
+def test_a_run_that_a_declared_event_stops_is_on_time():
+    fall = CoordinateEvent(name="low", body=PENDULUM.bodies[0].name, coordinate="y", value=-0.3, action="stop")
+    scene = PENDULUM.model_copy(update={"events": (fall,), "name": "stopped"})
+    record = evaluate(
+        scene, "mbs_ref", Settings(rtol=1e-6, estimate="off", samples=101), truth=NoTruth("none is asked")
+    )
+    assert (record.status, record.message.count("clock")) == ("stop-event", 0)
+
+
+def test_the_steps_of_a_ladder_count_in_free_fall_times():
+    satellite = scenes.make("satellite")
+    coarse = rungs(Method("rk4", "fixed", 4, "made up"), satellite)[0]
+    assert coarse.step == pytest.approx(STEPS[0] * free_fall_time(satellite), rel=0.2)
