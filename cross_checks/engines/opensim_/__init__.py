@@ -1,0 +1,109 @@
+"""OpenSim: Simbody's minimal coordinates, loops by constraints that every step is projected on."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from importlib.metadata import version
+from typing import Any, ClassVar
+
+import numpy as np
+import opensim  # pyright: ignore[reportMissingImports]  # an optional extra
+
+from cross_checks.engine import Engine, Method, Poses, Refusal
+from cross_checks.engines.opensim_.build import model_of
+from cross_checks.engines.opensim_.methods import FIXED, INTEGRATORS, METHODS
+from cross_checks.engines.opensim_.reader import Reader, values
+from cross_checks.workshop.linkage import Linkage, closure_refusals, linkage_of, poses_of
+from cross_checks.workshop.outcome import End, Loop
+from cross_checks.workshop.plan import Plan
+from mbs_ref.scene import Scene, SpringDamper
+from mbs_ref.trajectory import Status
+
+opensim.Logger.setLevelString("Error")
+
+
+@dataclass(frozen=True)
+class Built:
+    """An OpenSim model, its manager, and its state at t = 0."""
+
+    linkage: Linkage
+    model: Any
+    manager: Any
+    start: Any
+    reader: Reader
+
+
+class OpenSim(Engine):
+    """OpenSim's Manager over Simbody."""
+
+    name: ClassVar[str] = "opensim"
+    package: ClassVar[str] = "opensim"
+    part_types: ClassVar[frozenset[str]] = frozenset(
+        {"planar", "point_mass", "revolute", "prismatic", "weld", "distance", "spring_damper"}
+        | {"spatial", "spherical", "universal"}
+    )
+
+    def methods(self) -> tuple[Method, ...]:
+        return METHODS
+
+    def version(self) -> str:
+        return version("opensim")
+
+    def topology_refusals(self, scene: Scene) -> list[Refusal]:
+        reasons = [
+            f"load {load.name!r}: opensim's spring between points has no damping and pushes as well as it pulls"
+            for load in scene.loads
+            if isinstance(load, SpringDamper) and (load.damping or load.tension_only)
+        ]
+        loops = closure_refusals("opensim", scene, {"point", "hinge", "weld", "rod"})
+        return loops + [Refusal(reason, permanent=False) for reason in reasons]
+
+    def build(self, scene: Scene, plan: Plan) -> Built:
+        linkage = linkage_of(scene)
+        model, joints = model_of(linkage)
+        state = model.initSystem()
+        # settings count only before the manager is initialized
+        manager = opensim.Manager(model)
+        chosen = INTEGRATORS[plan.method.name.removesuffix(FIXED)]
+        manager.setIntegratorMethod(getattr(opensim.Manager, f"IntegratorMethod_{chosen}"))
+        if plan.method.kind == "fixed":
+            manager.setIntegratorFixedStepSize(plan.step)
+        else:
+            manager.setIntegratorAccuracy(plan.rtol)
+        manager.setIntegratorInternalStepLimit(plan.max_steps)
+        manager.setWriteToStorage(False)
+        manager.setPerformAnalyses(False)
+        manager.setRecordStatesTrajectory(False)
+        return Built(linkage, model, manager, state, Reader(linkage, model, joints, state))
+
+    def advance(self, model: Built, plan: Plan) -> Loop:
+        manager = model.manager
+        state = model.start
+        states = np.full((len(plan.times), len(values(state))), np.nan)
+        states[0] = values(state)
+        state.setTime(0.0)
+        manager.initialize(state)
+        for k, t in enumerate(plan.times[1:].tolist(), start=1):
+            try:
+                state = manager.integrate(t)
+            except RuntimeError as error:
+                return Loop(states, _failure(error, k))
+            if abs(state.getTime() - t) > 1e-9 * plan.times[-1]:
+                reason = f"opensim came back at t = {state.getTime():g} s without a word"
+                return Loop(states, End(k, Status.ENGINE_ERROR, reason))
+            states[k] = values(state)
+        return Loop(states, End(len(states)), sum(plan.counts))
+
+    def poses(self, model: Built, plan: Plan, states: np.ndarray) -> Poses:
+        return poses_of(model.linkage, model.reader, states)
+
+
+ENGINE = OpenSim
+
+
+def _failure(error: RuntimeError, k: int) -> End:
+    """Return the end before sample k in Simbody's own words, which begin after the place in its source."""
+    lines = [line.strip() for line in str(error).splitlines() if line.strip() and "thrown at" not in line]
+    stuck = "Unable to advance time" in str(error)
+    words = " ".join(lines) or "no reason given"
+    return End(k, Status.STEP_TOO_SMALL if stuck else Status.ENGINE_ERROR, f"opensim stopped: {words}")

@@ -1,0 +1,111 @@
+"""A scene as an OpenSim model: every body's frame is its joint's, along the world's axes at t = 0."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import opensim  # pyright: ignore[reportMissingImports]
+
+from cross_checks.workshop.linkage import Closure, Link, Linkage
+from cross_checks.workshop.spatial_tree import FIXED
+from mbs_ref.scene import SpringDamper
+
+STRAIGHT = np.eye(3)
+KINDS = {
+    "revolute": "PinJoint", "prismatic": "SliderJoint", "universal": "UniversalJoint", "ball": "BallJoint",
+    "planar": "PlanarJoint", "free": "FreeJoint", "weld": "WeldJoint",
+}  # fmt: skip
+
+
+def model_of(linkage: Linkage) -> tuple[Any, list[Any]]:
+    """Return the model and the links' joints; rates at t = 0 are the coordinates' default speeds."""
+    model = opensim.Model()
+    model.setGravity(_vector(linkage.gravity))
+    bodies = {FIXED: model.getGround()}
+    joints = []
+    for link in linkage.links:
+        bodies[link.body] = body = opensim.Body(link.name, link.mass, _vector(link.centre), _inertia(link))
+        model.addBody(body)
+        joints.append(_joint(link, bodies[link.parent], link.origin - linkage.origin(link.parent), body))
+        model.addJoint(joints[-1])
+    for closure in linkage.closures:
+        for constraint in _constraints(bodies, linkage, closure):
+            model.addConstraint(constraint)
+    for load in linkage.scene.loads:
+        assert isinstance(load, SpringDamper)  # every other load is refused before
+        model.addForce(_spring(bodies, linkage, load))
+    return model, joints
+
+
+def _vector(x) -> Any:
+    return opensim.Vec3(*(float(value) for value in x))
+
+
+def _inertia(link: Link) -> Any:
+    i = link.inertia
+    return opensim.Inertia(*(float(x) for x in (i[0, 0], i[1, 1], i[2, 2], i[0, 1], i[0, 2], i[1, 2])))
+
+
+def _axes(link: Link) -> np.ndarray:
+    """Return the joint's frame: pins turn about its z, sliders move along its x, universal joints turn about both."""
+    if link.kind == "universal":
+        return np.column_stack((*link.axes, np.cross(*link.axes)))
+    if not len(link.axes):
+        return STRAIGHT
+    axis = link.axes[0]
+    side = np.cross(axis, np.eye(3)[int(np.argmin(np.abs(axis)))])
+    side /= np.linalg.norm(side)
+    other = np.cross(axis, side)
+    return np.column_stack((side, other, axis) if link.kind == "revolute" else (axis, side, other))
+
+
+def _angles(frame: np.ndarray) -> Any:
+    """Return turns about the body's x, y and z in that order."""
+    y = math.asin(max(-1.0, min(1.0, frame[0, 2])))
+    if abs(frame[0, 2]) > 1.0 - 1e-12:  # x and z turn about the same line
+        return opensim.Vec3(0.0, y, math.atan2(frame[1, 0], frame[1, 1]))
+    return opensim.Vec3(math.atan2(-frame[1, 2], frame[2, 2]), y, math.atan2(-frame[0, 1], frame[0, 0]))
+
+
+def _joint(link: Link, parent: Any, place: np.ndarray, body: Any) -> Any:
+    angles, here = _angles(_axes(link)), opensim.Vec3(0.0)
+    joint = getattr(opensim, KINDS[link.kind])(f"{link.name}/joint".replace("/", "_"), parent, _vector(place), angles,
+                                               body, here, angles)  # fmt: skip
+    for k, rate in enumerate(_rates(link)):
+        joint.get_coordinates(k).setDefaultSpeedValue(float(rate))
+    return joint
+
+
+def _rates(link: Link) -> np.ndarray:
+    """Return the rates in OpenSim's order, which turns before it slides."""
+    if link.kind == "free":
+        return link.rates[[3, 4, 5, 0, 1, 2]]
+    return link.rates[[2, 0, 1]] if link.kind == "planar" else link.rates
+
+
+def _constraints(bodies: dict[int, Any], linkage: Linkage, closure: Closure) -> list[Any]:
+    """Return what ties two bodies; a hinge is a shared point, and a point of b on the axis in a."""
+    a, b = bodies[closure.a], bodies[closure.b]
+    on_a, on_b = closure.point_a - linkage.origin(closure.a), closure.point_b - linkage.origin(closure.b)
+    at_a, at_b = _vector(on_a), _vector(on_b)
+    if closure.kind == "rod":
+        return [opensim.ConstantDistanceConstraint(a, at_a, b, at_b, closure.length)]
+    if closure.kind == "weld":
+        return [opensim.WeldConstraint(closure.name, a, at_a, opensim.Vec3(0.0), b, at_b, opensim.Vec3(0.0))]
+    shared = [opensim.PointConstraint(a, at_a, b, at_b)]
+    if closure.kind == "hinge":
+        axis = _vector(closure.axis)
+        shared.append(opensim.PointOnLineConstraint(a, axis, at_a, b, _vector(on_b + closure.axis)))
+    return shared
+
+
+def _spring(bodies: dict[int, Any], linkage: Linkage, load: SpringDamper) -> Any:
+    ends = []
+    for name, point in ((load.body_a, load.point_a), (load.body_b, load.point_b)):
+        body = linkage.scene.body_index(name)
+        ends += [bodies[body], _vector(np.resize((*point, 0.0), 3) - linkage.origin(body))]
+    initial = math.dist(load.point_a, load.point_b)
+    rest = initial if load.rest_length is None else load.rest_length
+    return opensim.PointToPointSpring(*ends, load.stiffness, rest)
