@@ -16,6 +16,7 @@ INSIDE = {
     "drake": "Simulator.AdvanceTo in C++, called from Python once an output; "
     "forces that it lacks come through a Python system inside the loop",
     "dart": "World.step in C++, called from Python once a step, as its users do",
+    "mjx": "one compiled call an output; compiling it, which takes seconds, is counted as the first call",
     "opensim": "Manager.integrate in C++, called from Python once an output",
     "heyoka": "its own compiled loop; compiling the Taylor series is counted as building the model",
 }

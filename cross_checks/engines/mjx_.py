@@ -1,0 +1,129 @@
+"""MJX: MuJoCo's equations written in JAX, here in double precision on the CPU.
+
+The model is MuJoCo's own, compiled by the adapter of MuJoCo; MJX takes it over or names what it lacks.
+"""
+
+# Its names live in a compiled module.
+# pyright: reportAttributeAccessIssue=false
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from importlib.metadata import version
+from typing import Any, ClassVar
+
+import jax  # pyright: ignore[reportMissingImports]  # an optional extra
+import mujoco
+import mujoco.mjx as mjx  # pyright: ignore[reportMissingImports]
+import numpy as np
+
+from cross_checks.engine import Engine, Method, Poses, Refusal
+from cross_checks.engines.mujoco_.contact import contact_refusals
+from cross_checks.engines.mujoco_.methods import METHODS as OF_MUJOCO
+from cross_checks.engines.mujoco_.methods import STOCK, TIGHT
+from cross_checks.engines.mujoco_.observe import observe_planar, observe_spatial
+from cross_checks.engines.mujoco_.planar_build import compile_planar
+from cross_checks.engines.mujoco_.refusals import closure_refusals, part_refusals, spatial_refusals
+from cross_checks.engines.mujoco_.run import at_start
+from cross_checks.engines.mujoco_.spatial_build import compile_spatial
+from cross_checks.workshop.outcome import End, Loop
+from cross_checks.workshop.plan import Plan
+from cross_checks.workshop.planar_tree import JointTree, joint_tree
+from cross_checks.workshop.spatial_tree import SpatialTree, spatial_tree
+from mbs_ref.scene import Scene
+
+jax.config.update("jax_enable_x64", True)  # else everything is in single precision, without a word
+
+LACKS = ("implicit", STOCK)  # its integrator, and what differs in contact alone
+METHODS = tuple(m for m in OF_MUJOCO if m.name != LACKS[0] and not m.name.endswith(LACKS[1]))
+# rk4 is of order 2 where quaternions turn (3.17); MuJoCo documents 4, and the judge says what it finds
+
+
+@jax.jit
+def _steps(model: Any, data: Any, count: int) -> Any:
+    """Make `count` steps in one call, compiled once for a model."""
+
+    def step(_: int, state: Any) -> Any:
+        # in double precision some of its integers grow to 64 bits, which a loop does not bear
+        return jax.tree.map(lambda old, new: new.astype(old.dtype), state, mjx.step(model, state))
+
+    return jax.lax.fori_loop(0, count, step, data)
+
+
+@dataclass(frozen=True)
+class Built:
+    """A MuJoCo model, its copy in JAX, and the state there at t = 0."""
+
+    tree: JointTree | SpatialTree
+    model: mujoco.MjModel
+    copy: Any
+    start: Any
+
+
+class Mjx(Engine):
+    """MJX in double precision, each interval between output times one compiled call."""
+
+    name: ClassVar[str] = "mjx"
+    package: ClassVar[str] = "mujoco.mjx"
+    part_types: ClassVar[frozenset[str]] = frozenset(
+        {"planar", "point_mass", "revolute", "prismatic", "weld", "distance"}
+        | {"force", "torque", "spring_damper", "torsion_spring"}
+        | {"spatial", "spherical", "cylindrical", "universal"}
+        | {"circle_on_line", "circle_on_circle", "sphere_on_plane", "sphere_on_sphere"}
+        | {"spring_damper_law", "stick_slip"}
+    )
+
+    def methods(self) -> tuple[Method, ...]:
+        return METHODS
+
+    def version(self) -> str:
+        return version("mujoco-mjx")
+
+    def topology_refusals(self, scene: Scene) -> list[Refusal]:
+        own = spatial_refusals(scene) if scene.dimension == 3 else closure_refusals(scene) + part_refusals(scene)
+        return [Refusal(r.reason.replace("mujoco", "mjx"), r.permanent) for r in own + contact_refusals(scene)]
+
+    def method_refusals(self, scene: Scene, method: Method) -> list[Refusal]:
+        reasons = super().method_refusals(scene, method)
+        if method.name.endswith(TIGHT) and not reasons and not _tree(scene).closures:
+            reasons.append(Refusal(f"{method.name} differs only where a joint closes a loop, and none does", True))
+        return reasons
+
+    def build(self, scene: Scene, plan: Plan) -> Built:
+        tree = _tree(scene)
+        model = compile_planar(tree, plan) if isinstance(tree, JointTree) else compile_spatial(tree, plan)
+        model.opt.enableflags = (
+            0  # the exact effective mass; of free bodies, which alone touch here, it is exact anyway
+        )
+        if all(contact.friction is None for contact in scene.contacts):
+            model.opt.cone = mujoco.mjtCone.mjCONE_PYRAMIDAL  # elliptic ones without any friction are a TypeError in it
+        start = at_start(model, tree)
+        return Built(tree, model, mjx.put_model(model), mjx.put_data(model, start))
+
+    def first_call(self, model: Built, plan: Plan) -> None:
+        """Compile, which takes seconds."""
+        jax.block_until_ready(_steps(model.copy, model.start, 1))
+
+    def advance(self, model: Built, plan: Plan) -> Loop:
+        data, nq = model.start, model.model.nq
+        states = np.empty((len(plan.times), nq + model.model.nv))
+        states[0, :nq], states[0, nq:] = data.qpos, data.qvel
+        for k, count in enumerate(plan.counts, start=1):
+            data = _steps(model.copy, data, count)
+            states[k, :nq], states[k, nq:] = data.qpos, data.qvel
+        steps = sum(plan.counts)
+        stages = 4 if model.model.opt.integrator == mujoco.mjtIntegrator.mjINT_RK4 else 1
+        return Loop(states, End(len(states)), steps, steps * stages)
+
+    def poses(self, model: Built, plan: Plan, states: np.ndarray) -> Poses:
+        """Return the poses of MJX's coordinates; MuJoCo's own kinematics reads them."""
+        if isinstance(model.tree, SpatialTree):
+            return observe_spatial(model.model, model.tree, states)
+        return observe_planar(model.model, model.tree, plan.times[: len(states)], states)
+
+
+ENGINE = Mjx
+
+
+def _tree(scene: Scene) -> JointTree | SpatialTree:
+    return joint_tree(scene) if scene.dimension == 2 else spatial_tree(scene)
