@@ -8,6 +8,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from mbs_ref.cores.joint_graph import Edge, joint_rows, layout, row_count
+from mbs_ref.cores.loops import Closure, loops_of_closures
+from mbs_ref.kernels.rigid.closures import Loops
 from mbs_ref.kernels.signals import SignalArrays
 from mbs_ref.scene import Scene
 from mbs_ref.scene.base.rows import Row
@@ -70,9 +72,11 @@ class Builder:
             at = at._replace(row=at.row + row.count)
         return result
 
-    def closures(self) -> list[tuple[int, int]]:
-        """Return slot and row of every row that closes a loop."""
-        return [(slot, row) for slot in range(self.n, len(self.slot_rows)) for row in range(self.slot_rows[slot])]
+    def loops(self) -> Loops:
+        """Return the closures of loops: the slots beyond the tree's that have rows."""
+        slots = [k for k in range(self.n, len(self.slot_rows)) if self.slot_rows[k]]
+        closures = [Closure(k, self.slot_bodies[k], self.slot_rows[k]) for k in slots]
+        return loops_of_closures(self.layout.parent, closures)
 
     def of(self, *kinds: type[Row]) -> list[PlacedRow]:
         return [placed for placed in self.rows if isinstance(placed.row, kinds)]

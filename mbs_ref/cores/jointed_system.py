@@ -65,7 +65,7 @@ class JointedSystem(ContactSystem):
 
     @property
     def n_closure_rows(self) -> int:
-        return len(self.groups.slots.closure_slot)
+        return int(self.groups.loops.count.sum())
 
     def rows(self, every: bool = False) -> list[tuple[int, int, int]]:
         """Return (joint, slot, row in slot) of every joint row, joint after joint."""
@@ -114,7 +114,7 @@ class JointedSystem(ContactSystem):
         """Return lambda (n_rows,) in the order of `rows`; minimum-norm where rows are dependent."""
         dy = self.derivative(t, y)
         result = np.array([self.scratch.rows.multiplier[slot, row] for _, slot, row in self.rows()])
-        if self.n_closure_rows == 0 or self.scratch.closures.rank[0] == self.n_closure_rows or not len(dy):
+        if self.n_closure_rows == 0 or self.scratch.closures.rank.sum() == self.n_closure_rows or not len(dy):
             return result
         unbalanced = self._unbalanced(t, y, dy)
         return np.linalg.lstsq(self.jacobian(t, y).T, unbalanced, rcond=RANK_TOLERANCE)[0]

@@ -142,6 +142,7 @@ def _compiler(**options: Any) -> Callable[[Callable], Any]:
 # Contraction (fused multiply-add) alone is allowed: it keeps NaN, infinities and the order of sums.
 _OPTIONS: Any = {"error_model": "numpy", "fastmath": {"contract"}, "no_cfunc_wrapper": True}
 jit = _compiler(**_OPTIONS)
+placed = _compiler(forceinline=True, **_OPTIONS)
 strict_jit = _compiler()  # every operation is rounded as it is written, and division by zero raises
 # For the parts of a loop: called, each would pass a dozen arrays at every step, and count their references.
 inlined = numba.njit(inline="always", **_OPTIONS)

@@ -176,7 +176,6 @@ def build_planar(scene: Scene) -> tuple[arrays.PlanarGroups, dict[int, Place]]:
     build = _Builder(scene)
     ordered: list[Any] = [scene.bodies[i] for i in build.layout.order]
     _refuse_unknown_rows(scene, build.joint_rows)
-    closures = build.closures()
     joints = {name: _pair_joints(build, kinds) for name, kinds in _PAIRS.items()}
     drives, forces = _drives(build), _forces(build)
     pairs = contact_pairs(scene, build)
@@ -190,9 +189,8 @@ def build_planar(scene: Scene) -> tuple[arrays.PlanarGroups, dict[int, Place]]:
         slots=arrays.Slots(
             body=np.array(build.slot_bodies, dtype=np.int64).reshape(-1, 2),
             padding=np.array([[float(r >= rows) for r in range(3)] for rows in build.slot_rows]).reshape(-1, 3),
-            closure_slot=ints([slot for slot, _ in closures]),
-            closure_row=ints([row for _, row in closures]),
         ),
+        loops=build.loops(),
         **joints,
         drives=drives,
         forces=forces,

@@ -36,8 +36,7 @@ class PlanarSystem(JointedSystem):
         self.scene = scene
         self.n_bodies = len(scene.bodies)
         self.groups, self.place = build_planar(scene)
-        slots = self.groups.slots
-        self.scratch = planar_scratch(self.n_bodies, len(slots.body), len(slots.closure_slot))
+        self.scratch = planar_scratch(self.n_bodies, len(self.groups.slots.body), self.groups.loops)
         self._keep_alive = self._connect_user_forces()
 
     # --- set-up -----------------------------------------------------------------------------------

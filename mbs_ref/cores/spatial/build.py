@@ -174,7 +174,6 @@ def _bodies(build: _Builder) -> arrays.Bodies:
 def build_spatial(scene: Scene) -> tuple[arrays.SpatialGroups, dict[int, Place]]:
     """Compile a spatial scene; also return where each joint's rows are."""
     build = _Builder(scene)
-    closures = build.closures()
     rows = {kind.GROUP: _row_group(build, kind) for kind in Row.__subclasses__() if kind.GROUP}
     forces = _forces(build)
     pairs = contact_pairs(scene, build)
@@ -183,10 +182,8 @@ def build_spatial(scene: Scene) -> tuple[arrays.SpatialGroups, dict[int, Place]]
         slots=arrays.Slots(
             body=np.array(build.slot_bodies, dtype=np.int64).reshape(-1, 2),
             count=ints(build.slot_rows),
-            closure_slot=ints([slot for slot, _ in closures]),
-            closure_row=ints([row for _, row in closures]),
-            closure_rank=ints([len(closures)]),
         ),
+        loops=build.loops(),
         **rows,
         forces=forces,
         springs=_springs(build),

@@ -18,7 +18,7 @@ from mbs_ref.scene.traits import deflecting
 
 RANK_POSES = 3  # random poses, besides the first, in which the rank of the loops is looked at
 RANK_STEP = 0.05  # m, rad: how far they are from the first
-RANK_LIMIT = 600  # rows; a dense SVD beyond takes seconds
+INDEPENDENT = 1e-8  # relative pivot: above roundoff, 1e-12, and below what RANK_STEP away from a singular pose has
 PROJECTED = 1e-11  # m, rad: a pose off the constraints by more tells nothing about ranks
 
 
@@ -39,12 +39,11 @@ class SpatialSystem(JointedSystem):
         self.scene = scene
         self.n_bodies = len(scene.bodies)
         self.groups, self.place = build_spatial(scene)
-        slots = self.groups.slots
         sticking = int(self.groups.contact_pairs.sticking[0])
-        self.scratch = spatial_scratch(self.n_bodies, len(slots.body), len(slots.closure_slot), sticking)
+        self.scratch = spatial_scratch(self.n_bodies, len(self.groups.slots.body), self.groups.loops, sticking)
         self.scratch.kinematics.inertia[: self.n_bodies] = self.groups.bodies.inertia
         self._keep_alive = self._connect_user_forces()
-        slots.closure_rank[0] = self._closure_rank()
+        self.groups.loops.most[:] = self._closure_ranks()
 
     # --- set-up -----------------------------------------------------------------------------------
 
@@ -78,21 +77,27 @@ class SpatialSystem(JointedSystem):
         """Scene indices of the rigid bodies."""
         return np.array([k for k, b in enumerate(self.scene.bodies) if isinstance(b, SpatialBody)], dtype=int)
 
-    def _closure_rank(self) -> int:
-        """Return the largest rank of the closure rows found at poses of the mechanism near the first."""
-        every = self.n_closure_rows
-        rows = self.rows()
-        if every == 0 or len(rows) > RANK_LIMIT:
-            return every
+    def _closure_ranks(self) -> np.ndarray:
+        """Return how many rows of each closure are independent at the pose, near the first, where most are."""
+        if self.n_closure_rows == 0:
+            return self.groups.loops.most
         y = self.initial_state()
-        core.call_project(self.model, self.work, 0.0, y, 1e-14, 50)
+        self.project(0.0, y, 1e-14, 50)
+        best = self._ranks_at(y)
         generator = np.random.default_rng(0)
-        best = self.row_rank(0.0, y)
         for _ in range(RANK_POSES):
             near = self._moved(y, generator.standard_normal(len(y)))
-            if core.call_project(self.model, self.work, 0.0, near, 1e-14, 50) < PROJECTED:
-                best = max(best, self.row_rank(0.0, near))
-        return best - (len(rows) - every)
+            if self.project(0.0, near, 1e-14, 50) < PROJECTED:
+                best = max(best, self._ranks_at(near), key=np.sum)
+        return best
+
+    def _ranks_at(self, y: np.ndarray) -> np.ndarray:
+        """Return how many pivots of each closure stand out from roundoff."""
+        self.derivative(0.0, y)
+        closures = self.scratch.closures
+        found = np.arange(self.RATES) < closures.rank[:, None]
+        scale = np.take_along_axis(closures.scale, closures.order, axis=1)
+        return np.sum(closures.inverse * scale * INDEPENDENT < 1.0, axis=1, where=found)
 
     def _moved(self, y: np.ndarray, x: np.ndarray) -> np.ndarray:
         """Return y moved along the constraints by about RANK_STEP in the direction of x."""
@@ -180,7 +185,7 @@ class SpatialSystem(JointedSystem):
 
     def independent_rows(self, t: float, y: np.ndarray) -> np.ndarray:
         every = len(self.rows())
-        kept = every - self.n_closure_rows + int(self.groups.slots.closure_rank[0])
+        kept = every - self.n_closure_rows + int(self.groups.loops.most.sum())
         if kept == every:
             return np.arange(every)
         from scipy.linalg import qr  # takes long to import

@@ -1,11 +1,11 @@
-"""Loop closures in the plane (mbs_ref.kernels.rigid.closures)."""
+"""Loop closures in the plane: what their rows do to a body and its joint (mbs_ref.kernels.rigid.elimination)."""
 
 from __future__ import annotations
 
-from mbs_ref.kernels.jit import jit
-from mbs_ref.kernels.planar.model import RATES, bodies_of, closures_of, rows_of, slots_of, tree_of
-from mbs_ref.kernels.planar.tree import solve_tree
-from mbs_ref.kernels.rigid.closures import factor_schur, fill_schur, leave_out, load_row
+from mbs_ref.kernels.algebra.ldl import ldl3_solve
+from mbs_ref.kernels.jit import jit, placed
+from mbs_ref.kernels.planar.model import RATES, bodies_of, closures_of, loops_of, rows_of, slots_of, tree_of
+from mbs_ref.kernels.rigid.elimination import couple, eliminate, start_closures
 
 
 @jit
@@ -23,16 +23,50 @@ def _row_mobility(model, work, slot, row):
 
 
 @jit
-def factor_closures(model, work, zero_gamma):
-    """Form T G^T column by column, then the Schur complement and its pivoted factor."""
-    slots, jacobian, tree, closures = slots_of(model), rows_of(work).jacobian, tree_of(work), closures_of(work)
-    for r in range(slots.closure_slot.shape[0]):
-        slot, row = slots.closure_slot[r], slots.closure_row[r]
-        closures.scale[r] = _row_mobility(model, work, slot, row)
-        if closures.scale[r] == 0.0:  # the empty row of an open contact: its multiplier is zero
-            leave_out(closures, r)
-            continue
-        load_row(RATES, slots.body, jacobian, slot, row, tree.load)
-        solve_tree(model, work, zero_gamma, closures.columns[r], closures.column_multiplier[r])
-        fill_schur(RATES, slots, jacobian, closures, r)
-    factor_schur(closures, closures.scale.shape[0])
+def begin_closures(model, work):
+    """Put the closures' rows where their paths begin."""
+    loops, closures = loops_of(model), closures_of(work)
+    for k in range(loops.slot.shape[0]):
+        for r in range(loops.count[k]):
+            closures.scale[k, r] = _row_mobility(model, work, loops.slot[k], r)
+    start_closures(RATES, loops, closures, rows_of(work).jacobian)
+
+
+@jit
+def pass_rows(model, work, i):
+    """Condense body i under the closures that pass it: their rows go on to its parent."""
+    loops, closures = loops_of(model), closures_of(work)
+    for e in range(loops.entry[i], loops.entry[i + 1]):
+        k = loops.passing[e]
+        if closures.empty[k] == 0:
+            for r in range(loops.count[k]):
+                _pass_row(model, work, i, loops.here[e], loops.next[e], r)
+    couple(RATES, loops, closures, i)
+
+
+@placed
+def _pass_row(model, work, i, here, there, r):
+    tree, rows, closures = tree_of(work), rows_of(work), closures_of(work)
+    m, s, jac, lift = tree.mass_factor[i], tree.row_factor[i], rows.jacobian[i, 0], tree.lift[i]
+    passed, joint, column = closures.passed[here], closures.joint[here], closures.column[here]
+    v0, v1, v2 = ldl3_solve(m[0], m[1], m[2], m[3], m[4], m[5], passed[0, r], passed[1, r], passed[2, r])
+    u0, u1, u2 = ldl3_solve(
+        s[0], s[1], s[2], s[3], s[4], s[5],
+        jac[0, 0] * v0 + jac[0, 1] * v1 + jac[0, 2] * v2,
+        jac[1, 0] * v0 + jac[1, 1] * v1 + jac[1, 2] * v2,
+        jac[2, 0] * v0 + jac[2, 1] * v1 + jac[2, 2] * v2,
+    )  # fmt: skip
+    joint[0, r], joint[1, r], joint[2, r] = u0, u1, u2
+    column[0, r] = v0 - (lift[0, 0] * u0 + lift[0, 1] * u1 + lift[0, 2] * u2)
+    column[1, r] = v1 - (lift[1, 0] * u0 + lift[1, 1] * u1 + lift[1, 2] * u2)
+    column[2, r] = v2 - (lift[2, 0] * u0 + lift[2, 1] * u1 + lift[2, 2] * u2)
+    if there >= 0:
+        far = rows.jacobian[i, 1]
+        for c in range(3):
+            closures.passed[there, c, r] -= far[0, c] * u0 + far[1, c] * u1 + far[2, c] * u2
+
+
+@jit
+def eliminate_closures(model, work, i):
+    """Eliminate the closures whose apex is body i, or ground."""
+    eliminate(RATES, loops_of(model), closures_of(work), i, tree_of(work).articulated[i])

@@ -11,7 +11,6 @@ import numpy as np
 from mbs_ref.kernels.algebra.refinement import refinements
 from mbs_ref.kernels.border.questions import accelerate, apply_loads, factor, fill_rows, solve
 from mbs_ref.kernels.jit import jit
-from mbs_ref.kernels.planar.closure import factor_closures
 from mbs_ref.kernels.planar.model import (
     RATES,
     bodies_of,
@@ -23,7 +22,7 @@ from mbs_ref.kernels.planar.model import (
     world_of,
 )
 from mbs_ref.kernels.planar.tree import factor_tree, solve_tree
-from mbs_ref.kernels.rigid.closures import correct_for_closures, row_times
+from mbs_ref.kernels.rigid.elimination import row_times
 from mbs_ref.kernels.rows import (
     add_to,
     clear,
@@ -58,21 +57,12 @@ def load_state(model, work, y):
 def planar_factor(model, work):
     """Factor the augmented matrix at the Jacobians in `work`."""
     factor_tree(model, work)
-    if slots_of(model).closure_slot.shape[0] > 0:
-        zero = rows_of(work).multiplier
-        clear(zero)
-        factor_closures(model, work, zero)
 
 
 @jit
 def planar_solve(model, work, gamma):
     """Solve the augmented system for the tree's load and `gamma` into its acceleration and the multipliers."""
-    slots, rows, acceleration = slots_of(model), rows_of(work), tree_of(work).acceleration
-    solve_tree(model, work, gamma, acceleration, rows.multiplier)
-    if slots.closure_slot.shape[0] > 0:
-        correct_for_closures(
-            RATES, slots, rows.jacobian, closures_of(work), gamma, acceleration, rows.multiplier
-        )
+    solve_tree(model, work, gamma, tree_of(work).acceleration, rows_of(work).multiplier)
 
 
 @jit

@@ -16,7 +16,7 @@ from mbs_ref.kernels.border.groups import Floats, Ints
 from mbs_ref.kernels.border.handles import accessor
 from mbs_ref.kernels.contact.laws import ContactLaws, ContactModes
 from mbs_ref.kernels.contact.near_pairs import NearPairs
-from mbs_ref.kernels.rigid.closures import Closures, closure_scratch
+from mbs_ref.kernels.rigid.closures import Closures, Loops, closure_scratch
 from mbs_ref.kernels.signals import SignalArrays
 
 RATES = tuple(range(3))  # of a body: a loop over it has bounds that the compiler knows
@@ -32,8 +32,6 @@ class Bodies(NamedTuple):
 class Slots(NamedTuple):
     body: Annotated[Ints, "n_slots", 2]  # sides 0 and 1
     padding: Annotated[Floats, "n_slots", 3]  # : 1 where a row is unused, else 0
-    closure_slot: Annotated[Ints, "n_rows"]  # the loop-closure rows, slot ...
-    closure_row: Annotated[Ints, "n_rows"]  # ... and row in it
 
 
 class PairJoints(NamedTuple):
@@ -136,6 +134,7 @@ class PlanarGroups(NamedTuple):
 
     bodies: Bodies
     slots: Slots
+    loops: Loops
     revolute: PairJoints
     prismatic: PairJoints
     weld: PairJoints
@@ -155,6 +154,7 @@ class PlanarGroups(NamedTuple):
 
 bodies_of = accessor(PlanarGroups, "bodies")
 slots_of = accessor(PlanarGroups, "slots")
+loops_of = accessor(PlanarGroups, "loops")
 revolute_of = accessor(PlanarGroups, "revolute")
 prismatic_of = accessor(PlanarGroups, "prismatic")
 weld_of = accessor(PlanarGroups, "weld")
@@ -213,7 +213,7 @@ def _floats(*shape: int) -> np.ndarray:
     return np.zeros(shape)
 
 
-def planar_scratch(n: int, n_slots: int, n_rows: int) -> PlanarScratch:
+def planar_scratch(n: int, n_slots: int, loops: Loops) -> PlanarScratch:
     """Allocate the scratch of one run."""
     pose = _floats(n + 1, 4)
     pose[:, 2] = 1.0
@@ -223,7 +223,7 @@ def planar_scratch(n: int, n_slots: int, n_rows: int) -> PlanarScratch:
         kinematics=Kinematics(pose, _floats(n + 1, 4), _floats(n + 1, 3), _floats(3, n, 3)),
         rows=Rows(_floats(n_slots, 2, 3, 3), *slot),
         tree=Tree(*factors, _floats(n, 3), _floats(n + 1, 3), _floats(n + 1, 3)),
-        closures=closure_scratch(n, n_rows, 3),
+        closures=closure_scratch(loops, 3),
     )
 
 

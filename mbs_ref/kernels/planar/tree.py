@@ -4,21 +4,34 @@ Leaf to root, a body with block M, force f and joint rows J a + K a_parent = gam
 parent: with S = J M^-1 J^T,
     M_parent += K^T S^-1 K        f_parent -= K^T S^-1 (J M^-1 f - gamma)
 Root to leaf, lambda = S^-1 (J M^-1 f + K a_parent - gamma) and a = M^-1 (f - J^T lambda). This is block
-Gaussian elimination of [M Cq^T; Cq 0] (Fox 1999 eq 9) in tree order: no fill outside the blocks.
+Gaussian elimination of [M Cq^T; Cq 0] (Fox 1999 eq 9) in tree order: no fill outside the blocks. Closures of loops
+are eliminated on the way (mbs_ref.kernels.rigid.elimination).
 """
 
 from __future__ import annotations
 
 from mbs_ref.kernels.algebra.ldl import ldl3, ldl3_solve
 from mbs_ref.kernels.jit import jit
-from mbs_ref.kernels.planar.model import bodies_of, rows_of, slots_of, tree_of
+from mbs_ref.kernels.planar.closure import begin_closures, eliminate_closures, pass_rows
+from mbs_ref.kernels.planar.model import RATES, bodies_of, closures_of, loops_of, rows_of, slots_of, tree_of
+from mbs_ref.kernels.rigid.elimination import (
+    condense,
+    start_rows,
+    substitute,
+    take_closures,
+    take_free,
+)
 
 
 @jit
 def factor_tree(model, work):
-    """Factor every body's block and joint, leaf to root."""
+    """Factor every body's block and joint, leaf to root, and the closures at their apexes."""
     bodies, slots, tree, rows = bodies_of(model), slots_of(model), tree_of(work), rows_of(work)
+    loops = loops_of(model)
     n = bodies.mass.shape[0]
+    looped = loops.slot.shape[0] > 0
+    if looped:
+        begin_closures(model, work)
     for i in range(n):
         art = tree.articulated[i]
         art[0, 0] = bodies.mass[i]
@@ -29,6 +42,8 @@ def factor_tree(model, work):
         art[2, 2] = bodies.inertia[i]
     for i in range(n - 1, -1, -1):
         art = tree.articulated[i]
+        if looped and loops.closed[i, 0] < loops.closed[i, 1]:
+            eliminate_closures(model, work, i)
         m = ldl3(art[0, 0], art[1, 0], art[1, 1], art[2, 0], art[2, 1], art[2, 2])
         for c in range(6):
             tree.mass_factor[i, c] = m[c]
@@ -53,6 +68,8 @@ def factor_tree(model, work):
         )
         for c in range(6):
             tree.row_factor[i, c] = s[c]
+        if looped and loops.entry[i] < loops.entry[i + 1]:
+            pass_rows(model, work, i)
         p = bodies.parent[i]
         if p == n:
             continue
@@ -64,18 +81,34 @@ def factor_tree(model, work):
         for r in range(3):
             for c in range(r + 1):
                 up[r, c] += far[0, r] * transfer[0, c] + far[1, r] * transfer[1, c] + far[2, r] * transfer[2, c]
+    if looped:
+        eliminate_closures(model, work, n)
+
+
+@jit
+def _put_answer(tree, i, multiplier, out):
+    """a = M^-1 (f - J^T lambda)."""
+    free, lift = tree.free[i], tree.lift[i]
+    for r in range(3):
+        out[r] = free[r] - (lift[r, 0] * multiplier[0] + lift[r, 1] * multiplier[1] + lift[r, 2] * multiplier[2])
 
 
 @jit
 def solve_tree(model, work, gamma, acceleration, multiplier):
-    """Solve with the forces in the tree's load (overwritten) and the tree rows' right-hand side `gamma`.
+    """Solve with the forces in the tree's load (overwritten) and the rows' right-hand side `gamma`.
 
-    acceleration (n + 1, 3) and multiplier (>= n, 3) receive the result; ground's row stays zero.
+    acceleration (n + 1, 3) and multiplier (n_slots, 3) receive the result; ground's row stays zero.
     """
     bodies, tree, rows = bodies_of(model), tree_of(work), rows_of(work)
+    loops, closures = loops_of(model), closures_of(work)
     n = bodies.mass.shape[0]
+    looped = loops.slot.shape[0] > 0
     load = tree.load
+    if looped:
+        start_rows(RATES, loops, closures, gamma)
     for i in range(n - 1, -1, -1):
+        if looped and loops.closed[i, 0] < loops.closed[i, 1]:
+            condense(RATES, loops, closures, i, load[i])
         m = tree.mass_factor[i]
         s = tree.row_factor[i]
         jac = rows.jacobian[i, 0]
@@ -92,12 +125,18 @@ def solve_tree(model, work, gamma, acceleration, multiplier):
         multiplier[i, 0] = u0
         multiplier[i, 1] = u1
         multiplier[i, 2] = u2
+        if looped and loops.entry[i] < loops.entry[i + 1]:
+            _put_answer(tree, i, multiplier[i], acceleration[i])
+            take_free(RATES, loops, closures, i, acceleration[i])
         p = bodies.parent[i]
         if p == n:
             continue
         far = rows.jacobian[i, 1]
         for c in range(3):
             load[p, c] -= far[0, c] * u0 + far[1, c] * u1 + far[2, c] * u2
+    if looped:
+        condense(RATES, loops, closures, n, load[n])
+        substitute(RATES, loops, closures, n, acceleration[n], multiplier)
     for i in range(n):
         p = bodies.parent[i]
         if p != n:
@@ -108,8 +147,8 @@ def solve_tree(model, work, gamma, acceleration, multiplier):
                     + transfer[r, 1] * acceleration[p, 1]
                     + transfer[r, 2] * acceleration[p, 2]
                 )
-        lift = tree.lift[i]
-        for r in range(3):
-            acceleration[i, r] = tree.free[i, r] - (
-                lift[r, 0] * multiplier[i, 0] + lift[r, 1] * multiplier[i, 1] + lift[r, 2] * multiplier[i, 2]
-            )
+        _put_answer(tree, i, multiplier[i], acceleration[i])
+        if looped and loops.entry[i] < loops.entry[i + 1]:
+            take_closures(RATES, loops, closures, i, acceleration[i], multiplier[i])
+        if looped and loops.closed[i, 0] < loops.closed[i, 1]:
+            substitute(RATES, loops, closures, i, acceleration[i], multiplier)

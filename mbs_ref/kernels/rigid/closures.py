@@ -1,8 +1,6 @@
-"""Loop closures: a small Schur complement over the tree solution, rank-revealing.
+"""The arrays of loop closures, in the plane and in space: where the rows of each run, and which others they meet.
 
-With T the tree's response operator and G the closure rows, (G T G^T) mu = G a_tree - gamma and
-a = a_tree - T G^T mu. Dependent rows get the minimum-norm mu. `block` is a tuple as long as a body has rates, 3 or
-6: so a loop over them has bounds that the compiler knows.
+`mbs_ref.kernels.rigid.elimination` tells what is done with them, `mbs_ref.cores.loops` how they come about.
 """
 
 from __future__ import annotations
@@ -11,100 +9,51 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from mbs_ref.kernels.algebra.ldl import minimum_norm_solve, pivoted_cholesky
 from mbs_ref.kernels.border.groups import Floats, Ints, empty
-from mbs_ref.kernels.jit import jit
 
-RANK_TOLERANCE = 1e-13  # of a closure pivot against the row's mobility without joints
+
+class Loops(NamedTuple):
+    """Closures in their order of elimination; the last ones close on ground.
+
+    A path leads from a closure's body to its apex, the apex left out: the closest common ancestor of both bodies. The
+    rows have a place in `Closures.passed` at every body of their paths, and at the apex.
+    """
+
+    slot: Annotated[Ints, "n_closures"]
+    count: Annotated[Ints, "n_closures"]  # rows
+    most: Annotated[Ints, "n_closures"]  # of them that can be independent of each other and of those before
+    place: Annotated[Ints, "n_closures + 1"]  # first of its places
+    start: Annotated[Ints, "n_closures", 2]  # place of each side's rows, -1 for ground
+    summit: Annotated[Ints, "n_closures"]  # place at the apex, -1 for ground
+    first: Annotated[Ints, "n_closures + 1"]  # in `met`, of the later ones that it meets: by a shared body or by fill
+    met: Annotated[Ints, "n_met"]  # the closure that is met, in rising order
+    above: Annotated[Ints, "n_met"]  # place of the met one at this one's apex, -1 for ground
+    closed: Annotated[Ints, "n + 1", 2]  # closures whose apex a body is: from, up to
+    entry: Annotated[Ints, "n + 1"]  # first of the paths through a body
+    passing: Annotated[Ints, "n_entries"]  # closure of a path through a body, in rising order
+    here: Annotated[Ints, "n_entries"]  # its place at the body
+    next: Annotated[Ints, "n_entries"]  # and at the body's parent, -1 for ground
 
 
 class Closures(NamedTuple):
-    """Scratch; `rates` is 3 in the plane and 6 in space."""
+    """Scratch; `rates` is 3 in the plane and 6 in space, of a body and as many rows as a closure can have."""
 
-    columns: Annotated[Floats, "n_rows", "n + 1", "rates"]  # response to a unit multiplier of each closure row
-    column_multiplier: Annotated[Floats, "n_rows", "n", "rates"]  # tree multipliers of that response
-    schur: Annotated[Floats, "n_rows", "n_rows"]
-    scale: Annotated[Floats, "n_rows"]  # mobility of each row without joints
-    lower: Annotated[Floats, "n_rows", "n_rows"]
-    gram: Annotated[Floats, "n_rows", "n_rows"]
-    order: Annotated[Ints, "n_rows"]
-    rhs: Annotated[Floats, "n_rows"]
-    mu: Annotated[Floats, "n_rows"]
-    rank: Annotated[Ints, 1]  # rank of the closure rows at the last factorization
-    regularity: Annotated[Floats, 1]  # smallest accepted closure pivot, relative; 1 far from any singular pose
-
-
-def closure_scratch(n: int, n_rows: int, rates: int) -> Closures:
-    """Allocate the scratch of n bodies and n_rows closure rows."""
-    lengths = {"n": n, "n + 1": n + 1, "n_rows": n_rows, "rates": rates}
-    return empty(Closures, **lengths)._replace(regularity=np.ones(1))
+    passed: Annotated[Floats, "n_places", "rates", "rates"]  # P^T, the rows as they reach a body, one a column
+    column: Annotated[Floats, "n_places", "rates", "rates"]  # B P^T: the body's answer to each, its parent at rest
+    joint: Annotated[Floats, "n_places", "rates", "rates"]  # multipliers of the body's joint in that answer
+    own: Annotated[Floats, "n_closures", "rates", "rates"]  # D of a closure's rows, then its factors
+    coupling: Annotated[Floats, "n_met", "rates", "rates"]  # D of its rows with those of one that it meets
+    inverse: Annotated[Floats, "n_closures", "rates"]  # of the pivots
+    order: Annotated[Ints, "n_closures", "rates"]  # row behind each pivot
+    scale: Annotated[Floats, "n_closures", "rates"]  # mobility of each row without joints
+    rhs: Annotated[Floats, "n_closures", "rates"]
+    mu: Annotated[Floats, "n_closures", "rates"]
+    empty: Annotated[Ints, "n_closures"]  # 1 for an open contact, whose row is empty
+    rank: Annotated[Ints, "n_closures"]  # pivots of each
+    regularity: Annotated[Floats, 1]  # smallest accepted pivot, relative; 1 far from any singular pose
 
 
-@jit
-def row_times(block, body, jacobian, slot, row, acceleration):
-    """Return one constraint row applied to accelerations."""
-    total = 0.0
-    for side in range(2):
-        of = body[slot, side]
-        for c in range(len(block)):
-            total += jacobian[slot, side, row, c] * acceleration[of, c]
-    return total
-
-
-@jit
-def load_row(block, body, jacobian, slot, row, load):
-    """Set the load to one row's: the response to it is a column of T G^T."""
-    for i in range(load.shape[0]):
-        for c in range(len(block)):
-            load[i, c] = 0.0
-    for side in range(2):
-        on = body[slot, side]
-        for c in range(len(block)):
-            load[on, c] += jacobian[slot, side, row, c]
-
-
-@jit
-def leave_out(closures, r):
-    """Make row r the equation mu = 0."""
-    closures.columns[r] = 0.0
-    closures.column_multiplier[r] = 0.0
-    for other in range(r):
-        closures.schur[r, other] = 0.0
-        closures.schur[other, r] = 0.0
-    closures.schur[r, r] = 1.0
-    closures.scale[r] = 1.0
-
-
-@jit
-def fill_schur(block, slots, jacobian, closures, r):
-    """Fill row r of the Schur complement, and the same column, up to the diagonal."""
-    for other in range(r + 1):
-        slot, row = slots.closure_slot[other], slots.closure_row[other]
-        value = row_times(block, slots.body, jacobian, slot, row, closures.columns[r])
-        closures.schur[r, other] = value
-        closures.schur[other, r] = value
-
-
-@jit
-def factor_schur(closures, most):
-    """Factor the Schur complement, of rank `most` at most."""
-    closures.rank[0], closures.regularity[0] = pivoted_cholesky(
-        closures.schur, closures.scale, RANK_TOLERANCE, closures.lower, closures.order, most
-    )
-
-
-@jit
-def correct_for_closures(block, slots, jacobian, closures, gamma, acceleration, multiplier):
-    """Turn the tree solution into the solution with closed loops."""
-    n = acceleration.shape[0] - 1
-    for r in range(slots.closure_slot.shape[0]):
-        slot, row = slots.closure_slot[r], slots.closure_row[r]
-        closures.rhs[r] = row_times(block, slots.body, jacobian, slot, row, acceleration) - gamma[slot, row]
-    minimum_norm_solve(closures.lower, closures.order, closures.rank[0], closures.gram, closures.rhs, closures.mu)
-    for r in range(slots.closure_slot.shape[0]):
-        mu = closures.mu[r]
-        multiplier[slots.closure_slot[r], slots.closure_row[r]] = mu
-        for i in range(n):
-            for c in range(len(block)):
-                acceleration[i, c] -= mu * closures.columns[r, i, c]
-                multiplier[i, c] -= mu * closures.column_multiplier[r, i, c]
+def closure_scratch(loops: Loops, rates: int) -> Closures:
+    """Allocate the scratch of these closures."""
+    lengths = {"n_closures": len(loops.slot), "n_places": int(loops.place[-1]), "n_met": len(loops.met)}
+    return empty(Closures, **lengths, rates=rates)._replace(regularity=np.ones(1))

@@ -1,15 +1,19 @@
-"""Loop closures in space (mbs_ref.kernels.rigid.closures).
-
-The rank never exceeds the mechanism's own (`closure_rank`): off the constraints, where an integrator's stages are,
-the redundant rows of an overconstrained loop such as Bricard's look independent by the square of the distance.
-"""
+"""Loop closures in space: what their rows do to a body and its joint (mbs_ref.kernels.rigid.elimination)."""
 
 from __future__ import annotations
 
-from mbs_ref.kernels.jit import jit
-from mbs_ref.kernels.rigid.closures import factor_schur, fill_schur, load_row
-from mbs_ref.kernels.spatial.model import RATES, bodies_of, closures_of, kinematics_of, rows_of, slots_of, tree_of
-from mbs_ref.kernels.spatial.tree import solve_tree
+from mbs_ref.kernels.jit import jit, placed
+from mbs_ref.kernels.rigid.elimination import couple, eliminate, start_closures
+from mbs_ref.kernels.spatial.model import (
+    RATES,
+    bodies_of,
+    closures_of,
+    kinematics_of,
+    loops_of,
+    rows_of,
+    slots_of,
+    tree_of,
+)
 
 
 @jit
@@ -29,13 +33,68 @@ def _row_mobility(model, work, slot, row):
 
 
 @jit
-def factor_closures(model, work, zero_gamma):
-    """Form T G^T column by column, then the Schur complement and its pivoted factor."""
-    slots, jacobian, tree, closures = slots_of(model), rows_of(work).jacobian, tree_of(work), closures_of(work)
-    for r in range(slots.closure_slot.shape[0]):
-        slot, row = slots.closure_slot[r], slots.closure_row[r]
-        load_row(RATES, slots.body, jacobian, slot, row, tree.load)
-        solve_tree(model, work, zero_gamma, closures.columns[r], closures.column_multiplier[r])
-        closures.scale[r] = _row_mobility(model, work, slot, row)
-        fill_schur(RATES, slots, jacobian, closures, r)
-    factor_schur(closures, slots.closure_rank[0])
+def begin_closures(model, work):
+    """Put the closures' rows where their paths begin."""
+    loops, closures = loops_of(model), closures_of(work)
+    for k in range(loops.slot.shape[0]):
+        for r in range(loops.count[k]):
+            closures.scale[k, r] = _row_mobility(model, work, loops.slot[k], r)
+    start_closures(RATES, loops, closures, rows_of(work).jacobian)
+
+
+@jit
+def pass_rows(model, work, i):
+    """Condense body i under the closures that pass it: their rows go on to its parent."""
+    loops, closures = loops_of(model), closures_of(work)
+    for e in range(loops.entry[i], loops.entry[i + 1]):
+        if closures.empty[loops.passing[e]] == 0:
+            _pass_closure(model, work, i, loops.here[e], loops.next[e])
+    couple(RATES, loops, closures, i)
+
+
+@placed
+def _pass_closure(model, work, i, here, there):
+    """Condense body i under one closure, all of whose rows go through the same steps at once."""
+    tree, rows, closures, count = tree_of(work), rows_of(work), closures_of(work), slots_of(model).count[i]
+    joint, column = closures.joint[here], closures.column[here]
+    for c in range(6):
+        for r in range(6):
+            column[c, r] = closures.passed[here, c, r]
+    _solve_rows(tree.articulated[i], 6, column)
+    for k in range(count):
+        for r in range(6):
+            joint[k, r] = 0.0
+        for c in range(6):
+            for r in range(6):
+                joint[k, r] += rows.jacobian[i, 0, k, c] * column[c, r]
+    _solve_rows(tree.row_factor[i], count, joint)
+    for k in range(count):
+        for c in range(6):
+            for r in range(6):
+                column[c, r] -= tree.lift[i, k, c] * joint[k, r]
+    if there >= 0:
+        for k in range(count):
+            for c in range(6):
+                for r in range(6):
+                    closures.passed[there, c, r] -= rows.jacobian[i, 1, k, c] * joint[k, r]
+
+
+@placed
+def _solve_rows(a, n, b):
+    """Solve in place, for six right-hand sides at once, with the factors of `factor_ldl`."""
+    for i in range(1, n):
+        for k in range(i):
+            for r in range(6):
+                b[i, r] -= a[i, k] * b[k, r]
+    for i in range(n - 1, -1, -1):
+        for r in range(6):
+            b[i, r] *= a[i, i]
+        for k in range(i + 1, n):
+            for r in range(6):
+                b[i, r] -= a[k, i] * b[k, r]
+
+
+@jit
+def eliminate_closures(model, work, i):
+    """Eliminate the closures whose apex is body i, or ground."""
+    eliminate(RATES, loops_of(model), closures_of(work), i, tree_of(work).articulated[i])

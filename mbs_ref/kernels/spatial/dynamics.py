@@ -14,7 +14,7 @@ from __future__ import annotations
 from mbs_ref.kernels.algebra.refinement import refinements
 from mbs_ref.kernels.border.questions import accelerate, apply_loads, factor, fill_rows, solve
 from mbs_ref.kernels.jit import jit
-from mbs_ref.kernels.rigid.closures import correct_for_closures, row_times
+from mbs_ref.kernels.rigid.elimination import row_times
 from mbs_ref.kernels.rows import (
     add_to,
     clear,
@@ -25,7 +25,6 @@ from mbs_ref.kernels.rows import (
     take_accelerations,
     take_reactions,
 )
-from mbs_ref.kernels.spatial.closure import factor_closures
 from mbs_ref.kernels.spatial.contacts import fill_deflection_rates
 from mbs_ref.kernels.spatial.model import (
     RATES,
@@ -53,21 +52,12 @@ from mbs_ref.kernels.spatial.vectors import add, minus, put, symmetric_times, tr
 def spatial_factor(model, work):
     """Factor the augmented matrix at the Jacobians in `work`."""
     factor_tree(model, work)
-    if slots_of(model).closure_slot.shape[0] > 0:
-        zero = rows_of(work).multiplier
-        clear(zero)
-        factor_closures(model, work, zero)
 
 
 @jit
 def spatial_solve(model, work, gamma):
     """Solve the augmented system for the tree's load and `gamma` into its acceleration and the multipliers."""
-    slots, rows, acceleration = slots_of(model), rows_of(work), tree_of(work).acceleration
-    solve_tree(model, work, gamma, acceleration, rows.multiplier)
-    if slots.closure_slot.shape[0] > 0:
-        correct_for_closures(
-            RATES, slots, rows.jacobian, closures_of(work), gamma, acceleration, rows.multiplier
-        )
+    solve_tree(model, work, gamma, tree_of(work).acceleration, rows_of(work).multiplier)
 
 
 @jit

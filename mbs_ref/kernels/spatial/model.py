@@ -17,7 +17,7 @@ from mbs_ref.kernels.border.groups import Floats, Ints
 from mbs_ref.kernels.border.handles import accessor
 from mbs_ref.kernels.contact.laws import ContactLaws, ContactModes
 from mbs_ref.kernels.contact.near_pairs import NearPairs
-from mbs_ref.kernels.rigid.closures import Closures, closure_scratch
+from mbs_ref.kernels.rigid.closures import Closures, Loops, closure_scratch
 from mbs_ref.kernels.signals import SignalArrays
 
 RATES = tuple(range(6))  # of a body: a loop over it has bounds that the compiler knows
@@ -37,9 +37,6 @@ class Bodies(NamedTuple):
 class Slots(NamedTuple):
     body: Annotated[Ints, "n_slots", 2]  # sides 0 and 1
     count: Annotated[Ints, "n_slots"]  # rows in use
-    closure_slot: Annotated[Ints, "n_rows"]  # the loop-closure rows, slot ...
-    closure_row: Annotated[Ints, "n_rows"]  # ... and row in it
-    closure_rank: Annotated[Ints, 1]  # the most of them that are independent in any pose of the mechanism
 
 
 class Points(NamedTuple):
@@ -190,6 +187,7 @@ class SpatialGroups(NamedTuple):
 
     bodies: Bodies
     slots: Slots
+    loops: Loops
     points: Points
     products: Products
     planes: Planes
@@ -211,6 +209,7 @@ class SpatialGroups(NamedTuple):
 
 bodies_of = accessor(SpatialGroups, "bodies")
 slots_of = accessor(SpatialGroups, "slots")
+loops_of = accessor(SpatialGroups, "loops")
 points_of = accessor(SpatialGroups, "points")
 products_of = accessor(SpatialGroups, "products")
 planes_of = accessor(SpatialGroups, "planes")
@@ -280,7 +279,7 @@ def _floats(*shape: int) -> np.ndarray:
     return np.zeros(shape)
 
 
-def spatial_scratch(n: int, n_slots: int, n_rows: int, n_sticking: int = 0) -> SpatialScratch:
+def spatial_scratch(n: int, n_slots: int, loops: Loops, n_sticking: int = 0) -> SpatialScratch:
     """Allocate the scratch of one run."""
     turned = np.tile(np.eye(3), (n + 1, 1, 1))
     vectors = [_floats(n + 1, 3) for _ in range(3)]
@@ -295,7 +294,7 @@ def spatial_scratch(n: int, n_slots: int, n_rows: int, n_sticking: int = 0) -> S
             _floats(n + 1, 6, 6), _floats(n, 6, 6), _floats(n, 6, 6), _floats(n, 6, 6),
             _floats(n, 6), _floats(n + 1, 6), _floats(n + 1, 6),
         ),
-        closures=closure_scratch(n, n_rows, 6),
+        closures=closure_scratch(loops, 6),
         grips=Grips(_floats(n_sticking, 2)),
     )  # fmt: skip
 

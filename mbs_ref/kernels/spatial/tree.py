@@ -15,14 +15,32 @@ densely; the tests compare.
 Leaf to root, a body with block M, force f and joint rows J a + K a_parent = gamma is condensed into its
 parent: with S = J M^-1 J^T,
     M_parent += K^T S^-1 K        f_parent -= K^T S^-1 (J M^-1 f - gamma)
-Root to leaf, lambda = S^-1 (J M^-1 f + K a_parent - gamma) and a = M^-1 (f - J^T lambda).
+Root to leaf, lambda = S^-1 (J M^-1 f + K a_parent - gamma) and a = M^-1 (f - J^T lambda). Closures of loops are
+eliminated on the way (mbs_ref.kernels.rigid.elimination).
 """
 
 from __future__ import annotations
 
 from mbs_ref.kernels.algebra.ldl import factor_ldl, ldl3, ldl3_solve, solve_ldl
 from mbs_ref.kernels.jit import jit
-from mbs_ref.kernels.spatial.model import bodies_of, kinematics_of, rows_of, slots_of, tree_of
+from mbs_ref.kernels.rigid.elimination import (
+    condense,
+    start_rows,
+    substitute,
+    take_closures,
+    take_free,
+)
+from mbs_ref.kernels.spatial.closure import begin_closures, eliminate_closures, pass_rows
+from mbs_ref.kernels.spatial.model import (
+    RATES,
+    bodies_of,
+    closures_of,
+    kinematics_of,
+    loops_of,
+    rows_of,
+    slots_of,
+    tree_of,
+)
 
 
 @jit
@@ -82,14 +100,20 @@ def _transfer(far, factor, count, transfer):
 
 @jit
 def factor_tree(model, work):
-    """Factor every body's block and joint, leaf to root."""
+    """Factor every body's block and joint, leaf to root, and the closures at their apexes."""
     bodies, slots, tree, rows = bodies_of(model), slots_of(model), tree_of(work), rows_of(work)
+    loops = loops_of(model)
     n = bodies.mass.shape[0]
+    looped = loops.slot.shape[0] > 0
     _start_blocks(model, work)
+    if looped:
+        begin_closures(model, work)
     for i in range(n - 1, -1, -1):
         if bodies.alone[i] == 1:
             continue
         art = tree.articulated[i]
+        if looped and loops.closed[i, 0] < loops.closed[i, 1]:
+            eliminate_closures(model, work, i)
         factor_ldl(art, 6)
         count = slots.count[i]
         jac, far, lift = rows.jacobian[i, 0], rows.jacobian[i, 1], tree.lift[i]
@@ -98,6 +122,8 @@ def factor_tree(model, work):
                 lift[r, c] = jac[r, c]
             solve_ldl(art, 6, lift[r])
         _factor_rows(jac, lift, tree.row_factor[i], count)
+        if looped and loops.entry[i] < loops.entry[i + 1]:
+            pass_rows(model, work, i)
         p = bodies.parent[i]
         if p == n:
             continue
@@ -109,6 +135,8 @@ def factor_tree(model, work):
                 weight = far[k, r]
                 for c in range(r + 1):
                     up[r, c] += weight * transfer[k, c]
+    if looped:
+        eliminate_closures(model, work, n)
 
 
 @jit
@@ -122,19 +150,36 @@ def _solve_alone(mass, art, load, out):
 
 
 @jit
-def solve_tree(model, work, gamma, acceleration, multiplier):
-    """Solve with the forces in the tree's load (overwritten) and the tree rows' right-hand side `gamma`.
+def _put_answer(tree, i, count, multiplier, out):
+    """a = M^-1 (f - J^T lambda)."""
+    for c in range(6):
+        out[c] = tree.free[i, c]
+    for r in range(count):
+        u = multiplier[r]
+        for c in range(6):
+            out[c] -= tree.lift[i, r, c] * u
 
-    acceleration (n + 1, 6) and multiplier (>= n, 6) receive the result; ground's row stays zero.
+
+@jit
+def solve_tree(model, work, gamma, acceleration, multiplier):
+    """Solve with the forces in the tree's load (overwritten) and the rows' right-hand side `gamma`.
+
+    acceleration (n + 1, 6) and multiplier (n_slots, 6) receive the result; ground's row stays zero.
     """
     bodies, slots, tree, rows = bodies_of(model), slots_of(model), tree_of(work), rows_of(work)
+    loops, closures = loops_of(model), closures_of(work)
     n = bodies.mass.shape[0]
+    looped = loops.slot.shape[0] > 0
     load = tree.load
+    if looped:
+        start_rows(RATES, loops, closures, gamma)
     for i in range(n - 1, -1, -1):
         if bodies.alone[i] == 1:
             continue
         free, jac, far, u = tree.free[i], rows.jacobian[i, 0], rows.jacobian[i, 1], multiplier[i]
         count = slots.count[i]
+        if looped and loops.closed[i, 0] < loops.closed[i, 1]:
+            condense(RATES, loops, closures, i, load[i])
         for c in range(6):
             free[c] = load[i, c]
         solve_ldl(tree.articulated[i], 6, free)
@@ -144,12 +189,18 @@ def solve_tree(model, work, gamma, acceleration, multiplier):
                 total += jac[r, c] * free[c]
             u[r] = total
         solve_ldl(tree.row_factor[i], count, u)
+        if looped and loops.entry[i] < loops.entry[i + 1]:
+            _put_answer(tree, i, count, u, acceleration[i])
+            take_free(RATES, loops, closures, i, acceleration[i])
         p = bodies.parent[i]
         if p == n:
             continue
         for r in range(count):
             for c in range(6):
                 load[p, c] -= far[r, c] * u[r]
+    if looped:
+        condense(RATES, loops, closures, n, load[n])
+        substitute(RATES, loops, closures, n, acceleration[n], multiplier)
     for i in range(n):
         if bodies.alone[i] == 1:
             _solve_alone(bodies.mass[i], tree.articulated[i], load[i], acceleration[i])
@@ -163,9 +214,8 @@ def solve_tree(model, work, gamma, acceleration, multiplier):
                 for c in range(6):
                     total += transfer[r, c] * acceleration[p, c]
                 multiplier[i, r] += total
-        for c in range(6):
-            acceleration[i, c] = tree.free[i, c]
-        for r in range(count):
-            u = multiplier[i, r]
-            for c in range(6):
-                acceleration[i, c] -= tree.lift[i, r, c] * u
+        _put_answer(tree, i, count, multiplier[i], acceleration[i])
+        if looped and loops.entry[i] < loops.entry[i + 1]:
+            take_closures(RATES, loops, closures, i, acceleration[i], multiplier[i])
+        if looped and loops.closed[i, 0] < loops.closed[i, 1]:
+            substitute(RATES, loops, closures, i, acceleration[i], multiplier)

@@ -1,0 +1,327 @@
+"""Loop closures, eliminated at the apex of their loops inside the tree recursion: linear where loops are local.
+
+A closure has rows G a = gamma and multipliers mu. Leaf to root, a body with block M, joint rows J a + K a_parent, and
+S = J M^-1 J^T is condensed into its parent; the rows P of the closures that pass it are then
+
+    P_parent -= P M^-1 J^T S^-1 K    D += P B P^T    gamma -= P a_0,    B = M^-1 - M^-1 J^T S^-1 J M^-1
+
+with a_0 what the body's own forces do while its parent rests: P_parent a_parent - D mu = gamma holds for the path
+below. At the apex, where both sides have arrived, all of the closure's rows are there and mu is eliminated before the
+apex is condensed: M += P^T D^-1 P, f += P^T D^-1 gamma, and likewise D and P of the closures that meet it. This is
+block Gaussian elimination of [M C_q^T; C_q 0], fill in the blocks of closures alone that share a body of their paths,
+or get to by fill.
+
+The rank may be decided there, with the apex at rest. Joints depend on relative poses, so that moving the apex with all
+that hangs on it, V, keeps their rows: A V + A_apex = 0 for the rows A of the part below. What is dependent in A is so
+in [A, A_apex] too, whatever the apex does. D is positive semidefinite, whence a pivot that vanishes is a row that
+depends on those before, in any order. Dependent rows get mu = 0: accelerations do not depend on their choice.
+Within a closure the largest pivot goes first; of its rows no more are taken than are independent in a pose that is not
+singular (`Loops.most`): off the constraints, where an integrator's stages are, the redundant rows of an
+overconstrained loop such as Bricard's look independent by the square of the distance.
+
+`block` is a tuple as long as a body has rates, 3 or 6, and as a closure can have rows: so loops over it have bounds
+that the compiler knows. Rows that a closure does not have are zero.
+"""
+
+from __future__ import annotations
+
+from mbs_ref.kernels.jit import placed
+
+RANK_TOLERANCE = 1e-13  # of a pivot against the row's mobility without joints
+
+
+@placed
+def row_times(block, body, jacobian, slot, row, acceleration):
+    """Return one constraint row applied to accelerations."""
+    total = 0.0
+    for side in range(2):
+        of = body[slot, side]
+        for c in range(len(block)):
+            total += jacobian[slot, side, row, c] * acceleration[of, c]
+    return total
+
+
+# --- factor -----------------------------------------------------------------------------------------
+
+
+@placed
+def start_closures(block, loops, closures, jacobian):
+    """Put the rows of closures where their paths begin; `closures.scale` is given."""
+    closures.regularity[0] = 1.0
+    for k in range(loops.slot.shape[0]):
+        mobility = 0.0
+        for r in range(loops.count[k]):
+            mobility += closures.scale[k, r]
+        closures.empty[k] = 1 if mobility == 0.0 else 0
+        if closures.empty[k] == 1:
+            closures.rank[k] = loops.count[k]  # its multiplier is known: zero
+            continue
+        for place in range(loops.place[k], loops.place[k + 1]):
+            _clear(block, closures.passed[place])
+        for side in range(2):
+            start = loops.start[k, side]
+            if start >= 0:
+                for c in range(len(block)):
+                    for r in range(len(block)):
+                        closures.passed[start, c, r] = jacobian[loops.slot[k], side, r, c]
+        _clear(block, closures.own[k])
+        for m in range(loops.first[k], loops.first[k + 1]):
+            _clear(block, closures.coupling[m])
+
+
+@placed
+def _clear(block, target):
+    for r in range(len(block)):
+        for c in range(len(block)):
+            target[r, c] = 0.0
+
+
+@placed
+def couple(block, loops, closures, body):
+    """D += P B P^T for the closures that pass a body, once `column` holds B P^T."""
+    end = loops.entry[body + 1]
+    for e in range(loops.entry[body], end):
+        k = loops.passing[e]
+        if closures.empty[k] == 1:
+            continue
+        rows = closures.passed[loops.here[e]]
+        _add_product(block, loops.count[k], rows, closures.column[loops.here[e]], closures.own[k])
+        m = loops.first[k]
+        for f in range(e + 1, end):
+            other = loops.passing[f]
+            if closures.empty[other] == 0:
+                m = _meeting(loops, m, other)
+                _add_product(block, loops.count[k], rows, closures.column[loops.here[f]], closures.coupling[m])
+
+
+@placed
+def _add_product(block, count, a, b, target):
+    """target += a^T b."""
+    for r in range(count):
+        for s in range(len(block)):
+            total = 0.0
+            for c in range(len(block)):
+                total += a[c, r] * b[c, s]
+            target[r, s] += total
+
+
+@placed
+def _meeting(loops, m, other):
+    """Return where, from m on, a closure meets another one."""
+    while loops.met[m] != other:
+        m += 1
+    return m
+
+
+@placed
+def _factor_own(loops, closures, k):
+    """Factor a closure's own D = L E L^T in the order of its pivots; `inverse` receives 1 / E.
+
+    Rows keep their places: L_ij lies where D has the rows `order` i and j.
+    """
+    a, order, scale, count = closures.own[k], closures.order[k], closures.scale[k], loops.count[k]
+    for i in range(count):
+        order[i] = i
+    rank = 0
+    while rank < loops.most[k]:
+        best, largest = rank, 0.0
+        for i in range(rank, count):
+            relative = a[order[i], order[i]] / scale[order[i]]
+            if relative > largest:
+                best, largest = i, relative
+        if not largest > RANK_TOLERANCE:
+            break
+        closures.regularity[0] = min(closures.regularity[0], largest)
+        order[rank], order[best] = order[best], order[rank]
+        p = order[rank]
+        inverse = 1.0 / a[p, p]
+        for i in range(rank + 1, count):
+            q = order[i]
+            low = a[q, p] * inverse
+            for j in range(rank + 1, i + 1):
+                o = order[j]
+                a[q, o] -= low * a[p, o]
+                a[o, q] = a[q, o]
+            a[q, p] = low
+        closures.inverse[k, rank] = inverse
+        rank += 1
+    closures.rank[k] = rank
+
+
+@placed
+def _forward(block, closures, k, rows):
+    """Replace a block of a closure's rows by L^-1 times it, in place."""
+    own, order = closures.own[k], closures.order[k]
+    for i in range(1, closures.rank[k]):
+        for j in range(i):
+            low = own[order[i], order[j]]
+            for c in range(len(block)):
+                rows[order[i], c] -= low * rows[order[j], c]
+
+
+@placed
+def _take_product(block, closures, k, count, a, b, target):
+    """target -= a^T E^-1 b, the rows of a and b being a closure's."""
+    for j in range(closures.rank[k]):
+        p, inverse = closures.order[k, j], closures.inverse[k, j]
+        for r in range(count):
+            weight = a[p, r] * inverse
+            for c in range(len(block)):
+                target[r, c] -= weight * b[p, c]
+
+
+@placed
+def _update_met(block, loops, closures, k):
+    """D -= Z^T E^-1 Z among the closures that meet this one, Z = L^-1 D."""
+    end = loops.first[k + 1]
+    for m in range(loops.first[k], end):
+        if closures.empty[loops.met[m]] == 0:
+            _forward(block, closures, k, closures.coupling[m])
+    for m in range(loops.first[k], end):
+        one = loops.met[m]
+        if closures.empty[one] == 1:
+            continue
+        count, z = loops.count[one], closures.coupling[m]
+        _take_product(block, closures, k, count, z, z, closures.own[one])
+        at = loops.first[one]
+        for n in range(m + 1, end):
+            two = loops.met[n]
+            if closures.empty[two] == 0:
+                at = _meeting(loops, at, two)
+                _take_product(block, closures, k, count, z, closures.coupling[n], closures.coupling[at])
+
+
+@placed
+def _update_apex(block, loops, closures, k, articulated):
+    """M += Z^T E^-1 Z of the apex, Z = L^-1 P, and P -= (L^-1 D)^T E^-1 Z of the closures that meet this one."""
+    own, order, z = closures.own[k], closures.order[k], closures.passed[loops.summit[k]]
+    for i in range(1, closures.rank[k]):
+        for j in range(i):
+            low = own[order[i], order[j]]
+            for c in range(len(block)):
+                z[c, order[i]] -= low * z[c, order[j]]
+    for j in range(closures.rank[k]):
+        p, inverse = order[j], closures.inverse[k, j]
+        for r in range(len(block)):
+            weight = z[r, p] * inverse
+            for c in range(r + 1):
+                articulated[r, c] += weight * z[c, p]
+        for m in range(loops.first[k], loops.first[k + 1]):
+            if closures.empty[loops.met[m]] == 0:
+                passed = closures.passed[loops.above[m]]
+                for c in range(len(block)):
+                    weight = z[c, p] * inverse
+                    for r in range(len(block)):
+                        passed[c, r] -= weight * closures.coupling[m, p, r]
+
+
+@placed
+def eliminate(block, loops, closures, body, articulated):
+    """Eliminate the closures whose apex is a body before the body itself, and those of ground at the end.
+
+    articulated (rates, rates) is the body's block, of which the lower triangle is kept.
+    """
+    for k in range(loops.closed[body, 0], loops.closed[body, 1]):
+        if closures.empty[k] == 0:
+            _factor_own(loops, closures, k)
+            _update_met(block, loops, closures, k)
+            if loops.summit[k] >= 0:
+                _update_apex(block, loops, closures, k, articulated)
+
+
+# --- solve ------------------------------------------------------------------------------------------
+
+
+@placed
+def start_rows(block, loops, closures, gamma):
+    """Put the closures' right-hand sides where they are condensed."""
+    for k in range(loops.slot.shape[0]):
+        for r in range(len(block)):
+            closures.rhs[k, r] = gamma[loops.slot[k], r]
+
+
+@placed
+def take_free(block, loops, closures, body, free):
+    """gamma -= P a_0 for the closures that pass a body; `free` (rates,) is a_0."""
+    for e in range(loops.entry[body], loops.entry[body + 1]):
+        k, passed = loops.passing[e], closures.passed[loops.here[e]]
+        if closures.empty[k] == 0:
+            for r in range(loops.count[k]):
+                total = 0.0
+                for c in range(len(block)):
+                    total += passed[c, r] * free[c]
+                closures.rhs[k, r] -= total
+
+
+@placed
+def _condense_one(block, loops, closures, k, load):
+    rhs, own, order, rank = closures.rhs[k], closures.own[k], closures.order[k], closures.rank[k]
+    for i in range(rank):
+        p = order[i]
+        for j in range(i):
+            rhs[p] -= own[p, order[j]] * rhs[order[j]]
+        weight = closures.inverse[k, i] * rhs[p]
+        for m in range(loops.first[k], loops.first[k + 1]):
+            one = loops.met[m]
+            if closures.empty[one] == 0:
+                for r in range(len(block)):
+                    closures.rhs[one, r] -= closures.coupling[m, p, r] * weight
+        if loops.summit[k] >= 0:
+            for c in range(len(block)):
+                load[c] += closures.passed[loops.summit[k], c, p] * weight
+
+
+@placed
+def condense(block, loops, closures, body, load):
+    """Condense the right-hand sides of the closures whose apex is a body: f += P^T D^-1 gamma."""
+    for k in range(loops.closed[body, 0], loops.closed[body, 1]):
+        if closures.empty[k] == 0:
+            _condense_one(block, loops, closures, k, load)
+
+
+@placed
+def _substitute_one(block, loops, closures, k, acceleration):
+    """mu = D^-1 (P a - D mu - gamma), the middle term that of the closures that this one meets."""
+    own, order, mu, rank = closures.own[k], closures.order[k], closures.mu[k], closures.rank[k]
+    for i in range(rank - 1, -1, -1):
+        p = order[i]
+        total = -closures.rhs[k, p]
+        if loops.summit[k] >= 0:
+            for c in range(len(block)):
+                total += closures.passed[loops.summit[k], c, p] * acceleration[c]
+        for m in range(loops.first[k], loops.first[k + 1]):
+            one = loops.met[m]
+            if closures.empty[one] == 0:
+                for r in range(len(block)):
+                    total -= closures.coupling[m, p, r] * closures.mu[one, r]
+        total *= closures.inverse[k, i]
+        for j in range(i + 1, rank):
+            total -= own[order[j], p] * mu[order[j]]
+        mu[p] = total
+
+
+@placed
+def substitute(block, loops, closures, body, acceleration, multiplier):
+    """Find the multipliers of the closures whose apex is a body; acceleration (rates,) is the apex's."""
+    for k in range(loops.closed[body, 1] - 1, loops.closed[body, 0] - 1, -1):
+        for r in range(len(block)):
+            closures.mu[k, r] = 0.0
+        if closures.empty[k] == 0:
+            _substitute_one(block, loops, closures, k, acceleration)
+        for r in range(len(block)):
+            multiplier[loops.slot[k], r] = closures.mu[k, r]
+
+
+@placed
+def take_closures(block, loops, closures, body, acceleration, multiplier):
+    """a -= B P^T mu, and the joint's multipliers likewise, of the closures that pass a body."""
+    for e in range(loops.entry[body], loops.entry[body + 1]):
+        k, here = loops.passing[e], loops.here[e]
+        if closures.empty[k] == 0:
+            for c in range(len(block)):
+                change, joint = 0.0, 0.0
+                for r in range(loops.count[k]):
+                    change += closures.column[here, c, r] * closures.mu[k, r]
+                    joint += closures.joint[here, c, r] * closures.mu[k, r]
+                acceleration[c] -= change
+                multiplier[c] -= joint
