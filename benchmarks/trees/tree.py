@@ -45,6 +45,10 @@ class Tree:
         """Time one run."""
         return Sample(**self._ask("time", case))
 
+    def rate(self, **case: Any) -> float:
+        """Return the processor time (ns a body) of a right-hand side."""
+        return self._ask("rate", case)["ns_per_body"]
+
     def _ask(self, what: str, case: dict[str, Any]) -> Any:
         assert self._child.stdin is not None
         self._child.stdin.write(json.dumps({"do": what} | case) + "\n")

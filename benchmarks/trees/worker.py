@@ -1,7 +1,8 @@
 """Run cases with the packages of one source tree, on command: JSON lines in, JSON lines out.
 
 It is started as a script (python -P) with PYTHONPATH set to the tree, which may be older than this file:
-it uses nothing of the tree but the contract of engines.
+it uses nothing of the tree but the contract of engines, and for single right-hand sides the questions that cores
+answer.
 """
 
 from __future__ import annotations
@@ -21,7 +22,7 @@ def main() -> None:
     _say(answers, {"tree": os.path.dirname(os.path.dirname(os.path.abspath(mbs_ref.__path__[0] + "/x")))})
     for line in sys.stdin:
         asked = json.loads(line)
-        _say(answers, {"climb": climb, "time": timed}[asked.pop("do")](**asked))
+        _say(answers, {"climb": climb, "time": timed, "rate": rate}[asked.pop("do")](**asked))
 
 
 def _say(answers: TextIO, data: Any) -> None:
@@ -60,6 +61,46 @@ def timed(scene: str, parameters: dict[str, Any], engine: str, settings: dict[st
     wall, cpu = time.perf_counter(), time.process_time()
     loop_s = engines.get(engine).run(made, chosen, times).timing.loop_s
     return {"loop_s": loop_s, "cpu_share": (time.process_time() - cpu) / (time.perf_counter() - wall)}
+
+
+def rate(scene: str, parameters: dict[str, Any], seconds: float) -> dict[str, float]:
+    """Return the processor time (ns a body) of a right-hand side, from about so many seconds of them."""
+    from mbs_ref import scenes
+
+    if (scene, str(parameters)) not in _rated:
+        _rated[scene, str(parameters)] = _right_hand_sides(scenes.make(scene, **parameters))
+    run, bodies = _rated[scene, str(parameters)]
+    count, spent = 1, 0.0
+    while spent < 0.1 * seconds:
+        count *= 4
+        start = time.process_time()
+        run(count)
+        spent = time.process_time() - start
+    count = max(1, int(count * seconds / spent))
+    start = time.process_time()
+    run(count)
+    return {"ns_per_body": (time.process_time() - start) / count / bodies * 1e9}
+
+
+_rated: dict[tuple[str, str], Any] = {}
+
+
+def _right_hand_sides(scene: Any) -> tuple[Any, int]:
+    """Return a function of how many right-hand sides to evaluate at the start, and the number of bodies."""
+    from mbs_ref.cores.choice import compile_scene
+    from mbs_ref.kernels.border import questions
+    from mbs_ref.kernels.jit import jit
+
+    @jit
+    def repeat(model, work, y, dy, count):
+        for _ in range(count):
+            questions.derivative(model, work, 0.0, y, dy)
+
+    system = compile_scene(scene)
+    system.set_mode_time(0.0)
+    y = system.initial_state()
+    dy = y.copy()
+    return lambda count: repeat(system.model, system.work, y, dy, count), len(scene.bodies)
 
 
 if __name__ == "__main__":

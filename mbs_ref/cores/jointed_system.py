@@ -5,7 +5,8 @@ from __future__ import annotations
 import ctypes
 from abc import abstractmethod
 from collections.abc import Mapping
-from typing import Any, ClassVar
+from functools import cached_property
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
@@ -16,6 +17,18 @@ from mbs_ref.kernels.controls import CONTROL_MODE_TIME, CONTROL_POSITION_GAIN, C
 from mbs_ref.scene import GROUND, UserForce
 
 _CALLBACK = ctypes.CFUNCTYPE(None, ctypes.c_double, ctypes.c_uint64)
+
+
+class Reporting(NamedTuple):
+    """What each joint's reaction is read from, joint after joint."""
+
+    names: tuple[str, ...]
+    slot: np.ndarray  # (n_joints,)
+    side: np.ndarray  # (n_joints,) of the body whose force it is
+    rows: np.ndarray  # (n_joints, rows a slot) bool: the joint's own among those of its slot
+    sign: np.ndarray  # (n_joints, 1)
+    body: np.ndarray  # (n_joints,) scene index
+    arm: np.ndarray  # (n_joints, dimension) m, from the body's centre of mass to the joint's point, body axes
 
 
 class JointedSystem(ContactSystem):
@@ -112,12 +125,20 @@ class JointedSystem(ContactSystem):
 
     def multipliers(self, t: float, y: np.ndarray) -> np.ndarray:
         """Return lambda (n_rows,) in the order of `rows`; minimum-norm where rows are dependent."""
+        values = self._multipliers_by_slot(t, y)
+        return np.array([values[slot, row] for _, slot, row in self.rows()])
+
+    def _multipliers_by_slot(self, t: float, y: np.ndarray) -> np.ndarray:
+        """Return lambda (n_slots, rows a slot), as the rows are kept; leave C_q at (t, y) in the scratch."""
         dy = self.derivative(t, y)
-        result = np.array([self.scratch.rows.multiplier[slot, row] for _, slot, row in self.rows()])
-        if self.n_closure_rows == 0 or self.scratch.closures.rank.sum() == self.n_closure_rows or not len(dy):
+        result = self.scratch.rows.multiplier.copy()
+        if self.scratch.closures.rank.sum() == self.n_closure_rows or not len(dy):
             return result
         unbalanced = self._unbalanced(t, y, dy)
-        return np.linalg.lstsq(self.jacobian(t, y).T, unbalanced, rcond=RANK_TOLERANCE)[0]
+        found = np.linalg.lstsq(self.jacobian(t, y).T, unbalanced, rcond=RANK_TOLERANCE)[0]
+        for value, (_, slot, row) in zip(found, self.rows(), strict=True):
+            result[slot, row] = value
+        return result
 
     @abstractmethod
     def _unbalanced(self, t: float, y: np.ndarray, dy: np.ndarray) -> np.ndarray:
@@ -125,21 +146,37 @@ class JointedSystem(ContactSystem):
 
     def reactions(self, t: float, y: np.ndarray) -> dict[str, np.ndarray]:
         """Return each joint's force (N) and torque (N m) on its last body at the joint point, world axes."""
-        lam = self.multipliers(t, y)
-        jacobian = self.jacobian(t, y)
-        index = {k: [r for r, (joint, _, _) in enumerate(self.rows()) if joint == k] for k in self.place}
-        return {self.scene.joints[k].name: self._reaction(k, -lam[r] @ jacobian[r], y) for k, r in index.items()}
+        of = self._reporting
+        multiplier = np.where(of.rows, self._multipliers_by_slot(t, y)[of.slot], 0.0)
+        forces = of.sign * np.einsum("jr,jrc->jc", multiplier, self.scratch.rows.jacobian[of.slot, of.side])
+        return dict(zip(of.names, self._at_marks(forces, of.body, of.arm, y), strict=True))
 
-    def _reported(self, joint: int) -> tuple[str, str, float]:
-        """Return the body whose forces tell a joint's reaction, the field that names it, and the sign.
-
-        Ground has none: it receives the opposite of what the other body gets.
-        """
-        part: Any = self.scene.joints[joint]
-        if part.ends[1] == GROUND:
-            return part.body_a, "body_a", -1.0
-        return part.ends[1], "body_b" if hasattr(part, "body_b") else "body", 1.0
+    @cached_property
+    def _reporting(self) -> Reporting:
+        """Whose forces tell each joint's reaction: ground has none and receives the opposite of the other body's."""
+        parts: list[Any] = [self.scene.joints[k] for k in self.place]
+        places = list(self.place.values())
+        mirrored = np.array([part.ends[1] == GROUND for part in parts], dtype=bool)
+        last = ["body_b" if hasattr(part, "body_b") else "body" for part in parts]
+        fields = np.where(mirrored, "body_a", last).tolist()
+        bodies = [self.scene.body_index(getattr(part, name)) for part, name in zip(parts, fields, strict=True)]
+        marks = [part.mark(name) for part, name in zip(parts, fields, strict=True)]
+        first, side = np.array([at.row for at in places]), np.array([at.side for at in places], dtype=int)
+        row, count = np.arange(self.RATES), np.array([at.count for at in places])
+        return Reporting(
+            names=tuple(part.name for part in parts),
+            slot=np.array([at.slot for at in places], dtype=int),
+            side=np.where(mirrored, side, 1 - side),
+            rows=(row >= first[:, None]) & (row < (first + count)[:, None]),
+            sign=np.where(mirrored, 1.0, -1.0)[:, None],
+            body=np.array(bodies, dtype=int),
+            arm=np.array([self._arm(mark, body) for mark, body in zip(marks, bodies, strict=True)]),
+        )
 
     @abstractmethod
-    def _reaction(self, joint: int, generalized: np.ndarray, y: np.ndarray) -> np.ndarray:
-        """Turn generalized forces into force and torque at the joint's point."""
+    def _arm(self, mark: tuple[float, ...] | None, body: int) -> np.ndarray:
+        """Return a mark on a body from its centre of mass in body axes, m; zero where there is none."""
+
+    @abstractmethod
+    def _at_marks(self, forces: np.ndarray, body: np.ndarray, arm: np.ndarray, y: np.ndarray) -> np.ndarray:
+        """Turn generalized forces (n_joints, rates) on bodies into force and torque at the joints' points."""

@@ -25,6 +25,7 @@ WATCHERS: dict[str, tuple[str, ...]] = {
     "mbs_ref/kernels/particles": SKY,
     "mbs_ref/kernels/planar": PLANE,
     "mbs_ref/kernels/spatial": SPACE,
+    "mbs_ref/kernels/rigid": ("tests/mbs_ref/cores/test_loops.py", *PLANE, *SPACE),
     "mbs_ref/kernels/contact": CONTACT,
     "mbs_ref/cores/particles": SKY,
     "mbs_ref/integrators": RUNS,

@@ -128,20 +128,19 @@ class PlanarSystem(JointedSystem):
         force = self.applied_forces(t, y[:half].reshape(-1, 3), y[half:].reshape(-1, 3)).ravel()
         return force - self.mass_matrix() * dy[half:]
 
-    def _reaction(self, joint: int, generalized: np.ndarray, y: np.ndarray) -> np.ndarray:
-        name, end, sign = self._reported(joint)
-        body = self.scene.body_index(name)
-        fx, fy, torque = sign * generalized.reshape(-1, 3)[body]
-        mark = self.scene.joints[joint].mark(end)
-        arm = np.zeros(2) if mark is None else self._place(mark, body, y) - y[3 * body : 3 * body + 2]
-        return np.array([fx, fy, torque - (arm[0] * fy - arm[1] * fx)])
-
-    def _place(self, mark: tuple[float, ...], body: int, y: np.ndarray) -> np.ndarray:
-        """Return where a mark on a body is now, m."""
+    def _arm(self, mark: tuple[float, ...] | None, body: int) -> np.ndarray:
         start: Any = self.scene.bodies[body]
-        turn = y[3 * body + 2] - (start.angle if isinstance(start, PlanarBody) else 0.0)
-        c, s = np.cos(turn), np.sin(turn)
-        return y[3 * body : 3 * body + 2] + np.array([[c, -s], [s, c]]) @ np.subtract(mark, start.position)
+        if mark is None:
+            return np.zeros(2)
+        c, s = (np.cos(start.angle), np.sin(start.angle)) if isinstance(start, PlanarBody) else (1.0, 0.0)
+        return np.array([[c, s], [-s, c]]) @ np.subtract(mark, start.position)
+
+    def _at_marks(self, forces: np.ndarray, body: np.ndarray, arm: np.ndarray, y: np.ndarray) -> np.ndarray:
+        angle = y[: 3 * self.n_bodies].reshape(-1, 3)[body, 2]
+        c, s = np.cos(angle), np.sin(angle)
+        along, across = arm.reshape(-1, 2).T
+        forces[:, 2] -= (c * along - s * across) * forces[:, 1] - (s * along + c * across) * forces[:, 0]
+        return forces
 
 
 @core.jit

@@ -216,17 +216,11 @@ class SpatialSystem(JointedSystem):
         acceleration = self._in_scene_order(self.scratch.tree.acceleration[: self.n_bodies]).ravel()
         return force - self.mass_matrix() @ acceleration
 
-    def _reaction(self, joint: int, generalized: np.ndarray, y: np.ndarray) -> np.ndarray:
-        name, end, sign = self._reported(joint)
-        body = self.scene.body_index(name)
-        wrench = sign * generalized.reshape(-1, 6)[body]
-        arm = self._arm(self.scene.joints[joint].mark(end), body)
-        return np.concatenate((wrench[:3], wrench[3:] - np.cross(arm, wrench[:3])))
-
     def _arm(self, mark: tuple[float, ...] | None, body: int) -> np.ndarray:
-        """Return a mark on a body now, from its centre of mass, world axes; zero where there is none."""
-        if mark is None:
-            return np.zeros(3)
         start = self.scene.bodies[body]
+        return np.zeros(3) if mark is None else world_axes(start).T @ np.subtract(mark, start.position)
+
+    def _at_marks(self, forces: np.ndarray, body: np.ndarray, arm: np.ndarray, y: np.ndarray) -> np.ndarray:
         turned = self._in_scene_order(self.scratch.kinematics.turned[: self.n_bodies])[body]
-        return turned @ world_axes(start).T @ np.subtract(mark, start.position)
+        arms = np.einsum("jab,jb->ja", turned, arm.reshape(-1, 3))
+        return np.hstack((forces[:, :3], forces[:, 3:] - np.cross(arms, forces[:, :3])))
