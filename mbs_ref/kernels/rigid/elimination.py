@@ -162,12 +162,13 @@ def _forward(block, closures, k, rows):
 @placed
 def _take_product(block, closures, k, count, a, b, target):
     """target -= a^T E^-1 b, the rows of a and b being a closure's."""
-    for j in range(closures.rank[k]):
-        p, inverse = closures.order[k, j], closures.inverse[k, j]
-        for r in range(count):
-            weight = a[p, r] * inverse
-            for c in range(len(block)):
-                target[r, c] -= weight * b[p, c]
+    for r in range(count):
+        for c in range(len(block)):
+            total = 0.0
+            for j in range(closures.rank[k]):
+                p = closures.order[k, j]
+                total += a[p, r] * closures.inverse[k, j] * b[p, c]
+            target[r, c] -= total
 
 
 @placed
@@ -258,8 +259,10 @@ def _condense_one(block, loops, closures, k, load):
     rhs, own, order, rank = closures.rhs[k], closures.own[k], closures.order[k], closures.rank[k]
     for i in range(rank):
         p = order[i]
+        total = 0.0
         for j in range(i):
-            rhs[p] -= own[p, order[j]] * rhs[order[j]]
+            total += own[p, order[j]] * rhs[order[j]]
+        rhs[p] -= total
         weight = closures.inverse[k, i] * rhs[p]
         for m in range(loops.first[k], loops.first[k + 1]):
             one = loops.met[m]
@@ -294,10 +297,10 @@ def _substitute_one(block, loops, closures, k, acceleration):
             if closures.empty[one] == 0:
                 for r in range(len(block)):
                     total -= closures.coupling[m, p, r] * closures.mu[one, r]
-        total *= closures.inverse[k, i]
+        later = 0.0
         for j in range(i + 1, rank):
-            total -= own[order[j], p] * mu[order[j]]
-        mu[p] = total
+            later += own[order[j], p] * mu[order[j]]
+        mu[p] = total * closures.inverse[k, i] - later
 
 
 @placed
