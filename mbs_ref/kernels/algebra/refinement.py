@@ -11,8 +11,8 @@ from __future__ import annotations
 from mbs_ref.kernels.jit import jit
 
 EPS = 2.220446049250313e-16
-REFINED_BELOW = 1e-4  # pivot: elimination alone then loses up to 2e-12
-BORNE = 2e-12  # relative
+BORNE = 100.0 * EPS  # relative: below the tightest tolerance that is asked for, 1e-13
+REFINED_BELOW = EPS / BORNE  # pivot: elimination alone loses no more above it
 MOST_REFINEMENTS = 4
 CONVERGES = 1e-4  # relative: where elimination loses more, a rank is lost and nothing is there to refine
 
