@@ -12,9 +12,12 @@ from dataclasses import dataclass
 from importlib.metadata import version
 from typing import Any, ClassVar
 
-import jax  # pyright: ignore[reportMissingImports]  # an optional extra
-import mujoco
+# the first, for its absence is what says that the extra is not installed
 import mujoco.mjx as mjx  # pyright: ignore[reportMissingImports]
+
+# isort: split
+import jax  # pyright: ignore[reportMissingImports]
+import mujoco
 import numpy as np
 
 from cross_checks.engine import Engine, Method, Poses, Refusal
