@@ -41,6 +41,9 @@ LACKS = ("implicit", STOCK)  # its integrator, and what differs in contact alone
 METHODS = tuple(m for m in OF_MUJOCO if m.name != LACKS[0] and not m.name.endswith(LACKS[1]))
 # rk4 is of order 2 where quaternions turn (3.17); MuJoCo documents 4, and the judge says what it finds
 
+# MJX lacks mjENBL_DIAGEXACT: the effective mass is a mean over directions, 1.5 of what it is in the plane
+GUESSED = "mjx guesses the effective mass of a contact, rightly for bodies that are free in space alone"
+
 
 @jax.jit
 def _steps(model: Any, data: Any, count: int) -> Any:
@@ -72,7 +75,7 @@ class Mjx(Engine):
         {"planar", "point_mass", "revolute", "prismatic", "weld", "distance"}
         | {"force", "torque", "spring_damper", "torsion_spring"}
         | {"spatial", "spherical", "cylindrical", "universal"}
-        | {"circle_on_line", "circle_on_circle", "sphere_on_plane", "sphere_on_sphere"}
+        | {"sphere_on_plane", "sphere_on_sphere"}
         | {"spring_damper_law", "stick_slip"}
     )
 
@@ -84,7 +87,10 @@ class Mjx(Engine):
 
     def topology_refusals(self, scene: Scene) -> list[Refusal]:
         own = spatial_refusals(scene) if scene.dimension == 3 else closure_refusals(scene) + part_refusals(scene)
-        return [Refusal(r.reason.replace("mujoco", "mjx"), r.permanent) for r in own + contact_refusals(scene)]
+        found = own + contact_refusals(scene)
+        if scene.dimension == 2 and scene.contacts:
+            found.append(Refusal(GUESSED, permanent=True))
+        return [Refusal(r.reason.replace("mujoco", "mjx"), r.permanent) for r in found]
 
     def method_refusals(self, scene: Scene, method: Method) -> list[Refusal]:
         reasons = super().method_refusals(scene, method)
@@ -95,9 +101,7 @@ class Mjx(Engine):
     def build(self, scene: Scene, plan: Plan) -> Built:
         tree = _tree(scene)
         model = compile_planar(tree, plan) if isinstance(tree, JointTree) else compile_spatial(tree, plan)
-        model.opt.enableflags = (
-            0  # the exact effective mass; of free bodies, which alone touch here, it is exact anyway
-        )
+        model.opt.enableflags = 0  # the exact effective mass, which MJX lacks
         if all(contact.friction is None for contact in scene.contacts):
             model.opt.cone = mujoco.mjtCone.mjCONE_PYRAMIDAL  # elliptic ones without any friction are a TypeError in it
         start = at_start(model, tree)
