@@ -6,7 +6,8 @@ SHELL := /bin/bash
 
 BIN := .venv/bin
 STAMP := .venv/.installed
-# The nightly run's own environment: JPL's ephemerides, heyoka and LSODAR besides, so that nothing is skipped for good.
+# The nightly run's own environment: JPL's ephemerides, LSODAR and every optional engine besides, so that nothing is
+# skipped for good.
 NIGHT := .venv-nightly/bin
 NIGHT_STAMP := .venv-nightly/.installed
 # Where the documentation is built: it needs no engine.
@@ -88,10 +89,11 @@ site: venv $(DOCS_STAMP)  ## the documentation with the gallery, in build/site; 
 
 PINNED := --universal --python-version 3.12 --generate-hashes --no-emit-index-url --no-header --no-annotate --quiet
 EXTRAS := --extra engines --extra cluster --extra dev
+NIGHTLY := --extra ephemeris --extra lsodar --extra heyoka --extra drake --extra dart --extra mjx --extra opensim
 
 lock:  ## pin again what pyproject.toml asks for (needs uv)
 	uv pip compile pyproject.toml $(EXTRAS) $(PINNED) --upgrade -o requirements.lock
-	uv pip compile pyproject.toml $(EXTRAS) --extra ephemeris --extra heyoka --extra lsodar $(PINNED) --upgrade \
+	uv pip compile pyproject.toml $(EXTRAS) $(NIGHTLY) $(PINNED) --upgrade \
 	  -c requirements.lock -o requirements-nightly.lock
 	uv pip compile pyproject.toml --extra docs $(PINNED) --upgrade -c requirements.lock -o requirements-docs.lock
 

@@ -11,12 +11,13 @@ import opensim  # pyright: ignore[reportMissingImports]  # an optional extra
 
 from cross_checks.engine import Engine, Method, Poses, Refusal
 from cross_checks.engines.opensim_.build import model_of
-from cross_checks.engines.opensim_.methods import FIXED, INTEGRATORS, METHODS
+from cross_checks.engines.opensim_.methods import ENDLESS, FIXED, INTEGRATORS, METHODS
 from cross_checks.engines.opensim_.reader import Reader, values
 from cross_checks.workshop.linkage import Linkage, closure_refusals, linkage_of, poses_of
 from cross_checks.workshop.outcome import End, Loop
 from cross_checks.workshop.plan import Plan
 from mbs_ref.scene import Scene, SpringDamper
+from mbs_ref.scene.traits import traits
 from mbs_ref.trajectory import Status
 
 opensim.Logger.setLevelString("Error")
@@ -57,6 +58,14 @@ class OpenSim(Engine):
         ]
         loops = closure_refusals("opensim", scene, {"point", "hinge", "weld", "rod"})
         return loops + [Refusal(reason, permanent=False) for reason in reasons]
+
+    def method_refusals(self, scene: Scene, method: Method) -> list[Refusal]:
+        reasons = super().method_refusals(scene, method)
+        if method.name == ENDLESS and "closed-loop" in traits(scene):
+            reasons.append(
+                Refusal(f"{method.name} makes steps of no length without end in a loop's singular pose", True)
+            )
+        return reasons
 
     def build(self, scene: Scene, plan: Plan) -> Built:
         linkage = linkage_of(scene)
