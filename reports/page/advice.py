@@ -27,6 +27,7 @@ class Advice:
     silent: tuple[str, ...]  # what it gets wrong with success reported, a method each, the worst first
     pace: str  # its time beside the cheapest of the other engines
     ours: bool
+    missing: bool = False  # its package is not installed
 
 
 def advice(data: ReportData) -> list[Advice]:
@@ -38,7 +39,7 @@ def advice(data: ReportData) -> list[Advice]:
 def _of_engine(data: ReportData, engine: str) -> Advice:
     cells = [c for c in data.cells if c.engine == engine]
     if cells and all(c.verdict == "engine-missing" for c in cells):
-        return Advice(engine, "Not installed here: nothing is known of it.", "", "", (), "", engine == OURS)
+        return Advice(engine, "Not installed here: nothing is known of it.", "", "", (), "", engine == OURS, True)
     return Advice(
         engine, *_trust(data, engine), _limit(data, engine), silent(cells), _pace(data, engine), engine == OURS
     )

@@ -19,7 +19,12 @@ LEAD = (
 
 
 def context(data: ReportData) -> dict[str, Any]:
-    return {"advice": advice(data), "files": {name: engine_file(name) for name in data.engines}, "told": told(data)}
+    lines = advice(data)
+    absent = [line.engine for line in lines if line.missing] if len(lines) > 1 else []
+    return {
+        "advice": [line for line in lines if line.engine not in absent], "absent": absent,
+        "files": {name: engine_file(name) for name in data.engines}, "told": told(data),
+    }  # fmt: skip
 
 
 def told(data: ReportData) -> str:

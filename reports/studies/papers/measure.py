@@ -24,7 +24,8 @@ def measure() -> PapersFacts:
     figures = crash | track | measure_sky() | multipliers() | _indices() | _orders()
     for tilt in TILTS:
         figures |= {f"angles.{tilt:g}.{name}": value for name, value in euler_angles(tilt).items()}
-    return PapersFacts(figures, crash_films | track_films, crash_curves | track_curves, outline_pictures())
+    plain = {name: value if isinstance(value, str) else float(value) for name, value in figures.items()}
+    return PapersFacts(plain, crash_films | track_films, crash_curves | track_curves, outline_pictures())
 
 
 def _indices() -> dict[str, float | str]:
