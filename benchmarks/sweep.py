@@ -51,7 +51,7 @@ def sweep(
 def _chosen(
     scene: Scene, engines: Collection[str] | None, methods: Collection[str] | None
 ) -> list[tuple[str, Method | None]]:
-    offered = tasks(scene, registry.names() if engines is None else engines)
+    offered = tasks(registry.names() if engines is None else engines)
     unknown = sorted(set(methods or ()) - {method.name for _, method in offered if method is not None})
     if unknown:
         raise ValueError(f"method = {', '.join(unknown)} is offered by none of the engines asked")

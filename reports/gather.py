@@ -17,7 +17,7 @@ from cross_checks.records.naming import code_of, digest_of
 from cross_checks.records.store import Store
 from mbs_ref import scenes
 from mbs_ref.scene import Scene
-from reports.facts.accuracy import Truths, answers, kept_answers, questions, truths
+from reports.facts.accuracy import Truths, answers, kept_answers, questions, truth_key, truths
 from reports.facts.capability import capabilities
 from reports.facts.cheapest import contenders
 from reports.facts.compiling import compile_kernels
@@ -116,11 +116,7 @@ def _judged(store: Store, chosen: dict[str, Scene], data: ReportData, report: Pr
 
 def _keep_truths(store: Store, chosen: dict[str, Scene], known: Truths) -> None:
     for label, truth in known.items():
-        keep(store, _truth_key(label, chosen[label]), TruthFacts, truth_facts(label, chosen[label], truth))
-
-
-def _truth_key(label: str, scene: Scene) -> str:
-    return digest_of(["truth facts", label, questions({label: scene})[0].key, code_of("reports.facts.truth_facts")])
+        keep(store, truth_key(label, chosen[label]), TruthFacts, truth_facts(label, chosen[label], truth))
 
 
 def _timed(
@@ -140,7 +136,7 @@ def _beyond(
 ) -> ReportData:
     """Add what is asked of adapters and truths, and the extremes."""
     told: list[str] = []
-    kept = [recall(store, _truth_key(label, scene), TruthFacts) for label, scene in chosen.items()]
+    kept = [recall(store, truth_key(label, scene), TruthFacts) for label, scene in chosen.items()]
     data = replace(data, truths=tuple(facts for facts in kept if facts is not None))
     key = digest_of(
         ["capabilities", engine_versions(), _adapters(), list(chosen), code_of("cross_checks.engines.capabilities")]

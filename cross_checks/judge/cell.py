@@ -61,7 +61,7 @@ def truth_of(runs: Runs, scene: Scene) -> Truth | NoTruth:
     return working_truth(runs, scene, truth.reason) if isinstance(truth, NoTruth) else truth
 
 
-def tasks(scene: Scene, engines: Iterable[str]) -> list[tuple[str, Method | None]]:
+def tasks(engines: Iterable[str]) -> list[tuple[str, Method | None]]:
     """Return every method of the engines; None for an engine whose package is not installed. ValueError as `get`."""
     offered: list[tuple[str, Method | None]] = []
     for name in engines:
@@ -76,7 +76,8 @@ def check(
     runs: Runs, scenes: Iterable[Scene], engines: Sequence[str] | None = None, progress: Progress | None = None
 ) -> Iterator[Cell]:
     """Yield a cell for every scene, engine and method, as it is judged. ValueError where an engine is unknown."""
-    listed = [(scene, *task) for scene in scenes for task in tasks(scene, engines or registry.names())]
+    offered = tasks(engines or registry.names())
+    listed = [(scene, *task) for scene in scenes for task in offered]
     truths: dict[int, Truth | NoTruth] = {}
     for done, (scene, engine, method) in enumerate(listed):
         if progress is not None:

@@ -54,13 +54,22 @@ class Answer:
 
 def questions(chosen: dict[str, Scene]) -> list[Question]:
     """Return every method of every engine on every labelled scene."""
-    found = []
+    found, asked = [], tasks(registry.names())
     for label, scene in chosen.items():
-        physics = [label, physics_of(scene), truth_name(scene, grid(scene))]
-        for engine, method in tasks(scene, registry.names()):
+        physics = _physics(label, scene)
+        for engine, method in asked:
             key = digest_of(["cell", *physics, _engine_key(engine), None if method is None else method.name, _judge()])
             found.append(Question(key, label, scene, engine, method))
     return found
+
+
+def truth_key(label: str, scene: Scene) -> str:
+    """Return what the facts of a scene's truth are kept under."""
+    return digest_of(["truth facts", *_physics(label, scene), _judge(), code_of("reports.facts.truth_facts")])
+
+
+def _physics(label: str, scene: Scene) -> list[str]:
+    return [label, physics_of(scene), truth_name(scene, grid(scene))]
 
 
 def truths(store: Store, chosen: dict[str, Scene], report: Report) -> Truths:
@@ -121,6 +130,7 @@ def _target(found: Reached) -> Target:
     return Target(found.target, found.answer, found.reason, setting)
 
 
+@cache
 @cache
 def _engine_key(name: str) -> list[str]:
     try:

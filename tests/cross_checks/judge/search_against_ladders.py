@@ -70,7 +70,7 @@ def compared(runs: Runs, name: str, parameters: dict) -> Iterator[Compared]:
     """Yield a comparison for every method that is not refused."""
     scene = scenes.make(name, **parameters)
     truth = truth_of(runs, scene)
-    for engine, method in tasks(scene, engines.names()):
+    for engine, method in tasks(engines.names()):
         if method is not None and not refused(scene, engine, method)[1]:
             yield _compared(runs, scene, engine, method, truth)
 
