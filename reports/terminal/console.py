@@ -28,7 +28,10 @@ Report = Callable[[int, int, str], None]  # done, total, what comes next
 
 def json_text(data: Any, indent: int | None = 2) -> str:
     """Return JSON; a number that is not finite becomes null."""
-    return json.dumps(_plain(data), indent=indent, allow_nan=False)
+    try:
+        return json.dumps(data, indent=indent, allow_nan=False)
+    except (TypeError, ValueError):  # arrays, or numbers that are not finite
+        return json.dumps(_plain(data), indent=indent, allow_nan=False)
 
 
 def echo_json(data: Any, indent: int | None = 2) -> None:
