@@ -17,6 +17,9 @@ from cross_checks.workshop.planar_tree import JointTree
 from cross_checks.workshop.spatial_tree import SpatialTree, depth_first
 from mbs_ref.trajectory import Status
 
+if mujoco.get_mju_user_warning() is None:  # else every warning is added to a file in the user's folder
+    mujoco.set_mju_user_warning(lambda message: None)  # they are counted in MjData, where `clock_end` reads them
+
 
 def at_start(model: mujoco.MjModel, tree: JointTree | SpatialTree) -> mujoco.MjData:
     data = mujoco.MjData(model)

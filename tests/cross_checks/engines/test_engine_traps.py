@@ -51,6 +51,12 @@ def test_mujocos_silent_reset_is_a_status():
     assert np.isfinite(result.position).all()
 
 
+def test_mujocos_warnings_leave_no_file_behind(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    test_mujocos_silent_reset_is_a_status()
+    assert not list(tmp_path.iterdir())
+
+
 def test_mujocos_clock_alone_betrays_a_reset():
     mujoco = pytest.importorskip("mujoco")
     from cross_checks.engines.mujoco_.run import clock_end
