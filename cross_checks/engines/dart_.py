@@ -14,6 +14,7 @@ import numpy as np
 
 from cross_checks.engine import Engine, Method, Poses, Refusal
 from cross_checks.workshop.linkage import (
+    PARTS,
     Applied,
     Closure,
     Link,
@@ -25,7 +26,7 @@ from cross_checks.workshop.linkage import (
 )
 from cross_checks.workshop.outcome import End, Loop
 from cross_checks.workshop.plan import Plan
-from cross_checks.workshop.planar_forces import CLIPPED_CONTACTS, SHARED, contact_refusals
+from cross_checks.workshop.planar_forces import SHARED, contact_refusals
 from cross_checks.workshop.spatial_tree import FIXED
 from mbs_ref.scene import Scene
 
@@ -55,13 +56,7 @@ class Dart(Engine):
 
     name: ClassVar[str] = "dart"
     package: ClassVar[str] = "dartpy"
-    part_types: ClassVar[frozenset[str]] = frozenset(
-        {"planar", "point_mass", "revolute", "prismatic", "weld", "distance"}
-        | {"spatial", "spherical", "universal"}
-        | {"force", "torque", "spring_damper", "torsion_spring", "point_bushing"}
-        | {"torque_vector", "bushing"}
-        | CLIPPED_CONTACTS
-    )
+    part_types: ClassVar[frozenset[str]] = PARTS
 
     def methods(self) -> tuple[Method, ...]:
         return METHODS

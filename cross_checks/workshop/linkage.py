@@ -13,13 +13,20 @@ from typing import Any, Protocol
 import numpy as np
 
 from cross_checks.workshop.method import Refusal
-from cross_checks.workshop.planar_forces import AppliedForces
+from cross_checks.workshop.planar_forces import CLIPPED_CONTACTS, AppliedForces
 from cross_checks.workshop.planar_tree import JointTree, joint_tree
 from cross_checks.workshop.spatial_forces import SpatialApplied
 from cross_checks.workshop.spatial_tree import SpatialEdge, SpatialTree, depth_first, spatial_tree
 from mbs_ref.scene import Distance, PlanarBody, Revolute, Scene, SpatialBody, symmetric
 from mbs_ref.scene.euler_parameters import from_matrix, product
 
+PARTS = frozenset(  # what links and the shared forces make up together
+    {"planar", "point_mass", "revolute", "prismatic", "weld", "distance"}
+    | {"spatial", "spherical", "universal"}
+    | {"force", "torque", "spring_damper", "torsion_spring", "point_bushing"}
+    | {"torque_vector", "bushing"}
+    | CLIPPED_CONTACTS
+)
 NORMAL = np.array([0.0, 0.0, 1.0])  # of the plane
 NO_TURN = np.zeros((3, 3))
 

@@ -15,10 +15,10 @@ from cross_checks.engines.drake_.methods import METHODS, SAP, WORLD
 from cross_checks.engines.drake_.reader import Reader
 from cross_checks.engines.drake_.run import Simulated, advance, is_discrete, simulated
 from cross_checks.isolation.parent import Isolated, Lost
-from cross_checks.workshop.linkage import Applied, Linkage, applied, closure_refusals, linkage_of, poses_of
+from cross_checks.workshop.linkage import PARTS, Applied, Linkage, applied, closure_refusals, linkage_of, poses_of
 from cross_checks.workshop.outcome import Loop, stopped
 from cross_checks.workshop.plan import Plan
-from cross_checks.workshop.planar_forces import CLIPPED_CONTACTS, SHARED, contact_refusals
+from cross_checks.workshop.planar_forces import SHARED, contact_refusals
 from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings
 from mbs_ref.trajectory import Status, Trajectory
@@ -42,13 +42,7 @@ class Drake(Engine):
 
     name: ClassVar[str] = "drake"
     package: ClassVar[str] = "pydrake"
-    part_types: ClassVar[frozenset[str]] = frozenset(
-        {"planar", "point_mass", "revolute", "prismatic", "weld", "distance"}
-        | {"spatial", "spherical", "universal"}
-        | {"force", "torque", "spring_damper", "torsion_spring", "point_bushing"}
-        | {"torque_vector", "bushing"}
-        | CLIPPED_CONTACTS
-    )
+    part_types: ClassVar[frozenset[str]] = PARTS
 
     def methods(self) -> tuple[Method, ...]:
         return METHODS
