@@ -1,18 +1,28 @@
-"""Carry a multistep method past a singular pose: DOP853 with projected stages leaps, then it restarts.
+"""Carry a method past a singular pose: DOP853 with projected stages leaps, then it restarts.
 
 On the constraints the accelerations stay smooth there, but roundoff in them grows as eps / sigma^3, and
-a multistep method, whose steps cannot choose their places, grinds to a halt.
+a method whose stages are not projected, or whose steps cannot choose their places, grinds to a halt.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from mbs_ref.integrators.loop.explicit import explicit
-from mbs_ref.integrators.loop.leg import Leg, Options, Progress, progress
+from mbs_ref.integrators.loop.leg import (
+    DONE,
+    NEAR_SINGULAR,
+    RUNNING,
+    STEP_TOO_SMALL,
+    Leg,
+    Options,
+    Outputs,
+    Progress,
+    progress,
+)
 from mbs_ref.integrators.stages.dop853_tableau import TABLEAU
 from mbs_ref.trajectory import Status
 
@@ -60,3 +70,33 @@ def leap(
     run.rejected += own.rejected
     run.rhs_calls += own.rhs_calls
     return Landing(float(own.t), now, reached, leg if failed else None)
+
+
+class Crossing:
+    """Carries a compiled adaptive method on where it has come near a singular pose."""
+
+    def __init__(self, system: System, options: Options, run: Progress, y: np.ndarray) -> None:
+        self.system, self.options, self.run, self.y = system, options, run, y
+        self.carried = 0.0  # s
+        self.failed: Leg | None = None  # of DOP853
+
+    def past(self, code: int, outputs: Outputs) -> int:
+        """Return how a leg goes on after a chunk that ended with `code`; y, clock and outputs move on with it."""
+        if code != NEAR_SINGULAR:
+            return code
+        run, y = self.run, self.y
+        begin, reached = float(run.t), int(run.next_output)
+        landing = leap(self.system, self.options, run, begin, y, outputs.times, reached, outputs.states)
+        self.carried += landing.t - begin
+        y[:] = landing.y
+        run.t, run.next_output, run.h = landing.t, landing.reached, 0.0
+        self.failed = landing.failed
+        if landing.failed is not None:
+            return STEP_TOO_SMALL
+        return DONE if landing.reached == len(outputs.times) else RUNNING
+
+    def finish(self, leg: Leg) -> Leg:
+        """Return the leg with what DOP853 did in it."""
+        if self.failed is not None:
+            leg = replace(leg, status=self.failed.status, message=self.failed.message)
+        return replace(leg, carried_s=self.carried)

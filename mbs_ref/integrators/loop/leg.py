@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 # Codes shared with compiled loops.
 RUNNING, DONE, NON_FINITE, STEP_TOO_SMALL, TOO_MANY_STEPS = range(5)
 COMPLIANCE, PROJECTION, NOT_CONVERGED, SINGULAR, STALLED, ENDLESS_EVENTS, STOP_EVENT = range(5, 12)
+NEAR_SINGULAR = 12  # nothing ends: DOP853 carries the method on (loop/crossing.py)
 STATUS = {
     DONE: Status.SUCCESS,
     NON_FINITE: Status.NON_FINITE,

@@ -12,8 +12,10 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from mbs_ref.integrators.loop.attempt import WITHDRAWN, close_attempt, next_attempt, propose_again, stands_still, take
+from mbs_ref.integrators.loop.crossing import NEAR, Crossing
 from mbs_ref.integrators.loop.events import EVENT, RETRY, event_tables
 from mbs_ref.integrators.loop.leg import (
+    NEAR_SINGULAR,
     NON_FINITE,
     NOT_CONVERGED,
     RUNNING,
@@ -35,7 +37,7 @@ from mbs_ref.integrators.stages.radau_newton import (
     newton_for,
     solve_stages,
 )
-from mbs_ref.kernels.border.questions import derivative
+from mbs_ref.kernels.border.questions import derivative, regularity
 from mbs_ref.kernels.jit import inlined, jit
 
 if TYPE_CHECKING:
@@ -220,16 +222,19 @@ def advance_radau(model, work, options, run, y, outputs):
             _remember(past, attempt, solved.rate, verdict)
             derivative(model, work, attempt.t_new, y, f)
             run.rhs_calls += 1
+            if adaptive and options.project and regularity(work) < NEAR:
+                return NEAR_SINGULAR
     return code
 
 
 def advance(system: System, options: Options, run: Progress, y: np.ndarray, times: np.ndarray) -> Leg:
-    """Integrate one leg."""
+    """Integrate one leg; DOP853 carries it past singular poses."""
+    crossing = Crossing(system, options, run, y)
 
     def chunk(outputs: Outputs) -> int:
-        return advance_radau(system.model, system.work, options, run, y, outputs)
+        return crossing.past(advance_radau(system.model, system.work, options, run, y, outputs), outputs)
 
-    return run_chunks(chunk, options, run, y, times)
+    return crossing.finish(run_chunks(chunk, options, run, y, times))
 
 
 INTEGRATOR = Integrator(

@@ -1,4 +1,4 @@
-"""A multistep method that DOP853 carries past singular poses says so, and pays for it with no accuracy."""
+"""A method that DOP853 carries past singular poses says so, and pays for it with no accuracy."""
 
 from __future__ import annotations
 
@@ -65,7 +65,23 @@ def test_singular_poses_cost_no_accuracy(method, loops, t_end, count):
     assert passing < 4.0 * free
 
 
-@pytest.mark.parametrize("method", ["lsodar", "dassl"])
+@pytest.mark.parametrize("loops", [1, pytest.param(3, marks=pytest.mark.slow)])
+def test_radau_errs_no_more_than_the_worse_of_the_two_that_make_its_run(loops):
+    rtols = np.geomspace(1e-5, 1e-9, 5 if loops == 1 else 13).tolist()
+    t_end = 3.0 if loops == 1 else 10.0
+    passing, free = (mean_error(scene, "radau", rtols, t_end) for scene in (parallelograms(loops), pendulum(loops)))
+    assert passing < 4.0 * max(free, mean_error(parallelograms(loops), "dop853", rtols, t_end))
+
+
+@pytest.mark.parametrize("samples", [2, 4, 12, 38])
+@pytest.mark.parametrize("scene", ["n_four_bar", "spatial_n_four_bar"])
+def test_radau_passes_whatever_samples_are_asked(scene, samples):
+    """Without help it stopped in half of such runs: its stages leave the constraints, where accelerations are noise."""
+    run = simulate(scenes.make(scene), Settings(method="radau", rtol=1e-8, t_end=3.0, samples=samples, estimate="off"))
+    assert run.ok, run.message
+
+
+@pytest.mark.parametrize("method", ["lsodar", "dassl", "radau"])
 def test_the_share_that_another_method_made_is_told(method):
     run = turned(parallelograms(2), method, 1e-7, 1.5)
     share = run.used["carried_share"]
