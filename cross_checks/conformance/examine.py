@@ -7,6 +7,7 @@ from statistics import median
 
 import numpy as np
 
+from cross_checks.conformance.apart import Apart, called
 from cross_checks.conformance.finding import Finding, Report, Row, verdict
 from cross_checks.conformance.ladder import ORDER_OFF, climb
 from cross_checks.conformance.questions import Asked, impossible, open_pendulum, questions, rungs, takes
@@ -17,8 +18,8 @@ from mbs_ref.trajectory import Status
 
 ENGINE_WIDE = ""  # the method or scene of what concerns the whole engine
 QUESTIONS = (
-    "identity", "something runs", "refusals", "unknown method", "inconsistent start", "hopeless step", "runs",
-    "asked times", "start", "velocities", "clock", "truth", "energy", "joints", "same end", "order",
+    "identity", "something runs", "refusals", "unknown method", "inconsistent start", "hopeless step", "comes back",
+    "runs", "asked times", "start", "velocities", "clock", "truth", "energy", "joints", "same end", "order",
 )  # fmt: skip
 Progress = Callable[[str], None]
 
@@ -38,6 +39,7 @@ def examine(engine: Engine, name: str, progress: Progress = lambda text: None) -
             rows.append(row)
         strong = {question.scene.name for question in mine if not method.excused(question.scene)}
         findings += _order(method, [row for row in rows if row.method == method.name and row.scene in strong])
+        findings += _lost(engine, method, mine)
     return Report(engine.name, engine.version(), tuple(findings), tuple(rows))
 
 
@@ -76,7 +78,7 @@ def _refusal(engine: Engine) -> str:
     reasons = [refusal.reason for refusal in engine.refusals(scene)]
     if not reasons:
         return ""
-    result = engine.run(scene, Settings())
+    result = called(engine, scene, Settings(), None).path
     if result.status is not Status.REFUSED or len(result.times):
         return f"a scene that it cannot model ends as {result.status} with {len(result.times)} samples"
     missing = [reason for reason in reasons if reason not in result.message]
@@ -96,7 +98,7 @@ def _inconsistent(engine: Engine) -> str:
     method = next((m for m in engine.methods() if takes(engine, m, scene)), None)
     if method is None:
         return ""
-    result = engine.run(scene, rungs(method, np.array([0.0, scene.duration]))[-1])
+    result = called(engine, scene, rungs(method, np.array([0.0, scene.duration]))[-1], None).path
     named = result.status is Status.INCONSISTENT and result.message
     return "" if named else "a velocity along the rod is accepted or changed without a word"
 
@@ -109,7 +111,7 @@ def _hopeless(engine: Engine, method: Method, question: Asked) -> Finding:
     wrong = ""
     try:
         settings = Settings.model_validate({"method": method.name, "estimate": "off", **loose})
-        result = engine.run(scene, settings, times)
+        result = called(engine, scene, settings, times).path
     except ValueError:  # it refuses the setting, aloud
         return verdict("hopeless step", method.name, scene.name, "")
     if result.ok and not (np.isfinite(result.position).all() and np.array_equal(result.times, times)):
@@ -117,6 +119,13 @@ def _hopeless(engine: Engine, method: Method, question: Asked) -> Finding:
     if not result.ok and not result.message:
         wrong = f"it ends as {result.status} without a sentence"
     return verdict("hopeless step", method.name, scene.name, wrong)
+
+
+def _lost(engine: Engine, method: Method, asked: list[Asked]) -> list[Finding]:
+    """Judge whether every run came back, in time and with its process alive."""
+    lost = engine.lost if isinstance(engine, Apart) else {}
+    names = [question.scene.name for question in asked]
+    return [verdict("comes back", method.name, name, lost.get((method.name, name), "")) for name in names]
 
 
 def _order(method: Method, rows: list[Row]) -> list[Finding]:

@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from time import perf_counter, process_time
 
 import numpy as np
 
 from cross_checks.conformance import figures
+from cross_checks.conformance.apart import called
 from cross_checks.conformance.finding import Finding, Row, verdict
 from cross_checks.conformance.questions import Asked, rungs
 from cross_checks.engine import Engine
@@ -84,9 +84,8 @@ def _refined(engine: Engine, method: Method, question: Asked, runs: list[Run]) -
 def timed(engine: Engine, question: Asked, settings: Settings, times: np.ndarray | None = None) -> Run:
     """Run once, with the clocks of the call and the error."""
     asked = question.times if times is None else times
-    wall, cpu = perf_counter(), process_time()
-    path = engine.run(question.scene, settings, asked)
-    wall, cpu = perf_counter() - wall, process_time() - cpu
+    run = called(engine, question.scene, settings, asked)
+    path, wall, cpu = run.path, run.wall_s, run.cpu_s
     if not path.ok or len(path.times) != len(question.times):
         return Run(settings, path, wall, cpu)
     return Run(settings, path, wall, cpu, figures.apart(question, path, question.truth))

@@ -7,14 +7,17 @@ from __future__ import annotations
 
 import pytest
 
+from cross_checks.conformance.apart import TIMEOUT, Apart
 from cross_checks.conformance.examine import QUESTIONS, examine
 from cross_checks.conformance.finding import Report, failures
+from cross_checks.isolation.parent import Isolated
 
 
 @pytest.fixture(scope="session")
 def report(engine, engine_name) -> Report:
     """Return what the examination found."""
-    return examine(engine, engine_name)
+    with Isolated(TIMEOUT) as ask:
+        return examine(Apart(engine, ask), engine_name)
 
 
 @pytest.mark.parametrize("question", QUESTIONS)

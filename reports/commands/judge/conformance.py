@@ -20,21 +20,27 @@ COLUMNS = f"{'scene':<20} {'method':<22} {'order':>6} {'asked':>6} {'error':>9} 
 @click.argument("engine", metavar="ADAPTER.py|ENGINE", default="mbs_ref")
 @click.option("--json", "file", type=click.Path(dir_okay=False, path_type=Path), help="also write all findings here")
 @click.option("--badge", type=click.Path(dir_okay=False, path_type=Path), help="also write a shields.io endpoint here")
+@click.option("--timeout", type=click.FloatRange(min=0.0, min_open=True), metavar="S",
+              help="seconds that one run may compute or sleep  [default: 60]")
 @click.option("--self-test", is_flag=True, help="examine copies of mbs_ref with one mistake each instead")
-def command(engine: str, file: Path | None, badge: Path | None, self_test: bool) -> None:
+def command(engine: str, file: Path | None, badge: Path | None, timeout: float | None, self_test: bool) -> None:
     """Examine a solver: refusals, times, velocities, clock, order, truths, energy, joints, and how it fails.
 
     ADAPTER.py holds a subclass of cross_checks.engine.Engine and the line ENGINE = <that class>. Errors are relative
     to each scene's size (in rad for orientations); a failure that the method declares as its weakness is named and
-    does not count.
+    does not count. Every run is made in a process of its own: one that hangs or dies is named, and the rest goes on.
     """
+    from cross_checks.conformance.apart import TIMEOUT, Apart
     from cross_checks.conformance.examine import examine
     from cross_checks.conformance.loading import name_of
+    from cross_checks.isolation.parent import Isolated
 
     if self_test:
         _self_test()
         return
-    report = examine(inputs.engine(engine), name_of(engine), _progress)
+    examined = inputs.engine(engine)
+    with Isolated(TIMEOUT if timeout is None else timeout) as ask:
+        report = examine(Apart(examined, ask), name_of(engine), _progress)
     if file is not None:
         file.write_text(json.dumps(report.to_dict(), indent=1))
     if badge is not None:

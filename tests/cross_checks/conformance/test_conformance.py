@@ -86,6 +86,24 @@ def test_a_mistake_in_it_is_found(tmp_path, conformance, name, right, wrong, not
 
 
 @pytest.mark.parametrize(
+    ("name", "instead", "said"),
+    [
+        ("hangs", "__import__('time').sleep(1e3)", "gave no answer within 2 s and was stopped"),
+        ("dies", "__import__('os')._exit(3)", "its process ended with exit code 3"),
+    ],
+)
+def test_runs_that_do_not_come_back_are_named_and_the_examination_ends(tmp_path, conformance, name, instead, said):
+    """Runs with the finest step alone: the others still answer."""
+    right = "        states = [y]\n"
+    assert right in small_engine()
+    lame = small_engine().replace(right, f"{right}        if h < 4e-3:\n            {instead}\n")
+    done = conformance(written(tmp_path, lame, name), "--timeout", 2)
+    assert done.exit_code == 1
+    assert re.search(rf"FAILED: comes back: pendulum rk4: step = 0.0025 s: {said}", done.output), done.output
+    assert re.search(r"pendulum +rk4 +4\.\d\d +4", done.output)
+
+
+@pytest.mark.parametrize(
     ("name", "right", "wrong", "said"),
     [
         ("lineless", "ENGINE = Small", "", "has no line ENGINE = <class>; add ENGINE = Small"),

@@ -1,0 +1,88 @@
+"""An engine run in a process of its own: a run that hangs or dies is lost and named, and the others still answer."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from time import perf_counter, process_time
+
+import numpy as np
+
+from cross_checks import engines
+from cross_checks.engine import Engine, Method
+from cross_checks.isolation.parent import Caller, Lost
+from cross_checks.judge.one_run import ENGINE_FAILURES
+from cross_checks.workshop.outcome import stopped
+from mbs_ref.scene import Scene, UserForce
+from mbs_ref.settings import Settings
+from mbs_ref.trajectory import Status, Trajectory
+
+TIMEOUT = 60.0  # s that one run may compute or sleep
+
+
+@dataclass(frozen=True)
+class Called:
+    """One run and the clocks of the call."""
+
+    path: Trajectory
+    wall_s: float = 0.0
+    cpu_s: float = 0.0
+
+
+class Apart(Engine):
+    """An engine that is known by name, run through `ask`; after a loss its method is not tried on that scene again."""
+
+    def __init__(self, engine: Engine, ask: Caller) -> None:
+        self.engine, self.ask = engine, ask
+        self.lost: dict[tuple[str, str], str] = {}  # (method, scene) -> what became of the first run that was lost
+        self.name, self.package, self.part_types = engine.name, engine.package, engine.part_types  # type: ignore[misc]
+
+    def methods(self) -> tuple[Method, ...]:
+        return self.engine.methods()
+
+    def version(self) -> str:
+        return self.engine.version()
+
+    def refusals(self, scene: Scene):
+        return self.engine.refusals(scene)
+
+    def method_refusals(self, scene: Scene, method: Method):
+        return self.engine.method_refusals(scene, method)
+
+    def run(self, scene: Scene, settings: Settings, times: np.ndarray | None = None) -> Trajectory:
+        return self.call(scene, settings, times).path
+
+    def call(self, scene: Scene, settings: Settings, times: np.ndarray | None) -> Called:
+        """Run in the other process; a scene with a Python force cannot travel there and runs in this one."""
+        if any(isinstance(load, UserForce) for load in scene.loads):
+            return _call(self.engine, scene, settings, times)
+        place = (settings.method or "", scene.name)
+        if place in self.lost:
+            return _lost(scene, f"not tried: before, {self.lost[place]}")
+        try:
+            return self.ask(_call_by_name, self.name, scene, settings, times)
+        except Lost as loss:
+            setting = f"step = {settings.step:g} s" if settings.step else f"rtol = {settings.rtol:g}"
+            self.lost[place] = f"{setting}: {loss}"
+            return _lost(scene, str(loss))
+
+
+def called(engine: Engine, scene: Scene, settings: Settings, times: np.ndarray | None) -> Called:
+    """Run once, where the engine is run, with the clocks of the call. An engine's exception is a run that failed."""
+    return engine.call(scene, settings, times) if isinstance(engine, Apart) else _call(engine, scene, settings, times)
+
+
+def _call_by_name(name: str, scene: Scene, settings: Settings, times: np.ndarray | None) -> Called:
+    return _call(engines.get(name), scene, settings, times)
+
+
+def _call(engine: Engine, scene: Scene, settings: Settings, times: np.ndarray | None) -> Called:
+    wall, cpu = perf_counter(), process_time()
+    try:
+        path = engine.run(scene, settings, times)
+    except ENGINE_FAILURES as error:
+        path = stopped(scene, Status.ENGINE_ERROR, f"{type(error).__name__}: {error}")
+    return Called(path, perf_counter() - wall, process_time() - cpu)
+
+
+def _lost(scene: Scene, why: str) -> Called:
+    return Called(replace(stopped(scene, Status.ENGINE_ERROR, why), unreported=True))
