@@ -2,7 +2,7 @@
 SHELL := /bin/bash
 .SHELLFLAGS := -euo pipefail -c
 .DEFAULT_GOAL := help
-.PHONY: help venv test report lint nightly mutants bench site lock clean
+.PHONY: help venv kernels test report lint nightly mutants bench site lock clean
 
 BIN := .venv/bin
 STAMP := .venv/.installed
@@ -51,7 +51,10 @@ $(NIGHT_STAMP): requirements-nightly.lock pyproject.toml
 $(DOCS_STAMP): requirements-docs.lock pyproject.toml
 	$(call install,.venv-docs,requirements-docs.lock)
 
-test: venv  ## the tests that finish in minutes
+kernels: venv  ## the solver's compiled code, made once for each change of its sources
+	@$(BIN)/mbs-ref compile
+
+test: kernels  ## the tests that finish in minutes
 	$(BIN)/python -m pytest -n auto --dist worksteal -rs
 
 report: venv  ## the main job: run the comparison and write reports/out/

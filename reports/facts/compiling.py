@@ -9,6 +9,7 @@ from cross_checks.isolation.parent import Caller
 from cross_checks.records.naming import code_of, digest_of
 from cross_checks.records.store import Store
 from mbs_ref import scenes
+from mbs_ref.kernels.jit import cache_folder
 from mbs_ref.settings import Settings
 from reports.facts.kept import recall, remembered
 from reports.facts.workers import each
@@ -21,8 +22,8 @@ Report = Callable[[int, int, str], None]
 
 def compile_kernels(store: Store, report: Report) -> None:
     """Run every method of the solver once on each core, unless the store knows that this code is compiled here."""
-    key = digest_of(["compiled", code_of(type(engines.get(SOLVER)).__module__)])
-    if recall(store, key, bool):
+    key = digest_of(["compiled", code_of(type(engines.get(SOLVER)).__module__), str(cache_folder())])
+    if recall(store, key, bool) and cache_folder().is_dir():
         return
     report(0, len(CORES), f"compiling {', '.join(CORES)}: a minute, once for each change of the solver")
     for done, (core, _) in enumerate(each(list(CORES), _compile), 1):

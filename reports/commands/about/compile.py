@@ -1,0 +1,22 @@
+"""mbs-ref compile: the solver's kernels, once for each change of their sources."""
+
+from __future__ import annotations
+
+import click
+
+from cross_checks.records.store import Store
+from mbs_ref.kernels.jit import cache_folder
+from reports.terminal.asking import STORE, store_path
+from reports.terminal.console import awaited, progress
+
+
+@click.command(name="compile")
+@STORE
+def command(store: str | None) -> None:
+    """Compile the solver's kernels on all cores, so that no later run waits for it; nothing is done twice."""
+    from reports.facts.compiling import compile_kernels
+
+    what = "compiling the solver for plane, space and particles side by side: a minute or two, once a change"
+    with Store(store_path(store)) as kept, awaited(what), progress("compile") as report:
+        compile_kernels(kept, report)
+    click.echo(f"the solver is compiled, in {cache_folder()}")

@@ -1,0 +1,27 @@
+"""mbs-ref compile: kernels are compiled once for each change of their sources."""
+
+from __future__ import annotations
+
+from click.testing import CliRunner
+
+from reports.commands.about.compile import command
+from reports.facts import compiling
+
+
+def test_what_is_compiled_is_not_compiled_again(monkeypatch, tmp_path):
+    asked = []
+    monkeypatch.setattr(compiling, "each", lambda cores, work: (asked.append(core) or (core, None) for core in cores))
+    arguments = ["--store", str(tmp_path / "runs.sqlite")]
+    for _ in range(2):
+        done = CliRunner().invoke(command, arguments)
+        assert done.exit_code == 0, done.output
+    assert asked == list(compiling.CORES)
+
+
+def test_every_method_runs_on_some_core():
+    from cross_checks import engines
+    from mbs_ref import scenes
+
+    solver = engines.get(compiling.SOLVER)
+    made = [scenes.make(scene) for scene in compiling.CORES.values()]
+    assert all(any(not solver.method_refusals(scene, method) for scene in made) for method in solver.methods())
