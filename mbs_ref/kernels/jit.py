@@ -22,6 +22,8 @@ from typing import Any
 import numba
 from numba import types
 from numba.core import caching
+from numba.core.ccallback import CFunc
+from numba.core.sigutils import normalize_signature
 
 _PROJECT = Path(__file__).parents[2]
 # Imports in a module's first column: those within functions, or for types alone, reach no compiled code.
@@ -140,9 +142,23 @@ def _compiler(**options: Any) -> Callable[[Callable], Any]:
 
 # Nobody calls these functions from C, and a wrapper for that would be a tenth of the compile time.
 # Contraction (fused multiply-add) alone is allowed: it keeps NaN, infinities and the order of sums.
-_OPTIONS: Any = {"error_model": "numpy", "fastmath": {"contract"}, "no_cfunc_wrapper": True}
+_ROUNDING: Any = {"error_model": "numpy", "fastmath": {"contract"}}
+_OPTIONS: Any = {**_ROUNDING, "no_cfunc_wrapper": True}
 jit = _compiler(**_OPTIONS)
 placed = _compiler(forceinline=True, **_OPTIONS)
 strict_jit = _compiler()  # every operation is rounded as it is written, and division by zero raises
 # For the parts of a loop: called, each would pass a dozen arrays at every step, and count their references.
 inlined = numba.njit(inline="always", **_OPTIONS)
+
+
+@cache
+def address_for_c(function: Callable, signature: Any) -> int:
+    """Return where C may call a Python function; compile it, or load it from the disk, if need be."""
+    callback: Any = CFunc(function, normalize_signature(signature), {}, {"nopython": True, **_ROUNDING})
+    callback._cache = _Cache(function)
+    callback.compile()
+    _kept.append(callback)
+    return callback.address
+
+
+_kept: list[CFunc] = []  # their code lives as long as they do

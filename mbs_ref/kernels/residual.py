@@ -8,67 +8,103 @@ with M v' = f - C_q^T lambda in each, and q' = N v: in space theta' = theta (0, 
 
 from __future__ import annotations
 
-import numpy as np
+from typing import Annotated, NamedTuple
 
+import numpy as np
+from numba import carray, types  # pyright: ignore[reportPrivateImportUsage]
+
+from mbs_ref.kernels.border.callback import call_for_numbers
+from mbs_ref.kernels.border.groups import Floats, Ints
+from mbs_ref.kernels.border.handles import Model, Work, accessor
 from mbs_ref.kernels.border.questions import (
     defect_of,
     force_balance,
     gamma_of,
     position_count,
     position_rate,
+    roots,
     rows_times,
     subtract_rows,
     times_mass,
 )
-from mbs_ref.kernels.jit import jit
+from mbs_ref.kernels.jit import address_for_c, jit
 
 INDEX_1, GGL, INDEX_3 = 1, 2, 3
 
 
-@jit
-def residual(model, work, t, x, xp, form, proximal, heaviest, row_slot, row_row, lam, balance, out):
-    """Write F(t, x, x') of the chosen form; lam (n_slots, rows a slot) and balance (n_rates,) are scratch.
+class Dae(NamedTuple):
+    """A system as a DAE: its form, its rows, scratch, and what a solver in C hands over.
 
-    `proximal` (s) times a multiplier over the mass `heaviest` (kg) is left in its own row: it keeps dependent rows
-    solvable. A multiplier is as large as the heaviest body's forces, and undivided would open its joint.
+    `softness` times the multipliers is left in their own rows: it keeps dependent rows solvable. That of lambda is mu's
+    over the heaviest mass: a multiplier is as large as the heaviest body's forces, and undivided would open its joint.
     """
-    start, n, m = position_count(model), balance.shape[0], row_slot.shape[0]
-    end = start + n  # of the state
-    lam[:] = 0.0
+
+    system: Annotated[Ints, 2]  # addresses of the handles of model and work
+    form: Annotated[Ints, 1]
+    softness: Annotated[Floats, 2]  # of lambda (s/kg) and of mu (s)
+    slot: Annotated[Ints, "n_rows"]
+    row: Annotated[Ints, "n_rows"]  # in its slot
+    lam: Annotated[Floats, "n_slots", "rows"]  # scratch
+    balance: Annotated[Floats, "n_rates"]  # scratch
+    event_rate: Annotated[Floats, "n_events"]  # scratch
+    numbers_of: Annotated[Ints, 1]  # address of what returns the numbers of a solver's vector: double *(void *)
+    evaluations: Annotated[Ints, 1]  # asked by a solver in C
+
+
+class DaeGroups(NamedTuple):
+    dae: Dae
+
+
+class Problem(NamedTuple):
+    """What compiled code receives of a DAE."""
+
+    address: int  # of a handle
+
+
+dae_of = accessor(DaeGroups, "dae")
+
+
+@jit
+def residual(dae, t, x, xp, out):
+    """Write F(t, x, x') of the chosen form."""
+    model, work = Model(dae.system[0]), Work(dae.system[1])
+    start, n, m = position_count(model), dae.balance.shape[0], dae.slot.shape[0]
+    balance, end = dae.balance, start + n  # of the state
+    dae.lam[:] = 0.0
     for r in range(m):
-        lam[row_slot[r], row_row[r]] = x[end + r]
+        dae.lam[dae.slot[r], dae.row[r]] = x[end + r]
     y = x[:end]
-    force_balance(model, work, t, y, lam, balance)
+    force_balance(model, work, t, y, dae.lam, balance)
     times_mass(model, xp[start:end], out[start:end])
     for k in range(n):
         out[start + k] -= balance[k]
-    _fill_rows(model, work, x, xp[start:end], form, proximal, heaviest, row_slot, row_row, out[end:], x[end:])
+    _fill_rows(model, work, dae, xp[start:end], out[end:], x[end:])
     for k in range(n):
         balance[k] = y[start + k]
-    if form == GGL:
-        subtract_rows(model, work, row_slot, row_row, x[end + m :], balance)
+    if dae.form[0] == GGL:
+        subtract_rows(model, work, dae.slot, dae.row, x[end + m :], balance)
     position_rate(model, y, balance, out)
     for k in range(start):
         out[k] = xp[k] - out[k]
 
 
 @jit
-def _fill_rows(model, work, x, rate, form, proximal, heaviest, row_slot, row_row, out, multiplier):
+def _fill_rows(model, work, dae, rate, out, multiplier):
     """Write the constraint rows; multiplier is lambda and, in the GGL form, mu after it."""
-    m = row_slot.shape[0]
+    m, form = dae.slot.shape[0], dae.form[0]
     if form == INDEX_1:
         gamma = gamma_of(work)
-        rows_times(model, work, row_slot, row_row, rate, out)
+        rows_times(model, work, dae.slot, dae.row, rate, out)
         for r in range(m):
-            soft = proximal / heaviest * multiplier[r]
-            out[r] = out[r] - gamma[row_slot[r], row_row[r]] - soft
+            soft = dae.softness[0] * multiplier[r]
+            out[r] = out[r] - gamma[dae.slot[r], dae.row[r]] - soft
         return
     position, velocity = defect_of(work, False), defect_of(work, True)
     for r in range(m):
-        slot, row = row_slot[r], row_row[r]
+        slot, row = dae.slot[r], dae.row[r]
         if form == GGL:
-            out[r] = velocity[slot, row] - proximal / heaviest * multiplier[r]
-            out[m + r] = position[slot, row] - proximal * multiplier[m + r]
+            out[r] = velocity[slot, row] - dae.softness[0] * multiplier[r]
+            out[m + r] = position[slot, row] - dae.softness[1] * multiplier[m + r]
         else:
             out[r] = position[slot, row]
 
@@ -78,3 +114,47 @@ def largest_balance(model, work, t, y, lam, balance):
     """Return the largest applied force or torque at (t, y)."""
     force_balance(model, work, t, y, lam, balance)
     return np.abs(balance).max()
+
+
+# --- as C calls them: int (double t, vector x, vector x', vector F or double *g, void *data) -----------------------
+
+
+@jit
+def _numbers(dae, vector, size):
+    """Return the numbers of a solver's vector."""
+    return carray(call_for_numbers(dae.numbers_of[0], vector), size)  # pyright: ignore[reportCallIssue]
+
+
+def _residual_for_c(t, x, xp, out, data):
+    """Write F; return 1 where it is not finite."""
+    dae = dae_of(Problem(data))
+    count = 2 if dae.form[0] == GGL else 1
+    size = position_count(Model(dae.system[0])) + dae.balance.shape[0] + count * dae.slot.shape[0]
+    result = _numbers(dae, out, size)
+    residual(dae, t, _numbers(dae, x, size), _numbers(dae, xp, size), result)
+    dae.evaluations[0] += 1
+    for k in range(size):
+        if not np.isfinite(result[k]):
+            return 1
+    return 0
+
+
+def _events_for_c(t, x, _xp, out, data):
+    """Write the event functions."""
+    dae = dae_of(Problem(data))
+    model = Model(dae.system[0])
+    y = _numbers(dae, x, position_count(model) + dae.balance.shape[0])
+    roots(model, Work(dae.system[1]), t, y, carray(out, dae.event_rate.shape[0]), dae.event_rate)
+    return 0
+
+
+def residual_for_c() -> int:
+    """Return the address of the residual."""
+    return address_for_c(_residual_for_c, types.intc(types.double, *(4 * [types.intp])))
+
+
+def events_for_c() -> int:
+    """Return the address of the event functions."""
+    return address_for_c(
+        _events_for_c, types.intc(types.double, types.intp, types.intp, types.CPointer(types.double), types.intp)
+    )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from itertools import islice
-from typing import Any, Self
+from typing import Any, NamedTuple, Self
 
 from pydantic import Field, model_validator
 
@@ -17,6 +17,14 @@ from mbs_ref.scene.loads import Load
 from mbs_ref.scene.signals import breakpoints
 
 MOST_COMPLAINTS = 100  # about one scene at once: each may list the bodies, and there may be 100 000
+
+
+class _OfBodies(NamedTuple):
+    """What is often asked of a scene's bodies."""
+
+    bodies: tuple[Body, ...]
+    dimension: int
+    places: dict[str, int]  # by name
 
 
 class Scene(Part):
@@ -47,7 +55,7 @@ class Scene(Part):
     @property
     def dimension(self) -> int:
         """2 in the plane, 3 in space: what the bodies are made of."""
-        return max(len(b.position) for b in self.bodies)
+        return self._of_bodies.dimension
 
     @property
     def body_names(self) -> list[str]:
@@ -55,17 +63,18 @@ class Scene(Part):
 
     def body_index(self, name: str) -> int:
         """Return the body's place in `bodies`; -1 for ground."""
-        return -1 if name == GROUND else self._places[name]
+        return -1 if name == GROUND else self._of_bodies.places[name]
 
     @property
-    def _places(self) -> dict[str, int]:
-        """The places by name, kept while the bodies are the same tuple: a copy may have others."""
+    def _of_bodies(self) -> _OfBodies:
+        """What is kept while the bodies are the same tuple: a copy may have others."""
         kept: dict[str, Any] = vars(self)
-        bodies, places = kept.get("_kept_places", (None, {}))
-        if bodies is not self.bodies:
+        found: _OfBodies | None = kept.get("_kept_of_bodies")
+        if found is None or found.bodies is not self.bodies:
             places = {body.name: k for k, body in enumerate(self.bodies)}
-            kept["_kept_places"] = (self.bodies, places)
-        return places
+            found = _OfBodies(self.bodies, max(len(body.position) for body in self.bodies), places)
+            kept["_kept_of_bodies"] = found
+        return found
 
     def breakpoints(self) -> list[float]:
         """Return the sorted times (s) at which a declared signal may be non-smooth."""

@@ -5,6 +5,7 @@ Source: L. R. Petzold, A description of DASSL, 1982; A. C. Hindmarsh et al., ACM
 
 from __future__ import annotations
 
+from ctypes import byref, c_double, c_void_p
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,14 +13,18 @@ import numpy as np
 from mbs_ref.cores.jointed_system import JointedSystem
 from mbs_ref.integrators.loop.leg import Advance, Leg, Options, Progress
 from mbs_ref.integrators.loop.multistep import MultistepLeg
+from mbs_ref.integrators.loop.sundials import ONE_STEP, ROOT_RETURN, address_of, count_of, sundials
 from mbs_ref.kernels.answers import FORM
-from mbs_ref.kernels.residual import GGL, largest_balance, residual
+from mbs_ref.kernels.border.groups import empty
+from mbs_ref.kernels.border.handles import make_handle
+from mbs_ref.kernels.residual import GGL, Dae, DaeGroups, events_for_c, largest_balance, residual_for_c
 from mbs_ref.trajectory import Status
 
 if TYPE_CHECKING:
     from mbs_ref.cores.system import System
 
 PACKAGE = "sundials4py"
+NO_MPI = 0  # SUN_COMM_NULL
 PROXIMAL = 1e-12  # of the scene's time, of a multiplier over the heaviest mass, left in its own row
 MULTIPLIER_SHARE = 1e-4  # of the largest applied force at the start, or of what moves the heaviest body
 HOPELESS_FAILURES, HOPELESS_SHARE = 500, 0.4  # error-test failures, in all and per step taken, that end a run
@@ -36,56 +41,92 @@ STOPPED = {  # IDA's return values, in words
 }
 
 
+def as_dae(system: JointedSystem, form: int, kept: np.ndarray, proximal: float, n_events: int = 0) -> Dae:
+    """Return a system as a DAE of these of its rows, with proximal (s) times mu left in mu's rows."""
+    rows = np.array([(slot, row) for _, slot, row in system.rows()], dtype=np.int64).reshape(-1, 2)[kept]
+    slots, most = system.scratch.rows.multiplier.shape
+    n_rates = len(system.initial_state()) - system.n_positions
+    dae = empty(Dae, n_rows=len(rows), n_slots=slots, rows=most, n_rates=n_rates, n_events=n_events)
+    dae.system[:] = system.model.address, system.work.address
+    dae.form[0] = form
+    dae.softness[:] = proximal / _heaviest(system), proximal
+    dae.slot[:], dae.row[:] = rows.T
+    return dae
+
+
+def _heaviest(system: JointedSystem) -> float:
+    return float(system.groups.bodies.mass.max())
+
+
+class _Objects:
+    """What SUNDIALS allocated for one memory; freed with this."""
+
+    def __init__(self, size: int, arrays: tuple[np.ndarray, ...]) -> None:
+        import sundials4py
+
+        self.library = library = sundials(str(sundials4py.__file__))
+        self.context = c_void_p()
+        library.SUNContext_Create(NO_MPI, byref(self.context))
+        library.SUNContext_ClearErrHandlers(self.context)  # failures are reported by flag, not on stderr
+        self.vectors = [library.N_VMake_Serial(size, array.ctypes.data, self.context) for array in arrays]
+        self.matrix = library.SUNDenseMatrix(size, size, self.context)
+        self.solver = library.SUNLinSol_Dense(self.vectors[0], self.matrix, self.context)
+        self.memory = c_void_p(library.IDACreate(self.context))
+
+    def __del__(self) -> None:
+        library = self.library
+        library.IDAFree(byref(self.memory))
+        library.SUNLinSolFree(self.solver)
+        library.SUNMatDestroy(self.matrix)
+        for vector in self.vectors:
+            library.N_VDestroy(vector)
+        library.SUNContext_Free(byref(self.context))
+
+
 class _Ida:
     """One IDA memory with everything it refers to kept alive."""
 
     def __init__(self, leg: MultistepLeg, form: int) -> None:
-        from sundials4py import core, idas
-
         system, options, events, y, t0 = leg.system, leg.options, leg.events, leg.now, leg.t
         assert isinstance(system, JointedSystem)  # `cores` of the Integrator sees to it
-        self.core, self.idas = core, idas
-        self.system, self.form, self.events, self.size, self.t = system, form, events, len(y), t0
+        self.system, self.n_state, self.t = system, len(y), t0
         self.kept = system.independent_rows(t0, y)
-        rows = np.array([(slot, row) for _, slot, row in system.rows()], dtype=np.int64).reshape(-1, 2)[self.kept]
-        self.row_slot, self.row_row = np.ascontiguousarray(rows[:, 0]), np.ascontiguousarray(rows[:, 1])
-        self.lam = np.zeros_like(system.scratch.rows.multiplier)
-        self.balance = np.zeros(len(y) - system.n_positions)
-        self.residuals, self.heaviest = 0, float(system.groups.bodies.mass.max())
-        self.proximal = PROXIMAL * options.time  # s
-        size = len(y) + len(rows) * (2 if form == GGL else 1)
-        _, self.context = core.SUNContext_Create(core.SUN_COMM_NULL)
-        core.SUNContext_ClearErrHandlers(self.context)  # failures are reported by flag, not on stderr
-        self.yy, self.yp, self.ids = (core.N_VNew_Serial(size, self.context) for _ in range(3))
-        self._start(y, t0, len(rows))
-        self.view = idas.IDACreate(self.context)
-        self.memory = self.view.get()
-        self._ok(idas.IDAInit(self.memory, self._residual, t0, self.yy, self.yp), "IDAInit")
-        self.atol = core.N_VNew_Serial(size, self.context)
-        core.N_VGetArrayPointer(self.atol)[: len(y)] = options.atol
-        core.N_VGetArrayPointer(self.atol)[len(y) :] = self._multiplier_tolerance(options, y, t0)
-        self._ok(idas.IDASVtolerances(self.memory, options.rtol, self.atol), "IDASVtolerances")
-        self._ok(idas.IDASetId(self.memory, self.ids), "IDASetId")
+        self.dae = as_dae(system, form, self.kept, PROXIMAL * options.time, events.count)
+        rows = len(self.kept)
+        size = len(y) + (2 if form == GGL else 1) * rows
+        self.x, self.rate, self.differential, self.atol = (np.zeros(size) for _ in range(4))
+        self.objects = _Objects(size, (self.x, self.rate, self.differential, self.atol))
+        self.library, self.memory = self.objects.library, self.objects.memory
+        self.dae.numbers_of[0] = address_of(self.library, "N_VGetArrayPointer")
+        self.handle = make_handle(DaeGroups(self.dae))
+        self._start(y, t0, rows)
+        self._set_up(leg, y, t0)
+
+    def _set_up(self, leg: MultistepLeg, y: np.ndarray, t0: float) -> None:
+        options, events, objects = leg.options, leg.events, self.objects
+        x, rate, differential, atol = objects.vectors
+        self._call("IDAInit", residual_for_c(), t0, x, rate)
+        self._call("IDASetUserData", self.handle.ctypes.data)
+        self.atol[: len(y)] = options.atol
+        self.atol[len(y) :] = self._multiplier_tolerance(options, y, t0)
+        self._call("IDASVtolerances", options.rtol, atol)
+        self._call("IDASetId", differential)
         # Without this the error test includes the multipliers: 91 000 steps and a wrong answer at rtol 1e-4.
-        self._ok(idas.IDASetSuppressAlg(self.memory, 1), "IDASetSuppressAlg")
-        self._ok(idas.IDASetMaxNumSteps(self.memory, options.max_steps), "IDASetMaxNumSteps")
-        self._ok(idas.IDASetMaxStep(self.memory, leg.longest), "IDASetMaxStep")
-        self.matrix = core.SUNDenseMatrix(size, size, self.context)
-        self.solver = core.SUNLinSol_Dense(self.yy, self.matrix, self.context)
-        self._ok(idas.IDASetLinearSolver(self.memory, self.solver, self.matrix), "IDASetLinearSolver")
+        self._call("IDASetSuppressAlg", 1)
+        self._call("IDASetMaxNumSteps", options.max_steps)
+        self._call("IDASetMaxStep", leg.longest)
+        self._call("IDASetLinearSolver", objects.solver, objects.matrix)
         if events.count:
-            self._ok(idas.IDARootInit(self.memory, events.count, self._event_functions), "IDARootInit")
-            self._ok(idas.IDASetNoInactiveRootWarn(self.memory), "IDASetNoInactiveRootWarn")
+            self._call("IDARootInit", events.count, events_for_c())
+            self._call("IDASetNoInactiveRootWarn")
 
     def _start(self, y: np.ndarray, t0: float, rows: int) -> None:
         """Fill consistent x and x' and mark what is differential."""
         dy = self.system.derivative(t0, y)
         lam = self._multipliers(y, t0)
-        x, xp, ids = (self.core.N_VGetArrayPointer(v) for v in (self.yy, self.yp, self.ids))
-        x[:], xp[:], ids[:] = 0.0, 0.0, 0.0
-        x[: len(y)], x[len(y) : len(y) + rows] = y, lam
-        xp[: len(y)] = dy
-        ids[: len(y)] = 1.0
+        self.x[: len(y)], self.x[len(y) : len(y) + rows] = y, lam
+        self.rate[: len(y)] = dy
+        self.differential[: len(y)] = 1.0
 
     def _multipliers(self, y: np.ndarray, t0: float) -> np.ndarray:
         """Return those of the rows that are kept; they carry the dropped rows' forces."""
@@ -100,44 +141,32 @@ class _Ida:
 
         Held to the states' own tolerance, lambda's roundoff of eps / h stops every small step.
         """
-        force = largest_balance(self.system.model, self.system.work, t0, y, self.lam, self.balance)
-        heaviest = self.heaviest * float(options.units[self.system.n_positions]) / options.time  # m L / T^2
+        force = largest_balance(self.system.model, self.system.work, t0, y, self.dae.lam, self.dae.balance)
+        heaviest = _heaviest(self.system) * float(options.units[self.system.n_positions]) / options.time  # m L / T^2
         return MULTIPLIER_SHARE * max(heaviest, force)
 
-    def _residual(self, t: float, yy: Any, yp: Any, rr: Any, _data: Any = None) -> int:
-        point = self.core.N_VGetArrayPointer
-        out = point(rr)
-        residual(
-            self.system.model, self.system.work, t, point(yy), point(yp), self.form, self.proximal,
-            self.heaviest, self.row_slot, self.row_row, self.lam, self.balance, out,
-        )  # fmt: skip
-        self.residuals += 1
-        return 0 if np.isfinite(out).all() else 1
-
-    def _event_functions(self, t: float, yy: Any, _yp: Any, out: np.ndarray, _data: Any = None) -> int:
-        self.events.values(t, self.core.N_VGetArrayPointer(yy)[: self.size], out)
-        return 0
-
-    def _ok(self, flag: int, call: str) -> None:
+    def _call(self, name: str, *given: Any) -> None:
+        flag = getattr(self.library, name)(self.memory, *given)
         if flag < 0:
-            raise RuntimeError(f"{call} of SUNDIALS returned {flag}")
+            raise RuntimeError(f"{name} of SUNDIALS returned {flag}")
 
     def step(self, leg: MultistepLeg) -> int:
         """Take one internal step towards the next output, never past it; return IDA's flag, negative for a failure."""
-        t_out = float(leg.times[leg.reached])
-        self.idas.IDASetStopTime(self.memory, t_out)
-        flag, self.t = self.idas.IDASolve(self.memory, t_out, self.yy, self.yp, self.idas.IDA_ONE_STEP)
+        t_out, t, vectors = float(leg.times[leg.reached]), c_double(), self.objects.vectors
+        self.library.IDASetStopTime(self.memory, t_out)
+        flag = self.library.IDASolve(self.memory, t_out, byref(t), vectors[0], vectors[1], ONE_STEP)
+        self.t = t.value
         return flag
 
     def state(self) -> np.ndarray:
-        return self.core.N_VGetArrayPointer(self.yy)[: self.size].copy()
+        return self.x[: self.n_state].copy()
 
     def failed_error_tests(self) -> int:
-        return self.idas.IDAGetNumErrTestFails(self.memory)[1]
+        return count_of(self.library.IDAGetNumErrTestFails, self.memory)
 
     def count(self, run: Progress) -> None:
         """Add what this memory spent."""
-        run.rhs_calls += self.residuals
+        run.rhs_calls += int(self.dae.evaluations[0])
         run.rejected += self.failed_error_tests()
 
 
@@ -179,7 +208,7 @@ def ida(form: int) -> Advance:
                 break
             if leg.t >= times[leg.reached]:
                 leg.record(leg.now)
-            if leg.jumps(event=flag == solver.idas.IDA_ROOT_RETURN):
+            if leg.jumps(event=flag == ROOT_RETURN):
                 solver.count(run)
                 solver = None
         if solver is not None:

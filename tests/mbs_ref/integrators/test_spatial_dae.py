@@ -9,6 +9,7 @@ import pytest
 
 from mbs_ref import scenes
 from mbs_ref.cores.choice import compile_scene
+from mbs_ref.integrators.loop.ida import as_dae
 from mbs_ref.kernels.answers import FORM
 from mbs_ref.kernels.residual import INDEX_1, residual
 from mbs_ref.scene.euler_parameters import geodesic_angle
@@ -80,15 +81,13 @@ def test_the_residual_vanishes_on_the_motion_of_every_part():
     system.prepare(FORM)
     y, t = general_state(system), 0.37
     dy, lam = system.derivative(t, y), system.multipliers(t, y)
-    rows = np.array([(slot, row) for _, slot, row in system.rows()], dtype=np.int64)
     x, rates = np.concatenate((y, lam)), np.concatenate((dy, 0.0 * lam))
     out = np.empty_like(x)
-    scratch = np.zeros_like(system.scratch.rows.multiplier), np.zeros(len(y) - system.n_positions)
-    columns = np.ascontiguousarray(rows[:, 0]), np.ascontiguousarray(rows[:, 1])
-    residual(system.model, system.work, t, x, rates, INDEX_1, 0.0, 1.0, *columns, *scratch, out)
+    dae = as_dae(system, INDEX_1, np.arange(len(lam)), 0.0)
+    residual(dae, t, x, rates, out)
     size = np.abs(system.applied_forces(t, y)).max()
     assert np.abs(out).max() < 1e-10 * size
-    residual(system.model, system.work, t, x, rates + 1e-3, INDEX_1, 0.0, 1.0, *columns, *scratch, out)
+    residual(dae, t, x, rates + 1e-3, out)
     assert np.abs(out).max() > 1e-4
 
 
