@@ -1,0 +1,45 @@
+"""A script that runs in Drake alone: the adapter's own code over the links of the scene."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from cross_checks.engines import get
+from cross_checks.engines.writers.form import Form, NotWritable, job_of, refuse_shared
+from cross_checks.engines.writers.script import script, source, turns_of
+from cross_checks.workshop.linkage import Closure, Link
+from mbs_ref.scene import Scene, SpatialBody
+from mbs_ref.scene.euler_parameters import floats, from_matrix, product
+from mbs_ref.settings import Settings
+
+
+def write_drake(scene: Scene, settings: Settings) -> str:
+    """Return the script: the links and closures of the scene, and what the adapter builds and reads with."""
+    adapter = get("drake")  # its absence is said here, before what the adapter is made of is asked for
+    from cross_checks.engines.drake_ import build, reader, run
+    from cross_checks.engines.drake_.methods import SAP, WORLD
+
+    if adapter.method(settings.method).name == WORLD:
+        raise NotWritable(f"method = {WORLD!r} ends the process that runs it; allowed: {SAP}")
+    job = job_of(scene, settings, "drake")
+    if job.built.applied is not None:
+        refuse_shared(job)
+    linkage = job.built.linkage
+    building = (build.plant_of, build.tied_to_ground, build._anchor, build._inertia, build._joint, build._add_closure)
+    return script(
+        job, "drake and numpy", links=list(_fields(linkage.links, Link)), gravity=linkage.gravity,
+        closures=list(_fields(linkage.closures, Closure)), table=source(Link, Closure), building=source(*building),
+        reader=source(reader.Reader), turning=source(floats, product, from_matrix),
+        landing=source(run.is_discrete, run._landings), choosing=source(run._choose_integrator),
+        turns=turns_of(scene) if scene.dimension == 2 else None,
+        start=[body.orientation if isinstance(body, SpatialBody) else None for body in scene.bodies],
+    )  # fmt: skip
+
+
+def _fields(parts, kind) -> Iterator[tuple]:
+    """Yield the fields of each part in their order."""
+    for part in parts:
+        yield tuple(getattr(part, name) for name in kind.__dataclass_fields__)
+
+
+FORM = Form("drake", ".py", "a script that runs in Drake alone", write_drake)

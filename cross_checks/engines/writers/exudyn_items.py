@@ -1,0 +1,125 @@
+"""An assembled Exudyn system, told item by item as Exudyn itself reports it."""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from cross_checks.engines.writers.literals import literal
+
+KINDS = ("Node", "Object", "Marker", "Load", "Sensor")  # in an order where nobody names what is not there yet
+NAMED = "UserFunction"  # in the names of an item's fields that hold Python, as {"function": ..., "type": ...}
+
+
+def items(mbs: Any) -> Iterator[tuple[str, dict[str, Any]]]:
+    """Yield the kind and the fields of every item, without its looks and its automatic name."""
+    for kind in KINDS:
+        count = getattr(mbs.systemData, f"NumberOf{kind}s")()
+        for number in range(count):
+            told = getattr(mbs, f"Get{kind}")(number)
+            if "trianglePoints" in told:  # Exudyn 1.13 calls a sphere on a triangle a sphere on a sphere
+                told["objectType"] = "ContactSphereTriangle"
+            yield kind, {key: value for key, value in told.items() if key != "name" and not key.startswith("V")}
+
+
+def functions(mbs: Any) -> dict[str, Callable]:
+    """Return the Python functions that items call, by name."""
+    fields = [value for _, told in items(mbs) for key, value in told.items() if NAMED in key]
+    called = [value["function"] for value in fields if isinstance(value, dict)]
+    return {function.__name__: function for function in called}
+
+
+def stands_alone(function: Callable) -> bool:
+    """Return whether a function is made of its own text alone."""
+    seen = inspect.getclosurevars(function)
+    return function.__name__ != "<lambda>" and not (seen.nonlocals or seen.globals or seen.unbound)
+
+
+def text(value: Any) -> str:
+    """Return Python text of a field."""
+    if isinstance(value, dict):  # a function
+        return value["function"].__name__
+    kind = type(value).__name__
+    if kind in ("Matrix3DList", "Vector3DList"):
+        return f"exu.{kind}({literal([np.array(one) for one in value.GetPythonObject()])})"
+    if hasattr(value, "GetIndex"):  # of a node, an object, a marker
+        return str(value.GetIndex())
+    if hasattr(type(value), "__members__"):
+        return f"exu.{kind}.{value.name}"
+    if isinstance(value, list):
+        return f"[{', '.join(map(text, value))}]"
+    return literal(value)
+
+
+def lines(mbs: Any) -> Iterator[str]:
+    """Yield the calls that make the system."""
+    for kind, told in items(mbs):
+        fields = ", ".join(f"{key!r}: {text(value)}" for key, value in told.items())
+        yield f"mbs.Add{kind}({{{fields}}})"
+
+
+def changed(options: Any, default: Any, path: str = "options") -> Iterator[str]:
+    """Yield the assignments that turn Exudyn's default settings into others."""
+    given, usual = options.GetDictionary(), default.GetDictionary()
+    yield from _changed(given, usual, path)
+
+
+def _changed(given: dict[str, Any], usual: dict[str, Any], path: str) -> Iterator[str]:
+    for name, value in given.items():
+        if isinstance(value, dict):
+            yield from _changed(value, usual[name], f"{path}.{name}")
+        elif not np.array_equal(value, usual[name]):
+            yield f"{path}.{name} = {text(value)}"
+
+
+class Heard:
+    """Stands for a system to which an adapter adds a general contact, and keeps the calls.
+
+    Exudyn does not tell of a general contact what it was made of. Markers are those that the system has got already.
+    """
+
+    def __init__(self, first_marker: int) -> None:
+        self.first = self.next = first_marker
+        self.calls: list[str] = []
+
+    def AddMarker(self, item: Any) -> int:
+        self.next += 1
+        return self.next - 1
+
+    def AddGeneralContact(self) -> _General:
+        self.calls.append("general = mbs.AddGeneralContact()")
+        return _General(self.calls)
+
+
+class _General:
+    """Keeps what is called and set."""
+
+    def __init__(self, calls: list[str]) -> None:
+        object.__setattr__(self, "_calls", calls)
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        self._calls.append(f"general.{name} = {text(value)}")
+
+    def __getattr__(self, name: str) -> Callable[..., None]:
+        def call(*values: Any, **named: Any) -> None:
+            given = [*map(_array, values), *(f"{key}={_array(value)}" for key, value in named.items())]
+            self._calls.append(f"general.{name}({', '.join(given)})")
+
+        return call
+
+
+def _array(value: Any) -> str:
+    return f"np.array({literal(value)})" if isinstance(value, np.ndarray) else text(value)
+
+
+def general_contact(model: Any, add: Callable[[Any], None]) -> list[str]:
+    """Return the calls by which `add` gave the model its general contact, the last thing that the model got."""
+    counted = Heard(0)
+    add(replace(model, mbs=counted))
+    heard = Heard(model.mbs.systemData.NumberOfMarkers() - counted.next)
+    add(replace(model, mbs=heard))
+    return heard.calls

@@ -1,0 +1,65 @@
+"""mbs-ref write SCENE: a scene as a robot file, or as a script that runs in one engine alone."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import click
+
+from cross_checks.engines import EngineMissing, writers
+from mbs_ref.atomic_file import write_atomic
+from reports import inputs
+from reports.terminal.exit_codes import EngineAbsent, Failed
+
+
+@click.command(name="write")
+@click.argument("scene", metavar="SCENE|FILE")
+@click.option("--as", "form", required=True, metavar="FORM",
+              help="mjcf, urdf, or an engine whose script is wanted: drake, exudyn, mujoco, pinocchio.")  # fmt: skip
+@click.option("-p", "parameters", multiple=True, metavar="NAME=VALUE", help="A parameter of the scene; repeatable.")
+@click.option("--method", help="How a script integrates; the engine's default unless given.")
+@click.option("--step", type=float, metavar="H", help="Step of a fixed-step method, s.")
+@click.option("--rtol", type=float, metavar="R", help="Relative tolerance of an adaptive method.")
+@click.option("--atol", type=float, metavar="A", help="Absolute tolerance; rtol unless given.")
+@click.option("--t-end", type=float, metavar="T", help="Duration, s; the scene's own unless given.")
+@click.option("--samples", type=int, metavar="N", help="Output times, evenly spaced from 0 to the end.")
+@inputs.KEEP
+@click.option("-o", "output", metavar="FILE", help="Where to write; stdout unless given.")
+def command(
+    scene: str, form: str, parameters: tuple[str, ...], kept: tuple[str, ...], output: str | None, **options: Any
+) -> None:
+    """Write SCENE so that it can be rerun without us.
+
+    A script needs its engine and numpy alone, and prints the poses that our adapter finds, to the last bits.
+    What the form cannot hold is refused by name.
+    """
+    target = None if output is None else inputs.output(output, (_form(form).suffix,))
+    chosen = inputs.keeping(inputs.scene(scene, parameters), kept)
+    text = _written(chosen, form, inputs.settings(**options))
+    if target is None:
+        click.echo(text, nl=False)
+        return
+    try:
+        write_atomic(Path(target), text.encode())
+    except OSError as error:
+        raise Failed(f"-o {output}: cannot be written: {error.strerror}") from error
+    click.echo(target)
+
+
+def _form(name: str) -> writers.Form:
+    known = writers.forms()
+    if name not in known:
+        raise click.UsageError(f"--as {name}: unknown; allowed: {', '.join(known)}")
+    return known[name]
+
+
+def _written(scene: Any, form: str, settings: Any) -> str:
+    try:
+        return writers.write(scene, _form(form).name, settings)
+    except EngineMissing as error:
+        raise EngineAbsent(str(error)) from error
+    except writers.NotWritable as error:
+        raise Failed(str(error)) from error
+    except ValueError as error:
+        raise click.UsageError(str(error)) from error
