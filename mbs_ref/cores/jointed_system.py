@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ctypes
 from abc import abstractmethod
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import cached_property
 from typing import Any, ClassVar, NamedTuple
 
@@ -13,8 +13,10 @@ import numpy as np
 from mbs_ref.cores.builder import Place
 from mbs_ref.cores.contact_system import ContactSystem
 from mbs_ref.cores.system import RANK_TOLERANCE
+from mbs_ref.cores.user_rows import UserRow, write_user_rows
 from mbs_ref.kernels.controls import CONTROL_MODE_TIME, CONTROL_POSITION_GAIN, CONTROL_VELOCITY_GAIN
-from mbs_ref.scene import GROUND, UserForce
+from mbs_ref.scene import GROUND, UserConstraint, UserForce
+from mbs_ref.scene.base.taylor import Taylor
 
 _CALLBACK = ctypes.CFUNCTYPE(None, ctypes.c_double, ctypes.c_uint64)
 
@@ -59,6 +61,43 @@ class JointedSystem(ContactSystem):
         callback = _CALLBACK(call)
         self.groups.world.user_force[0] = ctypes.cast(callback, ctypes.c_void_p).value
         return callback
+
+    def _connect_user_rows(self) -> Any:
+        own = [k for k in self.place if isinstance(self.scene.joints[k], UserConstraint)]
+        rows = [self._user_row(k, self.place[k]) for k in own]
+        if not rows:
+            return None
+
+        def call(t: float, _address: int) -> None:
+            try:
+                write_user_rows(rows, self._coordinates, self.RATES, t, self.scratch.rows)
+            except BaseException as error:
+                self.user_error = error
+                for user in rows:
+                    self.scratch.rows.residual[user.slot, user.row] = np.nan
+                    self.scratch.rows.gamma[user.slot, user.row] = np.nan
+
+        callback = _CALLBACK(call)
+        self.groups.world.user_rows[0] = ctypes.cast(callback, ctypes.c_void_p).value
+        return callback
+
+    def _user_row(self, k: int, at: Place) -> UserRow:
+        joint: Any = self.scene.joints[k]
+        sides = self.groups.slots.body[at.slot]
+        arms = [self._arm_of(joint, end) for end in ("body_a", "body_b")]
+        bodies = int(sides[at.side]), int(sides[1 - at.side])
+        return UserRow(joint.formula(), joint.name, at.slot, at.row, at.side, bodies, (arms[0], arms[1]))
+
+    def _arm_of(self, joint: Any, end: str) -> np.ndarray:
+        """Return where a joint holds one of its ends, body axes, m; from the origin on ground."""
+        mark, body = joint.mark(end), self.scene.body_index(getattr(joint, end))
+        if body >= 0:
+            return self._arm(mark, body)
+        return np.zeros(self.scene.dimension) if mark is None else np.array(mark, dtype=float)
+
+    @abstractmethod
+    def _coordinates(self, body: int, arm: np.ndarray, size: int, first: int) -> Sequence[Taylor]:
+        """Return a body's place (mbs_ref.scene.joints.COORDINATES) at the state in the scratch; see `UserRow`."""
 
     def set_mode_time(self, t: float) -> None:
         """Choose the signals' segments: the ones that contain t (s)."""

@@ -1,6 +1,7 @@
-"""The DAE's residual in three index forms, for solvers that take F(t, x, x') = 0, of any core.
+"""The DAE's residual in four index forms, for solvers that take F(t, x, x') = 0, of any core.
 
 INDEX_3: x = [q, v, lambda]      C = 0
+INDEX_2: x = [q, v, lambda]      C_dot = 0
 INDEX_1: x = [q, v, lambda]      C_q v' = gamma
 GGL:     x = [q, v, lambda, mu]  C = 0 and C_dot = 0, q' = N (v - C_q^T mu) (Gear, Gupta, Leimkuhler 1985)
 with M v' = f - C_q^T lambda in each, and q' = N v: in space theta' = theta (0, omega) / 2, which keeps the norm.
@@ -29,7 +30,7 @@ from mbs_ref.kernels.border.questions import (
 )
 from mbs_ref.kernels.jit import address_for_c, jit
 
-INDEX_1, GGL, INDEX_3 = 1, 2, 3
+INDEX_1, GGL, INDEX_3, INDEX_2 = 1, 2, 3, 4
 
 
 class Dae(NamedTuple):
@@ -102,11 +103,12 @@ def _fill_rows(model, work, dae, rate, out, multiplier):
     position, velocity = defect_of(work, False), defect_of(work, True)
     for r in range(m):
         slot, row = dae.slot[r], dae.row[r]
-        if form == GGL:
-            out[r] = velocity[slot, row] - dae.softness[0] * multiplier[r]
-            out[m + r] = position[slot, row] - dae.softness[1] * multiplier[m + r]
-        else:
+        if form == INDEX_3:
             out[r] = position[slot, row]
+            continue
+        out[r] = velocity[slot, row] - dae.softness[0] * multiplier[r]
+        if form == GGL:
+            out[m + r] = position[slot, row] - dae.softness[1] * multiplier[m + r]
 
 
 @jit

@@ -22,7 +22,7 @@ from mbs_ref.scene import (
     TorsionSpring,
 )
 from mbs_ref.scene.euler_parameters import rotation_matrices
-from mbs_ref.scene.joints import Drive
+from mbs_ref.scene.joints import Drive, UserConstraint
 from mbs_ref.scene.signals import Constant, Signal
 from mbs_ref.scene.units import is_celestial
 from mbs_ref.trajectory import Trajectory
@@ -124,6 +124,9 @@ def _undefined(scene: Scene, trajectory: Trajectory) -> str:
     missing = [name for name in drives if name not in trajectory.reactions]
     if missing:
         return f"energy is not conserved: {', '.join(missing)} does work, and the engine reports no reaction there"
+    driving = [j.name for j in scene.joints if isinstance(j, UserConstraint) and j.depends_on_time]
+    if driving:
+        return f"{', '.join(driving)} may move in time and do work, which its reaction alone does not tell"
     silent = [c.name for c in scene.contacts if c.name not in trajectory.contacts]
     if silent:
         return f"contact {', '.join(silent[:4])} does work, and the engine reports no force there"

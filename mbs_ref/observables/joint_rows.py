@@ -14,9 +14,10 @@ import numpy as np
 from mbs_ref.observables.attachment import PERP, Motion, perpendiculars
 from mbs_ref.observables.signal_values import motion as prescribed
 from mbs_ref.scene import joints
-from mbs_ref.scene.euler_parameters import floats
+from mbs_ref.scene.euler_parameters import floats, from_axis_angle, product, rotation_matrices
 
 Row = tuple[np.ndarray, np.ndarray]  # residual and rate, each (n_t,)
+RATE_STEP = 1e-3  # m or rad of the motion: truncation h^4 and roundoff eps / h of a rate are alike, 1e-12 of size one
 Vectors = tuple[np.ndarray, np.ndarray]  # a moving vector and its rate, each (n_t, dimension)
 
 
@@ -121,6 +122,54 @@ def _point_drive(motion: Motion, joint: joints.PointDrive) -> list[Row]:
     return [((place - np.asarray(joint.point)) @ along - asked, rate @ along - asked_rate)]
 
 
+def _user_constraint(motion: Motion, joint: joints.UserConstraint) -> list[Row]:
+    """C itself at the poses; its rate by differences of fourth order along the velocities."""
+    formula = joint.formula()
+
+    def value(k: int, ahead: float) -> float:
+        return float(formula(float(motion.times[k]) + ahead, *_places(motion, joint, k, ahead)))
+
+    rate = []
+    for k in range(len(motion.times)):
+        step = RATE_STEP / max(1.0, *(float(np.abs(x[k]).max()) for x in _rates(motion, joint)))
+        near = {s: value(k, s * step) for s in (-2, -1, 1, 2)}
+        rate.append((8.0 * (near[1] - near[-1]) - (near[2] - near[-2])) / (12.0 * step))
+    return [(np.array([value(k, 0.0) for k in range(len(motion.times))]), np.array(rate))]
+
+
+def _rates(motion: Motion, joint) -> list[np.ndarray]:
+    """Return the rates (n_t, ...) of both ends."""
+    indices = [motion.scene.body_index(end) for end in joint.ends]
+    path = motion.trajectory
+    return [part[:, k].reshape(len(motion.times), -1) for k in indices if k >= 0
+            for part in (path.velocity, path.angular_velocity)]  # fmt: skip
+
+
+def _places(motion: Motion, joint, k: int, ahead: float):
+    """Return both ends' places at sample k, moved on for `ahead` (s) at the velocities there."""
+    return [_place(motion, end, joint.mark(f"body_{'ab'[side]}"), k, ahead) for side, end in enumerate(joint.ends)]
+
+
+def _place(motion: Motion, body: str, mark, k: int, ahead: float):
+    scene, path, index = motion.scene, motion.trajectory, motion.scene.body_index(body)
+    planar = scene.dimension == 2
+    if index < 0:
+        origin = (0.0,) * scene.dimension if mark is None else mark
+        return joints.PlanarPlace(*origin, 0.0) if planar else joints.SpatialPlace(*origin, 1.0, 0.0, 0.0, 0.0)
+    start: Any = scene.bodies[index]
+    arm = np.zeros(scene.dimension) if mark is None else np.subtract(mark, start.position)
+    centre = path.position[k, index] + ahead * path.velocity[k, index]
+    spin, turned = path.angular_velocity[k, index], path.orientation[k, index]
+    if planar:
+        now = turned + ahead * spin
+        since = now - getattr(start, "angle", 0.0)
+        return joints.PlanarPlace(*(centre + np.cos(since) * arm + np.sin(since) * (PERP @ arm)), now)
+    speed = np.linalg.norm(spin)
+    now = turned if speed == 0.0 else product(from_axis_angle(spin, ahead * speed), turned)
+    first = rotation_matrices(getattr(start, "orientation", (1.0, 0.0, 0.0, 0.0)))
+    return joints.SpatialPlace(*(centre + rotation_matrices(now) @ first.T @ arm), *now)
+
+
 RESIDUALS: dict[type[joints.JointPart], Callable[[Motion, Any], list[Row]]] = {
     joints.Revolute: _revolute,
     joints.Spherical: coincidence,
@@ -133,4 +182,5 @@ RESIDUALS: dict[type[joints.JointPart], Callable[[Motion, Any], list[Row]]] = {
     joints.RotationDrive: _rotation_drive,
     joints.CoordinateDrive: _coordinate_drive,
     joints.PointDrive: _point_drive,
+    joints.UserConstraint: _user_constraint,
 }

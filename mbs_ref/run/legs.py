@@ -168,7 +168,7 @@ def _outcome(
     """Return how the run ended and the sentence for it, with the part or the cause where one is known."""
     stuck = float(run.t)
     if system.user_error is not None:
-        return Status.ENGINE_ERROR, f"a user force raised {system.user_error!r}"
+        return Status.ENGINE_ERROR, f"a user's function raised {system.user_error!r}"
     if interrupted and last.status is Status.TOO_MANY_STEPS:
         return Status.INTERRUPTED, f"interrupted at t = {stuck:.9g} s"
     if last.status is Status.SUCCESS:

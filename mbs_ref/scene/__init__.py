@@ -19,6 +19,7 @@ from mbs_ref.scene.joints import (
     RotationDrive,
     Spherical,
     Universal,
+    UserConstraint,
     Weld,
 )
 from mbs_ref.scene.loads import (
@@ -61,6 +62,7 @@ __all__ = [
     "TorqueVector",
     "TorsionSpring",
     "Universal",
+    "UserConstraint",
     "UserForce",
     "Weld",
     "symmetric",

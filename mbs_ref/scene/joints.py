@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
-from typing import Annotated, ClassVar, Literal, Self
+from collections import namedtuple
+from collections.abc import Callable, Iterator
+from typing import Annotated, Any, ClassVar, Literal, Self
 
 import numpy as np
-from pydantic import Field, model_validator
+from pydantic import Field, SkipValidation, model_validator
 
 from mbs_ref.scene.base.attached import NO_ORIENTATION, Attached
 from mbs_ref.scene.base.directions import normals, require_perpendicular, unit
+from mbs_ref.scene.base.expression import Read, read
 from mbs_ref.scene.base.part import BodyName, Direction, Direction3, EndName, Point, Point3, Positive
 from mbs_ref.scene.base.rows import (
     OnPlane,
@@ -21,6 +23,7 @@ from mbs_ref.scene.base.rows import (
     Row,
     SharedPoint,
     Turn,
+    UserRow,
     along,
     parallel,
     same_orientation,
@@ -235,6 +238,70 @@ class RotationDrive(Drive):
         return [Turn(*normals(self.axis))]
 
 
+COORDINATES = {2: ("x", "y", "angle"), 3: ("x", "y", "z", "e0", "e1", "e2", "e3")}  # of a body in a UserConstraint
+PlanarPlace = namedtuple("PlanarPlace", COORDINATES[2])
+SpatialPlace = namedtuple("SpatialPlace", COORDINATES[3])
+
+
+class UserConstraint(JointPart):
+    """C(t, a, b) = 0 of the user's own, between two bodies or a body and ground (1 row).
+
+    a and b have x, y (and z in space), m: where the point is that is at point_a and point_b at t = 0, the centre of
+    mass unless given; and `angle` (rad), or in space the Euler parameters e0..e3. The expression is written with these,
+    as "hypot(b.x - a.x, b.y - a.y) - 0.5 - 0.1 * sin(3 * t)", and goes into files. A function(t, a, b) is called with
+    numbers that carry their derivatives (mbs_ref.scene.base.taylor): use NumPy's functions, not Python's math. Either
+    is slow, as a user's force is; a function does not write to TOML. C is twice differentiable, its unit m or rad.
+    """
+
+    type: Literal["user_constraint"] = "user_constraint"
+    body_a: EndName
+    body_b: EndName
+    point_a: Point | None = None  # m, world, t = 0
+    point_b: Point | None = None  # m, world, t = 0
+    expression: str | None = None
+    function: Annotated[Callable[..., Any] | None, SkipValidation] = None
+
+    @model_validator(mode="after")
+    def _check(self) -> Self:
+        if (self.expression is None) == (self.function is None):
+            raise ValueError("give either an expression or a function")
+        if self.function is not None and not callable(self.function):
+            raise ValueError(f"function = {self.function!r} is no function; in a file give an expression")
+        self._read()
+        return self
+
+    def _read(self) -> Read | None:
+        return None if self.expression is None else read(self.expression)
+
+    @property
+    def depends_on_time(self) -> bool:
+        """Whether the time may be in it; a function is not looked into."""
+        formula = self._read()
+        return formula is None or "t" in formula.names
+
+    def complaints(self, dimension: int) -> Iterator[str]:
+        formula = self._read()
+        if formula is None:
+            return
+        every = sorted(f"{end}.{name}" for end in "ab" for name in COORDINATES[dimension])
+        unknown = sorted(formula.names - {"t", *every})
+        if unknown:
+            yield f"the expression has {', '.join(unknown)}; allowed here: t, {', '.join(every)}"
+        elif formula.names <= {"t"}:
+            yield f"expression = {self.expression!r} has no coordinate of a body in it"
+
+    def formula(self) -> Callable[[Any, Any, Any], Any]:
+        """Return C as a function of t (s) and the coordinates of both ends."""
+        formula = self._read()
+        if formula is not None:
+            return formula.formula
+        assert self.function is not None
+        return self.function
+
+    def rows(self, dimension: int) -> list[Row]:
+        return [UserRow(self.formula())]
+
+
 Joint = Annotated[
     Revolute
     | Spherical
@@ -246,6 +313,7 @@ Joint = Annotated[
     | PointOnPlane
     | CoordinateDrive
     | PointDrive
-    | RotationDrive,
+    | RotationDrive
+    | UserConstraint,
     Field(discriminator="type"),
 ]

@@ -14,6 +14,7 @@ from mbs_ref.scene.base.part import Part
 from mbs_ref.scene.loads import UserForce
 from mbs_ref.scene.messages import Problem, problems
 from mbs_ref.scene.scene import Scene
+from mbs_ref.scene.traits import python_parts
 
 LARGEST_FILE = 32 * 2**20  # bytes; 100 000 bodies with their joints take about 25 MiB
 USER_FORCE: str = UserForce.model_fields["type"].default
@@ -75,9 +76,8 @@ def write_scene(scene: Scene, path: str | Path) -> None:
 def dumps(scene: Scene, file: str = "scene") -> str:
     """Return the scene as TOML without what is default; `loads` gives an equal scene back."""
     unwritable = [
-        Problem(f"loads[{k}]", load.name, "", "is the user's own Python function, which a scene file cannot hold")
-        for k, load in enumerate(scene.loads)
-        if isinstance(load, UserForce)
+        Problem(place, name, "", "is the user's own Python function, which a scene file cannot hold")
+        for place, name in python_parts(scene)
     ]
     if unwritable:
         raise SceneFileError(file, unwritable)

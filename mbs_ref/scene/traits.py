@@ -7,7 +7,7 @@ from typing import get_args
 from mbs_ref.scene.bodies import GROUND, Body, PointMass
 from mbs_ref.scene.contact import Contact, ContactLaw, Friction
 from mbs_ref.scene.events import Event
-from mbs_ref.scene.joints import Distance, Drive, Joint
+from mbs_ref.scene.joints import Distance, Drive, Joint, UserConstraint
 from mbs_ref.scene.loads import Load, UserForce
 from mbs_ref.scene.scene import Scene
 
@@ -15,7 +15,7 @@ ALL_TRAITS = {
     "planar": "every body moves in the plane",
     "spatial": "bodies move in space",
     "closed-loop": "the joint graph has a cycle through bodies or ground",
-    "rheonomic": "a drive prescribes a motion in time",
+    "rheonomic": "a drive prescribes a motion in time, or a constraint of the user's own may",
     "unconstrained": "no joint at all",
     "constrained": "some joint holds a body",
     "point-mass": "some body is a particle",
@@ -24,6 +24,7 @@ ALL_TRAITS = {
     "rod-in-space": "a massless rod in space holds two points apart",
     "contact": "bodies touch and part: forces or speeds jump",
     "user-force": "a force law is the user's own function",
+    "user-constraint": "a constraint is the user's own",
 }
 
 NO_DEFLECTIONS = "where contacts stick in space, their deflections are states that this method does not carry"
@@ -50,7 +51,7 @@ def traits(scene: Scene) -> frozenset[str]:
         "planar": scene.dimension == 2,
         "spatial": scene.dimension == 3,
         "closed-loop": loops,
-        "rheonomic": any(isinstance(j, Drive) for j in scene.joints),
+        "rheonomic": any(_is_rheonomic(j) for j in scene.joints),
         "unconstrained": not scene.joints,
         "constrained": bool(scene.joints),
         "point-mass": any(isinstance(b, PointMass) for b in scene.bodies),
@@ -59,9 +60,21 @@ def traits(scene: Scene) -> frozenset[str]:
         "rod-in-space": scene.dimension == 3 and any(isinstance(j, Distance) for j in scene.joints),
         "contact": bool(scene.contacts),
         "user-force": any(isinstance(load, UserForce) for load in scene.loads),
+        "user-constraint": any(isinstance(joint, UserConstraint) for joint in scene.joints),
     }
     assert present.keys() == ALL_TRAITS.keys()
     return frozenset(name for name, value in present.items() if value)
+
+
+def _is_rheonomic(joint: Joint) -> bool:
+    return isinstance(joint, Drive) or (isinstance(joint, UserConstraint) and joint.depends_on_time)
+
+
+def python_parts(scene: Scene) -> list[tuple[str, str]]:
+    """Return place and name of every part that holds a Python function: it goes into no file and no other process."""
+    lists = {"joints": scene.joints, "loads": scene.loads}
+    every = [(f"{field}[{k}]", part) for field, parts in lists.items() for k, part in enumerate(parts)]
+    return [(place, part.name) for place, part in every if callable(getattr(part, "function", None))]
 
 
 def deflecting(scene: Scene) -> list[str]:

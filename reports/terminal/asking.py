@@ -11,7 +11,8 @@ import click
 from cross_checks.isolation.parent import MEMORY, TIMEOUT, Isolated, direct
 from cross_checks.judge.runs import Runs
 from cross_checks.records.store import Store, default_path
-from mbs_ref.scene import Scene, UserForce
+from mbs_ref.scene import Scene
+from mbs_ref.scene.traits import python_parts
 
 STORE = click.option(
     "--store", metavar="FILE.sqlite", help="The store of runs.  [default: MBS_REF_STORE, or one in the cache folder]"
@@ -29,7 +30,7 @@ def asked_runs(
 ) -> Iterator[Runs]:
     """Open the store and a process for its runs, each within `timeout` (s) and `memory_mib`.
 
-    A user's Python force cannot travel to another process: scenes that have one run in this process.
+    A user's Python function cannot travel to another process: scenes that have one run in this process.
     """
     with Store(store_path(store)) as kept, isolated(scenes, timeout, memory_mib) as call:
         yield Runs(kept, call)
@@ -37,6 +38,6 @@ def asked_runs(
 
 def isolated(scenes: Iterable[Scene], timeout: float | None = None, memory_mib: float | None = None):
     """Return what makes calls in a process of their own, where the scenes can travel there."""
-    if any(isinstance(load, UserForce) for scene in scenes for load in scene.loads):
+    if any(python_parts(scene) for scene in scenes):
         return nullcontext(direct)
     return Isolated(timeout or TIMEOUT, MEMORY if memory_mib is None else int(memory_mib * 2**20))

@@ -14,7 +14,7 @@ from mbs_ref.kernels.planar import model as arrays
 from mbs_ref.scene import Force, PlanarBody, PointBushing, PointMass, Scene, SpringDamper, Torque, TorsionSpring
 from mbs_ref.scene.base.rows import OnPlane, Prescribed, PrescribedAngle, Rod, Row, SameAngle, SharedPoint
 from mbs_ref.scene.contact import Contact
-from mbs_ref.scene.joints import Drive
+from mbs_ref.scene.joints import Drive, UserConstraint
 
 _HELD_INERTIA = 1.0  # kg m^2 in the idle third slot of a point mass: nothing ever turns it
 
@@ -83,7 +83,7 @@ def _kept_value(build: _Builder, head: Row, a: str, b: str) -> float:
 
 def _refuse_unknown_rows(scene: Scene, joint_rows: list[list[Row]]) -> None:
     for joint, rows in zip(scene.joints, joint_rows, strict=True):
-        if not isinstance(joint, Drive) and tuple(map(type, rows)) not in _PAIRS.values():
+        if not isinstance(joint, Drive | UserConstraint) and tuple(map(type, rows)) not in _PAIRS.values():
             names = ", ".join(type(row).__name__ for row in rows)
             raise ValueError(f"joint {joint.name!r}: the planar core has no kernel for the rows {names} together")
 
@@ -202,6 +202,6 @@ def build_planar(scene: Scene) -> tuple[arrays.PlanarGroups, dict[int, Place]]:
         near_pairs=contact_balls(pairs),
         watches=watches(scene, build),
         signals=signal_arrays(build.segments),
-        world=arrays.World(np.array(scene.gravity, dtype=float), np.zeros(1, dtype=np.int64), np.zeros(3)),
+        world=arrays.World(np.array(scene.gravity, dtype=float), ints([0]), ints([0]), np.zeros(3)),
     )
     return arrays.PlanarGroups(*map(contiguous, groups)), build.place

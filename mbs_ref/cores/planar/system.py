@@ -11,12 +11,14 @@ from mbs_ref.cores.jointed_system import JointedSystem
 from mbs_ref.cores.planar.build import build_planar
 from mbs_ref.cores.planar.shapes import event_sources
 from mbs_ref.cores.system import Poses
+from mbs_ref.cores.user_rows import variable
 from mbs_ref.kernels import answers as core
 from mbs_ref.kernels.border.questions import apply_loads
 from mbs_ref.kernels.contact.laws import MODE_CLOSED
 from mbs_ref.kernels.planar import dynamics
 from mbs_ref.kernels.planar.model import planar_scratch
 from mbs_ref.scene import PlanarBody, PointMass, Scene
+from mbs_ref.scene.joints import PlanarPlace
 from mbs_ref.scene.scales import Scales
 
 
@@ -37,7 +39,7 @@ class PlanarSystem(JointedSystem):
         self.n_bodies = len(scene.bodies)
         self.groups, self.place = build_planar(scene)
         self.scratch = planar_scratch(self.n_bodies, len(self.groups.slots.body), self.groups.loops)
-        self._keep_alive = self._connect_user_forces()
+        self._keep_alive = self._connect_user_forces(), self._connect_user_rows()
 
     # --- set-up -----------------------------------------------------------------------------------
 
@@ -127,6 +129,19 @@ class PlanarSystem(JointedSystem):
         half = 3 * self.n_bodies
         force = self.applied_forces(t, y[:half].reshape(-1, 3), y[half:].reshape(-1, 3)).ravel()
         return force - self.mass_matrix() * dy[half:]
+
+    def _coordinates(self, body: int, arm: np.ndarray, size: int, first: int) -> PlanarPlace:
+        kin = self.scratch.kinematics
+        v, turns = kin.motion[body], body < self.n_bodies and self._rigid[self.groups.bodies.scene_index[body]]
+        held = body == self.n_bodies
+        x, y = (variable(kin.pose[body, c], v[c], 0.0, size, None if held else first + c) for c in range(2))
+        angle = variable(v[3], v[2], 0.0, size, first + 2 if turns else None)
+        c, s = np.cos(angle), np.sin(angle)
+        return PlanarPlace(x + c * arm[0] - s * arm[1], y + s * arm[0] + c * arm[1], angle)
+
+    @cached_property
+    def _rigid(self) -> list[bool]:
+        return [isinstance(body, PlanarBody) for body in self.scene.bodies]
 
     def _arm(self, mark: tuple[float, ...] | None, body: int) -> np.ndarray:
         start: Any = self.scene.bodies[body]

@@ -9,10 +9,13 @@ import numpy as np
 from mbs_ref.cores.jointed_system import JointedSystem
 from mbs_ref.cores.spatial.build import build_spatial, world_axes
 from mbs_ref.cores.system import Poses
+from mbs_ref.cores.user_rows import variable
 from mbs_ref.kernels import answers as core
 from mbs_ref.kernels.spatial.model import spatial_scratch
 from mbs_ref.scene import Scene, SpatialBody, symmetric
+from mbs_ref.scene.base.taylor import Taylor
 from mbs_ref.scene.euler_parameters import parameter_matrix, rotation_matrices
+from mbs_ref.scene.joints import SpatialPlace
 from mbs_ref.scene.scales import Scales
 from mbs_ref.scene.traits import deflecting
 
@@ -42,7 +45,7 @@ class SpatialSystem(JointedSystem):
         sticking = int(self.groups.contact_pairs.sticking[0])
         self.scratch = spatial_scratch(self.n_bodies, len(self.groups.slots.body), self.groups.loops, sticking)
         self.scratch.kinematics.inertia[: self.n_bodies] = self.groups.bodies.inertia
-        self._keep_alive = self._connect_user_forces()
+        self._keep_alive = self._connect_user_forces(), self._connect_user_rows()
         self.groups.loops.most[:] = self._closure_ranks()
 
     # --- set-up -----------------------------------------------------------------------------------
@@ -215,6 +218,33 @@ class SpatialSystem(JointedSystem):
         force = self._in_scene_order(self.scratch.kinematics.force[: self.n_bodies]).ravel()
         acceleration = self._in_scene_order(self.scratch.tree.acceleration[: self.n_bodies]).ravel()
         return force - self.mass_matrix() @ acceleration
+
+    def _coordinates(self, body: int, arm: np.ndarray, size: int, first: int) -> SpatialPlace:
+        kin, held = self.scratch.kinematics, body == self.n_bodies
+        rates = kin.velocity[body]
+        centre = [variable(kin.position[body, c], rates[c], 0.0, size, None if held else first + c) for c in range(3)]
+        theta = self._parameters(body, size, first + 3)
+        e0, e1, e2, e3 = theta
+        x, y, z = arm
+        turned = (
+            x * (1.0 - 2.0 * (e2 * e2 + e3 * e3)) + 2.0 * (y * (e1 * e2 - e0 * e3) + z * (e1 * e3 + e0 * e2)),
+            y * (1.0 - 2.0 * (e1 * e1 + e3 * e3)) + 2.0 * (x * (e1 * e2 + e0 * e3) + z * (e2 * e3 - e0 * e1)),
+            z * (1.0 - 2.0 * (e1 * e1 + e2 * e2)) + 2.0 * (x * (e1 * e3 - e0 * e2) + y * (e2 * e3 + e0 * e1)),
+        )
+        return SpatialPlace(*(place + offset for place, offset in zip(centre, turned, strict=True)), *theta)
+
+    def _parameters(self, body: int, size: int, first: int) -> list[Taylor]:
+        """Return the Euler parameters: theta' = E^T omega / 2 and, at steady omega, theta'' = -|omega|^2 theta / 4."""
+        if body == self.n_bodies or not self.groups.bodies.rigid[body]:
+            return [variable(value, 0.0, 0.0, size, None) for value in (1.0, 0.0, 0.0, 0.0)]
+        kin = self.scratch.kinematics
+        omega, theta = kin.omega[body], kin.theta[body] / np.linalg.norm(kin.theta[body])
+        turning = 0.5 * parameter_matrix(theta)
+        first_rates = np.zeros((4, size))
+        first_rates[:, 0] = omega @ turning
+        first_rates[:, first : first + 3] = turning.T
+        second = -0.25 * float(omega @ omega) * theta
+        return [Taylor(float(theta[k]), first_rates[k], float(second[k])) for k in range(4)]
 
     def _arm(self, mark: tuple[float, ...] | None, body: int) -> np.ndarray:
         start = self.scene.bodies[body]

@@ -17,7 +17,7 @@ from mbs_ref.integrators.loop.sundials import ONE_STEP, ROOT_RETURN, address_of,
 from mbs_ref.kernels.answers import FORM
 from mbs_ref.kernels.border.groups import empty
 from mbs_ref.kernels.border.handles import make_handle
-from mbs_ref.kernels.residual import GGL, Dae, DaeGroups, events_for_c, largest_balance, residual_for_c
+from mbs_ref.kernels.residual import GGL, INDEX_2, Dae, DaeGroups, events_for_c, largest_balance, residual_for_c
 from mbs_ref.trajectory import Status
 
 if TYPE_CHECKING:
@@ -28,6 +28,7 @@ NO_MPI = 0  # SUN_COMM_NULL
 PROXIMAL = 1e-12  # of the scene's time, of a multiplier over the heaviest mass, left in its own row
 MULTIPLIER_SHARE = 1e-4  # of the largest applied force at the start, or of what moves the heaviest body
 HOPELESS_FAILURES, HOPELESS_SHARE = 500, 0.4  # error-test failures, in all and per step taken, that end a run
+NEWTON_OF_RATES = 0.1  # of the tolerance, what Newton may leave at plain index 2: left in C_dot it adds up to drift
 STOPPED = {  # IDA's return values, in words
     -1: ("too much work between outputs", Status.TOO_MANY_STEPS),
     -2: ("the asked accuracy is beyond double precision", Status.STEP_TOO_SMALL),
@@ -113,6 +114,8 @@ class _Ida:
         self._call("IDASetId", differential)
         # Without this the error test includes the multipliers: 91 000 steps and a wrong answer at rtol 1e-4.
         self._call("IDASetSuppressAlg", 1)
+        if self.dae.form[0] == INDEX_2:
+            self._call("IDASetNonlinConvCoef", NEWTON_OF_RATES)
         self._call("IDASetMaxNumSteps", options.max_steps)
         self._call("IDASetMaxStep", leg.longest)
         self._call("IDASetLinearSolver", objects.solver, objects.matrix)

@@ -30,6 +30,7 @@ _PROTOTYPES: dict[str, tuple[Any, ...]] = {  # what is returned, then what is ta
     "IDASetSuppressAlg": (c_int, _OBJECT, c_int),
     "IDASetMaxNumSteps": (c_int, _OBJECT, c_long),
     "IDASetMaxStep": (c_int, _OBJECT, c_double),
+    "IDASetNonlinConvCoef": (c_int, _OBJECT, c_double),
     "IDASetLinearSolver": (c_int, _OBJECT, _OBJECT, _OBJECT),
     "IDARootInit": (c_int, _OBJECT, c_int, c_void_p),
     "IDASetNoInactiveRootWarn": (c_int, _OBJECT),

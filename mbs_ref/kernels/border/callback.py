@@ -10,8 +10,8 @@ from numba.extending import intrinsic
 
 
 @intrinsic
-def call_user_force(typingctx: Any, address: Any, t: Any, data: Any) -> Any:
-    """Call void (double t, double *q_v_f) at `address` with the time and the address of the (3, n, 3) array q, v, f."""
+def call_user(typingctx: Any, address: Any, t: Any, data: Any) -> Any:
+    """Call void (double t, double *data) at `address` with the time and the address of data, or 0."""
     signature = types.void(types.int64, types.float64, types.uintp)
 
     def codegen(context, builder, signature, args):

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from mbs_ref.kernels.border.callback import call_user
 from mbs_ref.kernels.controls import CONTROL_MODE_TIME
 from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.planar.marks import arm, separation
@@ -157,3 +158,5 @@ def fill_joints(model, work, t):
     fill_weld(model, work)
     fill_distance(model, work)
     fill_drives(model, work, t)
+    if world_of(model).user_rows[0] != 0:
+        call_user(world_of(model).user_rows[0], t, 0)  # pyright: ignore[reportCallIssue]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from mbs_ref.kernels.border.callback import call_user_force
+from mbs_ref.kernels.border.callback import call_user
 from mbs_ref.kernels.contact.laws import (
     MODE_CLOSED,
     MODE_PLAIN,
@@ -120,7 +120,7 @@ def apply_user_force(model, work, t):
         for c in range(3):
             kin.user[1, k, c] = kin.motion[i, c]
             kin.user[2, k, c] = 0.0
-    call_user_force(world_of(model).user_force[0], t, kin.user.ctypes.data)  # pyright: ignore[reportCallIssue]
+    call_user(world_of(model).user_force[0], t, kin.user.ctypes.data)  # pyright: ignore[reportCallIssue]
     for i in range(n):
         for c in range(3):
             kin.force[i, c] += kin.user[2, bodies.scene_index[i], c]

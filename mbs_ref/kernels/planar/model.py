@@ -126,6 +126,7 @@ WATCH_DISTANCE, WATCH_COORDINATE, WATCH_RATE = range(3)
 class World(NamedTuple):
     gravity: Annotated[Floats, 2]  # m/s^2
     user_force: Annotated[Ints, 1]  # address of a C callback, or 0
+    user_rows: Annotated[Ints, 1]  # the same, for constraints of the user's own
     control: Annotated[Floats, 3]  # see kernels/controls.py
 
 

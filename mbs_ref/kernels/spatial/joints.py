@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from mbs_ref.kernels.border.callback import call_user
 from mbs_ref.kernels.controls import CONTROL_MODE_TIME
 from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.signals import evaluate
@@ -191,3 +192,5 @@ def spatial_fill_rows(model, work, t):
     fill_distances(model, work)
     fill_turns(model, work, t)
     fill_drives(model, work, t)
+    if world_of(model).user_rows[0] != 0:
+        call_user(world_of(model).user_rows[0], t, 0)  # pyright: ignore[reportCallIssue]

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from mbs_ref.kernels.border.callback import call_user_force
+from mbs_ref.kernels.border.callback import call_user
 from mbs_ref.kernels.controls import CONTROL_MODE_TIME
 from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.signals import evaluate
@@ -218,7 +218,7 @@ def apply_user_force(model, work, t):
             kin.user[0, k, 3 + c] = kin.theta[i, c]
         for c in range(7):
             kin.user[2, k, c] = 0.0
-    call_user_force(world_of(model).user_force[0], t, kin.user.ctypes.data)
+    call_user(world_of(model).user_force[0], t, kin.user.ctypes.data)
     for i in range(n):
         for c in range(6):
             kin.force[i, c] += kin.user[2, bodies.scene_index[i], c]

@@ -179,6 +179,7 @@ class Attraction(NamedTuple):
 class World(NamedTuple):
     gravity: Annotated[Floats, 3]  # m/s^2
     user_force: Annotated[Ints, 1]  # address of a C callback, or 0
+    user_rows: Annotated[Ints, 1]  # the same, for constraints of the user's own
     control: Annotated[Floats, 3]  # see kernels/controls.py
 
 

@@ -6,6 +6,7 @@ rows: Haug, Computer Aided Kinematics and Dynamics of Mechanical Systems (1989),
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, ClassVar, Protocol
 
@@ -135,6 +136,13 @@ class Prescribed(Row):
 
     def numbers(self, a: Axes, b: Axes) -> tuple[Any, ...]:
         return b.point(self.point), self.direction, float(self.direction @ self.point)
+
+
+@dataclass(frozen=True)
+class UserRow(Row):
+    """C(t, a, b) = 0 of the user's own; what it leaves of either body's freedom is not known beforehand."""
+
+    function: Callable[[Any, Any, Any], Any]
 
 
 def parallel(axis: tuple[float, ...]) -> list[Row]:

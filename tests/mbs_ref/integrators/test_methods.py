@@ -12,6 +12,7 @@ from mbs_ref.integrators import integrators
 from mbs_ref.integrators.methods import euler, rk4
 from mbs_ref.integrators.stages import radau_coefficients as radau
 from mbs_ref.integrators.stages.dop853_tableau import TABLEAU as DOP853
+from mbs_ref.observables.constraints import constraint_rate, constraint_residual
 from mbs_ref.scene import CoordinateDrive, Force, PlanarBody, PointMass, Prismatic, Scene, SpringDamper, UserForce
 from mbs_ref.scene.signals import HalfSine, Table
 from mbs_ref.settings import Settings
@@ -98,6 +99,21 @@ def test_raw_index_3_fails_or_is_poor_and_says_so():
     run = simulate(scenes.make("pendulum"), Settings(method="dassl_index3", rtol=1e-8, t_end=10.0))
     assert not run.ok
     assert "index 3" in run.message or "iteration" in run.message or "error test" in run.message
+
+
+def test_plain_index_2_keeps_velocities_and_lets_positions_drift():
+    """C_dot = 0 holds to Newton's tolerance; C is what its errors add up to. The stabilised form holds both."""
+    scene = scenes.make("slider_crank")
+    drift, speed = {}, {}
+    for method in ("dassl_index1", "dassl_index2", "dassl"):
+        run = simulate(scene, Settings(method=method, rtol=1e-6, stabilization="none", estimate="off"))
+        assert run.ok, run.message
+        drift[method] = np.abs(constraint_residual(scene, run)).max()
+        speed[method] = np.abs(constraint_rate(scene, run)).max()
+    assert speed["dassl_index2"] < 0.05 * speed["dassl_index1"]
+    assert drift["dassl_index2"] > 100.0 * drift["dassl"]
+    loose = simulate(scene, Settings(method="dassl_index2", rtol=1e-4, stabilization="none", estimate="off"))
+    assert np.abs(constraint_residual(scene, loose)).max() > 3.0 * drift["dassl_index2"]
 
 
 def test_a01_to_a_nanometre():
@@ -279,7 +295,7 @@ def test_a_users_force_law_is_called_and_its_failure_is_reported():
 def test_every_method_is_listed_with_its_order():
     known = integrators()
     papers, ours = {"euler", "rk4", "lsodar", "dassl"}, {"dop853", "radau", "generalized_alpha"}
-    assert papers | ours | {"dassl_index1", "dassl_index3"} <= set(known)
+    assert papers | ours | {"dassl_index1", "dassl_index2", "dassl_index3"} <= set(known)
     assert all(entry.order >= 1 and entry.description for entry in known.values())
     assert next(iter(known)) == "dop853"
 

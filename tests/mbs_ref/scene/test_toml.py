@@ -62,6 +62,7 @@ JOINTS = [
     (language.Weld, ends | {"point": pair, "point_b": st.none() | pair}),
     (language.Distance, marks | {"length": positive}),
     (language.CoordinateDrive, {"body": st.just("anchor"), "coordinate": coordinate, "motion": signal, "level": level}),
+    (language.UserConstraint, marks | {"expression": st.sampled_from(["b.x - a.x * t", "hypot(b.y, 1) - b.angle"])}),
     (language.PointDrive, {"body": st.just("anchor"), "point": pair, "direction": direction, "motion": signal}),
 ]
 LOADS = [
