@@ -12,11 +12,11 @@ from cross_checks.engine import Method
 from cross_checks.isolation.parent import Lost
 from cross_checks.judge.cell import refused, tasks, truth_of
 from cross_checks.judge.ladder import grid
-from cross_checks.judge.one_run import CANNOT, MISSING, without_run
+from cross_checks.judge.one_run import without_run
 from cross_checks.judge.runs import Runs
 from cross_checks.judge.search import search
 from cross_checks.records.naming import run_name
-from cross_checks.records.record import Record
+from cross_checks.records.record import CANNOT, MISSING, Record
 from cross_checks.truth import NoTruth, Truth
 from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings

@@ -18,7 +18,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 from cross_checks.extremes.extreme import Case, Extreme
-from cross_checks.judge.one_run import CANNOT
+from cross_checks.records.record import CANNOT
 from mbs_ref.trajectory import Status, Trajectory
 
 SEVERITY = ("cannot", "survived", "stopped", "degraded", "silently-wrong")  # the worst last

@@ -16,7 +16,8 @@ from cross_checks.extremes.extreme import UNCHECKED, Extreme, settings_for
 from cross_checks.extremes.judge import Fate, Point, judge, lost
 from cross_checks.extremes.search import bisect, scan
 from cross_checks.isolation.parent import Cancelled, Isolated, Lost
-from cross_checks.judge.one_run import MISSING, checked_run
+from cross_checks.judge.one_run import checked_run
+from cross_checks.records.record import MISSING
 
 CHILDREN = 2
 FIRST = 60.0  # s for the mildest value of a cell, which loads what the others need

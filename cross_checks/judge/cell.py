@@ -8,13 +8,13 @@ from typing import Any
 
 from cross_checks import engines as registry
 from cross_checks.engine import Engine, Method
+from cross_checks.judge.bounds import TARGETS
 from cross_checks.judge.consensus import working_truth
-from cross_checks.judge.one_run import CANNOT, MISSING
 from cross_checks.judge.runs import Runs
-from cross_checks.judge.search import TARGETS, Reached, Tried, search
+from cross_checks.judge.search import Reached, Tried, search
 from cross_checks.judge.verdict import WRONG, Verdict, judge, speaking
 from cross_checks.metrics.observed_order import observed_order
-from cross_checks.records.record import Record
+from cross_checks.records.record import CANNOT, MISSING, Record
 from cross_checks.truth import NoTruth, Truth
 from mbs_ref.scene import Scene
 

@@ -15,14 +15,13 @@ from cross_checks import engines
 from cross_checks.engine import Engine, output_times
 from cross_checks.judge.measure import measure
 from cross_checks.metrics.metric import Judged
-from cross_checks.records.record import Record
+from cross_checks.records.record import CANNOT, MISSING, Record
 from cross_checks.truth import NoTruth, Truth
 from cross_checks.truths import seek_truth
 from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings
 from mbs_ref.trajectory import Status, Trajectory
 
-CANNOT, MISSING = "cannot", "engine-missing"
 ON_TIME = 1e-9  # s; a sample further from its asked time is a skipped or restarted clock
 # What native engines raise when a run goes wrong. A TypeError or AttributeError is a broken adapter: it propagates.
 ENGINE_FAILURES = (ArithmeticError, RuntimeError, MemoryError, OSError, LookupError, np.linalg.LinAlgError)

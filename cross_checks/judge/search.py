@@ -15,6 +15,7 @@ from itertools import pairwise
 from typing import Literal
 
 from cross_checks.engine import Method
+from cross_checks.judge.bounds import MOST_STEPS, TARGETS
 from cross_checks.judge.ladder import SAMPLES, TIGHTEST, coarsest, knob_of, label, settings_at
 from cross_checks.judge.runs import Runs, against, gap
 from cross_checks.judge.verdict import AGREEMENT, REFUSED, Point
@@ -26,8 +27,6 @@ from mbs_ref.self_checks.stiffness import may_be_stiff, stiffness_at_start
 from mbs_ref.settings import Settings
 from mbs_ref.trajectory import Trajectory
 
-TARGETS = (1e-3, 1e-6, 1e-9)  # errors over the scene's scales
-MOST_STEPS = 100_000  # that a run may take
 WINDOW = 10.0  # a chosen error lies within this factor below its target
 AIM = 0.3  # of the target: the middle of the window, on a logarithmic scale
 TRIES = 4  # runs for one target, beside those of the others

@@ -7,6 +7,8 @@ from typing import Any
 
 from cross_checks.truth import MARGIN
 
+CANNOT, MISSING = "cannot", "engine-missing"  # statuses of what was refused, and of what no installed package runs
+
 
 @dataclass(frozen=True)
 class Error:

@@ -12,11 +12,12 @@ from cross_checks import engines as registry
 from cross_checks.certify.kept_poses import physics_of
 from cross_checks.engine import Method
 from cross_checks.isolation.parent import Caller
+from cross_checks.judge.bounds import TARGETS
 from cross_checks.judge.cell import Cell as Judged
 from cross_checks.judge.cell import cell_of, refused, tasks, truth_of
 from cross_checks.judge.ladder import grid
 from cross_checks.judge.runs import PASSING, Runs
-from cross_checks.judge.search import TARGETS, Reached, search
+from cross_checks.judge.search import Reached, search
 from cross_checks.judge.verdict import Verdict
 from cross_checks.records.naming import code_of, digest_of, truth_name
 from cross_checks.records.record import Record

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from cross_checks.judge.search import TARGETS
+from cross_checks.judge.bounds import TARGETS
 from cross_checks.records.record import Record
 from mbs_ref.trajectory import Status
 from reports.facts.report_data import Cell, ReportData
@@ -48,13 +48,17 @@ def loop_time(record: Record) -> float:
 
 def reaching(data: ReportData, scene: str, engine: str, target: float) -> list[Record]:
     """Return the cheapest run of each of an engine's methods that reaches a target on a scene, cheapest first."""
-    cells = [c for c in data.cells if (c.scene, c.engine) == (scene, engine)]
-    found = [data.record(c, t.setting) for c in cells for t in c.targets if t.target == target and t.setting]
+    told = ((cell, asked) for cell in data.cells_of(scene, engine) for asked in cell.targets)
+    found = [data.record(cell, asked.setting) for cell, asked in told if asked.target == target and asked.setting]
     return sorted((record for record in found if record is not None), key=loop_time)
 
 
 def entries(data: ReportData, scene: str, target: float) -> list[Entry]:
     """Return one entry an engine, the cheapest first, those that missed the target last."""
+    return data.once(("entries", scene, target), lambda: _entries(data, scene, target))
+
+
+def _entries(data: ReportData, scene: str, target: float) -> list[Entry]:
     found = [_entry(data, scene, engine, target) for engine in data.engines]
     return sorted(found, key=lambda e: loop_time(e.best) if e.best else float("inf"))
 
@@ -63,12 +67,12 @@ def _entry(data: ReportData, scene: str, engine: str, target: float) -> Entry:
     runs = reaching(data, scene, engine, target)
     if runs:
         return Entry(engine, "reached", runs[0], method=runs[0].method)
-    cells = [c for c in data.cells if (c.scene, c.engine) == (scene, engine)]
-    missed = [(RANK.index(t.answer), c, t) for c in cells for t in c.targets if t.target == target and t.answer in RANK]
+    told = ((cell, asked) for cell in data.cells_of(scene, engine) for asked in cell.targets if asked.target == target)
+    missed = [(RANK.index(asked.answer), cell, asked) for cell, asked in told if asked.answer in RANK]
     if not missed:
         return Entry(engine, "cannot", reason="no method of it was asked")
-    _, cell, told = min(missed, key=lambda item: (item[0], _smallest(item[1])))
-    return Entry(engine, told.answer, None, told.reason or cell.reason, cell.method)
+    _, cell, asked = min(missed, key=lambda item: (item[0], _smallest(item[1])))
+    return Entry(engine, asked.answer, None, asked.reason or cell.reason, cell.method)
 
 
 def _smallest(cell: Cell) -> float:

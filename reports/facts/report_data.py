@@ -4,7 +4,7 @@ from the file that the last report left."""
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
@@ -101,6 +101,16 @@ class ReportData:
         """Return the records of one scene."""
         return self._by_scene.get(label, [])
 
+    def cells_of(self, scene: str, engine: str) -> list[Cell]:
+        """Return the cells of an engine's methods on one scene."""
+        return self._by_place.get((scene, engine), [])
+
+    def once[Answer](self, key: tuple, make: Callable[[], Answer]) -> Answer:
+        """Return what was made of these data under a key before, else what `make` returns."""
+        if key not in self._made:
+            self._made[key] = make()
+        return self._made[key]
+
     def record(self, cell: Cell, setting: str) -> Record | None:
         """Return a cell's run at a setting."""
         return self._by_run.get((cell.scene, cell.engine, cell.method, setting))
@@ -115,6 +125,17 @@ class ReportData:
             capabilities=tuple(c for c in self.capabilities if engine in (None, c.engine)),
             extremes=tuple(c for c in self.extremes if engine in (None, c.engine)),
         )  # fmt: skip
+
+    @cached_property
+    def _made(self) -> dict[tuple, Any]:
+        return {}
+
+    @cached_property
+    def _by_place(self) -> dict[tuple[str, str], list[Cell]]:
+        found: dict[tuple[str, str], list[Cell]] = defaultdict(list)
+        for cell in self.cells:
+            found[(cell.scene, cell.engine)].append(cell)
+        return dict(found)
 
     @cached_property
     def _by_scene(self) -> dict[str, list[Record]]:

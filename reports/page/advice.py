@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from dataclasses import dataclass
 
-from cross_checks.judge.search import MOST_STEPS, TARGETS
+from cross_checks.judge.bounds import MOST_STEPS, TARGETS
 from cross_checks.judge.verdict import WRONG
 from cross_checks.records.record import Record
 from reports.drawing.numbers import count, of_scene, short

@@ -6,7 +6,6 @@ from pathlib import Path
 from time import monotonic
 
 from cross_checks.records.store import Store, default_path
-from reports.gather import gather
 from reports.page.publish import publish, read_data
 from reports.studies.measuring import Progress
 
@@ -23,12 +22,16 @@ def write_report(
     is ranked anew. What EXTREMES holds there is shown, else a few extremes are run. `progress` is called with
     (done, total, what comes next). Where a stage takes long, the pages show what there is before the next one begins.
     """
+    from reports.gather import gather  # the solver and the engines, which rendering alone does not ask
+
     shown = monotonic()
     with Store(default_path()) as store:
         for data in gather(store, quick, progress, out_dir / EXTREMES, again):
             if monotonic() > shown + PATIENCE:
                 publish(data, out_dir)
-                shown = monotonic()
+                from reports.gather import gather  # the solver and the engines, which rendering alone does not ask
+
+    shown = monotonic()
     return publish(data, out_dir), data.incomplete
 
 

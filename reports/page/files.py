@@ -11,6 +11,7 @@ from typing import Any
 from cross_checks import metrics
 from cross_checks.records.record import Record
 from reports.drawing.numbers import ABSENT, setting
+from reports.facts.kept import adapter
 from reports.facts.report_data import ReportData
 from reports.facts.timing import is_busy
 from reports.page.advice import Advice, advice
@@ -19,15 +20,14 @@ from reports.page.sections.decisions import told
 from reports.page.sections.matrix import view
 from reports.page.sections.prices import price_table
 from reports.reproduce import command
-from reports.terminal.console import json_text
 
 TIMES = ("build_s", "first_call_s", "loop_s", "loop_median_s", "loop_most_s", "loop_runs")
 PRICES = ("within", "engine", "method", "setting", "error", "loop time", "over the cheapest")
 
 
-def jsonl(records: tuple[Record, ...]) -> str:
+def jsonl(records: tuple[Record, ...]) -> bytes:
     """Return one line of JSON a record, everything in it."""
-    return "".join(json_text(record.to_dict(), None) + "\n" for record in records)
+    return b"".join(adapter(Record).dump_json(record) + b"\n" for record in records)
 
 
 def csv_table(records: tuple[Record, ...]) -> str:

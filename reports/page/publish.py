@@ -20,7 +20,7 @@ def publish(data: ReportData, out_dir: Path) -> Path:
     """Write the pages and, beside them, the data as JSON, CSV and Markdown; return the path of the first page."""
     contents = {
         DATA: adapter(ReportData).dump_json(data),
-        "records.jsonl": jsonl(data.records).encode(),
+        "records.jsonl": jsonl(data.records),
         "records.csv": csv_table(data.records).encode(),
         "report.md": markdown(data).encode(),
     }

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import base64
+from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
 
-from jinja2 import Environment, FileSystemLoader, StrictUndefined
+from jinja2 import Environment, FileSystemBytecodeCache, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 from plotly.offline import get_plotlyjs
 
+from mbs_ref.kernels.jit import cache_folder
 from reports import studies
 from reports.drawing.plots.palette import colours
 from reports.drawing.section import Section
@@ -36,7 +38,13 @@ class Images:
 
 @cache
 def _templates() -> Environment:
-    return Environment(loader=FileSystemLoader((TEMPLATES, STUDIES)), autoescape=True, undefined=StrictUndefined)
+    """Return the templates, whose compiled form is kept beside the kernels' where that folder can be written."""
+    templates = Environment(loader=FileSystemLoader((TEMPLATES, STUDIES)), autoescape=True, undefined=StrictUndefined)
+    folder = cache_folder().parent / "templates"
+    with suppress(OSError):
+        folder.mkdir(parents=True, exist_ok=True)
+        templates.bytecode_cache = FileSystemBytecodeCache(str(folder))
+    return templates
 
 
 def render(data: ReportData) -> dict[str, bytes]:

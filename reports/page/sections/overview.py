@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from cross_checks.judge.search import TARGETS
+from cross_checks.judge.bounds import TARGETS
 from reports.drawing.numbers import duration, short
 from reports.drawing.section import Section
 from reports.facts.cheapest import Entry, entries, loop_time

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from cross_checks.judge.search import TARGETS
+from cross_checks.judge.bounds import TARGETS
 from reports.drawing.numbers import duration, metres, setting, short
 from reports.drawing.plots.palette import styles
 from reports.drawing.plots.work_precision import work_precision

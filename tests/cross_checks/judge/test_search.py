@@ -9,10 +9,11 @@ import pytest
 
 from cross_checks import engines
 from cross_checks.engine import Method
+from cross_checks.judge.bounds import MOST_STEPS
 from cross_checks.judge.cell import truth_of
 from cross_checks.judge.ladder import TIGHTEST
 from cross_checks.judge.runs import Runs
-from cross_checks.judge.search import BACK, MOST_STEPS, WINDOW, first_knob, search
+from cross_checks.judge.search import BACK, WINDOW, first_knob, search
 from cross_checks.records.record import Record
 from cross_checks.records.store import Run
 from cross_checks.truth import NoTruth, Truth

@@ -7,7 +7,7 @@ import math
 from cross_checks.extremes.cell import Cell as ExtremeCell
 from cross_checks.extremes.cell import made_of
 from cross_checks.extremes.judge import Fate, Point
-from cross_checks.judge.search import TARGETS
+from cross_checks.judge.bounds import TARGETS
 from cross_checks.records.record import Error, Record
 from reports.facts.report_data import Capability, Cell, ReportData, Target, setting_label
 from reports.reproduce import scene_label
