@@ -10,7 +10,7 @@ STAMP := .venv/.installed
 # skipped for good.
 NIGHT := .venv-nightly/bin
 NIGHT_STAMP := .venv-nightly/.installed
-# Where the documentation is built: it needs no engine.
+# Where the documentation is built, and its notebooks are run.
 DOCS := .venv-docs/bin
 DOCS_STAMP := .venv-docs/.installed
 # What the nightly run compares with: a git revision or a folder.
@@ -85,20 +85,24 @@ mutants: venv  ## seeded defects: does every one fail a test? goes on where it s
 bench: venv  ## pytest-benchmark suites, alone on the machine
 	$(BIN)/python -m pytest benchmarks -m '' --benchmark-only -p no:xdist
 
-site: venv $(DOCS_STAMP)  ## the documentation with the gallery, in build/site; a warning is an error
+site: venv $(DOCS_STAMP)  ## the documentation with the gallery, in build/site; a warning or a broken link is an error
 	$(BIN)/python -m reports.site build/site-src
+	$(DOCS)/python -m reports.site.notebooks build/site-src
 	NO_MKDOCS_2_WARNING=1 $(DOCS)/mkdocs build --strict --quiet
+	$(BIN)/python -m reports.site.links build/site
 	@echo "build/site/index.html; its search needs a server: python -m http.server -d build/site"
 
 PINNED := --universal --python-version 3.12 --generate-hashes --no-emit-index-url --no-header --no-annotate --quiet
 EXTRAS := --extra engines --extra cluster --extra dev
-NIGHTLY := --extra ephemeris --extra lsodar --extra heyoka --extra drake --extra dart --extra mjx --extra opensim
+NIGHTLY := --extra ephemeris --extra lsodar --extra heyoka --extra drake --extra dart --extra mjx --extra opensim --extra notebooks \
+  --extra polars
+SITE := --extra docs --extra engines --extra notebooks
 
 lock:  ## pin again what pyproject.toml asks for (needs uv)
 	uv pip compile pyproject.toml $(EXTRAS) $(PINNED) --upgrade -o requirements.lock
 	uv pip compile pyproject.toml $(EXTRAS) $(NIGHTLY) $(PINNED) --upgrade \
 	  -c requirements.lock -o requirements-nightly.lock
-	uv pip compile pyproject.toml --extra docs $(PINNED) --upgrade -c requirements.lock -o requirements-docs.lock
+	uv pip compile pyproject.toml $(SITE) $(PINNED) --upgrade -c requirements.lock -o requirements-docs.lock
 
 clean:  ## remove everything that make made
 	rm -rf .venv .venv-nightly .venv-docs build dist *.egg-info reports/out .pytest_cache .ruff_cache .hypothesis .benchmarks

@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
 from cross_checks.records.record import Record
+from mbs_ref.display import facts
 
 
 @dataclass(frozen=True)
@@ -25,6 +26,9 @@ class Choice:
     margin: float | None  # how many times cheaper the best is than the runner-up
     sentence: str
     limit: Limit | None = None  # None where nothing measured is cheaper, or only for failing both bounds
+
+    def _repr_html_(self) -> str:
+        return facts("Choice", [("answer", self.sentence)]) + ("" if self.best is None else self.best._repr_html_())
 
 
 @dataclass(frozen=True)

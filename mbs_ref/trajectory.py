@@ -8,6 +8,8 @@ from typing import Any
 
 import numpy as np
 
+from mbs_ref.display import facts
+
 
 class Status(StrEnum):
     """How a run ended. Only SUCCESS vouches for every asked time."""
@@ -135,6 +137,20 @@ class Trajectory:
     @property
     def ok(self) -> bool:
         return self.status is Status.SUCCESS
+
+    def _repr_html_(self) -> str:
+        """Return what a notebook shows: how the run ended, and what it cost."""
+        bodies = self.position.shape[1] if self.position.ndim > 1 else 0
+        estimate, reached = self.estimate, "nothing"
+        if len(self.times):
+            reached = f"{self.times[-1]:.6g} s, {len(self.times)} samples of {bodies} bodies"
+        return facts("Trajectory", [
+            ("status", f"{self.status}: {self.message}"), ("reached", reached),
+            ("steps", f"{self.steps}, {self.rejected_steps} rejected; {self.rhs_calls} right-hand sides"),
+            ("settings", self.used),
+            ("estimated error", None if estimate is None else f"{estimate.value:.2g} of the scene: {estimate.how}"),
+            ("loop, s", self.timing.loop_s), ("notes", "; ".join(self.notes)),
+        ])  # fmt: skip
 
     def upto(self, count: int) -> Trajectory:
         """Return the first `count` samples."""

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import json
 import re
 import shlex
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -14,10 +16,12 @@ import yaml
 
 from mbs_ref.scene.toml import loads
 from reports.cli import main
+from reports.site.notebooks import executed, page
 from reports.site.write import write_sources
 
 ROOT = Path(__file__).parents[1]
 PAGES = sorted([*(ROOT / "docs").glob("*.md"), ROOT / "README.md", ROOT / "CONTRIBUTING.md"])
+NOTEBOOKS = sorted((ROOT / "docs" / "notebooks").glob("*.ipynb"))
 FENCED = re.compile(r"^```(\w*)\n(.*?)^```", re.DOTALL | re.MULTILINE)
 COMMAND = re.compile(r"^    (?:\$ )?(mbs-ref [a-z][^#`]*?)(?:\s+#.*)?$", re.MULTILINE)
 OPEN = ("COMMAND", "NAME", "...")  # of a line that shows a shape and is no command
@@ -54,6 +58,7 @@ def test_a_command_of_the_docs_exists_with_its_options(line):
 def test_every_page_is_in_the_navigation_and_the_other_way_round():
     listed = set(re.findall(r"[\w-]+\.md", (ROOT / "mkdocs.yml").read_text(encoding="utf-8")))
     made = {"gallery.md", "capabilities.md", "truths.md", "CHANGELOG.md", "CONTRIBUTING.md"}
+    made |= {notebook.with_suffix(".md").name for notebook in NOTEBOOKS}
     assert listed == made | {page.name for page in PAGES if page.parent.name == "docs"}
 
 
@@ -69,12 +74,34 @@ def test_blocks_of_code_are_what_they_say(page):
 
 def test_made_pages_show_a_scene_and_who_can_run_it(tmp_path):
     write_sources(tmp_path / "site", lambda text: None, ["pendulum"])
+    assert "](CONTRIBUTING.md)" in (tmp_path / "site" / "architecture.md").read_text(encoding="utf-8")
     gallery = (tmp_path / "site" / "gallery.md").read_text(encoding="utf-8")
     assert (tmp_path / "site" / "gallery" / "pendulum.gif").read_bytes().startswith(b"GIF")
     assert "exact, known to" in gallery
     assert "| who can | mbs_ref" in gallery
     assert "| `pendulum` | yes |" in (tmp_path / "site" / "capabilities.md").read_text(encoding="utf-8")
     assert "| `pendulum`" in (tmp_path / "site" / "truths.md").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("notebook", NOTEBOOKS, ids=lambda notebook: notebook.stem)
+def test_a_notebook_is_kept_without_outputs_and_its_code_compiles(notebook):
+    for cell in json.loads(notebook.read_text(encoding="utf-8"))["cells"]:
+        if cell["cell_type"] == "code":
+            assert cell["outputs"] == []
+            assert cell["execution_count"] is None
+            compile("".join(cell["source"]), notebook.name, "exec")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("notebook", NOTEBOOKS, ids=lambda notebook: notebook.stem)
+def test_a_notebook_runs_and_becomes_a_page(notebook, tmp_path):
+    pytest.importorskip("nbclient")
+    pytest.importorskip("pandas")
+    shutil.copy(notebook, tmp_path)
+    made = page(executed(tmp_path / notebook.name), notebook.stem)
+    assert made.startswith("# ")
+    assert "<table>" in made
+    assert "Traceback" not in made
 
 
 @pytest.mark.slow

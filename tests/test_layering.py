@@ -26,8 +26,8 @@ WATCHED = ENGINES | EPHEMERIDES | {"sundials4py"}
 # The rooms of each layer, lowest first; those on one line do not import each other.
 ROOMS = {
     "mbs_ref": (
-        "atomic_file kernels trajectory", "scene", "settings ephemeris cores observables", "integrators crash",
-        "run scenes", "self_checks", "simulate",
+        "atomic_file display kernels", "trajectory", "scene", "settings ephemeris cores observables",
+        "integrators crash", "run scenes", "self_checks", "simulate",
     ),
     "cross_checks": (
         "isolation truth", "workshop", "engine", "certify engines", "mechanisms truths",

@@ -16,6 +16,7 @@ from cross_checks.judge.verdict import WRONG, Verdict, judge, speaking
 from cross_checks.metrics.observed_order import observed_order
 from cross_checks.records.record import CANNOT, MISSING, Record
 from cross_checks.truth import NoTruth, Truth
+from mbs_ref.display import facts, listing
 from mbs_ref.scene import Scene
 
 Progress = Callable[[int, int, str], None]  # (cells done, of how many, what comes next)
@@ -48,6 +49,15 @@ class Cell:
     def is_wrong(self) -> bool:
         """Whether the verdict accuses, and nothing that the method declares excuses it here."""
         return self.verdict in WRONG and not self.excuse
+
+    def _repr_html_(self) -> str:
+        """Return what a notebook shows: the verdict, why, and the runs it was made from."""
+        told = facts(f"{self.scene}: {self.engine} {self.method}", [
+            ("verdict", f"{self.verdict}: {self.reason}"), ("known", self.excuse), ("error of the scene", self.error),
+            ("truth", self.truth), ("order", self.order), ("documented order", self.documented_order),
+        ])  # fmt: skip
+        runs = [(run["setting"], run["status"], run["error"]) for run in self.runs]
+        return told + listing("Runs", ("setting", "status", "error of the scene"), runs)
 
     def to_dict(self) -> dict[str, Any]:
         """Return plain data for JSON, without the curves of the records."""

@@ -6,6 +6,8 @@ from dataclasses import asdict, dataclass, field
 from typing import Any
 
 from cross_checks.truth import MARGIN
+from mbs_ref.display import facts
+from mbs_ref.settings import Settings
 
 CANNOT, MISSING = "cannot", "engine-missing"  # statuses of what was refused, and of what no installed package runs
 
@@ -80,3 +82,15 @@ class Record:
     def to_dict(self) -> dict[str, Any]:
         """Return plain data for JSON."""
         return asdict(self)
+
+    def _repr_html_(self) -> str:
+        """Return what a notebook shows: how the run ended, and how far it is from the truth."""
+        usual, error = Settings().model_dump(mode="json"), self.error
+        chosen = {name: value for name, value in self.settings.items() if value != usual.get(name)}
+        off = None if error is None else f"{error.value:.2g} of the scene ({error.worst}), {error.metres:.2g} m"
+        truth = None if error is None else f"{error.truth}, known to {error.uncertainty:.2g} of the scene"
+        return facts(f"{self.scene}: {self.engine} {self.method}", [
+            ("settings", chosen), ("status", f"{self.status}: {self.message}" if self.message else self.status),
+            ("error", off), ("truth", truth), ("loop, s", self.times.get("loop_s")),
+            *((name, value) for name, value in self.measures.items()), ("notes", "; ".join(self.notes)),
+        ])  # fmt: skip

@@ -38,6 +38,9 @@ class Run:
     record: Record
     path: Trajectory | None  # None where nothing came back
 
+    def _repr_html_(self) -> str:
+        return self.record._repr_html_()
+
 
 def default_path() -> Path:
     """Return the file of the machine's store: MBS_REF_STORE, else runs.sqlite in the cache folder."""

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from itertools import islice
 from typing import Any, NamedTuple, Self
 
 from pydantic import Field, model_validator
 
+from mbs_ref.display import facts, listing
 from mbs_ref.scene.base.complaints import complaints
 from mbs_ref.scene.base.part import Name, Part, Positive, Vector
 from mbs_ref.scene.bodies import GROUND, Body
@@ -75,6 +77,18 @@ class Scene(Part):
             found = _OfBodies(self.bodies, max(len(body.position) for body in self.bodies), places)
             kept["_kept_of_bodies"] = found
         return found
+
+    def _repr_html_(self) -> str:
+        """Return what a notebook shows: what the scene is made of."""
+        parts = (*self.bodies, *self.joints, *self.loads, *self.contacts, *self.events)
+        kinds = Counter(part.type.replace("_", " ") for part in parts)
+        made_of = ", ".join(f"{count} {kind}" for kind, count in kinds.items())
+        told = facts(self.name, [
+            ("about", self.description), ("source", self.source), ("made of", made_of), ("gravity, m/s²", self.gravity),
+            ("duration, s", self.duration), ("parameters", self.parameters),
+        ])  # fmt: skip
+        rows = [(body.name, body.mass, body.position) for body in self.bodies]
+        return told + listing("Bodies", ("name", "mass, kg", "centre of mass at t = 0, m"), rows)
 
     def breakpoints(self) -> list[float]:
         """Return the sorted times (s) at which a declared signal may be non-smooth."""

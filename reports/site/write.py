@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import shutil
 from collections.abc import Callable, Collection
 from pathlib import Path
@@ -23,6 +24,9 @@ def write_sources(target: Path, say: Callable[[str], None], only: Collection[str
     shutil.copytree(ROOT / "docs", target)
     for name in BESIDE:
         shutil.copy(ROOT / name, target / name)
+    for page in target.glob("*.md"):  # in the tree these pages stand one folder higher
+        text = page.read_text(encoding="utf-8")
+        page.write_text(re.sub(rf"\]\(\.\./({'|'.join(map(re.escape, BESIDE))})", r"](\1", text), encoding="utf-8")
     say("what engines can")
     (target / "capabilities.md").write_text(capability_page(), encoding="utf-8")
     (target / "truths.md").write_text(truth_page(), encoding="utf-8")

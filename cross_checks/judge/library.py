@@ -1,0 +1,54 @@
+"""Runs and verdicts for a program: what `mbs-ref simulate` and `check` do, returned instead of printed."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from pydantic import ValidationError
+
+from cross_checks.judge.cell import Cell
+from cross_checks.judge.cell import check as check_all
+from cross_checks.judge.one_run import judged_run
+from cross_checks.judge.runs import UNTOLD, Runs, against
+from cross_checks.records.store import Run, Store, default_path
+from mbs_ref.display import listing
+from mbs_ref.scene import Scene
+from mbs_ref.scene.messages import sentences
+from mbs_ref.settings import Settings
+
+
+class Cells(list[Cell]):
+    """Verdicts, shown as a table."""
+
+    def _repr_html_(self) -> str:
+        head = ("scene", "engine", "method", "verdict", "error of the scene", "setting", "reason")
+        rows = [(c.scene, c.engine, c.method, str(c.verdict), c.error, c.setting, c.reason) for c in self]
+        return listing("Verdicts", head, rows, most=len(rows))
+
+
+def run(scene: Scene, engine: str = "mbs_ref", *, judged: bool = True, **settings: Any) -> Run:
+    """Run a scene with an engine; return its record, held against the scene's truth, and the samples.
+
+    `settings` are those of mbs_ref.Settings: method, step (s) or rtol, t_end (s), samples, ... Failures are statuses
+    of the record with a sentence. `judged = False` leaves the truth out, which may take a minute to make for the first
+    time. ValueError names an unknown engine, method or setting and what is allowed.
+    """
+    try:
+        chosen = Settings(**settings)
+    except ValidationError as error:
+        raise ValueError(sentences(error, Settings, settings)) from None
+    made = Run(*judged_run(scene, engine, chosen, truth=UNTOLD))
+    if made.path is None or not judged:
+        return made
+    with Store(default_path()) as kept:
+        return Run(against(scene, made, Runs(kept).truth(scene, made.path.times)), made.path)
+
+
+def check(scene: Scene, engines: Sequence[str] | None = None) -> Cells:
+    """Return the verdict on every method of the engines, all that are known unless named; runs are kept in the store.
+
+    ValueError where an engine is unknown.
+    """
+    with Store(default_path()) as kept:
+        return Cells(check_all(Runs(kept), [scene], engines))

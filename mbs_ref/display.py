@@ -1,0 +1,43 @@
+"""What a notebook shows of our objects: small tables in HTML, escaped, which any theme colours."""
+
+from __future__ import annotations
+
+import html
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+MOST_ROWS = 12
+LEFT = ' style="text-align:left"'
+
+
+def facts(title: str, rows: Iterable[tuple[str, Any]]) -> str:
+    """Return a table of names and values; an empty value leaves its row out."""
+    told = [(name, value) for name, value in rows if value not in (None, "", ())]
+    return listing(title, (), [(name, value) for name, value in told], most=len(told))
+
+
+def listing(title: str, head: Sequence[str], rows: Sequence[Sequence[Any]], most: int = MOST_ROWS) -> str:
+    """Return a table with a head; beyond `most` rows their number stands for the rest."""
+    shown = [_row(row, "td") for row in rows[:most]]
+    rest = f"<tr><td colspan=9>and {len(rows) - most} more</td></tr>" if len(rows) > most else ""
+    return (
+        f"<table><caption{LEFT}><b>{html.escape(title)}</b></caption>"
+        f"{_row(head, 'th') if head else ''}{''.join(shown)}{rest}</table>"
+    )
+
+
+def _row(cells: Sequence[Any], tag: str) -> str:
+    return "<tr>" + "".join(f"<{tag}{LEFT}>{html.escape(shown(cell))}</{tag}>" for cell in cells) + "</tr>"
+
+
+def shown(value: Any) -> str:
+    """Return a value in few characters."""
+    if value is None:
+        return "–"
+    if isinstance(value, float):
+        return f"{value:.6g}"
+    if isinstance(value, tuple | list):
+        return ", ".join(map(shown, value))
+    if isinstance(value, dict):
+        return ", ".join(f"{key}={shown(item)}" for key, item in value.items())
+    return str(value)
