@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -20,9 +21,9 @@ from mbs_ref.scene.scales import scales_of
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
 from mbs_ref.trajectory import Trajectory
+from reports.facts.turns import least_times
 from reports.studies.models.facts import Ladder, ModelsFacts, Rung
 
-ROUNDS = 3  # interleaved runs of each rung, of which the least counts
 OBSERVED = NoTruth("held against where the bodies really were")
 Model = tuple[str, Scene, Settings]
 Told = Callable[[Scene, Trajectory], tuple[dict[str, float], float | None]]  # what is shown, and the accuracy
@@ -163,17 +164,18 @@ def tracks() -> Ladder:
 def ladder(title: str, note: str, measured: str, models: Sequence[Model], told: Told) -> Ladder:
     """Run every model once for what it tells, and in randomly interleaved turns for its time."""
     paths = [simulate(scene, settings) for _, scene, settings in models]
-    best, random = np.full(len(models), np.inf), np.random.default_rng(0)
-    for _ in range(ROUNDS):
-        for k in random.permutation(len(models)):
-            best[k] = min(best[k], simulate(*models[k][1:]).timing.loop_s)
-    rungs = []
+    again = [partial(_loop_time, scene, settings) for _, scene, settings in models]
+    best, rungs = least_times(again, [path.timing.loop_s for path in paths]), []
     for (name, scene, _), path, seconds in zip(models, paths, best, strict=True):
         if not path.ok:
             raise RuntimeError(f"{title}, {name}: {path.message}")
         shown, accuracy = told(scene, path)
-        rungs.append(Rung(name, float(seconds), int(path.rhs_calls), shown, accuracy))
+        rungs.append(Rung(name, seconds, int(path.rhs_calls), shown, accuracy))
     return Ladder(title, note, _method(models[0][2], models), measured, tuple(rungs))
+
+
+def _loop_time(scene: Scene, settings: Settings) -> float:
+    return simulate(scene, settings).timing.loop_s
 
 
 def _method(first: Settings, models: Sequence[Model]) -> str:

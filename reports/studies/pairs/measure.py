@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
-
-import numpy as np
 
 from cross_checks import engines
 from cross_checks.engine import Engine, Method
@@ -17,13 +17,12 @@ from cross_checks.records.store import Store, default_path
 from mbs_ref import scenes
 from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings
+from reports.facts.turns import least_times
 from reports.reproduce import scene_label
 from reports.studies.pairs.facts import Pair, PairsFacts, Row
 from reports.studies.pairs.sky_places import sky_places
 
 OURS = "mbs_ref"
-ROUNDS = 3  # interleaved runs of each, of which the least counts
-LONG = 10.0  # s, of a run that is not repeated
 Entrants = tuple[tuple[str, tuple[str, ...]], ...]  # engine and its methods; none named stands for all that run it
 
 
@@ -130,25 +129,25 @@ def _timed(scene: Scene, entrants: Sequence[tuple[str, Method, Reached]]) -> lis
     """Time everyone who reached a target in randomly interleaved runs."""
     rows = [_row(scene, *entrant) for entrant in entrants]
     ran = [k for k, row in enumerate(rows) if row.answer == "reached"]
-    first = {k: _loop_time(entrants[k][2]) for k in ran}
-    again = [k for k in ran if first[k] < LONG]
-    best = first | dict.fromkeys(again, np.inf)
-    random, times = np.random.default_rng(0), ladder.grid(scene)
-    for _ in range(ROUNDS):
-        for k in random.permutation(again):
-            settings = Settings(**entrants[k][2].record.settings)  # type: ignore[union-attr]
-            path = engines.get(entrants[k][0]).run(scene, settings, times)
-            best[k] = min(best[k], path.timing.loop_s)
+    times = ladder.grid(scene)
+
+    def again(k: int) -> float:
+        name, _, reached = entrants[k]
+        assert reached.record is not None
+        return engines.get(name).run(scene, Settings(**reached.record.settings), times).timing.loop_s
+
+    first = [_loop_time(entrants[k][2]) for k in ran]
+    best = dict(zip(ran, least_times([partial(again, k) for k in ran], first), strict=True))
     ours = min((best[k] for k in ran if rows[k].engine == OURS), default=None)
     return [
-        replace(row, loop_s=float(best[k]), ratio=None if ours is None else float(best[k] / ours)) if k in best else row
+        replace(row, loop_s=best[k], ratio=None if ours is None else best[k] / ours) if k in best else row
         for k, row in enumerate(rows)
     ]
 
 
 def _loop_time(reached: Reached) -> float:
     """Return the loop time (s) of the run that was searched for."""
-    return np.inf if reached.record is None else reached.record.times.get("loop_s", np.inf)
+    return math.inf if reached.record is None else reached.record.times.get("loop_s", math.inf)
 
 
 def _row(scene: Scene, engine: str, method: Method, reached: Reached) -> Row:

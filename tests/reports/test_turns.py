@@ -1,0 +1,17 @@
+"""Times in interleaved turns: the least of a short run's, one alone of a long run's."""
+
+from __future__ import annotations
+
+from reports.facts.turns import ENOUGH, ROUNDS, least_times
+
+
+def test_short_runs_take_every_turn_and_long_ones_one():
+    taken = {"short": 0, "long": 0}
+
+    def run(name: str, seconds: float) -> float:
+        taken[name] += 1
+        return seconds / taken[name]
+
+    found = least_times([lambda: run("short", 0.3), lambda: run("long", 6.0)], [0.3, 2 * ENOUGH])
+    assert taken == {"short": ROUNDS, "long": 1}
+    assert found == [0.3 / ROUNDS, 6.0]
