@@ -146,9 +146,4 @@ def _reactions(system: System, plan: Plan, times: np.ndarray, states: np.ndarray
     if not plan.settings.reactions:
         return {}
     system.set_baumgarte(0.0)
-    samples = []
-    for t, y in zip(times, states, strict=True):
-        system.set_mode_time(t)
-        system.recall_modes(t)  # not the modes that the run ended in
-        samples.append(system.reactions(t, y))
-    return {name: np.array([sample[name] for sample in samples]) for name in samples[0]} if samples else {}
+    return system.reactions_over(times, states)

@@ -11,7 +11,7 @@ from mbs_ref.cores.joint_graph import Edge, joint_rows, layout, row_count
 from mbs_ref.cores.loops import Closure, loops_of_closures
 from mbs_ref.kernels.rigid.closures import Loops
 from mbs_ref.kernels.signals import SignalArrays
-from mbs_ref.scene import Scene
+from mbs_ref.scene import GROUND, Scene
 from mbs_ref.scene.base.rows import Row
 from mbs_ref.scene.joints import Drive
 from mbs_ref.scene.signals import DEGREE, Segment, motion_segments
@@ -44,6 +44,7 @@ class Builder:
         self.joint_rows = joint_rows(scene)
         self.layout = layout(scene, self.joint_rows)
         self.n = len(scene.bodies)
+        self.scene_index = {body.name: k for k, body in enumerate(scene.bodies)} | {GROUND: -1}
         self.number = {body: k for k, body in enumerate(self.layout.order)} | {-1: self.n}
         self.segments: list[list[Segment]] = []
         self.place: dict[int, Place] = {}  # by the joint's index
@@ -83,7 +84,7 @@ class Builder:
 
     def body(self, name: str) -> int:
         """Return a body's elimination number; that of ground is the number of bodies."""
-        return self.number[self.scene.body_index(name)]
+        return self.number[self.scene_index[name]]
 
     def signal(self, segments: list[Segment]) -> int:
         self.segments.append(segments)

@@ -48,4 +48,5 @@ def contact_noise(scene: Scene) -> float:
 
 def contact_modes(scene: Scene, count: int) -> shared.ContactModes:
     """Return `count` modes before a run has settled them."""
-    return shared.fresh_modes(count, contact_noise(scene), SLOW * scales_of(scene).speed, MOST_LOGGED, scene.dimension)
+    slow = SLOW * scales_of(scene).speed if count else 0.0  # the scales take as long as the rest
+    return shared.fresh_modes(count, contact_noise(scene), slow, MOST_LOGGED, scene.dimension)

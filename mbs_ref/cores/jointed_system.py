@@ -5,6 +5,7 @@ from __future__ import annotations
 import ctypes
 from abc import abstractmethod
 from collections.abc import Mapping, Sequence
+from copy import copy
 from functools import cached_property
 from typing import Any, ClassVar, NamedTuple
 
@@ -15,19 +16,25 @@ from mbs_ref.cores.contact_system import ContactSystem
 from mbs_ref.cores.system import RANK_TOLERANCE
 from mbs_ref.cores.user_rows import UserRow, write_user_rows
 from mbs_ref.kernels.controls import CONTROL_MODE_TIME, CONTROL_POSITION_GAIN, CONTROL_VELOCITY_GAIN
+from mbs_ref.kernels.rigid.reactions import JointRows, forces_at_joints
 from mbs_ref.scene import GROUND, UserConstraint, UserForce
 from mbs_ref.scene.base.taylor import Taylor
 
+MOST_AT_ONCE = 1_000_000  # numbers of reactions that are made together: 8 MB
+CHANGED = ("contact_modes", "near_pairs", "world")  # groups that a run writes to
 _CALLBACK = ctypes.CFUNCTYPE(None, ctypes.c_double, ctypes.c_uint64)
+
+
+def _copied(group: Any) -> Any:
+    """Return a group with arrays of its own; a log is empty before a run, and large."""
+    return type(group)(*(np.zeros_like(a) if name == "log" else a.copy() for name, a in group._asdict().items()))
 
 
 class Reporting(NamedTuple):
     """What each joint's reaction is read from, joint after joint."""
 
     names: tuple[str, ...]
-    slot: np.ndarray  # (n_joints,)
-    side: np.ndarray  # (n_joints,) of the body whose force it is
-    rows: np.ndarray  # (n_joints, rows a slot) bool: the joint's own among those of its slot
+    rows: JointRows
     sign: np.ndarray  # (n_joints, 1)
     body: np.ndarray  # (n_joints,) scene index
     arm: np.ndarray  # (n_joints, dimension) m, from the body's centre of mass to the joint's point, body axes
@@ -42,6 +49,25 @@ class JointedSystem(ContactSystem):
     place: Mapping[int, Place]  # of each joint's rows
 
     # --- set-up -----------------------------------------------------------------------------------
+
+    def _allocate(self, groups: Any) -> None:
+        """Take groups that no run has changed, keep a copy of what a run changes, and make room for one."""
+        self.groups, self.user_error = groups, None
+        self._untouched = [_copied(getattr(groups, name)) for name in CHANGED]
+        self.scratch = self._scratch()
+        self._keep_alive = self._connect_user_forces(), self._connect_user_rows()
+
+    @abstractmethod
+    def _scratch(self) -> Any:
+        """Return the scratch of one run."""
+
+    def twin(self) -> JointedSystem:
+        other = copy(self)
+        for name in ("handles", "model", "work"):  # they point at the arrays of this one
+            vars(other).pop(name, None)
+        fresh = dict(zip(CHANGED, map(_copied, self._untouched), strict=True))
+        other._allocate(self.groups._replace(**fresh))
+        return other
 
     def _connect_user_forces(self) -> Any:
         laws: list[Any] = [load for load in self.scene.loads if isinstance(load, UserForce)]
@@ -171,7 +197,7 @@ class JointedSystem(ContactSystem):
         """Return lambda (n_slots, rows a slot), as the rows are kept; leave C_q at (t, y) in the scratch."""
         dy = self.derivative(t, y)
         result = self.scratch.rows.multiplier.copy()
-        if self.scratch.closures.rank.sum() == self.n_closure_rows or not len(dy):
+        if not len(self.groups.loops.slot) or self.scratch.closures.rank.sum() == self.n_closure_rows or not len(dy):
             return result
         unbalanced = self._unbalanced(t, y, dy)
         found = np.linalg.lstsq(self.jacobian(t, y).T, unbalanced, rcond=RANK_TOLERANCE)[0]
@@ -184,11 +210,33 @@ class JointedSystem(ContactSystem):
         """Return Q - M a of the last derivative dy, in scene order."""
 
     def reactions(self, t: float, y: np.ndarray) -> dict[str, np.ndarray]:
-        """Return each joint's force (N) and torque (N m) on its last body at the joint point, world axes."""
+        sample = np.empty((1, len(self._reporting.names), self.RATES))
+        axes = self._forces_on_bodies(t, y, sample[0])
+        return dict(zip(self._reporting.names, self._about_marks(axes[None], sample)[0], strict=True))
+
+    def reactions_over(self, times: np.ndarray, states: np.ndarray) -> dict[str, np.ndarray]:
+        of, forces = self._reporting, np.empty((len(times), len(self.place), self.RATES))
+        each = max(1, MOST_AT_ONCE // max(1, forces[:1].size))
+        for start in range(0, len(times), each):
+            block = slice(start, start + each)
+            axes = []
+            for t, y, sample in zip(times[block].tolist(), states[block], forces[block], strict=True):
+                self.set_mode_time(t)
+                self.recall_modes(t)  # not the modes that the run ended in
+                axes.append(self._forces_on_bodies(t, y, sample))
+            forces[block] = self._about_marks(np.array(axes), forces[block])
+        return {name: forces[:, k].copy() for k, name in enumerate(of.names)} if len(times) else {}
+
+    def _forces_on_bodies(self, t: float, y: np.ndarray, out: np.ndarray) -> np.ndarray:
+        """Fill out (n_joints, rates) with the joints' forces on their bodies at (t, y); return the bodies' axes."""
         of = self._reporting
-        multiplier = np.where(of.rows, self._multipliers_by_slot(t, y)[of.slot], 0.0)
-        forces = of.sign * np.einsum("jr,jrc->jc", multiplier, self.scratch.rows.jacobian[of.slot, of.side])
-        return dict(zip(of.names, self._at_marks(forces, of.body, of.arm, y), strict=True))
+        forces_at_joints(of.rows, self._multipliers_by_slot(t, y), self.scratch.rows.jacobian, out)
+        return self._axes(y)
+
+    def _about_marks(self, axes: np.ndarray, forces: np.ndarray) -> np.ndarray:
+        """Return force (N) and torque (N m) about the joint points (n_t, n_joints, rates)."""
+        of = self._reporting
+        return self._about(self._world_arms(axes[:, of.body], of.arm), of.sign * forces)
 
     @cached_property
     def _reporting(self) -> Reporting:
@@ -196,17 +244,14 @@ class JointedSystem(ContactSystem):
         parts: list[Any] = [self.scene.joints[k] for k in self.place]
         places = list(self.place.values())
         mirrored = np.array([part.ends[1] == GROUND for part in parts], dtype=bool)
-        last = ["body_b" if hasattr(part, "body_b") else "body" for part in parts]
+        last = ["body_b" if "body_b" in vars(part) else "body" for part in parts]
         fields = np.where(mirrored, "body_a", last).tolist()
         bodies = [self.scene.body_index(getattr(part, name)) for part, name in zip(parts, fields, strict=True)]
         marks = [part.mark(name) for part, name in zip(parts, fields, strict=True)]
-        first, side = np.array([at.row for at in places]), np.array([at.side for at in places], dtype=int)
-        row, count = np.arange(self.RATES), np.array([at.count for at in places])
+        slot, first, side, count = np.array([(*at,) for at in places], dtype=np.int64).reshape(-1, 4).T.copy()
         return Reporting(
             names=tuple(part.name for part in parts),
-            slot=np.array([at.slot for at in places], dtype=int),
-            side=np.where(mirrored, side, 1 - side),
-            rows=(row >= first[:, None]) & (row < (first + count)[:, None]),
+            rows=JointRows(slot, np.where(mirrored, side, 1 - side), first, count),
             sign=np.where(mirrored, 1.0, -1.0)[:, None],
             body=np.array(bodies, dtype=int),
             arm=np.array([self._arm(mark, body) for mark, body in zip(marks, bodies, strict=True)]),
@@ -217,5 +262,15 @@ class JointedSystem(ContactSystem):
         """Return a mark on a body from its centre of mass in body axes, m; zero where there is none."""
 
     @abstractmethod
-    def _at_marks(self, forces: np.ndarray, body: np.ndarray, arm: np.ndarray, y: np.ndarray) -> np.ndarray:
-        """Turn generalized forces (n_joints, rates) on bodies into force and torque at the joints' points."""
+    def _axes(self, y: np.ndarray) -> np.ndarray:
+        """Return what turns each body's axes at the state y, the last evaluated: (n_bodies, ...)."""
+
+    @staticmethod
+    @abstractmethod
+    def _world_arms(axes: np.ndarray, arm: np.ndarray) -> np.ndarray:
+        """Turn arms (n_joints, dimension) by axes (n_t, n_joints, ...) into world axes."""
+
+    @staticmethod
+    @abstractmethod
+    def _about(arms: np.ndarray, forces: np.ndarray) -> np.ndarray:
+        """Turn forces (..., rates) on bodies into force and torque about points with these arms (..., dimension)."""

@@ -59,6 +59,10 @@ class System(ABC):
         for handle in self.handles:
             core.prepare(self.CORE, handle, group)
 
+    @abstractmethod
+    def twin(self) -> System:
+        """Return another system of the scene, as it is before any run."""
+
     # --- evaluation, common to all cores ------------------------------------------------------------
 
     def derivative(self, t: float, y: np.ndarray) -> np.ndarray:
@@ -157,9 +161,13 @@ class System(ABC):
     def residuals(self, t: float, y: np.ndarray) -> dict[str, tuple[np.ndarray, np.ndarray]]:
         """Return C and C_dot of every joint by name."""
 
-    @abstractmethod
     def reactions(self, t: float, y: np.ndarray) -> dict[str, np.ndarray]:
-        """Return each joint's force and torque on its last body, at the joint point, in world axes."""
+        """Return each joint's force and torque (3 or 6,) on its last body, at the joint point, in world axes."""
+        return {}
+
+    def reactions_over(self, times: np.ndarray, states: np.ndarray) -> dict[str, np.ndarray]:
+        """Return the reactions (n_t, 3 or 6) at times of the last run, in the modes that held then."""
+        return {}
 
     @abstractmethod
     def rank(self, t: float, y: np.ndarray) -> int:

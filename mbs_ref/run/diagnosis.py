@@ -44,16 +44,25 @@ def deeper_cause(system: System, status: Status, t: float, y: np.ndarray) -> str
 
 def weakest_joints(system: System, t: float, y: np.ndarray) -> tuple[float, list[str]]:
     """Return the smallest singular value of the scaled C_q, permanent redundancy apart, and whose rows it is."""
-    joints = system.row_joints()
-    if not 0 < len(joints) <= MOST_ROWS:
-        return 1.0, []
-    independent = np.linalg.matrix_rank(system.scaled_jacobian(0.0, system.initial_state()), tol=1e-9)
+    joints, independent = system.row_joints(), independent_rows(system)
     if not independent:
         return 1.0, []
-    rows, values, _ = np.linalg.svd(system.scaled_jacobian(t, y))
+    rows, values, _ = np.linalg.svd(system.scaled_jacobian(t, y), full_matrices=False)
     part = np.abs(rows[:, independent - 1])
     named = [joints[k] for k in np.argsort(-part) if part[k] > SHARE * part.max()]
     return float(values[independent - 1]), list(dict.fromkeys(named))[:MOST_NAMED]
+
+
+def independent_rows(system: System) -> int:
+    """Return how many rows of the joints are independent at the start; 0 where they are too many to look at."""
+    if not 0 < len(system.row_joints()) <= MOST_ROWS:
+        return 0
+    return int(np.linalg.matrix_rank(system.scaled_jacobian(0.0, system.initial_state()), tol=1e-9))
+
+
+def smallest_singular_value(system: System, t: float, y: np.ndarray, independent: int) -> float:
+    """Return that of the scaled C_q, permanent redundancy apart: the last of so many."""
+    return float(np.linalg.svd(system.scaled_jacobian(t, y), compute_uv=False)[independent - 1])
 
 
 def _weak_joints(system: System, status: Status, t: float, y: np.ndarray) -> str:

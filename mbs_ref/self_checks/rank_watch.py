@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 
 from mbs_ref.cores.system import System
-from mbs_ref.run.diagnosis import weakest_joints
+from mbs_ref.run.diagnosis import independent_rows, smallest_singular_value, weakest_joints
 
 NEAR = 0.05  # of the smallest singular value at the start: roundoff in reactions is 20 times what it was there
 SUSPECT = 0.05  # relative closure pivot below which singular values are looked at: pivots go as their squares
@@ -23,13 +23,16 @@ def singular_passage(system: System, times: np.ndarray, states: np.ndarray) -> t
     looks = np.unique(np.linspace(0, len(times) - 1, MOST_LOOKS).round().astype(int))
     pivots = np.array([_pivot(system, float(times[k]), states[k]) for k in looks])
     close = [looks[k] for k in np.argsort(pivots)[:MOST_CLOSE] if pivots[k] < SUSPECT]
-    if not close:
+    independent = independent_rows(system) if close else 0
+    if not independent:
         return ()
-    weakest = [(*weakest_joints(system, float(times[k]), states[k]), float(times[k])) for k in close]
-    smallest, joints, t = min(weakest, key=lambda one: one[0])
-    start, _ = weakest_joints(system, 0.0, states[0])
-    if not joints or smallest > NEAR * start:
+    values = [smallest_singular_value(system, float(times[k]), states[k], independent) for k in close]
+    smallest, place = min(zip(values, close, strict=True))
+    start = smallest_singular_value(system, 0.0, states[0], independent)
+    if smallest > NEAR * start:
         return ()
+    t = float(times[place])
+    _, joints = weakest_joints(system, t, states[place])
     names = ", ".join(repr(name) for name in joints)
     return (
         f"the run passes close to a singular pose at t = {t:.6g} s: the smallest singular value of C_q is "

@@ -35,7 +35,7 @@ def require_sound(scene: Scene) -> None:
 def _part_troubles(kind: str, scene: Scene) -> Iterator[str]:
     for part in getattr(scene, kind):
         try:
-            type(part)(**dict(part))
+            type(part)(**vars(part))
         except ValidationError as error:
             yield f"{kind} {part.name!r}: {sentences(error, type(part), dict(part))}"
 

@@ -40,6 +40,9 @@ class ParticleSystem(System):
             if gap < particles.radius[i] + particles.radius[j]:
                 raise ValueError(f"{names} overlap at t = 0: {gap:.6g} m apart, less than the sum of their radii")
 
+    def twin(self) -> ParticleSystem:
+        return ParticleSystem(self.scene)
+
     def initial_state(self) -> np.ndarray:
         """Return y (6 n_bodies,) at t = 0."""
         q = [body.position for body in self.scene.bodies]
@@ -70,9 +73,6 @@ class ParticleSystem(System):
         """There is nothing to stabilize."""
 
     def residuals(self, t: float, y: np.ndarray) -> dict[str, tuple[np.ndarray, np.ndarray]]:
-        return {}
-
-    def reactions(self, t: float, y: np.ndarray) -> dict[str, np.ndarray]:
         return {}
 
     def rank(self, t: float, y: np.ndarray) -> int:

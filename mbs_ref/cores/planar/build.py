@@ -40,7 +40,7 @@ class _Builder(Builder):
 
     def local(self, name: str, point: tuple[float, ...]) -> np.ndarray:
         """Return a world point at t = 0 in body axes."""
-        index = self.scene.body_index(name)
+        index = self.scene_index[name]
         if index < 0:
             return np.array(point, dtype=float)
         body: Any = self.scene.bodies[index]
@@ -48,7 +48,7 @@ class _Builder(Builder):
         return offset if isinstance(body, PointMass) else _rotation(body.angle).T @ offset
 
     def angle(self, name: str) -> float:
-        body: Any = self.scene.bodies[self.scene.body_index(name)] if name != "ground" else None
+        body: Any = self.scene.bodies[self.scene_index[name]] if name != "ground" else None
         return body.angle if isinstance(body, PlanarBody) else 0.0
 
 

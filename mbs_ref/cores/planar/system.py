@@ -16,7 +16,7 @@ from mbs_ref.kernels import answers as core
 from mbs_ref.kernels.border.questions import apply_loads
 from mbs_ref.kernels.contact.laws import MODE_CLOSED
 from mbs_ref.kernels.planar import dynamics
-from mbs_ref.kernels.planar.model import planar_scratch
+from mbs_ref.kernels.planar.model import PlanarScratch, planar_scratch
 from mbs_ref.scene import PlanarBody, PointMass, Scene
 from mbs_ref.scene.joints import PlanarPlace
 from mbs_ref.scene.scales import Scales
@@ -37,11 +37,13 @@ class PlanarSystem(JointedSystem):
             raise ValueError(f"scene {scene.name!r} is spatial; the planar core takes planar bodies and point masses")
         self.scene = scene
         self.n_bodies = len(scene.bodies)
-        self.groups, self.place = build_planar(scene)
-        self.scratch = planar_scratch(self.n_bodies, len(self.groups.slots.body), self.groups.loops)
-        self._keep_alive = self._connect_user_forces(), self._connect_user_rows()
+        groups, self.place = build_planar(scene)
+        self._allocate(groups)
 
     # --- set-up -----------------------------------------------------------------------------------
+
+    def _scratch(self) -> PlanarScratch:
+        return planar_scratch(self.n_bodies, len(self.groups.slots.body), self.groups.loops)
 
     def initial_state(self) -> np.ndarray:
         """Return y (6 n_bodies,) at t = 0."""
@@ -150,11 +152,18 @@ class PlanarSystem(JointedSystem):
         c, s = (np.cos(start.angle), np.sin(start.angle)) if isinstance(start, PlanarBody) else (1.0, 0.0)
         return np.array([[c, s], [-s, c]]) @ np.subtract(mark, start.position)
 
-    def _at_marks(self, forces: np.ndarray, body: np.ndarray, arm: np.ndarray, y: np.ndarray) -> np.ndarray:
-        angle = y[: 3 * self.n_bodies].reshape(-1, 3)[body, 2]
-        c, s = np.cos(angle), np.sin(angle)
+    def _axes(self, y: np.ndarray) -> np.ndarray:
+        return y[2 : 3 * self.n_bodies : 3]
+
+    @staticmethod
+    def _world_arms(axes: np.ndarray, arm: np.ndarray) -> np.ndarray:
+        c, s = np.cos(axes), np.sin(axes)
         along, across = arm.reshape(-1, 2).T
-        forces[:, 2] -= (c * along - s * across) * forces[:, 1] - (s * along + c * across) * forces[:, 0]
+        return np.stack((c * along - s * across, s * along + c * across), axis=-1)
+
+    @staticmethod
+    def _about(arms: np.ndarray, forces: np.ndarray) -> np.ndarray:
+        forces[..., 2] -= arms[..., 0] * forces[..., 1] - arms[..., 1] * forces[..., 0]
         return forces
 
 

@@ -11,7 +11,7 @@ from mbs_ref.cores.spatial.build import build_spatial, world_axes
 from mbs_ref.cores.system import Poses
 from mbs_ref.cores.user_rows import variable
 from mbs_ref.kernels import answers as core
-from mbs_ref.kernels.spatial.model import spatial_scratch
+from mbs_ref.kernels.spatial.model import SpatialScratch, spatial_scratch
 from mbs_ref.scene import Scene, SpatialBody, symmetric
 from mbs_ref.scene.base.taylor import Taylor
 from mbs_ref.scene.euler_parameters import parameter_matrix, rotation_matrices
@@ -41,14 +41,17 @@ class SpatialSystem(JointedSystem):
             raise ValueError(f"scene {scene.name!r} is planar; the spatial core takes spatial bodies and point masses")
         self.scene = scene
         self.n_bodies = len(scene.bodies)
-        self.groups, self.place = build_spatial(scene)
-        sticking = int(self.groups.contact_pairs.sticking[0])
-        self.scratch = spatial_scratch(self.n_bodies, len(self.groups.slots.body), self.groups.loops, sticking)
-        self.scratch.kinematics.inertia[: self.n_bodies] = self.groups.bodies.inertia
-        self._keep_alive = self._connect_user_forces(), self._connect_user_rows()
+        groups, self.place = build_spatial(scene)
+        self._allocate(groups)
         self.groups.loops.most[:] = self._closure_ranks()
 
     # --- set-up -----------------------------------------------------------------------------------
+
+    def _scratch(self) -> SpatialScratch:
+        sticking = int(self.groups.contact_pairs.sticking[0])
+        scratch = spatial_scratch(self.n_bodies, len(self.groups.slots.body), self.groups.loops, sticking)
+        scratch.kinematics.inertia[: self.n_bodies] = self.groups.bodies.inertia
+        return scratch
 
     def initial_state(self) -> np.ndarray:
         """Return y at t = 0."""
@@ -250,7 +253,13 @@ class SpatialSystem(JointedSystem):
         start = self.scene.bodies[body]
         return np.zeros(3) if mark is None else world_axes(start).T @ np.subtract(mark, start.position)
 
-    def _at_marks(self, forces: np.ndarray, body: np.ndarray, arm: np.ndarray, y: np.ndarray) -> np.ndarray:
-        turned = self._in_scene_order(self.scratch.kinematics.turned[: self.n_bodies])[body]
-        arms = np.einsum("jab,jb->ja", turned, arm.reshape(-1, 3))
-        return np.hstack((forces[:, :3], forces[:, 3:] - np.cross(arms, forces[:, :3])))
+    def _axes(self, y: np.ndarray) -> np.ndarray:
+        return self._in_scene_order(self.scratch.kinematics.turned[: self.n_bodies])
+
+    @staticmethod
+    def _world_arms(axes: np.ndarray, arm: np.ndarray) -> np.ndarray:
+        return np.einsum("tjab,jb->tja", axes, arm.reshape(-1, 3))
+
+    @staticmethod
+    def _about(arms: np.ndarray, forces: np.ndarray) -> np.ndarray:
+        return np.concatenate((forces[..., :3], forces[..., 3:] - np.cross(arms, forces[..., :3])), axis=-1)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import cache
 from typing import Any, ClassVar
 
 from mbs_ref.scene.base.part import Name, Part, Role, fields_of
@@ -10,6 +11,12 @@ from mbs_ref.scene.bodies import GROUND
 from mbs_ref.scene.signals import AnySignal
 
 NO_ORIENTATION = "and has no orientation; use a rigid body"
+
+
+@cache
+def _signal_fields(kind: type[Part]) -> tuple[str, ...]:
+    """Return the fields of a kind of part that hold functions of time."""
+    return tuple(name for name, field in kind.model_fields.items() if field.annotation == AnySignal)
 
 
 class Attached(Part):
@@ -25,19 +32,22 @@ class Attached(Part):
     @property
     def ends(self) -> tuple[str, str]:
         """The two bodies it acts between; one that has a single body acts from ground."""
-        parts: Any = self
-        return (parts.body_a, parts.body_b) if hasattr(self, "body_a") else (GROUND, getattr(self, "body", GROUND))
+        fields = vars(self)  # quicker to ask than hasattr, which a model answers by an exception
+        return (fields["body_a"], fields["body_b"]) if "body_a" in fields else (GROUND, fields.get("body", GROUND))
 
     @property
     def signals(self) -> list[AnySignal]:
         """Its functions of time."""
-        return [value for value in vars(self).values() if isinstance(value, AnySignal)]
+        return [getattr(self, field) for field in _signal_fields(type(self))]
 
     def mark(self, end: str) -> tuple[float, ...] | None:
         """Return the world point (m, t = 0) where it holds the body named in the field `end`, if it has one."""
-        own = (getattr(self, kind + end.removeprefix("body"), None) for kind in ("point", "center"))
-        shared = (getattr(self, kind, None) for kind in ("point", "center"))
-        return next((mark for mark in (*own, *shared) if mark is not None), None)
+        fields, side = vars(self), end.removeprefix("body")
+        for name in ("point" + side, "center" + side, "point", "center"):
+            mark = fields.get(name)
+            if mark is not None:
+                return mark
+        return None
 
     def vectors(self) -> Iterator[tuple[str, tuple[float, ...]]]:
         """Yield the fields that hold world vectors of the scene's dimension."""
