@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -10,10 +11,11 @@ from typing import Any, NamedTuple
 import numpy as np
 from pydantic import ValidationError
 
-from mbs_ref.scene import Bushing, Scene, TorsionSpring
+from mbs_ref.scene import GROUND, Bushing, Scene, TorsionSpring
 from mbs_ref.scene.messages import suggest
 
 RATE = ".rate"  # a start rate is asked for as joint.rate
+LONGEST = 48  # letters of a name: a scene allows 64, and a joint's spring and damper are named after it
 LOCKED = "locked"  # the value of a joint that shall not move
 
 
@@ -37,6 +39,13 @@ class Axis(NamedTuple):
     point: tuple[float, float, float]  # m
     along: tuple[float, float, float]  # direction
     slides: bool
+
+
+def plain(name: str) -> str:
+    """Return a name of a file as scenes allow names: without spaces and slashes, a letter first, none of ground's."""
+    told = re.sub(r"[^A-Za-z0-9_.\-]", "_", name)[:LONGEST]
+    told = told if re.match(r"[A-Za-z]", told) else f"n{told}"[:LONGEST]
+    return f"{told}_" if told == GROUND else told
 
 
 def refuse(path: Path, reasons: Iterable[str]) -> None:

@@ -87,6 +87,22 @@ def awaited(what: str) -> Iterator[None]:
         clock.cancel()
 
 
+@contextmanager
+def compiling() -> Iterator[None]:
+    """Say on stderr, once, that the solver is being compiled: it would look as if it hung."""
+    from cross_checks.isolation.compilation import told
+
+    said: list[bool] = []
+
+    def begins() -> None:
+        if not said:
+            said.append(True)
+            click.echo("compiling the solver, once on this machine: a minute or two ...", err=True)
+
+    with told(begins, lambda: None):
+        yield
+
+
 class Lines:
     """Progress for a log: done of how many, what comes next, and how long the rest takes at the pace so far."""
 

@@ -13,7 +13,7 @@ import mujoco
 
 from cross_checks.engines.mujoco_.mjcf_limits import IGNORABLE, assumptions, refusals
 from cross_checks.engines.mujoco_.mjcf_pose import HINGE, SLIDE, Posed
-from cross_checks.workshop.robot import LOCKED, RATE, Robot, RobotError, of_file, refuse, three, unknown
+from cross_checks.workshop.robot import LOCKED, RATE, Robot, RobotError, of_file, plain, refuse, three, unknown
 from mbs_ref.scene import Scene
 
 OPTIONS = "gravity, duration, ignore"
@@ -41,7 +41,7 @@ def read_mjcf(path: Path, given: Mapping[str, Any] | None = None) -> Robot:
     pulled = three(model.opt.gravity) if gravity is None else (0.0, 0.0, -float(gravity))
     with of_file(path):
         scene = Scene(
-            name=path.stem, source=path.name, description="The model, let go: no actuator acts.",
+            name=plain(path.stem), source=path.name, description="The model, let go: no actuator acts.",
             duration=duration, gravity=pulled,
             bodies=tuple(map(posed.body, posed.moving)), joints=(*posed.joints(), *posed.closures()),
             loads=tuple(posed.loads()), parameters=dict(given or {}),

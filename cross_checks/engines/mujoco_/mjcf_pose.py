@@ -13,7 +13,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from cross_checks.workshop.robot import LOCKED, RATE, Axis, own_forces, six, three
+from cross_checks.workshop.robot import LOCKED, RATE, Axis, own_forces, plain, six, three
 from mbs_ref.scene import GROUND, Cylindrical, Prismatic, Revolute, SpatialBody, Spherical, Universal, Weld
 from mbs_ref.scene.euler_parameters import from_matrix
 
@@ -48,7 +48,7 @@ class Posed:
     def name(self, body: int) -> str:
         """Return the name of what carries a body."""
         carrier = int(self.model.body_weldid[body])
-        return GROUND if carrier == 0 else self.model.body(carrier).name or f"body_{carrier}"
+        return GROUND if carrier == 0 else plain(self.model.body(carrier).name or f"body_{carrier}")
 
     def parts(self, body: int) -> list[int]:
         return [b for b in range(1, self.model.nbody) if self.model.body_weldid[b] == body]
@@ -82,7 +82,7 @@ class Posed:
     def axis(self, j: int) -> Axis:
         body = int(self.model.jnt_bodyid[j])
         ends = self.name(int(self.model.body_parentid[body])), self.name(body)
-        return Axis(self.model.joint(j).name or f"joint_{j}", *ends, three(self.data.xanchor[j]),
+        return Axis(plain(self.model.joint(j).name or f"joint_{j}"), *ends, three(self.data.xanchor[j]),
                     three(self.data.xaxis[j]), self.model.jnt_type[j] == SLIDE)  # fmt: skip
 
     @cached_property
@@ -122,7 +122,7 @@ class Posed:
         """Yield what equality constraints close."""
         for e, (a, b), places in self.equalities():
             ends = {
-                "name": self.model.equality(e).name or f"closure_{e}",
+                "name": plain(self.model.equality(e).name or f"closure_{e}"),
                 "body_a": self.name(a),
                 "body_b": self.name(b),
             }

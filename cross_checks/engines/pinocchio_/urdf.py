@@ -18,6 +18,7 @@ from cross_checks.workshop.robot import (
     RobotError,
     of_file,
     own_forces,
+    plain,
     refuse,
     six,
     three,
@@ -26,7 +27,8 @@ from cross_checks.workshop.robot import (
 from mbs_ref.scene import GROUND, Bushing, Prismatic, Revolute, Scene, SpatialBody, TorsionSpring
 from mbs_ref.scene.euler_parameters import from_matrix
 
-OPTIONS = "gravity, duration, base"
+OPTIONS = "gravity, duration, base, ignore"
+IGNORABLE = ("damping", "friction")
 FREE = "root_joint"  # Pinocchio's name of the joint that a free root has
 TURNING, SLIDING = ("revolute", "continuous"), ("prismatic",)
 
@@ -47,8 +49,9 @@ def read_urdf(path: Path, given: Mapping[str, Any] | None = None) -> Robot:
     """Read a robot, at rest in its zero pose with its root fixed to the ground unless `given` says otherwise.
 
     `given` holds joint values (rad, m) by joint names, or "locked" for one that shall not move, rates (rad/s, m/s) as
-    `joint.rate`, `gravity` (m/s^2, down along z), `duration` (s) and `base`: "fixed" or "free". Links behind fixed
-    joints are parts of the link that carries them. Raises RobotError: no URDF, a joint that is floating, planar or
+    `joint.rate`, `gravity` (m/s^2, down along z), `duration` (s), `base`: "fixed" or "free", and `ignore`: a
+    comma-separated list of IGNORABLE that the file has and the scene leaves out. Links behind fixed joints are parts of
+    the link that carries them. Raises RobotError: no URDF, a joint that is floating, planar or
     mimics another, dry friction, a moving link without mass or with an inertia that no body has, an unknown name.
     """
     asked = dict(given or {})
@@ -56,7 +59,10 @@ def read_urdf(path: Path, given: Mapping[str, Any] | None = None) -> Robot:
     base = str(asked.pop("base", "fixed"))
     if base not in ("fixed", "free"):
         raise RobotError(f"-p base={base}: allowed: fixed, free")
-    elements = {element.name: element for element in _elements(path)}
+    ignored = [word for word in str(asked.pop("ignore", "")).split(",") if word]
+    refuse(path, (f"-p ignore={word}: allowed: {', '.join(IGNORABLE)}" for word in ignored if word not in IGNORABLE))
+    told = {element.name: element for element in _elements(path)}
+    elements = {name: element._replace(**dict.fromkeys(ignored, 0.0)) for name, element in told.items()}
     movable = [name for name, element in elements.items() if element.kind != "fixed"]
     refuse(path, (unknown(name, movable, OPTIONS) for name in asked if name.removesuffix(RATE) not in movable))
     locked = [name for name, value in asked.items() if value == LOCKED]
@@ -70,12 +76,12 @@ def read_urdf(path: Path, given: Mapping[str, Any] | None = None) -> Robot:
     refuse(path, moving.massless())
     with of_file(path):
         scene = Scene(
-            name=path.stem, source=path.name, description=f"The robot {model.name}, let go: no actuator acts.",
+            name=plain(path.stem), source=path.name, description=f"The robot {model.name}, let go: no actuator acts.",
             duration=duration,
             gravity=(0.0, 0.0, -gravity), bodies=tuple(map(moving.body, moving.joints)),
             joints=tuple(moving.constraints()), loads=tuple(moving.dampers()), parameters=dict(given or {}),
         )  # fmt: skip
-    return Robot(scene, tuple(_assumptions(elements.values(), base)))
+    return Robot(scene, (*_assumptions(elements.values(), base), *_left_out(told.values(), ignored)))
 
 
 def _model(path: Path, locked: list[str], free: bool) -> Any:
@@ -122,7 +128,8 @@ def _refusals(elements) -> Iterator[str]:
         if element.mimics:
             yield f"joint {element.name!r} mimics another; -p {element.name}={LOCKED} holds it still"
         if element.friction:
-            yield f"joint {element.name!r} has dry friction of {element.friction:g}; scenes have none in joints"
+            told = f"joint {element.name!r} has dry friction of {element.friction:g}; scenes have none in joints"
+            yield f"{told}; -p ignore=friction leaves it out"
 
 
 def _assumptions(elements, base: str) -> Iterator[str]:
@@ -134,6 +141,12 @@ def _assumptions(elements, base: str) -> Iterator[str]:
         yield f"no limits of place, rate or effort: {', '.join(limited)} have some in the file"
     if fixed:
         yield f"fixed to the links that carry them: {', '.join(fixed)}"
+
+
+def _left_out(elements, ignored: list[str]) -> Iterator[str]:
+    for word in ignored:
+        names = [element.name for element in elements if getattr(element, word)]
+        yield f"left out: {word} of {', '.join(names) or 'no joint'}"
 
 
 class _Posed:
@@ -154,7 +167,7 @@ class _Posed:
         self.q = q
 
     def link(self, i: int) -> str:
-        return self.elements[self.model.names[i]].child
+        return plain(self.elements[self.model.names[i]].child)
 
     def massless(self) -> Iterator[str]:
         for i in self.joints:
@@ -180,8 +193,8 @@ class _Posed:
         name, (a, b), axis = self.model.names[i], self._ends(i), self._axis(i)
         point = three(self.data.oMi[i].translation)
         if self.elements[name].kind in SLIDING:
-            return Prismatic(name=name, body_a=a, body_b=b, point=point, axis=axis)
-        return Revolute(name=name, body_a=a, body_b=b, point=point, axis=axis)
+            return Prismatic(name=plain(name), body_a=a, body_b=b, point=point, axis=axis)
+        return Revolute(name=plain(name), body_a=a, body_b=b, point=point, axis=axis)
 
     def _ends(self, i: int) -> tuple[str, str]:
         parent = self.model.parents[i]
@@ -191,7 +204,7 @@ class _Posed:
         for i in self.joints:
             element, (a, b) = self.elements[self.model.names[i]], self._ends(i)
             point, slides = three(self.data.oMi[i].translation), element.kind in SLIDING
-            yield from own_forces(Axis(element.name, a, b, point, self._axis(i), slides), 0.0, element.damping)
+            yield from own_forces(Axis(plain(element.name), a, b, point, self._axis(i), slides), 0.0, element.damping)
 
     def _axis(self, i: int) -> tuple[float, float, float]:
         """Return the axis of joint i in the world, from the columns of its Jacobian in its own axes."""

@@ -12,7 +12,7 @@ from mbs_ref.scene.traits import traits
 from mbs_ref.self_checks.stiffness import Stiffness, stiffness_at_start
 from reports import inputs
 from reports.scene_summary import summary
-from reports.terminal.console import echo_json, number, show, table
+from reports.terminal.console import compiling, echo_json, number, show, table
 
 SHOWN = 6  # eigenvalues
 
@@ -23,6 +23,7 @@ SHOWN = 6  # eigenvalues
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 def command(scene: str, parameters: tuple[str, ...], as_json: bool) -> None:
     """Linearise a scene at its start: stiffness, and the step each explicit method can bear."""
+    click.get_current_context().with_resource(compiling())
     chosen = inputs.scene(scene, parameters)
     found = stiffness_at_start(chosen)
     result: dict[str, Any] = {

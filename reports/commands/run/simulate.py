@@ -17,7 +17,7 @@ from reports.poses_file import FORMATS, write_poses
 from reports.run_plot import never_closed, run_plot
 from reports.scene_summary import summary
 from reports.terminal.asking import STORE, store_path
-from reports.terminal.console import awaited, echo_json, number, show, table
+from reports.terminal.console import awaited, compiling, echo_json, number, show, table
 from reports.terminal.exit_codes import EngineAbsent, Failed, Incomplete
 
 
@@ -59,6 +59,7 @@ def command(
 
     The result is printed at once, then its error. A truth is made once and kept in the store.
     """
+    click.get_current_context().with_resource(compiling())
     target = inputs.output(output, tuple(FORMATS))
     chosen_scene = inputs.keeping(inputs.scene(scene, parameters), kept)
     chosen = inputs.settings(method=method, **options)
@@ -150,6 +151,8 @@ def _show_error(record: Record, notes: tuple[str, ...]) -> None:
             facts.add_row(metric.label, f"{number(record.measure(metric.name))} {metric.unit}")
     for note in notes:
         facts.add_row("note", note)
+    if error is None:
+        facts.add_row("next", "mbs-ref check makes a truth of what unlike engines agree on, and judges by it")
     show(facts)
 
 

@@ -155,3 +155,12 @@ def test_three_engines_agree_on_the_scene_of_a_model(tmp_path):
         theirs = engines.get(name).run(scene, settings, times)
         assert theirs.ok, theirs.message
         assert np.abs(theirs.position - ours.position).max() < 1e-8, name
+
+
+def test_names_that_no_scene_allows_are_made_plain(tmp_path):
+    """Composed models have slashes in their names; -p takes the file's own names."""
+    text = CRANE.read_text().replace('name="slew"', 'name="crane/slew"')
+    (tmp_path / "my crane.xml").write_text(text)
+    scene = read_mjcf(tmp_path / "my crane.xml", {"crane/slew": 0.2}).scene
+    assert scene.name == "my_crane"
+    assert "crane_slew" in [joint.name for joint in scene.joints]

@@ -115,6 +115,18 @@ def test_what_no_scene_holds_is_refused_by_name(old, new, said, tmp_path):
         read_urdf(changed(tmp_path, old, new))
 
 
+def test_friction_and_damping_are_left_out_where_asked(tmp_path):
+    rubbed = changed(tmp_path, '<dynamics damping="0.3"/>', '<dynamics damping="0.3" friction="0.1"/>')
+    robot = read_urdf(rubbed, {"ignore": "friction,damping"})
+    assert robot.scene.loads == ()
+    assert robot.assumed[-2:] == ("left out: friction of shoulder", "left out: damping of shoulder, ram")
+    assert [load.name for load in read_urdf(rubbed, {"ignore": "friction"}).scene.loads] == [
+        "shoulder_damping", "ram_damping",
+    ]  # fmt: skip
+    with pytest.raises(RobotError, match="-p ignore=limits: allowed: damping, friction"):
+        read_urdf(rubbed, {"ignore": "limits"})
+
+
 def test_an_unknown_joint_is_refused_with_a_hint():
     with pytest.raises(RobotError, match="no joint has that name; did you mean 'elbow'"):
         read_urdf(ROBOT, {"elbw": 1.0})
@@ -132,6 +144,12 @@ def test_the_command_line_takes_a_robot_and_says_what_it_assumes():
 REAL = {
     "ur_description/urdf/ur5_robot.urdf": {},
     "panda_description/urdf/panda.urdf": {"panda_finger_joint2": "locked", "panda_joint2": 0.4, "panda_joint4": -1.0},
+    "anymal_b_simple_description/robots/anymal.urdf": {"base": "free", "LF_KFE.rate": 2.0, "RH_HAA.rate": -1.0},
+    "talos_data/robots/talos_reduced.urdf": {
+        "ignore": "friction,damping",
+        "arm_left_2_joint": 0.5,
+        "leg_right_4_joint": 1.0,
+    },
 }
 
 
@@ -155,3 +173,13 @@ def test_real_robots_move_alike_in_every_engine(file):
             apart = differences(scene, ours, theirs).sizes.max(axis=0) / units_of(scales_of(scene))
             assert theirs.ok, theirs.message
             assert apart.max() < 1e-6
+
+
+def test_names_that_no_scene_allows_are_made_plain(tmp_path):
+    """Other tools write spaces, slashes and digits first; -p takes the file's own names."""
+    text = ROBOT.read_text().replace('"upper"', '"left arm/upper"').replace('"elbow"', '"2.elbow"')
+    text = text.replace('"rod"', '"ground"')
+    (tmp_path / "2 links.urdf").write_text(text)
+    scene = read_urdf(tmp_path / "2 links.urdf", {"2.elbow": 0.2}).scene
+    assert (scene.name, scene.body_names) == ("n2_links", ["left_arm_upper", "fore", "ground_"])
+    assert [joint.name for joint in scene.joints] == ["shoulder", "n2.elbow", "ram"]
