@@ -64,11 +64,19 @@ lint: venv  ## ruff and pyright
 	$(BIN)/ruff check .
 	$(BIN)/pyright
 
-# Every step runs, whatever became of those before; the exit code printed is that of the first that failed.
+# Every step runs, whatever became of those before; the exit code printed is that of the first that failed. A night that
+# was cut short goes on at the step it was in: steps that ended leave their exit code behind, for this revision.
+REVISION := $(shell git rev-parse --short HEAD 2>/dev/null || echo unknown)
+NIGHT_MARKS := reports/out/nightly-$(REVISION)
 nightly: $(NIGHT_STAMP)  ## all tests, seeded defects, the benchmarks, the full report, sweeps and the regression verdicts
-	@mkdir -p reports/out; rm -f reports/out/bench.json reports/out/extremes.jsonl; failed=0; \
-	step() { echo "== $$*"; "$$@" || { code=$$?; echo "exit code $$code: $$*" >&2; \
-	  if [ $$failed -eq 0 ]; then failed=$$code; fi; }; }; \
+	@if [ ! -d $(NIGHT_MARKS) ]; then \
+	  rm -rf reports/out/nightly-* reports/out/bench.json reports/out/extremes.jsonl; mkdir -p $(NIGHT_MARKS); fi; \
+	failed=0; number=0; \
+	step() { number=$$((number + 1)); mark=$(NIGHT_MARKS)/$$number; \
+	  if [ -f $$mark ]; then echo "== before: $$*"; else \
+	    echo "== $$(date +%H:%M) $$*"; code=0; "$$@" || code=$$?; echo $$code > $$mark; fi; \
+	  code=$$(cat $$mark); if [ $$code -ne 0 ]; then echo "exit code $$code: $$*" >&2; \
+	    if [ $$failed -eq 0 ]; then failed=$$code; fi; fi; }; \
 	step $(NIGHT)/python -m pytest -n auto --dist worksteal -rs -m ''; \
 	step $(NIGHT)/python -m tests.mutants.run --slow --minutes $(MUTANT_MINUTES); \
 	step $(NIGHT)/python -m pytest benchmarks -m '' --benchmark-only -p no:xdist --benchmark-json=reports/out/bench.json; \
@@ -77,6 +85,7 @@ nightly: $(NIGHT_STAMP)  ## all tests, seeded defects, the benchmarks, the full 
 	step $(NIGHT)/mbs-ref report; \
 	bench=; if [ -s reports/out/bench.json ]; then bench="--bench reports/out/bench.json"; fi; \
 	step $(NIGHT)/mbs-ref nightly --baseline $(BASELINE) $$bench --sweeps reports/out/sweeps --trends reports/out/trends.html; \
+	rm -rf $(NIGHT_MARKS); \
 	exit $$failed
 
 mutants: venv  ## seeded defects: does every one fail a test? goes on where it stopped
