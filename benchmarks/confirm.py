@@ -5,18 +5,24 @@ from __future__ import annotations
 import time
 from dataclasses import replace
 
+import numpy as np
+
 from benchmarks.pick import Choice, setting
 from benchmarks.timing import Comparison, Pace, Sample, compare
 from cross_checks import engines
 from cross_checks.isolation.parent import Caller, Lost, direct
 from cross_checks.judge import ladder
+from cross_checks.judge.cell import truth_of
 from cross_checks.judge.one_run import evaluate, without_run
+from cross_checks.judge.runs import Runs
 from cross_checks.records.record import Record
 from cross_checks.truth import NoTruth, Truth
 from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings
 
 CLOSE = 1.5  # a margin below this may be noise: the two are timed against each other
+
+OUTPUTS = 11  # times at which an engine is looked at as it comes
 
 WORDS = {
     Pace.SLOWER: "Confirmed by",
@@ -57,6 +63,16 @@ def settled(choice: Choice, comparison: Comparison) -> Choice:
     told = f"{blocks}: {setting(choice.runner_up)} takes {interval} times as long as {setting(choice.best)}."
     sentence = f"{choice.sentence} {told}"
     return replace(choice, best=first, runner_up=second, margin=ratio, sentence=sentence)
+
+
+def as_shipped(runs: Runs, scene: Scene, engine: str) -> Record | None:
+    """Return the run of an engine as it comes, held against the scene's truth at its own steps; None where untold."""
+    given = engines.get(engine).as_shipped
+    if given is None or given.step is None:
+        return None
+    whole = max(1, int(scene.duration / given.step))
+    own = replace(runs, times=np.unique(np.linspace(0.0, whole, min(OUTPUTS, whole + 1)).round()) * given.step)
+    return own.judged(scene, engine, given, truth_of(own, scene))
 
 
 def afresh(scene: Scene, record: Record, truth: Truth | NoTruth, call: Caller = direct) -> Record:

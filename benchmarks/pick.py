@@ -87,6 +87,14 @@ def pick(
     return Choice(best, second, margin, " ".join((_why(best, second, margin), _why_not_cheaper(limit))), limit)
 
 
+def told(record: Record) -> str:
+    """Return one sentence of what an engine does as it comes."""
+    how = f"{record.engine} as it comes ({setting(record).removeprefix(record.engine).strip()})"
+    if record.status != "success":
+        return f"{how} ends with {record.status}: {record.message}"
+    return f"{how}: {_length(record)} in {cost(record) * 1e3:.3g} ms"
+
+
 def _is_measured(record: Record) -> bool:
     return record.status == "success" and record.error is not None and record.times.get("loop_s", 0.0) > 0.0
 

@@ -47,6 +47,7 @@ class Engine(ABC):
     name: ClassVar[str]
     package: ClassVar[str]
     part_types: ClassVar[frozenset[str]]
+    as_shipped: ClassVar[Settings | None] = None  # what it does where its user chooses nothing, if that can be said
     checks_start: ClassVar[bool] = False  # refuses inconsistent initial states by itself; else the suite looks for it
 
     @abstractmethod

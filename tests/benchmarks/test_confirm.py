@@ -7,12 +7,14 @@ from dataclasses import replace
 import pytest
 
 from benchmarks import confirm
-from benchmarks.pick import Bounds, pick
+from benchmarks.pick import Bounds, pick, told
 from benchmarks.sweep import sweep
 from benchmarks.timing import Comparison, Pace
+from cross_checks import engines
 from cross_checks.judge.cell import truth_of
 from cross_checks.judge.runs import Runs
 from mbs_ref import scenes
+from mbs_ref.settings import Settings
 
 PENDULUM = scenes.make("pendulum")
 
@@ -52,3 +54,15 @@ def test_a_setting_run_afresh_meets_what_it_met(choice, swing):
     assert not Bounds(1e-9).met_by(again)
     swing(lambda path: replace(path, position=path.position + 1.0))
     assert not Bounds(0.5).met_by(confirm.afresh(PENDULUM, choice.best, truth_of(Runs(), PENDULUM)))
+
+
+def test_an_engine_as_it_comes_is_held_against_the_truth_at_its_own_steps(swing, monkeypatch):
+    assert confirm.as_shipped(Runs(), PENDULUM, "swing") is None  # it tells nothing
+    own = type(engines.get("swing"))
+    monkeypatch.setattr(own, "as_shipped", Settings(method="second", step=0.03))
+    record = confirm.as_shipped(Runs(), PENDULUM, "swing")
+    assert record is not None
+    assert record.status == "success"
+    assert record.settings["step"] == 0.03
+    assert record.error is not None
+    assert told(record).startswith("swing as it comes (second step=0.03): ")

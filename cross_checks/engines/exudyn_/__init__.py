@@ -34,6 +34,7 @@ from cross_checks.workshop.plan import Plan
 from cross_checks.workshop.planar_forces import CLIPPED_CONTACTS, contact_refusals
 from mbs_ref.scene import Scene
 from mbs_ref.scene.traits import traits
+from mbs_ref.settings import Settings
 
 
 @dataclass(frozen=True)
@@ -51,6 +52,7 @@ class Exudyn(Engine):
 
     name: ClassVar[str] = "exudyn"
     package: ClassVar[str] = "exudyn"
+    as_shipped: ClassVar[Settings | None] = Settings(method="generalized_alpha", step=1e-2)
     part_types: ClassVar[frozenset[str]] = frozenset(
         {"planar", "point_mass", "revolute", "prismatic", "weld", "distance", "coordinate_drive"}
         | {"force", "torque", "spring_damper", "torsion_spring"}

@@ -33,6 +33,7 @@ from cross_checks.workshop.planar_reactions import tree_reactions
 from cross_checks.workshop.planar_tree import JointTree, joint_tree
 from cross_checks.workshop.spatial_tree import SpatialTree, spatial_tree
 from mbs_ref.scene import Scene
+from mbs_ref.settings import Settings
 
 
 @dataclass(frozen=True)
@@ -50,6 +51,7 @@ class MuJoCo(Engine):
 
     name: ClassVar[str] = "mujoco"
     package: ClassVar[str] = "mujoco"
+    as_shipped: ClassVar[Settings | None] = Settings(method="euler", step=2e-3)
     part_types: ClassVar[frozenset[str]] = frozenset(
         {"planar", "point_mass", "revolute", "prismatic", "weld", "distance"}
         | {"force", "torque", "spring_damper", "torsion_spring"}

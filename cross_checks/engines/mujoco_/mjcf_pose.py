@@ -121,7 +121,7 @@ class Posed:
     def closures(self) -> Iterator[Spherical | Weld]:
         """Yield what equality constraints close."""
         for e, (a, b), places in self.equalities():
-            ends = {
+            ends: dict[str, Any] = {
                 "name": plain(self.model.equality(e).name or f"closure_{e}"),
                 "body_a": self.name(a),
                 "body_b": self.name(b),

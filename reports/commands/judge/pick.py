@@ -37,6 +37,7 @@ FILE = click.Path(exists=True, dir_okay=False, path_type=Path)
 @click.option("--error", metavar="E|1mm", required=True, help="Largest error, of the scene's scales or as 1mm.")
 @click.option("--compliance", type=float, callback=inputs.positive, help="Largest constraint violation, m or rad.")
 @click.option("--budget", metavar="50ms", help="Longest loop time.")
+@click.option("--real-time", is_flag=True, help="The loop must take no longer than the motion lasts.")
 @click.option("--records", type=FILE, help="Choose among the records of a sweep's JSON lines instead of sweeping.")
 @click.option(
     "--confirm/--no-confirm", "confirming", default=None,
@@ -53,15 +54,21 @@ def command(
     error: str,
     compliance: float | None,
     budget: str | None,
+    real_time: bool,
     records: Path | None,
     confirming: bool | None,
     fresh: bool,
     as_json: bool,
     store: str | None,
 ) -> None:
-    """Name the cheapest engine, method and setting that reaches --error on SCENE."""
+    """Name the cheapest engine, method and setting that reaches --error on SCENE.
+
+    Of engines that are named it is also said how far they are off as they come, where their user chooses nothing.
+    """
     limit = None if budget is None else inputs.seconds(budget)
     made = inputs.scene(scene, parameters)
+    if real_time:
+        limit = min(made.duration, limit or made.duration)
     asked = inputs.relative_error(error, made)
     if records is None:
         found = sweep_records(made, chosen, (), None, store=store, errors=(asked,))
@@ -70,13 +77,16 @@ def command(
     _warn(found)
     choice, duel = _confirmed(made, pick.pick(found, asked, compliance, limit), confirming)
     again = _afresh(made, choice, store) if fresh else None
+    shipped = _as_shipped(made, chosen, store)
     if as_json:
-        echo_json(_facts(choice, duel, again, scene))
+        echo_json(_facts(choice, duel, again, scene) | {"as_shipped": [asdict(one) for one in shipped]})
     if choice.best is None:
         raise NothingSelected(choice.sentence)
     if not as_json:
         click.echo(choice.sentence)
         click.echo(reproduce(choice.best, scene))
+        for one in shipped:
+            click.echo(pick.told(one))
     if again is not None:
         _check(again, Bounds(asked, compliance))
 
@@ -111,6 +121,15 @@ def _confirmed(scene: Scene, choice: Choice, asked: bool | None) -> tuple[Choice
     except Lost as lost:
         return replace(choice, sentence=f"{choice.sentence} Not confirmed: a timed run {lost}."), None
     return confirm.settled(choice, duel), duel
+
+
+def _as_shipped(scene: Scene, chosen: tuple[str, ...], store: str | None) -> list[Record]:
+    """Return the runs of the engines named as they come, without their curves."""
+    if not chosen:
+        return []
+    with asked_runs([scene], store, PATIENCE) as runs:
+        made = [confirm.as_shipped(runs, scene, name_of(one)) for one in chosen]
+    return [replace(record, history={}) for record in made if record is not None]
 
 
 def _afresh(scene: Scene, choice: Choice, store: str | None) -> Record | None:

@@ -186,3 +186,15 @@ def _centre(tree, edge) -> list[float]:
     if edge.kind == "prismatic":
         arm = np.array([edge.axis @ arm, edge.axis[0] * arm[1] - edge.axis[1] * arm[0]])
     return [*arm, 0.0]
+
+
+def test_what_engines_do_as_they_come_is_what_their_packages_say():
+    """Read from the packages themselves: a release may change a default."""
+    spec = pytest.importorskip("mujoco").MjSpec()
+    given = engine("mujoco").as_shipped
+    assert (given.method, given.step) == ("euler", spec.option.timestep)
+    assert spec.option.integrator == 0  # Euler
+    time = pytest.importorskip("exudyn").SimulationSettings().timeIntegration
+    given = engine("exudyn").as_shipped
+    assert given.step == (time.endTime - time.startTime) / time.numberOfSteps
+    assert given.method == "generalized_alpha"  # what SolveDynamic takes unless told otherwise

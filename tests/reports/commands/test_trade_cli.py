@@ -71,6 +71,16 @@ def test_a_setting_run_afresh_meets_misses_or_was_not_measured(tmp_path, monkeyp
     assert run("pick", "pendulum", "--error", "1e-6", "--records", file, "--fresh").exit_code == code
 
 
+def test_pick_says_what_a_named_engine_does_as_it_comes(tmp_path, monkeypatch):
+    monkeypatch.setattr(confirm, "as_shipped", lambda runs, scene, engine: replace(RECORD, engine=engine))
+    file = file_of(tmp_path, "r.jsonl", RECORD)
+    asked = ("pick", "pendulum", "--error", "1e-6", "--records", file)
+    assert "as it comes" not in run(*asked).stdout
+    done = run(*asked, "--engine", RECORD.engine, "--real-time")
+    assert f"{RECORD.engine} as it comes" in done.stdout
+    assert run(*asked, "--engine", RECORD.engine, "--json").exit_code == 0
+
+
 def test_pick_refuses_what_the_truth_cannot_judge(tmp_path):
     assert RECORD.error is not None
     unsure = replace(RECORD, error=replace(RECORD.error, uncertainty=1e-9))
