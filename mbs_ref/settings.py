@@ -7,6 +7,7 @@ from typing import Literal, Self
 from pydantic import Field, model_validator
 
 from mbs_ref.scene.base.part import NonNegative, Part, Positive
+from mbs_ref.scene.traits import Coordinates
 
 Stabilization = Literal["none", "baumgarte", "projection"]
 
@@ -19,6 +20,7 @@ class Settings(Part):
     rtol: Positive | None = None
     atol: Positive | None = None  # m, rad, m/s, rad/s; unless given, rtol times a tenth of the scene's scale of each
     stabilization: Stabilization | None = None  # the engine's default unless given
+    coordinates: Coordinates = "cartesian"  # of bodies, with constraint rows; or of a tree's joints, without
     baumgarte_gain: Positive = 20.0  # 1/s, critically damped: C'' + 2 g C' + g^2 C = 0
     t_end: Positive | None = None  # s, the scene's duration unless given
     samples: int = Field(default=101, ge=2, le=1_000_000)  # output times, evenly spaced from 0 to t_end

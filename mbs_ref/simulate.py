@@ -46,11 +46,12 @@ def simulate(scene: Scene, settings: Settings | None = None, times: np.ndarray |
     require_sound(scene)
     plan = make_plan(scene, settings, times)
     started = time.perf_counter()
-    system = compile_scene(scene)
-    y = system.initial_state()
+    system = compile_scene(scene, settings.coordinates)
+    y = system.redundant.initial_state()
     built = time.perf_counter()
     system.set_mode_time(0.0)
-    repairs = consistent_start(system, y, settings)
+    repairs = consistent_start(system.redundant, y, settings)
+    y = system.reduced(y)
     rank = rank_at_start(system, y)
     notes = [*plan.notes, *repairs, *redundancy(system, rank)]
     if rank is not None and rank < system.n_constraints and settings.ambiguous == "stop":

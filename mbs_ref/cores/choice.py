@@ -6,29 +6,39 @@ import numpy as np
 
 from mbs_ref.cores.particles.system import ParticleSystem
 from mbs_ref.cores.planar.system import PlanarSystem
+from mbs_ref.cores.relative.system import RelativePlanarSystem, RelativeSpatialSystem
 from mbs_ref.cores.spatial.system import SpatialSystem
 from mbs_ref.cores.system import System
 from mbs_ref.scene import Scene
 from mbs_ref.scene.scales import Scales
+from mbs_ref.scene.traits import Coordinates
 from mbs_ref.scene.units import is_celestial
 
-_CORES = {2: PlanarSystem, 3: SpatialSystem}  # by the scene's dimension
+_CORES = {  # by the coordinates and the scene's dimension
+    "cartesian": {2: PlanarSystem, 3: SpatialSystem},
+    "relative": {2: RelativePlanarSystem, 3: RelativeSpatialSystem},
+}
 
 
-def compile_scene(scene: Scene) -> System:
-    """Return the scene compiled for the core its bodies call for."""
-    return _core(scene)(scene)
+def compile_scene(scene: Scene, coordinates: Coordinates = "cartesian") -> System:
+    """Return the scene compiled for the core its bodies call for, in the coordinates asked for.
+
+    Raises ValueError where relative coordinates are asked for and the scene is no tree of joints that they know.
+    """
+    return _core(scene, coordinates)(scene)
 
 
-def core_name(scene: Scene) -> str:
-    """Return the name of the core a scene runs on: particles, planar or spatial."""
-    return _core(scene).CORE
+def core_name(scene: Scene, coordinates: Coordinates = "cartesian") -> str:
+    """Return the name of the core a scene runs on: particles, planar, spatial, relative_planar or relative_spatial."""
+    return _core(scene, coordinates).CORE
 
 
-def state_units(scene: Scene, scales: Scales) -> np.ndarray:
+def state_units(scene: Scene, scales: Scales, coordinates: Coordinates = "cartesian") -> np.ndarray:
     """Return what each entry of a scene's state counts in (n_state,): L, 1 rad, and the same over T."""
-    return _core(scene).state_units(scene, scales)
+    return _core(scene, coordinates).state_units(scene, scales)
 
 
-def _core(scene: Scene) -> type[ParticleSystem] | type[PlanarSystem] | type[SpatialSystem]:
-    return ParticleSystem if is_celestial(scene) else _CORES[scene.dimension]
+def _core(scene: Scene, coordinates: Coordinates) -> type[System]:
+    if is_celestial(scene):
+        return ParticleSystem  # free particles have no joints, so that both kinds of coordinates are these
+    return _CORES[coordinates][scene.dimension]

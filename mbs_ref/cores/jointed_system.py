@@ -110,11 +110,11 @@ class JointedSystem(ContactSystem):
     def _user_row(self, k: int, at: Place) -> UserRow:
         joint: Any = self.scene.joints[k]
         sides = self.groups.slots.body[at.slot]
-        arms = [self._arm_of(joint, end) for end in ("body_a", "body_b")]
+        arms = [self.arm_of(joint, end) for end in ("body_a", "body_b")]
         bodies = int(sides[at.side]), int(sides[1 - at.side])
         return UserRow(joint.formula(), joint.name, at.slot, at.row, at.side, bodies, (arms[0], arms[1]))
 
-    def _arm_of(self, joint: Any, end: str) -> np.ndarray:
+    def arm_of(self, joint: Any, end: str) -> np.ndarray:
         """Return where a joint holds one of its ends, body axes, m; from the origin on ground."""
         mark, body = joint.mark(end), self.scene.body_index(getattr(joint, end))
         if body >= 0:

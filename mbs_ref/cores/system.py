@@ -87,6 +87,15 @@ class System(ABC):
         return x / max(1e-12, float(np.abs(x).max()))
 
     @property
+    def redundant(self) -> System:
+        """The system whose state shows whether a start keeps the joints; itself where it has constraint rows."""
+        return self
+
+    def reduced(self, told: np.ndarray) -> np.ndarray:
+        """Return this system's state of one of `redundant`."""
+        return told
+
+    @property
     def n_positions(self) -> int:
         """Entries of the state that are positions and orientations; the rates follow. Half of it unless said."""
         return len(self.initial_state()) // 2
@@ -135,6 +144,10 @@ class System(ABC):
         return self.derivative(t, y)[self.n_positions :].reshape(-1, 3)
 
     # --- what a core defines ------------------------------------------------------------------------
+
+    @abstractmethod
+    def __init__(self, scene: Scene) -> None:
+        """Compile a scene."""
 
     @abstractmethod
     def initial_state(self) -> np.ndarray:

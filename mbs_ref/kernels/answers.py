@@ -22,6 +22,8 @@ from mbs_ref.kernels.planar import descriptor as planar_form
 from mbs_ref.kernels.planar import dynamics as planar
 from mbs_ref.kernels.planar import events as planar_events
 from mbs_ref.kernels.planar import loads as planar_loads
+from mbs_ref.kernels.relative import planar as relative_planar
+from mbs_ref.kernels.relative import spatial as relative_spatial
 from mbs_ref.kernels.spatial import contact_events as spatial_contacts
 from mbs_ref.kernels.spatial import descriptor as spatial_form
 from mbs_ref.kernels.spatial import dynamics as spatial
@@ -138,6 +140,38 @@ ANSWERS: dict[str, dict[str, dict[str, Callable[..., Any]]]] = {
         REPORT: {
             "contact_forces": spatial_contacts.spatial_contact_forces,
         },
+    },
+    "relative_planar": {
+        MOTION: {
+            "derivative": relative_planar.relative_planar_derivative,
+            "compliance": relative_planar.relative_planar_compliance,
+            "project": relative_planar.relative_planar_project,
+            "tangent": relative_planar.relative_tangent,
+            "regularity": relative_planar.relative_regularity,
+            "root_count": relative_planar.relative_root_count,
+            "roots": relative_planar.relative_planar_roots,
+            "transition": relative_planar.relative_planar_transition,
+            "start_modes": relative_planar.relative_planar_start_modes,
+            "contact_mobility": relative_planar.relative_planar_contact_mobility,
+        },
+        FORM: {},
+        REPORT: {},
+    },
+    "relative_spatial": {
+        MOTION: {
+            "derivative": relative_spatial.relative_spatial_derivative,
+            "compliance": relative_spatial.relative_spatial_compliance,
+            "project": relative_spatial.relative_spatial_project,
+            "tangent": relative_planar.relative_tangent,
+            "regularity": relative_planar.relative_regularity,
+            "root_count": relative_planar.relative_root_count,
+            "roots": relative_spatial.relative_spatial_roots,
+            "transition": relative_spatial.relative_spatial_transition,
+            "start_modes": relative_spatial.relative_spatial_start_modes,
+            "contact_mobility": relative_spatial.relative_spatial_contact_mobility,
+        },
+        FORM: {},
+        REPORT: {},
     },
     "particles": {
         MOTION: {

@@ -48,9 +48,10 @@ def make_plan(scene: Scene, settings: Settings, times: np.ndarray | None) -> Pla
     missing = integrator.requires - traits(scene)
     if missing:
         raise ValueError(f"method = {name!r} needs a scene that is {', '.join(sorted(missing))}; {scene.name!r} is not")
-    if integrator.cores and core_name(scene) not in integrator.cores:
+    core = core_name(scene, settings.coordinates)
+    if integrator.cores and core not in integrator.cores:
         allowed = ", ".join(integrator.cores)
-        raise ValueError(f"method = {name!r} is made for {allowed} scenes; {scene.name!r} is of {core_name(scene)}")
+        raise ValueError(f"method = {name!r} is made for {allowed} scenes; {scene.name!r} is of {core}")
     fixed = _wants_fixed_step(integrator, settings)
     notes: tuple[str, ...] = ()
     if times is None:
@@ -63,9 +64,11 @@ def make_plan(scene: Scene, settings: Settings, times: np.ndarray | None) -> Pla
     if stabilization not in integrator.stabilizations:
         allowed = ", ".join(integrator.stabilizations)
         raise ValueError(f"stabilization = {stabilization!r} does not go with method {name!r}; allowed: {allowed}")
+    if settings.coordinates == "relative" and stabilization == "baumgarte":
+        raise ValueError("stabilization = 'baumgarte' has nothing to act on in relative coordinates: they have no rows")
     _check_events(scene, settings, integrator)
     rtol, scales = settings.rtol or DEFAULT_TOLERANCE, scales_of(scene)
-    units = state_units(scene, scales)
+    units = state_units(scene, scales, settings.coordinates)
     size = max([1.0, *(abs(x) for body in scene.bodies for x in body.position)])
     options = Options(
         step=float(settings.step or 0.0) if fixed else 0.0,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import get_args
+from typing import Literal, get_args
 
 from mbs_ref.scene.bodies import GROUND, Body, PointMass
 from mbs_ref.scene.contact import Contact, ContactLaw, Friction
@@ -10,6 +10,8 @@ from mbs_ref.scene.events import Event
 from mbs_ref.scene.joints import Distance, Drive, Joint, UserConstraint
 from mbs_ref.scene.loads import Load, UserForce
 from mbs_ref.scene.scene import Scene
+
+Coordinates = Literal["cartesian", "relative"]  # of bodies, with constraint rows; or of a tree's joints, without
 
 ALL_TRAITS = {
     "planar": "every body moves in the plane",

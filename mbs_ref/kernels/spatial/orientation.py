@@ -70,7 +70,7 @@ def turning_of(theta, change):
 
 
 @jit
-def _world_inertia(a, j, out):
+def world_inertia(a, j, out):
     """out = A J A^T; both as xx, yy, zz, xy, xz, yz."""
     for r in range(3):
         h0 = a[r, 0] * j[0] + a[r, 1] * j[3] + a[r, 2] * j[4]
@@ -99,7 +99,7 @@ def load_state(model, work, y):
                 kin.theta[i, c] = y[q + 3 + c]
             kin.norm[i] = rotation(parameters(y, q + 3), kin.turned[i]) - 1.0
             put(kin.omega[i], 0, turn(kin.turned[i], triple(y, v + 3)))
-            _world_inertia(kin.turned[i], bodies.inertia[i], kin.inertia[i])
+            world_inertia(kin.turned[i], bodies.inertia[i], kin.inertia[i])
     deflection = grips_of(work).deflection
     first = y.shape[0] - 2 * deflection.shape[0]
     for i in range(deflection.shape[0]):

@@ -30,6 +30,7 @@ from reports.terminal.exit_codes import EngineAbsent, Failed, Incomplete
 @click.option("--rtol", type=float, metavar="R", help="Relative tolerance of an adaptive method.")
 @click.option("--atol", type=float, metavar="A", help="Absolute tolerance; follows the scene unless given.")
 @click.option("--stabilization", metavar="S", help="none, baumgarte or projection.")
+@click.option("--coordinates", type=click.Choice(["cartesian", "relative"]), help="Of bodies, or of a tree's joints.")
 @click.option("--t-end", type=float, metavar="T", help="Duration, s; the scene's own unless given.")
 @click.option("--samples", type=int, metavar="N", help="Output times, evenly spaced from 0 to the end.")
 @click.option("--events", type=click.Choice(["located", "none"]), help="Locate contact events, or merely clip forces.")

@@ -6,6 +6,7 @@ from mbs_ref import scenes
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
 from reports.studies.contact.measure import ladder
+from reports.studies.papers.coordinates import coordinates
 from reports.studies.papers.crash_figures import measure_crash
 from reports.studies.papers.facts import PapersFacts
 from reports.studies.papers.formulations import euler_angles, multipliers
@@ -21,7 +22,7 @@ def measure() -> PapersFacts:
     """Run everything; two minutes with compiled code at hand."""
     crash, crash_films, crash_curves = measure_crash()
     track, track_films, track_curves = measure_track()
-    figures = crash | track | measure_sky() | multipliers() | _indices() | _orders()
+    figures = crash | track | measure_sky() | multipliers() | coordinates() | _indices() | _orders()
     for tilt in TILTS:
         figures |= {f"angles.{tilt:g}.{name}": value for name, value in euler_angles(tilt).items()}
     plain = {name: value if isinstance(value, str) else float(value) for name, value in figures.items()}

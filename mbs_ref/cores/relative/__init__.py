@@ -1,0 +1,1 @@
+"""Trees compiled in relative coordinates."""

@@ -1,0 +1,259 @@
+"""A tree compiled in relative coordinates: joint angles, lengths and balls' orientations in place of six a body."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from typing import ClassVar
+
+import numpy as np
+
+from mbs_ref.cores.jointed_system import JointedSystem
+from mbs_ref.cores.planar.system import PlanarSystem
+from mbs_ref.cores.relative.layout import layout_of
+from mbs_ref.cores.spatial.system import SpatialSystem
+from mbs_ref.cores.system import Poses, System
+from mbs_ref.kernels.border.groups import empty
+from mbs_ref.kernels.relative import model as arrays
+from mbs_ref.kernels.relative.planar import take_planar_velocities, tell_planar
+from mbs_ref.kernels.relative.spatial import take_spatial_velocities, tell_spatial
+from mbs_ref.scene import PlanarBody, Scene
+from mbs_ref.scene.euler_parameters import conjugate, product
+from mbs_ref.scene.scales import Scales
+
+UNTURNED = (arrays.FREE, arrays.SPHERICAL, arrays.HELD)  # bodies that their parent does not turn
+
+
+class RelativeSystem(System):
+    """A tree of revolute, prismatic, ball and weld joints and free bodies; `redundant` knows all the rest of it.
+
+    State y = [q, u], joint after joint in elimination order (mbs_ref.kernels.relative). Raises ValueError where the
+    scene is no such tree.
+    """
+
+    REDUNDANT: ClassVar[type[PlanarSystem] | type[SpatialSystem]]
+
+    def __init__(self, scene: Scene) -> None:
+        self.scene = scene
+        self.layout = layout_of(scene, self.REDUNDANT)
+        inner = np.array([self.redundant.model.address, self.redundant.work.address], dtype=np.int64)
+        joints = self.layout.arrays(*self._frames())
+        self.groups = arrays.RelativeGroups(joints, arrays.Redundant(inner))
+        self.scratch = self._empty_scratch()
+
+    @property
+    def redundant(self) -> JointedSystem:
+        return self.layout.system
+
+    def _empty_scratch(self) -> arrays.RelativeScratch:
+        n, rates = len(self.layout.kind), self.redundant.RATES
+        lengths = {"n": n, "n + 1": n + 1, "rates": rates, "d": self.scene.dimension}
+        links = empty(arrays.Links, **lengths)
+        links.turns[:] = [kind not in UNTURNED for kind in self.layout.kind]
+        told = empty(arrays.Told, n_state=len(self.redundant.initial_state()))
+        return arrays.RelativeScratch(links, empty(arrays.Recursion, **lengths), told)
+
+    def twin(self) -> RelativeSystem:
+        return type(self)(self.scene)
+
+    @abstractmethod
+    def _frames(self) -> tuple[np.ndarray, np.ndarray]:
+        """Return each body's orientation in its parent at t = 0, and the joints' axes as `Joints` has them."""
+
+    @abstractmethod
+    def _place(self, y: np.ndarray) -> None:
+        """Write the redundant state of y to the scratch."""
+
+    @abstractmethod
+    def _take_velocities(self, y: np.ndarray) -> None:
+        """Write to y the rates that the redundant state in the scratch means, where y was placed last."""
+
+    @abstractmethod
+    def _coordinate(self, i: int, told: np.ndarray) -> np.ndarray:
+        """Return a joint's coordinates at a redundant state."""
+
+    # --- between the two states ---------------------------------------------------------------------
+
+    def told(self, y: np.ndarray) -> np.ndarray:
+        """Return the redundant state of y."""
+        self._place(np.ascontiguousarray(y))
+        return self.scratch.told.state.copy()
+
+    def reduced(self, told: np.ndarray) -> np.ndarray:
+        """Return the state of a redundant one that keeps the joints."""
+        y = np.zeros(self.layout.n_state)
+        for i, first in enumerate(self.layout.q[:-1]):
+            found = self._coordinate(i, told)
+            y[first : first + len(found)] = found
+        self._place(y)
+        self.scratch.told.state[:] = told
+        self._take_velocities(y)
+        return y
+
+    def initial_state(self) -> np.ndarray:
+        """Return y at t = 0."""
+        return self.reduced(self.redundant.initial_state())
+
+    @property
+    def n_positions(self) -> int:
+        return self.layout.n_positions
+
+    @classmethod
+    def state_units(cls, scene: Scene, scales: Scales) -> np.ndarray:  # type: ignore[override]
+        """Return L for lengths, 1 for angles and Euler parameters, and the same over T (n_state,)."""
+        return layout_of(scene, cls.REDUNDANT).units(scales.length, scales.time)
+
+    # --- asked of the redundant system ----------------------------------------------------------------
+
+    def poses(self, states: np.ndarray) -> Poses:
+        """Turn states (n_t, n_state) into world poses and velocities."""
+        return self.redundant.poses(self._all_told(states))
+
+    def _all_told(self, states: np.ndarray) -> np.ndarray:
+        return np.array([self.told(y) for y in states]).reshape(len(states), len(self.scratch.told.state))
+
+    def set_mode_time(self, t: float) -> None:
+        """Choose the signals' segments: the ones that contain t (s)."""
+        self.redundant.set_mode_time(t)
+
+    def set_baumgarte(self, gain: float) -> None:
+        """There is nothing to stabilize; reactions are the redundant system's."""
+        self.redundant.set_baumgarte(gain)
+
+    def residuals(self, t: float, y: np.ndarray) -> dict[str, tuple[np.ndarray, np.ndarray]]:
+        return self.redundant.residuals(t, self.told(y))
+
+    def reactions(self, t: float, y: np.ndarray) -> dict[str, np.ndarray]:
+        return self.redundant.reactions(t, self.told(y))
+
+    def reactions_over(self, times: np.ndarray, states: np.ndarray) -> dict[str, np.ndarray]:
+        return self.redundant.reactions_over(times, self._all_told(states))
+
+    def accelerations(self, t: float, y: np.ndarray) -> np.ndarray:
+        return self.redundant.accelerations(t, self.told(y))
+
+    def start_contacts(self, t: float, y: np.ndarray, located: bool) -> None:
+        self.redundant.start_contacts(t, self.told(y), located)
+
+    def contact_forces(self, times: np.ndarray, states: np.ndarray) -> dict[str, np.ndarray]:
+        return self.redundant.contact_forces(times, self._all_told(states))
+
+    def contact_oscillators(self, t: float, y: np.ndarray) -> np.ndarray:
+        return self.redundant.contact_oscillators(t, self.told(y))
+
+    def recall_modes(self, t: float) -> None:
+        self.redundant.recall_modes(t)
+
+    @property
+    def event_sources(self) -> tuple[str, ...]:
+        return self.redundant.event_sources
+
+    def contact_events(self) -> np.ndarray:
+        return self.redundant.contact_events()
+
+    def rank(self, t: float, y: np.ndarray) -> int:
+        return 0
+
+    @property
+    def n_coordinates(self) -> int:
+        return self.layout.n_positions
+
+    @property
+    def n_constraints(self) -> int:
+        return 0
+
+    @property
+    def n_closure_rows(self) -> int:
+        return 0
+
+
+class RelativePlanarSystem(RelativeSystem):
+    """A planar tree."""
+
+    CORE, REDUNDANT = "relative_planar", PlanarSystem
+
+    def _place(self, y: np.ndarray) -> None:
+        tell_planar(self.model, self.work, y)
+
+    def _take_velocities(self, y: np.ndarray) -> None:
+        take_planar_velocities(self.model, self.work, y)
+
+    def _frames(self) -> tuple[np.ndarray, np.ndarray]:
+        angles = np.array([body.angle if isinstance(body, PlanarBody) else 0.0 for body in self.scene.bodies])
+        own = np.append(angles[self.layout.order], 0.0)
+        parents = self.redundant.groups.bodies.parent
+        axes = np.zeros((len(parents), 2))
+        for i, parent in enumerate(parents):
+            c, s = np.cos(own[parent]), np.sin(own[parent])
+            axes[i] = np.array([[c, s], [-s, c]]) @ self.layout.world_axis(i)
+        return (own[:-1] - own[parents])[:, None], axes
+
+    def _coordinate(self, i: int, told: np.ndarray) -> np.ndarray:
+        kind, joints = self.layout.kind[i], self.groups.joints
+        q = told[: 3 * len(self.layout.kind)].reshape(-1, 3)
+        own, parent = q[self.layout.order[i]], int(joints.parent[i])
+        if kind == arrays.FREE:
+            return own[: self.layout.freedoms[i]]
+        there = q[self.layout.order[parent]] if parent < len(self.layout.kind) else np.zeros(3)
+        if kind == arrays.REVOLUTE:
+            return np.array([own[2] - there[2] - joints.offset[i, 0]])
+        if kind == arrays.PRISMATIC:
+            c, s = np.cos(there[2]), np.sin(there[2])
+            turned = np.array([[c, -s], [s, c]])
+            gap = own[:2] - there[:2] + _turned(own[2], joints.arm[i]) - turned @ joints.arm_of_parent[i]
+            return np.array([gap @ (turned @ joints.axis[i])])
+        return np.zeros(0)
+
+
+def _turned(angle: float, arm: np.ndarray) -> np.ndarray:
+    c, s = np.cos(angle), np.sin(angle)
+    return np.array([c * arm[0] - s * arm[1], s * arm[0] + c * arm[1]])
+
+
+class RelativeSpatialSystem(RelativeSystem):
+    """A spatial tree."""
+
+    CORE, REDUNDANT = "relative_spatial", SpatialSystem
+
+    def _place(self, y: np.ndarray) -> None:
+        tell_spatial(self.model, self.work, y)
+
+    def _take_velocities(self, y: np.ndarray) -> None:
+        take_spatial_velocities(self.model, self.work, y)
+
+    def _poses_of(self, told: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return places (n + 1, 3) and Euler parameters (n + 1, 4) in elimination order, ground last."""
+        poses = self.redundant.poses(told[None])
+        order = self.layout.order
+        place = np.vstack((poses.position[0, order], np.zeros(3)))
+        return place, np.vstack((poses.orientation[0, order], (1.0, 0.0, 0.0, 0.0)))
+
+    def _frames(self) -> tuple[np.ndarray, np.ndarray]:
+        _, theta = self._poses_of(self.redundant.initial_state())
+        parents = self.redundant.groups.bodies.parent
+        offset = product(conjugate(theta[parents]), theta[:-1])
+        axes = np.zeros((len(parents), 3))
+        for i, parent in enumerate(parents):
+            holder = parent if self.layout.kind[i] == arrays.PRISMATIC else i
+            axes[i] = _rotated(conjugate(theta[holder]), self.layout.world_axis(i))
+        return offset, axes
+
+    def _coordinate(self, i: int, told: np.ndarray) -> np.ndarray:
+        kind, joints = self.layout.kind[i], self.groups.joints
+        place, theta = self._poses_of(told)
+        parent = int(joints.parent[i])
+        if kind == arrays.FREE:
+            return place[i] if self.layout.freedoms[i] == 3 else np.concatenate((place[i], theta[i]))
+        if kind == arrays.SPHERICAL:
+            return theta[i]
+        if kind == arrays.REVOLUTE:
+            turn = product(conjugate(product(theta[parent], joints.offset[i])), theta[i])
+            return np.array([2.0 * np.arctan2(turn[1:] @ joints.axis[i], turn[0])])
+        if kind == arrays.PRISMATIC:
+            reach = _rotated(theta[parent], joints.arm_of_parent[i]) - _rotated(theta[i], joints.arm[i])
+            return np.array([(place[i] - place[parent] - reach) @ _rotated(theta[parent], joints.axis[i])])
+        return np.zeros(0)
+
+
+def _rotated(theta: np.ndarray, vector: np.ndarray) -> np.ndarray:
+    """Return a vector turned by Euler parameters."""
+    return product(product(theta, np.append(0.0, vector)), conjugate(theta))[1:]

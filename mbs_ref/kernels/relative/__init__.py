@@ -1,0 +1,1 @@
+"""Trees in relative (joint) coordinates: the articulated-body algorithm beside the redundant cores."""

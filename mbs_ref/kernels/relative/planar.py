@@ -1,0 +1,263 @@
+"""A planar tree in relative coordinates, by the articulated-body algorithm in linear time.
+
+State y = [q, u]: x, y, theta of a free body, an angle a revolute, a length a prismatic joint, and their rates.
+Leaf to root, a body that answers a push f by I is condensed into its parent: with a = X a_p + S q'' + c,
+    D = S^T I S,  I_p += X^T (I - I S D^-1 S^T I) X,  f_p += X^T (f - I c - I S D^-1 S^T (f - I c))
+Root to leaf, q'' = D^-1 S^T (f - I c - I X a_p). Source: Featherstone, Rigid Body Dynamics Algorithms (2008), sec. 7.3,
+here in world axes about the centres of mass, as the redundant cores have them.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from mbs_ref.kernels.algebra.ldl import ldl3, ldl3_solve
+from mbs_ref.kernels.border import questions as ask
+from mbs_ref.kernels.jit import inlined, jit
+from mbs_ref.kernels.planar.model import bodies_of, kinematics_of
+from mbs_ref.kernels.planar.vectors import left, minus, pair, plus, times, turn
+from mbs_ref.kernels.relative.model import (
+    FREE,
+    HELD,
+    PRISMATIC,
+    REVOLUTE,
+    inner_model,
+    inner_work,
+    joints_of,
+    links_of,
+    recursion_of,
+    told_of,
+)
+
+ORIGIN = (0.0, 0.0)
+
+
+@jit
+def place_planar(model, work, y):
+    """Write every body's pose and motion to the redundant system's scratch, and the joints' links."""
+    joints, links, kin = joints_of(model), links_of(work), kinematics_of(inner_work(model))
+    for i in range(joints.kind.shape[0]):
+        if joints.kind[i] == FREE:
+            _put_free(joints, links, kin, y, i)
+        else:
+            _put_joined(joints, links, kin, y, i)
+        for c in range(3):
+            kin.motion[i, c] = links.velocity[i, c]
+
+
+@inlined
+def _put_pose(kin, i, place, angle):
+    kin.pose[i, 0], kin.pose[i, 1] = place
+    kin.pose[i, 2], kin.pose[i, 3] = np.cos(angle), np.sin(angle)
+    kin.motion[i, 3] = angle
+
+
+@inlined
+def _put_free(joints, links, kin, y, i):
+    q, v = joints.q[i], joints.v[i]
+    turns = joints.freedoms[i] == 3
+    _put_pose(kin, i, (y[q], y[q + 1]), y[q + 2] if turns else 0.0)
+    links.velocity[i, 0], links.velocity[i, 1] = y[v], y[v + 1]
+    links.velocity[i, 2] = y[v + 2] if turns else 0.0
+
+
+@inlined
+def _put_joined(joints, links, kin, y, i):
+    kind, parent, q, v = joints.kind[i], joints.parent[i], joints.q[i], joints.v[i]
+    of_parent, own, free, bias = links.velocity[parent], links.velocity[i], links.freedom[i, 0], links.bias[i]
+    c, s, spin = kin.pose[parent, 2], kin.pose[parent, 3], of_parent[2]
+    angle, speed, rate = kin.motion[parent, 3] + joints.offset[i, 0], 0.0, 0.0
+    if kind == REVOLUTE:
+        angle, rate = angle + y[q], y[v]
+    reach = turn(c, s, joints.arm_of_parent[i])
+    _put_pose(kin, i, ORIGIN, 0.0 if kind == HELD else angle)
+    arm = turn(kin.pose[i, 2], kin.pose[i, 3], joints.arm[i])
+    away = minus(ORIGIN, arm)  # from the joint's point to the centre of mass
+    slide = ORIGIN
+    if kind == PRISMATIC:
+        slide, speed = turn(c, s, joints.axis[i]), y[v]
+        reach = plus(reach, times(y[q], slide))
+        free[0], free[1], free[2] = slide[0], slide[1], 0.0
+    elif kind == REVOLUTE:
+        free[0], free[1], free[2] = -away[1], away[0], 1.0
+    apart, turning = plus(reach, away), spin + rate
+    surplus = minus(times(2.0 * spin * speed, left(slide)), plus(times(spin * spin, reach), times(turning**2, away)))
+    links.apart[i, 0], links.apart[i, 1] = apart
+    bias[0], bias[1] = surplus
+    kin.pose[i, 0], kin.pose[i, 1] = plus(pair(kin.pose[parent], 0), apart)
+    own[0] = of_parent[0] - spin * apart[1] - rate * away[1] + speed * slide[0]
+    own[1] = of_parent[1] + spin * apart[0] + rate * away[0] + speed * slide[1]
+    own[2] = links.turns[i] * turning
+
+
+@jit
+def tell_planar(model, work, y):
+    """Place the tree at y and write the redundant system's state to `told`."""
+    place_planar(model, work, y)
+    told, bodies, kin = told_of(work), bodies_of(inner_model(model)), kinematics_of(inner_work(model))
+    n = bodies.mass.shape[0]
+    for i in range(n):
+        k = 3 * bodies.scene_index[i]
+        told.state[k], told.state[k + 1], told.state[k + 2] = kin.pose[i, 0], kin.pose[i, 1], kin.motion[i, 3]
+        for c in range(3):
+            told.state[3 * n + k + c] = kin.motion[i, c]
+
+
+@inlined
+def _condense(joints, links, rec, i):
+    """Add I' and f' of a body to its parent's (see above); i's own block is left with what its joint needs."""
+    parent, a, f, free = joints.parent[i], rec.articulated[i], rec.force[i], links.freedom[i, 0]
+    c0, c1 = links.bias[i, 0], links.bias[i, 1]
+    a00, a10, a11, a20, a21, a22 = a[0, 0], a[1, 0], a[1, 1], a[2, 0], a[2, 1], a[2, 2]
+    f0, f1, f2 = f[0] - a00 * c0 - a10 * c1, f[1] - a10 * c0 - a11 * c1, f[2] - a20 * c0 - a21 * c1
+    if joints.freedoms[i] == 1:
+        s0, s1, s2 = free[0], free[1], free[2]
+        u0, u1 = a00 * s0 + a10 * s1 + a20 * s2, a10 * s0 + a11 * s1 + a21 * s2
+        u2 = a20 * s0 + a21 * s1 + a22 * s2
+        inverse, load = 1.0 / (s0 * u0 + s1 * u1 + s2 * u2), s0 * f0 + s1 * f1 + s2 * f2
+        rec.answer[i, 0, 0], rec.answer[i, 0, 1], rec.answer[i, 0, 2] = u0, u1, u2
+        rec.pivot[i, 0], rec.drive[i, 0] = inverse, load
+        w0, w1, w2, load = inverse * u0, inverse * u1, inverse * u2, inverse * load
+        a00, a10, a11 = a00 - u0 * w0, a10 - u1 * w0, a11 - u1 * w1
+        a20, a21, a22 = a20 - u2 * w0, a21 - u2 * w1, a22 - u2 * w2
+        f0, f1, f2 = f0 - load * u0, f1 - load * u1, f2 - load * u2
+    if parent == joints.kind.shape[0]:
+        return
+    d0, d1, turns, onto, push = links.apart[i, 0], links.apart[i, 1], links.turns[i], rec.articulated[parent], rec.force
+    p0, p1 = d0 * a10 - d1 * a00 + turns * a20, d0 * a11 - d1 * a10 + turns * a21
+    onto[0, 0] += a00
+    onto[1, 0] += a10
+    onto[1, 1] += a11
+    onto[2, 0] += p0
+    onto[2, 1] += p1
+    onto[2, 2] += d0 * p1 - d1 * p0 + turns * (d0 * a21 - d1 * a20 + turns * a22)
+    push[parent, 0] += f0
+    push[parent, 1] += f1
+    push[parent, 2] += d0 * f1 - d1 * f0 + turns * f2
+
+
+@inlined
+def _release(joints, links, rec, i):
+    """Solve for q'' of a body's joint and its acceleration, its parent's being known."""
+    own, of_parent, a, f = rec.acceleration[i], rec.acceleration[joints.parent[i]], rec.articulated[i], rec.force[i]
+    if joints.kind[i] == FREE:
+        m = ldl3(a[0, 0], a[1, 0], a[1, 1], a[2, 0], a[2, 1], a[2, 2])
+        own[0], own[1], own[2] = ldl3_solve(m[0], m[1], m[2], m[3], m[4], m[5], f[0], f[1], f[2])
+        rec.drive[i, 0], rec.drive[i, 1], rec.drive[i, 2] = own[0], own[1], own[2]
+        return
+    own[0] = of_parent[0] - of_parent[2] * links.apart[i, 1]
+    own[1] = of_parent[1] + of_parent[2] * links.apart[i, 0]
+    own[2] = links.turns[i] * of_parent[2]
+    if joints.freedoms[i] == 1:
+        u, free = rec.answer[i, 0], links.freedom[i, 0]
+        drive = rec.pivot[i, 0] * (rec.drive[i, 0] - u[0] * own[0] - u[1] * own[1] - u[2] * own[2])
+        rec.drive[i, 0] = drive
+        own[0] += drive * free[0]
+        own[1] += drive * free[1]
+        own[2] += drive * free[2]
+    own[0] += links.bias[i, 0]
+    own[1] += links.bias[i, 1]
+
+
+@jit
+def _load_blocks(model, work):
+    bodies, kin, rec = bodies_of(inner_model(model)), kinematics_of(inner_work(model)), recursion_of(work)
+    for i in range(bodies.mass.shape[0]):
+        a, mass = rec.articulated[i], bodies.mass[i]
+        a[0, 0], a[1, 0], a[1, 1], a[2, 0], a[2, 1], a[2, 2] = mass, 0.0, mass, 0.0, 0.0, bodies.inertia[i]
+        for c in range(3):
+            rec.force[i, c] = kin.force[i, c]
+
+
+@jit
+def relative_planar_derivative(model, work, t, y, dy):
+    """Write dy/dt = [u, u']."""
+    place_planar(model, work, y)
+    ask.apply_loads(inner_model(model), inner_work(model), t)
+    joints, links, rec = joints_of(model), links_of(work), recursion_of(work)
+    n = joints.kind.shape[0]
+    _load_blocks(model, work)
+    for i in range(n - 1, -1, -1):
+        if joints.kind[i] != FREE:
+            _condense(joints, links, rec, i)
+    for i in range(n):
+        _release(joints, links, rec, i)
+        for k in range(joints.freedoms[i]):
+            dy[joints.q[i] + k] = y[joints.v[i] + k]
+            dy[joints.v[i] + k] = rec.drive[i, k]
+
+
+@jit
+def relative_planar_compliance(model, work, t, y):
+    """There are no rows to comply with."""
+    return 0.0, 0.0
+
+
+@jit
+def relative_planar_project(model, work, t, y, tolerance, most):
+    return 0.0
+
+
+@jit
+def relative_planar_roots(model, work, t, y, g, rate):
+    tell_planar(model, work, y)
+    ask.roots(inner_model(model), inner_work(model), t, told_of(work).state, g, rate)
+
+
+@jit
+def relative_planar_transition(model, work, t, span, y, g, dy):
+    """Let the redundant system change its modes, and take over the velocities that an impulse changed."""
+    tell_planar(model, work, y)
+    told = told_of(work)
+    answer = ask.transition(inner_model(model), inner_work(model), t, span, told.state, g, told.slope)
+    take_planar_velocities(model, work, y)
+    return answer
+
+
+@jit
+def take_planar_velocities(model, work, y):
+    """Write to y the rates that the velocities in `told` mean, at the places that were last written."""
+    joints, links, told, bodies = joints_of(model), links_of(work), told_of(work), bodies_of(inner_model(model))
+    n = bodies.mass.shape[0]
+    for i in range(n):
+        k, parent, v, own = 3 * (n + bodies.scene_index[i]), joints.parent[i], joints.v[i], links.velocity[i]
+        for c in range(3):
+            own[c] = told.state[k + c]
+        for c in range(joints.freedoms[i]):
+            y[v + c] = own[c]
+        if joints.kind[i] == REVOLUTE:
+            y[v] = own[2] - links.velocity[parent, 2]
+        elif joints.kind[i] == PRISMATIC:
+            spin, apart, free = links.velocity[parent, 2], links.apart[i], links.freedom[i, 0]
+            y[v] = free[0] * (own[0] - links.velocity[parent, 0] + spin * apart[1])
+            y[v] += free[1] * (own[1] - links.velocity[parent, 1] - spin * apart[0])
+
+
+@jit
+def relative_planar_start_modes(model, work, t, y, located):
+    tell_planar(model, work, y)
+    ask.start_modes(inner_model(model), inner_work(model), t, told_of(work).state, located)
+
+
+@jit
+def relative_planar_contact_mobility(model, work, t, y, k):
+    tell_planar(model, work, y)
+    return ask.contact_mobility(inner_model(model), inner_work(model), t, told_of(work).state, k)
+
+
+# --- what planar and spatial trees answer alike ----------------------------------------------------------------
+
+
+@jit
+def relative_tangent(model, work, x):
+    pass
+
+
+@jit
+def relative_regularity(work):
+    return 1.0
+
+
+@jit
+def relative_root_count(model):
+    return ask.root_count(inner_model(model))
