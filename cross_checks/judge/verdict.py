@@ -137,7 +137,8 @@ def _by_trend(good: Sequence[Point], errors: Sequence[float], order: float) -> t
     if min(slopes) >= 0.5 * order and finest <= RESOLVED:
         return Verdict.CONVERGING, f"{finest:.1e} at {last.setting}, falling with order {min(slopes):.2g}"
     if slopes[-1] > 0.0:
-        return Verdict.NOT_SHOWN, f"still {finest:.1e} off at {last.setting}, falling with order {slopes[-1]:.2g}"
+        pace = f"order {slopes[-1]:.2g}" + (f", less than half of {order:g}" if slopes[-1] < 0.5 * order else "")
+        return Verdict.NOT_SHOWN, f"still {finest:.1e} off at {last.setting}, falling with {pace}"
     return Verdict.DIVERGED, f"the error does not fall: {errors[-2]:.1e}, then {finest:.1e} at {last.setting}"
 
 
