@@ -104,7 +104,7 @@ site: venv $(DOCS_STAMP)  ## the documentation with the gallery, in build/site; 
 PINNED := --universal --python-version 3.12 --generate-hashes --no-emit-index-url --no-header --no-annotate --quiet
 EXTRAS := --extra engines --extra cluster --extra dev
 NIGHTLY := --extra ephemeris --extra lsodar --extra heyoka --extra drake --extra dart --extra mjx --extra opensim --extra notebooks \
-  --extra polars
+  --extra polars --extra film
 SITE := --extra docs --extra engines --extra notebooks
 
 lock:  ## pin again what pyproject.toml asks for (needs uv)

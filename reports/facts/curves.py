@@ -11,7 +11,7 @@ import numpy as np
 
 from mbs_ref.scene import Scene
 from mbs_ref.trajectory import Trajectory
-from reports.film import filmstrip, gif
+from reports.film.files import filmstrip, gif
 
 MOST_POINTS = 201  # of a line
 DIGITS = 6

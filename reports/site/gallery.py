@@ -12,7 +12,7 @@ from mbs_ref.scene import Scene
 from mbs_ref.scene.traits import traits
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
-from reports.film import gif
+from reports.film.files import gif
 from reports.scene_summary import summary
 from reports.site.tables import table, who_can
 

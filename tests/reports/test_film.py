@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import io
+import sys
 
+import numpy as np
 import pytest
 from PIL import Image
 
 from mbs_ref import scenes
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
-from reports.film import Camera, drawing, filmstrip, gif
+from reports.film.camera import Camera
+from reports.film.drawing import drawing
+from reports.film.files import as_gif, as_mp4, beside, filmstrip, gif, video_library
 
 SCENES = ["android_simplified", "pendulum_chain", "spring_pendulum", "bouncing_ball", "rolling_sphere"]
 
@@ -24,3 +28,39 @@ def test_every_sample_is_a_frame(name):
     strip = Image.open(io.BytesIO(filmstrip(scene, path, 8)))
     wide, high = Camera(drawing(scene, path)).size
     assert strip.size == (4 * wide, 2 * high)
+
+
+@pytest.fixture(scope="module")
+def runs():
+    scene = scenes.make("pendulum")
+    paths = (simulate(scene, Settings(samples=n, t_end=0.5, reactions=False, estimate="off")) for n in (9, 5))
+    return scene, dict(zip(("one", "other"), paths, strict=True))
+
+
+def test_runs_stand_beside_each_other_in_one_scale_for_as_long_as_both_last(runs):
+    scene, paths = runs
+    pictures = beside(scene, paths)
+    assert len(pictures) == 5
+    wide, high = Camera(*(drawing(scene, path) for path in paths.values())).size
+    assert {picture.size for picture in pictures} == {(2 * wide, high)}
+    first = np.asarray(pictures[0])
+    label = slice(14, 32)  # the rows of the label, the only difference at t = 0
+    same = first[:, :wide] == first[:, wide:]
+    assert np.delete(same, label, axis=0).all()
+    assert not same[label].all()
+    assert Image.open(io.BytesIO(as_gif(pictures, 1.0))).n_frames == 5
+
+
+def test_an_mp4_plays_for_as_long_as_asked(runs):
+    av = pytest.importorskip("av")
+    scene, paths = runs
+    with av.open(io.BytesIO(as_mp4(beside(scene, {"one": paths["one"]}), 2.0, video_library()))) as film:
+        (stream,) = film.streams
+        assert float(stream.duration * stream.time_base) == pytest.approx(2.0, abs=0.3)
+        assert all(length % 2 == 0 for length in (stream.width, stream.height))
+
+
+def test_without_its_package_an_mp4_says_what_to_install(monkeypatch):
+    monkeypatch.setitem(sys.modules, "av", None)
+    with pytest.raises(ImportError, match=r"pip install 'mbs-ref\[film\]'"):
+        video_library()

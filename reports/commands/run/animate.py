@@ -1,4 +1,4 @@
-"""mbs-ref animate: a scene in motion, as a GIF and a filmstrip."""
+"""mbs-ref animate: a scene in motion, as a GIF or an MP4 and a filmstrip."""
 
 from __future__ import annotations
 
@@ -6,10 +6,14 @@ from pathlib import Path
 
 import click
 
+from cross_checks.engine import Engine
 from mbs_ref.atomic_file import write_atomic
+from mbs_ref.scene import Scene
+from mbs_ref.settings import Settings
+from mbs_ref.trajectory import Trajectory
 from reports import inputs
 from reports.terminal.console import progress
-from reports.terminal.exit_codes import Failed
+from reports.terminal.exit_codes import EngineAbsent, Failed
 
 
 @click.command(name="animate")
@@ -21,39 +25,61 @@ from reports.terminal.exit_codes import Failed
 @click.option("--seconds", type=float, default=4.0, show_default=True, callback=inputs.positive, help="It plays for.")
 @click.option("--project-initial", is_flag=True, help="Repair inconsistent initial conditions.")
 @inputs.KEEP
+@inputs.ENGINES
+@click.option("--mp4", "video", is_flag=True, help="Write FILE.mp4 as well; needs the package av.")
 @click.option("-o", "output", metavar="FILE.gif", help="Where to; SCENE.gif unless given. The strip is FILE.png.")
 def command(
     scene: str, parameters: tuple[str, ...], t_end: float | None, frames: int, strip: int, seconds: float,
-    project_initial: bool, kept: tuple[str, ...], output: str | None,
+    project_initial: bool, kept: tuple[str, ...], chosen: tuple[str, ...], video: bool, output: str | None,
 ) -> None:  # fmt: skip
-    """Simulate SCENE with mbs_ref and draw it: FILE.gif plays, FILE.png shows moments side by side."""
-    chosen = inputs.keeping(inputs.scene(scene, parameters), kept)
-    target = inputs.output(output or f"{chosen.name}.gif", (".gif",))
+    """Simulate SCENE and draw it: FILE.gif plays, FILE.png shows moments of the first run side by side.
+
+    Several --engine are drawn beside each other at the same times, each by its default method.
+    """
+    made = inputs.keeping(inputs.scene(scene, parameters), kept)
+    target = inputs.output(output or f"{made.name}.gif", (".gif",))
     assert target is not None
     settings = inputs.settings(
         t_end=t_end, samples=frames, reactions=False, estimate="off", project_initial=project_initial
     )  # fmt: skip
 
-    from mbs_ref.simulate import InconsistentScene, simulate
-    from reports.film import filmstrip, gif
+    from reports.film.files import as_gif, as_mp4, beside, filmstrip, video_library
 
-    with progress(f"animate {chosen.name}") as report:
+    try:
+        library = video_library() if video else None
+    except ImportError as error:
+        raise EngineAbsent(str(error)) from error
+
+    with progress(f"animate {made.name}") as report:
         report(0, 3, "runs")
-        try:
-            path = simulate(chosen, settings)
-        except InconsistentScene as error:
-            raise Failed(str(error)) from error
-        if len(path.times) < 2:
-            raise Failed(f"nothing to draw: {path.status}: {path.message}")
+        runs = {solver.name: _run(solver, made, settings) for solver in map(inputs.engine, chosen or ("mbs_ref",))}
         report(1, 3, "is drawn, frame by frame")
-        pictures = {Path(target): gif(chosen, path, seconds)}
+        film = beside(made, runs)
+        pictures = {Path(target): as_gif(film, seconds)}
+        if library is not None:
+            pictures[Path(target).with_suffix(".mp4")] = as_mp4(film, seconds, library)
         report(2, 3, "is drawn side by side")
-        pictures[Path(target).with_suffix(".png")] = filmstrip(chosen, path, strip)
+        first = next(iter(runs.values()))
+        pictures[Path(target).with_suffix(".png")] = filmstrip(made, first, strip)
     for file, content in pictures.items():
         try:
             write_atomic(file, content)
         except OSError as error:
             raise Failed(f"{file} cannot be written: {error.strerror}") from error
         click.echo(str(file))
-    if not path.ok:
-        raise Failed(f"drawn as far as the run went: {path.message}")
+    short = [f"{name}: {path.message}" for name, path in runs.items() if not path.ok]
+    if short:
+        raise Failed(f"drawn as far as the runs went: {'; '.join(short)}")
+
+
+def _run(solver: Engine, scene: Scene, settings: Settings) -> Trajectory:
+    """Return a run that has at least two samples to draw."""
+    from mbs_ref.simulate import InconsistentScene
+
+    try:
+        path = solver.run(scene, settings)
+    except InconsistentScene as error:
+        raise Failed(str(error)) from error
+    if len(path.times) < 2:
+        raise Failed(f"nothing to draw: {solver.name}: {path.status}: {path.message}")
+    return path

@@ -1,0 +1,1 @@
+"""Pictures of a motion: films, and filmstrips of moments."""
