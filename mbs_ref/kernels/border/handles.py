@@ -51,21 +51,25 @@ def make_handle(groups: Any) -> np.ndarray:
     return np.concatenate((np.zeros(QUESTIONS, dtype=np.int64), handle.ravel()))
 
 
-def accessor(groups: type, name: str) -> Any:
+def accessor(groups: type, name: str, **lengths: int) -> Any:
     """Return a compiled function (owner) -> the group `name`, where the owner's handle came from `make_handle`.
 
-    `groups` is the class of the named tuple of groups that the handle was made of.
+    `groups` is the class of the named tuple of groups that the handle was made of. Lengths that are declared as numbers
+    and those given here by their words are known to the compiler, and so is where an entry lies: the word must mean
+    that number wherever the accessor is used.
     """
     kinds = get_type_hints(groups)
     fields = list(kinds)
     first = sum(len(declared(kinds[field])) for field in fields[: fields.index(name)])
-    array_types = [types.Array(_DTYPES[x.dtype], len(x.shape), "C") for x in declared(kinds[name]).values()]
+    arrays = list(declared(kinds[name]).values())
+    array_types = [types.Array(_DTYPES[x.dtype], len(x.shape), "C") for x in arrays]
+    known = [[lengths.get(n) if isinstance(n, str) else n for n in x.shape] for x in arrays]
     group_type = types.NamedTuple(array_types, kinds[name])
 
     @intrinsic
     def access(typingctx, owner):
         def codegen(context, builder, signature, args):
-            values = [_view(context, builder, args[0], first + k, kind) for k, kind in enumerate(array_types)]
+            values = [_view(context, builder, args[0], first + k, kind, known[k]) for k, kind in enumerate(array_types)]
             return context.make_tuple(builder, group_type, values)
 
         return group_type(owner), codegen
@@ -73,8 +77,8 @@ def accessor(groups: type, name: str) -> Any:
     return access
 
 
-def _view(context, builder, owner, index, array_type):
-    """Build array `index` of the owner's handle from its address and lengths."""
+def _view(context, builder, owner, index, array_type, known):
+    """Build array `index` of the owner's handle from its address and lengths, where they are not known."""
     word = ir.IntType(64)
     handle = builder.inttoptr(builder.extract_value(owner, 0), word.as_pointer())
 
@@ -84,7 +88,7 @@ def _view(context, builder, owner, index, array_type):
 
     result = make_array(array_type)(context, builder)
     itemsize = context.get_constant(types.intp, 8)
-    shape = [load(1 + axis) for axis in range(array_type.ndim)]
+    shape = [load(1 + axis) if length is None else ir.Constant(word, length) for axis, length in enumerate(known)]
     strides = [itemsize]
     for length in reversed(shape[1:]):
         strides.insert(0, builder.mul(strides[0], length))

@@ -46,24 +46,22 @@ def pass_rows(model, work, i):
 
 @placed
 def _pass_row(model, work, i, here, there, r):
-    tree, rows, closures = tree_of(work), rows_of(work), closures_of(work)
-    m, s, jac, lift = tree.mass_factor[i], tree.row_factor[i], rows.jacobian[i, 0], tree.lift[i]
-    passed, joint, column = closures.passed[here], closures.joint[here], closures.column[here]
-    v0, v1, v2 = ldl3_solve(m[0], m[1], m[2], m[3], m[4], m[5], passed[0, r], passed[1, r], passed[2, r])
-    u0, u1, u2 = ldl3_solve(
-        s[0], s[1], s[2], s[3], s[4], s[5],
-        jac[0, 0] * v0 + jac[0, 1] * v1 + jac[0, 2] * v2,
-        jac[1, 0] * v0 + jac[1, 1] * v1 + jac[1, 2] * v2,
-        jac[2, 0] * v0 + jac[2, 1] * v1 + jac[2, 2] * v2,
-    )  # fmt: skip
+    tree, closures = tree_of(work), closures_of(work)
+    m, s, lift, transfer = tree.mass_factor[i], tree.row_factor[i], tree.lift[i], tree.transfer[i]
+    joint, column = closures.joint[here], closures.column[here]
+    p0, p1, p2 = closures.passed[here, 0, r], closures.passed[here, 1, r], closures.passed[here, 2, r]
+    w0 = lift[0, 0] * p0 + lift[1, 0] * p1 + lift[2, 0] * p2
+    w1 = lift[0, 1] * p0 + lift[1, 1] * p1 + lift[2, 1] * p2
+    w2 = lift[0, 2] * p0 + lift[1, 2] * p1 + lift[2, 2] * p2
+    if there >= 0:
+        for c in range(3):
+            closures.passed[there, c, r] -= transfer[0, c] * w0 + transfer[1, c] * w1 + transfer[2, c] * w2
+    v0, v1, v2 = ldl3_solve(m[0], m[1], m[2], m[3], m[4], m[5], p0, p1, p2)
+    u0, u1, u2 = ldl3_solve(s[0], s[1], s[2], s[3], s[4], s[5], w0, w1, w2)
     joint[0, r], joint[1, r], joint[2, r] = u0, u1, u2
     column[0, r] = v0 - (lift[0, 0] * u0 + lift[0, 1] * u1 + lift[0, 2] * u2)
     column[1, r] = v1 - (lift[1, 0] * u0 + lift[1, 1] * u1 + lift[1, 2] * u2)
     column[2, r] = v2 - (lift[2, 0] * u0 + lift[2, 1] * u1 + lift[2, 2] * u2)
-    if there >= 0:
-        far = rows.jacobian[i, 1]
-        for c in range(3):
-            closures.passed[there, c, r] -= far[0, c] * u0 + far[1, c] * u1 + far[2, c] * u2
 
 
 @jit

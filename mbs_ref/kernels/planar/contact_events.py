@@ -63,7 +63,7 @@ AT_REST = 10.0  # of the noise: how close and slow a constraint contact must be 
 def contact_roots(model, work, t, y, g, rate):
     """Fill three functions a contact, and the rate of the first where known, else 0; load the state at y."""
     pairs, laws, modes = contact_pairs_of(model), contact_laws_of(model), contact_modes_of(model)
-    kin, near = kinematics_of(work), near_pairs_of(model)
+    near = near_pairs_of(model)
     if _some_constrained(laws, modes):
         accelerate(model, work, t, y)  # their functions are multipliers
     else:
@@ -74,7 +74,7 @@ def contact_roots(model, work, t, y, g, rate):
         rate[i] = 0.0
     for place in range(near.count[0]):
         k = near.pair[place]
-        touch = contact_geometry(pairs, kin, k)
+        touch = contact_geometry(model, work, k)
         i = ROOTS_EACH * k
         closed = modes.mode[k] == MODE_CLOSED
         if closed and laws.release[k] == RELEASE_CONSTRAINT:
@@ -121,14 +121,13 @@ def contact_transition(model, work, t, y, g, dy):
     dy is scratch of y's shape. y changes at rigid impacts and where a constraint contact closes.
     """
     pairs, laws, modes = contact_pairs_of(model), contact_laws_of(model), contact_modes_of(model)
-    kin = kinematics_of(work)
     regrip = False
     landed = False
     for k in range(pairs.kind.shape[0]):
         if not is_broken(g, k):
             continue
         load_state(model, work, y)
-        touch = contact_geometry(pairs, kin, k)
+        touch = contact_geometry(model, work, k)
         left = next_mode(laws, modes, k, g, touch.closing, is_behind(pairs, k, touch.gap))
         if left == IMPACT:
             _impact(model, work, t, y, k)
@@ -156,19 +155,19 @@ def planar_slip_velocities(model, work, y, out):
     load_state(model, work, y)
     for k in range(pairs.kind.shape[0]):
         if modes.grip[k] == GRIP_PROBE:
-            out[k, 0] = contact_geometry(pairs, kinematics_of(work), k).slip
+            out[k, 0] = contact_geometry(model, work, k).slip
 
 
 @jit
 def planar_settle_grips(model, work, t, y, dy):
     """Let the stopped contacts stick where mu_s allows what holds them, else slide on against it."""
     pairs, laws, modes = contact_pairs_of(model), contact_laws_of(model), contact_modes_of(model)
-    kin, count = kinematics_of(work), pairs.kind.shape[0]
+    count = pairs.kind.shape[0]
     loads, place, force = np.zeros(count), np.zeros(count), np.zeros((count, 1))
     load_state(model, work, y)
     for k in range(count):
         if modes.grip[k] == GRIP_PROBE:
-            touch = contact_geometry(pairs, kin, k)
+            touch = contact_geometry(model, work, k)
             loads[k] = max(normal_force(laws, modes, k, -touch.gap, -touch.closing), 0.0)
             place[k] = touch.along
     if np.sum(loads) > 0.0:
@@ -188,12 +187,11 @@ def planar_settle_grips(model, work, t, y, dy):
 def start_contacts(model, work, t, y, located):
     """Set every contact's mode by the state; events are watched only where `located`."""
     pairs, laws, modes = contact_pairs_of(model), contact_laws_of(model), contact_modes_of(model)
-    kin = kinematics_of(work)
     resting = False
     near_pairs_of(model).stale[0] = 1
     for k in range(pairs.kind.shape[0]):
         load_state(model, work, y)
-        touch = contact_geometry(pairs, kin, k)
+        touch = contact_geometry(model, work, k)
         modes.dashpot[k] = laws.damping[k] + laws.impact_damping[k] * laws.stiffness[k] / laws.slowest[k]
         modes.grip[k] = GRIP_STICK
         modes.anchor[k, 0] = touch.along
@@ -221,12 +219,12 @@ def start_contacts(model, work, t, y, located):
 @jit
 def planar_contact_mobility(model, work, t, y, k):
     """Return n^T W n (1/kg), the normal mobility of a contact within the joints; leave W n as tree acceleration."""
-    pairs, kin = contact_pairs_of(model), kinematics_of(work)
+    pairs = contact_pairs_of(model)
     tree, rows = tree_of(work), rows_of(work)
     load_state(model, work, y)
     fill_rows(model, work, t)
     factor(model, work)
-    touch = contact_geometry(pairs, kin, k)
+    touch = contact_geometry(model, work, k)
     n, a, b = touch.normal, pairs.a[k], pairs.b[k]
     for i in range(tree.load.shape[0]):
         for c in range(3):
@@ -248,9 +246,9 @@ def planar_contact_mobility(model, work, t, y, k):
 @jit
 def _impact(model, work, t, y, k):
     """Reverse the normal speed by an impulse, v+ = -e v-, within the joints: dv = W n p."""
-    pairs, laws, bodies = contact_pairs_of(model), contact_laws_of(model), bodies_of(model)
+    laws, bodies = contact_laws_of(model), bodies_of(model)
     mobility = contact_mobility(model, work, t, y, k)
-    closing = contact_geometry(pairs, kinematics_of(work), k).closing
+    closing = contact_geometry(model, work, k).closing
     response = tree_of(work).acceleration
     impulse = -(1.0 + laws.restitution[k]) * closing / mobility
     n = bodies.mass.shape[0]
@@ -270,7 +268,7 @@ def planar_contact_forces(model, work, t, y, out):
     else:
         load_state(model, work, y)
     for k in range(pairs.kind.shape[0]):
-        touch = contact_geometry(pairs, kin, k)
+        touch = contact_geometry(model, work, k)
         touching = touch.gap < 0.0 and touch.beyond <= 0.0 and not is_behind(pairs, k, touch.gap)
         if modes.mode[k] != MODE_PLAIN:
             touching = modes.mode[k] == MODE_CLOSED

@@ -52,7 +52,7 @@ def _clear(rows, slot):
 def _fill_contact(model, work, k):
     pairs, kin, rows = contact_pairs_of(model), kinematics_of(work), rows_of(work)
     slot = contact_laws_of(model).slot[k]
-    touch = contact_geometry(pairs, kin, k)
+    touch = contact_geometry(model, work, k)
     n = touch.normal
     on_a, on_b = rows.jacobian[slot, 0, 0], rows.jacobian[slot, 1, 0]
     on_a[0], on_a[1], on_a[2] = n[0], n[1], cross(touch.arm_a, n)

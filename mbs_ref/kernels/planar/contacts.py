@@ -107,8 +107,9 @@ def _in_sprocket(pairs, k, x, seat):
 
 
 @jit
-def contact_geometry(pairs, kin, k):
+def contact_geometry(model, work, k):
     """Return the Touch of a pair."""
+    pairs, kin = contact_pairs_of(model), kinematics_of(work)
     a, b = pairs.a[k], pairs.b[k]
     center, origin = arm(kin.pose, a, pairs.center[k]), arm(kin.pose, b, pairs.origin[k])
     x = gap_between(kin, b, a, origin, center)
@@ -176,7 +177,7 @@ def apply_contacts(model, work):
         mode = modes.mode[k]
         if mode != MODE_CLOSED and mode != MODE_PLAIN:
             continue
-        touch = contact_geometry(pairs, kin, k)
+        touch = contact_geometry(model, work, k)
         if mode == MODE_PLAIN and not (
             touch.gap < 0.0 and touch.beyond <= 0.0 and not is_behind(pairs, k, touch.gap)
         ):

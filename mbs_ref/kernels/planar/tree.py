@@ -68,19 +68,18 @@ def factor_tree(model, work):
         )
         for c in range(6):
             tree.row_factor[i, c] = s[c]
+        p = bodies.parent[i]
+        if p != n:
+            transfer = tree.transfer[i]
+            for c in range(3):
+                x0, x1, x2 = ldl3_solve(s[0], s[1], s[2], s[3], s[4], s[5], far[0, c], far[1, c], far[2, c])
+                transfer[0, c], transfer[1, c], transfer[2, c] = x0, x1, x2
+            up = tree.articulated[p]
+            for r in range(3):
+                for c in range(r + 1):
+                    up[r, c] += far[0, r] * transfer[0, c] + far[1, r] * transfer[1, c] + far[2, r] * transfer[2, c]
         if looped and loops.entry[i] < loops.entry[i + 1]:
             pass_rows(model, work, i)
-        p = bodies.parent[i]
-        if p == n:
-            continue
-        transfer = tree.transfer[i]
-        for c in range(3):
-            x0, x1, x2 = ldl3_solve(s[0], s[1], s[2], s[3], s[4], s[5], far[0, c], far[1, c], far[2, c])
-            transfer[0, c], transfer[1, c], transfer[2, c] = x0, x1, x2
-        up = tree.articulated[p]
-        for r in range(3):
-            for c in range(r + 1):
-                up[r, c] += far[0, r] * transfer[0, c] + far[1, r] * transfer[1, c] + far[2, r] * transfer[2, c]
     if looped:
         eliminate_closures(model, work, n)
 
@@ -126,8 +125,7 @@ def solve_tree(model, work, gamma, acceleration, multiplier):
         multiplier[i, 1] = u1
         multiplier[i, 2] = u2
         if looped and loops.entry[i] < loops.entry[i + 1]:
-            _put_answer(tree, i, multiplier[i], acceleration[i])
-            take_free(RATES, loops, closures, i, acceleration[i])
+            take_free(RATES, loops, closures, i, load[i], gamma[i])
         p = bodies.parent[i]
         if p == n:
             continue

@@ -85,19 +85,19 @@ def couple(block, loops, closures, body):
         if closures.empty[k] == 1:
             continue
         rows = closures.passed[loops.here[e]]
-        _add_product(block, loops.count[k], rows, closures.column[loops.here[e]], closures.own[k])
+        _add_product(block, rows, closures.column[loops.here[e]], closures.own[k])
         m = loops.first[k]
         for f in range(e + 1, end):
             other = loops.passing[f]
             if closures.empty[other] == 0:
                 m = _meeting(loops, m, other)
-                _add_product(block, loops.count[k], rows, closures.column[loops.here[f]], closures.coupling[m])
+                _add_product(block, rows, closures.column[loops.here[f]], closures.coupling[m])
 
 
 @placed
-def _add_product(block, count, a, b, target):
+def _add_product(block, a, b, target):
     """target += a^T b."""
-    for r in range(count):
+    for r in range(len(block)):
         for s in range(len(block)):
             total = 0.0
             for c in range(len(block)):
@@ -242,15 +242,18 @@ def start_rows(block, loops, closures, gamma):
 
 
 @placed
-def take_free(block, loops, closures, body, free):
-    """gamma -= P a_0 for the closures that pass a body; `free` (rates,) is a_0."""
+def take_free(block, loops, closures, body, load, gamma):
+    """gamma -= P a_0 for the closures that pass a body with forces f (rates,) and right-hand sides of its joint.
+
+    a_0 = B f + M^-1 J^T S^-1 gamma, and B P^T and S^-1 J M^-1 P^T are in `column` and `joint`.
+    """
     for e in range(loops.entry[body], loops.entry[body + 1]):
-        k, passed = loops.passing[e], closures.passed[loops.here[e]]
+        k, here = loops.passing[e], loops.here[e]
         if closures.empty[k] == 0:
-            for r in range(loops.count[k]):
+            for r in range(len(block)):
                 total = 0.0
                 for c in range(len(block)):
-                    total += passed[c, r] * free[c]
+                    total += closures.column[here, c, r] * load[c] + closures.joint[here, c, r] * gamma[c]
                 closures.rhs[k, r] -= total
 
 
@@ -323,7 +326,7 @@ def take_closures(block, loops, closures, body, acceleration, multiplier):
         if closures.empty[k] == 0:
             for c in range(len(block)):
                 change, joint = 0.0, 0.0
-                for r in range(loops.count[k]):
+                for r in range(len(block)):
                     change += closures.column[here, c, r] * closures.mu[k, r]
                     joint += closures.joint[here, c, r] * closures.mu[k, r]
                 acceleration[c] -= change

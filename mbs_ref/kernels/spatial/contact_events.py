@@ -75,8 +75,8 @@ def spatial_root_count(model):
 @jit
 def spatial_roots(model, work, t, y, g, rate):
     """Fill g and, where known, its rate, else 0; g > 0 while the frozen modes hold."""
-    pairs, laws, modes = contact_pairs_of(model), contact_laws_of(model), contact_modes_of(model)
-    kin, near = kinematics_of(work), near_pairs_of(model)
+    laws, modes = contact_laws_of(model), contact_modes_of(model)
+    near = near_pairs_of(model)
     load_state(model, work, y)
     find_near(model, work)
     for i in range(g.shape[0]):
@@ -84,7 +84,7 @@ def spatial_roots(model, work, t, y, g, rate):
         rate[i] = 0.0
     for place in range(near.count[0]):
         k = near.pair[place]
-        touch = contact_geometry(pairs, kin, k)
+        touch = contact_geometry(model, work, k)
         normal_roots(laws, modes, k, touch.gap, touch.closing, touch.beyond, g, rate)
         if modes.mode[k] == MODE_CLOSED and laws.friction[k] == FRICTION_STICK_SLIP:
             g[ROOTS_EACH * k + 2] = _grip_margin(model, work, k, touch) + modes.noise[0]
@@ -159,14 +159,13 @@ def _stop_together(model, work, y, g):
 
     Their functions in g turn negative, as of all that change.
     """
-    pairs, laws, modes = contact_pairs_of(model), contact_laws_of(model), contact_modes_of(model)
-    kin = kinematics_of(work)
+    laws, modes = contact_laws_of(model), contact_modes_of(model)
     load_state(model, work, y)
     for k in range(modes.grip.shape[0]):
         closed = modes.mode[k] == MODE_CLOSED and laws.friction[k] == FRICTION_STICK_SLIP
         if not closed or modes.grip[k] != GRIP_FORWARD:
             continue
-        along, across = slip_along(contact_geometry(pairs, kin, k))
+        along, across = slip_along(contact_geometry(model, work, k))
         if math.sqrt(along * along + across * across) <= TOGETHER * modes.slow[0]:
             modes.grip[k] = GRIP_PROBE
             g[ROOTS_EACH * k + 2] = -1.0
@@ -179,7 +178,6 @@ def spatial_transition(model, work, t, span, y, g, dy):
     dy is scratch of y's shape. Velocities in y change at rigid impacts, deflections where a contact sticks.
     """
     pairs, laws, modes = contact_pairs_of(model), contact_laws_of(model), contact_modes_of(model)
-    kin = kinematics_of(work)
     stopped = False
     for k in range(pairs.kind.shape[0]):
         if not is_broken(g, k):
@@ -187,7 +185,7 @@ def spatial_transition(model, work, t, span, y, g, dy):
         if is_endless(modes, k, t, span):
             return ENDLESS, k
         load_state(model, work, y)
-        touch = contact_geometry(pairs, kin, k)
+        touch = contact_geometry(model, work, k)
         left = next_mode(laws, modes, k, g, touch.closing, is_behind(pairs, k, touch.gap))
         if left == IMPACT:
             _impact(model, work, t, y, k)
@@ -226,19 +224,19 @@ def spatial_slip_velocities(model, work, y, out):
     load_state(model, work, y)
     for k in range(pairs.kind.shape[0]):
         if modes.grip[k] == GRIP_PROBE:
-            out[k, 0], out[k, 1] = slip_along(contact_geometry(pairs, kinematics_of(work), k))
+            out[k, 0], out[k, 1] = slip_along(contact_geometry(model, work, k))
 
 
 @jit
 def _normal_loads(model, work, y, loads):
     """Fill the normal forces of the contacts under probe, no less than 0; return their sum."""
-    pairs, laws, modes = contact_pairs_of(model), contact_laws_of(model), contact_modes_of(model)
+    laws, modes = contact_laws_of(model), contact_modes_of(model)
     load_state(model, work, y)
     total = 0.0
     for k in range(loads.shape[0]):
         loads[k] = 0.0
         if modes.grip[k] == GRIP_PROBE:
-            touch = contact_geometry(pairs, kinematics_of(work), k)
+            touch = contact_geometry(model, work, k)
             loads[k] = max(normal_force(laws, modes, k, -touch.gap, -touch.closing), 0.0)
             total += loads[k]
     return total
@@ -269,7 +267,6 @@ def spatial_settle_grips(model, work, t, y, dy):
 def spatial_start_modes(model, work, t, y, located):
     """Set every mode by the state; event functions are watched only where `located`."""
     pairs, laws, modes = contact_pairs_of(model), contact_laws_of(model), contact_modes_of(model)
-    kin = kinematics_of(work)
     count = pairs.kind.shape[0]
     if count == 0:
         return
@@ -281,7 +278,7 @@ def spatial_start_modes(model, work, t, y, located):
     for k in range(count):
         modes.stamp[k] = -1e300
         modes.burst[k] = 0
-        touch = contact_geometry(pairs, kin, k)
+        touch = contact_geometry(model, work, k)
         modes.dashpot[k] = laws.damping[k] + laws.impact_damping[k] * laws.stiffness[k] / laws.slowest[k]
         modes.grip[k] = GRIP_STICK
         modes.anchor[k, 0] = 1.0
@@ -307,12 +304,12 @@ def spatial_start_modes(model, work, t, y, located):
 @jit
 def spatial_contact_mobility(model, work, t, y, k):
     """Return n^T W n (1/kg), the normal mobility of a contact within the joints; leave W n as tree acceleration."""
-    pairs, kin = contact_pairs_of(model), kinematics_of(work)
+    pairs = contact_pairs_of(model)
     tree, rows = tree_of(work), rows_of(work)
     load_state(model, work, y)
     fill_rows(model, work, t)
     factor(model, work)
-    touch = contact_geometry(pairs, kin, k)
+    touch = contact_geometry(model, work, k)
     n, on_a, on_b = touch.normal, touch.arm_a, touch.arm_b
     a, b = pairs.a[k], pairs.b[k]
     tree.load[:, :] = 0.0
@@ -330,10 +327,10 @@ def spatial_contact_mobility(model, work, t, y, k):
 @jit
 def _impact(model, work, t, y, k):
     """Reverse the normal speed by an impulse, v+ = -e v-, within the joints: dv = W n p."""
-    pairs, laws, bodies = contact_pairs_of(model), contact_laws_of(model), bodies_of(model)
+    laws, bodies = contact_laws_of(model), bodies_of(model)
     mobility = contact_mobility(model, work, t, y, k)
     kin = kinematics_of(work)
-    closing = contact_geometry(pairs, kin, k).closing
+    closing = contact_geometry(model, work, k).closing
     response = tree_of(work).acceleration
     impulse = -(1.0 + laws.restitution[k]) * closing / mobility
     for i in range(bodies.mass.shape[0]):
@@ -349,7 +346,7 @@ def spatial_contact_forces(model, work, t, y, out):
     pairs, modes, kin = contact_pairs_of(model), contact_modes_of(model), kinematics_of(work)
     load_state(model, work, y)
     for k in range(pairs.kind.shape[0]):
-        touch = contact_geometry(pairs, kin, k)
+        touch = contact_geometry(model, work, k)
         out[k, 0] = -touch.gap
         force = (0.0, 0.0, 0.0)
         if is_touching(pairs, modes, k, touch):

@@ -82,8 +82,9 @@ def _on_sphere(pairs, k, x, n):
 
 
 @jit
-def contact_geometry(pairs, kin, k):
+def contact_geometry(model, work, k):
     """Return the Touch of a pair."""
+    pairs, kin = contact_pairs_of(model), kinematics_of(work)
     a, b = pairs.a[k], pairs.b[k]
     c = turn(kin.turned[a], pairs.center[k])
     o = turn(kin.turned[b], pairs.origin[k])
@@ -202,7 +203,7 @@ def apply_contacts(model, work):
         k = near.pair[place]
         if modes.mode[k] != MODE_CLOSED and modes.mode[k] != MODE_PLAIN:
             continue
-        touch = contact_geometry(pairs, kin, k)
+        touch = contact_geometry(model, work, k)
         if not is_touching(pairs, modes, k, touch):
             continue
         force = contact_force(model, work, k, touch)
@@ -216,7 +217,7 @@ def fill_deflection_rates(model, work, dy):
     count = grips_of(work).deflection.shape[0]
     if count == 0:
         return
-    pairs, modes, kin = contact_pairs_of(model), contact_modes_of(model), kinematics_of(work)
+    pairs, modes = contact_pairs_of(model), contact_modes_of(model)
     first = dy.shape[0] - 2 * count
     for k in range(pairs.kind.shape[0]):
         if pairs.deflection[k] < 0:
@@ -225,4 +226,4 @@ def fill_deflection_rates(model, work, dy):
         dy[place] = 0.0
         dy[place + 1] = 0.0
         if modes.mode[k] == MODE_CLOSED and modes.grip[k] == GRIP_STICK:
-            dy[place], dy[place + 1] = slip_along(contact_geometry(pairs, kin, k))
+            dy[place], dy[place + 1] = slip_along(contact_geometry(model, work, k))

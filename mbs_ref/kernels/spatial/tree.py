@@ -190,8 +190,7 @@ def solve_tree(model, work, gamma, acceleration, multiplier):
             u[r] = total
         solve_ldl(tree.row_factor[i], count, u)
         if looped and loops.entry[i] < loops.entry[i + 1]:
-            _put_answer(tree, i, count, u, acceleration[i])
-            take_free(RATES, loops, closures, i, acceleration[i])
+            take_free(RATES, loops, closures, i, load[i], gamma[i])
         p = bodies.parent[i]
         if p == n:
             continue
