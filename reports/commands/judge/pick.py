@@ -44,6 +44,9 @@ FILE = click.Path(exists=True, dir_okay=False, path_type=Path)
     help=f"Time the winner against the runner-up in interleaved runs.  [default: where it leads by less than "
     f"{confirm.CLOSE} times]",
 )  # fmt: skip
+@click.option(
+    "--models", is_flag=True, help="Choose among the models of SCENE's family, from least to most, not among settings."
+)
 @click.option("--fresh", is_flag=True, help="Run the chosen setting afresh; exit code 1 where it misses.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 @STORE
@@ -57,6 +60,7 @@ def command(
     real_time: bool,
     records: Path | None,
     confirming: bool | None,
+    models: bool,
     fresh: bool,
     as_json: bool,
     store: str | None,
@@ -65,6 +69,9 @@ def command(
 
     Of engines that are named it is also said how far they are off as they come, where their user chooses nothing.
     """
+    if models:
+        _pick_model(scene, parameters, error, as_json)
+        return
     limit = None if budget is None else inputs.seconds(budget)
     made = inputs.scene(scene, parameters)
     if real_time:
@@ -89,6 +96,24 @@ def command(
             click.echo(pick.told(one))
     if again is not None:
         _check(again, Bounds(asked, compliance))
+
+
+def _pick_model(scene: str, parameters: tuple[str, ...], error: str, as_json: bool) -> None:
+    """Print the least model of the scene's family that reaches the error."""
+    from reports.studies.models.choice import choose
+    from reports.studies.models.measure import FAMILIES
+
+    if scene not in FAMILIES or parameters:
+        raise click.UsageError(
+            f"--models knows the families of {', '.join(FAMILIES)}, without parameters of their own; got {scene!r}"
+        )
+    choice = choose(FAMILIES[scene](), inputs.relative_error(error, inputs.scene(scene, ())))
+    if as_json:
+        echo_json(asdict(choice))
+    if choice.best is None:
+        raise NothingSelected(choice.sentence)
+    if not as_json:
+        click.echo(choice.sentence)
 
 
 def _of_scene(file: Path, scene: Scene, chosen: tuple[str, ...]) -> list[Record]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 from reports.studies.study import Study
@@ -27,10 +28,13 @@ class Ladder:
     method: str  # and its setting, the same on every rung
     measure: str  # what `accuracy` counts
     rungs: tuple[Rung, ...]
+    reference: str = ""  # the rung that the others are held against, where no truth is known
 
     def least(self, accuracy: float) -> Rung | None:
-        """Return the cheapest model that is at least so accurate; None where none is."""
-        enough = [rung for rung in self.rungs if rung.accuracy is not None and rung.accuracy >= accuracy]
+        """Return the cheapest model that is at least so accurate, the reference included; None where none is."""
+        exact = {self.reference: math.inf} if self.reference else {}
+        reached = [exact.get(rung.name, rung.accuracy) for rung in self.rungs]
+        enough = [rung for rung, has in zip(self.rungs, reached, strict=True) if has is not None and has >= accuracy]
         return min(enough, key=lambda rung: rung.loop_s, default=None)
 
 
