@@ -27,13 +27,17 @@ ENGINES = click.option(
     "--engine", "chosen", multiple=True, metavar="E|FILE.py",
     help="Only this engine, by name or by its adapter file; repeatable.",
 )  # fmt: skip
+ROBOTS = (".urdf", ".xml")  # suffixes of their files
 SECONDS = {"": 1.0, "s": 1.0, "ms": 1e-3, "us": 1e-6, "min": 60.0}  # s, in a duration's unit
 
 
 def scene(name_or_file: str, parameters: Sequence[str] = ()) -> Scene:
     """Return the scene of that name, or in that TOML, URDF or MJCF (.xml) file."""
-    if name_or_file.endswith((".urdf", ".xml")):
+    if name_or_file.endswith(ROBOTS):
         return _robot(name_or_file, parameters)
+    if Path(name_or_file).is_file() and not name_or_file.endswith(".toml"):
+        told = "a scene file ends in .toml, a robot in .urdf, or in .xml where it is MJCF"
+        raise click.UsageError(f"{name_or_file}: what it is follows from its name: {told}")
     try:
         if name_or_file.endswith(".toml"):
             if parameters:
@@ -64,6 +68,11 @@ def _robot(file: str, parameters: Sequence[str]) -> Scene:
     """Return the scene of a robot, and say on stderr what was assumed."""
     from cross_checks.workshop.robot import RobotError
 
+    path = Path(file)
+    if not path.is_file():
+        there = sorted(other.name for other in path.parent.glob("*") if other.suffix in ROBOTS)
+        listed = f"robots there: {', '.join(there)}" if there else f"no {' or '.join(ROBOTS)} file is there"
+        raise click.UsageError(f"{file}: there is no such file{problems.suggest(path.name, there)}; {listed}")
     try:
         robot = _reader(file)(Path(file), _parameters(parameters))
     except (RobotError, ValueError) as error:

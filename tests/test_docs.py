@@ -123,3 +123,18 @@ def test_the_tutorial_by_copy_and_paste(tmp_path):
     assert done.returncode == 2
     assert "mas" in done.stderr
     assert "mass" in done.stderr
+
+
+LINK = re.compile(r"\]\(([^)\s]+)\)")
+MADE = ("gallery.md", "capabilities.md", "truths.md", "CHANGELOG.md", "CONTRIBUTING.md")  # beside docs/ in the site
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_links_of_the_sources_lead_to_files(page):
+    """The built site has every link looked at; these are the links of a reader of the repository."""
+    for link in LINK.findall(FENCED.sub("", page.read_text(encoding="utf-8"))):
+        target = link.partition("#")[0]
+        if not target or "://" in target or target in MADE:
+            continue
+        notebook = target.endswith(".md") and (page.parent / target).with_suffix(".ipynb").is_file()
+        assert (page.parent / target).exists() or notebook, f"{page.name}: {link}"

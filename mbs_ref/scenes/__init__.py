@@ -60,7 +60,7 @@ def _builder(name: str) -> Callable[..., Scene]:
     known = names()
     if name not in known:
         close = difflib.get_close_matches(name, known, n=1, cutoff=0.4)
-        hint = f"; did you mean {close[0]!r}?" if close else ""
+        hint = f"; did you mean {close[0]!r}?" if close else "."
         raise ValueError(f"scene = {name!r} is unknown{hint} The scenes are {', '.join(known)}")
     return importlib.import_module(f"{__name__}.{name}").build
 
@@ -79,6 +79,6 @@ def _sentence(scene: str, item: Any) -> str:
     if item["type"] == "extra_forbidden":
         allowed = describe(scene).parameters
         close = difflib.get_close_matches(name, allowed, n=1)
-        hint = f"; did you mean {close[0]!r}?" if close else ""
+        hint = f"; did you mean {close[0]!r}?" if close else "."
         return f"{name} = {item['input']!r} is no parameter of {scene}{hint} Allowed: {', '.join(allowed)}"
     return f"{scene}: {name} = {item['input']!r} is not allowed: {item['msg'].lower()}"

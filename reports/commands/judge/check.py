@@ -12,6 +12,8 @@ from reports.terminal.asking import STORE, asked_runs
 from reports.terminal.console import echo_json, number, progress, show, table
 from reports.terminal.exit_codes import Failed, Incomplete, NothingSelected
 
+MOST_REASONS = 5  # told where nothing runs
+
 
 @click.command(name="check")
 @click.argument("scene", nargs=-1, metavar="[SCENE|FILE.toml]...")
@@ -47,7 +49,9 @@ def command(
     if interrupted:
         raise Incomplete(f"interrupted after {len(cells)} cells")
     if not any(cell.verdict not in ("cannot", "engine-missing") for cell in cells):
-        raise NothingSelected("no engine runs any of the scenes; the reasons are in the table")
+        why = {f"{cell.scene} by {cell.engine}": cell.reason for cell in reversed(cells)}  # an engine's first method
+        told = [f"{where}: {reason}" for where, reason in reversed(why.items())]
+        raise NothingSelected(f"no engine runs any of the scenes. {'. '.join(told[:MOST_REASONS])}")
     wrong = [cell for cell in cells if cell.is_wrong]
     if wrong:
         named = ", ".join(f"{cell.scene}/{cell.engine}/{cell.method}: {cell.verdict}" for cell in wrong)

@@ -141,6 +141,17 @@ def test_the_command_line_takes_a_robot_and_says_what_it_assumes():
     assert "-p knee: no joint has that name" in done.output
 
 
+def test_a_file_that_is_not_there_or_has_another_suffix_says_what_to_do(tmp_path):
+    (tmp_path / "arm.urdf").write_text(ROBOT.read_text())
+    done = CliRunner().invoke(main, ["simulate", str(tmp_path / "amr.urdf")])
+    assert done.exit_code == 2
+    assert "there is no such file; did you mean 'arm.urdf'?; robots there: arm.urdf" in done.output
+    (tmp_path / "arm.txt").write_text(ROBOT.read_text())
+    done = CliRunner().invoke(main, ["simulate", str(tmp_path / "arm.txt")])
+    assert done.exit_code == 2
+    assert "a robot in .urdf" in " ".join(done.output.split())
+
+
 REAL = {
     "ur_description/urdf/ur5_robot.urdf": {},
     "panda_description/urdf/panda.urdf": {"panda_finger_joint2": "locked", "panda_joint2": 0.4, "panda_joint4": -1.0},
