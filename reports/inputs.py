@@ -66,20 +66,24 @@ KEEP = click.option("--keep", "kept", multiple=True, metavar="BODY.velocity|BODY
 
 def _robot(file: str, parameters: Sequence[str]) -> Scene:
     """Return the scene of a robot, and say on stderr what was assumed."""
-    from cross_checks.workshop.robot import RobotError
+    from cross_checks.workshop.robot import RobotError, driven, read_start
 
     path = Path(file)
     if not path.is_file():
         there = sorted(other.name for other in path.parent.glob("*") if other.suffix in ROBOTS)
         listed = f"robots there: {', '.join(there)}" if there else f"no {' or '.join(ROBOTS)} file is there"
         raise click.UsageError(f"{file}: there is no such file{problems.suggest(path.name, there)}; {listed}")
+    given = _parameters(parameters)
+    start = Path(str(given.pop("start"))) if "start" in given else None
     try:
-        robot = _reader(file)(Path(file), _parameters(parameters))
+        asked, drives = read_start(start) if start is not None else ({}, {})
+        robot = _reader(file)(path, asked | given)
+        made = robot.scene if start is None else driven(robot.scene, drives, start)
     except (RobotError, ValueError) as error:
         raise click.UsageError(str(error)) from error
     for sentence in robot.assumed:
         click.echo(f"{file}: assumed: {sentence}", err=True)
-    return robot.scene
+    return made
 
 
 def _reader(file: str) -> Callable[..., Any]:

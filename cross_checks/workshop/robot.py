@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator
+import tomllib
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -11,10 +12,11 @@ from typing import Any, NamedTuple
 import numpy as np
 from pydantic import ValidationError
 
-from mbs_ref.scene import GROUND, Bushing, Scene, TorsionSpring
+from mbs_ref.scene import GROUND, Bushing, Revolute, RotationDrive, Scene, TorsionSpring
 from mbs_ref.scene.messages import suggest
 
 RATE = ".rate"  # a start rate is asked for as joint.rate
+TABLES = ("joints", "rates", "drives")  # of a start file
 LONGEST = 48  # letters of a name: a scene allows 64, and a joint's spring and damper are named after it
 LOCKED = "locked"  # the value of a joint that shall not move
 
@@ -46,6 +48,40 @@ def plain(name: str) -> str:
     told = re.sub(r"[^A-Za-z0-9_.\-]", "_", name)[:LONGEST]
     told = told if re.match(r"[A-Za-z]", told) else f"n{told}"[:LONGEST]
     return f"{told}_" if told == GROUND else told
+
+
+def read_start(path: Path) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Return what a start file asks for, as `-p` would, and the motions of the joints that are driven.
+
+    Its tables are [joints] (rad, m, or "locked"), [rates] (rad/s, m/s) and [drives.JOINT] (a signal, as in a scene);
+    what stands above them are the reader's options. RobotError where it cannot be read or holds another table.
+    """
+    try:
+        told = tomllib.loads(path.read_text(encoding="utf-8"))
+    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+        raise RobotError(f"{path}: cannot be read: {error}") from error
+    tables = {name: value for name, value in told.items() if isinstance(value, dict)}
+    refuse(path, (f"[{name}] is no table here; allowed: {', '.join(TABLES)}" for name in tables if name not in TABLES))
+    given = {name: value for name, value in told.items() if name not in tables} | tables.get("joints", {})
+    return given | {f"{name}{RATE}": value for name, value in tables.get("rates", {}).items()}, tables.get("drives", {})
+
+
+def driven(scene: Scene, drives: Mapping[str, Any], path: Path) -> Scene:
+    """Return the scene with motions of hinges prescribed; RobotError names a joint that is no hinge."""
+    hinges = {joint.name: joint for joint in scene.joints if isinstance(joint, Revolute)}
+    given = {plain(name): motion for name, motion in drives.items()}
+    strange = [f"[drives.{name}] is of no hinge{suggest(name, hinges)}" for name in given if name not in hinges]
+    refuse(path, [*strange, f"hinges are {', '.join(hinges)}"] if strange else [])
+    with of_file(path):
+        added = [RotationDrive.model_validate(_drive(hinges[name], motion)) for name, motion in given.items()]
+        return Scene(**{**dict(scene), "joints": (*scene.joints, *added)})
+
+
+def _drive(hinge: Revolute, motion: Mapping[str, Any]) -> dict[str, Any]:
+    ends = {"body_a": hinge.body_a, "body_b": hinge.body_b, "axis": hinge.axis}
+    level = {"level": motion["level"]} if "level" in motion else {}
+    signal = {key: value for key, value in motion.items() if key != "level"}
+    return {"name": f"{hinge.name}_drive", **ends, "motion": signal, **level}
 
 
 def refuse(path: Path, reasons: Iterable[str]) -> None:

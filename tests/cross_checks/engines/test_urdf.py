@@ -6,12 +6,15 @@ import re
 from importlib.metadata import PackageNotFoundError, distribution
 from pathlib import Path
 
+import click
 import numpy as np
 import pytest
 from click.testing import CliRunner
 
+from mbs_ref.scene.euler_parameters import conjugate, geodesic_angle, product
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
+from reports import inputs
 from reports.cli import main
 
 pinocchio = pytest.importorskip("pinocchio")
@@ -150,6 +153,46 @@ def test_a_file_that_is_not_there_or_has_another_suffix_says_what_to_do(tmp_path
     done = CliRunner().invoke(main, ["simulate", str(tmp_path / "arm.txt")])
     assert done.exit_code == 2
     assert "a robot in .urdf" in " ".join(done.output.split())
+
+
+STARTED = """
+duration = 0.5
+[joints]
+elbow = -0.5
+ram = "locked"
+[rates]
+shoulder = 1.0
+elbow = 0.6
+[drives.elbow]
+type = "harmonic"
+amplitude = 0.3
+omega = 2.0
+"""
+
+
+def test_a_start_file_poses_the_robot_and_drives_its_hinges(tmp_path):
+    """The driven hinge turns by the motion's own closed form, whatever the other link does."""
+    (tmp_path / "start.toml").write_text(STARTED)
+    scene = inputs.scene(str(ROBOT), [f"start={tmp_path / 'start.toml'}", "shoulder=0.3"])
+    assert [joint.type for joint in scene.joints] == ["revolute", "revolute", "rotation_drive"]
+    path = simulate(scene, Settings(rtol=1e-10, samples=6, estimate="off"))
+    assert path.ok, path.message
+    between = product(conjugate(path.orientation[:, 0]), path.orientation[:, 1])
+    turned = geodesic_angle(between, between[0])
+    assert np.allclose(turned, 0.3 * np.sin(2.0 * path.times), atol=1e-8)
+    assert np.linalg.norm(path.angular_velocity[-1, 0] - path.angular_velocity[0, 0]) > 0.1
+
+
+@pytest.mark.parametrize(("old", "new", "said"), [
+    ("[rates]", "[speeds]", "[speeds] is no table here; allowed: joints, rates, drives"),
+    ("[drives.elbow]", "[drives.elbw]", "[drives.elbw] is of no hinge; did you mean 'elbow'?; hinges are shoulder"),
+    ('type = "harmonic"', 'type = "harmonics"', "motion"),
+    ("elbow = -0.5", "elbo = -0.5", "no joint has that name; did you mean 'elbow'"),
+])  # fmt: skip
+def test_a_mistake_in_a_start_file_is_named(old, new, said, tmp_path):
+    (tmp_path / "start.toml").write_text(STARTED.replace(old, new))
+    with pytest.raises(click.UsageError, match=re.escape(said)):
+        inputs.scene(str(ROBOT), [f"start={tmp_path / 'start.toml'}"])
 
 
 REAL = {
