@@ -14,6 +14,7 @@ from mbs_ref.scene.base.directions import normals, unit
 from mbs_ref.scene.contact import CircleOnCircle, CircleOnLine, SphereOnPlane, SphereOnSphere
 from mbs_ref.trajectory import Trajectory
 
+MOST_LABELS = 20  # more would hide each other
 ISOMETRIC = np.array([[-1.0, 1.0, 0.0], [-0.5, -0.5, 1.0]]) / np.array([[2.0**0.5], [1.5**0.5]])
 
 
@@ -27,6 +28,7 @@ class Drawing:
     circles: list[tuple[np.ndarray, float]]  # (n_t, 2) and radius; spheres, which look the same from everywhere
     centres: np.ndarray  # (n_t, n_bodies, 2)
     times: np.ndarray  # (n_t,) s
+    labels: tuple[str, ...] = ()  # of the bodies, where they are told apart by name alone
 
 
 def drawing(scene: Scene, trajectory: Trajectory) -> Drawing:
@@ -45,7 +47,9 @@ def drawing(scene: Scene, trajectory: Trajectory) -> Drawing:
     surfaces, circles = _contacts(motion)
     surfaces = [_on_paper(surface) for surface in surfaces]
     circles = [(_on_paper(place), radius) for place, radius in circles]
-    return Drawing(spokes, springs, surfaces, circles, centres, trajectory.times)
+    apart = not (scene.joints or scene.contacts) and len(scene.bodies) > 1
+    labels = tuple(scene.body_names) if apart and len(scene.bodies) <= MOST_LABELS else ()
+    return Drawing(spokes, springs, surfaces, circles, centres, trajectory.times, labels)
 
 
 def _marks(part) -> list[tuple[str, tuple[float, ...]]]:

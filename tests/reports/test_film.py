@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import io
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pytest
-from PIL import Image
+from PIL import Image, ImageChops
 
 from mbs_ref import scenes
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
-from reports.film.camera import Camera
+from reports.film.camera import Camera, round_length
 from reports.film.drawing import drawing
 from reports.film.files import as_gif, as_mp4, beside, filmstrip, gif, video_library
 
@@ -64,3 +65,31 @@ def test_without_its_package_an_mp4_says_what_to_install(monkeypatch):
     monkeypatch.setitem(sys.modules, "av", None)
     with pytest.raises(ImportError, match=r"pip install 'mbs-ref\[film\]'"):
         video_library()
+
+
+@pytest.mark.parametrize(
+    ("most", "length", "told"),
+    [
+        (0.9, 0.5, "500 mm"),
+        (2.1, 2.0, "2 m"),
+        (1.0, 1.0, "1 m"),
+        (7e4, 5e4, "50 km"),
+        (3.2e11, 2 * 1.495978707e11, "2 au"),
+    ],
+)
+def test_the_scale_is_a_round_length(most, length, told):
+    found, word = round_length(most)
+    assert found == pytest.approx(length)
+    assert word == told
+
+
+def test_planets_have_names_and_orbits_and_mechanisms_have_not():
+    sky = scenes.make("figure_eight")
+    path = simulate(sky, Settings(samples=5, reactions=False, estimate="off"))
+    assert drawing(sky, path).labels == tuple(sky.body_names)
+    scenery = drawing(sky, path)
+    camera = Camera(scenery)
+    drawn, bare = (camera.picture(one, 2) for one in (scenery, replace(scenery, labels=())))
+    assert ImageChops.difference(drawn, bare).getbbox() is not None
+    chain = scenes.make("pendulum_chain")
+    assert drawing(chain, simulate(chain, Settings(samples=3, t_end=0.05, reactions=False))).labels == ()
