@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -21,6 +22,7 @@ from mbs_ref.scene import (
     Torque,
     TorsionSpring,
 )
+from mbs_ref.scene.celestial import GravityGradient
 from mbs_ref.scene.euler_parameters import rotation_matrices
 from mbs_ref.scene.joints import Drive, UserConstraint
 from mbs_ref.scene.signals import Constant, Signal
@@ -111,10 +113,14 @@ def energy_balance(scene: Scene, trajectory: Trajectory) -> EnergyBalance:
 
 def _attracted(scene: Scene, trajectory: Trajectory) -> EnergyBalance:
     """Free rigid bodies under Newton's attraction: orbits and spins keep their energies apart."""
-    if scene.joints or not celestial.is_newtonian(scene):
+    others = [load.name for load in scene.loads if load.type not in ("newton", "epoch", "gravity_gradient")]
+    if scene.joints or others:
         reason = "the judge draws the balance of attracting bodies without joints or other loads alone"
         return EnergyBalance(np.zeros(len(trajectory.times)), None, None, 0.0, reason)
-    spin = _spatial_rotation(scene, trajectory)
+    spin, motion = _spatial_rotation(scene, trajectory), Motion(scene, trajectory)
+    for load in scene.loads:
+        if isinstance(load, GravityGradient):
+            spin = spin + _gradient(motion, load)
     energy = celestial.energy(scene, trajectory).astype(float) + spin
     return EnergyBalance(energy, np.zeros_like(energy), celestial.drift(scene, trajectory) + spin - spin[0], 0.0)
 
@@ -210,11 +216,24 @@ def _torque(motion: Motion, load: Torque) -> np.ndarray:
     return -_constant(load.factor) * load.torque * motion.angle(load.body)
 
 
+def _gradient(motion: Motion, load: GravityGradient) -> np.ndarray:
+    """-gm / (2 d^3) (tr J - 3 d.J d / d^2): MacCullagh's potential beyond the point mass's."""
+    k, planet = (motion.scene.body_index(name) for name in (load.body, load.planet))
+    body: Any = motion.scene.bodies[k]
+    d = motion.trajectory.position[:, k] - motion.trajectory.position[:, planet]
+    axes = rotation_matrices(motion.trajectory.orientation[:, k])
+    local = np.einsum("tij,ti->tj", axes, d)
+    square = np.sum(d**2, axis=1)
+    moment = np.sum(local * (local @ body.inertia_matrix), axis=1) / square
+    return -0.5 * load.gm / square**1.5 * (np.trace(body.inertia_matrix) - 3.0 * moment)
+
+
 def _constant(factor: Signal) -> float:
     return factor.segments()[0].coefficients[0]
 
 
 POTENTIALS = {
+    GravityGradient: _gradient,
     SpringDamper: _spring,
     TorsionSpring: _torsion,
     Bushing: _bushing,

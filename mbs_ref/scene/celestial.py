@@ -1,7 +1,8 @@
 """Gravity and what else moves celestial bodies: each physics is a part of its own, with its source.
 
-They act on scenes of three-dimensional point masses. Frames are inertial with ICRF axes; times are TDB
-seconds. G m is known to ten digits and more, G to four: parts therefore take the product, `gm` in m^3/s^2.
+They act on scenes of three-dimensional point masses, the gravity gradient on rigid bodies. Frames are inertial with
+ICRF axes; times are TDB seconds. G m is known to ten digits and more, G to four: parts therefore take the product,
+`gm` in m^3/s^2.
 """
 
 from __future__ import annotations
@@ -144,6 +145,23 @@ class RadiationPressure(CelestialPart):
     pressure: Positive = 4.56e-6  # N/m^2 at 1 au; Montenbruck and Gill, eq 3.69
 
 
+class GravityGradient(CelestialPart):
+    """What a rigid body's extent adds to a planet's attraction: MacCullagh's torque, and his force.
+
+    torque = 3 gm / d^5 (d x J d) and force = -3 gm / (2 d^5) ((tr J - 5 d.J d / d^2) d + 2 J d), with d from the planet
+    to the body's centre of mass; the planet bears the opposite force. It goes with `newton`, which attracts the body as
+    a point. Source: J. Wertz, Spacecraft Attitude Determination and Control (1978), eq 17-30.
+    """
+
+    type: Literal["gravity_gradient"] = "gravity_gradient"
+    body: BodyName  # whose inertia feels the gradient
+    planet: BodyName
+    gm: Positive  # m^3/s^2, of the planet
+
+    def refuses_particle(self, end: str, dimension: int) -> str:
+        return "and has no extent to feel the gradient over" if end == "body" else ""
+
+
 class Epoch(CelestialPart):
     """When t = 0 is: needed by every part whose direction depends on the date."""
 
@@ -159,5 +177,15 @@ class Epoch(CelestialPart):
 
 
 CelestialLoad = (
-    Newton | Relativity | Oblateness | LunarFigure | Tide | Ring | ThirdBody | Drag | RadiationPressure | Epoch
+    Newton
+    | Relativity
+    | Oblateness
+    | LunarFigure
+    | Tide
+    | Ring
+    | ThirdBody
+    | Drag
+    | RadiationPressure
+    | GravityGradient
+    | Epoch
 )

@@ -15,7 +15,7 @@ from mbs_ref.kernels.spatial import model as arrays
 from mbs_ref.scene import Bushing, Force, PointMass, Scene, SpatialBody, SpringDamper, TorqueVector, TorsionSpring
 from mbs_ref.scene.base.directions import normals, unit
 from mbs_ref.scene.base.rows import Row
-from mbs_ref.scene.celestial import CelestialPart, Epoch, Newton
+from mbs_ref.scene.celestial import CelestialPart, Epoch, GravityGradient, Newton
 from mbs_ref.scene.euler_parameters import rotation_matrices
 
 _HELD_INERTIA = (1.0, 1.0, 1.0, 0.0, 0.0, 0.0)  # kg m^2 in the idle block of a point mass: nothing ever turns it
@@ -140,17 +140,27 @@ def _bushings(build: _Builder) -> arrays.Bushings:
 
 def _attraction(build: _Builder) -> arrays.Attraction:
     """Return Newton's gm in elimination order; ValueError where a load acts on scenes of particles alone."""
-    others = [x.name for x in build.scene.loads if isinstance(x, CelestialPart) and not isinstance(x, Newton | Epoch)]
+    known = (Newton, Epoch, GravityGradient)
+    others = [x.name for x in build.scene.loads if isinstance(x, CelestialPart) and not isinstance(x, known)]
     newtons = [x for x in build.scene.loads if isinstance(x, Newton)]
     if others:
         raise ValueError(
-            f"loads {', '.join(others)} act in scenes of free point masses alone; rigid bodies know newton"
+            f"loads {', '.join(others)} act in scenes of free point masses alone; rigid bodies know newton "
+            "and gravity_gradient"
         )
     if len(newtons) > 1:
         raise ValueError(f"loads {', '.join(x.name for x in newtons)} are all of type newton; give one")
     if newtons and len(newtons[0].gm) != build.n:
         raise ValueError(f"load {newtons[0].name!r}: gm needs {build.n} entries, one a body; got {len(newtons[0].gm)}")
     return arrays.Attraction(floats(newtons[0].gm[i] for i in build.layout.order) if newtons else np.zeros(0))
+
+
+def _gradients(build: _Builder) -> arrays.Gradients:
+    loads = [x for x in build.scene.loads if isinstance(x, GravityGradient)]
+    ends = [
+        ints([build.body(name) for name in names]) for names in ([x.planet for x in loads], [x.body for x in loads])
+    ]
+    return arrays.Gradients(ends[0], ends[1], floats(x.gm for x in loads))
 
 
 def _bodies(build: _Builder) -> arrays.Bodies:
@@ -194,6 +204,7 @@ def build_spatial(scene: Scene) -> tuple[arrays.SpatialGroups, dict[int, Place]]
         contact_modes=contact_modes(scene, len(scene.contacts)),
         near_pairs=contact_balls(pairs),
         attraction=_attraction(build),
+        gradients=_gradients(build),
         signals=signal_arrays(build.segments),
         world=arrays.World(np.array(scene.gravity, dtype=float), ints([0]), ints([0]), np.zeros(3)),
     )

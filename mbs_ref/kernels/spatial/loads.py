@@ -21,6 +21,7 @@ from mbs_ref.kernels.spatial.model import (
     bodies_of,
     bushings_of,
     forces_of,
+    gradients_of,
     kinematics_of,
     signals_of,
     springs_of,
@@ -204,6 +205,23 @@ def apply_attraction(model, work):
 
 
 @jit
+def apply_gradients(model, work):
+    """Add MacCullagh's torque 3 gm / d^5 (d x J d) and force, with the opposite on the centre."""
+    pairs, kin = gradients_of(model), kinematics_of(work)
+    for k in range(pairs.a.shape[0]):
+        a, b, inertia = pairs.a[k], pairs.b[k], kin.inertia[pairs.b[k]]
+        d = minus(kin.position[b], kin.position[a])
+        square = dot(d, d)
+        factor = 3.0 * pairs.gm[k] / (square * square * np.sqrt(square))
+        turned = symmetric_times(inertia, d)
+        trace = inertia[0] + inertia[1] + inertia[2]
+        force = plus(times(0.5 * (5.0 * dot(d, turned) / square - trace), d), negative(turned))
+        add(kin.force[b], 0, times(factor, force))
+        add(kin.force[b], 3, times(factor, cross(d, turned)))
+        add(kin.force[a], 0, times(-factor, force))
+
+
+@jit
 def apply_user_force(model, work, t):
     """Call the user's law in scene order; it adds forces and torques about the centres of mass."""
     bodies, kin = bodies_of(model), kinematics_of(work)
@@ -235,6 +253,8 @@ def spatial_apply_loads(model, work, t):
         apply_bushings(model, work)
     if attraction_of(model).gm.shape[0] > 0:
         apply_attraction(model, work)
+    if gradients_of(model).a.shape[0] > 0:
+        apply_gradients(model, work)
     if world_of(model).user_force[0] != 0:
         apply_user_force(model, work, t)
     apply_contacts(model, work)

@@ -176,6 +176,14 @@ class Attraction(NamedTuple):
     gm: Annotated[Floats, "n"]  # m^3/s^2; empty where bodies do not attract each other
 
 
+class Gradients(NamedTuple):
+    """What the extent of body b adds to the attraction of a."""
+
+    a: Annotated[Ints, "k"]
+    b: Annotated[Ints, "k"]
+    gm: Annotated[Floats, "k"]  # m^3/s^2, of a
+
+
 class World(NamedTuple):
     gravity: Annotated[Floats, 3]  # m/s^2
     user_force: Annotated[Ints, 1]  # address of a C callback, or 0
@@ -204,6 +212,7 @@ class SpatialGroups(NamedTuple):
     contact_modes: ContactModes
     near_pairs: NearPairs
     attraction: Attraction
+    gradients: Gradients
     signals: SignalArrays
     world: World
 
@@ -226,6 +235,7 @@ contact_laws_of = accessor(SpatialGroups, "contact_laws")
 contact_modes_of = accessor(SpatialGroups, "contact_modes", tangents=2)
 near_pairs_of = accessor(SpatialGroups, "near_pairs", dimension=3)
 attraction_of = accessor(SpatialGroups, "attraction")
+gradients_of = accessor(SpatialGroups, "gradients")
 signals_of = accessor(SpatialGroups, "signals")
 world_of = accessor(SpatialGroups, "world")
 

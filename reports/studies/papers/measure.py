@@ -11,6 +11,7 @@ from reports.studies.papers.crash_figures import measure_crash
 from reports.studies.papers.facts import PapersFacts
 from reports.studies.papers.formulations import euler_angles, multipliers
 from reports.studies.papers.outline_pictures import outline_pictures
+from reports.studies.papers.satellite_figures import satellites
 from reports.studies.papers.sky_figures import measure_sky
 from reports.studies.papers.track_figures import measure_track
 
@@ -22,7 +23,7 @@ def measure() -> PapersFacts:
     """Run everything; two minutes with compiled code at hand."""
     crash, crash_films, crash_curves = measure_crash()
     track, track_films, track_curves = measure_track()
-    figures = crash | track | measure_sky() | multipliers() | coordinates() | _indices() | _orders()
+    figures = crash | track | measure_sky() | multipliers() | coordinates() | satellites() | _indices() | _orders()
     for tilt in TILTS:
         figures |= {f"angles.{tilt:g}.{name}": value for name, value in euler_angles(tilt).items()}
     plain = {name: value if isinstance(value, str) else float(value) for name, value in figures.items()}
