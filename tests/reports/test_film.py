@@ -13,7 +13,7 @@ from PIL import Image, ImageChops
 from mbs_ref import scenes
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
-from reports.film.camera import Camera, round_length
+from reports.film.camera import Camera, clock, round_length
 from reports.film.drawing import drawing
 from reports.film.files import as_gif, as_mp4, beside, filmstrip, gif, video_library
 
@@ -81,6 +81,11 @@ def test_the_scale_is_a_round_length(most, length, told):
     found, word = round_length(most)
     assert found == pytest.approx(length)
     assert word == told
+
+
+@pytest.mark.parametrize(("end", "told"), [(1.0, "0.500 s"), (4e5, "0.0 days"), (1e9, "0.0 years")])
+def test_the_clock_suits_the_film(end, told):
+    assert clock(0.5, end) == told
 
 
 def test_planets_have_names_and_orbits_and_mechanisms_have_not():
