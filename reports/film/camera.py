@@ -50,6 +50,7 @@ class Camera:
             pen.ellipse((x - r, y - r, x + r, y + r), outline=ROUND)
         for lines, colour, width in (
             (scenery.surfaces, SURFACE, 2),
+            (scenery.radii, INK, 1),
             (scenery.springs, SPRING, 1),
             (scenery.spokes, INK, 3),
         ):

@@ -4,6 +4,7 @@ surfaces of contact as they are. Space is seen along (1, 1, 1).
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -29,6 +30,7 @@ class Drawing:
     centres: np.ndarray  # (n_t, n_bodies, 2)
     times: np.ndarray  # (n_t,) s
     labels: tuple[str, ...] = ()  # of the bodies, where they are told apart by name alone
+    radii: Sequence[np.ndarray] = ()  # (n_t, 2, 2) of wheels
 
 
 def drawing(scene: Scene, trajectory: Trajectory) -> Drawing:
@@ -46,10 +48,11 @@ def drawing(scene: Scene, trajectory: Trajectory) -> Drawing:
             springs.append(np.stack(places, axis=1))
     surfaces, circles = _contacts(motion)
     surfaces = [_on_paper(surface) for surface in surfaces]
+    radii = _turning(motion)
     circles = [(_on_paper(place), radius) for place, radius in circles]
     apart = not (scene.joints or scene.contacts) and len(scene.bodies) > 1
     labels = tuple(scene.body_names) if apart and len(scene.bodies) <= MOST_LABELS else ()
-    return Drawing(spokes, springs, surfaces, circles, centres, trajectory.times, labels)
+    return Drawing(spokes, springs, surfaces, circles, centres, trajectory.times, labels, radii)
 
 
 def _marks(part) -> list[tuple[str, tuple[float, ...]]]:
@@ -70,8 +73,7 @@ def _contacts(motion: Motion) -> tuple[list[np.ndarray], list[tuple[np.ndarray, 
     for contact in motion.scene.contacts:
         if isinstance(contact, CircleOnLine):
             circles.append((motion.point(contact.body_a, contact.center)[0], contact.radius))
-            ends = [motion.point(contact.body_b, end)[0] for end in (contact.point_1, contact.point_2)]
-            surfaces.append(np.stack(ends, axis=1))
+            surfaces.append(_line(motion, contact, circles[-1][0]))
         elif isinstance(contact, SphereOnPlane):
             circles.append((motion.point(contact.body_a, contact.center)[0], contact.radius))
             surfaces += _sides(motion, contact)
@@ -79,6 +81,44 @@ def _contacts(motion: Motion) -> tuple[list[np.ndarray], list[tuple[np.ndarray, 
             circles.append((motion.point(contact.body_a, contact.center_a)[0], contact.radius_a))
             circles.append((motion.point(contact.body_b, contact.center_b)[0], contact.radius_b))
     return surfaces, circles
+
+
+def _line(motion: Motion, contact: CircleOnLine, center: np.ndarray) -> np.ndarray:
+    """Return the ends (n_t, 2, 2) of a line; of one without ends, as far as its circle's center (n_t, 2) goes."""
+    one, two = (motion.point(contact.body_b, end)[0] for end in (contact.point_1, contact.point_2))
+    if contact.extent == "line":
+        length = np.linalg.norm(two - one, axis=1, keepdims=True)
+        along = (two - one) / length
+        way = np.sum((center - one) * along, axis=1)
+        low, high = way.min() - 2.0 * contact.radius, way.max() + 2.0 * contact.radius
+        one, two = one + min(low, 0.0) * along, one + np.maximum(high, length) * along
+    return np.stack((one, two), axis=1)
+
+
+def _turning(motion: Motion) -> list[np.ndarray]:
+    """Return a radius (n_t, 2, 2) of every circle that turns by more than half a turn: a wheel is seen to roll."""
+    scene, turned = motion.scene, motion.trajectory.orientation
+    if scene.dimension == 3:
+        return []
+    found: dict[tuple, np.ndarray] = {}
+    for contact in scene.contacts:
+        for body, center, radius in _rounds(contact):
+            k = scene.body_index(body) if body != GROUND else -1
+            if k >= 0 and np.ptp(turned[:, k]) > np.pi:
+                rim = (center[0] + radius, center[1])
+                ends = [motion.point(body, end)[0] for end in (center, rim)]
+                found[body, center, radius] = np.stack(ends, axis=1)
+    return list(found.values())
+
+
+def _rounds(contact) -> list[tuple[str, tuple[float, ...], float]]:
+    """Return the circles of a contact: body, center (t = 0) and radius (m)."""
+    if isinstance(contact, CircleOnLine):
+        return [(contact.body_a, contact.center, contact.radius)]
+    if isinstance(contact, CircleOnCircle):
+        first = (contact.body_a, contact.center_a, contact.radius_a)
+        return [first, (contact.body_b, contact.center_b, contact.radius_b)]
+    return []
 
 
 def _sides(motion: Motion, contact: SphereOnPlane) -> list[np.ndarray]:

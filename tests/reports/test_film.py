@@ -11,8 +11,10 @@ import pytest
 from PIL import Image, ImageChops
 
 from mbs_ref import scenes
+from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
+from mbs_ref.trajectory import Trajectory
 from reports.film.camera import Camera, clock, round_length
 from reports.film.drawing import drawing
 from reports.film.files import as_gif, as_mp4, beside, filmstrip, gif, video_library
@@ -98,3 +100,23 @@ def test_planets_have_names_and_orbits_and_mechanisms_have_not():
     assert ImageChops.difference(drawn, bare).getbbox() is not None
     chain = scenes.make("pendulum_chain")
     assert drawing(chain, simulate(chain, Settings(samples=3, t_end=0.05, reactions=False))).labels == ()
+
+
+def rolling() -> tuple[Scene, Trajectory]:
+    """Return a disc that rolls down a slope without ends, told by a short stretch of it."""
+    scene = scenes.make("rolling_disc")
+    return scene, simulate(scene, Settings(samples=9, reactions=False, estimate="off"))
+
+
+def test_the_ground_is_as_long_as_the_ride_and_wheels_are_seen_to_turn():
+    scene, path = rolling()
+    scenery = drawing(scene, path)
+    (floor,), (contact,) = scenery.surfaces, scene.contacts
+    along = (floor[0, 1] - floor[0, 0]) / np.linalg.norm(floor[0, 1] - floor[0, 0])
+    place = scenery.circles[0][0] @ along
+    assert floor[0, 0] @ along <= place.min() - contact.radius
+    assert floor[0, 1] @ along >= place.max() + contact.radius
+    assert np.ptp(path.orientation) > np.pi
+    (radius,) = scenery.radii
+    spoke = radius[:, 1] - radius[:, 0]
+    assert np.allclose(np.unwrap(np.arctan2(spoke[:, 1], spoke[:, 0])), path.orientation[:, 0], atol=1e-9)
