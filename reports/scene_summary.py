@@ -72,7 +72,7 @@ def _loops(scene: Scene) -> int:
 
 def _links(scene: Scene) -> list[tuple[str, str]]:
     """Return the two bodies of every joint; a drive moves a coordinate and connects nothing."""
-    return [(joint.body_a, joint.body_b) for joint in scene.joints if not isinstance(joint, Drive)]
+    return [joint.ends for joint in scene.joints if not isinstance(joint, Drive)]
 
 
 def _groups(scene: Scene, with_ground: bool) -> int:

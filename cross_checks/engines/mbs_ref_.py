@@ -14,7 +14,7 @@ from mbs_ref.cores.choice import compile_scene, core_name
 from mbs_ref.integrators import integrators
 from mbs_ref.integrators.loop.leg import Integrator
 from mbs_ref.scene import Scene
-from mbs_ref.scene.traits import NO_DEFLECTIONS, PART_TYPES, deflecting
+from mbs_ref.scene.traits import NO_DEFLECTIONS, NO_SLIP, PART_TYPES, deflecting, traits
 from mbs_ref.scene.units import is_celestial
 from mbs_ref.self_checks.soundness import UnsoundScene
 from mbs_ref.settings import Settings
@@ -49,6 +49,8 @@ class MbsRef(Engine):
         foreign = bool(cores) and core_name(scene) not in cores
         only = [Refusal(f"{method.name} is made for {', '.join(cores)}; this scene is {core_name(scene)}", True)]
         unheld = [Refusal(NO_DEFLECTIONS, False)] if deflecting(scene) and not integrator.holds_deflections else []
+        slips = integrator.needs_positions and "nonholonomic" in traits(scene)
+        unheld += [Refusal(NO_SLIP, True)] if slips else []
         return super().method_refusals(scene, method) + unheld + (absent if missing else []) + (only if foreign else [])
 
     def run(self, scene: Scene, settings: Settings, times: np.ndarray | None = None) -> Trajectory:

@@ -111,7 +111,7 @@ def _forest(scene: Scene, joints: list[Any]) -> set[str]:
 
     kept = set()
     for joint in joints:
-        a, b = find(joint.body_a), find(joint.body_b)
+        a, b = map(find, joint.ends)
         if a != b:
             root[a] = b
             kept.add(joint.name)
@@ -123,7 +123,7 @@ def _spanned(scene: Scene, joints: list[Any]) -> tuple[tuple[SpatialEdge, ...], 
     index = {name: k for k, name in enumerate(scene.body_names)} | {"ground": FIXED}
     neighbours: dict[int, list[tuple[int, Any]]] = {k: [] for k in index.values()}
     for joint in joints:
-        a, b = index[joint.body_a], index[joint.body_b]
+        a, b = (index[end] for end in joint.ends)
         neighbours[a].append((b, joint))
         neighbours[b].append((a, joint))
     edges: list[SpatialEdge] = []

@@ -129,6 +129,16 @@ class JointedSystem(ContactSystem):
         """Choose the signals' segments: the ones that contain t (s)."""
         self.groups.world.control[CONTROL_MODE_TIME] = t
 
+    def steady_course(self, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return X y (n_state,) and the matrix of X where every body keeps its present rates: see `steady_motion`."""
+        course = np.zeros_like(y)
+        course[: self.n_positions] = self.derivative(0.0, y)[: self.n_positions]
+        return course, np.zeros((len(y), len(y)))
+
+    def norms(self, y: np.ndarray) -> np.ndarray:
+        """Return what else the state keeps besides the joints' rows."""
+        return np.zeros(0)
+
     def set_baumgarte(self, gain: float) -> None:
         """Set C'' + 2 g C' + g^2 C = 0 with g in 1/s; 0 switches it off (Baumgarte 1972)."""
         self.groups.world.control[CONTROL_VELOCITY_GAIN] = 2.0 * gain

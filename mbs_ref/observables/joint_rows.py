@@ -106,6 +106,21 @@ def _rotation_drive(motion: Motion, joint: joints.RotationDrive) -> list[Row]:
     return [(wrapped(angle - asked), rate - asked_rate)]
 
 
+def _rolling_wheel(motion: Motion, joint: joints.RollingWheel) -> list[Row]:
+    """The lowest point of the rim is at the plane's height, and the wheel's matter there is at rest.
+
+    The wheel's plane cuts the ground's along a x n; of the rim the point across that line is the lowest.
+    """
+    normal = unit(joint.normal)
+    axis, (centre, _) = motion.direction(joint.body, unit(joint.axis))[0], motion.point(joint.body, joint.point)
+    level = np.cross(axis, normal)
+    lowest = centre + joint.radius * np.cross(axis, level / np.linalg.norm(level, axis=1, keepdims=True))
+    at_first = np.add(joint.point, joint.radius * np.cross(unit(joint.axis), unit(np.cross(joint.axis, normal))))
+    slip = motion.rate_at(joint.body, lowest)
+    along = [(np.zeros(len(slip)), slip @ edge) for edge in perpendiculars(normal)]
+    return [*along, ((lowest - at_first) @ normal, slip @ normal)]
+
+
 def _coordinate_drive(motion: Motion, joint: joints.CoordinateDrive) -> list[Row]:
     asked, asked_rate = prescribed(joint.motion, joint.level, motion.times)
     if joint.coordinate == "angle":
@@ -178,6 +193,7 @@ RESIDUALS: dict[type[joints.JointPart], Callable[[Motion, Any], list[Row]]] = {
     joints.Prismatic: _prismatic,
     joints.Weld: lambda m, j: [*coincidence(m, j), *no_turning(m, j)],
     joints.Distance: _distance,
+    joints.RollingWheel: _rolling_wheel,
     joints.PointOnPlane: lambda m, j: across(m, j, [unit(j.normal)]),
     joints.RotationDrive: _rotation_drive,
     joints.CoordinateDrive: _coordinate_drive,

@@ -11,7 +11,7 @@ from mbs_ref.integrators import DEFAULT, integrators
 from mbs_ref.integrators.loop.leg import Integrator, Options
 from mbs_ref.scene import Scene
 from mbs_ref.scene.scales import scales_of
-from mbs_ref.scene.traits import NO_DEFLECTIONS, deflecting, traits
+from mbs_ref.scene.traits import NO_DEFLECTIONS, NO_SLIP, deflecting, traits
 from mbs_ref.settings import Settings
 
 DEFAULT_TOLERANCE = 1e-8  # rtol
@@ -48,6 +48,8 @@ def make_plan(scene: Scene, settings: Settings, times: np.ndarray | None) -> Pla
     missing = integrator.requires - traits(scene)
     if missing:
         raise ValueError(f"method = {name!r} needs a scene that is {', '.join(sorted(missing))}; {scene.name!r} is not")
+    if integrator.needs_positions and "nonholonomic" in traits(scene):
+        raise ValueError(f"method = {name!r} cannot run {scene.name!r}: {NO_SLIP}")
     core = core_name(scene, settings.coordinates)
     if integrator.cores and core not in integrator.cores:
         allowed = ", ".join(integrator.cores)

@@ -20,6 +20,7 @@ from mbs_ref.scene.base.rows import (
     PrescribedAngle,
     Product,
     Rod,
+    RollingContact,
     Row,
     SharedPoint,
     Turn,
@@ -29,6 +30,8 @@ from mbs_ref.scene.base.rows import (
     same_orientation,
 )
 from mbs_ref.scene.signals import Level, Signal
+
+FLAT = 1e-6  # sine of the angle between a wheel's axis and the normal below which it lies flat
 
 
 class JointPart(Attached):
@@ -189,6 +192,36 @@ class Distance(JointPart):
         return [Rod(self.point_a, self.point_b, length)]
 
 
+class RollingWheel(JointPart):
+    """A knife-edged wheel rolls on a plane of ground without slipping (space: 3 rows, two of them on velocities alone).
+
+    The plane touches the rim's lowest point at t = 0. The two rows along the plane are nonholonomic: they say how the
+    wheel moves and not where it is. The wheel may lean, and stays on the plane whatever the force.
+    """
+
+    DIMENSIONS: ClassVar[tuple[int, ...]] = (3,)
+    TURNS: ClassVar[bool] = True
+
+    type: Literal["rolling_wheel"] = "rolling_wheel"
+    body: BodyName
+    point: Point3  # m, the centre, world, t = 0
+    axis: Direction3  # of the wheel, world, t = 0
+    radius: Positive  # m
+    normal: Direction3  # of the plane, out of ground, world
+
+    @model_validator(mode="after")
+    def _check(self) -> Self:
+        if not float(np.linalg.norm(np.cross(unit(self.axis), unit(self.normal)))) > FLAT:
+            raise ValueError(f"axis = {self.axis} is along the normal: a wheel that lies flat has no lowest point")
+        return self
+
+    def refuses_particle(self, end: str, dimension: int) -> str:
+        return NO_ORIENTATION
+
+    def rows(self, dimension: int) -> list[Row]:
+        return [RollingContact(self.point, unit(self.axis), self.radius, unit(self.normal))]
+
+
 class CoordinateDrive(Drive):
     """A coordinate of a body follows its initial value plus a motion (rheonomic, 1 row)."""
 
@@ -311,6 +344,7 @@ Joint = Annotated[
     | Weld
     | Distance
     | PointOnPlane
+    | RollingWheel
     | CoordinateDrive
     | PointDrive
     | RotationDrive

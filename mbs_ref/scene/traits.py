@@ -7,7 +7,7 @@ from typing import Literal, get_args
 from mbs_ref.scene.bodies import GROUND, Body, PointMass
 from mbs_ref.scene.contact import Contact, ContactLaw, Friction
 from mbs_ref.scene.events import Event
-from mbs_ref.scene.joints import Distance, Drive, Joint, UserConstraint
+from mbs_ref.scene.joints import Distance, Drive, Joint, RollingWheel, UserConstraint
 from mbs_ref.scene.loads import Load, UserForce
 from mbs_ref.scene.scene import Scene
 
@@ -27,9 +27,13 @@ ALL_TRAITS = {
     "contact": "bodies touch and part: forces or speeds jump",
     "user-force": "a force law is the user's own function",
     "user-constraint": "a constraint is the user's own",
+    "nonholonomic": "a wheel rolls without slipping: constraints on velocities alone",
 }
 
 NO_DEFLECTIONS = "where contacts stick in space, their deflections are states that this method does not carry"
+
+
+NO_SLIP = "where a wheel rolls, no C = 0 on positions says how it moves, and this method asks for one"
 
 
 PART_TYPES: tuple[str, ...] = tuple(
@@ -63,6 +67,7 @@ def traits(scene: Scene) -> frozenset[str]:
         "contact": bool(scene.contacts),
         "user-force": any(isinstance(load, UserForce) for load in scene.loads),
         "user-constraint": any(isinstance(joint, UserConstraint) for joint in scene.joints),
+        "nonholonomic": any(isinstance(joint, RollingWheel) for joint in scene.joints),
     }
     assert present.keys() == ALL_TRAITS.keys()
     return frozenset(name for name, value in present.items() if value)

@@ -113,6 +113,23 @@ class SpatialSystem(JointedSystem):
         moved[: self.n_positions] += RANK_STEP / max(1e-12, np.abs(x).max()) * x[: self.n_positions]
         return moved
 
+    def steady_course(self, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return X y and the matrix of X: R' stays, theta' = theta (0, omega) / 2, omega' = -omega(0) x omega."""
+        course, matrix = super().steady_course(y)
+        for q, v, rigid in zip(self.groups.bodies.q, self.groups.bodies.v, self.groups.bodies.rigid, strict=True):
+            if rigid:
+                x, z, w = y[v + 3 : v + 6]
+                spin = np.array(((0.0, -w, z), (w, 0.0, -x), (-z, x, 0.0)))
+                matrix[v + 3 : v + 6, v + 3 : v + 6] = -spin
+                matrix[q + 3, q + 4 : q + 7] = -0.5 * y[v + 3 : v + 6]
+                matrix[q + 4 : q + 7, q + 3] = 0.5 * y[v + 3 : v + 6]
+                matrix[q + 4 : q + 7, q + 4 : q + 7] = -0.5 * spin
+        return course, matrix
+
+    def norms(self, y: np.ndarray) -> np.ndarray:
+        bodies = self.groups.bodies
+        return np.array([y[q + 3 : q + 7] @ y[q + 3 : q + 7] for q in bodies.q[bodies.rigid == 1]])
+
     # --- evaluation -------------------------------------------------------------------------------
 
     def applied_forces(self, t: float, y: np.ndarray) -> np.ndarray:

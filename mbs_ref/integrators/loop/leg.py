@@ -143,6 +143,7 @@ class Integrator:
     switches: str = ""  # the families between which the method changes and says so
     package: str | None = None  # optional third-party package it needs
     holds_deflections: bool = True  # carries the deflections of sticking contacts, which are states in space
+    needs_positions: bool = False  # imposes every C = 0 on positions: no rows on velocities alone
     cores: tuple[str, ...] = ()  # the only cores it runs on (mbs_ref.cores.choice.core_name); empty for all
 
 

@@ -16,5 +16,6 @@ INTEGRATOR = Integrator(
     source="Petzold 1982; Hindmarsh et al. 2005; Gear, Gupta, Leimkuhler 1985",
     package=PACKAGE,
     holds_deflections=False,
+    needs_positions=True,
     cores=("planar", "spatial"),
 )

@@ -18,5 +18,6 @@ INTEGRATOR = Integrator(
     weakness="the error test and Newton's iteration of raw index 3 do not improve with the step",
     package=PACKAGE,
     holds_deflections=False,
+    needs_positions=True,
     cores=("planar", "spatial"),
 )

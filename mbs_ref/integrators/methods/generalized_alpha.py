@@ -274,5 +274,6 @@ INTEGRATOR = Integrator(
     source="Arnold and Bruls 2007; Chung and Hulbert 1993",
     keeps_constraints=True,
     holds_deflections=False,
+    needs_positions=True,
     cores=("planar", "spatial"),
 )

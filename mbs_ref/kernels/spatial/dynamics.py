@@ -26,6 +26,7 @@ from mbs_ref.kernels.rows import (
     take_reactions,
 )
 from mbs_ref.kernels.spatial.contacts import fill_deflection_rates
+from mbs_ref.kernels.spatial.joints import leave_slips
 from mbs_ref.kernels.spatial.model import (
     RATES,
     bodies_of,
@@ -173,13 +174,18 @@ def _correct_places(model, work, y):
 
 
 @jit
-def _removed(model, work):
-    """Turn the increments in the tree's acceleration into the correction that lets them keep the rows."""
+def _removed(model, work, of_places):
+    """Turn the increments in the tree's acceleration into the correction that lets them keep the rows.
+
+    Increments of places may be off what rows on velocities alone ask for, and the correction leaves that as it is.
+    """
     slots, rows, acceleration = slots_of(model), rows_of(work), tree_of(work).acceleration
     clear(rows.rate)
     for slot in range(rows.rate.shape[0]):
         for row in range(slots.count[slot]):
             rows.rate[slot, row] = row_times(RATES, slots.body, rows.jacobian, slot, row, acceleration)
+    if of_places:
+        leave_slips(model, rows.rate)
     _response(model, work, rows.rate)
 
 
@@ -199,7 +205,7 @@ def spatial_tangent(model, work, x):
             turning = turning_of(theta, parameters(x, q + 3))
             put(acceleration[i], 3, turning)
             put_parameters(x, q + 3, theta_rate(theta, turning))
-    _removed(model, work)
+    _removed(model, work, True)
     for i in range(n):
         q = bodies.q[i]
         add(x, q, acceleration[i])
@@ -212,7 +218,7 @@ def spatial_tangent(model, work, x):
         put(acceleration[i], 0, triple(x, v))
         if bodies.rigid[i] == 1:
             put(acceleration[i], 3, turn(kin.turned[i], triple(x, v + 3)))
-    _removed(model, work)
+    _removed(model, work, False)
     _correct_rates(model, work, x)
 
 

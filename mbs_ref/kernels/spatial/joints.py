@@ -1,7 +1,8 @@
 """Joint rows in space: C, C_dot, the Jacobian blocks and gamma = -C_tt - (C_q v)_q v - 2 C_qt v.
 
 Every joint is made of these rows (Haug, Computer Aided Kinematics and Dynamics of Mechanical Systems, 1989,
-sec. 9.4): shared points, products of directions, points on planes, distances and prescribed turns. Jacobian
+sec. 9.4): shared points, products of directions, points on planes, distances and prescribed turns; a wheel that rolls
+has rows on velocities alone besides. Jacobian
 blocks multiply (R', omega).
 """
 
@@ -27,9 +28,10 @@ from mbs_ref.kernels.spatial.model import (
     signals_of,
     slots_of,
     turns_of,
+    wheels_of,
     world_of,
 )
-from mbs_ref.kernels.spatial.vectors import cross, dot, minus, negative, over, plus, times, turn
+from mbs_ref.kernels.spatial.vectors import cross, dot, minus, negative, over, plus, times, triple, turn
 
 NO_FORCE = (0.0, 0.0, 0.0)
 
@@ -184,6 +186,46 @@ def fill_drives(model, work, t):
 
 
 @jit
+def fill_wheels(model, work):
+    """v + omega x (rho + r e) = 0 along the plane's edges and its normal n; e points down the wheel, of the axis a.
+
+    With u = n - (n . a) a and s = |u|: e = -u / s, e' = -(u' - e (e . u')) / s. Along n it is the rate of the height
+    n . (R + rho) - r s. Source: Neimark and Fufaev, Dynamics of Nonholonomic Systems (1972).
+    """
+    wheel, slots, kin, rows = wheels_of(model), slots_of(model), kinematics_of(work), rows_of(work)
+    for k in range(wheel.slot.shape[0]):
+        slot, first = wheel.slot[k], wheel.row[k]
+        body, radius, normal = slots.body[slot, wheel.side[k]], wheel.radius[k], triple(wheel.frame[k, 2], 0)
+        arm, arm_rate = mark(kin, body, wheel.centre[k])
+        axis, turning = mark(kin, body, wheel.axis[k])
+        share = dot(normal, axis)
+        up = minus(normal, times(share, axis))
+        rise = np.sqrt(dot(up, up))
+        e = over(negative(up), rise)
+        change = negative(plus(times(dot(normal, turning), axis), times(share, turning)))
+        e_rate = over(minus(times(dot(e, change), e), change), rise)
+        reach = plus(arm, times(radius, e))
+        slip = plus(kin.velocity[body], cross(kin.omega[body], reach))
+        surplus = cross(kin.omega[body], plus(arm_rate, times(radius, e_rate)))
+        for c in range(3):
+            d = triple(wheel.frame[k, c], 0)
+            _place(rows.jacobian[slot, wheel.side[k]], first + c, d, cross(reach, d))
+            rows.residual[slot, first + c] = 0.0
+            rows.rate[slot, first + c] = dot(d, slip)
+            rows.gamma[slot, first + c] = -dot(d, surplus)
+        rows.residual[slot, first + 2] = dot(normal, plus(kin.position[body], reach)) - wheel.height[k]
+
+
+@jit
+def leave_slips(model, values):
+    """Zero what rows on velocities alone have in `values` (n_slots, 6): they do not say where a body is."""
+    wheel = wheels_of(model)
+    for k in range(wheel.slot.shape[0]):
+        for c in range(2):
+            values[wheel.slot[k], wheel.row[k] + c] = 0.0
+
+
+@jit
 def spatial_fill_rows(model, work, t):
     """Evaluate every constraint row at the pose and motion in `work`."""
     fill_points(model, work)
@@ -192,5 +234,6 @@ def spatial_fill_rows(model, work, t):
     fill_distances(model, work)
     fill_turns(model, work, t)
     fill_drives(model, work, t)
+    fill_wheels(model, work)
     if world_of(model).user_rows[0] != 0:
         call_user(world_of(model).user_rows[0], t, 0)  # pyright: ignore[reportCallIssue]

@@ -106,6 +106,19 @@ class Drives(NamedTuple):
     signal: Annotated[Ints, "k"]
 
 
+class Wheels(NamedTuple):
+    """The matter at the lowest point of a rim is at rest: three rows, along the plane and its normal."""
+
+    slot: Annotated[Ints, "k"]
+    row: Annotated[Ints, "k"]  # first row in the slot
+    side: Annotated[Ints, "k"]  # which side of the slot is the body
+    centre: Annotated[Floats, "k", 3]  # m, in the body
+    axis: Annotated[Floats, "k", 3]  # unit vector, in the body
+    radius: Annotated[Floats, "k"]  # m
+    frame: Annotated[Floats, "k", 3, 3]  # unit rows, world: two edges of the plane and its normal
+    height: Annotated[Floats, "k"]  # m, of the plane along its normal
+
+
 class Forces(NamedTuple):
     body: Annotated[Ints, "k"]
     point: Annotated[Floats, "k", 3]  # m, in the body
@@ -203,6 +216,7 @@ class SpatialGroups(NamedTuple):
     distances: Distances
     turns: Turns
     drives: Drives
+    wheels: Wheels
     forces: Forces
     springs: Springs
     torsion_springs: TorsionSprings
@@ -226,6 +240,7 @@ planes_of = accessor(SpatialGroups, "planes")
 distances_of = accessor(SpatialGroups, "distances")
 turns_of = accessor(SpatialGroups, "turns")
 drives_of = accessor(SpatialGroups, "drives")
+wheels_of = accessor(SpatialGroups, "wheels")
 forces_of = accessor(SpatialGroups, "forces")
 springs_of = accessor(SpatialGroups, "springs")
 torsion_springs_of = accessor(SpatialGroups, "torsion_springs")

@@ -139,6 +139,33 @@ class Prescribed(Row):
 
 
 @dataclass(frozen=True)
+class RollingContact(Row):
+    """The matter of b at the lowest point of its rim is at rest: three rows on velocities (space).
+
+    Along the normal it is the rate of a row on positions, the height of that point; along the plane no C is behind it.
+    """
+
+    centre: Point
+    axis: np.ndarray  # fixed in b
+    radius: float  # m
+    normal: np.ndarray  # of the plane, world
+    GROUP: ClassVar[str] = "wheels"
+
+    @property
+    def count(self) -> int:
+        return 3
+
+    def lowest(self) -> np.ndarray:
+        """Return the point (3,) of the rim, m, that is on the plane at t = 0."""
+        down = np.dot(self.normal, self.axis) * self.axis - self.normal
+        return np.asarray(self.centre) + self.radius * unit(tuple(down))
+
+    def numbers(self, a: Axes, b: Axes) -> tuple[Any, ...]:
+        frame = np.array([*normals(tuple(self.normal)), self.normal])
+        return b.point(self.centre), b.direction(self.axis), self.radius, frame, float(self.normal @ self.lowest())
+
+
+@dataclass(frozen=True)
 class UserRow(Row):
     """C(t, a, b) = 0 of the user's own; what it leaves of either body's freedom is not known beforehand."""
 

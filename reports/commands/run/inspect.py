@@ -9,6 +9,7 @@ import numpy as np
 
 from mbs_ref.integrators import integrators
 from mbs_ref.scene.traits import traits
+from mbs_ref.self_checks.steady_motion import SteadyMotion, steady_motion_at_start
 from mbs_ref.self_checks.stiffness import Stiffness, stiffness_at_start
 from reports import inputs
 from reports.scene_summary import summary
@@ -22,7 +23,7 @@ SHOWN = 6  # eigenvalues
 @click.option("-p", "parameters", multiple=True, metavar="NAME=VALUE", help="A parameter of the scene; repeatable.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 def command(scene: str, parameters: tuple[str, ...], as_json: bool) -> None:
-    """Linearise a scene at its start: stiffness, and the step each explicit method can bear."""
+    """Linearise a scene at its start: stiffness, the step each explicit method can bear, modes of a steady motion."""
     click.get_current_context().with_resource(compiling())
     chosen = inputs.scene(scene, parameters)
     found = stiffness_at_start(chosen)
@@ -42,6 +43,7 @@ def command(scene: str, parameters: tuple[str, ...], as_json: bool) -> None:
             for name, method in integrators().items()
             if method.stability
         },
+        "steady_motion_1_s": _modes(steady_motion_at_start(chosen)),
     }
     if as_json:
         echo_json(result)
@@ -55,6 +57,11 @@ def command(scene: str, parameters: tuple[str, ...], as_json: bool) -> None:
 def _dominant(found: Stiffness) -> list[complex]:
     modes = found.modes
     return [complex(value) for value in modes[np.argsort(-np.abs(modes))][:SHOWN]]
+
+
+def _modes(found: SteadyMotion) -> str | list[list[float]]:
+    """Return the eigenvalues about the motion at the start, or why there are none."""
+    return found.reason or [[value.real, value.imag] for value in found.eigenvalues.tolist()]
 
 
 def _finite(value: float) -> float | None:

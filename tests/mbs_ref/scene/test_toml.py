@@ -103,7 +103,11 @@ def test_every_scene_goes_through_a_file(name, tmp_path):
     assert read_scene(tmp_path / "scene.toml") == scene
 
 
-SPATIAL = {type(part) for scene in (every_part(),) for part in (*scene.bodies, *scene.joints, *scene.loads)}
+SPATIAL = {
+    type(part)
+    for scene in (every_part(), scenes.make("bicycle"))
+    for part in (*scene.bodies, *scene.joints, *scene.loads)
+}
 
 
 def test_every_spatial_part_reads_back_equal():

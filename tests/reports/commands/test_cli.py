@@ -168,6 +168,15 @@ def test_scenes():
     assert "pendulum" in run("scenes").stdout
 
 
+def test_inspect_tells_the_modes_of_a_steady_motion_or_why_there_are_none():
+    """Capsize and castering of the bicycle at 5 m/s, Meijaard et al. 2007, Table 2."""
+    steady = json.loads(run("inspect", "bicycle", "-p", "speed=5", "-p", "roll_rate=0", "--json").stdout)
+    real = [value for value, imaginary in steady["steady_motion_1_s"] if imaginary == 0.0]
+    assert min(abs(value + 0.32286642900409) for value in real) < 1e-11
+    assert min(abs(value + 14.07838969279822) for value in real) < 1e-11
+    assert "accelerated" in json.loads(run("inspect", "bicycle", "--json").stdout)["steady_motion_1_s"]
+
+
 def test_engines_says_who_is_missing(stand):
     found = {item["engine"]: item for item in json.loads(run("engines", "--json").stdout)}
     assert not found["gone"]["installed"]
