@@ -58,7 +58,7 @@ def steady_motion_at_start(scene: Scene) -> SteadyMotion:
     tangent = _tangent(system, y)
     matrix = differences(lambda x: system.derivative(0.0, x), y, tangent) - generator @ tangent
     found = _eigenvalues(tangent.T @ matrix)
-    return SteadyMotion(found[np.lexsort((found.imag, -found.real))], "")
+    return SteadyMotion(found[np.lexsort((np.imag(found), -np.real(found)))], "")
 
 
 def _none(reason: str) -> SteadyMotion:
