@@ -45,10 +45,12 @@ def stands_still(attempt):
 def close_attempt(model, work, options, run, attempt, span, trial, search, table):
     """Restore the constraints at the step's end and look for events inside it; return code and verdict.
 
-    An adaptive step that cannot be closed is withdrawn; `span` (s) is that of the leg.
+    An adaptive step that cannot be closed is withdrawn; `span` (s) is that of the leg. The papers' test |C| < h takes
+    the method's own step: one cut short to meet an output or an event says nothing of the method, and may be nothing.
     """
+    step = max(attempt.h, attempt.proposed)
     code, run.compliance = close_step(
-        model, work, attempt.t_new, trial, attempt.h, options.project, options.projection_tolerance,
+        model, work, attempt.t_new, trial, step, options.project, options.projection_tolerance,
         options.stop_on_compliance, run.compliance,
     )  # fmt: skip
     if code == PROJECTION and options.step == 0.0 and not attempt.searching:

@@ -15,7 +15,8 @@ LEAD = (
     "Two planar crash occupants, 13 bodies, and 48 with every vertebra, at 50 km/h from the front and from the rear. "
     "These are the paper's bare models, without friction, joint stops or a toe-board: legs swing up, arms pass through "
     "the seat back from the rear, and the vertebral head through the thighs from the front. What stops, body_contacts "
-    "and head_restraint of the scenes change stands under 'The papers and we' and 'What a model costs'. TTI is made "
+    "and head_restraint of the scenes change stands under 'The papers and we' and 'What a model costs'; of the stops' "
+    "ranges the spine's are estimates, which no table that we could read confirms level by level. TTI is made "
     "for side impacts; here it takes the accelerations of this one."
 )
 ABSENT = "rigid thorax"
