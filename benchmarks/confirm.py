@@ -66,8 +66,14 @@ def settled(choice: Choice, comparison: Comparison) -> Choice:
 
 
 def as_shipped(runs: Runs, scene: Scene, engine: str) -> Record | None:
-    """Return the run of an engine as it comes, held against the scene's truth at its own steps; None where untold."""
-    given = engines.get(engine).as_shipped
+    """Return the run of an engine as it comes, held against the scene's truth at its own steps.
+
+    None where the engine is not installed or does not say how it comes.
+    """
+    try:
+        given = engines.get(engine).as_shipped
+    except engines.EngineMissing:
+        return None
     if given is None or given.step is None:
         return None
     whole = max(1, int(scene.duration / given.step))

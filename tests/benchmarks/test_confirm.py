@@ -58,6 +58,13 @@ def test_a_setting_run_afresh_meets_what_it_met(choice, swing):
 
 def test_an_engine_as_it_comes_is_held_against_the_truth_at_its_own_steps(swing, monkeypatch):
     assert confirm.as_shipped(Runs(), PENDULUM, "swing") is None  # it tells nothing
+
+    def absent(name: str):
+        raise engines.EngineMissing(f"engine {name!r} is not installed")
+
+    with monkeypatch.context() as without:
+        without.setattr(engines, "get", absent)
+        assert confirm.as_shipped(Runs(), PENDULUM, "swing") is None
     own = type(engines.get("swing"))
     monkeypatch.setattr(own, "as_shipped", Settings(method="second", step=0.03))
     record = confirm.as_shipped(Runs(), PENDULUM, "swing")
