@@ -18,14 +18,14 @@ from mbs_ref.kernels.border.callback import call_for_numbers
 from mbs_ref.kernels.border.groups import Floats, Ints
 from mbs_ref.kernels.border.handles import Model, Work, accessor
 from mbs_ref.kernels.border.questions import (
+    add_row,
     defect_of,
     force_balance,
     gamma_of,
     position_count,
     position_rate,
     roots,
-    rows_times,
-    subtract_rows,
+    row_times,
     times_mass,
 )
 from mbs_ref.kernels.jit import address_for_c, jit
@@ -83,7 +83,8 @@ def residual(dae, t, x, xp, out):
     for k in range(n):
         balance[k] = y[start + k]
     if dae.form[0] == GGL:
-        subtract_rows(model, work, dae.slot, dae.row, x[end + m :], balance)
+        for r in range(m):
+            add_row(model, work, dae.slot[r], dae.row[r], -x[end + m + r], balance)
     position_rate(model, y, balance, out)
     for k in range(start):
         out[k] = xp[k] - out[k]
@@ -95,10 +96,10 @@ def _fill_rows(model, work, dae, rate, out, multiplier):
     m, form = dae.slot.shape[0], dae.form[0]
     if form == INDEX_1:
         gamma = gamma_of(work)
-        rows_times(model, work, dae.slot, dae.row, rate, out)
         for r in range(m):
             soft = dae.softness[0] * multiplier[r]
-            out[r] = out[r] - gamma[dae.slot[r], dae.row[r]] - soft
+            applied = row_times(model, work, dae.slot[r], dae.row[r], rate)
+            out[r] = applied - gamma[dae.slot[r], dae.row[r]] - soft
         return
     position, velocity = defect_of(work, False), defect_of(work, True)
     for r in range(m):

@@ -51,7 +51,8 @@ SAFETY, SHRINK, GROW = 0.9, 0.2, 2.0
 ACCEPT = 1.3  # a step whose coefficient 7 asks for less than 1/1.3 of it is made again
 FIRST = 0.05  # of the shortest free-fall time: the first step tried
 SIX = 0.1  # coefficient 6 counts a tenth: it guards against a seventh that happens to vanish
-SHADOW = 1e-12  # relative size of coefficient 7 that resolves sunlight (1e-8 of gravity) to four figures
+SUNLIGHT = 1e-8  # of gravity: 4.56e-6 N/m^2 on 0.02 m^2/kg near the Earth (Montenbruck and Gill 2000, sec. 3.4)
+RESOLVED = 1e-4  # of the sunlight, where a shadow's edge cuts it
 SMALLEST = 1e-12  # of the run's time elapsed or to go: a shorter step means that two bodies fall into each other
 
 
@@ -271,7 +272,8 @@ def _targets(model, options):
         rtol = max(options.rtol, TINY_RTOL)
     goal = rtol ** (7.0 / 16.0)
     if lights_of(model).body.shape[0] > 0:
-        goal = max(rtol, SHADOW)  # a shadow's edge is not analytic: there the error is about e itself
+        # a shadow's edge is not analytic: there the error is about coefficient 7 itself
+        goal = max(rtol, RESOLVED * SUNLIGHT)
     return goal, LOOSE * rtol if rtol > 1e-13 else 0.0
 
 

@@ -29,7 +29,6 @@ from mbs_ref.kernels.jit import jit
 MODEL, WORK = (types.NamedUniTuple(types.int64, 1, kind) for kind in (Model, Work))
 NOTHING, NUMBER, COUNT, FLAG = types.none, types.float64, types.int64, types.boolean
 VECTOR, MATRIX = (types.Array(types.float64, dimension, "C") for dimension in (1, 2))
-PLACES = types.Array(types.int64, 1, "C")
 
 _asked: dict[str, tuple[int, Any]] = {}  # question -> place of its address in a handle, signature
 

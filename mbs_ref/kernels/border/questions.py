@@ -10,7 +10,7 @@ from typing import Any
 
 from numba import types
 
-from mbs_ref.kernels.border.calls import COUNT, FLAG, MATRIX, MODEL, NOTHING, NUMBER, PLACES, VECTOR, WORK, question
+from mbs_ref.kernels.border.calls import COUNT, FLAG, MATRIX, MODEL, NOTHING, NUMBER, VECTOR, WORK, question
 
 
 @question(NOTHING, MODEL, WORK, NUMBER, VECTOR, VECTOR)
@@ -63,19 +63,14 @@ def answer(model, work, balance, out) -> Any:
     """Solve the augmented system for a balance and the gamma in `work`; write the accelerations."""
 
 
-@question(NOTHING, MODEL, WORK, PLACES, PLACES, VECTOR, VECTOR)
-def rows_times(model, work, slots, rows, rate, out) -> Any:
-    """Write these constraint rows applied to rates."""
+@question(NUMBER, MODEL, WORK, COUNT, COUNT, VECTOR)
+def row_times(model, work, slot, row, rate) -> Any:
+    """Return one constraint row applied to rates."""
 
 
 @question(NOTHING, MODEL, WORK, COUNT, COUNT, NUMBER, VECTOR)
 def add_row(model, work, slot, row, factor, out) -> Any:
     """Add factor times one constraint row to out."""
-
-
-@question(NOTHING, MODEL, WORK, PLACES, PLACES, VECTOR, VECTOR)
-def subtract_rows(model, work, slots, rows, factors, out) -> Any:
-    """Subtract these constraint rows, each times its factor, from out."""
 
 
 @question(NOTHING, MODEL, VECTOR, VECTOR, VECTOR)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from mbs_ref.kernels.algebra.ldl import ldl3_solve
 from mbs_ref.kernels.jit import jit, placed
 from mbs_ref.kernels.planar.model import RATES, bodies_of, closures_of, loops_of, rows_of, slots_of, tree_of
-from mbs_ref.kernels.rigid.elimination import couple, eliminate, start_closures
+from mbs_ref.kernels.rigid.elimination import begin_by, eliminate, pass_by
 
 
 @jit
@@ -25,23 +25,19 @@ def _row_mobility(model, work, slot, row):
 @jit
 def begin_closures(model, work):
     """Put the closures' rows where their paths begin."""
-    loops, closures = loops_of(model), closures_of(work)
-    for k in range(loops.slot.shape[0]):
-        for r in range(loops.count[k]):
-            closures.scale[k, r] = _row_mobility(model, work, loops.slot[k], r)
-    start_closures(RATES, loops, closures, rows_of(work).jacobian)
+    begin_by(model, work, _row_mobility, RATES, loops_of(model), closures_of(work), rows_of(work).jacobian)
 
 
 @jit
 def pass_rows(model, work, i):
-    """Condense body i under the closures that pass it: their rows go on to its parent."""
-    loops, closures = loops_of(model), closures_of(work)
-    for e in range(loops.entry[i], loops.entry[i + 1]):
-        k = loops.passing[e]
-        if closures.empty[k] == 0:
-            for r in range(loops.count[k]):
-                _pass_row(model, work, i, loops.here[e], loops.next[e], r)
-    couple(RATES, loops, closures, i)
+    """Condense body i under the closures that pass it."""
+    pass_by(model, work, i, _pass_closure, RATES, loops_of(model), closures_of(work))
+
+
+@placed
+def _pass_closure(model, work, i, here, there, count):
+    for r in range(count):
+        _pass_row(model, work, i, here, there, r)
 
 
 @placed

@@ -59,7 +59,7 @@ def planar_answer(model, work, balance, out):
 
 
 @jit
-def _row_times(model, work, slot, row, rate):
+def planar_row_times(model, work, slot, row, rate):
     """Return one constraint row applied to rates (3 n,)."""
     bodies, slots, rows = bodies_of(model), slots_of(model), rows_of(work)
     total = 0.0
@@ -73,13 +73,6 @@ def _row_times(model, work, slot, row, rate):
 
 
 @jit
-def planar_rows_times(model, work, slots, rows, rate, out):
-    """Write constraint rows applied to rates."""
-    for r in range(slots.shape[0]):
-        out[r] = _row_times(model, work, slots[r], rows[r], rate)
-
-
-@jit
 def planar_add_row(model, work, slot, row, factor, out):
     """Add factor times one constraint row to out (3 n,)."""
     bodies, slots, rows = bodies_of(model), slots_of(model), rows_of(work)
@@ -89,13 +82,6 @@ def planar_add_row(model, work, slot, row, factor, out):
             k = 3 * bodies.scene_index[body]
             for c in range(3):
                 out[k + c] += factor * rows.jacobian[slot, side, row, c]
-
-
-@jit
-def planar_subtract_rows(model, work, slots, rows, factors, out):
-    """Subtract constraint rows, each times its factor, from out."""
-    for r in range(slots.shape[0]):
-        planar_add_row(model, work, slots[r], rows[r], -factors[r], out)
 
 
 @jit

@@ -8,8 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from mbs_ref.kernels.algebra.refinement import refinements
-from mbs_ref.kernels.border.questions import accelerate, apply_loads, factor, fill_rows, solve
+from mbs_ref.kernels.border.questions import accelerate, fill_rows
 from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.planar.model import (
     RATES,
@@ -22,16 +21,11 @@ from mbs_ref.kernels.planar.model import (
     world_of,
 )
 from mbs_ref.kernels.planar.tree import factor_tree, solve_tree
-from mbs_ref.kernels.rigid.elimination import row_times
+from mbs_ref.kernels.rigid.elimination import rows_times
+from mbs_ref.kernels.rigid.reduction import project_by, reduce_to_accelerations, refine_by, respond
 from mbs_ref.kernels.rows import (
-    add_to,
-    clear,
     copy_rows,
     largest_entry,
-    negate,
-    stabilize,
-    take_accelerations,
-    take_reactions,
 )
 
 
@@ -66,35 +60,27 @@ def planar_solve(model, work, gamma):
 
 
 @jit
-def _refine(model, work):
-    """Add to acceleration and multipliers what the residuals of both equations ask for."""
-    bodies, slots, rows, tree = bodies_of(model), slots_of(model), rows_of(work), tree_of(work)
-    force, load, acceleration = kinematics_of(work).force, tree.load, tree.acceleration
-    first, multiplier, gamma = acceleration.copy(), rows.multiplier.copy(), rows.gamma.copy()
+def _leave_inertia(model, work, acceleration, load):
+    """Write f - M a into load."""
+    bodies, force = bodies_of(model), kinematics_of(work).force
     for i in range(bodies.mass.shape[0]):
-        load[i, 0] = force[i, 0] - bodies.mass[i] * first[i, 0]
-        load[i, 1] = force[i, 1] - bodies.mass[i] * first[i, 1]
-        load[i, 2] = force[i, 2] - bodies.inertia[i] * first[i, 2]
-    take_reactions(load, slots.body, rows.jacobian, multiplier)
-    take_accelerations(gamma, slots.body, rows.jacobian, first)
-    solve(model, work, gamma)
-    add_to(acceleration, first)
-    add_to(rows.multiplier, multiplier)
+        load[i, 0] = force[i, 0] - bodies.mass[i] * acceleration[i, 0]
+        load[i, 1] = force[i, 1] - bodies.mass[i] * acceleration[i, 1]
+        load[i, 2] = force[i, 2] - bodies.inertia[i] * acceleration[i, 2]
+
+
+@jit
+def _refine(model, work):
+    refine_by(model, work, _leave_inertia, slots_of(model).body, rows_of(work), tree_of(work))
 
 
 @jit
 def planar_accelerate(model, work, t, y):
     """Compute accelerations and multipliers at (t, y) into `work`."""
-    load_state(model, work, y)
-    apply_loads(model, work, t)
-    fill_rows(model, work, t)
-    rows = rows_of(work)
-    stabilize(world_of(model).control, rows.gamma, rows.rate, rows.residual)
-    factor(model, work)
-    copy_rows(kinematics_of(work).force, tree_of(work).load)
-    solve(model, work, rows.gamma)
-    for _ in range(refinements(closures_of(work).regularity[0])):
-        _refine(model, work)
+    reduce_to_accelerations(
+        model, work, t, y, load_state, _refine,
+        world_of(model).control, kinematics_of(work).force, rows_of(work), tree_of(work), closures_of(work),
+    )  # fmt: skip
 
 
 @jit
@@ -133,16 +119,24 @@ def planar_multipliers(work, lam):
 
 
 @jit
-def _correct(model, work, defect, y, offset):
-    """Add the mass-weighted least-squares correction that removes `defect` to half of the state."""
-    bodies, tree, gamma = bodies_of(model), tree_of(work), rows_of(work).gamma
-    negate(defect, gamma)
-    clear(tree.load)
-    solve(model, work, gamma)
+def _add_correction(model, work, y, offset):
+    bodies, tree = bodies_of(model), tree_of(work)
     for i in range(bodies.mass.shape[0]):
         k = offset + 3 * bodies.scene_index[i]
         for c in range(3):
             y[k + c] += tree.acceleration[i, c]
+
+
+@jit
+def _correct_places(model, work, y):
+    """Add the correction in `work` to the places and angles in y."""
+    _add_correction(model, work, y, 0)
+
+
+@jit
+def _correct_rates(model, work, y):
+    """Add the correction in `work` to the rates in y."""
+    _add_correction(model, work, y, 3 * bodies_of(model).mass.shape[0])
 
 
 @jit
@@ -151,17 +145,16 @@ def planar_tangent(model, work, x):
 
     Uses the factorization in `work`, of the last acceleration or projection.
     """
-    bodies, slots, rows, acceleration = bodies_of(model), slots_of(model), rows_of(work), tree_of(work).acceleration
+    bodies, slots, rows, tree = bodies_of(model), slots_of(model), rows_of(work), tree_of(work)
     n = bodies.mass.shape[0]
     for offset in (0, 3 * n):
         for i in range(n):
             k = offset + 3 * bodies.scene_index[i]
             for c in range(3):
-                acceleration[i, c] = x[k + c]
-        for slot in range(rows.rate.shape[0]):
-            for row in range(3):
-                rows.rate[slot, row] = row_times(RATES, slots.body, rows.jacobian, slot, row, acceleration)
-        _correct(model, work, rows.rate, x, offset)
+                tree.acceleration[i, c] = x[k + c]
+        rows_times(RATES, slots.body, rows.jacobian, tree.acceleration, rows.rate)
+        respond(model, work, rows, tree, rows.rate)
+        _add_correction(model, work, x, offset)
 
 
 @jit
@@ -170,21 +163,7 @@ def planar_project(model, work, t, y, tolerance, most):
 
     At most `most` Gauss-Newton iterations for the positions; velocities are linear and need one.
     """
-    rows, n = rows_of(work), bodies_of(model).mass.shape[0]
     load_state(model, work, y)
-    fill_rows(model, work, t)
-    left = largest_entry(rows.residual)
-    for _ in range(most):
-        if not left > tolerance:
-            break
-        factor(model, work)
-        _correct(model, work, rows.residual, y, 0)
-        load_state(model, work, y)
-        fill_rows(model, work, t)
-        previous = left
-        left = largest_entry(rows.residual)
-        if left > 0.5 * previous:
-            break
-    factor(model, work)
-    _correct(model, work, rows.rate, y, 3 * n)
-    return left
+    return project_by(
+        model, work, t, y, tolerance, most, load_state, _correct_places, _correct_rates, rows_of(work), tree_of(work)
+    )

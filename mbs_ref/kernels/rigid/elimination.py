@@ -25,23 +25,34 @@ that the compiler knows. Rows that a closure does not have are zero.
 
 from __future__ import annotations
 
-from mbs_ref.kernels.jit import placed
+from mbs_ref.kernels.jit import inlined, placed
 
 RANK_TOLERANCE = 1e-13  # of a pivot against the row's mobility without joints
 
 
 @placed
-def row_times(block, body, jacobian, slot, row, acceleration):
-    """Return one constraint row applied to accelerations."""
-    total = 0.0
-    for side in range(2):
-        of = body[slot, side]
-        for c in range(len(block)):
-            total += jacobian[slot, side, row, c] * acceleration[of, c]
-    return total
+def rows_times(block, body, jacobian, acceleration, out):
+    """Write every constraint row applied to accelerations (n + 1, rates) into out (n_slots, rows a slot)."""
+    for slot in range(out.shape[0]):
+        for row in range(len(block)):
+            total = 0.0
+            for side in range(2):
+                of = body[slot, side]
+                for c in range(len(block)):
+                    total += jacobian[slot, side, row, c] * acceleration[of, c]
+            out[slot, row] = total
 
 
 # --- factor -----------------------------------------------------------------------------------------
+
+
+@inlined
+def begin_by(model, work, row_mobility, block, loops, closures, jacobian):
+    """Put the rows of closures where their paths begin; row_mobility(model, work, slot, row) is without joints."""
+    for k in range(loops.slot.shape[0]):
+        for r in range(loops.count[k]):
+            closures.scale[k, r] = row_mobility(model, work, loops.slot[k], r)
+    start_closures(block, loops, closures, jacobian)
 
 
 @placed
@@ -74,6 +85,20 @@ def _clear(block, target):
     for r in range(len(block)):
         for c in range(len(block)):
             target[r, c] = 0.0
+
+
+@inlined
+def pass_by(model, work, i, pass_closure, block, loops, closures):
+    """Condense body i under the closures that pass it: their rows go on to its parent.
+
+    pass_closure(model, work, i, here, there, count) fills `column` and `joint` at the place `here`, and takes what goes
+    on from the place `there`, -1 for ground.
+    """
+    for e in range(loops.entry[i], loops.entry[i + 1]):
+        k = loops.passing[e]
+        if closures.empty[k] == 0:
+            pass_closure(model, work, i, loops.here[e], loops.next[e], loops.count[k])
+    couple(block, loops, closures, i)
 
 
 @placed

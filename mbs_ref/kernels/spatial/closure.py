@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from mbs_ref.kernels.jit import jit, placed
-from mbs_ref.kernels.rigid.elimination import couple, eliminate, start_closures
+from mbs_ref.kernels.rigid.elimination import begin_by, eliminate, pass_by
 from mbs_ref.kernels.spatial.model import (
     RATES,
     bodies_of,
@@ -35,25 +35,17 @@ def _row_mobility(model, work, slot, row):
 @jit
 def begin_closures(model, work):
     """Put the closures' rows where their paths begin."""
-    loops, closures = loops_of(model), closures_of(work)
-    for k in range(loops.slot.shape[0]):
-        for r in range(loops.count[k]):
-            closures.scale[k, r] = _row_mobility(model, work, loops.slot[k], r)
-    start_closures(RATES, loops, closures, rows_of(work).jacobian)
+    begin_by(model, work, _row_mobility, RATES, loops_of(model), closures_of(work), rows_of(work).jacobian)
 
 
 @jit
 def pass_rows(model, work, i):
-    """Condense body i under the closures that pass it: their rows go on to its parent."""
-    loops, closures = loops_of(model), closures_of(work)
-    for e in range(loops.entry[i], loops.entry[i + 1]):
-        if closures.empty[loops.passing[e]] == 0:
-            _pass_closure(model, work, i, loops.here[e], loops.next[e])
-    couple(RATES, loops, closures, i)
+    """Condense body i under the closures that pass it."""
+    pass_by(model, work, i, _pass_closure, RATES, loops_of(model), closures_of(work))
 
 
 @placed
-def _pass_closure(model, work, i, here, there):
+def _pass_closure(model, work, i, here, there, _count):
     """Condense body i under one closure, all of whose rows go through the same steps at once."""
     tree, rows, closures, count = tree_of(work), rows_of(work), closures_of(work), slots_of(model).count[i]
     joint, column = closures.joint[here], closures.column[here]

@@ -83,7 +83,7 @@ def spatial_answer(model, work, balance, out):
 
 
 @jit
-def _row_times(model, work, slot, row, rate):
+def spatial_row_times(model, work, slot, row, rate):
     """Return one constraint row applied to rates."""
     bodies, kin, slots, rows = bodies_of(model), kinematics_of(work), slots_of(model), rows_of(work)
     start = spatial_position_count(model)
@@ -100,13 +100,6 @@ def _row_times(model, work, slot, row, rate):
 
 
 @jit
-def spatial_rows_times(model, work, slots, rows, rate, out):
-    """Write constraint rows applied to rates."""
-    for r in range(slots.shape[0]):
-        out[r] = _row_times(model, work, slots[r], rows[r], rate)
-
-
-@jit
 def spatial_add_row(model, work, slot, row, factor, out):
     """Add factor times one constraint row to out."""
     bodies, kin, slots, rows = bodies_of(model), kinematics_of(work), slots_of(model), rows_of(work)
@@ -119,13 +112,6 @@ def spatial_add_row(model, work, slot, row, factor, out):
             add(out, k, times(factor, g))
             if bodies.rigid[body] == 1:
                 add(out, k + 3, times(factor, turn_back(kin.turned[body], triple(g, 3))))
-
-
-@jit
-def spatial_subtract_rows(model, work, slots, rows, factors, out):
-    """Subtract constraint rows, each times its factor, from out."""
-    for r in range(slots.shape[0]):
-        spatial_add_row(model, work, slots[r], rows[r], -factors[r], out)
 
 
 @jit

@@ -11,19 +11,13 @@ and projection restores it.
 
 from __future__ import annotations
 
-from mbs_ref.kernels.algebra.refinement import refinements
-from mbs_ref.kernels.border.questions import accelerate, apply_loads, factor, fill_rows, solve
+from mbs_ref.kernels.border.questions import accelerate, fill_rows
 from mbs_ref.kernels.jit import jit
-from mbs_ref.kernels.rigid.elimination import row_times
+from mbs_ref.kernels.rigid.elimination import rows_times
+from mbs_ref.kernels.rigid.reduction import project_by, reduce_to_accelerations, refine_by, respond
 from mbs_ref.kernels.rows import (
-    add_to,
-    clear,
     copy_rows,
     largest_entry,
-    negate,
-    stabilize,
-    take_accelerations,
-    take_reactions,
 )
 from mbs_ref.kernels.spatial.contacts import fill_deflection_rates
 from mbs_ref.kernels.spatial.joints import leave_slips
@@ -62,36 +56,27 @@ def spatial_solve(model, work, gamma):
 
 
 @jit
-def _refine(model, work):
-    """Add to acceleration and multipliers what the residuals of both equations ask for."""
-    bodies, slots, rows = bodies_of(model), slots_of(model), rows_of(work)
-    tree, kin = tree_of(work), kinematics_of(work)
-    load, acceleration = tree.load, tree.acceleration
-    first, multiplier, gamma = acceleration.copy(), rows.multiplier.copy(), rows.gamma.copy()
+def _leave_inertia(model, work, acceleration, load):
+    """Write f - M a into load."""
+    bodies, kin = bodies_of(model), kinematics_of(work)
     for i in range(bodies.mass.shape[0]):
         for c in range(3):
-            load[i, c] = kin.force[i, c] - bodies.mass[i] * first[i, c]
-        put(load[i], 3, minus(triple(kin.force[i], 3), symmetric_times(kin.inertia[i], triple(first[i], 3))))
-    take_reactions(load, slots.body, rows.jacobian, multiplier)
-    take_accelerations(gamma, slots.body, rows.jacobian, first)
-    solve(model, work, gamma)
-    add_to(acceleration, first)
-    add_to(rows.multiplier, multiplier)
+            load[i, c] = kin.force[i, c] - bodies.mass[i] * acceleration[i, c]
+        put(load[i], 3, minus(triple(kin.force[i], 3), symmetric_times(kin.inertia[i], triple(acceleration[i], 3))))
+
+
+@jit
+def _refine(model, work):
+    refine_by(model, work, _leave_inertia, slots_of(model).body, rows_of(work), tree_of(work))
 
 
 @jit
 def spatial_accelerate(model, work, t, y):
-    """Compute accelerations and multipliers at (t, y) into `work`."""
-    load_state(model, work, y)
-    apply_loads(model, work, t)
-    fill_rows(model, work, t)
-    rows = rows_of(work)
-    stabilize(world_of(model).control, rows.gamma, rows.rate, rows.residual)  # the norms need none: they act on nothing
-    factor(model, work)
-    copy_rows(kinematics_of(work).force, tree_of(work).load)
-    solve(model, work, rows.gamma)
-    for _ in range(refinements(closures_of(work).regularity[0])):
-        _refine(model, work)
+    """Compute accelerations and multipliers at (t, y) into `work`; norms act on nothing, and need no stabilization."""
+    reduce_to_accelerations(
+        model, work, t, y, load_state, _refine,
+        world_of(model).control, kinematics_of(work).force, rows_of(work), tree_of(work), closures_of(work),
+    )  # fmt: skip
 
 
 @jit
@@ -143,15 +128,6 @@ def _largest_norm(model, work):
 
 
 @jit
-def _response(model, work, defect):
-    """Solve for the mass-weighted least-squares correction that removes `defect`."""
-    tree, gamma = tree_of(work), rows_of(work).gamma
-    negate(defect, gamma)
-    clear(tree.load)
-    solve(model, work, gamma)
-
-
-@jit
 def _correct_rates(model, work, y):
     """Add the correction in `work` to the rates in y."""
     bodies, kin, acceleration = bodies_of(model), kinematics_of(work), tree_of(work).acceleration
@@ -179,14 +155,11 @@ def _removed(model, work, of_places):
 
     Increments of places may be off what rows on velocities alone ask for, and the correction leaves that as it is.
     """
-    slots, rows, acceleration = slots_of(model), rows_of(work), tree_of(work).acceleration
-    clear(rows.rate)
-    for slot in range(rows.rate.shape[0]):
-        for row in range(slots.count[slot]):
-            rows.rate[slot, row] = row_times(RATES, slots.body, rows.jacobian, slot, row, acceleration)
+    rows, tree = rows_of(work), tree_of(work)
+    rows_times(RATES, slots_of(model).body, rows.jacobian, tree.acceleration, rows.rate)
     if of_places:
         leave_slips(model, rows.rate)
-    _response(model, work, rows.rate)
+    respond(model, work, rows, tree, rows.rate)
 
 
 @jit
@@ -242,23 +215,9 @@ def spatial_project(model, work, t, y, tolerance, most):
     load_state(model, work, y)
     if rows.residual.shape[0] == 0 or _no_rows(model):
         return _largest_norm(model, work)
-    fill_rows(model, work, t)
-    left = largest_entry(rows.residual)
-    for _ in range(most):
-        if not left > tolerance:
-            break
-        factor(model, work)
-        _response(model, work, rows.residual)
-        _correct_places(model, work, y)
-        load_state(model, work, y)
-        fill_rows(model, work, t)
-        previous = left
-        left = largest_entry(rows.residual)
-        if left > 0.5 * previous:
-            break
-    factor(model, work)
-    _response(model, work, rows.rate)
-    _correct_rates(model, work, y)
+    left = project_by(
+        model, work, t, y, tolerance, most, load_state, _correct_places, _correct_rates, rows, tree_of(work)
+    )
     return max(left, _largest_norm(model, work))
 
 
