@@ -51,7 +51,7 @@ def measure_crash() -> tuple[dict[str, float | str], dict[str, Film], dict[str, 
         for method, more in METHODS[kind]:
             figures |= _method(kind, scene, paths[kind], method, more)
     figures["vertebral.rk4.refusal"] = simulate(made["vertebral"], Settings(method="rk4", step=1e-4)).message
-    figures |= _constraints(made["simplified"])
+    figures |= _constraints(made["simplified"]) | _in_space(made["simplified"])
     figures["seats.imbalance"] = _seats_imbalance(made["simplified"], found["simplified"])
     films = {
         "Fig. 1": _film("simplified", 15_500.0), "Fig. 2": film(made["vertebral"], paths["vertebral"], 5),
@@ -67,6 +67,18 @@ def _seats_imbalance(scene: Scene, found: CrashResults) -> float:
     """Return the largest Q_e + Q_c (N, N m) of the two seat bodies, which do not move."""
     seats = [scene.body_index(name) for name in ("seat_base", "seat_back")]
     return float(np.abs(found.forces.external[:, seats] + found.forces.constraint[:, seats]).max())
+
+
+def _in_space(planar: Scene) -> dict[str, float | str]:
+    """Return what the android in space does: straight, against the planar one, and obliquely."""
+    fine = Settings(rtol=1e-12, samples=21, estimate="off", reactions=False)
+    flat, straight = (simulate(scene, fine) for scene in (planar, scenes.make("android_spatial", oblique=0.0)))
+    path = simulate(scenes.make("android_spatial"), fine)
+    apart = float(np.abs(straight.position[:, :, :2] - flat.position).max()) if straight.ok else straight.message
+    return {
+        "spatial.apart": apart, "spatial.time": straight.timing.loop_s / flat.timing.loop_s,
+        "spatial.sideways": float(np.abs(path.position[:, 0, 2]).max()) if path.ok else path.message,
+    }  # fmt: skip
 
 
 def _constraints(scene: Scene) -> dict[str, float | str]:

@@ -1,0 +1,102 @@
+"""The simplified android in space: the planar one's parts with balls for hinges, and a pulse that may come obliquely.
+
+Every number of the planar model is kept, so that a crash along x moves in the plane as it does there. What space needs
+besides is estimated: moments of inertia about the other axes, and the torques that bring a joint back into the plane.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from mbs_ref.scene import (
+    Bushing,
+    Force,
+    PlanarBody,
+    Scene,
+    SpatialBody,
+    Spherical,
+    SpringDamper,
+    TorsionSpring,
+    Weld,
+)
+from mbs_ref.scene.contact import CircleOnLine, SphereOnPlane
+
+Z = (0.0, 0.0, 1.0)  # to the right of who sits facing x, with y upwards
+SLENDER = 0.25  # of the planar moment of inertia, about a part's long axis: an estimate
+ALONG_X = {"foot"}  # parts whose long axis is x at a straight stand; the others' is y
+# m, how far left and right of the plane the two limbs lie whose sum a part is: estimates
+APART = {"thigh": 0.09, "lower_leg": 0.09, "foot": 0.09, "upper_arm": 0.19, "lower_arm": 0.19, "hand": 0.19}
+
+
+def in_space(planar: Scene, name: str, description: str, oblique: float) -> Scene:
+    """Return a planar android's scene in space, its pulse turned by `oblique` (rad) from x towards z."""
+    angle = {body.name: body.angle for body in planar.bodies if isinstance(body, PlanarBody)}
+    place: dict[str, Any] = {joint.name: joint for joint in planar.joints}
+    return Scene(
+        name=name,
+        description=description,
+        source=f"{planar.source}; moments about x and y and torques out of the plane are estimates",
+        duration=planar.duration,
+        gravity=_lifted(planar.gravity),
+        bodies=tuple(_body(body) for body in planar.bodies),
+        joints=tuple(_joint(joint) for joint in planar.joints),
+        loads=tuple(part for load in planar.loads for part in _loads(load, angle, place, oblique)),
+        contacts=tuple(_contact(contact) for contact in planar.contacts),
+    )
+
+
+def _lifted(vector: Any) -> tuple[float, float, float]:
+    return float(vector[0]), float(vector[1]), 0.0
+
+
+def _body(body: Any) -> SpatialBody:
+    slim = SLENDER * body.inertia
+    long_x, long_y = (slim, body.inertia) if body.name in ALONG_X else (body.inertia, slim)
+    spread = body.mass * APART.get(body.name, 0.0) ** 2
+    half = 0.5 * body.angle
+    return SpatialBody(
+        name=body.name, mass=body.mass, inertia=(long_x + spread, long_y + spread, body.inertia, 0.0, 0.0, 0.0),
+        position=_lifted(body.position), orientation=(math.cos(half), 0.0, 0.0, math.sin(half)),
+    )  # fmt: skip
+
+
+def _joint(joint: Any) -> Spherical | Weld:
+    kind = Weld if isinstance(joint, Weld) else Spherical
+    return kind(name=joint.name, body_a=joint.body_a, body_b=joint.body_b, point=_lifted(joint.point))
+
+
+def _loads(load: Any, angle: dict[str, float], place: dict[str, Any], oblique: float) -> list[Any]:
+    if isinstance(load, Force):
+        along, across = load.vector[0] * math.cos(oblique), load.vector[0] * math.sin(oblique)
+        turned = (along, load.vector[1], across)
+        return [Force(name=load.name, body=load.body, point=_lifted(load.point), vector=turned, factor=load.factor)]
+    if isinstance(load, SpringDamper):
+        marks: dict[str, Any] = {"point_a": _lifted(load.point_a), "point_b": _lifted(load.point_b)}
+        return [SpringDamper(**dict(load) | marks)]
+    if isinstance(load, TorsionSpring):
+        return _restoring(load, angle, place[load.name.removesuffix(".restoring")])
+    raise ValueError(f"load {load.name!r} of type {load.type} has no counterpart in space yet")
+
+
+def _restoring(load: TorsionSpring, angle: dict[str, float], joint: Any) -> list[Any]:
+    """Return the torque of the plane about z, and one as stiff about x and y that vanishes in the plane."""
+    start = angle[load.body_b] - angle[load.body_a]
+    rest = 0.0 if load.rest_angle is None else load.rest_angle - start
+    ends: dict[str, Any] = {"body_a": load.body_a, "body_b": load.body_b}
+    k, c = load.stiffness, load.damping
+    return [
+        TorsionSpring(name=load.name, **ends, stiffness=k, damping=c, rest_angle=rest, axis=Z),
+        Bushing(name=f"{load.name}.side", **ends, point=_lifted(joint.point), stiffness=(0.0, 0.0, 0.0, k, k, 0.0),
+                damping=(0.0, 0.0, 0.0, c, c, 0.0)),
+    ]  # fmt: skip
+
+
+def _contact(contact: Any) -> SphereOnPlane:
+    if not isinstance(contact, CircleOnLine) or contact.extent != "line":
+        raise ValueError(f"contact {contact.name!r} of type {contact.type} has no counterpart in space yet")
+    across, along = (contact.point_2[k] - contact.point_1[k] for k in (0, 1))
+    return SphereOnPlane(
+        name=contact.name, body_a=contact.body_a, center=_lifted(contact.center), radius=contact.radius,
+        body_b=contact.body_b, point=_lifted(contact.point_1), normal=(-along, across, 0.0), law=contact.law,
+    )  # fmt: skip
