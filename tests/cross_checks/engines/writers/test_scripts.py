@@ -30,7 +30,8 @@ SHORT = {"t_end": 0.1, "samples": 3}
 QUICK = [
     ("exudyn", "pendulum", {}), ("exudyn", "spatial_chain", {}),
     ("mujoco", "n_four_bar", {}), ("mujoco", "heavy_top", {}),
-    ("pinocchio", "n_four_bar", {"method": "rk4"}), ("pinocchio", "heavy_top", {}),
+    ("pinocchio", "slider_crank", {"method": "rk4", "step": 0.01}),  # coarse, so that the gains matter
+    ("pinocchio", "heavy_top", {}),
     ("drake", "double_pendulum", {}), ("drake", "heavy_top", {}),
 ]  # fmt: skip
 TREES = ["pendulum", "double_pendulum", "pendulum_chain", "heavy_top", "torque_free_top", "spatial_chain"]
