@@ -28,9 +28,12 @@ class Attempt(NamedTuple):
 
 @inlined
 def next_attempt(options, run, outputs, evenly, search):
-    """Choose the step: the proposed one, up to the next output time, or what the search for an event asks."""
+    """Choose the step: the proposed one, up to the next output time, or what the search for an event asks.
+
+    A fixed step gives way to a proposed part of it.
+    """
     t, target = run.t, outputs.times[run.next_output]
-    proposed = run.h if options.step == 0.0 else options.step
+    proposed = run.h if options.step == 0.0 or 0.0 < run.h < options.step else options.step
     h, lands, searching = choose_step(proposed, target - t, evenly, search)
     return Attempt(t, target if lands else t + h, h, proposed, lands, searching)
 

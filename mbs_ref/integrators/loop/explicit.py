@@ -36,6 +36,7 @@ if TYPE_CHECKING:
 NOISY_PIVOT = 2e-17  # over rtol, to the power 2/3
 NOISY_STAGE = 1e-19  # likewise for a stage inside a step, whose weight is smaller
 SINGULAR_PIVOT = 1e-17  # over rtol
+TIGHTEST = 1e-13  # accuracy that double precision allows to ask for
 PATIENT_AVOIDED, MOST_AVOIDED = 6, 60  # attempts in a row to end a step away from a singular pose
 NEAR_SINGULAR = 0.1  # relative closure pivot below which stages are projected
 AVOID_STAGE = 0.93  # step factor after a stage came too close to one
@@ -94,15 +95,24 @@ def _judge(model, work, tableau, options, run, attempt, span, y, stages, restore
 
 
 @inlined
-def _is_too_near(work, options, stage_pivot, past):
-    """Return whether roundoff near a singular pose harms the asked accuracy, and whether it is the step's end there."""
-    if options.step > 0.0:
-        return False, False
+def _asked(tableau, options):
+    """Return the accuracy that is asked: rtol, or what a fixed step of the scene's time gives at the method's order."""
+    if options.step == 0.0:
+        return options.rtol
+    return max(TIGHTEST, min(1.0, options.step / options.time) ** tableau.order)
+
+
+@inlined
+def _is_too_near(work, options, rtol, stage_pivot, past):
+    """Return whether roundoff near a singular pose harms the asked accuracy, and whether it is the step's end there.
+
+    A fixed step is divided there and then goes on as asked, be the pose what it may.
+    """
     pivot = regularity(work) if options.project else 1.0
-    noisy_stage = stage_pivot < (NOISY_STAGE / options.rtol) ** (2.0 / 3.0)
-    noisy_end = pivot < (NOISY_PIVOT / options.rtol) ** (2.0 / 3.0)
+    noisy_stage = stage_pivot < (NOISY_STAGE / rtol) ** (2.0 / 3.0)
+    noisy_end = pivot < (NOISY_PIVOT / rtol) ** (2.0 / 3.0)
     noisy = past.marks[AVOIDED] < PATIENT_AVOIDED and (noisy_stage or noisy_end)
-    return noisy or pivot < SINGULAR_PIVOT / options.rtol, noisy_end
+    return noisy or (options.step == 0.0 and pivot < SINGULAR_PIVOT / rtol), noisy_end
 
 
 @inlined
@@ -143,7 +153,7 @@ def _next_slope(model, work, options, run, attempt, verdict, y, slopes):
 @jit
 def advance_explicit(model, work, tableau, options, run, y, outputs):
     """Advance y through the output times, in place; return a status code (RUNNING when the chunk is used up)."""
-    adaptive, n = options.step == 0.0, y.shape[0]
+    adaptive, n, asked = options.step == 0.0, y.shape[0], _asked(tableau, options)
     span = outputs.times[-1] - outputs.times[0]
     stages = Stages(np.empty((tableau.b.shape[0] + 1, n)), np.empty(n), np.empty(n))
     past = Past(np.zeros(1), np.zeros(2, dtype=np.int64))
@@ -153,6 +163,8 @@ def advance_explicit(model, work, tableau, options, run, y, outputs):
     if code != RUNNING:
         return code
     propose_first(model, work, options, run, y, stages.slopes[0], tableau.order, span)
+    if not adaptive:
+        run.h = options.step
     while code == RUNNING and run.steps < budget:
         attempt = next_attempt(options, run, outputs, adaptive and past.natural[0] == 0.0, search)
         if stands_still(attempt):
@@ -173,7 +185,7 @@ def advance_explicit(model, work, tableau, options, run, y, outputs):
             continue
         if code != RUNNING:
             return code
-        too_near, noisy_end = _is_too_near(work, options, stage_pivot, past)
+        too_near, noisy_end = _is_too_near(work, options, asked, stage_pivot, past)
         if too_near and verdict != EVENT:
             code = _avoid(run, attempt, stages.new, outputs, noisy_end, past)
             continue
