@@ -109,5 +109,5 @@ def test_a_fixed_step_that_would_end_in_a_singular_pose_is_divided(scene):
     run = simulate(made, Settings(method="rk4", **step))
     truth = simulate(made, Settings(method="dop853", rtol=1e-12, estimate="off", t_end=2.5, samples=2))
     assert run.ok
-    assert 5120 < run.steps < 5140
+    assert 5120 < run.steps < 1.05 * 5120
     assert np.abs(run.position[-1] - truth.position[-1]).max() < 1e-7
