@@ -51,11 +51,25 @@ class Time(Stated):
     unit: Annotated[str, _unit_of("time")]
 
 
+class Turned(Stated):
+    """How far the file's world is turned about an axis of the scene besides: a column, as of a longitude."""
+
+    column: str
+    unit: Annotated[str, _unit_of("angle")]
+    about: Literal["x", "y", "z"] = "z"
+
+
 class World(Stated):
-    """The file's world: which of its axes each axis of the scene is, and where its origin lies in the scene."""
+    """The file's world: which of its axes each axis of the scene is, and where its origin lies in the scene.
+
+    A world that turns (space), as Earth-fixed axes do, is so at t = 0. Velocities are then those that are seen in it;
+    angular velocities are counted against the scene's axes in any case.
+    """
 
     axes: Annotated[tuple[str, ...], AfterValidator(_axes)] = ("x", "y", "z")
     origin: tuple[float, ...] = (0.0, 0.0, 0.0)  # m
+    spin: tuple[float, float, float] = (0.0, 0.0, 0.0)  # rad/s, along the scene's axes
+    turned: Turned | None = None
 
 
 class Position(Stated):

@@ -44,7 +44,7 @@ def told_motion(scene: Scene, columns: Columns, stated: ColumnMap) -> Told:
     }
     for name, body in stated.bodies.items():
         k = scene.body_names.index(name)
-        for part, values in _Reader(columns, stated, d, name).read(body).items():
+        for part, values in _Reader(columns, stated, d, name, times).read(body).items():
             state[part][:, k] = values
     path = Trajectory(times, state["position"], state["orientation"], state["velocity"], state["angular_velocity"])
     return Told(path, _untold(scene, stated))
@@ -89,7 +89,7 @@ def _column(columns: Columns, name: str, what: str) -> np.ndarray:
 class _Reader:
     """Reads one body's parts into the scene's axes."""
 
-    def __init__(self, columns: Columns, stated: ColumnMap, dimension: int, body: str) -> None:
+    def __init__(self, columns: Columns, stated: ColumnMap, dimension: int, body: str, times: np.ndarray) -> None:
         self.columns, self.dimension, self.body = columns, dimension, body
         axes = stated.world.axes[:dimension]
         if len(axes) < dimension:
@@ -100,20 +100,51 @@ class _Reader:
         if np.linalg.det(self.turn) < 0.0:
             raise FileError(f"world.axes = {list(axes)} mirrors the world: those axes are left-handed")
         self.origin = np.array(stated.world.origin[:dimension])
+        self.world = stated.world
+        self.turning = self._turning(times)
 
     def read(self, body: Body) -> dict[str, np.ndarray]:
         parts: dict[str, np.ndarray] = {}
         if body.position is not None:
             place = self._numbers(body.position, "position", self.dimension)
-            parts["position"] = self.origin + place * units.factor("length", body.position.unit) @ self.turn.T
+            parts["position"] = self.origin + self._in_scene(place * units.factor("length", body.position.unit))
         if body.velocity is not None:
             speed = self._numbers(body.velocity, "velocity", self.dimension)
-            parts["velocity"] = speed * units.factor("velocity", body.velocity.unit) @ self.turn.T
+            seen = self._in_scene(speed * units.factor("velocity", body.velocity.unit))
+            parts["velocity"] = seen + self._carried(parts.get("position"))
         if body.orientation is not None:
             parts["orientation"] = self._orientation(body.orientation)
         if body.angular_velocity is not None:
             parts["angular_velocity"] = self._spin(body.angular_velocity, parts.get("orientation"))
         return parts
+
+    def _turning(self, times: np.ndarray) -> Rotation | None:
+        """Return how far the file's world has turned at each time; None where it stands still."""
+        spin, turned = np.array(self.world.spin), self.world.turned
+        if not spin.any() and turned is None:
+            return None
+        if self.dimension == 2:
+            raise FileError("world.spin and world.turned are for scenes in space")
+        turning = Rotation.from_rotvec(times[:, None] * spin)
+        if turned is None:
+            return turning
+        angle = _column(self.columns, turned.column, "world.turned") * units.factor("angle", turned.unit)
+        return turning * Rotation.from_euler(turned.about, angle[:, None])
+
+    def _in_scene(self, vectors: np.ndarray) -> np.ndarray:
+        turned = vectors @ self.turn.T
+        return turned if self.turning is None else self.turning.apply(turned)
+
+    def _carried(self, position: np.ndarray | None) -> np.ndarray | float:
+        """Return the velocity (m/s) of the file's world where the body is."""
+        if self.turning is None:
+            return 0.0
+        place = f"bodies.{self.body}.velocity"
+        if self.world.turned is not None:
+            raise FileError(f"{place}: how fast a world turns that a column turns is not told; leave the velocity out")
+        if position is None:
+            raise FileError(f"{place} in a world that turns needs the position, which the file does not tell")
+        return np.cross(self.world.spin, position - self.origin)
 
     def _numbers(self, part: Any, what: str, count: int) -> np.ndarray:
         place = f"bodies.{self.body}.{what}"
@@ -133,7 +164,8 @@ class _Reader:
             raise FileError(f"{place}.maps is missing; allowed: body to world, world to body")
         turned = self._rotation(part, place)
         turned = turned.inv() if part.maps == "world to body" else turned
-        return (Rotation.from_matrix(self.turn) * turned).as_quat(scalar_first=True)
+        turned = Rotation.from_matrix(self.turn) * turned
+        return (turned if self.turning is None else self.turning * turned).as_quat(scalar_first=True)
 
     def _angle(self, part: Orientation, place: str) -> float:
         if part.unit is None:
@@ -165,7 +197,7 @@ class _Reader:
             return self._numbers(part, "angular_velocity", 1)[:, 0] * scale
         spin = self._numbers(part, "angular_velocity", 3) * scale
         if part.axes == "world":
-            return spin @ self.turn.T
+            return self._in_scene(spin)
         if part.axes is None:
             raise FileError(f"{place}.axes is missing; allowed: world, body")
         if orientation is None:

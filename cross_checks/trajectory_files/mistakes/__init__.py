@@ -14,11 +14,11 @@ import numpy as np
 from cross_checks.trajectory_files.mistakes.case import Case
 from cross_checks.trajectory_files.mistakes.clock import lag
 from cross_checks.trajectory_files.mistakes.conventions import other_conventions
-from cross_checks.trajectory_files.mistakes.frames import turned_bodies, turned_world
+from cross_checks.trajectory_files.mistakes.frames import turned_bodies, turned_world, turning_world
 from cross_checks.trajectory_files.mistakes.points import other_points
 from cross_checks.trajectory_files.mistakes.terms import left_out
 
-KINDS = (other_conventions, turned_world, turned_bodies, other_points, lag, left_out)
+KINDS = (other_conventions, turned_world, turning_world, turned_bodies, other_points, lag, left_out)
 EXPLAINS = 10.0  # times less error: that is no accident
 MOST = 4  # mistakes looked for in one file
 

@@ -12,6 +12,8 @@ from cross_checks.trajectory_files.mistakes.case import NONE, Case, vector
 from mbs_ref.scene.euler_parameters import conjugate, product
 from mbs_ref.trajectory import Trajectory
 
+FITS = 6  # corrections by Gauss and Newton
+
 
 def turned_world(case: Case) -> Iterator[tuple[str, Case]]:
     """Yield the rotation and the shift of the whole world that fit best."""
@@ -60,6 +62,56 @@ def _turned(case: Case, turn: Rotation) -> Trajectory:
         spin = path.angular_velocity @ matrix.T
     return replace(path, position=path.position @ matrix.T, orientation=orientation, velocity=path.velocity @ matrix.T,
                    angular_velocity=spin)  # fmt: skip
+
+
+def turning_world(case: Case) -> Iterator[tuple[str, Case]]:
+    """Yield the steady rotation about the scene's origin that the file's world takes part in, as Earth-fixed axes do.
+
+    Fitted by Gauss and Newton on orientations, else on positions.
+    """
+    if case.scene.dimension != 3:
+        return
+    spin, path = np.zeros(3), case.path
+    for _ in range(FITS):
+        change = _spin_left(replace(case, path=path))
+        if change is None:
+            return
+        spin = spin + change
+        path = _turned_along(case.path, spin)
+    speed = float(np.linalg.norm(spin))
+    if speed * case.scene.duration > NONE:
+        words = f"{np.degrees(speed):.4g} deg/s about {vector(spin / speed)}"
+        yield f"the file's world turns by {words}", replace(case, path=path)
+
+
+def _spin_left(case: Case) -> np.ndarray | None:
+    """Return the spin (3,), rad/s, that brings the file's motion nearer to the truth; None where nothing is told."""
+    path, truth, t = case.path, case.truth, case.path.times
+    if case.told_turns and not np.isnan(path.orientation).all():
+        between = product(truth.orientation, conjugate(path.orientation))
+        known = ~np.isnan(between).any(axis=2)
+        turns = Rotation.from_quat(between[known], scalar_first=True).as_rotvec()
+        weight = np.broadcast_to(t[:, None], known.shape)[known]
+        return weight @ turns / (weight @ weight)
+    known = ~np.isnan(path.position).any(axis=2)
+    if not known.any():
+        return None
+    place, gap = path.position[known], (truth.position - path.position)[known]
+    weight = np.broadcast_to(t[:, None], known.shape)[known]
+    rows = -weight[:, None, None] * np.cross(place[:, None, :], np.eye(3)).transpose(0, 2, 1)  # spin x place
+    return np.linalg.lstsq(rows.reshape(-1, 3), gap.ravel(), rcond=None)[0]
+
+
+def _turned_along(path: Trajectory, spin: np.ndarray) -> Trajectory:
+    """Return a motion that was seen in axes with this spin (rad/s) as it is seen in axes that do not turn."""
+    turn = Rotation.from_rotvec(path.times[:, None] * spin)
+    matrices = turn.as_matrix()[:, None]
+    position, velocity, omega = (
+        (matrices @ values[..., None])[..., 0] for values in (path.position, path.velocity, path.angular_velocity)
+    )
+    orientation = product(turn.as_quat(scalar_first=True)[:, None, :], path.orientation)
+    return replace(path, position=position, orientation=orientation, velocity=velocity + np.cross(spin, position),
+                   angular_velocity=omega)  # fmt: skip
 
 
 def turned_bodies(case: Case) -> Iterator[tuple[str, Case]]:
