@@ -78,6 +78,8 @@ def test_made_pages_show_a_scene_and_who_can_run_it(tmp_path):
     gallery = (tmp_path / "site" / "gallery.md").read_text(encoding="utf-8")
     assert (tmp_path / "site" / "gallery" / "pendulum.gif").read_bytes().startswith(b"GIF")
     assert "exact, known to" in gallery
+    assert "[work-precision plot](gallery/pendulum-work-precision.html)" in gallery
+    assert "mbs_ref" in (tmp_path / "site" / "gallery" / "pendulum-work-precision.html").read_text()
     assert "| who can | mbs_ref" in gallery
     assert "| `pendulum` | yes |" in (tmp_path / "site" / "capabilities.md").read_text(encoding="utf-8")
     assert "| `pendulum`" in (tmp_path / "site" / "truths.md").read_text(encoding="utf-8")

@@ -40,7 +40,7 @@ ROOMS = {
     ),
     "reports": (
         "film poses_file reproduce scene_summary terminal", "inputs run_plot",
-        "sweeping site", "facts", "drawing", "studies", "gather", "page",
+        "sweeping", "facts", "drawing", "studies", "gather", "page site",
         "commands", "cli",
     ),
 }  # fmt: skip

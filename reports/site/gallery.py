@@ -1,4 +1,4 @@
-"""The gallery: every scene with its film, what it is made of, who can run it, how well its truth is known."""
+"""The gallery: each scene's film, what it is made of, who can run it at what cost, how well its truth is known."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from pathlib import Path
 
 from cross_checks.certificates.certificate import stored
 from cross_checks.engines.capabilities import Capability, capabilities
+from cross_checks.judge.runs import Runs
 from mbs_ref import scenes
 from mbs_ref.scene import Scene
 from mbs_ref.scene.traits import traits
@@ -15,6 +16,7 @@ from mbs_ref.simulate import simulate
 from reports.film.files import gif
 from reports.scene_summary import summary
 from reports.site.tables import table, who_can
+from reports.site.trade import write_trade
 
 PICTURES = 40  # of a film
 MOST_BODIES = 120  # of a scene that is filmed: others take minutes
@@ -24,16 +26,16 @@ LEAD = (
 )
 
 
-def gallery(names: Collection[str], pictures: Path, say: Callable[[str], None]) -> str:
-    """Return the page; films go to `pictures`. A scene whose run fails is shown with the reason in the film's place."""
+def gallery(runs: Runs, names: Collection[str], pictures: Path, say: Callable[[str], None]) -> str:
+    """Return the page; films and plots go to `pictures`. What cannot be shown gives way to the reason."""
     able, parts = capabilities(), [LEAD]
     for name in sorted(names):
-        say(f"filming {name}")
-        parts.append(_entry(scenes.make(name), able, pictures))
+        say(f"filming and timing {name}")
+        parts.append(_entry(runs, scenes.make(name), able, pictures))
     return "\n".join(parts)
 
 
-def _entry(scene: Scene, able: Collection[Capability], pictures: Path) -> str:
+def _entry(runs: Runs, scene: Scene, able: Collection[Capability], pictures: Path) -> str:
     known = stored(scene)
     truth = "made when it is first asked for" if known is None else f"{known.kind}, known to {known.uncertainty:.1e} m"
     rows = [
@@ -41,10 +43,20 @@ def _entry(scene: Scene, able: Collection[Capability], pictures: Path) -> str:
         ["traits", ", ".join(sorted(traits(scene))) or "none"],
         ["who can", who_can(scene.name, able) or "nobody that is installed"],
         ["truth", truth],
+        ["what accuracy costs", _trade(runs, scene, pictures)],
         ["source", scene.source or "this project"],
         ["again", f"`mbs-ref simulate {scene.name}`"],
     ]
     return f"## {scene.name}\n\n{scene.description}\n\n{_film(scene, pictures)}\n\n{table(['', ''], rows)}"
+
+
+def _trade(runs: Runs, scene: Scene, pictures: Path) -> str:
+    """Write the work-precision plot; return what leads to it, or the sentence why there is none."""
+    if len(scene.bodies) > MOST_BODIES:
+        return f"not measured here: {len(scene.bodies)} bodies; `mbs-ref sweep {scene.name}` does"
+    target = pictures / f"{scene.name}-work-precision.html"
+    missing = write_trade(runs, scene, target)
+    return f"not shown: {missing}" if missing else f"[work-precision plot](gallery/{target.name})"
 
 
 def _film(scene: Scene, pictures: Path) -> str:

@@ -10,6 +10,7 @@ from pathlib import Path
 from mbs_ref import scenes
 from reports.site.gallery import gallery
 from reports.site.tables import capability_page, truth_page
+from reports.terminal.asking import asked_runs
 
 ROOT = Path(__file__).parents[2]
 BESIDE = ("CHANGELOG.md", "CONTRIBUTING.md")  # pages that stand beside docs/
@@ -32,6 +33,6 @@ def write_sources(target: Path, say: Callable[[str], None], only: Collection[str
     (target / "truths.md").write_text(truth_page(), encoding="utf-8")
     pictures = target / "gallery"
     pictures.mkdir()
-    (target / "gallery.md").write_text(
-        gallery(scenes.names() if only is None else only, pictures, say), encoding="utf-8"
-    )
+    shown = scenes.names() if only is None else only
+    with asked_runs([]) as runs:
+        (target / "gallery.md").write_text(gallery(runs, shown, pictures, say), encoding="utf-8")

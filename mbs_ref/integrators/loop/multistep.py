@@ -12,6 +12,7 @@ from mbs_ref.integrators.loop.leg import (
     FEWEST,
     MESSAGES,
     RUNNING,
+    SINGULAR,
     STALLED,
     STATUS,
     Leg,
@@ -45,7 +46,8 @@ class MultistepLeg:
         self.longest = float(times[-1] - times[0]) / FEWEST  # s, step
         run.span = times[-1] - times[0]
         self.events = ContactEvents(system, options, run)
-        self.loops = options.project and system.n_closure_rows > 0
+        self.loops = system.n_closure_rows > 0
+        self.drift = 0.0  # |C| at the last step, over the scene's length
         self.pace = Pace(self.t, float(times[-1]), options.max_steps, LOOK_EVERY)
         self.ending: Ending | None = None
         self.carried = 0.0  # s, passed by DOP853
@@ -62,7 +64,7 @@ class MultistepLeg:
         run, self.t, self.now = self.run, t, now
         run.steps += 1
         gap, _ = self.system.compliance(t, now)
-        run.compliance = max(run.compliance, gap)
+        run.compliance, self.drift = max(run.compliance, gap), gap / float(self.options.units[0])
         if self.options.stop_on_compliance and gap >= step:
             self.stop(Status.COMPLIANCE, f"|C| = {gap:.3g} is not below h = {step:.3g}")
         return self.ending is None
@@ -89,6 +91,9 @@ class MultistepLeg:
         if event:
             self._settle()
         elif self.loops and is_near_singular(self.system, self.t, self.now):
+            if not self.options.project:
+                self._stop_where_branches_meet()
+                return False
             self._leap()
         else:
             return False
@@ -109,6 +114,16 @@ class MultistepLeg:
         self.t, self.now, self.reached = landing.t, landing.y, landing.reached
         if landing.failed is not None:
             self.ending = Ending(landing.failed.status, landing.failed.message)
+
+    def _stop_where_branches_meet(self) -> None:
+        """Stop where the drift off the constraints decides on the branch.
+
+        There C looks like x y, with x and y along the two branches: a motion on x y = |C| leaves its branch where it
+        is as near as sigma = sqrt |C|, and the relative closure pivot is sigma^2.
+        """
+        if self.system.regularity() < max(self.drift, float(np.finfo(float).eps)):
+            drift = f"|C| has drifted to {self.drift:.2g} of the scene's length"
+            self.stop(Status.SINGULAR, f"{MESSAGES[SINGULAR]}: {drift}; stabilization = 'projection' carries it past")
 
     def finish(self) -> Leg:
         """Leave clock and state where the leg ended, and return it."""

@@ -11,7 +11,7 @@ from mbs_ref import scenes
 from mbs_ref.scene import GROUND, PlanarBody, Revolute, Scene
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
-from mbs_ref.trajectory import Trajectory
+from mbs_ref.trajectory import Status, Trajectory
 
 G = 9.81  # m/s^2
 
@@ -111,3 +111,14 @@ def test_a_fixed_step_that_would_end_in_a_singular_pose_is_divided(scene):
     assert run.ok
     assert 5120 < run.steps < 1.05 * 5120
     assert np.abs(run.position[-1] - truth.position[-1]).max() < 1e-7
+
+
+@pytest.mark.parametrize("rtol", [1e-3, 1e-5, 1e-7, 1e-9])
+@pytest.mark.parametrize("method", ["lsodar", "dassl_index1"])
+def test_a_method_that_drifts_stops_where_the_drift_would_choose_the_branch(method, rtol):
+    """Going on, the loops opened into the other branch, 2 m off, and reported success."""
+    scene = scenes.make("n_four_bar", loops=2)
+    run = simulate(scene, Settings(method=method, rtol=rtol, stabilization="none", t_end=5.0, estimate="off"))
+    assert run.status is Status.SINGULAR
+    truth = simulate(scene, Settings(method="dop853", rtol=1e-11, estimate="off"), run.times)
+    assert np.abs(run.position - truth.position).max() < 0.05
