@@ -67,7 +67,7 @@ def _source(module: str) -> tuple[bytes, frozenset[str]]:
         if plain:
             found |= {name.split(" as ")[0].strip() for name in plain.split(",")}
         else:
-            found |= {parent, *(f"{parent}.{name}" for name in re.findall(r"\w+(?: as \w+)?", names))}
+            found |= {parent, *(f"{parent}.{name}" for name in re.findall(r"(\w+)(?: as \w+)?", names))}
     return content, frozenset(name for name in found if _lies_in(home, name) or _lies_in(_PROJECT, name))
 
 

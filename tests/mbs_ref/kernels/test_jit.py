@@ -1,11 +1,16 @@
 """Compiled code is kept under a digest of all its sources, wherever the function is written."""
 
+import ast
 import os
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
+from mbs_ref.kernels.jit import sources_of
+
+ROOT = Path(__file__).parents[3]
 FORCE = "from mbs_ref.kernels.jit import jit\n\n@jit\ndef twice(x):\n    return {factor} * x\n\nprint(twice(3.0))\n"
 
 
@@ -29,3 +34,20 @@ def test_a_script_may_compile_and_its_changes_are_seen(tmp_path):
 def test_code_without_a_file_compiles_and_is_not_kept(tmp_path):
     assert _printed(["-c", FORCE.format(factor=4.0)], tmp_path) == "12.0"
     assert not list(tmp_path.rglob("*.nbi"))
+
+
+KERNELS = sorted(
+    ".".join(path.relative_to(ROOT).with_suffix("").parts) for path in (ROOT / "mbs_ref" / "kernels").rglob("[!_]*.py")
+)
+
+
+@pytest.mark.parametrize("module", KERNELS)
+def test_code_is_kept_under_a_digest_of_every_module_that_it_imports(module):
+    """Under another name too: code that kept its place after a change of what it asks ended the process."""
+    tree = ast.parse((ROOT / Path(*module.split("."))).with_suffix(".py").read_text())
+    named = [
+        f"{node.module}.{name.name}" for node in tree.body if isinstance(node, ast.ImportFrom) for name in node.names
+    ]
+    named += [node.module for node in tree.body if isinstance(node, ast.ImportFrom) if node.module]
+    ours = {name for name in named if (ROOT / Path(*name.split("."))).with_suffix(".py").is_file()}
+    assert ours <= sources_of(module)
