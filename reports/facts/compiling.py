@@ -10,11 +10,16 @@ from cross_checks.records.naming import code_of, digest_of
 from cross_checks.records.store import Store
 from mbs_ref import scenes
 from mbs_ref.kernels.jit import cache_folder
+from mbs_ref.scene.traits import Coordinates
 from mbs_ref.settings import Settings
 from reports.facts.kept import recall, remembered
 from reports.facts.workers import each
 
-CORES = {"plane": "pendulum", "space": "heavy_top", "particles": "kepler"}  # the smallest scene of each
+# the smallest scene of each, and its coordinates; the largest to compile come first
+CORES: dict[str, tuple[str, Coordinates]] = {
+    "space": ("heavy_top", "cartesian"), "plane": ("pendulum", "cartesian"), "particles": ("kepler", "cartesian"),
+    "trees in space": ("heavy_top", "relative"), "trees in the plane": ("double_pendulum", "relative"),
+}  # fmt: skip
 SOLVER = "mbs_ref"
 
 Report = Callable[[int, int, str], None]
@@ -32,18 +37,21 @@ def compile_kernels(store: Store, report: Report) -> None:
 
 
 def _compile(call: Caller, core: str) -> None:
-    call(run_methods, CORES[core])
+    call(run_methods, *CORES[core])
 
 
-def run_methods(scene: str) -> None:
-    """Run the first hundredth of a scene by every method that takes it."""
+def run_methods(scene: str, coordinates: Coordinates) -> None:
+    """Run the first hundredth of a scene by every method that takes it; in relative coordinates one is enough.
+
+    Explicit methods alone run there, and their loops are compiled once for all cores.
+    """
     made, solver = scenes.make(scene), engines.get(SOLVER)
-    for method in solver.methods():
+    for method in solver.methods() if coordinates == "cartesian" else (solver.method(None),):
         if not solver.method_refusals(made, method):
-            solver.run(made, _settings(method.name, method.kind, made.duration))
+            solver.run(made, _settings(method.name, method.kind, made.duration, coordinates))
 
 
-def _settings(method: str, kind: str, duration: float) -> Settings:
-    short = {"t_end": 0.01 * duration, "samples": 2, "estimate": "off"}
+def _settings(method: str, kind: str, duration: float, coordinates: Coordinates) -> Settings:
+    short = {"t_end": 0.01 * duration, "samples": 2, "estimate": "off", "coordinates": coordinates}
     knob = {"rtol": 1e-6} if kind == "adaptive" else {"step": 0.005 * duration}
     return Settings(method=method, **short, **knob)  # type: ignore[arg-type]
