@@ -16,6 +16,7 @@ import yaml
 
 from mbs_ref.scene.toml import loads
 from reports.cli import main
+from reports.site import trade
 from reports.site.notebooks import executed, page
 from reports.site.write import write_sources
 
@@ -72,11 +73,13 @@ def test_blocks_of_code_are_what_they_say(page):
         yaml.safe_load(text)
 
 
-def test_made_pages_show_a_scene_and_who_can_run_it(tmp_path):
+def test_made_pages_show_a_scene_and_who_can_run_it(tmp_path, monkeypatch):
+    monkeypatch.setattr(trade, "entrants", lambda: ["mbs_ref"])
     write_sources(tmp_path / "site", lambda text: None, ["pendulum"])
     assert "](CONTRIBUTING.md)" in (tmp_path / "site" / "architecture.md").read_text(encoding="utf-8")
     gallery = (tmp_path / "site" / "gallery.md").read_text(encoding="utf-8")
     assert (tmp_path / "site" / "gallery" / "pendulum.gif").read_bytes().startswith(b"GIF")
+    assert (tmp_path / "site" / "gallery" / "pendulum.html").is_file()
     assert "exact, known to" in gallery
     assert "[work-precision plot](gallery/pendulum-work-precision.html)" in gallery
     assert "mbs_ref" in (tmp_path / "site" / "gallery" / "pendulum-work-precision.html").read_text()

@@ -11,7 +11,7 @@ from typing import Any
 
 from cross_checks.extremes.cell import Cell as ExtremeCell
 from cross_checks.judge.ladder import label
-from cross_checks.records.record import Record
+from cross_checks.records.record import MISSING, Record
 from mbs_ref.settings import Settings
 from reports.facts.truth_facts import TruthFacts
 from reports.reproduce import scene_label
@@ -93,9 +93,10 @@ class ReportData:
 
     @cached_property
     def engines(self) -> list[str]:
-        """Return every engine met, the reference solver first."""
+        """Return every engine met, the reference solver first, those that are not installed last."""
         met = _unique([*(c.engine for c in self.cells), *(r.engine for r in self.records)])
-        return sorted(met, key=lambda name: (name != OURS, name))
+        missing = {c.engine for c in self.cells if c.verdict == MISSING}
+        return sorted(met, key=lambda name: (name != OURS, name in missing, name))
 
     def of_scene(self, label: str) -> list[Record]:
         """Return the records of one scene."""

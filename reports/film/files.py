@@ -2,19 +2,23 @@
 
 from __future__ import annotations
 
+import base64
 import importlib
 import io
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
 import numpy as np
+from jinja2 import Template
 from PIL import Image
 
 from mbs_ref.scene import Scene
 from mbs_ref.trajectory import Trajectory
-from reports.film.camera import PAPER, Camera
+from reports.film.camera import PAPER, Camera, clock
 from reports.film.drawing import drawing
 
+PLAYER = Path(__file__).parent / "player.html"
 SMOOTH = 30  # pictures a second of an MP4 at most: more are not seen
 
 
@@ -45,6 +49,22 @@ def as_gif(pictures: list[Image.Image], seconds: float) -> bytes:
     pause = max(round(1000.0 * seconds / len(frames)), 20)  # ms; players slow anything quicker down
     frames[0].save(buffer, "GIF", save_all=True, append_images=frames[1:], duration=pause, loop=0)
     return buffer.getvalue()
+
+
+def as_page(title: str, pictures: list[Image.Image], times: np.ndarray, seconds: float) -> bytes:
+    """Return an HTML page that plays pictures of `times` (s) for `seconds`, stops, and goes to any of them."""
+    whole = Template(PLAYER.read_text(encoding="utf-8"), autoescape=True).render(
+        title=title, width=pictures[0].width, pictures=[_as_text(picture) for picture in pictures],
+        times=[clock(float(t), float(times[-1])) for t in times], pause=round(1000.0 * seconds / len(pictures)),
+    )  # fmt: skip
+    return whole.encode()
+
+
+def _as_text(picture: Image.Image) -> str:
+    """Return a PNG of few colours in base64."""
+    buffer = io.BytesIO()
+    picture.quantize(16).save(buffer, "PNG", optimize=True)
+    return base64.b64encode(buffer.getvalue()).decode()
 
 
 def video_library() -> Any:

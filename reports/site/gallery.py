@@ -13,12 +13,13 @@ from mbs_ref.scene import Scene
 from mbs_ref.scene.traits import traits
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
-from reports.film.files import gif
+from reports.film.files import as_gif, as_page, beside
 from reports.scene_summary import summary
 from reports.site.tables import table, who_can
 from reports.site.trade import write_trade
 
 PICTURES = 40  # of a film
+SECONDS = 4.0  # that it plays for
 MOST_BODIES = 120  # of a scene that is filmed: others take minutes
 LEAD = (
     "# Gallery\n\nEvery scene as it comes. `mbs-ref scenes NAME` prints its parameters with their ranges, "
@@ -66,6 +67,7 @@ def _film(scene: Scene, pictures: Path) -> str:
     path = simulate(scene, Settings(samples=PICTURES, estimate="off", reactions=False))
     if not path.ok:
         return f"Not filmed: {path.message}."
-    target = pictures / f"{scene.name}.gif"
-    target.write_bytes(gif(scene, path))
-    return f"![{scene.name} in motion](gallery/{target.name})"
+    target, film = pictures / f"{scene.name}.gif", beside(scene, {"": path})
+    target.write_bytes(as_gif(film, SECONDS))
+    target.with_suffix(".html").write_bytes(as_page(scene.name, film, path.times, SECONDS))
+    return f"![{scene.name} in motion](gallery/{target.name})\n\n[Go through it](gallery/{scene.name}.html)"

@@ -23,11 +23,16 @@ def write_trade(runs: Runs, scene: Scene, target: Path) -> str:
     truth = runs.truth(scene)
     if isinstance(truth, NoTruth):
         return truth.reason
-    records = [record for name in engines.names() for record in _searched(runs, scene, name, truth)]
+    records = [record for name in entrants() for record in _searched(runs, scene, name, truth)]
     if not any(usable(record) for record in records):
         return "no engine's own choice of method reaches the end"
     work_precision(records).write_html(target, include_plotlyjs=SCRIPT)
     return ""
+
+
+def entrants() -> list[str]:
+    """Return the engines that are asked."""
+    return engines.names()
 
 
 def _searched(runs: Runs, scene: Scene, name: str, truth: Truth) -> list[Record]:

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import base64
 import io
+import json
+import re
 import sys
 from dataclasses import replace
 
@@ -17,7 +20,7 @@ from mbs_ref.simulate import simulate
 from mbs_ref.trajectory import Trajectory
 from reports.film.camera import Camera, clock, round_length
 from reports.film.drawing import drawing
-from reports.film.files import as_gif, as_mp4, beside, filmstrip, gif, video_library
+from reports.film.files import as_gif, as_mp4, as_page, beside, filmstrip, gif, video_library
 
 SCENES = ["android_simplified", "pendulum_chain", "spring_pendulum", "bouncing_ball", "rolling_sphere"]
 
@@ -61,6 +64,18 @@ def test_an_mp4_plays_for_as_long_as_asked(runs):
         (stream,) = film.streams
         assert float(stream.duration * stream.time_base) == pytest.approx(2.0, abs=0.3)
         assert all(length % 2 == 0 for length in (stream.width, stream.height))
+
+
+def test_a_page_holds_every_picture_and_its_time(runs):
+    scene, paths = runs
+    pictures = beside(scene, {"one": paths["one"]})
+    page = as_page("<pendulum>", pictures, paths["one"].times, 2.0).decode()
+    assert "<title>&lt;pendulum&gt;</title>" in page
+    kept = json.loads(re.search(r"const pictures = (\[.*?\]), times = ", page).group(1))
+    for text, picture in zip(kept, pictures, strict=True):
+        shown = np.asarray(Image.open(io.BytesIO(base64.b64decode(text))).convert("RGB"), dtype=int)
+        assert np.abs(shown - np.asarray(picture, dtype=int)).mean() < 2.0  # of 255: few colours are kept
+    assert len(json.loads(re.search(r"times = (\[.*?\]), pause = 222;", page).group(1))) == 9
 
 
 def test_without_its_package_an_mp4_says_what_to_install(monkeypatch):

@@ -27,10 +27,12 @@ from reports.terminal.exit_codes import EngineAbsent, Failed
 @inputs.KEEP
 @inputs.ENGINES
 @click.option("--mp4", "video", is_flag=True, help="Write FILE.mp4 as well; needs the package av.")
+@click.option("--html", "page", is_flag=True, help="Write FILE.html as well: it plays, stops and goes to any moment.")
 @click.option("-o", "output", metavar="FILE.gif", help="Where to; SCENE.gif unless given. The strip is FILE.png.")
 def command(
     scene: str, parameters: tuple[str, ...], t_end: float | None, frames: int, strip: int, seconds: float,
-    project_initial: bool, kept: tuple[str, ...], chosen: tuple[str, ...], video: bool, output: str | None,
+    project_initial: bool, kept: tuple[str, ...], chosen: tuple[str, ...], video: bool, page: bool,
+    output: str | None,
 ) -> None:  # fmt: skip
     """Simulate SCENE and draw it: FILE.gif plays, FILE.png shows moments of the first run side by side.
 
@@ -43,7 +45,7 @@ def command(
         t_end=t_end, samples=frames, reactions=False, estimate="off", project_initial=project_initial
     )  # fmt: skip
 
-    from reports.film.files import as_gif, as_mp4, beside, filmstrip, video_library
+    from reports.film.files import as_gif, as_mp4, as_page, beside, filmstrip, video_library
 
     try:
         library = video_library() if video else None
@@ -60,6 +62,8 @@ def command(
             pictures[Path(target).with_suffix(".mp4")] = as_mp4(film, seconds, library)
         report(2, 3, "is drawn side by side")
         first = next(iter(runs.values()))
+        if page:
+            pictures[Path(target).with_suffix(".html")] = as_page(made.name, film, first.times[: len(film)], seconds)
         pictures[Path(target).with_suffix(".png")] = filmstrip(made, first, strip)
     for file, content in pictures.items():
         try:
