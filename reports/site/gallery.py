@@ -21,6 +21,7 @@ from reports.site.trade import write_trade
 PICTURES = 40  # of a film
 SECONDS = 4.0  # that it plays for
 MOST_BODIES = 120  # of a scene that is filmed: others take minutes
+FEW_BODIES = 20  # of a scene that is timed here by every engine
 LEAD = (
     "# Gallery\n\nEvery scene as it comes. `mbs-ref scenes NAME` prints its parameters with their ranges, "
     "`mbs-ref scenes NAME --files .` writes it as TOML, `mbs-ref check NAME` holds every engine against its truth.\n"
@@ -53,7 +54,7 @@ def _entry(runs: Runs, scene: Scene, able: Collection[Capability], pictures: Pat
 
 def _trade(runs: Runs, scene: Scene, pictures: Path) -> str:
     """Write the work-precision plot; return what leads to it, or the sentence why there is none."""
-    if len(scene.bodies) > MOST_BODIES:
+    if len(scene.bodies) > FEW_BODIES:
         return f"not measured here: {len(scene.bodies)} bodies; `mbs-ref sweep {scene.name}` does"
     target = pictures / f"{scene.name}-work-precision.html"
     missing = write_trade(runs, scene, target)
