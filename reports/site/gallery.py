@@ -14,6 +14,7 @@ from mbs_ref.scene.traits import traits
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
 from reports.film.files import as_gif, as_page, beside
+from reports.gather import SCENES
 from reports.scene_summary import summary
 from reports.site.tables import table, who_can
 from reports.site.trade import write_trade
@@ -21,7 +22,7 @@ from reports.site.trade import write_trade
 PICTURES = 40  # of a film
 SECONDS = 4.0  # that it plays for
 MOST_BODIES = 120  # of a scene that is filmed: others take minutes
-FEW_BODIES = 20  # of a scene that is timed here by every engine
+TIMED = {name for name, _ in SCENES}  # those of the report: a search on some of the others takes minutes
 LEAD = (
     "# Gallery\n\nEvery scene as it comes. `mbs-ref scenes NAME` prints its parameters with their ranges, "
     "`mbs-ref scenes NAME --files .` writes it as TOML, `mbs-ref check NAME` holds every engine against its truth.\n"
@@ -54,8 +55,8 @@ def _entry(runs: Runs, scene: Scene, able: Collection[Capability], pictures: Pat
 
 def _trade(runs: Runs, scene: Scene, pictures: Path) -> str:
     """Write the work-precision plot; return what leads to it, or the sentence why there is none."""
-    if len(scene.bodies) > FEW_BODIES:
-        return f"not measured here: {len(scene.bodies)} bodies; `mbs-ref sweep {scene.name}` does"
+    if scene.name not in TIMED:
+        return f"not measured here: `mbs-ref sweep {scene.name}` does"
     target = pictures / f"{scene.name}-work-precision.html"
     missing = write_trade(runs, scene, target)
     return f"not shown: {missing}" if missing else f"[work-precision plot](gallery/{target.name})"

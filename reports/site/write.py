@@ -13,6 +13,7 @@ from reports.site.tables import capability_page, truth_page
 from reports.terminal.asking import asked_runs
 
 ROOT = Path(__file__).parents[2]
+PATIENCE = 2.0  # s that a run of the gallery's plots may take; they have a store of their own
 BESIDE = ("CHANGELOG.md", "CONTRIBUTING.md")  # pages that stand beside docs/
 
 
@@ -34,5 +35,5 @@ def write_sources(target: Path, say: Callable[[str], None], only: Collection[str
     pictures = target / "gallery"
     pictures.mkdir()
     shown = scenes.names() if only is None else only
-    with asked_runs([]) as runs:
+    with asked_runs([], str(target.with_suffix(".sqlite")), PATIENCE) as runs:
         (target / "gallery.md").write_text(gallery(runs, shown, pictures, say), encoding="utf-8")
