@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -47,11 +47,11 @@ class Agreement:
     rate_uncertainty: np.ndarray  # (n_t,) m/s and rad/s
 
 
-def converged(agreement: Agreement, first: str, second: str) -> Truth:
+def converged(agreement: Agreement, first: str, second: str, *, is_costly: bool = False) -> Truth:
     """Return a truth that two ways agree on; `first` and `second` name them."""
     gap, growth = agreement.difference, agreement.sensitivity
     how = f"{second}; {first} differ by {gap:.1e} m; a start error grows {growth:.1e}-fold"
-    return agreed(agreement, how)
+    return replace(agreed(agreement, how), is_costly=is_costly)
 
 
 def agreed(agreement: Agreement, how: str) -> Truth:

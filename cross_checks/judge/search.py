@@ -61,6 +61,7 @@ class Tried:
     engine: str
     method: Method
     truth: Truth | NoTruth
+    most_steps: int = MOST_STEPS  # that a run may take
     records: dict[float, Record] = field(default_factory=dict)
     paths: dict[float, Trajectory | None] = field(default_factory=dict)
 
@@ -93,10 +94,14 @@ class Tried:
 
 
 def search(
-    runs: Runs, scene: Scene, engine: str, method: Method, truth: Truth | NoTruth, targets: Sequence[float] = TARGETS
-) -> tuple[Tried, list[Reached]]:
-    """Search the method's settings for every target; return all runs made and what became of each target."""
-    tried = Tried(scene, engine, method, truth)
+    runs: Runs, scene: Scene, engine: str, method: Method, truth: Truth | NoTruth, targets: Sequence[float] = TARGETS,
+    most_steps: int = MOST_STEPS,
+) -> tuple[Tried, list[Reached]]:  # fmt: skip
+    """Search the method's settings for every target; return all runs made and what became of each target.
+
+    No setting is tried that would take more than `most_steps`.
+    """
+    tried = Tried(scene, engine, method, truth, most_steps)
     if not _begin(runs, tried):
         refused = all(record.status in REFUSED for record in tried.records.values())
         answer: Answer = "cannot" if refused else "not-reached"
@@ -112,7 +117,7 @@ def search(
 
 def _begin(runs: Runs, tried: Tried) -> bool:
     """Find a first setting at which the method runs, in growing leaps from where it is refused or fails."""
-    finest = TIGHTEST if tried.method.kind == "adaptive" else tried.scene.duration / MOST_STEPS
+    finest = TIGHTEST if tried.method.kind == "adaptive" else tried.scene.duration / tried.most_steps
     knob, factor = max(first_knob(tried.scene, tried.method), finest), _factor(tried)
     while knob >= finest:
         record = _try(runs, tried, knob)
@@ -150,7 +155,7 @@ def _aim(runs: Runs, tried: Tried, target: float) -> Reached:
         if _met(tried, target) is not None or _is_over(tried):
             break
         knob = _next(tried, target)
-        if _steps(tried, knob) > MOST_STEPS:
+        if _steps(tried, knob) > tried.most_steps:
             return Reached(target, "not-tried", None, f"it would take about {_steps(tried, knob):.1g} steps")
         if _same_as_tried(tried, knob) or _is_vain(tried, knob, target):
             break
@@ -164,11 +169,11 @@ def _next(tried: Tried, target: float) -> float:
     Too few runs foretell no cost: then a finer setting is tried to see the order.
     """
     middle, edge = _aimed(tried, AIM * target), _aimed(tried, target)
-    if _steps(tried, middle) <= MOST_STEPS:
+    if _steps(tried, middle) <= tried.most_steps:
         return middle
     finer = tried.good()[-1][0] / _factor(tried)
     able = (edge, finer) if len(tried.good()) < ENOUGH else (edge,)
-    return next((k for k in able if _steps(tried, k) <= MOST_STEPS and not _same_as_tried(tried, k)), middle)
+    return next((k for k in able if _steps(tried, k) <= tried.most_steps and not _same_as_tried(tried, k)), middle)
 
 
 def _met(tried: Tried, target: float) -> float | None:
@@ -206,7 +211,7 @@ def _aimed(tried: Tried, error: float) -> float:
         wanted = math.sqrt(min(coarser) * good[0][0])
     if finer and wanted <= max(finer):
         beyond = min(wanted, min(finer) / BACK)
-        leaps = tried.method.kind == "fixed" and len(finer) == 1 and _steps(tried, beyond) <= MOST_STEPS
+        leaps = tried.method.kind == "fixed" and len(finer) == 1 and _steps(tried, beyond) <= tried.most_steps
         wanted = _typed(tried, beyond) if leaps else math.sqrt(max(finer) * good[-1][0])
     return wanted
 
@@ -294,7 +299,8 @@ def _is_able(tried: Tried, knob: float) -> bool:
     failed = [k for k in tried.knobs if tried.records[k].status != "success"]
     finest = min(k for k in tried.knobs if tried.records[k].status == "success")
     beyond = any(k <= knob for k in failed) if knob > finest else any(k >= knob and k < finest for k in failed)
-    return not beyond and TIGHTEST <= knob <= coarsest(tried.method, tried.scene) and _steps(tried, knob) <= MOST_STEPS
+    allowed = TIGHTEST <= knob <= coarsest(tried.method, tried.scene) and _steps(tried, knob) <= tried.most_steps
+    return allowed and not beyond
 
 
 def _try(runs: Runs, tried: Tried, knob: float) -> Record:

@@ -22,7 +22,7 @@ def solve(scene: Scene, times: np.ndarray) -> Truth:
     agreement = agree(_heights(governor), _lengths(governor), times, extended=False, second_by=radau)
     return converged(
         agreement, "Lagrange's in slider height and arm angle by DOP853",
-        "Hamilton's equations in coupler length and arm angle by Radau IIA",
+        "Hamilton's equations in coupler length and arm angle by Radau IIA", is_costly=True,
     )  # fmt: skip
 
 

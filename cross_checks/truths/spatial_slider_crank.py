@@ -37,5 +37,5 @@ def solve(scene: Scene, times: np.ndarray) -> Truth:
     agreement = agree_on(scene, poses, 0.0, float(scene.parameters["crank_speed"]), times)
     return converged(
         agreement, "Lagrange's by DOP853",
-        "Hamilton's equations in the crank angle by extrapolation in extended precision",
+        "Hamilton's equations in the crank angle by extrapolation in extended precision", is_costly=True,
     )  # fmt: skip

@@ -14,18 +14,17 @@ from mbs_ref.scene.traits import traits
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
 from reports.film.files import as_gif, as_page, beside
-from reports.gather import SCENES
 from reports.scene_summary import summary
 from reports.site.tables import table, who_can
-from reports.site.trade import write_trade
+from reports.site.trade import BOUNDS, write_trade
 
 PICTURES = 40  # of a film
 SECONDS = 4.0  # that it plays for
 MOST_BODIES = 120  # of a scene that is filmed: others take minutes
-TIMED = {name for name, _ in SCENES}  # those of the report: a search on some of the others takes minutes
 LEAD = (
     "# Gallery\n\nEvery scene as it comes. `mbs-ref scenes NAME` prints its parameters with their ranges, "
-    "`mbs-ref scenes NAME --files .` writes it as TOML, `mbs-ref check NAME` holds every engine against its truth.\n"
+    "`mbs-ref scenes NAME --files .` writes it as TOML, `mbs-ref check NAME` holds every engine against its truth. "
+    f"{BOUNDS}\n"
 )
 
 
@@ -55,11 +54,10 @@ def _entry(runs: Runs, scene: Scene, able: Collection[Capability], pictures: Pat
 
 def _trade(runs: Runs, scene: Scene, pictures: Path) -> str:
     """Write the work-precision plot; return what leads to it, or the sentence why there is none."""
-    if scene.name not in TIMED:
-        return f"not measured here: `mbs-ref sweep {scene.name}` does"
     target = pictures / f"{scene.name}-work-precision.html"
     missing = write_trade(runs, scene, target)
-    return f"not shown: {missing}" if missing else f"[work-precision plot](gallery/{target.name})"
+    again = f"`mbs-ref sweep {scene.name} --plot {scene.name}.html` asks without a bound"
+    return f"not shown: {missing}; {again}" if missing else f"[work-precision plot](gallery/{target.name})"
 
 
 def _film(scene: Scene, pictures: Path) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from importlib.util import find_spec
+from pathlib import Path
 
 import click
 
@@ -22,6 +23,7 @@ from reports.terminal.exit_codes import NothingSelected
 @click.option("--method", "methods", multiple=True, metavar="M", help="Only this method; repeatable.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON lines, one a run.")
 @click.option("-o", "output", metavar="FILE.jsonl|.parquet", help="Keep the runs in a file, as lines or as a table.")
+@click.option("--plot", metavar="FILE.html", help="Draw error against the time of the loop, as a page.")
 @click.option("--timeout", type=float, callback=inputs.positive, help="Longest time a run computes, s.  [default: 120]")
 @click.option("--memory", type=float, callback=inputs.positive, help="Most memory of one run, MiB.  [default: 4096]")
 @STORE
@@ -32,6 +34,7 @@ def command(
     methods: tuple[str, ...],
     as_json: bool,
     output: str | None,
+    plot: str | None,
     timeout: float | None,
     memory: float | None,
     store: str | None,
@@ -42,6 +45,7 @@ def command(
     A sweep that was interrupted, or killed, goes on where it stopped.
     """
     target = inputs.output(output, (".jsonl", ".parquet"))
+    drawn = inputs.output(plot, (".html",))
     columns = target if target is not None and target.suffix == ".parquet" else None
     if columns is not None and not _has_pyarrow():
         raise click.UsageError(f"-o {output}: Parquet needs the package pyarrow: pip install 'mbs-ref[parquet]'")
@@ -53,10 +57,22 @@ def command(
         from reports.page.files import parquet
 
         write_atomic(columns, parquet(records))
+    if drawn is not None:
+        _draw(records, drawn)
     for record in records if as_json else ():
         echo_json(record.to_dict(), indent=None)
     if not as_json:
         _show(records)
+
+
+def _draw(records: list[Record], target: Path) -> None:
+    from reports.drawing.figures import work_precision
+
+    try:
+        page = work_precision(records).to_html(include_plotlyjs=True)
+    except ValueError as error:
+        raise NothingSelected(f"nothing to plot: {error}") from error
+    write_atomic(target, page.encode())
 
 
 def _has_pyarrow() -> bool:

@@ -11,7 +11,7 @@ from cross_checks import engines
 from cross_checks.engine import Method
 from cross_checks.judge.bounds import MOST_STEPS
 from cross_checks.judge.cell import truth_of
-from cross_checks.judge.ladder import TIGHTEST
+from cross_checks.judge.ladder import SAMPLES, TIGHTEST
 from cross_checks.judge.runs import Runs
 from cross_checks.judge.search import BACK, WINDOW, first_knob, search
 from cross_checks.records.record import Record
@@ -146,6 +146,15 @@ def test_what_costs_too_much_is_not_tried_and_says_so():
     assert [answer.answer for answer in answers] == ["reached", "not-tried", "not-tried"]
     assert "steps" in answers[1].reason
     assert SCENE.duration / min(runs.asked) <= 1.01 * MOST_STEPS
+
+
+@pytest.mark.parametrize("most", [300, 3000])
+def test_a_search_keeps_within_the_steps_that_it_is_allowed(most):
+    runs = MadeUp(lambda h: h)
+    _, answers = search(runs, SCENE, "made", Method("euler", "fixed", 1, "made up"), TRUTH, (1e-2, 1e-6), most)
+    assert [answer.answer for answer in answers] == ["not-tried" if most == 300 else "reached", "not-tried"]
+    rounding = SAMPLES - 1  # a step more in each output interval, which it divides
+    assert SCENE.duration / min(runs.asked) <= most + rounding
 
 
 def test_a_limit_of_its_own_is_not_reached():

@@ -341,6 +341,11 @@ def test_check_s_exit_code_stands_for_the_table(stand, method, verdict, code):
     assert run("check").exit_code == code
 
 
+def test_sweep_draws_what_it_measured(stand, tmp_path):
+    assert run("sweep", "pendulum", "--plot", str(tmp_path / "plot.html")).exit_code == 0
+    assert "quick" in (tmp_path / "plot.html").read_text(encoding="utf-8")
+
+
 def test_sweep_writes_lines(stand, tmp_path):
     stand["records"] = [RECORD, replace(RECORD, engine="other", error=None)]
     file = tmp_path / "records.jsonl"
