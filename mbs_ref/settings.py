@@ -15,7 +15,7 @@ Stabilization = Literal["none", "baumgarte", "projection"]
 class Settings(Part):
     """Method and accuracy of a run. Give a step for fixed-step methods, rtol and atol for adaptive ones."""
 
-    method: str | None = None  # the engine's default unless given
+    method: str | None = None  # the engine's default unless given; mbs_ref chooses where it is 'auto'
     step: Positive | None = None  # s
     rtol: Positive | None = None
     atol: Positive | None = None  # m, rad, m/s, rad/s; unless given, rtol times a tenth of the scene's scale of each

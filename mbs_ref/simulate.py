@@ -9,9 +9,11 @@ import numpy as np
 
 from mbs_ref.cores.choice import compile_scene
 from mbs_ref.cores.system import System
+from mbs_ref.integrators import DEFAULT
 from mbs_ref.integrators.loop.leg import progress
 from mbs_ref.run.legs import Run, finite_part, run_legs
-from mbs_ref.run.plan import Plan, integration_options, make_plan
+from mbs_ref.run.method_choice import choose_plan, without
+from mbs_ref.run.plan import Plan, integration_options
 from mbs_ref.scene import Scene
 from mbs_ref.self_checks.consistent_start import (
     InconsistentScene,
@@ -21,11 +23,13 @@ from mbs_ref.self_checks.consistent_start import (
     unstable_step,
 )
 from mbs_ref.self_checks.error_estimate import ENDED, estimated
+from mbs_ref.self_checks.first_steps import after_first_steps
 from mbs_ref.self_checks.rank_watch import singular_passage
 from mbs_ref.self_checks.soundness import ambiguous_start, require_sound
 from mbs_ref.settings import Settings
 from mbs_ref.trajectory import Status, Timing, Trajectory
 
+BROKEN_DOWN = frozenset({Status.NOT_CONVERGED, Status.NON_FINITE, Status.STEP_TOO_SMALL})  # a method, not the scene
 __all__ = ["InconsistentScene", "integration_options", "simulate"]
 
 
@@ -41,10 +45,13 @@ def simulate(scene: Scene, settings: Settings | None = None, times: np.ndarray |
     A run that ends well is made again with half of its step, or a tenth of its tolerances: what the two differ by
     estimates the error (self_checks/error_estimate.py). It is `unresolved` where no output after the start has a digit
     that holds. The second run's time is outside of `timing`; estimate = 'off' leaves it out.
+
+    method = 'auto' leaves the method to what the scene contains and to what its first steps tell; the trajectory says
+    which it was and why. Where a method so chosen breaks down, the default makes the run again.
     """
     settings = settings or Settings()
     require_sound(scene)
-    plan = make_plan(scene, settings, times)
+    plan = choose_plan(scene, settings, times)
     started = time.perf_counter()
     system = compile_scene(scene, settings.coordinates)
     y = system.redundant.initial_state()
@@ -61,13 +68,21 @@ def simulate(scene: Scene, settings: Settings | None = None, times: np.ndarray |
     system.set_baumgarte(plan.baumgarte_gain)
     located = settings.events != "none"
     system.start_contacts(0.0, y, located)
+    plan = after_first_steps(system, plan, y)
     refusal = unstable_step(system, plan, y)
     if refusal:
         return _refused(system, refusal)
     _first_call(system, plan, y)
     system.start_contacts(0.0, y, located)
     ready = time.perf_counter()
+    start = y.copy()
     run = finite_part(system, run_legs(system, plan, y))
+    if plan.reason and run.status in BROKEN_DOWN and plan.integrator.name != DEFAULT:
+        plan, system, y = without(scene, plan, run.message), system.twin(), start
+        system.set_mode_time(0.0)
+        system.set_baumgarte(plan.baumgarte_gain)
+        system.start_contacts(0.0, y, located)
+        run = finite_part(system, run_legs(system, plan, y))
     timing = Timing(build_s=built - started, first_call_s=ready - built, loop_s=run.loop_s)
     path = _trajectory(system, plan, run, notes, timing)
     return _with_estimate(system, plan, run, path)
@@ -101,7 +116,9 @@ def _trajectory(system: System, plan: Plan, run: Run, notes: list[str], timing: 
         method_switches=counts.switches if plan.integrator.switches else None,
         timing=timing,
         step_compliance=np.column_stack((times, run.compliance)),
-        notes=(*notes, *_other_ways(plan, run), *singular_passage(system, times, states)),
+        notes=(*_chosen(plan), *notes, *_other_ways(plan, run), *singular_passage(system, times, states)),
+        method=plan.integrator.name,
+        reason=plan.reason,
         used=_used(plan, run),
         contacts=contacts,
         event_times=system.contact_events() if system.event_sources else None,
@@ -122,6 +139,11 @@ def _with_estimate(system: System, plan: Plan, run: Run, path: Trajectory) -> Tr
     if estimate.is_void:
         return replace(path, estimate=estimate, status=Status.UNRESOLVED, message=f"no output has a digit: {remark}")
     return replace(path, estimate=estimate, notes=(*path.notes, remark) if remark else path.notes)
+
+
+def _chosen(plan: Plan) -> tuple[str, ...]:
+    """Say which method ran and why, where that was left to us."""
+    return (f"method auto is {plan.integrator.name}: {plan.reason}",) if plan.reason else ()
 
 
 def _other_ways(plan: Plan, run: Run) -> tuple[str, ...]:

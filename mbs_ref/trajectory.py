@@ -128,6 +128,8 @@ class Trajectory:
     contacts: dict[str, np.ndarray] = field(default_factory=dict)  # contact -> (n_t, 5), in space (n_t, 7): depth (m), force on body_a (N, world), its point (m)
     event_times: np.ndarray | None = None  # (n_events, 2) time s and index in event_names, where the engine locates events
     event_names: tuple[str, ...] = ()  # contacts, then tension-only springs, then declared events
+    method: str = ""  # that made the run, where the engine tells
+    reason: str = ""  # why that one, where the engine was left to choose
     step_compliance: np.ndarray | None = None  # (n_samples, 2) time s, max |C| over the steps since the last sample
     used: dict[str, float] = field(default_factory=dict)  # settings the run had, defaults included: step (s), or rtol, and atol of lengths (m); samples; of ours also carried_share, by DOP853
     notes: tuple[str, ...] = ()  # what the user should know: corrections applied, redundant rows, warnings
@@ -146,6 +148,7 @@ class Trajectory:
             reached = f"{self.times[-1]:.6g} s, {len(self.times)} samples of {bodies} bodies"
         return facts("Trajectory", [
             ("status", f"{self.status}: {self.message}"), ("reached", reached),
+            ("method", f"{self.method}: {self.reason}" if self.reason else self.method),
             ("steps", f"{self.steps}, {self.rejected_steps} rejected; {self.rhs_calls} right-hand sides"),
             ("settings", self.used),
             ("estimated error", None if estimate is None else f"{estimate.value:.2g} of the scene: {estimate.how}"),

@@ -13,6 +13,7 @@ from cross_checks.workshop.outcome import stopped
 from mbs_ref.cores.choice import compile_scene, core_name
 from mbs_ref.integrators import integrators
 from mbs_ref.integrators.loop.leg import Integrator
+from mbs_ref.run.method_choice import AUTO
 from mbs_ref.scene import Scene
 from mbs_ref.scene.traits import NO_DEFLECTIONS, NO_SLIP, PART_TYPES, deflecting, traits
 from mbs_ref.scene.units import is_celestial
@@ -21,6 +22,8 @@ from mbs_ref.settings import Settings
 from mbs_ref.simulate import InconsistentScene, simulate
 from mbs_ref.trajectory import Status, Trajectory
 
+CHOSEN = Method(AUTO, "adaptive", None, "chosen by what the scene contains and what its first steps tell")
+
 
 class MbsRef(Engine):
     """mbs_ref.simulate, and nothing else."""
@@ -28,6 +31,7 @@ class MbsRef(Engine):
     name: ClassVar[str] = "mbs_ref"
     package: ClassVar[str] = "mbs_ref"
     checks_start: ClassVar[bool] = True
+    unasked: ClassVar[str | None] = AUTO
     part_types: ClassVar[frozenset[str]] = frozenset(PART_TYPES)
 
     def methods(self) -> tuple[Method, ...]:
@@ -41,7 +45,12 @@ class MbsRef(Engine):
             return _impossible(scene)
         return []
 
+    def method(self, name: str | None) -> Method:
+        return CHOSEN if name == AUTO else super().method(name)
+
     def method_refusals(self, scene: Scene, method: Method) -> list[Refusal]:
+        if method is CHOSEN:
+            return []
         integrator = integrators()[method.name]
         package, cores = integrator.package, integrator.cores
         missing = package is not None and find_spec(package) is None

@@ -127,6 +127,7 @@ def record_of(engine: Engine, settings: Settings, judged: Judged) -> Record:
     status = CANNOT if path.status is Status.REFUSED else str(path.status)
     return replace(
         without_run(scene, engine.name, settings, status, path.message, engine),
+        method=path.method or settings.method or "",
         t_end=float(path.times[-1]) if len(path.times) else 0.0,
         steps=int(path.steps),
         rhs_calls=int(path.rhs_calls),

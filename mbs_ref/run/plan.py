@@ -32,6 +32,7 @@ class Plan:
     options: Options
     baumgarte_gain: float
     notes: tuple[str, ...]
+    reason: str = ""  # why this method, where the choice was left to us
 
 
 def integration_options(scene: Scene, settings: Settings, times: np.ndarray | None = None) -> Options:
@@ -40,6 +41,7 @@ def integration_options(scene: Scene, settings: Settings, times: np.ndarray | No
 
 
 def make_plan(scene: Scene, settings: Settings, times: np.ndarray | None) -> Plan:
+    """Resolve settings; ValueError where they make no sense."""
     known = integrators()
     name = settings.method or DEFAULT
     if name not in known:

@@ -84,7 +84,8 @@ def estimated(system: System, plan: Plan, run: Run) -> Estimate | None:
     return Estimate(
         times=run.times, components=np.maximum.accumulate(bounds), how="; ".join(one.how for one in found),
         size=float(np.max([sizes[:2] for sizes in (went, *(one.sizes for one in found))])),
-        tolerance=plan.options.rtol * scale, cost_s=time.perf_counter() - began, length=scales.length, time=scales.time,
+        tolerance=(plan.settings.rtol or DEFAULT_TOLERANCE) * scale, cost_s=time.perf_counter() - began,
+        length=scales.length, time=scales.time,
     )  # fmt: skip
 
 

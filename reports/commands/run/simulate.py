@@ -25,7 +25,7 @@ from reports.terminal.exit_codes import EngineAbsent, Failed, Incomplete
 @click.argument("scene", metavar="SCENE|FILE.toml")
 @click.option("-p", "parameters", multiple=True, metavar="NAME=VALUE", help="A parameter of the scene; repeatable.")
 @click.option("--engine", default="mbs_ref", show_default=True, help="Who integrates.")
-@click.option("--method", help="How; the engine's default unless given.")
+@click.option("--method", help="How; unless given, mbs_ref chooses (auto) and says why.")
 @click.option("--step", type=float, metavar="H", help="Step of a fixed-step method, s.")
 @click.option("--rtol", type=float, metavar="R", help="Relative tolerance of an adaptive method.")
 @click.option("--atol", type=float, metavar="A", help="Absolute tolerance; follows the scene unless given.")
@@ -65,7 +65,7 @@ def command(
     chosen_scene = inputs.keeping(inputs.scene(scene, parameters), kept)
     chosen = inputs.settings(method=method, **options)
     solver = inputs.engine(engine)
-    chosen = chosen.model_copy(update={"method": inputs.method(solver, method)})
+    chosen = chosen.model_copy(update={"method": inputs.method(solver, method or solver.unasked)})
 
     if not as_json:
         click.echo(summary(chosen_scene).sentence())

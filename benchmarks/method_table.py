@@ -1,0 +1,129 @@
+"""method = "auto" against the best fixed choice, over the scenes of the library: `python -m benchmarks.method_table`.
+
+At each tolerance asked the chosen run has an error, held against a run far tighter. The best fixed choice is the
+cheapest of all methods and tolerances that errs no more. Both calls of `simulate` are timed whole, in CPU time and in
+turns, without estimates and reactions; the least of some turns counts. Where even the tight run is another motion, as
+in chaos, nothing is compared.
+"""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from mbs_ref import scenes
+from mbs_ref.cores.choice import core_name
+from mbs_ref.cores.system import Poses
+from mbs_ref.integrators import DEFAULT, integrators
+from mbs_ref.run.method_choice import AUTO
+from mbs_ref.scene import Scene
+from mbs_ref.scene.scales import scales_of
+from mbs_ref.self_checks.state_gap import state_gaps
+from mbs_ref.settings import Settings
+from mbs_ref.simulate import simulate
+from mbs_ref.trajectory import Trajectory
+
+ASKED = (1e-4, 1e-6, 1e-8, 1e-10)  # rtol
+TRIED = tuple(10.0**-k for k in range(3, 13))
+TIGHT = 1e-13
+ROUNDOFF = 1e-12  # of the scene: below no error tells one run from another
+LOST = 1e-2  # of the scene: where the default at 1e-11 is so far from the tight run, no truth is known
+SLOW = 2.0  # s, a call that is not repeated
+TURNS = 7
+METHODS = ("dop853", "radau", "lsodar", "gauss")  # adaptive ones on every scene or on particles
+
+
+@dataclass(frozen=True)
+class Row:
+    """One scene at one tolerance."""
+
+    scene: str
+    asked: float  # rtol
+    chosen: str
+    error: float  # of the scene, the largest of positions and orientations
+    best: str  # method and rtol
+    cost_s: float  # CPU, of the call with 'auto'
+    ratio: float  # to that of the best fixed choice
+
+
+def rows(name: str) -> Iterator[Row]:
+    """Yield a row for each tolerance, or none where nothing can be told."""
+    scene = scenes.make(name)
+    tight = _run(scene, DEFAULT if core_name(scene) != "particles" else "gauss", TIGHT)
+    if not tight.ok or _error(scene, _run(scene, DEFAULT, 1e-11), tight) > LOST:
+        return
+    fixed = sorted(
+        (_cost(scene, method, rtol), method, rtol, _error(scene, path, tight))
+        for method in METHODS if _runs(scene, method)
+        for rtol in TRIED if (path := _run(scene, method, rtol)).ok
+    )  # fmt: skip
+    for asked in ASKED:
+        path = _run(scene, AUTO, asked)
+        error = _error(scene, path, tight)
+        fitting = [one for one in fixed if one[3] <= max(error, ROUNDOFF)]
+        if not fitting:
+            continue
+        _, method, rtol, _ = fitting[0]
+        own, best = _in_turns(scene, (AUTO, asked), (method, rtol))
+        yield Row(name, asked, path.method, error, f"{method} {rtol:g}", own, own / best)
+
+
+def _runs(scene: Scene, method: str) -> bool:
+    cores = integrators()[method].cores
+    return not cores or core_name(scene) in cores
+
+
+def _run(scene: Scene, method: str, rtol: float) -> Trajectory:
+    return simulate(scene, Settings(method=method, rtol=rtol, estimate="off", reactions=False))
+
+
+def _cost(scene: Scene, method: str, rtol: float) -> float:
+    """Return the CPU time (s) of a call, the least of three where it is short."""
+    times: list[float] = []
+    while len(times) < 3 and sum(times) < SLOW:
+        began = time.process_time()
+        _run(scene, method, rtol)
+        times.append(time.process_time() - began)
+    return min(times)
+
+
+def _in_turns(scene: Scene, *choices: tuple[str, float]) -> list[float]:
+    costs: list[list[float]] = [[] for _ in choices]
+    for _ in range(TURNS):
+        for kept, (method, rtol) in zip(costs, choices, strict=True):
+            began = time.process_time()
+            _run(scene, method, rtol)
+            kept.append(time.process_time() - began)
+        if sum(map(sum, costs)) > 2 * SLOW:
+            break
+    return [min(kept) for kept in costs]
+
+
+def _error(scene: Scene, path: Trajectory, tight: Trajectory) -> float:
+    count = min(len(path.times), len(tight.times))
+    poses = [
+        Poses(*(part[:count] for part in (p.position, p.orientation, p.velocity, p.angular_velocity)))
+        for p in (path, tight)
+    ]
+    gaps = state_gaps(scene, scales_of(scene), *poses)
+    return float(np.max(gaps[:, :2])) if path.ok else np.inf
+
+
+def main(names: list[str]) -> None:
+    found = []
+    for name in names or scenes.names():
+        for row in rows(name):
+            found.append(row)
+            print(f"{row.scene:22s} {row.asked:6g}  {row.chosen:7s} error {row.error:8.1e}  "
+                  f"{row.cost_s * 1e3:9.2f} ms  {row.ratio:5.2f} of {row.best}", flush=True)  # fmt: skip
+    ratios = np.sort([row.ratio for row in found])
+    print(f"{len(found)} rows: median {np.median(ratios):.2f}, {np.mean(ratios <= 1.3):.0%} at most 1.3, "
+          f"largest {ratios[-1]:.2f}")  # fmt: skip
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])
