@@ -17,7 +17,7 @@ def solve(scene: Scene, times: np.ndarray) -> Truth:
     found = agree(_with_multipliers(), _minimal(), times, extended=True)
     return converged(
         found, "the source's coordinates with multipliers by DOP853",
-        "Newton's law along the slide and across the axis by extrapolation in extended precision",
+        "Newton's law along the slide and across the axis by extrapolation in extended precision", is_costly=True,
     )  # fmt: skip
 
 

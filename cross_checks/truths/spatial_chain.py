@@ -23,4 +23,5 @@ def solve(scene: Scene, times: np.ndarray) -> Truth | NoTruth:
     return converged(
         agreement, "Newton's and Euler's by DOP853",
         f"Hamilton's equations in absolute orientations by extrapolation in {precision} precision",
+        is_costly=True,
     )  # fmt: skip

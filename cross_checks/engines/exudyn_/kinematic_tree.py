@@ -92,7 +92,11 @@ def build_tree(scene: Scene) -> Tree:
     options: dict[str, Any] = {"gravity": [*scene.gravity, 0.0]}
     if scene.loads or scene.contacts:
         applied = AppliedForces(tree)
-        options = {"forceUserFunction": lambda mbs, t, number, q, v: applied.generalized(t, np.array(q), np.array(v))}
+
+        def forces(mbs, t, number, q, v) -> np.ndarray:
+            return applied.generalized(t, np.array(q), np.array(v))
+
+        options = {"forceUserFunction": forces}
     number = mbs.AddObject(
         item.ObjectKinematicTree(
             nodeNumber=node,

@@ -16,7 +16,11 @@ def add_load(model: Redundant, kind, marker: int, vector: list[float], load: For
         model.mbs.AddLoad(kind(markerNumber=marker, loadVector=[constant * c for c in vector], **options))
         return
     signal = factor(load.factor)
-    options["loadVectorUserFunction"] = lambda mbs, t, unit: [signal.value(t) * c for c in unit]
+
+    def scaled(mbs, t, unit) -> list[float]:
+        return [signal.value(t) * c for c in unit]
+
+    options["loadVectorUserFunction"] = scaled
     model.mbs.AddLoad(kind(markerNumber=marker, loadVector=vector, **options))
     model.notes += (f"load {load.name!r} calls Python at every residual",)
 

@@ -71,11 +71,18 @@ def _add_drive(model: Redundant, joint: CoordinateDrive) -> None:
     coordinate = ("x", "y", "angle").index(joint.coordinate)
     motion = displacement(joint.motion, joint.level)
     markers = [model.coordinate("ground", 0), model.coordinate(joint.body, coordinate)]
+
+    def place(mbs, t, number, offset) -> float:
+        return motion.value(t)
+
+    def speed(mbs, t, number, offset) -> float:
+        return motion.rate(t)
+
     model.mbs.AddObject(
         item.ObjectConnectorCoordinate(
             markerNumbers=markers,
-            offsetUserFunction=lambda mbs, t, number, offset: motion.value(t),
-            offsetUserFunction_t=lambda mbs, t, number, offset: motion.rate(t),
+            offsetUserFunction=place,
+            offsetUserFunction_t=speed,
         )
     )
     model.notes += (f"drive {joint.name!r} calls Python at every residual",)

@@ -4,8 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+import numpy as np
+
 from cross_checks.engines import get
-from cross_checks.engines.writers.form import Form, NotWritable, job_of, refuse_shared
+from cross_checks.engines.writers.carried import forces_text
+from cross_checks.engines.writers.form import Form, NotWritable, job_of, refuse_own
 from cross_checks.engines.writers.script import script, source, turns_of
 from cross_checks.workshop.linkage import Closure, Link
 from mbs_ref.scene import Scene, SpatialBody
@@ -22,15 +25,18 @@ def write_drake(scene: Scene, settings: Settings) -> str:
     if adapter.method(settings.method).name == WORLD:
         raise NotWritable(f"method = {WORLD!r} ends the process that runs it; allowed: {SAP}")
     job = job_of(scene, settings, "drake")
-    if job.built.applied is not None:
-        refuse_shared(job)
+    refuse_own(scene, "drake")
+    applied = job.built.applied
     linkage = job.built.linkage
     building = (build.plant_of, build.tied_to_ground, build._anchor, build._inertia, build._joint, build._add_closure)
     return script(
-        job, "drake and numpy", links=list(_fields(linkage.links, Link)), gravity=linkage.gravity,
+        job, "drake and numpy", links=list(_fields(linkage.links, Link)),
+        gravity=linkage.gravity if applied is None else np.zeros(3),  # with loads, it comes with them
+        forces="" if applied is None else forces_text(applied.forces), pushing=source(run.Loads),
         closures=list(_fields(linkage.closures, Closure)), table=source(Link, Closure), building=source(*building),
         reader=source(reader.Reader), turning=source(floats, product, from_matrix),
         landing=source(run.is_discrete, run._landings), choosing=source(run._choose_integrator),
+        simulating=source(run.Simulated, run.simulated),
         turns=turns_of(scene) if scene.dimension == 2 else None,
         start=[body.orientation if isinstance(body, SpatialBody) else None for body in scene.bodies],
     )  # fmt: skip

@@ -2,57 +2,84 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import inspect
+import textwrap
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 from functools import reduce
 from itertools import islice
 from math import gcd
 from typing import Any
 
+import numpy as np
+
 from cross_checks.engines import get
-from cross_checks.engines.writers.exudyn_items import changed, functions, general_contact, lines, stands_alone
-from cross_checks.engines.writers.form import Form, Job, NotWritable, job_of, refuse, refuse_shared
+from cross_checks.engines.writers.carried import array_text, forces_text, motion_text
+from cross_checks.engines.writers.exudyn_items import changed, functions, general_contact, lines, name_of
+from cross_checks.engines.writers.form import Form, Job, job_of, refuse_own
+from cross_checks.engines.writers.literals import literal
 from cross_checks.engines.writers.script import script, source
+from cross_checks.workshop.planar_forces import AppliedForces
+from cross_checks.workshop.prescribed import Prescribed
 from mbs_ref.scene import PlanarBody, Scene, SpatialBody
 from mbs_ref.scene.euler_parameters import from_matrix
+from mbs_ref.scene.signals import Segment
 from mbs_ref.settings import Settings
-
-CALLS = "calls Python"  # what the adapter's notes say of a part
 
 
 def write_exudyn(scene: Scene, settings: Settings) -> str:
     """Return the script: Exudyn's system item by item, its solver's settings, and what its sensors recorded."""
-    adapter = get("exudyn")  # its absence is said here, before what the adapter is made of is asked for
+    get("exudyn")  # its absence is said here, before what the adapter is made of is asked for
     from cross_checks.engines.exudyn_.contact import add_contacts
-    from cross_checks.engines.exudyn_.methods import CONTACT, SOLVERS, TREE
+    from cross_checks.engines.exudyn_.methods import CONTACT, SOLVERS
 
-    name = adapter.method(settings.method).name
-    if name.startswith(TREE):
-        written = [method.name for method in adapter.methods() if not method.name.startswith(TREE)]
-        raise NotWritable(f"method = {name!r} is not yet written as a script; allowed: {', '.join(written)}")
+    refuse_own(scene, "exudyn")
     job = job_of(scene, settings, "exudyn")
     model, plan = job.built.model, job.plan
-    _refuse(job)
-    contact = general_contact(model, add_contacts) if name == CONTACT else []
+    contact = general_contact(model, add_contacts) if plan.method.name == CONTACT else []
     default = type(job.built.options)()
+    tree = getattr(model, "tree", None)
+    called = [Called(function) for function in functions(model.mbs)]
     return script(
         job, "exudyn and numpy", items=list(lines(model.mbs)), contact=contact,
-        functions=source(*functions(model.mbs).values()), options=list(changed(job.built.options, default)),
-        solver=SOLVERS[name].name, every=reduce(gcd, plan.counts), sensors=list(_sensors(job)),
-        turn=source(from_matrix),
+        functions=[one.text(name_of(one.function, functions(model.mbs))) for one in called],
+        forces=next((forces_text(one.applied) for one in called if one.applied is not None), ""),
+        options=list(changed(job.built.options, default)), solver=SOLVERS[plan.method.name].name,
+        every=reduce(gcd, plan.counts) if plan.counts else 0, sensors=[] if tree else list(_sensors(job)),
+        motion="" if tree is None else motion_text(tree), turn=source(from_matrix),
+        prescribed=source(Segment, Prescribed),
         sparse=job.built.loops and job.built.options.linearSolver.solverType.name != "EigenDense",
     )  # fmt: skip
 
 
-def _refuse(job: Job) -> None:
-    """Refuse what Exudyn asks our Python for."""
-    known = functions(job.built.model.mbs)
-    strange = [name for name, function in known.items() if not stands_alone(function)]
-    if not strange:
-        return
-    told = [note for note in job.built.model.notes if CALLS in note]
-    if told:
-        refuse(job.scene, "exudyn", (f"{note}, and that function is ours" for note in told))
-    refuse_shared(job)
+@dataclass(frozen=True)
+class Called:
+    """A function of the adapter's that Exudyn calls, with what it holds."""
+
+    function: Callable[..., Any]
+
+    @property
+    def held(self) -> dict[str, Any]:
+        return dict(inspect.getclosurevars(self.function).nonlocals)
+
+    @property
+    def applied(self) -> AppliedForces | None:
+        return next((value for value in self.held.values() if isinstance(value, AppliedForces)), None)
+
+    def text(self, name: str) -> str:
+        """Return a function that sets up what this one holds, and returns it; then its call."""
+        values = "".join(f"    {key} = {_held(value)}\n" for key, value in self.held.items())
+        own = textwrap.indent(source(self.function), "    ")
+        return f"def _make_{name}():\n{values}{own}    return {self.function.__name__}\n\n\n{name} = _make_{name}()\n"
+
+
+def _held(value: Any) -> str:
+    """Return Python text of what a function of the adapter's holds."""
+    if isinstance(value, AppliedForces):
+        return "FORCES"
+    if isinstance(value, Prescribed):
+        return f"Prescribed([{', '.join(f'Segment(*{literal(tuple(one))})' for one in value.segments)}])"
+    return array_text(value) if isinstance(value, np.ndarray) else literal(value)
 
 
 def _sensors(job: Job) -> Iterator[tuple[Any, ...]]:

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import inspect
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -26,26 +25,21 @@ def items(mbs: Any) -> Iterator[tuple[str, dict[str, Any]]]:
             yield kind, {key: value for key, value in told.items() if key != "name" and not key.startswith("V")}
 
 
-def functions(mbs: Any) -> dict[str, Callable]:
-    """Return the Python functions that items call, by name."""
+def functions(mbs: Any) -> list[Callable]:
+    """Return the Python functions that items call, each once."""
     fields = [value for _, told in items(mbs) for key, value in told.items() if NAMED in key]
-    called = [value["function"] for value in fields if isinstance(value, dict)]
-    return {function.__name__: function for function in called}
+    return list(dict.fromkeys(value["function"] for value in fields if isinstance(value, dict)))
 
 
-def stands_alone(function: Callable) -> bool:
-    """Return whether a function is made of its own text alone."""
-    seen = inspect.getclosurevars(function)
-    return function.__name__ != "<lambda>" and not (seen.nonlocals or seen.globals or seen.unbound)
-
-
-def text(value: Any) -> str:
-    """Return Python text of a field."""
-    if isinstance(value, dict):  # a function
-        return value["function"].__name__
+def text(value: Any, called: Sequence[Callable] = ()) -> str:
+    """Return Python text of a field; a function stands by its name and its place in `called`."""
+    if isinstance(value, dict):
+        return name_of(value["function"], called)
     kind = type(value).__name__
     if kind in ("Matrix3DList", "Vector3DList"):
         return f"exu.{kind}({literal([np.array(one) for one in value.GetPythonObject()])})"
+    if kind == "MatrixContainer":
+        return f"np.array({literal(value.Convert2DenseMatrix())})"
     if hasattr(value, "GetIndex"):  # of a node, an object, a marker
         return str(value.GetIndex())
     if hasattr(type(value), "__members__"):
@@ -55,10 +49,16 @@ def text(value: Any) -> str:
     return literal(value)
 
 
+def name_of(function: Callable, called: Sequence[Callable]) -> str:
+    """Return the name under which a script holds a function: many drives have functions of one name."""
+    return f"{function.__name__}_{called.index(function)}"
+
+
 def lines(mbs: Any) -> Iterator[str]:
     """Yield the calls that make the system."""
+    called = functions(mbs)
     for kind, told in items(mbs):
-        fields = ", ".join(f"{key!r}: {text(value)}" for key, value in told.items())
+        fields = ", ".join(f"{key!r}: {text(value, called)}" for key, value in told.items())
         yield f"mbs.Add{kind}({{{fields}}})"
 
 

@@ -9,7 +9,7 @@ from typing import Any
 from cross_checks import engines
 from cross_checks.engine import Engine
 from cross_checks.workshop.plan import Plan, plan_run
-from mbs_ref.scene import Scene
+from mbs_ref.scene import Scene, UserForce
 from mbs_ref.settings import Settings
 from mbs_ref.trajectory import Trajectory
 
@@ -62,6 +62,11 @@ def refuse(scene: Scene, form: str, reasons: Iterable[str]) -> None:
     told = list(reasons)
     if told:
         raise NotWritable(f"{scene.name} cannot be written as {form}: {'; '.join(told)}")
+
+
+def refuse_own(scene: Scene, form: str) -> None:
+    """Refuse a user's own Python functions, which no text holds."""
+    refuse(scene, form, (f"load {x.name!r} is a Python function" for x in scene.loads if isinstance(x, UserForce)))
 
 
 def refuse_shared(job: Job) -> None:

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from jinja2 import Environment, FileSystemLoader, StrictUndefined
+from jinja2 import Environment, FileSystemLoader, StrictUndefined, Template
 
 from cross_checks.engines.writers.form import Job
 from cross_checks.engines.writers.literals import counts_text, literal, rows, times_text
@@ -28,13 +28,17 @@ def _templates() -> Environment:
     )  # fmt: skip
 
 
+def template(name: str) -> Template:
+    """Return the text that an engine's script is made from, or a part of it."""
+    return _templates().get_template(name)
+
+
 def script(job: Job, needs: str, **tables: Any) -> str:
     """Return the script of the engine's template; `needs` names the packages it runs with."""
     scene, plan = job.scene, job.plan
     planar = scene.dimension == 2
     return (
-        _templates()
-        .get_template(f"{job.engine.name}.py.j2")
+        template(f"{job.engine.name}.py.j2")
         .render(
             job=job, plan=plan, needs=needs, planar=planar, columns=PLANAR if planar else SPATIAL,
             bodies=scene.body_names, times=times_text(plan.times),
