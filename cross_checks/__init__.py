@@ -6,7 +6,7 @@
 Names are looked up when they are first used, so that importing the package takes no time.
 """
 
-import importlib
+from mbs_ref.public_names import lazily
 
 PUBLIC = {
     "Engine": "cross_checks.engine",
@@ -18,14 +18,4 @@ PUBLIC = {
 }
 ROOMS = ("engines",)  # folders that are themselves for use
 
-
-def __getattr__(name: str) -> object:
-    if name in ROOMS:
-        return importlib.import_module(f"cross_checks.{name}")
-    if name not in PUBLIC:
-        raise AttributeError(f"cross_checks has no {name!r}; public are {', '.join(sorted((*PUBLIC, *ROOMS)))}")
-    return getattr(importlib.import_module(PUBLIC[name]), name)
-
-
-def __dir__() -> list[str]:
-    return sorted((*PUBLIC, *ROOMS))
+__getattr__, __dir__ = lazily(__name__, PUBLIC, ROOMS)

@@ -6,7 +6,7 @@
 Names are looked up when they are first used, so that importing the package takes no time.
 """
 
-import importlib
+from mbs_ref.public_names import lazily
 
 PUBLIC = {
     "Scene": "mbs_ref.scene",
@@ -17,14 +17,4 @@ PUBLIC = {
 }
 ROOMS = ("scene", "scenes")  # folders that are themselves for use
 
-
-def __getattr__(name: str) -> object:
-    if name in ROOMS:
-        return importlib.import_module(f"mbs_ref.{name}")
-    if name not in PUBLIC:
-        raise AttributeError(f"mbs_ref has no {name!r}; public are {', '.join(sorted((*PUBLIC, *ROOMS)))}")
-    return getattr(importlib.import_module(PUBLIC[name]), name)
-
-
-def __dir__() -> list[str]:
-    return sorted((*PUBLIC, *ROOMS))
+__getattr__, __dir__ = lazily(__name__, PUBLIC, ROOMS)

@@ -41,7 +41,8 @@ class System(ABC):
     @cached_property
     def handles(self) -> tuple[np.ndarray, np.ndarray]:
         """The handles of the scene's arrays and the scratch; the core answers through them (kernels/border/core.py)."""
-        scene, scratch = (core.connected(self.CORE, make_handle(part)) for part in (self.groups, self.scratch))
+        parts, eventful = (self.groups, self.scratch), len(self.event_sources) > 0
+        scene, scratch = (core.connected(self.CORE, make_handle(part), eventful) for part in parts)
         return scene, scratch
 
     @cached_property
@@ -182,9 +183,9 @@ class System(ABC):
         """Return the reactions (n_t, 3 or 6) at times of the last run, in the modes that held then."""
         return {}
 
-    @abstractmethod
     def rank(self, t: float, y: np.ndarray) -> int:
-        """Return the rank of C_q, mass-scaled so that metres and radians compare."""
+        """Return the rank of C_q, mass-scaled so that metres and radians compare; 0 where there are no rows."""
+        return 0
 
     @property
     @abstractmethod
@@ -192,11 +193,11 @@ class System(ABC):
         """Coordinates in use."""
 
     @property
-    @abstractmethod
     def n_constraints(self) -> int:
         """Constraint rows."""
+        return 0
 
     @property
-    @abstractmethod
     def n_closure_rows(self) -> int:
         """Constraint rows that close loops; 0 for a tree, whose rows are independent."""
+        return 0

@@ -16,40 +16,24 @@ from mbs_ref.kernels.border.calls import addresses, unanswered
 from mbs_ref.kernels.border.handles import QUESTIONS
 from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.particles import dynamics as particles
-from mbs_ref.kernels.planar import contact_events as planar_contacts
+from mbs_ref.kernels.planar import contact_events as planar_contact_events
 from mbs_ref.kernels.planar import contact_rows as planar_rows
+from mbs_ref.kernels.planar import contacts as planar_contacts
 from mbs_ref.kernels.planar import descriptor as planar_form
 from mbs_ref.kernels.planar import dynamics as planar
 from mbs_ref.kernels.planar import events as planar_events
+from mbs_ref.kernels.planar import joints as planar_joints
 from mbs_ref.kernels.planar import loads as planar_loads
 from mbs_ref.kernels.relative import planar as relative_planar
+from mbs_ref.kernels.relative import shared as relative
 from mbs_ref.kernels.relative import spatial as relative_spatial
-from mbs_ref.kernels.spatial import contact_events as spatial_contacts
+from mbs_ref.kernels.spatial import contact_events as spatial_contact_events
+from mbs_ref.kernels.spatial import contacts as spatial_contacts
 from mbs_ref.kernels.spatial import descriptor as spatial_form
 from mbs_ref.kernels.spatial import dynamics as spatial
 from mbs_ref.kernels.spatial import joints as spatial_joints
 from mbs_ref.kernels.spatial import loads as spatial_loads
-
-
-# particles know no contact, and have no events
-@jit
-def _none(model):
-    return 0
-
-
-@jit
-def _nothing(model, work, t, y, g, rate):
-    pass
-
-
-@jit
-def _no_change(model, work, t, span, y, g, dy):
-    return 0, 0
-
-
-@jit
-def _no_start(model, work, t, y, located):
-    pass
+from mbs_ref.kernels.uneventful import NO_EVENTS
 
 
 @jit
@@ -57,12 +41,8 @@ def _no_forces(model, work, t, y, out):
     pass
 
 
-@jit
-def _no_mobility(model, work, t, y, k):
-    return 0.0
-
-
-MOTION, FORM, REPORT = "motion", "form", "report"  # what every run asks; methods on the DAE itself; afterwards
+# what every run asks; contacts, one-sided springs and declared events; methods on the DAE itself; afterwards
+MOTION, EVENTS, FORM, REPORT = "motion", "events", "form", "report"
 # core -> group -> question -> answer
 ANSWERS: dict[str, dict[str, dict[str, Callable[..., Any]]]] = {
     "planar": {
@@ -72,18 +52,22 @@ ANSWERS: dict[str, dict[str, dict[str, Callable[..., Any]]]] = {
             "project": planar.planar_project,
             "tangent": planar.planar_tangent,
             "regularity": planar.planar_regularity,
+            "accelerate": planar.planar_accelerate,
+            "fill_rows": planar_joints.planar_fill_rows,
+            "apply_loads": planar_loads.planar_apply_loads,
+            "factor": planar.planar_factor,
+            "solve": planar.planar_solve,
+        },
+        EVENTS: {
             "root_count": planar_events.planar_root_count,
             "roots": planar_events.planar_roots,
             "transition": planar_events.planar_transition,
             "start_modes": planar_events.planar_start_modes,
-            "contact_mobility": planar_contacts.planar_contact_mobility,
-            "settle_grips": planar_contacts.planar_settle_grips,
-            "slip_velocities": planar_contacts.planar_slip_velocities,
-            "accelerate": planar.planar_accelerate,
-            "fill_rows": planar_rows.planar_fill_rows,
-            "apply_loads": planar_loads.planar_apply_loads,
-            "factor": planar.planar_factor,
-            "solve": planar.planar_solve,
+            "contact_mobility": planar_contact_events.planar_contact_mobility,
+            "settle_grips": planar_contact_events.planar_settle_grips,
+            "slip_velocities": planar_contact_events.planar_slip_velocities,
+            "apply_contacts": planar_contacts.planar_apply_contacts,
+            "fill_contact_rows": planar_rows.planar_fill_contact_rows,
         },
         FORM: {
             "multipliers": planar.planar_multipliers,
@@ -99,7 +83,7 @@ ANSWERS: dict[str, dict[str, dict[str, Callable[..., Any]]]] = {
             "gamma_of": planar_form.planar_gamma_of,
         },
         REPORT: {
-            "contact_forces": planar_contacts.planar_contact_forces,
+            "contact_forces": planar_contact_events.planar_contact_forces,
         },
     },
     "spatial": {
@@ -109,18 +93,22 @@ ANSWERS: dict[str, dict[str, dict[str, Callable[..., Any]]]] = {
             "project": spatial.spatial_project,
             "tangent": spatial.spatial_tangent,
             "regularity": spatial.spatial_regularity,
-            "root_count": spatial_contacts.spatial_root_count,
-            "roots": spatial_contacts.spatial_roots,
-            "transition": spatial_contacts.spatial_transition,
-            "start_modes": spatial_contacts.spatial_start_modes,
-            "contact_mobility": spatial_contacts.spatial_contact_mobility,
-            "settle_grips": spatial_contacts.spatial_settle_grips,
-            "slip_velocities": spatial_contacts.spatial_slip_velocities,
             "accelerate": spatial.spatial_accelerate,
             "fill_rows": spatial_joints.spatial_fill_rows,
             "apply_loads": spatial_loads.spatial_apply_loads,
             "factor": spatial.spatial_factor,
             "solve": spatial.spatial_solve,
+        },
+        EVENTS: {
+            "root_count": spatial_contact_events.spatial_root_count,
+            "roots": spatial_contact_events.spatial_roots,
+            "transition": spatial_contact_events.spatial_transition,
+            "start_modes": spatial_contact_events.spatial_start_modes,
+            "contact_mobility": spatial_contact_events.spatial_contact_mobility,
+            "settle_grips": spatial_contact_events.spatial_settle_grips,
+            "slip_velocities": spatial_contact_events.spatial_slip_velocities,
+            "apply_contacts": spatial_contacts.spatial_apply_contacts,
+            "fill_deflection_rates": spatial_contacts.spatial_fill_deflection_rates,
         },
         FORM: {
             "multipliers": spatial.spatial_multipliers,
@@ -136,7 +124,7 @@ ANSWERS: dict[str, dict[str, dict[str, Callable[..., Any]]]] = {
             "gamma_of": spatial_form.spatial_gamma_of,
         },
         REPORT: {
-            "contact_forces": spatial_contacts.spatial_contact_forces,
+            "contact_forces": spatial_contact_events.spatial_contact_forces,
         },
     },
     "relative_planar": {
@@ -144,13 +132,17 @@ ANSWERS: dict[str, dict[str, dict[str, Callable[..., Any]]]] = {
             "derivative": relative_planar.relative_planar_derivative,
             "compliance": relative_planar.relative_planar_compliance,
             "project": relative_planar.relative_planar_project,
-            "tangent": relative_planar.relative_tangent,
-            "regularity": relative_planar.relative_regularity,
-            "root_count": relative_planar.relative_root_count,
-            "roots": relative_planar.relative_planar_roots,
-            "transition": relative_planar.relative_planar_transition,
-            "start_modes": relative_planar.relative_planar_start_modes,
-            "contact_mobility": relative_planar.relative_planar_contact_mobility,
+            "tangent": relative.relative_tangent,
+            "regularity": relative.relative_regularity,
+        },
+        EVENTS: {
+            "tell": relative_planar.tell_planar,
+            "take_velocities": relative_planar.take_planar_velocities,
+            "root_count": relative.relative_root_count,
+            "roots": relative.relative_roots,
+            "transition": relative.relative_transition,
+            "start_modes": relative.relative_start_modes,
+            "contact_mobility": relative.relative_contact_mobility,
         },
         FORM: {},
         REPORT: {},
@@ -160,13 +152,17 @@ ANSWERS: dict[str, dict[str, dict[str, Callable[..., Any]]]] = {
             "derivative": relative_spatial.relative_spatial_derivative,
             "compliance": relative_spatial.relative_spatial_compliance,
             "project": relative_spatial.relative_spatial_project,
-            "tangent": relative_planar.relative_tangent,
-            "regularity": relative_planar.relative_regularity,
-            "root_count": relative_planar.relative_root_count,
-            "roots": relative_spatial.relative_spatial_roots,
-            "transition": relative_spatial.relative_spatial_transition,
-            "start_modes": relative_spatial.relative_spatial_start_modes,
-            "contact_mobility": relative_spatial.relative_spatial_contact_mobility,
+            "tangent": relative.relative_tangent,
+            "regularity": relative.relative_regularity,
+        },
+        EVENTS: {
+            "tell": relative_spatial.tell_spatial,
+            "take_velocities": relative_spatial.take_spatial_velocities,
+            "root_count": relative.relative_root_count,
+            "roots": relative.relative_roots,
+            "transition": relative.relative_transition,
+            "start_modes": relative.relative_start_modes,
+            "contact_mobility": relative.relative_contact_mobility,
         },
         FORM: {},
         REPORT: {},
@@ -178,11 +174,6 @@ ANSWERS: dict[str, dict[str, dict[str, Callable[..., Any]]]] = {
             "project": particles.particle_project,
             "tangent": particles.particle_tangent,
             "regularity": particles.particle_regularity,
-            "root_count": _none,
-            "roots": _nothing,
-            "transition": _no_change,
-            "start_modes": _no_start,
-            "contact_mobility": _no_mobility,
         },
         FORM: {
             "multipliers": particles.particle_multipliers,
@@ -200,10 +191,23 @@ def _addresses(core: str, group: str) -> tuple[np.ndarray, np.ndarray]:
     return addresses(ANSWERS[core][group])
 
 
-def connected(core: str, handle: np.ndarray) -> np.ndarray:
-    """Let a core answer what every run asks; other questions raise an error until their group is prepared."""
+@cache
+def _without_events() -> tuple[np.ndarray, np.ndarray]:
+    return addresses(NO_EVENTS)
+
+
+def connected(core: str, handle: np.ndarray, eventful: bool) -> np.ndarray:
+    """Let a core answer what every run asks; other questions raise an error until their group is prepared.
+
+    What contacts, one-sided springs and declared events need is compiled for a scene that is `eventful` alone.
+    """
     handle[:QUESTIONS] = unanswered()
     prepare(core, handle, MOTION)
+    if eventful:
+        prepare(core, handle, EVENTS)
+    else:
+        places, where = _without_events()
+        handle[places] = where
     return handle
 
 

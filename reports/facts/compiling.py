@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import NamedTuple
 
 from cross_checks import engines
 from cross_checks.isolation.parent import Caller
@@ -15,11 +16,25 @@ from mbs_ref.settings import Settings
 from reports.facts.kept import recall, remembered
 from reports.facts.workers import each
 
-# the smallest scene of each, and its coordinates; the largest to compile come first
-CORES: dict[str, tuple[str, Coordinates]] = {
-    "space": ("heavy_top", "cartesian"), "plane": ("pendulum", "cartesian"), "particles": ("kepler", "cartesian"),
-    "trees in space": ("heavy_top", "relative"), "trees in the plane": ("double_pendulum", "relative"),
-}  # fmt: skip
+
+class Core(NamedTuple):
+    """The smallest scene that needs a part of the compiled code, and how it is run."""
+
+    scene: str
+    coordinates: Coordinates = "cartesian"
+    every_method: bool = False  # their loops are compiled once for all cores, but for methods on the DAE itself
+
+
+# the largest to compile come first
+CORES = {
+    "space": Core("heavy_top", every_method=True),
+    "plane": Core("pendulum", every_method=True),
+    "contacts in space": Core("rolling_sphere"),
+    "contacts in the plane": Core("sliding_block"),
+    "particles": Core("kepler", every_method=True),
+    "trees in space": Core("heavy_top", "relative"),
+    "trees in the plane": Core("double_pendulum", "relative"),
+}
 SOLVER = "mbs_ref"
 
 Report = Callable[[int, int, str], None]
@@ -40,13 +55,10 @@ def _compile(call: Caller, core: str) -> None:
     call(run_methods, *CORES[core])
 
 
-def run_methods(scene: str, coordinates: Coordinates) -> None:
-    """Run the first hundredth of a scene by every method that takes it; in relative coordinates one is enough.
-
-    Explicit methods alone run there, and their loops are compiled once for all cores.
-    """
+def run_methods(scene: str, coordinates: Coordinates, every_method: bool) -> None:
+    """Run the first hundredth of a scene by the default method, or by every method that takes it."""
     made, solver = scenes.make(scene), engines.get(SOLVER)
-    for method in solver.methods() if coordinates == "cartesian" else (solver.method(None),):
+    for method in solver.methods() if every_method else (solver.method(None),):
         if not solver.method_refusals(made, method):
             solver.run(made, _settings(method.name, method.kind, made.duration, coordinates))
 

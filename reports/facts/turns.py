@@ -6,12 +6,16 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
+from reports.facts.timing import ENOUGH
+
 ROUNDS = 3  # turns, of which a run's least counts
-ENOUGH = 1.0  # s of a loop that takes one turn alone: a scheduler's quanta are small beside it
 
 
 def least_times(runs: Sequence[Callable[[], float]], first: Sequence[float]) -> list[float]:
-    """Return the least time (s) of each run, which returns its own; `first` (s) tells roughly how long each is."""
+    """Return the least time (s) of each run, which returns its own; `first` (s) tells roughly how long each is.
+
+    A run of more than ENOUGH seconds takes one turn: a scheduler's quanta are small beside it.
+    """
     best = [np.inf] * len(runs)
     random = np.random.default_rng(0)
     for turn in range(ROUNDS):

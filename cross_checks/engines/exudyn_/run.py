@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 from functools import reduce
 from math import gcd
@@ -24,6 +25,7 @@ SPECTRAL_RADIUS = 0.9  # of generalized-alpha at infinite frequency: Exudyn's de
 # tighter, Newton stops at singular poses (generalized-alpha at 1e-10); looser, the order is lost below 1e-8 m
 NEWTON = {"relativeTolerance": 1e-9, "absoluteTolerance": 1e-9, "maxIterations": 25}
 SMALLEST_STEP = 1e-13  # s, adaptive methods
+CALLED_FROM = re.compile(r"\s*\[Python file '[^']*', line \d+\]")  # at the end of Exudyn's messages
 DENSE = 60  # unknowns up to which dense elimination costs no more than sparse (chains of 10: 50 equal, 110 half more)
 
 
@@ -76,8 +78,14 @@ def _solve(model, plan: Plan, options) -> str:
     try:
         done = model.mbs.SolveDynamic(options, solverType=SOLVERS[plan.method.name], storeSolver=True)
     except SolverError as error:
-        return f"exudyn: {error} at t = {model.mbs.systemData.GetTime():g} s"
+        return _why(error, model.mbs)
     return "" if done else f"exudyn's solver returned False at t = {model.mbs.systemData.GetTime():g} s"
+
+
+def _why(error: Exception, mbs) -> str:
+    """Return what Exudyn says, without the file and line of ours that it was called from."""
+    said = CALLED_FROM.sub("", str(error)).strip()
+    return f"exudyn: {said} at t = {mbs.systemData.GetTime():g} s"
 
 
 def _steps_done(model) -> int:
@@ -166,7 +174,7 @@ def advance_adaptive(model, plan: Plan, options) -> Left:
                 said = "" if done else f"exudyn's solver returned False at t = {mbs.systemData.GetTime():g} s"
                 return Left(steps, said, rows, k)
     except SolverError as error:
-        return Left(steps, f"exudyn: {error} at t = {mbs.systemData.GetTime():g} s", rows, k)
+        return Left(steps, _why(error, mbs), rows, k)
     return Left(steps, "", rows, len(rows))
 
 

@@ -75,17 +75,6 @@ class ParticleSystem(System):
     def residuals(self, t: float, y: np.ndarray) -> dict[str, tuple[np.ndarray, np.ndarray]]:
         return {}
 
-    def rank(self, t: float, y: np.ndarray) -> int:
-        return 0
-
     @property
     def n_coordinates(self) -> int:
         return 3 * self.n_bodies
-
-    @property
-    def n_constraints(self) -> int:
-        return 0
-
-    @property
-    def n_closure_rows(self) -> int:
-        return 0

@@ -150,20 +150,9 @@ class RelativeSystem(System):
     def contact_events(self) -> np.ndarray:
         return self.redundant.contact_events()
 
-    def rank(self, t: float, y: np.ndarray) -> int:
-        return 0
-
     @property
     def n_coordinates(self) -> int:
         return self.layout.n_positions
-
-    @property
-    def n_constraints(self) -> int:
-        return 0
-
-    @property
-    def n_closure_rows(self) -> int:
-        return 0
 
 
 class RelativePlanarSystem(RelativeSystem):

@@ -142,6 +142,21 @@ def apply_loads(model, work, t) -> Any:
 
 
 @question(NOTHING, MODEL, WORK)
+def apply_contacts(model, work) -> Any:
+    """Add the forces of every contact that is closed."""
+
+
+@question(NOTHING, MODEL, WORK)
+def fill_contact_rows(model, work) -> Any:
+    """Evaluate the rows of contacts as constraints; an open contact's are empty."""
+
+
+@question(NOTHING, MODEL, WORK, VECTOR)
+def fill_deflection_rates(model, work, dy) -> Any:
+    """Write the rates of the deflections of contacts that can stick."""
+
+
+@question(NOTHING, MODEL, WORK)
 def factor(model, work) -> Any:
     """Factor the augmented matrix at the Jacobians in `work`."""
 
@@ -159,3 +174,13 @@ def slip_velocities(model, work, y, out) -> Any:
 @question(NOTHING, MODEL, WORK, MATRIX)
 def solve(model, work, gamma) -> Any:
     """Solve the augmented system for the load in `work` and `gamma`, into its acceleration and multipliers."""
+
+
+@question(NOTHING, MODEL, WORK, VECTOR)
+def tell(model, work, y) -> Any:
+    """Place a tree at its relative coordinates y, and write the redundant system's state to `told`."""
+
+
+@question(NOTHING, MODEL, WORK, VECTOR)
+def take_velocities(model, work, y) -> Any:
+    """Write to y the rates that the velocities in `told` mean, at the places that were last written."""

@@ -11,7 +11,6 @@ import numpy as np
 from mbs_ref.kernels.contact.laws import MODE_CLOSED
 from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.planar.contacts import contact_geometry
-from mbs_ref.kernels.planar.joints import fill_joints
 from mbs_ref.kernels.planar.marks import separation
 from mbs_ref.kernels.planar.model import (
     PAIR_LINE,
@@ -25,9 +24,8 @@ from mbs_ref.kernels.planar.vectors import cross, dot
 
 
 @jit
-def planar_fill_rows(model, work, t):
-    """Evaluate every constraint row, of joints and of closed constraint contacts."""
-    fill_joints(model, work, t)
+def planar_fill_contact_rows(model, work):
+    """Evaluate the row of every contact as a constraint; an open one's is empty."""
     laws, modes = contact_laws_of(model), contact_modes_of(model)
     for k in range(laws.slot.shape[0]):
         if laws.slot[k] >= 0:

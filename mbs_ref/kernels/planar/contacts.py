@@ -164,7 +164,7 @@ def find_near(model, work):
 
 
 @jit
-def apply_contacts(model, work):
+def planar_apply_contacts(model, work):
     """Add the forces of every contact that is closed."""
     pairs = contact_pairs_of(model)
     if pairs.kind.shape[0] == 0:
@@ -178,9 +178,7 @@ def apply_contacts(model, work):
         if mode != MODE_CLOSED and mode != MODE_PLAIN:
             continue
         touch = contact_geometry(model, work, k)
-        if mode == MODE_PLAIN and not (
-            touch.gap < 0.0 and touch.beyond <= 0.0 and not is_behind(pairs, k, touch.gap)
-        ):
+        if mode == MODE_PLAIN and not (touch.gap < 0.0 and touch.beyond <= 0.0 and not is_behind(pairs, k, touch.gap)):
             continue
         normal = normal_force(laws, modes, k, -touch.gap, -touch.closing)
         if mode == MODE_PLAIN and laws.release[k] == RELEASE_FORCE and normal < 0.0:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from mbs_ref.kernels.border.callback import call_user
+from mbs_ref.kernels.border.questions import fill_contact_rows
 from mbs_ref.kernels.controls import CONTROL_MODE_TIME
 from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.planar.marks import arm, separation
@@ -151,7 +152,7 @@ def fill_drives(model, work, t):
 
 
 @jit
-def fill_joints(model, work, t):
+def planar_fill_rows(model, work, t):
     """Evaluate every constraint row at the pose and motion in `work`."""
     fill_revolute(model, work)
     fill_prismatic(model, work)
@@ -160,3 +161,4 @@ def fill_joints(model, work, t):
     fill_drives(model, work, t)
     if world_of(model).user_rows[0] != 0:
         call_user(world_of(model).user_rows[0], t, 0)  # pyright: ignore[reportCallIssue]
+    fill_contact_rows(model, work)

@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 
 from mbs_ref.kernels.border.callback import call_user
+from mbs_ref.kernels.border.questions import apply_contacts
 from mbs_ref.kernels.contact.laws import (
     MODE_CLOSED,
     MODE_PLAIN,
 )
 from mbs_ref.kernels.controls import CONTROL_MODE_TIME
 from mbs_ref.kernels.jit import jit
-from mbs_ref.kernels.planar.contacts import apply_contacts
 from mbs_ref.kernels.planar.marks import arm, push, push_back, separation
 from mbs_ref.kernels.planar.model import (
     bodies_of,

@@ -199,22 +199,6 @@ def relative_planar_project(model, work, t, y, tolerance, most):
 
 
 @jit
-def relative_planar_roots(model, work, t, y, g, rate):
-    tell_planar(model, work, y)
-    ask.roots(inner_model(model), inner_work(model), t, told_of(work).state, g, rate)
-
-
-@jit
-def relative_planar_transition(model, work, t, span, y, g, dy):
-    """Let the redundant system change its modes, and take over the velocities that an impulse changed."""
-    tell_planar(model, work, y)
-    told = told_of(work)
-    answer = ask.transition(inner_model(model), inner_work(model), t, span, told.state, g, told.slope)
-    take_planar_velocities(model, work, y)
-    return answer
-
-
-@jit
 def take_planar_velocities(model, work, y):
     """Write to y the rates that the velocities in `told` mean, at the places that were last written."""
     joints, links, told, bodies = joints_of(model), links_of(work), told_of(work), bodies_of(inner_model(model))
@@ -231,33 +215,3 @@ def take_planar_velocities(model, work, y):
             spin, apart, free = links.velocity[parent, 2], links.apart[i], links.freedom[i, 0]
             y[v] = free[0] * (own[0] - links.velocity[parent, 0] + spin * apart[1])
             y[v] += free[1] * (own[1] - links.velocity[parent, 1] - spin * apart[0])
-
-
-@jit
-def relative_planar_start_modes(model, work, t, y, located):
-    tell_planar(model, work, y)
-    ask.start_modes(inner_model(model), inner_work(model), t, told_of(work).state, located)
-
-
-@jit
-def relative_planar_contact_mobility(model, work, t, y, k):
-    tell_planar(model, work, y)
-    return ask.contact_mobility(inner_model(model), inner_work(model), t, told_of(work).state, k)
-
-
-# --- what planar and spatial trees answer alike ----------------------------------------------------------------
-
-
-@jit
-def relative_tangent(model, work, x):
-    pass
-
-
-@jit
-def relative_regularity(work):
-    return 1.0
-
-
-@jit
-def relative_root_count(model):
-    return ask.root_count(inner_model(model))

@@ -352,22 +352,6 @@ def relative_spatial_project(model, work, t, y, tolerance, most):
 
 
 @jit
-def relative_spatial_roots(model, work, t, y, g, rate):
-    tell_spatial(model, work, y)
-    ask.roots(inner_model(model), inner_work(model), t, told_of(work).state, g, rate)
-
-
-@jit
-def relative_spatial_transition(model, work, t, span, y, g, dy):
-    """Let the redundant system change its modes, and take over the velocities that an impulse changed."""
-    tell_spatial(model, work, y)
-    told = told_of(work)
-    answer = ask.transition(inner_model(model), inner_work(model), t, span, told.state, g, told.slope)
-    take_spatial_velocities(model, work, y)
-    return answer
-
-
-@jit
 def take_spatial_velocities(model, work, y):
     """Write to y the rates that the velocities in `told` mean, at the places that were last written."""
     joints, links, told, bodies = joints_of(model), links_of(work), told_of(work), bodies_of(inner_model(model))
@@ -389,15 +373,3 @@ def take_spatial_velocities(model, work, y):
             put(y, v, own)
             if bodies.rigid[i] == 1:
                 put(y, v + 3, turn_back(kin.turned[i], triple(own, 3)))
-
-
-@jit
-def relative_spatial_start_modes(model, work, t, y, located):
-    tell_spatial(model, work, y)
-    ask.start_modes(inner_model(model), inner_work(model), t, told_of(work).state, located)
-
-
-@jit
-def relative_spatial_contact_mobility(model, work, t, y, k):
-    tell_spatial(model, work, y)
-    return ask.contact_mobility(inner_model(model), inner_work(model), t, told_of(work).state, k)

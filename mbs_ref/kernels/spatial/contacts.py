@@ -191,7 +191,7 @@ def contact_force(model, work, k, touch):
 
 
 @jit
-def apply_contacts(model, work):
+def spatial_apply_contacts(model, work):
     """Add the forces of every contact that is closed."""
     pairs = contact_pairs_of(model)
     if pairs.kind.shape[0] == 0:
@@ -212,7 +212,7 @@ def apply_contacts(model, work):
 
 
 @jit
-def fill_deflection_rates(model, work, dy):
+def spatial_fill_deflection_rates(model, work, dy):
     """Write the rates of the sticking deflections: the slip velocity while a contact sticks, else none."""
     count = grips_of(work).deflection.shape[0]
     if count == 0:

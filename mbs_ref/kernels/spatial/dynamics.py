@@ -11,7 +11,7 @@ and projection restores it.
 
 from __future__ import annotations
 
-from mbs_ref.kernels.border.questions import accelerate, fill_rows
+from mbs_ref.kernels.border.questions import accelerate, fill_deflection_rates, fill_rows
 from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.rigid.elimination import rows_times
 from mbs_ref.kernels.rigid.reduction import project_by, reduce_to_accelerations, refine_by, respond
@@ -19,7 +19,6 @@ from mbs_ref.kernels.rows import (
     copy_rows,
     largest_entry,
 )
-from mbs_ref.kernels.spatial.contacts import fill_deflection_rates
 from mbs_ref.kernels.spatial.joints import leave_slips
 from mbs_ref.kernels.spatial.model import (
     RATES,

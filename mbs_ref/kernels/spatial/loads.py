@@ -11,10 +11,10 @@ from __future__ import annotations
 import numpy as np
 
 from mbs_ref.kernels.border.callback import call_user
+from mbs_ref.kernels.border.questions import apply_contacts
 from mbs_ref.kernels.controls import CONTROL_MODE_TIME
 from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.signals import evaluate
-from mbs_ref.kernels.spatial.contacts import apply_contacts
 from mbs_ref.kernels.spatial.marks import push, separation, twist
 from mbs_ref.kernels.spatial.model import (
     attraction_of,

@@ -1,0 +1,55 @@
+"""The answers of a scene without contacts, one-sided springs or declared events: nothing to watch, nothing to add."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from mbs_ref.kernels.jit import jit
+
+
+@jit
+def _no_count(model):
+    return 0
+
+
+@jit
+def _no_roots(model, work, t, y, g, rate):
+    pass
+
+
+@jit
+def _no_change(model, work, t, span, y, g, dy):
+    return 0, 0
+
+
+@jit
+def _no_start(model, work, t, y, located):
+    pass
+
+
+@jit
+def _no_mobility(model, work, t, y, k):
+    return 0.0
+
+
+@jit
+def _nothing_added(model, work):
+    pass
+
+
+@jit
+def _no_rates(model, work, dy):
+    pass
+
+
+NO_EVENTS: dict[str, Callable[..., Any]] = {
+    "root_count": _no_count,
+    "roots": _no_roots,
+    "transition": _no_change,
+    "start_modes": _no_start,
+    "contact_mobility": _no_mobility,
+    "apply_contacts": _nothing_added,
+    "fill_contact_rows": _nothing_added,
+    "fill_deflection_rates": _no_rates,
+}
