@@ -34,7 +34,7 @@ class Violation:
     symmetry: str
     size: float | None  # m, largest distance of world points from where they belong; None where it does not apply
     noise: float  # m, what roundoff and the method's tolerance do by themselves
-    error: float  # m, what half the step, or a tenth of the tolerance, changes
+    error: float  # m, what half the step, or a tenth of the tolerance, changes: of the way back, what it grows to there
     reason: str = ""  # why there is no size
 
     @property
@@ -53,12 +53,15 @@ def violations(engine: Engine, scene: Scene, settings: Settings) -> list[Violati
     """Return what every symmetry leaves, in the order of SYMMETRIES. Raises NotRunError where the plain run fails."""
     times = np.linspace(0.0, settings.t_end or scene.duration, SAMPLES)
     plain = _run(engine, scene, settings, times)
-    noise, error = _noise(engine, scene, settings, times, plain), _error(engine, scene, settings, plain)
+    noise, finer = _noise(engine, scene, settings, times, plain), _finer(engine, scene, settings, plain)
+    error = _gap(scene, _poses(finer), _poses(plain))
+    carried = error + plain.times[-1] * _rate_gap(scene, finer, plain)
     violations = []
     for name, measure in SYMMETRIES.items():
         size = _measured(measure, engine, scene, settings, plain)
         is_known = not isinstance(size, str)
-        violations.append(Violation(name, size if is_known else None, noise, error, "" if is_known else size))
+        own = carried if name == BACK else error
+        violations.append(Violation(name, size if is_known else None, noise, own, "" if is_known else size))
     return violations
 
 
@@ -69,11 +72,21 @@ def _measured(measure, engine, scene, settings, plain) -> float | str:
         return str(error)
 
 
-def _error(engine: Engine, scene: Scene, settings: Settings, plain: Trajectory) -> float:
-    """Return how far the motion is from one of half the step, or of a tenth of the tolerance."""
+def _finer(engine: Engine, scene: Scene, settings: Settings, plain: Trajectory) -> Trajectory:
+    """Return the motion of half the step, or of a tenth of the tolerance."""
     finer = {"step": 0.5 * settings.step} if settings.step else {"rtol": 0.1 * (settings.rtol or RTOL)}
-    run = _run(engine, scene, settings.model_copy(update=finer), plain.times)
-    return _gap(scene, _poses(run), _poses(plain))
+    return _run(engine, scene, settings.model_copy(update=finer), plain.times)
+
+
+def _rate_gap(scene: Scene, seen: Trajectory, wanted: Trajectory) -> float:
+    """Return the largest difference (m/s) of centres' velocities, and of points a radius of gyration away.
+
+    Whoever turns back starts from velocities: a method whose places are better than they leaves more than places show.
+    """
+    gap = float(np.max(np.linalg.norm(seen.velocity - wanted.velocity, axis=2)))
+    turning = np.abs(seen.angular_velocity - wanted.angular_velocity)
+    spin = turning if turning.ndim == 2 else np.linalg.norm(turning, axis=2)
+    return max(gap, float(np.max(spin * _arms(scene))))
 
 
 def _run(engine: Engine, scene: Scene, settings: Settings, times: np.ndarray) -> Trajectory:

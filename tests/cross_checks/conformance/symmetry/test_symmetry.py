@@ -10,7 +10,7 @@ import pytest
 from cross_checks import engines
 from cross_checks.conformance.cases import cases
 from cross_checks.conformance.symmetry.placement import Placement, image
-from cross_checks.conformance.symmetry.violation import SYMMETRIES, NotRunError, Violation, violations
+from cross_checks.conformance.symmetry.violation import BACK, SYMMETRIES, NotRunError, Violation, violations
 from mbs_ref import scenes
 from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings
@@ -93,6 +93,27 @@ def test_a_solver_with_a_direction_or_a_favourite_name_is_seen():
     assert not found["shifted"].is_broken
     assert found["renamed"].size == pytest.approx(1e-3 * np.sqrt(2.0), rel=1e-3)
     assert found["turned"].size == pytest.approx(2 * np.sin(0.35) * 0.5e-9 * 0.25, rel=1e-2)
+
+
+class Slanted(type(engines.get("mbs_ref"))):  # type: ignore[misc]
+    """Our solver, whose velocities are off by a part of the step, as a first-order method's, and by a part for good."""
+
+    def __init__(self, of_step: float, for_good: float) -> None:
+        super().__init__()
+        self.of_step, self.for_good = of_step, for_good
+
+    def run(self, scene: Scene, settings: Settings, times: np.ndarray | None = None) -> Trajectory:
+        run = super().run(scene, settings, times)
+        return replace(run, velocity=run.velocity + self.of_step * settings.step + self.for_good)
+
+
+@pytest.mark.parametrize(("of_step", "for_good", "broken"), [(1.0, 0.0, False), (0.0, 1e-3, True)])
+def test_who_turns_back_takes_the_velocities_errors_along(of_step, for_good, broken):
+    scene = scenes.make("spring_pendulum")
+    found = violations(Slanted(of_step, for_good), scene, Settings(t_end=0.5, **STEP))
+    (back,) = (each for each in found if each.symmetry == BACK)
+    assert back.size > 1e-5
+    assert back.exceeds_error == broken
 
 
 def test_what_singles_out_a_direction_is_not_judged_by_turning():
