@@ -20,6 +20,7 @@ PROJECTION_ITERATIONS = 12
 PROJECTION_FAILURE = 1e4  # of the projection tolerance: a larger |C| left is a failure
 WITHDRAWAL = 0.2  # step factor after a step that ended where the loops cannot be closed
 SHORTEST = 1e-14  # of the leg, a step
+SLIVER = 1e-6  # of a step: less is what rounding of the clock leaves over in an output interval of 1e5 steps
 TINY = 1e-6  # of the scene's time: a first step where the state tells of none
 
 
@@ -87,7 +88,7 @@ def choose_step(proposed, reach, evenly, search):
     """Return the step (s), whether it lands on the output `reach` (s) ahead, and whether a search chose it."""
     if search[ACTIVE] != IDLE:
         return search[H_NEXT], search[H_NEXT] >= reach, True
-    if proposed >= reach * (1.0 - 1e-9):
+    if proposed >= reach * (1.0 - SLIVER):  # a step of 1e-13 s would divide roundoff by its square
         return reach, True, False
     if evenly and proposed > 0.5 * reach:
         return 0.5 * reach, False, False  # two even steps rather than a whole one and a sliver

@@ -127,6 +127,7 @@ def _iterate(model, work, run, t, h, y, motion, iterate, tangent):
         if iteration > 0 and before > 0.0:
             contraction = moved / before
         if moved <= ROUNDOFF * size and defect <= 10 * ROUNDOFF * size:
+            _place(model, h, y, motion, iterate, move)  # what is left of 1e-13 here is 1e-13 / h in the velocities
             return True, contraction
         if iteration > 1 and contraction > 2.0:
             return False, contraction

@@ -311,6 +311,24 @@ def test_every_method_is_listed_with_its_order():
     assert next(iter(known)) == "dop853"
 
 
+def test_generalized_alpha_keeps_its_order_at_small_steps():
+    """Velocities too, to whose errors a step divides what Newton's iteration leaves in the positions."""
+    scene = scenes.make("pendulum_chain", links=10)
+    truth = simulate(scene, Settings(rtol=1e-13, estimate="off")).angular_velocity[-1]
+    steps = (1.0 / 7000.0, 1.0 / 36000.0)
+    runs = [simulate(scene, Settings(method="generalized_alpha", step=h, estimate="off")) for h in steps]
+    errors = [np.abs(run.angular_velocity[-1] - truth).max() for run in runs]
+    assert math.log(errors[0] / errors[1]) / math.log(steps[0] / steps[1]) == pytest.approx(2.0, abs=0.05), errors
+
+
+def test_rounding_of_the_clock_leaves_no_step_of_nearly_nothing():
+    """1875 steps of 4e-5 s miss an output by 6e-14 s, and a step of that length would divide roundoff by its square."""
+    settings = Settings(method="generalized_alpha", step=4e-5, t_end=2.1, samples=29, estimate="off")
+    run = simulate(scenes.make("double_pendulum"), settings)
+    assert run.status is Status.SUCCESS, run.message
+    assert run.steps == 28 * 1875
+
+
 @pytest.mark.parametrize("method", ["generalized_alpha", "radau"])
 def test_implicit_methods_bear_stiff_springs(method):
     """A slow swing on a spring of 1e9 N/m: the step follows the swing, not the spring."""
