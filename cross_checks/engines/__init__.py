@@ -9,12 +9,15 @@ import os
 import re
 import sys
 from difflib import get_close_matches
+from functools import cache
 from importlib import import_module
 from importlib.metadata import EntryPoint, PackageNotFoundError, entry_points, metadata
 from importlib.util import find_spec, module_from_spec, spec_from_file_location
 from pathlib import Path
 
 from cross_checks.engine import Engine
+from cross_checks.isolation.environments import home_of, python_of
+from cross_checks.isolation.parent import Lost
 
 GROUP = "mbs_ref.engines"
 ADAPTERS = "MBS_REF_ADAPTERS"  # an environment variable, so that child processes know the same engines
@@ -47,6 +50,11 @@ def names() -> list[str]:
     return sorted(known, key=lambda name: name != "mbs_ref")
 
 
+def is_ours(name: str) -> bool:
+    """Return whether the engine's adapter is one of this project's."""
+    return name in _files()
+
+
 def called(name: str) -> str:
     """Return what a command line calls the engine: its adapter file where it is known by one, else its name."""
     return str(_adapters().get(name, name))
@@ -56,8 +64,11 @@ def get(name: str) -> Engine:
     """Return the named engine.
 
     ValueError lists what is allowed; EngineMissing says that its own package is absent; any other
-    failure to import is a broken adapter and propagates.
+    failure to import is a broken adapter and propagates. An engine with an environment of its own is asked there.
     """
+    home = home_of(name)
+    if home is not None and name in names():
+        return _elsewhere(name, home)
     if name in _files():
         return _create(f"cross_checks.engines.{name}_", name)
     named = _adapters()
@@ -67,6 +78,19 @@ def get(name: str) -> Engine:
     if name in outside:
         return _create(outside[name].module, name, outside[name].attr or None)
     raise ValueError(f"engine = {name!r} is unknown; {_suggestion(name)}allowed: {', '.join(names())}")
+
+
+@cache
+def _elsewhere(name: str, home: Path) -> Engine:
+    from cross_checks.engines.elsewhere import Elsewhere
+
+    if not python_of(home).exists():
+        again = f"mbs-ref engines install {name}"
+        raise EngineMissing(f"engine {name!r} has its environment in {home}, which is gone; {again} makes it anew")
+    try:
+        return Elsewhere(name, home, get)
+    except Lost as lost:
+        raise EngineMissing(f"engine {name!r} does not start in its environment {home}: {lost}") from lost
 
 
 def _create_from_file(path: Path, name: str) -> Engine:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import os
 import resource
 import signal
@@ -10,8 +11,10 @@ from multiprocessing.connection import Connection, Pipe
 from typing import Any
 
 from cross_checks.isolation.compilation import told
+from cross_checks.isolation.environments import INSIDE
 from cross_checks.isolation.messages import COMPILED, COMPILING, NOTES, receive, send
 
+SET_PARENT_DEATH_SIGNAL = 1  # prctl(2)
 ROOM = 4 * 2**30  # bytes of address space beyond the limit on resident memory: libraries reserve much, use little
 
 
@@ -59,7 +62,15 @@ def _answer(pipe: Connection, function: Any, arguments: tuple[Any, ...]) -> tupl
         return False, error
 
 
+def _end_with_parent() -> None:
+    """Be ended with the process that asks, whatever is computed: else a native loop would outlive a killed caller."""
+    if sys.platform == "linux":
+        ctypes.CDLL(None).prctl(SET_PARENT_DEATH_SIGNAL, signal.SIGKILL)
+
+
 def main() -> None:
+    if INSIDE in os.environ:  # asked by an adapter, itself perhaps a child that is killed when it takes too long
+        _end_with_parent()
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the caller's to handle; it ends this process
     handle, memory = int(sys.argv[1]), int(sys.argv[2])
     _, hard = resource.getrlimit(resource.RLIMIT_AS)

@@ -54,13 +54,16 @@ class Isolated:
 
     Functions and arguments are pickled, so they must be importable by name. Limits hold for each call:
     `timeout` in s that the call computes or sleeps, without what Numba compiles, and `memory` in bytes. Libraries may
-    use `threads`. `apart` makes a call in a copy of the child: what the child has loaded survives a call that does not.
+    use `threads`. `python` is the interpreter; another than ours takes `variables` (name, value) in place of our search
+    path. `apart` makes a call in a copy of the child: what the child has loaded survives a call that does not.
     Use as a context manager.
     """
 
     timeout: float = TIMEOUT
     memory: int = MEMORY
     threads: int = 1
+    python: str = sys.executable
+    variables: tuple[tuple[str, str], ...] = ()
     _child: subprocess.Popen[bytes] | None = None
     _pipe: Connection | None = None
     _copy: int | None = None  # process id of the child's copy that makes the call
@@ -138,11 +141,12 @@ class Isolated:
     def _launch(self) -> None:
         ours, theirs = socket.socketpair()
         with theirs:
-            command = [sys.executable, "-m", "cross_checks.isolation.child", str(theirs.fileno()), str(self.memory)]
+            command = [self.python, "-m", "cross_checks.isolation.child", str(theirs.fileno()), str(self.memory)]
             paths = os.pathsep.join(path or os.getcwd() for path in sys.path)
             threads = dict.fromkeys(THREADS, str(self.threads))
+            around = {"PYTHONPATH": paths} | dict(self.variables)
             self._child = subprocess.Popen(
-                command, env=os.environ | threads | {"PYTHONPATH": paths}, pass_fds=(theirs.fileno(),),
+                command, env=os.environ | threads | around, pass_fds=(theirs.fileno(),),
                 stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
             )  # fmt: skip
         self._pipe = Connection(ours.detach())

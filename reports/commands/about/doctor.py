@@ -11,6 +11,7 @@ from typing import Any
 import click
 
 from cross_checks import engines
+from cross_checks.isolation.environments import home_of
 from mbs_ref.kernels.jit import cache_folder
 from reports import inputs
 from reports.terminal.console import echo_json, number, show, table
@@ -49,8 +50,9 @@ def _version(package: str) -> str:
 
 
 def _engine_state(name: str) -> str:
+    home = home_of(name)
     try:
-        return engines.get(name).version()
+        return engines.get(name).version() + (f", in its environment {home}" if home else "")
     except engines.EngineMissing as error:
         return f"missing: {error}"
 

@@ -1,24 +1,39 @@
-"""mbs-ref engines: who can simulate what."""
+"""mbs-ref engines: who can simulate what, and environments for those whose packages do not go with ours."""
 
 from __future__ import annotations
 
 import re
 from collections import Counter
 from dataclasses import asdict
+from importlib.metadata import PackageNotFoundError, metadata, requires, version
+from pathlib import Path
 
 import click
 
+from cross_checks import engines
 from cross_checks.engines.capabilities import Capability, capabilities
+from cross_checks.isolation import environments
 from mbs_ref.scene.traits import PART_TYPES
 from reports.terminal.console import echo_json, show, table
+from reports.terminal.exit_codes import Failed
 
 LACKS = re.compile(r"not yet taught the part type '?(\w+)")
 
 
-@click.command(name="engines")
+EXTRA = re.compile(r"^(?P<what>[^;]+);.*extra == [\"'](?P<extra>[\w-]+)[\"']")
+OF_ALL = "engines"  # the extra of the engines that are usual
+
+
+@click.group(name="engines", invoke_without_command=True)
 @click.option("--json", "as_json", is_flag=True, help="Print JSON, with every reason in full.")
-def command(as_json: bool) -> None:
-    """List the engines, their methods, and what each can model."""
+@click.pass_context
+def command(context: click.Context, as_json: bool) -> None:
+    """List the engines, their methods, and what each can model.
+
+    An engine whose packages do not go with those installed here lives in an environment of its own: `install` makes it.
+    """
+    if context.invoked_subcommand is not None:
+        return
     found = capabilities()
     if as_json:
         echo_json([asdict(item) for item in found])
@@ -26,6 +41,64 @@ def command(as_json: bool) -> None:
     show(_methods(found))
     show(_parts(found))
     show(_scenes(found))
+
+
+@command.command()
+@click.argument("name")
+@click.option("--into", metavar="FOLDER", type=click.Path(file_okay=False, path_type=Path), help="Where it is made.")
+@click.option("--over", is_flag=True, help="See the packages here below its own: only what differs is installed.")
+@click.option("--with", "more", multiple=True, metavar="REQUIREMENT", help="What pip installs besides; repeatable.")
+def install(name: str, into: Path | None, over: bool, more: tuple[str, ...]) -> None:
+    """Make an environment of its own for engine NAME; all its runs go there from then on.
+
+    An environment that NAME has already is made anew. MBS_REF_ENVIRONMENTS says where environments are noted.
+    """
+    if name not in engines.names() or name == "mbs_ref":
+        allowed = ", ".join(each for each in engines.names() if each != "mbs_ref")
+        raise click.UsageError(f"engine = {name!r} is unknown; allowed: {allowed}")
+    if into is not None and into.is_dir() and any(into.iterdir()) and not environments.python_of(into).exists():
+        raise click.UsageError(f"--into {into} is a folder with other things in it; name an empty one, or none")
+    wanted = [*([] if over else [_ourselves()]), *_requirements(name), *more]
+    click.echo(f"installing {', '.join(wanted) or 'nothing'}", err=True)
+    try:
+        home = environments.make(name, wanted, into, over=over)
+    except environments.NotMade as error:
+        raise Failed(str(error)) from error
+    try:
+        found = engines.get(name).version()
+    except engines.EngineMissing as error:
+        environments.forget(name)
+        raise Failed(f"{error}; what else it needs can be named by --with") from error
+    click.echo(f"{name} {found} lives in {home}")
+
+
+@command.command()
+@click.argument("name")
+def forget(name: str) -> None:
+    """Run engine NAME from the packages here again; its environment stays where it is."""
+    home = environments.forget(name)
+    if home is None:
+        homes = environments.homes()
+        raise click.UsageError(f"{name!r} has no environment of its own; those that have: {', '.join(homes) or 'none'}")
+    click.echo(f"{name} is run from here again; its environment {home} may be deleted")
+
+
+def _ourselves() -> str:
+    """Return what pip installs this project from: the tree that runs, else the release of the same version."""
+    if (environments.PROJECT / "pyproject.toml").is_file():
+        return str(environments.PROJECT)
+    return f"mbs-ref=={version('mbs-ref')}"
+
+
+def _requirements(name: str) -> list[str]:
+    """Return what the extra of an engine asks for; of one without an extra of its own, its package among the usual."""
+    try:
+        extras = metadata("mbs-ref").get_all("Provides-Extra") or []
+    except PackageNotFoundError:
+        return []
+    found = [match for line in requires("mbs-ref") or [] if (match := EXTRA.match(line))]
+    wanted = name if name in extras else OF_ALL if engines.is_ours(name) else ""
+    return [match["what"].strip() for match in found if match["extra"] == wanted]
 
 
 def _methods(found: list[Capability]):
