@@ -48,6 +48,8 @@ def test_a_command_of_the_docs_exists_with_its_options(line):
     name, *words = shlex.split(line)[1:]
     command = main.get_command(click.Context(main), name)
     assert command is not None
+    if isinstance(command, click.Group):
+        command = command.commands[words.pop(0)] if words and words[0][0] != "-" else command
     given = set()
     for word in words:
         if word.startswith("-") and not word.lstrip("-")[:1].isdigit():
