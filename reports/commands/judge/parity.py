@@ -1,0 +1,54 @@
+"""mbs-ref parity: does every reader see the same robot in a file?"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from cross_checks.engines.parity import Difference, Dynamics, Parity, parity
+from cross_checks.workshop.robot import RobotError
+from reports.terminal.console import echo_json, number, show, table
+from reports.terminal.exit_codes import Failed, NothingSelected
+
+
+@click.command(name="parity")
+@click.argument("file", metavar="ROBOT.urdf|MODEL.xml", type=click.Path(exists=True, dir_okay=False, path_type=Path))
+@click.option("--poses", default=5, show_default=True, type=click.IntRange(1), help="Random places and rates.")
+@click.option("--seed", default=1, show_default=True, help="Of the random places.")
+@click.option("--json", "as_json", is_flag=True, help="Print JSON.")
+def command(file: Path, poses: int, seed: int, as_json: bool) -> None:
+    """Read FILE by MuJoCo, Pinocchio, Drake and us, and list where mass matrix, gravity or bias forces differ.
+
+    Before any integrator runs, parsers may see another robot in the same file, and say nothing. Exit code 1 where they
+    do.
+    """
+    try:
+        found = parity(file, poses, seed)
+    except RobotError as error:
+        raise click.UsageError(str(error)) from error
+    if as_json:
+        echo_json(found._asdict() | {"differences": [one._asdict() for one in found.differences]})
+    else:
+        _show(found)
+    if len(found.read) < 2:
+        raise NothingSelected(f"fewer than two readers read {file}")
+    if found.differences:
+        raise Failed(f"readers see different robots: {'; '.join(map(_sentence, found.differences))}")
+
+
+def _show(found: Parity) -> None:
+    listing = table("", "reader", "mass matrix", "gravity", "bias")
+    for name in found.read:
+        apart = found.apart.get(name)
+        figures = [number(apart.get(quantity)) for quantity in Dynamics._fields] if apart else ["compared with"]
+        listing.add_row(name, *figures)
+    for name, why in found.refused.items():
+        listing.add_row(name, f"refuses: {why}")
+    show(listing)
+    click.echo(f"{len(found.joints)} joints: {', '.join(found.joints)}. Differences are over the largest entry.")
+
+
+def _sentence(one: Difference) -> str:
+    where = " and ".join(map(repr, one.joints))
+    return f"{one.quantity} at {where} is {one.here:.6g} in {one.reader} and {one.there:.6g} in {one.other}"
