@@ -8,7 +8,8 @@ from time import perf_counter, process_time
 import numpy as np
 
 from cross_checks import engines
-from cross_checks.engine import Engine, Method
+from cross_checks.conformance.wrapped import Wrapped
+from cross_checks.engine import Engine
 from cross_checks.isolation.parent import Caller, Lost
 from cross_checks.judge.one_run import ENGINE_FAILURES
 from cross_checks.workshop.outcome import stopped
@@ -28,25 +29,13 @@ class Called:
     cpu_s: float = 0.0
 
 
-class Apart(Engine):
+class Apart(Wrapped):
     """An engine that is known by name, run through `ask`; after a loss its method is not tried on that scene again."""
 
     def __init__(self, engine: Engine, ask: Caller) -> None:
-        self.engine, self.ask = engine, ask
+        super().__init__(engine)
+        self.ask = ask
         self.lost: dict[tuple[str, str], str] = {}  # (method, scene) -> what became of the first run that was lost
-        self.name, self.package, self.part_types = engine.name, engine.package, engine.part_types  # type: ignore[misc]
-
-    def methods(self) -> tuple[Method, ...]:
-        return self.engine.methods()
-
-    def version(self) -> str:
-        return self.engine.version()
-
-    def refusals(self, scene: Scene):
-        return self.engine.refusals(scene)
-
-    def method_refusals(self, scene: Scene, method: Method):
-        return self.engine.method_refusals(scene, method)
 
     def run(self, scene: Scene, settings: Settings, times: np.ndarray | None = None) -> Trajectory:
         return self.call(scene, settings, times).path
@@ -54,7 +43,7 @@ class Apart(Engine):
     def call(self, scene: Scene, settings: Settings, times: np.ndarray | None) -> Called:
         """Run in the other process; a scene with a Python force cannot travel there and runs in this one."""
         if any(isinstance(load, UserForce) for load in scene.loads):
-            return _call(self.engine, scene, settings, times)
+            return _call(self.inner, scene, settings, times)
         place = (settings.method or "", scene.name)
         if place in self.lost:
             return _lost(scene, f"not tried: before, {self.lost[place]}")

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from cross_checks.conformance.finding import Report
+from cross_checks.conformance.wrapped import Wrapped
 from cross_checks.engine import Engine, Method
 from mbs_ref.scene import PlanarBody, Scene, SpatialBody, UserForce
 from mbs_ref.scene.euler_parameters import conjugate, rotation_matrices
@@ -31,31 +32,22 @@ class Mistake:
     )
 
 
-class Broken(Engine):
+class Broken(Wrapped):
     """A good engine with a mistake, under its own name."""
 
     def __init__(self, good: Engine, mistake: Mistake) -> None:
-        self.good, self.mistake = good, mistake
-        self.name, self.package, self.part_types = good.name, good.package, good.part_types  # type: ignore[misc]
+        super().__init__(good)
+        self.mistake = mistake
 
     def methods(self) -> tuple[Method, ...]:
-        return tuple(method for method in self.good.methods() if method.name in METHODS)
-
-    def version(self) -> str:
-        return self.good.version()
-
-    def refusals(self, scene: Scene):
-        return self.good.refusals(scene)
-
-    def method_refusals(self, scene: Scene, method: Method):
-        return self.good.method_refusals(scene, method)
+        return tuple(method for method in self.inner.methods() if method.name in METHODS)
 
     def run(self, scene: Scene, settings: Settings, times: np.ndarray | None = None) -> Trajectory:
         settings = settings.model_copy(update={"method": self.method(settings.method).name})
         if times is None:
-            return self.good.run(scene, settings)
+            return self.inner.run(scene, settings)
         changed = self.mistake.change(scene) if not self.refusals(scene) else scene
-        path = self.mistake.run(self.good, changed, settings, times)
+        path = self.mistake.run(self.inner, changed, settings, times)
         return self.mistake.spoil(scene, path) if path.ok else path
 
 

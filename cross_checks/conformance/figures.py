@@ -79,9 +79,7 @@ def _misses(x: np.ndarray, rate: np.ndarray, times: np.ndarray) -> tuple[np.ndar
 
 def _slope(x: np.ndarray, weights: tuple[float, ...]) -> np.ndarray:
     n = len(x) - 2 * WIDTH
-    pairs = (
-        w * (x[WIDTH + k : WIDTH + k + n] - x[WIDTH - k : WIDTH - k + n]) for k, w in enumerate(weights, start=1)
-    )
+    pairs = (w * (x[WIDTH + k : WIDTH + k + n] - x[WIDTH - k : WIDTH - k + n]) for k, w in enumerate(weights, start=1))
     return np.sum(list(pairs), axis=0)
 
 
