@@ -9,7 +9,7 @@ does not depend on how busy a machine is; a target that would cost more is `not 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import Literal
@@ -30,6 +30,8 @@ from mbs_ref.trajectory import Trajectory
 WINDOW = 10.0  # a chosen error lies within this factor below its target
 AIM = 0.3  # of the target: the middle of the window, on a logarithmic scale
 TRIES = 4  # runs for one target, beside those of the others
+BOUNCE = 2.718  # factor by which errors of neighbouring settings differ from a power law
+SPREAD = 0.2  # of the documented order: how far the order that a scene shows lies from it
 BACK = 4.0  # factor to a finer step after one that was refused or failed; its square for a tolerance
 LEAP = 2.0  # power by which such a factor grows from one to the next
 FIRST_RTOL, FIRST_STEP = 1e-5, 5e-3  # where the search begins; steps in s, or in free-fall times
@@ -75,10 +77,27 @@ class Tried:
         """The order of the error in the setting: documented for steps; proportionality for tolerances."""
         return 1.0 if self.method.kind == "adaptive" else float(self.method.order or 1)
 
+    @property
+    def foretold(self) -> float:
+        """The order that the search expects: p of a step; p / (p + 1) of a tolerance, which bounds a step's error."""
+        p = float(self.method.order or 5)
+        return p / (p + 1.0) if self.method.kind == "adaptive" else self.order
+
     def good(self) -> list[tuple[float, float]]:
         """Return setting and error of every run that succeeded, coarse to fine."""
         runs = ((knob, self.records[knob]) for knob in self.knobs)
         return [(knob, r.error.value) for knob, r in runs if r.status == "success" and r.error is not None]
+
+    def sound(self) -> list[tuple[float, float]]:
+        """Return what the law of errors is read from: runs within WINDOW of what two coarser ones reached.
+
+        The others have lost their way, as by a wrong turn in a singular pose, and bound a search as failed ones do.
+        """
+        good = self.good()
+        reached = [sorted(error for _, error in good[:place]) for place in range(len(good))]
+        return [
+            run for run, better in zip(good, reached, strict=True) if not better[1:] or run[1] <= WINDOW * better[1]
+        ]
 
     def points(self) -> list[Point]:
         """Return what the verdict asks, coarse to fine, gaps between neighbours among them."""
@@ -116,17 +135,29 @@ def search(
 
 
 def _begin(runs: Runs, tried: Tried) -> bool:
-    """Find a first setting at which the method runs, in growing leaps from where it is refused or fails."""
+    """Find a first setting at which the method runs: finer ones where it is refused or fails.
+
+    Steps in growing leaps; of tolerances the middle and the tightest.
+    """
     finest = TIGHTEST if tried.method.kind == "adaptive" else tried.scene.duration / tried.most_steps
-    knob, factor = max(first_knob(tried.scene, tried.method), finest), _factor(tried)
-    while knob >= finest:
+    for knob in _first_knobs(tried, max(first_knob(tried.scene, tried.method), finest), finest):
         record = _try(runs, tried, knob)
         if record.status == "success":
             return True
         if record.status == TOO_SMALL or (record.status in REFUSED and not _names_a_setting(record)):
             return False
-        knob, factor = max(knob / factor, finest) if knob > BACK * finest else 0.0, factor**LEAP
     return False
+
+
+def _first_knobs(tried: Tried, first: float, finest: float) -> Iterator[float]:
+    yield first
+    if tried.method.kind == "adaptive":
+        yield from (math.sqrt(first * finest), finest)
+        return
+    knob, factor = first, BACK
+    while knob > BACK * finest:
+        knob, factor = max(knob / factor, finest), factor**LEAP
+        yield knob
 
 
 def _factor(tried: Tried) -> float:
@@ -184,9 +215,8 @@ def _met(tried: Tried, target: float) -> float | None:
     knob, error = reaching[0]
     coarser = [other for other in tried.knobs if other > knob]
     is_near = bool(coarser) and _is_close(tried, min(coarser), knob)
-    steps, intervals = tried.records[knob].steps, SAMPLES - 1
-    is_idle = any(tried.records[finer].steps <= steps for finer, _ in reaching[1:2])
-    is_idle = is_idle or intervals <= steps <= (1.0 + NEXT_TO_NONE) * intervals  # outputs alone end its steps
+    steps = tried.records[knob].steps
+    is_idle = _is_idle(tried, knob) or any(tried.records[finer].steps <= steps for finer, _ in reaching[1:2])
     at_end = knob >= 0.99 * knob_of(settings_at(tried.method, tried.scene, coarsest(tried.method, tried.scene)))
     return knob if error >= target / WINDOW or is_near or is_idle or at_end else None
 
@@ -202,16 +232,16 @@ def _aimed(tried: Tried, error: float) -> float:
     A setting beyond one that failed gives way to the middle between that one and the nearest that did not. A step
     leaps once over one that failed, for the iteration of an implicit method may converge at a finer one.
     """
-    good = tried.good()
+    good = tried.sound()
     around = _around(good, error)
     wanted = _typed(tried, _between(tried, *around, error) if around else _beyond(tried, error))
-    failed = [other for other in tried.knobs if tried.records[other].status != "success"]
+    failed = set(tried.knobs) - {knob for knob, _ in good}
     coarser, finer = [k for k in failed if k > good[0][0]], [k for k in failed if k < good[-1][0]]
     if coarser and wanted >= min(coarser):
         wanted = math.sqrt(min(coarser) * good[0][0])
     if finer and wanted <= max(finer):
-        beyond = min(wanted, min(finer) / BACK)
-        leaps = tried.method.kind == "fixed" and len(finer) == 1 and _steps(tried, beyond) <= tried.most_steps
+        beyond = max(min(wanted, min(finer) / BACK), tried.scene.duration / tried.most_steps)
+        leaps = tried.method.kind == "fixed" and len(finer) == 1 and beyond < min(finer)
         wanted = _typed(tried, beyond) if leaps else math.sqrt(max(finer) * good[-1][0])
     return wanted
 
@@ -238,26 +268,44 @@ def _between(tried: Tried, coarse: tuple[float, float], fine: tuple[float, float
 def _beyond(tried: Tried, error: float) -> float:
     """Return where a power law leads from the nearest run to `error`.
 
-    Where the last two runs show a lower order than a method can have, as where coarse ones are held up by the outputs
-    that they land on, the documented one tells; no more than twice that is believed.
+    Its order is the documented one, corrected by the next run: the more, the further apart the two are. A run that
+    takes no more steps than the other tells no order; where outputs alone end the steps, tolerances begin to govern
+    them at about the error that there is.
     """
-    good, order = tried.good(), tried.order
+    good, order = tried.sound(), tried.foretold
     is_finer = good[-1][1] > error
-    (knob, here), other = (good[-1], good[-2:-1]) if is_finer else (good[0], good[1:2])
-    for another, there in other:
-        slope = math.log(max(there, TINY) / max(here, TINY)) / math.log(another / knob)
-        order = min(slope, 2.0 * order) if slope >= 0.5 * order else order
+    (knob, here), *others = good[::-1] if is_finer else good
+    for another, there in others[:1]:
+        foretold, seen = order * math.log(another / knob), math.log(max(there, TINY) / max(here, TINY))
+        doubt = (math.log(BOUNCE) / (SPREAD * foretold)) ** 2  # of what is seen against what is foretold
+        if _takes_more(tried, min(another, knob), max(another, knob)):
+            order *= max(0.5, (doubt + seen / foretold) / (doubt + 1.0))
+    if is_finer and tried.method.kind == "adaptive" and _is_idle(tried, knob):
+        knob = min(knob, here)
     return knob * (error / max(here, TINY)) ** (1.0 / order)
 
 
-def _is_vain(tried: Tried, knob: float, target: float) -> bool:
-    """Whether a setting is hardly finer than the finest run, and the target asks for more than it can give.
+def _takes_more(tried: Tried, fine: float, coarse: float) -> bool:
+    """Whether a setting takes more steps than a coarser one: NEXT_TO_NONE is no difference."""
+    return tried.records[fine].steps > (1.0 + NEXT_TO_NONE) * tried.records[coarse].steps
 
-    So it is where a failure or roundoff bounds what may be tried.
+
+def _is_idle(tried: Tried, knob: float) -> bool:
+    """Whether outputs alone end the steps."""
+    return SAMPLES - 1 <= tried.records[knob].steps <= (1.0 + NEXT_TO_NONE) * (SAMPLES - 1)
+
+
+def _is_vain(tried: Tried, knob: float, target: float) -> bool:
+    """Whether the target asks for more than any setting can give that is left between the finest run and a failure.
+
+    So it is where the law leads to a tolerance that failed or beyond, and where a setting is hardly finer than the
+    finest run.
     """
-    finest, _ = tried.good()[-1]
+    finest, _ = tried.sound()[-1]
+    failed = [k for k in tried.knobs if k < finest and tried.method.kind == "adaptive"]
     wished = (1.0 + NEXT_TO_NONE) * _beyond(tried, target)
-    return wished < knob < finest and _is_close(tried, finest, knob)
+    beyond = bool(failed) and len(tried.good()) > 1 and wished <= max(failed) < knob
+    return knob < finest and (beyond or (wished < knob and _is_close(tried, finest, knob)))
 
 
 def _is_over(tried: Tried) -> bool:

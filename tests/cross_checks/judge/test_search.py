@@ -87,6 +87,32 @@ def test_a_step_that_fails_between_steps_that_run_is_leapt_over():
     assert answer.answer == "reached"
 
 
+def test_a_leap_over_a_failing_step_ends_at_the_bound_on_work():
+    runs = MadeUp(lambda h: 60.0 * h**2, blows=lambda h: 1.1e-4 < h < 2e-4)
+    _, (answer,) = search(runs, SCENE, "made", Method("trapezoidal", "fixed", 2, "made up"), TRUTH, (1e-6,))
+    assert answer.answer == "reached"
+
+
+def test_a_run_that_lost_its_way_is_no_guide():
+    """As where a loop takes the wrong turn in a singular pose, which steps on either side pass."""
+    runs = MadeUp(lambda h: 3e-3 if 1e-3 < h < 1.5e-3 else 1e2 * h**4)
+    _, answers = search(runs, SCENE, "made", FOURTH, TRUTH)
+    assert [answer.answer for answer in answers] == ["reached"] * 3
+
+
+def test_a_lucky_run_stops_no_search():
+    runs = MadeUp(lambda r: 2e-6 if 1e-8 < r < 4e-8 else 3e4 * r)
+    _, answers = search(runs, SCENE, "made", ADAPTIVE, TRUTH)
+    assert [answer.answer for answer in answers] == ["reached"] * 3
+
+
+def test_tolerances_begin_to_govern_where_outputs_no_longer_end_all_steps():
+    runs = MadeUp(lambda r: min(3e-8, 3.0 * r), count=lambda r: 40 if r > 1e-8 else 80)
+    _, (answer,) = search(runs, SCENE, "made", ADAPTIVE, TRUTH, (1e-9,))
+    assert answer.answer == "reached"
+    assert len(runs.asked) <= 2 + 1  # the first, the one asked for, and one for the verdict
+
+
 def test_between_a_run_and_a_failure_close_to_it_nothing_is_tried():
     """What is in between cannot reach a target a thousand times smaller."""
     runs = MadeUp(lambda h: 1e2 * h**2, blows=lambda h: h < 2e-3)

@@ -1,8 +1,9 @@
 """The search against full ladders: it finds what they find, at the error asked, in fewer runs.
 
-Bounds are as measured on the nine planar scenes: 720 runs against 1360, two targets of 321 missed, four choices of 319
-further below their target than asked. Both misses hang on single steps: an implicit iteration that fails at steps
-on either side of one that works, and errors that rise and fall as a loop passes near a singular pose.
+Measured on all default scenes: 1290 runs against 2461, one target of 558 missed, eleven choices of 624 further below
+their target than asked. The miss hangs on a single step: an implicit iteration that fails at steps on either side of it.
+Tolerances spare little more: over three decades errors lie half a decade off the power law of their method, and half a
+decade is half the window.
 """
 
 from __future__ import annotations
@@ -15,8 +16,8 @@ from cross_checks.records.store import Store, default_path
 from reports.gather import SCENES
 from tests.cross_checks.judge.search_against_ladders import compared, summary
 
-FEWER = 0.55  # of the ladders' runs
-MISSED = 0.01  # of the targets that a rung reaches
+FEWER = 0.54  # of the ladders' runs
+MISSED = 0.005  # of the targets that a rung reaches
 FAR = 0.02  # of the choices
 
 
