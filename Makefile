@@ -85,6 +85,7 @@ nightly: $(NIGHT_STAMP)  ## all tests, seeded defects, the benchmarks, the full 
 	step $(NIGHT)/mbs-ref report; \
 	bench=; if [ -s reports/out/bench.json ]; then bench="--bench reports/out/bench.json"; fi; \
 	step $(NIGHT)/mbs-ref nightly --baseline $(BASELINE) $$bench --sweeps reports/out/sweeps --trends reports/out/trends.html; \
+	step $(NIGHT)/mbs-ref board -o reports/out/board.html; \
 	rm -rf $(NIGHT_MARKS); \
 	exit $$failed
 

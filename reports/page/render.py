@@ -37,7 +37,7 @@ class Images:
 
 
 @cache
-def _templates() -> Environment:
+def templates() -> Environment:
     """Return the templates, whose compiled form is kept beside the kernels' where that folder can be written."""
     templates = Environment(loader=FileSystemLoader((TEMPLATES, STUDIES)), autoescape=True, undefined=StrictUndefined)
     folder = cache_folder().parent / "templates"
@@ -61,10 +61,10 @@ def _page(page: Page, listed: list[Page], data: ReportData, images: Images) -> s
     def body(section: Section) -> Markup:
         shared = {"scenes": page.data.scenes, "engine_colours": engine_colours, "absence": data.absence}
         context = {"section": section, "image": images.add, **shared, **section.context(page.data)}
-        return Markup(_templates().get_template(section.template or f"{section.name}.html").render(context))
+        return Markup(templates().get_template(section.template or f"{section.name}.html").render(context))
 
     return (
-        _templates()
+        templates()
         .get_template("page.html")
         .render(
             page=page,
