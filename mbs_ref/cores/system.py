@@ -41,9 +41,15 @@ class System(ABC):
     @cached_property
     def handles(self) -> tuple[np.ndarray, np.ndarray]:
         """The handles of the scene's arrays and the scratch; the core answers through them (kernels/border/core.py)."""
-        parts, eventful = (self.groups, self.scratch), len(self.event_sources) > 0
-        scene, scratch = (core.connected(self.CORE, make_handle(part), eventful) for part in parts)
+        parts, groups = (self.groups, self.scratch), self.answered
+        scene, scratch = (core.connected(self.CORE, make_handle(part), groups) for part in parts)
         return scene, scratch
+
+    @property
+    def answered(self) -> tuple[str, ...]:
+        """The groups of questions that the scene makes necessary (mbs_ref.kernels.answers)."""
+        events = core.EVENTS if self.event_sources else core.UNEVENTFUL
+        return core.MOTION, events, core.LOOPS if self.n_closure_rows else core.OPEN
 
     @cached_property
     def model(self) -> Model:

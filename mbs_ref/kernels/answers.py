@@ -5,7 +5,7 @@ Answers come in groups, and a system is prepared for a group when it is needed, 
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from functools import cache
 from typing import Any
 
@@ -41,8 +41,11 @@ def _no_forces(model, work, t, y, out):
     pass
 
 
-# what every run asks; contacts, one-sided springs and declared events; methods on the DAE itself; afterwards
-MOTION, EVENTS, FORM, REPORT = "motion", "events", "form", "report"
+MOTION = "motion"  # what every run asks
+EVENTS, UNEVENTFUL = "events", "uneventful"  # of contacts, one-sided springs and declared events; of scenes without
+LOOPS, OPEN = "loops", "open"  # of closed loops, rows of contacts among them; of trees
+FORM = "form"  # of methods on the DAE itself
+REPORT = "report"  # afterwards
 # core -> group -> question -> answer
 ANSWERS: dict[str, dict[str, dict[str, Callable[..., Any]]]] = {
     "planar": {
@@ -55,8 +58,6 @@ ANSWERS: dict[str, dict[str, dict[str, Callable[..., Any]]]] = {
             "accelerate": planar.planar_accelerate,
             "fill_rows": planar_joints.planar_fill_rows,
             "apply_loads": planar_loads.planar_apply_loads,
-            "factor": planar.planar_factor,
-            "solve": planar.planar_solve,
         },
         EVENTS: {
             "root_count": planar_events.planar_root_count,
@@ -68,6 +69,15 @@ ANSWERS: dict[str, dict[str, dict[str, Callable[..., Any]]]] = {
             "slip_velocities": planar_contact_events.planar_slip_velocities,
             "apply_contacts": planar_contacts.planar_apply_contacts,
             "fill_contact_rows": planar_rows.planar_fill_contact_rows,
+        },
+        UNEVENTFUL: NO_EVENTS,
+        LOOPS: {
+            "factor": planar.planar_factor,
+            "solve": planar.planar_solve,
+        },
+        OPEN: {
+            "factor": planar.planar_factor_open,
+            "solve": planar.planar_solve_open,
         },
         FORM: {
             "multipliers": planar.planar_multipliers,
@@ -96,8 +106,6 @@ ANSWERS: dict[str, dict[str, dict[str, Callable[..., Any]]]] = {
             "accelerate": spatial.spatial_accelerate,
             "fill_rows": spatial_joints.spatial_fill_rows,
             "apply_loads": spatial_loads.spatial_apply_loads,
-            "factor": spatial.spatial_factor,
-            "solve": spatial.spatial_solve,
         },
         EVENTS: {
             "root_count": spatial_contact_events.spatial_root_count,
@@ -109,6 +117,15 @@ ANSWERS: dict[str, dict[str, dict[str, Callable[..., Any]]]] = {
             "slip_velocities": spatial_contact_events.spatial_slip_velocities,
             "apply_contacts": spatial_contacts.spatial_apply_contacts,
             "fill_deflection_rates": spatial_contacts.spatial_fill_deflection_rates,
+        },
+        UNEVENTFUL: NO_EVENTS,
+        LOOPS: {
+            "factor": spatial.spatial_factor,
+            "solve": spatial.spatial_solve,
+        },
+        OPEN: {
+            "factor": spatial.spatial_factor_open,
+            "solve": spatial.spatial_solve_open,
         },
         FORM: {
             "multipliers": spatial.spatial_multipliers,
@@ -144,6 +161,8 @@ ANSWERS: dict[str, dict[str, dict[str, Callable[..., Any]]]] = {
             "start_modes": relative.relative_start_modes,
             "contact_mobility": relative.relative_contact_mobility,
         },
+        UNEVENTFUL: NO_EVENTS,
+        OPEN: {},
         FORM: {},
         REPORT: {},
     },
@@ -164,6 +183,8 @@ ANSWERS: dict[str, dict[str, dict[str, Callable[..., Any]]]] = {
             "start_modes": relative.relative_start_modes,
             "contact_mobility": relative.relative_contact_mobility,
         },
+        UNEVENTFUL: NO_EVENTS,
+        OPEN: {},
         FORM: {},
         REPORT: {},
     },
@@ -175,6 +196,8 @@ ANSWERS: dict[str, dict[str, dict[str, Callable[..., Any]]]] = {
             "tangent": particles.particle_tangent,
             "regularity": particles.particle_regularity,
         },
+        UNEVENTFUL: NO_EVENTS,
+        OPEN: {},
         FORM: {
             "multipliers": particles.particle_multipliers,
         },
@@ -191,23 +214,11 @@ def _addresses(core: str, group: str) -> tuple[np.ndarray, np.ndarray]:
     return addresses(ANSWERS[core][group])
 
 
-@cache
-def _without_events() -> tuple[np.ndarray, np.ndarray]:
-    return addresses(NO_EVENTS)
-
-
-def connected(core: str, handle: np.ndarray, eventful: bool) -> np.ndarray:
-    """Let a core answer what every run asks; other questions raise an error until their group is prepared.
-
-    What contacts, one-sided springs and declared events need is compiled for a scene that is `eventful` alone.
-    """
+def connected(core: str, handle: np.ndarray, groups: Iterable[str]) -> np.ndarray:
+    """Let a core answer groups of questions; others raise an error until their group is prepared."""
     handle[:QUESTIONS] = unanswered()
-    prepare(core, handle, MOTION)
-    if eventful:
-        prepare(core, handle, EVENTS)
-    else:
-        places, where = _without_events()
-        handle[places] = where
+    for group in groups:
+        prepare(core, handle, group)
     return handle
 
 

@@ -29,7 +29,9 @@ class Core(NamedTuple):
 CORES = {
     "space": Core("heavy_top", every_method=True),
     "plane": Core("pendulum", every_method=True),
+    "loops in space": Core("spatial_n_four_bar"),
     "contacts in space": Core("rolling_sphere"),
+    "loops in the plane": Core("n_four_bar"),
     "contacts in the plane": Core("sliding_block"),
     "particles": Core("kepler", every_method=True),
     "trees in space": Core("heavy_top", "relative"),

@@ -15,6 +15,7 @@ from mbs_ref.kernels.planar.model import (
     bodies_of,
     closures_of,
     kinematics_of,
+    loops_of,
     rows_of,
     slots_of,
     tree_of,
@@ -50,13 +51,25 @@ def load_state(model, work, y):
 @jit
 def planar_factor(model, work):
     """Factor the augmented matrix at the Jacobians in `work`."""
-    factor_tree(model, work)
+    factor_tree(model, work, loops_of(model))
 
 
 @jit
 def planar_solve(model, work, gamma):
     """Solve the augmented system for the tree's load and `gamma` into its acceleration and the multipliers."""
-    solve_tree(model, work, gamma, tree_of(work).acceleration, rows_of(work).multiplier)
+    solve_tree(model, work, loops_of(model), gamma, tree_of(work).acceleration, rows_of(work).multiplier)
+
+
+@jit
+def planar_factor_open(model, work):
+    """The same of a tree without closed loops."""
+    factor_tree(model, work, None)
+
+
+@jit
+def planar_solve_open(model, work, gamma):
+    """The same of a tree without closed loops."""
+    solve_tree(model, work, None, gamma, tree_of(work).acceleration, rows_of(work).multiplier)
 
 
 @jit

@@ -13,7 +13,7 @@ from __future__ import annotations
 from mbs_ref.kernels.algebra.ldl import ldl3, ldl3_solve
 from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.planar.closure import begin_closures, eliminate_closures, pass_rows
-from mbs_ref.kernels.planar.model import RATES, bodies_of, closures_of, loops_of, rows_of, slots_of, tree_of
+from mbs_ref.kernels.planar.model import RATES, bodies_of, closures_of, rows_of, slots_of, tree_of
 from mbs_ref.kernels.rigid.elimination import (
     condense,
     start_rows,
@@ -24,13 +24,14 @@ from mbs_ref.kernels.rigid.elimination import (
 
 
 @jit
-def factor_tree(model, work):
-    """Factor every body's block and joint, leaf to root, and the closures at their apexes."""
+def factor_tree(model, work, loops):
+    """Factor every body's block and joint, leaf to root, and the closures at their apexes.
+
+    `loops` is None in open trees, and for them no code that stands behind `loops is not None` is compiled.
+    """
     bodies, slots, tree, rows = bodies_of(model), slots_of(model), tree_of(work), rows_of(work)
-    loops = loops_of(model)
     n = bodies.mass.shape[0]
-    looped = loops.slot.shape[0] > 0
-    if looped:
+    if loops is not None:
         begin_closures(model, work)
     for i in range(n):
         art = tree.articulated[i]
@@ -42,7 +43,7 @@ def factor_tree(model, work):
         art[2, 2] = bodies.inertia[i]
     for i in range(n - 1, -1, -1):
         art = tree.articulated[i]
-        if looped and loops.closed[i, 0] < loops.closed[i, 1]:
+        if loops is not None and loops.closed[i, 0] < loops.closed[i, 1]:
             eliminate_closures(model, work, i)
         m = ldl3(art[0, 0], art[1, 0], art[1, 1], art[2, 0], art[2, 1], art[2, 2])
         for c in range(6):
@@ -78,9 +79,9 @@ def factor_tree(model, work):
             for r in range(3):
                 for c in range(r + 1):
                     up[r, c] += far[0, r] * transfer[0, c] + far[1, r] * transfer[1, c] + far[2, r] * transfer[2, c]
-        if looped and loops.entry[i] < loops.entry[i + 1]:
+        if loops is not None and loops.entry[i] < loops.entry[i + 1]:
             pass_rows(model, work, i)
-    if looped:
+    if loops is not None:
         eliminate_closures(model, work, n)
 
 
@@ -93,20 +94,19 @@ def _put_answer(tree, i, multiplier, out):
 
 
 @jit
-def solve_tree(model, work, gamma, acceleration, multiplier):
+def solve_tree(model, work, loops, gamma, acceleration, multiplier):
     """Solve with the forces in the tree's load (overwritten) and the rows' right-hand side `gamma`.
 
     acceleration (n + 1, 3) and multiplier (n_slots, 3) receive the result; ground's row stays zero.
     """
     bodies, tree, rows = bodies_of(model), tree_of(work), rows_of(work)
-    loops, closures = loops_of(model), closures_of(work)
+    closures = closures_of(work)
     n = bodies.mass.shape[0]
-    looped = loops.slot.shape[0] > 0
     load = tree.load
-    if looped:
+    if loops is not None:
         start_rows(RATES, loops, closures, gamma)
     for i in range(n - 1, -1, -1):
-        if looped and loops.closed[i, 0] < loops.closed[i, 1]:
+        if loops is not None and loops.closed[i, 0] < loops.closed[i, 1]:
             condense(RATES, loops, closures, i, load[i])
         m = tree.mass_factor[i]
         s = tree.row_factor[i]
@@ -124,7 +124,7 @@ def solve_tree(model, work, gamma, acceleration, multiplier):
         multiplier[i, 0] = u0
         multiplier[i, 1] = u1
         multiplier[i, 2] = u2
-        if looped and loops.entry[i] < loops.entry[i + 1]:
+        if loops is not None and loops.entry[i] < loops.entry[i + 1]:
             take_free(RATES, loops, closures, i, load[i], gamma[i])
         p = bodies.parent[i]
         if p == n:
@@ -132,7 +132,7 @@ def solve_tree(model, work, gamma, acceleration, multiplier):
         far = rows.jacobian[i, 1]
         for c in range(3):
             load[p, c] -= far[0, c] * u0 + far[1, c] * u1 + far[2, c] * u2
-    if looped:
+    if loops is not None:
         condense(RATES, loops, closures, n, load[n])
         substitute(RATES, loops, closures, n, acceleration[n], multiplier)
     for i in range(n):
@@ -146,7 +146,7 @@ def solve_tree(model, work, gamma, acceleration, multiplier):
                     + transfer[r, 2] * acceleration[p, 2]
                 )
         _put_answer(tree, i, multiplier[i], acceleration[i])
-        if looped and loops.entry[i] < loops.entry[i + 1]:
+        if loops is not None and loops.entry[i] < loops.entry[i + 1]:
             take_closures(RATES, loops, closures, i, acceleration[i], multiplier[i])
-        if looped and loops.closed[i, 0] < loops.closed[i, 1]:
+        if loops is not None and loops.closed[i, 0] < loops.closed[i, 1]:
             substitute(RATES, loops, closures, i, acceleration[i], multiplier)

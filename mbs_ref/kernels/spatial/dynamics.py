@@ -25,6 +25,7 @@ from mbs_ref.kernels.spatial.model import (
     bodies_of,
     closures_of,
     kinematics_of,
+    loops_of,
     rows_of,
     slots_of,
     tree_of,
@@ -45,13 +46,25 @@ from mbs_ref.kernels.spatial.vectors import add, minus, put, symmetric_times, tr
 @jit
 def spatial_factor(model, work):
     """Factor the augmented matrix at the Jacobians in `work`."""
-    factor_tree(model, work)
+    factor_tree(model, work, loops_of(model))
 
 
 @jit
 def spatial_solve(model, work, gamma):
     """Solve the augmented system for the tree's load and `gamma` into its acceleration and the multipliers."""
-    solve_tree(model, work, gamma, tree_of(work).acceleration, rows_of(work).multiplier)
+    solve_tree(model, work, loops_of(model), gamma, tree_of(work).acceleration, rows_of(work).multiplier)
+
+
+@jit
+def spatial_factor_open(model, work):
+    """The same of a tree without closed loops."""
+    factor_tree(model, work, None)
+
+
+@jit
+def spatial_solve_open(model, work, gamma):
+    """The same of a tree without closed loops."""
+    solve_tree(model, work, None, gamma, tree_of(work).acceleration, rows_of(work).multiplier)
 
 
 @jit

@@ -36,7 +36,6 @@ from mbs_ref.kernels.spatial.model import (
     bodies_of,
     closures_of,
     kinematics_of,
-    loops_of,
     rows_of,
     slots_of,
     tree_of,
@@ -99,20 +98,21 @@ def _transfer(far, factor, count, transfer):
 
 
 @jit
-def factor_tree(model, work):
-    """Factor every body's block and joint, leaf to root, and the closures at their apexes."""
+def factor_tree(model, work, loops):
+    """Factor every body's block and joint, leaf to root, and the closures at their apexes.
+
+    `loops` is None in open trees, and for them no code that stands behind `loops is not None` is compiled.
+    """
     bodies, slots, tree, rows = bodies_of(model), slots_of(model), tree_of(work), rows_of(work)
-    loops = loops_of(model)
     n = bodies.mass.shape[0]
-    looped = loops.slot.shape[0] > 0
     _start_blocks(model, work)
-    if looped:
+    if loops is not None:
         begin_closures(model, work)
     for i in range(n - 1, -1, -1):
         if bodies.alone[i] == 1:
             continue
         art = tree.articulated[i]
-        if looped and loops.closed[i, 0] < loops.closed[i, 1]:
+        if loops is not None and loops.closed[i, 0] < loops.closed[i, 1]:
             eliminate_closures(model, work, i)
         factor_ldl(art, 6)
         count = slots.count[i]
@@ -122,7 +122,7 @@ def factor_tree(model, work):
                 lift[r, c] = jac[r, c]
             solve_ldl(art, 6, lift[r])
         _factor_rows(jac, lift, tree.row_factor[i], count)
-        if looped and loops.entry[i] < loops.entry[i + 1]:
+        if loops is not None and loops.entry[i] < loops.entry[i + 1]:
             pass_rows(model, work, i)
         p = bodies.parent[i]
         if p == n:
@@ -135,7 +135,7 @@ def factor_tree(model, work):
                 weight = far[k, r]
                 for c in range(r + 1):
                     up[r, c] += weight * transfer[k, c]
-    if looped:
+    if loops is not None:
         eliminate_closures(model, work, n)
 
 
@@ -161,24 +161,23 @@ def _put_answer(tree, i, count, multiplier, out):
 
 
 @jit
-def solve_tree(model, work, gamma, acceleration, multiplier):
+def solve_tree(model, work, loops, gamma, acceleration, multiplier):
     """Solve with the forces in the tree's load (overwritten) and the rows' right-hand side `gamma`.
 
     acceleration (n + 1, 6) and multiplier (n_slots, 6) receive the result; ground's row stays zero.
     """
     bodies, slots, tree, rows = bodies_of(model), slots_of(model), tree_of(work), rows_of(work)
-    loops, closures = loops_of(model), closures_of(work)
+    closures = closures_of(work)
     n = bodies.mass.shape[0]
-    looped = loops.slot.shape[0] > 0
     load = tree.load
-    if looped:
+    if loops is not None:
         start_rows(RATES, loops, closures, gamma)
     for i in range(n - 1, -1, -1):
         if bodies.alone[i] == 1:
             continue
         free, jac, far, u = tree.free[i], rows.jacobian[i, 0], rows.jacobian[i, 1], multiplier[i]
         count = slots.count[i]
-        if looped and loops.closed[i, 0] < loops.closed[i, 1]:
+        if loops is not None and loops.closed[i, 0] < loops.closed[i, 1]:
             condense(RATES, loops, closures, i, load[i])
         for c in range(6):
             free[c] = load[i, c]
@@ -189,7 +188,7 @@ def solve_tree(model, work, gamma, acceleration, multiplier):
                 total += jac[r, c] * free[c]
             u[r] = total
         solve_ldl(tree.row_factor[i], count, u)
-        if looped and loops.entry[i] < loops.entry[i + 1]:
+        if loops is not None and loops.entry[i] < loops.entry[i + 1]:
             take_free(RATES, loops, closures, i, load[i], gamma[i])
         p = bodies.parent[i]
         if p == n:
@@ -197,7 +196,7 @@ def solve_tree(model, work, gamma, acceleration, multiplier):
         for r in range(count):
             for c in range(6):
                 load[p, c] -= far[r, c] * u[r]
-    if looped:
+    if loops is not None:
         condense(RATES, loops, closures, n, load[n])
         substitute(RATES, loops, closures, n, acceleration[n], multiplier)
     for i in range(n):
@@ -214,7 +213,7 @@ def solve_tree(model, work, gamma, acceleration, multiplier):
                     total += transfer[r, c] * acceleration[p, c]
                 multiplier[i, r] += total
         _put_answer(tree, i, count, multiplier[i], acceleration[i])
-        if looped and loops.entry[i] < loops.entry[i + 1]:
+        if loops is not None and loops.entry[i] < loops.entry[i + 1]:
             take_closures(RATES, loops, closures, i, acceleration[i], multiplier[i])
-        if looped and loops.closed[i, 0] < loops.closed[i, 1]:
+        if loops is not None and loops.closed[i, 0] < loops.closed[i, 1]:
             substitute(RATES, loops, closures, i, acceleration[i], multiplier)
