@@ -21,6 +21,7 @@ from cross_checks.workshop.planar_forces import AppliedForces
 from cross_checks.workshop.planar_motion import arrays_of, motion_of, project
 from cross_checks.workshop.planar_tree import JointTree
 from cross_checks.workshop.spatial_forces import SpatialApplied
+from mbs_ref.kernels.answers import ANSWERS
 from mbs_ref.kernels.planar.dynamics import load_state as load_planar
 from mbs_ref.kernels.planar.loads import planar_apply_loads
 from mbs_ref.kernels.spatial.loads import spatial_apply_loads
@@ -30,14 +31,16 @@ from mbs_ref.scene.euler_parameters import floats, rotation_matrices
 
 ACCESSOR = "_of"  # ends the name of what gives a group of arrays of a model or of its scratch
 Sources = dict[str, Any]  # what a text names, by its name
+NEVER_CALLED = ("call_user",)  # a scene that has a user's own function is refused
 _IN_PLANE = (load_planar, planar_apply_loads, motion_of, project)
+_IN_SPACE = (load_spatial, spatial_apply_loads)
 
 
 def forces_text(applied: AppliedForces | SpatialApplied) -> str:
     """Return the text of `on_bodies(t, ...)`, in the plane also of `generalized(t, q, v)`, as adapters call them."""
     system = applied.system
     planar = isinstance(applied, AppliedForces)
-    named = _gathered(*(_IN_PLANE if planar else (load_spatial, spatial_apply_loads)))
+    named = _gathered("planar", *_IN_PLANE) if planar else _gathered("spatial", *_IN_SPACE)
     groups = [name.removesuffix(ACCESSOR) for name, value in named.items() if isinstance(value, _Intrinsic)]
     model = {name: getattr(system.groups, name) for name in groups if hasattr(system.groups, name)}
     work = {name: getattr(system.scratch, name) for name in groups if hasattr(system.scratch, name)}
@@ -54,7 +57,7 @@ def forces_text(applied: AppliedForces | SpatialApplied) -> str:
 
 def motion_text(tree: JointTree) -> str:
     """Return the text of `motion_of(TREE, q, v)`, which gives poses and velocities of a planar tree's coordinates."""
-    code = "\n\n".join(_texts(_gathered(motion_of)))
+    code = "\n\n".join(_texts(_gathered("planar", motion_of)))
     return f"{code}\n\nTREE = {_group('', arrays_of(tree)).removeprefix('=')}\n"
 
 
@@ -72,40 +75,47 @@ def array_text(values: Any) -> str:
     return f"np.array({literal(array)}{whole})" if array.any() else f"np.zeros({array.shape}{whole})"
 
 
-def _gathered(*roots: Dispatcher) -> Sources:
+def _gathered(core: str, *roots: Dispatcher) -> Sources:
+    answers = {question: answer for group in ANSWERS[core].values() for question, answer in group.items()}
     named: Sources = {}
     for root in roots:
-        _gather(root, named)
+        _gather(root, answers, named)
     return named
 
 
-def _gather(function: Dispatcher, named: Sources) -> None:
-    """Add a compiled function and all that it names, directly or not; ValueError where a name means two things."""
+def _gather(function: Dispatcher, answers: Sources, named: Sources) -> None:
+    """Add a compiled function and all that it names, directly or not; a question to the core by the core's answer.
+
+    ValueError where a name means two things, TypeError where what is named has no text.
+    """
     own = function.py_func
     found = {own.__name__: function, **inspect.getclosurevars(own).globals}
     for name, value in found.items():
+        meant = answers[name] if isinstance(value, _Intrinsic) and name in answers else value
         if name in named:
-            if named[name] is not value:
+            if named[name] is not meant:
                 raise ValueError(f"name = {name!r} means two things in what {own.__name__} carries")
             continue
-        if not isinstance(value, Dispatcher):
-            named[name] = value
-        elif value.py_func.__name__ == name:
-            named[name] = value
-            _gather(value, named)
+        named[name] = meant
+        if isinstance(meant, Dispatcher):
+            _gather(meant, answers, named)
+        elif isinstance(meant, _Intrinsic) and not name.endswith(ACCESSOR) and name not in NEVER_CALLED:
+            raise TypeError(f"{name} of {own.__name__} is no Python text, and no question that the core answers")
 
 
 def _texts(named: Sources) -> Iterator[str]:
-    """Yield what stands for each name, functions last."""
-    for name, value in sorted(named.items(), key=lambda item: isinstance(item[1], Dispatcher)):
-        if isinstance(value, Dispatcher):
-            yield plain_text(value)
-        elif isinstance(value, _Intrinsic):
-            yield f'{name} = attrgetter("{name.removesuffix(ACCESSOR)}")' if name.endswith(ACCESSOR) else ""
+    """Yield what stands for each name: data, functions, then other names of these."""
+    called = [value for value in named.values() if isinstance(value, Dispatcher)]
+    for name, value in named.items():
+        if isinstance(value, _Intrinsic) and name.endswith(ACCESSOR):
+            yield f'{name} = attrgetter("{name.removesuffix(ACCESSOR)}")'
         elif isinstance(value, type):
-            yield f'{name} = namedtuple("{name}", {literal(list(value._fields))})'
-        elif not isinstance(value, ModuleType):
+            yield f'{name} = namedtuple("{name}", {literal(list(value._fields))})'  # pyright: ignore[reportAttributeAccessIssue]
+        elif not isinstance(value, ModuleType | Dispatcher | _Intrinsic):
             yield f"{name} = {literal(value)}"
+    yield from map(plain_text, dict.fromkeys(called))
+    others = {name: value.py_func.__name__ for name, value in named.items() if isinstance(value, Dispatcher)}
+    yield from (f"{name} = {own}" for name, own in others.items() if name != own)
 
 
 def _group(name: str, group: Any) -> str:
