@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+import threading
 import time
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 
 import numpy as np
 
 from mbs_ref.cores.choice import compile_scene
-from mbs_ref.cores.system import System
+from mbs_ref.cores.system import Poses, System
 from mbs_ref.integrators import DEFAULT
 from mbs_ref.integrators.loop.leg import progress
 from mbs_ref.run.legs import Run, finite_part, run_legs
+from mbs_ref.run.many import check_shapes, shared, stopped
 from mbs_ref.run.method_choice import choose_plan, without
 from mbs_ref.run.plan import Plan, integration_options
 from mbs_ref.scene import Scene
@@ -25,20 +28,23 @@ from mbs_ref.self_checks.consistent_start import (
 from mbs_ref.self_checks.error_estimate import ENDED, estimated
 from mbs_ref.self_checks.first_steps import after_first_steps
 from mbs_ref.self_checks.rank_watch import singular_passage
-from mbs_ref.self_checks.soundness import ambiguous_start, require_sound
+from mbs_ref.self_checks.soundness import UnsoundScene, ambiguous_start, require_sound
 from mbs_ref.settings import Settings
 from mbs_ref.trajectory import Status, Timing, Trajectory
 
 BROKEN_DOWN = frozenset({Status.NOT_CONVERGED, Status.NON_FINITE, Status.STEP_TOO_SMALL})  # a method, not the scene
-__all__ = ["InconsistentScene", "integration_options", "simulate"]
+__all__ = ["InconsistentScene", "integration_options", "simulate", "simulate_scenes", "simulate_starts"]
 
 
-def simulate(scene: Scene, settings: Settings | None = None, times: np.ndarray | None = None) -> Trajectory:
+def simulate(
+    scene: Scene, settings: Settings | None = None, times: np.ndarray | None = None, start: Poses | None = None
+) -> Trajectory:
     """Integrate a scene with the in-house solver.
 
     `times` (n_t,) in s start at 0 and increase; without them an even grid follows from the settings, on
-    multiples of the step for fixed-step methods. Raises ValueError for settings that make no sense,
-    UnsoundScene for parts that make none and InconsistentScene where the initial conditions break a
+    multiples of the step for fixed-step methods. `start` are poses and velocities at t = 0 (one sample of each) in
+    place of the scene's own; joints stay where the scene has them on the bodies. Raises ValueError for settings that
+    make no sense, UnsoundScene for parts that make none and InconsistentScene where the initial conditions break a
     constraint (unless they are to be projected). Everything later is a status with a sentence; Ctrl-C keeps
     what was computed.
 
@@ -49,14 +55,25 @@ def simulate(scene: Scene, settings: Settings | None = None, times: np.ndarray |
     method = 'auto' leaves the method to what the scene contains and to what its first steps tell; the trajectory says
     which it was and why. Where a method so chosen breaks down, the default makes the run again.
     """
-    settings = settings or Settings()
+    plan, system, build_s = compiled(scene, settings or Settings(), times)
+    own = system.redundant
+    y = own.initial_state() if start is None else own.states_of(start)[0]
+    return simulated(system, plan, y, build_s)
+
+
+def compiled(scene: Scene, settings: Settings, times: np.ndarray | None) -> tuple[Plan, System, float]:
+    """Return the plan, the system and the time to build it (s), as `simulate` begins."""
     require_sound(scene)
     plan = choose_plan(scene, settings, times)
     started = time.perf_counter()
-    system = compile_scene(scene, settings.coordinates)
-    y = system.redundant.initial_state()
-    built = time.perf_counter()
+    return plan, compile_scene(scene, settings.coordinates), time.perf_counter() - started
+
+
+def simulated(system: System, plan: Plan, y: np.ndarray, build_s: float = 0.0, warm: bool = False) -> Trajectory:
+    """Return what `simulate` does from a state y of `system.redundant`; `warm` where this plan has been run before."""
+    began, settings = time.perf_counter(), plan.settings
     system.set_mode_time(0.0)
+    system.set_baumgarte(0.0)
     repairs = consistent_start(system.redundant, y, settings)
     y = system.reduced(y)
     rank = rank_at_start(system, y)
@@ -66,26 +83,81 @@ def simulate(scene: Scene, settings: Settings | None = None, times: np.ndarray |
         if branches:
             return _refused(system, branches, Status.SINGULAR)
     system.set_baumgarte(plan.baumgarte_gain)
-    located = settings.events != "none"
-    system.start_contacts(0.0, y, located)
+    system.start_contacts(0.0, y, settings.events != "none")
     plan = after_first_steps(system, plan, y)
     refusal = unstable_step(system, plan, y)
     if refusal:
         return _refused(system, refusal)
-    _first_call(system, plan, y)
-    system.start_contacts(0.0, y, located)
+    if not warm:
+        _first_call(system, plan, y)
     ready = time.perf_counter()
-    start = y.copy()
-    run = finite_part(system, run_legs(system, plan, y))
+    run = _run(system, plan, y.copy())
     if plan.reason and run.status in BROKEN_DOWN and plan.integrator.name != DEFAULT:
-        plan, system, y = without(scene, plan, run.message), system.twin(), start
-        system.set_mode_time(0.0)
-        system.set_baumgarte(plan.baumgarte_gain)
-        system.start_contacts(0.0, y, located)
-        run = finite_part(system, run_legs(system, plan, y))
-    timing = Timing(build_s=built - started, first_call_s=ready - built, loop_s=run.loop_s)
+        plan, system = without(system.scene, plan, run.message), system.twin()
+        run = _run(system, plan, y)
+    timing = Timing(build_s=build_s, first_call_s=ready - began, loop_s=run.loop_s)
     path = _trajectory(system, plan, run, notes, timing)
     return _with_estimate(system, plan, run, path)
+
+
+def _run(system: System, plan: Plan, y: np.ndarray) -> Run:
+    """Make the run from y, which is left where it ends."""
+    system.set_mode_time(0.0)
+    system.set_baumgarte(plan.baumgarte_gain)
+    system.start_contacts(0.0, y, plan.settings.events != "none")
+    return finite_part(system, run_legs(system, plan, y))
+
+
+def simulate_starts(
+    scene: Scene,
+    starts: Poses,
+    settings: Settings | None = None,
+    times: np.ndarray | None = None,
+    threads: int | None = None,
+) -> list[Trajectory]:
+    """Return a trajectory from each of n starts of one scene, as `simulate(scene, settings, times, start)` makes it.
+
+    `starts` holds position (n, n_bodies, dimension) m, orientation (n, n_bodies) rad or (n, n_bodies, 4), velocity and
+    angular velocity (rad/s) like them, as a Trajectory does. Tolerances follow the scene's own start. `threads` is the
+    number of processors unless given. A start that breaks a constraint gives the status `inconsistent`; ValueError
+    where the arrays are not such ones, or as `simulate` raises it.
+
+    Every run is to the bit as it is alone: each thread has a system of its own, and a scene whose runs leave contact
+    modes behind gets a new one for every run.
+    """
+    check_shapes(scene, starts)
+    plan, system, build_s = compiled(scene, settings or Settings(), times)
+    states, of_thread = system.redundant.states_of(starts), threading.local()
+
+    def run(y: np.ndarray) -> Trajectory:
+        warm = hasattr(of_thread, "system")
+        if not warm or system.event_sources:
+            of_thread.system = system.twin()
+        return simulated(of_thread.system, plan, y.copy(), build_s, warm)
+
+    return shared(lambda y: _or_stopped(scene, lambda: run(y)), list(states), threads)
+
+
+def simulate_scenes(
+    scenes: Iterable[Scene],
+    settings: Settings | None = None,
+    times: np.ndarray | None = None,
+    threads: int | None = None,
+) -> list[Trajectory]:
+    """Return the trajectory of each scene, as `simulate(scene, settings, times)` makes it.
+
+    A scene that is unsound or breaks a constraint gives the status `refused` or `inconsistent`.
+    """
+    return shared(lambda scene: _or_stopped(scene, lambda: simulate(scene, settings, times)), list(scenes), threads)
+
+
+def _or_stopped(scene: Scene, run: Callable[[], Trajectory]) -> Trajectory:
+    try:
+        return run()
+    except InconsistentScene as error:
+        return stopped(scene, Status.INCONSISTENT, str(error))
+    except UnsoundScene as error:
+        return stopped(scene, Status.REFUSED, str(error))
 
 
 def _refused(system: System, reason: str, status: Status = Status.REFUSED) -> Trajectory:

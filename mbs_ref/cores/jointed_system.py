@@ -16,7 +16,7 @@ from mbs_ref.cores.contact_system import ContactSystem
 from mbs_ref.cores.system import RANK_TOLERANCE
 from mbs_ref.cores.user_rows import UserRow, write_user_rows
 from mbs_ref.kernels.controls import CONTROL_MODE_TIME, CONTROL_POSITION_GAIN, CONTROL_VELOCITY_GAIN
-from mbs_ref.kernels.rigid.reactions import JointRows, forces_at_joints
+from mbs_ref.kernels.rigid.reactions import JointRows, forces_at_joints, forces_of_tree
 from mbs_ref.scene import GROUND, UserConstraint, UserForce
 from mbs_ref.scene.base.taylor import Taylor
 
@@ -63,7 +63,8 @@ class JointedSystem(ContactSystem):
 
     def twin(self) -> JointedSystem:
         other = copy(self)
-        for name in ("handles", "model", "work"):  # they point at the arrays of this one
+        other.is_twin = True
+        for name in ("handles", "model", "work", "_spare"):  # they point at the arrays of this one
             vars(other).pop(name, None)
         fresh = dict(zip(CHANGED, map(_copied, self._untouched), strict=True))
         other._allocate(self.groups._replace(**fresh))
@@ -225,17 +226,35 @@ class JointedSystem(ContactSystem):
         return dict(zip(self._reporting.names, self._about_marks(axes[None], sample)[0], strict=True))
 
     def reactions_over(self, times: np.ndarray, states: np.ndarray) -> dict[str, np.ndarray]:
-        of, forces = self._reporting, np.empty((len(times), len(self.place), self.RATES))
+        if not len(times):
+            return {}
+        forces = np.empty((len(times), len(self.place), self.RATES))
         each = max(1, MOST_AT_ONCE // max(1, forces[:1].size))
+        fill = self._fill_in_modes if self.event_sources or self.n_closure_rows else self._fill_of_tree
         for start in range(0, len(times), each):
             block = slice(start, start + each)
-            axes = []
-            for t, y, sample in zip(times[block].tolist(), states[block], forces[block], strict=True):
-                self.set_mode_time(t)
-                self.recall_modes(t)  # not the modes that the run ended in
-                axes.append(self._forces_on_bodies(t, y, sample))
-            forces[block] = self._about_marks(np.array(axes), forces[block])
-        return {name: forces[:, k].copy() for k, name in enumerate(of.names)} if len(times) else {}
+            axes = fill(times[block], states[block], forces[block])
+            forces[block] = self._about_marks(axes, forces[block])
+        return {name: forces[:, k].copy() for k, name in enumerate(self._reporting.names)}
+
+    def _fill_of_tree(self, times: np.ndarray, states: np.ndarray, out: np.ndarray) -> np.ndarray:
+        """Fill out (n_t, n_joints, rates) as `_forces_on_bodies` where no mode changes; return the bodies' axes."""
+        own, rows, times = self._own_axes, self.scratch.rows, np.ascontiguousarray(times)
+        axes = np.empty((len(times), *own.shape))
+        forces_of_tree(
+            self.model, self.work, self.groups.world.control, self._reporting.rows, rows.multiplier, rows.jacobian,
+            times, np.ascontiguousarray(states), own, axes, out,
+        )  # fmt: skip
+        return self._axes_over(states, axes)
+
+    def _fill_in_modes(self, times: np.ndarray, states: np.ndarray, out: np.ndarray) -> np.ndarray:
+        """Fill out (n_t, n_joints, rates) in the modes that held at each time; return the bodies' axes."""
+        axes = []
+        for t, y, sample in zip(times.tolist(), states, out, strict=True):
+            self.set_mode_time(t)
+            self.recall_modes(t)  # not the modes that the run ended in
+            axes.append(self._forces_on_bodies(t, y, sample))
+        return np.array(axes)
 
     def _forces_on_bodies(self, t: float, y: np.ndarray, out: np.ndarray) -> np.ndarray:
         """Fill out (n_joints, rates) with the joints' forces on their bodies at (t, y); return the bodies' axes."""
@@ -270,6 +289,15 @@ class JointedSystem(ContactSystem):
     @abstractmethod
     def _arm(self, mark: tuple[float, ...] | None, body: int) -> np.ndarray:
         """Return a mark on a body from its centre of mass in body axes, m; zero where there is none."""
+
+    @property
+    @abstractmethod
+    def _own_axes(self) -> np.ndarray:
+        """The bodies' axes in the scratch (n_bodies, 3, 3), in the core's order; none where the state has them."""
+
+    @abstractmethod
+    def _axes_over(self, states: np.ndarray, own: np.ndarray) -> np.ndarray:
+        """Return what `_axes` gives at each state (n_t, n_bodies, ...), where the scratch held `own` (n_t, ...)."""
 
     @abstractmethod
     def _axes(self, y: np.ndarray) -> np.ndarray:

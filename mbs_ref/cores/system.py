@@ -35,6 +35,7 @@ class System(ABC):
     scene: Scene
     groups: Any  # the scene's arrays
     scratch: Any  # of one run
+    is_twin: bool = False  # a copy of a system that was checked
     user_error: BaseException | None = None  # what a user's force law raised, if it did
 
     # Connected when first asked for: who merely has a scene checked need not wait for the compiler.
@@ -42,7 +43,8 @@ class System(ABC):
     def handles(self) -> tuple[np.ndarray, np.ndarray]:
         """The handles of the scene's arrays and the scratch; the core answers through them (kernels/border/core.py)."""
         parts, groups = (self.groups, self.scratch), self.answered
-        scene, scratch = (core.connected(self.CORE, make_handle(part), groups) for part in parts)
+        handles = (make_handle(part, self.is_twin) for part in parts)
+        scene, scratch = (core.connected(self.CORE, handle, groups) for handle in handles)
         return scene, scratch
 
     @property
@@ -69,6 +71,17 @@ class System(ABC):
     @abstractmethod
     def twin(self) -> System:
         """Return another system of the scene, as it is before any run."""
+
+    @cached_property
+    def _spare(self) -> System:
+        return self.twin()
+
+    def beside(self) -> System:
+        """Return a system of the scene for a run beside this one's, of which nothing is read later.
+
+        It is a new one where a run leaves modes behind, else always the same.
+        """
+        return self.twin() if self.event_sources else self._spare
 
     # --- evaluation, common to all cores ------------------------------------------------------------
 
@@ -168,6 +181,10 @@ class System(ABC):
     @abstractmethod
     def poses(self, states: np.ndarray) -> Poses:
         """Turn states (n_t, n_state) into world poses and velocities."""
+
+    @abstractmethod
+    def states_of(self, poses: Poses) -> np.ndarray:
+        """Return states (n_t, n_state) of world poses and velocities; whether they keep the joints is not asked."""
 
     @abstractmethod
     def set_mode_time(self, t: float) -> None:

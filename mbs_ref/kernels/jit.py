@@ -146,6 +146,7 @@ _ROUNDING: Any = {"error_model": "numpy", "fastmath": {"contract"}}
 _OPTIONS: Any = {**_ROUNDING, "no_cfunc_wrapper": True}
 jit = _compiler(**_OPTIONS)
 placed = _compiler(forceinline=True, **_OPTIONS)
+loop_jit = _compiler(nogil=True, **_OPTIONS)  # of whole runs: other threads go on meanwhile
 strict_jit = _compiler()  # every operation is rounded as it is written, and division by zero raises
 # For the parts of a loop: called, each would pass a dozen arrays at every step, and count their references.
 inlined = numba.njit(inline="always", **_OPTIONS)

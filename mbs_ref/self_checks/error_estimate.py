@@ -181,7 +181,7 @@ def _apart(system: System, scales: Scales, run: Run, other: Run) -> tuple[np.nda
 
 def _off_constraints(system: System, scales: Scales, plan: Plan, run: Run) -> np.ndarray:
     """Return how far the outputs are from the nearest poses and rates that keep the constraints (n_t, 4)."""
-    other, near = system.twin(), run.states.copy()
+    other, near = system.beside(), run.states.copy()
     for t, y in zip(run.times, near, strict=True):
         other.set_mode_time(float(t))
         other.project(float(t), y, plan.options.projection_tolerance)
@@ -207,7 +207,7 @@ def _opening(system: System, scales: Scales, plan: Plan, run: Run) -> tuple[np.n
 
 def _made(system: System, plan: Plan, start: np.ndarray, times: np.ndarray, refine: int = 1) -> Run:
     """Run a plan up to other times, on a system of its own."""
-    other, y = system.twin(), start.copy()
+    other, y = system.beside(), start.copy()
     other.set_mode_time(0.0)
     other.set_baumgarte(plan.baumgarte_gain)
     other.start_contacts(0.0, y, plan.settings.events != "none")

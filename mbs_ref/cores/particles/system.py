@@ -66,6 +66,11 @@ class ParticleSystem(System):
         turn[:, :, 0] = 1.0
         return Poses(q, turn, v, np.zeros_like(v))
 
+    def states_of(self, poses: Poses) -> np.ndarray:
+        """Return states (n_t, 6 n_bodies)."""
+        count = len(poses.position)
+        return np.concatenate((poses.position.reshape(count, -1), poses.velocity.reshape(count, -1)), axis=1)
+
     def set_mode_time(self, t: float) -> None:
         """No field has signals."""
 

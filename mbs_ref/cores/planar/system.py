@@ -79,6 +79,12 @@ class PlanarSystem(JointedSystem):
         q, v = states.reshape(-1, 2, n, 3).transpose(1, 0, 2, 3)
         return Poses(q[:, :, :2].copy(), q[:, :, 2].copy(), v[:, :, :2].copy(), v[:, :, 2].copy())
 
+    def states_of(self, poses: Poses) -> np.ndarray:
+        """Return states (n_t, 6 n_bodies)."""
+        q = np.concatenate((poses.position, poses.orientation[:, :, None]), axis=2)
+        v = np.concatenate((poses.velocity, poses.angular_velocity[:, :, None]), axis=2)
+        return np.concatenate((q.reshape(len(q), -1), v.reshape(len(v), -1)), axis=1)
+
     # --- the augmented system, dense --------------------------------------------------------------
 
     def mass_matrix(self) -> np.ndarray:
@@ -151,6 +157,13 @@ class PlanarSystem(JointedSystem):
             return np.zeros(2)
         c, s = (np.cos(start.angle), np.sin(start.angle)) if isinstance(start, PlanarBody) else (1.0, 0.0)
         return np.array([[c, s], [-s, c]]) @ np.subtract(mark, start.position)
+
+    @property
+    def _own_axes(self) -> np.ndarray:
+        return np.empty((0, 3, 3))
+
+    def _axes_over(self, states: np.ndarray, own: np.ndarray) -> np.ndarray:
+        return states[:, 2 : 3 * self.n_bodies : 3]
 
     def _axes(self, y: np.ndarray) -> np.ndarray:
         return y[2 : 3 * self.n_bodies : 3]

@@ -108,6 +108,9 @@ class RelativeSystem(System):
         """Turn states (n_t, n_state) into world poses and velocities."""
         return self.redundant.poses(self._all_told(states))
 
+    def states_of(self, poses: Poses) -> np.ndarray:
+        return np.array([self.reduced(y) for y in self.redundant.states_of(poses)])
+
     def _all_told(self, states: np.ndarray) -> np.ndarray:
         return np.array([self.told(y) for y in states]).reshape(len(states), len(self.scratch.told.state))
 

@@ -153,6 +153,20 @@ class SpatialSystem(JointedSystem):
                 omega[:, k] = np.einsum("tij,tj->ti", rotation_matrices(theta[:, k]), states[:, v + 3 : v + 6])
         return Poses(position, theta, velocity, omega)
 
+    def states_of(self, poses: Poses) -> np.ndarray:
+        """Return states (n_t, n_state); nothing has slipped yet."""
+        bodies, count = self.groups.bodies, len(poses.position)
+        states = np.zeros((count, len(self.initial_state())))
+        for i, k in enumerate(bodies.scene_index):
+            q, v = bodies.q[i], bodies.v[i]
+            states[:, q : q + 3], states[:, v : v + 3] = poses.position[:, k], poses.velocity[:, k]
+            if bodies.rigid[i]:
+                theta = poses.orientation[:, k]
+                states[:, q + 3 : q + 7] = theta
+                turns, omega = rotation_matrices(theta), poses.angular_velocity[:, k]
+                states[:, v + 3 : v + 6] = np.einsum("tij,ti->tj", turns, omega)
+        return states
+
     # --- the augmented system, dense --------------------------------------------------------------
 
     def mass_matrix(self) -> np.ndarray:
@@ -269,6 +283,15 @@ class SpatialSystem(JointedSystem):
     def _arm(self, mark: tuple[float, ...] | None, body: int) -> np.ndarray:
         start = self.scene.bodies[body]
         return np.zeros(3) if mark is None else world_axes(start).T @ np.subtract(mark, start.position)
+
+    @property
+    def _own_axes(self) -> np.ndarray:
+        return self.scratch.kinematics.turned[: self.n_bodies]
+
+    def _axes_over(self, states: np.ndarray, own: np.ndarray) -> np.ndarray:
+        result = np.empty_like(own)
+        result[:, self.groups.bodies.scene_index] = own
+        return result
 
     def _axes(self, y: np.ndarray) -> np.ndarray:
         return self._in_scene_order(self.scratch.kinematics.turned[: self.n_bodies])

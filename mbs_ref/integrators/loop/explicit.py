@@ -24,7 +24,7 @@ from mbs_ref.integrators.loop.leg import (
 from mbs_ref.integrators.loop.step_control import SHORTEST, begin, propose_first, record
 from mbs_ref.integrators.stages.explicit_stages import STAGE_ITERATIONS, Stages, error_norm, fill_stages
 from mbs_ref.kernels.border.questions import derivative, project, regularity
-from mbs_ref.kernels.jit import inlined, jit
+from mbs_ref.kernels.jit import inlined, jit, loop_jit
 
 if TYPE_CHECKING:
     from mbs_ref.cores.system import System
@@ -150,7 +150,7 @@ def _next_slope(model, work, options, run, attempt, verdict, y, slopes):
     run.rhs_calls += 1
 
 
-@jit
+@loop_jit
 def advance_explicit(model, work, tableau, options, run, y, outputs):
     """Advance y through the output times, in place; return a status code (RUNNING when the chunk is used up)."""
     adaptive, n, asked = options.step == 0.0, y.shape[0], _asked(tableau, options)

@@ -34,7 +34,7 @@ from mbs_ref.integrators.loop.leg import (
 )
 from mbs_ref.integrators.loop.step_control import all_finite
 from mbs_ref.integrators.stages.gauss_coefficients import STAGES, gauss
-from mbs_ref.kernels.jit import jit
+from mbs_ref.kernels.jit import jit, loop_jit
 from mbs_ref.kernels.particles.dynamics import accelerate
 from mbs_ref.kernels.particles.model import LANES, lanes_of, lights_of, particles_of
 from mbs_ref.kernels.particles.pair import combine
@@ -348,7 +348,7 @@ def _one_step(model, work, g, options, run, y, low, stages, target, goal, enough
     return COLLISION if touching(particles_of(model).radius, y, stages.f.shape[0]) else RUNNING, lands
 
 
-@jit
+@loop_jit
 def advance_gauss(model, work, g, options, run, y, low, stages, times, states):
     """Advance y through times[1:], in place; return a status code (RUNNING when the chunk is used up)."""
     goal, enough = _targets(model, options)

@@ -29,7 +29,7 @@ from mbs_ref.integrators.loop.leg import (
 from mbs_ref.kernels.answers import FORM
 from mbs_ref.kernels.border.questions import derivative, displace, multipliers, position_count
 from mbs_ref.kernels.implicit import dense_correction, factor_tangent, tree_correction
-from mbs_ref.kernels.jit import inlined, jit
+from mbs_ref.kernels.jit import inlined, jit, loop_jit
 
 if TYPE_CHECKING:
     from mbs_ref.cores.system import System
@@ -206,7 +206,7 @@ def _begin(model, work, options, run, y, motion, table):
     return code
 
 
-@jit
+@loop_jit
 def advance_generalized_alpha(model, work, options, run, y, motion, tangent, outputs):
     """Advance y through the output times, in place; return a status code (RUNNING when the chunk is used up)."""
     n = motion.qdd.shape[0]

@@ -38,7 +38,7 @@ from mbs_ref.integrators.stages.radau_newton import (
     solve_stages,
 )
 from mbs_ref.kernels.border.questions import derivative, regularity
-from mbs_ref.kernels.jit import inlined, jit
+from mbs_ref.kernels.jit import inlined, jit, loop_jit
 
 if TYPE_CHECKING:
     from mbs_ref.cores.system import System
@@ -178,7 +178,7 @@ def _remember(past, attempt, rate, verdict):
     past.marks[STALE] = 1 if rate > STALE_RATE or event else 0
 
 
-@jit
+@loop_jit
 def advance_radau(model, work, options, run, y, outputs):
     """Advance y through the output times, in place; return a status code (RUNNING when the chunk is used up)."""
     tolerances, adaptive = _tolerances(options), options.step == 0.0

@@ -41,14 +41,18 @@ def empty(group: type, **lengths: int) -> Any:
 def check(group: Any) -> None:
     """Raise ValueError where an array is not what its group declares, or not C-contiguous."""
     lengths: dict[str, int] = {}
-    for name, array in declared(type(group)).items():
-        given: np.ndarray = getattr(group, name)
-        wanted = tuple(lengths.setdefault(n, k) if isinstance(n, str) else n
-                       for n, k in zip(array.shape, given.shape, strict=False))  # fmt: skip
-        if given.dtype != array.dtype or len(array.shape) != given.ndim or wanted != given.shape:
+    for (name, array), given in zip(declared(type(group)).items(), group, strict=True):
+        alike = given.dtype == array.dtype and len(array.shape) == given.ndim
+        if not alike or not _agree(array.shape, given.shape, lengths):
             raise ValueError(
                 f"{type(group).__name__}.{name} is to be {array.dtype} of shape {array.shape} with {lengths}; "
                 f"got {given.dtype} of shape {given.shape}"
             )
         if not given.flags.c_contiguous:
             raise ValueError(f"{type(group).__name__}.{name} is not contiguous")
+
+
+def _agree(shape: tuple[int | str, ...], given: tuple[int, ...], lengths: dict[str, int]) -> bool:
+    """Return whether a shape is the declared one; note the lengths that it gives to words."""
+    pairs = zip(shape, given, strict=True)
+    return all(k == (lengths.setdefault(n, k) if isinstance(n, str) else n) for n, k in pairs)

@@ -21,6 +21,7 @@ from mbs_ref.kernels.border.groups import check, declared
 
 QUESTIONS = 40  # a handle's first words: where the answers to questions are (mbs_ref.kernels.border.calls)
 _WORDS = 5  # then, per array: address, then up to four lengths
+_PADDING = [(0,) * (_WORDS - 1 - n) for n in range(_WORDS)]  # behind the lengths of an array of n dimensions
 _DTYPES = {np.dtype(np.float64): types.float64, np.dtype(np.int64): types.int64}
 
 
@@ -36,19 +37,19 @@ class Work(NamedTuple):
     address: int
 
 
-def make_handle(groups: Any) -> np.ndarray:
+def make_handle(groups: Any, checked: bool = False) -> np.ndarray:
     """Return the handle of a named tuple of groups of arrays, which must be what the groups declare.
 
-    The handle does not own the memory: whoever holds it must keep `groups` alive.
+    `checked` are those that are copies of others. The handle does not own the memory: whoever holds it must keep
+    `groups` alive.
     """
+    words = [0] * QUESTIONS
     for group in groups:
-        check(group)
-    arrays = [array for group in groups for array in group]
-    handle = np.zeros((len(arrays), _WORDS), dtype=np.int64)
-    for entry, array in zip(handle, arrays, strict=True):
-        entry[0] = array.ctypes.data
-        entry[1 : 1 + array.ndim] = array.shape
-    return np.concatenate((np.zeros(QUESTIONS, dtype=np.int64), handle.ravel()))
+        if not checked:
+            check(group)
+        for array in group:
+            words += (array.ctypes.data, *array.shape, *_PADDING[array.ndim])
+    return np.array(words, dtype=np.int64)
 
 
 def accessor(groups: type, name: str, **lengths: int) -> Any:

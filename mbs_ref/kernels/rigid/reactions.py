@@ -6,7 +6,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from mbs_ref.kernels.jit import strict_jit
+from mbs_ref.kernels.border.questions import derivative
+from mbs_ref.kernels.controls import CONTROL_MODE_TIME
+from mbs_ref.kernels.jit import loop_jit, strict_jit
 
 
 class JointRows(NamedTuple):
@@ -28,3 +30,17 @@ def forces_at_joints(joints, multiplier, jacobian, out):
             for row in range(first, first + joints.count[j]):
                 total += multiplier[slot, row] * jacobian[slot, side, row, c]
             out[j, c] = total
+
+
+@loop_jit
+def forces_of_tree(model, work, control, joints, multiplier, jacobian, times, states, own, axes, out):
+    """Write forces as `forces_at_joints` at each time and state into out (n_t, n_joints, rates), and `own` into axes.
+
+    `multiplier`, `jacobian` and `own` lie in the scratch, which dy/dt fills.
+    """
+    dy = np.empty(states.shape[1])
+    for k in range(times.shape[0]):
+        control[CONTROL_MODE_TIME] = times[k]
+        derivative(model, work, times[k], states[k], dy)
+        forces_at_joints(joints, multiplier, jacobian, out[k])
+        axes[k] = own
