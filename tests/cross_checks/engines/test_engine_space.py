@@ -10,7 +10,7 @@ from cross_checks.judge.one_run import evaluate
 from cross_checks.truth import Truth
 from cross_checks.truths import seek_truth
 from mbs_ref import scenes
-from mbs_ref.scene import GROUND, PointMass, Scene, SpatialBody, Spherical
+from mbs_ref.scene import GROUND, PointMass, Revolute, Scene, SpatialBody, Spherical, TorsionSpring
 from mbs_ref.scene.euler_parameters import geodesic_angle
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
@@ -161,3 +161,22 @@ def test_pinocchios_reactions_in_space_are_the_references(name):
     assert path.reactions.keys() == own.reactions.keys()
     for joint, found in path.reactions.items():
         np.testing.assert_allclose(found, own.reactions[joint], atol=1e-6 * max(1.0, np.abs(found).max()))
+
+
+@pytest.mark.parametrize("name", ["mbs_ref", "mujoco", "pinocchio"])
+@pytest.mark.parametrize(("first", "second", "sign"), [("plate", GROUND, -1.0), (GROUND, "plate", 1.0)])
+def test_a_hinges_spring_swings_about_its_rest_angle(name, first, second, sign):
+    """theta = rest (1 - cos(omega t)) about an axis through the centre, omega^2 = k / I."""
+    if name not in engines.names():
+        pytest.skip(f"{name} is not installed")
+    axis, stiffness, inertia, rest = (0.0, 0.0, 1.0), 8.0, 2.0, 0.3
+    plate = SpatialBody(name="plate", mass=1.0, inertia=(1.0, 1.0, inertia, 0.0, 0.0, 0.0), position=(0.0, 0.0, 0.0))
+    hinge = Revolute(name="hinge", body_a=GROUND, body_b="plate", point=(0.0, 0.0, 0.0), axis=axis)
+    ends = {"body_a": first, "body_b": second}
+    spring = TorsionSpring(name="spring", **ends, stiffness=stiffness, rest_angle=rest, axis=axis)
+    scene = Scene(name="plate", gravity=(0.0, 0.0, 0.0), bodies=(plate,), joints=(hinge,), loads=(spring,))
+    run = engines.get(name).run(scene, Settings(method="rk4", step=1e-3, t_end=1.0, samples=5))
+    assert run.ok, run.message
+    angle = 2.0 * np.arctan2(run.orientation[:, 0, 3], run.orientation[:, 0, 0])
+    exact = sign * rest * (1.0 - np.cos(np.sqrt(stiffness / inertia) * run.times))
+    assert angle == pytest.approx(exact, abs=1e-10)
