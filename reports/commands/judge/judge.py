@@ -15,7 +15,7 @@ from mbs_ref.scene import Scene
 from reports import inputs
 from reports.drawing.plots.figure import FLOOR, new_figure
 from reports.terminal.asking import STORE, asked_runs
-from reports.terminal.console import echo_json, number, show, table
+from reports.terminal.console import awaited, echo_json, number, show, table
 from reports.terminal.exit_codes import Failed, NothingSelected
 
 
@@ -76,7 +76,8 @@ def command(
         with asked_runs([chosen], store) as runs:
             at = truth_at(runs, chosen)
             if against is None:
-                truth = at(told.path.times)
+                with awaited(f"making the truth of {chosen.name} at the times of {file}, once"):
+                    truth = at(told.path.times)
             else:
                 other = read_motion(Path(against), chosen, _path(against_map or map_file))
                 told, truth = as_truth(chosen, told, other.told, Path(against).name)

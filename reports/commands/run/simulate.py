@@ -102,7 +102,7 @@ def _judged(scene: Scene, record: Record, path: Trajectory, store: str | None) -
     """Return the record with its error from the scene's truth, which the store keeps."""
     from cross_checks.judge.runs import Runs, against
 
-    with Store(store_path(store)) as kept, awaited(f"making the truth of {scene.name}, once: --no-truth leaves it out"):
+    with Store(store_path(store)) as kept, awaited(f"seeking a truth of {scene.name}, once: --no-truth leaves it out"):
         truth = Runs(kept).truth(scene, path.times)
     return against(scene, Run(record, path), truth)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from contextlib import nullcontext
 
 import pytest
 from click.testing import CliRunner, Result
@@ -12,6 +13,7 @@ from mbs_ref.scene.toml import dumps, read_scene
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
 from reports.cli import main
+from reports.commands.judge import judge as command_file
 from reports.poses_file import write_poses
 
 SCENE = scenes.make("pendulum", length=0.5)
@@ -113,3 +115,11 @@ def test_a_scene_of_the_users_own_is_judged_by_what_engines_agree_on(tmp_path):
     told = json.loads(done.stdout)
     assert told["verdict"] == "agrees"
     assert told["error"]["truth"].startswith("agreed: agreed, not certified")
+
+
+def test_who_waits_for_a_truth_is_told_so(own_file, monkeypatch):
+    said = []
+    monkeypatch.setattr(command_file, "awaited", lambda what: said.append(what) or nullcontext())
+    assert run(str(own_file), "pendulum").exit_code == 0
+    (sentence,) = said
+    assert sentence.startswith("making the truth of pendulum")
