@@ -183,7 +183,7 @@ def first_knob(scene: Scene, method: Method) -> float:
 def _aim(runs: Runs, tried: Tried, target: float) -> Reached:
     """Try settings until one meets the target from within its window, or it is plain that none will."""
     for _ in range(TRIES):
-        if _met(tried, target) is not None or _is_over(tried):
+        if _is_met(tried, target) or _is_over(tried):
             break
         knob = _next(tried, target)
         if _steps(tried, knob) > tried.most_steps:
@@ -207,18 +207,16 @@ def _next(tried: Tried, target: float) -> float:
     return next((k for k in able if _steps(tried, k) <= tried.most_steps and not _same_as_tried(tried, k)), middle)
 
 
-def _met(tried: Tried, target: float) -> float | None:
-    """Return the coarsest setting that reaches the target, where its error is within the window or none is cheaper."""
+def _is_met(tried: Tried, target: float) -> bool:
+    """Whether the coarsest run that reaches the target does so from within the window, or none is cheaper."""
     reaching = [(knob, error) for knob, error in tried.good() if error <= target]
     if not reaching:
-        return None
+        return False
     knob, error = reaching[0]
     coarser = [other for other in tried.knobs if other > knob]
     is_near = bool(coarser) and _is_close(tried, min(coarser), knob)
-    steps = tried.records[knob].steps
-    is_idle = _is_idle(tried, knob) or any(tried.records[finer].steps <= steps for finer, _ in reaching[1:2])
-    at_end = knob >= 0.99 * knob_of(settings_at(tried.method, tried.scene, coarsest(tried.method, tried.scene)))
-    return knob if error >= target / WINDOW or is_near or is_idle or at_end else None
+    is_cheapest = any(tried.records[finer].steps <= tried.records[knob].steps for finer, _ in reaching[1:2])
+    return error >= target / WINDOW or is_near or is_cheapest or _is_idle(tried, knob)
 
 
 def _is_close(tried: Tried, coarser: float, knob: float) -> bool:
