@@ -104,7 +104,7 @@ class Slanted(type(engines.get("mbs_ref"))):  # type: ignore[misc]
 
     def run(self, scene: Scene, settings: Settings, times: np.ndarray | None = None) -> Trajectory:
         run = super().run(scene, settings, times)
-        return replace(run, velocity=run.velocity + self.of_step * settings.step + self.for_good)
+        return replace(run, velocity=run.velocity + self.of_step * (settings.step or 0.0) + self.for_good)
 
 
 @pytest.mark.parametrize(("of_step", "for_good", "broken"), [(1.0, 0.0, False), (0.0, 1e-3, True)])
