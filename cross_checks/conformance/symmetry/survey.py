@@ -10,7 +10,7 @@ from cross_checks.conformance.cases import Case
 from cross_checks.conformance.symmetry.violation import NotRunError, violations
 from cross_checks.isolation.parent import Isolated, Lost
 
-PATIENCE = 120.0  # s of one case: some twelve runs
+PATIENCE = 300.0  # s of one case: some twelve runs
 
 
 def facts(case: Case) -> dict[str, Any]:
