@@ -42,7 +42,7 @@ WATCHERS: dict[str, tuple[str, ...]] = {
     "cross_checks/engines/rebound": ("tests/cross_checks/engines/test_engine_sky.py", *ENGINES),
     "cross_checks/workshop": ("tests/cross_checks/workshop", *ENGINES),
     "cross_checks/judge": JUDGE,
-    "cross_checks/metrics": (*JUDGE, "tests/cross_checks/engines"),
+    "cross_checks/metrics": ("tests/cross_checks/metrics", *JUDGE, "tests/cross_checks/engines"),
     "cross_checks/metrics/contact_figures": ("tests/cross_checks/truths/test_contact_truths.py", *JUDGE),
     "cross_checks/conformance/symmetry": ("tests/cross_checks/conformance/symmetry",),
 }

@@ -1,0 +1,45 @@
+"""Each measure on numbers whose measure is known."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from cross_checks.metrics import energy_drift as energy
+from cross_checks.metrics.compliance import worst_joint
+from cross_checks.metrics.reaction_error import reaction_error
+from mbs_ref import scenes
+from mbs_ref.observables.energy import EnergyBalance
+from mbs_ref.settings import Settings
+from mbs_ref.simulate import simulate
+
+FORCES = np.zeros((4, 3))
+
+
+def test_the_worst_joint_is_the_one_broken_most_at_any_time():
+    scene = scenes.make("double_pendulum")
+    run = simulate(scene, Settings(t_end=0.1, samples=5))
+    position = run.position.copy()
+    position[2, 1] += (1e-3, 0.0)  # the second rod, at one sample
+    assert worst_joint(scene, replace(run, position=position)) == (scene.joints[1].name, pytest.approx(1e-3, rel=1e-6))
+
+
+def test_reactions_are_compared_over_what_both_report():
+    off = FORCES.copy()
+    off[1] = (0.0, -3.0, 1.0)
+    assert reaction_error({"a": FORCES, "b": off}, {"a": FORCES, "b": FORCES, "c": off}) == 3.0
+    assert reaction_error({"a": off}, {"a": FORCES[:2]}) == 3.0
+    assert reaction_error({"a": off[:3]}, {"a": FORCES}) == 3.0
+    assert reaction_error({"a": FORCES}, {"b": FORCES}) is None
+    assert reaction_error({"a": FORCES, "b": np.full((4, 3), np.nan)}, {"a": FORCES, "b": FORCES}) is None
+
+
+@pytest.mark.parametrize(("resolution", "known"), [(1e-7, True), (1e-5, False)])
+def test_a_drift_is_told_where_the_work_is_known_to_a_billionth_of_the_energy(monkeypatch, resolution, known):
+    balance = EnergyBalance(np.array([1e3, -2e3]), None, np.array([0.0, 1e-12]), resolution)
+    monkeypatch.setattr(energy, "energy_balance", lambda scene, run: balance)
+    drift, reason = energy.energy_drift(None, None)  # type: ignore[arg-type]
+    assert (drift is not None) == known
+    assert bool(reason) != known
