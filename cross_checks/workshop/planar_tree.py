@@ -91,7 +91,7 @@ class JointTree:
             rod = self.position[b] - edge.point
             hook = v[p] + w[p] * turned(edge.point - self.position[p])
             return float((v[b] - hook) @ turned(rod) / (rod @ rod))
-        return 0.0 if edge.kind == "free_point" else w[p]
+        return float(w[p])  # ground's, of a free one
 
     def _edge_rates(self, edge: Edge, v: np.ndarray, w: np.ndarray, b: int, p: int) -> list[float]:
         if edge.kind == "revolute":
