@@ -41,7 +41,7 @@ class System(ABC):
     # Connected when first asked for: who merely has a scene checked need not wait for the compiler.
     @cached_property
     def handles(self) -> tuple[np.ndarray, np.ndarray]:
-        """The handles of the scene's arrays and the scratch; the core answers through them (kernels/border/core.py)."""
+        """Handles of the scene's arrays and of the scratch, by which the core answers (kernels/border/calls.py)."""
         parts, groups = (self.groups, self.scratch), self.answered
         handles = (make_handle(part, self.is_twin) for part in parts)
         scene, scratch = (core.connected(self.CORE, handle, groups) for handle in handles)

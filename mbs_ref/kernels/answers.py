@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from mbs_ref.kernels.absent import NO_EVENTS, NO_ROWS
 from mbs_ref.kernels.border import questions as ask
 from mbs_ref.kernels.border.calls import addresses, unanswered
 from mbs_ref.kernels.border.handles import QUESTIONS
@@ -25,15 +26,14 @@ from mbs_ref.kernels.planar import events as planar_events
 from mbs_ref.kernels.planar import joints as planar_joints
 from mbs_ref.kernels.planar import loads as planar_loads
 from mbs_ref.kernels.relative import planar as relative_planar
-from mbs_ref.kernels.relative import shared as relative
 from mbs_ref.kernels.relative import spatial as relative_spatial
+from mbs_ref.kernels.relative.events import PASSED_ON
 from mbs_ref.kernels.spatial import contact_events as spatial_contact_events
 from mbs_ref.kernels.spatial import contacts as spatial_contacts
 from mbs_ref.kernels.spatial import descriptor as spatial_form
 from mbs_ref.kernels.spatial import dynamics as spatial
 from mbs_ref.kernels.spatial import joints as spatial_joints
 from mbs_ref.kernels.spatial import loads as spatial_loads
-from mbs_ref.kernels.uneventful import NO_EVENTS
 
 
 @jit
@@ -46,7 +46,7 @@ EVENTS, UNEVENTFUL = "events", "uneventful"  # of contacts, one-sided springs an
 LOOPS, OPEN = "loops", "open"  # of closed loops, rows of contacts among them; of trees
 FORM = "form"  # of methods on the DAE itself
 REPORT = "report"  # afterwards
-# core -> group -> question -> answer
+# core -> group -> question -> answer; UNEVENTFUL is answered alike everywhere
 ANSWERS: dict[str, dict[str, dict[str, Callable[..., Any]]]] = {
     "planar": {
         MOTION: {
@@ -70,7 +70,6 @@ ANSWERS: dict[str, dict[str, dict[str, Callable[..., Any]]]] = {
             "apply_contacts": planar_contacts.planar_apply_contacts,
             "fill_contact_rows": planar_rows.planar_fill_contact_rows,
         },
-        UNEVENTFUL: NO_EVENTS,
         LOOPS: {
             "factor": planar.planar_factor,
             "solve": planar.planar_solve,
@@ -118,7 +117,6 @@ ANSWERS: dict[str, dict[str, dict[str, Callable[..., Any]]]] = {
             "apply_contacts": spatial_contacts.spatial_apply_contacts,
             "fill_deflection_rates": spatial_contacts.spatial_fill_deflection_rates,
         },
-        UNEVENTFUL: NO_EVENTS,
         LOOPS: {
             "factor": spatial.spatial_factor,
             "solve": spatial.spatial_solve,
@@ -146,58 +144,33 @@ ANSWERS: dict[str, dict[str, dict[str, Callable[..., Any]]]] = {
     },
     "relative_planar": {
         MOTION: {
+            **NO_ROWS,
             "derivative": relative_planar.relative_planar_derivative,
-            "compliance": relative_planar.relative_planar_compliance,
-            "project": relative_planar.relative_planar_project,
-            "tangent": relative.relative_tangent,
-            "regularity": relative.relative_regularity,
         },
         EVENTS: {
             "tell": relative_planar.tell_planar,
             "take_velocities": relative_planar.take_planar_velocities,
-            "root_count": relative.relative_root_count,
-            "roots": relative.relative_roots,
-            "transition": relative.relative_transition,
-            "start_modes": relative.relative_start_modes,
-            "contact_mobility": relative.relative_contact_mobility,
+            **PASSED_ON,
         },
-        UNEVENTFUL: NO_EVENTS,
-        OPEN: {},
-        FORM: {},
-        REPORT: {},
     },
     "relative_spatial": {
         MOTION: {
+            **NO_ROWS,
             "derivative": relative_spatial.relative_spatial_derivative,
             "compliance": relative_spatial.relative_spatial_compliance,
             "project": relative_spatial.relative_spatial_project,
-            "tangent": relative.relative_tangent,
-            "regularity": relative.relative_regularity,
         },
         EVENTS: {
             "tell": relative_spatial.tell_spatial,
             "take_velocities": relative_spatial.take_spatial_velocities,
-            "root_count": relative.relative_root_count,
-            "roots": relative.relative_roots,
-            "transition": relative.relative_transition,
-            "start_modes": relative.relative_start_modes,
-            "contact_mobility": relative.relative_contact_mobility,
+            **PASSED_ON,
         },
-        UNEVENTFUL: NO_EVENTS,
-        OPEN: {},
-        FORM: {},
-        REPORT: {},
     },
     "particles": {
         MOTION: {
+            **NO_ROWS,
             "derivative": particles.particle_derivative,
-            "compliance": particles.particle_compliance,
-            "project": particles.particle_project,
-            "tangent": particles.particle_tangent,
-            "regularity": particles.particle_regularity,
         },
-        UNEVENTFUL: NO_EVENTS,
-        OPEN: {},
         FORM: {
             "multipliers": particles.particle_multipliers,
         },
@@ -211,7 +184,7 @@ ANSWERS: dict[str, dict[str, dict[str, Callable[..., Any]]]] = {
 @cache
 def _addresses(core: str, group: str) -> tuple[np.ndarray, np.ndarray]:
     """Return the places in a handle and the addresses of a group's answers, which are compiled if they never were."""
-    return addresses(ANSWERS[core][group])
+    return addresses(({UNEVENTFUL: NO_EVENTS} | ANSWERS[core]).get(group, {}))
 
 
 def connected(core: str, handle: np.ndarray, groups: Iterable[str]) -> np.ndarray:

@@ -26,7 +26,6 @@ from mbs_ref.kernels.planar.dynamics import load_state as load_planar
 from mbs_ref.kernels.planar.loads import planar_apply_loads
 from mbs_ref.kernels.spatial.loads import spatial_apply_loads
 from mbs_ref.kernels.spatial.orientation import load_state as load_spatial
-from mbs_ref.kernels.uneventful import NO_EVENTS
 from mbs_ref.scene import SpatialBody, symmetric
 from mbs_ref.scene.euler_parameters import floats, rotation_matrices
 
@@ -77,8 +76,7 @@ def array_text(values: Any) -> str:
 
 
 def _gathered(core: str, *roots: Dispatcher) -> Sources:
-    given = [(question, answer) for group in ANSWERS[core].values() for question, answer in group.items()]
-    answers = {question: answer for question, answer in given if answer is not NO_EVENTS.get(question)}
+    answers = {question: answer for group in ANSWERS[core].values() for question, answer in group.items()}
     named: Sources = {}
     for root in roots:
         _gather(root, answers, named)

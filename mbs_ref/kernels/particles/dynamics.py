@@ -87,28 +87,5 @@ def particle_derivative(model, work, t, y, dy):
 
 
 @jit
-def particle_compliance(model, work, t, y):
-    """There are no constraints to break."""
-    return 0.0, 0.0
-
-
-@jit
-def particle_project(model, work, t, y, tolerance, most):
-    """There are no constraints to restore."""
-    return 0.0
-
-
-@jit
-def particle_tangent(model, work, x):
-    """Every direction is allowed."""
-
-
-@jit
-def particle_regularity(work):
-    """No pose is singular."""
-    return 1.0
-
-
-@jit
 def particle_multipliers(work, lam):
     """There are no multipliers."""

@@ -188,17 +188,6 @@ def relative_planar_derivative(model, work, t, y, dy):
 
 
 @jit
-def relative_planar_compliance(model, work, t, y):
-    """There are no rows to comply with."""
-    return 0.0, 0.0
-
-
-@jit
-def relative_planar_project(model, work, t, y, tolerance, most):
-    return 0.0
-
-
-@jit
 def take_planar_velocities(model, work, y):
     """Write to y the rates that the velocities in `told` mean, at the places that were last written."""
     joints, links, told, bodies = joints_of(model), links_of(work), told_of(work), bodies_of(inner_model(model))

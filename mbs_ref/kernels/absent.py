@@ -1,4 +1,4 @@
-"""The answers of a scene without contacts, one-sided springs or declared events: nothing to watch, nothing to add."""
+"""The answers about what a scene does not have: events to watch, or constraint rows to keep."""
 
 from __future__ import annotations
 
@@ -43,6 +43,7 @@ def _no_rates(model, work, dy):
     pass
 
 
+# A scene without contacts, one-sided springs or declared events.
 NO_EVENTS: dict[str, Callable[..., Any]] = {
     "root_count": _no_count,
     "roots": _no_roots,
@@ -52,4 +53,33 @@ NO_EVENTS: dict[str, Callable[..., Any]] = {
     "apply_contacts": _nothing_added,
     "fill_contact_rows": _nothing_added,
     "fill_deflection_rates": _no_rates,
+}
+
+
+@jit
+def _compliance(model, work, t, y):
+    return 0.0, 0.0
+
+
+@jit
+def _project(model, work, t, y, tolerance, most):
+    return 0.0
+
+
+@jit
+def _tangent(model, work, x):
+    pass
+
+
+@jit
+def _regularity(work):
+    return 1.0
+
+
+# A system without constraint rows.
+NO_ROWS: dict[str, Callable[..., Any]] = {
+    "compliance": _compliance,
+    "project": _project,
+    "tangent": _tangent,
+    "regularity": _regularity,
 }
