@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import queue
 import threading
 from collections.abc import Callable, Iterator, Sequence
@@ -9,19 +10,21 @@ from contextlib import suppress
 
 from cross_checks.isolation.parent import Caller, Cancelled, Isolated
 
-WORKERS = 2  # each with one thread
 TIMEOUT = 300.0  # s for one call; the search bounds its work by steps, so that only a run that hangs meets this
 
 
 def each[Task, Result](
-    tasks: Sequence[Task], work: Callable[[Caller, Task], Result], workers: int = WORKERS, timeout: float = TIMEOUT
+    tasks: Sequence[Task], work: Callable[[Caller, Task], Result], workers: int = 0, timeout: float = TIMEOUT
 ) -> Iterator[tuple[Task, Result]]:
-    """Yield every task with what `work` returns for it, as soon as it is known; its exception is raised here."""
+    """Yield every task with what `work` returns for it, as soon as it is known; its exception is raised here.
+
+    Each worker has one thread; unless given, there is one for every processor that this process may use.
+    """
     waiting: queue.Queue[Task] = queue.Queue()
     done: queue.Queue[tuple[Task, Result] | BaseException] = queue.Queue()
     for task in tasks:
         waiting.put(task)
-    calls = [Isolated(timeout) for _ in range(min(workers, len(tasks)))]
+    calls = [Isolated(timeout) for _ in range(min(workers or len(os.sched_getaffinity(0)), len(tasks)))]
     threads = [threading.Thread(target=_serve, args=(waiting, done, work, call)) for call in calls]
     for thread in threads:
         thread.start()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import suppress
 from itertools import chain
 from typing import Any
 
@@ -11,7 +12,7 @@ from cross_checks.records.naming import code_of, digest_of
 from cross_checks.records.store import Store
 from reports.facts.kept import keep, recall
 from reports.facts.workers import each
-from reports.studies.study import Study, every, measurement
+from reports.studies.study import Study, every, make, measurement, parts
 
 Progress = Callable[[int, int, str], None]  # done, total, what comes next
 
@@ -35,6 +36,7 @@ def measure_all(store: Store, found: dict[str, Any], depends: Any, report: Progr
         if held is not None:
             found[name] = held
     missing, failed = [name for name in studies if name not in found], []
+    _ahead(missing, report)
     together, alone = ([name for name in missing if studies[name].alone is apart] for apart in (False, True))
     for name, facts in chain(each(together, _measured, timeout=LONGEST), each(alone, _measured, 1, LONGEST)):
         if isinstance(facts, str):
@@ -43,6 +45,18 @@ def measure_all(store: Store, found: dict[str, Any], depends: Any, report: Progr
             found[name] = keep(store, keys[name], studies[name].facts, facts)  # type: ignore[arg-type]
         report(len(found) + len(failed), len(studies), f"study of {name}")
     return failed
+
+
+def _ahead(missing: list[str], report: Progress) -> None:
+    """Make the parts of studies on all cores; one that fails does so again, and is told, where it is asked for."""
+    asked = [(name, part) for name in missing for part in parts(name)]
+    for done, (task, _) in enumerate(each(asked, _made, timeout=LONGEST), 1):
+        report(done, len(asked), f"runs for the study of {task[0]}")
+
+
+def _made(call: Caller, task: tuple[str, Any]) -> None:
+    with suppress(Exception):  # raised in a process of its own
+        call(make, *task)
 
 
 def _measured(call: Caller, name: str) -> Any:

@@ -18,7 +18,8 @@ class Study:
     """A study, as STUDY of its facts.py declares it.
 
     Beside it stand measure.py, whose `measure()` makes the facts, and section.py with SECTION and section.html, which
-    show them and compute nothing.
+    show them and compute nothing. A measure.py may offer `parts()` and `make(part)`: what the store keeps once made, in
+    any order and side by side, for `measure()` to find there.
     """
 
     page: str  # its file; studies of one file share a page
@@ -39,6 +40,17 @@ def every() -> dict[str, Study]:
 def measurement(name: str) -> Callable[[], Any]:
     """Return what makes a study's facts."""
     return import_module(f"reports.studies.{name}.measure").measure
+
+
+def parts(name: str) -> list[Any]:
+    """Return the parts of a study that may be made side by side before it is measured; most have none."""
+    module = import_module(f"reports.studies.{name}.measure")
+    return list(module.parts()) if hasattr(module, "parts") else []
+
+
+def make(name: str, part: Any) -> None:
+    """Make one of them."""
+    import_module(f"reports.studies.{name}.measure").make(part)
 
 
 def section(name: str) -> Section:

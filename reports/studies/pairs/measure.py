@@ -93,25 +93,57 @@ def pair(runs: Runs, asked: Asked) -> Pair:
 
 def compared(runs: Runs, scene: Scene, asked: Asked) -> list[Row]:
     """Return the rows of one scene, timed together target by target."""
-    truth, rows, winners = runs.truth(scene), [], []
+    truth = runs.truth(scene)
+    able, refused = _entrants(scene, asked)
+    winners = [
+        (name, method, reached)
+        for name, method in able
+        for reached in search(runs, scene, name, method, truth, asked.targets)[1]
+    ]
+    timed = [row for target in asked.targets for row in _timed(scene, [w for w in winners if w[2].target == target])]
+    return timed + refused
+
+
+def parts() -> list[tuple[int, int, int]]:
+    """Return every search as a pair, a scene of it and an entrant, counted: they may be made in any order."""
+    return [
+        (k, number, entrant)
+        for k, asked in enumerate(PAIRS)
+        for number, (name, parameters) in enumerate(asked.scenes)
+        for entrant in range(len(_entrants(scenes.make(name, **parameters), asked)[0]))
+    ]
+
+
+def make(part: tuple[int, int, int]) -> None:
+    """Search once: the store keeps the runs, among which `measure` finds its winners."""
+    asked = PAIRS[part[0]]
+    name, parameters = asked.scenes[part[1]]
+    scene = scenes.make(name, **parameters)
+    engine, method = _entrants(scene, asked)[0][part[2]]
+    with Store(default_path()) as store:
+        runs = Runs(store)
+        search(runs, scene, engine, method, runs.truth(scene), asked.targets)
+
+
+def _entrants(scene: Scene, asked: Asked) -> tuple[list[tuple[str, Method]], list[Row]]:
+    """Return who can run a scene, and a row for everyone who cannot."""
+    able, refused = [], []
     for name, methods in asked.entrants:
         engine = _engine(name)
         if isinstance(engine, str):
-            rows.append(Row(_label(scene), name, "", None, "engine-missing", engine))
+            refused.append(Row(_label(scene), name, "", None, "engine-missing", engine))
             continue
         refusals = [refusal.reason for refusal in engine.refusals(scene)]
         if refusals:
-            rows.append(Row(_label(scene), name, "", None, "cannot", refusals[0]))
+            refused.append(Row(_label(scene), name, "", None, "cannot", refusals[0]))
             continue
         for method in (m for m in engine.methods() if m.name in methods):
-            refused = engine.method_refusals(scene, method)
-            if refused:
-                rows.append(Row(_label(scene), name, method.name, None, "cannot", refused[0].reason))
-                continue
-            found = search(runs, scene, name, method, truth, asked.targets)[1]
-            winners += [(name, method, reached) for reached in found]
-    timed = [row for target in asked.targets for row in _timed(scene, [w for w in winners if w[2].target == target])]
-    return timed + rows
+            reasons = engine.method_refusals(scene, method)
+            if reasons:
+                refused.append(Row(_label(scene), name, method.name, None, "cannot", reasons[0].reason))
+            else:
+                able.append((name, method))
+    return able, refused
 
 
 def _engine(name: str) -> Engine | str:

@@ -10,6 +10,7 @@ import pytest
 from cross_checks.judge.runs import Runs
 from cross_checks.records.store import Store
 from reports.page.render import render
+from reports.studies.pairs import measure
 from reports.studies.pairs.facts import Pair, PairsFacts, Places, Row
 from reports.studies.pairs.measure import OURS, Asked, pair
 from reports.studies.pairs.sky_places import sky_places
@@ -34,6 +35,19 @@ def test_both_sides_meet_one_target_and_who_cannot_says_why(tmp_path: Path):
     answers = {row.engine: row for row in others}
     assert answers["exudyn"].answer == "cannot"
     assert "loop" in answers["exudyn"].reason
+
+
+def test_searches_made_side_by_side_leave_nothing_to_run(tmp_path: Path, monkeypatch):
+    monkeypatch.setenv("MBS_REF_STORE", str(tmp_path / "runs.sqlite"))
+    asked = Asked("A pendulum", "", (("pendulum", {}),), ((OURS, ("dop853", "rk4")),), (FEW,))
+    monkeypatch.setattr(measure, "PAIRS", (asked,))
+    assert measure.parts() == [(0, 0, 0), (0, 0, 1)]
+    for part in reversed(measure.parts()):
+        measure.make(part)
+    with Store(tmp_path / "runs.sqlite") as store:
+        runs = Runs(store)
+        assert [row.answer for row in pair(runs, asked).rows] == ["reached", "reached"]
+        assert runs.made == 0
 
 
 def test_our_planets_and_moon_are_where_astropy_says():
