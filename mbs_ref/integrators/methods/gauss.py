@@ -14,6 +14,7 @@ chosen for e = rtol^(7/16).
 
 from __future__ import annotations
 
+from functools import cache
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -33,11 +34,12 @@ from mbs_ref.integrators.loop.leg import (
     finish_leg,
 )
 from mbs_ref.integrators.loop.step_control import all_finite
-from mbs_ref.integrators.stages.gauss_coefficients import STAGES, gauss
+from mbs_ref.integrators.stages.gauss_coefficients import STAGES, Gauss, gauss
+from mbs_ref.kernels.border.handles import Work, accessor, make_handle
 from mbs_ref.kernels.jit import jit, loop_jit
 from mbs_ref.kernels.particles.dynamics import accelerate
 from mbs_ref.kernels.particles.model import LANES, lanes_of, lights_of, particles_of
-from mbs_ref.kernels.particles.pair import combine
+from mbs_ref.kernels.particles.pair import combine, settle
 from mbs_ref.trajectory import Status
 
 if TYPE_CHECKING:
@@ -107,88 +109,92 @@ def touching(radius, y, n):
 
 
 @jit
-def _extrapolate(g, ratio, old, zero, table, new):
+def _extrapolate(g, ratio, stages):
     """Predict the stage accelerations from the polynomial through the last step's (barycentric form)."""
+    table, total = stages.table, stages.lines[0]
     for i in range(STAGES):
-        x = 1.0 + ratio * g.c[i]
-        total = 0.0
-        for j in range(STAGES):
-            table[j, i] = g.weight[j] / (x - g.c[j])
-            total += table[j, i]
-        for j in range(STAGES):
-            table[j, i] /= total
-    for b in range(old.shape[0]):
+        total[i] = 0.0
+    for j in range(STAGES):
+        for i in range(STAGES):
+            table[j, i] = g.weight[j] / ((1.0 + ratio * g.c[i]) - g.c[j])
+            total[i] += table[j, i]
+    for j in range(STAGES):
+        for i in range(STAGES):
+            table[j, i] /= total[i]
+    for b in range(stages.f.shape[0]):
         for c in range(3):
-            combine(new, zero, table, old, b, c, 1.0)
+            combine(stages.f, stages.zero, table, stages.old, b, c, 1.0)
 
 
 @jit
-def _place_stages(g, h, lanes, y, f, fixed, trial, moves):
+def _place_stages(g, h, lanes, y, stages, moves):
     """Set delta and velocity from the stage accelerations f; return the largest change of delta, scaled."""
+    f, start = stages.f, stages.start
     n = f.shape[0]
     h2 = h * h
     worst = 0.0
-    delta = lanes.delta
     for b in range(n):
-        change, size = 0.0, 0.0
-        for c in range(3):
-            combine(trial, fixed, g.abar, f, b, c, h2)
-            for i in range(STAGES):
-                change = max(change, abs(trial[b, c, i] - delta[b, c, i]))
-                size = max(size, abs(trial[b, c, i] - fixed[b, c, i]))
-                delta[b, c, i] = trial[b, c, i]
+        change, size = settle(lanes.delta, stages.fixed, g.abar, f, b, h2)
         if not change <= 0.0:
             worst = max(worst, change / size) if size > 0.0 and change < np.inf else np.inf
         if moves:
             for c in range(3):
                 for i in range(STAGES):
-                    trial[b, c, i] = y[3 * (n + b) + c]
-                combine(lanes.velocity, trial, g.a, f, b, c, h)
+                    start[b, c, i] = y[3 * (n + b) + c]
+                combine(lanes.velocity, start, g.a, f, b, c, h)
     return worst
 
 
 @jit
-def _fix(g, h, y, low, f, fixed):
+def _fix(g, h, y, low, stages):
     """Fill what no iteration changes: low + c_i h v + what rounding drops from h, h^2 and the coefficients.
 
     Where steps are equal those roundings are the same in every step: left alone, energy drifts steadily.
     """
-    n = f.shape[0]
+    f, fixed = stages.f, stages.fixed
+    hc, hc_low, lead, tail = stages.lines
     h2, h2_low = _two_product(h, h)
+    for i in range(STAGES):
+        hc[i], rest = _two_product(h, g.c[i])
+        hc_low[i] = rest + h * g.c_low[i]
+    n = f.shape[0]
     for b in range(n):
         for c in range(3):
             k = 3 * b + c
-            v, v_low = y[3 * n + k], low[3 * n + k]
+            x_low, v, v_low = low[k], y[3 * n + k], low[3 * n + k]
+            _sums(g, f, b, c, lead, tail)
             for i in range(STAGES):
-                lead, tail = 0.0, 0.0
-                for j in range(STAGES):
-                    lead += g.abar[j, i] * f[b, c, j]
-                    tail += g.abar_low[j, i] * f[b, c, j]
-                hc, hc_low = _two_product(h, g.c[i])
-                small = hc * v_low + (hc_low + h * g.c_low[i]) * v + (h2 * tail + h2_low * lead)
-                fixed[b, c, i] = hc * v + (low[k] + small)
+                small = hc[i] * v_low + hc_low[i] * v + (h2 * tail[i] + h2_low * lead[i])
+                fixed[b, c, i] = hc[i] * v + (x_low + small)
 
 
 @jit
-def _iterate(model, work, g, t, h, y, low, f, fixed, trial, enough):
+def _sums(g, f, b, c, lead, tail):
+    """Set lead and tail (STAGES,) to the sums of abar_ij f_j and of what its rounding drops."""
+    for i in range(STAGES):
+        lead[i] = tail[i] = 0.0
+    for j in range(STAGES):
+        factor = f[b, c, j]
+        for i in range(STAGES):
+            lead[i] += g.abar[j, i] * factor
+            tail[i] += g.abar_low[j, i] * factor
+
+
+@jit
+def _iterate(model, work, g, t, h, y, low, stages, enough):
     """Solve for the stage accelerations; return the evaluations made, negative where they do not settle."""
     lanes, moves = lanes_of(work), particles_of(model).uses_velocity[0] == 1
-    n = f.shape[0]
     for k in range(LANES):
         lanes.time[k] = t + g.c[k] * h
-    for b in range(n):
+    for b in range(stages.f.shape[0]):
         for c in range(3):
             lanes.base[b, c] = y[3 * b + c]
-    _fix(g, h, y, low, f, fixed)
-    _place_stages(g, h, lanes, y, f, fixed, trial, moves)
+    _fix(g, h, y, low, stages)
+    _place_stages(g, h, lanes, y, stages, moves)
     before = np.inf
     for count in range(1, MOST_ITERATIONS + 1):
         accelerate(model, work)
-        for b in range(n):
-            for c in range(3):
-                for k in range(LANES):
-                    f[b, c, k] = lanes.acceleration[b, c, k]
-        change = _place_stages(g, h, lanes, y, f, fixed, trial, moves)
+        change = _place_stages(g, h, lanes, y, stages, moves)
         if not change < np.inf:
             return -count
         if change <= enough or (change >= before and before < 1e-12):
@@ -242,18 +248,32 @@ def _finish(g, h, y, low, f):
 
 
 class Stages(NamedTuple):
-    """What the steps of a leg share, each (n, 3, STAGES): m/s^2 or m."""
+    """What the steps of a leg share, each (n, 3, STAGES)."""
 
-    f: np.ndarray  # stage accelerations, of the step under way
+    f: np.ndarray  # m/s^2, stage accelerations of the step under way: what `accelerate` fills
     old: np.ndarray  # the same of the step before
-    fixed: np.ndarray  # the part of delta that no iteration changes
-    trial: np.ndarray  # delta of the next iteration
+    fixed: np.ndarray  # m, the part of delta that no iteration changes
+    start: np.ndarray  # m/s, the velocity that the step began with, in every lane
     zero: np.ndarray
     table: np.ndarray  # (STAGES, STAGES) weights of the extrapolation
+    lines: tuple[np.ndarray, ...]  # four of (STAGES,), scratch
 
 
-def _stages(n: int) -> Stages:
-    return Stages(*(np.zeros((n, 3, STAGES)) for _ in range(5)), np.zeros((STAGES, STAGES)))
+class Groups(NamedTuple):
+    gauss: Gauss  # abar, a and their low parts transposed: the stage is the last index
+
+
+gauss_of = accessor(Groups, "gauss")
+
+
+@cache
+def _coefficients() -> tuple[Work, Groups, np.ndarray]:
+    """Return the method's coefficients as compiled code receives them, and what keeps them alive."""
+    g = gauss()
+    g = g._replace(abar=g.abar.T.copy(), a=g.a.T.copy(), abar_low=g.abar_low.T.copy(), a_low=g.a_low.T.copy())
+    groups = Groups(g)
+    handle = make_handle(groups)
+    return Work(handle.ctypes.data), groups, handle
 
 
 @jit
@@ -293,10 +313,10 @@ def _propose(run, target, step):
 def _attempt(model, work, g, t, h, y, low, stages, last, enough):
     """Solve the step's equations from the extrapolated step before, `last` (s); as `_iterate`."""
     if last > 0.0:
-        _extrapolate(g, h / last, stages.old, stages.zero, stages.table, stages.f)
+        _extrapolate(g, h / last, stages)
     else:
         _copy(stages.f, stages.zero)
-    return _iterate(model, work, g, t, h, y, low, stages.f, stages.fixed, stages.trial, enough)
+    return _iterate(model, work, g, t, h, y, low, stages, enough)
 
 
 @jit
@@ -349,8 +369,14 @@ def _one_step(model, work, g, options, run, y, low, stages, target, goal, enough
 
 
 @loop_jit
-def advance_gauss(model, work, g, options, run, y, low, stages, times, states):
+def advance_gauss(model, work, method, options, run, y, low, scratch, times, states):
     """Advance y through times[1:], in place; return a status code (RUNNING when the chunk is used up)."""
+    g = gauss_of(method)
+    table, lines = np.zeros((STAGES, STAGES)), np.zeros((4, STAGES))
+    stages = Stages(
+        lanes_of(work).acceleration, scratch[0], scratch[1], scratch[2], scratch[3],
+        table, (lines[0], lines[1], lines[2], lines[3]),
+    )  # fmt: skip
     goal, enough = _targets(model, options)
     budget = run.steps + options.chunk
     if options.step == 0.0 and run.h == 0.0:
@@ -390,12 +416,11 @@ def advance(system: System, options: Options, run: Progress, y: np.ndarray, time
     states[0] = y
     run.next_output = 1
     run.h_before = 0.0
-    low, stages = np.zeros_like(y), _stages(len(y) // 6)
-    g = gauss()
-    g = g._replace(abar=g.abar.T.copy(), a=g.a.T.copy(), abar_low=g.abar_low.T.copy(), a_low=g.a_low.T.copy())
+    method, *_ = _coefficients()
+    low, scratch = np.zeros_like(y), np.zeros((4, len(y) // 6, 3, STAGES))
     code = RUNNING
     while code == RUNNING:
-        code = advance_gauss(system.model, system.work, g, options, run, y, low, stages, times, states)
+        code = advance_gauss(system.model, system.work, method, options, run, y, low, scratch, times, states)
     worst, at = np.zeros(len(times)), f"at t = {run.t:.9g} s"
     if code == COLLISION:
         message = f"{at} two bodies collided: {_closest(system, y)}"

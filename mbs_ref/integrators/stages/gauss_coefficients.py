@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from decimal import Decimal, localcontext
 from functools import cache
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
+
+from mbs_ref.kernels.border.groups import Floats
 
 STAGES = 8
 DIGITS = 60
@@ -15,18 +17,18 @@ DIGITS = 60
 class Gauss(NamedTuple):
     """Coefficients over [0, 1]; *_low is what the double leaves out, without which energy drifts steadily."""
 
-    c: np.ndarray  # (8,) nodes
-    a: np.ndarray  # (8, 8) velocities: v_i = v + h sum a_ij f_j
-    abar: np.ndarray  # (8, 8) positions: x_i = x + c_i h v + h^2 sum abar_ij f_j
-    a_low: np.ndarray
-    abar_low: np.ndarray
-    b: np.ndarray  # (8,) weights of the velocity
-    bbar: np.ndarray  # (8,) weights of the position, b_j (1 - c_j)
-    b_low: np.ndarray
-    bbar_low: np.ndarray
-    legendre: np.ndarray  # (2, 8) the two highest Legendre coefficients of the stage accelerations
-    weight: np.ndarray  # (8,) barycentric weights of the nodes
-    c_low: np.ndarray  # (8,)
+    c: Annotated[Floats, 8]  # nodes
+    a: Annotated[Floats, 8, 8]  # velocities: v_i = v + h sum a_ij f_j
+    abar: Annotated[Floats, 8, 8]  # positions: x_i = x + c_i h v + h^2 sum abar_ij f_j
+    a_low: Annotated[Floats, 8, 8]
+    abar_low: Annotated[Floats, 8, 8]
+    b: Annotated[Floats, 8]  # weights of the velocity
+    bbar: Annotated[Floats, 8]  # weights of the position, b_j (1 - c_j)
+    b_low: Annotated[Floats, 8]
+    bbar_low: Annotated[Floats, 8]
+    legendre: Annotated[Floats, 2, 8]  # the two highest Legendre coefficients of the stage accelerations
+    weight: Annotated[Floats, 8]  # barycentric weights of the nodes
+    c_low: Annotated[Floats, 8]
 
 
 def _legendre(n: int, x: Decimal) -> tuple[Decimal, Decimal]:

@@ -1,6 +1,6 @@
-"""One pair's attraction at eight instants, in vector instructions: the one loop that costs the time.
+"""A pair's attraction and a body's stages at eight instants, in vector instructions: the loops that cost the time.
 
-The compiler does not vectorize it by itself, because it cannot know that the arrays are apart.
+The compiler does not vectorize them by itself, because it cannot know that the arrays are apart.
 """
 
 from __future__ import annotations
@@ -77,6 +77,18 @@ def attract(typingctx, delta, out, i, j, x, y, z, gm_i, gm_j):
     return signature, _attract
 
 
+def _combination(builder, table, source, row, scale):
+    """Return scale * sum_j source[row + j] * table[j, :]."""
+    word = row.type
+    total = ir.Constant(_VECTOR, [0.0] * LANES)
+    for j in range(LANES):
+        factor = builder.load(builder.gep(source.data, [builder.add(row, ir.Constant(word, j))]))
+        line = builder.bitcast(builder.gep(table.data, [ir.Constant(word, j * LANES)]), _VECTOR.as_pointer())
+        term = builder.fmul(_splat(builder, builder.fmul(factor, scale)), _load(builder, line), flags=_CONTRACT)
+        total = builder.fadd(total, term, flags=_CONTRACT)
+    return total
+
+
 def _combine(context, builder, signature, args):
     """target[body, axis, :] = start + sum_j factors[j] * table[j, :]."""
     kinds = signature.args
@@ -86,12 +98,7 @@ def _combine(context, builder, signature, args):
     body, axis, scale = args[4:]
     word = body.type
     row = builder.mul(builder.add(builder.mul(body, ir.Constant(word, 3)), axis), ir.Constant(word, LANES))
-    total = ir.Constant(_VECTOR, [0.0] * LANES)
-    for j in range(LANES):
-        factor = builder.load(builder.gep(source.data, [builder.add(row, ir.Constant(word, j))]))
-        line = builder.bitcast(builder.gep(table.data, [ir.Constant(word, j * LANES)]), _VECTOR.as_pointer())
-        term = builder.fmul(_splat(builder, builder.fmul(factor, scale)), _load(builder, line), flags=_CONTRACT)
-        total = builder.fadd(total, term, flags=_CONTRACT)
+    total = _combination(builder, table, source, row, scale)
     first = builder.bitcast(builder.gep(start.data, [row]), _VECTOR.as_pointer())
     total = builder.fadd(total, _load(builder, first))
     place = builder.bitcast(builder.gep(target.data, [row]), _VECTOR.as_pointer())
@@ -104,3 +111,57 @@ def combine(typingctx, target, start, table, source, body, axis, scale):
     """Set target[body, axis, :] = start[body, axis, :] + scale * source[body, axis, :] @ table (LANES, LANES)."""
     signature = types.void(target, start, table, source, types.int64, types.int64, types.float64)
     return signature, _combine
+
+
+def _settle(context, builder, signature, args):
+    """delta[body] = fixed[body] + scale * source[body] @ table, and the largest |change|, |delta - fixed|."""
+    kinds = signature.args
+    delta, fixed, table, source = (
+        make_array(kind)(context, builder, value) for kind, value in zip(kinds[:4], args[:4], strict=True)
+    )
+    body, scale = args[4:]
+    word = body.type
+    zeros = ir.Constant(_VECTOR, [0.0] * LANES)
+    change, size, odd = zeros, zeros, ir.Constant(ir.VectorType(ir.IntType(1), LANES), [0] * LANES)
+    for axis in range(3):
+        row = builder.mul(
+            builder.add(builder.mul(body, ir.Constant(word, 3)), ir.Constant(word, axis)), ir.Constant(word, LANES)
+        )
+        here = _lane(builder, delta, body, axis)
+        start = _load(builder, _lane(builder, fixed, body, axis))
+        new = builder.fadd(start, _combination(builder, table, source, row, scale))
+        change, apart = _larger(builder, change, builder.fsub(new, _load(builder, here)))
+        size, _ = _larger(builder, size, builder.fsub(new, start))
+        odd = builder.or_(odd, builder.fcmp_unordered("uno", apart, apart))
+        builder.store(new, here).align = 8
+    undefined = builder.icmp_unsigned("!=", builder.bitcast(odd, ir.IntType(LANES)), ir.Constant(ir.IntType(LANES), 0))
+    largest = builder.select(undefined, ir.Constant(_DOUBLE, float("inf")), _most(builder, change))
+    return context.make_tuple(builder, signature.return_type, [largest, _most(builder, size)])
+
+
+def _larger(builder, most, value):
+    """Return the larger of `most` and |value| in every lane, and |value|; NaN is passed over."""
+    absolute = cgutils.get_or_insert_function(
+        builder.module, ir.FunctionType(_VECTOR, [_VECTOR]), f"llvm.fabs.v{LANES}f64"
+    )
+    size = builder.call(absolute, [value])
+    return builder.select(builder.fcmp_ordered(">", size, most), size, most), size
+
+
+def _most(builder, value):
+    """Return the largest lane; there is no NaN in any."""
+    reduce = cgutils.get_or_insert_function(
+        builder.module, ir.FunctionType(_DOUBLE, [_VECTOR]), f"llvm.vector.reduce.fmax.v{LANES}f64"
+    )
+    return builder.call(reduce, [value])
+
+
+@intrinsic
+def settle(typingctx, delta, fixed, table, source, body, scale):
+    """Set delta[body] (3, LANES) = fixed[body] + scale * source[body] @ table (LANES, LANES).
+
+    Return the largest change of an entry and the largest distance from `fixed`; the first is infinite where an entry
+    is not a number.
+    """
+    number = types.float64
+    return types.UniTuple(number, 2)(delta, fixed, table, source, types.int64, number), _settle

@@ -8,6 +8,9 @@ import pytest
 from mbs_ref import ephemeris, scenes
 from mbs_ref.cores.choice import compile_scene
 from mbs_ref.integrators.stages.gauss_coefficients import gauss
+from mbs_ref.kernels.jit import jit
+from mbs_ref.kernels.particles.model import LANES
+from mbs_ref.kernels.particles.pair import settle
 from mbs_ref.kernels.particles.satellites import lit_share
 from mbs_ref.observables import energy_balance, momentum_drift
 from mbs_ref.scene import PointMass, Scene
@@ -332,3 +335,22 @@ def test_masses_follow_from_gm():
     sun = scenes.make("solar_system", model="newton").bodies[0]
     assert sun.mass == pytest.approx(1.98841e30, rel=1e-4)
     assert sun.mass * G_SI == pytest.approx(ephemeris.gm("sun"), rel=ROUNDOFF)
+
+
+@jit
+def _settled(delta, fixed, table, source, body, scale):
+    return settle(delta, fixed, table, source, body, scale)
+
+
+def test_a_settled_body_is_the_sum_that_numpy_makes_and_no_number_is_told_as_infinite_change():
+    random = np.random.default_rng(0)
+    delta, fixed, source = (random.normal(size=(3, 3, LANES)) for _ in range(3))
+    table, before = random.normal(size=(LANES, LANES)), delta.copy()
+    change, size = _settled(delta, fixed, table, source, 1, 0.3)
+    after = fixed[1] + 0.3 * source[1] @ table
+    np.testing.assert_allclose(delta[1], after, rtol=1e-13)
+    assert change == np.abs(delta[1] - before[1]).max()
+    assert size == np.abs(delta[1] - fixed[1]).max()
+    assert (delta[[0, 2]] == before[[0, 2]]).all()
+    source[2, 1, 4] = np.nan
+    assert _settled(delta, fixed, table, source, 2, 0.3)[0] == np.inf
