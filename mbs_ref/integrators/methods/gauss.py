@@ -421,12 +421,12 @@ def advance(system: System, options: Options, run: Progress, y: np.ndarray, time
     code = RUNNING
     while code == RUNNING:
         code = advance_gauss(system.model, system.work, method, options, run, y, low, scratch, times, states)
-    worst, at = np.zeros(len(times)), f"at t = {run.t:.9g} s"
+    worst = np.zeros(len(times))
     if code == COLLISION:
-        message = f"{at} two bodies collided: {_closest(system, y)}"
+        message = f"at t = {run.t:.9g} s two bodies collided: {_closest(system, y)}"
         return Leg(states, worst, int(run.next_output), Status.COLLISION, message)
     if code == STEP_TOO_SMALL:
-        message = f"{at} {MESSAGES[code]}: {_closest(system, y)}"
+        message = f"at t = {run.t:.9g} s {MESSAGES[code]}: {_closest(system, y)}"
         return Leg(states, worst, int(run.next_output), Status.STEP_TOO_SMALL, message)
     return finish_leg(code, states, worst, run)
 

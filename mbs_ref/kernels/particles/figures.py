@@ -1,5 +1,8 @@
 """What bodies do by not being points: zonal harmonics, the Moon's figure, tides. Each acts and reacts."""
 
+# An intrinsic takes one argument fewer than its definition.
+# pyright: reportCallIssue=false
+
 from __future__ import annotations
 
 import numpy as np
@@ -7,6 +10,7 @@ import numpy as np
 from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.particles.directions import earth_pole, moon_axes
 from mbs_ref.kernels.particles.model import LANES, figures_of, lanes_of, particles_of, tides_of, zonals_of
+from mbs_ref.kernels.particles.pair import bulge
 
 DAY = 86_400.0  # s
 
@@ -59,30 +63,13 @@ def _zonal(z, radius, harmonic, px, py, pz, gm, i, lanes):
 
 @jit
 def _j2_alone(factor, px, py, pz, gm, i, lanes):
-    """Add J2 of body i: 3/2 J2 R^2 / r^5 [(5 s^2 - 1) r - 2 (r.p) p]; `factor` is 3/2 J2 R^2."""
-    base, delta, out = lanes.base, lanes.delta, lanes.acceleration
+    """Add J2 of body i; `factor` is 3/2 J2 R^2, m^2."""
+    base = lanes.base
     for j in range(gm.shape[0]):
-        mi, mj = gm[i], gm[j]
-        if j == i or (mi == 0.0 and mj == 0.0):
+        if j == i or (gm[i] == 0.0 and gm[j] == 0.0):
             continue
-        bx, by, bz = base[j, 0] - base[i, 0], base[j, 1] - base[i, 1], base[j, 2] - base[i, 2]
-        for k in range(LANES):
-            x = bx + (delta[j, 0, k] - delta[i, 0, k])
-            y = by + (delta[j, 1, k] - delta[i, 1, k])
-            z = bz + (delta[j, 2, k] - delta[i, 2, k])
-            r2 = x * x + y * y + z * z
-            inverse = 1.0 / r2
-            height = x * px[k] + y * py[k] + z * pz[k]
-            common = factor * inverse * inverse / np.sqrt(r2)
-            along = common * (5.0 * height * height * inverse - 1.0)
-            toward = 2.0 * common * height
-            ax, ay, az = along * x - toward * px[k], along * y - toward * py[k], along * z - toward * pz[k]
-            out[j, 0, k] += mi * ax
-            out[j, 1, k] += mi * ay
-            out[j, 2, k] += mi * az
-            out[i, 0, k] -= mj * ax
-            out[i, 1, k] -= mj * ay
-            out[i, 2, k] -= mj * az
+        x, y, z = base[j, 0] - base[i, 0], base[j, 1] - base[i, 1], base[j, 2] - base[i, 2]
+        bulge(lanes.delta, lanes.acceleration, i, j, x, y, z, gm[i], gm[j], factor, px, py, pz)
 
 
 @jit

@@ -43,23 +43,33 @@ def _add_to(builder, pointer, value):
     store.align = 8
 
 
+def _apart(builder, delta, i, j, gap):
+    """Return gap + delta[j] - delta[i], a vector an axis."""
+    found = []
+    for axis in range(3):
+        apart = builder.fsub(
+            _load(builder, _lane(builder, delta, j, axis)), _load(builder, _lane(builder, delta, i, axis))
+        )
+        found.append(builder.fadd(_splat(builder, gap[axis]), apart))
+    return found
+
+
+def _root(builder, value):
+    root = cgutils.get_or_insert_function(
+        builder.module, ir.FunctionType(_VECTOR, [_VECTOR]), f"llvm.sqrt.v{LANES}f64"
+    )
+    return builder.call(root, [value])
+
+
 def _attract(context, builder, signature, args):
     """out[i] += gm_j d / r^3, out[j] -= gm_i d / r^3, d = gap + delta[j] - delta[i]."""
     kinds = signature.args
     delta, out = (make_array(kind)(context, builder, value) for kind, value in zip(kinds[:2], args[:2], strict=True))
     i, j, gap, gm_i, gm_j = args[2], args[3], args[4:7], args[7], args[8]
-    d = []
-    for axis in range(3):
-        apart = builder.fsub(
-            _load(builder, _lane(builder, delta, j, axis)), _load(builder, _lane(builder, delta, i, axis))
-        )
-        d.append(builder.fadd(_splat(builder, gap[axis]), apart))
+    d = _apart(builder, delta, i, j, gap)
     square = [builder.fmul(x, x, flags=_CONTRACT) for x in d]
     r2 = builder.fadd(builder.fadd(square[0], square[1], flags=_CONTRACT), square[2], flags=_CONTRACT)
-    root = cgutils.get_or_insert_function(
-        builder.module, ir.FunctionType(_VECTOR, [_VECTOR]), f"llvm.sqrt.v{LANES}f64"
-    )
-    cube = builder.fmul(r2, builder.call(root, [r2]))
+    cube = builder.fmul(r2, _root(builder, r2))
     inverse = builder.fdiv(_splat(builder, ir.Constant(_DOUBLE, 1.0)), cube)
     on_i = builder.fmul(inverse, _splat(builder, gm_j))
     on_j = builder.fmul(inverse, _splat(builder, builder.fneg(gm_i)))
@@ -75,6 +85,50 @@ def attract(typingctx, delta, out, i, j, x, y, z, gm_i, gm_j):
     number = types.float64
     signature = types.void(delta, out, types.int64, types.int64, number, number, number, number, number)
     return signature, _attract
+
+
+def _bulge(context, builder, signature, args):
+    """out[j] += gm_i a, out[i] -= gm_j a, a = factor / r^5 [(5 (d.p)^2 / r^2 - 1) d - 2 (d.p) p]."""
+    kinds = signature.args
+    delta, out = (make_array(kind)(context, builder, value) for kind, value in zip(kinds[:2], args[:2], strict=True))
+    i, j, gap, gm_i, gm_j, factor = args[2], args[3], args[4:7], args[7], args[8], args[9]
+    pole = [
+        _load(builder, builder.bitcast(make_array(kind)(context, builder, value).data, _VECTOR.as_pointer()))
+        for kind, value in zip(kinds[10:], args[10:], strict=True)
+    ]
+
+    def number(value: float):
+        return _splat(builder, ir.Constant(_DOUBLE, value))
+
+    def dot(a, b):
+        first, second, third = (builder.fmul(x, y) for x, y in zip(a, b, strict=True))
+        return builder.fadd(builder.fadd(first, second), third)
+
+    d = _apart(builder, delta, i, j, gap)
+    r2 = dot(d, d)
+    inverse, height = builder.fdiv(number(1.0), r2), dot(d, pole)
+    common = builder.fmul(builder.fmul(_splat(builder, factor), inverse), inverse)
+    common = builder.fdiv(common, _root(builder, r2))
+    slant = builder.fmul(builder.fmul(builder.fmul(number(5.0), height), height), inverse)
+    along = builder.fmul(common, builder.fsub(slant, number(1.0)))
+    toward = builder.fmul(builder.fmul(number(2.0), common), height)
+    for axis in range(3):
+        pull = builder.fsub(builder.fmul(along, d[axis]), builder.fmul(toward, pole[axis]))
+        _add_to(builder, _lane(builder, out, j, axis), builder.fmul(_splat(builder, gm_i), pull))
+        _add_to(builder, _lane(builder, out, i, axis), builder.fmul(_splat(builder, builder.fneg(gm_j)), pull))
+    return context.get_dummy_value()
+
+
+@intrinsic
+def bulge(typingctx, delta, out, i, j, x, y, z, gm_i, gm_j, factor, px, py, pz):
+    """Add what J2 of body i does to body j, and its reaction, to `out` (n, 3, LANES).
+
+    3/2 J2 R^2 / r^5 [(5 s^2 - 1) r - 2 (r.p) p]: (x, y, z) is base[j] - base[i], m, `factor` is 3/2 J2 R^2, m^2, and
+    px, py, pz (LANES,) are the pole.
+    """
+    number = types.float64
+    numbers = (number,) * 6
+    return types.void(delta, out, types.int64, types.int64, *numbers, px, py, pz), _bulge
 
 
 def _combination(builder, table, source, row, scale):

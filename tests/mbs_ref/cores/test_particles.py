@@ -9,6 +9,7 @@ from mbs_ref import ephemeris, scenes
 from mbs_ref.cores.choice import compile_scene
 from mbs_ref.integrators.stages.gauss_coefficients import gauss
 from mbs_ref.kernels.jit import jit
+from mbs_ref.kernels.particles.dynamics import accelerate
 from mbs_ref.kernels.particles.model import LANES
 from mbs_ref.kernels.particles.pair import settle
 from mbs_ref.kernels.particles.satellites import lit_share
@@ -38,6 +39,36 @@ def acceleration(scene: Scene) -> np.ndarray:
 def pair(field, place=(1.3, -0.7, 0.9), gm=(2.0, 0.5)) -> Scene:
     bodies = (particle("a", (0.0, 0.0, 0.0)), particle("b", place))
     return Scene(name="pair", gravity=(0, 0, 0), bodies=bodies, loads=(Newton(name="n", gm=gm), *field))
+
+
+@jit
+def _accelerated(model, work):
+    accelerate(model, work)
+
+
+EVERY_FIELD = {  # scenes that use all of them between them
+    "solar_system": {"model": "full"},
+    "satellite": {"zonals": True, "third_bodies": True, "drag": True, "radiation": True},
+    "satellite j2": {},
+}
+
+
+@pytest.mark.parametrize("name", EVERY_FIELD)
+def test_eight_instants_side_by_side_are_eight_instants_alone(name):
+    system = compile_scene(scenes.make(name.split()[0], **EVERY_FIELD[name]))
+    start, random = system.initial_state().reshape(2, -1, 3), np.random.default_rng(1)
+    lanes = system.scratch.lanes
+    lanes.time[:] = 3600.0 * np.arange(LANES)
+    lanes.base[:] = start[0]
+    lanes.delta[:] = 0.01 * np.abs(start[0]).max() * random.normal(size=lanes.delta.shape)
+    lanes.velocity[:] = start[1][:, :, None] * (1.0 + 0.1 * random.normal(size=lanes.velocity.shape))
+    _accelerated(system.model, system.work)
+    instants = [(lanes.time[k], start[0] + lanes.delta[:, :, k], lanes.velocity[:, :, k].copy()) for k in range(LANES)]
+    found = np.moveaxis(lanes.acceleration.copy(), 2, 0)
+    for k, (t, *state) in enumerate(instants):
+        alone = system.derivative(t, np.concatenate([part.ravel() for part in state])).reshape(2, -1, 3)[1]
+        apart = np.linalg.norm(found[k] - alone, axis=1)
+        assert (apart <= ROUNDOFF * np.linalg.norm(alone, axis=1)).all(), apart
 
 
 def test_gauss_integrates_polynomials_of_degree_15_and_its_coefficients_are_split():
