@@ -9,7 +9,7 @@ import pytest
 
 from mbs_ref import scenes
 from mbs_ref.crash import injury
-from mbs_ref.crash.results import Motion, _neck_axial, crash_results
+from mbs_ref.crash.results import Motion, _head_and_neck, _neck_axial, crash_results
 from mbs_ref.observables.signal_values import values
 from mbs_ref.scene import Force, PlanarBody, Revolute, Scene
 from mbs_ref.settings import Settings
@@ -35,6 +35,22 @@ def test_the_viscous_criterion_has_the_dummys_scale():
     depth, speed = 0.229, 3.0  # m, m/s
     found = injury.viscous_criterion(times, speed * times, depth)
     assert found == pytest.approx(1.3 * speed * (speed * 0.02) / depth, rel=1e-9)
+
+
+def test_measures_of_a_head_that_is_slowed_evenly_and_of_a_neck_that_is_drawn_and_pushed():
+    """By hand: HIC = window * a^2.5 for 15 and 36 ms, GSI over all of the time, Nij and forces at their worst."""
+    times = np.linspace(0.0, 0.2, 2001)
+    head = np.full(2001, 50.0)
+    head[1500:1510] = 60.0  # g, after 150 ms and for 1 ms: not an early peak, nor long enough for the clip
+    axial = np.interp(times, [0.0, 0.1, 0.2], [300.0, -700.0, 100.0])
+    found = _head_and_neck(times, head, axial, np.linspace(0.2, 0.7, 2001))
+    assert found["HIC15"] == pytest.approx(0.015 * 50.0**2.5, rel=0.05)
+    assert found["HIC36"] == pytest.approx(0.036 * 50.0**2.5, rel=0.05)
+    assert found["GSI"] == pytest.approx(0.199 * 50.0**2.5 + 0.001 * 60.0**2.5, rel=0.005)
+    assert found["head 3 ms clip, g"] == pytest.approx(50.0)
+    assert found["head peak before 120 ms, g"] == 50.0
+    assert (found["neck tension, N"], found["neck compression, N"]) == (300.0, 700.0)
+    assert found["Nij"] == 0.7
 
 
 @cache
