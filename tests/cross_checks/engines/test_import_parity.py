@@ -118,6 +118,21 @@ def test_a_reader_that_sees_another_robot_is_named_with_the_joint_and_both_value
     assert worst.here != worst.there
 
 
+@pytest.mark.parametrize("height", [0.0, 1.0])
+def test_drake_carries_the_first_of_two_hinges_at_its_parents_origin(height, tmp_path):
+    """By hand: a box of 4 kg at (0.3, 0.1, 0.2) m turns about the body's y axis, whatever the body's height."""
+    path = tmp_path / "two.xml"
+    path.write_text(f"""<mujoco model="two"><worldbody><body name="a" pos="0 0 {height}">
+        <joint name="first" type="hinge" axis="0 1 0"/><joint name="second" type="hinge" axis="1 0 0"/>
+        <geom type="box" size=".2 .1 .05" pos=".3 .1 .2" density="500"/></body></worldbody></mujoco>""")
+    still = {"first": 0.0, "second": 0.0}
+    own = 4.0 / 3.0 * (0.2**2 + 0.05**2)
+    assert reader_of("mujoco")(path, still, still).mass[0, 0] == pytest.approx(4.0 * (0.3**2 + 0.2**2) + own)
+    assert by_us(path, still, still).mass[0, 0] == pytest.approx(4.0 * (0.3**2 + 0.2**2) + own, rel=1e-7)
+    apart = 0.2 + height  # m, of the box above the axis that Drake 1.58 turns it about
+    assert reader_of("drake")(path, still, still).mass[0, 0] == pytest.approx(4.0 * (0.3**2 + apart**2) + own)
+
+
 def test_a_reader_that_refuses_says_why_and_the_others_answer():
     found = parity(ROBOT, 1, asked={"absent": "not installed: nothing", "mbs_ref": by_us, "pinocchio": by_pinocchio})
     assert found.refused == {"absent": "not installed: nothing"}
