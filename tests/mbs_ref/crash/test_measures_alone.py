@@ -9,9 +9,9 @@ import pytest
 
 from mbs_ref import scenes
 from mbs_ref.crash import injury
-from mbs_ref.crash.results import Motion, _head_and_neck, _neck_axial, crash_results
+from mbs_ref.crash.results import Motion, _head_and_neck, _neck_axial, _restoring, crash_results
 from mbs_ref.observables.signal_values import values
-from mbs_ref.scene import Force, PlanarBody, Revolute, Scene
+from mbs_ref.scene import Force, PlanarBody, Revolute, Scene, TorsionSpring
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
 from mbs_ref.trajectory import Trajectory
@@ -27,6 +27,21 @@ def test_a_neck_that_carries_the_head_is_compressed_and_one_that_holds_it_back_i
     scene = Scene(name="neck", gravity=(0.0, -g), bodies=(head,), joints=(neck,))
     run = simulate(scene, Settings(method="dop853", rtol=1e-10, t_end=1e-3, samples=2))
     assert _neck_axial(Motion(scene, run)) == pytest.approx(wanted * mass * abs(g), rel=1e-6)
+
+
+@pytest.mark.parametrize("order", [("ground", "head"), ("head", "ground")])
+def test_a_necks_moment_is_what_turns_a_head_that_it_holds_at_its_centre_of_mass(order):
+    """Euler: inertia times angular acceleration, by stiffness and by damping alike."""
+    inertia, place = 0.02, (0.0, 0.2)
+    head = PlanarBody(name="head", mass=4.0, inertia=inertia, position=place, angular_velocity=3.0)
+    neck = Revolute(name="neck", body_a=order[0], body_b=order[1], point=place)
+    spring = TorsionSpring(name="spring", body_a=order[0], body_b=order[1], stiffness=30.0, damping=0.5)
+    scene = Scene(name="nod", gravity=(0.0, 0.0), bodies=(head,), joints=(neck,), loads=(spring,))
+    run = simulate(scene, Settings(method="dop853", rtol=1e-11, t_end=0.1, samples=1001))
+    felt = inertia * np.gradient(run.angular_velocity[:, 0], run.times, edge_order=2)
+    found = _restoring(Motion(scene, run), spring, "head")
+    assert found[0] == pytest.approx(-0.5 * 3.0)
+    np.testing.assert_allclose(found[1:-1], felt[1:-1], atol=1e-4 * np.abs(felt).max())
 
 
 def test_the_viscous_criterion_has_the_dummys_scale():
