@@ -131,6 +131,20 @@ class Drag(CelestialPart):
     spin: float = 7.292115e-5  # rad/s, about z; IERS Conventions 2010, table 1.2
 
 
+class StandardDrag(CelestialPart):
+    """Drag in the air of the US Standard Atmosphere 1976, between -5 and 86 km; outside, a run stops.
+
+    The air turns with the body, or rests where `spin` is 0. Source: NOAA-S/T 76-1562 (1976), eq 18, 23, 33a, 33b, 42.
+    """
+
+    type: Literal["standard_drag"] = "standard_drag"
+    body: BodyName
+    planet: BodyName
+    coefficient: NonNegative  # c_D A / m, m^2/kg
+    radius: Positive  # m, where the altitude is zero
+    spin: float = 7.292115e-5  # rad/s, about z; IERS Conventions 2010, table 1.2
+
+
 class RadiationPressure(CelestialPart):
     """Sunlight on a satellite, with umbra and penumbra of a body at rest (Montenbruck and Gill, sec. 3.4).
 
@@ -185,6 +199,7 @@ CelestialLoad = (
     | Ring
     | ThirdBody
     | Drag
+    | StandardDrag
     | RadiationPressure
     | GravityGradient
     | Epoch

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 SKY = ("tests/cross_checks/truths/test_sky_forces.py", "tests/mbs_ref/cores/test_particles.py",
        "tests/cross_checks/truths/test_sky_truths.py")  # fmt: skip
+AIR = ("tests/cross_checks/truths/test_against_us1976.py", *SKY)
 ALONE = ("tests/mbs_ref/kernels/contact/test_laws_alone.py", "tests/mbs_ref/kernels/test_closed_forms.py")
 CONTACT = (*ALONE, "tests/mbs_ref/kernels/contact")
 PLANE = (*ALONE, "tests/mbs_ref/kernels", "tests/mbs_ref/cores/test_planar.py",
@@ -23,6 +24,7 @@ WATCHERS: dict[str, tuple[str, ...]] = {
     "mbs_ref": ("tests/mbs_ref",),
     "mbs_ref/kernels": (*PLANE, "tests/mbs_ref/cores/test_spatial.py"),
     "mbs_ref/kernels/particles": SKY,
+    "mbs_ref/kernels/particles/atmosphere": AIR,
     "mbs_ref/kernels/planar": PLANE,
     "mbs_ref/kernels/spatial": SPACE,
     "mbs_ref/kernels/rigid": ("tests/mbs_ref/cores/test_loops.py", *PLANE, *SPACE),
@@ -37,6 +39,7 @@ WATCHERS: dict[str, tuple[str, ...]] = {
     "cross_checks/certify/numerics/collocation": SKY[::-2],
     "cross_checks/certify/sky/particles": SKY[::-2],
     "cross_checks/certify/sky": SKY[:1],
+    "cross_checks/certify/sky/air": AIR[:1],
     "cross_checks/truths": TRUTHS,
     "cross_checks/engines": ENGINES,
     "cross_checks/engines/rebound": ("tests/cross_checks/engines/test_engine_sky.py", *ENGINES),

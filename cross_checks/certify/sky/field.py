@@ -21,6 +21,7 @@ FIELDS: dict[type, Callable[[Scene, Any], Field]] = {
     celestial.Ring: ring.fixed_ring,
     celestial.ThirdBody: satellites.third_body,
     celestial.Drag: satellites.drag,
+    celestial.StandardDrag: satellites.standard_drag,
     celestial.RadiationPressure: satellites.sunlight,
 }
 

@@ -10,6 +10,7 @@ import numpy as np
 
 from cross_checks.certify.numerics.collocation import collocate
 from cross_checks.certify.numerics.extrapolation import extrapolate
+from cross_checks.certify.sky.air import NoAirError
 from cross_checks.certify.sky.field import acceleration
 from cross_checks.certify.sky.numbers import real
 from cross_checks.truth import NoTruth, Truth
@@ -51,7 +52,7 @@ def converge(scene: Scene, times: np.ndarray) -> Truth | NoTruth:
     grid = times if times[0] == 0.0 else np.concatenate(([0.0], times))
     try:
         best, other, rates = _solve_twice(scene, grid.astype(np.longdouble) / units.time, units)
-    except CollisionError as error:
+    except (CollisionError, NoAirError) as error:
         return NoTruth(str(error))
     gap = float(np.abs(best - other).max())
     kept = best[len(grid) - len(times) :].astype(float)

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from cross_checks.certify.sky import directions
+from cross_checks.certify.sky.air import standard_density
 from cross_checks.certify.sky.numbers import PI, Field, dot, norm, real
 from mbs_ref.scene import Scene
-from mbs_ref.scene.celestial import AU_M, Drag, RadiationPressure, ThirdBody
+from mbs_ref.scene.celestial import AU_M, Drag, RadiationPressure, StandardDrag, ThirdBody
 
 SUN_RADIUS = 6.957e8  # m, nominal: IAU 2015 Resolution B3
 PLACES = {"sun": directions.sun_place, "moon": directions.moon_place}
@@ -28,17 +31,26 @@ def third_body(scene: Scene, load: ThirdBody) -> Field:
 
 def drag(scene: Scene, load: Drag) -> Field:
     """Return -(1/2) c_D A/m rho u^2 along u, u the velocity in the turning air (M&G 2000, eq 3.97 and 3.98)."""
-    i, j = scene.body_index(load.body), scene.body_index(load.planet)
-    turning = real((0.0, 0.0, load.spin))
-    coefficient, ground, thickness = real(load.coefficient), real(load.density), real(load.scale_height)
+    ground, thickness = real(load.density), real(load.scale_height)
     reference = real(load.radius) + real(load.altitude)
+    return _resistance(scene, load, lambda distance: ground * np.exp((reference - distance) / thickness))
+
+
+def standard_drag(scene: Scene, load: StandardDrag) -> Field:
+    """Return the same of the US Standard Atmosphere 1976."""
+    return _resistance(scene, load, lambda distance: standard_density(distance - real(load.radius)))
+
+
+def _resistance(scene: Scene, load: Drag | StandardDrag, density: Callable[[np.ndarray], np.ndarray]) -> Field:
+    """Return the drag of air whose density is known by the distance from the planet's centre, m."""
+    i, j = scene.body_index(load.body), scene.body_index(load.planet)
+    turning, coefficient = real((0.0, 0.0, load.spin)), real(load.coefficient)
 
     def field(t: np.ndarray, x: np.ndarray, v: np.ndarray) -> np.ndarray:
         r = x[:, i] - x[:, j]
         wind = v[:, i] - v[:, j] - np.cross(turning, r)
-        density = ground * np.exp((reference - norm(r)) / thickness)
         pull = np.zeros_like(x)
-        pull[:, i] = -coefficient * density * norm(wind) * wind / 2
+        pull[:, i] = -coefficient * density(norm(r)) * norm(wind) * wind / 2
         return pull
 
     return field

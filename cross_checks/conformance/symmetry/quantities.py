@@ -20,8 +20,8 @@ KINDS: dict[tuple[str, str], str] = {
 }
 # parts that single out places, directions or dates, or that are no data
 NOT_FREE = frozenset({
-    "coordinate_drive", "coordinate_event", "user_force", "third_body", "radiation_pressure", "drag", "lunar_figure",
-    "ring", "tide",
+    "coordinate_drive", "coordinate_event", "user_force", "third_body", "radiation_pressure", "drag", "standard_drag",
+    "lunar_figure", "ring", "tide",
 })  # fmt: skip
 
 LENGTH, SPEED, ACCELERATION, STIFFNESS = (0, 1, 0), (0, 1, -1), (0, 1, -2), (1, 0, -2)

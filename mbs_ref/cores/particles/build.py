@@ -28,7 +28,8 @@ def build_particles(scene: Scene) -> arrays.ParticleGroups:
     for load in scene.loads:
         by_kind[type(load)].append(load)
     zonals, figures, tides = by_kind[celestial.Oblateness], by_kind[celestial.LunarFigure], by_kind[celestial.Tide]
-    third, drags, lights = by_kind[celestial.ThirdBody], by_kind[celestial.Drag], by_kind[celestial.RadiationPressure]
+    third, lights = by_kind[celestial.ThirdBody], by_kind[celestial.RadiationPressure]
+    drags = [*by_kind[celestial.Drag], *by_kind[celestial.StandardDrag]]
     relativity = _at_most_one(by_kind[celestial.Relativity])
     return arrays.ParticleGroups(
         particles=_particles(scene, by_kind),
@@ -56,13 +57,21 @@ def build_particles(scene: Scene) -> arrays.ParticleGroups:
         ),
         drags=arrays.Drags(
             _ints([place(x.body) for x in drags]), _ints([place(x.planet) for x in drags]),
-            _floats([(x.coefficient, x.density, x.altitude, x.scale_height, x.radius, x.spin) for x in drags], 6),
+            _ints([arrays.STANDARD if isinstance(x, celestial.StandardDrag) else arrays.EXPONENTIAL for x in drags]),
+            _floats([(x.coefficient, *_profile(x), x.radius, x.spin) for x in drags], 6),
         ),
         lights=arrays.Lights(
             _ints([place(x.body) for x in lights]), _ints([place(x.planet) for x in lights]),
             _floats([(x.coefficient, x.radius, x.pressure) for x in lights], 3),
         ),
     )  # fmt: skip
+
+
+def _profile(drag: celestial.Drag | celestial.StandardDrag) -> tuple[float, float, float]:
+    """Return density, altitude and scale height of an exponential atmosphere; the standard one has its own numbers."""
+    if isinstance(drag, celestial.StandardDrag):
+        return 0.0, 0.0, 1.0
+    return drag.density, drag.altitude, drag.scale_height
 
 
 def _at_most_one(parts: list[Any]) -> Any:
@@ -79,7 +88,7 @@ def _particles(scene: Scene, by_kind: dict[type, list[Any]]) -> arrays.Particles
     if len(gm) != n or len(radius) != n:
         got = f"{len(gm)}, {len(radius)}"
         raise ValueError(f"load {newton.name!r}: gm and radius need {n} entries, one a body; got {got}")
-    velocity = (celestial.Relativity, celestial.Tide, celestial.Drag)
+    velocity = (celestial.Relativity, celestial.Tide, celestial.Drag, celestial.StandardDrag)
     seconds = (epoch.jd_tdb - celestial.J2000_JD) * celestial.DAY_S if epoch else 0.0
     return arrays.Particles(
         gm, radius, np.array(scene.gravity, dtype=float), np.array([seconds]),

@@ -7,6 +7,7 @@ from typing import Annotated, NamedTuple
 from mbs_ref.kernels.border.groups import Floats, Ints, empty
 from mbs_ref.kernels.border.handles import accessor
 
+EXPONENTIAL, STANDARD = 0, 1  # atmospheres
 LANES = 8  # instants evaluated side by side: the stages of a Gauss step, or one instant repeated
 
 
@@ -63,6 +64,7 @@ class ThirdBodies(NamedTuple):
 class Drags(NamedTuple):
     body: Annotated[Ints, "k"]
     center: Annotated[Ints, "k"]
+    air: Annotated[Ints, "k"]  # EXPONENTIAL or STANDARD
     number: Annotated[Floats, "k", 6]  # c_D A/m, density, altitude, scale height, radius, spin
 
 

@@ -5,9 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from mbs_ref.kernels.jit import jit
+from mbs_ref.kernels.particles.atmosphere import standard_density
 from mbs_ref.kernels.particles.directions import moon_place, sun_place
 from mbs_ref.kernels.particles.model import (
     LANES,
+    STANDARD,
     drags_of,
     lanes_of,
     lights_of,
@@ -73,7 +75,10 @@ def add_drags(model, work):
             y = base[i, 1] - base[j, 1] + (delta[i, 1, k] - delta[j, 1, k])
             z = base[i, 2] - base[j, 2] + (delta[i, 2, k] - delta[j, 2, k])
             altitude = np.sqrt(x * x + y * y + z * z) - number[4]
-            density = number[1] * np.exp(-(altitude - number[2]) / number[3])
+            if drags.air[q] == STANDARD:
+                density = standard_density(altitude)
+            else:
+                density = number[1] * np.exp(-(altitude - number[2]) / number[3])
             u = velocity[i, 0, k] - velocity[j, 0, k] + number[5] * y
             v = velocity[i, 1, k] - velocity[j, 1, k] - number[5] * x
             w = velocity[i, 2, k] - velocity[j, 2, k]

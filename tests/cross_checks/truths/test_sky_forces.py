@@ -23,6 +23,7 @@ from mbs_ref.scene.celestial import (
     RadiationPressure,
     Relativity,
     Ring,
+    StandardDrag,
     ThirdBody,
     Tide,
 )
@@ -31,6 +32,7 @@ ROUNDOFF = 1e-13  # relative to the force, of the kernels' double precision
 LOOSER = {  # what doubles, or the kernels' data, leave of some forces
     "Sun": 1e-11,  # two pulls that are equal but for 1 in 20 000
     "Moon": 1e-12,  # and for 1 in 50
+    "standard drag": 1e-12,  # an altitude that is a thousandth of the distance
 }
 SPOT = np.longdouble(3e6)  # s after the epoch
 GM = (2.0e14, 0.5e14, 0.3e14)  # m^3/s^2
@@ -52,6 +54,7 @@ STRONG = {  # each so strong, and so askew, that no part of it is below the roun
         name="x", body="b", planet="c", coefficient=0.02, density=1e-3, altitude=5e5, scale_height=3e6, radius=6e6,
         spin=3e-4,
     ),
+    "standard drag": StandardDrag(name="x", body="b", planet="c", coefficient=1e-6, radius=1.4072e7, spin=3e-4),
     "light": RadiationPressure(name="x", body="b", planet="c", coefficient=1e6, radius=1e5),
 }  # fmt: skip
 TRIO = (

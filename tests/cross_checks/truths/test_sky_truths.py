@@ -33,6 +33,7 @@ from mbs_ref.simulate import simulate
         ("satellite", {"orbit": "gps", "zonals": True}),
         ("satellite", {"days": 0.05, "third_bodies": True, "drag": True}),
         ("satellite", {"days": 0.05, "radiation": True}),
+        ("nesc_sphere_in_air", {}),
         ("solar_system", {"model": "newton", "days": 20.0}),
         ("solar_system", {"model": "gr_sun", "days": 2.0}),
         ("solar_system", {"days": 2.0}),

@@ -50,8 +50,8 @@ def turning(theta: np.ndarray, rate: np.ndarray) -> np.ndarray:
 
 # judged in test_against_de440.py, test_sky_truths.py, test_gravity_gradient.py and test_nesc_files.py: no joints
 IN_THE_SKY = {
-    "figure_eight", "kepler", "librating_satellite", "nesc_dropped_sphere", "outer_solar_system", "pleiades",
-    "satellite", "solar_system",
+    "figure_eight", "kepler", "librating_satellite", "nesc_dropped_sphere", "nesc_sphere_in_air",
+    "outer_solar_system", "pleiades", "satellite", "solar_system",
 }  # fmt: skip
 
 # the energy is not kept: judged in test_android_truths.py and test_spatial_truths.py
