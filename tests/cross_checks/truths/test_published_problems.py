@@ -64,8 +64,8 @@ def test_the_car_axis_ends_at_the_published_place_and_keeps_its_constraints():
 
 
 # NASA's atmospheric check cases 4 (an Earth at rest) and 5 (a turning one): altitude at 30 s, ft, of simulations 4, 5,
-# 6 and 2 (files Atmos_04_* and Atmos_05_* of NASA's Engineering and Safety Center, which are NASA's to give; four of the
-# figures each are quoted), and how far ours may be off: what the simulators differ among themselves. The fourth
+# 6 and 2 (files Atmos_04_* and Atmos_05_* of the NASA Engineering and Safety Center, theirs to give; four figures each
+# are quoted), and how far ours may be off: what the simulators differ among themselves. The fourth
 # begins at 0.01 ft/s and falls with 32.08 ft/s^2 in place of 32.13.
 NESC_ALTITUDES = {
     0.0: (16231.3059243, 16231.30690887943, 16231.316664878279, 16249.4161),
