@@ -8,12 +8,14 @@ from __future__ import annotations
 import os
 import re
 import sys
+from contextlib import redirect_stdout
 from difflib import get_close_matches
 from functools import cache
 from importlib import import_module
 from importlib.metadata import EntryPoint, PackageNotFoundError, entry_points, metadata
 from importlib.util import find_spec, module_from_spec, spec_from_file_location
 from pathlib import Path
+from types import ModuleType
 
 from cross_checks.engine import Engine
 from cross_checks.isolation.environments import home_of, python_of
@@ -111,7 +113,8 @@ def _load(path: Path) -> str:
             raise ValueError(f"{ADAPTERS} names {path}, which is no Python file")
         sys.modules[name] = module = module_from_spec(spec)
         try:
-            spec.loader.exec_module(module)
+            with redirect_stdout(sys.stderr):
+                spec.loader.exec_module(module)
         except BaseException:
             del sys.modules[name]
             raise
@@ -126,13 +129,19 @@ def _suggestion(name: str) -> str:
 def _create(module_name: str, name: str, attribute: str | None = None) -> Engine:
     """Import the adapter and create its engine: the class an entry point names, else the module's ENGINE."""
     try:
-        module = import_module(module_name)
+        module = sys.modules.get(module_name) or _imported(module_name)
         return getattr(module, attribute or "ENGINE")()
     except ModuleNotFoundError as error:
         if not _is_of(error.name, _package(module_name)):
             raise
         needs = f"engine {name!r} needs the package {error.name!r}"
         raise EngineMissing(f"{needs}{_installation(name)}: {error}", name=error.name) from error
+
+
+def _imported(module_name: str) -> ModuleType:
+    """Import a module; what it prints goes to stderr, for stdout belongs to our answers."""
+    with redirect_stdout(sys.stderr):
+        return import_module(module_name)
 
 
 def _is_of(missing: str | None, declared: str | None) -> bool:

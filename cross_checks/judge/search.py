@@ -100,16 +100,28 @@ class Tried:
         ]
 
     def points(self) -> list[Point]:
-        """Return what the verdict asks, coarse to fine, gaps between neighbours among them."""
-        points, before = [], None
+        """Return what the verdict asks, coarse to fine, gaps between levels among them."""
+        points, level, coarser = [], None, None
         for knob in self.knobs:
             record, path = self.records[knob], self.paths[knob]
-            ok = record.status == "success"
-            apart = gap(self.scene, path, before) if ok else None
+            ok, refines = record.status == "success", self.refines(knob)
+            if ok and refines:
+                level, coarser = path, level
+            apart = gap(self.scene, path, coarser) if ok else None
             error = record.error.value if record.error is not None and ok else None
-            points.append(Point(label(Settings(**record.settings)), knob, record.status, record.message, error, apart))
-            before = path if ok else before
+            setting = label(Settings(**record.settings))
+            points.append(Point(setting, knob, record.status, record.message, error, apart, refines))
+            level = path if ok else level
         return points
+
+    def refines(self, knob: float) -> bool:
+        """Whether a setting takes more steps than every coarser one, or does not say how many it takes."""
+        steps = [r.steps for k, r in self.records.items() if k > knob and r.status == "success"]
+        return not steps or self.records[knob].steps == 0 or self.records[knob].steps > max(steps)
+
+    def levels(self) -> int:
+        """Return how many refinements there are among the runs that succeeded."""
+        return sum(self.records[knob].status == "success" and self.refines(knob) for knob in self.knobs)
 
 
 def search(
@@ -267,8 +279,9 @@ def _beyond(tried: Tried, error: float) -> float:
     """Return where a power law leads from the nearest run to `error`.
 
     Its order is the documented one, corrected by the next run: the more, the further apart the two are. A run that
-    takes no more steps than the other tells no order; where outputs alone end the steps, tolerances begin to govern
-    them at about the error that there is.
+    takes no more steps than the other tells no order, and a finest one that takes no more than those before is left
+    behind by a plainly finer setting; where outputs alone end the steps, tolerances begin to govern them at about the
+    error that there is.
     """
     good, order = tried.sound(), tried.foretold
     is_finer = good[-1][1] > error
@@ -278,9 +291,10 @@ def _beyond(tried: Tried, error: float) -> float:
         doubt = (math.log(BOUNCE) / (SPREAD * foretold)) ** 2  # of what is seen against what is foretold
         if _takes_more(tried, min(another, knob), max(another, knob)):
             order *= max(0.5, (doubt + seen / foretold) / (doubt + 1.0))
-    if is_finer and tried.method.kind == "adaptive" and _is_idle(tried, knob):
-        knob = min(knob, here)
-    return knob * (error / max(here, TINY)) ** (1.0 / order)
+    stays = is_finer and not tried.refines(knob)
+    begins = min(knob, here) if is_finer and tried.method.kind == "adaptive" and _is_idle(tried, knob) else knob
+    led = begins * (error / max(here, TINY)) ** (1.0 / order)
+    return min(led, knob / _factor(tried)) if stays else led
 
 
 def _takes_more(tried: Tried, fine: float, coarse: float) -> bool:
@@ -321,16 +335,16 @@ def _is_over(tried: Tried) -> bool:
 
 
 def _is_shown(tried: Tried) -> bool:
-    """Whether the runs made are enough for a verdict: two in agreement, or ENOUGH of them."""
+    """Whether the runs made are enough for a verdict: two in agreement, or ENOUGH levels of them."""
     agreeing = [error for _, error in tried.good() if error <= AGREEMENT]
-    return len(agreeing) >= 2 or len(tried.good()) >= ENOUGH
+    return len(agreeing) >= 2 or tried.levels() >= ENOUGH
 
 
 def _support(runs: Runs, tried: Tried) -> None:
-    """Make runs until ENOUGH succeeded: finer than the finest where work allows, else coarser, else between."""
+    """Make runs until there are ENOUGH levels: finer than the finest where work allows, else coarser, else between."""
     for _ in range(TRIES):
         done = [knob for knob in tried.knobs if tried.records[knob].status == "success"]
-        if len(done) >= ENOUGH:
+        if _is_shown(tried):
             return
         factor = _factor(tried)
         wanted = (min(done) / factor, max(done) * factor, math.sqrt(min(done) * max(done)))

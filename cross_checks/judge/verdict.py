@@ -11,8 +11,11 @@ d the distance of the finest run from the method's own limit. All runs count, fr
     wrong-limit  d < SETTLED e: the method's own limit is not the truth. d follows from the gaps between the last three
                  runs, measured by the very function that measures e, and from the order at which they shrink
     converging   over the last two refinements e fell at least at half the documented order, to 0.1 or less
-    diverged     the finest runs blew up, or e does not fall
+    diverged     the finest runs blew up, or e does not fall, or all settings of a wide range take the same steps
     not-shown    too few runs within the bound on work
+
+Convergence is read from refinements. A run that takes no more steps than a coarser one, as where outputs end the steps,
+refines nothing: such runs are one level, for which the largest of their errors stands.
 """
 
 from __future__ import annotations
@@ -29,6 +32,7 @@ AGREEMENT = 1e-6  # of the scene: closer to the truth than this is agreement
 SETTLED = 0.1  # of the error: a limit this close to the finest run, and the truth is elsewhere
 SHRINKING = 0.5  # the gap before, at least: less would not tell a limit
 RESOLVED = 0.1  # of the scene: an error beyond is no approach
+WIDE = 1e3  # factor between the coarsest and the finest setting: one that rules the steps at all does so over as much
 
 
 class Verdict(StrEnum):
@@ -64,7 +68,8 @@ class Point:
     status: str
     message: str = ""
     error: float | None = None  # from the truth, over the scene's scales; None without one
-    gap: float | None = None  # from the next coarser run that succeeded, by the same measure
+    gap: float | None = None  # from the finest run of the next coarser level, by the same measure
+    refines: bool = True  # takes more steps than the coarser runs; else it is of their level
 
     @property
     def ok(self) -> bool:
@@ -91,6 +96,17 @@ def speaking(points: Sequence[Point]) -> int:
     return (agreeing or good or [-1])[-1]
 
 
+def levels(good: Sequence[Point]) -> list[Point]:
+    """Return one run a level, coarse to fine: the one with the largest error, the finest where none is known."""
+    found: list[Point] = []
+    for point in good:
+        if point.refines or not found:
+            found.append(point)
+        elif point.error is None or point.error >= (found[-1].error or 0.0):
+            found[-1] = point
+    return found
+
+
 def limit_distance(good: Sequence[Point], order: float) -> float | None:
     """Return how far the finest run is from the method's own limit, from the gaps of the last three; None if untold.
 
@@ -109,7 +125,6 @@ def limit_distance(good: Sequence[Point], order: float) -> float | None:
 def _by_error(good: Sequence[Point], order: float, uncertainty: float) -> tuple[Verdict, str]:
     errors = [point.error for point in good if point.error is not None]
     last, finest = good[-1], errors[-1]
-    inside = [k for k, error in enumerate(errors) if error <= AGREEMENT]
     tail = len(errors) - 1 - max((k for k, error in enumerate(errors) if error > AGREEMENT), default=-1)
     if tail:
         if uncertainty > AGREEMENT / MARGIN:
@@ -117,29 +132,35 @@ def _by_error(good: Sequence[Point], order: float, uncertainty: float) -> tuple[
         if tail >= 2 or (len(errors) >= 2 and _slope(good[-2], last) >= 0.5 * order):
             return Verdict.AGREES, f"{finest:.1e} from the truth at {last.setting}"
         return Verdict.NOT_SHOWN, f"only {last.setting} reaches {finest:.1e}: one run shows no convergence"
+    refined = levels(good)
+    last, finest = refined[-1], refined[-1].error or 0.0
+    inside = [point for point in refined if point.error is not None and point.error <= AGREEMENT]
     if inside:
-        best = good[inside[-1]]
+        best = inside[-1]
         return Verdict.LOST, f"{best.error:.1e} at {best.setting}, and lost again: {finest:.1e} at {last.setting}"
     if finest < MARGIN * uncertainty:
         return Verdict.BELOW_TRUTH, f"{finest:.1e} at {last.setting}, and the truth is known to {uncertainty:.1e}"
-    distance = limit_distance(good, order)
+    if len(refined) == 1 and good[0].knob >= WIDE * good[-1].knob:
+        span = f"{good[0].setting} to {good[-1].setting}"
+        return Verdict.DIVERGED, f"the error does not fall: {finest:.1e}, with the same steps from {span}"
+    distance = limit_distance(refined, order)
     if distance is not None and distance < SETTLED * finest:
         return Verdict.WRONG_LIMIT, f"within {distance:.1e} of its own limit, and the error stays at {finest:.1e}"
-    return _by_trend(good, errors, order)
+    return _by_trend(refined, order)
 
 
-def _by_trend(good: Sequence[Point], errors: Sequence[float], order: float) -> tuple[Verdict, str]:
-    last, finest = good[-1], errors[-1]
-    if len(good) < 2:
-        return Verdict.NOT_SHOWN, f"only {last.setting} ran, {finest:.1e} off: one run shows no convergence"
-    steps = list(pairwise(good[-3:]))
-    slopes = [_slope(a, b) for a, b in steps]
+def _by_trend(refined: Sequence[Point], order: float) -> tuple[Verdict, str]:
+    last, finest = refined[-1], refined[-1].error or 0.0
+    if len(refined) < 2:
+        return Verdict.NOT_SHOWN, f"nothing finer than {last.setting} ran, {finest:.1e} off: that shows no convergence"
+    slopes = [_slope(a, b) for a, b in pairwise(refined[-3:])]
     if min(slopes) >= 0.5 * order and finest <= RESOLVED:
         return Verdict.CONVERGING, f"{finest:.1e} at {last.setting}, falling with order {min(slopes):.2g}"
     if slopes[-1] > 0.0:
         pace = f"order {slopes[-1]:.2g}" + (f", less than half of {order:g}" if slopes[-1] < 0.5 * order else "")
         return Verdict.NOT_SHOWN, f"still {finest:.1e} off at {last.setting}, falling with {pace}"
-    return Verdict.DIVERGED, f"the error does not fall: {errors[-2]:.1e}, then {finest:.1e} at {last.setting}"
+    before = refined[-2].error or 0.0
+    return Verdict.DIVERGED, f"the error does not fall: {before:.1e}, then {finest:.1e} at {last.setting}"
 
 
 def _slope(coarse: Point, fine: Point) -> float:
@@ -161,7 +182,7 @@ def _without_success(points: Sequence[Point]) -> tuple[Verdict, str]:
 
 
 def _without_truth(good: Sequence[Point], order: float | None, why: str) -> tuple[Verdict, str]:
-    distance = limit_distance(good, order or 1.0)
+    distance = limit_distance(levels(good), order or 1.0)
     if distance is not None and distance <= RESOLVED:
         return Verdict.CONVERGING, f"to a limit of its own, {distance:.1e} away. No truth: {why}"
     return Verdict.NOT_SHOWN, f"no convergence shown, and no truth to compare with: {why}"

@@ -50,6 +50,12 @@ def test_an_entry_point_is_an_engine(tmp_path, monkeypatch):
     assert engines.get("strange").name == "strange"
 
 
+def test_what_an_engine_prints_when_it_is_imported_is_no_part_of_an_answer(tmp_path, monkeypatch, capsys):
+    an_adapter(tmp_path, monkeypatch, "print('no warp')\nclass Strange:\n    name = 'strange'\n")
+    engines.get("strange")
+    assert capsys.readouterr() == ("", "no warp\n")
+
+
 def test_an_absent_package_of_its_own_is_engine_missing(tmp_path, monkeypatch):
     an_adapter(tmp_path, monkeypatch, "import not_there\nclass Strange:\n    package = 'not_there'\n")
     with pytest.raises(engines.EngineMissing, match="engine 'strange' needs the package 'not_there'"):

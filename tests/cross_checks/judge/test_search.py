@@ -14,6 +14,7 @@ from cross_checks.judge.cell import truth_of
 from cross_checks.judge.ladder import SAMPLES, TIGHTEST
 from cross_checks.judge.runs import Runs
 from cross_checks.judge.search import BACK, WINDOW, first_knob, search
+from cross_checks.judge.verdict import Verdict, judge
 from cross_checks.records.record import Record
 from cross_checks.records.store import Run
 from cross_checks.truth import NoTruth, Truth
@@ -111,6 +112,18 @@ def test_tolerances_begin_to_govern_where_outputs_no_longer_end_all_steps():
     _, (answer,) = search(runs, SCENE, "made", ADAPTIVE, TRUTH, (1e-9,))
     assert answer.answer == "reached"
     assert len(runs.asked) <= 2 + 1  # the first, the one asked for, and one for the verdict
+
+
+def test_tolerances_that_leave_the_steps_as_they_are_are_no_refinements():
+    """Between outputs steps are even, so their number jumps: by luck a coarser tolerance of one number errs less."""
+
+    def error(r):
+        return 1e-3 if r > 6e-7 else 1.6e-6 if r > 7e-8 else 4e-4 if r > 1e-8 else 100.0 * r
+
+    runs = MadeUp(error, count=lambda r: 85 if r > 6e-7 else 104 if r > 1e-8 else 41 * r**-0.06)
+    tried, answers = search(runs, SCENE, "made", ADAPTIVE, TRUTH)
+    assert [answer.answer for answer in answers] == ["reached"] * 3
+    assert judge(tried.points(), tried.order, 1e-16)[0] is Verdict.AGREES
 
 
 def test_between_a_run_and_a_failure_close_to_it_nothing_is_tried():

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from dataclasses import replace
 
 import pytest
 
@@ -39,6 +40,34 @@ def test_by_error(errors, gaps, order, verdict):
     found, reason = judge(runs(errors, gaps), order, 1e-14)
     assert found is verdict, reason
     assert reason
+
+
+def same_steps(errors, gaps, refines, knobs=None) -> list[Point]:
+    points = runs(errors, gaps, knobs)
+    return [replace(point, refines=more) for point, more in zip(points, refines, strict=True)]
+
+
+@pytest.mark.parametrize(
+    ("errors", "gaps", "refines", "verdict"),
+    [
+        # 85 steps, then 104 at three tolerances: two that hardly differ are no limit
+        ([1e-3, 1.6e-6, 4e-4, 4e-4], [1e-3, 1e-3, 1e-3], [True, True, False, False], Verdict.NOT_SHOWN),
+        # in agreement by luck, at steps that err by 4e-4 as well: nothing was reached that could be lost
+        ([1e-1, 1e-2, 9e-7, 4e-4], [1e-1, 1e-2, 1e-2], [True, True, True, False], Verdict.CONVERGING),
+        # three levels that settle elsewhere, one of them run twice
+        ([2.0, 2.0, 2.0, 2.0], [1e-2, 1e-3, 1e-3], [True, True, True, False], Verdict.WRONG_LIMIT),
+    ],
+)
+def test_runs_that_take_the_same_steps_are_one(errors, gaps, refines, verdict):
+    found, reason = judge(same_steps(errors, gaps, refines), 1.0, 1e-14)
+    assert found is verdict, reason
+
+
+def test_a_setting_that_changes_nothing_is_told():
+    knobs = [1e-4, 1e-6, 1e-8]
+    verdict, reason = judge(same_steps([0.3] * 3, [0.0] * 2, [True, False, False], knobs), 1.0, 1e-14)
+    assert verdict is Verdict.DIVERGED
+    assert "with the same steps from step=0.0001 to step=1e-08" in reason
 
 
 def test_a_truth_that_knows_no_better_judges_nothing():
