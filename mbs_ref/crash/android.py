@@ -33,7 +33,7 @@ from mbs_ref.scene import (
     Weld,
 )
 from mbs_ref.scene.base.part import NonNegative
-from mbs_ref.scene.contact import CircleOnLine, Contact, ContactLaw, ProgressiveLaw, SpringDamperLaw
+from mbs_ref.scene.contact import CircleOnLine, ConstraintLaw, Contact, ContactLaw, ProgressiveLaw, SpringDamperLaw
 from mbs_ref.scene.signals import Constant, HalfSine, Signal, Table
 
 DURATION = 0.2  # s, the longest crash of Fox 1999 eqs 34-35
@@ -51,7 +51,7 @@ class Crash:
     mass: float  # kg
     belts: bool
     belt_stiffness: float  # times the sourced stiffness and damping
-    law: Literal["progressive", "spring_damper"]
+    law: Literal["progressive", "spring_damper", "constraint"]
     seat: Literal["fixed", "driven"]
     pulse: Literal["half_sine", "table"]
     lift: float  # m
@@ -72,10 +72,10 @@ class Crash:
 
 PARAMETERS = """peak_force (N) and speed_change_km_h fix a half sine (or its breakpoint table) with impulse m dv; front
 or rear impact; mass (kg) scales masses and inertias; belts, and their stiffness and damping times
-belt_stiffness; contact law; seat fixed with mass-proportional forces, or driven; lift (m) off the seat. What the
-paper's bare model does not have: stops of the joints at a person's ranges of motion; body_contacts of head, chin,
-chest, arms and shanks with thighs, chest and seat; and a head_restraint that is part of the seat back (integral,
-the paper's), separate at a gap behind the head, or none."""
+belt_stiffness; contact law, or a constraint in its place; seat fixed with mass-proportional forces, or driven; lift
+(m) off the seat. What the paper's bare model does not have: stops of the joints at a person's ranges of motion;
+body_contacts of head, chin, chest, arms and shanks with thighs, chest and seat, by a force whatever the law; and a
+head_restraint that is part of the seat back (integral, the paper's), separate at a gap behind the head, or none."""
 
 
 def scene_builder(name: str, summary: str | None, description: str) -> Callable[..., Scene]:
@@ -89,7 +89,7 @@ def scene_builder(name: str, summary: str | None, description: str) -> Callable[
         mass: Annotated[float, Field(ge=50.0, le=100.0)] = 75.0,
         belts: bool = True,
         belt_stiffness: NonNegative = 1.0,
-        law: Literal["progressive", "spring_damper"] = "progressive",
+        law: Literal["progressive", "spring_damper", "constraint"] = "progressive",
         seat: Literal["fixed", "driven"] = "fixed",
         pulse: Literal["half_sine", "table"] = "half_sine",
         lift: Annotated[float, Field(ge=0.0, le=1.0)] = 0.0,
@@ -290,6 +290,8 @@ def _pair(joint: dict[str, Any]) -> str:
 
 
 def _law(entry: dict[str, Any], law: str) -> ContactLaw:
+    if law == "constraint":
+        return ConstraintLaw()
     if law == "progressive":
         return ProgressiveLaw(stiffness=entry["k"], damping=entry["c_progressive"])
     return SpringDamperLaw(stiffness=entry["k"], damping=entry["c_kv"], release="force")

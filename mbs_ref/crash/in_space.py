@@ -9,6 +9,8 @@ from __future__ import annotations
 import math
 from typing import Any
 
+import numpy as np
+
 from mbs_ref.scene import (
     Bushing,
     Force,
@@ -20,7 +22,7 @@ from mbs_ref.scene import (
     TorsionSpring,
     Weld,
 )
-from mbs_ref.scene.contact import CircleOnLine, SphereOnPlane
+from mbs_ref.scene.contact import CircleOnCircle, CircleOnLine, SphereOnPlane, SphereOnSphere
 
 Z = (0.0, 0.0, 1.0)  # to the right of who sits facing x, with y upwards
 SLENDER = 0.25  # of the planar moment of inertia, about a part's long axis: an estimate
@@ -29,8 +31,11 @@ ALONG_X = {"foot"}  # parts whose long axis is x at a straight stand; the others
 APART = {"thigh": 0.09, "lower_leg": 0.09, "foot": 0.09, "upper_arm": 0.19, "lower_arm": 0.19, "hand": 0.19}
 
 
-def in_space(planar: Scene, name: str, description: str, oblique: float) -> Scene:
-    """Return a planar android's scene in space, its pulse turned by `oblique` (rad) from x towards z."""
+def in_space(planar: Scene, name: str, description: str, oblique: float, breadth: float = 0.0) -> Scene:
+    """Return a planar android's scene in space, its pulse turned by `oblique` (rad) from x towards z.
+
+    `breadth` (m, along z) is that of surfaces with ends, of which the plane says nothing; with 0 they are refused.
+    """
     angle = {body.name: body.angle for body in planar.bodies if isinstance(body, PlanarBody)}
     place: dict[str, Any] = {joint.name: joint for joint in planar.joints}
     return Scene(
@@ -42,7 +47,7 @@ def in_space(planar: Scene, name: str, description: str, oblique: float) -> Scen
         bodies=tuple(_body(body) for body in planar.bodies),
         joints=tuple(_joint(joint) for joint in planar.joints),
         loads=tuple(part for load in planar.loads for part in _loads(load, angle, place, oblique)),
-        contacts=tuple(_contact(contact) for contact in planar.contacts),
+        contacts=tuple(_contact(contact, breadth) for contact in planar.contacts),
     )
 
 
@@ -92,11 +97,22 @@ def _restoring(load: TorsionSpring, angle: dict[str, float], joint: Any) -> list
     ]  # fmt: skip
 
 
-def _contact(contact: Any) -> SphereOnPlane:
-    if not isinstance(contact, CircleOnLine) or contact.extent != "line":
+def _contact(contact: Any, breadth: float) -> SphereOnPlane | SphereOnSphere:
+    ends: dict[str, Any] = {
+        "name": contact.name, "body_a": contact.body_a, "body_b": contact.body_b, "law": contact.law,
+    }  # fmt: skip
+    if isinstance(contact, CircleOnCircle):
+        centers: dict[str, Any] = {"center_a": _lifted(contact.center_a), "center_b": _lifted(contact.center_b)}
+        return SphereOnSphere(**ends, **centers, radius_a=contact.radius_a, radius_b=contact.radius_b)
+    if not isinstance(contact, CircleOnLine) or (contact.extent != "line" and not breadth > 0.0):
         raise ValueError(f"contact {contact.name!r} of type {contact.type} has no counterpart in space yet")
-    across, along = (contact.point_2[k] - contact.point_1[k] for k in (0, 1))
+    first, second = np.array(contact.point_1), np.array(contact.point_2)
+    across, along = (second - first).tolist()
+    plane: dict[str, Any] = {"normal": (-along, across, 0.0), "thickness": contact.thickness}
+    ball: dict[str, Any] = {"center": _lifted(contact.center), "radius": contact.radius}
+    if contact.extent == "line":
+        return SphereOnPlane(**ends, **ball, **plane, point=_lifted(first))
     return SphereOnPlane(
-        name=contact.name, body_a=contact.body_a, center=_lifted(contact.center), radius=contact.radius,
-        body_b=contact.body_b, point=_lifted(contact.point_1), normal=(-along, across, 0.0), law=contact.law,
+        **ends, **ball, **plane, point=_lifted(0.5 * (first + second)), edge=_lifted((across, along)),
+        size=(math.hypot(across, along), breadth), extent="capped" if contact.extent == "capped" else "rectangle",
     )  # fmt: skip

@@ -11,25 +11,37 @@ from mbs_ref.crash.in_space import in_space
 from mbs_ref.scene import Scene
 from mbs_ref.scenes import android_simplified
 
+BREADTH = 0.5  # m, of cushions and of the pair of limbs that a part stands for: an estimate
+
 
 def build(
     *,
     oblique: Annotated[float, Field(ge=-45.0, le=45.0)] = 15.0,
     peak_force: Annotated[float, Field(ge=500.0, le=100_000.0)] = 15_000.0,
     speed_change_km_h: Annotated[float, Field(gt=0.0, le=200.0)] = 50.0,
+    impact: Literal["front", "rear"] = "front",
     mass: Annotated[float, Field(ge=50.0, le=100.0)] = 75.0,
     belts: bool = True,
     law: Literal["progressive", "spring_damper"] = "progressive",
+    stops: bool = False,
+    body_contacts: bool = False,
+    head_restraint: Literal["integral", "separate", "none"] = "integral",
 ) -> Scene:
     """Crash the simplified android in space, with ball joints, the pulse coming from straight ahead or obliquely.
 
     oblique (deg, of the pulse, towards the right); peak_force (N) and speed_change_km_h fix a half sine with impulse
-    m dv; mass (kg) scales masses and inertias; belts; contact law. At oblique = 0 it moves as the planar android does.
-    Left and right limbs are one body each, and inertias about x and y are estimates. From the front alone: from the
-    rear the arms turn by more than the 3 rad that a spring in space can tell.
+    m dv; front or rear impact; mass (kg) scales masses and inertias; belts; contact law; stops, body_contacts and
+    head_restraint as in the plane, stops about the plane's axis alone. At oblique = 0 it moves as the planar android
+    does. Left and right limbs are one body each; inertias about x and y and the breadth of limbs and cushions are
+    estimates. From the rear with stops alone: without them the arms turn by more than the 3 rad that a spring in space
+    can tell.
     """
+    if impact == "rear" and not stops:
+        raise ValueError("impact = 'rear' needs stops = true: without them the arms turn by more than 3 rad")
     planar = android_simplified.build(
-        peak_force=peak_force, speed_change_km_h=speed_change_km_h, mass=mass, belts=belts, law=law
-    )
-    described = f"13 bodies with ball joints, the pulse {oblique:g} degrees off straight ahead. It has no friction."
-    return in_space(planar, "android_spatial", described, math.radians(oblique))
+        peak_force=peak_force, speed_change_km_h=speed_change_km_h, impact=impact, mass=mass, belts=belts, law=law,
+        stops=stops, body_contacts=body_contacts, head_restraint=head_restraint,
+    )  # fmt: skip
+    ahead = "straight ahead" if impact == "front" else "straight from behind"
+    described = f"13 bodies with ball joints, the pulse {oblique:g} degrees off {ahead}. It has no friction."
+    return in_space(planar, "android_spatial", described, math.radians(oblique), BREADTH)

@@ -23,7 +23,7 @@ from mbs_ref.kernels.jit import jit
 SETTLED, ENDLESS, STOP = range(3)
 AT_ONCE = 1e-9  # of the leg: events of one contact closer than this form a burst ...
 LONGEST_BURST = 60  # ... and a burst longer than this is endless
-NOTHING, IMPACT, TOUCH, FRICTION, LANDING = range(5)  # what a change of mode leaves for the core to do
+NOTHING, IMPACT, TOUCH, FRICTION = range(4)  # what a change of mode leaves for the core to do
 
 
 @jit
@@ -94,7 +94,7 @@ def next_mode(laws, modes, k, g, closing, behind):
             return NOTHING
         if laws.release[k] == RELEASE_CONSTRAINT:
             modes.mode[k] = MODE_CLOSED
-            return LANDING
+            return NOTHING
         close(laws, modes, k, max(-closing, 0.0))
         return TOUCH
     if g[i] < 0.0 or laws.release[k] == RELEASE_CONSTRAINT:

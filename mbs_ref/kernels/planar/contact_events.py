@@ -32,7 +32,6 @@ from mbs_ref.kernels.contact.laws import (
 from mbs_ref.kernels.contact.modes import (
     FRICTION,
     IMPACT,
-    LANDING,
     TOUCH,
     close,
     is_broken,
@@ -42,7 +41,7 @@ from mbs_ref.kernels.contact.modes import (
 from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.planar.contacts import contact_geometry, find_near, friction_force, is_behind
 from mbs_ref.kernels.planar.dynamics import load_state
-from mbs_ref.kernels.planar.landing import contact_mass, contact_push, land
+from mbs_ref.kernels.planar.landing import AT_REST, contact_mass, contact_push, settle_held
 from mbs_ref.kernels.planar.model import (
     bodies_of,
     contact_laws_of,
@@ -55,8 +54,6 @@ from mbs_ref.kernels.planar.model import (
 )
 from mbs_ref.kernels.planar.vectors import cross, plus
 from mbs_ref.kernels.rigid.stopped_contacts import holding_forces
-
-AT_REST = 10.0  # of the noise: how close and slow a constraint contact must be to begin closed
 
 
 @jit
@@ -122,17 +119,16 @@ def contact_transition(model, work, t, y, g, dy):
     """
     pairs, laws, modes = contact_pairs_of(model), contact_laws_of(model), contact_modes_of(model)
     regrip = False
-    landed = False
+    held = False
     for k in range(pairs.kind.shape[0]):
         if not is_broken(g, k):
             continue
+        held = held or laws.slot[k] >= 0
         load_state(model, work, y)
         touch = contact_geometry(model, work, k)
         left = next_mode(laws, modes, k, g, touch.closing, is_behind(pairs, k, touch.gap))
         if left == IMPACT:
             _impact(model, work, t, y, k)
-        elif left == LANDING:
-            landed = True
         elif left == TOUCH:
             _take_grip(modes, k, touch)
         elif left == FRICTION and modes.grip[k] == GRIP_STICK:
@@ -142,8 +138,8 @@ def contact_transition(model, work, t, y, g, dy):
             modes.grip[k] = GRIP_PROBE
             modes.anchor[k, 0] = 0.0
             regrip = True
-    if landed:
-        land(model, work, t, y, g)
+    if held:
+        settle_held(model, work, t, y, g)
     if regrip:
         settle_grips(model, work, t, y, dy)
 

@@ -19,6 +19,7 @@ from mbs_ref.kernels.planar.model import (
     contact_pairs_of,
     kinematics_of,
     rows_of,
+    tree_of,
 )
 from mbs_ref.kernels.planar.vectors import cross, dot
 
@@ -48,8 +49,7 @@ def _clear(rows, slot):
 
 @jit
 def _fill_contact(model, work, k):
-    pairs, kin, rows = contact_pairs_of(model), kinematics_of(work), rows_of(work)
-    slot = contact_laws_of(model).slot[k]
+    rows, slot = rows_of(work), contact_laws_of(model).slot[k]
     touch = contact_geometry(model, work, k)
     n = touch.normal
     on_a, on_b = rows.jacobian[slot, 0, 0], rows.jacobian[slot, 1, 0]
@@ -57,12 +57,23 @@ def _fill_contact(model, work, k):
     on_b[0], on_b[1], on_b[2] = -n[0], -n[1], -cross(touch.arm_b, n)
     rows.residual[slot, 0] = touch.gap
     rows.rate[slot, 0] = touch.closing
-    rows.gamma[slot, 0] = _contact_gamma(pairs, kin, k, n)
+    rows.gamma[slot, 0] = _contact_gamma(model, work, k, n)
 
 
 @jit
-def _contact_gamma(pairs, kin, k, n):
+def gap_acceleration(model, work, k, touch):
+    """Return the gap's second rate (m/s^2) at the accelerations in `work`, whether the contact is closed or open."""
+    pairs, acceleration, n = contact_pairs_of(model), tree_of(work).acceleration, touch.normal
+    of_a, of_b = acceleration[pairs.a[k]], acceleration[pairs.b[k]]
+    pushed = n[0] * (of_a[0] - of_b[0]) + n[1] * (of_a[1] - of_b[1])
+    turned = cross(touch.arm_a, n) * of_a[2] - cross(touch.arm_b, n) * of_b[2]
+    return pushed + turned - _contact_gamma(model, work, k, n)
+
+
+@jit
+def _contact_gamma(model, work, k, n):
     """Return what the gap's second rate lacks of J a, negative."""
+    pairs, kin = contact_pairs_of(model), kinematics_of(work)
     a, b = pairs.a[k], pairs.b[k]
     apart = separation(kin, b, a, pairs.origin[k], pairs.center[k])
     surplus = dot(n, apart.centripetal)

@@ -49,11 +49,18 @@ class Closures(NamedTuple):
     rhs: Annotated[Floats, "n_closures", "rates"]
     mu: Annotated[Floats, "n_closures", "rates"]
     empty: Annotated[Ints, "n_closures"]  # 1 for an open contact, whose row is empty
+    # `Loops.passing` and `Loops.met` without the empty ones: which places of them, body by body and closure by closure
+    entry: Annotated[Ints, "n + 1"]
+    passing: Annotated[Ints, "n_entries"]
+    first: Annotated[Ints, "n_closures + 1"]
+    met: Annotated[Ints, "n_met"]
     rank: Annotated[Ints, "n_closures"]  # pivots of each
     regularity: Annotated[Floats, 1]  # smallest accepted pivot, relative; 1 far from any singular pose
 
 
 def closure_scratch(loops: Loops, rates: int) -> Closures:
     """Allocate the scratch of these closures."""
-    lengths = {"n_closures": len(loops.slot), "n_places": int(loops.place[-1]), "n_met": len(loops.met)}
-    return empty(Closures, **lengths, rates=rates)._replace(regularity=np.ones(1))
+    n_entries, n_met = len(loops.passing), len(loops.met)
+    lengths = {"n_closures": len(loops.slot), "n_places": int(loops.place[-1]), "n_met": n_met}
+    every = {"entry": loops.entry.copy(), "passing": np.arange(n_entries), "first": loops.first.copy()}
+    return empty(Closures, **lengths, rates=rates)._replace(regularity=np.ones(1), met=np.arange(n_met), **every)

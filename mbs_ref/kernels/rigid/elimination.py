@@ -59,11 +59,8 @@ def begin_by(model, work, row_mobility, block, loops, closures, jacobian):
 def start_closures(block, loops, closures, jacobian):
     """Put the rows of closures where their paths begin; `closures.scale` is given."""
     closures.regularity[0] = 1.0
+    _list_live(loops, closures)
     for k in range(loops.slot.shape[0]):
-        mobility = 0.0
-        for r in range(loops.count[k]):
-            mobility += closures.scale[k, r]
-        closures.empty[k] = 1 if mobility == 0.0 else 0
         if closures.empty[k] == 1:
             closures.rank[k] = loops.count[k]  # its multiplier is known: zero
             continue
@@ -76,8 +73,38 @@ def start_closures(block, loops, closures, jacobian):
                     for r in range(len(block)):
                         closures.passed[start, c, r] = jacobian[loops.slot[k], side, r, c]
         _clear(block, closures.own[k])
-        for m in range(loops.first[k], loops.first[k + 1]):
-            _clear(block, closures.coupling[m])
+        for j in range(closures.first[k], closures.first[k + 1]):
+            _clear(block, closures.coupling[closures.met[j]])
+
+
+@placed
+def _list_live(loops, closures):
+    """Find the closures whose rows are empty, and leave these out of the lists; most often nothing has changed."""
+    changed = False
+    for k in range(loops.slot.shape[0]):
+        mobility = 0.0
+        for r in range(loops.count[k]):
+            mobility += closures.scale[k, r]
+        empty = 1 if mobility == 0.0 else 0
+        if empty != closures.empty[k]:
+            closures.empty[k] = empty
+            changed = True
+    if changed:
+        _keep_live(closures.empty, loops.entry, loops.passing, closures.entry, closures.passing)
+        _keep_live(closures.empty, loops.first, loops.met, closures.first, closures.met)
+
+
+@placed
+def _keep_live(empty, start, closure, first, place):
+    """List, for each range of `start`, the places in it whose `closure` is not empty: ranges `first` of `place`."""
+    count = 0
+    for i in range(start.shape[0] - 1):
+        first[i] = count
+        for e in range(start[i], start[i + 1]):
+            if empty[closure[e]] == 0:
+                place[count] = e
+                count += 1
+    first[start.shape[0] - 1] = count
 
 
 @placed
@@ -94,29 +121,26 @@ def pass_by(model, work, i, pass_closure, block, loops, closures):
     pass_closure(model, work, i, here, there, count) fills `column` and `joint` at the place `here`, and takes what goes
     on from the place `there`, -1 for ground.
     """
-    for e in range(loops.entry[i], loops.entry[i + 1]):
-        k = loops.passing[e]
-        if closures.empty[k] == 0:
-            pass_closure(model, work, i, loops.here[e], loops.next[e], loops.count[k])
+    for j in range(closures.entry[i], closures.entry[i + 1]):
+        e = closures.passing[j]
+        pass_closure(model, work, i, loops.here[e], loops.next[e], loops.count[loops.passing[e]])
     couple(block, loops, closures, i)
 
 
 @placed
 def couple(block, loops, closures, body):
     """D += P B P^T for the closures that pass a body, once `column` holds B P^T."""
-    end = loops.entry[body + 1]
-    for e in range(loops.entry[body], end):
+    end = closures.entry[body + 1]
+    for i in range(closures.entry[body], end):
+        e = closures.passing[i]
         k = loops.passing[e]
-        if closures.empty[k] == 1:
-            continue
         rows = closures.passed[loops.here[e]]
         _add_product(block, rows, closures.column[loops.here[e]], closures.own[k])
-        m = loops.first[k]
-        for f in range(e + 1, end):
-            other = loops.passing[f]
-            if closures.empty[other] == 0:
-                m = _meeting(loops, m, other)
-                _add_product(block, rows, closures.column[loops.here[f]], closures.coupling[m])
+        at = closures.first[k]
+        for j in range(i + 1, end):
+            f = closures.passing[j]
+            at = _meeting(loops, closures, at, loops.passing[f])
+            _add_product(block, rows, closures.column[loops.here[f]], closures.coupling[closures.met[at]])
 
 
 @placed
@@ -131,11 +155,11 @@ def _add_product(block, a, b, target):
 
 
 @placed
-def _meeting(loops, m, other):
-    """Return where, from m on, a closure meets another one."""
-    while loops.met[m] != other:
-        m += 1
-    return m
+def _meeting(loops, closures, at, other):
+    """Return where in `closures.met`, from `at` on, a closure meets another one."""
+    while loops.met[closures.met[at]] != other:
+        at += 1
+    return at
 
 
 @placed
@@ -199,22 +223,19 @@ def _take_product(block, closures, k, count, a, b, target):
 @placed
 def _update_met(block, loops, closures, k):
     """D -= Z^T E^-1 Z among the closures that meet this one, Z = L^-1 D."""
-    end = loops.first[k + 1]
-    for m in range(loops.first[k], end):
-        if closures.empty[loops.met[m]] == 0:
-            _forward(block, closures, k, closures.coupling[m])
-    for m in range(loops.first[k], end):
+    end = closures.first[k + 1]
+    for i in range(closures.first[k], end):
+        _forward(block, closures, k, closures.coupling[closures.met[i]])
+    for i in range(closures.first[k], end):
+        m = closures.met[i]
         one = loops.met[m]
-        if closures.empty[one] == 1:
-            continue
         count, z = loops.count[one], closures.coupling[m]
         _take_product(block, closures, k, count, z, z, closures.own[one])
-        at = loops.first[one]
-        for n in range(m + 1, end):
-            two = loops.met[n]
-            if closures.empty[two] == 0:
-                at = _meeting(loops, at, two)
-                _take_product(block, closures, k, count, z, closures.coupling[n], closures.coupling[at])
+        at = closures.first[one]
+        for j in range(i + 1, end):
+            n = closures.met[j]
+            at = _meeting(loops, closures, at, loops.met[n])
+            _take_product(block, closures, k, count, z, closures.coupling[n], closures.coupling[closures.met[at]])
 
 
 @placed
@@ -232,13 +253,13 @@ def _update_apex(block, loops, closures, k, articulated):
             weight = z[r, p] * inverse
             for c in range(r + 1):
                 articulated[r, c] += weight * z[c, p]
-        for m in range(loops.first[k], loops.first[k + 1]):
-            if closures.empty[loops.met[m]] == 0:
-                passed = closures.passed[loops.above[m]]
-                for c in range(len(block)):
-                    weight = z[c, p] * inverse
-                    for r in range(len(block)):
-                        passed[c, r] -= weight * closures.coupling[m, p, r]
+        for i in range(closures.first[k], closures.first[k + 1]):
+            m = closures.met[i]
+            passed = closures.passed[loops.above[m]]
+            for c in range(len(block)):
+                weight = z[c, p] * inverse
+                for r in range(len(block)):
+                    passed[c, r] -= weight * closures.coupling[m, p, r]
 
 
 @placed
@@ -272,14 +293,14 @@ def take_free(block, loops, closures, body, load, gamma):
 
     a_0 = B f + M^-1 J^T S^-1 gamma, and B P^T and S^-1 J M^-1 P^T are in `column` and `joint`.
     """
-    for e in range(loops.entry[body], loops.entry[body + 1]):
+    for i in range(closures.entry[body], closures.entry[body + 1]):
+        e = closures.passing[i]
         k, here = loops.passing[e], loops.here[e]
-        if closures.empty[k] == 0:
-            for r in range(len(block)):
-                total = 0.0
-                for c in range(len(block)):
-                    total += closures.column[here, c, r] * load[c] + closures.joint[here, c, r] * gamma[c]
-                closures.rhs[k, r] -= total
+        for r in range(len(block)):
+            total = 0.0
+            for c in range(len(block)):
+                total += closures.column[here, c, r] * load[c] + closures.joint[here, c, r] * gamma[c]
+            closures.rhs[k, r] -= total
 
 
 @placed
@@ -292,11 +313,11 @@ def _condense_one(block, loops, closures, k, load):
             total += own[p, order[j]] * rhs[order[j]]
         rhs[p] -= total
         weight = closures.inverse[k, i] * rhs[p]
-        for m in range(loops.first[k], loops.first[k + 1]):
+        for j in range(closures.first[k], closures.first[k + 1]):
+            m = closures.met[j]
             one = loops.met[m]
-            if closures.empty[one] == 0:
-                for r in range(len(block)):
-                    closures.rhs[one, r] -= closures.coupling[m, p, r] * weight
+            for r in range(len(block)):
+                closures.rhs[one, r] -= closures.coupling[m, p, r] * weight
         if loops.summit[k] >= 0:
             for c in range(len(block)):
                 load[c] += closures.passed[loops.summit[k], c, p] * weight
@@ -320,11 +341,10 @@ def _substitute_one(block, loops, closures, k, acceleration):
         if loops.summit[k] >= 0:
             for c in range(len(block)):
                 total += closures.passed[loops.summit[k], c, p] * acceleration[c]
-        for m in range(loops.first[k], loops.first[k + 1]):
-            one = loops.met[m]
-            if closures.empty[one] == 0:
-                for r in range(len(block)):
-                    total -= closures.coupling[m, p, r] * closures.mu[one, r]
+        for j in range(closures.first[k], closures.first[k + 1]):
+            m = closures.met[j]
+            for r in range(len(block)):
+                total -= closures.coupling[m, p, r] * closures.mu[loops.met[m], r]
         later = 0.0
         for j in range(i + 1, rank):
             later += own[order[j], p] * mu[order[j]]
@@ -346,13 +366,13 @@ def substitute(block, loops, closures, body, acceleration, multiplier):
 @placed
 def take_closures(block, loops, closures, body, acceleration, multiplier):
     """a -= B P^T mu, and the joint's multipliers likewise, of the closures that pass a body."""
-    for e in range(loops.entry[body], loops.entry[body + 1]):
+    for i in range(closures.entry[body], closures.entry[body + 1]):
+        e = closures.passing[i]
         k, here = loops.passing[e], loops.here[e]
-        if closures.empty[k] == 0:
-            for c in range(len(block)):
-                change, joint = 0.0, 0.0
-                for r in range(len(block)):
-                    change += closures.column[here, c, r] * closures.mu[k, r]
-                    joint += closures.joint[here, c, r] * closures.mu[k, r]
-                acceleration[c] -= change
-                multiplier[c] -= joint
+        for c in range(len(block)):
+            change, joint = 0.0, 0.0
+            for r in range(len(block)):
+                change += closures.column[here, c, r] * closures.mu[k, r]
+                joint += closures.joint[here, c, r] * closures.mu[k, r]
+            acceleration[c] -= change
+            multiplier[c] -= joint

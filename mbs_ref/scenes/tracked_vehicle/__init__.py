@@ -35,7 +35,7 @@ def build(
     links: Annotated[int, Field(ge=20, le=2000, multiple_of=2)] = 30,
     rollers: Annotated[int, Field(ge=0, le=100)] = 3,
     upper_rollers: Annotated[int, Field(ge=0, le=100)] = 0,
-    law: Literal["progressive", "spring_damper"] = "progressive",
+    law: Literal["progressive", "spring_damper", "constraint"] = "progressive",
     torque: NonNegative = 2000.0,
     ramp: Positive = 0.5,
     gravity: Positive = 9.81,
@@ -48,13 +48,16 @@ def build(
 
     links (even; 30 is the small vehicle, 42 with 7 rollers and 1 upper roller has the 54 bodies of the
     papers' kind), rollers below and above, contact law, torque (N m) between chassis and sprocket reached
-    at the end of ramp (s), gravity (m/s^2). wheel_friction, Coulomb's coefficient of idler and rollers on the links:
-    with 0, the papers' bare model, nothing turns them. suspension: rollers on trailing arms with torsion bars. ground:
-    flat, or half a metre ahead of the track a bump, a slope or a step of `height` (m; a slope's over 1 m of way;
-    a step no higher than half a link).
+    at the end of ramp (s), gravity (m/s^2). With law = "constraint" idler and rollers are held on the links while they
+    touch; feet, which need friction, and teeth keep the progressive law. wheel_friction, Coulomb's coefficient of idler
+    and rollers on the links: with 0, the papers' bare model, nothing turns them. suspension: rollers on trailing arms
+    with torsion bars. ground: flat, or half a metre ahead of the track a bump, a slope or a step of `height` (m; a
+    slope's over 1 m of way; a step no higher than half a link).
     """
     if ground == "step" and height > 0.5 * HEIGHT:
         raise ValueError(f"height = {height} m of a step must not exceed half a link, {0.5 * HEIGHT} m")
+    if law == "constraint" and wheel_friction:
+        raise ValueError(f"wheel_friction = {wheel_friction} must be 0 with law = 'constraint', which has no friction")
     track = _pins(links)
     base = (links - TEETH) // 2 * PITCH
     wheels = wheels_of(base, rollers, upper_rollers, suspension)

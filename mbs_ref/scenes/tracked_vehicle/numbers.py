@@ -7,7 +7,7 @@ import math
 from importlib.resources import files
 from typing import Any
 
-from mbs_ref.scene.contact import ContactLaw, ProgressiveLaw, RegularisedCoulomb, SpringDamperLaw
+from mbs_ref.scene.contact import ConstraintLaw, ContactLaw, ProgressiveLaw, RegularisedCoulomb, SpringDamperLaw
 
 DATA: dict[str, Any] = json.loads((files("mbs_ref.scenes") / "data" / "tracked_vehicle.json").read_text())
 PITCH, HEIGHT, TEETH = (DATA[name]["value"] for name in ("pitch", "link_height", "teeth"))
@@ -18,9 +18,11 @@ ROLLER_RADIUS = DATA["roller"]["radius"]  # m
 
 
 def contact_law(kind: str, law: str) -> ContactLaw:
-    """Return the law of link_wheel, link_ground or sprocket_pin."""
+    """Return the law of link_wheel, link_ground or sprocket_pin: the first alone may be a constraint."""
     data = DATA["contact"][kind]
-    if law == "progressive":
+    if law == "constraint" and kind == "link_wheel":
+        return ConstraintLaw()
+    if law != "spring_damper":
         return ProgressiveLaw(stiffness=data["k"], damping=data["c_progressive"])
     return SpringDamperLaw(stiffness=data["k"], damping=data["c_kv"], release="force")
 

@@ -99,6 +99,22 @@ def test_wound_torsion_bars_bear_the_hull():
     assert heights[1] == pytest.approx(heights[0], abs=2e-3)
 
 
+def test_wheels_on_constraints_go_as_those_on_stiff_springs():
+    """No depth at the wheels; the hull goes the way that it goes where they sink into the links by 0.1 mm."""
+    scene, held = drive(0.05, law="constraint")
+    _, soft = drive(0.05)
+    hull = scene.body_index("chassis")
+    depths = [held.contacts[part.name][:, 0] for part in scene.contacts if part.law.HOLDS]
+    closed = [held.contacts[part.name][:, 1:3].any(axis=1) for part in scene.contacts if part.law.HOLDS]
+    assert max(float(np.abs(d[c]).max()) for d, c in zip(depths, closed, strict=True) if c.any()) < 1e-11
+    assert np.abs(held.position[:, hull] - soft.position[:, hull]).max() < 1e-3
+
+
+def test_wheels_on_constraints_have_no_friction():
+    with pytest.raises(ValueError, match=r"wheel_friction = 0\.4 must be 0 with law = 'constraint'"):
+        scenes.make("tracked_vehicle", law="constraint", wheel_friction=MU)
+
+
 def test_a_step_higher_than_a_foot_is_refused():
     with pytest.raises(ValueError, match="of a step must not exceed half a link"):
         scenes.make("tracked_vehicle", ground="step", height=0.05)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 
 import numpy as np
@@ -115,6 +116,69 @@ def test_a_plastic_impact_keeps_momentum_and_the_slower_ball_does_not_stick():
     run = simulate(row, FINE)
     assert run.ok, run.message
     assert run.velocity[-1, :, 0] == pytest.approx([1.0 / 3.0] * 3, abs=1e-12)
+
+
+def _on_corners(places: np.ndarray, slopes: np.ndarray, velocity: tuple[float, float], turning: float) -> Scene:
+    """A body about the origin that touches, at every one of its corners, a line of its own through that corner."""
+    return Scene(
+        name="corners",
+        bodies=(PlanarBody(name="body", mass=2.0, inertia=0.3, position=(0.0, 0.0), velocity=velocity,
+                           angular_velocity=turning),),
+        contacts=tuple(
+            CircleOnLine(name=f"corner{k}", body_a="body", center=(x, y), radius=0.0, point_1=(x, y),
+                         point_2=(x + math.cos(slope), y + math.sin(slope)), law=ConstraintLaw())
+            for k, ((x, y), slope) in enumerate(zip(places.tolist(), slopes.tolist(), strict=True))
+        ),
+    )  # fmt: skip
+
+
+def _plastic_impact(places: np.ndarray, slopes: np.ndarray, before: np.ndarray) -> np.ndarray:
+    """Return the velocity after, by trying all sets: no impulse of those in it, and no separation, is below 0."""
+    normals = np.column_stack((-np.sin(slopes), np.cos(slopes)))
+    rows = np.column_stack((normals, places[:, 0] * normals[:, 1] - places[:, 1] * normals[:, 0]))
+    mobility = np.diag([1 / 2.0, 1 / 2.0, 1 / 0.3])
+    for chosen in itertools.chain.from_iterable(itertools.combinations(range(len(rows)), n) for n in range(4)):
+        j = rows[list(chosen)]
+        impulses = np.linalg.lstsq(j @ mobility @ j.T, -j @ before, rcond=1e-12)[0]
+        after = before + mobility @ j.T @ impulses
+        if np.all(impulses >= 0.0) and np.all(rows @ after >= -1e-12):
+            return after
+    raise AssertionError("no set of contacts is complementary")
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_an_impact_on_many_corners_solves_their_complementarity(seed):
+    """Opening what pulls, one after the other and for good, leaves corners that go through their surface."""
+    rng = np.random.default_rng(seed)
+    places, slopes = rng.uniform(-1.0, 1.0, (6, 2)), rng.uniform(-1.2, 1.2, 6)
+    before = np.array([rng.normal(0.0, 0.3), -1.0, rng.normal(0.0, 2.0)])
+    scene = _on_corners(places, slopes, (before[0], before[1]), before[2])
+    run = simulate(scene, Settings(method="dop853", rtol=1e-12, t_end=1e-9, samples=2, estimate="off"))
+    assert run.ok, run.message
+    after = np.append(run.velocity[-1, 0], run.angular_velocity[-1, 0])
+    assert after == pytest.approx(_plastic_impact(places, slopes, before), abs=1e-6)  # in 1e-9 s it turns a little
+
+
+def test_more_contacts_than_a_body_can_lean_on_share_its_weight():
+    """Five corners in a row on one line: forces are not unique, but none pulls and the box stays."""
+    places = np.column_stack((np.linspace(-0.2, 0.2, 5), np.full(5, -0.1)))
+    scene = _on_corners(places, np.zeros(5), (0.0, 0.0), 0.0).model_copy(update={"gravity": (0.0, -9.81)})
+    run = simulate(scene, FINE.model_copy(update={"t_end": 1.0}))
+    assert run.ok, run.message
+    forces = np.array([run.contacts[f"corner{k}"][:, 2] for k in range(5)])
+    assert forces.min() >= -1e-12
+    assert forces.sum(axis=0) == pytest.approx(2.0 * 9.81, abs=1e-10)
+    assert np.abs(run.position[:, 0]).max() < 1e-12
+
+
+def test_a_vehicle_on_constraints_does_not_rock_in_its_last_digits():
+    """Impacts of 1e-13 m once followed each other by the thousand: who lands lifts another by as much."""
+    scene = scenes.make("tracked_vehicle", law="constraint")
+    run = simulate(scene, Settings(method="rk4", step=1e-4, t_end=2e-3, samples=3, estimate="off", reactions=False))
+    assert run.ok, run.message
+    assert run.event_times is not None
+    held = [k for k, part in enumerate(scene.contacts) if part.law.HOLDS]
+    assert np.isin(run.event_times[:, 1], held).sum() < 40
 
 
 def test_constraints_refuse_what_they_do_not_mean():
