@@ -18,6 +18,8 @@ def _row_mobility(model, work, slot, row):
         body = slots.body[slot, side]
         if body < n:
             g = rows.jacobian[slot, side, row]
+            if g[0] == 0.0 and g[1] == 0.0 and g[2] == 0.0:
+                continue  # an open contact's: most are
             total += (g[0] * g[0] + g[1] * g[1]) / bodies.mass[body] + g[2] * g[2] / bodies.inertia[body]
     return total
 

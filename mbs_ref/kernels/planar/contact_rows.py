@@ -39,6 +39,8 @@ def planar_fill_contact_rows(model, work):
 @jit
 def _clear(rows, slot):
     """An open contact's row is empty: the solver leaves it out."""
+    if rows.jacobian[slot, 0, 0, 0] == 0.0 and rows.jacobian[slot, 0, 0, 1] == 0.0:
+        return  # a closed one's holds the normal
     for side in range(2):
         for c in range(3):
             rows.jacobian[slot, side, 0, c] = 0.0

@@ -134,18 +134,26 @@ def couple(block, loops, closures, body):
     for i in range(closures.entry[body], end):
         e = closures.passing[i]
         k = loops.passing[e]
-        rows = closures.passed[loops.here[e]]
-        _add_product(block, rows, closures.column[loops.here[e]], closures.own[k])
+        rows, single = closures.passed[loops.here[e]], loops.count[k] == 1
+        _add_product(block, single, rows, closures.column[loops.here[e]], closures.own[k])
         at = closures.first[k]
         for j in range(i + 1, end):
             f = closures.passing[j]
-            at = _meeting(loops, closures, at, loops.passing[f])
-            _add_product(block, rows, closures.column[loops.here[f]], closures.coupling[closures.met[at]])
+            other = loops.passing[f]
+            at = _meeting(loops, closures, at, other)
+            both = single and loops.count[other] == 1
+            _add_product(block, both, rows, closures.column[loops.here[f]], closures.coupling[closures.met[at]])
 
 
 @placed
-def _add_product(block, a, b, target):
-    """target += a^T b."""
+def _add_product(block, single, a, b, target):
+    """target += a^T b; of `single` rows, as contacts have, no more than the one number."""
+    if single:
+        total = 0.0
+        for c in range(len(block)):
+            total += a[c, 0] * b[c, 0]
+        target[0, 0] += total
+        return
     for r in range(len(block)):
         for s in range(len(block)):
             total = 0.0

@@ -56,12 +56,28 @@ def measure_track() -> tuple[dict[str, float | str], dict[str, Film], dict[str, 
     for engine, method, step in DRIVERS:
         settings = Settings(method=method, step=step, reactions=False)
         figures[f"track.{engine}.apart"] = _engine(scene, engine, settings, fine)
+    figures |= _held(times)
     rolled, drawn = _rolling()
     rough = scenes.make("tracked_vehicle", **ROUGH)
     path = simulate(rough, REFERENCE.model_copy(update={"step": 1e-4, "t_end": LONG, "samples": 81, "method": "rk4"}))
     hull = np.degrees(path.orientation[:, rough.body_index("chassis")])
     drawn["Hull's pitch over a bump of 5 cm, rollers sprung"] = curves(path.times, {"pitch": hull}, "degrees")
     return figures | rolled, {"Track over a bump": film(rough, path, 10)}, drawn
+
+
+def _held(times: np.ndarray) -> dict[str, float | str]:
+    """Return what wheels held on the links by constraints change, against the force law; both without friction."""
+    settings = Settings(method="rk4", step=1e-4, reactions=False, estimate="off")
+    scene = scenes.make("tracked_vehicle", law="constraint")
+    held, soft = simulate(scene, settings, times), simulate(scenes.make("tracked_vehicle"), settings, times)
+    hull = scene.body_index("chassis")
+    kept = np.zeros((1, 2)) if held.step_compliance is None else held.step_compliance
+    return {
+        "track.held.status": str(held.status) if held.ok else held.message,
+        "track.held.events": float(held.events), "track.soft.events": float(soft.events),
+        "track.held.calls": held.rhs_calls / soft.rhs_calls, "track.held.compliance": float(kept[:, 1].max()),
+        "track.held.apart": float(np.abs(held.position - soft.position)[:, hull].max()) if held.ok else "stopped",
+    }  # fmt: skip
 
 
 def _engine(scene, name: str, settings: Settings, fine) -> float | str:

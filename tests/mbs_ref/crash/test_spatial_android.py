@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -57,3 +59,18 @@ def test_the_sideways_momentum_is_the_pulses():
 def test_parts_without_a_counterpart_are_named():
     with pytest.raises(ValueError, match="has no counterpart in space yet"):
         in_space(scenes.make("android_simplified", body_contacts=True), "s", "", 0.0)
+
+
+def test_a_straight_crash_from_the_rear_is_the_planar_ones():
+    """With stops and body contacts, whose planar depths test_believable_androids holds within what is declared."""
+    full: dict[str, Any] = {"impact": "rear", "stops": True, "body_contacts": True, "head_restraint": "separate"}
+    planar = simulate(scenes.make("android_simplified", **full), SETTINGS)
+    spatial = simulate(scenes.make("android_spatial", oblique=0.0, **full), SETTINGS)
+    assert planar.ok, planar.message
+    assert spatial.ok, spatial.message
+    assert np.abs(spatial.position[:, :, :2] - planar.position).max() < 1e-10
+
+
+def test_a_crash_from_the_rear_needs_stops():
+    with pytest.raises(ValueError, match="impact = 'rear' needs stops"):
+        scenes.make("android_spatial", impact="rear")
