@@ -101,7 +101,7 @@ def test_wound_torsion_bars_bear_the_hull():
 
 
 def test_wheels_on_constraints_go_as_those_on_stiff_springs():
-    """No depth at the wheels; on springs the hull, let go from no depth, sinks by up to twice m g / k on three rollers."""
+    """No depth at the wheels; on springs, first slack, the hull sinks by up to twice m g / k on three rollers."""
     scene, held = drive(0.05, law="constraint")
     _, soft = drive(0.05)
     hull = scene.body_index("chassis")
