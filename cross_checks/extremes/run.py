@@ -96,6 +96,7 @@ QUICK = {
     "pinocchio_cpp": ("dop853", "rk4"),
     "rebound": ("ias15", "whfast"),
     "heyoka": ("taylor",),
+    "basilisk": ("rk4",),
     "mjx": ("rk4",),
     "opensim": ("rk_merson",),
     "drake": ("runge_kutta3", "sap"),

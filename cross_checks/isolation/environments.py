@@ -24,6 +24,9 @@ PROJECT = Path(__file__).parents[2]
 BENEATH = "beneath.pth"  # in an environment made over this one: packages of this one are seen below its own
 
 
+PINS = Path(__file__).parent / "pins"  # NAME.txt: the exact releases of an engine's environment
+
+
 class NotMade(RuntimeError):
     """An environment could not be made; the sentence says what pip said."""
 
@@ -73,7 +76,7 @@ def make(name: str, requirements: Sequence[str], home: Path | None = None, *, ov
         lines = [f"import site; site.addsitedir({path!r})" for path in dict.fromkeys(_packages())]
         (_site_of(where) / BENEATH).write_text("\n".join(lines) + "\n", encoding="utf-8")
     if requirements:
-        _install(python_of(where), requirements)
+        _install(python_of(where), requirements, pins_of(name))
     folder().mkdir(parents=True, exist_ok=True)
     note = {"environment": str(where), "requirements": list(requirements), "over": over}
     write_atomic(folder() / f"{name}.json", json.dumps(note, indent=2).encode())
@@ -87,6 +90,12 @@ def forget(name: str) -> Path | None:
     return home
 
 
+def pins_of(name: str) -> Path | None:
+    """Return the file of exact releases that the engine's environment is made of; None where there is none."""
+    file = PINS / f"{name}.txt"
+    return file if file.is_file() else None
+
+
 def _packages() -> list[str]:
     return [*site.getsitepackages(), sysconfig.get_path("purelib"), sysconfig.get_path("platlib")]
 
@@ -96,9 +105,10 @@ def _site_of(home: Path) -> Path:
     return Path(sysconfig.get_path("purelib", "venv", scheme))
 
 
-def _install(python: Path, requirements: Sequence[str]) -> None:
+def _install(python: Path, requirements: Sequence[str], pins: Path | None) -> None:
     command = [sys.executable, "-m", "pip", "--python", str(python), "install", "--disable-pip-version-check", "-q"]
-    done = subprocess.run([*command, *requirements], capture_output=True, text=True, check=False)
+    held = [] if pins is None else ["--constraint", str(pins)]
+    done = subprocess.run([*command, *held, *requirements], capture_output=True, text=True, check=False)
     if done.returncode:
         told = [line for line in done.stderr.splitlines() if line.strip()]
         raise NotMade(f"pip could not install {', '.join(requirements)}: {told[-1] if told else 'it did not say why'}")

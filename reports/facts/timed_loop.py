@@ -18,5 +18,6 @@ INSIDE = {
     "dart": "World.step in C++, called from Python once a step, as its users do",
     "mjx": "one compiled call an output; compiling it, which takes seconds, is counted as the first call",
     "opensim": "Manager.integrate in C++, called from Python once an output",
+    "basilisk": "fixed steps by its scheduler in C++; adaptive ones by one call of the spacecraft an output",
     "heyoka": "its own compiled loop; compiling the Taylor series is counted as building the model",
 }

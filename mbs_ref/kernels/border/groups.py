@@ -14,6 +14,7 @@ import numpy.typing as npt
 
 Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
+DTYPES = {Floats: np.dtype(np.float64), Ints: np.dtype(np.int64)}  # what an alias is made of differs among NumPy's
 
 
 class Declared(NamedTuple):
@@ -28,7 +29,7 @@ def declared(group: type) -> dict[str, Declared]:
     """Return dtype and shape of every array of a group."""
     hints = get_type_hints(group, include_extras=True)
     arrays = {name: get_args(hint) for name, hint in hints.items()}
-    return {name: Declared(np.dtype(get_args(kind)[0]), tuple(shape)) for name, (kind, *shape) in arrays.items()}
+    return {name: Declared(DTYPES[kind], tuple(shape)) for name, (kind, *shape) in arrays.items()}
 
 
 def empty(group: type, **lengths: int) -> Any:

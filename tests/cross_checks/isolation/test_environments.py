@@ -162,3 +162,25 @@ def test_an_environment_sees_our_sources_and_none_of_our_packages(monkeypatch):
     assert around["PYTHONPATH"] == str(environments.PROJECT)
     monkeypatch.setattr(environments, "PROJECT", Path(environments.sysconfig.get_path("purelib")))
     assert environments.surroundings("toy")["PYTHONPATH"] == ""
+
+
+def test_an_environment_is_made_of_the_pinned_releases(toy, tmp_path, monkeypatch):
+    pins = tmp_path / "pins"
+    pins.mkdir()
+    (pins / "toy.txt").write_text("toy-solver==1.0\n")
+    monkeypatch.setattr(environments, "PINS", pins)
+    assert environments.pins_of("another") is None
+    with pytest.raises(environments.NotMade, match="pip could not install"):
+        environments.make("toy", [str(toy)])  # its version 2.0 is not the pinned one
+    assert environments.homes() == {}
+
+
+def test_pins_are_exact_and_name_no_place():
+    files = sorted(Path(environments.__file__).parent.glob("pins/*.txt"))
+    assert files
+    for file in files:
+        assert file.stem in engines.names()
+        for line in file.read_text().splitlines():
+            name, _, release = line.partition("==")
+            assert name, line
+            assert release[:1].isdigit(), line
