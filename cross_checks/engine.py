@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import warnings
 from abc import ABC, abstractmethod
+from collections.abc import Sequence
 from time import perf_counter
 from typing import Any, ClassVar
 
@@ -104,7 +106,9 @@ class Engine(ABC):
         built = perf_counter()
         self.first_call(model, plan)
         called = perf_counter()
-        left = self.advance(model, plan)
+        with warnings.catch_warnings(record=True) as said:
+            warnings.simplefilter("always")
+            left = self.advance(model, plan)
         looped = perf_counter()
         loop = self.collect(model, plan, left)
         end = end_of(loop.states.reshape(len(loop.states), -1), plan.times, loop.end)
@@ -120,7 +124,8 @@ class Engine(ABC):
             rhs_calls=loop.rhs_calls,
             timing=Timing(built - start, called - built, looped - called),
             reactions=self.reactions(model, plan, states, poses) if settings.reactions else {},
-            notes=((DRIVEN,) if plan.method.driven_from_python else ()) + self.notes(model, plan),
+            notes=((DRIVEN,) if plan.method.driven_from_python else ())
+            + (*self.notes(model, plan), *_warned(self.name, said)),
             used=plan.used,
             unreported=end.unreported,
         )
@@ -149,3 +154,8 @@ class Engine(ABC):
         reasons = [f"{method.name} needs a scene that is {t}" for t in sorted(method.requires - present)]
         reasons += [f"{method.name} cannot model a scene that is {t}" for t in sorted(method.excludes & present)]
         return [Refusal(reason, permanent=True) for reason in reasons]
+
+
+def _warned(name: str, said: Sequence[warnings.WarningMessage]) -> list[str]:
+    """Return what was warned of in the engine's loop, each sentence once."""
+    return [f"{name} warned: {text}" for text in dict.fromkeys(str(warning.message).strip() for warning in said)]

@@ -114,8 +114,7 @@ def gap(scene: Scene, first: Trajectory | None, second: Trajectory | None) -> fl
     """Return how far two runs are apart, in the measure of the error; None where one of them has no samples."""
     if first is None or second is None or not len(first.times) or not len(second.times):
         return None
-    with np.errstate(over="ignore", invalid="ignore"):
-        largest = float(np.max(differences(scene, first, second).relative(scales_of(scene))))
+    largest = float(np.max(differences(scene, first, second).relative(scales_of(scene))))
     return largest if np.isfinite(largest) else None
 
 

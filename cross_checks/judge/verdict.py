@@ -26,12 +26,15 @@ from dataclasses import dataclass
 from enum import StrEnum
 from itertools import pairwise
 
+from scipy.optimize import root_scalar
+
 from cross_checks.truth import MARGIN
 
 AGREEMENT = 1e-6  # of the scene: closer to the truth than this is agreement
 SETTLED = 0.1  # of the error: a limit this close to the finest run, and the truth is elsewhere
 SHRINKING = 0.5  # the gap before, at least: less would not tell a limit
 RESOLVED = 0.1  # of the scene: an error beyond is no approach
+MOST_ORDER = 20.0  # that gaps are asked for
 WIDE = 1e3  # factor between the coarsest and the finest setting: one that rules the steps at all does so over as much
 
 
@@ -110,16 +113,33 @@ def levels(good: Sequence[Point]) -> list[Point]:
 def limit_distance(good: Sequence[Point], order: float) -> float | None:
     """Return how far the finest run is from the method's own limit, from the gaps of the last three; None if untold.
 
-    With e = C s^p the gap between settings s1 > s2 is C (s1^p - s2^p), so that C s2^p = gap / ((s1/s2)^p - 1); by
-    the contraction r of the gaps it is gap r / (1 - r). The larger one is told.
+    With e = C s^p the gap between settings s2 > s3 is C (s2^p - s3^p), so that C s3^p = gap / ((s2/s3)^p - 1). p is the
+    documented order, or the one that the two gaps show where that is less.
     """
     if len(good) < 3 or good[-1].gap is None or good[-2].gap is None or not good[-2].gap > 0.0:
         return None
-    contraction = good[-1].gap / good[-2].gap
-    if contraction > SHRINKING:
+    if good[-1].gap > SHRINKING * good[-2].gap:
         return None
-    by_order = 1.0 / ((good[-2].knob / good[-1].knob) ** order - 1.0)
-    return good[-1].gap * max(by_order, contraction / (1.0 - contraction))
+    if good[-1].gap == 0.0:
+        return 0.0
+    coarse, middle, fine = (point.knob for point in good[-3:])
+    shown = shown_order(coarse / middle, middle / fine, good[-2].gap / good[-1].gap)
+    return None if shown is None else good[-1].gap / ((middle / fine) ** min(order, shown) - 1.0)
+
+
+def shown_order(first: float, second: float, shrinkage: float) -> float | None:
+    """Return the order p at which gaps shrink by `shrinkage` where settings do by factors `first`, then `second`.
+
+    (first^p - 1) / (1 - second^-p) = shrinkage; None where no order is positive.
+    """
+
+    def excess(p: float) -> float:
+        return math.expm1(p * math.log(first)) / -math.expm1(-p * math.log(second)) - shrinkage
+
+    low, high = 1e-6, MOST_ORDER
+    if excess(low) >= 0.0:
+        return None
+    return high if excess(high) <= 0.0 else float(root_scalar(excess, bracket=(low, high)).root)
 
 
 def _by_error(good: Sequence[Point], order: float, uncertainty: float) -> tuple[Verdict, str]:

@@ -41,7 +41,8 @@ class Differences(NamedTuple):
 
     def relative(self, scales: Scales) -> np.ndarray:
         """Return the sizes over the scene's scales (n_t, 4)."""
-        return self.sizes / units_of(scales)
+        with np.errstate(over="ignore"):
+            return self.sizes / units_of(scales)
 
 
 def units_of(scales: Scales) -> np.ndarray:
@@ -52,12 +53,13 @@ def units_of(scales: Scales) -> np.ndarray:
 def differences(scene: Scene, first: Motion, second: Motion) -> Differences:
     """Return how far two motions of a scene are apart over the samples that both have."""
     n = min(len(first.position), len(second.position))
-    per_body = np.stack([
-        np.linalg.norm(first.position[:n] - second.position[:n], axis=2),
-        _turn(scene, first.orientation[:n], second.orientation[:n]),
-        _gap(first.velocity, second.velocity, n, len(scene.bodies)),
-        _gap(first.angular_velocity, second.angular_velocity, n, len(scene.bodies)) * _turning(scene),
-    ], axis=1)  # fmt: skip
+    with np.errstate(over="ignore", invalid="ignore"):  # a run that blew up is infinitely far
+        per_body = np.stack([
+            np.linalg.norm(first.position[:n] - second.position[:n], axis=2),
+            _turn(scene, first.orientation[:n], second.orientation[:n]),
+            _gap(first.velocity, second.velocity, n, len(scene.bodies)),
+            _gap(first.angular_velocity, second.angular_velocity, n, len(scene.bodies)) * _turning(scene),
+        ], axis=1)  # fmt: skip
     per_body = np.nan_to_num(per_body, nan=0.0, posinf=np.inf)  # a truth may not cover every time
     return Differences(np.max(per_body, axis=2), np.argmax(per_body, axis=2))
 

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import sys
+import warnings
 from importlib.metadata import EntryPoint
 
 import pytest
 
 from cross_checks import engines
 from cross_checks.engine import Engine
+from mbs_ref import scenes
+from mbs_ref.settings import Settings
 
 
 def test_the_folder_is_listed_with_the_reference_first():
@@ -54,6 +57,22 @@ def test_what_an_engine_prints_when_it_is_imported_is_no_part_of_an_answer(tmp_p
     an_adapter(tmp_path, monkeypatch, "print('no warp')\nclass Strange:\n    name = 'strange'\n")
     engines.get("strange")
     assert capsys.readouterr() == ("", "no warp\n")
+
+
+def test_what_an_engine_warns_of_in_its_loop_is_a_note_of_the_run(monkeypatch):
+    pytest.importorskip("pinocchio")
+    engine = engines.get("pinocchio")
+    advance = type(engine).advance
+
+    def warning(self, model, plan):
+        for _ in range(2):
+            warnings.warn("the iteration did not converge", RuntimeWarning, stacklevel=1)
+        return advance(self, model, plan)
+
+    monkeypatch.setattr(type(engine), "advance", warning)
+    path = engine.run(scenes.make("pendulum"), Settings(method="rk4", step=1e-2, t_end=0.1, samples=2))
+    assert path.ok
+    assert path.notes.count("pinocchio warned: the iteration did not converge") == 1
 
 
 def test_an_absent_package_of_its_own_is_engine_missing(tmp_path, monkeypatch):

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import pytest
 
-from cross_checks.judge.verdict import Point, Verdict, judge, limit_distance
+from cross_checks.judge.verdict import Point, Verdict, judge, limit_distance, shown_order
 from cross_checks.metrics.observed_order import observed_order
 
 
@@ -81,6 +81,18 @@ def test_the_limit_follows_from_the_gaps():
     gaps = [c * (a * a - b * b) for a, b in itertools.pairwise(knobs)]
     points = runs([1.0 + c * h * h for h in knobs], gaps, knobs)
     assert limit_distance(points, 2.0) == pytest.approx(c * knobs[-1] ** 2, rel=1e-9)
+
+
+def test_the_order_that_gaps_show_heeds_how_far_settings_are_apart():
+    """Drake's CENIC on a swing: the first gap is wide because 455 lies between the tolerances, and 16 after."""
+    knobs, order, c = [1e-5, 2.2e-8, 1.4e-9], 0.45, 1.0
+    values = [c * knob**order for knob in knobs]
+    gaps = [a - b for a, b in itertools.pairwise(values)]
+    points = runs(values, gaps, knobs)
+    assert shown_order(knobs[0] / knobs[1], knobs[1] / knobs[2], gaps[0] / gaps[1]) == pytest.approx(order)
+    assert limit_distance(points, 0.5) == pytest.approx(values[-1], rel=1e-9)
+    assert judge(points, 0.5, 1e-14)[0] is Verdict.CONVERGING
+    assert shown_order(2.0, 2.0, 0.9) is None
 
 
 def test_failures():

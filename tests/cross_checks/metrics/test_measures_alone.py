@@ -10,8 +10,10 @@ import pytest
 from cross_checks.metrics import energy_drift as energy
 from cross_checks.metrics.compliance import worst_joint
 from cross_checks.metrics.reaction_error import reaction_error
+from cross_checks.metrics.state_error import differences
 from mbs_ref import scenes
 from mbs_ref.observables.energy import EnergyBalance
+from mbs_ref.scene.scales import scales_of
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
 
@@ -24,6 +26,17 @@ def test_the_worst_joint_is_the_one_broken_most_at_any_time():
     position = run.position.copy()
     position[2, 1] += (1e-3, 0.0)  # the second rod, at one sample
     assert worst_joint(scene, replace(run, position=position)) == (scene.joints[1].name, pytest.approx(1e-3, rel=1e-6))
+
+
+def test_a_run_that_blew_up_is_infinitely_far_and_nobody_warns():
+    scene = scenes.make("double_pendulum")
+    run = simulate(scene, Settings(t_end=0.1, samples=5))
+    velocity = run.velocity.copy()
+    velocity[3] = 1e300
+    velocity[4] = -np.inf
+    found = differences(scene, replace(run, velocity=velocity), run)
+    assert np.isinf(found.relative(scales_of(scene))[3:, 2]).all()
+    assert not found.sizes[:3].any()
 
 
 def test_reactions_are_compared_over_what_both_report():

@@ -45,6 +45,7 @@ KNOWN: dict[tuple[str, str, str], set[str]] = {
     ("mujoco", "euler", "n_four_bar"): UNITS,
     ("mujoco", "implicit", "n_four_bar"): {"other units"},
     ("mujoco", "implicitfast", "n_four_bar"): UNITS,
+    **{("mjx", method, "n_four_bar"): UNITS for method in ("rk4", "euler", "implicitfast")},  # the same soft closures
     # REBOUND splits the motion about its first particle: with the Sun last, 7 km are left after 1e7 s
     ("rebound", "whfast", "outer_solar_system"): {"reordered"},
     ("rebound", "saba", "outer_solar_system"): {"reordered"},
