@@ -1,9 +1,14 @@
-"""Many starts of one chain: a batch against single runs, and against MuJoCo's own batches at equal error."""
+"""Many starts of one chain: a batch against single runs, and against MuJoCo's own batches at equal error.
+
+`python -m pytest -s benchmarks/suites/bench_batch.py` prints throughput and CPU time, the medians of interleaved pairs.
+"""
 
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
@@ -17,7 +22,8 @@ from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate, simulate_starts
 from mbs_ref.trajectory import Trajectory
 
-STARTS, THREADS, DURATION = 400, 2, 1.0  # s
+STARTS, THREADS, DURATION = 1000, 2, 1.0  # s
+ROUNDS = 5  # of interleaved pairs
 ERROR = 1e-6  # m, the largest over starts and bodies
 FINE = 1e-4  # s, step of MuJoCo's own way to the starts
 SCENE = scenes.make("pendulum_chain", links=10)
@@ -43,57 +49,67 @@ def _ends(paths: list[Trajectory]) -> np.ndarray:
     return np.array([path.position[-1] for path in paths])
 
 
+def _batch(starts: Poses, settings: Settings, lanes: bool) -> list[Trajectory]:
+    return simulate_starts(SCENE, starts, settings, threads=THREADS, lanes=lanes)
+
+
+@pytest.mark.parametrize("lanes", [False, True], ids=["threads", "lanes"])
 @pytest.mark.parametrize("settings", [LEAN, Settings(t_end=DURATION, estimate="off"), Settings(t_end=DURATION)])
-def test_batch_against_single_runs(benchmark, starts, settings):
+def test_batch_against_single_runs(benchmark, starts, settings, lanes):
     def single() -> None:
         for k in range(0, STARTS, 10):
             simulate(SCENE, settings, start=_one(starts, k))
 
     single()
+    _batch(starts, settings, lanes)
+    wall, cpu = np.median([_ratios(single, lambda: _batch(starts, settings, lanes)) for _ in range(ROUNDS)], axis=0)
+    benchmark.pedantic(lambda: _batch(starts, settings, lanes), rounds=3)
+    ratios = {"throughput": 10.0 * wall, "cpu": 10.0 * cpu}
+    benchmark.extra_info |= ratios
+    print(f"{settings.samples} outputs, estimate {settings.estimate}, {'lanes' if lanes else 'threads'}: {ratios}")
+
+
+def _ratios(first: Callable[[], object], second: Callable[[], object]) -> tuple[float, float]:
+    """Return the first's time over the second's: wall, CPU."""
     spent = []
-    for work in (single, lambda: simulate_starts(SCENE, starts, settings, threads=THREADS)):
+    for work in (first, second):
         wall, cpu = time.perf_counter(), time.process_time()
         work()
         spent.append((time.perf_counter() - wall, time.process_time() - cpu))
-    benchmark.pedantic(lambda: simulate_starts(SCENE, starts, settings, threads=THREADS), rounds=3)
-    (alone, alone_cpu), (batch, batch_cpu) = spent[0], spent[1]
-    ratios = {"throughput": 10.0 * alone / batch, "cpu": 10.0 * alone_cpu / batch_cpu}
-    benchmark.extra_info |= ratios
-    print(f"{settings.samples} outputs, estimate {settings.estimate}: {ratios}")
+    return spent[0][0] / spent[1][0], spent[0][1] / spent[1][1]
 
 
-def test_batch_against_rollout(benchmark, times, starts):
+@pytest.mark.parametrize("lanes", [False, True], ids=["threads", "lanes"])
+def test_batch_against_rollout(benchmark, times, starts, lanes):
     fine = Settings(rtol=1e-12, samples=2, t_end=DURATION, estimate="off", reactions=False)
-    truth = _ends(simulate_starts(SCENE, starts, fine, threads=THREADS))
-    ours, theirs = _cheapest_of_ours(starts, truth), _cheapest_of_theirs(times, truth)
-    benchmark.pedantic(lambda: simulate_starts(SCENE, starts, ours[1], threads=THREADS), rounds=3)
-    benchmark.extra_info |= {"ours_s": ours[0], "rollout_s": theirs[0], "ratio": ours[0] / theirs[0]}
-    print(f"CPU ms a run at {ERROR:g} m: ours {ours[0] * 1e3:.3f} at rtol {ours[1].rtol:g}, "
-          f"rollout {theirs[0] * 1e3:.3f} at step {theirs[1]:g}; ratio {ours[0] / theirs[0]:.2f}")  # fmt: skip
+    truth = _ends(_batch(starts, fine, lanes=False))
+    ours, (step, theirs) = _coarsest_of_ours(starts, truth, lanes), _coarsest_of_theirs(times, truth)
+    wall, cpu = np.median([_ratios(lambda: _batch(starts, ours, lanes), theirs) for _ in range(ROUNDS)], axis=0)
+    benchmark.pedantic(lambda: _batch(starts, ours, lanes), rounds=3)
+    benchmark.extra_info |= {"wall_ratio": wall, "cpu_ratio": cpu, "rtol": ours.rtol, "step": step}
+    print(f"{'lanes' if lanes else 'threads'} at {ERROR:g} m, ours over rollout: wall {wall:.3f}, CPU {cpu:.3f}; "
+          f"rtol {ours.rtol:g}, step {step:g} s")  # fmt: skip
 
 
-def _cheapest_of_ours(starts: Poses, truth: np.ndarray) -> tuple[float, Settings]:
+def _coarsest_of_ours(starts: Poses, truth: np.ndarray, lanes: bool) -> Settings:
     for rtol in (1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9):
         settings = LEAN.model_copy(update={"rtol": rtol})
-        began = time.process_time()
-        ends = _ends(simulate_starts(SCENE, starts, settings, threads=THREADS))
-        if np.max(np.abs(ends - truth)) <= ERROR:
-            return (time.process_time() - began) / STARTS, settings
+        if np.max(np.abs(_ends(_batch(starts, settings, lanes)) - truth)) <= ERROR:
+            return settings
     raise AssertionError("no tolerance reaches it")
 
 
-def _cheapest_of_theirs(times: np.ndarray, truth: np.ndarray) -> tuple[float, float]:
+def _coarsest_of_theirs(times: np.ndarray, truth: np.ndarray) -> tuple[float, Callable[[], np.ndarray]]:
+    """Return the step (s) that reaches the error, and the work."""
     engine = MuJoCo()
     way, built = _planned(engine, FINE, times)
     states = engine.advance(built, way).states
     for steps in (100, 200, 400, 800, 1600, 3200, 6400):
         plan, built = _planned(engine, DURATION / steps, np.array([0.0, DURATION]))
-        began = time.process_time()
         after = rolled_out(built.model, states, steps, THREADS)
-        spent = time.process_time() - began
         ends = engine.poses(built, replace(plan, times=np.zeros(STARTS)), after)[0]
         if np.max(np.abs(ends - truth)) <= ERROR:
-            return spent / STARTS, DURATION / steps
+            return DURATION / steps, partial(rolled_out, built.model, states, steps, THREADS)
     raise AssertionError("no step reaches it")
 
 

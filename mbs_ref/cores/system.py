@@ -145,6 +145,11 @@ class System(ABC):
         """Return time (s) and place in `event_sources` (n_events, 2) of the events located so far."""
         return np.zeros((0, 2))
 
+    @property
+    def keeps_itself(self) -> bool:
+        """Whether every state keeps the constraints, so that `project` has nothing to do."""
+        return False
+
     def regularity(self) -> float:
         """Return how far the last evaluated pose is from a singular one: 1 far, 0 there."""
         return core.call_regularity(self.work)

@@ -145,6 +145,9 @@ def _compiler(**options: Any) -> Callable[[Callable], Any]:
 _ROUNDING: Any = {"error_model": "numpy", "fastmath": {"contract"}}
 _OPTIONS: Any = {**_ROUNDING, "no_cfunc_wrapper": True}
 jit = _compiler(**_OPTIONS)
+# Of code that makes no arrays: references to those that it is given are not counted, at every line that names one.
+bare = _compiler(_nrt=False, **_OPTIONS)
+bare_loop = _compiler(_nrt=False, nogil=True, **_OPTIONS)
 placed = _compiler(forceinline=True, **_OPTIONS)
 loop_jit = _compiler(nogil=True, **_OPTIONS)  # of whole runs: other threads go on meanwhile
 strict_jit = _compiler()  # every operation is rounded as it is written, and division by zero raises

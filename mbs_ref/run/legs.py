@@ -60,7 +60,7 @@ def run_legs(system: System, plan: Plan, y: np.ndarray, refine: int = 1) -> Run:
 
     `refine` makes that many steps of each. `y` (n_state,) is left where the run ended.
     """
-    planned = _planned(system, plan, refine)
+    planned = planned_legs(system, plan, refine)
     run = progress(0.0)
     with Interrupts(run, plan.options.max_steps) as interrupts:
         began = time.perf_counter()
@@ -92,7 +92,7 @@ def finite_part(system: System, run: Run) -> Run:
                         status=Status.NON_FINITE, message=message)  # fmt: skip
 
 
-def _planned(system: System, plan: Plan, refine: int) -> list[LegPlan]:
+def planned_legs(system: System, plan: Plan, refine: int) -> list[LegPlan]:
     """Divide the run at the declared breakpoints."""
     times = plan.times
     inner = [t for t in system.scene.breakpoints() if 0.0 < t < times[-1]]
@@ -162,6 +162,11 @@ def _largest_between(compliance: np.ndarray, kept: np.ndarray, carried: float) -
     return largest, left
 
 
+def reached(plan: Plan) -> str:
+    """Return the sentence for a run that reached its end."""
+    return f"reached t = {plan.times[-1]:g} s"
+
+
 def _outcome(
     system: System, plan: Plan, last: Leg, run: Progress, y: np.ndarray, interrupted: bool
 ) -> tuple[Status, str]:
@@ -172,7 +177,7 @@ def _outcome(
     if interrupted and last.status is Status.TOO_MANY_STEPS:
         return Status.INTERRUPTED, f"interrupted at t = {stuck:.9g} s"
     if last.status is Status.SUCCESS:
-        return Status.SUCCESS, last.message or f"reached t = {plan.times[-1]:g} s"
+        return Status.SUCCESS, last.message or reached(plan)
     if last.status is Status.ENDLESS_EVENTS:
         return last.status, f"{last.message}; {system.event_sources[run.event_source]!r} was the last"
     if last.status is Status.STOP_EVENT:

@@ -16,11 +16,16 @@ from mbs_ref.scene import Scene
 from mbs_ref.trajectory import Status, Trajectory
 
 
-def shared[T](run: Callable[[T], Trajectory], work: list[T], threads: int | None) -> list[Trajectory]:
-    """Return what each piece of work gives; the first is done alone, because it compiles. Ctrl-C ends the rest."""
-    first = [run(piece) for piece in work[:1]]
-    with ThreadPoolExecutor(threads or len(os.sched_getaffinity(0))) as pool:
-        later = [pool.submit(run, piece) for piece in work[1:]]
+def processors(threads: int | None) -> int:
+    """Return how many threads to run: the number of processors unless given."""
+    return threads or len(os.sched_getaffinity(0))
+
+
+def shared[T, R](run: Callable[[T], R], work: list[T], threads: int | None, alone: int = 1) -> list[R]:
+    """Return what each piece of work gives; the first is done `alone`, because it compiles. Ctrl-C ends the rest."""
+    first = [run(piece) for piece in work[:alone]]
+    with ThreadPoolExecutor(processors(threads)) as pool:
+        later = [pool.submit(run, piece) for piece in work[alone:]]
         try:
             return first + [one.result() for one in later]
         except BaseException:

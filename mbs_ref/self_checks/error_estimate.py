@@ -66,10 +66,19 @@ class _Compared(NamedTuple):
         return self.status in ENDED
 
 
-def estimated(system: System, plan: Plan, run: Run) -> Estimate | None:
-    """Estimate the error of a run at its output times; None where Ctrl-C ended a companion."""
+def companion_plan(system: System, plan: Plan) -> tuple[Plan, int]:
+    """Return the plan of the companion that is made first, and of how many parts its steps are: see `run_legs`."""
+    first = _first(system, plan)
+    return replace(plan, options=first.options._replace(stop_on_compliance=False)), first.refine
+
+
+def estimated(system: System, plan: Plan, run: Run, companion: Run | None = None) -> Estimate | None:
+    """Estimate the error of a run at its output times; None where Ctrl-C ended a companion.
+
+    `companion` is the first one by `companion_plan`, where it has been made already.
+    """
     began, scales = time.perf_counter(), scales_of(system.scene)
-    found = _all_compared(system, scales, plan, run)
+    found = _all_compared(system, scales, plan, run, companion)
     if any(one.status is Status.INTERRUPTED for one in found):
         return None
     opening, went = _opening(system, scales, plan, run) if plan.options.step else (np.zeros(4), np.zeros(4))
@@ -110,15 +119,18 @@ def _decades(plan: Plan) -> float:
     return DECADE**2 if plan.integrator.varies_order else DECADE * plan.integrator.slack
 
 
-def _all_compared(system: System, scales: Scales, plan: Plan, run: Run) -> list[_Compared]:
-    """Return what the companions say that are needed: one as a rule."""
-    finer = _half(system, plan) if plan.options.step else _tighter(plan, _decades(plan))
-    found = [_compared(system, scales, plan, run, finer)]
+def _all_compared(system: System, scales: Scales, plan: Plan, run: Run, made: Run | None) -> list[_Compared]:
+    """Return what the companions say that are needed: one as a rule, which may be made already."""
+    found = [_compared(system, scales, plan, run, _first(system, plan), made)]
     if found[0].is_vain:
         found.append(_compared(system, scales, plan, run, _tighter(plan, DECADE**2 * _decades(plan))))
     if not found[-1].has_ended and found[-1].status is not Status.INTERRUPTED:
         found.append(_compared(system, scales, plan, run, _coarser(plan)))
     return found
+
+
+def _first(system: System, plan: Plan) -> _Companion:
+    return _half(system, plan) if plan.options.step else _tighter(plan, _decades(plan))
 
 
 def _half(system: System, plan: Plan) -> _Companion:
@@ -151,9 +163,12 @@ def _richardson(smaller: float) -> float:
     return SAFETY * smaller / (smaller - 1.0)
 
 
-def _compared(system: System, scales: Scales, plan: Plan, run: Run, companion: _Companion) -> _Compared:
-    """Make the companion and hold the run against it."""
-    other = _made(system, replace(plan, options=companion.options), run.states[0], run.times, companion.refine)
+def _compared(
+    system: System, scales: Scales, plan: Plan, run: Run, companion: _Companion, made: Run | None = None
+) -> _Compared:
+    """Make the companion, unless it has been made, and hold the run against it."""
+    own = replace(plan, options=companion.options)
+    other = made or _made(system, own, run.states[0], run.times, companion.refine)
     gaps, sizes = _apart(system, scales, run, other)
     # what rounding does to rates moves bodies by the same share of the way that they go
     way = np.fmax(1.0, np.max(sizes[2:]) * run.times[: len(gaps), None] / scales.time)
@@ -181,6 +196,8 @@ def _apart(system: System, scales: Scales, run: Run, other: Run) -> tuple[np.nda
 
 def _off_constraints(system: System, scales: Scales, plan: Plan, run: Run) -> np.ndarray:
     """Return how far the outputs are from the nearest poses and rates that keep the constraints (n_t, 4)."""
+    if system.keeps_itself:
+        return np.zeros((len(run.times), 4))
     other, near = system.beside(), run.states.copy()
     for t, y in zip(run.times, near, strict=True):
         other.set_mode_time(float(t))

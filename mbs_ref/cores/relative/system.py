@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -14,7 +14,13 @@ from mbs_ref.cores.spatial.system import SpatialSystem
 from mbs_ref.cores.system import Poses, System
 from mbs_ref.kernels.border.groups import empty
 from mbs_ref.kernels.relative import model as arrays
-from mbs_ref.kernels.relative.planar import take_planar_velocities, tell_planar
+from mbs_ref.kernels.relative.lanes import Tree, tree_in_lanes
+from mbs_ref.kernels.relative.planar import (
+    take_planar_velocities,
+    take_planar_velocities_over,
+    tell_planar,
+    tell_planar_over,
+)
 from mbs_ref.kernels.relative.spatial import take_spatial_velocities, tell_spatial
 from mbs_ref.scene import PlanarBody, Scene
 from mbs_ref.scene.euler_parameters import conjugate, product
@@ -109,7 +115,11 @@ class RelativeSystem(System):
         return self.redundant.poses(self._all_told(states))
 
     def states_of(self, poses: Poses) -> np.ndarray:
-        return np.array([self.reduced(y) for y in self.redundant.states_of(poses)])
+        return self.all_reduced(self.redundant.states_of(poses))
+
+    def all_reduced(self, told: np.ndarray) -> np.ndarray:
+        """Return the states (n, n_state) of redundant ones (n, n_told) that keep the joints."""
+        return np.array([self.reduced(y) for y in told])
 
     def _all_told(self, states: np.ndarray) -> np.ndarray:
         return np.array([self.told(y) for y in states]).reshape(len(states), len(self.scratch.told.state))
@@ -169,6 +179,31 @@ class RelativePlanarSystem(RelativeSystem):
     def _take_velocities(self, y: np.ndarray) -> None:
         take_planar_velocities(self.model, self.work, y)
 
+    def _all_told(self, states: np.ndarray) -> np.ndarray:
+        told = np.empty((len(states), len(self.scratch.told.state)))
+        tell_planar_over(self.model, self.work, np.ascontiguousarray(states), told)
+        return told
+
+    def all_reduced(self, told: np.ndarray) -> np.ndarray:
+        y = np.zeros((len(told), self.layout.n_state))
+        for i, first in enumerate(self.layout.q[:-1]):
+            found = self._coordinate(i, told.T).T
+            y[:, first : first + found.shape[1]] = found
+        take_planar_velocities_over(self.model, self.work, np.ascontiguousarray(told), y)
+        return y
+
+    @property
+    def keeps_itself(self) -> bool:
+        """In the plane no coordinates of a tree depend on each other."""
+        return True
+
+    def in_lanes(self) -> Tree:
+        """Return the tree with scratch of its own for runs side by side; of gravity alone among the loads."""
+        own, other = self.groups.joints, self.redundant
+        links, recursion = self.scratch.links, self.scratch.recursion
+        scratch = links, recursion, other.scratch.kinematics
+        return tree_in_lanes(own, other.groups.bodies, other.groups.world.gravity, *scratch)
+
     def _frames(self) -> tuple[np.ndarray, np.ndarray]:
         angles = np.array([body.angle if isinstance(body, PlanarBody) else 0.0 for body in self.scene.bodies])
         own = np.append(angles[self.layout.order], 0.0)
@@ -180,23 +215,22 @@ class RelativePlanarSystem(RelativeSystem):
         return (own[:-1] - own[parents])[:, None], axes
 
     def _coordinate(self, i: int, told: np.ndarray) -> np.ndarray:
-        kind, joints = self.layout.kind[i], self.groups.joints
-        q = told[: 3 * len(self.layout.kind)].reshape(-1, 3)
+        kind, joints, n = self.layout.kind[i], self.groups.joints, len(self.layout.kind)
+        q = told[: 3 * n].reshape(n, 3, *told.shape[1:])
         own, parent = q[self.layout.order[i]], int(joints.parent[i])
         if kind == arrays.FREE:
             return own[: self.layout.freedoms[i]]
-        there = q[self.layout.order[parent]] if parent < len(self.layout.kind) else np.zeros(3)
+        there = q[self.layout.order[parent]] if parent < n else np.zeros_like(own)
         if kind == arrays.REVOLUTE:
-            return np.array([own[2] - there[2] - joints.offset[i, 0]])
+            return (own[2] - there[2] - joints.offset[i, 0])[None]
         if kind == arrays.PRISMATIC:
-            c, s = np.cos(there[2]), np.sin(there[2])
-            turned = np.array([[c, -s], [s, c]])
-            gap = own[:2] - there[:2] + _turned(own[2], joints.arm[i]) - turned @ joints.arm_of_parent[i]
-            return np.array([gap @ (turned @ joints.axis[i])])
-        return np.zeros(0)
+            gap = own[:2] - there[:2] + _turned(own[2], joints.arm[i]) - _turned(there[2], joints.arm_of_parent[i])
+            axis = _turned(there[2], joints.axis[i])
+            return (gap[0] * axis[0] + gap[1] * axis[1])[None]
+        return own[:0]
 
 
-def _turned(angle: float, arm: np.ndarray) -> np.ndarray:
+def _turned(angle: Any, arm: np.ndarray) -> np.ndarray:
     c, s = np.cos(angle), np.sin(angle)
     return np.array([c * arm[0] - s * arm[1], s * arm[0] + c * arm[1]])
 

@@ -56,7 +56,7 @@ AVOIDED = 1  # attempts in a row that ended too close to a singular pose
 
 
 @jit
-def _resize(error, error_order, h, proposed, lands, rejected):
+def resized(error, error_order, h, proposed, lands, rejected):
     """Return whether a step's error is borne, and the next step (s)."""
     if not error < 1.0:
         factor = SHRINK
@@ -82,7 +82,7 @@ def _judge(model, work, tableau, options, run, attempt, span, y, stages, restore
     derivative(model, work, attempt.t_new, stages.new, stages.slopes[last])
     run.rhs_calls += 1
     error = error_norm(model, work, tableau, options, attempt.h, y, stages, restore)
-    accepted, run.h = _resize(
+    accepted, run.h = resized(
         error, tableau.error_order, attempt.h, attempt.proposed, attempt.lands, past.marks[REJECTED] == 1
     )
     past.marks[REJECTED] = 0 if accepted else 1

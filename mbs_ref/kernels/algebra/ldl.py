@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from mbs_ref.kernels.jit import jit
+from mbs_ref.kernels.jit import bare
 
 
-@jit
+@bare
 def ldl3(a00, a10, a11, a20, a21, a22):
     """Factor a symmetric positive definite 3x3 matrix; return (1/d0, 1/d1, 1/d2, l10, l20, l21)."""
     i0 = 1.0 / a00
@@ -18,7 +18,7 @@ def ldl3(a00, a10, a11, a20, a21, a22):
     return i0, i1, i2, l10, l20, l21
 
 
-@jit
+@bare
 def ldl3_solve(i0, i1, i2, l10, l20, l21, b0, b1, b2):
     """Solve with the factors of `ldl3`."""
     y1 = b1 - l10 * b0
@@ -29,7 +29,7 @@ def ldl3_solve(i0, i1, i2, l10, l20, l21, b0, b1, b2):
     return x0, x1, x2
 
 
-@jit
+@bare
 def factor_ldl(a, n):
     """Factor the leading n x n lower triangle in place: strict part L, diagonal 1 / D."""
     for j in range(n):
@@ -43,7 +43,7 @@ def factor_ldl(a, n):
         a[j, j] = inverse
 
 
-@jit
+@bare
 def solve_ldl(a, n, b):
     """Solve in place with the factors of `factor_ldl`."""
     for i in range(1, n):

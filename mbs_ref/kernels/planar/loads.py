@@ -11,7 +11,7 @@ from mbs_ref.kernels.contact.laws import (
     MODE_PLAIN,
 )
 from mbs_ref.kernels.controls import CONTROL_MODE_TIME
-from mbs_ref.kernels.jit import jit
+from mbs_ref.kernels.jit import bare, jit
 from mbs_ref.kernels.planar.marks import arm, push, push_back, separation
 from mbs_ref.kernels.planar.model import (
     bodies_of,
@@ -30,9 +30,14 @@ from mbs_ref.kernels.signals import evaluate
 @jit
 def apply_gravity(model, work):
     """Set every force to the weight; every other load adds to it."""
-    bodies, kin = bodies_of(model), kinematics_of(work)
-    gx = world_of(model).gravity[0]
-    gy = world_of(model).gravity[1]
+    weigh(bodies_of(model), world_of(model).gravity, kinematics_of(work))
+
+
+@bare
+def weigh(bodies, gravity, kin):
+    """Set the forces in `kin`, of floats or of lanes, to the weights."""
+    gx = gravity[0]
+    gy = gravity[1]
     for i in range(bodies.mass.shape[0]):
         kin.force[i, 0] = bodies.mass[i] * gx
         kin.force[i, 1] = bodies.mass[i] * gy

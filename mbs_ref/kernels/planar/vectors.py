@@ -2,53 +2,53 @@
 
 from __future__ import annotations
 
-from mbs_ref.kernels.jit import jit
+from mbs_ref.kernels.jit import bare
 
 
-@jit
+@bare
 def pair(row, k):
     """Return row[k : k + 2]."""
     return row[k], row[k + 1]
 
 
-@jit
+@bare
 def plus(a, b):
     return a[0] + b[0], a[1] + b[1]
 
 
-@jit
+@bare
 def minus(a, b):
     return a[0] - b[0], a[1] - b[1]
 
 
-@jit
+@bare
 def times(factor, a):
     return factor * a[0], factor * a[1]
 
 
-@jit
+@bare
 def over(a, divisor):
     return a[0] / divisor, a[1] / divisor
 
 
-@jit
+@bare
 def dot(a, b):
     return a[0] * b[0] + a[1] * b[1]
 
 
-@jit
+@bare
 def cross(a, b):
     """Return the third component of a x b."""
     return a[0] * b[1] - a[1] * b[0]
 
 
-@jit
+@bare
 def left(a):
     """Return a turned by 90 degrees: d(a)/d(theta)."""
     return -a[1], a[0]
 
 
-@jit
+@bare
 def turn(c, s, u):
     """Return u turned by an angle of this cosine and sine."""
     return c * u[0] - s * u[1], s * u[0] + c * u[1]

@@ -9,11 +9,10 @@ here in world axes about the centres of mass, as the redundant cores have them.
 
 from __future__ import annotations
 
-import numpy as np
-
 from mbs_ref.kernels.algebra.ldl import ldl3, ldl3_solve
+from mbs_ref.kernels.algebra.turning import cos_sin
 from mbs_ref.kernels.border import questions as ask
-from mbs_ref.kernels.jit import inlined, jit
+from mbs_ref.kernels.jit import bare, inlined, jit
 from mbs_ref.kernels.planar.model import bodies_of, kinematics_of
 from mbs_ref.kernels.planar.vectors import left, minus, pair, plus, times, turn
 from mbs_ref.kernels.relative.model import (
@@ -35,7 +34,12 @@ ORIGIN = (0.0, 0.0)
 @jit
 def place_planar(model, work, y):
     """Write every body's pose and motion to the redundant system's scratch, and the joints' links."""
-    joints, links, kin = joints_of(model), links_of(work), kinematics_of(inner_work(model))
+    place_tree(joints_of(model), links_of(work), kinematics_of(inner_work(model)), y)
+
+
+@bare
+def place_tree(joints, links, kin, y):
+    """Write every body's pose and motion to `kin`, and the joints' links; of floats, or of lanes."""
     for i in range(joints.kind.shape[0]):
         if joints.kind[i] == FREE:
             _put_free(joints, links, kin, y, i)
@@ -48,7 +52,7 @@ def place_planar(model, work, y):
 @inlined
 def _put_pose(kin, i, place, angle):
     kin.pose[i, 0], kin.pose[i, 1] = place
-    kin.pose[i, 2], kin.pose[i, 3] = np.cos(angle), np.sin(angle)
+    kin.pose[i, 2], kin.pose[i, 3] = cos_sin(angle)
     kin.motion[i, 3] = angle
 
 
@@ -81,7 +85,8 @@ def _put_joined(joints, links, kin, y, i):
     elif kind == REVOLUTE:
         free[0], free[1], free[2] = -away[1], away[0], 1.0
     apart, turning = plus(reach, away), spin + rate
-    surplus = minus(times(2.0 * spin * speed, left(slide)), plus(times(spin * spin, reach), times(turning**2, away)))
+    inward = plus(times(spin * spin, reach), times(turning * turning, away))
+    surplus = minus(times(2.0 * spin * speed, left(slide)), inward)
     links.apart[i, 0], links.apart[i, 1] = apart
     bias[0], bias[1] = surplus
     kin.pose[i, 0], kin.pose[i, 1] = plus(pair(kin.pose[parent], 0), apart)
@@ -101,6 +106,27 @@ def tell_planar(model, work, y):
         told.state[k], told.state[k + 1], told.state[k + 2] = kin.pose[i, 0], kin.pose[i, 1], kin.motion[i, 3]
         for c in range(3):
             told.state[3 * n + k + c] = kin.motion[i, c]
+
+
+@jit
+def tell_planar_over(model, work, states, out):
+    """Write the redundant system's state of each state (n, n_state) to out (n, n_told)."""
+    told = told_of(work).state
+    for k in range(states.shape[0]):
+        tell_planar(model, work, states[k])
+        for c in range(out.shape[1]):
+            out[k, c] = told[c]
+
+
+@jit
+def take_planar_velocities_over(model, work, told, states):
+    """Write to each state (n, n_state), of given coordinates, the rates that the redundant ones (n, n_told) mean."""
+    place = told_of(work).state
+    for k in range(states.shape[0]):
+        tell_planar(model, work, states[k])
+        for c in range(told.shape[1]):
+            place[c] = told[k, c]
+        take_planar_velocities(model, work, states[k])
 
 
 @inlined
@@ -159,9 +185,8 @@ def _release(joints, links, rec, i):
     own[1] += links.bias[i, 1]
 
 
-@jit
-def _load_blocks(model, work):
-    bodies, kin, rec = bodies_of(inner_model(model)), kinematics_of(inner_work(model)), recursion_of(work)
+@bare
+def _load_blocks(bodies, kin, rec):
     for i in range(bodies.mass.shape[0]):
         a, mass = rec.articulated[i], bodies.mass[i]
         a[0, 0], a[1, 0], a[1, 1], a[2, 0], a[2, 1], a[2, 2] = mass, 0.0, mass, 0.0, 0.0, bodies.inertia[i]
@@ -174,9 +199,15 @@ def relative_planar_derivative(model, work, t, y, dy):
     """Write dy/dt = [u, u']."""
     place_planar(model, work, y)
     ask.apply_loads(inner_model(model), inner_work(model), t)
-    joints, links, rec = joints_of(model), links_of(work), recursion_of(work)
+    bodies, kin = bodies_of(inner_model(model)), kinematics_of(inner_work(model))
+    release_tree(joints_of(model), links_of(work), bodies, kin, recursion_of(work), y, dy)
+
+
+@bare
+def release_tree(joints, links, bodies, kin, rec, y, dy):
+    """Write dy/dt = [u, u'] of a tree that is placed, by the forces on its bodies in `kin`; of floats, or of lanes."""
     n = joints.kind.shape[0]
-    _load_blocks(model, work)
+    _load_blocks(bodies, kin, rec)
     for i in range(n - 1, -1, -1):
         if joints.kind[i] != FREE:
             _condense(joints, links, rec, i)

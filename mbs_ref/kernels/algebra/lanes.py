@@ -1,0 +1,185 @@
+"""Numbers of several runs side by side: one arithmetic operation on them is one packed instruction.
+
+To Numba a value of `LANES` is a number like a float: kernels that are written for floats take it as it is, and what
+they do with it is an LLVM vector's operation. Arrays of floats (..., WIDTH) are read as arrays of such numbers (...) by
+`in_lanes`. A float among them stands for itself in every lane.
+"""
+
+from __future__ import annotations
+
+import operator
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from llvmlite import ir
+from numba import types
+from numba.core import cgutils
+from numba.core.imputils import impl_ret_borrowed
+from numba.core.typeconv.castgraph import Conversion
+from numba.core.typing.templates import AbstractTemplate, infer_global, signature
+from numba.extending import intrinsic, lower_builtin, lower_cast, models, register_model
+
+WIDTH = 8  # runs side by side: doubles in the widest registers there are
+BYTES = 8 * WIDTH
+_DOUBLES = ir.VectorType(ir.DoubleType(), WIDTH)
+_WORDS = ir.VectorType(ir.IntType(64), WIDTH)
+_FLAGS = ("contract",)  # as mbs_ref.kernels.jit has them
+
+
+class Lanes(types.Type):
+    """A number of each of WIDTH runs."""
+
+    def __init__(self) -> None:
+        super().__init__(name=f"Lanes{WIDTH}")
+
+    def can_convert_from(self, typingctx: Any, other: Any) -> Any:
+        return Conversion.safe if isinstance(other, types.Float | types.Integer) else None
+
+
+LANES = Lanes()
+_intrinsic: Any = intrinsic  # what it makes is called without the typing context
+_lower: Any = lower_builtin
+_infer: Any = infer_global
+
+
+@register_model(Lanes)
+class _Vector(models.PrimitiveModel):
+    def __init__(self, manager: Any, kind: Any) -> None:
+        super().__init__(manager, kind, _DOUBLES)
+
+
+def _in_all(builder: Any, value: Any) -> Any:
+    """Return a vector that holds a float in every lane."""
+    none = ir.Constant(_DOUBLES, ir.Undefined)
+    first = builder.insert_element(none, value, ir.Constant(ir.IntType(32), 0))
+    return builder.shuffle_vector(first, none, ir.Constant(ir.VectorType(ir.IntType(32), WIDTH), [0] * WIDTH))
+
+
+@lower_cast(types.Float, Lanes)
+@lower_cast(types.Integer, Lanes)
+def _cast(context: Any, builder: Any, given: Any, wanted: Any, value: Any) -> Any:
+    return _in_all(builder, context.cast(builder, value, given, types.float64))
+
+
+def _is_number(kind: Any) -> bool:
+    return isinstance(kind, Lanes | types.Float | types.Integer)
+
+
+def _teach(name: str, instruction: str, operands: int) -> None:
+    """Let an operator take lanes, and lanes among floats."""
+
+    def typed(self: Any, args: Any, kws: Any) -> Any:
+        fits = len(args) == operands and LANES in args and all(map(_is_number, args))
+        return signature(LANES, *[LANES] * operands) if fits else None
+
+    def lowered(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        return getattr(builder, instruction)(*args, flags=_FLAGS)
+
+    for one in {getattr(operator, name), getattr(operator, f"i{name}", getattr(operator, name))}:
+        _infer(one)(type(f"_Lanes_{one.__name__}", (AbstractTemplate,), {"generic": typed}))
+        _lower(one, *[LANES] * operands)(lowered)
+
+
+for _name, _instruction, _operands in (
+    ("add", "fadd", 2), ("sub", "fsub", 2), ("mul", "fmul", 2), ("truediv", "fdiv", 2), ("neg", "fneg", 1),
+):  # fmt: skip
+    _teach(_name, _instruction, _operands)
+
+
+def llvm_function(name: str) -> Callable:
+    """Return the lowering of a function of one number that LLVM knows by name."""
+
+    def lowered(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        kind = ir.FunctionType(_DOUBLES, [_DOUBLES])
+        return builder.call(cgutils.get_or_insert_function(builder.module, kind, f"llvm.{name}.v{WIDTH}f64"), args)
+
+    return lowered
+
+
+@_intrinsic
+def nearest_in_lanes(context, x):
+    """Return the nearest whole numbers."""
+    return LANES(LANES), llvm_function("rint")
+
+
+@_intrinsic
+def in_lanes(context, array):
+    """View an array of floats (..., WIDTH), made by `room_for_lanes`, as an array of lanes (...)."""
+    seen = types.Array(LANES, array.ndim - 1, "C")
+
+    def lowered(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        given = context.make_array(sig.args[0])(context, builder, args[0])
+        view = context.make_array(seen)(context, builder)
+        shape, strides = (cgutils.unpack_tuple(builder, part)[: seen.ndim] for part in (given.shape, given.strides))
+        context.populate_array(
+            view, data=builder.bitcast(given.data, view.data.type), meminfo=given.meminfo, parent=given.parent,
+            shape=cgutils.pack_array(builder, shape), strides=cgutils.pack_array(builder, strides),
+            itemsize=context.get_constant(types.intp, BYTES),
+        )  # fmt: skip
+        return impl_ret_borrowed(context, builder, seen, view._getvalue())
+
+    return seen(array), lowered
+
+
+def room_for_lanes(*shape: int) -> np.ndarray:
+    """Return zeros (..., WIDTH) where packed instructions may load and store."""
+    count = int(np.prod(shape)) * BYTES
+    memory = np.zeros(count + BYTES, np.uint8)
+    first = -memory.ctypes.data % BYTES
+    return memory[first : first + count].view(np.float64).reshape(*shape, WIDTH)
+
+
+@_intrinsic
+def turned_by_quarters(context, quarters, sine, cosine):
+    """Return cosine and sine of an angle and so many quarter turns, a whole number below 2^51, in each lane."""
+
+    def lowered(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        count, s, c = args
+        # added to 1.5 2^52 a whole number stands in the lowest bits of the sum
+        number = builder.bitcast(builder.fadd(count, ir.Constant(_DOUBLES, [1.5 * 2.0**52] * WIDTH)), _WORDS)
+        odd = builder.icmp_unsigned("!=", builder.and_(number, _word(1)), _word(0))
+        beyond = builder.add(number, _word(1))
+        cosine = _negated(builder, builder.select(odd, s, c), beyond)
+        sine = _negated(builder, builder.select(odd, c, s), number)
+        return context.make_tuple(builder, sig.return_type, (cosine, sine))
+
+    return types.UniTuple(LANES, 2)(LANES, LANES, LANES), lowered
+
+
+def _word(value: int) -> Any:
+    return ir.Constant(_WORDS, [value] * WIDTH)
+
+
+def _negated(builder: Any, value: Any, number: Any) -> Any:
+    """Change the sign where a whole number's second bit is set."""
+    sign = builder.shl(builder.and_(number, _word(2)), _word(62))
+    return builder.bitcast(builder.xor(builder.bitcast(value, _WORDS), sign), _DOUBLES)
+
+
+def _of_two(instruction: Callable[[Any, Any, Any], Any]) -> Any:
+    """Return what an intrinsic of two numbers is to Numba: its type and its lowering."""
+    return LANES(LANES, LANES), lambda context, builder, sig, args: instruction(builder, *args)
+
+
+@_intrinsic
+def larger_in_lanes(context, a, b):
+    """Return the larger of two numbers in each lane; b where a is NaN."""
+    return _of_two(lambda builder, a, b: builder.select(builder.fcmp_ordered(">", a, b), a, b))
+
+
+@_intrinsic
+def size_in_lanes(context, x):
+    """Return the absolute values."""
+    return LANES(LANES), llvm_function("fabs")
+
+
+@_intrinsic
+def chosen_in_lanes(context, mark, a, b):
+    """Return a in the lanes where the mark is not zero, else b."""
+
+    def lowered(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        zero = ir.Constant(_DOUBLES, [0.0] * WIDTH)
+        return builder.select(builder.fcmp_unordered("!=", args[0], zero), args[1], args[2])
+
+    return LANES(LANES, LANES, LANES), lowered
