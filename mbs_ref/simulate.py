@@ -136,6 +136,8 @@ def simulate_starts(
     it was made so; where lanes cannot be, all is as without them, and the note says why.
     """
     check_shapes(scene, starts)
+    if not len(starts.position):
+        return []
     settings = settings or Settings()
     reason = why_not_in_lanes(scene, settings) if lanes else ""
     if lanes and not reason:

@@ -119,10 +119,25 @@ class _Code(caching.CompileResultCacheImpl):
     _locator_classes = [_BySources]
 
 
+class _Index(caching.IndexDataCacheFile):
+    """What is compiled of a function. Another checkout may have compiled it for types that are not known here."""
+
+    def _load_index(self) -> dict[Any, str]:
+        try:
+            return super()._load_index()
+        except (ImportError, AttributeError):
+            return {}
+
+
 class _Cache(caching.FunctionCache):
     """A function's compiled code by its sources, and by the fields of the named tuples that it is given."""
 
     _impl_class = _Code
+
+    def __init__(self, function: Callable) -> None:
+        super().__init__(function)
+        stamp = self._impl.locator.get_source_stamp()
+        self._cache_file = _Index(self._cache_path, self._impl.filename_base, stamp)
 
     def _index_key(self, sig: Any, codegen: Any) -> tuple[Any, ...]:
         given = getattr(sig, "args", sig)  # a signature, or the types alone

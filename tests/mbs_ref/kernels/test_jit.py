@@ -4,11 +4,12 @@ import ast
 import os
 import subprocess
 import sys
+import types
 from pathlib import Path
 
 import pytest
 
-from mbs_ref.kernels.jit import sources_of
+from mbs_ref.kernels.jit import _Index, sources_of
 
 ROOT = Path(__file__).parents[3]
 FORCE = "from mbs_ref.kernels.jit import jit\n\n@jit\ndef twice(x):\n    return {factor} * x\n\nprint(twice(3.0))\n"
@@ -51,3 +52,16 @@ def test_code_is_kept_under_a_digest_of_every_module_that_it_imports(module):
     named += [node.module for node in tree.body if isinstance(node, ast.ImportFrom) if node.module]
     ours = {name for name in named if (ROOT / Path(*name.split("."))).with_suffix(".py").is_file()}
     assert ours <= sources_of(module)
+
+
+def test_code_compiled_for_types_of_another_checkout_is_no_code(tmp_path, monkeypatch):
+    elsewhere = types.ModuleType("a_checkout_that_is_gone")
+    elsewhere.Kind = type("Kind", (), {"__module__": elsewhere.__name__, "__qualname__": "Kind"})
+    monkeypatch.setitem(sys.modules, elsewhere.__name__, elsewhere)
+    index = _Index(str(tmp_path), "twice", "stamp")
+    index.save(elsewhere.Kind, b"code")
+    assert index.load(elsewhere.Kind) == b"code"
+    monkeypatch.delitem(sys.modules, elsewhere.__name__)
+    assert index.load("another") is None
+    index.save("another", b"own")
+    assert index.load("another") == b"own"
