@@ -8,6 +8,7 @@ import pytest
 from cross_checks import engines
 from cross_checks.judge.one_run import evaluate
 from mbs_ref import scenes
+from mbs_ref.scene.celestial import Oblateness
 from mbs_ref.settings import Settings
 
 FINE = Settings(method="gauss", rtol=1e-16, samples=2)
@@ -27,6 +28,7 @@ def test_taylor_series_agree_with_collocation_on_a_satellite(heyoka, orbit, metr
     scene = scenes.make("satellite", orbit=orbit, zonals=True)
     ours, theirs = engines.get("mbs_ref").run(scene, FINE), heyoka.run(scene, TAYLOR)
     assert theirs.ok, theirs.message
+    assert theirs.steps > 10
     assert np.abs(ours.position - theirs.position).max() < metres
 
 
@@ -61,6 +63,20 @@ def test_multibody_engines_refuse_the_sky_with_the_reason(name, scene):
     assert record.status in ("cannot", "engine-missing")
     if record.status == "cannot":
         assert "newton" in record.message
+
+
+@pytest.mark.parametrize(
+    ("field", "taught"), [({}, True), ({"pole": "earth_iau2006"}, False), ({"axis": (0.6, 0.0, 0.8)}, False)]
+)
+def test_rebound_is_taught_j2_about_a_fixed_z_axis_alone(field, taught):
+    try:
+        rebound = engines.get("rebound")
+    except engines.EngineMissing as missing:
+        pytest.skip(str(missing))
+    scene = scenes.make("satellite")
+    loads = tuple(load.model_copy(update=field) if isinstance(load, Oblateness) else load for load in scene.loads)
+    told = [refusal.reason for refusal in rebound.refusals(scene.model_copy(update={"loads": loads}))]
+    assert any("fixed z axis alone" in reason for reason in told) is not taught
 
 
 @pytest.mark.parametrize("name", ["rebound", "heyoka"])

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -204,6 +206,8 @@ def test_momentum_of_a_free_pair_is_conserved_and_that_of_a_held_body_is_not_jud
     path = motion_of(t, position, np.zeros((5, 2)), np.stack([apart[1], -apart[1]], 1), np.zeros((5, 2)))
     np.testing.assert_allclose(judge.momentum_drift(pair, path), 0.0, atol=1e-15)
     assert judge.momentum_drift(scenes.make("pendulum"), one_body((-1.0, 0.0), 0.0)) is None
+    faster = replace(path, angular_velocity=path.angular_velocity + 5.0 * t[:, None])  # 0.3 kg m^2 each, evenly
+    np.testing.assert_allclose(judge.momentum_drift(pair, faster), 2.0 * 0.3 * 5.0 * t, atol=1e-14)
     spinning = one_body((2.0, 0.0), 0.0, velocity=(0.0, 3.0), spin=1.0)
     single = Scene(name="s", bodies=(body(),))
     np.testing.assert_allclose(judge.angular_momentum(single, spinning), [2.0 * 2.0 * 3.0 + 0.3])

@@ -17,6 +17,7 @@ from mbs_ref.scene.scales import scales_of
 from mbs_ref.scene.signals import HalfSine
 from mbs_ref.scenes.incline import build as incline
 from mbs_ref.scenes.kepler import build as orbit
+from mbs_ref.self_checks.error_estimate import SAFETY, _richardson
 from mbs_ref.self_checks.state_gap import state_gaps
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
@@ -283,3 +284,9 @@ def test_a_tolerance_at_roundoff_is_compared_with_a_coarser_one():
     path = simulate(scene, Settings(rtol=2e-13, t_end=0.5))
     assert "10 times the tolerance" in of(path).how
     assert of(path).value > error(scene, path)
+
+
+@pytest.mark.parametrize(("order", "factor"), [(1.0, 2.0), (4.0, 16.0 / 15.0)])
+def test_what_two_runs_differ_by_is_extrapolated_to_the_error_of_the_coarser(order, factor):
+    """e = C h^p of a step h and its half: the coarser errs by 2^p / (2^p - 1) of their difference (Richardson)."""
+    assert _richardson(2.0**order) == pytest.approx(SAFETY * factor)

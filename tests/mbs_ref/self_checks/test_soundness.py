@@ -47,6 +47,8 @@ def test_a_pulse_that_the_clock_cannot_tell_from_nothing_is_refused():
     found = clock_troubles(pushed(HalfSine(peak=1.0, duration=1e-3, start=1e13)))
     assert len(found) == 1
     assert "'push'" in found[0]
+    # a pulse is as long as it is late: the clock is the coarser, where it ends
+    assert "at t = 2.96439e-323 s" in clock_troubles(pushed(HalfSine(peak=1.0, duration=1.5e-323, start=1.5e-323)))[0]
     assert clock_troubles(pushed(Table(times=(0.0, 1.0, 1.0, 2.0), values=(0.0, 1.0, 2.0, 0.0)))) == []
     assert len(clock_troubles(pushed(Table(times=(0.0, 1.0, 1.0 + 1e-15), values=(0.0, 1.0, 2.0))))) == 1
 
