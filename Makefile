@@ -16,7 +16,7 @@ DOCS_STAMP := .venv-docs/.installed
 # What the nightly run compares with: a git revision or a folder.
 BASELINE ?= HEAD~1
 # How long the nightly run begins new seeded defects; the next night goes on from there.
-MUTANT_MINUTES ?= 120
+MUTANT_MINUTES ?= 30
 CANDIDATES := python3.12 python3.13 python3.14 python3 python
 
 help:  ## this list
