@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import cross_checks
+from cross_checks.certify.sky import particles
 from cross_checks.certify.sky.particles import converge
 from cross_checks.judge.cell import judge_method, truth_of
 from cross_checks.judge.one_run import evaluate
@@ -110,3 +111,14 @@ def test_natural_units_are_those_of_the_laboratory_on_the_ground():
     assert unit_length(scenes.make("pendulum")) == 1.0
     assert free_fall_time(scenes.make("pendulum")) == 1.0
     assert unit_length(scenes.make("solar_system", model="newton")) == pytest.approx(3.8e8, rel=0.1)  # Earth and Moon
+
+
+@pytest.mark.parametrize(("bound", "costly"), [(2.0, True), (1e9, False)])
+def test_a_truth_of_many_bodies_and_free_fall_times_is_called_costly(monkeypatch, bound, costly):
+    """Two bodies over more than one free-fall time: half of four pairs, times more than one."""
+    scene = scenes.make("kepler", orbits=1)
+    monkeypatch.setattr(particles, "COSTLY", bound)
+    assert scene.duration > free_fall_time(scene)
+    truth = converge(scene, np.array([0.0, scene.duration]))
+    assert isinstance(truth, Truth)
+    assert truth.is_costly is costly
