@@ -41,8 +41,7 @@ WATCHERS: dict[str, tuple[str, ...]] = {
     "cross_checks/certify/sky/particles": SKY[::-2],
     "cross_checks/certify/sky": SKY[:1],
     "cross_checks/certify/sky/air": AIR[:1],
-    "cross_checks/truths": TRUTHS,
-    "cross_checks/truths/colliding_spheres": ("tests/mbs_ref/kernels/contact/test_spatial_contact.py", *TRUTHS),
+    "cross_checks/truths": (*TRUTHS, "tests/mbs_ref/kernels/contact"),  # whose runs are held against truths
     "cross_checks/engines": ENGINES,
     "cross_checks/engines/rebound": ("tests/cross_checks/engines/test_engine_sky.py", *ENGINES),
     "cross_checks/workshop": ("tests/cross_checks/workshop", *ENGINES),
