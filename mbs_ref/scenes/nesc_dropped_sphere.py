@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from mbs_ref.scene import PointMass, Scene
 from mbs_ref.scene.base.part import NonNegative, Positive
-from mbs_ref.scene.celestial import Newton, Oblateness
+from mbs_ref.scene.celestial import CelestialLoad, Newton, Oblateness
 
 FOOT, SLUG = 0.3048, 14.593902937206364  # m, kg; international foot, slug of a pound-force
 GM_EARTH = 3.986004418e14  # m^3/s^2, WGS-84
@@ -20,19 +20,24 @@ def build(*, duration: Positive = 30.0, j2: NonNegative = J2, spin: NonNegative 
     duration (s), j2 (of the Earth), spin (rad/s, of the Earth). Axes do not turn: z is the Earth's, x points to the
     start. Files of the published simulators are in Earth-fixed axes: their map states the spin.
     """
-    radius = R_EARTH + ALTITUDE
+    field = Oblateness(name="earth_j2", body="earth", radius=R_EARTH, zonal=(j2,))
+    words = "A sphere without drag falls from 30 000 ft over the equator of a turning, oblate Earth."
+    return dropped("nesc_dropped_sphere", words, "case 1", R_EARTH + ALTITUDE, spin, duration, field)
+
+
+def dropped(
+    name: str, description: str, cases: str, radius: float, spin: float, duration: float, field: CelestialLoad
+) -> Scene:
+    """Return a sphere that is let go over the equator, `radius` (m) from the Earth's centre, with a field more."""
     return Scene(
-        name="nesc_dropped_sphere",
-        description="A sphere without drag falls from 30 000 ft over the equator of a turning, oblate Earth.",
-        source="Jackson, Shelton, Jackson, Castro, Hill, NASA/TM-2015-218675, atmospheric check case 1",
+        name=name,
+        description=description,
+        source=f"Jackson, Shelton, Jackson, Castro, Hill, NASA/TM-2015-218675, atmospheric check {cases}",
         duration=duration,
         gravity=(0.0, 0.0, 0.0),
         bodies=(
             PointMass(name="earth", mass=5.9722e24, position=(0.0, 0.0, 0.0), velocity=(0.0, 0.0, 0.0)),
             PointMass(name="sphere", mass=SLUG, position=(radius, 0.0, 0.0), velocity=(0.0, spin * radius, 0.0)),
         ),
-        loads=(
-            Newton(name="newton", gm=(GM_EARTH, 0.0), radius=(0.0, 0.0)),
-            Oblateness(name="earth_j2", body="earth", radius=R_EARTH, zonal=(j2,)),
-        ),
+        loads=(Newton(name="newton", gm=(GM_EARTH, 0.0), radius=(0.0, 0.0)), field),
     )

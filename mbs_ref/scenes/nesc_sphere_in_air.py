@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from mbs_ref.scene import PointMass, Scene
+from mbs_ref.scene import Scene
 from mbs_ref.scene.base.part import NonNegative, Positive
-from mbs_ref.scene.celestial import Newton, StandardDrag
-from mbs_ref.scenes.nesc_dropped_sphere import ALTITUDE, FOOT, GM_EARTH, SLUG, SPIN
+from mbs_ref.scene.celestial import StandardDrag
+from mbs_ref.scenes.nesc_dropped_sphere import ALTITUDE, FOOT, SLUG, SPIN, dropped
 
 R_EARTH = 6_371_007.1809  # m, mean radius of the source (20 902 255.199 ft, a foot being 1 / 3.28084 m there)
 AREA = 0.1963495 * FOOT**2  # m^2, of the six-inch sphere
@@ -18,22 +18,8 @@ def build(*, duration: Positive = 30.0, spin: NonNegative = SPIN) -> Scene:
     duration (s), spin (rad/s, of the Earth and its air): as given check case 5, with 0 check case 4. Axes do not turn:
     z is the Earth's, x points to the start.
     """
-    radius = R_EARTH + ALTITUDE
-    return Scene(
-        name="nesc_sphere_in_air",
-        description="A sphere with drag falls from 30 000 ft over the equator of a round Earth, in standard air.",
-        source="Jackson, Shelton, Jackson, Castro, Hill, NASA/TM-2015-218675, atmospheric check cases 4 and 5",
-        duration=duration,
-        gravity=(0.0, 0.0, 0.0),
-        bodies=(
-            PointMass(name="earth", mass=5.9722e24, position=(0.0, 0.0, 0.0), velocity=(0.0, 0.0, 0.0)),
-            PointMass(name="sphere", mass=SLUG, position=(radius, 0.0, 0.0), velocity=(0.0, spin * radius, 0.0)),
-        ),
-        loads=(
-            Newton(name="newton", gm=(GM_EARTH, 0.0), radius=(0.0, 0.0)),
-            StandardDrag(
-                name="air", body="sphere", planet="earth", coefficient=DRAG_COEFFICIENT * AREA / SLUG,
-                radius=R_EARTH, spin=spin,
-            ),
-        ),
-    )  # fmt: skip
+    air = StandardDrag(
+        name="air", body="sphere", planet="earth", coefficient=DRAG_COEFFICIENT * AREA / SLUG, radius=R_EARTH, spin=spin
+    )
+    words = "A sphere with drag falls from 30 000 ft over the equator of a round Earth, in standard air."
+    return dropped("nesc_sphere_in_air", words, "cases 4 and 5", R_EARTH + ALTITUDE, spin, duration, air)

@@ -114,8 +114,7 @@ def tell_planar_over(model, work, states, out):
     told = told_of(work).state
     for k in range(states.shape[0]):
         tell_planar(model, work, states[k])
-        for c in range(out.shape[1]):
-            out[k, c] = told[c]
+        out[k] = told
 
 
 @jit
@@ -124,8 +123,7 @@ def take_planar_velocities_over(model, work, told, states):
     place = told_of(work).state
     for k in range(states.shape[0]):
         tell_planar(model, work, states[k])
-        for c in range(told.shape[1]):
-            place[c] = told[k, c]
+        place[:] = told[k]
         take_planar_velocities(model, work, states[k])
 
 

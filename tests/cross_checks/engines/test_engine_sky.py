@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from cross_checks import engines
 from cross_checks.judge.one_run import evaluate
 from mbs_ref import scenes
 from mbs_ref.scene.celestial import Oblateness
 from mbs_ref.settings import Settings
+from tests.cross_checks.engines.engine_runs import engine
 
 FINE = Settings(method="gauss", rtol=1e-16, samples=2)
 TAYLOR = Settings(method="taylor", rtol=1e-17, samples=2)
@@ -17,16 +17,13 @@ TAYLOR = Settings(method="taylor", rtol=1e-17, samples=2)
 
 @pytest.fixture
 def heyoka():
-    try:
-        return engines.get("heyoka")
-    except engines.EngineMissing as missing:
-        pytest.skip(str(missing))
+    return engine("heyoka")
 
 
 @pytest.mark.parametrize(("orbit", "metres"), [("leo", 1e-5), ("molniya", 1e-4)])
 def test_taylor_series_agree_with_collocation_on_a_satellite(heyoka, orbit, metres):
     scene = scenes.make("satellite", orbit=orbit, zonals=True)
-    ours, theirs = engines.get("mbs_ref").run(scene, FINE), heyoka.run(scene, TAYLOR)
+    ours, theirs = engine("mbs_ref").run(scene, FINE), heyoka.run(scene, TAYLOR)
     assert theirs.ok, theirs.message
     assert theirs.steps > 10
     assert np.abs(ours.position - theirs.position).max() < metres
@@ -38,7 +35,7 @@ def test_zonal_harmonics_pull_back_in_series_too(heyoka):
     axis = {"axis": (0.6, 0.0, 0.8)}
     loads = ({"type": "newton", "name": "newton", "gm": (1.0, 0.3)}, field | axis)
     both = type(scene).model_validate(scene.model_dump() | {"loads": loads})
-    ours, theirs = engines.get("mbs_ref").run(both, FINE), heyoka.run(both, TAYLOR)
+    ours, theirs = engine("mbs_ref").run(both, FINE), heyoka.run(both, TAYLOR)
     assert np.abs(ours.position - theirs.position).max() < 1e-12  # m, roundoff of one orbit
 
 
@@ -69,21 +66,13 @@ def test_multibody_engines_refuse_the_sky_with_the_reason(name, scene):
     ("field", "taught"), [({}, True), ({"pole": "earth_iau2006"}, False), ({"axis": (0.6, 0.0, 0.8)}, False)]
 )
 def test_rebound_is_taught_j2_about_a_fixed_z_axis_alone(field, taught):
-    try:
-        rebound = engines.get("rebound")
-    except engines.EngineMissing as missing:
-        pytest.skip(str(missing))
     scene = scenes.make("satellite")
     loads = tuple(load.model_copy(update=field) if isinstance(load, Oblateness) else load for load in scene.loads)
-    told = [refusal.reason for refusal in rebound.refusals(scene.model_copy(update={"loads": loads}))]
+    told = [refusal.reason for refusal in engine("rebound").refusals(scene.model_copy(update={"loads": loads}))]
     assert any("fixed z axis alone" in reason for reason in told) is not taught
 
 
 @pytest.mark.parametrize("name", ["rebound", "heyoka"])
 def test_a_uniform_field_is_refused_rather_than_left_out(name):
     scene = scenes.make("kepler").model_copy(update={"gravity": (0.0, 0.0, -1.0)})
-    try:
-        reasons = engines.get(name).refusals(scene)
-    except engines.EngineMissing as missing:
-        pytest.skip(str(missing))
-    assert any("gravity" in refusal.reason for refusal in reasons)
+    assert any("gravity" in refusal.reason for refusal in engine(name).refusals(scene))

@@ -5,13 +5,27 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from cross_checks.judge.ladder import grid
+from cross_checks.judge.ladder import SAMPLES
+from cross_checks.truth import Truth
 from cross_checks.truths import truth_for
 from mbs_ref import scenes
+from mbs_ref.scene import Scene
 from mbs_ref.scenes.nesc_dropped_sphere import FOOT, SPIN
 from mbs_ref.scenes.nesc_sphere_in_air import R_EARTH
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
+from mbs_ref.trajectory import Trajectory
+
+
+def both(scene: Scene, samples: int, **settings) -> tuple[Truth, Trajectory]:
+    """Return the truth and the solver's motion at even samples; both must exist."""
+    times = np.linspace(0.0, scene.duration, samples)
+    truth = truth_for(scene, times)
+    assert truth is not None
+    path = simulate(scene, Settings(estimate="off", **settings), times)
+    assert path.ok
+    return truth, path
+
 
 # Test Set for Initial Value Problem Solvers, release 2.4, andrews, t = 0.03 s; its own accuracy is about 1e-9 rad.
 ANDREWS = {
@@ -34,10 +48,7 @@ def apart(first: np.ndarray, second: np.ndarray) -> float:
 
 def test_andrews_squeezer_ends_at_the_published_angles():
     scene = scenes.make("andrews")
-    truth = truth_for(scene, grid(scene))
-    assert truth is not None
-    path = simulate(scene, Settings(method="dop853", rtol=1e-12, estimate="off"), grid(scene))
-    assert path.ok
+    truth, path = both(scene, SAMPLES, method="dop853", rtol=1e-12)
     assert apart(truth.orientation[-1], published_angles()) < HOLDS
     assert apart(path.orientation[-1], published_angles()) < HOLDS
     assert np.max(np.abs(path.position - truth.position)) < 1e-11  # m; of recomputed values
@@ -50,11 +61,7 @@ CAR_AXIS = (0.0493455784275402809122, 0.496989460230171153861, 1.041742524885421
 
 def test_the_car_axis_ends_at_the_published_place_and_keeps_its_constraints():
     scene = scenes.make("car_axis")
-    times = np.linspace(0.0, scene.duration, 7)
-    truth = truth_for(scene, times)
-    assert truth is not None
-    path = simulate(scene, Settings(method="dop853", rtol=1e-12, estimate="off"), times)
-    assert path.ok
+    truth, path = both(scene, 7, method="dop853", rtol=1e-12)
     for motion in (truth, path):
         np.testing.assert_allclose(motion.position[-1, 1:].ravel(), CAR_AXIS, rtol=0.0, atol=1e-11)
         road, left, right = np.moveaxis(motion.position, 1, 0)
@@ -77,11 +84,7 @@ NESC_APART = (1e-4, 2e-3, 2e-2, 20.0)  # ft
 @pytest.mark.parametrize("spin", NESC_ALTITUDES, ids=["case 4", "case 5"])
 def test_the_sphere_in_air_ends_where_nasas_simulators_say(spin):
     scene = scenes.make("nesc_sphere_in_air", spin=spin)
-    times = np.linspace(0.0, scene.duration, 4)
-    truth = truth_for(scene, times)
-    assert truth is not None
-    path = simulate(scene, Settings(method="gauss", rtol=1e-13, estimate="off"), times)
-    assert path.ok
+    truth, path = both(scene, 4, method="gauss", rtol=1e-13)
     for motion in (truth, path):
         altitude = (np.linalg.norm(motion.position[-1, 1]) - R_EARTH) / FOOT
         apart = np.abs(altitude - np.array(NESC_ALTITUDES[spin]))
