@@ -17,6 +17,9 @@ DOCS_STAMP := .venv-docs/.installed
 BASELINE ?= HEAD~1
 # How long the nightly run begins new seeded defects; the next night goes on from there.
 MUTANT_MINUTES ?= 30
+# Which part of the full extremes is driven: one of seven, another each night, so that a week sees them all.
+EXTREME_PART ?= $(shell echo $$(($$(date +%s) / 86400 % 7 + 1)))
+NIGHT_EXTREMES := reports/out/extremes-$(EXTREME_PART).jsonl
 CANDIDATES := python3.12 python3.13 python3.14 python3 python
 
 help:  ## this list
@@ -70,7 +73,7 @@ REVISION := $(shell git rev-parse --short HEAD 2>/dev/null || echo unknown)
 NIGHT_MARKS := reports/out/nightly-$(REVISION)
 nightly: $(NIGHT_STAMP)  ## all tests, seeded defects, the benchmarks, the full report, sweeps and the regression verdicts
 	@if [ ! -d $(NIGHT_MARKS) ]; then \
-	  rm -rf reports/out/nightly-* reports/out/bench.json reports/out/extremes.jsonl; mkdir -p $(NIGHT_MARKS); fi; \
+	  rm -rf reports/out/nightly-* reports/out/bench.json $(NIGHT_EXTREMES); mkdir -p $(NIGHT_MARKS); fi; \
 	failed=0; number=0; \
 	step() { number=$$((number + 1)); mark=$(NIGHT_MARKS)/$$number; \
 	  if [ -f $$mark ]; then echo "== before: $$*"; else \
@@ -81,7 +84,7 @@ nightly: $(NIGHT_STAMP)  ## all tests, seeded defects, the benchmarks, the full 
 	step $(NIGHT)/python -m tests.mutants.run --slow --minutes $(MUTANT_MINUTES); \
 	step $(NIGHT)/python -m pytest benchmarks -m '' --benchmark-only -p no:xdist --benchmark-json=reports/out/bench.json; \
 	step $(NIGHT)/mbs-ref certify; \
-	step $(NIGHT)/mbs-ref extremes --full -o reports/out/extremes.jsonl; \
+	step $(NIGHT)/mbs-ref extremes --full --shard $(EXTREME_PART)/7 -o $(NIGHT_EXTREMES); \
 	step $(NIGHT)/mbs-ref report; \
 	bench=; if [ -s reports/out/bench.json ]; then bench="--bench reports/out/bench.json"; fi; \
 	step $(NIGHT)/mbs-ref nightly --baseline $(BASELINE) $$bench --sweeps reports/out/sweeps --trends reports/out/trends.html; \
@@ -105,7 +108,7 @@ site: venv $(DOCS_STAMP)  ## the documentation with the gallery, in build/site; 
 PINNED := --universal --python-version 3.12 --generate-hashes --no-emit-index-url --no-header --no-annotate --quiet
 EXTRAS := --extra engines --extra cluster --extra dev
 NIGHTLY := --extra ephemeris --extra lsodar --extra heyoka --extra drake --extra dart --extra mjx --extra opensim --extra notebooks \
-  --extra polars --extra film
+  --extra polars --extra film --extra parquet --extra robots
 SITE := --extra docs --extra engines --extra notebooks
 
 lock:  ## pin again what pyproject.toml asks for (needs uv)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
@@ -53,7 +53,7 @@ FEW_EXTREMES = ("stiff-spring-quiet", "crash-pulse", "overflow")
 
 
 def gather(
-    store: Store, quick: bool = False, progress: Progress | None = None, extremes_file: Path | None = None,
+    store: Store, quick: bool = False, progress: Progress | None = None, extremes_files: Sequence[Path] = (),
     again: bool = False,
 ) -> Iterator[ReportData]:  # fmt: skip
     """Yield the cells, runs and studies of the default scenes (few of them when quick), after each stage what there is.
@@ -66,7 +66,7 @@ def gather(
     data = ReportData((), (), environment=environment(), quick=quick)
     stages = STAGES[:-1] if quick else STAGES
     for (_, stage), (following, _) in zip(stages, (*stages[1:], ("", None)), strict=True):
-        data = stage(store, chosen, data, report, extremes_file, again)
+        data = stage(store, chosen, data, report, extremes_files, again)
         if data.incomplete.startswith(INTERRUPTED) or not following:
             break
         yield replace(data, incomplete=f"still being made: {following}")
@@ -132,7 +132,7 @@ def _timed(
 
 
 def _beyond(
-    store: Store, chosen: dict[str, Scene], data: ReportData, report: Progress, extremes: Path | None, _: Any
+    store: Store, chosen: dict[str, Scene], data: ReportData, report: Progress, extremes: Sequence[Path], _: Any
 ) -> ReportData:
     """Add what is asked of adapters and truths, and the extremes."""
     told: list[str] = []
@@ -158,11 +158,11 @@ def _adapters() -> list[str]:
     return found
 
 
-def extreme_cells(store: Store, kept: Path | None, quick: bool, report: Progress) -> tuple[ExtremeCell, ...]:
-    """Return the cells kept in a file, full ones first; without a file those of a few extremes."""
-    if kept is not None and kept.is_file():
-        found = {(c.extreme, c.engine, c.method): c for c in sorted(read_cells(kept)[0], key=lambda c: c.full)}
-        return tuple(found.values())
+def extreme_cells(store: Store, kept: Sequence[Path], quick: bool, report: Progress) -> tuple[ExtremeCell, ...]:
+    """Return the cells kept in files, full ones before quick ones; without a file those of a few extremes."""
+    if kept:
+        cells = sorted((cell for file in kept for cell in read_cells(file)[0]), key=lambda cell: cell.full)
+        return tuple({(c.extreme, c.engine, c.method): c for c in cells}.values())
     if quick:
         return ()
     few = [named(name) for name in FEW_EXTREMES]

@@ -10,7 +10,7 @@ from reports.page.publish import publish, read_data
 from reports.studies.measuring import Progress
 
 PATIENCE = 10.0  # s after which a page of what there is is worth the time to write it
-EXTREMES = "extremes.jsonl"  # beside the page: what `mbs-ref extremes -o` kept
+EXTREMES = "extremes*.jsonl"  # beside the page: what `mbs-ref extremes -o` kept, whole or in parts
 
 
 def write_report(
@@ -26,7 +26,7 @@ def write_report(
 
     shown = monotonic()
     with Store(default_path()) as store:
-        for data in gather(store, quick, progress, out_dir / EXTREMES, again):
+        for data in gather(store, quick, progress, sorted(out_dir.glob(EXTREMES)), again):
             if monotonic() > shown + PATIENCE:
                 publish(data, out_dir)
                 from reports.gather import gather  # the solver and the engines, which rendering alone does not ask

@@ -4,8 +4,12 @@ from __future__ import annotations
 
 import pytest
 
+from cross_checks.extremes import cell
 from cross_checks.extremes.extreme import Axis
+from cross_checks.extremes.judge import Fate
+from cross_checks.records.store import Store
 from reports.drawing.plots.fates import LEFT, WIDTH, place
+from reports.gather import extreme_cells
 from reports.page.sections.extremes import context
 from tests.reports.page.synthetic_report import report_data
 
@@ -42,3 +46,16 @@ def test_values_between_listed_ones_stand_between_them_by_their_logarithm():
     assert place(0.1, falling) == LEFT + WIDTH / 4
     assert place(5e-3, falling) == LEFT + WIDTH * 0.75
     assert Axis("mass", "kg", (0.0, 1.0), ("1 kg", "nan kg")).label(1.0) == "nan kg"
+
+
+def test_parts_kept_by_several_nights_are_shown_together_and_full_cells_before_quick_ones(tmp_path):
+    def one(name: str, full: bool) -> cell.Cell:
+        return cell.Cell(name, "made up", "mbs_ref", "rk4", full, Fate.SURVIVED, None, (), "full" if full else "quick")
+
+    first, second = tmp_path / "extremes-1.jsonl", tmp_path / "extremes-2.jsonl"
+    cell.append(first, one("a", True))
+    for each in (one("a", False), one("b", False)):
+        cell.append(second, each)
+    with Store(tmp_path / "runs.sqlite") as store:
+        found = extreme_cells(store, (first, second), False, lambda *_: None)
+    assert {c.extreme: c.reason for c in found} == {"a": "full", "b": "quick"}
