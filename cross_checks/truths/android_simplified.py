@@ -37,6 +37,8 @@ def crash_truth(scene: Scene, times: np.ndarray) -> Truth | NoTruth:
 
 
 def _seat_motion(scene: Scene, times: np.ndarray) -> np.ndarray:
-    """Where a driven seat is, (n_t,) m from its place at t = 0."""
-    drives = [j for j in scene.joints if isinstance(j, CoordinateDrive) and j.coordinate == "x"]
-    return motion(drives[0].motion, drives[0].level, np.asarray(times))[0] if drives else np.zeros(len(times))
+    """Where a driven seat is, (n_t,) m from its place at t = 0; all its parts are driven alike."""
+    for joint in scene.joints:
+        if isinstance(joint, CoordinateDrive) and joint.coordinate == "x":
+            return motion(joint.motion, joint.level, np.asarray(times))[0]
+    return np.zeros(len(times))

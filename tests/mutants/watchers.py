@@ -13,7 +13,7 @@ SPACE = (*ALONE, "tests/mbs_ref/kernels", "tests/mbs_ref/cores/test_spatial.py",
          "tests/mbs_ref/cores/test_random_scenes.py")  # fmt: skip
 RUNS = ("tests/mbs_ref/integrators", "tests/mbs_ref/run", "tests/mbs_ref/kernels/contact", "tests/mbs_ref/cores")
 CRASH = ("tests/mbs_ref/crash/test_against_injury_vectors.py", "tests/mbs_ref/crash/test_measures_alone.py",
-         "tests/mbs_ref/crash", "tests/reports/studies/test_android_page.py")
+         "tests/mbs_ref/crash", "tests/reports/studies/test_android_page.py")  # fmt: skip
 SELF_CHECKS = ("tests/mbs_ref/self_checks/test_ambiguous_start.py", "tests/mbs_ref/run", "tests/mbs_ref/self_checks",
                "tests/mbs_ref/cores/test_spatial.py")  # fmt: skip
 TRUTHS = ("tests/cross_checks/truths",)
@@ -35,6 +35,7 @@ WATCHERS: dict[str, tuple[str, ...]] = {
     "mbs_ref/crash": CRASH,
     "mbs_ref/observables": ("tests/mbs_ref/observables", *CRASH, *CONTACT, "tests/mbs_ref/cores"),
     "mbs_ref/self_checks": SELF_CHECKS,
+    "mbs_ref/self_checks/stiffness": ("tests/mbs_ref/kernels/contact/test_contact.py", *SELF_CHECKS),
     "cross_checks": ("tests/cross_checks",),
     "cross_checks/certify": TRUTHS,
     "cross_checks/certify/numerics/collocation": SKY[::-2],

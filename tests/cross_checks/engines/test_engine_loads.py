@@ -9,7 +9,7 @@ import pytest
 
 from mbs_ref import scenes
 from mbs_ref.observables import rows
-from mbs_ref.scene import GROUND, Force, PlanarBody, Scene, SpringDamper, Torque
+from mbs_ref.scene import GROUND, Force, PlanarBody, Scene, SpatialBody, SpringDamper, Torque
 from mbs_ref.scene.signals import Table
 from mbs_ref.trajectory import Status
 from tests.cross_checks.engines.engine_runs import distance, run
@@ -86,6 +86,18 @@ def test_mujoco_refuses_a_load_that_varies_in_time():
     assert result.status is Status.REFUSED
     assert "'pull' varies in time" in result.message
     assert "'twist' varies in time" in result.message
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_mujoco_refuses_a_rope_that_damps(dimension):
+    """Its tendons damp while they are slack too."""
+    ends = {"body_a": GROUND, "body_b": "stone", "point_a": (0.0,) * dimension, "point_b": (2.0, 0.0, 0.0)[:dimension]}
+    pose = {"name": "stone", "mass": 1.0, "position": ends["point_b"]}
+    body = PlanarBody(inertia=1.0, **pose) if dimension == 2 else SpatialBody(inertia=(1.0,) * 3 + (0.0,) * 3, **pose)
+    rope = SpringDamper(name="rope", stiffness=1.0, damping=0.1, tension_only=True, **ends)
+    result = run("mujoco", "rk4", Scene(name="rope", gravity=(0.0,) * dimension, bodies=(body,), loads=(rope,)))
+    assert result.status is Status.REFUSED
+    assert "load 'rope': a mujoco tendon damps while slack" in result.message
 
 
 def test_a_rope_pulls_and_never_pushes():

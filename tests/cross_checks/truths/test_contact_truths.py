@@ -14,6 +14,7 @@ from cross_checks.truth import NoTruth, Truth
 from cross_checks.truths import seek_truth
 from cross_checks.truths.bouncing_ball import impact
 from mbs_ref import scenes
+from mbs_ref.scene.contact import HuntCrossleyLaw
 from mbs_ref.scene.events import CoordinateEvent
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
@@ -75,6 +76,22 @@ def test_what_is_not_known_is_said(name, parameters, words):
     found = seek_truth(scenes.make(name, **parameters), np.linspace(0.0, 1.5, 4))
     assert isinstance(found, NoTruth)
     assert words in found.reason
+
+
+@pytest.mark.parametrize("exponent", [1.0, 1.5, 3.0])
+def test_an_elastic_impact_lasts_as_its_gamma_functions_say(exponent):
+    """Of F = k d^n, v^2 = v0^2 (1 - x^p) with x = d / D, p = n + 1: twice D / v0 times the integral of (1 - x^p)^-1/2.
+
+    For Hertz's n = 3/2 that is 2.94 D / v0 (Johnson, Contact Mechanics, 1985, eq 11.24).
+    """
+    mass, speed, stiffness, p = 2.0, 0.7, 1e6, exponent + 1.0
+    found = impact(HuntCrossleyLaw(stiffness=stiffness, damping=0.0, exponent=exponent), mass, speed)
+    deepest = (p * mass * speed**2 / (2.0 * stiffness)) ** (1.0 / p)
+    twice = 2.0 * math.sqrt(math.pi) * math.gamma(1.0 + 1.0 / p) / math.gamma(0.5 + 1.0 / p)
+    assert exponent != 1.5 or twice == pytest.approx(2.94, abs=5e-3)
+    assert found.restitution == 1.0
+    assert found.penetration == pytest.approx(deepest, rel=1e-12)
+    assert found.duration == pytest.approx(twice * deepest / speed, rel=1e-9)
 
 
 @pytest.mark.parametrize("law", ["spring_damper", "hunt_crossley", "flores"])

@@ -145,6 +145,19 @@ def test_ranks_of_closures_add_up_to_that_of_the_rows(scene):
     assert system.groups.loops.most.sum() == system.scratch.closures.rank.sum() == rank - independent_of_tree
 
 
+def test_a_redundant_row_is_left_out_off_the_constraints_too():
+    """0.1 mm off, Bricard's fifth row is independent by 1e-8, and asks for accelerations of its own: of 10 m/s^2."""
+    system = compile_scene(scenes.make("bricard"))
+    system.set_mode_time(0.0)
+    y, off = spun(system), 1e-4
+    left = y.copy()
+    left[: system.n_positions] += off * np.random.default_rng(5).standard_normal(system.n_positions)
+    closed = system.accelerations(0.0, y).ravel()
+    change = np.abs(system.accelerations(0.0, left).ravel() - closed).max()
+    assert 1.0 < np.abs(closed).max() < 10.0
+    assert 0.1 * off < change < 100.0 * off
+
+
 def later(loops: Loops) -> list[set[int]]:
     return [set(loops.met[a:b].tolist()) for a, b in pairwise(loops.first)]
 

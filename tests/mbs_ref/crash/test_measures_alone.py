@@ -9,9 +9,10 @@ import pytest
 
 from mbs_ref import scenes
 from mbs_ref.crash import injury
-from mbs_ref.crash.results import Motion, _head_and_neck, _neck_axial, _restoring, crash_results
+from mbs_ref.crash.results import Motion, _head_and_neck, _neck_axial, _powers, _restoring, crash_results
 from mbs_ref.observables.signal_values import values
 from mbs_ref.scene import Force, PlanarBody, Revolute, Scene, TorsionSpring
+from mbs_ref.scene.contact import CircleOnCircle, SpringDamperLaw
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
 from mbs_ref.trajectory import Trajectory
@@ -66,6 +67,22 @@ def test_measures_of_a_head_that_is_slowed_evenly_and_of_a_neck_that_is_drawn_an
     assert found["head peak before 120 ms, g"] == 50.0
     assert (found["neck tension, N"], found["neck compression, N"]) == (300.0, 700.0)
     assert found["Nij"] == 0.7
+
+
+def test_contacts_take_from_two_bodies_what_their_speeds_lose():
+    """Two discs meet while both fly on: what the damped contact has done by then is what their energies have lost."""
+    slow = PlanarBody(name="slow", mass=2.0, inertia=1.0, position=(0.3, 0.0), velocity=(3.0, 0.0))
+    fast = PlanarBody(name="fast", mass=1.0, inertia=1.0, velocity=(4.0, 0.0))
+    ends = {"body_a": "fast", "center_a": fast.position, "body_b": "slow", "center_b": slow.position}
+    law = SpringDamperLaw(stiffness=1e4, damping=20.0)
+    touch = CircleOnCircle(name="touch", radius_a=0.1, radius_b=0.1, law=law, **ends)  # type: ignore[arg-type]
+    scene = Scene(name="discs", gravity=(0.0, 0.0), bodies=(slow, fast), contacts=(touch,))
+    run = simulate(scene, Settings(rtol=1e-10, t_end=0.3, samples=3001))
+    assert run.ok, run.message
+    speeds = run.velocity[[0, -1], :, 0]
+    lost = np.diff(0.5 * speeds**2 @ [2.0, 1.0])[0]
+    assert lost < -0.05  # J
+    assert np.trapezoid(_powers(Motion(scene, run))["contacts"], run.times) == pytest.approx(lost, rel=1e-2)
 
 
 @cache

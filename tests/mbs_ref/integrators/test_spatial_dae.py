@@ -11,7 +11,7 @@ from mbs_ref import scenes
 from mbs_ref.cores.choice import compile_scene
 from mbs_ref.integrators.loop.ida import as_dae
 from mbs_ref.kernels.answers import FORM
-from mbs_ref.kernels.residual import INDEX_1, residual
+from mbs_ref.kernels.residual import GGL, INDEX_1, residual
 from mbs_ref.scene.euler_parameters import geodesic_angle
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
@@ -89,6 +89,25 @@ def test_the_residual_vanishes_on_the_motion_of_every_part():
     assert np.abs(out).max() < 1e-10 * size
     residual(dae, t, x, rates + 1e-3, out)
     assert np.abs(out).max() > 1e-4
+
+
+def test_mu_moves_places_as_lambda_pushes():
+    """M v' = f - C_q^T lambda and q' = v - C_q^T mu (Gear, Gupta and Leimkuhler 1985): the same rows, the same sign."""
+    system = compile_scene(scenes.make("slider_crank"))
+    system.prepare(FORM)
+    y, rows = system.initial_state(), len(system.rows())
+    start, force = system.n_positions, np.random.default_rng(4).standard_normal(rows)
+    dae = as_dae(system, GGL, np.arange(rows), 0.0)
+    x = np.concatenate((y, np.zeros(2 * rows)))
+    pulled, moved = x.copy(), x.copy()
+    pulled[len(y) : len(y) + rows] = force
+    moved[len(y) + rows :] = force
+    plain, by_lambda, by_mu = (np.empty_like(x) for _ in range(3))
+    for state, out in ((x, plain), (pulled, by_lambda), (moved, by_mu)):
+        residual(dae, 0.0, state, np.zeros_like(x), out)
+    wanted = system.jacobian(0.0, y).T @ force
+    np.testing.assert_allclose((by_lambda - plain)[start : len(y)], wanted, atol=1e-12)
+    np.testing.assert_allclose((by_mu - plain)[:start], wanted, atol=1e-12)
 
 
 @pytest.mark.parametrize("settings", [{"method": "generalized_alpha", "step": 2e-5}, {"method": "dassl", "rtol": 1e-8}])

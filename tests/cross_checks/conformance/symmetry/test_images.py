@@ -1,0 +1,80 @@
+"""What a scene's image is made of, by hand: places, directions in a body, spans, orders, and what has no image."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from cross_checks.conformance.symmetry import restart
+from cross_checks.conformance.symmetry.placement import Placement, image
+from cross_checks.conformance.symmetry.violation import _reordered
+from mbs_ref import scenes
+from mbs_ref.scene import Force, PlanarBody, Scene, SpatialBody
+from mbs_ref.scene.celestial import Relativity
+from mbs_ref.scene.euler_parameters import rotation_matrices
+from mbs_ref.scene.signals import Table
+
+QUARTER = np.array([[0.0, -1.0], [1.0, 0.0]])
+ASKEW = np.array([[2.0, -1.0, 2.0], [2.0, 2.0, -1.0], [-1.0, 2.0, 2.0]]) / 3.0
+
+
+def test_a_point_is_turned_then_shifted_then_measured_in_the_other_unit():
+    placement = Placement(QUARTER, np.array([10.0, 20.0]), length=2.0)
+    assert placement.points(np.array([[1.0, 3.0]])).tolist() == [[2.0 * (10.0 - 3.0), 2.0 * (20.0 + 1.0)]]
+
+
+def test_a_scene_lasts_as_much_longer_as_a_second_has_become():
+    placement = Placement(np.eye(2), np.zeros(2), time=8.0)
+    scene = scenes.make("double_pendulum").model_copy(update={"duration": 3.0})
+    assert image(scene, placement).duration == 24.0
+
+
+def _pushed_along_its_own_axes(dimension: int) -> Scene:
+    if dimension == 2:
+        body, push = PlanarBody(name="body", mass=1.0, inertia=1.0, angle=0.4), (1.0, 2.0)
+    else:
+        half = 0.6  # rad, of the turn about the axis (2, 3, 6) / 7
+        theta = (math.cos(half), *(math.sin(half) * np.array([2.0, 3.0, 6.0]) / 7.0).tolist())
+        body = SpatialBody(name="body", mass=1.0, inertia=(1.0, 2.0, 2.5, 0.1, 0.2, 0.3), orientation=theta)
+        push = (1.0, 2.0, 3.0)
+    load = Force(name="push", body="body", point=(0.0,) * dimension, vector=push, frame="body")
+    return Scene(name="pushed", gravity=(0.0,) * dimension, bodies=(body,), loads=(load,))
+
+
+def _in_world(scene: Scene) -> np.ndarray:
+    """Return the force on the scene's body along the axes of the world."""
+    body, load = scene.bodies[0], scene.loads[0]
+    assert isinstance(load, Force)
+    if isinstance(body, PlanarBody):
+        c, s = math.cos(body.angle), math.sin(body.angle)
+        return np.array([[c, -s], [s, c]]) @ load.vector
+    assert isinstance(body, SpatialBody)
+    return rotation_matrices(np.array(body.orientation)) @ load.vector
+
+
+@pytest.mark.parametrize("sense", [1.0, -1.0], ids=["turned", "mirrored"])
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_a_force_in_a_bodys_axes_points_where_its_image_in_the_world_points(dimension, sense):
+    scene = _pushed_along_its_own_axes(dimension)
+    matrix = (QUARTER if dimension == 2 else ASKEW) @ np.diag([1.0] * (dimension - 1) + [sense])
+    seen = image(scene, Placement(matrix, np.zeros(dimension)))
+    assert _in_world(seen) == pytest.approx(matrix @ _in_world(scene), abs=1e-14)
+
+
+def test_bodies_stand_in_reverse_but_for_one_whose_field_alone_is_counted():
+    """Einstein's field of the first body singles it out; fields of all with one another single out none."""
+    scene = scenes.make("figure_eight")
+    central, mutual = (Relativity(name="einstein", form=form) for form in ("central", "eih"))
+    assert _reordered(scene).order == (2, 1, 0)
+    assert _reordered(scene.model_copy(update={"loads": (*scene.loads, mutual)})).order == (2, 1, 0)
+    assert _reordered(scene.model_copy(update={"loads": (*scene.loads, central)})).order == (0, 2, 1)
+
+
+def test_a_force_that_varies_is_not_carried_over_a_cut_and_a_constant_one_is():
+    steady = _pushed_along_its_own_axes(2)
+    ramp = Table(times=(0.0, 1.0), values=(0.0, 1.0))
+    varied = steady.model_copy(update={"loads": (steady.loads[0].model_copy(update={"factor": ramp}),)})
+    assert restart.obstacle(steady, back=False) == ""
+    assert restart.obstacle(varied, back=False) == "signals are not carried over a cut"
