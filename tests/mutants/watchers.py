@@ -5,13 +5,15 @@ from __future__ import annotations
 SKY = ("tests/cross_checks/truths/test_sky_forces.py", "tests/mbs_ref/cores/test_particles.py",
        "tests/cross_checks/truths/test_sky_truths.py")  # fmt: skip
 AIR = ("tests/cross_checks/truths/test_against_us1976.py", *SKY)
-ALONE = ("tests/mbs_ref/kernels/contact/test_laws_alone.py", "tests/mbs_ref/kernels/test_closed_forms.py")
-CONTACT = (*ALONE, "tests/mbs_ref/kernels/contact")
+ALONE = ("tests/mbs_ref/kernels/test_small_algebra.py", "tests/mbs_ref/kernels/contact/test_laws_alone.py",
+         "tests/mbs_ref/kernels/test_closed_forms.py")  # fmt: skip
+CONTACT = ("tests/mbs_ref/kernels/contact/test_near_pairs.py", *ALONE, "tests/mbs_ref/kernels/contact")
 PLANE = (*ALONE, "tests/mbs_ref/kernels", "tests/mbs_ref/cores/test_planar.py",
          "tests/mbs_ref/cores/test_random_scenes.py")  # fmt: skip
 SPACE = (*ALONE, "tests/mbs_ref/kernels", "tests/mbs_ref/cores/test_spatial.py",
          "tests/mbs_ref/cores/test_random_scenes.py")  # fmt: skip
-RUNS = ("tests/mbs_ref/integrators", "tests/mbs_ref/run", "tests/mbs_ref/kernels/contact", "tests/mbs_ref/cores")
+RUNS = ("tests/mbs_ref/integrators/test_parts_alone.py", "tests/mbs_ref/integrators", "tests/mbs_ref/run",
+        "tests/mbs_ref/kernels/contact", "tests/mbs_ref/cores")  # fmt: skip
 CRASH = ("tests/mbs_ref/crash/test_against_injury_vectors.py", "tests/mbs_ref/crash/test_measures_alone.py",
          "tests/mbs_ref/crash", "tests/reports/studies/test_android_page.py")  # fmt: skip
 SELF_CHECKS = ("tests/mbs_ref/self_checks/test_ambiguous_start.py", "tests/mbs_ref/run", "tests/mbs_ref/self_checks",

@@ -1,4 +1,4 @@
-"""When the list of near pairs is made anew: a shape may have left its half of the skin, or may with its next step."""
+"""The list of near pairs: which it holds, and when it is made anew."""
 
 from __future__ import annotations
 
@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from mbs_ref.kernels.border.groups import empty
-from mbs_ref.kernels.contact.near_pairs import NearPairs, _has_moved
+from mbs_ref.kernels.contact.laws import ContactModes
+from mbs_ref.kernels.contact.near_pairs import NearPairs, _has_moved, refresh
 
 SKIN = 1.0  # m
 
@@ -26,3 +27,23 @@ def test_a_shape_has_moved_where_its_way_and_one_more_step_pass_half_the_skin(si
     near.last[1] += 0.8 * step, 0.6 * step
     assert _has_moved.py_func(near) == moved
     np.testing.assert_array_equal(near.last, near.place)
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+@pytest.mark.parametrize("skin", [0.02, 0.3])
+def test_the_list_is_made_of_the_pairs_within_the_skin_of_each_other(dimension, skin):
+    """Every two of thirty balls are a pair, told by their gaps one by one; one pair has a side without bounds."""
+    shapes, random = 30, np.random.default_rng(dimension)
+    one, two = np.triu_indices(shapes, 1)
+    pairs = len(one)
+    near = empty(NearPairs, s=shapes, dimension=dimension, n_pairs=pairs + 1, k=pairs, a=1)
+    near.skin[0], near.stale[0], near.always[0] = skin, 1, pairs
+    near.order[:] = np.arange(shapes)
+    near.key[:], near.keyed[:] = one * shapes + two, np.arange(pairs)
+    near.reach[:] = random.uniform(0.05, 0.2, shapes)
+    near.place[:] = random.uniform(0.0, 1.5, (shapes, dimension))
+    refresh(near, empty(ContactModes, k=pairs + 1))
+    gap = np.linalg.norm(near.place[one] - near.place[two], axis=1) - near.reach[one] - near.reach[two]
+    wanted = [*np.flatnonzero(gap <= skin), pairs]
+    assert 5 < len(wanted) < pairs
+    np.testing.assert_array_equal(near.pair[: near.count[0]], wanted)
