@@ -139,7 +139,7 @@ def _beyond(
     kept = [recall(store, truth_key(label, scene), TruthFacts) for label, scene in chosen.items()]
     data = replace(data, truths=tuple(facts for facts in kept if facts is not None))
     key = digest_of(
-        ["capabilities", engine_versions(), _adapters(), list(chosen), code_of("cross_checks.engines.capabilities")]
+        ["capabilities", engine_versions(), _adapters(), list(chosen), code_of("cross_checks.judge.capabilities")]
     )
     able = remembered(store, key, tuple[Capability, ...], lambda: capabilities(chosen))  # type: ignore[type-var]
     data = replace(data, capabilities=able)

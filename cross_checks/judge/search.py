@@ -110,7 +110,8 @@ class Tried:
             apart = gap(self.scene, path, coarser) if ok else None
             error = record.error.value if record.error is not None and ok else None
             setting = label(Settings(**record.settings))
-            points.append(Point(setting, knob, record.status, record.message, error, apart, refines))
+            rounding = self.method.rounding(record.steps)
+            points.append(Point(setting, knob, record.status, record.message, error, apart, refines, rounding))
             level = path if ok else level
         return points
 

@@ -14,6 +14,9 @@ d the distance of the finest run from the method's own limit. All runs count, fr
     diverged     the finest runs blew up, or e does not fall, or all settings of a wide range take the same steps
     not-shown    too few runs within the bound on work
 
+An accusation stands on runs whose error is beyond what rounding may leave after their steps. Finer runs, whose error is
+not, as after thousands of steps in single precision, tell of the arithmetic and are set aside (`above_rounding`).
+
 Convergence is read from refinements. A run that takes no more steps than a coarser one, as where outputs end the steps,
 refines nothing: such runs are one level, for which the largest of their errors stands.
 """
@@ -73,6 +76,7 @@ class Point:
     error: float | None = None  # from the truth, over the scene's scales; None without one
     gap: float | None = None  # from the finest run of the next coarser level, by the same measure
     refines: bool = True  # takes more steps than the coarser runs; else it is of their level
+    rounding: float = 0.0  # what rounding may have left of the error
 
     @property
     def ok(self) -> bool:
@@ -89,6 +93,8 @@ def judge(
     if good[-1].error is None:
         return _without_truth(good, order, why_no_truth)
     verdict, reason = _by_error(good, order or 1.0, uncertainty)
+    if verdict in WRONG and above_rounding(good) != good:
+        verdict, reason = _beside_rounding(good, order or 1.0, uncertainty)
     return _with_failures(points, good, verdict, reason)
 
 
@@ -108,6 +114,12 @@ def levels(good: Sequence[Point]) -> list[Point]:
         elif point.error is None or point.error >= (found[-1].error or 0.0):
             found[-1] = point
     return found
+
+
+def above_rounding(good: Sequence[Point]) -> list[Point]:
+    """Return the runs up to the finest whose error is larger than what rounding may have left of it."""
+    told = [k for k, point in enumerate(good) if point.error is not None and point.error > point.rounding]
+    return list(good[: told[-1] + 1]) if told else []
 
 
 def limit_distance(good: Sequence[Point], order: float) -> float | None:
@@ -167,6 +179,16 @@ def _by_error(good: Sequence[Point], order: float, uncertainty: float) -> tuple[
     if distance is not None and distance < SETTLED * finest:
         return Verdict.WRONG_LIMIT, f"within {distance:.1e} of its own limit, and the error stays at {finest:.1e}"
     return _by_trend(refined, order)
+
+
+def _beside_rounding(good: Sequence[Point], order: float, uncertainty: float) -> tuple[Verdict, str]:
+    """Judge the runs that rounding does not explain; the others are told of."""
+    heard, next_one = above_rounding(good), good[len(above_rounding(good))]
+    why = f"of {next_one.error:.1e} at {next_one.setting} rounding may have left {next_one.rounding:.1e}"
+    if not heard:
+        return Verdict.NOT_SHOWN, why
+    verdict, reason = _by_error(heard, order, uncertainty)
+    return verdict, f"{reason}; {why}"
 
 
 def _by_trend(refined: Sequence[Point], order: float) -> tuple[Verdict, str]:

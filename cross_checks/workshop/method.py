@@ -9,6 +9,8 @@ from typing import Literal
 from mbs_ref.scene import Scene
 from mbs_ref.scene.traits import traits
 
+DOUBLE, SINGLE = 2.0**-53, 2.0**-24  # unit roundoff of IEEE 754 arithmetic
+
 
 @dataclass(frozen=True)
 class Method:
@@ -26,6 +28,11 @@ class Method:
     wrong_limit: str = ""  # why it is known to fail or converge elsewhere ...
     weak_on: frozenset[str] = frozenset()  # ... on scenes with any of these traits: it excuses there, nowhere else
     driven_from_python: bool = False  # the engine gives accelerations alone; the time loop is Python code of ours
+    roundoff: float = DOUBLE  # by which a step's result is off, over its size, for want of digits
+
+    def rounding(self, steps: int) -> float:
+        """Return what rounding may add up to over the scene's scales: each step leaves the state off by `roundoff`."""
+        return self.roundoff * steps
 
     def excused(self, scene: Scene) -> str:
         """Return why the method is known to go wrong on this very scene; empty where it is not."""

@@ -19,5 +19,7 @@ INSIDE = {
     "mjx": "one compiled call an output; compiling it, which takes seconds, is counted as the first call",
     "opensim": "Manager.integrate in C++, called from Python once an output",
     "basilisk": "fixed steps by its scheduler in C++; adaptive ones by one call of the spacecraft an output",
+    "newton": "a recorded step, replayed by Warp in C++, called from Python once a step; "
+    "compiling and recording it are counted as the first call",
     "heyoka": "its own compiled loop; compiling the Taylor series is counted as building the model",
 }

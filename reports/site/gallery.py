@@ -6,7 +6,7 @@ from collections.abc import Callable, Collection
 from pathlib import Path
 
 from cross_checks.certificates.certificate import stored
-from cross_checks.engines.capabilities import Capability, capabilities
+from cross_checks.judge.capabilities import Capability, capabilities
 from cross_checks.judge.runs import Runs
 from mbs_ref import scenes
 from mbs_ref.scene import Scene

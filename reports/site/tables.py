@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 from cross_checks.certificates.certificate import Certificate, every
-from cross_checks.engines.capabilities import Capability, capabilities
+from cross_checks.judge.capabilities import Capability, capabilities
 from mbs_ref.scene.traits import PART_TYPES
 
 ABSENT = "-"

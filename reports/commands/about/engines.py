@@ -11,8 +11,8 @@ from pathlib import Path
 import click
 
 from cross_checks import engines
-from cross_checks.engines.capabilities import Capability, capabilities
 from cross_checks.isolation import environments
+from cross_checks.judge.capabilities import Capability, capabilities
 from mbs_ref.scene.traits import PART_TYPES
 from reports.terminal.console import echo_json, show, table
 from reports.terminal.exit_codes import Failed

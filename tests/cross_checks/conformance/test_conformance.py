@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -13,6 +14,7 @@ from cross_checks import engines
 from cross_checks.conformance.broken_engines import Broken, Mistake, mistakes
 from cross_checks.conformance.examine import examine
 from cross_checks.conformance.finding import Report
+from cross_checks.workshop.method import SINGLE, Method
 from reports.commands.judge.conformance import command
 from tests.cross_checks.engines.engine_runs import engine
 
@@ -136,6 +138,19 @@ def test_the_engine_without_a_mistake_raises_no_alarm():
 @pytest.mark.parametrize("mistake", mistakes(), ids=lambda mistake: mistake.name)
 def test_every_mistake_is_noticed_by_its_question(mistake):
     assert EXPECTED[mistake.name] in {finding.question for finding in examined(mistake).of("failed")}
+
+
+class Declared(Broken):
+    """One that says what its arithmetic is."""
+
+    def methods(self) -> tuple[Method, ...]:
+        return tuple(replace(method, roundoff=SINGLE) for method in super().methods())
+
+
+def test_single_precision_that_is_declared_raises_no_alarm():
+    (rounded,) = (mistake for mistake in mistakes() if mistake.name == "single precision")
+    report = examine(Declared(engines.get("mbs_ref"), rounded), "mbs_ref")
+    assert [f"{f.question}: {f.scene} {f.method}: {f.detail}" for f in report.of("failed")] == []
 
 
 @pytest.mark.slow

@@ -58,6 +58,15 @@ def test_time_spent_compiling_is_not_the_calls(isolated, call):
         call(troubles.compile_and_hang)
 
 
+def test_who_waits_for_a_compiler_is_waited_for(isolated):
+    isolated.timeout = troubles.PATIENCE
+    assert isolated(troubles.start_inner) == 2.0
+    isolated.timeout = troubles.BRIEF
+    assert isolated(troubles.wait_for_a_compiler, troubles.BRIEF + 1.0) == "compiled"
+    with pytest.raises(Lost, match="no answer within 2 s"):
+        isolated(troubles.lose_a_compiler)
+
+
 def test_compiling_has_its_own_limit(monkeypatch, isolated, call):
     monkeypatch.setattr(patience, "COMPILATION", 0.5)
     with pytest.raises(Lost, match=r"compiled for more than 0\.5 s"):

@@ -6,12 +6,16 @@ import ctypes
 import os
 import signal
 import time
+from contextlib import suppress
 
 from numba.core.event import trigger_event
+
+from cross_checks.isolation.parent import Isolated, Lost
 
 PATIENCE = 60.0  # s, with what comes back at once but for a busy machine
 BRIEF = 2.0  # s, with what never comes back
 _held: list[float] = []
+_inner: list[Isolated] = []
 
 
 def patience(status: str) -> float:
@@ -44,6 +48,29 @@ def compile_slowly(seconds: float) -> str:
     with trigger_event("numba:compile"), trigger_event("numba:compile"):
         time.sleep(seconds)
     return "compiled"
+
+
+def start_inner() -> float:
+    """Start a child of this process, as an engine with an environment of its own has one."""
+    _inner.append(Isolated())
+    return _inner[-1](add, 1.0, 1.0)
+
+
+def wait_for_a_compiler(seconds: float) -> str:
+    return _inner[-1](compile_slowly, seconds)
+
+
+def lose_a_compiler() -> None:
+    """Outlive a child that compiled until it was lost, and wait for no compiler then."""
+    with suppress(Lost):
+        _inner[-1](_compile_and_leave)
+    hang()
+
+
+def _compile_and_leave() -> None:
+    with trigger_event("numba:compile"):
+        time.sleep(0.2)
+        leave()
 
 
 def compile_and_hang() -> None:

@@ -70,6 +70,28 @@ def test_a_setting_that_changes_nothing_is_told():
     assert "with the same steps from step=0.0001 to step=1e-08" in reason
 
 
+@pytest.mark.parametrize(
+    ("errors", "gaps", "rounding", "verdict"),
+    [
+        # falls by its order down to rounding, and lies there: rounding is not accused
+        ([4e-2, 2e-2, 1e-2, 4e-3, 4e-3], [2e-2, 1e-2, 6e-3, 1e-5], 5e-3, Verdict.CONVERGING),
+        ([4e-2, 2e-2, 1e-2, 4e-3, 5e-3], [2e-2, 1e-2, 6e-3, 1e-3], 5e-3, Verdict.CONVERGING),
+        ([1e-4, 9e-7, 5e-6], [1e-4, 5e-6], 6e-6, Verdict.NOT_SHOWN),  # agreement lost to rounding; one run is left
+        ([2e-3, 2e-3, 2e-3], [1e-5, 1e-6], 5e-3, Verdict.NOT_SHOWN),  # never above it
+        # what rounding cannot explain is accused all the same
+        ([4e-2, 2e-2, 2e-2, 2e-2], [2e-2, 1e-4, 1e-5], 5e-3, Verdict.WRONG_LIMIT),
+        ([1e-2, 1e-1, 3.0], [1e-1, 3.0], 5e-3, Verdict.DIVERGED),
+        ([1e-3, 2e-7, 1e-7], [1e-3, 1e-7], 5e-3, Verdict.AGREES),  # better than it may be
+    ],
+)
+def test_rounding_is_not_accused(errors, gaps, rounding, verdict):
+    points = [replace(point, rounding=rounding) for point in runs(errors, gaps)]
+    found, reason = judge(points, 1.0, 1e-14)
+    assert found is verdict, reason
+    set_aside = errors[-1] <= rounding and verdict is not Verdict.AGREES
+    assert (f"rounding may have left {rounding:.1e}" in reason) == set_aside
+
+
 def test_a_truth_that_knows_no_better_judges_nothing():
     assert judge(runs([1e-2, 5e-4, 1e-4], [1e-2, 4e-4]), 2.0, 1e-3)[0] is Verdict.BELOW_TRUTH
     assert judge(runs([1e-2, 1e-4, 5e-7], [1e-2, 1e-4]), 4.0, 1e-6)[0] is Verdict.BELOW_TRUTH

@@ -1,0 +1,130 @@
+"""Newton (Linux Foundation, on NVIDIA Warp): several solvers behind one model, here on the CPU and in single precision.
+
+The distributions are `newton` and `warp-lang`. Warp compiles each solver's kernels once, for minutes, and keeps them in
+the cache folder. A step is recorded (an APIC capture) and replayed in C++, a hundred times as fast as from Python.
+"""
+
+# The extra has no type information here.
+# pyright: reportMissingImports=false
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+from cross_checks.engines.newton_.warp_set_up import VERSION
+
+# isort: split
+import newton
+import numpy as np
+import warp
+from numba.core.event import trigger_event
+
+from cross_checks.engine import Engine, Method, Poses, Refusal
+from cross_checks.engines.newton_.model import DEVICE, model_of
+from cross_checks.engines.newton_.reader import Reader, row_of
+from cross_checks.workshop.linkage import Linkage, closure_refusals, linkage_of, poses_of
+from cross_checks.workshop.method import SINGLE
+from cross_checks.workshop.outcome import End, Loop
+from cross_checks.workshop.plan import Plan
+from mbs_ref.scene import Scene
+
+STEPS = (2e-2, 1e-2, 5e-3, 2.5e-3, 1e-3, 5e-4, 2.5e-4, 1e-4)  # s
+JOINTED = frozenset(
+    {"planar", "point_mass", "spatial"}
+    | {"revolute", "prismatic", "weld", "distance", "spherical", "cylindrical", "universal"}
+)
+FEATHERSTONE = "featherstone"
+FLOAT32 = "Newton computes in single precision: n steps leave up to 6e-8 n of rounding"
+METHODS = (
+    Method(FEATHERSTONE, "fixed", 1, "symplectic Euler on joint coordinates", STEPS, roundoff=SINGLE),
+)  # fmt: skip
+SOLVERS: dict[str, tuple[str, dict[str, Any]]] = {  # class, options
+    FEATHERSTONE: ("SolverFeatherstone", {"angular_damping": 0.0}),  # of 0.05 /s unless told
+}
+
+
+@dataclass
+class Built:
+    """A model, its solver, two states that take turns, and the recorded steps from one to the other."""
+
+    linkage: Linkage
+    model: Any
+    solver: Any
+    states: tuple[Any, Any]
+    steps: tuple[Any, ...] = ()
+
+
+class Newton(Engine):
+    """Newton's solvers of articulated bodies, without contact."""
+
+    name: ClassVar[str] = "newton"
+    package: ClassVar[str] = "newton"
+    part_types: ClassVar[frozenset[str]] = JOINTED
+
+    def methods(self) -> tuple[Method, ...]:
+        return METHODS
+
+    def version(self) -> str:
+        return VERSION
+
+    def topology_refusals(self, scene: Scene) -> list[Refusal]:
+        return closure_refusals("newton", scene, set())
+
+    def build(self, scene: Scene, plan: Plan) -> Built:
+        linkage = linkage_of(scene)
+        kind, options = SOLVERS[plan.method.name]
+        with trigger_event("numba:compile"):  # who waits for a run is told that it compiles
+            model = model_of(linkage)
+            solver = getattr(newton.solvers, kind)(model, **options)
+            built = Built(linkage, model, solver, (model.state(), model.state()))
+            _to_start(built)
+        return built
+
+    def first_call(self, model: Built, plan: Plan) -> None:
+        """Compile, and record a step from each state to the other; recording makes none."""
+        here, there = model.states
+        control = model.model.control()
+        with trigger_event("numba:compile"):
+            model.solver.step(here, there, control, None, plan.step)
+        recorded = []
+        for before, after in ((here, there), (there, here)):
+            with warp.ScopedCapture(device=DEVICE) as capture:
+                model.solver.step(before, after, control, None, plan.step)
+            recorded.append(capture.graph)
+        model.steps = tuple(recorded)
+        _to_start(model)
+
+    def advance(self, model: Built, plan: Plan) -> Loop:
+        states = np.empty((len(plan.times), row_of(model.states[0]).size))
+        states[0] = row_of(model.states[0])
+        done = 0
+        for k, count in enumerate(plan.counts, start=1):
+            for _ in range(count):
+                warp.capture_launch(model.steps[done % 2])
+                done += 1
+            states[k] = row_of(model.states[done % 2])
+        return Loop(states, End(len(states)), done, done)
+
+    def poses(self, model: Built, plan: Plan, states: np.ndarray) -> Poses:
+        return poses_of(model.linkage, Reader(model.linkage, model.model), states)
+
+    def notes(self, model: Built, plan: Plan) -> tuple[str, ...]:
+        return (FLOAT32,)
+
+
+ENGINE = Newton
+
+
+def _to_start(built: Built) -> None:
+    model = built.model
+    for state in built.states:
+        state.assign(model.state())
+        newton.eval_fk(model, model.joint_q, model.joint_qd, state)
+
+
+def _row(built: Built, done: int) -> np.ndarray:
+    """Return what the state after `done` steps holds: coordinates, rates, poses, velocities."""
+    state = built.states[done % 2]
+    parts = (state.joint_q, state.joint_qd, state.body_q, state.body_qd)
+    return np.concatenate([part.numpy().ravel() for part in parts], dtype=float)
