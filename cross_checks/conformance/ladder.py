@@ -100,10 +100,9 @@ def _row(method: Method, question: Asked, good: list[Run]) -> Row:
 
 
 def _observed(method: Method, question: Asked, good: list[Run]) -> float | None:
-    """Return the order of the runs whose error is beyond what rounding may leave."""
     known = question.truth.uncertainty / figures.size(question)
-    told = [run for run in good if run.error > method.rounding(run.path.steps)]
-    return observed_order([run.settings.step or 0.0 for run in told], [run.error for run in told], known)
+    rounding = [method.rounding(run.path.steps) for run in good]
+    return observed_order([run.settings.step or 0.0 for run in good], [run.error for run in good], known, rounding)
 
 
 def _always(method: Method, question: Asked, good: list[Run]) -> Iterator[Finding]:

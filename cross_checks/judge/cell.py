@@ -144,11 +144,11 @@ def cell_of(tried: Tried, answers: Sequence[Reached]) -> Cell:
 
 
 def _order(tried: Tried, uncertainty: float) -> float | None:
-    """Return the order of the runs whose error is beyond what rounding may leave."""
-    if tried.method.kind != "fixed":
+    if tried.method.kind != "fixed" or not tried.good():
         return None
-    told = [(h, e) for h, e in tried.good() if e > tried.method.rounding(tried.records[h].steps)]
-    return observed_order([h for h, _ in told], [e for _, e in told], uncertainty)
+    steps, errors = zip(*tried.good(), strict=True)
+    rounding = [tried.method.rounding(tried.records[step].steps) for step in steps]
+    return observed_order(steps, errors, uncertainty, rounding)
 
 
 def _told(reached: Reached) -> dict[str, Any]:

@@ -146,3 +146,11 @@ def test_order_is_seen_in_its_window():
     assert observed_order(steps, errors) == pytest.approx(4.0)
     assert observed_order(steps, errors, uncertainty=1e-9) is None
     assert observed_order([1e-2], [1e-4]) is None
+
+
+def test_order_is_not_read_from_what_rounding_may_leave():
+    steps = [0.1, 0.05, 0.025, 0.0125, 0.00625]
+    errors = [h**2 for h in steps[:3]] + [5e-4, 4e-4]  # second order down to rounding
+    assert observed_order(steps, errors) < 1.0
+    assert observed_order(steps, errors, rounding=[6e-4] * 5) == pytest.approx(2.0)
+    assert observed_order(steps, errors, rounding=[2e-3] * 5) is None  # two coarse ones are left
