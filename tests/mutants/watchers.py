@@ -12,8 +12,9 @@ PLANE = (*ALONE, "tests/mbs_ref/kernels", "tests/mbs_ref/cores/test_planar.py",
          "tests/mbs_ref/cores/test_random_scenes.py")  # fmt: skip
 SPACE = (*ALONE, "tests/mbs_ref/kernels", "tests/mbs_ref/cores/test_spatial.py",
          "tests/mbs_ref/cores/test_random_scenes.py")  # fmt: skip
-RUNS = ("tests/mbs_ref/integrators/test_parts_alone.py", "tests/mbs_ref/integrators", "tests/mbs_ref/run",
-        "tests/mbs_ref/kernels/contact", "tests/mbs_ref/cores")  # fmt: skip
+RUNS = ("tests/mbs_ref/integrators/test_parts_alone.py", "tests/mbs_ref/integrators/test_radau_alone.py",
+        "tests/mbs_ref/integrators", "tests/mbs_ref/run", "tests/mbs_ref/kernels/contact",
+        "tests/mbs_ref/cores")  # fmt: skip
 CRASH = ("tests/mbs_ref/crash/test_against_injury_vectors.py", "tests/mbs_ref/crash/test_measures_alone.py",
          "tests/mbs_ref/crash", "tests/reports/studies/test_android_page.py")  # fmt: skip
 SELF_CHECKS = ("tests/mbs_ref/self_checks/test_ambiguous_start.py", "tests/mbs_ref/run", "tests/mbs_ref/self_checks",

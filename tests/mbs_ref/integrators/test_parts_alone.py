@@ -10,7 +10,8 @@ import pytest
 
 from mbs_ref.integrators.loop import events, explicit
 from mbs_ref.integrators.loop.leg import Pace
-from mbs_ref.integrators.methods import gauss, radau
+from mbs_ref.integrators.methods import gauss, generalized_alpha, radau
+from mbs_ref.integrators.stages import explicit_stages
 from mbs_ref.integrators.stages.gauss_coefficients import STAGES
 from mbs_ref.integrators.stages.gauss_coefficients import gauss as coefficients
 from mbs_ref.integrators.stages.radau_coefficients import C
@@ -102,3 +103,56 @@ def test_a_run_creeps_that_would_not_end_within_its_steps_whenever_it_begins(sta
     for progress, hopeless in ((0.11, [False, False, False]), (0.09, [False, True, True])):
         pace = Pace(start, start + 1.0, 100, 10)
         assert [pace.is_hopeless(start + k * progress, 10 * k) for k in (1, 2, 3)] == hopeless
+
+
+def test_a_step_too_near_a_singular_pose_is_shortened_only_so_often():
+    options = SimpleNamespace(project=False, step=0.0)
+    for avoided, stage_pivot, wanted in ((0, 1e-12, True), (0, 1.0, False), (explicit.PATIENT_AVOIDED, 1e-12, False)):
+        past = explicit.Past(np.zeros(1), np.array([0, avoided]))
+        assert explicit._is_too_near.py_func(None, options, 1e-8, stage_pivot, past) == (wanted, False)
+
+
+@pytest.mark.parametrize(
+    ("change", "reused"),
+    [({}, True), ({"verdict": explicit.EVENT}, False), ({"searching": True}, False), ({"project": True}, False),
+     ({"step": 0.1}, False)],
+)  # fmt: skip
+def test_a_slope_is_evaluated_anew_where_something_may_have_moved_the_state(monkeypatch, change, reused):
+    def derivative(model, work, t, y, out):
+        out[:] = 7.0
+
+    monkeypatch.setattr(explicit, "derivative", derivative)
+    of = {"verdict": explicit.EVENT + 1, "searching": False, "project": False, "step": 0.0} | change
+    options = SimpleNamespace(step=of["step"], project=of["project"])
+    attempt, run = SimpleNamespace(searching=of["searching"], t_new=1.0), SimpleNamespace(rhs_calls=0)
+    slopes = np.array([[1.0], [2.0], [3.0]])
+    explicit._next_slope.py_func(None, None, options, run, attempt, of["verdict"], np.zeros(1), slopes)
+    assert (slopes[0, 0], run.rhs_calls) == ((3.0, 0) if reused else (7.0, 1))
+
+
+def test_two_estimates_make_one_error_as_in_dop853(monkeypatch):
+    """DOP853's ERR^2 / sqrt(ERR^2 + 0.01 ERR2^2) (Hairer, Norsett, Wanner I, sec. II.10)."""
+    monkeypatch.setattr(explicit_stages, "_estimate", lambda model, work, weights, *given: weights[0])
+    tableau = SimpleNamespace(error=np.array([3.0]), error_low=np.array([4.0]))
+    found = explicit_stages.error_norm.py_func(None, None, tableau, None, 0.1, None, None, False)
+    assert found == pytest.approx(9.0 / np.sqrt(9.0 + 0.01 * 16.0))
+
+
+def test_roundoff_is_measured_by_the_largest_position(monkeypatch):
+    monkeypatch.setattr(generalized_alpha, "position_count", lambda model: 3)
+    for positions, size in (([0.1, -5.0, 2.0], 5.0), ([0.1, 0.2, 0.3], 1.0)):
+        assert generalized_alpha._size.py_func(None, np.array([*positions, 90.0])) == size
+
+
+@pytest.mark.parametrize(("room", "asked", "dense"), [(3, 1, True), (3, 0, False), (0, 1, False)])
+def test_the_full_tangent_is_used_once_it_is_asked_for_where_there_is_room(room, asked, dense):
+    tangent = SimpleNamespace(lu=np.empty((room, room)))
+    assert generalized_alpha._is_dense.py_func(SimpleNamespace(needs_tangent=asked), tangent) == dense
+
+
+def test_there_is_room_for_rates_and_multipliers_up_to_the_limit():
+    limit = generalized_alpha.DENSE_LIMIT
+    for n, m, room in ((limit - 5, 5, limit), (limit - 5, 6, 0)):
+        rows = [("joint", slot, 0) for slot in range(m)]
+        system = SimpleNamespace(rows=lambda every, rows=rows: rows)
+        assert len(generalized_alpha._tangent(system, n).pivots) == room  # type: ignore[arg-type]
