@@ -18,7 +18,7 @@ from pathlib import Path
 from types import ModuleType
 
 from cross_checks.engine import Engine
-from cross_checks.isolation.environments import home_of, python_of
+from cross_checks.isolation.environments import home_of, pins_of, python_of
 from cross_checks.isolation.parent import Lost
 
 GROUP = "mbs_ref.engines"
@@ -150,7 +150,12 @@ def _is_of(missing: str | None, declared: str | None) -> bool:
 
 
 def _installation(name: str) -> str:
-    """Return how to get what an engine of this project needs; nothing of others, or where nobody can tell."""
+    """Return how to get what an engine of this project needs; nothing of others, or where nobody can tell.
+
+    One whose releases are pinned is best had in an environment of its own.
+    """
+    if is_ours(name) and pins_of(name) is not None:
+        return f" (mbs-ref engines install {name})"
     try:
         extras = metadata("mbs-ref").get_all("Provides-Extra") or []
     except PackageNotFoundError:

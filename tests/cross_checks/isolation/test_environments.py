@@ -184,3 +184,16 @@ def test_pins_are_exact_and_name_no_place():
             name, _, release = line.partition("==")
             assert name, line
             assert release[:1].isdigit(), line
+
+
+@pytest.mark.parametrize("name", sorted(file.stem for file in environments.PINS.glob("*.txt")))
+def test_who_lacks_an_engine_with_pins_is_told_to_make_it_an_environment(monkeypatch, tmp_path, name):
+    monkeypatch.setenv(environments.FOLDER, str(tmp_path))
+    said = ""
+    try:
+        engines.get(name)
+    except engines.EngineMissing as missing:
+        said = str(missing)
+    if not said:
+        pytest.skip(f"{name} is installed here")
+    assert f"(mbs-ref engines install {name})" in said
