@@ -3,6 +3,10 @@
 A loop takes a step in the frozen modes and asks `watch`. The answer is KEEP, RETRY with the step in
 search[H_NEXT], or EVENT: the step at hand ends at the event, on its far side. The same one-step method is
 repeated with shorter steps, so the located state carries the method's own order.
+
+Root functions come in units of their own roundoff. One that is negative by less than that is at its root: the
+search aims between, at AIM, by the cubic through values and rates at both ends of its bracket, or regula falsi where
+rates are unknown.
 """
 
 from __future__ import annotations
@@ -15,19 +19,21 @@ from mbs_ref.kernels.contact.modes import STOP
 from mbs_ref.kernels.jit import jit
 
 KEEP, RETRY, EVENT = range(3)
-ACTIVE, H_LOW, H_HIGH, H_NEXT, SIDE, TRIES = range(6)
+ACTIVE, H_LOW, H_HIGH, H_NEXT, SIDE, TRIES, WEIGHT_LOW, WEIGHT_HIGH = range(8)
 IDLE, BRACKETED, LOOKING = 0.0, 1.0, 2.0  # values of search[ACTIVE]
-AT_LOW, AT_HIGH, AT_NEW, RATE_LOW, RATE_NEW = range(5)  # rows of the table of root functions
+AT_LOW, AT_HIGH, AT_NEW, RATE_LOW, RATE_HIGH, RATE_NEW = range(6)  # rows of the table of root functions
+BEYOND, AIM = -1.0, -0.5  # of a function: no nearer to its root than its roundoff, and in the middle of that
 MOST_TRIES = 200
 ROUNDOFF = 4.0 * 2.220446049250313e-16  # of time: how closely an event is bracketed
 MOST_ROUNDS = 200  # mode changes at one instant before they count as endless
-BISECT_EVERY = 4  # tries: the others are regula falsi with Illinois' weights
+BISECT_EVERY = 4  # tries: the others interpolate, regula falsi with Illinois' weights
+NEWTON = 6  # iterations for the root of a cubic, each doubling its digits
 
 
 @jit
 def event_tables(model):
     """Return the search state and the table of root functions."""
-    return np.zeros(6), np.zeros((5, root_count(model)))
+    return np.zeros(8), np.zeros((6, root_count(model)))
 
 
 @jit
@@ -53,13 +59,17 @@ def settle(model, work, t, y, table, run, most):
 
 
 @jit
+def _cubic(g0, r0, g1, r1, h):
+    """Return a, b, c of the cubic g0 + s (c + s (b + s a)) over (0, 1) through two values and rates, h apart."""
+    return 2.0 * (g0 - g1) + h * (r0 + r1), -3.0 * (g0 - g1) - h * (2.0 * r0 + r1), h * r0
+
+
+@jit
 def _dips(g0, r0, g1, r1, h):
     """Return where in (0, 1) the cubic through two values and rates is lowest if it is negative there, else 0."""
     if not (r0 < 0.0 and r1 > 0.0):
         return 0.0
-    a = 2.0 * (g0 - g1) + h * (r0 + r1)
-    b = -3.0 * (g0 - g1) - h * (2.0 * r0 + r1)
-    c = h * r0
+    a, b, c = _cubic(g0, r0, g1, r1, h)
     discriminant = b * b - 3.0 * a * c
     if discriminant < 0.0:
         return 0.0
@@ -73,17 +83,36 @@ def _dips(g0, r0, g1, r1, h):
 
 
 @jit
+def _falls(search, table, i, h):
+    """Return where in (0, 1) of a bracket of width h function i is at AIM, by all that is known of it at both ends."""
+    g0, r0 = table[AT_LOW, i] - AIM, table[RATE_LOW, i]
+    g1, r1 = table[AT_HIGH, i] - AIM, table[RATE_HIGH, i]
+    weighed = search[WEIGHT_LOW] * g0
+    falsi = weighed / (weighed - search[WEIGHT_HIGH] * g1)
+    if r0 == 0.0 or r1 == 0.0:
+        return falsi
+    a, b, c = _cubic(g0, r0, g1, r1, h)
+    s = g0 / (g0 - g1)
+    for _ in range(NEWTON):
+        slope = c + s * (2.0 * b + s * 3.0 * a)
+        if slope >= 0.0:
+            return falsi
+        s -= (g0 + s * (c + s * (b + s * a))) / slope
+    return s
+
+
+@jit
 def _propose(search, table):
-    """Choose the next trial step: the earliest regula falsi root of the functions that changed sign, or bisect."""
+    """Choose the next trial step: where the earliest of the functions beyond their roots falls, or bisect."""
     low = search[H_LOW]
-    high = search[H_HIGH]
+    width = search[H_HIGH] - low
     share = 1.0
     for i in range(table.shape[1]):
-        if table[AT_HIGH, i] < 0.0:
-            share = min(share, table[AT_LOW, i] / (table[AT_LOW, i] - table[AT_HIGH, i]))
+        if table[AT_HIGH, i] < BEYOND:
+            share = min(share, _falls(search, table, i, width))
     if int(search[TRIES]) % BISECT_EVERY == BISECT_EVERY - 1 or not 0.0 < share < 1.0:
         share = 0.5
-    return low + share * (high - low)
+    return low + share * width
 
 
 @jit
@@ -92,22 +121,26 @@ def _open_bracket(search, table, h):
     search[ACTIVE] = BRACKETED
     search[TRIES] = 0.0
     search[SIDE] = 0.0
+    search[WEIGHT_LOW] = 1.0
+    search[WEIGHT_HIGH] = 1.0
     search[H_LOW] = 0.0
     search[H_HIGH] = h
     _copy(table, AT_NEW, AT_HIGH)
+    _copy(table, RATE_NEW, RATE_HIGH)
 
 
 @jit
 def _tighten(search, table, h, broken):
     """Move one end of the bracket to h; an end that stands still twice is weighed half (Illinois)."""
     side = 1.0 if broken else -1.0
-    still = AT_LOW if broken else AT_HIGH
+    moved, still = (WEIGHT_HIGH, WEIGHT_LOW) if broken else (WEIGHT_LOW, WEIGHT_HIGH)
     search[H_HIGH if broken else H_LOW] = h
-    _copy(table, AT_NEW, AT_HIGH if broken else AT_LOW)
+    search[moved] = 1.0
     if search[SIDE] == side:
-        for i in range(table.shape[1]):
-            table[still, i] *= 0.5
+        search[still] *= 0.5
     search[SIDE] = side
+    _copy(table, AT_NEW, AT_HIGH if broken else AT_LOW)
+    _copy(table, RATE_NEW, RATE_HIGH if broken else RATE_LOW)
 
 
 @jit
@@ -130,10 +163,10 @@ def _keep(search, table):
 def watch(model, work, t, h, y, search, table):
     """Judge a step of size h from t that ended at y."""
     roots(model, work, t + h, y, table[AT_NEW], table[RATE_NEW])
-    broken = False
+    lowest = 0.0
     for i in range(table.shape[1]):
-        if not table[AT_NEW, i] >= 0.0:
-            broken = True
+        lowest = np.minimum(lowest, table[AT_NEW, i])  # NaN too
+    broken = not lowest >= 0.0
     if search[ACTIVE] == BRACKETED:
         _tighten(search, table, h, broken)
     elif broken:
@@ -146,6 +179,9 @@ def watch(model, work, t, h, y, search, table):
         search[H_NEXT] = dip * h
         return RETRY
     search[TRIES] += 1.0
+    if BEYOND <= lowest < 0.0:
+        search[ACTIVE] = IDLE
+        return EVENT
     narrow = search[H_HIGH] - search[H_LOW] <= ROUNDOFF * max(abs(t), search[H_HIGH])
     if not narrow and search[TRIES] <= MOST_TRIES:
         search[H_NEXT] = _propose(search, table)

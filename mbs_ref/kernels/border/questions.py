@@ -100,7 +100,10 @@ def root_count(model) -> Any:
 
 @question(NOTHING, MODEL, WORK, NUMBER, VECTOR, VECTOR, VECTOR)
 def roots(model, work, t, y, g, rate) -> Any:
-    """Fill the event functions, positive while the frozen modes hold, and their rates where known, else 0."""
+    """Fill the event functions, positive while the frozen modes hold, and their rates where known, else 0.
+
+    Both are in units of the function's roundoff (and s).
+    """
 
 
 @question(types.UniTuple(COUNT, 2), MODEL, WORK, NUMBER, NUMBER, VECTOR, VECTOR, VECTOR)

@@ -1,7 +1,8 @@
 """When a contact's mode ends and which one follows: the part that does not depend on shapes.
 
 Three functions a contact, all positive while its mode holds: the gap's, the force's and friction's. Each
-mode holds a little beyond its root, by `noise`, or contacts at rest exactly at d = 0 would chatter.
+mode holds a little beyond its root, by its roundoff, or contacts at rest exactly at d = 0 would chatter: that of a gap
+or a speed is `noise`, that of a force what the noise makes of it. Functions are in units of their roundoff.
 """
 
 from __future__ import annotations
@@ -38,22 +39,29 @@ def normal_roots(laws, modes, k, gap, closing, beyond, g, rate):
     rate[i + 1] = 0.0
     rate[i + 2] = 0.0
     if mode == MODE_OPEN:
-        g[i] = max(gap, beyond) + noise
+        g[i] = max(gap, beyond) / noise + 1.0
         if gap >= beyond:
-            rate[i] = closing
+            rate[i] = closing / noise
     elif mode == MODE_CLOSED:
-        g[i] = min(-gap, -beyond) + noise
+        g[i] = min(-gap, -beyond) / noise + 1.0
         if -gap <= -beyond:
-            rate[i] = -closing
+            rate[i] = -closing / noise
         if laws.release[k] == RELEASE_FORCE:
-            g[i + 1] = normal_force(laws, modes, k, -gap, -closing) + noise * (laws.stiffness[k] + modes.dashpot[k])
+            g[i + 1] = _push(laws, modes, k, gap, closing) + 1.0
     elif mode == MODE_LIFTED:
-        g[i] = min(-gap, -beyond) + noise
-        g[i + 1] = noise * (laws.stiffness[k] + modes.dashpot[k]) - normal_force(laws, modes, k, -gap, -closing)
+        g[i] = min(-gap, -beyond) / noise + 1.0
+        g[i + 1] = 1.0 - _push(laws, modes, k, gap, closing)
     else:
-        g[i] = -max(gap, beyond)
+        g[i] = -max(gap, beyond) / noise
         if mode == MODE_LEAVING:
-            g[i + 1] = closing + noise
+            g[i + 1] = closing / noise + 1.0
+
+
+@jit
+def _push(laws, modes, k, gap, closing):
+    """Return the normal force in units of its roundoff."""
+    slack = modes.noise[0] * (laws.stiffness[k] + modes.dashpot[k])
+    return normal_force(laws, modes, k, -gap, -closing) / slack
 
 
 @jit

@@ -75,12 +75,12 @@ def contact_roots(model, work, t, y, g, rate):
         i = ROOTS_EACH * k
         closed = modes.mode[k] == MODE_CLOSED
         if closed and laws.release[k] == RELEASE_CONSTRAINT:
-            g[i] = modes.noise[0] - touch.beyond
-            g[i + 1] = contact_push(work, laws, k) + modes.noise[0] * contact_mass(model, k)
+            g[i] = 1.0 - touch.beyond / modes.noise[0]
+            g[i + 1] = contact_push(work, laws, k) / (modes.noise[0] * contact_mass(model, k)) + 1.0
             continue
         normal_roots(laws, modes, k, touch.gap, touch.closing, touch.beyond, g, rate)
         if closed and laws.friction[k] == FRICTION_STICK_SLIP:
-            g[i + 2] = _grip_margin(laws, modes, k, touch) + modes.noise[0]
+            g[i + 2] = _grip_margin(laws, modes, k, touch) + 1.0
 
 
 @jit
@@ -93,10 +93,12 @@ def _some_constrained(laws, modes):
 
 @jit
 def _grip_margin(laws, modes, k, touch):
+    """Return how much more force sticking bears, or the speed of sliding, in units of their roundoff."""
     if modes.grip[k] == GRIP_STICK:
         normal = normal_force(laws, modes, k, -touch.gap, -touch.closing)
-        return laws.static[k] * normal - abs(friction_force(laws, modes, k, normal, touch))
-    return modes.grip[k] * touch.slip
+        margin = laws.static[k] * normal - abs(friction_force(laws, modes, k, normal, touch))
+        return margin / (modes.noise[0] * (laws.grip_stiffness[k] + laws.grip_damping[k]))
+    return modes.grip[k] * touch.slip / modes.noise[0]
 
 
 @jit

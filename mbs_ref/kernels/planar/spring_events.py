@@ -51,13 +51,13 @@ def spring_roots(model, work, g, rate):
         rate[i + 1] = 0.0
         rate[i + 2] = 0.0
         if mode == MODE_OPEN:
-            g[i] = noise - stretch
-            rate[i] = -speed
+            g[i] = 1.0 - stretch / noise
+            rate[i] = -speed / noise
         else:
-            g[i] = stretch + noise
-            rate[i] = speed
+            g[i] = stretch / noise + 1.0
+            rate[i] = speed / noise
             if spring.damping[k] > 0.0:
-                g[i + 1] = slack + (tension if mode == MODE_CLOSED else -tension)
+                g[i + 1] = (tension if mode == MODE_CLOSED else -tension) / slack + 1.0
 
 
 @jit

@@ -42,8 +42,8 @@ def watch_roots(model, work, g, rate):
         i = ROOTS_EACH * (first + k)
         side = modes.mode[first + k]
         above, speed = _watched(watches, kin, k)
-        g[i] = side * above + modes.noise[0]
-        rate[i] = side * speed
+        g[i] = side * above / modes.noise[0] + 1.0
+        rate[i] = side * speed / modes.noise[0]
         for extra in (i + 1, i + 2):
             g[extra] = 1.0
             rate[extra] = 0.0

@@ -87,19 +87,21 @@ def spatial_roots(model, work, t, y, g, rate):
         touch = contact_geometry(model, work, k)
         normal_roots(laws, modes, k, touch.gap, touch.closing, touch.beyond, g, rate)
         if modes.mode[k] == MODE_CLOSED and laws.friction[k] == FRICTION_STICK_SLIP:
-            g[ROOTS_EACH * k + 2] = _grip_margin(model, work, k, touch) + modes.noise[0]
+            g[ROOTS_EACH * k + 2] = _grip_margin(model, work, k, touch) + 1.0
 
 
 @jit
 def _grip_margin(model, work, k, touch):
+    """Return how much more force sticking bears, or the speed along what is frozen, in units of their roundoff."""
     laws, modes = contact_laws_of(model), contact_modes_of(model)
     along, across = slip_along(touch)
     if modes.grip[k] == GRIP_STICK:
         normal = normal_force(laws, modes, k, -touch.gap, -touch.closing)
         p, q = grip_force(laws, modes, grips_of(work), contact_pairs_of(model), k, normal, along, across)
-        return laws.static[k] * normal - math.sqrt(p * p + q * q)
+        margin = laws.static[k] * normal - math.sqrt(p * p + q * q)
+        return margin / (modes.noise[0] * (laws.grip_stiffness[k] + laws.grip_damping[k]))
     ahead = modes.anchor[k, 0] * along + modes.anchor[k, 1] * across
-    return ahead - COSINE * math.sqrt(along * along + across * across)
+    return (ahead - COSINE * math.sqrt(along * along + across * across)) / modes.noise[0]
 
 
 @jit

@@ -50,6 +50,22 @@ def test_the_kinks_are_events(method):
     assert run.event_times[:, 0] == pytest.approx([0.5, 1.5], abs=1e-6)
 
 
+@pytest.mark.parametrize("name", ["tether", "bouncing_ball", "newtons_cradle"])
+def test_an_event_is_found_in_a_few_tries(name):
+    """Of four evaluations each, and one afterwards; twenty and more where an event is bracketed by bisection."""
+    scene = _tether() if name == "tether" else scenes.make(name)
+    run = simulate(scene, Settings(method="rk4", step=scene.duration / 2000.0, samples=2, estimate="off"))
+    assert run.ok
+    assert run.rhs_calls - 4 * run.steps <= 4 * 5 * run.events + 1
+
+
+def test_a_located_kink_is_at_its_place_to_the_roundoff_of_the_function():
+    """The tether is taut at t = 1/2, at 2 m/s: two margins of 1e-13 of 1 m, and the roundoff of the clock."""
+    run = simulate(_tether(), Settings(method="rk4", step=2e-3, estimate="off"))
+    assert run.event_times is not None
+    assert 0.0 <= run.event_times[0, 0] - 0.5 < 1e-13 + 1e-15
+
+
 def test_a_damped_tether_lets_go_before_it_is_slack_and_never_pushes():
     fine = simulate(_tether(damping=2.0), FINE)
     plain = simulate(_tether(damping=2.0), FINE.model_copy(update={"events": "none", "rtol": 1e-9}))
