@@ -63,6 +63,7 @@ def contact_roots(model, work, t, y, g, rate):
     near = near_pairs_of(model)
     if _some_constrained(laws, modes):
         accelerate(model, work, t, y)  # their functions are multipliers
+        tree_of(work).holds[0] = t  # the step that goes on from here need not ask again
     else:
         load_state(model, work, y)
     find_near(model, work)

@@ -34,6 +34,7 @@ from mbs_ref.kernels.rows import (
 def load_state(model, work, y):
     """Copy the state into elimination order and turn angles into cosines and sines."""
     bodies, kin = bodies_of(model), kinematics_of(work)
+    tree_of(work).holds[0] = np.nan
     n = bodies.mass.shape[0]
     for i in range(n):
         k = 3 * bodies.scene_index[i]
@@ -57,6 +58,7 @@ def planar_factor(model, work):
 @jit
 def planar_solve(model, work, gamma):
     """Solve the augmented system for the tree's load and `gamma` into its acceleration and the multipliers."""
+    tree_of(work).holds[0] = np.nan
     solve_tree(model, work, loops_of(model), gamma, tree_of(work).acceleration, rows_of(work).multiplier)
 
 
@@ -69,6 +71,7 @@ def planar_factor_open(model, work):
 @jit
 def planar_solve_open(model, work, gamma):
     """The same of a tree without closed loops."""
+    tree_of(work).holds[0] = np.nan
     solve_tree(model, work, None, gamma, tree_of(work).acceleration, rows_of(work).multiplier)
 
 
@@ -97,9 +100,27 @@ def planar_accelerate(model, work, t, y):
 
 
 @jit
+def _holds(model, work, t, y):
+    """Return whether the accelerations in `work` are those at (t, y)."""
+    if tree_of(work).holds[0] != t:
+        return False
+    bodies, kin = bodies_of(model), kinematics_of(work)
+    n = bodies.mass.shape[0]
+    for i in range(n):
+        k = 3 * bodies.scene_index[i]
+        if y[k] != kin.pose[i, 0] or y[k + 1] != kin.pose[i, 1] or y[k + 2] != kin.motion[i, 3]:
+            return False
+        for c in range(3):
+            if y[3 * n + k + c] != kin.motion[i, c]:
+                return False
+    return True
+
+
+@jit
 def planar_derivative(model, work, t, y, dy):
     """Write dy/dt = [v, a]."""
-    accelerate(model, work, t, y)
+    if not _holds(model, work, t, y):
+        accelerate(model, work, t, y)
     bodies, acceleration = bodies_of(model), tree_of(work).acceleration
     n = bodies.mass.shape[0]
     for k in range(3 * n):

@@ -199,6 +199,7 @@ class Tree(NamedTuple):
     free: Annotated[Floats, "n", 3]  # M^-1 f of the pass under way
     load: Annotated[Floats, "n + 1", 3]  # f accumulated
     acceleration: Annotated[Floats, "n + 1", 3]  # the solution of the pass, ground row zero
+    holds: Annotated[Floats, 1]  # s, when it is the motion's at the state in the kinematics; NaN where it may not be
 
 
 class PlanarScratch(NamedTuple):
@@ -223,7 +224,7 @@ def planar_scratch(n: int, n_slots: int, loops: Loops) -> PlanarScratch:
     return PlanarScratch(
         kinematics=Kinematics(pose, _floats(n + 1, 4), _floats(n + 1, 3), _floats(3, n, 3)),
         rows=Rows(_floats(n_slots, 2, 3, 3), *slot),
-        tree=Tree(*factors, _floats(n, 3), _floats(n + 1, 3), _floats(n + 1, 3)),
+        tree=Tree(*factors, _floats(n, 3), _floats(n + 1, 3), _floats(n + 1, 3), np.full(1, np.nan)),
         closures=closure_scratch(loops, 3),
     )
 

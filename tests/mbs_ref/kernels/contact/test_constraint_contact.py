@@ -13,6 +13,9 @@ from cross_checks.truths import seek_truth
 from cross_checks.truths.ball_on_driven_seat import Flight, Shaker, flights
 from mbs_ref import scenes
 from mbs_ref.cores.choice import compile_scene
+from mbs_ref.integrators.loop.events import AT_NEW, RATE_NEW, event_tables, settle
+from mbs_ref.integrators.loop.leg import RUNNING, progress
+from mbs_ref.kernels.answers import call_roots
 from mbs_ref.scene import PlanarBody, Scene
 from mbs_ref.scene.contact import CircleOnCircle, CircleOnLine, ConstraintLaw, RegularisedCoulomb
 from mbs_ref.settings import Settings
@@ -46,6 +49,27 @@ def test_a_closed_contacts_row_bears_its_own_name():
     joints = system.row_joints()
     system.start_contacts(0.0, y, True)
     assert system.row_joints() == [*joints, "seat"]
+
+
+def test_a_slope_asked_for_after_the_event_functions_is_that_of_its_own_time_state_and_modes():
+    """The ball has the seat's acceleration, -A w^2 sin(w t), while it is held, and g once it is let go."""
+    system = compile_scene(scenes.make("ball_on_driven_seat"))
+    y = system.initial_state()
+    system.start_contacts(0.0, y, True)
+    _, table = event_tables(system.model)
+
+    def held(t: float) -> float:
+        return -0.02 * 30.0**2 * math.sin(30.0 * t)
+
+    for t, state in itertools.product((0.01, 0.02), (y, y + np.array([0.0] * 7 + [1.0] + [0.0] * 4))):
+        call_roots(system.model, system.work, 0.02, y, table[AT_NEW], table[RATE_NEW])
+        slope = system.derivative(t, state)
+        assert slope[1] == state[7]
+        assert slope[7] == pytest.approx(held(t), rel=1e-12)
+    call_roots(system.model, system.work, 0.04, y, table[AT_NEW], table[RATE_NEW])
+    assert table[AT_NEW].min() < 0.0  # the seat falls faster than the ball
+    assert settle(system.model, system.work, 0.04, y, table, progress(0.04), 9) == RUNNING
+    assert system.derivative(0.04, y)[7] == pytest.approx(-9.81, rel=1e-12)
 
 
 def test_lift_off_is_where_the_seat_falls_faster_than_the_ball():
