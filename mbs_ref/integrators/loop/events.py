@@ -66,20 +66,20 @@ def _cubic(g0, r0, g1, r1, h):
 
 @jit
 def _dips(g0, r0, g1, r1, h):
-    """Return where in (0, 1) the cubic through two values and rates is lowest if it is negative there, else 0."""
+    """Return where in (0, 1) the cubic through two values and rates is lowest if it is BEYOND its root there, else 1."""
     if not (r0 < 0.0 and r1 > 0.0):
-        return 0.0
+        return 1.0
     a, b, c = _cubic(g0, r0, g1, r1, h)
     discriminant = b * b - 3.0 * a * c
     if discriminant < 0.0:
-        return 0.0
+        return 1.0
     denominator = b + np.sqrt(discriminant)
     if denominator == 0.0:
-        return 0.0
+        return 1.0
     s = -c / denominator
     if not 0.0 < s < 1.0:
-        return 0.0
-    return s if g0 + s * (c + s * (b + s * a)) < 0.0 else 0.0
+        return 1.0
+    return s if g0 + s * (c + s * (b + s * a)) < BEYOND else 1.0
 
 
 @jit
@@ -144,10 +144,10 @@ def _tighten(search, table, h, broken):
 
 
 @jit
-def _largest_dip(table, h):
-    dip = 0.0
+def _earliest_dip(table, h):
+    dip = 1.0
     for i in range(table.shape[1]):
-        dip = max(dip, _dips(table[AT_LOW, i], table[RATE_LOW, i], table[AT_NEW, i], table[RATE_NEW, i], h))
+        dip = min(dip, _dips(table[AT_LOW, i], table[RATE_LOW, i], table[AT_NEW, i], table[RATE_NEW, i], h))
     return dip
 
 
@@ -172,8 +172,8 @@ def watch(model, work, t, h, y, search, table):
     elif broken:
         _open_bracket(search, table, h)
     else:
-        dip = _largest_dip(table, h) if search[ACTIVE] == IDLE else 0.0
-        if dip == 0.0:
+        dip = _earliest_dip(table, h)
+        if dip == 1.0 or h <= ROUNDOFF * abs(t):
             return _keep(search, table)
         search[ACTIVE] = LOOKING  # a function may have been negative inside; end the step there and see
         search[H_NEXT] = dip * h

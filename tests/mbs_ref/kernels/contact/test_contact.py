@@ -14,7 +14,7 @@ from mbs_ref import scenes
 from mbs_ref.cores.choice import compile_scene
 from mbs_ref.observables import energy_balance, momentum_drift
 from mbs_ref.scene import PlanarBody, Scene
-from mbs_ref.scene.contact import CircleOnLine, ProgressiveLaw, SpringDamperLaw
+from mbs_ref.scene.contact import CircleOnLine, ProgressiveLaw, RigidLaw, SpringDamperLaw
 from mbs_ref.scene.toml import dumps, loads
 from mbs_ref.self_checks.stiffness import stiffness
 from mbs_ref.settings import Settings
@@ -189,6 +189,32 @@ def test_a_short_contact_inside_one_step_is_seen():
     assert np.abs(fine.position - truth.position).max() < 1e-9
     with pytest.raises(ValueError, match="speed at touch-down"):
         simulate(scenes.make("bouncing_ball", law="flores"), Settings(method="rk4", step=1e-3, events="none"))
+
+
+def test_of_two_short_touches_inside_one_step_neither_is_missed():
+    """Two balls graze a ceiling at 1 m above, at 0.1 and 0.3 s of one step of 0.5 s, each 1 mm short of its summit."""
+    speeds, summit = {"low": 1.0, "high": 3.0}, 1e-3  # m/s upwards; m beyond the ceiling, were it not there
+    places = {name: (x, 0.9 - speed**2 / 19.62 + summit) for x, (name, speed) in enumerate(speeds.items())}
+    balls = [
+        PlanarBody(name=name, mass=1.0, inertia=0.1, position=places[name], velocity=(0.0, speeds[name]))
+        for name in speeds
+    ]
+    ceilings = [
+        CircleOnLine(
+            name=name, law=RigidLaw(restitution=1.0), body_a=name, center=places[name], radius=0.1, body_b="ground",
+            point_1=(9.0, 1.0), point_2=(-9.0, 1.0),
+        )
+        for name in speeds
+    ]  # fmt: skip
+    scene = Scene(
+        name="ceiling", duration=0.5, gravity=(0.0, -9.81), bodies=tuple(balls), contacts=tuple(ceilings),
+    )  # fmt: skip
+    run = simulate(scene, Settings(method="rk4", step=0.5, samples=2, estimate="off"))
+    fall = math.sqrt(2.0 * 9.81 * summit)  # m/s, at the ceiling
+    touches = [(speed - fall) / 9.81 for speed in speeds.values()]
+    assert run.event_times is not None
+    assert sorted(set(np.round(run.event_times[:, 0], 9))) == pytest.approx(touches, abs=1e-9)
+    assert run.velocity[-1, :, 1] == pytest.approx([-fall - 9.81 * (0.5 - t) for t in touches], abs=1e-9)
 
 
 def test_reported_forces_balance_the_energy():
