@@ -59,45 +59,34 @@ def settle(model, work, t, y, table, run, most):
 
 
 @jit
-def _cubic(g0, r0, g1, r1, h):
-    """Return a, b, c of the cubic g0 + s (c + s (b + s a)) over (0, 1) through two values and rates, h apart."""
-    return 2.0 * (g0 - g1) + h * (r0 + r1), -3.0 * (g0 - g1) - h * (2.0 * r0 + r1), h * r0
-
-
-@jit
 def _dips(g0, r0, g1, r1, h):
-    """Return where in (0, 1) the cubic through two values and rates is lowest if it is BEYOND its root there, else 1."""
+    """Return where in (0, 1) the tangents at both ends meet if that is BEYOND the root, else 1.
+
+    A function that bends upwards lies above its tangents: where they meet higher it has no root inside. So bends the
+    gap of bodies that push each other apart, and the larger of a gap and of an excess over open ends.
+    """
     if not (r0 < 0.0 and r1 > 0.0):
         return 1.0
-    a, b, c = _cubic(g0, r0, g1, r1, h)
-    discriminant = b * b - 3.0 * a * c
-    if discriminant < 0.0:
-        return 1.0
-    denominator = b + np.sqrt(discriminant)
-    if denominator == 0.0:
-        return 1.0
-    s = -c / denominator
-    if not 0.0 < s < 1.0:
-        return 1.0
-    return s if g0 + s * (c + s * (b + s * a)) < BEYOND else 1.0
+    s = (g1 - g0 - r1 * h) / ((r0 - r1) * h)
+    return s if 0.0 < s < 1.0 and g0 + r0 * h * s < BEYOND else 1.0
 
 
 @jit
 def _falls(search, table, i, h):
     """Return where in (0, 1) of a bracket of width h function i is at AIM, by all that is known of it at both ends."""
-    g0, r0 = table[AT_LOW, i] - AIM, table[RATE_LOW, i]
-    g1, r1 = table[AT_HIGH, i] - AIM, table[RATE_HIGH, i]
+    g0, r0 = table[AT_LOW, i] - AIM, table[RATE_LOW, i] * h
+    g1, r1 = table[AT_HIGH, i] - AIM, table[RATE_HIGH, i] * h
     weighed = search[WEIGHT_LOW] * g0
     falsi = weighed / (weighed - search[WEIGHT_HIGH] * g1)
     if r0 == 0.0 or r1 == 0.0:
         return falsi
-    a, b, c = _cubic(g0, r0, g1, r1, h)
+    a, b = 2.0 * (g0 - g1) + r0 + r1, -3.0 * (g0 - g1) - 2.0 * r0 - r1
     s = g0 / (g0 - g1)
     for _ in range(NEWTON):
-        slope = c + s * (2.0 * b + s * 3.0 * a)
+        slope = r0 + s * (2.0 * b + s * 3.0 * a)
         if slope >= 0.0:
             return falsi
-        s -= (g0 + s * (c + s * (b + s * a))) / slope
+        s -= (g0 + s * (r0 + s * (b + s * a))) / slope
     return s
 
 

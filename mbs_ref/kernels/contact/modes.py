@@ -28,8 +28,11 @@ NOTHING, IMPACT, TOUCH, FRICTION = range(4)  # what a change of mode leaves for 
 
 
 @jit
-def normal_roots(laws, modes, k, gap, closing, beyond, g, rate):
-    """Fill the functions of contact k and, where known, their rates, else 0; friction's stays 1."""
+def normal_roots(laws, modes, k, gap, closing, beyond, leaving, g, rate):
+    """Fill the functions of contact k and, where known, their rates, else 0; friction's stays 1.
+
+    `closing` and `leaving` are the rates (m/s) of the gap and of the excess `beyond` open ends.
+    """
     i = ROOTS_EACH * k
     noise = modes.noise[0]
     mode = modes.mode[k]
@@ -40,12 +43,10 @@ def normal_roots(laws, modes, k, gap, closing, beyond, g, rate):
     rate[i + 2] = 0.0
     if mode == MODE_OPEN:
         g[i] = max(gap, beyond) / noise + 1.0
-        if gap >= beyond:
-            rate[i] = closing / noise
+        rate[i] = (closing if gap >= beyond else leaving) / noise
     elif mode == MODE_CLOSED:
         g[i] = min(-gap, -beyond) / noise + 1.0
-        if -gap <= -beyond:
-            rate[i] = -closing / noise
+        rate[i] = -(closing if gap >= beyond else leaving) / noise
         if laws.release[k] == RELEASE_FORCE:
             g[i + 1] = _push(laws, modes, k, gap, closing) + 1.0
     elif mode == MODE_LIFTED:

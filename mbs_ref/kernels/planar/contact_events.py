@@ -39,7 +39,7 @@ from mbs_ref.kernels.contact.modes import (
     normal_roots,
 )
 from mbs_ref.kernels.jit import jit
-from mbs_ref.kernels.planar.contacts import contact_geometry, find_near, friction_force, is_behind
+from mbs_ref.kernels.planar.contacts import contact_geometry, find_near, friction_force, is_behind, leaving_ends
 from mbs_ref.kernels.planar.dynamics import load_state
 from mbs_ref.kernels.planar.landing import AT_REST, contact_mass, contact_push, settle_held
 from mbs_ref.kernels.planar.model import (
@@ -74,12 +74,13 @@ def contact_roots(model, work, t, y, g, rate):
         k = near.pair[place]
         touch = contact_geometry(model, work, k)
         i = ROOTS_EACH * k
+        leaving = leaving_ends(model, work, k) if touch.beyond > touch.gap else 0.0
         closed = modes.mode[k] == MODE_CLOSED
         if closed and laws.release[k] == RELEASE_CONSTRAINT:
             g[i] = 1.0 - touch.beyond / modes.noise[0]
             g[i + 1] = contact_push(work, laws, k) / (modes.noise[0] * contact_mass(model, k)) + 1.0
             continue
-        normal_roots(laws, modes, k, touch.gap, touch.closing, touch.beyond, g, rate)
+        normal_roots(laws, modes, k, touch.gap, touch.closing, touch.beyond, leaving, g, rate)
         if closed and laws.friction[k] == FRICTION_STICK_SLIP:
             g[i + 2] = _grip_margin(laws, modes, k, touch) + 1.0
 

@@ -84,11 +84,17 @@ def _on_circle(pairs, k, x):
 
 
 @jit
-def _in_sprocket(pairs, k, x, seat):
-    """Return the Surface of the wall of the tooth gap nearest to a pin at x; `seat` points to the first gap."""
+def _through_gap(pairs, k, x, seat):
+    """Return the direction outwards through the tooth gap nearest to a pin at x; `seat` points to the first gap."""
     pitch = 2.0 * math.pi / pairs.ends[k]
     angle = pitch * np.round(math.atan2(cross(seat, x), dot(seat, x)) / pitch)
-    outward = turn(math.cos(angle), math.sin(angle), seat)  # through the gap
+    return turn(math.cos(angle), math.sin(angle), seat)
+
+
+@jit
+def _in_sprocket(pairs, k, x, seat):
+    """Return the Surface of the wall of the tooth gap nearest to a pin at x."""
+    outward = _through_gap(pairs, k, x, seat)
     out = dot(x, outward) - pairs.half[k]
     side = outward[1] * x[0] - outward[0] * x[1]
     wall = math.copysign(1.0, side)
@@ -131,6 +137,21 @@ def contact_geometry(model, work, k):
     u = rate_between(kin, b, a, arm_b, arm_a)
     slip = n[1] * u[0] - n[0] * u[1]
     return Touch(surface.gap, dot(n, u), surface.beyond, n, slip, surface.along + rolled, arm_a, arm_b)
+
+
+@jit
+def leaving_ends(model, work, k):
+    """Return the rate (m/s) of the excess over open ends."""
+    pairs, kin = contact_pairs_of(model), kinematics_of(work)
+    a, b = pairs.a[k], pairs.b[k]
+    center, origin = arm(kin.pose, a, pairs.center[k]), arm(kin.pose, b, pairs.origin[k])
+    x = gap_between(kin, b, a, origin, center)
+    outward = arm(kin.pose, b, pairs.direction[k])
+    if pairs.kind[k] == PAIR_LINE:
+        outward = times(math.copysign(1.0, dot(x, outward)), outward)
+    else:
+        outward = _through_gap(pairs, k, x, outward)
+    return dot(outward, rate_between(kin, b, a, plus(x, origin), center))
 
 
 @jit

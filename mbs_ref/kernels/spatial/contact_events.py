@@ -46,6 +46,7 @@ from mbs_ref.kernels.spatial.contacts import (
     grip_force,
     is_behind,
     is_touching,
+    leaving_ends,
     slip_along,
 )
 from mbs_ref.kernels.spatial.model import (
@@ -85,7 +86,8 @@ def spatial_roots(model, work, t, y, g, rate):
     for place in range(near.count[0]):
         k = near.pair[place]
         touch = contact_geometry(model, work, k)
-        normal_roots(laws, modes, k, touch.gap, touch.closing, touch.beyond, g, rate)
+        leaving = leaving_ends(model, work, k) if touch.beyond > touch.gap else 0.0
+        normal_roots(laws, modes, k, touch.gap, touch.closing, touch.beyond, leaving, g, rate)
         if modes.mode[k] == MODE_CLOSED and laws.friction[k] == FRICTION_STICK_SLIP:
             g[ROOTS_EACH * k + 2] = _grip_margin(model, work, k, touch) + 1.0
 

@@ -106,6 +106,25 @@ def contact_geometry(model, work, k):
 
 
 @jit
+def leaving_ends(model, work, k):
+    """Return the rate (m/s) of the excess over open ends of a plane."""
+    pairs, kin = contact_pairs_of(model), kinematics_of(work)
+    a, b = pairs.a[k], pairs.b[k]
+    c = turn(kin.turned[a], pairs.center[k])
+    o = turn(kin.turned[b], pairs.origin[k])
+    e = turn(kin.turned[b], pairs.axes[k, 0])
+    f = turn(kin.turned[b], pairs.axes[k, 1])
+    at = plus(minus(kin.position[a], kin.position[b]), c)
+    x = minus(at, o)
+    along, across = dot(x, e), dot(x, f)
+    u = minus(kin.velocity[a], kin.velocity[b])
+    u = minus(plus(u, cross(kin.omega[a], c)), cross(kin.omega[b], at))
+    if abs(along) - pairs.half[k, 0] >= abs(across) - pairs.half[k, 1]:
+        return math.copysign(1.0, along) * dot(u, e)
+    return math.copysign(1.0, across) * dot(u, f)
+
+
+@jit
 def slip_along(touch):
     """Return the slip velocity along the plane's edges, m/s."""
     return dot(touch.slip, touch.edge_1), dot(touch.slip, touch.edge_2)
