@@ -56,17 +56,26 @@ def test_stages_are_guessed_on_the_cubic_of_the_last_step(ratio, h_last):
 
 
 @pytest.mark.parametrize("h", [1.0, 0.25])
-@pytest.mark.parametrize("low", [0.2, -0.1])
-def test_a_cubic_dips_where_its_slope_vanishes_if_it_is_negative_there(h, low):
-    """g = low + (s - 0.6)^2 (s + 1) over a step, s its share: lowest at 0.6."""
-    cubic = np.polynomial.Polynomial([0.36, -1.2, 1.0]) * np.polynomial.Polynomial([1.0, 1.0]) + low
-    slope = cubic.deriv() / h
-    found = events._dips.py_func(cubic(0.0), slope(0.0), cubic(1.0), slope(1.0), h)
-    assert found == pytest.approx(0.6 if low < 0.0 else 0.0, abs=1e-12)
-    table = np.full((6, 3), 1.0)  # three functions, of which the second dips
-    places = events.AT_LOW, events.RATE_LOW, events.AT_NEW, events.RATE_NEW
-    table[places, 1] = cubic(0.0), slope(0.0), cubic(1.0), slope(1.0)
-    assert events._largest_dip.py_func(table, h) == pytest.approx(found, abs=1e-12)
+@pytest.mark.parametrize(("low", "looked"), [(0.2, False), (-3.0, True)])
+def test_a_step_is_looked_into_where_its_tangents_meet_if_that_is_below_the_root(h, low, looked):
+    """The larger of two lines through low at 0.6 of the step, which are its tangents; in units of roundoff."""
+    falling, rising = (low + 3.0, -5.0), (low - 1.2, 2.0)  # values at 0, slopes
+    ends = falling[0], falling[1] / h, sum(rising), rising[1] / h
+    found = events._dips.py_func(*ends, h)
+    assert found == pytest.approx(0.6 if looked else 1.0, abs=1e-12)
+    table = np.full((6, 3), 1.0)  # three functions: the second meets at 0.6, the third at 0.8 where it does
+    places = [events.AT_LOW, events.RATE_LOW, events.AT_NEW, events.RATE_NEW]
+    table[places, 1] = ends
+    table[places, 2] = low + 4.0, -5.0 / h, low + 0.4, 2.0 / h
+    assert events._earliest_dip.py_func(table, h) == pytest.approx(found, abs=1e-12)
+
+
+def test_a_parabola_above_its_root_is_looked_into_until_its_tangents_meet_above():
+    """g = 1 + 36 (s - 1/2)^2: tangents at both ends of a step meet at 1 - 9, at both ends of its halves above -1.25."""
+    assert events._dips.py_func(10.0, -36.0, 10.0, 36.0, 1.0) == 0.5
+    assert events._dips.py_func(10.0, -36.0, 1.0, 0.0, 0.5) == 1.0  # no rise yet
+    assert events._dips.py_func(3.25, -18.0, 3.25, 18.0, 0.5) == 0.5  # the middle half, down to -1.25
+    assert events._dips.py_func(1.36, -7.2, 1.36, 7.2, 0.2) == 1.0  # its middle fifth
 
 
 @pytest.mark.parametrize(("radii", "touch"), [((0.9, 0.9), True), ((0.8, 0.9), False), ((0.0, 0.0), False)])
