@@ -172,13 +172,13 @@ def test_an_event_is_located_as_closely_as_the_clock_tells_and_no_closer(monkeyp
     """The sine of 1 + 70 times the time since a step's start vanishes at (pi - 1) / 70 s."""
 
     def roots(model, work, t, y, g, rate):
-        g[:] = np.sin(1.0 + 70.0 * y[0])
-        rate[:] = 70.0 * np.cos(1.0 + 70.0 * y[0])
+        g[:] = 1e16 * np.sin(1.0 + 70.0 * y[0])  # in its roundoff
+        rate[:] = 70e16 * np.cos(1.0 + 70.0 * y[0])
 
     monkeypatch.setattr(events, "roots", roots)
-    for name in ("_open_bracket", "_tighten", "_propose", "_largest_dip", "_dips", "_keep", "_copy"):
+    for name in ("_open_bracket", "_tighten", "_propose", "_falls", "_earliest_dip", "_dips", "_keep", "_copy"):
         monkeypatch.setattr(events, name, getattr(events, name).py_func)
-    search, table, h, tries = np.zeros(6), np.zeros((5, 1)), 0.05, 1
+    search, table, h, tries = np.zeros(8), np.zeros((6, 1)), 0.05, 1
     roots(None, None, start, [0.0], table[events.AT_LOW], table[events.RATE_LOW])
     while events.watch.py_func(None, None, start, h, [h], search, table) == events.RETRY:
         h, tries = search[events.H_NEXT], tries + 1
