@@ -7,7 +7,8 @@ import math
 import numpy as np
 import pytest
 
-from mbs_ref.scene import PlanarBody, Prismatic, Scene, SpatialBody
+from mbs_ref.cores.choice import compile_scene
+from mbs_ref.scene import PlanarBody, Prismatic, Scene, SpatialBody, UserForce
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
 
@@ -32,6 +33,46 @@ def test_baumgartes_terms_damp_a_violation_critically(dimension):
     assert run.ok, run.message
     exact = speed * run.times * np.exp(-gain * run.times)
     assert run.position[:, 0, 1] == pytest.approx(exact, abs=1e-6 * speed)
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_a_users_law_is_told_time_places_and_speeds_and_its_forces_move_the_bodies(dimension):
+    """Two free bodies, round ones in space: the accelerations are forces over masses and torques over inertias."""
+    rates = 3 if dimension == 2 else 6
+    told: list[tuple[float, np.ndarray, np.ndarray]] = []
+
+    def law(t: float, q: np.ndarray, v: np.ndarray) -> np.ndarray:
+        told.append((t, q.copy(), v.copy()))
+        return t * np.arange(1.0, 2.0 * rates + 1.0).reshape(2, rates)
+
+    masses, inertias = np.array([[2.0], [5.0]]), np.array([[0.5], [0.8]])
+    places = [(1.0, 2.0, 3.0)[:dimension], (-4.0, 0.5, 7.0)[:dimension]]
+    speeds, spins = [(0.1, 0.2, 0.3)[:dimension], (-0.4, 0.6, 0.5)[:dimension]], [(1.0, -2.0, 3.0), (4.0, 5.0, -6.0)]
+    if dimension == 2:
+        bodies = [
+            PlanarBody(name=f"b{k}", mass=masses[k, 0], inertia=inertias[k, 0], position=places[k], angle=0.3 + k,
+                       velocity=speeds[k], angular_velocity=spins[k][2]) for k in range(2)
+        ]  # fmt: skip
+    else:
+        bodies = [
+            SpatialBody(name=f"b{k}", mass=masses[k, 0], inertia=(*(inertias[k, 0],) * 3, 0.0, 0.0, 0.0),
+                        position=places[k], velocity=speeds[k], angular_velocity=spins[k]) for k in range(2)
+        ]  # fmt: skip
+    scene = Scene(
+        name="pushed", gravity=(0.0,) * dimension, bodies=tuple(bodies), loads=(UserForce(name="push", function=law),)
+    )
+    system = compile_scene(scene)
+    y = system.initial_state()
+    slope = system.derivative(0.7, y)
+    t, q, v = told[-1]
+    turning = np.array(spins) if dimension == 3 else np.array(spins)[:, 2:]
+    assert t == 0.7
+    np.testing.assert_array_equal(q[:, :dimension], places)
+    assert q[:, dimension].tolist() == ([0.3, 1.3] if dimension == 2 else [1.0, 1.0])
+    np.testing.assert_array_equal(v, np.hstack((speeds, turning)))
+    wanted = 0.7 * np.arange(1.0, 2.0 * rates + 1.0).reshape(2, rates)
+    wanted /= np.hstack((np.repeat(masses, dimension, axis=1), np.repeat(inertias, rates - dimension, axis=1)))
+    np.testing.assert_allclose(slope[-2 * rates :].reshape(2, rates), wanted, rtol=1e-12)
 
 
 def test_a_free_body_turns_by_eulers_equations():
