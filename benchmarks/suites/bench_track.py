@@ -9,7 +9,7 @@ from mbs_ref.simulate import simulate
 ROUNDS = 5
 DRIVE = Settings(method="dop853", rtol=1e-6, t_end=0.1, samples=2)
 LINKS, ASKED = (50, 100), 2.5  # largest ratio: 2 is linear
-PAPERS = Settings(method="rk4", step=1e-4, t_end=0.5, samples=2, estimate="off")
+PAPERS = Settings(method="rk4", step=5e-5, t_end=0.5, samples=2, estimate="off")
 HELD = 3.0  # largest ratio of wheels held on the links by constraints (Fox 2001) to wheels on springs
 
 
