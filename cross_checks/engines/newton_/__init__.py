@@ -124,10 +124,3 @@ def _to_start(built: Built) -> None:
     for state in built.states:
         state.assign(model.state())
         newton.eval_fk(model, model.joint_q, model.joint_qd, state)
-
-
-def _row(built: Built, done: int) -> np.ndarray:
-    """Return what the state after `done` steps holds: coordinates, rates, poses, velocities."""
-    state = built.states[done % 2]
-    parts = (state.joint_q, state.joint_qd, state.body_q, state.body_qd)
-    return np.concatenate([part.numpy().ravel() for part in parts], dtype=float)
