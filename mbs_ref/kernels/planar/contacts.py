@@ -113,12 +113,19 @@ def _in_sprocket(pairs, k, x, seat):
 
 
 @jit
+def _places(pairs, kin, k):
+    """Return the arms of the circle's centre and of the other shape's origin, and the way from this to that."""
+    a, b = pairs.a[k], pairs.b[k]
+    center, origin = arm(kin.pose, a, pairs.center[k]), arm(kin.pose, b, pairs.origin[k])
+    return center, origin, gap_between(kin, b, a, origin, center)
+
+
+@jit
 def contact_geometry(model, work, k):
     """Return the Touch of a pair."""
     pairs, kin = contact_pairs_of(model), kinematics_of(work)
     a, b = pairs.a[k], pairs.b[k]
-    center, origin = arm(kin.pose, a, pairs.center[k]), arm(kin.pose, b, pairs.origin[k])
-    x = gap_between(kin, b, a, origin, center)
+    center, _, x = _places(pairs, kin, k)
     back = pairs.radius[k]
     rolled = 0.0
     if pairs.kind[k] == PAIR_CIRCLE:
@@ -143,15 +150,13 @@ def contact_geometry(model, work, k):
 def leaving_ends(model, work, k):
     """Return the rate (m/s) of the excess over open ends."""
     pairs, kin = contact_pairs_of(model), kinematics_of(work)
-    a, b = pairs.a[k], pairs.b[k]
-    center, origin = arm(kin.pose, a, pairs.center[k]), arm(kin.pose, b, pairs.origin[k])
-    x = gap_between(kin, b, a, origin, center)
-    outward = arm(kin.pose, b, pairs.direction[k])
+    center, origin, x = _places(pairs, kin, k)
+    outward = arm(kin.pose, pairs.b[k], pairs.direction[k])
     if pairs.kind[k] == PAIR_LINE:
         outward = times(math.copysign(1.0, dot(x, outward)), outward)
     else:
         outward = _through_gap(pairs, k, x, outward)
-    return dot(outward, rate_between(kin, b, a, plus(x, origin), center))
+    return dot(outward, rate_between(kin, pairs.b[k], pairs.a[k], plus(x, origin), center))
 
 
 @jit

@@ -82,14 +82,20 @@ def _on_sphere(pairs, k, x, n):
 
 
 @jit
+def _places(pairs, kin, k):
+    """Return the way between the bodies, the arm of the sphere's centre, and the way to it from the other's origin."""
+    a, b = pairs.a[k], pairs.b[k]
+    c = turn(kin.turned[a], pairs.center[k])
+    apart = minus(kin.position[a], kin.position[b])
+    return apart, c, minus(plus(apart, c), turn(kin.turned[b], pairs.origin[k]))
+
+
+@jit
 def contact_geometry(model, work, k):
     """Return the Touch of a pair."""
     pairs, kin = contact_pairs_of(model), kinematics_of(work)
     a, b = pairs.a[k], pairs.b[k]
-    c = turn(kin.turned[a], pairs.center[k])
-    o = turn(kin.turned[b], pairs.origin[k])
-    apart = minus(kin.position[a], kin.position[b])
-    x = minus(plus(apart, c), o)
+    apart, c, x = _places(pairs, kin, k)
     e = turn(kin.turned[b], pairs.axes[k, 0])
     f = turn(kin.turned[b], pairs.axes[k, 1])
     n = turn(kin.turned[b], pairs.axes[k, 2])
@@ -110,15 +116,11 @@ def leaving_ends(model, work, k):
     """Return the rate (m/s) of the excess over open ends of a plane."""
     pairs, kin = contact_pairs_of(model), kinematics_of(work)
     a, b = pairs.a[k], pairs.b[k]
-    c = turn(kin.turned[a], pairs.center[k])
-    o = turn(kin.turned[b], pairs.origin[k])
-    e = turn(kin.turned[b], pairs.axes[k, 0])
-    f = turn(kin.turned[b], pairs.axes[k, 1])
-    at = plus(minus(kin.position[a], kin.position[b]), c)
-    x = minus(at, o)
+    apart, c, x = _places(pairs, kin, k)
+    e, f = turn(kin.turned[b], pairs.axes[k, 0]), turn(kin.turned[b], pairs.axes[k, 1])
     along, across = dot(x, e), dot(x, f)
     u = minus(kin.velocity[a], kin.velocity[b])
-    u = minus(plus(u, cross(kin.omega[a], c)), cross(kin.omega[b], at))
+    u = minus(plus(u, cross(kin.omega[a], c)), cross(kin.omega[b], plus(apart, c)))
     if abs(along) - pairs.half[k, 0] >= abs(across) - pairs.half[k, 1]:
         return math.copysign(1.0, along) * dot(u, e)
     return math.copysign(1.0, across) * dot(u, f)
