@@ -21,7 +21,7 @@ FREEDOMS = {arrays.REVOLUTE: 1, arrays.PRISMATIC: 1, arrays.WELD: 0, arrays.SPHE
 PARAMETERS = 4  # of an orientation in space, in place of three angles
 
 
-def _refusals(scene: Scene) -> Iterator[str]:
+def no_tree(scene: Scene) -> Iterator[str]:
     """Yield why a scene is no tree of the joints that relative coordinates know."""
     for joint in scene.joints:
         if type(joint) not in KINDS:
@@ -56,7 +56,7 @@ def _closing(scene: Scene) -> list[int]:
 
 def layout_of(scene: Scene, redundant: Callable[[Scene], JointedSystem]) -> Layout:
     """Return the layout of a tree; ValueError says all that keeps the scene from being one."""
-    reasons = list(_refusals(scene))
+    reasons = list(no_tree(scene))
     if reasons:
         raise ValueError(f"coordinates = 'relative' needs a tree of known joints: {'; '.join(reasons[:8])}")
     return Layout(redundant(scene))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Self
 
 import numpy as np
 
@@ -14,7 +14,7 @@ from mbs_ref.cores.spatial.system import SpatialSystem
 from mbs_ref.cores.system import Poses, System
 from mbs_ref.kernels.border.groups import empty
 from mbs_ref.kernels.relative import model as arrays
-from mbs_ref.kernels.relative.lanes import Tree, tree_in_lanes
+from mbs_ref.kernels.relative.lanes import Figures, Tree, tree_in_lanes
 from mbs_ref.kernels.relative.planar import (
     take_planar_velocities,
     take_planar_velocities_over,
@@ -58,7 +58,7 @@ class RelativeSystem(System):
         told = empty(arrays.Told, n_state=len(self.redundant.initial_state()))
         return arrays.RelativeScratch(links, empty(arrays.Recursion, **lengths), told)
 
-    def twin(self) -> RelativeSystem:
+    def twin(self) -> Self:
         return type(self)(self.scene)
 
     @abstractmethod
@@ -197,12 +197,16 @@ class RelativePlanarSystem(RelativeSystem):
         """In the plane no coordinates of a tree depend on each other."""
         return True
 
+    @property
+    def figures(self) -> Figures:
+        """The tree's joints, bodies and gravity: all that moves it where there is no other load."""
+        other = self.redundant.groups
+        return Figures(self.groups.joints, other.bodies, other.world.gravity)
+
     def in_lanes(self) -> Tree:
-        """Return the tree with scratch of its own for runs side by side; of gravity alone among the loads."""
-        own, other = self.groups.joints, self.redundant
-        links, recursion = self.scratch.links, self.scratch.recursion
-        scratch = links, recursion, other.scratch.kinematics
-        return tree_in_lanes(own, other.groups.bodies, other.groups.world.gravity, *scratch)
+        """Return room for trees of this build side by side."""
+        own = self.scratch
+        return tree_in_lanes(self.figures, own.links, own.recursion, self.redundant.scratch.kinematics)
 
     def _frames(self) -> tuple[np.ndarray, np.ndarray]:
         angles = np.array([body.angle if isinstance(body, PlanarBody) else 0.0 for body in self.scene.bodies])

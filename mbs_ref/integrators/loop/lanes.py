@@ -1,8 +1,8 @@
-"""Many adaptive runs of one scene side by side, each in a lane with a clock, a step and an error of its own.
+"""Many adaptive runs side by side, of one scene or of scenes of one build: a lane is a run with a clock of its own.
 
-A run is made as `advance_explicit` makes it of a system without constraint rows and events. A lane whose run has ended
-takes the next one that waits, so that none is idle before the last have begun. What a lane holds never depends on its
-neighbours.
+Each has its own step, error, figures and tolerances. A run is made as `advance_explicit` makes it of a system without
+constraint rows and events. A lane whose run has ended takes the next one that waits, so that none is idle before the
+last have begun. What a lane holds never depends on its neighbours.
 """
 
 from __future__ import annotations
@@ -39,6 +39,9 @@ IDLE = -1
 class Runs(NamedTuple):
     """The runs that wait, and what becomes of each."""
 
+    figures: np.ndarray  # (n_scenes, n_figures) of their trees
+    atol: np.ndarray  # (n_scenes, n_state) absolute tolerances
+    scene: np.ndarray  # (n_runs,) int, whose run it is
     states: np.ndarray  # (n_runs, n_times, n_state), the first is the start
     slopes: np.ndarray  # (n_runs, n_state) f at the start
     t: np.ndarray  # (n_runs,) s, where it is
@@ -53,12 +56,14 @@ class Runs(NamedTuple):
 class Side(NamedTuple):
     """What is side by side: arrays that end in WIDTH lanes, and a number of each lane (WIDTH,)."""
 
+    atol: np.ndarray  # (n_state, WIDTH)
     y: np.ndarray  # (n_state, WIDTH)
     new: np.ndarray  # (n_state, WIDTH) the new state
     slopes: np.ndarray  # (s + 1, n_state, WIDTH)
     now: np.ndarray  # (4, WIDTH): STEP, TAKEN, MAIN, LOW
     pace: np.ndarray  # (2, WIDTH): MARK, SLOW
     run: np.ndarray  # (WIDTH,) int, place among the runs or IDLE
+    scene: np.ndarray  # (WIDTH,) int, whose figures and tolerances the lane has, or IDLE
     lands: np.ndarray  # (WIDTH,) int: 1 where the step ends at an output
     rejected: np.ndarray  # (WIDTH,) int: 1 after a step whose error was too large
     search: np.ndarray  # (1,), for no event
@@ -68,24 +73,26 @@ STEP, TAKEN, MAIN, LOW = range(4)  # h (s), 1 where it is taken, the sums of squ
 MARK, SLOW = range(2)  # where a run was a stretch of steps ago (s), and how many stretches in a row were slow
 
 
-def runs_from(starts: np.ndarray, n_times: int) -> Runs:
-    """Return the runs that wait, with room for what becomes of them; `starts` is (n_runs, n_state)."""
+def runs_from(figures: np.ndarray, atol: np.ndarray, scene: np.ndarray, starts: np.ndarray, n_times: int) -> Runs:
+    """Return the runs that wait, from `starts` (n_runs, n_state), with room for what becomes of them."""
     n, size = starts.shape
     states = np.empty((n, n_times, size))
     states[:, 0] = starts
     counts = [np.zeros(n, np.int64) for _ in range(5)]
-    return Runs(states, np.empty((n, size)), np.zeros(n), np.zeros(n), *counts)
+    return Runs(figures, atol, scene, states, np.empty((n, size)), np.zeros(n), np.zeros(n), *counts)
 
 
 def side_by_side(n_state: int, n_stages: int) -> Side:
     """Return room for WIDTH runs."""
     return Side(
+        atol=room_for_lanes(n_state),
         y=room_for_lanes(n_state),
         new=room_for_lanes(n_state),
         slopes=room_for_lanes(n_stages + 1, n_state),
         now=room_for_lanes(4),
         pace=room_for_lanes(2),
         run=np.full(WIDTH, IDLE),
+        scene=np.full(WIDTH, IDLE),
         lands=np.zeros(WIDTH, np.int64),
         rejected=np.zeros(WIDTH, np.int64),
         search=np.zeros(1),
@@ -104,7 +111,7 @@ def _add_slopes(y, weights, count, slopes, h, out):
 
 
 @bare
-def _square_sums(tableau, options, h, y, new, slopes):
+def _square_sums(tableau, rtol, atol, h, y, new, slopes):
     """Return for both estimates of the error the sum of squares over the state, each entry in its tolerance."""
     main, low = 0.0 * h, 0.0 * h
     for k in range(y.shape[0]):
@@ -114,7 +121,7 @@ def _square_sums(tableau, options, h, y, new, slopes):
                 first = first + tableau.error[j] * slopes[j, k]
                 second = second + tableau.error_low[j] * slopes[j, k]
         size = larger_in_lanes(size_in_lanes(y[k]), size_in_lanes(new[k]))
-        unit = h / (options.atol[k] + options.rtol * size)
+        unit = h / (atol[k] + rtol * size)
         main = main + (first * unit) * (first * unit)
         low = low + (second * unit) * (second * unit)
     return main, low
@@ -128,9 +135,9 @@ def _error(main, low, n):
 
 
 @loop_jit
-def propose_all(model, work, options, runs, times, order):
-    """Evaluate f at every start and guess the first steps, as a run alone does."""
-    for i in range(runs.t.shape[0]):
+def propose_all(model, work, options, runs, first, last, times, order):
+    """Evaluate f at the starts of a scene's runs, first to last, and guess the first steps, as a run alone does."""
+    for i in range(first, last):
         y, slope = runs.states[i, 0], runs.slopes[i]
         derivative(model, work, times[0], y, slope)
         runs.h[i] = first_step(model, work, times[0], y, slope, order, options, times[-1] - times[0])
@@ -138,8 +145,15 @@ def propose_all(model, work, options, runs, times, order):
 
 
 @bare
-def _take_up(runs, side, i, w):
+def _take_up(tree, runs, side, i, w):
     """Put run i, which waits, into lane w."""
+    scene = runs.scene[i]
+    if side.scene[w] != scene:
+        side.scene[w] = scene
+        for k in range(tree.figures.shape[0]):
+            tree.figures[k, w] = runs.figures[scene, k]
+        for k in range(side.y.shape[0]):
+            side.atol[k, w] = runs.atol[scene, k]
     for k in range(side.y.shape[0]):
         side.y[k, w], side.slopes[0, k, w] = runs.states[i, 0, k], runs.slopes[i, k]
     side.run[w], side.rejected[w] = i, 0
@@ -147,12 +161,12 @@ def _take_up(runs, side, i, w):
 
 
 @bare
-def _fill(runs, side, waiting, last):
+def _fill(tree, runs, side, waiting, last):
     """Give every idle lane a run that waits, the next of which is `waiting`; return the next and how many lanes run."""
     busy = 0
     for w in range(WIDTH):
         if side.run[w] == IDLE and waiting < last:
-            _take_up(runs, side, waiting, w)
+            _take_up(tree, runs, side, waiting, w)
             waiting += 1
         busy += side.run[w] != IDLE
     return waiting, busy
@@ -172,13 +186,13 @@ def _choose_steps(options, runs, side, times):
 
 
 @bare
-def _try(tree, tableau, options, side, y, new, slopes, now):
+def _try(tree, tableau, rtol, atol, y, new, slopes, now):
     """Make the step of every lane; leave the new states and the sums of squares of their errors."""
     h, count = now[STEP], tableau.b.shape[0]
     for i in range(1, count + 1):
         _add_slopes(y, tableau.a[i] if i < count else tableau.b, i, slopes, h, new)
         derivative_in_lanes(tree, new, slopes[i])
-    now[MAIN], now[LOW] = _square_sums(tableau, options, h, y, new, slopes)
+    now[MAIN], now[LOW] = _square_sums(tableau, rtol, atol, h, y, new, slopes)
 
 
 @bare
@@ -241,16 +255,17 @@ def _judge_all(tableau, options, runs, side, times):
 @bare_loop
 def advance_in_lanes(tree, tableau, options, runs, side, times, first, last):
     """Make the runs from first to last, up to the last time or the first trouble of each."""
-    y, new, slopes, now = in_lanes(side.y), in_lanes(side.new), in_lanes(side.slopes), in_lanes(side.now)
+    atol, y, new = in_lanes(side.atol), in_lanes(side.y), in_lanes(side.new)
+    slopes, now = in_lanes(side.slopes), in_lanes(side.now)
     final = tableau.b.shape[0]
-    waiting, busy = _fill(runs, side, first, last)
+    waiting, busy = _fill(tree, runs, side, first, last)
     while busy > 0:
         _choose_steps(options, runs, side, times)
-        _try(tree, tableau, options, side, y, new, slopes, now)
+        _try(tree, tableau, options.rtol, atol, y, new, slopes, now)
         ended = _judge_all(tableau, options, runs, side, times)
         taken = now[TAKEN]
         for k in range(y.shape[0]):
             y[k] = chosen_in_lanes(taken, new[k], y[k])
             slopes[0, k] = chosen_in_lanes(taken, slopes[final, k], slopes[0, k])
         if ended:
-            waiting, busy = _fill(runs, side, waiting, last)
+            waiting, busy = _fill(tree, runs, side, waiting, last)

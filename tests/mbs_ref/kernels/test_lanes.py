@@ -21,7 +21,7 @@ from mbs_ref.kernels.algebra.lanes import (
 )
 from mbs_ref.kernels.algebra.turning import cos_sin
 from mbs_ref.kernels.jit import bare
-from mbs_ref.kernels.relative.lanes import derivative_in_lanes
+from mbs_ref.kernels.relative.lanes import derivative_in_lanes, figures_of
 from tests.mbs_ref.cores.test_relative import planar_tree
 
 PI = Decimal("3.14159265358979323846264338327950288419716939937510582097494459230781640628620899")
@@ -67,7 +67,9 @@ def slopes_of(system, states):
     """Return dy/dt (n_state, WIDTH) of as many states."""
     y, dy = room_for_lanes(len(states)), room_for_lanes(len(states))
     y[:] = states
-    _slopes(system.in_lanes(), y, dy)
+    tree = system.in_lanes()
+    tree.figures[:] = figures_of(system.figures)[:, None]
+    _slopes(tree, y, dy)
     return dy
 
 

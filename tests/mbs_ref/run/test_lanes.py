@@ -10,7 +10,7 @@ from mbs_ref.cores.system import Poses
 from mbs_ref.kernels.algebra.lanes import WIDTH
 from mbs_ref.run.lanes import NOTE, why_not_in_lanes
 from mbs_ref.settings import Settings
-from mbs_ref.simulate import simulate, simulate_starts
+from mbs_ref.simulate import simulate, simulate_scenes, simulate_starts
 from mbs_ref.trajectory import Status
 from tests.mbs_ref.cores.test_relative import planar_tree
 
@@ -137,3 +137,39 @@ def test_no_starts_give_no_runs():
     scene = chain()
     none = some(poses(simulate(scene, SHORT)), slice(0, 0))
     assert simulate_starts(scene, none, SHORT, lanes=True) == []
+
+
+def heavier(scene, share, gravity):
+    """Return a scene with other masses, inertias and gravity."""
+    changes = [{"mass": share * body.mass, "inertia": share**1.5 * body.inertia} for body in scene.bodies]
+    bodies = [body.model_copy(update=change) for body, change in zip(scene.bodies, changes, strict=True)]
+    return scene.model_copy(update={"bodies": tuple(bodies), "gravity": (0.3 * share, -gravity)})
+
+
+def test_scenes_of_one_build_take_the_steps_of_scenes_alone():
+    """Some of another build and duration lie between them, and one that breaks a constraint."""
+    many = [heavier(scenes.make("pendulum_chain", links=3), 0.5 + 0.1 * k, 3.0 + k) for k in range(COUNT)]
+    many += [bare_tree(), scenes.make("pendulum_chain", links=2), scenes.make("bouncing_ball"), many[0]]
+    many[4] = many[4].model_copy(update={"duration": 7.0})
+    torn = many[5].bodies[0].model_copy(update={"velocity": (1.0, 0.0)})
+    many[5] = many[5].model_copy(update={"bodies": (torn, *many[5].bodies[1:])})
+    settings = SHORT.model_copy(update={"t_end": None})
+    paths = simulate_scenes(many, settings, threads=2, lanes=True)
+    assert paths[5].status is Status.INCONSISTENT
+    assert [k for k, path in enumerate(paths) if NOTE not in path.notes] == [5, COUNT + 2]
+    for k, path in enumerate(paths):
+        if NOTE in path.notes:
+            assert_close(path, simulate(many[k], settings))
+    for part, other in zip(poses(paths[0]), poses(paths[-1]), strict=True):
+        assert np.array_equal(part, other)
+
+
+def test_each_pendulum_is_back_after_the_periods_of_its_own_gravity():
+    """At k^2 times the gravity the period is a k-th: all of them are back at once, after k swings."""
+    swings = range(1, WIDTH + 3)
+    scene = scenes.make("pendulum_chain", links=1, gravity=9.81)
+    many = [scene.model_copy(update={"gravity": (0.0, -9.81 * k**2)}) for k in swings]
+    settings = Settings(rtol=1e-10, t_end=PERIOD, samples=2, estimate="off")
+    for k, path in zip(swings, simulate_scenes(many, settings, lanes=True), strict=True):
+        assert NOTE in path.notes
+        assert 0.0 < np.linalg.norm(path.velocity[-1] - path.velocity[0]) < 1e-7 * k

@@ -1,0 +1,105 @@
+"""Many runs in one call: many starts of one scene, or many scenes, shared among threads or side by side in lanes."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Iterable
+from dataclasses import replace
+
+import numpy as np
+
+from mbs_ref.cores.system import Poses
+from mbs_ref.run.lanes import why_not_in_lanes
+from mbs_ref.run.many import check_shapes, processors, shared, stopped
+from mbs_ref.scene import Scene
+from mbs_ref.self_checks.consistent_start import InconsistentScene
+from mbs_ref.self_checks.soundness import UnsoundScene
+from mbs_ref.settings import Settings
+from mbs_ref.simulate.one_run import compiled, simulate, simulated
+from mbs_ref.simulate.side_by_side import scenes_in_lanes, starts_in_lanes
+from mbs_ref.trajectory import Status, Trajectory
+
+
+def simulate_starts(
+    scene: Scene,
+    starts: Poses,
+    settings: Settings | None = None,
+    times: np.ndarray | None = None,
+    threads: int | None = None,
+    lanes: bool = False,
+) -> list[Trajectory]:
+    """Return a trajectory from each of n starts of one scene, as `simulate(scene, settings, times, start)` makes it.
+
+    `starts` holds position (n, n_bodies, dimension) m, orientation (n, n_bodies) rad or (n, n_bodies, 4), velocity and
+    angular velocity (rad/s) like them, as a Trajectory does. Tolerances follow the scene's own start. `threads` is the
+    number of processors unless given. A start that breaks a constraint gives the status `inconsistent`; ValueError
+    where the arrays are not such ones, or as `simulate` raises it.
+
+    Every run is to the bit as it is alone: each thread has a system of its own, and a scene whose runs leave contact
+    modes behind gets a new one for every run.
+
+    With `lanes` each thread makes several runs side by side by packed instructions, many times faster, where scene and
+    settings allow it (mbs_ref.run.lanes.why_not_in_lanes): planar trees under gravity alone, by DOP853 with tolerances.
+    They are in relative coordinates then, whatever the settings say, and take the steps of such a run alone, but sines
+    and sums are rounded otherwise in the last digit. What a run gives does not depend on the others. Its note says that
+    it was made so; where lanes cannot be, all is as without them, and the note says why.
+    """
+    check_shapes(scene, starts)
+    if not len(starts.position):
+        return []
+    settings = settings or Settings()
+    reason = why_not_in_lanes(scene, settings) if lanes else ""
+    if lanes and not reason:
+        return starts_in_lanes(scene, starts, settings, times, processors(threads))
+    plan, system, build_s = compiled(scene, settings, times)
+    plan = replace(plan, notes=(*plan.notes, *_not_in_lanes(reason)))
+    states, of_thread = system.redundant.states_of(starts), threading.local()
+
+    def run(y: np.ndarray) -> Trajectory:
+        warm = hasattr(of_thread, "system")
+        if not warm or system.event_sources:
+            of_thread.system = system.twin()
+        return simulated(of_thread.system, plan, y.copy(), build_s, warm)
+
+    return shared(lambda y: _or_stopped(scene, lambda: run(y)), list(states), threads)
+
+
+def simulate_scenes(
+    scenes: Iterable[Scene],
+    settings: Settings | None = None,
+    times: np.ndarray | None = None,
+    threads: int | None = None,
+    lanes: bool = False,
+) -> list[Trajectory]:
+    """Return the trajectory of each scene, as `simulate(scene, settings, times)` makes it.
+
+    A scene that is unsound or breaks a constraint gives the status `refused` or `inconsistent`. With `lanes` those that
+    allow it go side by side, as `simulate_starts` has it, where they are of one build: the same bodies and joints in
+    the same order, with masses, places and gravity of their own, and the same output times.
+    """
+    scenes, settings = list(scenes), settings or Settings()
+    reasons = [why_not_in_lanes(scene, settings) if lanes else "" for scene in scenes]
+
+    def run(k: int) -> Trajectory:
+        path = _or_stopped(scenes[k], lambda: simulate(scenes[k], settings, times))
+        return replace(path, notes=(*path.notes, *_not_in_lanes(reasons[k])))
+
+    alone = [k for k in range(len(scenes)) if reasons[k] or not lanes]
+    paths = dict(zip(alone, shared(run, alone, threads), strict=True))
+    others = [k for k in range(len(scenes)) if k not in paths]
+    side_by_side = scenes_in_lanes([scenes[k] for k in others], settings, times, processors(threads))
+    paths |= zip(others, side_by_side, strict=True)
+    return [paths[k] for k in range(len(scenes))]
+
+
+def _not_in_lanes(reason: str) -> tuple[str, ...]:
+    return (f"not in lanes: {reason}",) if reason else ()
+
+
+def _or_stopped(scene: Scene, run: Callable[[], Trajectory]) -> Trajectory:
+    try:
+        return run()
+    except InconsistentScene as error:
+        return stopped(scene, Status.INCONSISTENT, str(error))
+    except UnsoundScene as error:
+        return stopped(scene, Status.REFUSED, str(error))
