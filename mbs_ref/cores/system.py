@@ -11,7 +11,7 @@ import numpy as np
 from mbs_ref.kernels import answers as core
 from mbs_ref.kernels.border.handles import Model, Work, make_handle
 from mbs_ref.scene import Scene
-from mbs_ref.scene.scales import Scales
+from mbs_ref.scene.scales import Scales, scales_of
 
 RANK_TOLERANCE = 1e-10  # singular values of the scaled C_q below this share of the largest count as zero
 
@@ -105,6 +105,11 @@ class System(ABC):
         self.derivative(t, y)
         core.call_tangent(self.model, self.work, x)
         return x / max(1e-12, float(np.abs(x).max()))
+
+    @cached_property
+    def scales(self) -> Scales:
+        """The length and the time that the scene's errors count in."""
+        return scales_of(self.scene)
 
     @property
     def redundant(self) -> System:

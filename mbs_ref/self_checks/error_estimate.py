@@ -25,12 +25,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from mbs_ref.cores.system import System
+from mbs_ref.cores.system import Poses, System
 from mbs_ref.integrators import DEFAULT, integrators
 from mbs_ref.integrators.loop.leg import FEWEST, Options
 from mbs_ref.run.legs import EPS, Run, run_legs
 from mbs_ref.run.plan import ABSOLUTE, DEFAULT_TOLERANCE, Plan
-from mbs_ref.scene.scales import Scales, scales_of
 from mbs_ref.self_checks.state_gap import coordinate_size, state_gaps, state_sizes
 from mbs_ref.trajectory import Estimate, Status
 
@@ -40,6 +39,21 @@ TIGHTEST = 1e-13  # relative tolerance of a companion: some hundred EPS, beyond 
 LEAST = 1e-3  # of the tolerance: less than a step errs that it governs
 MORE_STEPS = 4  # times those allowed for a finer companion: the square root of ten at order 2, rounded up
 ENDED = frozenset({Status.SUCCESS, Status.STOP_EVENT})
+
+
+class _Seen(NamedTuple):
+    """A run and its poses at the outputs."""
+
+    run: Run
+    path: Poses
+
+
+class Beside(NamedTuple):
+    """A companion that has been made, and how far it is from its run."""
+
+    run: Run
+    gaps: np.ndarray  # (n, 4) at the outputs that both reached
+    sizes: np.ndarray  # (4,), how far the two go
 
 
 class _Companion(NamedTuple):
@@ -72,20 +86,34 @@ def companion_plan(system: System, plan: Plan) -> tuple[Plan, int]:
     return replace(plan, options=first.options._replace(stop_on_compliance=False)), first.refine
 
 
-def estimated(system: System, plan: Plan, run: Run, companion: Run | None = None) -> Estimate | None:
+def all_beside(system: System, paths: list[Poses], runs: list[Run], companions: list[Run]) -> list[Beside]:
+    """Return the first companions of some runs, whose poses are known, held against them: of one length at once."""
+    found: dict[int, Beside] = {}
+    lengths = [(len(run.times), len(other.times)) for run, other in zip(runs, companions, strict=True)]
+    for length in set(lengths):
+        places = [k for k, own in enumerate(lengths) if own == length]
+        first = Poses(*(np.stack(parts) for parts in zip(*(paths[k] for k in places), strict=True)))
+        gaps, sizes = _apart(system, runs[places[0]].times, first, np.stack([companions[k].states for k in places]))
+        found |= {k: Beside(companions[k], gaps[place], sizes[place]) for place, k in enumerate(places)}
+    return [found[k] for k in range(len(runs))]
+
+
+def estimated(
+    system: System, plan: Plan, run: Run, path: Poses | None = None, companion: Beside | None = None
+) -> Estimate | None:
     """Estimate the error of a run at its output times; None where Ctrl-C ended a companion.
 
-    `companion` is the first one by `companion_plan`, where it has been made already.
+    `path` is what the run's states say, and `companion` the first one by `companion_plan`, where they are known.
     """
-    began, scales = time.perf_counter(), scales_of(system.scene)
-    found = _all_compared(system, scales, plan, run, companion)
+    began, scales, seen = time.perf_counter(), system.scales, _Seen(run, path or system.poses(run.states))
+    found = _all_compared(system, plan, seen, companion)
     if any(one.status is Status.INTERRUPTED for one in found):
         return None
-    opening, went = _opening(system, scales, plan, run) if plan.options.step else (np.zeros(4), np.zeros(4))
+    opening, went = _opening(system, plan, run) if plan.options.step else (np.zeros(4), np.zeros(4))
     reached = max(len(one.bounds) for one in found)
-    scale = coordinate_size(scales, system.poses(run.states))
+    scale = coordinate_size(scales, seen.path)
     least = np.fmax(SAFETY * opening, _least(plan, run, found) * scale)
-    bounds = SAFETY * _off_constraints(system, scales, plan, run) + least
+    bounds = SAFETY * _off_constraints(system, plan, seen) + least
     for one in found:
         count = len(one.bounds)
         bounds[:count] = np.fmax(bounds[:count], one.bounds)
@@ -119,13 +147,13 @@ def _decades(plan: Plan) -> float:
     return DECADE**2 if plan.integrator.varies_order else DECADE * plan.integrator.slack
 
 
-def _all_compared(system: System, scales: Scales, plan: Plan, run: Run, made: Run | None) -> list[_Compared]:
+def _all_compared(system: System, plan: Plan, seen: _Seen, made: Beside | None) -> list[_Compared]:
     """Return what the companions say that are needed: one as a rule, which may be made already."""
-    found = [_compared(system, scales, plan, run, _first(system, plan), made)]
+    found = [_compared(system, plan, seen, _first(system, plan), made)]
     if found[0].is_vain:
-        found.append(_compared(system, scales, plan, run, _tighter(plan, DECADE**2 * _decades(plan))))
+        found.append(_compared(system, plan, seen, _tighter(plan, DECADE**2 * _decades(plan))))
     if not found[-1].has_ended and found[-1].status is not Status.INTERRUPTED:
-        found.append(_compared(system, scales, plan, run, _coarser(plan)))
+        found.append(_compared(system, plan, seen, _coarser(plan)))
     return found
 
 
@@ -163,13 +191,12 @@ def _richardson(smaller: float) -> float:
     return SAFETY * smaller / (smaller - 1.0)
 
 
-def _compared(
-    system: System, scales: Scales, plan: Plan, run: Run, companion: _Companion, made: Run | None = None
-) -> _Compared:
+def _compared(system: System, plan: Plan, seen: _Seen, companion: _Companion, made: Beside | None = None) -> _Compared:
     """Make the companion, unless it has been made, and hold the run against it."""
+    run, scales = seen.run, system.scales
     own = replace(plan, options=companion.options)
-    other = made or _made(system, own, run.states[0], run.times, companion.refine)
-    gaps, sizes = _apart(system, scales, run, other)
+    made = made or _beside(system, seen, _made(system, own, run.states[0], run.times, companion.refine))
+    other, gaps, sizes = made
     # what rounding does to rates moves bodies by the same share of the way that they go
     way = np.fmax(1.0, np.max(sizes[2:]) * run.times[: len(gaps), None] / scales.time)
     apart = companion.factor * (gaps + _roundoff(other) * way)
@@ -186,26 +213,38 @@ def _compared(
     )  # fmt: skip
 
 
-def _apart(system: System, scales: Scales, run: Run, other: Run) -> tuple[np.ndarray, np.ndarray]:
-    """Return how far two runs are apart (n, 4) where both are, and how far they go (4,)."""
-    count = min(len(other.times), len(run.times))
-    first, second = system.poses(run.states[:count]), system.poses(other.states[:count])
-    sizes = [state_sizes(system.scene, scales, path, run.times[:count]) for path in (first, second)]
-    return state_gaps(system.scene, scales, first, second), np.maximum(*sizes)
+def _beside(system: System, seen: _Seen, other: Run) -> Beside:
+    return Beside(other, *_apart(system, seen.run.times, seen.path, other.states))
 
 
-def _off_constraints(system: System, scales: Scales, plan: Plan, run: Run) -> np.ndarray:
+def _apart(system: System, times: np.ndarray, path: Poses, others: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return how far runs are apart (..., n, 4) where both are, and how far they go (..., 4).
+
+    `path` is of one run or of several, (n_runs, n_t, ...), and `others` are the states of what each is held against.
+    """
+    lead = others.shape[:-2]
+    count = min(len(times), others.shape[-2])
+    here = (slice(None),) * len(lead) + (slice(count),)
+    told = system.poses(others[here].reshape(-1, others.shape[-1]))
+    first = Poses(*(part[here] for part in path))
+    second = Poses(*(part.reshape(*lead, count, *part.shape[1:]) for part in told))
+    sizes = [state_sizes(system.scene, system.scales, one, times[:count]) for one in (first, second)]
+    return state_gaps(system.scene, system.scales, first, second), np.maximum(*sizes)
+
+
+def _off_constraints(system: System, plan: Plan, seen: _Seen) -> np.ndarray:
     """Return how far the outputs are from the nearest poses and rates that keep the constraints (n_t, 4)."""
+    run = seen.run
     if system.keeps_itself:
         return np.zeros((len(run.times), 4))
     other, near = system.beside(), run.states.copy()
     for t, y in zip(run.times, near, strict=True):
         other.set_mode_time(float(t))
         other.project(float(t), y, plan.options.projection_tolerance)
-    return state_gaps(system.scene, scales, system.poses(run.states), system.poses(near))
+    return state_gaps(system.scene, system.scales, seen.path, system.poses(near))
 
 
-def _opening(system: System, scales: Scales, plan: Plan, run: Run) -> tuple[np.ndarray, np.ndarray]:
+def _opening(system: System, plan: Plan, run: Run) -> tuple[np.ndarray, np.ndarray]:
     """Return by how much the FEWEST first fixed steps are off (4,), and how far these go (4,), by DOP853's account.
 
     A method that damps what its steps cannot follow lands where half of the step lands, too.
@@ -218,7 +257,7 @@ def _opening(system: System, scales: Scales, plan: Plan, run: Run) -> tuple[np.n
     )  # fmt: skip
     fine = replace(plan, integrator=integrators()[DEFAULT], options=options, baumgarte_gain=0.0)
     first, second = (_made(system, one, run.states[0], times) for one in (plan, fine))
-    gaps, sizes = _apart(system, scales, first, second)
+    gaps, sizes = _apart(system, times, system.poses(first.states), second.states)
     return np.max(gaps, axis=0), sizes
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from mbs_ref.cores.system import Poses, System
 from mbs_ref.run.legs import Run
 from mbs_ref.run.plan import Plan
-from mbs_ref.self_checks.error_estimate import ENDED, estimated
+from mbs_ref.self_checks.error_estimate import ENDED, Beside, estimated
 from mbs_ref.self_checks.rank_watch import singular_passage
 from mbs_ref.trajectory import Status, Timing, Trajectory
 
@@ -62,11 +62,14 @@ def trajectory(system: System, plan: Plan, run: Run, notes: list[str], timing: T
     )
 
 
-def with_estimate(system: System, plan: Plan, run: Run, path: Trajectory, companion: Run | None = None) -> Trajectory:
+def with_estimate(
+    system: System, plan: Plan, run: Run, path: Trajectory, companion: Beside | None = None
+) -> Trajectory:
     """Add the estimate of its error to a run that ended well, and say what it is worth."""
     if run.status not in ENDED or plan.settings.estimate == "off":
         return path
-    estimate = estimated(system, plan, run, companion)
+    own = Poses(path.position, path.orientation, path.velocity, path.angular_velocity)
+    estimate = estimated(system, plan, run, own, companion)
     if estimate is None:
         reason = "interrupted while a second run estimated the error of this one, which is complete"
         return replace(path, status=Status.INTERRUPTED, message=reason)

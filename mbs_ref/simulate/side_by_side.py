@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import threading
 import time
-from collections.abc import Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -18,7 +17,7 @@ from mbs_ref.run.many import shared, stopped
 from mbs_ref.run.plan import Plan
 from mbs_ref.scene import Scene
 from mbs_ref.self_checks.consistent_start import InconsistentScene, consistent_start
-from mbs_ref.self_checks.error_estimate import companion_plan
+from mbs_ref.self_checks.error_estimate import all_beside, companion_plan
 from mbs_ref.self_checks.soundness import UnsoundScene
 from mbs_ref.settings import Settings
 from mbs_ref.simulate.assembly import sampled, trajectory, with_estimate
@@ -99,11 +98,7 @@ def _side_by_side(cases: list[Case]) -> list[list[Trajectory]]:
         runs_in_lanes([bunch._replace(starts=bunch.starts[:0])])
     ready = (time.perf_counter() - began) / max(1, sum(len(case.told) for case in cases))
     runs = _runs(bunches)
-    companions: list[list[Run]] | list[list[None]] = [[None] * len(made) for made in runs]
-    if bunches and bunches[0].plan.settings.estimate == "on":
-        finer = [companion_plan(bunch.system, bunch.plan) for bunch in bunches]
-        others = [bunch._replace(plan=plan) for bunch, (plan, _) in zip(bunches, finer, strict=True)]
-        companions = _runs(others, refine=finer[0][1])
+    companions = _companions(bunches)
     times = [Timing(build_s=case.build_s, first_call_s=ready, loop_s=0.0) for case in cases]
     return [_told(*one) for one in zip(begun, times, runs, companions, strict=True)]
 
@@ -130,10 +125,21 @@ def _runs(bunches: list[Bunch], refine: int = 1) -> list[list[Run]]:
     return [runs[k] for k in range(len(bunches))]
 
 
-def _told(begun: Begun, timing: Timing, runs: list[Run], companions: Sequence[Run | None]) -> list[Trajectory]:
+def _companions(bunches: list[Bunch]) -> list[list[Run]] | list[None]:
+    """Return the runs that the estimates of the errors need, where they are asked for."""
+    if not bunches or bunches[0].plan.settings.estimate == "off":
+        return [None] * len(bunches)
+    finer = [companion_plan(bunch.system, bunch.plan) for bunch in bunches]
+    others = [bunch._replace(plan=plan) for bunch, (plan, _) in zip(bunches, finer, strict=True)]
+    return _runs(others, refine=finer[0][1])
+
+
+def _told(begun: Begun, timing: Timing, runs: list[Run], others: list[Run] | None) -> list[Trajectory]:
     """Return the trajectories of a case, in the order of its starts."""
     (system, plan, _), paths = begun.bunch, dict(begun.stopped)
     samples = sampled(system, plan, runs)
+    seen = [sample.poses for sample in samples]
+    companions = [None] * len(runs) if others is None else all_beside(system, seen, runs, others)
     for (k, said), run, companion, sample in zip(begun.said.items(), runs, companions, samples, strict=True):
         spent = replace(timing, loop_s=run.loop_s)
         path = trajectory(system, plan, run, [*plan.notes, *said], spent, sample)
