@@ -132,7 +132,6 @@ def _target(found: Reached) -> Target:
 
 
 @cache
-@cache
 def _engine_key(name: str) -> list[str]:
     try:
         engine = registry.get(name)

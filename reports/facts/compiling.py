@@ -13,7 +13,8 @@ from mbs_ref import scenes
 from mbs_ref.kernels.jit import cache_folder
 from mbs_ref.scene.traits import Coordinates
 from mbs_ref.settings import Settings
-from reports.facts.kept import recall, remembered
+from mbs_ref.simulate import simulate_scenes
+from reports.facts.kept import keep, recall
 from reports.facts.workers import each
 
 
@@ -37,24 +38,41 @@ CORES = {
     "trees in space": Core("heavy_top", "relative"),
     "trees in the plane": Core("double_pendulum", "relative"),
 }
+LANES = "trees in lanes"  # for batches alone: a report makes none
 SOLVER = "mbs_ref"
 
 Report = Callable[[int, int, str], None]
 
 
-def compile_kernels(store: Store, report: Report) -> None:
-    """Run every method of the solver once on each core, unless the store knows that this code is compiled here."""
-    key = digest_of(["compiled", code_of(type(engines.get(SOLVER)).__module__), str(cache_folder())])
-    if recall(store, key, bool) and cache_folder().is_dir():
-        return
-    report(0, len(CORES), f"compiling {', '.join(CORES)}: a minute, once for each change of the solver")
-    for done, (core, _) in enumerate(each(list(CORES), _compile), 1):
-        report(done, len(CORES), f"compiled {core}")
-    remembered(store, key, bool, lambda: True)
+def compile_kernels(store: Store, report: Report, lanes: bool = False) -> None:
+    """Run every method of the solver once on each core that the store does not know to be compiled here.
+
+    With `lanes` runs side by side, too.
+    """
+    keys = {core: _key(core) for core in ([*CORES, LANES] if lanes else CORES)}
+    asked = [core for core, key in keys.items() if not (recall(store, key, bool) and cache_folder().is_dir())]
+    if asked:
+        report(0, len(asked), f"compiling {', '.join(asked)}: a minute, once for each change of the solver")
+    for done, (core, _) in enumerate(each(asked, _compile), 1):
+        report(done, len(asked), f"compiled {core}")
+        keep(store, keys[core], bool, True)
+
+
+def _key(core: str) -> str:
+    return digest_of(["compiled", core, code_of(type(engines.get(SOLVER)).__module__), str(cache_folder())])
 
 
 def _compile(call: Caller, core: str) -> None:
-    call(run_methods, *CORES[core])
+    if core == LANES:
+        call(run_in_lanes)
+    else:
+        call(run_methods, *CORES[core])
+
+
+def run_in_lanes() -> None:
+    """Run the first hundredth of a tree as a batch does."""
+    made = scenes.make("double_pendulum")
+    simulate_scenes([made], _settings("dop853", "adaptive", made.duration, "relative"), lanes=True)
 
 
 def run_methods(scene: str, coordinates: Coordinates, every_method: bool) -> None:

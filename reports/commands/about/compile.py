@@ -18,5 +18,5 @@ def command(store: str | None) -> None:
 
     what = "compiling the solver for plane, space and particles side by side: a minute or two, once a change"
     with Store(store_path(store)) as kept, awaited(what), progress("compile") as report:
-        compile_kernels(kept, report)
+        compile_kernels(kept, report, lanes=True)
     click.echo(f"the solver is compiled, in {cache_folder()}")

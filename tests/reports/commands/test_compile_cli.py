@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from click.testing import CliRunner
 
+from cross_checks.records.store import Store
 from reports.commands.about.compile import command
 from reports.facts import compiling
 
@@ -15,7 +16,10 @@ def test_what_is_compiled_is_not_compiled_again(monkeypatch, tmp_path):
     for _ in range(2):
         done = CliRunner().invoke(command, arguments)
         assert done.exit_code == 0, done.output
-    assert asked == list(compiling.CORES)
+    assert asked == [*compiling.CORES, compiling.LANES]
+    with Store(tmp_path / "runs.sqlite") as kept:
+        compiling.compile_kernels(kept, lambda *_: None)  # as a report does
+    assert len(asked) == len(compiling.CORES) + 1
 
 
 def test_every_method_runs_on_some_core():
