@@ -10,7 +10,7 @@ import numpy as np
 from mbs_ref.cores.choice import compile_scene
 from mbs_ref.cores.jointed_system import JointedSystem
 from mbs_ref.cores.system import System
-from mbs_ref.scene import Scene
+from mbs_ref.scene import PointMass, Scene
 from mbs_ref.scene.scales import scales_of
 from mbs_ref.self_checks.consistent_start import InconsistentScene
 
@@ -44,8 +44,9 @@ def keeping(scene: Scene, kept: Sequence[str], tolerance: float) -> Scene:
 
 
 def _rates(body: Any) -> np.ndarray:
-    """Return a body's velocity and angular velocity, (3,) in the plane and (6,) in space."""
-    return np.concatenate((body.velocity, np.atleast_1d(body.angular_velocity)))
+    """Return a body's velocity and angular velocity, (3,) in the plane and (6,) in space; a particle does not turn."""
+    still = np.zeros(1 if len(body.velocity) == 2 else 3)
+    return np.concatenate((body.velocity, np.atleast_1d(getattr(body, "angular_velocity", still))))
 
 
 def _weights(scene: Scene) -> np.ndarray:
@@ -73,8 +74,10 @@ def _with_rates(scene: Scene, rates: np.ndarray) -> Scene:
     bodies = []
     for body, own in zip(scene.bodies, rates.reshape(len(scene.bodies), -1), strict=True):
         straight, turning = len(body.velocity), own[len(body.velocity) :]
-        spin = float(turning[0]) if len(turning) == 1 else tuple(turning.tolist())
-        bodies.append(body.model_copy(update={"velocity": tuple(own[:straight].tolist()), "angular_velocity": spin}))
+        update: dict[str, Any] = {"velocity": tuple(own[:straight].tolist())}
+        if not isinstance(body, PointMass):
+            update["angular_velocity"] = float(turning[0]) if len(turning) == 1 else tuple(turning.tolist())
+        bodies.append(body.model_copy(update=update))
     return scene.model_copy(update={"bodies": tuple(bodies)})
 
 

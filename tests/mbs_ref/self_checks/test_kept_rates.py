@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from mbs_ref import scenes
-from mbs_ref.scene import Scene
+from mbs_ref.scene import GROUND, Distance, PointMass, Scene
 from mbs_ref.self_checks.consistent_start import InconsistentScene
 from mbs_ref.self_checks.kept_rates import keeping
 
@@ -35,6 +35,20 @@ def test_what_no_joint_allows_is_refused():
     faster = scene.model_copy(update={"bodies": (crank, *scene.bodies[1:])})
     with pytest.raises(InconsistentScene, match="crank"):
         keeping(faster, ["crank.angular_velocity", "slider.velocity"], CLOSED)
+
+
+def test_a_particle_on_a_rod_keeps_what_goes_around():
+    """A rod along x lets its bob go along y alone; a second rod along y carries that to the other bob."""
+    first = PointMass(name="first", mass=1.0, position=(1.0, 0.0), velocity=(0.0, 3.0))
+    second = PointMass(name="second", mass=1.0, position=(1.0, 1.0), velocity=(5.0, 0.0))
+    rods = (
+        Distance(name="rod", body_a=GROUND, body_b="first", point_a=(0.0, 0.0), point_b=(1.0, 0.0), length=1.0),
+        Distance(name="link", body_a="first", body_b="second", point_a=(1.0, 0.0), point_b=(1.0, 1.0), length=1.0),
+    )
+    scene = Scene(name="bobs", bodies=(first, second), joints=rods)
+    found = keeping(scene, ["first.velocity"], CLOSED)
+    assert np.allclose(found.bodies[0].velocity, (0.0, 3.0), atol=1e-12)
+    assert np.allclose(found.bodies[1].velocity, (5.0, 3.0), atol=1e-12)
 
 
 def test_an_unknown_name_is_told():
