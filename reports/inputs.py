@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable, Sequence
+from functools import partial
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -50,6 +52,15 @@ def scene(name_or_file: str, parameters: Sequence[str] = ()) -> Scene:
         raise click.UsageError(str(error)) from error
 
 
+def rebuilder(name_or_file: str, scene: Scene) -> Callable[..., Scene] | None:
+    """Return what makes the scene with other parameters; None where it was read from a file."""
+    return partial(_with_parameters, name_or_file, scene.parameters) if name_or_file in scenes.names() else None
+
+
+def _with_parameters(name: str, parameters: dict[str, Any], **changed: Any) -> Scene:
+    return scenes.make(name, **{**parameters, **changed})
+
+
 def keeping(scene: Scene, kept: Sequence[str]) -> Scene:
     """Return the scene with consistent initial velocities that keep what `kept` names; as it is without a name."""
     if not kept:
@@ -62,6 +73,28 @@ def keeping(scene: Scene, kept: Sequence[str]) -> Scene:
 
 KEEP = click.option("--keep", "kept", multiple=True, metavar="BODY.velocity|BODY.angular_velocity",
                     help="Keep this initial velocity and make the others fit the joints; repeatable.")  # fmt: skip
+
+RUN = (
+    click.option("--method", help="How; unless given, mbs_ref chooses (auto) and says why."),
+    click.option("--step", type=float, metavar="H", help="Step of a fixed-step method, s."),
+    click.option("--rtol", type=float, metavar="R", help="Relative tolerance of an adaptive method."),
+    click.option("--atol", type=float, metavar="A", help="Absolute tolerance; follows the scene unless given."),
+    click.option("--stabilization", metavar="S", help="none, baumgarte or projection."),
+    click.option("--coordinates", type=click.Choice(["cartesian", "relative"]), help="Of bodies, or a tree's joints."),
+    click.option("--t-end", type=float, metavar="T", help="Duration, s; the scene's own unless given."),
+    click.option("--samples", type=int, metavar="N", help="Output times, evenly spaced from 0 to the end."),
+    click.option("--events", type=click.Choice(["located", "none"]), help="Locate contact events, or clip forces."),
+    click.option("--estimate", type=click.Choice(["on", "off"]), help="Whether a second run estimates the error; on."),
+    click.option("--project-initial", is_flag=True, help="Repair inconsistent initial conditions and say by how much."),
+    KEEP,
+)  # of the settings of a run
+
+
+def run_options[C: Callable[..., Any]](command: C) -> C:
+    """Give a command the options that say how a run is made."""
+    for option in reversed(RUN):
+        command = option(command)
+    return command
 
 
 def _robot(file: str, parameters: Sequence[str]) -> Scene:
@@ -170,7 +203,16 @@ def output(path: str | None, allowed: tuple[str, ...]) -> Path | None:
         raise click.UsageError(f"-o {path}: suffix {target.suffix!r} is unknown; allowed: {', '.join(allowed)}")
     if not target.absolute().parent.is_dir():
         raise click.UsageError(f"-o {path}: there is no folder {target.parent}")
+    if target.suffix == ".parquet" and not _has_pyarrow():
+        raise click.UsageError(f"-o {path}: Parquet needs the package pyarrow: pip install 'mbs-ref[parquet]'")
     return target
+
+
+def _has_pyarrow() -> bool:
+    try:
+        return find_spec("pyarrow") is not None
+    except ValueError:  # its import is barred
+        return False
 
 
 def _parameters(words: Sequence[str]) -> dict[str, Any]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from importlib.util import find_spec
 from pathlib import Path
 
 import click
@@ -47,8 +46,6 @@ def command(
     target = inputs.output(output, (".jsonl", ".parquet"))
     drawn = inputs.output(plot, (".html",))
     columns = target if target is not None and target.suffix == ".parquet" else None
-    if columns is not None and not _has_pyarrow():
-        raise click.UsageError(f"-o {output}: Parquet needs the package pyarrow: pip install 'mbs-ref[parquet]'")
     kept = target if columns is None else None
     records = sweep_records(inputs.scene(scene, parameters), chosen, methods, kept, timeout, memory, store=store)
     if not records:
@@ -73,13 +70,6 @@ def _draw(records: list[Record], target: Path) -> None:
     except ValueError as error:
         raise NothingSelected(f"nothing to plot: {error}") from error
     write_atomic(target, page.encode())
-
-
-def _has_pyarrow() -> bool:
-    try:
-        return find_spec("pyarrow") is not None
-    except ValueError:  # its import is barred
-        return False
 
 
 def _show(records: list[Record]) -> None:
