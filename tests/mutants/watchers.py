@@ -38,6 +38,7 @@ WATCHERS: dict[str, tuple[str, ...]] = {
     "mbs_ref/crash": CRASH,
     "mbs_ref/observables": ("tests/mbs_ref/observables", *CRASH, *CONTACT, "tests/mbs_ref/cores"),
     "mbs_ref/self_checks": SELF_CHECKS,
+    "mbs_ref/simulate/ensemble": ("tests/mbs_ref/simulate/ensemble",),
     "mbs_ref/self_checks/stiffness": ("tests/mbs_ref/kernels/contact/test_contact.py", *SELF_CHECKS),
     "cross_checks": ("tests/cross_checks",),
     "cross_checks/certify": TRUTHS,

@@ -141,7 +141,7 @@ def test_the_program_starts_and_explains_itself():
         text=True,
         check=True,
     )
-    for command in ("check", "doctor", "engines", "pick", "report", "scenes", "simulate", "sweep"):
+    for command in ("check", "doctor", "engines", "ensemble", "pick", "report", "scenes", "simulate", "sweep"):
         assert f"\n  {command} " in done.stdout
     assert "Exit codes" in done.stdout
     assert not done.stderr

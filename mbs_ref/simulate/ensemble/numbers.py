@@ -1,0 +1,101 @@
+"""The numbers of a scene by name, as its TOML has them: `load.stiffness`, `ball.position.y`, `gravity.x`."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from types import UnionType
+from typing import Annotated, Any, Union, get_args, get_origin
+
+from mbs_ref.scene import Scene
+from mbs_ref.scene.base.part import Part
+from mbs_ref.scene.messages import suggest
+
+Place = tuple[str | int, ...]  # fields and places in lists, from the scene down to a number
+LISTS = ("bodies", "joints", "loads", "contacts", "events")
+LETTERS = ("x", "y", "z")
+SIX = {"inertia": ("xx", "yy", "zz", "xy", "xz", "yz")}  # in space
+EULER = "orientation"  # four numbers of norm 1: none of them varies alone
+MOST_TOLD = 12  # names of parts in a complaint
+
+
+def place_of(scene: Scene, name: str) -> Place:
+    """Return where the number of that name is; ValueError says which part or number is unknown, and what there is."""
+    owner, place = _owner(scene, name)
+    known = {".".join(map(str, label)): path for label, path in _numbers(owner)}
+    asked = name.removeprefix(getattr(owner, "name", "") + ".") if place else name
+    if asked not in known:
+        listed = ", ".join(known) or "none"
+        raise ValueError(f"{name!r} is unknown{suggest(asked, known)}; numbers of {owner.name!r}: {listed}")
+    return (*place, *known[asked])
+
+
+def value_at(scene: Scene, place: Place) -> float | None:
+    """Return the number at a place; None where the scene leaves it open."""
+    here: Any = scene
+    for key in place:
+        here = _item(here, key)
+    return here
+
+
+def _owner(scene: Scene, name: str) -> tuple[Any, Place]:
+    """Return the part that the name begins with and its place; the scene itself where it begins with gravity."""
+    if name.startswith("gravity."):
+        return scene, ()
+    parts = {part.name: (part, (kind, k)) for kind in LISTS for k, part in enumerate(getattr(scene, kind))}
+    heads = [name[:k] for k in range(len(name), 0, -1) if name[k : k + 1] == "."]  # names may hold dots
+    for head in heads:
+        if head in parts:
+            return parts[head]
+    told = ", ".join(list(parts)[:MOST_TOLD]) + (", ..." if len(parts) > MOST_TOLD else "")
+    part = heads[0] if heads else name
+    raise ValueError(f"{name!r} is unknown{suggest(part, parts)}; it begins with gravity or a part: {told}")
+
+
+def _numbers(part: Any) -> Iterator[tuple[Place, Place]]:
+    """Yield the label and the place of every number of a part; of the scene those of gravity."""
+    names = ("gravity",) if isinstance(part, Scene) else type(part).model_fields
+    for name in names:
+        if name != EULER:
+            yield from _inside(getattr(part, name), (name,), (name,), type(part).model_fields[name].annotation)
+
+
+def _inside(value: Any, label: Place, place: Place, annotation: Any) -> Iterator[tuple[Place, Place]]:
+    if isinstance(value, float) or (value is None and _may_be_number(annotation)):
+        yield label, place
+    elif isinstance(value, Part):
+        for name, field in type(value).model_fields.items():
+            yield from _inside(getattr(value, name), (*label, name), (*place, name), field.annotation)
+    elif isinstance(value, tuple):
+        for k, component in enumerate(_components(label, len(value))):
+            yield from _inside(value[k], (*label, component), (*place, k), None)
+
+
+def _may_be_number(annotation: Any) -> bool:
+    if get_origin(annotation) in (Union, UnionType, Annotated):
+        return any(_may_be_number(one) for one in get_args(annotation))
+    return annotation is float
+
+
+def _components(label: Place, count: int) -> Sequence[str | int]:
+    """Return what a vector's components are called; in lists inside signals they are counted from 0."""
+    if len(label) == 1 and count in (2, 3):
+        return LETTERS[:count]
+    return SIX[str(label[0])] if label[0] in SIX and count == 6 else range(count)
+
+
+def with_values(here: Any, values: Mapping[Place, float]) -> Any:
+    """Return a scene, or a part of one, with other numbers, checked as a whole.
+
+    Pydantic's ValidationError where it cannot be.
+    """
+    below: dict[str | int, dict[Place, float]] = {}
+    for place, value in values.items():
+        below.setdefault(place[0], {})[place[1:]] = value
+    changed = {key: inner[()] if () in inner else with_values(_item(here, key), inner) for key, inner in below.items()}
+    if isinstance(here, tuple):
+        return tuple(changed.get(k, item) for k, item in enumerate(here))
+    return type(here)(**{name: changed.get(name, getattr(here, name)) for name in type(here).model_fields})
+
+
+def _item(here: Any, key: str | int) -> Any:
+    return getattr(here, key) if isinstance(key, str) else here[key]

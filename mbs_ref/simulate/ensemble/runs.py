@@ -1,0 +1,214 @@
+"""The runs of an ensemble, made in portions, and what is kept of them."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections import Counter
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from mbs_ref.cores.system import Poses
+from mbs_ref.run.lanes import NOTE, why_not_in_lanes
+from mbs_ref.run.many import processors, shared, stopped
+from mbs_ref.run.method_choice import AUTO, choose_plan
+from mbs_ref.scene import Scene
+from mbs_ref.self_checks.consistent_start import InconsistentScene
+from mbs_ref.settings import Settings
+from mbs_ref.simulate import simulate, simulate_scenes, simulate_starts
+from mbs_ref.simulate.ensemble.design import Design
+from mbs_ref.simulate.ensemble.variants import Variants, own_start
+from mbs_ref.trajectory import Status, Trajectory
+
+LARGEST = 2 * 2**30  # bytes of samples that are kept
+QUICK_S = 2.0  # a portion that takes less is followed by one four times larger, so that progress is told at this pace
+Report = Callable[[int, int], None]  # runs done, of how many
+
+
+@dataclass(frozen=True)
+class Ensemble:
+    """Many runs of one scene; runs that did not end well have NaN for samples. n_runs is the number that were made."""
+
+    scene: Scene  # as it stands, before anything is varied
+    design: Design
+    settings: Settings
+    times: np.ndarray  # (n_t,) s
+    samples: Poses  # (n_runs, n_t, n_bodies, ...) as a Trajectory has them
+    statuses: tuple[Status, ...]
+    messages: tuple[str, ...]
+    methods: tuple[str, ...]
+    errors: np.ndarray  # (n_runs, n_t, 2) m and rad, by each run's own estimate; NaN where there is none
+    corrections: np.ndarray  # (n_runs, 2) by how much starts were projected: m or rad, m/s or rad/s
+    how: tuple[str, ...]  # whether runs were made in lanes, or why not
+    wall_s: float  # of all runs, with their error estimates
+
+    @property
+    def is_complete(self) -> bool:
+        return len(self.statuses) == self.design.n_runs
+
+    @property
+    def ended_well(self) -> np.ndarray:
+        """Which runs the statistics are made of (n_runs,)."""
+        return np.array([status is Status.SUCCESS for status in self.statuses], dtype=bool)
+
+    @property
+    def counts(self) -> dict[str, int]:
+        """How many runs ended how, most first."""
+        return dict(Counter(str(status) for status in self.statuses).most_common())
+
+
+def run_ensemble(
+    variants: Variants, design: Design, settings: Settings, threads: int | None = None, report: Report | None = None
+) -> Ensemble:
+    """Make every run of a design; what Ctrl-C leaves undone is missing.
+
+    Runs that differ in their start alone, or in numbers of one build, go side by side in vector lanes where they can.
+    A method that is not asked for is DOP853 in lanes, and else chosen for every run by itself. ValueError where the
+    samples would not fit into memory, or as `simulate` raises it for settings.
+    """
+    reason = why_not_in_lanes(variants.source.scene, settings)
+    settings, times = _settled(variants.source.scene, settings, may_choose=bool(reason))
+    store = _Store(variants.source.scene, design, settings, times, reason)
+    began, done = time.perf_counter(), 0
+    try:
+        for portion in _portions(design.n_runs, 8 * processors(threads)):
+            asked = _asked(variants, design.values[portion], settings)
+            paths = _paths(variants.source.scene, asked, settings, threads, lanes=not reason)
+            if any(path.status is Status.INTERRUPTED for path in paths):
+                break
+            store.keep(portion, paths, asked)
+            done = portion.stop
+            if report is not None:
+                report(done, design.n_runs)
+    except KeyboardInterrupt:
+        pass
+    return store.ensemble(done, time.perf_counter() - began)
+
+
+def _settled(scene: Scene, settings: Settings, may_choose: bool) -> tuple[Settings, np.ndarray]:
+    """Return settings and output times of all runs; the method may be chosen where none is asked for."""
+    common = {"t_end": settings.t_end or scene.duration, "reactions": False}
+    method = AUTO if settings.method is None and may_choose else settings.method
+    settled = settings.model_copy(update=common | {"method": method})
+    return settled, choose_plan(scene, settled, None).times
+
+
+def _portions(count: int, first: int) -> Iterator[slice]:
+    """Divide so many runs into portions that are larger while they are quick."""
+    done, size = 0, first
+    while done < count:
+        began, stop = time.perf_counter(), min(done + size, count)
+        yield slice(done, stop)
+        done, size = stop, 4 * size if time.perf_counter() - began < QUICK_S else size
+
+
+class _Asked(NamedTuple):
+    """What the runs of a portion are asked for."""
+
+    scenes: list[Scene | Trajectory]  # of each, or why there is none; empty where all runs have the one scene
+    starts: list[Poses | None]  # one sample of each; None where it is the scene's own
+
+
+def _asked(variants: Variants, values: np.ndarray, settings: Settings) -> _Asked:
+    if variants.is_one_scene:
+        together = variants.starts(values)
+        return _Asked([], [Poses(*(part[k : k + 1] for part in together)) for k in range(len(values))])
+    base = variants.source.scene
+    scenes = [_or_why(base, lambda one=one: variants.scene(one)) for one in values]
+    if not variants.moves:
+        return _Asked(scenes, [None] * len(scenes))
+    pairs = zip(scenes, values, strict=True)
+    return _Asked(scenes, [variants.start(scene, one) if isinstance(scene, Scene) else None for scene, one in pairs])
+
+
+def _or_why[T](scene: Scene, make: Callable[[], T]) -> T | Trajectory:
+    """Return what is made, or a trajectory without samples that says why it cannot be."""
+    try:
+        return make()
+    except InconsistentScene as error:
+        return stopped(scene, Status.INCONSISTENT, str(error))
+    except ValueError as error:
+        return stopped(scene, Status.REFUSED, str(error))
+
+
+def _paths(scene: Scene, asked: _Asked, settings: Settings, threads: int | None, lanes: bool) -> list[Trajectory]:
+    if not asked.scenes:
+        starts = Poses(*(np.concatenate(parts) for parts in zip(*(s for s in asked.starts if s), strict=True)))
+        return simulate_starts(scene, starts, settings, None, threads, lanes)
+    there = [k for k, one in enumerate(asked.scenes) if isinstance(one, Scene)]
+    scenes = [one for one in asked.scenes if isinstance(one, Scene)]
+    if any(asked.starts):
+        pairs = list(zip(scenes, (asked.starts[k] for k in there), strict=True))
+        made = shared(lambda pair: _or_why(scene, lambda: simulate(pair[0], settings, None, pair[1])), pairs, threads)
+    else:
+        made = simulate_scenes(scenes, settings, None, threads, lanes)
+    paths = dict(enumerate(asked.scenes)) | dict(zip(there, made, strict=True))
+    return [path for path in paths.values() if isinstance(path, Trajectory)]
+
+
+class _Store:
+    """Room for what is kept of every run."""
+
+    def __init__(self, scene: Scene, design: Design, settings: Settings, times: np.ndarray, reason: str) -> None:
+        self.scene, self.design, self.settings, self.times = scene, design, settings, times
+        shape = (design.n_runs, len(times))
+        parts = [part.shape[1:] for part in own_start(scene)]
+        numbers = shape[0] * shape[1] * (2 + sum(math.prod(part) for part in parts))
+        if 8 * numbers > LARGEST:
+            raise ValueError(
+                f"the samples of {shape[0]} runs at {shape[1]} times would take {8 * numbers / 2**30:.1f} GiB; "
+                f"allowed: {LARGEST / 2**30:g} GiB, by fewer runs or --samples"
+            )
+        self.samples = Poses(*(np.full((*shape, *part), np.nan) for part in parts))
+        self.errors, self.corrections = np.full((*shape, 2), np.nan), np.zeros((shape[0], 2))
+        self.told: list[Trajectory] = []  # without samples
+        self.how = {f"not in lanes: {reason}": None} if reason else {}
+
+    def keep(self, portion: slice, paths: Sequence[Trajectory], asked: _Asked) -> None:
+        """Keep the samples of a portion of the runs."""
+        for k, path, which in zip(range(portion.start, portion.stop), paths, range(len(paths)), strict=True):
+            self.told.append(path.upto(0))
+            self.how |= dict.fromkeys(note for note in path.notes if note == NOTE or note.startswith("not in lanes"))
+            if path.status is Status.SUCCESS:
+                self._keep(k, path)
+                if self.settings.project_initial:
+                    self.corrections[k] = _correction(path, _start(asked, which))
+
+    def _keep(self, k: int, path: Trajectory) -> None:
+        for kept, part in zip(self.samples, _poses(path), strict=True):
+            kept[k] = part
+        if path.estimate is not None:
+            components = path.estimate.components[:, :2]
+            self.errors[k] = components * (path.estimate.length, 1.0)
+
+    def ensemble(self, done: int, wall_s: float) -> Ensemble:
+        """Return what has been made."""
+        told = self.told[:done]
+        return Ensemble(
+            self.scene, self.design, self.settings, self.times, Poses(*(part[:done] for part in self.samples)),
+            tuple(path.status for path in told), tuple(path.message for path in told),
+            tuple(path.method for path in told), self.errors[:done], self.corrections[:done], tuple(self.how), wall_s,
+        )  # fmt: skip
+
+
+def _poses(path: Trajectory) -> Poses:
+    return Poses(path.position, path.orientation, path.velocity, path.angular_velocity)
+
+
+def _start(asked: _Asked, k: int) -> Poses:
+    """Return the start that run k of a portion was asked to have."""
+    start = asked.starts[k]
+    if start is not None:
+        return start
+    scene = asked.scenes[k]
+    assert isinstance(scene, Scene)
+    return own_start(scene)
+
+
+def _correction(path: Trajectory, asked: Poses) -> np.ndarray:
+    """Return by how much a start was projected at most: its poses (m or rad) and rates (m/s or rad/s)."""
+    gaps = [np.abs(part[0] - start[0]).max(initial=0.0) for part, start in zip(_poses(path), asked, strict=True)]
+    return np.array([max(gaps[:2]), max(gaps[2:])])
