@@ -11,7 +11,9 @@ import plotly.graph_objects as go
 from cross_checks.records.record import Record
 from cross_checks.records.store import Run
 from mbs_ref.scene import Scene
+from mbs_ref.simulate.ensemble import Ensemble
 from mbs_ref.trajectory import Trajectory
+from reports.drawing.plots.bands import bands
 from reports.drawing.plots.compliance import compliance as compliance_data
 from reports.drawing.plots.energy import energy as energy_data
 from reports.drawing.plots.error_history import error_history
@@ -56,6 +58,11 @@ def over_time(scene: Scene, path: Trajectory, body: str, quantity: str = "positi
     for name, column in zip(names, values.T, strict=False):
         figure.add_scatter(x=path.times.tolist(), y=column.tolist(), mode="lines", name=name)
     return go.Figure(to_data(figure))
+
+
+def spread(ensemble: Ensemble) -> go.Figure:
+    """Return how an ensemble's coordinates (m, rad) spread over time (s): 5 % to 95 %, and the median."""
+    return go.Figure(to_data(bands(ensemble)))
 
 
 def error(runs: Iterable[Run | Record]) -> go.Figure:

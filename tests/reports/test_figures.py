@@ -8,6 +8,7 @@ import pytest
 
 import cross_checks
 import mbs_ref
+from mbs_ref.simulate import ensemble as ensembles
 from reports.drawing import figures
 
 PENDULUM, TOP = mbs_ref.scenes.make("pendulum"), mbs_ref.scenes.make("heavy_top")
@@ -29,6 +30,14 @@ def test_a_quantity_over_time_has_its_unit_and_every_component(run):
     assert [line.name for line in figure.data] == ["x", "y"]
     assert np.allclose([line.y for line in figure.data], run.path.velocity[:, 0].T)
     assert "m/s" in figure.layout.yaxis.title.text
+
+
+def test_a_spread_is_drawn():
+    source = ensembles.Source(PENDULUM)
+    variants = ensembles.Variants(source, [source.target("bob.mass")])
+    design = ensembles.design({"bob.mass": ensembles.Uniform(1.0, 2.0)}, 4)
+    made = ensembles.run_ensemble(variants, design, mbs_ref.Settings(t_end=0.1, samples=3), threads=1)
+    assert [line.fill for line in figures.spread(made).data] == ["toself", None] * 2
 
 
 def test_what_a_run_knows_is_drawn(run):

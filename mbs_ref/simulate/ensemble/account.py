@@ -44,10 +44,11 @@ def _projected(ensemble: Ensemble) -> Iterator[str]:
     poses, rates = ensemble.corrections.max(axis=0, initial=0.0)
     tolerance = ensemble.settings.initial_tolerance
     count = int(np.sum(ensemble.corrections.max(axis=1) > tolerance))
+    hint = "" if poses > tolerance else "; --keep keeps a velocity and lets the others follow"
     if count:
         yield (
             f"the starts of {count} runs were projected, by up to {poses:.3g} m or rad and {rates:.3g} m/s or rad/s: "
-            "what is varied there is not what was asked for; --keep keeps a velocity and lets the others follow"
+            f"what is varied there is not what was asked for{hint}"
         )
 
 
@@ -59,7 +60,11 @@ def _worth(ensemble: Ensemble, found: list[Statistics | None]) -> Iterator[str]:
     if np.isnan(metres):
         yield "no run's integration error was estimated: whether the spread is more than that is not known"
         return
-    turned = "" if all(isinstance(body, PointMass) for body in ensemble.scene.bodies) else f" and {radians:.3g} rad"
+    if np.isinf(metres):
+        yield "estimated integration error: at the end of some runs no digit is vouched for; ask for less --t-end"
+        return
+    angle = f"{radians:.3g} rad" if np.isfinite(radians) else "any number of turns"
+    turned = "" if all(isinstance(body, PointMass) for body in ensemble.scene.bodies) else f" and {angle}"
     yield f"estimated integration error of the runs: at most {metres:.3g} m{turned}"
     hidden = not_shown(ensemble, found)
     if hidden:

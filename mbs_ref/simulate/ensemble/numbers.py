@@ -14,7 +14,8 @@ Place = tuple[str | int, ...]  # fields and places in lists, from the scene down
 LISTS = ("bodies", "joints", "loads", "contacts", "events")
 LETTERS = ("x", "y", "z")
 SIX = {"inertia": ("xx", "yy", "zz", "xy", "xz", "yz")}  # in space
-EULER = "orientation"  # four numbers of norm 1: none of them varies alone
+EULER = "orientation"  # four numbers of norm 1, of which none varies alone; a body in space is turned in their place
+TURN = "turn"  # rad, about the world's axes, from the orientation that the scene has
 MOST_TOLD = 12  # names of parts in a complaint
 
 
@@ -32,6 +33,8 @@ def place_of(scene: Scene, name: str) -> Place:
 def value_at(scene: Scene, place: Place) -> float | None:
     """Return the number at a place; None where the scene leaves it open."""
     here: Any = scene
+    if TURN in place:
+        return 0.0
     for key in place:
         here = _item(here, key)
     return here
@@ -55,7 +58,9 @@ def _numbers(part: Any) -> Iterator[tuple[Place, Place]]:
     """Yield the label and the place of every number of a part; of the scene those of gravity."""
     names = ("gravity",) if isinstance(part, Scene) else type(part).model_fields
     for name in names:
-        if name != EULER:
+        if name == EULER:
+            yield from (((TURN, letter), (TURN, k)) for k, letter in enumerate(LETTERS))
+        else:
             yield from _inside(getattr(part, name), (name,), (name,), type(part).model_fields[name].annotation)
 
 

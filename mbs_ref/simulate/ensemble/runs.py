@@ -72,10 +72,10 @@ def run_ensemble(
     reason = why_not_in_lanes(variants.source.scene, settings)
     settings, times = _settled(variants.source.scene, settings, may_choose=bool(reason))
     store = _Store(variants.source.scene, design, settings, times, reason)
-    began, done = time.perf_counter(), 0
+    values, began, done = design.values, time.perf_counter(), 0
     try:
         for portion in _portions(design.n_runs, 8 * processors(threads)):
-            asked = _asked(variants, design.values[portion], settings)
+            asked = _asked(variants, values[portion])
             paths = _paths(variants.source.scene, asked, settings, threads, lanes=not reason)
             if any(path.status is Status.INTERRUPTED for path in paths):
                 break
@@ -112,7 +112,7 @@ class _Asked(NamedTuple):
     starts: list[Poses | None]  # one sample of each; None where it is the scene's own
 
 
-def _asked(variants: Variants, values: np.ndarray, settings: Settings) -> _Asked:
+def _asked(variants: Variants, values: np.ndarray) -> _Asked:
     if variants.is_one_scene:
         together = variants.starts(values)
         return _Asked([], [Poses(*(part[k : k + 1] for part in together)) for k in range(len(values))])
@@ -164,13 +164,13 @@ class _Store:
             )
         self.samples = Poses(*(np.full((*shape, *part), np.nan) for part in parts))
         self.errors, self.corrections = np.full((*shape, 2), np.nan), np.zeros((shape[0], 2))
-        self.told: list[Trajectory] = []  # without samples
+        self.told: list[tuple[Status, str, str]] = []  # status, message and method
         self.how = {f"not in lanes: {reason}": None} if reason else {}
 
     def keep(self, portion: slice, paths: Sequence[Trajectory], asked: _Asked) -> None:
         """Keep the samples of a portion of the runs."""
         for k, path, which in zip(range(portion.start, portion.stop), paths, range(len(paths)), strict=True):
-            self.told.append(path.upto(0))
+            self.told.append((path.status, path.message, path.method))
             self.how |= dict.fromkeys(note for note in path.notes if note == NOTE or note.startswith("not in lanes"))
             if path.status is Status.SUCCESS:
                 self._keep(k, path)
@@ -186,11 +186,10 @@ class _Store:
 
     def ensemble(self, done: int, wall_s: float) -> Ensemble:
         """Return what has been made."""
-        told = self.told[:done]
+        statuses, messages, methods = zip(*self.told[:done], strict=True) if done else ((), (), ())
         return Ensemble(
             self.scene, self.design, self.settings, self.times, Poses(*(part[:done] for part in self.samples)),
-            tuple(path.status for path in told), tuple(path.message for path in told),
-            tuple(path.method for path in told), self.errors[:done], self.corrections[:done], tuple(self.how), wall_s,
+            statuses, messages, methods, self.errors[:done], self.corrections[:done], tuple(self.how), wall_s,
         )  # fmt: skip
 
 

@@ -87,9 +87,13 @@ def _deviation_error(gaps: np.ndarray, deviation: np.ndarray) -> np.ndarray:
 
 
 def integration_error(ensemble: Ensemble) -> np.ndarray:
-    """Return the largest estimated error of the runs (n_t, 2): m and rad; NaN where none was estimated."""
+    """Return the largest estimated error of the runs (n_t, 2): m and rad; NaN where none was estimated.
+
+    Estimates do not count whole turns: an angle that may be off by half of one may be off by any number of them.
+    """
     errors = ensemble.errors[ensemble.ended_well]
     known = np.where(np.isnan(errors), -np.inf, errors).max(axis=0, initial=-np.inf)
+    known[known[:, 1] >= np.pi, 1] = np.inf
     return np.where(np.isneginf(known), np.nan, known)
 
 

@@ -14,11 +14,16 @@ from mbs_ref.cores.choice import compile_scene
 from mbs_ref.cores.system import Poses
 from mbs_ref.scene import Scene
 from mbs_ref.scene import messages as problems
+from mbs_ref.scene.euler_parameters import product
 from mbs_ref.self_checks.consistent_start import InconsistentScene
 from mbs_ref.self_checks.kept_rates import keeping
-from mbs_ref.simulate.ensemble.numbers import Place, place_of, value_at, with_values
+from mbs_ref.simulate.ensemble.numbers import TURN, Place, place_of, value_at, with_values
 
-POSE = ("position", "angle")  # at t = 0: a body is moved, and joints, springs and contacts stay where they are on it
+POSE = (
+    "position",
+    "angle",
+    TURN,
+)  # at t = 0: a body is moved, and joints, springs and contacts stay where they are on it
 RATES = ("velocity", "angular_velocity")
 FIELDS = {"angle": "orientation"}  # of a body, as Poses has them
 
@@ -57,9 +62,9 @@ class Source:
         try:
             place = place_of(self.scene, name)
         except ValueError as error:
-            told = f"; parameters of {self.scene.name}: {', '.join(parameters)}{problems.suggest(name, parameters)}"
-            told = told if parameters else ""
-            raise ValueError(f"{error}{told}") from None
+            told = f"; parameters of {self.scene.name}: {', '.join(parameters)}" if parameters else ""
+            hint = problems.suggest(name, parameters) if "." not in name else ""
+            raise ValueError(f"{error}{told}{hint}") from None
         return Target(name, value_at(self.scene, place), place)
 
 
@@ -128,10 +133,23 @@ def own_start(scene: Scene) -> Poses:
 
 def _set(starts: Poses, targets: Sequence[Target], values: np.ndarray, fields: tuple[str, ...]) -> None:
     """Write the values (n, n_targets) of those targets that are such fields into starts (n of each)."""
+    turns: dict[int, np.ndarray] = {}  # rotation vectors (n, 3) of bodies in space, rad
     for target, column in zip(targets, values.T, strict=True):
         if target.start in fields and target.place is not None:
             _, body, field, *component = target.place
-            getattr(starts, FIELDS.get(str(field), str(field)))[(slice(None), body, *component)] = column
+            if field == TURN:
+                turns.setdefault(int(body), np.zeros((len(values), 3)))[:, int(component[0])] = column
+            else:
+                getattr(starts, FIELDS.get(str(field), str(field)))[(slice(None), body, *component)] = column
+    for body, vectors in turns.items():
+        starts.orientation[:, body] = product(_turned_by(vectors), starts.orientation[:, body])
+
+
+def _turned_by(vectors: np.ndarray) -> np.ndarray:
+    """Return the Euler parameters (n, 4) of rotation vectors (n, 3)."""
+    from scipy.spatial.transform import Rotation
+
+    return Rotation.from_rotvec(vectors).as_quat(scalar_first=True)
 
 
 def _as_number(value: float) -> Any:

@@ -45,8 +45,8 @@ def command(
     """Run SCENE many times, with numbers that are uncertain or go over a grid.
 
     WHAT is a parameter of the scene, or a number of it by name: link_3.mass, ball.velocity.x, load.stiffness,
-    gravity.y (`mbs-ref scenes --files` writes the names). A body's position, angle, velocity and angular_velocity are
-    its start: joints, springs and contacts stay where they are on the body.
+    gravity.y (`mbs-ref scenes --files` writes the names). A body's position, angle (in space turn.x, turn.y, turn.z),
+    velocity and angular_velocity are its start: joints, springs and contacts stay where they are on the body.
 
     \b
     LAW is one of

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
 import pytest
 from scipy import stats
+from scipy.linalg import expm
 from scipy.special import ellipj
 
 from mbs_ref import scenes
-from mbs_ref.scene import GROUND, PlanarBody, PointMass, Scene, SpringDamper
+from mbs_ref.scene import GROUND, PlanarBody, PointMass, Scene, SpatialBody, SpringDamper
+from mbs_ref.scene.euler_parameters import rotation_matrices
 from mbs_ref.settings import Settings
 from mbs_ref.simulate.ensemble import (
     Source,
@@ -28,7 +31,6 @@ from mbs_ref.simulate.ensemble import (
     values_of,
 )
 from mbs_ref.simulate.ensemble.statistics import _deviation_error
-from mbs_ref.trajectory import Status
 
 G, STIFFNESS, MASS = 9.81, 8.0, 2.0
 BALL = Scene(name="ball", gravity=(0.0, -G), bodies=(PlanarBody(name="ball", mass=1.0, inertia=0.1),))
@@ -189,11 +191,24 @@ def test_a_spread_below_the_integration_error_is_said_not_to_be_shown():
     assert np.all(integration_error(rough)[:, 0] >= true_error * (1.0 - 1e-9))
     assert [one.name for one in not_shown(rough, [found])] == ["x"]
     assert any("the spread of bob.x is not shown" in one for one in account(rough, [found]))
+    error = integration_error(rough)[-1, 0]
+    for share, is_hidden in ((0.05, False), (0.2, True)):  # of the spread
+        (wider,) = statistics(rough)
+        scaled = replace(wider, deviation=np.full_like(wider.deviation, error / share))
+        assert bool(not_shown(rough, [scaled])) == is_hidden
     fine = ensemble(OSCILLATOR, {"bob.velocity.x": "1+-0.1"}, 8)
     assert not not_shown(fine, statistics(fine))
     blind = ensemble(OSCILLATOR, {"bob.velocity.x": "1+-0.1"}, 8, estimate="off")
     assert np.isnan(integration_error(blind)).all()
     assert any("not known" in one for one in account(blind, statistics(blind)))
+
+
+def test_a_motion_that_is_lost_in_chaos_shows_no_spread_of_turns_either():
+    rebuild = partial(scenes.make, "double_pendulum", angle_1=2.0)
+    made = ensemble(rebuild(), {"angle_2": "+-1%"}, 8, rebuild=rebuild, t_end=30.0)
+    found = statistics(made)
+    assert {f"{one.body}.{one.name}" for one in not_shown(made, found)} >= {"upper.angle", "lower.angle"}
+    assert any("any number of turns" in one for one in account(made, found))
 
 
 def test_standard_errors_are_what_repeated_samples_scatter_by():
@@ -243,7 +258,17 @@ def test_settings_that_make_no_sense_are_an_error_and_no_rows():
         ensemble(BALL, {"ball.velocity.x": "3+-0.5", "ball.position.x": "1..2", "ball.mass": "1..2"}, 5, method="rk5")
 
 
-def test_a_start_in_space_turns_nothing_by_itself():
-    made = ensemble(scenes.make("heavy_top"), {"top.mass": "+-1%"}, 4, t_end=0.1)
-    assert Status.SUCCESS in made.statuses
-    assert [one.name for one in coordinates(made)] == ["x", "y", "z"]
+def test_a_body_in_space_is_turned_about_the_axes_of_the_world():
+    """A brick that rests stays where it was turned to; one whose scene varies, too, all the same."""
+    quarter = (np.sqrt(0.5), 0.0, 0.0, np.sqrt(0.5))  # about z
+    brick = SpatialBody(name="brick", mass=1.0, inertia=(1.0, 1.1, 1.2, 0.0, 0.0, 0.0), orientation=quarter)
+    scene = Scene(name="brick", gravity=(0.0, 0.0, 0.0), bodies=(brick,))
+    laws = {"brick.turn.x": "+-0.5", "brick.turn.z": "-1..1"}
+    for more in ({}, {"brick.mass": "1..2"}):
+        made = ensemble(scene, laws | more, 6)
+        assert made.counts == {"success": 6}
+        assert [one.name for one in coordinates(made)] == ["x", "y", "z"]
+        for (x, z), theta in zip(made.design.values[:, :2], made.samples.orientation[:, -1, 0], strict=True):
+            turn = expm(np.array([[0.0, -z, 0.0], [z, 0.0, -x], [0.0, x, 0.0]]))  # of the vector (x, 0, z)
+            about_z = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+            assert np.allclose(rotation_matrices(theta), turn @ about_z, atol=1e-12)
