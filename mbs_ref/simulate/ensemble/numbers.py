@@ -7,7 +7,7 @@ from types import UnionType
 from typing import Annotated, Any, Union, get_args, get_origin
 
 from mbs_ref.scene import Scene
-from mbs_ref.scene.base.part import Part
+from mbs_ref.scene.base.part import Part, Role, fields_of
 from mbs_ref.scene.messages import suggest
 
 Place = tuple[str | int, ...]  # fields and places in lists, from the scene down to a number
@@ -54,25 +54,19 @@ def _owner(scene: Scene, name: str) -> tuple[Any, Place]:
     raise ValueError(f"{name!r} is unknown{suggest(part, parts)}; it begins with gravity or a part: {told}")
 
 
-def _numbers(part: Any) -> Iterator[tuple[Place, Place]]:
+def _numbers(part: Part) -> Iterator[tuple[Place, Place]]:
     """Yield the label and the place of every number of a part; of the scene those of gravity."""
-    names = ("gravity",) if isinstance(part, Scene) else type(part).model_fields
-    for name in names:
-        if name == EULER:
+    for name in ("gravity",) if isinstance(part, Scene) else type(part).model_fields:
+        value, annotation = getattr(part, name), type(part).model_fields[name].annotation
+        if isinstance(value, float) or (value is None and _may_be_number(annotation)):
+            yield (name,), (name,)
+        elif isinstance(value, Part):
+            yield from (((name, *label), (name, *place)) for label, place in _numbers(value))
+        elif name == EULER:
             yield from (((TURN, letter), (TURN, k)) for k, letter in enumerate(LETTERS))
-        else:
-            yield from _inside(getattr(part, name), (name,), (name,), type(part).model_fields[name].annotation)
-
-
-def _inside(value: Any, label: Place, place: Place, annotation: Any) -> Iterator[tuple[Place, Place]]:
-    if isinstance(value, float) or (value is None and _may_be_number(annotation)):
-        yield label, place
-    elif isinstance(value, Part):
-        for name, field in type(value).model_fields.items():
-            yield from _inside(getattr(value, name), (*label, name), (*place, name), field.annotation)
-    elif isinstance(value, tuple):
-        for k, component in enumerate(_components(label, len(value))):
-            yield from _inside(value[k], (*label, component), (*place, k), None)
+        elif isinstance(value, tuple):
+            labels = _components(type(part), name, len(value))
+            yield from (((name, label), (name, k)) for k, label in enumerate(labels) if isinstance(value[k], float))
 
 
 def _may_be_number(annotation: Any) -> bool:
@@ -81,11 +75,12 @@ def _may_be_number(annotation: Any) -> bool:
     return annotation is float
 
 
-def _components(label: Place, count: int) -> Sequence[str | int]:
-    """Return what a vector's components are called; in lists inside signals they are counted from 0."""
-    if len(label) == 1 and count in (2, 3):
+def _components(kind: type[Part], name: str, count: int) -> Sequence[str | int]:
+    """Return what the entries of a field are called: letters in vectors, else their places from 0."""
+    of_any_length = Ellipsis in get_args(kind.model_fields[name].annotation)
+    if count in (2, 3) and (name in fields_of(kind, Role.WORLD_VECTOR) or not of_any_length):
         return LETTERS[:count]
-    return SIX[str(label[0])] if label[0] in SIX and count == 6 else range(count)
+    return SIX[name] if name in SIX and count == 6 else range(count)
 
 
 def with_values(here: Any, values: Mapping[Place, float]) -> Any:

@@ -14,13 +14,14 @@ import numpy as np
 from mbs_ref.cores.system import Poses
 from mbs_ref.run.lanes import NOTE, why_not_in_lanes
 from mbs_ref.run.many import processors, shared, stopped
-from mbs_ref.run.method_choice import AUTO, choose_plan
+from mbs_ref.run.method_choice import AUTO
 from mbs_ref.scene import Scene
 from mbs_ref.self_checks.consistent_start import InconsistentScene
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate, simulate_scenes, simulate_starts
 from mbs_ref.simulate.ensemble.design import Design
 from mbs_ref.simulate.ensemble.variants import Variants, own_start
+from mbs_ref.simulate.one_run import compiled
 from mbs_ref.trajectory import Status, Trajectory
 
 LARGEST = 2 * 2**30  # bytes of samples that are kept
@@ -75,11 +76,11 @@ def run_ensemble(
     values, began, done = design.values, time.perf_counter(), 0
     try:
         for portion in _portions(design.n_runs, 8 * processors(threads)):
-            asked = _asked(variants, values[portion])
-            paths = _paths(variants.source.scene, asked, settings, threads, lanes=not reason)
+            jobs = _jobs(variants, values[portion])
+            paths = _paths(variants, jobs, settings, threads, lanes=not reason)
             if any(path.status is Status.INTERRUPTED for path in paths):
                 break
-            store.keep(portion, paths, asked)
+            store.keep(portion.start, paths, jobs)
             done = portion.stop
             if report is not None:
                 report(done, design.n_runs)
@@ -93,7 +94,7 @@ def _settled(scene: Scene, settings: Settings, may_choose: bool) -> tuple[Settin
     common = {"t_end": settings.t_end or scene.duration, "reactions": False}
     method = AUTO if settings.method is None and may_choose else settings.method
     settled = settings.model_copy(update=common | {"method": method})
-    return settled, choose_plan(scene, settled, None).times
+    return settled, compiled(scene, settled, None)[0].times
 
 
 def _portions(count: int, first: int) -> Iterator[slice]:
@@ -105,23 +106,25 @@ def _portions(count: int, first: int) -> Iterator[slice]:
         done, size = stop, 4 * size if time.perf_counter() - began < QUICK_S else size
 
 
-class _Asked(NamedTuple):
-    """What the runs of a portion are asked for."""
+class _Job(NamedTuple):
+    """What a run is asked for."""
 
-    scenes: list[Scene | Trajectory]  # of each, or why there is none; empty where all runs have the one scene
-    starts: list[Poses | None]  # one sample of each; None where it is the scene's own
+    scene: Scene
+    start: Poses | None  # one sample of each; None where it is the scene's own
 
 
-def _asked(variants: Variants, values: np.ndarray) -> _Asked:
-    if variants.is_one_scene:
-        together = variants.starts(values)
-        return _Asked([], [Poses(*(part[k : k + 1] for part in together)) for k in range(len(values))])
-    base = variants.source.scene
-    scenes = [_or_why(base, lambda one=one: variants.scene(one)) for one in values]
-    if not variants.moves:
-        return _Asked(scenes, [None] * len(scenes))
-    pairs = zip(scenes, values, strict=True)
-    return _Asked(scenes, [variants.start(scene, one) if isinstance(scene, Scene) else None for scene, one in pairs])
+def _jobs(variants: Variants, values: np.ndarray) -> list[_Job | Trajectory]:
+    """Return the jobs of a portion; in place of one that cannot be a trajectory without samples, which says why."""
+    scene = variants.source.scene
+    if not variants.is_one_scene:
+        return [_or_why(scene, lambda one=one: _job(variants, one)) for one in values]
+    together = variants.starts(values)
+    return [_Job(scene, Poses(*(part[k : k + 1] for part in together))) for k in range(len(values))]
+
+
+def _job(variants: Variants, values: np.ndarray) -> _Job:
+    scene = variants.scene(values)
+    return _Job(scene, variants.start(scene, values) if variants.moves else None)
 
 
 def _or_why[T](scene: Scene, make: Callable[[], T]) -> T | Trajectory:
@@ -134,19 +137,25 @@ def _or_why[T](scene: Scene, make: Callable[[], T]) -> T | Trajectory:
         return stopped(scene, Status.REFUSED, str(error))
 
 
-def _paths(scene: Scene, asked: _Asked, settings: Settings, threads: int | None, lanes: bool) -> list[Trajectory]:
-    if not asked.scenes:
-        starts = Poses(*(np.concatenate(parts) for parts in zip(*(s for s in asked.starts if s), strict=True)))
-        return simulate_starts(scene, starts, settings, None, threads, lanes)
-    there = [k for k, one in enumerate(asked.scenes) if isinstance(one, Scene)]
-    scenes = [one for one in asked.scenes if isinstance(one, Scene)]
-    if any(asked.starts):
-        pairs = list(zip(scenes, (asked.starts[k] for k in there), strict=True))
-        made = shared(lambda pair: _or_why(scene, lambda: simulate(pair[0], settings, None, pair[1])), pairs, threads)
+def _paths(
+    variants: Variants, jobs: list[_Job | Trajectory], settings: Settings, threads: int | None, lanes: bool
+) -> list[Trajectory]:
+    there = {k: job for k, job in enumerate(jobs) if isinstance(job, _Job)}
+    starts = [job.start for job in there.values() if job.start is not None]
+    if variants.is_one_scene:
+        together = Poses(*(np.concatenate(parts) for parts in zip(*starts, strict=True)))
+        made = simulate_starts(variants.source.scene, together, settings, None, threads, lanes)
+    elif lanes and not starts:
+        made = simulate_scenes([job.scene for job in there.values()], settings, None, threads, lanes)
     else:
-        made = simulate_scenes(scenes, settings, None, threads, lanes)
-    paths = dict(enumerate(asked.scenes)) | dict(zip(there, made, strict=True))
-    return [path for path in paths.values() if isinstance(path, Trajectory)]
+        made = shared(lambda job: _path(job, settings), list(there.values()), threads)
+    stand_in = {k: job for k, job in enumerate(jobs) if isinstance(job, Trajectory)}
+    paths = stand_in | dict(zip(there, made, strict=True))
+    return [paths[k] for k in range(len(jobs))]
+
+
+def _path(job: _Job, settings: Settings) -> Trajectory:
+    return _or_why(job.scene, lambda: simulate(job.scene, settings, None, job.start))
 
 
 class _Store:
@@ -167,15 +176,15 @@ class _Store:
         self.told: list[tuple[Status, str, str]] = []  # status, message and method
         self.how = {f"not in lanes: {reason}": None} if reason else {}
 
-    def keep(self, portion: slice, paths: Sequence[Trajectory], asked: _Asked) -> None:
+    def keep(self, first: int, paths: Sequence[Trajectory], jobs: Sequence[_Job | Trajectory]) -> None:
         """Keep the samples of a portion of the runs."""
-        for k, path, which in zip(range(portion.start, portion.stop), paths, range(len(paths)), strict=True):
+        for k, (path, job) in enumerate(zip(paths, jobs, strict=True), first):
             self.told.append((path.status, path.message, path.method))
             self.how |= dict.fromkeys(note for note in path.notes if note == NOTE or note.startswith("not in lanes"))
             if path.status is Status.SUCCESS:
                 self._keep(k, path)
-                if self.settings.project_initial:
-                    self.corrections[k] = _correction(path, _start(asked, which))
+                if self.settings.project_initial and isinstance(job, _Job):
+                    self.corrections[k] = _correction(path, job.start or own_start(job.scene))
 
     def _keep(self, k: int, path: Trajectory) -> None:
         for kept, part in zip(self.samples, _poses(path), strict=True):
@@ -195,16 +204,6 @@ class _Store:
 
 def _poses(path: Trajectory) -> Poses:
     return Poses(path.position, path.orientation, path.velocity, path.angular_velocity)
-
-
-def _start(asked: _Asked, k: int) -> Poses:
-    """Return the start that run k of a portion was asked to have."""
-    start = asked.starts[k]
-    if start is not None:
-        return start
-    scene = asked.scenes[k]
-    assert isinstance(scene, Scene)
-    return own_start(scene)
 
 
 def _correction(path: Trajectory, asked: Poses) -> np.ndarray:

@@ -13,6 +13,7 @@ from scipy.special import ellipj
 
 from mbs_ref import scenes
 from mbs_ref.scene import GROUND, PlanarBody, PointMass, Scene, SpatialBody, SpringDamper
+from mbs_ref.scene.celestial import Newton
 from mbs_ref.scene.euler_parameters import rotation_matrices
 from mbs_ref.settings import Settings
 from mbs_ref.simulate.ensemble import (
@@ -172,6 +173,16 @@ def test_runs_that_cannot_be_are_counted_and_left_out():
     assert found.count == 20 - refused.sum()
     assert found.mean[-1, 0] == pytest.approx(made.design.values[~refused, 1].mean(), rel=1e-9)
     assert any("refused: " in one and "mass" in one for one in account(made, [found]))
+
+
+def test_a_scene_that_the_solver_refuses_is_a_row_too():
+    """Two spheres a metre apart whose radii add up to more."""
+    spheres = tuple(PointMass(name=f"p{k}", mass=1.0, position=(k, 0.0, 0.0), velocity=(0.0, 0.0, 0.0)) for k in (0, 1))
+    newton = Newton(name="newton", gm=(1e-9, 1e-9), radius=(0.4, 0.1))
+    scene = Scene(name="pair", gravity=(0.0, 0.0, 0.0), bodies=spheres, loads=(newton,))
+    made = ensemble(scene, {"newton.radius.0": "0.5:1.5:5"})
+    assert [str(status) for status in made.statuses] == ["success", "success", "refused", "refused", "refused"]
+    assert "overlap at t = 0" in made.messages[-1]
 
 
 def test_another_number_of_bodies_is_refused():

@@ -6,7 +6,8 @@ import pytest
 from pydantic import ValidationError
 
 from mbs_ref import scenes
-from mbs_ref.scene import Force, PlanarBody, Scene, SpatialBody, SpringDamper
+from mbs_ref.scene import Force, PlanarBody, PointMass, Scene, SpatialBody, SpringDamper
+from mbs_ref.scene.celestial import Newton
 from mbs_ref.scene.signals import Table
 from mbs_ref.scene.toml import dumps
 from mbs_ref.simulate.ensemble.numbers import place_of, value_at, with_values
@@ -19,6 +20,10 @@ PLANE = Scene(
     bodies=(PlanarBody(name="a", mass=1.0, inertia=2.0),
             PlanarBody(name="a.b", mass=3.0, inertia=4.0, position=(7.0, 8.0), angle=0.25)),
 )  # fmt: skip
+PAIR = Scene(
+    name="pair", gravity=(0.0, 0.0, 0.0), loads=(Newton(name="newton", gm=(1.0, 2.0), radius=(0.1, 0.2)),),
+    bodies=tuple(PointMass(name=f"p{k}", mass=1.0, position=(k, 0.0, 0.0), velocity=(0.0, 0.0, 0.0)) for k in (0, 1)),
+)  # fmt: skip
 SPACE = Scene(name="space", gravity=(0.0, 0.0, -1.0), bodies=(
     SpatialBody(name="brick", mass=1.0, inertia=(1.0, 1.1, 1.2, 0.01, 0.02, 0.03), angular_velocity=(4.0, 5.0, 6.0)),
 ))  # fmt: skip
@@ -29,7 +34,9 @@ SPACE = Scene(name="space", gravity=(0.0, 0.0, -1.0), bodies=(
     [(PLANE, "a.mass", 1.0), (PLANE, "a.b.mass", 3.0), (PLANE, "a.b.position.y", 8.0), (PLANE, "a.b.angle", 0.25),
      (PLANE, "a.spring.stiffness", 9.0), (PLANE, "a.spring.point_b.x", 7.0), (PLANE, "a.spring.rest_length", None),
      (PLANE, "a.spring.damping", 0.0), (PLANE, "push.vector.y", 2.0), (PLANE, "push.factor.values.1", 4.0),
-     (PLANE, "gravity.y", -9.5), (SPACE, "brick.inertia.yz", 0.03), (SPACE, "brick.angular_velocity.z", 6.0)],
+     (PLANE, "push.factor.times.2", 2.0), (PAIR, "newton.gm.1", 2.0), (PAIR, "newton.radius.0", 0.1),
+     (PAIR, "p1.position.x", 1.0), (PLANE, "gravity.y", -9.5),
+     (SPACE, "brick.inertia.yz", 0.03), (SPACE, "brick.angular_velocity.z", 6.0)],
 )  # fmt: skip
 def test_a_name_leads_to_its_number_and_changes_it_alone(scene, name, value):
     place = place_of(scene, name)
