@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+import numpy as np
 from rich.table import Table
 
 from mbs_ref.simulate.ensemble import Ensemble, Statistics, coordinates
@@ -36,12 +37,13 @@ def _spreads(ensemble: Ensemble, found: list[Statistics | None]) -> Iterator[tup
             yield *at, "no run ended well"
             continue
         for k, place in enumerate(coordinates(ensemble)):
-            low, median, high = one.quantiles[:, -1, k]
+            spread, middle = one.deviation[-1, k], one.mean[-1, k]
+            figures = _figures(middle, spread)
+            values = (middle, *one.quantiles[:, -1, k], one.least[-1, k], one.most[-1, k])
+            mean, *others = (_digits(value, figures) for value in values)
             yield (
-                *at, place.body, f"{place.name}, {place.unit}",
-                _digits(one.mean[-1, k]), number(one.mean_error[-1, k]),
-                _digits(one.deviation[-1, k]), number(one.deviation_error[-1, k]),
-                *map(_digits, (low, median, high, one.least[-1, k], one.most[-1, k])),
+                *at, place.body, f"{place.name}, {place.unit}", mean, number(one.mean_error[-1, k]),
+                _digits(spread), number(one.deviation_error[-1, k]), *others,
             )  # fmt: skip
 
 
@@ -60,6 +62,13 @@ def _ends(ensemble: Ensemble, found: list[Statistics | None]) -> Iterator[tuple[
 def _points(ensemble: Ensemble, found: list[Statistics | None]) -> Iterator[tuple[list[str], Statistics | None]]:
     for at, one in zip(ensemble.design.points, found, strict=True):
         yield [f"{value:.6g}" for value in at], one
+
+
+def _figures(value: float, spread: float) -> int:
+    """Return how many figures of a value show its spread with two, six at least."""
+    if not spread > 0.0 or value == 0.0:
+        return 6
+    return int(np.clip(np.ceil(np.log10(abs(value) / spread)) + 2, 6, 12))
 
 
 def _digits(value: float, count: int = 6) -> str:

@@ -11,6 +11,7 @@ import pytest
 from click.testing import CliRunner, Result
 
 from mbs_ref import scenes
+from mbs_ref.scene import PointMass, Scene
 from mbs_ref.scene.toml import write_scene
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import ensemble as ensembles
@@ -82,6 +83,17 @@ def test_what_makes_no_sense_is_a_sentence_and_exit_code_2(words, said):
     done = run("pendulum", *words, "--t-end", "0.1")
     assert done.exit_code == 2, done.output
     assert said in done.stderr
+
+
+def test_a_small_spread_of_a_large_number_is_seen(tmp_path):
+    bob = PointMass(name="bob", mass=1.0, position=(0.0, 0.0), velocity=(0.0, 0.0))
+    write_scene(Scene(name="far", bodies=(bob,)), tmp_path / "far.toml")
+    done = run(str(tmp_path / "far.toml"), "--vary", "bob.position.x=1e6..1000001", "-n", "10", *QUICK)
+    (row,) = [line.split() for line in done.stdout.splitlines() if line.split()[:2] == ["bob", "x,"]]
+    mean, *_, least, most = (float(word) for word in row[3:])
+    assert mean == pytest.approx(1e6 + 0.5, abs=0.03)
+    assert 0.0 <= least - 1e6 <= 0.1
+    assert 0.9 <= most - 1e6 <= 1.0
 
 
 def test_where_no_run_ends_well_the_exit_code_says_so():
