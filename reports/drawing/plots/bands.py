@@ -18,6 +18,7 @@ def bands(ensemble: Ensemble) -> Figure:
     named = coordinates(ensemble)
     kinds = list(dict.fromkeys((one.name, one.unit) for one in named))
     figure = new_figure("time, s", "", x_log=False, y_log=False, height=HEIGHT * len(kinds))
+    figure.layout["legend"] |= {"groupclick": "togglegroup"}  # a body's coordinates come and go together
     first = figure.layout.pop("yaxis")
     for row, (name, unit) in enumerate(kinds):
         low = 1.0 - (row + 1) / len(kinds)

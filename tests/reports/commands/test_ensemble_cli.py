@@ -167,6 +167,8 @@ def test_a_plot_has_a_band_and_a_median_of_every_coordinate_at_every_point(made)
     assert np.allclose(lines[0].y, found[0].quantiles[1, :, 0])
     band = next(line for line in drawn.data if line.fill == "toself")
     assert np.allclose(band.y, [*found[0].quantiles[2, :, 0], *found[0].quantiles[0, ::-1, 0]])
+    assert all(line.legendgroup == line.name for line in drawn.data)
+    assert drawn.layout.legend.groupclick == "togglegroup"
     assert [drawn.layout[axis].title.text for axis in ("yaxis", "yaxis2", "yaxis3")] == ["x, m", "y, m", "angle, rad"]
 
 
