@@ -49,6 +49,7 @@ class Past(NamedTuple):
 
     natural: np.ndarray  # (1,) s, step that accuracy allows while one is shortened to avoid a singular pose, else 0
     marks: np.ndarray  # (2,) int: REJECTED, AVOIDED
+    pivot: np.ndarray  # (1,) the worst closure pivot of its stages
 
 
 REJECTED = 0  # 1 after a step whose error was too large
@@ -156,7 +157,7 @@ def advance_explicit(model, work, tableau, options, run, y, outputs):
     adaptive, n, asked = options.step == 0.0, y.shape[0], _asked(tableau, options)
     span = outputs.times[-1] - outputs.times[0]
     stages = Stages(np.empty((tableau.b.shape[0] + 1, n)), np.empty(n), np.empty(n))
-    past = Past(np.zeros(1), np.zeros(2, dtype=np.int64))
+    past = Past(np.zeros(1), np.zeros(2, dtype=np.int64), np.ones(1))
     search, table = event_tables(model)
     budget = run.steps + options.chunk
     code = begin(model, work, run, y, stages.slopes[0], table, options.max_events)
@@ -169,8 +170,9 @@ def advance_explicit(model, work, tableau, options, run, y, outputs):
         attempt = next_attempt(options, run, outputs, adaptive and past.natural[0] == 0.0, search)
         if stands_still(attempt):
             return STEP_TOO_SMALL
-        restore = options.project and (past.marks[REJECTED] == 1 or regularity(work) < NEAR_SINGULAR)
-        stage_pivot = fill_stages(model, work, tableau, options, attempt.t, attempt.h, y, stages, restore)
+        was_near = past.marks[REJECTED] == 1 and past.pivot[0] < NEAR_SINGULAR
+        restore = options.project and (was_near or regularity(work) < NEAR_SINGULAR)
+        past.pivot[0] = fill_stages(model, work, tableau, options, attempt.t, attempt.h, y, stages, restore)
         run.rhs_calls += tableau.b.shape[0] - 1
         if adaptive and not attempt.searching:  # a shorter step than an accepted one needs no second judgement
             code = _judge(model, work, tableau, options, run, attempt, span, y, stages, restore, past)
@@ -185,7 +187,7 @@ def advance_explicit(model, work, tableau, options, run, y, outputs):
             continue
         if code != RUNNING:
             return code
-        too_near, noisy_end = _is_too_near(work, options, asked, stage_pivot, past)
+        too_near, noisy_end = _is_too_near(work, options, asked, past.pivot[0] if restore else 1.0, past)
         if too_near and verdict != EVENT:
             code = _avoid(run, attempt, stages.new, outputs, noisy_end, past)
             continue

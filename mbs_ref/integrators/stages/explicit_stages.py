@@ -36,8 +36,7 @@ def fill_stages(model, work, tableau, options, t, h, y, stages, restore):
         if restore:
             project(model, work, t_stage, new, options.projection_tolerance, STAGE_ITERATIONS)
         derivative(model, work, t_stage, new, slopes[i])
-        if restore:
-            pivot = min(pivot, regularity(work))
+        pivot = min(pivot, regularity(work))
     _add_slopes(y, tableau.b, tableau.b.shape[0], slopes, h, new)
     return pivot
 
