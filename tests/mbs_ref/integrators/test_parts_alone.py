@@ -101,7 +101,7 @@ def test_radaus_newton_leaves_a_share_of_the_tolerance(rtol, share):
 
 @pytest.mark.parametrize(("natural", "taken"), [(3.0, 3.0), (0.0, 1.0)])
 def test_away_from_a_singular_pose_steps_are_as_accuracy_allows_again(natural, taken):
-    run, past = SimpleNamespace(h=1.0), explicit.Past(np.array([natural]), np.array([0, 5]))
+    run, past = SimpleNamespace(h=1.0), explicit.Past(np.array([natural]), np.array([0, 5]), np.ones(1))
     explicit._settle_down.py_func(run, past)
     assert (run.h, past.natural[0], past.marks[explicit.AVOIDED]) == (taken, 0.0, 0)
 
@@ -117,7 +117,7 @@ def test_a_run_creeps_that_would_not_end_within_its_steps_whenever_it_begins(sta
 def test_a_step_too_near_a_singular_pose_is_shortened_only_so_often():
     options = SimpleNamespace(project=False, step=0.0)
     for avoided, stage_pivot, wanted in ((0, 1e-12, True), (0, 1.0, False), (explicit.PATIENT_AVOIDED, 1e-12, False)):
-        past = explicit.Past(np.zeros(1), np.array([0, avoided]))
+        past = explicit.Past(np.zeros(1), np.array([0, avoided]), np.ones(1))
         assert explicit._is_too_near.py_func(None, options, 1e-8, stage_pivot, past) == (wanted, False)
 
 
