@@ -71,8 +71,9 @@ def _ensemble_npz(ensemble: Ensemble) -> bytes:
         laws=np.array([str(law) for law in ensemble.design.laws.values()]),
         values=ensemble.design.values[:made],  # (n_runs, n_inputs)
         status=np.array([str(status) for status in ensemble.statuses]),
+        reached=ensemble.reached,  # (n_runs,) s
         times=ensemble.times,
-        **ensemble.samples._asdict(),  # (n_runs, n_t, n_bodies, ...); NaN of runs that did not end well
+        **ensemble.samples._asdict(),  # (n_runs, n_t, n_bodies, ...); NaN where a run has none
         errors=ensemble.errors,  # (n_runs, n_t, 2) m and rad, estimated
     )
     return buffer.getvalue()

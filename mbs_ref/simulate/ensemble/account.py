@@ -35,6 +35,12 @@ def _ends(ensemble: Ensemble) -> Iterator[str]:
     yield f"{made} runs: " + ", ".join(f"{count} {status}" for status, count in ensemble.counts.items())
     firsts = dict(zip(reversed(ensemble.statuses), reversed(ensemble.messages), strict=True))
     yield from (f"{status}: {message}" for status, message in firsts.items() if status is not Status.SUCCESS)
+    ended = ensemble.reached[[status is Status.STOP_EVENT for status in ensemble.statuses]]
+    if len(ended):
+        spread = f", standard deviation {ended.std(ddof=1):.4g} s" if len(ended) > 1 else ""
+        yield f"an event ended {len(ended)} runs, at {ended.mean():.6g} s on average{spread}, " + (
+            f"from {ended.min():.6g} to {ended.max():.6g} s"
+        )
     left_out = made - int(ensemble.ended_well.sum())
     if left_out:
         yield f"{left_out} of {made} runs are left out of all figures, which are of the others alone"

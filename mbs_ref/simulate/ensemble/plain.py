@@ -21,8 +21,8 @@ from mbs_ref.simulate.ensemble.statistics import (
 def to_dict(ensemble: Ensemble) -> dict[str, Any]:
     """Return everything but the samples themselves: inputs and end of every run, statistics over time."""
     found, design = statistics(ensemble), ensemble.design
-    estimates = ensemble.errors.max(axis=1) if ensemble.errors.size else np.zeros((0, 2))
-    runs = zip(design.values, ensemble.statuses, ensemble.messages, ensemble.methods, estimates, strict=False)
+    estimates = np.fmax.reduce(ensemble.errors, axis=1)  # NaN where a run has none
+    ends = zip(ensemble.statuses, ensemble.messages, ensemble.methods, ensemble.reached, estimates, strict=True)
     return {
         "scene": ensemble.scene.name,
         "parameters": ensemble.scene.parameters,
@@ -41,8 +41,8 @@ def to_dict(ensemble: Ensemble) -> dict[str, Any]:
         ],
         "runs": [
             {"values": dict(zip(design.names, values.tolist(), strict=True)), "status": str(status), "message": message,
-             "method": method, "estimated_error": {"m": error[0], "rad": error[1]}}
-            for values, status, message, method, error in runs
+             "method": method, "reached": reached, "estimated_error": {"m": error[0], "rad": error[1]}}
+            for values, (status, message, method, reached, error) in zip(design.values, ends, strict=False)
         ],
     }  # fmt: skip
 

@@ -17,6 +17,7 @@ from mbs_ref.run.many import processors, shared, stopped
 from mbs_ref.run.method_choice import AUTO
 from mbs_ref.scene import Scene
 from mbs_ref.self_checks.consistent_start import InconsistentScene
+from mbs_ref.self_checks.error_estimate import ENDED
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate, simulate_scenes, simulate_starts
 from mbs_ref.simulate.ensemble.design import Design
@@ -31,7 +32,10 @@ Report = Callable[[int, int], None]  # runs done, of how many
 
 @dataclass(frozen=True)
 class Ensemble:
-    """Many runs of one scene; runs that did not end well have NaN for samples. n_runs is the number that were made."""
+    """Many runs of one scene; n_runs is the number that were made.
+
+    Samples are NaN from where a declared event ended a run, and of runs that failed.
+    """
 
     scene: Scene  # as it stands, before anything is varied
     design: Design
@@ -41,6 +45,7 @@ class Ensemble:
     statuses: tuple[Status, ...]
     messages: tuple[str, ...]
     methods: tuple[str, ...]
+    reached: np.ndarray  # (n_runs,) s, the time of the last sample, an event's own among them; NaN where there is none
     errors: np.ndarray  # (n_runs, n_t, 2) m and rad, by each run's own estimate; NaN where there is none
     corrections: np.ndarray  # (n_runs, 2) by how much starts were projected: m or rad, m/s or rad/s
     how: tuple[str, ...]  # whether runs were made in lanes, or why not
@@ -52,7 +57,7 @@ class Ensemble:
 
     @property
     def ended_well(self) -> np.ndarray:
-        """Which runs the statistics are made of (n_runs,)."""
+        """Which runs the statistics are made of (n_runs,): those that reached every output time."""
         return np.array([status is Status.SUCCESS for status in self.statuses], dtype=bool)
 
     @property
@@ -173,6 +178,7 @@ class _Store:
             )
         self.samples = Poses(*(np.full((*shape, *part), np.nan) for part in parts))
         self.errors, self.corrections = np.full((*shape, 2), np.nan), np.zeros((shape[0], 2))
+        self.reached = np.full(shape[0], np.nan)
         self.told: list[tuple[Status, str, str]] = []  # status, message and method
         self.how = {f"not in lanes: {reason}": None} if reason else {}
 
@@ -181,24 +187,27 @@ class _Store:
         for k, (path, job) in enumerate(zip(paths, jobs, strict=True), first):
             self.told.append((path.status, path.message, path.method))
             self.how |= dict.fromkeys(note for note in path.notes if note == NOTE or note.startswith("not in lanes"))
-            if path.status is Status.SUCCESS:
+            if path.status in ENDED:
                 self._keep(k, path)
                 if self.settings.project_initial and isinstance(job, _Job):
                     self.corrections[k] = _correction(path, job.start or own_start(job.scene))
 
     def _keep(self, k: int, path: Trajectory) -> None:
+        self.reached[k] = path.times[-1]
+        count = int(np.sum(self.times <= path.times[-1]))  # what comes after is an event's own sample
         for kept, part in zip(self.samples, _poses(path), strict=True):
-            kept[k] = part
+            kept[k, :count] = part[:count]
         if path.estimate is not None:
-            components = path.estimate.components[:, :2]
-            self.errors[k] = components * (path.estimate.length, 1.0)
+            components = path.estimate.components[:count, :2]
+            self.errors[k, :count] = components * (path.estimate.length, 1.0)
 
     def ensemble(self, done: int, wall_s: float) -> Ensemble:
         """Return what has been made."""
         statuses, messages, methods = zip(*self.told[:done], strict=True) if done else ((), (), ())
         return Ensemble(
             self.scene, self.design, self.settings, self.times, Poses(*(part[:done] for part in self.samples)),
-            statuses, messages, methods, self.errors[:done], self.corrections[:done], tuple(self.how), wall_s,
+            statuses, messages, methods, self.reached[:done], self.errors[:done], self.corrections[:done],
+            tuple(self.how), wall_s,
         )  # fmt: skip
 
 

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import click
+import numpy as np
 
 from mbs_ref.atomic_file import write_atomic
 from mbs_ref.simulate import ensemble as ensembles
@@ -75,7 +76,7 @@ def command(
         _show(made)
     if not made.is_complete:
         raise Incomplete(f"interrupted after {len(made.statuses)} of {design.n_runs} runs")
-    if not made.ended_well.any():
+    if np.isnan(made.reached).all():
         raise Failed(f"no run ended well; the first: {made.statuses[0]}: {made.messages[0]}")
 
 

@@ -15,6 +15,7 @@ from mbs_ref import scenes
 from mbs_ref.scene import GROUND, PlanarBody, PointMass, Scene, SpatialBody, SpringDamper
 from mbs_ref.scene.celestial import Newton
 from mbs_ref.scene.euler_parameters import rotation_matrices
+from mbs_ref.scene.events import CoordinateEvent
 from mbs_ref.settings import Settings
 from mbs_ref.simulate.ensemble import (
     Source,
@@ -163,6 +164,21 @@ def test_a_projected_start_says_by_how_much_and_a_kept_velocity_is_as_asked():
         ensemble(crank, {"crank.angle": "+-0.1"}, 4, kept=("crank.angular_velocity",))
 
 
+def test_when_an_event_ends_the_runs_is_told():
+    """A ball falls a metre in sqrt(2/g); two of three reach that within the duration."""
+    ground = CoordinateEvent(name="ground", body="ball", coordinate="y", value=-1.0, action="stop")
+    made = ensemble(BALL.model_copy(update={"events": (ground,)}), {"gravity.y": "-5:-1:3"}, t_end=1.0)
+    assert [str(status) for status in made.statuses] == ["stop-event", "stop-event", "success"]
+    fallen = np.sqrt(2.0 / np.array([5.0, 3.0]))
+    assert made.reached == pytest.approx([*fallen, 1.0], rel=1e-9)
+    inside = made.times <= fallen[0]
+    assert np.isnan(made.samples.position[0, ~inside]).all()
+    assert made.samples.position[0, inside, 0, 1] == pytest.approx(-2.5 * made.times[inside] ** 2, abs=1e-9)
+    told = f"an event ended 2 runs, at {fallen.mean():.6g} s on average, standard deviation {fallen.std(ddof=1):.4g} s"
+    assert any(told in one for one in account(made, statistics(made)))
+    assert not integration_error(made)[0].any()
+
+
 def test_runs_that_cannot_be_are_counted_and_left_out():
     made = ensemble(BALL, {"ball.mass": "0.1+-1", "ball.velocity.x": "+-1"}, 20)
     refused = made.design.values[:, 0] <= 0.0
@@ -229,6 +245,16 @@ def test_standard_errors_are_what_repeated_samples_scatter_by():
         deviation = draws.std(axis=0, ddof=1)
         told = _deviation_error(draws - draws.mean(axis=0), deviation)
         assert np.mean(told) == pytest.approx(deviation.std(), rel=0.08)
+
+
+def test_a_hypercubes_mean_scatters_by_less_than_its_standard_error():
+    """Of exp(x) y, which no sum of functions of x and of y is: over 300 seeds."""
+    laws = {"x": read_law("0+-1", None), "y": read_law("-1..3", None)}
+    drawn = np.array([design(laws, 20, seed).values for seed in range(300)])
+    values = np.exp(drawn[:, :, 0]) * drawn[:, :, 1]
+    told = np.sqrt(np.mean(values.var(axis=1, ddof=1) / 19))
+    assert values.mean(axis=1).std() < told
+    assert values.mean() == pytest.approx(np.exp(0.5), abs=4.0 * told / np.sqrt(300))
 
 
 def test_every_point_of_a_grid_has_statistics_of_its_own():
