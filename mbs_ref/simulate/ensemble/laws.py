@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 NOTATION = "LOW..HIGH (uniform), MEAN+-SD or +-SD or +-P% (normal), LOW:HIGH:N (a grid of N even values)"
-NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
+NUMBER = r"[-+]?(?:\d+(?:\.\d+)?|\.\d+)(?:[eE][-+]?\d+)?"
 UNIFORM = re.compile(rf"({NUMBER})\.\.({NUMBER})")
 NORMAL = re.compile(rf"({NUMBER})?\+-({NUMBER})(%?)")
 GRID = re.compile(rf"({NUMBER}):({NUMBER}):(\d+)")
@@ -87,11 +87,12 @@ def read_law(text: str, own: float | None) -> Law:
 
     ValueError says what is wrong with the text.
     """
-    if found := UNIFORM.fullmatch(text):
+    bare = "".join(text.split())
+    if found := UNIFORM.fullmatch(bare):
         return Uniform(_finite(found[1]), _finite(found[2]))
-    if found := GRID.fullmatch(text):
+    if found := GRID.fullmatch(bare):
         return Grid(_finite(found[1]), _finite(found[2]), int(found[3]))
-    if found := NORMAL.fullmatch(text):
+    if found := NORMAL.fullmatch(bare):
         mean = _finite(found[1]) if found[1] else own
         if mean is None:
             raise ValueError(f"{text!r} is about the scene's own value, and there is none; give MEAN+-SD")

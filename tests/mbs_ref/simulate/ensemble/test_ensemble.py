@@ -32,7 +32,7 @@ from mbs_ref.simulate.ensemble import (
     to_dict,
     values_of,
 )
-from mbs_ref.simulate.ensemble.statistics import _deviation_error
+from mbs_ref.simulate.ensemble.statistics import _statistics
 
 G, STIFFNESS, MASS = 9.81, 8.0, 2.0
 BALL = Scene(name="ball", gravity=(0.0, -G), bodies=(PlanarBody(name="ball", mass=1.0, inertia=0.1),))
@@ -242,9 +242,9 @@ def test_standard_errors_are_what_repeated_samples_scatter_by():
     """Of 2000 samplings of 60 draws each, of a law with tails and of one without."""
     random = np.random.default_rng(1)
     for draws in (random.normal(size=(60, 2000)), random.uniform(size=(60, 2000))):
-        deviation = draws.std(axis=0, ddof=1)
-        told = _deviation_error(draws - draws.mean(axis=0), deviation)
-        assert np.mean(told) == pytest.approx(deviation.std(), rel=0.08)
+        found = _statistics(draws[:, None])
+        assert np.mean(found.mean_error) == pytest.approx(draws.mean(axis=0).std(), rel=0.06)
+        assert np.mean(found.deviation_error) == pytest.approx(draws.std(axis=0, ddof=1).std(), rel=0.08)
 
 
 def test_a_hypercubes_mean_scatters_by_less_than_its_standard_error():
