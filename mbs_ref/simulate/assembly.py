@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -24,16 +25,13 @@ class Samples(NamedTuple):
 
 def sampled(system: System, plan: Plan, runs: list[Run]) -> list[Samples]:
     """Return what the states of each run say, asked of all of them at once: of scenes without events."""
-    ends = np.cumsum([len(run.times) for run in runs])[:-1]
     if not runs:
         return []
     times, states = np.concatenate([run.times for run in runs]), np.concatenate([run.states for run in runs])
-    poses = [np.split(part, ends) for part in system.poses(states)]
-    reactions = {name: np.split(part, ends) for name, part in _reactions(system, plan, times, states).items()}
-    return [
-        Samples(Poses(*(part[k] for part in poses)), {name: part[k] for name, part in reactions.items()})
-        for k in range(len(runs))
-    ]
+    poses, reactions = system.poses(states), _reactions(system, plan, times, states)
+    ends = np.cumsum([0, *(len(run.times) for run in runs)]).tolist()
+    own = [slice(*pair) for pair in itertools.pairwise(ends)]
+    return [Samples(Poses(*(part[at] for part in poses)), {n: part[at] for n, part in reactions.items()}) for at in own]
 
 
 def trajectory(system: System, plan: Plan, run: Run, notes: list[str], timing: Timing, samples: Samples) -> Trajectory:
