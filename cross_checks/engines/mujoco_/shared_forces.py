@@ -53,14 +53,16 @@ def shared_forces(model: mujoco.MjModel, tree: JointTree) -> Callback:
     """Return what sets the forces on all bodies."""
     applied = AppliedForces(tree)
     index = np.array([model.body(name).id for name in tree.scene.body_names])
+    root, pushed = model.body_rootid[index], np.ix_(index, (0, 1, 5))
     turns, start = _turns(model, tree), tree.angle[:-1]
+    q, v = np.empty((2, len(index), 3))
 
     def act(model: mujoco.MjModel, data: mujoco.MjData) -> None:
-        arm = data.xipos[index] - data.subtree_com[model.body_rootid[index]]  # cvel is about that point
-        speed = data.cvel[index, 3:] + np.cross(data.cvel[index, :3], arm)
-        q = np.column_stack((data.xipos[index, :2], start + turns @ data.qpos))
-        v = np.column_stack((speed[:, :2], data.cvel[index, 2]))
-        data.xfrc_applied[np.ix_(index, (0, 1, 5))] = applied.of_poses(data.time, q, v)
+        place, twist = data.xipos[index], data.cvel[index]
+        arm, rate = place - data.subtree_com[root], twist[:, 2]  # cvel is about subtree_com, turning about z
+        q[:, :2], q[:, 2] = place[:, :2], start + turns @ data.qpos
+        v[:, 0], v[:, 1], v[:, 2] = twist[:, 3] - rate * arm[:, 1], twist[:, 4] + rate * arm[:, 0], rate
+        data.xfrc_applied[pushed] = applied.of_poses(data.time, q, v)
 
     return act
 
