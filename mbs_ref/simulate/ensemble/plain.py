@@ -33,6 +33,7 @@ def to_dict(ensemble: Ensemble) -> dict[str, Any]:
         "counts": ensemble.counts,
         "account": account(ensemble, found),
         "wall_s": ensemble.wall_s,
+        "runs_per_s": ensemble.runs_per_s,
         "times": ensemble.times,
         "integration_error": dict(zip(("m", "rad"), integration_error(ensemble).T, strict=True)),
         "points": [

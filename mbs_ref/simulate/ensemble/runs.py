@@ -49,7 +49,18 @@ class Ensemble:
     errors: np.ndarray  # (n_runs, n_t, 2) m and rad, by each run's own estimate; NaN where there is none
     corrections: np.ndarray  # (n_runs, 2) by how much starts were projected: m or rad, m/s or rad/s
     how: tuple[str, ...]  # whether runs were made in lanes, or why not
-    wall_s: float  # of all runs, with their error estimates
+    marks: tuple[tuple[int, float], ...]  # runs done, and s since the beginning, after each portion
+
+    @property
+    def wall_s(self) -> float:
+        """Seconds of all runs, with their error estimates."""
+        return self.marks[-1][1] if self.marks else 0.0
+
+    @property
+    def runs_per_s(self) -> float:
+        """The pace after the first portion, which loads the solver; of all runs where there is no other."""
+        first, begun = self.marks[0] if len(self.marks) > 1 else (0, 0.0)
+        return (len(self.statuses) - first) / (self.wall_s - begun) if self.marks else 0.0
 
     @property
     def is_complete(self) -> bool:
@@ -78,7 +89,8 @@ def run_ensemble(
     reason = why_not_in_lanes(variants.source.scene, settings)
     settings, times = _settled(variants.source.scene, settings, may_choose=bool(reason))
     store = _Store(variants.source.scene, design, settings, times, reason)
-    values, began, done = design.values, time.perf_counter(), 0
+    values, began = design.values, time.perf_counter()
+    marks: list[tuple[int, float]] = []
     try:
         for portion in _portions(design.n_runs, 8 * processors(threads)):
             jobs = _jobs(variants, values[portion])
@@ -86,12 +98,12 @@ def run_ensemble(
             if any(path.status is Status.INTERRUPTED for path in paths):
                 break
             store.keep(portion.start, paths, jobs)
-            done = portion.stop
+            marks.append((portion.stop, time.perf_counter() - began))
             if report is not None:
-                report(done, design.n_runs)
+                report(portion.stop, design.n_runs)
     except KeyboardInterrupt:
         pass
-    return store.ensemble(done, time.perf_counter() - began)
+    return store.ensemble(tuple(marks))
 
 
 def _settled(scene: Scene, settings: Settings, may_choose: bool) -> tuple[Settings, np.ndarray]:
@@ -201,13 +213,14 @@ class _Store:
             components = path.estimate.components[:count, :2]
             self.errors[k, :count] = components * (path.estimate.length, 1.0)
 
-    def ensemble(self, done: int, wall_s: float) -> Ensemble:
+    def ensemble(self, marks: tuple[tuple[int, float], ...]) -> Ensemble:
         """Return what has been made."""
+        done = marks[-1][0] if marks else 0
         statuses, messages, methods = zip(*self.told[:done], strict=True) if done else ((), (), ())
         return Ensemble(
             self.scene, self.design, self.settings, self.times, Poses(*(part[:done] for part in self.samples)),
             statuses, messages, methods, self.reached[:done], self.errors[:done], self.corrections[:done],
-            tuple(self.how), wall_s,
+            tuple(self.how), marks,
         )  # fmt: skip
 
 

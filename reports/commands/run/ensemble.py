@@ -126,5 +126,4 @@ def _show(made: Ensemble) -> None:
         click.echo()
     for sentence in ensembles.account(made, found):
         click.echo(sentence)
-    pace = number(len(made.statuses) / made.wall_s)
-    click.echo(f"{pace} runs/s, {number(made.wall_s)} s in all, error estimates included")
+    click.echo(f"{number(made.runs_per_s)} runs/s, {number(made.wall_s)} s in all, error estimates included")

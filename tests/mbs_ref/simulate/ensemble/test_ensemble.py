@@ -285,6 +285,12 @@ def test_ctrl_c_keeps_whole_portions(monkeypatch):
     assert len(to_dict(made)["runs"]) == len(made.statuses)
 
 
+def test_the_pace_is_that_of_runs_after_the_solver_is_loaded(thrown):
+    slow = replace(thrown, marks=((100, 10.0), (250, 11.0), (400, 13.0)))
+    assert (slow.wall_s, slow.runs_per_s) == (13.0, 100.0)
+    assert replace(thrown, marks=((400, 8.0),)).runs_per_s == 50.0
+
+
 def test_samples_that_no_memory_holds_are_refused_before_any_run():
     with pytest.raises(ValueError, match="GiB"):
         ensemble(BALL, {"ball.velocity.x": "3+-0.5"}, 10_000_000)
