@@ -24,6 +24,7 @@ class Settings(Part):
     baumgarte_gain: Positive = 20.0  # 1/s, critically damped: C'' + 2 g C' + g^2 C = 0
     t_end: Positive | None = None  # s, the scene's duration unless given
     samples: int = Field(default=101, ge=2, le=1_000_000)  # output times, evenly spaced from 0 to t_end
+    outputs: Literal["landed", "dense"] = "landed"  # steps end at output times, or the method interpolates there
     max_steps: int = Field(default=50_000_000, ge=1)
     stop_on_compliance: bool = False  # the papers' test |C(q, t)| < h ends the run
     # touch-down, lift-off, slip, slack: roots found, or forces merely clipped; the method's own way unless given

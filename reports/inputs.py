@@ -83,6 +83,7 @@ RUN = (
     click.option("--coordinates", type=click.Choice(["cartesian", "relative"]), help="Of bodies, or a tree's joints."),
     click.option("--t-end", type=float, metavar="T", help="Duration, s; the scene's own unless given."),
     click.option("--samples", type=int, metavar="N", help="Output times, evenly spaced from 0 to the end."),
+    click.option("--outputs", type=click.Choice(["landed", "dense"]), help="End steps there, or interpolate."),
     click.option("--events", type=click.Choice(["located", "none"]), help="Locate contact events, or clip forces."),
     click.option("--estimate", type=click.Choice(["on", "off"]), help="Whether a second run estimates the error; on."),
     click.option("--project-initial", is_flag=True, help="Repair inconsistent initial conditions and say by how much."),

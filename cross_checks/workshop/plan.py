@@ -82,7 +82,7 @@ def _check_settings(engine: str, method: Method, settings: Settings, supported: 
     if method.kind == "adaptive" and settings.step is not None:
         raise ValueError(f"step = {settings.step}: {method.name} takes rtol and atol instead")
     defaults = Settings()
-    for name in ("coordinates", "stabilization", "baumgarte_gain", "stop_on_compliance", "project_initial"):
+    for name in ("coordinates", "stabilization", "baumgarte_gain", "stop_on_compliance", "project_initial", "outputs"):
         value, default = getattr(settings, name), getattr(defaults, name)
         if name not in supported and value != default:
             raise ValueError(f"{name} = {value!r} is not offered by {engine}; allowed: {default!r}")

@@ -55,6 +55,8 @@ def _reasons(scene: Scene, settings: Settings) -> Iterator[str]:
         yield f"{', '.join(loads[:4])}: lanes know gravity alone"
     if settings.method not in (None, DEFAULT) or settings.step is not None:
         yield f"lanes are for {DEFAULT} with tolerances"
+    if settings.outputs == "dense":
+        yield "outputs = 'dense': lanes end steps at outputs"
     if settings.stabilization == "baumgarte":
         yield "stabilization = 'baumgarte' has nothing to act on in relative coordinates"
     if is_celestial(scene):
@@ -118,5 +120,6 @@ def _advanced(bunches: Sequence[Bunch], times: np.ndarray) -> Runs:
 
 def _complete(plan: Plan, runs: Runs, k: int, states: np.ndarray, loop_s: float) -> Run:
     """Return run k, which reached its end; no state breaks a constraint."""
-    counts = Counts(int(runs.steps[k]), int(runs.rejected[k]), int(runs.rhs_calls[k]), 0, 0)
+    steps, rejected, cut, calls = (int(count[k]) for count in (runs.steps, runs.rejected, runs.cut, runs.rhs_calls))
+    counts = Counts(steps, rejected, cut, calls, 0, 0)
     return Run(plan.times, states, np.zeros(len(states)), counts, Status.SUCCESS, reached(plan), loop_s, 0.0)

@@ -29,6 +29,7 @@ class Counts(NamedTuple):
 
     steps: int
     rejected_steps: int
+    cut_steps: int  # which ended at an output before accuracy asked for it
     rhs_calls: int
     events: int
     switches: int  # between a method's families
@@ -67,7 +68,7 @@ def run_legs(system: System, plan: Plan, y: np.ndarray, refine: int = 1) -> Run:
         legs = _advanced(system, plan, planned, run, y)
         loop_s = time.perf_counter() - began
     states, compliance = _samples(planned, legs)
-    counts = Counts(interrupts.steps, *map(int, (run.rejected, run.rhs_calls, run.events, run.switches)))
+    counts = Counts(interrupts.steps, *map(int, (run.rejected, run.cut, run.rhs_calls, run.events, run.switches)))
     times, stuck = plan.times[: len(states)], float(run.t)
     status, message = _outcome(system, plan, legs[-1], run, y, interrupts.asked)
     if status is Status.STOP_EVENT:
@@ -111,7 +112,7 @@ def _leg(options: Options, times: np.ndarray, start: float, end: float, length: 
     own = np.unique(np.concatenate(([start], inside, [end])))
     if options.step:
         options = options._replace(step=min(options.step, length / FEWEST) / refine)
-    if refine > 1:
+    if refine > 1 and not options.dense:
         own = _refined(own, refine * options.step or np.inf, refine)
     return LegPlan(own, np.searchsorted(own, inside), options)
 

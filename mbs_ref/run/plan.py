@@ -57,12 +57,13 @@ def make_plan(scene: Scene, settings: Settings, times: np.ndarray | None) -> Pla
         allowed = ", ".join(integrator.cores)
         raise ValueError(f"method = {name!r} is made for {allowed} scenes; {scene.name!r} is of {core}")
     fixed = _wants_fixed_step(integrator, settings)
+    lands = fixed and settings.outputs == "landed"
     notes: tuple[str, ...] = ()
     if times is None:
         t_end = settings.t_end if settings.t_end is not None else scene.duration
-        times = _even_grid(t_end, settings.samples, settings.step if fixed else None)
+        times = _even_grid(t_end, settings.samples, settings.step if lands else None)
     times = _checked_times(times)
-    if fixed and settings.step is not None:
+    if lands and settings.step is not None:
         notes = _off_grid_notes(times, settings.step)
     stabilization = settings.stabilization or integrator.stabilization
     if stabilization not in integrator.stabilizations:
@@ -70,6 +71,9 @@ def make_plan(scene: Scene, settings: Settings, times: np.ndarray | None) -> Pla
         raise ValueError(f"stabilization = {stabilization!r} does not go with method {name!r}; allowed: {allowed}")
     if settings.coordinates == "relative" and stabilization == "baumgarte":
         raise ValueError("stabilization = 'baumgarte' has nothing to act on in relative coordinates: they have no rows")
+    if settings.outputs == "dense" and not integrator.interpolates:
+        allowed = ", ".join(name for name, entry in known.items() if entry.interpolates)
+        raise ValueError(f"outputs = 'dense': method {name!r} has no interpolant of its order; allowed: {allowed}")
     _check_events(scene, settings, integrator)
     rtol, scales = settings.rtol or DEFAULT_TOLERANCE, scales_of(scene)
     units = state_units(scene, scales, settings.coordinates)
@@ -86,6 +90,7 @@ def make_plan(scene: Scene, settings: Settings, times: np.ndarray | None) -> Pla
         max_events=settings.max_events,
         projection_tolerance=PROJECTION_TOLERANCE * size,
         chunk=CHUNK,
+        dense=settings.outputs == "dense",
     )
     gain = settings.baumgarte_gain if stabilization == "baumgarte" else 0.0
     return Plan(integrator, settings, times, options, gain, notes)

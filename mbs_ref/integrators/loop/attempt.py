@@ -9,7 +9,7 @@ from mbs_ref.integrators.loop.leg import (
     PROJECTION,
     RUNNING,
 )
-from mbs_ref.integrators.loop.step_control import choose_step, close_step, end_step, withdraw
+from mbs_ref.integrators.loop.step_control import SLIVER, choose_step, close_step, end_step, withdraw
 from mbs_ref.kernels.jit import inlined
 
 WITHDRAWN = 3  # a verdict beside those of events: the step ended beyond the reach of a loop, and is to be shorter
@@ -32,7 +32,7 @@ def next_attempt(options, run, outputs, evenly, search):
 
     A fixed step gives way to a proposed part of it.
     """
-    t, target = run.t, outputs.times[run.next_output]
+    t, target = run.t, outputs.times[-1 if options.dense else run.next_output]
     proposed = run.h if options.step == 0.0 or 0.0 < run.h < options.step else options.step
     h, lands, searching = choose_step(proposed, target - t, evenly, search)
     return Attempt(t, target if lands else t + h, h, proposed, lands, searching)
@@ -77,6 +77,8 @@ def take(model, work, options, run, attempt, verdict, y, trial, table, outputs):
         y[k] = trial[k]
     run.t = attempt.t_new
     run.steps += 1
+    if attempt.lands and attempt.proposed * (1.0 - SLIVER) > attempt.h:
+        run.cut += 1
     if verdict == EVENT:
         code = settle(model, work, attempt.t_new, y, table, run, options.max_events)
         if code != RUNNING:

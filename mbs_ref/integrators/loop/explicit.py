@@ -22,6 +22,7 @@ from mbs_ref.integrators.loop.leg import (
     run_chunks,
 )
 from mbs_ref.integrators.loop.step_control import SHORTEST, begin, propose_first, record
+from mbs_ref.integrators.stages.dense_output import fill_between
 from mbs_ref.integrators.stages.explicit_stages import STAGE_ITERATIONS, Stages, error_norm, fill_stages
 from mbs_ref.kernels.border.questions import derivative, project, regularity
 from mbs_ref.kernels.jit import inlined, jit, loop_jit
@@ -140,10 +141,9 @@ def _settle_down(run, past):
 
 
 @inlined
-def _next_slope(model, work, options, run, attempt, verdict, y, slopes):
-    """Leave f at the new state in slopes[0]: where nothing moved the state, it is the last stage's."""
+def _next_slope(model, work, options, run, attempt, verdict, y, slopes, last):
+    """Leave f at the new state in slopes[0]: where nothing moved the state, it is that of the last stage."""
     if options.step == 0.0 and not options.project and not attempt.searching and verdict != EVENT:
-        last = slopes.shape[0] - 1
         for k in range(y.shape[0]):
             slopes[0, k] = slopes[last, k]
         return
@@ -156,7 +156,7 @@ def advance_explicit(model, work, tableau, options, run, y, outputs):
     """Advance y through the output times, in place; return a status code (RUNNING when the chunk is used up)."""
     adaptive, n, asked = options.step == 0.0, y.shape[0], _asked(tableau, options)
     span = outputs.times[-1] - outputs.times[0]
-    stages = Stages(np.empty((tableau.b.shape[0] + 1, n)), np.empty(n), np.empty(n))
+    stages = Stages(np.empty((tableau.b.shape[0] + 1 + tableau.dense.c.shape[0], n)), np.empty(n), np.empty(n))
     past = Past(np.zeros(1), np.zeros(2, dtype=np.int64), np.ones(1))
     search, table = event_tables(model)
     budget = run.steps + options.chunk
@@ -188,13 +188,16 @@ def advance_explicit(model, work, tableau, options, run, y, outputs):
         if code != RUNNING:
             return code
         too_near, noisy_end = _is_too_near(work, options, asked, past.pivot[0] if restore else 1.0, past)
-        if too_near and verdict != EVENT:
+        avoids = too_near and verdict != EVENT
+        if options.dense and (attempt.lands or not avoids):
+            fill_between(model, work, tableau, options, run, attempt, y, stages, restore, outputs)
+        if avoids:
             code = _avoid(run, attempt, stages.new, outputs, noisy_end, past)
             continue
         _settle_down(run, past)
         code = take(model, work, options, run, attempt, verdict, y, stages.new, table, outputs)
         if code == RUNNING:
-            _next_slope(model, work, options, run, attempt, verdict, y, stages.slopes)
+            _next_slope(model, work, options, run, attempt, verdict, y, stages.slopes, tableau.b.shape[0])
     return code
 
 

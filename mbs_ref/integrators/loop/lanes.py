@@ -20,7 +20,7 @@ from mbs_ref.integrators.loop.leg import (
     STEP_TOO_SMALL,
     TOO_MANY_STEPS,
 )
-from mbs_ref.integrators.loop.step_control import SHORTEST, choose_step, first_step
+from mbs_ref.integrators.loop.step_control import SHORTEST, SLIVER, choose_step, first_step
 from mbs_ref.kernels.algebra.lanes import (
     WIDTH,
     chosen_in_lanes,
@@ -48,6 +48,7 @@ class Runs(NamedTuple):
     h: np.ndarray  # (n_runs,) s, next step
     steps: np.ndarray  # (n_runs,) int
     rejected: np.ndarray  # (n_runs,) int
+    cut: np.ndarray  # (n_runs,) int, steps that accuracy would have let go beyond the output that they end at
     rhs_calls: np.ndarray  # (n_runs,) int
     next_output: np.ndarray  # (n_runs,) int, place among the times
     code: np.ndarray  # (n_runs,) int, of mbs_ref.integrators.loop.leg
@@ -78,7 +79,7 @@ def runs_from(figures: np.ndarray, atol: np.ndarray, scene: np.ndarray, starts: 
     n, size = starts.shape
     states = np.empty((n, n_times, size))
     states[:, 0] = starts
-    counts = [np.zeros(n, np.int64) for _ in range(5)]
+    counts = [np.zeros(n, np.int64) for _ in range(6)]
     return Runs(figures, atol, scene, states, np.empty((n, size)), np.zeros(n), np.zeros(n), *counts)
 
 
@@ -214,6 +215,7 @@ def _judge(tableau, options, runs, side, times, i, w):
     if t_new == runs.t[i]:
         return STEP_TOO_SMALL, False
     runs.rhs_calls[i] += tableau.b.shape[0]
+    proposed = runs.h[i]
     error = _error(side.now[MAIN, w], side.now[LOW, w], side.y.shape[0])
     accepted, runs.h[i] = resized(error, tableau.error_order, h, runs.h[i], lands, side.rejected[w] == 1)
     side.rejected[w] = 0 if accepted else 1
@@ -225,6 +227,7 @@ def _judge(tableau, options, runs, side, times, i, w):
     runs.t[i] = t_new
     runs.steps[i] += 1
     if lands:
+        runs.cut[i] += proposed * (1.0 - SLIVER) > h
         for k in range(side.y.shape[0]):
             runs.states[i, runs.next_output[i], k] = side.new[k, w]
         runs.next_output[i] += 1

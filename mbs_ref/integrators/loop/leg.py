@@ -48,6 +48,7 @@ class Options(NamedTuple):
     projection_tolerance: float  # m, rad
     max_events: int
     chunk: int  # steps before compiled code returns to Python, so that Ctrl-C is heard
+    dense: bool  # outputs are interpolated inside of steps, and do not end them
 
 
 # The state of a run, kept over chunks and legs: one record, whose fields Python and compiled code read and write alike.
@@ -60,6 +61,7 @@ PROGRESS = np.dtype(
         ("compliance", float),  # largest |C| since the last sample
         ("steps", np.int64),
         ("rejected", np.int64),
+        ("cut", np.int64),  # steps that accuracy would have let go beyond the output that they end at
         ("rhs_calls", np.int64),
         ("next_output", np.int64),  # place among the leg's times
         ("events", np.int64),
@@ -144,6 +146,7 @@ class Integrator:
     package: str | None = None  # optional third-party package it needs
     holds_deflections: bool = True  # carries the deflections of sticking contacts, which are states in space
     needs_positions: bool = False  # imposes every C = 0 on positions: no rows on velocities alone
+    interpolates: bool = False  # has dense output of its own order
     cores: tuple[str, ...] = ()  # the only cores it runs on (mbs_ref.cores.choice.core_name); empty for all
 
 

@@ -1,4 +1,4 @@
-"""DOP853: Dormand and Prince, order 8 with error estimates of order 5 and 3."""
+"""DOP853: Dormand and Prince, order 8, with error estimates of order 5 and 3 and dense output of order 7."""
 
 from mbs_ref.integrators.loop.explicit import explicit
 from mbs_ref.integrators.loop.leg import Integrator
@@ -11,6 +11,7 @@ INTEGRATOR = Integrator(
     order=8,
     description="Dormand-Prince of order 8, adaptive; fixed step when a step is given",
     advance=explicit(TABLEAU),
+    interpolates=True,
     stability=stability_polynomial(TABLEAU),
     ladder=(1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12),
 )

@@ -16,7 +16,7 @@ STAGE_ITERATIONS = 6
 class Stages(NamedTuple):
     """What a step is made of; n is the size of the state."""
 
-    slopes: np.ndarray  # (s + 1, n) f at the stages and, last, at the new state
+    slopes: np.ndarray  # (s + 1 + e, n) f at the stages, at the new state, and at the extra stages of dense output
     new: np.ndarray  # (n,) the new state
     scratch: np.ndarray  # (n,)
 
@@ -31,18 +31,18 @@ def fill_stages(model, work, tableau, options, t, h, y, stages, restore):
     slopes, new = stages.slopes, stages.new
     pivot = 1.0
     for i in range(1, tableau.b.shape[0]):
-        _add_slopes(y, tableau.a[i], i, slopes, h, new)
+        add_slopes(y, tableau.a[i], i, slopes, h, new)
         t_stage = t + tableau.c[i] * h
         if restore:
             project(model, work, t_stage, new, options.projection_tolerance, STAGE_ITERATIONS)
         derivative(model, work, t_stage, new, slopes[i])
         pivot = min(pivot, regularity(work))
-    _add_slopes(y, tableau.b, tableau.b.shape[0], slopes, h, new)
+    add_slopes(y, tableau.b, tableau.b.shape[0], slopes, h, new)
     return pivot
 
 
 @jit
-def _add_slopes(y, weights, count, slopes, h, out):
+def add_slopes(y, weights, count, slopes, h, out):
     """Write y + h sum w_j k_j over the first `count` slopes."""
     for k in range(out.shape[0]):
         out[k] = y[k]

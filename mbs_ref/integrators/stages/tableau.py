@@ -7,6 +7,20 @@ from typing import NamedTuple
 import numpy as np
 
 
+class Interpolant(NamedTuple):
+    """Dense output in the form of DOP853: stages beyond the step's end, and weights of a polynomial in its powers.
+
+    It is a Hermite cubic of the step's ends and slopes, and a bump for each row of d, which weighs all slopes.
+    """
+
+    a: np.ndarray  # (e, s + 1 + e) of the extra stages
+    c: np.ndarray  # (e,)
+    d: np.ndarray  # (m, s + 1 + e)
+
+
+NO_INTERPOLANT = Interpolant(np.zeros((0, 0)), np.zeros(0), np.zeros((0, 0)))
+
+
 class Tableau(NamedTuple):
     """Butcher coefficients; error rows weigh the stages and, last, the slope at the new point."""
 
@@ -17,6 +31,7 @@ class Tableau(NamedTuple):
     error_low: np.ndarray  # (s + 1,) second estimate (DOP853), or empty
     order: int
     error_order: int
+    dense: Interpolant = NO_INTERPOLANT
 
 
 def stability_polynomial(tableau: Tableau) -> tuple[float, ...]:
