@@ -131,11 +131,10 @@ class Trajectory:
     method: str = ""  # that made the run, where the engine tells
     reason: str = ""  # why that one, where the engine was left to choose
     step_compliance: np.ndarray | None = None  # (n_samples, 2) time s, max |C| over the steps since the last sample
-    # settings the run had, defaults included: step (s), or rtol, and atol of lengths (m); samples; of ours also two
-    # shares: carried_share, of the time, by DOP853, and cut_share, of the steps, by outputs
-    used: dict[str, float] = field(default_factory=dict)
+    used: dict[str, float] = field(default_factory=dict)  # settings the run had, defaults included: step (s), or rtol, and atol of lengths (m); samples; of ours also carried_share, by DOP853
     notes: tuple[str, ...] = ()  # what the user should know: corrections applied, redundant rows, warnings
     estimate: Estimate | None = None  # of the error; None where it is switched off, where the run failed, and elsewhere
+    cut_steps: int = 0  # of ours: steps that an output ended before accuracy asked for it; outputs = 'dense' spares them
     unreported: bool = False  # the engine itself said nothing: the failure in `status` was found by looking at its numbers
 
     @property

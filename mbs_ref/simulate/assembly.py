@@ -44,6 +44,7 @@ def trajectory(system: System, plan: Plan, run: Run, notes: list[str], timing: T
         message=run.message,
         steps=counts.steps,
         rejected_steps=counts.rejected_steps,
+        cut_steps=counts.cut_steps,
         rhs_calls=counts.rhs_calls,
         events=counts.events,
         method_switches=counts.switches if plan.integrator.switches else None,
@@ -91,18 +92,13 @@ def _other_ways(plan: Plan, run: Run) -> tuple[str, ...]:
 
 
 def _used(plan: Plan, run: Run) -> dict[str, float]:
-    """Return the settings that the run had, defaults included, and two shares.
-
-    Of the time, what another method made; of the steps, those that an output cut short: such a run costs what its
-    outputs do, which outputs = 'dense' spares.
-    """
+    """Return the settings that the run had, defaults included, and what share of the time another method made."""
     options = plan.options
     accuracy = {"step": options.step} if options.step else {"rtol": options.rtol, "atol": float(options.atol[0])}
     restored = {"projection_tolerance": options.projection_tolerance} if options.project else {}
     damped = {"baumgarte_gain": plan.baumgarte_gain} if plan.baumgarte_gain else {}
-    cut = {"cut_share": run.counts.cut_steps / run.counts.steps} if run.counts.cut_steps else {}
     carried = {"carried_share": run.carried_share} if run.carried_share else {}
-    return accuracy | restored | damped | carried | cut | {"samples": len(plan.times)}
+    return accuracy | restored | damped | carried | {"samples": len(plan.times)}
 
 
 def _reactions(system: System, plan: Plan, times: np.ndarray, states: np.ndarray) -> dict[str, np.ndarray]:

@@ -61,8 +61,8 @@ def test_outputs_of_a_pendulum_follow_elliptic_functions_in_few_steps(rtol):
     assert np.max(np.abs(np.linalg.norm(path.position[:, 0], axis=1) - LENGTH)) < 1e-13  # on the constraint
     assert 4 * path.steps < landed.steps
     assert 2 * path.rhs_calls < landed.rhs_calls
-    assert landed.used["cut_share"] > 0.9
-    assert path.used.get("cut_share", 0.0) <= 1.0 / path.steps  # the last one ends at the end
+    assert landed.cut_steps > 0.9 * landed.steps
+    assert path.cut_steps <= 1  # the last one ends at the end
 
 
 def test_outputs_between_impacts_lie_on_the_parabola():

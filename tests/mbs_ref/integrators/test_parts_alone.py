@@ -135,7 +135,7 @@ def test_a_slope_is_evaluated_anew_where_something_may_have_moved_the_state(monk
     options = SimpleNamespace(step=of["step"], project=of["project"])
     attempt, run = SimpleNamespace(searching=of["searching"], t_new=1.0), SimpleNamespace(rhs_calls=0)
     slopes = np.array([[1.0], [2.0], [3.0]])
-    explicit._next_slope.py_func(None, None, options, run, attempt, of["verdict"], np.zeros(1), slopes)
+    explicit._next_slope.py_func(None, None, options, run, attempt, of["verdict"], np.zeros(1), slopes, 2)
     assert (slopes[0, 0], run.rhs_calls) == ((3.0, 0) if reused else (7.0, 1))
 
 

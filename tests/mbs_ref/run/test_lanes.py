@@ -48,7 +48,7 @@ def starts(scene):
 
 
 def assert_close(path, alone):
-    for name in ("status", "message", "steps", "rejected_steps", "events", "method", "used"):
+    for name in ("status", "message", "steps", "rejected_steps", "cut_steps", "events", "method", "used"):
         assert getattr(path, name) == getattr(alone, name)
     assert path.notes == (NOTE, *alone.notes)
     assert path.step_compliance is not None
