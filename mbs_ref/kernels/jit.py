@@ -36,6 +36,7 @@ def cache_folder() -> Path:
     return Path(root) / "mbs-ref" / "compiled"
 
 
+@cache
 def source_digest(module: str) -> str:
     """Return a digest of Numba's version and of all sources that compiled code of `module` can be made of."""
     digest = hashlib.sha256(numba.__version__.encode())
@@ -77,6 +78,7 @@ def _home_of(module: str, file: Path) -> Path:
     return file.parents[depth]
 
 
+@cache
 def _lies_in(home: Path, module: str) -> bool:
     path = home.joinpath(*module.split("."))
     return path.with_suffix(".py").is_file() or (path / "__init__.py").is_file()

@@ -6,13 +6,14 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from scipy.integrate import DOP853
 
 from cross_checks.certify.numerics.extrapolation import NoConvergenceError
 
 
 def runge_kutta(derivative: Callable, start: np.ndarray, times: np.ndarray, tolerance: float) -> np.ndarray:
     """Integrate y' = derivative(t, y) from times[0]; return y at `times`, shape (n_t, n). Raises NoConvergenceError."""
+    from scipy.integrate import DOP853  # its import takes a third of a second: only who makes a truth pays
+
     return step_through(DOP853, derivative, start, times, tolerance)
 
 
