@@ -15,7 +15,8 @@ import pytest
 # Every core (planar, spatial, particles), contact, loops, stiffness, and every engine. What is asked together compiles
 # what it shares once.
 SCENES = {
-    "chains": ("pendulum_chain", "spatial_chain", "-p", "links=3"),
+    "chain": ("pendulum_chain", "-p", "links=3"),
+    "chain in space": ("spatial_chain", "-p", "links=3"),
     "others": ("n_four_bar", "heavy_top", "bouncing_ball", "kepler", "spring_pendulum", "bricard"),
 }
 TIMES = ("loop_s",)  # the figures of a cell that belong to the machine
