@@ -169,7 +169,7 @@ def _truth(scene: Scene, times: np.ndarray) -> tuple[Trajectory, float] | None:
 
 
 def _gap(scene: Scene, first: Trajectory, second: Trajectory) -> float:
-    one, other = (Poses(x.position, x.orientation, x.velocity, x.angular_velocity) for x in (first, second))
+    one, other = (Poses.of(path) for path in (first, second))
     return float(min(np.max(state_gaps(scene, scales_of(scene), one, other)), 1e300))
 
 

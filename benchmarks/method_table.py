@@ -105,10 +105,7 @@ def _in_turns(scene: Scene, *choices: tuple[str, float]) -> list[float]:
 
 def _error(scene: Scene, path: Trajectory, tight: Trajectory) -> float:
     count = min(len(path.times), len(tight.times))
-    poses = [
-        Poses(*(part[:count] for part in (p.position, p.orientation, p.velocity, p.angular_velocity)))
-        for p in (path, tight)
-    ]
+    poses = [Poses(*(part[:count] for part in Poses.of(one))) for one in (path, tight)]
     gaps = state_gaps(scene, scales_of(scene), *poses)
     return float(np.max(gaps[:, :2])) if path.ok else np.inf
 

@@ -38,7 +38,7 @@ def times() -> np.ndarray:
 @pytest.fixture(scope="module")
 def starts(times: np.ndarray) -> Poses:
     path = simulate(SCENE, Settings(rtol=1e-12, estimate="off", reactions=False), times)
-    return Poses(path.position, path.orientation, path.velocity, path.angular_velocity)
+    return Poses.of(path)
 
 
 def _one(starts: Poses, k: int) -> Poses:

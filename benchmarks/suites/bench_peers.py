@@ -16,6 +16,7 @@ import pytest
 from cross_checks import engines
 from cross_checks.engine import Method
 from mbs_ref import scenes
+from mbs_ref.cores.relative.layout import no_tree
 from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings
 
@@ -65,9 +66,14 @@ def cheapest(engine: str, scene: Scene, choices: list[Settings], truth: np.ndarr
     return None
 
 
+def is_tree(scene: Scene) -> bool:
+    """Return whether our solver has relative coordinates for it."""
+    return not any(no_tree(scene))
+
+
 def entrants(scene: Scene, peers: tuple[tuple[str, str], ...], truth: np.ndarray) -> dict[str, Timed]:
     """Return who reaches the error, by name."""
-    found = {}
+    found, lean = {}, {"estimate": "off", "reactions": False, "samples": len(TIMES)}
     for engine, name in ((OURS, "dop853"), *peers):
         if engine not in engines.names():
             continue
@@ -75,17 +81,11 @@ def entrants(scene: Scene, peers: tuple[tuple[str, str], ...], truth: np.ndarray
         method = solver.method(name)
         if solver.refusals(scene) or solver.method_refusals(scene, method):
             continue
-        lean = {"estimate": "off", "reactions": False, "samples": len(TIMES)}
-        choices = [one.model_copy(update=lean) for one in settings(method)]
-        kinds = ("cartesian", "relative") if engine == OURS and not scene.contacts else ("cartesian",)
-        for coordinates in kinds:
-            own = [one.model_copy(update={"coordinates": coordinates}) for one in choices]
-            try:
-                run = cheapest(engine, scene, own, truth)
-            except ValueError:  # no tree
-                continue
+        for coordinates in ("cartesian", "relative") if engine == OURS and is_tree(scene) else ("cartesian",):
+            own = [one.model_copy(update={**lean, "coordinates": coordinates}) for one in settings(method)]
+            run = cheapest(engine, scene, own, truth)
             if run is not None:
-                found[f"{engine} {name}" + f" {coordinates}" * (coordinates == "relative")] = run
+                found[f"{engine} {name} {coordinates}"] = run
     return found
 
 

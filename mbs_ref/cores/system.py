@@ -12,6 +12,7 @@ from mbs_ref.kernels import answers as core
 from mbs_ref.kernels.border.handles import Model, Work, make_handle
 from mbs_ref.scene import Scene
 from mbs_ref.scene.scales import Scales, scales_of
+from mbs_ref.trajectory import Trajectory
 
 RANK_TOLERANCE = 1e-10  # singular values of the scaled C_q below this share of the largest count as zero
 
@@ -23,6 +24,11 @@ class Poses(NamedTuple):
     orientation: np.ndarray  # (n_t, n_bodies) rad, or (n_t, n_bodies, 4) Euler parameters
     velocity: np.ndarray  # (n_t, n_bodies, dimension) m/s
     angular_velocity: np.ndarray  # (n_t, n_bodies) rad/s, or (n_t, n_bodies, 3) world axes
+
+    @classmethod
+    def of(cls, path: Trajectory) -> Poses:
+        """Return those of a trajectory."""
+        return cls(path.position, path.orientation, path.velocity, path.angular_velocity)
 
 
 class System(ABC):

@@ -67,8 +67,7 @@ def with_estimate(
     """Add the estimate of its error to a run that ended well, and say what it is worth."""
     if run.status not in ENDED or plan.settings.estimate == "off":
         return path
-    own = Poses(path.position, path.orientation, path.velocity, path.angular_velocity)
-    estimate = estimated(system, plan, run, own, companion)
+    estimate = estimated(system, plan, run, Poses.of(path), companion)
     if estimate is None:
         reason = "interrupted while a second run estimated the error of this one, which is complete"
         return replace(path, status=Status.INTERRUPTED, message=reason)

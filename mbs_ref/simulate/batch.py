@@ -3,21 +3,20 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from dataclasses import replace
 
 import numpy as np
 
 from mbs_ref.cores.system import Poses
 from mbs_ref.run.lanes import why_not_in_lanes
-from mbs_ref.run.many import check_shapes, processors, shared, stopped
+from mbs_ref.run.many import check_shapes, processors, shared
 from mbs_ref.scene import Scene
-from mbs_ref.self_checks.consistent_start import InconsistentScene
-from mbs_ref.self_checks.soundness import UnsoundScene
 from mbs_ref.settings import Settings
 from mbs_ref.simulate.one_run import compiled, simulate, simulated
+from mbs_ref.simulate.refusals import or_stopped
 from mbs_ref.simulate.side_by_side import scenes_in_lanes, starts_in_lanes
-from mbs_ref.trajectory import Status, Trajectory
+from mbs_ref.trajectory import Trajectory
 
 
 def simulate_starts(
@@ -61,7 +60,7 @@ def simulate_starts(
             of_thread.system = system.twin()
         return simulated(of_thread.system, plan, y.copy(), build_s, warm)
 
-    return shared(lambda y: _or_stopped(scene, lambda: run(y)), list(states), threads)
+    return shared(lambda y: or_stopped(scene, lambda: run(y)), list(states), threads)
 
 
 def simulate_scenes(
@@ -81,7 +80,7 @@ def simulate_scenes(
     reasons = [why_not_in_lanes(scene, settings) if lanes else "" for scene in scenes]
 
     def run(k: int) -> Trajectory:
-        path = _or_stopped(scenes[k], lambda: simulate(scenes[k], settings, times))
+        path = or_stopped(scenes[k], lambda: simulate(scenes[k], settings, times))
         return replace(path, notes=(*path.notes, *_not_in_lanes(reasons[k])))
 
     alone = [k for k in range(len(scenes)) if reasons[k] or not lanes]
@@ -94,12 +93,3 @@ def simulate_scenes(
 
 def _not_in_lanes(reason: str) -> tuple[str, ...]:
     return (f"not in lanes: {reason}",) if reason else ()
-
-
-def _or_stopped(scene: Scene, run: Callable[[], Trajectory]) -> Trajectory:
-    try:
-        return run()
-    except InconsistentScene as error:
-        return stopped(scene, Status.INCONSISTENT, str(error))
-    except UnsoundScene as error:
-        return stopped(scene, Status.REFUSED, str(error))

@@ -13,16 +13,16 @@ from mbs_ref.cores.relative.system import RelativePlanarSystem
 from mbs_ref.cores.system import Poses
 from mbs_ref.run.lanes import NOTE, Bunch, alike, pieces, runs_in_lanes
 from mbs_ref.run.legs import Run
-from mbs_ref.run.many import shared, stopped
+from mbs_ref.run.many import shared
 from mbs_ref.run.plan import Plan
 from mbs_ref.scene import Scene
-from mbs_ref.self_checks.consistent_start import InconsistentScene, consistent_start
+from mbs_ref.self_checks.consistent_start import consistent_start
 from mbs_ref.self_checks.error_estimate import all_beside, companion_plan
-from mbs_ref.self_checks.soundness import UnsoundScene
 from mbs_ref.settings import Settings
 from mbs_ref.simulate.assembly import sampled, trajectory, with_estimate
 from mbs_ref.simulate.one_run import compiled
-from mbs_ref.trajectory import Status, Timing, Trajectory
+from mbs_ref.simulate.refusals import or_stopped
+from mbs_ref.trajectory import Timing, Trajectory
 
 
 class Case(NamedTuple):
@@ -64,7 +64,7 @@ def scenes_in_lanes(
     """Return the trajectory of each scene from its own start, in relative coordinates."""
 
     def piece(part: slice) -> list[Trajectory]:
-        cases: list[Case | Trajectory] = [_sound_case(scene, settings, times) for scene in scenes[part]]
+        cases = [or_stopped(scene, lambda scene=scene: _case(scene, settings, times)) for scene in scenes[part]]
         paths = iter(_side_by_side([case for case in cases if isinstance(case, Case)]))
         return [next(paths)[0] if isinstance(case, Case) else case for case in cases]
 
@@ -72,13 +72,6 @@ def scenes_in_lanes(
     size = outputs * max((6 * len(scene.bodies) for scene in scenes), default=1)
     work = pieces(len(scenes), threads, size)
     return [path for paths in shared(piece, work, threads, alone=0) for path in paths]
-
-
-def _sound_case(scene: Scene, settings: Settings, times: np.ndarray | None) -> Case | Trajectory:
-    try:
-        return _case(scene, settings, times)
-    except UnsoundScene as error:
-        return stopped(scene, Status.REFUSED, str(error))
 
 
 def _case(scene: Scene, settings: Settings, times: np.ndarray | None) -> Case:
@@ -104,14 +97,13 @@ def _side_by_side(cases: list[Case]) -> list[list[Trajectory]]:
 
 
 def _begun(case: Case) -> Begun:
-    said, halted = {}, {}
-    for k, y in enumerate(case.told):
-        try:
-            said[k] = consistent_start(case.system.redundant, y, case.plan.settings)
-        except InconsistentScene as error:
-            halted[k] = stopped(case.system.scene, Status.INCONSISTENT, str(error))
-    starts = case.system.all_reduced(case.told[[*said]])
-    return Begun(Bunch(case.system, case.plan, starts), said, halted)
+    system, settings = case.system, case.plan.settings
+    found = [
+        or_stopped(system.scene, lambda y=y: consistent_start(system.redundant, y, settings)) for y in case.told
+    ]
+    said = {k: one for k, one in enumerate(found) if not isinstance(one, Trajectory)}
+    halted = {k: one for k, one in enumerate(found) if isinstance(one, Trajectory)}
+    return Begun(Bunch(system, case.plan, system.all_reduced(case.told[[*said]])), said, halted)
 
 
 def _runs(bunches: list[Bunch], refine: int = 1) -> list[list[Run]]:

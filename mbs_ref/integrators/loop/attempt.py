@@ -9,7 +9,7 @@ from mbs_ref.integrators.loop.leg import (
     PROJECTION,
     RUNNING,
 )
-from mbs_ref.integrators.loop.step_control import SLIVER, choose_step, close_step, end_step, withdraw
+from mbs_ref.integrators.loop.step_control import choose_step, close_step, end_step, is_cut, withdraw
 from mbs_ref.kernels.jit import inlined
 
 WITHDRAWN = 3  # a verdict beside those of events: the step ended beyond the reach of a loop, and is to be shorter
@@ -77,7 +77,7 @@ def take(model, work, options, run, attempt, verdict, y, trial, table, outputs):
         y[k] = trial[k]
     run.t = attempt.t_new
     run.steps += 1
-    if attempt.lands and attempt.proposed * (1.0 - SLIVER) > attempt.h:
+    if attempt.lands and is_cut(attempt.proposed, attempt.h):
         run.cut += 1
     if verdict == EVENT:
         code = settle(model, work, attempt.t_new, y, table, run, options.max_events)

@@ -20,7 +20,7 @@ from mbs_ref.integrators.loop.leg import (
     STEP_TOO_SMALL,
     TOO_MANY_STEPS,
 )
-from mbs_ref.integrators.loop.step_control import SHORTEST, SLIVER, choose_step, first_step
+from mbs_ref.integrators.loop.step_control import SHORTEST, choose_step, first_step, is_cut
 from mbs_ref.kernels.algebra.lanes import (
     WIDTH,
     chosen_in_lanes,
@@ -227,7 +227,7 @@ def _judge(tableau, options, runs, side, times, i, w):
     runs.t[i] = t_new
     runs.steps[i] += 1
     if lands:
-        runs.cut[i] += proposed * (1.0 - SLIVER) > h
+        runs.cut[i] += is_cut(proposed, h)
         for k in range(side.y.shape[0]):
             runs.states[i, runs.next_output[i], k] = side.new[k, w]
         runs.next_output[i] += 1

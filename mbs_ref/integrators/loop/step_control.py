@@ -96,6 +96,12 @@ def choose_step(proposed, reach, evenly, search):
 
 
 @jit
+def is_cut(proposed, h):
+    """Return whether a step that ends at an output would have gone beyond it."""
+    return proposed * (1.0 - SLIVER) > h
+
+
+@jit
 def close_step(model, work, t, y, step, restore, tolerance, stop, worst):
     """Check and restore an accepted state; return code and the largest |C| so far."""
     if not all_finite(y):

@@ -13,16 +13,16 @@ import numpy as np
 
 from mbs_ref.cores.system import Poses
 from mbs_ref.run.lanes import NOTE, why_not_in_lanes
-from mbs_ref.run.many import processors, shared, stopped
+from mbs_ref.run.many import processors, shared
 from mbs_ref.run.method_choice import AUTO
 from mbs_ref.scene import Scene
-from mbs_ref.self_checks.consistent_start import InconsistentScene
 from mbs_ref.self_checks.error_estimate import ENDED
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate, simulate_scenes, simulate_starts
 from mbs_ref.simulate.ensemble.design import Design
 from mbs_ref.simulate.ensemble.variants import Variants, own_start
 from mbs_ref.simulate.one_run import compiled
+from mbs_ref.simulate.refusals import or_stopped
 from mbs_ref.trajectory import Status, Trajectory
 
 LARGEST = 2 * 2**30  # bytes of samples that are kept
@@ -134,7 +134,7 @@ def _jobs(variants: Variants, values: np.ndarray) -> list[_Job | Trajectory]:
     """Return the jobs of a portion; in place of one that cannot be a trajectory without samples, which says why."""
     scene = variants.source.scene
     if not variants.is_one_scene:
-        return [_or_why(scene, lambda one=one: _job(variants, one)) for one in values]
+        return [or_stopped(scene, lambda one=one: _job(variants, one), ValueError) for one in values]
     together = variants.starts(values)
     return [_Job(scene, Poses(*(part[k : k + 1] for part in together))) for k in range(len(values))]
 
@@ -142,16 +142,6 @@ def _jobs(variants: Variants, values: np.ndarray) -> list[_Job | Trajectory]:
 def _job(variants: Variants, values: np.ndarray) -> _Job:
     scene = variants.scene(values)
     return _Job(scene, variants.start(scene, values) if variants.moves else None)
-
-
-def _or_why[T](scene: Scene, make: Callable[[], T]) -> T | Trajectory:
-    """Return what is made, or a trajectory without samples that says why it cannot be."""
-    try:
-        return make()
-    except InconsistentScene as error:
-        return stopped(scene, Status.INCONSISTENT, str(error))
-    except ValueError as error:
-        return stopped(scene, Status.REFUSED, str(error))
 
 
 def _paths(
@@ -172,7 +162,7 @@ def _paths(
 
 
 def _path(job: _Job, settings: Settings) -> Trajectory:
-    return _or_why(job.scene, lambda: simulate(job.scene, settings, None, job.start))
+    return or_stopped(job.scene, lambda: simulate(job.scene, settings, None, job.start), ValueError)
 
 
 class _Store:
@@ -207,7 +197,7 @@ class _Store:
     def _keep(self, k: int, path: Trajectory) -> None:
         self.reached[k] = path.times[-1]
         count = int(np.sum(self.times <= path.times[-1]))  # what comes after is an event's own sample
-        for kept, part in zip(self.samples, _poses(path), strict=True):
+        for kept, part in zip(self.samples, Poses.of(path), strict=True):
             kept[k, :count] = part[:count]
         if path.estimate is not None:
             components = path.estimate.components[:count, :2]
@@ -224,11 +214,7 @@ class _Store:
         )  # fmt: skip
 
 
-def _poses(path: Trajectory) -> Poses:
-    return Poses(path.position, path.orientation, path.velocity, path.angular_velocity)
-
-
 def _correction(path: Trajectory, asked: Poses) -> np.ndarray:
     """Return by how much a start was projected at most: its poses (m or rad) and rates (m/s or rad/s)."""
-    gaps = [np.abs(part[0] - start[0]).max(initial=0.0) for part, start in zip(_poses(path), asked, strict=True)]
+    gaps = [np.abs(part[0] - start[0]).max(initial=0.0) for part, start in zip(Poses.of(path), asked, strict=True)]
     return np.array([max(gaps[:2]), max(gaps[2:])])

@@ -19,11 +19,8 @@ from mbs_ref.self_checks.consistent_start import InconsistentScene
 from mbs_ref.self_checks.kept_rates import keeping
 from mbs_ref.simulate.ensemble.numbers import TURN, Place, place_of, value_at, with_values
 
-POSE = (
-    "position",
-    "angle",
-    TURN,
-)  # at t = 0: a body is moved, and joints, springs and contacts stay where they are on it
+# at t = 0: a body is moved, and joints, springs and contacts stay where they are on it
+POSE = ("position", "angle", TURN)
 RATES = ("velocity", "angular_velocity")
 FIELDS = {"angle": "orientation"}  # of a body, as Poses has them
 
