@@ -1,4 +1,4 @@
-"""Many runs in one call: shared among threads, from starts that fit the scene.
+"""Many runs in one call, shared among threads.
 
 Compiled loops of DOP853, Radau, Gauss-Legendre and generalized-alpha let other threads go on.
 """
@@ -12,6 +12,7 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 
 from mbs_ref.cores.system import Poses
+from mbs_ref.run.starts import shapes
 from mbs_ref.scene import Scene
 from mbs_ref.trajectory import Status, Trajectory
 
@@ -35,21 +36,5 @@ def shared[T, R](run: Callable[[T], R], work: list[T], threads: int | None, alon
 
 def stopped(scene: Scene, status: Status, message: str) -> Trajectory:
     """Return a trajectory without samples."""
-    none = Poses(*(np.zeros((0, *shape)) for shape in _shapes(scene)))
+    none = Poses(*(np.zeros((0, *shape)) for shape in shapes(scene)))
     return Trajectory(np.zeros(0), **none._asdict(), status=status, message=message)
-
-
-def _shapes(scene: Scene) -> tuple[tuple[int, ...], ...]:
-    """Return the shapes of position, orientation, velocity and angular velocity of all bodies at one time."""
-    n, space = len(scene.bodies), scene.dimension == 3
-    return (n, scene.dimension), (n, 4) if space else (n,), (n, scene.dimension), (n, 3) if space else (n,)
-
-
-def check_shapes(scene: Scene, starts: Poses) -> None:
-    """Raise ValueError where starts are not n poses and velocities of all bodies."""
-    for name, given, shape in zip(Poses._fields, starts, _shapes(scene), strict=True):
-        wanted = (len(starts.position), *shape)
-        if np.shape(given) != wanted:
-            raise ValueError(f"starts.{name} has the shape {np.shape(given)}; allowed: {wanted}")
-        if not np.all(np.isfinite(given)):
-            raise ValueError(f"starts.{name} holds an infinite number or NaN; allowed: finite ones")

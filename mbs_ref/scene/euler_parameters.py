@@ -16,10 +16,10 @@ def floats(values) -> np.ndarray:
 
 
 def from_axis_angle(axis, angle) -> np.ndarray:
-    """Return theta (..., 4) of a turn by `angle` (rad) about `axis` (any length but zero)."""
-    axis = floats(axis)
-    half = 0.5 * floats(angle)[..., None]
-    return np.concatenate((np.cos(half), np.sin(half) * axis / np.linalg.norm(axis)), axis=-1)
+    """Return theta (..., 4) of turns by `angle` (...) in rad about `axis` (3,) or (..., 3), of any length but zero."""
+    axis, half = floats(axis), 0.5 * floats(angle)[..., None]
+    unit = axis / np.linalg.norm(axis, axis=-1, keepdims=True)
+    return np.concatenate((np.cos(half), np.sin(half) * unit), axis=-1)
 
 
 def product(first, second) -> np.ndarray:

@@ -10,7 +10,8 @@ import numpy as np
 
 from mbs_ref.cores.system import Poses
 from mbs_ref.run.lanes import why_not_in_lanes
-from mbs_ref.run.many import check_shapes, processors, shared
+from mbs_ref.run.many import processors, shared
+from mbs_ref.run.starts import check_starts
 from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings
 from mbs_ref.simulate.one_run import compiled, simulate, simulated
@@ -43,7 +44,7 @@ def simulate_starts(
     and sums are rounded otherwise in the last digit. What a run gives does not depend on the others. Its note says that
     it was made so; where lanes cannot be, all is as without them, and the note says why.
     """
-    check_shapes(scene, starts)
+    check_starts(scene, starts)
     if not len(starts.position):
         return []
     settings = settings or Settings()

@@ -13,6 +13,7 @@ from mbs_ref.integrators.loop.leg import progress
 from mbs_ref.run.legs import Run, finite_part, run_legs
 from mbs_ref.run.method_choice import choose_plan, without
 from mbs_ref.run.plan import Plan
+from mbs_ref.run.starts import check_starts
 from mbs_ref.scene import Scene
 from mbs_ref.self_checks.consistent_start import consistent_start, rank_at_start, redundancy, unstable_step
 from mbs_ref.self_checks.first_steps import after_first_steps
@@ -31,9 +32,9 @@ def simulate(
 
     `times` (n_t,) in s start at 0 and increase; without them an even grid follows from the settings, on
     multiples of the step for fixed-step methods. `start` are poses and velocities at t = 0 (one sample of each) in
-    place of the scene's own; joints stay where the scene has them on the bodies. Raises ValueError for settings that
-    make no sense, UnsoundScene for parts that make none and InconsistentScene where the initial conditions break a
-    constraint (unless they are to be projected). Everything later is a status with a sentence; Ctrl-C keeps
+    place of the scene's own; joints stay where the scene has them on the bodies. Raises ValueError for settings or a
+    start that make no sense, UnsoundScene for parts that make none and InconsistentScene where the initial conditions
+    break a constraint (unless they are to be projected). Everything later is a status with a sentence; Ctrl-C keeps
     what was computed.
 
     A run that ends well is made again with half of its step, or a tenth of its tolerances: what the two differ by
@@ -43,6 +44,8 @@ def simulate(
     method = 'auto' leaves the method to what the scene contains and to what its first steps tell; the trajectory says
     which it was and why. Where a method so chosen breaks down, the default makes the run again.
     """
+    if start is not None:
+        check_starts(scene, start, count=1)
     plan, system, build_s = compiled(scene, settings or Settings(), times)
     own = system.redundant
     y = own.initial_state() if start is None else own.states_of(start)[0]

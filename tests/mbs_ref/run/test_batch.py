@@ -104,3 +104,18 @@ def test_arrays_of_another_shape_are_refused():
     starts = poses(simulate(scene, SHORT))
     with pytest.raises(ValueError, match=r"starts.velocity has the shape \(3, 1, 2\); allowed: \(4, 1, 2\)"):
         simulate_starts(scene, starts._replace(velocity=starts.velocity[:3]), SHORT)
+
+
+def test_a_start_of_several_samples_is_refused():
+    scene = scenes.make("pendulum")
+    with pytest.raises(ValueError, match=r"starts.position has the shape \(4, 1, 2\); allowed: \(1, 1, 2\)"):
+        simulate(scene, SHORT, start=poses(simulate(scene, SHORT)))
+
+
+def test_a_start_whose_euler_parameters_have_another_norm_is_refused():
+    scene = scenes.make("heavy_top")
+    start = one(poses(simulate(scene, SHORT)), 0)
+    longer = start._replace(orientation=1.1 * start.orientation)
+    for run in (lambda: simulate(scene, SHORT, start=longer), lambda: simulate_starts(scene, longer, SHORT)):
+        with pytest.raises(ValueError, match=r"body 'top' = .* has the norm 1.1; Euler parameters have 1"):
+            run()

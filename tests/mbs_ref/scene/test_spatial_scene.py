@@ -98,6 +98,13 @@ def test_orientations_where_three_angles_lock_are_like_any_other(pitch):
     assert geodesic_angle(run(tilt), product(tilt, plain)) < 1e-10  # rad
 
 
+def test_turns_about_many_axes_are_each_about_its_own():
+    axes, angles = np.array([[2.0, 0.0, 0.0], [0.0, 0.0, -0.5]]), np.array([0.4, 1.1])
+    each = [from_axis_angle(axis, angle) for axis, angle in zip(axes, angles, strict=True)]
+    assert from_axis_angle(axes, angles) == pytest.approx(np.array(each), abs=1e-15)
+    assert each[0] == pytest.approx([np.cos(0.2), np.sin(0.2), 0.0, 0.0], abs=1e-15)
+
+
 @pytest.mark.parametrize("seed", range(5))
 def test_matrices_and_parameters_are_inverse(seed):
     theta = np.random.default_rng(seed).standard_normal(4)
