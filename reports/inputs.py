@@ -16,6 +16,7 @@ from pydantic import ValidationError
 from cross_checks import engines
 from cross_checks.conformance.loading import NoEngine, load
 from cross_checks.engine import Engine
+from cross_checks.workshop.initial_state import broken_start
 from mbs_ref import scenes
 from mbs_ref.scene import Scene
 from mbs_ref.scene import messages as problems
@@ -33,8 +34,25 @@ ROBOTS = (".urdf", ".xml")  # suffixes of their files
 SECONDS = {"": 1.0, "s": 1.0, "ms": 1e-3, "us": 1e-6, "min": 60.0}  # s, in a duration's unit
 
 
-def scene(name_or_file: str, parameters: Sequence[str] = ()) -> Scene:
-    """Return the scene of that name, or in that TOML, URDF or MJCF (.xml) file."""
+def scene(name_or_file: str, parameters: Sequence[str] = (), kept: Sequence[str] = ()) -> Scene:
+    """Return the scene of that name, or in that TOML, URDF or MJCF (.xml) file.
+
+    Initial velocities that `kept` names stay, and the others are made to fit the joints.
+    """
+    return _keeping(_read(name_or_file, parameters), kept)
+
+
+def comparable(name_or_file: str, parameters: Sequence[str] = (), kept: Sequence[str] = ()) -> Scene:
+    """Return a scene that engines can be held against one another on: one whose start its own joints allow."""
+    made = scene(name_or_file, parameters, kept)
+    broken = broken_start(made, Settings().initial_tolerance)
+    if broken:
+        remedy = "mend the scene, or keep some velocities and let the others follow (--keep)"
+        raise click.UsageError(f"{name_or_file}: {broken}, which no engine can mend for all: {remedy}")
+    return made
+
+
+def _read(name_or_file: str, parameters: Sequence[str]) -> Scene:
     if name_or_file.endswith(ROBOTS):
         return _robot(name_or_file, parameters)
     if Path(name_or_file).is_file() and not name_or_file.endswith(".toml"):
@@ -61,16 +79,17 @@ def _with_parameters(name: str, parameters: dict[str, Any], **changed: Any) -> S
     return scenes.make(name, **{**parameters, **changed})
 
 
-def keeping(scene: Scene, kept: Sequence[str]) -> Scene:
-    """Return the scene with consistent initial velocities that keep what `kept` names; as it is without a name."""
+def _keeping(made: Scene, kept: Sequence[str]) -> Scene:
     if not kept:
-        return scene
+        return made
     try:
-        return kept_rates.keeping(scene, kept, Settings().initial_tolerance)
+        return kept_rates.keeping(made, kept, Settings().initial_tolerance)
     except ValueError as error:
         raise click.UsageError(str(error)) from error
 
 
+PARAMETERS = click.option("-p", "parameters", multiple=True, metavar="NAME=VALUE",
+                          help="A parameter of the scene; repeatable.")  # fmt: skip
 KEEP = click.option("--keep", "kept", multiple=True, metavar="BODY.velocity|BODY.angular_velocity",
                     help="Keep this initial velocity and make the others fit the joints; repeatable.")  # fmt: skip
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shlex
+from collections.abc import Sequence
 from functools import cache
 from typing import Any
 
@@ -12,12 +13,17 @@ from cross_checks.records.record import Record
 from mbs_ref import scenes
 
 
-def command(record: Record, scene: str = "") -> str:
-    """Return the mbs-ref command that runs what the record holds, of a `scene` that was named so: perhaps by a file."""
+def command(record: Record, scene: str = "", kept: Sequence[str] = ()) -> str:
+    """Return the mbs-ref command that runs what the record holds, of a `scene` that was named so: perhaps by a file.
+
+    `kept` are the initial velocities that it was told to keep.
+    """
     words = ["mbs-ref", "simulate", scene or record.scene, "--engine", engines.called(record.engine)]
     parameters = {} if scene.endswith(".toml") else chosen_parameters(record.scene, record.parameters)
     for name, value in parameters.items():
         words += ["-p", f"{name}={value}"]
+    for rate in kept:
+        words += ["--keep", rate]
     options = {"method": record.method or None, **{key: record.settings.get(key) for key in ("step", "rtol", "atol")}}
     for name, value in options.items():
         if value is not None:

@@ -10,10 +10,11 @@ import numpy as np
 from cross_checks.conformance.finding import Report
 from cross_checks.conformance.wrapped import Wrapped
 from cross_checks.engine import Engine, Method
-from mbs_ref.scene import PlanarBody, Scene, SpatialBody, UserForce
+from cross_checks.workshop.outcome import stopped
+from mbs_ref.scene import Cylindrical, PlanarBody, Prismatic, Scene, SpatialBody, TorqueVector, UserForce, Weld
 from mbs_ref.scene.euler_parameters import conjugate, rotation_matrices
 from mbs_ref.settings import Settings
-from mbs_ref.trajectory import Trajectory
+from mbs_ref.trajectory import Status, Trajectory
 
 type Change = Callable[[Scene], Scene]
 type Spoil = Callable[[Scene, Trajectory], Trajectory]
@@ -62,6 +63,9 @@ def mistakes() -> tuple[Mistake, ...]:
         Mistake("one step late", run=_late),
         Mistake("lost order", run=_of_first_order),
         Mistake("state restarted half-way", run=_restarted),
+        Mistake("sliders that do not slide", change=_stuck),
+        Mistake("torques in wrong axes", change=_torques_in_world),
+        Mistake("stopped by every weld", run=_dead_on_welds),
         Mistake("single precision", spoil=_in_single),
         Mistake("velocities of the other sign", spoil=lambda s, p: replace(p, velocity=-p.velocity)),
         Mistake("velocities times 1.01", spoil=lambda s, p: replace(p, velocity=1.01 * p.velocity)),
@@ -124,6 +128,31 @@ def _damped(scene: Scene) -> Scene:
         return scene
     drag = UserForce(name="hidden", function=lambda t, q, v: -0.01 * v)
     return scene.model_copy(update={"loads": (*scene.loads, drag)})
+
+
+def _stuck(scene: Scene) -> Scene:
+    """Weld what a joint in space would let slide."""
+    sliders = Prismatic | Cylindrical if scene.dimension == 3 else ()
+    joints = [
+        Weld(name=j.name, body_a=j.body_a, body_b=j.body_b, point=j.point) if isinstance(j, sliders) else j
+        for j in scene.joints
+    ]
+    return scene.model_copy(update={"joints": tuple(joints)})
+
+
+def _torques_in_world(scene: Scene) -> Scene:
+    """Leave a torque where it began instead of turning it with its body."""
+    turned = [load.model_copy(update={"frame": "world"}) if isinstance(load, TorqueVector) else load
+              for load in scene.loads]  # fmt: skip
+    return scene.model_copy(update={"loads": tuple(turned)})
+
+
+def _dead_on_welds(good: Engine, scene: Scene, settings: Settings, times: np.ndarray) -> Trajectory:
+    """Blow up, aloud, wherever a weld is."""
+    path = good.run(scene, settings, times)
+    if not any(isinstance(joint, Weld) for joint in scene.joints):
+        return path
+    return stopped(scene, Status.NON_FINITE, "NaN arose before the first sample")
 
 
 def _late(good: Engine, scene: Scene, settings: Settings, times: np.ndarray) -> Trajectory:

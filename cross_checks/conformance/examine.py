@@ -10,7 +10,7 @@ import numpy as np
 from cross_checks.conformance.apart import Apart, called
 from cross_checks.conformance.finding import Finding, Report, Row, verdict
 from cross_checks.conformance.ladder import ORDER_OFF, climb
-from cross_checks.conformance.questions import Asked, impossible, open_pendulum, questions, rungs, takes
+from cross_checks.conformance.questions import Asked, impossible, open_pendulum, questions, rungs, takes, unasked
 from cross_checks.engine import Engine
 from cross_checks.workshop.method import Method
 from mbs_ref.settings import Settings
@@ -40,7 +40,8 @@ def examine(engine: Engine, name: str, progress: Progress = lambda text: None) -
         strong = {question.scene.name for question in mine if not method.excused(question.scene)}
         findings += _order(method, [row for row in rows if row.method == method.name and row.scene in strong])
         findings += _lost(engine, method, mine)
-    return Report(engine.name, engine.version(), tuple(findings), tuple(rows))
+    findings += [_runs(engine, question, rows) for question in asked]
+    return Report(engine.name, engine.version(), tuple(findings), tuple(rows), unasked(engine, asked))
 
 
 def _whole(engine: Engine, name: str, asked: list[Asked]) -> Iterator[Finding]:
@@ -53,6 +54,15 @@ def _whole(engine: Engine, name: str, asked: list[Asked]) -> Iterator[Finding]:
     if asked:
         yield finding("unknown method", _unknown_method(engine, asked[0]))
     yield finding("inconsistent start", _inconsistent(engine))
+
+
+def _runs(engine: Engine, question: Asked, rows: list[Row]) -> Finding:
+    """Judge whether one of the methods at least ends a run of a scene that the engine takes."""
+    scene = question.scene
+    ended = any(row.scene == scene.name and row.error is not None for row in rows)
+    excuses = [method.excused(scene) for method in engine.methods() if takes(engine, method, scene)]
+    wrong = "" if ended else "it takes the scene, and none of its methods ends a run"
+    return verdict("something runs", ENGINE_WIDE, scene.name, wrong, excuse=excuses[0] if all(excuses) else "")
 
 
 def _identity(engine: Engine, name: str) -> str:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from cross_checks.conformance.questions import Asked
@@ -46,18 +48,22 @@ def apart(question: Asked, one: Trajectory, other: Trajectory | Truth) -> float:
     return max(places, float(np.abs(turned - beside).max()))
 
 
-def slope_mismatch(scene: Scene, path: Trajectory) -> tuple[float, float]:
+def slope_mismatch(scene: Scene, path: Trajectory, roundoff: float) -> tuple[float, float]:
     """Return by how much velocities miss the slope of positions, over the largest speed, and how sure that is.
 
-    Angular velocities are held against the slope of the rotation matrices, R' = omega x R. The median over samples is
-    taken: a short transient, or the jump of an impact, is not resolved by the samples.
+    Angular velocities are held against the slope of the rotation matrices, R' = omega x R, and count over the scene's
+    size: where nothing turns its speed is the measure. The median over samples is taken: a short transient, or the jump
+    of an impact, is not resolved by the samples. Places are known to `roundoff`, relative.
     """
-    misses = [_misses(path.position, path.velocity, path.times)]
+    straight = _misses(path.position, path.velocity, path.times, roundoff)
     bodies = turning(scene)
-    if bodies.any():
-        turned = axes(scene, path.orientation)[:, bodies]
-        misses.append(_misses(turned, _spun(scene, path.angular_velocity[:, bodies], turned), path.times))
-    return tuple(max(float(np.median(miss)) for miss in part) for part in zip(*misses, strict=True))  # type: ignore[return-value]
+    if not bodies.any():
+        return straight.over(straight.fastest or 1.0)
+    turned = axes(scene, path.orientation)[:, bodies]
+    round_about = _misses(turned, _spun(scene, path.angular_velocity[:, bodies], turned), path.times, roundoff)
+    length = float(np.linalg.norm(np.ptp(path.position.reshape(-1, scene.dimension), axis=0))) or 1.0
+    fastest = max(straight.fastest, length * round_about.fastest) or 1.0
+    return tuple(map(max, straight.over(fastest), round_about.over(fastest / length)))  # type: ignore[return-value]
 
 
 def _spun(scene: Scene, omega: np.ndarray, turned: np.ndarray) -> np.ndarray:
@@ -68,13 +74,25 @@ def _spun(scene: Scene, omega: np.ndarray, turned: np.ndarray) -> np.ndarray:
     return omega[..., None, None] * (quarter @ turned)
 
 
-def _misses(x: np.ndarray, rate: np.ndarray, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return |slope - rate| and the slope's own uncertainty at each inner sample, over the largest slope."""
-    slope, rougher = (_slope(x, weights) / (times[1] - times[0]) for weights in (EIGHTH, SIXTH))
-    scale = float(np.abs(slope).max()) or float(np.abs(rate).max()) or 1.0
-    n = len(slope)
+class _Misses(NamedTuple):
+    """How far rates are from slopes at each inner sample, how sure slopes are, and the largest slope."""
+
+    miss: np.ndarray  # (n,)
+    unsure: np.ndarray  # (n,)
+    fastest: float
+
+    def over(self, scale: float) -> tuple[float, float]:
+        return float(np.median(self.miss)) / scale, float(np.median(self.unsure)) / scale
+
+
+def _misses(x: np.ndarray, rate: np.ndarray, times: np.ndarray, roundoff: float) -> _Misses:
+    """Compare; a slope is not known better than the rounding of what it is taken of."""
+    apart = times[1] - times[0]
+    slope, rougher = (_slope(x, weights) / apart for weights in (EIGHTH, SIXTH))
     inner = rate[WIDTH : len(rate) - WIDTH]
-    return tuple(np.abs(a - b).reshape(n, -1).max(axis=1) / scale for a, b in ((slope, inner), (slope, rougher)))  # type: ignore[return-value]
+    miss, unsure = (np.abs(slope - other).reshape(len(slope), -1).max(axis=1) for other in (inner, rougher))
+    rounding = roundoff * float(np.abs(x).max()) / apart
+    return _Misses(miss, unsure + rounding, max(float(np.abs(slope).max()), float(np.abs(inner).max())))
 
 
 def _slope(x: np.ndarray, weights: tuple[float, ...]) -> np.ndarray:

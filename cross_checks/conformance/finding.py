@@ -41,6 +41,7 @@ class Report:
     version: str
     findings: tuple[Finding, ...]
     rows: tuple[Row, ...]
+    unasked: tuple[str, ...] = ()  # types of parts that it declares and no scene here has
 
     def of(self, outcome: Outcome) -> tuple[Finding, ...]:
         return tuple(f for f in self.findings if f.outcome == outcome)

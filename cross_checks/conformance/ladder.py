@@ -171,7 +171,8 @@ def _wrong_start(question: Asked, path: Trajectory, allowed: float) -> str:
 
 def _wrong_slope(method: Method, question: Asked, good: list[Run]) -> str:
     """A velocity is what the position's slope converges to, as fast as the method's order says."""
-    misses, unsure = zip(*(figures.slope_mismatch(question.scene, run.path) for run in good), strict=True)
+    slopes = [figures.slope_mismatch(question.scene, run.path, method.roundoff) for run in good]
+    misses, unsure = zip(*slopes, strict=True)
     floor = max(SLOPE, 10.0 * unsure[-1])
     if misses[-1] <= floor:
         return ""

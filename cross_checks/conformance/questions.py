@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
+from itertools import islice
 
 import numpy as np
 
+from cross_checks.conformance.probes import probe_truth, probes
 from cross_checks.engine import Engine
 from cross_checks.truths import Truth, known, truth_for
 from cross_checks.workshop.method import Method
 from mbs_ref import scenes
 from mbs_ref.scene import GROUND, PointMass, Scene, UserForce
 from mbs_ref.scene import Distance as Rod
+from mbs_ref.scene.traits import part_types
 from mbs_ref.settings import Settings
 
 SPANS = {  # s: long enough for every part to matter, short enough for many runs
@@ -53,16 +57,38 @@ def takes(engine: Engine, method: Method, scene: Scene) -> bool:
 
 
 def questions(engine: Engine) -> list[Asked]:
-    """Return the scenes that some method takes; one of the costlier ones where it takes none of the quick ones."""
-    quick = [name for name in SPANS if _is_taken(engine, name)]
-    others = (name for name in known() if name in scenes.names() and name not in SPANS and _is_taken(engine, name))
-    chosen = quick or [next(others, None)]
-    questions = [asked(name) for name in chosen if name is not None]
-    return [question for question in questions if question is not None]
+    """Return the scenes that some method takes, and small ones for the parts that it declares and those lack.
+
+    It is one of the costlier scenes where it takes none of the quick ones.
+    """
+    quick = [name for name in SPANS if _is_taken(engine, scenes.make(name))]
+    costlier = (name for name in known() if name in scenes.names() and name not in SPANS)
+    others = (name for name in costlier if _is_taken(engine, scenes.make(name)))
+    found = [asked(name) for name in quick or [*islice(others, 1)]]
+    there = [question for question in found if question is not None]
+    return there + list(_probing(engine, there))
 
 
-def _is_taken(engine: Engine, name: str) -> bool:
-    scene = scenes.make(name)
+def _probing(engine: Engine, there: list[Asked]) -> Iterator[Asked]:
+    met = {(kind, question.scene.dimension) for question in there for kind in part_types(question.scene)}
+    for (kind, dimension), scene in probes().items():
+        if kind in engine.part_types and (kind, dimension) not in met and _is_taken(engine, scene):
+            yield _probe(kind, dimension)
+
+
+@cache
+def _probe(kind: str, dimension: int) -> Asked:
+    scene = probes()[kind, dimension]
+    times = np.linspace(0.0, scene.duration, SAMPLES)
+    return Asked(scene, times, probe_truth(scene, times))
+
+
+def unasked(engine: Engine, questions: list[Asked]) -> tuple[str, ...]:
+    """Return the types of parts that an engine declares and no scene has that it is asked."""
+    return tuple(sorted(engine.part_types.difference(*(part_types(question.scene) for question in questions))))
+
+
+def _is_taken(engine: Engine, scene: Scene) -> bool:
     return any(takes(engine, method, scene) for method in engine.methods())
 
 

@@ -16,8 +16,10 @@ from cross_checks.judge.verdict import WRONG, Verdict, judge, speaking
 from cross_checks.metrics.observed_order import observed_order
 from cross_checks.records.record import CANNOT, MISSING, Record
 from cross_checks.truth import NoTruth, Truth
+from cross_checks.workshop.initial_state import broken_start
 from mbs_ref.display import facts, listing
 from mbs_ref.scene import Scene
+from mbs_ref.settings import Settings
 
 Progress = Callable[[int, int, str], None]  # (cells done, of how many, what comes next)
 
@@ -67,6 +69,9 @@ class Cell:
 
 def truth_of(runs: Runs, scene: Scene) -> Truth | NoTruth:
     """Return the scene's certified truth, else what engines agree on, else why there is neither."""
+    broken = broken_start(scene, Settings().initial_tolerance)
+    if broken:
+        return NoTruth(broken)
     truth = runs.truth(scene)
     return working_truth(runs, scene, truth.reason) if isinstance(truth, NoTruth) else truth
 
@@ -118,7 +123,8 @@ def refused(scene: Scene, engine: str, method: Method | None) -> tuple[str, str]
         return "", f"engine {engine!r} is not installed"
     solver: Engine = registry.get(engine)
     reasons = [r.reason for r in (*solver.refusals(scene), *solver.method_refusals(scene, method))]
-    return method.name, "; ".join(dict.fromkeys(reasons))
+    broken = broken_start(scene, Settings().initial_tolerance)  # the scene's fault, not an engine's
+    return method.name, "; ".join(dict.fromkeys([*reasons, broken] if broken else reasons))
 
 
 def cell_of(tried: Tried, answers: Sequence[Reached]) -> Cell:

@@ -63,10 +63,12 @@ def open_loop(scene: Scene) -> str:
 
 
 def inconsistency(scene: Scene, tolerance: float) -> str:
+    """Return why engines that take one world point a joint cannot start the scene, or nothing."""
+    return open_loop(scene) or broken_start(scene, tolerance)
+
+
+def broken_start(scene: Scene, tolerance: float) -> str:
     """Return a sentence on the worst gap above the tolerance, or nothing."""
-    opened = open_loop(scene)
-    if opened:
-        return opened
     gap = worst_gap(scene)
     if gap is None or max(gap.position, gap.velocity) <= tolerance:
         return ""

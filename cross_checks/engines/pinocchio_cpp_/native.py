@@ -70,7 +70,7 @@ class Tree:
 
 def _numbers(joint: Any, placement: Any, inertia: Any) -> np.ndarray:
     """Return placement, axis, mass, centre and inertia of a joint's body: (28,)."""
-    axis = getattr(joint, "axis", np.zeros(3))
+    axis = getattr(joint.extract(), "axis", np.zeros(3))  # of joints that turn or slide along no axis of their frame
     parts = placement.rotation, placement.translation, axis, [inertia.mass], inertia.lever, inertia.inertia
     return np.concatenate([np.asarray(part, dtype=float).ravel() for part in parts])
 

@@ -20,7 +20,7 @@ from reports.terminal.exit_codes import Failed, NothingSelected
 
 @click.command(name="certify")
 @click.argument("scene", required=False)
-@click.option("-p", "parameters", multiple=True, metavar="NAME=VALUE", help="A parameter of the scene; repeatable.")
+@inputs.PARAMETERS
 @click.option("--write", is_flag=True, help="Keep the certificates that were made, in place of the stored ones.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON: a list of truths.")
 def command(scene: str | None, parameters: tuple[str, ...], write: bool, as_json: bool) -> None:

@@ -17,22 +17,25 @@ MOST_REASONS = 5  # told where nothing runs
 
 @click.command(name="check")
 @click.argument("scene", nargs=-1, metavar="[SCENE|FILE.toml]...")
-@click.option("-p", "parameters", multiple=True, metavar="NAME=VALUE", help="A parameter of the scene; repeatable.")
+@inputs.PARAMETERS
+@inputs.KEEP
 @inputs.ENGINES
 @click.option("--json", "as_json", is_flag=True, help="Print JSON: a list of cells.")
 @STORE
 def command(
-    scene: tuple[str, ...], parameters: tuple[str, ...], chosen: tuple[str, ...], as_json: bool, store: str | None
-) -> None:
+    scene: tuple[str, ...], parameters: tuple[str, ...], kept: tuple[str, ...], chosen: tuple[str, ...], as_json: bool,
+    store: str | None,
+) -> None:  # fmt: skip
     """Compare engines with each other and with the truth, on every SCENE or on those named.
 
     Where no truth is certified, engines are held against what unlike ones agree on. Runs are made once and kept in a
     store; each engine runs in a process of its own: one that hangs, crashes or eats memory costs its own cell.
     Exit code 1 where a method is wrong where it does not declare that it is known to be.
     """
-    if parameters and len(scene) != 1:
-        raise click.UsageError(f"-p {parameters[0]} needs exactly one SCENE; {len(scene)} are named")
-    selected = [inputs.scene(name, parameters) for name in scene or scenes.names()]
+    for option, given in (("-p", parameters), ("--keep", kept)):
+        if given and len(scene) != 1:
+            raise click.UsageError(f"{option} {given[0]} needs exactly one SCENE; {len(scene)} are named")
+    selected = [inputs.comparable(name, parameters, kept) for name in scene or scenes.names()]
     names = inputs.engine_names(chosen)
     cells: list[Cell] = []
     interrupted = False

@@ -13,7 +13,7 @@ from cross_checks.conformance.finding import Report
 from reports import inputs
 from reports.terminal.exit_codes import Failed
 
-COLUMNS = f"{'scene':<20} {'method':<22} {'order':>6} {'asked':>6} {'error':>9} {'loop':>10}"
+COLUMNS = f"{'scene':<26} {'method':<22} {'order':>6} {'asked':>6} {'error':>9} {'loop':>10}"
 
 
 @click.command(name="conformance")
@@ -65,13 +65,15 @@ def _lines(report: Report) -> Iterable[str]:
         order = "" if row.order is None else f"{row.order:.2f}"
         error = "none ends" if row.error is None else f"{row.error:.1e}"
         loop = "" if row.loop_s is None else f"{1e3 * row.loop_s:.3g} ms"
-        yield f"{row.scene:<20} {row.method:<22} {order:>6} {row.documented or '':>6} {error:>9} {loop:>10}"
+        yield f"{row.scene:<26} {row.method:<22} {order:>6} {row.documented or '':>6} {error:>9} {loop:>10}"
     for finding in report.of("excused"):
         yield f"excused: {finding.question}: {finding.scene} by {finding.method}: {finding.detail}"
     for method, excuse in sorted({(f.method, f.excuse) for f in report.of("excused")}):
         yield f"  {method} declares: {excuse}"
     for finding in report.of("failed"):
         yield f"FAILED: {finding.question}: {finding.scene} {finding.method}: {finding.detail}"
+    if report.unasked:
+        yield f"declared, and in no scene that is asked here: {', '.join(report.unasked)}"
     counts = {outcome: len(report.of(outcome)) for outcome in ("passed", "excused", "failed")}
     yield ", ".join(f"{count} {outcome}" for outcome, count in counts.items())
 

@@ -22,7 +22,8 @@ from reports.terminal.exit_codes import Failed, NothingSelected
 @click.command(name="judge")
 @click.argument("file", metavar="FILE")
 @click.argument("scene", metavar="SCENE|FILE.toml")
-@click.option("-p", "parameters", multiple=True, metavar="NAME=VALUE", help="A parameter of the scene; repeatable.")
+@inputs.PARAMETERS
+@inputs.KEEP
 @click.option("--map", "map_file", metavar="MAP.toml", help="What the columns mean; files of simulate -o need none.")
 @click.option("--write-map", metavar="MAP.toml", help="Write a map to be filled in, and judge nothing.")
 @click.option("--against", metavar="OTHER", help="Hold FILE against this file, not against the scene's truth.")
@@ -39,6 +40,7 @@ def command(
     file: str,
     scene: str,
     parameters: tuple[str, ...],
+    kept: tuple[str, ...],
     map_file: str | None,
     write_map: str | None,
     against: str | None,
@@ -63,7 +65,7 @@ def command(
     from cross_checks.trajectory_files.reading import read_motion
     from cross_checks.trajectory_files.truth_at import truth_at
 
-    chosen = inputs.scene(scene, parameters)
+    chosen = inputs.comparable(scene, parameters, kept)
     if t_end is not None:
         chosen = chosen.model_copy(update={"duration": t_end})
     limit = inputs.relative_error(asked, chosen)

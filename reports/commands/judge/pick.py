@@ -32,7 +32,8 @@ FILE = click.Path(exists=True, dir_okay=False, path_type=Path)
 
 @click.command(name="pick")
 @click.argument("scene", metavar="SCENE|FILE.toml")
-@click.option("-p", "parameters", multiple=True, metavar="NAME=VALUE", help="A parameter of the scene; repeatable.")
+@inputs.PARAMETERS
+@inputs.KEEP
 @inputs.ENGINES
 @click.option("--error", metavar="E|1mm", required=True, help="Largest error, of the scene's scales or as 1mm.")
 @click.option("--compliance", type=float, callback=inputs.positive, help="Largest constraint violation, m or rad.")
@@ -53,6 +54,7 @@ FILE = click.Path(exists=True, dir_okay=False, path_type=Path)
 def command(
     scene: str,
     parameters: tuple[str, ...],
+    kept: tuple[str, ...],
     chosen: tuple[str, ...],
     error: str,
     compliance: float | None,
@@ -73,7 +75,7 @@ def command(
         _pick_model(scene, parameters, error, as_json)
         return
     limit = None if budget is None else inputs.seconds(budget)
-    made = inputs.scene(scene, parameters)
+    made = inputs.comparable(scene, parameters, kept)
     if real_time:
         limit = min(made.duration, limit or made.duration)
     asked = inputs.relative_error(error, made)
@@ -85,13 +87,14 @@ def command(
     choice, duel = _confirmed(made, pick.pick(found, asked, compliance, limit), confirming)
     again = _afresh(made, choice, store) if fresh else None
     shipped = _as_shipped(made, chosen, store)
+    again_by = None if choice.best is None else reproduce(choice.best, scene, kept)
     if as_json:
-        echo_json(_facts(choice, duel, again, scene) | {"as_shipped": [asdict(one) for one in shipped]})
+        echo_json(_facts(choice, duel, again, again_by) | {"as_shipped": [asdict(one) for one in shipped]})
     if choice.best is None:
         raise NothingSelected(choice.sentence)
     if not as_json:
         click.echo(choice.sentence)
-        click.echo(reproduce(choice.best, scene))
+        click.echo(again_by)
         for one in shipped:
             click.echo(pick.told(one))
     if again is not None:
@@ -176,11 +179,11 @@ def _check(again: Record, bounds: Bounds) -> None:
     click.echo(f"{told}: as asked", err=True)
 
 
-def _facts(choice: Choice, duel: Comparison | None, again: Record | None, scene: str) -> dict[str, Any]:
+def _facts(choice: Choice, duel: Comparison | None, again: Record | None, command: str | None) -> dict[str, Any]:
     """Return the choice as plain data, with the command that runs it, and without the curves of its records."""
     facts = asdict(choice) | {"duel": None if duel is None else asdict(duel), "fresh": again and asdict(again)}
     limit = facts["limit"]
     for record in (facts["best"], facts["runner_up"], facts["fresh"], limit and limit["cheaper"]):
         if record is not None:
             del record["history"]
-    return facts | {"command": None if choice.best is None else reproduce(choice.best, scene)}
+    return facts | {"command": command}

@@ -17,7 +17,8 @@ from reports.terminal.exit_codes import NothingSelected
 
 @click.command(name="sweep")
 @click.argument("scene", metavar="SCENE|FILE.toml")
-@click.option("-p", "parameters", multiple=True, metavar="NAME=VALUE", help="A parameter of the scene; repeatable.")
+@inputs.PARAMETERS
+@inputs.KEEP
 @inputs.ENGINES
 @click.option("--method", "methods", multiple=True, metavar="M", help="Only this method; repeatable.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON lines, one a run.")
@@ -29,6 +30,7 @@ from reports.terminal.exit_codes import NothingSelected
 def command(
     scene: str,
     parameters: tuple[str, ...],
+    kept: tuple[str, ...],
     chosen: tuple[str, ...],
     methods: tuple[str, ...],
     as_json: bool,
@@ -46,8 +48,9 @@ def command(
     target = inputs.output(output, (".jsonl", ".parquet"))
     drawn = inputs.output(plot, (".html",))
     columns = target if target is not None and target.suffix == ".parquet" else None
-    kept = target if columns is None else None
-    records = sweep_records(inputs.scene(scene, parameters), chosen, methods, kept, timeout, memory, store=store)
+    lines = target if columns is None else None
+    made = inputs.comparable(scene, parameters, kept)
+    records = sweep_records(made, chosen, methods, lines, timeout, memory, store=store)
     if not records:
         raise NothingSelected("no engine and method to sweep")
     if columns is not None:

@@ -18,7 +18,7 @@ from reports.terminal.exit_codes import EngineAbsent, Failed
 
 @click.command(name="animate")
 @click.argument("scene", metavar="SCENE|FILE.toml")
-@click.option("-p", "parameters", multiple=True, metavar="NAME=VALUE", help="A parameter of the scene; repeatable.")
+@inputs.PARAMETERS
 @click.option("--t-end", type=float, metavar="T", help="Duration, s; the scene's own unless given.")
 @click.option("--frames", type=click.IntRange(2, 1000), default=81, show_default=True, help="Pictures in the GIF.")
 @click.option("--strip", type=click.IntRange(1, 64), default=8, show_default=True, help="Pictures in the filmstrip.")
@@ -38,7 +38,7 @@ def command(
 
     Several --engine are drawn beside each other at the same times, each by its default method.
     """
-    made = inputs.keeping(inputs.scene(scene, parameters), kept)
+    made = inputs.scene(scene, parameters, kept)
     target = inputs.output(output or f"{made.name}.gif", (".gif",))
     assert target is not None
     settings = inputs.settings(

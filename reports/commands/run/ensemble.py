@@ -21,7 +21,7 @@ from reports.terminal.exit_codes import Failed, Incomplete
 
 @click.command(name="ensemble")
 @click.argument("scene", metavar="SCENE|FILE.toml")
-@click.option("-p", "parameters", multiple=True, metavar="NAME=VALUE", help="A parameter of the scene; repeatable.")
+@inputs.PARAMETERS
 @click.option("--vary", "varied", multiple=True, metavar="WHAT=LAW", help="A number and its law; repeatable.")
 @click.option("-n", "count", type=int, metavar="N", help="Samples of the random laws.  [default: 200]")
 @click.option("--seed", type=int, default=0, show_default=True, metavar="N", help="Of the samples.")

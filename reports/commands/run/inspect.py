@@ -20,12 +20,13 @@ SHOWN = 6  # eigenvalues
 
 @click.command(name="inspect")
 @click.argument("scene", metavar="SCENE|FILE.toml")
-@click.option("-p", "parameters", multiple=True, metavar="NAME=VALUE", help="A parameter of the scene; repeatable.")
+@inputs.PARAMETERS
+@inputs.KEEP
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
-def command(scene: str, parameters: tuple[str, ...], as_json: bool) -> None:
+def command(scene: str, parameters: tuple[str, ...], kept: tuple[str, ...], as_json: bool) -> None:
     """Linearise a scene at its start: stiffness, the step each explicit method can bear, modes of a steady motion."""
     click.get_current_context().with_resource(compiling())
-    chosen = inputs.scene(scene, parameters)
+    chosen = inputs.scene(scene, parameters, kept)
     found = stiffness_at_start(chosen)
     result: dict[str, Any] = {
         "scene": chosen.name,

@@ -23,7 +23,7 @@ from reports.terminal.exit_codes import EngineAbsent, Failed, Incomplete
 
 @click.command(name="simulate")
 @click.argument("scene", metavar="SCENE|FILE.toml")
-@click.option("-p", "parameters", multiple=True, metavar="NAME=VALUE", help="A parameter of the scene; repeatable.")
+@inputs.PARAMETERS
 @click.option("--engine", default="mbs_ref", show_default=True, help="Who integrates.")
 @inputs.run_options
 @click.option("--stop-on-compliance", is_flag=True, help="End the run where |C(q, t)| < step fails (the papers' test).")
@@ -51,7 +51,7 @@ def command(
     """
     click.get_current_context().with_resource(compiling())
     target = inputs.output(output, tuple(FORMATS))
-    chosen_scene = inputs.keeping(inputs.scene(scene, parameters), kept)
+    chosen_scene = inputs.scene(scene, parameters, kept)
     chosen = inputs.settings(method=method, **options)
     solver = inputs.engine(engine)
     chosen = chosen.model_copy(update={"method": inputs.method(solver, method or solver.unasked)})

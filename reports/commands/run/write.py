@@ -17,7 +17,7 @@ from reports.terminal.exit_codes import EngineAbsent, Failed
 @click.argument("scene", metavar="SCENE|FILE")
 @click.option("--as", "form", required=True, metavar="FORM",
               help="mjcf, urdf, or an engine whose script is wanted: drake, exudyn, mujoco, pinocchio.")  # fmt: skip
-@click.option("-p", "parameters", multiple=True, metavar="NAME=VALUE", help="A parameter of the scene; repeatable.")
+@inputs.PARAMETERS
 @click.option("--method", help="How a script integrates; the engine's default unless given.")
 @click.option("--step", type=float, metavar="H", help="Step of a fixed-step method, s.")
 @click.option("--rtol", type=float, metavar="R", help="Relative tolerance of an adaptive method.")
@@ -35,7 +35,7 @@ def command(
     What the form cannot hold is refused by name.
     """
     target = None if output is None else inputs.output(output, (_form(form).suffix,))
-    chosen = inputs.keeping(inputs.scene(scene, parameters), kept)
+    chosen = inputs.scene(scene, parameters, kept)
     text = _written(chosen, form, inputs.settings(**options))
     if target is None:
         click.echo(text, nl=False)

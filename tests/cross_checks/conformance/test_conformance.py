@@ -28,6 +28,9 @@ EXPECTED = {  # the question that must notice each mistake; others may too
     "one step late": "order",
     "lost order": "order",
     "state restarted half-way": "truth",
+    "sliders that do not slide": "truth",
+    "torques in wrong axes": "truth",
+    "stopped by every weld": "something runs",
     "single precision": "truth",
     "velocities of the other sign": "velocities",
     "velocities times 1.01": "velocities",
@@ -155,7 +158,7 @@ def test_single_precision_that_is_declared_is_forgiven_its_errors():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["exudyn", "mbs_ref", "mujoco", "pinocchio", "rebound"])
+@pytest.mark.parametrize("name", ["exudyn", "mbs_ref", "mujoco", "pinocchio", "pinocchio_cpp", "rebound"])
 def test_a_good_engine_raises_no_alarm(name):
     report = examine(engine(name), name)
     assert [f"{f.question}: {f.scene} {f.method}: {f.detail}" for f in report.of("failed")] == []

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from cross_checks.conformance.probes import probes
 from cross_checks.judge.one_run import evaluate
 from cross_checks.workshop.plan import Plan, plan_run
 from mbs_ref import scenes
@@ -28,9 +29,15 @@ def can_be_compiled():
         pytest.skip(compiler.obstacle())
 
 
-@pytest.mark.parametrize("name", TREES)
-def test_accelerations_are_those_of_pinocchio_from_python(name):
-    scene = scenes.make(name)
+JOINTS = ("revolute", "prismatic", "cylindrical", "universal", "spherical", "weld")
+
+
+@pytest.mark.parametrize(
+    "scene",
+    [*map(scenes.make, TREES), probes()["prismatic", 2], *(probes()[kind, 3] for kind in JOINTS)],
+    ids=lambda scene: scene.name,
+)
+def test_accelerations_are_those_of_pinocchio_from_python(scene):
     plan = plan_run(engine("pinocchio_cpp"), scene, Settings(method="rk4"), None)
     assert isinstance(plan, Plan)
     built = engine("pinocchio_cpp").build(scene, plan)

@@ -51,6 +51,15 @@ def test_an_engine_that_raises_fails_its_own_cells(swing):
     assert verdicts == {"second": Verdict.FAILED, "biased": Verdict.FAILED, "loops": Verdict.CANNOT}
 
 
+def test_no_engine_is_accused_of_a_scene_whose_start_breaks_its_joints(swing):
+    (bob,) = PENDULUM.bodies
+    torn = PENDULUM.model_copy(update={"bodies": (bob.model_copy(update={"velocity": (0.5, 0.5)}),)})
+    cells = list(check(Runs(), [torn], ["swing"]))
+    assert {cell.verdict for cell in cells} == {Verdict.CANNOT}
+    assert "breaks joint" in cells[0].reason
+    assert not any(cell.is_wrong for cell in cells)
+
+
 def test_unknown_engines_are_refused(swing):
     with pytest.raises(ValueError, match="nobody"):
         list(check(Runs(), [PENDULUM], ["nobody"]))
