@@ -48,30 +48,35 @@ from mbs_ref.scene.signals import Harmonic
 DURATION = 0.2  # s
 TOLERANCES = (1e-10, 1e-11)  # of the runs whose difference is what the truth is known to
 
-# the places, in the plane the first two coordinates of these
-HUNG, LINKED, HELD = (0.1, 0.2, -0.1), (0.5, -0.1, 0.3), (-0.2, 0.6, 0.4)  # m, on ground; between the bodies; aside
-FIRST, SECOND = (0.3, 0.1, 0.1), (0.9, -0.3, 0.2)  # m, the bodies' centres
-AXES = ((1.0, 2.0, 2.0), (2.0, -2.0, 1.0))  # perpendicular
-GRAVITY = (1.0, -9.0, 3.0)  # m/s^2
-NEAR = (0.05, -0.1, 0.07)  # m, from a centre to where loads and rods take hold
+type Place = Any  # three coordinates; in the plane the first two of these
+HUNG: Place = (0.1, 0.2, -0.1)  # m, on ground
+LINKED: Place = (0.5, -0.1, 0.3)  # m, between the bodies
+HELD: Place = (-0.2, 0.6, 0.4)  # m, on ground, aside
+FIRST: Place = (0.3, 0.1, 0.1)  # m, a body's centre
+SECOND: Place = (0.9, -0.3, 0.2)  # m, the other's
+AXES: tuple[Place, Place] = ((1.0, 2.0, 2.0), (2.0, -2.0, 1.0))  # perpendicular
+GRAVITY: Place = (1.0, -9.0, 3.0)  # m/s^2
+NEAR: Place = (0.05, -0.1, 0.07)  # m, from a centre to where loads and rods take hold
 
 
-def _mark(centre: tuple[float, ...]) -> tuple[float, ...]:
+def _mark(centre: Place) -> Place:
     return tuple(np.add(centre, NEAR).tolist())
 
 
-def _spatial(name: str, place: tuple[float, ...]) -> SpatialBody:
+def _spatial(name: str, place: Place) -> SpatialBody:
     inertia = (0.06, 0.05, 0.04, 0.01, -0.005, 0.008)  # kg m^2
     return SpatialBody(name=name, mass=1.5, inertia=inertia, position=place, angular_velocity=(0.5, -1.0, 2.0))
 
 
-def _planar(name: str, place: tuple[float, ...]) -> PlanarBody:
+def _planar(name: str, place: Place) -> PlanarBody:
     return PlanarBody(name=name, mass=1.5, inertia=0.05, position=place[:2], angular_velocity=2.0)
 
 
-ENDS = ({"name": "one", "body_a": GROUND, "body_b": "a"}, {"name": "two", "body_a": "a", "body_b": "b"})
+ENDS: tuple[dict[str, Any], ...] = (
+    {"name": "one", "body_a": GROUND, "body_b": "a"}, {"name": "two", "body_a": "a", "body_b": "b"},
+)  # fmt: skip
 PLACES = (HUNG, LINKED)
-SPACE_JOINTS: dict[str, Callable[[int, dict[str, str]], Any]] = {
+SPACE_JOINTS: dict[str, Callable[[int, dict[str, Any]], Any]] = {
     "revolute": lambda k, ends: Revolute(**ends, point=PLACES[k], axis=AXES[k]),
     "prismatic": lambda k, ends: Prismatic(**ends, point=PLACES[k], axis=AXES[k]),
     "cylindrical": lambda k, ends: Cylindrical(**ends, point=PLACES[k], axis=AXES[k]),
@@ -83,7 +88,7 @@ SPACE_JOINTS: dict[str, Callable[[int, dict[str, str]], Any]] = {
     ),
     "point_on_plane": lambda k, ends: PointOnPlane(**ends, point=PLACES[k], normal=AXES[k]),
 }  # fmt: skip
-PLANE_JOINTS: dict[str, Callable[[int, dict[str, str]], Any]] = {
+PLANE_JOINTS: dict[str, Callable[[int, dict[str, Any]], Any]] = {
     "revolute": lambda k, ends: Revolute(**ends, point=PLACES[k][:2]),
     "prismatic": lambda k, ends: Prismatic(**ends, point=PLACES[k][:2], axis=AXES[k][:2]),
     "weld": lambda k, ends: Weld(**ends, point=PLACES[k][:2]),

@@ -1,8 +1,10 @@
 """A working truth where no certified one exists: what engines agree on that share as little as possible.
 
-Every engine that runs the scene gives its best method at two fine settings. The pair of engines that is closest,
-its members' own last refinements included, is believed to that distance: agreed, not certified. Where one engine runs
-the scene alone, two unlike methods of its own must do, and the sentence says so.
+Every engine that runs the scene gives its best methods at two fine settings. The pair is chosen that is closest, its
+members' own last refinements included, of engines that stand on different packages: the scene is known to that
+distance, agreed and not certified. Where that is too far to tell agreement by, as where a motion amplifies errors, all
+give a finer setting still. Where one package runs the scene alone, two unlike methods of its must do, and the sentence
+says so.
 """
 
 from __future__ import annotations
@@ -16,13 +18,17 @@ from cross_checks import engines
 from cross_checks.engine import Engine, Method
 from cross_checks.judge.ladder import label, settings_at
 from cross_checks.judge.runs import Runs, gap
-from cross_checks.truth import NoTruth, Truth
+from cross_checks.judge.verdict import AGREEMENT
+from cross_checks.truth import MARGIN, NoTruth, Truth
 from mbs_ref.scene import Scene
 from mbs_ref.scene.scales import scales_of
 from mbs_ref.trajectory import Trajectory
 
-FINE = {"adaptive": (1e-10, 1e-12), "fixed": (2.5e-4, 5e-5)}  # tolerances; steps over the duration
+type Settings = dict[str, tuple[float, float]]  # by the kind of a method: coarse and fine
+FINE: Settings = {"adaptive": (1e-10, 1e-12), "fixed": (2.5e-4, 5e-5)}  # tolerances; steps over the duration
+FINEST: Settings = {"adaptive": (1e-12, 1e-14), "fixed": (5e-5, 1e-5)}
 WORST = 1e-3  # of the scene: engines further apart agree on nothing
+ENOUGH = AGREEMENT / MARGIN  # of the scene: a truth that is known so well tells agreement
 PER_ENGINE = 2  # methods asked of each
 
 
@@ -30,6 +36,7 @@ class Witness(NamedTuple):
     """A run at the finer of two settings, and how far it moved from the coarser."""
 
     engine: str
+    package: str  # that it stands on
     method: str
     setting: str
     path: Trajectory
@@ -40,24 +47,38 @@ class Witness(NamedTuple):
         return f"{self.engine} {self.method} {self.setting}"
 
 
+class Pair(NamedTuple):
+    """The two that agree best, and what they are believed to."""
+
+    known_to: float  # over the scene's scales
+    first: Witness
+    second: Witness
+
+
 def working_truth(runs: Runs, scene: Scene, reason: str = "") -> Truth | NoTruth:
     """Return what engines agree on; NoTruth with `reason` and the distance where they do not."""
-    witnesses = _witnesses(runs, scene)
-    engines_met = {witness.engine for witness in witnesses}
-    pairs = [(a, b) for a, b in combinations(witnesses, 2) if a.engine != b.engine or len(engines_met) == 1]
-    apart = [(max(_distance(scene, a, b), a.moved, b.moved), a, b) for a, b in pairs]
-    if not apart:
+    pair = _closest(scene, _witnesses(runs, scene, FINE))
+    if pair is None:
         return NoTruth(f"{reason}; fewer than two methods run the scene to its end".lstrip("; "))
-    known_to, first, second = min(apart, key=lambda entry: entry[0])
-    if not known_to <= WORST:
-        told = f"the closest, {first.name} and {second.name}, are {known_to:.1e} of the scene apart"
+    if ENOUGH < pair.known_to <= WORST:
+        finer = _closest(scene, _witnesses(runs, scene, FINEST))
+        pair = min(pair, finer or pair, key=lambda one: one.known_to)
+    if not pair.known_to <= WORST:
+        told = f"the closest, {pair.first.name} and {pair.second.name}, are {pair.known_to:.1e} of the scene apart"
         return NoTruth(f"{reason}; engines agree on nothing: {told}".lstrip("; "))
-    return _agreed(scene, known_to, *sorted((first, second), key=lambda witness: witness.moved))
+    return _agreed(scene, pair.known_to, *sorted(pair[1:], key=lambda witness: witness.moved))
+
+
+def _closest(scene: Scene, witnesses: list[Witness]) -> Pair | None:
+    alone = len({witness.package for witness in witnesses}) == 1
+    unlike = [(a, b) for a, b in combinations(witnesses, 2) if alone or a.package != b.package]
+    pairs = [Pair(max(_distance(scene, a, b), a.moved, b.moved), a, b) for a, b in unlike]
+    return min(pairs, key=lambda pair: pair.known_to, default=None)
 
 
 def _agreed(scene: Scene, known_to: float, best: Witness, other: Witness) -> Truth:
     scales = scales_of(scene)
-    alone = "; both are of one engine" if best.engine == other.engine else ""
+    alone = f"; both stand on {best.package}" if best.package == other.package else ""
     how = f"agreed, not certified: {best.name} and {other.name} are {known_to:.1e} of the scene apart{alone}"
     return Truth(
         best.path.position, best.path.orientation, known_to * scales.length, "agreed", how, known_to * scales.length,
@@ -71,14 +92,14 @@ def _distance(scene: Scene, first: Witness, second: Witness) -> float:
     return float("inf") if apart is None else apart
 
 
-def _witnesses(runs: Runs, scene: Scene) -> list[Witness]:
+def _witnesses(runs: Runs, scene: Scene, settings: Settings) -> list[Witness]:
     witnesses = []
     for name in engines.names():
         try:
             engine = engines.get(name)
         except engines.EngineMissing:
             continue
-        heard = (_heard(runs, scene, name, method) for method in _best_methods(engine, scene))
+        heard = (_heard(runs, scene, name, method, settings) for method in _best_methods(engine, scene))
         witnesses += [witness for witness in heard if witness is not None]
     return witnesses
 
@@ -92,10 +113,11 @@ def _best_methods(engine: Engine, scene: Scene) -> list[Method]:
     return ranked[:PER_ENGINE]
 
 
-def _heard(runs: Runs, scene: Scene, engine: str, method: Method) -> Witness | None:
-    knobs = [knob * (scene.duration if method.kind == "fixed" else 1.0) for knob in FINE[method.kind]]
+def _heard(runs: Runs, scene: Scene, engine: str, method: Method, settings: Settings) -> Witness | None:
+    knobs = [knob * (scene.duration if method.kind == "fixed" else 1.0) for knob in settings[method.kind]]
     coarse, fine = (runs.run(scene, engine, settings_at(method, scene, knob)) for knob in knobs)
     moved = gap(scene, coarse.path, fine.path)
     if fine.record.status != "success" or coarse.record.status != "success" or moved is None or fine.path is None:
         return None
-    return Witness(engine, method.name, label(settings_at(method, scene, knobs[1])), fine.path, moved)
+    package = engines.get(engine).package.partition(".")[0]
+    return Witness(engine, package, method.name, label(settings_at(method, scene, knobs[1])), fine.path, moved)
