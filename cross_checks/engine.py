@@ -130,6 +130,11 @@ class Engine(ABC):
             unreported=end.unreported,
         )
 
+    @property
+    def library(self) -> str:
+        """The package without its parts: engines of one library share code, and its mistakes."""
+        return self.package.partition(".")[0]
+
     def method(self, name: str | None) -> Method:
         """Return the named method, or the default; ValueError lists what is allowed."""
         methods = self.methods()

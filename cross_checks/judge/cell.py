@@ -132,7 +132,7 @@ def cell_of(tried: Tried, answers: Sequence[Reached]) -> Cell:
     scene, truth, points = tried.scene, tried.truth, tried.points()
     uncertainty = next((r.error.uncertainty for r in tried.records.values() if r.error is not None), None)
     why = truth.reason if isinstance(truth, NoTruth) else ""
-    verdict, reason = judge(points, tried.foretold, uncertainty or 0.0, why)
+    verdict, reason = judge(points, tried.foretold, uncertainty or 0.0, why, tried.control)
     place = speaking(points)
     record: Record | None = None if place < 0 else tried.records[points[place].knob]
     return Cell(

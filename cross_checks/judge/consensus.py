@@ -36,7 +36,7 @@ class Witness(NamedTuple):
     """A run at the finer of two settings, and how far it moved from the coarser."""
 
     engine: str
-    package: str  # that it stands on
+    library: str  # that it stands on
     method: str
     setting: str
     path: Trajectory
@@ -70,15 +70,15 @@ def working_truth(runs: Runs, scene: Scene, reason: str = "") -> Truth | NoTruth
 
 
 def _closest(scene: Scene, witnesses: list[Witness]) -> Pair | None:
-    alone = len({witness.package for witness in witnesses}) == 1
-    unlike = [(a, b) for a, b in combinations(witnesses, 2) if alone or a.package != b.package]
+    alone = len({witness.library for witness in witnesses}) == 1
+    unlike = [(a, b) for a, b in combinations(witnesses, 2) if alone or a.library != b.library]
     pairs = [Pair(max(_distance(scene, a, b), a.moved, b.moved), a, b) for a, b in unlike]
     return min(pairs, key=lambda pair: pair.known_to, default=None)
 
 
 def _agreed(scene: Scene, known_to: float, best: Witness, other: Witness) -> Truth:
     scales = scales_of(scene)
-    alone = f"; both stand on {best.package}" if best.package == other.package else ""
+    alone = f"; both stand on {best.library}" if best.library == other.library else ""
     how = f"agreed, not certified: {best.name} and {other.name} are {known_to:.1e} of the scene apart{alone}"
     return Truth(
         best.path.position, best.path.orientation, known_to * scales.length, "agreed", how, known_to * scales.length,
@@ -119,5 +119,5 @@ def _heard(runs: Runs, scene: Scene, engine: str, method: Method, settings: Sett
     moved = gap(scene, coarse.path, fine.path)
     if fine.record.status != "success" or coarse.record.status != "success" or moved is None or fine.path is None:
         return None
-    package = engines.get(engine).package.partition(".")[0]
-    return Witness(engine, package, method.name, label(settings_at(method, scene, knobs[1])), fine.path, moved)
+    setting = label(settings_at(method, scene, knobs[1]))
+    return Witness(engine, engines.get(engine).library, method.name, setting, fine.path, moved)

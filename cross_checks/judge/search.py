@@ -16,9 +16,10 @@ from typing import Literal
 
 from cross_checks.engine import Method
 from cross_checks.judge.bounds import MOST_STEPS, TARGETS
+from cross_checks.judge.control import control
 from cross_checks.judge.ladder import SAMPLES, TIGHTEST, coarsest, knob_of, label, settings_at
 from cross_checks.judge.runs import Runs, against, gap
-from cross_checks.judge.verdict import AGREEMENT, REFUSED, Point
+from cross_checks.judge.verdict import AGREEMENT, REFUSED, RESOLVED, Control, Point
 from cross_checks.records.record import Record
 from cross_checks.truth import NoTruth, Truth
 from mbs_ref.scene import Scene
@@ -66,6 +67,7 @@ class Tried:
     most_steps: int = MOST_STEPS  # that a run may take
     records: dict[float, Record] = field(default_factory=dict)
     paths: dict[float, Trajectory | None] = field(default_factory=dict)
+    control: Control | None = None  # of runs that are as far from one another as from the truth
 
     @property
     def knobs(self) -> list[float]:
@@ -120,6 +122,14 @@ class Tried:
         steps = [r.steps for k, r in self.records.items() if k > knob and r.status == "success"]
         return not steps or self.records[knob].steps == 0 or self.records[knob].steps > max(steps)
 
+    def is_scattered(self) -> bool:
+        """Whether the finest two runs are no approach to anything: far from the truth, and from one another."""
+        good = self.good()[-2:]
+        if len(good) < 2 or good[-1][1] <= RESOLVED:
+            return False
+        apart = gap(self.scene, *(self.paths[knob] for knob, _ in good))
+        return apart is not None and apart > RESOLVED
+
     def levels(self) -> int:
         """Return how many refinements there are among the runs that succeeded."""
         return sum(self.records[knob].status == "success" and self.refines(knob) for knob in self.knobs)
@@ -144,6 +154,8 @@ def search(
     answers = [_aim(runs, tried, target) for target in sorted(targets, reverse=True)]
     if not _is_shown(tried):
         _support(runs, tried)
+    if tried.is_scattered():
+        tried.control = control(runs, scene, engine, method, tried.good()[-1][0], truth)
     return tried, [_answer(tried, answer) for answer in answers]
 
 
@@ -324,8 +336,10 @@ def _is_vain(tried: Tried, knob: float, target: float) -> bool:
 def _is_over(tried: Tried) -> bool:
     """Whether two refinements in a row that promised a better run, at half the order, did not give it.
 
-    One that takes no more steps, as where outputs govern them, promises nothing.
+    One that takes no more steps, as where outputs govern them, promises nothing, and neither do scattered runs.
     """
+    if tried.is_scattered():
+        return False
     good = tried.good()[-3:]
     steps = {knob: record.steps for knob, record in tried.records.items()}
     promised = [

@@ -14,8 +14,9 @@ d the distance of the finest run from the method's own limit. All runs count, fr
     diverged     the finest runs blew up, or e does not fall, or all settings of a wide range take the same steps
     not-shown    too few runs within the bound on work
 
-An accusation stands on runs whose error is beyond what rounding may leave after their steps. Finer runs, whose error is
-not, as after thousands of steps in single precision, tell of the arithmetic and are set aside (`above_rounding`).
+That an error does not fall accuses nobody where another engine's method of the same order, the control, is as far off
+at the same setting. Nor does what rounding may leave after a run's steps, as after thousands in single precision: runs
+whose error is no larger tell of the arithmetic and are set aside (`above_rounding`).
 
 Convergence is read from refinements. A run that takes no more steps than a coarser one, as where outputs end the steps,
 refines nothing: such runs are one level, for which the largest of their errors stands.
@@ -28,6 +29,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from itertools import pairwise
+from typing import NamedTuple
 
 from scipy.optimize import root_scalar
 
@@ -83,9 +85,17 @@ class Point:
         return self.status == "success"
 
 
+class Control(NamedTuple):
+    """Another engine's method of the same order, at the finest setting."""
+
+    by: str
+    error: float  # from the truth, over the scene's scales
+
+
 def judge(
-    points: Sequence[Point], order: float | None = None, uncertainty: float = 0.0, why_no_truth: str = ""
-) -> tuple[Verdict, str]:
+    points: Sequence[Point], order: float | None = None, uncertainty: float = 0.0, why_no_truth: str = "",
+    control: Control | None = None,
+) -> tuple[Verdict, str]:  # fmt: skip
     """Return the verdict and its sentence. Points go from coarse to fine; `order` is that of the error in the knob."""
     good = [point for point in points if point.ok]
     if not good:
@@ -93,9 +103,18 @@ def judge(
     if good[-1].error is None:
         return _without_truth(good, order, why_no_truth)
     verdict, reason = _by_error(good, order or 1.0, uncertainty)
+    if verdict is Verdict.DIVERGED and control is not None and _is_as_far(levels(good)[-1], control):
+        told = f"{reason}, where {control.by} is {control.error:.1e} off"
+        verdict, reason = Verdict.NOT_SHOWN, f"{told}: too coarse for a motion that amplifies errors"
     if verdict in WRONG and above_rounding(good) != good:
         verdict, reason = _beside_rounding(good, order or 1.0, uncertainty)
     return _with_failures(points, good, verdict, reason)
+
+
+def _is_as_far(finest: Point, control: Control) -> bool:
+    """Whether both are lost, the one about as far as the other: what blows up is farther than any motion goes."""
+    error = finest.error or 0.0
+    return min(error, control.error) > RESOLVED and error <= control.error / RESOLVED
 
 
 def speaking(points: Sequence[Point]) -> int:

@@ -11,10 +11,11 @@ from cross_checks import engines
 from cross_checks.engine import Method
 from cross_checks.judge.bounds import MOST_STEPS
 from cross_checks.judge.cell import truth_of
+from cross_checks.judge.control import control
 from cross_checks.judge.ladder import SAMPLES, TIGHTEST
 from cross_checks.judge.runs import Runs
 from cross_checks.judge.search import BACK, WINDOW, first_knob, search
-from cross_checks.judge.verdict import Verdict, judge
+from cross_checks.judge.verdict import Control, Verdict, judge
 from cross_checks.records.record import Record
 from cross_checks.records.store import Run
 from cross_checks.truth import NoTruth, Truth
@@ -199,6 +200,39 @@ def test_a_search_keeps_within_the_steps_that_it_is_allowed(most):
 def test_a_limit_of_its_own_is_not_reached():
     _, answers = search(MadeUp(lambda h: 0.25 + h**4), SCENE, "made", FOURTH, TRUTH)
     assert {answer.answer for answer in answers} == {"not-reached"}
+
+
+def test_runs_that_are_strangers_to_one_another_ask_for_a_control(monkeypatch):
+    """They promise nothing and tell nothing of finer ones: a method of the same order says what may be expected."""
+    asked = []
+
+    def control(runs, scene, engine, method, knob, truth):
+        asked.append(knob)
+        return Control("other rk4", 2.0)
+
+    monkeypatch.setattr("cross_checks.judge.search.control", control)
+    tried, answers = search(MadeUp(lambda h: 2.0 + np.sin(1e4 * h)), SCENE, "made", FOURTH, TRUTH)
+    assert tried.is_scattered()
+    assert asked == [tried.knobs[-1]]
+    assert tried.control == Control("other rk4", 2.0)
+    assert {answer.answer for answer in answers} <= {"not-tried", "not-reached"}
+    assert not any("do not help" in answer.reason for answer in answers)
+    settled, _ = search(MadeUp(lambda h: 2.0 + h**4), SCENE, "made", FOURTH, TRUTH)
+    assert not settled.is_scattered()
+    assert settled.control is None
+
+
+def test_the_control_is_of_another_library_and_of_no_lower_order():
+    scene = scenes.make("double_pendulum")
+    runs, truth = Runs(), truth_of(Runs(), scene)
+    method = engines.get("pinocchio").method("rk4")
+    found = control(runs, scene, "pinocchio", method, 0.05, truth)
+    assert found is not None
+    assert found.by == "mbs_ref rk4"
+    ours = control(runs, scene, "mbs_ref", engines.get("mbs_ref").method("rk4"), 0.05, truth)
+    assert ours is not None
+    assert ours.by.split()[0] != "mbs_ref"
+    assert ours.error == pytest.approx(found.error, rel=0.5)  # rk4 is rk4
 
 
 def test_the_same_question_makes_the_same_runs():

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import pytest
 
-from cross_checks.judge.verdict import Point, Verdict, judge, limit_distance, shown_order
+from cross_checks.judge.verdict import Control, Point, Verdict, judge, limit_distance, shown_order
 from cross_checks.metrics.observed_order import observed_order
 
 
@@ -90,6 +90,22 @@ def test_rounding_is_not_accused(errors, gaps, rounding, verdict):
     assert found is verdict, reason
     set_aside = errors[-1] <= rounding and verdict is not Verdict.AGREES
     assert (f"rounding may have left {rounding:.1e}" in reason) == set_aside
+
+
+@pytest.mark.parametrize(
+    ("errors", "gaps", "off", "verdict"),
+    [
+        ([2.7, 2.9, 3.0], [2.0, 3.1], 3.2, Verdict.NOT_SHOWN),  # two strangers on a motion that amplifies errors
+        ([2.7, 2.9, 3.0], [2.0, 3.1], 1e-3, Verdict.DIVERGED),  # the other gets there
+        ([1e-2, 1e-1, 50.0], [1e-1, 50.0], 3.0, Verdict.DIVERGED),  # farther than any motion goes
+        ([5e-2, 6e-2, 7e-2], [3e-2, 3e-2], 3.0, Verdict.DIVERGED),  # near, and no nearer with finer steps
+        ([2.0, 2.0, 2.0], [1e-2, 1e-3], 3.0, Verdict.WRONG_LIMIT),  # a limit of its own needs no control
+    ],
+)
+def test_runs_that_a_control_does_no_better_are_not_accused(errors, gaps, off, verdict):
+    found, reason = judge(runs(errors, gaps), 1.0, 1e-14, control=Control("other euler", off))
+    assert found is verdict, reason
+    assert ("where other euler is 3.2e+00 off" in reason) == (verdict is Verdict.NOT_SHOWN)
 
 
 def test_a_truth_that_knows_no_better_judges_nothing():
