@@ -14,7 +14,9 @@ from cross_checks import engines
 from cross_checks.conformance.broken_engines import Broken, Mistake, mistakes
 from cross_checks.conformance.examine import examine
 from cross_checks.conformance.finding import Report
+from cross_checks.conformance.questions import questions, unasked
 from cross_checks.workshop.method import SINGLE, Method
+from mbs_ref.scene.traits import part_types
 from reports.commands.judge.conformance import command
 from tests.cross_checks.engines.engine_runs import engine
 
@@ -136,6 +138,17 @@ def test_every_mistake_has_its_question():
 
 def test_the_engine_without_a_mistake_raises_no_alarm():
     assert [finding for finding in examined(Mistake("none")).of("failed")] == []
+
+
+def test_every_part_that_an_engine_declares_is_asked_or_told():
+    """A joint that it is asked for in the plane is asked for in space, too."""
+    solver = engines.get("mbs_ref")
+    asked = questions(solver)
+    names = {question.scene.name for question in asked}
+    assert names >= {"weld_in_plane", "weld_in_space", "prismatic_in_space", "spring_damper_in_space"}
+    met = frozenset().union(*(part_types(question.scene) for question in asked))
+    assert met | {*unasked(solver, asked)} >= solver.part_types
+    assert not met & {*unasked(solver, asked)}
 
 
 @pytest.mark.parametrize("mistake", mistakes(), ids=lambda mistake: mistake.name)
