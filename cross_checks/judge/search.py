@@ -336,10 +336,8 @@ def _is_vain(tried: Tried, knob: float, target: float) -> bool:
 def _is_over(tried: Tried) -> bool:
     """Whether two refinements in a row that promised a better run, at half the order, did not give it.
 
-    One that takes no more steps, as where outputs govern them, promises nothing, and neither do scattered runs.
+    One that takes no more steps, as where outputs govern them, promises nothing.
     """
-    if tried.is_scattered():
-        return False
     good = tried.good()[-3:]
     steps = {knob: record.steps for knob, record in tried.records.items()}
     promised = [
@@ -415,7 +413,8 @@ def _answer(tried: Tried, became: Reached) -> Reached:
     if became.answer == "not-tried" and not _is_over(tried):
         return became
     best = min((error for _, error in good), default=None)
-    reason = _last_words(tried) if best is None else f"its best is {best:.1e}; finer settings do not help"
+    shown = "its runs are as far from one another" if tried.is_scattered() else "finer settings do not help"
+    reason = _last_words(tried) if best is None else f"its best is {best:.1e}; {shown}"
     return Reached(became.target, "not-reached", None, reason)
 
 

@@ -203,7 +203,7 @@ def test_a_limit_of_its_own_is_not_reached():
 
 
 def test_runs_that_are_strangers_to_one_another_ask_for_a_control(monkeypatch):
-    """They promise nothing and tell nothing of finer ones: a method of the same order says what may be expected."""
+    """They tell nothing of finer ones: a method of the same order says what may be expected."""
     asked = []
 
     def control(runs, scene, engine, method, knob, truth):
