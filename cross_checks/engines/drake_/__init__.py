@@ -57,6 +57,10 @@ class Drake(Engine):
         reasons = super().method_refusals(scene, method)
         if method.name == WORLD and not reasons and not tied_to_ground(linkage_of(scene)):
             reasons.append(Refusal(f"{method.name} differs only where a loop is closed at ground, and none is", True))
+        if method.excludes and not reasons:
+            rods = [closure.name for closure in linkage_of(scene).closures]
+            kept = "a constraint, which Drake keeps in discrete time alone"
+            reasons += [Refusal(f"{method.name}: joint {name!r} is {kept}", True) for name in rods]
         return reasons
 
     def run(self, scene: Scene, settings: Settings, times: np.ndarray | None = None) -> Trajectory:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from cross_checks.conformance.probes import probes
 from cross_checks.judge.one_run import evaluate
 from mbs_ref import scenes
 from mbs_ref.observables import constraint_residual
@@ -47,6 +48,15 @@ def test_loops_converge_in_discrete_time_and_refuse_in_continuous(drake, scene):
     assert np.abs(constraint_residual(scene, path)).max() < 1e-4
     (refusal,) = drake.method_refusals(scene, drake.method("runge_kutta3"))
     assert refusal.reason == "runge_kutta3 cannot model a scene that is closed-loop"
+
+
+def test_rods_between_bodies_are_left_to_discrete_time(drake):
+    """They are constraints, though no loop is closed: the plant died of them in continuous time."""
+    scene = probes()["distance", 2]
+    refusals = [refusal.reason for refusal in drake.method_refusals(scene, drake.method("runge_kutta5"))]
+    kept = "is a constraint, which Drake keeps in discrete time alone"
+    assert refusals == [f"runge_kutta5: joint {name!r} {kept}" for name in ("one", "two")]
+    assert drake.method_refusals(scene, drake.method("sap")) == []
 
 
 def test_cenic_closes_loops_under_error_control():
