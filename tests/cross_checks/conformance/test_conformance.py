@@ -47,6 +47,8 @@ EXPECTED = {  # the question that must notice each mistake; others may too
     "samples at other times": "asked times",
 }
 
+BY_PROBES = {"sliders that do not slide", "torques in wrong axes", "stopped by every weld"}  # the library has none such
+
 
 def small_engine() -> str:
     (code,) = re.findall(r"```python\n(.*?)```", GUIDE.read_text(), re.DOTALL)
@@ -151,7 +153,9 @@ def test_every_part_that_an_engine_declares_is_asked_or_told():
 
 
 @pytest.mark.parametrize("mistake", mistakes(), ids=lambda mistake: mistake.name)
-def test_every_mistake_is_noticed_by_its_question(mistake):
+def test_every_mistake_is_noticed_by_its_question(mistake, monkeypatch):
+    if mistake.name not in BY_PROBES:
+        monkeypatch.setattr("cross_checks.conformance.questions.probes", dict)
     assert EXPECTED[mistake.name] in {finding.question for finding in examined(mistake).of("failed")}
 
 
