@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from cross_checks.mechanisms.dense_oracle import Moment, augmented
+from cross_checks.mechanisms.dense_oracle import Moment, augmented, consistent
 from cross_checks.truth import Truth
 from mbs_ref.scene import (
     GROUND,
@@ -82,7 +82,6 @@ SPACE_JOINTS: dict[str, Callable[[int, dict[str, Any]], Any]] = {
     "cylindrical": lambda k, ends: Cylindrical(**ends, point=PLACES[k], axis=AXES[k]),
     "spherical": lambda k, ends: Spherical(**ends, point=PLACES[k]),
     "universal": lambda k, ends: Universal(**ends, point=PLACES[k], axis_a=AXES[k], axis_b=AXES[1 - k]),
-    "weld": lambda k, ends: Weld(**ends, point=PLACES[k]),
     "distance": lambda k, ends: Distance(
         **ends, point_a=(HELD, _mark(FIRST))[k], point_b=_mark((FIRST, SECOND)[k])
     ),
@@ -91,7 +90,6 @@ SPACE_JOINTS: dict[str, Callable[[int, dict[str, Any]], Any]] = {
 PLANE_JOINTS: dict[str, Callable[[int, dict[str, Any]], Any]] = {
     "revolute": lambda k, ends: Revolute(**ends, point=PLACES[k][:2]),
     "prismatic": lambda k, ends: Prismatic(**ends, point=PLACES[k][:2], axis=AXES[k][:2]),
-    "weld": lambda k, ends: Weld(**ends, point=PLACES[k][:2]),
     "distance": lambda k, ends: Distance(
         **ends, point_a=(HELD, _mark(FIRST))[k][:2], point_b=_mark((FIRST, SECOND)[k])[:2]
     ),
@@ -117,8 +115,10 @@ PLANE_LOADS: dict[str, Any] = {
     "torsion_spring": TorsionSpring(
         name="load", body_a="a", body_b="b", stiffness=3.0, damping=0.1, rest_angle=0.2
     ),
-    "point_bushing": PointBushing(name="load", body_a="a", body_b="b", point=LINKED[:2], stiffness=60.0, damping=1.0),
 }  # fmt: skip
+POINT_BUSHING = PointBushing(
+    name="load", body_a="a", body_b="b", point=LINKED[:2], stiffness=60.0, damping=1.0
+)  # fmt: skip
 BUSHING = Bushing(
     name="load", body_a=GROUND, body_b="a", point=HUNG, stiffness=(40.0, 50.0, 60.0, 2.0, 3.0, 4.0),
     damping=(1.0, 0.8, 0.6, 0.1, 0.05, 0.08),
@@ -133,8 +133,6 @@ PLANE_DRIVES: dict[str, Any] = {
     "coordinate_drive": CoordinateDrive(name="drive", body="b", coordinate="angle", motion=SWAY),
     "point_drive": PointDrive(name="drive", body="a", point=_mark(FIRST)[:2], direction=AXES[0][:2], motion=SWAY),
 }
-HOLDS_ALL = frozenset({"weld"})  # joints of which one moves with the other's hinge
-FREES = frozenset({"point_bushing"})  # loads that stand in the second hinge's place
 
 
 @cache
@@ -144,18 +142,21 @@ def probes() -> dict[tuple[str, int], Scene]:
 
 
 def _in_plane() -> Iterator[tuple[str, Scene]]:
-    bodies = _planar("a", FIRST), _planar("b", SECOND)
+    bodies, hinge = (_planar("a", FIRST), _planar("b", SECOND)), PLANE_JOINTS["revolute"](0, ENDS[0])
     bob = PointMass(name="b", mass=0.5, position=SECOND[:2], velocity=(0.3, 0.2))
     rod = Distance(**ENDS[1], point_a=_mark(FIRST)[:2], point_b=SECOND[:2])
-    yield "point_mass", _scene("point_mass", (bodies[0], bob), (PLANE_JOINTS["revolute"](0, ENDS[0]), rod))
+    yield "point_mass", _scene("point_mass", (bodies[0], bob), (hinge, rod))
+    yield "weld", _scene("weld", bodies, (hinge, Weld(**ENDS[1], point=LINKED[:2])))
+    yield "point_bushing", _scene("point_bushing", bodies, (hinge,), (POINT_BUSHING,))
     yield from _of_rigid(bodies, PLANE_JOINTS, PLANE_DRIVES, PLANE_LOADS)
 
 
 def _in_space() -> Iterator[tuple[str, Scene]]:
-    bodies = _spatial("a", FIRST), _spatial("b", SECOND)
+    bodies, hinge = (_spatial("a", FIRST), _spatial("b", SECOND)), SPACE_JOINTS["revolute"](0, ENDS[0])
     bob = PointMass(name="b", mass=0.5, position=SECOND, velocity=(0.3, 0.2, 0.1))
     rod = Distance(**ENDS[1], point_a=_mark(FIRST), point_b=SECOND)
-    yield "point_mass", _scene("point_mass", (bodies[0], bob), (SPACE_JOINTS["revolute"](0, ENDS[0]), rod))
+    yield "point_mass", _scene("point_mass", (bodies[0], bob), (hinge, rod))
+    yield "weld", _scene("weld", bodies, (hinge, Weld(**ENDS[1], point=LINKED)))
     yield "bushing", _scene("bushing", bodies[:1], (), (BUSHING,))
     yield from _of_rigid(bodies, SPACE_JOINTS, SPACE_DRIVES, SPACE_LOADS)
 
@@ -163,44 +164,25 @@ def _in_space() -> Iterator[tuple[str, Scene]]:
 def _of_rigid(
     bodies: tuple[Any, ...], joints: dict[str, Callable], drives: dict[str, Any], loads: dict[str, Any]
 ) -> Iterator[tuple[str, Scene]]:
-    for kind in joints:
-        yield kind, _scene(kind, bodies, _pair(joints, kind))
+    """Yield two of each joint, and each drive and load on bodies that two hinges hold."""
+    pairs = {kind: tuple(joint(k, ENDS[k]) for k in (0, 1)) for kind, joint in joints.items()}
+    hinges = pairs["revolute"]
+    for kind, pair in pairs.items():
+        yield kind, _scene(kind, bodies, pair)
     for kind, drive in drives.items():
-        yield kind, _scene(kind, bodies, (*_hinges(joints, kind), drive))
+        yield kind, _scene(kind, bodies, (*hinges, drive))
     for kind, load in loads.items():
-        yield kind, _scene(kind, bodies, _hinges(joints, kind), (load,))
-
-
-def _pair(joints: dict[str, Callable], kind: str) -> tuple[Any, ...]:
-    first = "revolute" if kind in HOLDS_ALL else kind
-    return joints[first](0, ENDS[0]), joints[kind](1, ENDS[1])
-
-
-def _hinges(joints: dict[str, Callable], kind: str) -> tuple[Any, ...]:
-    first, second = (joints["revolute"](k, ENDS[k]) for k in (0, 1))
-    return (first,) if kind in FREES else (first, second)
+        yield kind, _scene(kind, bodies, hinges, (load,))
 
 
 def _scene(kind: str, bodies: tuple[Any, ...], joints: tuple[Any, ...], loads: tuple[Any, ...] = ()) -> Scene:
-    """Return a scene whose velocities are the nearest that the joints allow."""
     dimension = len(bodies[0].position)
     where = "plane" if dimension == 2 else "space"
     rough = Scene(
         name=f"{kind}_in_{where}", gravity=GRAVITY[:dimension], bodies=bodies, joints=joints, loads=loads,
         duration=DURATION,
     )  # fmt: skip
-    system = augmented(Moment.start(rough))
-    rate = np.zeros(system.moment.rate.shape)
-    rate[system.moment.used] = system.consistent_rates()
-    moving = [_moving(body, own[:dimension], own[dimension:]) for body, own in zip(bodies, rate, strict=True)]
-    return rough.model_copy(update={"bodies": tuple(moving)})
-
-
-def _moving(body: Any, velocity: np.ndarray, spin: np.ndarray) -> Any:
-    rates: dict[str, Any] = {"velocity": tuple(velocity.tolist())}
-    if not isinstance(body, PointMass):
-        rates["angular_velocity"] = float(spin[0]) if len(spin) == 1 else tuple(spin.tolist())
-    return body.model_copy(update=rates)
+    return consistent(rough)
 
 
 # --- the truth ------------------------------------------------------------------------------------

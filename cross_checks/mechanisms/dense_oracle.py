@@ -33,6 +33,7 @@ from mbs_ref.scene import (
     TorsionSpring,
 )
 from mbs_ref.scene.euler_parameters import from_axis_angle, product, rotation_matrices
+from mbs_ref.scene.scene import with_rates
 from mbs_ref.trajectory import Trajectory
 
 STENCIL = ((1, 4 / 5), (2, -1 / 5), (3, 4 / 105), (4, -1 / 280))  # first derivative, order 8 (Fornberg 1988)
@@ -241,6 +242,14 @@ class Augmented:
 
 def _cross(a: np.ndarray, b: np.ndarray) -> Any:
     return a[0] * b[1] - a[1] * b[0] if len(a) == 2 else np.cross(a, b)
+
+
+def consistent(scene: Scene) -> Scene:
+    """Return the scene with the velocities nearest in the mass norm that its joints allow."""
+    system = augmented(Moment.start(scene))
+    rate = np.zeros(system.moment.rate.shape)
+    rate[system.moment.used] = system.consistent_rates()
+    return with_rates(scene, rate)
 
 
 class JudgedRows(NamedTuple):

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from cross_checks.mechanisms.dense_oracle import Augmented, Moment, augmented
+from cross_checks.mechanisms.dense_oracle import Augmented, Moment, augmented, consistent
 from mbs_ref.scene import (
     GROUND,
     Bushing,
@@ -55,7 +55,7 @@ def random_scene(seed: int, dimension: int | None = None, most: int = MOST_BODIE
     maker = _Plane(rng, count) if dimension == 2 else _Space(rng, count)
     maker.grow()
     maker.load()
-    return maker.consistent(f"random_{seed}")
+    return consistent(maker.scene(f"random_{seed}"))
 
 
 class _Maker:
@@ -205,24 +205,12 @@ class _Maker:
 
     # --- the whole --------------------------------------------------------------------------------
 
-    def _scene(self, name: str, bodies: list[Any]) -> Scene:
-        return Scene(name=name, duration=DURATION, gravity=self.gravity, bodies=tuple(bodies),
+    def scene(self, name: str) -> Scene:
+        return Scene(name=name, duration=DURATION, gravity=self.gravity, bodies=tuple(self.bodies),
                      joints=tuple(self.joints), loads=tuple(self.loads))  # fmt: skip
 
     def _system(self) -> Augmented:
-        return augmented(Moment.start(self._scene("trial", self.bodies)))
-
-    def consistent(self, name: str) -> Scene:
-        """Return the scene with its velocities projected onto the constraints."""
-        system = self._system()
-        rate = np.zeros(system.moment.rate.shape)
-        rate[system.moment.used] = system.consistent_rates()
-        bodies = []
-        for body, values in zip(self.bodies, rate.tolist(), strict=True):
-            linear, angular = tuple(values[: self.dimension]), values[self.dimension :]
-            spin = {} if isinstance(body, PointMass) else {"angular_velocity": self.spin(angular)}
-            bodies.append(body.model_copy(update={"velocity": linear, **spin}))
-        return self._scene(name, bodies)
+        return augmented(Moment.start(self.scene("trial")))
 
     # --- what the plane and space do differently --------------------------------------------------
 
@@ -237,9 +225,6 @@ class _Maker:
 
     def mass(self) -> float:
         return math.exp(self.between(math.log(0.1), math.log(10.0)))
-
-    def spin(self, angular: list[float]) -> Any:
-        raise NotImplementedError
 
     def tree_joints(self, parent: str, child: str) -> list[Any]:
         raise NotImplementedError
@@ -268,9 +253,6 @@ class _Plane(_Maker):
             name=name, mass=mass, inertia=mass * self.between(0.02, 0.3), position=here, angle=self.between(-7, 7),
             velocity=self.vector(self.between(0, 2)), angular_velocity=self.between(-3, 3),
         )  # fmt: skip
-
-    def spin(self, angular: list[float]) -> float:
-        return angular[0]
 
     def tree_joints(self, parent: str, child: str) -> list[Any]:
         ends, name = self.ends(parent, child), self.next_name()
@@ -354,9 +336,6 @@ class _Space(_Maker):
             orientation=tuple((theta / np.linalg.norm(theta)).tolist()),
             angular_velocity=self.vector(self.between(0, 3)),
         )  # fmt: skip
-
-    def spin(self, angular: list[float]) -> Any:
-        return tuple(angular)
 
     def across(self, axis: Any) -> Any:
         """Return a vector perpendicular to the axis."""

@@ -6,12 +6,13 @@ from collections import Counter
 from itertools import islice
 from typing import Any, NamedTuple, Self
 
+import numpy as np
 from pydantic import Field, model_validator
 
 from mbs_ref.display import facts, listing
 from mbs_ref.scene.base.complaints import complaints
 from mbs_ref.scene.base.part import Name, Part, Positive, Vector
-from mbs_ref.scene.bodies import GROUND, Body
+from mbs_ref.scene.bodies import GROUND, Body, PointMass
 from mbs_ref.scene.contact import Contact
 from mbs_ref.scene.events import Event
 from mbs_ref.scene.joints import Joint
@@ -94,3 +95,18 @@ class Scene(Part):
         """Return the sorted times (s) at which a declared signal may be non-smooth."""
         parts = (*self.loads, *self.joints)
         return sorted({t for part in parts for signal in part.signals for t in breakpoints(signal)})
+
+
+def with_rates(scene: Scene, rates: np.ndarray) -> Scene:
+    """Return the scene with its bodies' velocities and angular velocities, 3 a body in the plane and 6 in space.
+
+    `rates` are in m/s and rad/s, one body after the other; those that would turn a point mass are left out.
+    """
+    bodies = []
+    for body, own in zip(scene.bodies, rates.reshape(len(scene.bodies), -1), strict=True):
+        straight, turning = len(body.velocity), own[len(body.velocity) :]
+        update: dict[str, Any] = {"velocity": tuple(own[:straight].tolist())}
+        if not isinstance(body, PointMass):
+            update["angular_velocity"] = float(turning[0]) if len(turning) == 1 else tuple(turning.tolist())
+        bodies.append(body.model_copy(update=update))
+    return scene.model_copy(update={"bodies": tuple(bodies)})

@@ -10,8 +10,9 @@ import numpy as np
 from mbs_ref.cores.choice import compile_scene
 from mbs_ref.cores.jointed_system import JointedSystem
 from mbs_ref.cores.system import System
-from mbs_ref.scene import PointMass, Scene
+from mbs_ref.scene import Scene
 from mbs_ref.scene.scales import scales_of
+from mbs_ref.scene.scene import with_rates
 from mbs_ref.self_checks.consistent_start import InconsistentScene
 
 RATES = ("velocity", "angular_velocity")
@@ -38,7 +39,7 @@ def keeping(scene: Scene, kept: Sequence[str], tolerance: float) -> Scene:
     weights = np.tile(_weights(scene), len(scene.bodies))
     wanted = np.concatenate((-found, np.zeros(len(picked))))
     change = np.linalg.lstsq(np.vstack((rows, picked)) / weights, wanted, rcond=None)[0] / weights
-    mended = _with_rates(scene, rates + change)
+    mended = with_rates(scene, rates + change)
     _check(compile_scene(mended), mended, kept, tolerance)
     return mended
 
@@ -68,17 +69,6 @@ def _columns(scene: Scene, kept: Sequence[str]) -> list[int]:
             raise ValueError(f"keep = {name!r} is unknown; allowed: {allowed}")
         columns += [each * scene.body_index(body) + k for k in places[rate]]
     return columns
-
-
-def _with_rates(scene: Scene, rates: np.ndarray) -> Scene:
-    bodies = []
-    for body, own in zip(scene.bodies, rates.reshape(len(scene.bodies), -1), strict=True):
-        straight, turning = len(body.velocity), own[len(body.velocity) :]
-        update: dict[str, Any] = {"velocity": tuple(own[:straight].tolist())}
-        if not isinstance(body, PointMass):
-            update["angular_velocity"] = float(turning[0]) if len(turning) == 1 else tuple(turning.tolist())
-        bodies.append(body.model_copy(update=update))
-    return scene.model_copy(update={"bodies": tuple(bodies)})
 
 
 def _check(system: System, scene: Scene, kept: Sequence[str], tolerance: float) -> None:
