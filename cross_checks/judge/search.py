@@ -413,9 +413,16 @@ def _answer(tried: Tried, became: Reached) -> Reached:
     if became.answer == "not-tried" and not _is_over(tried):
         return became
     best = min((error for _, error in good), default=None)
-    shown = "its runs are as far from one another" if tried.is_scattered() else "finer settings do not help"
-    reason = _last_words(tried) if best is None else f"its best is {best:.1e}; {shown}"
+    reason = _last_words(tried) if best is None else f"its best is {best:.1e}; {_why_no_better(tried)}"
     return Reached(became.target, "not-reached", None, reason)
+
+
+def _why_no_better(tried: Tried) -> str:
+    """Say why the best run of a method is its best."""
+    if tried.is_scattered():
+        return "its runs are as far from one another"
+    finest = tried.records[tried.knobs[-1]]
+    return "finer settings do not help" if finest.status == "success" else "finer settings that were tried failed"
 
 
 def _successes(tried: Tried) -> list[Record]:

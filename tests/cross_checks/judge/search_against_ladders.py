@@ -29,6 +29,8 @@ from mbs_ref.settings import Settings
 from reports.gather import SCENES
 from reports.reproduce import scene_label
 
+BOUND = 1.01 * MOST_STEPS  # of a rung that the search could choose: a step is shortened to divide the outputs
+
 
 @dataclass(frozen=True)
 class Compared:
@@ -78,21 +80,34 @@ def compared(runs: Runs, name: str, parameters: dict) -> Iterator[Compared]:
 
 def _compared(runs: Runs, scene: Scene, engine: str, method: Method, truth: Truth | NoTruth) -> Compared:
     tried, answers = search(runs, scene, engine, method, truth)
-    climbed = [
-        runs.judged(scene, engine, settings, truth)
-        for settings in rungs(method, scene)
-        if settings.step is None or scene.duration / settings.step <= 1.01 * MOST_STEPS
-    ]
+    climbed = list(_climbed(runs, scene, engine, method, truth))
+    within = [record for record in climbed if _is_within(scene, record)]
     chosen = [answer.record for answer in answers]
     runnable = [knob for knob in tried.knobs if tried.records[knob].status == "success"]
     return Compared(
         scene_label(scene.name, scene.parameters), engine, method.name, len(climbed), len(tried.records),
-        tuple(_told(next((r for r in climbed if _reaches(r, target)), None)) for target in TARGETS),
+        tuple(_told(next((r for r in within if _reaches(r, target)), None)) for target in TARGETS),
         tuple(_told(record) for record in chosen),
         tuple(f"{answer.answer} {answer.reason}" for answer in answers),
         tuple(r.error.value / t if r is not None and r.error else 0.0 for r, t in zip(chosen, TARGETS, strict=True)),
         tuple(r is not None and knob(r) >= 0.99 * max(runnable) for r in chosen),
     )  # fmt: skip
+
+
+def _climbed(runs: Runs, scene: Scene, engine: str, method: Method, truth: Truth | NoTruth) -> Iterator[Record]:
+    """Yield the ladder's runs, coarse to fine, up to the bound on work; a tolerance that passes it is the last."""
+    for settings in rungs(method, scene):
+        if settings.step is None or scene.duration / settings.step <= BOUND:
+            record = runs.judged(scene, engine, settings, truth)
+            yield record
+            if not _is_within(scene, record):
+                return
+
+
+def _is_within(scene: Scene, record: Record) -> bool:
+    """Whether a run keeps to the search's bound on work, which counts steps as the search does."""
+    step = Settings(**record.settings).step
+    return (scene.duration / step if step else record.steps) <= BOUND
 
 
 def knob(record: Record) -> float:

@@ -202,6 +202,13 @@ def test_a_limit_of_its_own_is_not_reached():
     assert {answer.answer for answer in answers} == {"not-reached"}
 
 
+def test_where_finer_settings_fail_nobody_says_that_they_do_not_help():
+    _, answers = search(MadeUp(lambda h: 50.0 * h, blows=lambda h: h < 4e-3), SCENE, "made", FOURTH, TRUTH)
+    told = [answer.reason for answer in answers if answer.answer == "not-reached"]
+    assert told
+    assert all("failed" in reason and "do not help" not in reason for reason in told)
+
+
 def test_runs_that_are_strangers_to_one_another_ask_for_a_control(monkeypatch):
     """They tell nothing of finer ones: a method of the same order says what may be expected."""
     asked = []
