@@ -24,6 +24,7 @@ class Truth:
     velocity: np.ndarray | None = None  # (n_t, n_bodies, dimension) m/s
     angular_velocity: np.ndarray | None = None  # (n_t, n_bodies) or (n_t, n_bodies, 3) rad/s, world axes
     rate_uncertainty: np.ndarray | None = None  # (n_t,) m/s and rad/s; inf where the rates are not known
+    turn_uncertainty: float | None = None  # rad; unless given, the angle that `uncertainty` of a near point makes
 
 
 @dataclass(frozen=True)

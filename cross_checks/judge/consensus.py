@@ -84,6 +84,7 @@ def _agreed(scene: Scene, known_to: float, best: Witness, other: Witness) -> Tru
         best.path.position, best.path.orientation, known_to * scales.length, "agreed", how, known_to * scales.length,
         velocity=best.path.velocity, angular_velocity=best.path.angular_velocity,
         rate_uncertainty=np.full(len(best.path.times), known_to * max(scales.speed, 1.0 / scales.time)),
+        turn_uncertainty=known_to,
     )  # fmt: skip
 
 

@@ -13,7 +13,7 @@ from cross_checks.metrics.component_errors import METRICS
 from cross_checks.metrics.contact_figures import contact_figures
 from cross_checks.metrics.metric import Absent, Judged, largest
 from cross_checks.metrics.significant_figures import significant_figures
-from cross_checks.metrics.state_error import NAMES
+from cross_checks.metrics.state_error import NAMES, known_to
 from cross_checks.records.record import Error
 from cross_checks.truth import Truth
 from mbs_ref.scene import Scene
@@ -65,13 +65,8 @@ def error_of(judged: Judged) -> tuple[Error | None, np.ndarray | None]:
     told, curve = f"{truth.kind}: {truth.how}", np.max(relative, axis=1)
     worst = f"{NAMES[part]} of {body} at t = {judged.path.times[sample]:.4g} s"
     scales = judged.scales
-    known = truth.uncertainty / min(scales.length, _smallest_arm(judged.scene) or scales.length)
+    known = known_to(judged.scene, truth)
     return Error(float(curve.max()), told, known, float(curve[-1]), worst, scales.length, scales.time), curve
-
-
-def _smallest_arm(scene: Scene) -> float:
-    """Return the least radius of gyration (m): a point that far away turns its uncertainty into one of angle."""
-    return min((body.gyration_radius for body in scene.bodies if body.gyration_radius > 0.0), default=0.0)
 
 
 def _history(path: Trajectory, curves: dict[str, Any], error: np.ndarray | None) -> dict[str, list[float]]:

@@ -14,7 +14,7 @@ import numpy as np
 from cross_checks.truth import MARGIN, Truth
 from mbs_ref.scene import PointMass, Scene
 from mbs_ref.scene.euler_parameters import geodesic_angle
-from mbs_ref.scene.scales import Scales
+from mbs_ref.scene.scales import Scales, scales_of
 
 NAMES = ("position", "orientation", "velocity", "angular velocity")
 UNITS = ("m", "rad", "m/s", "rad/s")
@@ -73,6 +73,14 @@ def from_truth(scene: Scene, path: Motion, truth: Truth) -> Differences:
     known = gap.sizes[:, 2:] >= MARGIN * truth.rate_uncertainty[: len(gap.sizes), None]
     gap.sizes[:, 2:] *= known
     return gap
+
+
+def known_to(scene: Scene, truth: Truth) -> float:
+    """Return how well poses of a truth are known, in the measure of the error: the worse of places and turns."""
+    length = scales_of(scene).length
+    arm = min((body.gyration_radius for body in scene.bodies if body.gyration_radius > 0.0), default=length)
+    turn = truth.uncertainty / arm if truth.turn_uncertainty is None else truth.turn_uncertainty
+    return max(truth.uncertainty / length, turn)
 
 
 def _turn(scene: Scene, first: np.ndarray, second: np.ndarray) -> np.ndarray:

@@ -37,7 +37,7 @@ class Scene(Part):
     description: str = ""
     source: str = ""  # where the data come from
     duration: Positive = 1.0  # s, how long a run lasts unless told otherwise
-    gravity: Vector = (0.0, 0.0)  # m/s^2
+    gravity: Vector = (0.0, 0.0)  # m/s^2; in space, too, none unless given
     bodies: tuple[Body, ...] = Field(min_length=1, max_length=100_000)
     joints: tuple[Joint, ...] = ()
     loads: tuple[Load, ...] = ()
@@ -47,6 +47,8 @@ class Scene(Part):
 
     @model_validator(mode="after")
     def _check(self) -> Self:
+        if "gravity" not in self.model_fields_set:
+            vars(self)["gravity"] = (0.0,) * self.dimension
         attached = {"joints": self.joints, "loads": self.loads, "contacts": self.contacts, "events": self.events}
         told = list(islice(complaints(self.dimension, self.gravity, self.bodies, attached), MOST_COMPLAINTS))
         if len(told) == MOST_COMPLAINTS:

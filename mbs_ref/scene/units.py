@@ -26,20 +26,17 @@ def attraction(scene: Scene) -> tuple[float, ...]:
     return newton[0].gm if newton else (0.0,) * len(scene.bodies)
 
 
-def free_fall_time(scene: Scene, least: float = 0.0) -> float:
-    """Return the least sqrt(r^3 / gm) of any attracting pair at the start, s; 1 where nothing attracts.
-
-    Distances r below `least` (m) count as that.
-    """
-    return min((math.sqrt(max(gap, least) ** 3 / gm) for gap, gm in _pairs(scene)), default=1.0)
+def free_fall_time(scene: Scene) -> float:
+    """Return the least sqrt(r^3 / gm) of any attracting pair at the start, s; 1 where nothing attracts."""
+    return min((math.sqrt(gap**3 / gm) for gap, gm in _pairs(scene)), default=1.0)
 
 
 def unit_length(scene: Scene) -> float:
-    """Return the length that errors of a scene are small or large against, m.
+    """Return the length that errors of particles are small or large against, m.
 
-    1 m in the laboratory; among attracting bodies their shortest distance at the start, where it is longer.
+    Among attracting bodies their shortest distance at the start, in whatever unit; 1 m where nothing attracts.
     """
-    return max(1.0, min((gap for gap, _ in _pairs(scene)), default=1.0))
+    return min((gap for gap, _ in _pairs(scene)), default=1.0)
 
 
 def tolerance_unit(scene: Scene) -> float:
@@ -48,7 +45,8 @@ def tolerance_unit(scene: Scene) -> float:
 
 
 def _pairs(scene: Scene) -> list[tuple[float, float]]:
-    """Return distance (m) at the start and sum of gm of every pair that attracts."""
+    """Return distance (m) at the start and sum of gm of every pair that attracts and does not coincide."""
     gm, place = attraction(scene), [body.position for body in scene.bodies]
-    pairs = [(j, k) for j, k in itertools.combinations(range(len(gm)), 2) if gm[j] + gm[k] > 0.0]
-    return [(math.dist(place[j], place[k]), gm[j] + gm[k]) for j, k in pairs]
+    pairs = itertools.combinations(range(len(gm)), 2)
+    found = ((math.dist(place[j], place[k]), gm[j] + gm[k]) for j, k in pairs)
+    return [(gap, both) for gap, both in found if gap > 0.0 and both > 0.0]

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cross_checks.certificates import certificate
+from cross_checks.metrics.state_error import known_to
 from cross_checks.truth import MARGIN, NoTruth, Truth
 from mbs_ref.scene import Scene
 from mbs_ref.scene.scales import scales_of
@@ -21,7 +22,7 @@ class TruthFacts:
     kind: str = ""
     how: str = ""
     uncertainty: float | None = None
-    floor: float | None = None  # the smallest error that it judges, over the scene's length
+    floor: float | None = None  # the smallest error that it judges, over the scene
     difference: float | None = None  # between two unlike ways; None where it was found in one
     length: float | None = None  # of the scene
     certified: str = ""  # when its certificate was made; empty without one
@@ -34,10 +35,10 @@ def truth_facts(label: str, scene: Scene, truth: Truth | NoTruth) -> TruthFacts:
     """Return the facts of one labelled scene."""
     if isinstance(truth, NoTruth):
         return TruthFacts(label, none=truth.reason)
-    kept, length = certificate.stored(scene), scales_of(scene).length
+    kept = certificate.stored(scene)
     return TruthFacts(
-        label, "", truth.kind, truth.how, truth.uncertainty, MARGIN * truth.uncertainty / length, truth.difference,
-        length, "" if kept is None else kept.made, "" if kept is None else kept.confirmed_by,
+        label, "", truth.kind, truth.how, truth.uncertainty, MARGIN * known_to(scene, truth), truth.difference,
+        scales_of(scene).length, "" if kept is None else kept.made, "" if kept is None else kept.confirmed_by,
         None if kept is None else kept.confirmed_to,
         None if kept is None else _departure(scene, truth, kept.end),
     )  # fmt: skip

@@ -51,7 +51,8 @@ def command(scene: str, parameters: tuple[str, ...], kept: tuple[str, ...], as_j
         return
     shown = table(f"{chosen.name} at t = 0", "quantity", "value")
     for name, value in result.items():
-        shown.add_row(name, _cell(value))
+        if chosen.contacts or not name.startswith("rule_"):  # the papers' rules are for contacts
+            shown.add_row(name, _eigenvalues(value) if _are_eigenvalues(value) else _cell(value))
     show(shown)
 
 
@@ -67,6 +68,16 @@ def _modes(found: SteadyMotion) -> str | list[list[float]]:
 
 def _finite(value: float) -> float | None:
     return float(value) if np.isfinite(value) else None
+
+
+def _are_eigenvalues(value: Any) -> bool:
+    return isinstance(value, list) and bool(value) and isinstance(value[0], list)
+
+
+def _eigenvalues(pairs: list[list[float]]) -> str:
+    """Return real and imaginary parts as a reader writes them, conjugates and equals once."""
+    told = dict.fromkeys((number(real), number(abs(imaginary))) for real, imaginary in pairs)
+    return ", ".join(real if imaginary == "0" else f"{real} ± {imaginary}i" for real, imaginary in told)
 
 
 def _cell(value: Any) -> str:

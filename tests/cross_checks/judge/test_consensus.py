@@ -2,15 +2,21 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from cross_checks.judge import consensus
 from cross_checks.judge.consensus import ENOUGH, FINEST, Witness, working_truth
+from cross_checks.judge.measure import error_of
 from cross_checks.judge.runs import Runs
+from cross_checks.metrics.metric import Judged
+from cross_checks.metrics.state_error import known_to
 from cross_checks.truth import NoTruth, Truth
 from cross_checks.truths import truth_for
 from mbs_ref import scenes
+from mbs_ref.scene.bodies import PlanarBody
 from mbs_ref.trajectory import Trajectory
 
 SCENE = scenes.make("pendulum")
@@ -66,6 +72,19 @@ def test_a_truth_too_rough_to_tell_agreement_is_refined(heard):
     assert "1.4e-09 of the scene" in found.how  # 1e-9 m in both coordinates
     heard(fine, [])
     assert isinstance(working_truth(Runs(), SCENE), Truth)  # known well enough: nobody is asked again
+
+
+def test_what_engines_agree_to_is_what_a_judge_believes(heard):
+    """Turns are compared, too: no small body's radius of gyration makes the distance of two runs larger."""
+    body = PlanarBody(name="bob", mass=1.0, inertia=1e-6, position=SCENE.bodies[0].position)
+    small = SCENE.model_copy(update={"bodies": (body,)})
+    heard([witness("mujoco", "mujoco", 0.0, 2e-9), witness("mbs_ref", "mbs_ref", 0.0, 2e-9)])
+    found = working_truth(Runs(), small)
+    assert isinstance(found, Truth)
+    error, _ = error_of(Judged(small, off(1e-7), found))
+    assert error is not None
+    assert error.uncertainty == pytest.approx(2e-9)
+    assert known_to(small, replace(found, turn_uncertainty=None)) > 100.0 * error.uncertainty  # of points alone
 
 
 def test_what_a_finer_setting_does_not_mend_stays_as_it_was(heard):
