@@ -55,3 +55,12 @@ def error(name: str, units: tuple[float, float], method: str, rtol: float) -> fl
 def test_errors_follow_the_units(name, method):
     errors = [np.median([error(name, units, method, k * RTOL) for k in METHODS[method]]) for units in UNITS]
     assert max(errors) < ALIKE * min(errors), errors
+
+
+@pytest.mark.parametrize("length", [1e-3, 1.0, 1.5e11])
+@pytest.mark.parametrize("name", ["kepler", "pleiades", "n_four_bar"])
+def test_scales_follow_the_units(name, length):
+    scene = scenes.make(name)
+    there, here = scales_of(image(scene, placed(scene, length, 1.0))), scales_of(scene)
+    assert there.length == pytest.approx(length * here.length)
+    assert there.time == pytest.approx(here.time)

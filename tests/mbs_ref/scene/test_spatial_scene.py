@@ -36,6 +36,13 @@ def test_a_body_that_cannot_be_is_refused(fields, words):
     assert all(word in str(caught.value) for word in words), str(caught.value)
 
 
+def test_a_scene_in_space_needs_no_gravity():
+    assert Scene(name="free", bodies=(body(),)).gravity == (0.0, 0.0, 0.0)
+    assert Scene(name="flat", bodies=(PlanarBody(name="b", mass=1.0, inertia=1.0),)).gravity == (0.0, 0.0)
+    with pytest.raises(ValidationError, match="3 components"):
+        Scene(name="free", bodies=(body(),), gravity=(0.0, 0.0))
+
+
 def test_inertia_as_six_numbers_or_as_a_matrix():
     matrix = ((1.0, 0.1, 0.2), (0.1, 2.0, 0.3), (0.2, 0.3, 2.5))
     assert body(inertia=matrix).inertia == (1.0, 2.0, 2.5, 0.1, 0.2, 0.3)

@@ -175,6 +175,9 @@ def test_inspect_tells_the_modes_of_a_steady_motion_or_why_there_are_none():
     assert min(abs(value + 0.32286642900409) for value in real) < 1e-11
     assert min(abs(value + 14.07838969279822) for value in real) < 1e-11
     assert "accelerated" in json.loads(run("inspect", "bicycle", "--json").stdout)["steady_motion_1_s"]
+    shown = run("inspect", "spring_pendulum").stdout  # its spring swings at sqrt(k/m) = 10 per second
+    assert "± 10i" in shown
+    assert "rule_" not in shown  # of contacts, and there are none
 
 
 def test_engines_says_who_is_missing(stand):
