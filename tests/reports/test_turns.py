@@ -15,3 +15,14 @@ def test_short_runs_take_every_turn_and_long_ones_one():
     found = least_times([lambda: run("short", 0.3), lambda: run("long", 6.0)], [0.3, 2 * ENOUGH])
     assert taken == {"short": ROUNDS, "long": 1}
     assert found == [0.3 / ROUNDS, 6.0]
+
+
+def test_what_was_timed_alone_is_the_first_turn():
+    taken = []
+
+    def run(name: str, seconds: float) -> float:
+        taken.append(name)
+        return seconds
+
+    assert least_times([lambda: run("short", 0.2), lambda: run("long", 5.0)], [0.3, 6.0], alone=True) == [0.2, 6.0]
+    assert taken == ["short"] * (ROUNDS - 1)

@@ -26,7 +26,8 @@ from reports.studies.models.facts import Ladder, ModelsFacts, Rung
 
 OBSERVED = NoTruth("held against where the bodies really were")
 Model = tuple[str, Scene, Settings]
-Told = Callable[[Scene, Trajectory], tuple[dict[str, float], float | None]]  # what is shown, and the accuracy
+# what is shown of a rung, and its accuracy, from its path and that of the last one
+Told = Callable[[Scene, Trajectory, Trajectory], tuple[dict[str, float], float | None]]
 
 SKY_LEVELS = ("lumped", "newton", "gr", "j2", "asteroids", "full")
 SKY = Settings(method="gauss", rtol=1e-16, samples=2, estimate="off")
@@ -48,7 +49,7 @@ def planets() -> Ladder:
     models = [(level, scenes.make("solar_system", model=level, days=200.0), SKY) for level in SKY_LEVELS]
     return ladder(
         "The solar system over 200 days", "Held against DE440.", "significant figures of the least exact body", models,
-        lambda scene, _: ({"bodies": float(len(scene.bodies))}, _figures(scene)),
+        lambda scene, *_: ({"bodies": float(len(scene.bodies))}, _figures(scene)),
     )  # fmt: skip
 
 
@@ -61,9 +62,8 @@ def satellites() -> Ladder:
     chosen = [("J2", {})] + [(f"and {name}", dict.fromkeys(FORCES[: k + 1], True)) for k, name in enumerate(FORCES)]
     chosen = [("point mass Earth", {"j2": False}), *chosen]
     models = [(name, scenes.make("satellite", **more), ORBIT) for name, more in chosen]
-    fullest = simulate(models[-1][1], ORBIT)
 
-    def told(scene: Scene, path: Trajectory) -> tuple[dict[str, float], float | None]:
+    def told(scene: Scene, path: Trajectory, fullest: Trajectory) -> tuple[dict[str, float], float | None]:
         off = float(np.linalg.norm(path.position - fullest.position, axis=2).max())
         radius = float(np.linalg.norm(scene.bodies[1].position))
         return {"off the fullest model, m": off}, -np.log10(off / radius) if off > 0.0 else None
@@ -81,7 +81,7 @@ def loops() -> Ladder:
 ERROR = "-log10 of the error over the scene"
 
 
-def _from_truth(scene: Scene, path: Trajectory) -> tuple[dict[str, float], float | None]:
+def _from_truth(scene: Scene, path: Trajectory, _: Trajectory) -> tuple[dict[str, float], float | None]:
     truth = seek_truth(scene, path.times)
     kept = 0.0 if path.step_compliance is None else float(path.step_compliance[:, 1].max())
     shown = {"largest |C|, m": kept}
@@ -142,16 +142,15 @@ def androids() -> Ladder:
         ("48 bodies, stops and contacts", "vertebral", believable),
     )
     models = [(name, scenes.make(f"android_{kind}", **more), CRASH) for name, kind, more in chosen]
-    fullest = _travel(simulate(models[-1][1], CRASH), models[-1][1])
 
-    def told(scene: Scene, path: Trajectory) -> tuple[dict[str, float], float | None]:
+    def told(scene: Scene, path: Trajectory, fullest: Trajectory) -> tuple[dict[str, float], float | None]:
         found = crash_results(scene, path)
         through = max(float(depth.max()) for depth in excesses(Motion(scene, path)).values())
         return {
             "HIC36": found.measures["HIC36"], "Nij": found.measures["Nij"],
             "head's travel, m": (travel := float(np.abs(found.head_excursion[:, 0]).max())),
             "passes through, m": max(through, 0.0),
-        }, _digits(travel, fullest)  # fmt: skip
+        }, _digits(travel, _travel(fullest, models[-1][1]))  # fmt: skip
 
     note = "From the front, 50 km/h. No truth says which is right: the last rung is what the others are held against."
     return ladder("Crash occupants", note, "-log10 of the head's travel, relative", models, told, by_last=True)
@@ -177,17 +176,15 @@ def tracks() -> Ladder:
         ("over a bump", {**rolling, "suspension": True, "ground": "bump", "height": 0.05}),
     )
     models = [(name, scenes.make("tracked_vehicle", **more), DRIVE) for name, more in chosen]
-    last = models[-1][1]
-    fullest = _way(last, simulate(last, DRIVE))
 
-    def told(scene: Scene, path: Trajectory) -> tuple[dict[str, float], float | None]:
+    def told(scene: Scene, path: Trajectory, fullest: Trajectory) -> tuple[dict[str, float], float | None]:
         slip = np.abs(rolling_slip(Motion(scene, path), "roller2"))
         hull = scene.body_index("chassis")
         return {
             "way, m": _way(scene, path),
             "slip of a roller, median": float(np.nanmedian(slip)),
             "hull's pitch, degrees": float(np.degrees(np.abs(path.orientation[:, hull]).max())),
-        }, _digits(_way(scene, path), fullest)  # fmt: skip
+        }, _digits(_way(scene, path), _way(models[-1][1], fullest))  # fmt: skip
 
     note = (
         "1.6 s of driving, the first half second while the torque rises; the bump is half a metre ahead. "
@@ -213,16 +210,21 @@ def ladder(title: str, note: str, measured: str, models: Sequence[Model], told: 
 
     `by_last`: the last model is what the others are held against.
     """
-    paths = [simulate(scene, settings) for _, scene, settings in models]
+    paths = [_run(title, *model) for model in models]
     again = [partial(_loop_time, scene, settings) for _, scene, settings in models]
-    best, rungs = least_times(again, [path.timing.loop_s for path in paths]), []
+    best, rungs = least_times(again, [path.timing.loop_s for path in paths], alone=True), []
     for (name, scene, _), path, seconds in zip(models, paths, best, strict=True):
-        if not path.ok:
-            raise RuntimeError(f"{title}, {name}: {path.message}")
-        shown, accuracy = told(scene, path)
+        shown, accuracy = told(scene, path, paths[-1])
         rungs.append(Rung(name, seconds, int(path.rhs_calls), shown, accuracy))
     reference = models[-1][0] if by_last else ""
     return Ladder(title, note, _method(models[0][2], models), measured, tuple(rungs), reference)
+
+
+def _run(title: str, name: str, scene: Scene, settings: Settings) -> Trajectory:
+    path = simulate(scene, settings)
+    if not path.ok:
+        raise RuntimeError(f"{title}, {name}: {path.message}")
+    return path
 
 
 def _loop_time(scene: Scene, settings: Settings) -> float:
