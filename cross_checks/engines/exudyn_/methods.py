@@ -38,7 +38,7 @@ METHODS = (
            weak_on=frozenset({"closed-loop"})),
     Method("rotation_vector", "fixed", 2, "generalized-alpha on rotation vectors (Lie group)", STEPS, requires=SPATIAL),
     Method("contact_rk44", "fixed", None, "Runge-Kutta 4 with GeneralContact; bodies without joints", STEPS,
-           requires=frozenset({"contact"}), wrong_limit=FRICTION, weak_on=frozenset({"contact"})),
+           requires=frozenset({"contact"}), wrong_limit=FRICTION, weak_on=frozenset({"friction"})),
     Method("pair_contact_rk44", "fixed", None, "Runge-Kutta 4 with contact connectors; bodies without joints", STEPS,
            requires=frozenset({"contact", "spatial"})),
     Method("tree_dopri5", "adaptive", 5, "KinematicTree, Dormand-Prince 5", RTOLS, requires=PLANAR, wrong_limit=JUMPS,
