@@ -1,11 +1,21 @@
 """What every test may rely on."""
 
 import os
+import shutil
 import signal
 import tempfile
 
+import pytest
 
-def pytest_configure() -> None:
-    """Hear SIGINT as in a terminal: a shell that starts tests in the background leaves it ignored, by children too."""
-    os.environ["MBS_REF_STORE"] = os.path.join(tempfile.mkdtemp(prefix="mbs-ref-"), "runs.sqlite")
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Give all workers one store of runs, and hear SIGINT as in a terminal.
+
+    A shell that starts tests in the background leaves SIGINT ignored, by children too.
+    """
     signal.signal(signal.SIGINT, signal.default_int_handler)
+    if "PYTEST_XDIST_WORKER" in os.environ:
+        return
+    folder = tempfile.mkdtemp(prefix="mbs-ref-")
+    os.environ["MBS_REF_STORE"] = os.path.join(folder, "runs.sqlite")
+    config.add_cleanup(lambda: shutil.rmtree(folder, ignore_errors=True))

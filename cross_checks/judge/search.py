@@ -19,7 +19,7 @@ from cross_checks.judge.bounds import MOST_STEPS, TARGETS
 from cross_checks.judge.control import control
 from cross_checks.judge.ladder import SAMPLES, TIGHTEST, coarsest, knob_of, label, settings_at
 from cross_checks.judge.runs import Runs, against, gap
-from cross_checks.judge.verdict import AGREEMENT, REFUSED, RESOLVED, Control, Point
+from cross_checks.judge.verdict import AGREEMENT, BOUNCE, PLAIN, REFUSED, RESOLVED, Control, Point
 from cross_checks.records.record import Record
 from cross_checks.truth import NoTruth, Truth
 from mbs_ref.scene import Scene
@@ -31,7 +31,6 @@ from mbs_ref.trajectory import Trajectory
 WINDOW = 10.0  # a chosen error lies within this factor below its target
 AIM = 0.3  # of the target: the middle of the window, on a logarithmic scale
 TRIES = 4  # runs for one target, beside those of the others
-BOUNCE = 2.718  # factor by which errors of neighbouring settings differ from a power law
 SPREAD = 0.2  # of the documented order: how far the order that a scene shows lies from it
 BACK = 4.0  # factor to a finer step after one that was refused or failed; its square for a tolerance
 LEAP = 2.0  # power by which such a factor grows from one to the next
@@ -207,13 +206,13 @@ def first_knob(scene: Scene, method: Method) -> float:
 
 def _aim(runs: Runs, tried: Tried, target: float) -> Reached:
     """Try settings until one meets the target from within its window, or it is plain that none will."""
-    for _ in range(TRIES):
+    for left in range(TRIES, -1, -1):
         if _is_met(tried, target) or _is_over(tried):
             break
         knob = _next(tried, target)
         if _steps(tried, knob) > tried.most_steps:
             return Reached(target, "not-tried", None, f"it would take about {_steps(tried, knob):.1g} steps")
-        if _same_as_tried(tried, knob) or _is_vain(tried, knob, target):
+        if not left or _same_as_tried(tried, knob) or _is_vain(tried, knob, target):
             break
         _try(runs, tried, knob)
     return Reached(target, "not-reached")
@@ -303,7 +302,7 @@ def _beyond(tried: Tried, error: float) -> float:
         foretold, seen = order * math.log(another / knob), math.log(max(there, TINY) / max(here, TINY))
         doubt = (math.log(BOUNCE) / (SPREAD * foretold)) ** 2  # of what is seen against what is foretold
         if _takes_more(tried, min(another, knob), max(another, knob)):
-            order *= max(0.5, (doubt + seen / foretold) / (doubt + 1.0))
+            order *= max(min(0.5, 1.0 / order), (doubt + seen / foretold) / (doubt + 1.0))  # first order, at the least
     stays = is_finer and not tried.refines(knob)
     begins = min(knob, here) if is_finer and tried.method.kind == "adaptive" and _is_idle(tried, knob) else knob
     led = begins * (error / max(here, TINY)) ** (1.0 / order)
@@ -334,17 +333,24 @@ def _is_vain(tried: Tried, knob: float, target: float) -> bool:
 
 
 def _is_over(tried: Tried) -> bool:
-    """Whether two refinements in a row that promised a better run, at half the order, did not give it.
+    """Whether two plain refinements in a row, the last ones, brought less than half of what first order promises.
 
-    One that takes no more steps, as where outputs govern them, promises nothing.
+    No more is promised whatever the documented order, for contacts that begin and end between steps leave no more. A
+    refinement that takes no more steps, as where outputs govern them, promises nothing.
     """
-    good = tried.good()[-3:]
-    steps = {knob: record.steps for knob, record in tried.records.items()}
-    promised = [
-        steps[b[0]] > steps[a[0]] and (a[0] / b[0]) ** (0.5 * tried.order) >= 1.0 / STALLED for a, b in pairwise(good)
-    ]
-    kept = [b[1] <= STALLED * a[1] for a, b in pairwise(good)]
-    return len(good) == 3 and all(promised) and not any(kept)
+    good = _plainly_apart(tried.good())[-3:]
+    more = [tried.records[b].steps > tried.records[a].steps for (a, _), (b, _) in pairwise(good)]
+    stalled = [b > STALLED * a for (_, a), (_, b) in pairwise(good)]
+    return len(good) == 3 and all(more) and all(stalled)
+
+
+def _plainly_apart(good: list[tuple[float, float]]) -> list[tuple[float, float]]:
+    """Return the finest run, the next one that is PLAIN times as coarse, and so on; coarse to fine."""
+    chosen = good[-1:]
+    for run in reversed(good):
+        if run[0] >= PLAIN * chosen[-1][0]:
+            chosen.append(run)
+    return chosen[::-1]
 
 
 def _is_shown(tried: Tried) -> bool:

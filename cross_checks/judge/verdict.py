@@ -11,7 +11,8 @@ d the distance of the finest run from the method's own limit. All runs count, fr
     wrong-limit  d < SETTLED e: the method's own limit is not the truth. d follows from the gaps between the last three
                  runs, measured by the very function that measures e, and from the order at which they shrink
     converging   over the last two refinements e fell at least at half the documented order, to 0.1 or less
-    diverged     the finest runs blew up, or e does not fall, or all settings of a wide range take the same steps
+    diverged     the finest runs blew up, or e does not fall, or all settings of a wide range take the same steps.
+                 A rise within the BOUNCE is none where e fell by more since a setting PLAIN times as coarse
     not-shown    too few runs within the bound on work
 
 That an error does not fall accuses nobody where another engine's method of the same order, the control, is as far off
@@ -39,6 +40,8 @@ AGREEMENT = 1e-6  # of the scene: closer to the truth than this is agreement
 SETTLED = 0.1  # of the error: a limit this close to the finest run, and the truth is elsewhere
 SHRINKING = 0.5  # the gap before, at least: less would not tell a limit
 RESOLVED = 0.1  # of the scene: an error beyond is no approach
+BOUNCE = 2.718  # factor by which errors of neighbouring settings differ from a power law
+PLAIN = 4.0  # factor to a setting so much finer that a method of first order shows its progress beyond the bounce
 MOST_ORDER = 20.0  # that gaps are asked for
 WIDE = 1e3  # factor between the coarsest and the finest setting: one that rules the steps at all does so over as much
 
@@ -221,7 +224,20 @@ def _by_trend(refined: Sequence[Point], order: float) -> tuple[Verdict, str]:
         pace = f"order {slopes[-1]:.2g}" + (f", less than half of {order:g}" if slopes[-1] < 0.5 * order else "")
         return Verdict.NOT_SHOWN, f"still {finest:.1e} off at {last.setting}, falling with {pace}"
     before = refined[-2].error or 0.0
+    fell = _fell_from(refined)
+    if fell is not None:
+        told = f"its errors go up and down, and fell from {fell.error:.1e} at {fell.setting}"
+        return Verdict.NOT_SHOWN, f"still {finest:.1e} off at {last.setting}: {told}"
     return Verdict.DIVERGED, f"the error does not fall: {before:.1e}, then {finest:.1e} at {last.setting}"
+
+
+def _fell_from(refined: Sequence[Point]) -> Point | None:
+    """Return the run PLAIN times as coarse as the finest from which the error fell, where the last rise is a bounce."""
+    *_, before, last = (point.error or 0.0 for point in refined)
+    plainly = next((point for point in reversed(refined) if point.knob >= PLAIN * refined[-1].knob), None)
+    if plainly is None or last > BOUNCE * before or (plainly.error or 0.0) <= BOUNCE * last:
+        return None
+    return plainly
 
 
 def _slope(coarse: Point, fine: Point) -> float:

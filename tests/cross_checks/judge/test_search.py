@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import pytest
@@ -200,6 +200,14 @@ def test_a_search_keeps_within_the_steps_that_it_is_allowed(most):
 def test_a_limit_of_its_own_is_not_reached():
     _, answers = search(MadeUp(lambda h: 0.25 + h**4), SCENE, "made", FOURTH, TRUTH)
     assert {answer.answer for answer in answers} == {"not-reached"}
+
+
+def test_a_target_beyond_the_bound_on_work_is_not_tried_however_many_runs_came_before():
+    """A saw about the step, as of contacts that begin and end between steps: no run tells the next one's error."""
+    saw = MadeUp(lambda h: h * (0.5 + abs(np.sin(1e5 * h))))
+    _, answers = search(saw, SCENE, "made", replace(FOURTH, order=6), TRUTH, (1e-3, 1e-6, 1e-9))
+    assert [answer.answer for answer in answers] == ["reached", "not-tried", "not-tried"]
+    assert all("steps" in answer.reason for answer in answers[1:])
 
 
 def test_where_finer_settings_fail_nobody_says_that_they_do_not_help():

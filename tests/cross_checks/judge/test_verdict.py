@@ -42,6 +42,22 @@ def test_by_error(errors, gaps, order, verdict):
     assert reason
 
 
+@pytest.mark.parametrize(
+    ("errors", "verdict"),
+    [
+        ([3.3e-4, 2.1e-5, 3.1e-6, 4.3e-6], Verdict.NOT_SHOWN),  # contacts begin and end between steps: a saw about h
+        ([3.3e-4, 2.1e-5, 3.1e-6, 2.0e-5], Verdict.DIVERGED),  # as far off as long before
+        ([3.3e-3, 2.1e-4, 3.1e-6, 1.5e-5], Verdict.DIVERGED),  # a rise that is no bounce
+        ([3.3e-4, 3.2e-6, 3.1e-6, 4.3e-6], Verdict.DIVERGED),  # a floor
+    ],
+)
+def test_a_bounce_on_the_way_down_accuses_nobody(errors, verdict):
+    """Exudyn's Runge-Kutta of order 6 on a ball that bounces, its last two steps 1.45 apart; and what is no bounce."""
+    found, reason = judge(runs(errors, [None] * 3, [3.57e-4, 3.47e-5, 8.41e-6, 5.78e-6]), 6.0)
+    assert found is verdict, reason
+    assert ("up and down" in reason) is (verdict is Verdict.NOT_SHOWN)
+
+
 def same_steps(errors, gaps, refines, knobs=None) -> list[Point]:
     points = runs(errors, gaps, knobs)
     return [replace(point, refines=more) for point, more in zip(points, refines, strict=True)]

@@ -12,6 +12,8 @@ from pathlib import Path
 
 import pytest
 
+from cross_checks.records.store import default_path
+
 # Every core (planar, spatial, particles), contact, loops, stiffness, and every engine. What is asked together compiles
 # what it shares once.
 SCENES = {
@@ -63,9 +65,9 @@ def _name(cell: dict) -> str:
 @pytest.mark.slow
 @pytest.mark.parametrize("asked", SCENES.values(), ids=SCENES)
 def test_cells_depend_neither_on_load_nor_on_the_cache(asked, tmp_path):
-    """Both at once: each could change them, and neither does."""
-    quiet = cells(asked, tmp_path / "quiet.sqlite")
+    """Both at once: each could change them, and neither does. The other runs are those that all tests share."""
+    plain = cells(asked, default_path())
     with busy(os.cpu_count() or 1):
         cold = cells(asked, tmp_path / "cold.sqlite", MBS_REF_CACHE=str(tmp_path / "cache"))
-    assert differences(quiet, cold) == []
-    assert differences(quiet, cells(asked, tmp_path / "quiet.sqlite")) == []  # the same store asked twice
+    assert differences(plain, cold) == []
+    assert differences(plain, cells(asked, default_path())) == []  # the same store asked twice
