@@ -25,10 +25,20 @@ def serve(pipe: Connection) -> None:
             function, arguments, apart = receive(pipe)
         except (EOFError, ConnectionError):
             return
-        if apart:
+        if apart and _has_one_thread():
             _copied(pipe, function, arguments)
-        else:
-            send(pipe, _answer(pipe, function, arguments))
+            continue
+        if apart:
+            send(pipe, None)  # no copy: the call is made here
+        send(pipe, _answer(pipe, function, arguments))
+
+
+def _has_one_thread() -> bool:
+    """Whether this process may be copied: in a copy other threads, as XLA's, are gone, and what they held is locked."""
+    try:
+        return len(os.listdir("/proc/self/task")) == 1
+    except OSError:  # a system that does not tell
+        return True
 
 
 def _copied(pipe: Connection, function: Any, arguments: tuple[Any, ...]) -> None:

@@ -56,8 +56,8 @@ class Isolated:
     Functions and arguments are pickled, so they must be importable by name. Limits hold for each call:
     `timeout` in s that the call computes or sleeps, without what Numba compiles, and `memory` in bytes. Libraries may
     use `threads`. `python` is the interpreter; another than ours takes `variables` (name, value) in place of our search
-    path. `apart` makes a call in a copy of the child: what the child has loaded survives a call that does not.
-    Use as a context manager.
+    path. `apart` makes a call in a copy of the child: what the child has loaded survives a call that does not. A child
+    that has threads cannot be copied, and makes the call itself. Use as a context manager.
     """
 
     timeout: float = TIMEOUT
@@ -86,7 +86,7 @@ class Isolated:
         return self._call(function, arguments, apart=False, timeout=math.inf)
 
     def apart(self, function: Callable[..., Any], *arguments: Any) -> Any:
-        """Call in a copy of the child; where the copy is lost, the child itself stays."""
+        """Call in a copy of the child, if it has one thread; where the copy is lost, the child itself stays."""
         return self._call(function, arguments, apart=True)
 
     def _call(

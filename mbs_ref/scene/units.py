@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
+from typing import NamedTuple
 
 from mbs_ref.scene.bodies import PointMass
 from mbs_ref.scene.celestial import CelestialPart, Newton
@@ -26,17 +27,20 @@ def attraction(scene: Scene) -> tuple[float, ...]:
     return newton[0].gm if newton else (0.0,) * len(scene.bodies)
 
 
-def free_fall_time(scene: Scene) -> float:
-    """Return the least sqrt(r^3 / gm) of any attracting pair at the start, s; 1 where nothing attracts."""
-    return min((math.sqrt(gap**3 / gm) for gap, gm in _pairs(scene)), default=1.0)
+def free_fall_time(scene: Scene, least: float = 0.0) -> float:
+    """Return the least sqrt(r^3 / gm) of any attracting pair at the start, s; 1 where nothing attracts.
+
+    Distances r below `least` (m) count as that.
+    """
+    return min((math.sqrt(max(pair.gap, least) ** 3 / pair.gm) for pair in _pairs(scene)), default=1.0)
 
 
 def unit_length(scene: Scene) -> float:
     """Return the length that errors of particles are small or large against, m.
 
-    Among attracting bodies their shortest distance at the start, in whatever unit; 1 m where nothing attracts.
+    Among attracting bodies the size of the tightest orbit of two, whatever the unit; 1 m where nothing attracts.
     """
-    return min((gap for gap, _ in _pairs(scene)), default=1.0)
+    return min((pair.size(scene.duration) for pair in _pairs(scene)), default=1.0)
 
 
 def tolerance_unit(scene: Scene) -> float:
@@ -44,9 +48,33 @@ def tolerance_unit(scene: Scene) -> float:
     return min(unit_length(scene), unit_length(scene) / free_fall_time(scene))
 
 
-def _pairs(scene: Scene) -> list[tuple[float, float]]:
-    """Return distance (m) at the start and sum of gm of every pair that attracts and does not coincide."""
-    gm, place = attraction(scene), [body.position for body in scene.bodies]
-    pairs = itertools.combinations(range(len(gm)), 2)
-    found = ((math.dist(place[j], place[k]), gm[j] + gm[k]) for j, k in pairs)
-    return [(gap, both) for gap, both in found if gap > 0.0 and both > 0.0]
+class _Pair(NamedTuple):
+    """Two bodies that attract one another, at the start."""
+
+    gap: float  # m
+    speed: float  # m/s, of one about the other
+    gm: float  # m^3/s^2, the sum of theirs
+
+    def size(self, duration: float) -> float:
+        """Return the semi-major axis (m) of a closed orbit, 1/a = 2/r - v^2/gm, the same at every point of it.
+
+        It is no more than what a fall passes through in that time (s), from where it is; of two that pass one another,
+        their distance.
+        """
+        binding = 2.0 / self.gap - self.speed**2 / self.gm
+        if binding <= 0.0:
+            return self.gap
+        fall = (4.5 * self.gm * duration**2) ** (1.0 / 3.0)  # r of a parabolic fall out of the centre
+        return min(1.0 / binding, max(self.gap, fall))
+
+
+def _pairs(scene: Scene) -> list[_Pair]:
+    """Return every pair that attracts and does not coincide."""
+    gm, bodies = attraction(scene), scene.bodies
+    every = itertools.combinations(range(len(gm)), 2)
+    pairs = (
+        _Pair(math.dist(bodies[j].position, bodies[k].position), math.dist(bodies[j].velocity, bodies[k].velocity),
+              gm[j] + gm[k])
+        for j, k in every
+    )  # fmt: skip
+    return [pair for pair in pairs if pair.gap > 0.0 and pair.gm > 0.0]

@@ -51,8 +51,12 @@ class ParticleSystem(System):
 
     @staticmethod
     def state_units(scene: Scene, scales: Scales) -> np.ndarray:
-        """Return L for every position and L over the free-fall time for every velocity (6 n_bodies,)."""
-        return np.repeat([scales.length, scales.length / free_fall_time(scene)], 3 * len(scene.bodies))
+        """Return L for every position and L / T for every velocity (6 n_bodies,).
+
+        T is the free-fall time over L, where bodies are closer than L at the start, too.
+        """
+        time = free_fall_time(scene, scales.length)
+        return np.repeat([scales.length, scales.length / time], 3 * len(scene.bodies))
 
     def poses(self, states: np.ndarray) -> Poses:
         """Turn states (n_t, n_state) into world poses and velocities; particles do not turn."""

@@ -108,6 +108,19 @@ def test_a_lost_copy_leaves_the_child_and_all_it_has_loaded(isolated):
     assert isolated.apart(os.getpid) != before == isolated(os.getpid)
 
 
+def test_a_child_with_threads_is_not_copied(isolated):
+    """In a copy the other threads are gone, and what they held is held for ever: XLA's runs never came back."""
+    isolated.timeout = troubles.PATIENCE
+    isolated(troubles.begin_a_thread)
+    assert isolated.apart(os.getpid) == isolated(os.getpid)
+    with pytest.raises(ValueError, match="told"):
+        isolated.apart(troubles.raise_value_error, "told")
+    with pytest.raises(Lost) as lost:
+        isolated.apart(troubles.segfault)
+    assert lost.value.status == "crashed"
+    assert isolated.apart(troubles.add, 1.0, 2.0) == 3.0  # by the next child
+
+
 def test_a_closed_child_takes_its_copy_along():
     with Isolated(timeout=60.0) as isolated:
         copy = []

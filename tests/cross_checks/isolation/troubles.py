@@ -5,6 +5,7 @@ from __future__ import annotations
 import ctypes
 import os
 import signal
+import threading
 import time
 from contextlib import suppress
 
@@ -16,6 +17,7 @@ PATIENCE = 60.0  # s, with what comes back at once but for a busy machine
 BRIEF = 2.0  # s, with what never comes back
 _held: list[float] = []
 _inner: list[Isolated] = []
+_lock = threading.Lock()
 
 
 def patience(status: str) -> float:
@@ -29,6 +31,19 @@ def remember(value: float) -> None:
 
 def remembered() -> float:
     return _held[-1]
+
+
+def begin_a_thread() -> None:
+    """Start a thread that holds a lock for good, as those of a library may."""
+    taken = threading.Event()
+
+    def hold() -> None:
+        with _lock:
+            taken.set()
+            time.sleep(3600.0)
+
+    threading.Thread(target=hold, daemon=True).start()
+    taken.wait()
 
 
 def add(a: float, b: float) -> float:

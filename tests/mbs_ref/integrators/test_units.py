@@ -64,3 +64,14 @@ def test_scales_follow_the_units(name, length):
     there, here = scales_of(image(scene, placed(scene, length, 1.0))), scales_of(scene)
     assert there.length == pytest.approx(length * here.length)
     assert there.time == pytest.approx(here.time)
+
+
+def test_an_orbit_has_one_size_wherever_it_begins():
+    """Its semi-major axis, 1 m; in a moment of an orbit that is all but open, the distance."""
+    scene = scenes.make("kepler", eccentricity=0.9, orbits=1)
+    path = simulate(scene, Settings(rtol=1e-12, samples=7, estimate="off"))
+    center, planet = scene.bodies
+    for place, velocity in zip(path.position[:, 1], path.velocity[:, 1], strict=True):
+        there = planet.model_copy(update={"position": tuple(place), "velocity": tuple(velocity)})
+        assert scales_of(scene.model_copy(update={"bodies": (center, there)})).length == pytest.approx(1.0)
+    assert scales_of(scenes.make("kepler", eccentricity=0.999, orbits=1e-6)).length == pytest.approx(1e-3)

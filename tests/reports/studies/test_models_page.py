@@ -72,7 +72,7 @@ def test_rungs_keep_their_order_and_tell_what_was_asked():
         (str(n), scenes.make("pendulum_chain", links=n), Settings(method="dop853", rtol=1e-6, t_end=0.1, samples=3))
         for n in (2, 1)
     ]
-    found = ladder("Chains", "", "", models, lambda scene, path: ({"bodies": float(len(scene.bodies))}, None))
+    found = ladder("Chains", "", "", models, lambda scene, *_: ({"bodies": float(len(scene.bodies))}, None))
     assert [(r.name, r.shown["bodies"]) for r in found.rungs] == [("2", 2.0), ("1", 1.0)]
     assert all(r.loop_s > 0.0 and r.work > 0 for r in found.rungs)
     assert found.method == "dop853, rtol = 1e-06"
