@@ -11,7 +11,6 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
-from itertools import pairwise
 from typing import Literal
 
 from cross_checks.engine import Method
@@ -40,7 +39,7 @@ NEXT_TO_NONE = 0.1  # of the steps or of a setting: less is no difference
 TINY = 1e-300  # an error of zero has no logarithm
 TOO_SMALL = "step-too-small"  # what a method says that finds no step short enough: a tighter tolerance asks for more
 ENOUGH = 3  # runs that show whether a method converges
-STALLED = 0.5  # of the error before: less progress than this, and refining does not help
+STALLED = 0.5  # of the error before a plain refinement: an error beyond, and refining does not help
 
 Answer = Literal["reached", "not-reached", "not-tried", "cannot", "unjudged"]
 
@@ -333,24 +332,19 @@ def _is_vain(tried: Tried, knob: float, target: float) -> bool:
 
 
 def _is_over(tried: Tried) -> bool:
-    """Whether two plain refinements in a row, the last ones, brought less than half of what first order promises.
+    """Whether two refinements or more, PLAIN together, brought less than half of what first order promises.
 
-    No more is promised whatever the documented order, for contacts that begin and end between steps leave no more. A
-    refinement that takes no more steps, as where outputs govern them, promises nothing.
+    No more is promised whatever the documented order, for contacts that begin and end between steps leave no more.
+    Refinements that take no more steps, as where outputs govern them, promise nothing; runs that lost their way tell
+    nothing.
     """
-    good = _plainly_apart(tried.good())[-3:]
-    more = [tried.records[b].steps > tried.records[a].steps for (a, _), (b, _) in pairwise(good)]
-    stalled = [b > STALLED * a for (_, a), (_, b) in pairwise(good)]
-    return len(good) == 3 and all(more) and all(stalled)
-
-
-def _plainly_apart(good: list[tuple[float, float]]) -> list[tuple[float, float]]:
-    """Return the finest run, the next one that is PLAIN times as coarse, and so on; coarse to fine."""
-    chosen = good[-1:]
-    for run in reversed(good):
-        if run[0] >= PLAIN * chosen[-1][0]:
-            chosen.append(run)
-    return chosen[::-1]
+    good = tried.sound()
+    plainly = [place for place, (knob, _) in enumerate(good[:-2]) if knob >= PLAIN * good[-1][0]]
+    if not plainly:
+        return False
+    (coarse, before), *later = good[plainly[-1] :]
+    takes_more = tried.records[later[-1][0]].steps > tried.records[coarse].steps
+    return takes_more and min(error for _, error in later) > STALLED * before
 
 
 def _is_shown(tried: Tried) -> bool:
@@ -427,8 +421,9 @@ def _why_no_better(tried: Tried) -> str:
     """Say why the best run of a method is its best."""
     if tried.is_scattered():
         return "its runs are as far from one another"
-    finest = tried.records[tried.knobs[-1]]
-    return "finer settings do not help" if finest.status == "success" else "finer settings that were tried failed"
+    if tried.records[tried.knobs[-1]].status != "success":
+        return "finer settings that were tried failed"
+    return "finer settings do not help" if _is_over(tried) else "no setting that was tried does better"
 
 
 def _successes(tried: Tried) -> list[Record]:
