@@ -27,10 +27,10 @@ def serve(pipe: Connection) -> None:
             return
         if apart and _has_one_thread():
             _copied(pipe, function, arguments)
-            continue
-        if apart:
-            send(pipe, None)  # no copy: the call is made here
-        send(pipe, _answer(pipe, function, arguments))
+        else:
+            if apart:
+                send(pipe, None)  # in place of the copy's id: the call is made here
+            send(pipe, _answer(pipe, function, arguments))
 
 
 def _has_one_thread() -> bool:

@@ -52,7 +52,7 @@ def command(scene: str, parameters: tuple[str, ...], kept: tuple[str, ...], as_j
     shown = table(f"{chosen.name} at t = 0", "quantity", "value")
     for name, value in result.items():
         if chosen.contacts or not name.startswith("rule_"):  # the papers' rules are for contacts
-            shown.add_row(name, _eigenvalues(value) if _are_eigenvalues(value) else _cell(value))
+            shown.add_row(name, _cell(value))
     show(shown)
 
 
@@ -70,10 +70,6 @@ def _finite(value: float) -> float | None:
     return float(value) if np.isfinite(value) else None
 
 
-def _are_eigenvalues(value: Any) -> bool:
-    return isinstance(value, list) and bool(value) and isinstance(value[0], list)
-
-
 def _eigenvalues(pairs: list[list[float]]) -> str:
     """Return real and imaginary parts as a reader writes them, conjugates and equals once."""
     told = dict.fromkeys((number(real), number(abs(imaginary))) for real, imaginary in pairs)
@@ -83,6 +79,8 @@ def _eigenvalues(pairs: list[list[float]]) -> str:
 def _cell(value: Any) -> str:
     if isinstance(value, dict):
         return ", ".join(f"{name} {_cell(item)}" for name, item in value.items())
+    if isinstance(value, list) and value and isinstance(value[0], list):
+        return _eigenvalues(value)
     if isinstance(value, list):
         return ", ".join(_cell(item) for item in value) or "none"
     if isinstance(value, float):

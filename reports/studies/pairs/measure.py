@@ -71,7 +71,7 @@ SATELLITES = Asked(
     ((OURS, ("gauss", "dop853")), ("rebound", ("ias15", "bs")), ("heyoka", ("taylor",))), (1e-6, 1e-9),
 )  # fmt: skip
 PLANETS = Asked(
-    "Planets: REBOUND, heyoka", "Newton's gravity over 360 days; targets count in the Moon's orbit.",
+    "Planets: REBOUND, heyoka", "Newton's gravity over 360 days; targets count in the tightest orbit of two.",
     (("solar_system", {"model": "lumped"}),),
     ((OURS, ("gauss", "dop853", "rk4")), ("rebound", ("ias15", "whfast", "bs")), ("heyoka", ("taylor",))),
     (1e-6, 1e-9, 1e-11),

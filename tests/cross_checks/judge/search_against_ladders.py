@@ -81,7 +81,7 @@ def compared(runs: Runs, name: str, parameters: dict) -> Iterator[Compared]:
 def _compared(runs: Runs, scene: Scene, engine: str, method: Method, truth: Truth | NoTruth) -> Compared:
     tried, answers = search(runs, scene, engine, method, truth)
     climbed = list(_climbed(runs, scene, engine, method, truth))
-    within = [record for record in climbed if _is_within(scene, record)]
+    within = [record for record in climbed if _is_within(record)]
     chosen = [answer.record for answer in answers]
     runnable = [knob for knob in tried.knobs if tried.records[knob].status == "success"]
     return Compared(
@@ -97,17 +97,17 @@ def _compared(runs: Runs, scene: Scene, engine: str, method: Method, truth: Trut
 def _climbed(runs: Runs, scene: Scene, engine: str, method: Method, truth: Truth | NoTruth) -> Iterator[Record]:
     """Yield the ladder's runs, coarse to fine, up to the bound on work; a tolerance that passes it is the last."""
     for settings in rungs(method, scene):
-        if settings.step is None or scene.duration / settings.step <= BOUND:
-            record = runs.judged(scene, engine, settings, truth)
-            yield record
-            if not _is_within(scene, record):
-                return
+        if settings.step is not None and scene.duration / settings.step > BOUND:
+            return
+        record = runs.judged(scene, engine, settings, truth)
+        yield record
+        if not _is_within(record):
+            return
 
 
-def _is_within(scene: Scene, record: Record) -> bool:
-    """Whether a run keeps to the search's bound on work, which counts steps as the search does."""
-    step = Settings(**record.settings).step
-    return (scene.duration / step if step else record.steps) <= BOUND
+def _is_within(record: Record) -> bool:
+    """Whether a run keeps to the search's bound on work: of a tolerance that is known once it ran."""
+    return "step" in record.settings or record.steps <= BOUND
 
 
 def knob(record: Record) -> float:
