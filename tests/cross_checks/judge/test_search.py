@@ -134,6 +134,14 @@ def test_between_a_run_and_a_failure_close_to_it_nothing_is_tried():
     assert len(runs.asked) <= 6
 
 
+def test_steps_are_foretold_as_they_grew():
+    """Some estimates of the error are of a lower order than the method, and steps grow faster than documented."""
+    runs = MadeUp(lambda r: 10.0 * r, count=lambda r: int(40.0 * r**-0.33))
+    tried, answers = search(runs, SCENE, "made", Method("radau", "adaptive", 3, "made up"), TRUTH)
+    assert [answer.answer for answer in answers] == ["reached", "reached", "not-tried"]
+    assert max(record.steps for record in tried.records.values()) <= MOST_STEPS
+
+
 def test_a_tolerance_that_no_step_meets_is_tried_no_tighter():
     runs = MadeUp(lambda r: r, blows=lambda r: True, status="step-too-small")
     _, (answer,) = search(runs, SCENE, "made", ADAPTIVE, TRUTH, (1e-3,))
