@@ -391,18 +391,20 @@ def _same_as_tried(tried: Tried, knob: float) -> bool:
 def _steps(tried: Tried, knob: float) -> float:
     """Return how many steps a setting takes: counted for a fixed step, foretold from the runs made for a tolerance.
 
-    Steps grow by the documented order, or as they did between the finest runs where that is faster.
+    From the nearest run steps grow by the documented order, or as they did between the finest where that is faster;
+    no finer run takes fewer.
     """
     if tried.method.kind == "fixed":
         return tried.scene.duration / knob
     done = sorted((k, r.steps) for k, r in tried.records.items() if r.status == "success" and r.steps)
     if not done:
         return 0.0
-    known, steps = done[0]
     growth = 1.0 / ((tried.method.order or 5) + 1)  # of steps over the tolerance, at the least
-    for coarser, fewer in [run for run in done if run[0] >= _factor(tried) * known][:1]:
-        growth = max(growth, math.log(steps / fewer) / math.log(coarser / known))
-    return steps * max(1.0, (known / knob) ** growth)
+    finest, most = done[0]
+    for coarser, fewer in [run for run in done if run[0] >= _factor(tried) * finest][:1]:
+        growth = max(growth, math.log(most / fewer) / math.log(coarser / finest))
+    known, steps = min(done, key=lambda run: abs(math.log(run[0] / knob)))
+    return min([steps * (known / knob) ** growth, *(taken for finer, taken in done if finer <= knob)])
 
 
 def _answer(tried: Tried, became: Reached) -> Reached:

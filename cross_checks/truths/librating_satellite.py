@@ -40,7 +40,7 @@ def solve(scene: Scene, times: np.ndarray) -> Truth:
     grid = times.astype(np.longdouble) * rate
     fine, coarse = (_poses(extrapolate(slope, start, grid, x), radius, rate) for x in (FINE, COARSE))
     size = float(radius)
-    apart = max(float(np.abs(x - y).max()) for x, y in zip(fine[:2], coarse[:2], strict=True))
+    apart = max(float(np.linalg.norm(x - y, axis=-1).max()) for x, y in zip(fine[:2], coarse[:2], strict=True))
     position, theta, velocity, omega = fine
     return Truth(
         position, theta, apart + 2.3e-16 * size, "converged",

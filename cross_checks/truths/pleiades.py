@@ -27,7 +27,7 @@ def solve(scene: Scene, times: np.ndarray) -> Truth | NoTruth:
     if isinstance(truth, NoTruth):
         return truth
     published = np.column_stack((X, Y, np.zeros(7)))
-    gap = float(np.abs(truth.position[-1] - published).max())
+    gap = float(np.linalg.norm(truth.position[-1] - published, axis=1).max())
     position = np.concatenate((truth.position[:-1], published[None]))
     how = f"Hairer, Norsett, Wanner (1993); before the end {truth.how}"
     uncertainty = max(KNOWN_TO, gap, truth.uncertainty)

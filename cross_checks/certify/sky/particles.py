@@ -54,7 +54,7 @@ def converge(scene: Scene, times: np.ndarray) -> Truth | NoTruth:
         best, other, rates = _solve_twice(scene, grid.astype(np.longdouble) / units.time, units)
     except (CollisionError, NoAirError) as error:
         return NoTruth(str(error))
-    gap = float(np.abs(best - other).max())
+    gap = float(np.linalg.norm(best - other, axis=2).max())
     kept = best[len(grid) - len(times) :].astype(float)
     uncertainty = gap + float(np.spacing(np.abs(kept).max()))
     is_costly = len(scene.bodies) ** 2 / 2 * float(times[-1] / units.time) > COSTLY

@@ -142,6 +142,15 @@ def test_steps_are_foretold_as_they_grew():
     assert max(record.steps for record in tried.records.values()) <= MOST_STEPS
 
 
+def test_a_run_beyond_the_bound_on_work_does_not_end_the_search_before_it():
+    """Steps may grow faster than any run foretold: coarser settings cost no more for it."""
+    runs = MadeUp(lambda r: 0.1 * r, count=lambda r: 300 * r**-0.12 if r > 3e-9 else 200_000)
+    tried, answers = search(runs, SCENE, "made", Method("radau", "adaptive", 3, "made up"), TRUTH, (1e-3, 1e-9))
+    assert max(record.steps for record in tried.records.values()) > MOST_STEPS
+    assert [answer.answer for answer in answers] == ["reached"] * 2
+    assert answers[1].record.steps <= MOST_STEPS
+
+
 def test_a_tolerance_that_no_step_meets_is_tried_no_tighter():
     runs = MadeUp(lambda r: r, blows=lambda r: True, status="step-too-small")
     _, (answer,) = search(runs, SCENE, "made", ADAPTIVE, TRUTH, (1e-3,))

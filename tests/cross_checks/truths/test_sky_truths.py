@@ -107,6 +107,16 @@ def test_very_long_runs_have_no_converged_truth_and_say_how_long_they_may_be():
     assert "converged up to" in found.reason
 
 
+def test_two_solutions_are_apart_by_a_distance(monkeypatch):
+    """An uncertainty is of a point in space: what three components differ by adds up."""
+    scene, times = scenes.make("figure_eight"), np.linspace(0.0, 0.1, 2)
+    place = np.zeros((2, 3, 3))
+    monkeypatch.setattr(particles, "_solve_twice", lambda *_: (place, place + 1.0, place))
+    truth = converge(scene, times)
+    assert isinstance(truth, Truth)
+    assert truth.uncertainty >= 3.0**0.5
+
+
 def test_natural_units_are_those_of_the_laboratory_on_the_ground():
     assert unit_length(scenes.make("pendulum")) == 1.0
     assert free_fall_time(scenes.make("pendulum")) == 1.0

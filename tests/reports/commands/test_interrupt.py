@@ -70,7 +70,7 @@ def test_a_run_keeps_its_outputs(tmp_path):
 
 def test_a_sweep_keeps_its_records(tmp_path):
     file = tmp_path / "records.jsonl"
-    child = begin("sweep", "pendulum", "--engine", "mbs_ref", "--method", "rk4", "-o", str(file))
+    child = begin("sweep", "pendulum", "--engine", "mbs_ref", "-o", str(file))
     wait_for_a_line(file)
     _, errors = interrupt(child)
     assert child.returncode == 4, errors
