@@ -343,8 +343,7 @@ def _is_over(tried: Tried) -> bool:
     if not plainly:
         return False
     (coarse, before), *later = good[plainly[-1] :]
-    takes_more = tried.records[later[-1][0]].steps > tried.records[coarse].steps
-    return takes_more and min(error for _, error in later) > STALLED * before
+    return _takes_more(tried, later[-1][0], coarse) and min(error for _, error in later) > STALLED * before
 
 
 def _is_shown(tried: Tried) -> bool:

@@ -115,6 +115,13 @@ def test_tolerances_begin_to_govern_where_outputs_no_longer_end_all_steps():
     assert len(runs.asked) <= 2 + 1  # the first, the one asked for, and one for the verdict
 
 
+def test_tolerances_that_do_not_yet_govern_end_no_search():
+    """Where outputs govern the steps errors are alike, over decades, and a step more is no sign that they do not."""
+    runs = MadeUp(lambda r: min(2e-5, 2e4 * r), count=lambda r: 40 if r > 1e-9 else 41 * (r / 1e-9) ** -0.1)
+    _, answers = search(runs, SCENE, "made", ADAPTIVE, TRUTH, (1e-3, 1e-6, 1e-8))
+    assert [answer.answer for answer in answers] == ["reached"] * 3
+
+
 def test_tolerances_that_leave_the_steps_as_they_are_are_no_refinements():
     """Between outputs steps are even, so their number jumps: by luck a coarser tolerance of one number errs less."""
 
