@@ -57,3 +57,10 @@ def test_the_closed_form_is_a_truth():
     truth = seek_truth(ball, run.times)
     assert isinstance(truth, Truth)
     assert np.abs(truth.position - run.position).max() < 1e-10
+
+
+@pytest.mark.parametrize(("engine", "method"), [("mujoco", "rk4"), ("exudyn", "contact_rk44")])
+def test_a_weakness_with_friction_excuses_where_something_rubs(engine, method):
+    offered = engines.get(engine).method(method)
+    assert offered.excused(scenes.make("sliding_block"))
+    assert not offered.excused(scenes.make("bouncing_ball"))

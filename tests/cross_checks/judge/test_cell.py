@@ -116,5 +116,3 @@ def test_a_weakness_excuses_where_its_trait_holds_alone():
     method = engines.get("mujoco").method("rk4")
     assert method.excused(scenes.make("slider_crank"))
     assert not method.excused(scenes.make("pendulum_chain", links=3))
-    assert method.excused(scenes.make("sliding_block"))
-    assert not method.excused(scenes.make("bouncing_ball"))  # nothing rubs
