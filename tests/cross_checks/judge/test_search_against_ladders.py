@@ -1,6 +1,6 @@
 """The search against full ladders: it finds what they find, at the error asked, in fewer runs.
 
-Measured on all default scenes: 1291 runs against 2461, one target of 558 missed, ten choices of 625 further below
+Measured on all default scenes: 1287 runs against 2461, one target of 558 missed, nine choices of 625 further below
 their target than asked. The miss hangs on a single step: an implicit iteration that fails at steps beside it.
 Tolerances spare little more: over three decades errors lie half a decade off the power law of their method, and half a
 decade is half the window.
