@@ -398,12 +398,17 @@ def _steps(tried: Tried, knob: float) -> float:
     done = sorted((k, r.steps) for k, r in tried.records.items() if r.status == "success" and r.steps)
     if not done:
         return 0.0
-    growth = 1.0 / ((tried.method.order or 5) + 1)  # of steps over the tolerance, at the least
-    finest, most = done[0]
-    for coarser, fewer in [run for run in done if run[0] >= _factor(tried) * finest][:1]:
-        growth = max(growth, math.log(most / fewer) / math.log(coarser / finest))
     known, steps = min(done, key=lambda run: abs(math.log(run[0] / knob)))
-    return min([steps * (known / knob) ** growth, *(taken for finer, taken in done if finer <= knob)])
+    foretold = steps * (known / knob) ** _growth(tried, done)
+    return min([foretold, *(taken for finer, taken in done if finer <= knob)])
+
+
+def _growth(tried: Tried, done: list[tuple[float, int]]) -> float:
+    """Return the power of a tolerance by which steps grow, from runs (tolerance, steps), fine to coarse."""
+    documented = 1.0 / ((tried.method.order or 5) + 1)
+    finest, most = done[0]
+    coarser, fewer = next((run for run in done if run[0] >= _factor(tried) * finest), done[0])
+    return documented if coarser == finest else max(documented, math.log(most / fewer) / math.log(coarser / finest))
 
 
 def _answer(tried: Tried, became: Reached) -> Reached:
