@@ -70,6 +70,8 @@ lint: venv  ## ruff and pyright
 # Every step runs, whatever became of those before; the exit code printed is that of the first that failed. A night that
 # was cut short goes on at the step it was in: steps that ended leave their exit code behind, for this revision.
 REVISION := $(shell git rev-parse --short HEAD 2>/dev/null || echo unknown)
+# The runs that the tests made serve the report and the sweeps, and the next night where its code is the same.
+NIGHT_STORE := reports/out/nightly.sqlite
 NIGHT_MARKS := reports/out/nightly-$(REVISION)
 nightly: $(NIGHT_STAMP)  ## all tests, seeded defects, the benchmarks, the full report, sweeps and the regression verdicts
 	@if [ ! -d $(NIGHT_MARKS) ]; then \
@@ -80,14 +82,14 @@ nightly: $(NIGHT_STAMP)  ## all tests, seeded defects, the benchmarks, the full 
 	    echo "== $$(date +%H:%M) $$*"; code=0; "$$@" || code=$$?; echo $$code > $$mark; fi; \
 	  code=$$(cat $$mark); if [ $$code -ne 0 ]; then echo "exit code $$code: $$*" >&2; \
 	    if [ $$failed -eq 0 ]; then failed=$$code; fi; fi; }; \
-	step $(NIGHT)/python -m pytest -n auto --dist worksteal -rs -m ''; \
+	step env MBS_REF_TEST_STORE=$(NIGHT_STORE) $(NIGHT)/python -m pytest -n auto --dist worksteal -rs -m ''; \
 	step $(NIGHT)/python -m tests.mutants.run --slow --minutes $(MUTANT_MINUTES); \
 	step $(NIGHT)/python -m pytest benchmarks -m '' --benchmark-only -p no:xdist --benchmark-json=reports/out/bench.json; \
 	step $(NIGHT)/mbs-ref certify; \
 	step $(NIGHT)/mbs-ref extremes --full --shard $(EXTREME_PART)/7 -o $(NIGHT_EXTREMES); \
-	step $(NIGHT)/mbs-ref report; \
+	step env MBS_REF_STORE=$(NIGHT_STORE) $(NIGHT)/mbs-ref report; \
 	bench=; if [ -s reports/out/bench.json ]; then bench="--bench reports/out/bench.json"; fi; \
-	step $(NIGHT)/mbs-ref nightly --baseline $(BASELINE) $$bench --sweeps reports/out/sweeps --trends reports/out/trends.html; \
+	step env MBS_REF_STORE=$(NIGHT_STORE) $(NIGHT)/mbs-ref nightly --baseline $(BASELINE) $$bench --sweeps reports/out/sweeps --trends reports/out/trends.html; \
 	step $(NIGHT)/mbs-ref board -o reports/out/board.html; \
 	rm -rf $(NIGHT_MARKS); \
 	exit $$failed

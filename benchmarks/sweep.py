@@ -9,7 +9,8 @@ from dataclasses import replace
 
 from cross_checks import engines as registry
 from cross_checks.engine import Method
-from cross_checks.isolation.parent import Lost
+from cross_checks.isolation.parent import Caller, Isolated, Lost
+from cross_checks.isolation.workers import each
 from cross_checks.judge.cell import refused, tasks, truth_of
 from cross_checks.judge.ladder import grid
 from cross_checks.judge.one_run import without_run
@@ -27,7 +28,8 @@ REPEAT_BUDGET = 0.5  # s of loop time after which no more repeats are made
 BUSY = 0.9  # of a processor: a timed run that got less shared the machine
 BUSY_NOTE = "timed on a busy machine"
 
-Progress = Callable[[int, int, str], None]  # (methods done, of how many, what comes next)
+Progress = Callable[[int, int, str], None]  # (done, of how many, what is made); a method counts twice, run and timed
+Asked = tuple[str, Method | None]  # an engine and its method; none where the engine is not installed
 
 
 def sweep(
@@ -36,21 +38,24 @@ def sweep(
 ) -> Iterator[Record]:  # fmt: skip
     """Yield every run of every method's search for the targets, judged and timed, coarse to fine.
 
+    Runs are made on all processors, where `runs` makes them in processes of their own, and then timed one at a time.
     Without a certified truth, errors are from what engines agree on. ValueError where an engine or a method is unknown.
     """
-    listed = _chosen(scene, engines, methods)
+    report = progress or (lambda done, total, what: None)
+    listed = _asked(engines, methods)
     truth = truth_of(runs, scene)
-    for done, (engine, method) in enumerate(listed):
-        if progress is not None:
-            progress(done, len(listed), f"{engine} {method.name if method else ''}".strip())
-        yield from _of_method(runs, scene, engine, method, truth, targets)
-    if progress is not None:
-        progress(len(listed), len(listed), "")
+    found: dict[int, list[Record]] = {}
+    for number, records in _searched(runs, scene, listed, truth, targets):
+        found[number] = records
+        report(len(found), 2 * len(listed), f"runs, {_name(*listed[number])}")
+    for number, asked in enumerate(listed):
+        report(len(listed) + number, 2 * len(listed), f"timing, {_name(*asked)}")
+        for record in found[number]:
+            yield timed(runs, scene, record)
+    report(2 * len(listed), 2 * len(listed), "")
 
 
-def _chosen(
-    scene: Scene, engines: Collection[str] | None, methods: Collection[str] | None
-) -> list[tuple[str, Method | None]]:
+def _asked(engines: Collection[str] | None, methods: Collection[str] | None) -> list[Asked]:
     offered = tasks(registry.names() if engines is None else engines)
     unknown = sorted(set(methods or ()) - {method.name for _, method in offered if method is not None})
     if unknown:
@@ -58,17 +63,35 @@ def _chosen(
     return [(engine, method) for engine, method in offered if methods is None or (method and method.name in methods)]
 
 
+def _searched(
+    runs: Runs, scene: Scene, listed: Sequence[Asked], truth: Truth | NoTruth, targets: Sequence[float]
+) -> Iterator[tuple[int, list[Record]]]:
+    """Yield the number and the runs of every method as they come; from this process where runs cannot leave it."""
+
+    def search_in(call: Caller, number: int) -> list[Record]:
+        return _of_method(replace(runs, call=call), scene, *listed[number], truth, targets)
+
+    numbers = range(len(listed))
+    if isinstance(runs.call, Isolated):
+        yield from each(numbers, search_in, timeout=runs.call.timeout, memory=runs.call.memory)
+    else:
+        yield from ((number, search_in(runs.call, number)) for number in numbers)
+
+
 def _of_method(
     runs: Runs, scene: Scene, engine: str, method: Method | None, truth: Truth | NoTruth, targets: Sequence[float]
-) -> Iterator[Record]:
+) -> list[Record]:
+    """Return every run of a method's search, judged, coarse to fine; where it cannot run, why."""
     name, reason = refused(scene, engine, method)
     if method is None or reason:
         settings = Settings() if method is None else Settings(method=name)
-        yield without_run(scene, engine, settings, MISSING if method is None else CANNOT, reason)
-        return
+        return [without_run(scene, engine, settings, MISSING if method is None else CANNOT, reason)]
     tried, _ = search(runs, scene, engine, method, truth, targets)
-    for knob in tried.knobs:
-        yield timed(runs, scene, tried.records[knob])
+    return [tried.records[knob] for knob in tried.knobs]
+
+
+def _name(engine: str, method: Method | None) -> str:
+    return engine if method is None else f"{engine} {method.name}"
 
 
 def timed(runs: Runs, scene: Scene, record: Record) -> Record:

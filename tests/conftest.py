@@ -11,10 +11,15 @@ import pytest
 def pytest_configure(config: pytest.Config) -> None:
     """Give all workers one store of runs, and hear SIGINT as in a terminal.
 
-    A shell that starts tests in the background leaves SIGINT ignored, by children too.
+    The store is thrown away unless MBS_REF_TEST_STORE names its file. A shell that starts tests in the background
+    leaves SIGINT ignored, by children too.
     """
     signal.signal(signal.SIGINT, signal.default_int_handler)
     if "PYTEST_XDIST_WORKER" in os.environ:
+        return
+    kept = os.environ.pop("MBS_REF_TEST_STORE", "")  # not for tests that this one starts
+    if kept:
+        os.environ["MBS_REF_STORE"] = os.path.abspath(kept)
         return
     folder = tempfile.mkdtemp(prefix="mbs-ref-")
     os.environ["MBS_REF_STORE"] = os.path.join(folder, "runs.sqlite")

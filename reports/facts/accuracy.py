@@ -12,6 +12,7 @@ from cross_checks import engines as registry
 from cross_checks.certify.kept_poses import physics_of
 from cross_checks.engine import Method
 from cross_checks.isolation.parent import Caller
+from cross_checks.isolation.workers import each
 from cross_checks.judge.bounds import TARGETS
 from cross_checks.judge.cell import Cell as Judged
 from cross_checks.judge.cell import cell_of, refused, tasks, truth_of
@@ -26,7 +27,6 @@ from cross_checks.truth import NoTruth, Truth
 from mbs_ref.scene import Scene
 from reports.facts.kept import keep, recall
 from reports.facts.report_data import Cell, Target, setting_label
-from reports.facts.workers import each
 
 JUDGING = "cross_checks.judge.cell"  # whose changes make cells anew
 MISSING = "any method"

@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 from cross_checks import engines
 from cross_checks.isolation.parent import Caller
+from cross_checks.isolation.workers import each
 from cross_checks.records.naming import code_of, digest_of
 from cross_checks.records.store import Store
 from mbs_ref import scenes
@@ -15,7 +16,6 @@ from mbs_ref.scene.traits import Coordinates
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate_scenes
 from reports.facts.kept import keep, recall
-from reports.facts.workers import each
 
 
 class Core(NamedTuple):

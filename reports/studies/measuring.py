@@ -8,10 +8,10 @@ from itertools import chain
 from typing import Any
 
 from cross_checks.isolation.parent import Caller
+from cross_checks.isolation.workers import each
 from cross_checks.records.naming import code_of, digest_of
 from cross_checks.records.store import Store
 from reports.facts.kept import keep, recall
-from reports.facts.workers import each
 from reports.studies.study import Study, every, make, measurement, parts
 
 Progress = Callable[[int, int, str], None]  # done, total, what comes next
