@@ -12,7 +12,7 @@ from cross_checks.judge.bounds import TARGETS
 from cross_checks.judge.consensus import working_truth
 from cross_checks.judge.runs import Runs
 from cross_checks.judge.search import Reached, Tried, search
-from cross_checks.judge.verdict import WRONG, Verdict, judge, speaking
+from cross_checks.judge.verdict import WRONG, Verdict, speaking
 from cross_checks.metrics.observed_order import observed_order
 from cross_checks.records.record import CANNOT, MISSING, Record
 from cross_checks.truth import NoTruth, Truth
@@ -131,8 +131,7 @@ def cell_of(tried: Tried, answers: Sequence[Reached]) -> Cell:
     """Return the verdict on runs that were made; the same runs give the same cell."""
     scene, truth, points = tried.scene, tried.truth, tried.points()
     uncertainty = next((r.error.uncertainty for r in tried.records.values() if r.error is not None), None)
-    why = truth.reason if isinstance(truth, NoTruth) else ""
-    verdict, reason = judge(points, tried.foretold, uncertainty or 0.0, why, tried.control)
+    verdict, reason = tried.verdict()
     place = speaking(points)
     record: Record | None = None if place < 0 else tried.records[points[place].knob]
     return Cell(

@@ -18,7 +18,19 @@ from cross_checks.judge.bounds import MOST_STEPS, TARGETS
 from cross_checks.judge.control import control
 from cross_checks.judge.ladder import SAMPLES, TIGHTEST, coarsest, knob_of, label, settings_at
 from cross_checks.judge.runs import Runs, against, gap
-from cross_checks.judge.verdict import AGREEMENT, BOUNCE, PLAIN, REFUSED, RESOLVED, Control, Point
+from cross_checks.judge.verdict import (
+    AGREEMENT,
+    BOUNCE,
+    PLAIN,
+    REFUSED,
+    RESOLVED,
+    STALLED,
+    STAYING,
+    Control,
+    Point,
+    Verdict,
+    judge,
+)
 from cross_checks.records.record import Record
 from cross_checks.truth import NoTruth, Truth
 from mbs_ref.scene import Scene
@@ -39,7 +51,6 @@ NEXT_TO_NONE = 0.1  # of the steps or of a setting: less is no difference
 TINY = 1e-300  # an error of zero has no logarithm
 TOO_SMALL = "step-too-small"  # what a method says that finds no step short enough: a tighter tolerance asks for more
 ENOUGH = 3  # runs that show whether a method converges
-STALLED = 0.5  # of the error before a plain refinement: an error beyond, and refining does not help
 
 Answer = Literal["reached", "not-reached", "not-tried", "cannot", "unjudged"]
 
@@ -66,6 +77,7 @@ class Tried:
     records: dict[float, Record] = field(default_factory=dict)
     paths: dict[float, Trajectory | None] = field(default_factory=dict)
     control: Control | None = None  # of runs that are as far from one another as from the truth
+    appeal: Point | None = None  # a run plainly finer than the others, of a method that would be accused
 
     @property
     def knobs(self) -> list[float]:
@@ -107,13 +119,22 @@ class Tried:
             ok, refines = record.status == "success", self.refines(knob)
             if ok and refines:
                 level, coarser = path, level
-            apart = gap(self.scene, path, coarser) if ok else None
-            error = record.error.value if record.error is not None and ok else None
-            setting = label(Settings(**record.settings))
-            rounding = self.method.rounding(record.steps)
-            points.append(Point(setting, knob, record.status, record.message, error, apart, refines, rounding))
+            points.append(self.point(record, gap(self.scene, path, coarser) if ok else None, refines))
             level = path if ok else level
         return points
+
+    def point(self, record: Record, apart: float | None = None, refines: bool = True) -> Point:
+        """Return what the verdict asks of one run."""
+        error = record.error.value if record.error is not None and record.status == "success" else None
+        settings = Settings(**record.settings)
+        rounding = self.method.rounding(record.steps)
+        return Point(label(settings), knob_of(settings), record.status, record.message, error, apart, refines, rounding)
+
+    def verdict(self) -> tuple[Verdict, str]:
+        """Return what the runs show, and its sentence."""
+        known = (r.error.uncertainty for r in self.records.values() if r.error is not None)
+        why = self.truth.reason if isinstance(self.truth, NoTruth) else ""
+        return judge(self.points(), self.foretold, next(known, 0.0), why, self.control, self.appeal)
 
     def refines(self, knob: float) -> bool:
         """Whether a setting takes more steps than every coarser one, or does not say how many it takes."""
@@ -139,7 +160,7 @@ def search(
 ) -> tuple[Tried, list[Reached]]:  # fmt: skip
     """Search the method's settings for every target; return all runs made and what became of each target.
 
-    No setting is tried that would take more than `most_steps`.
+    No setting is tried that would take more than `most_steps`, but for the appeal of a method that would be accused.
     """
     tried = Tried(scene, engine, method, truth, most_steps)
     if not _begin(runs, tried):
@@ -154,7 +175,22 @@ def search(
         _support(runs, tried)
     if tried.is_scattered():
         tried.control = control(runs, scene, engine, method, tried.good()[-1][0], truth)
+    tried.appeal = _appeal(runs, tried)
     return tried, [_answer(tried, answer) for answer in answers]
+
+
+def _appeal(runs: Runs, tried: Tried) -> Point | None:
+    """Return a run plainly finer than all others, of a method that would be accused of staying off the truth.
+
+    The bound on work is ours: a method that needs more is slow, not wrong.
+    """
+    finest = tried.knobs[-1]
+    if tried.verdict()[0] not in STAYING or tried.method.excused(tried.scene):
+        return None
+    if tried.records[finest].status != "success" or _same_as_tried(tried, finest / _factor(tried)):
+        return None
+    settings = settings_at(tried.method, tried.scene, finest / _factor(tried))
+    return tried.point(against(tried.scene, runs.run(tried.scene, tried.engine, settings), tried.truth))
 
 
 def _begin(runs: Runs, tried: Tried) -> bool:

@@ -17,7 +17,9 @@ d the distance of the finest run from the method's own limit. All runs count, fr
 
 That an error does not fall accuses nobody where another engine's method of the same order, the control, is as far off
 at the same setting. Nor does what rounding may leave after a run's steps, as after thousands in single precision: runs
-whose error is no larger tell of the arithmetic and are set aside (`above_rounding`).
+whose error is no larger tell of the arithmetic and are set aside (`above_rounding`). Nor does a limit of its own or an
+error that does not fall, where the appeal, a run plainly finer than those that are asked of all, leaves at most STALLED
+of the error.
 
 Convergence is read from refinements. A run that takes no more steps than a coarser one, as where outputs end the steps,
 refines nothing: such runs are one level, for which the largest of their errors stands.
@@ -40,6 +42,7 @@ AGREEMENT = 1e-6  # of the scene: closer to the truth than this is agreement
 SETTLED = 0.1  # of the error: a limit this close to the finest run, and the truth is elsewhere
 SHRINKING = 0.5  # the gap before, at least: less would not tell a limit
 RESOLVED = 0.1  # of the scene: an error beyond is no approach
+STALLED = 0.5  # of the error before a plain refinement: an error beyond, and refining does not help
 BOUNCE = 2.718  # factor by which errors of neighbouring settings differ from a power law
 PLAIN = 4.0  # factor to a setting so much finer that a method of first order shows its progress beyond the bounce
 MOST_ORDER = 20.0  # that gaps are asked for
@@ -66,6 +69,7 @@ WRONG = frozenset({
     Verdict.FAILED, Verdict.WRONG_LIMIT, Verdict.DIVERGED, Verdict.LOST, Verdict.CRASHED, Verdict.TIMEOUT,
     Verdict.OUT_OF_MEMORY,
 })  # fmt: skip
+STAYING = frozenset({Verdict.WRONG_LIMIT, Verdict.DIVERGED})  # off the truth, which a finer run may refute
 REFUSED = frozenset({Verdict.CANNOT, Verdict.ENGINE_MISSING})
 BLOWN_UP = frozenset({"non-finite", "reset"})
 
@@ -97,7 +101,7 @@ class Control(NamedTuple):
 
 def judge(
     points: Sequence[Point], order: float | None = None, uncertainty: float = 0.0, why_no_truth: str = "",
-    control: Control | None = None,
+    control: Control | None = None, appeal: Point | None = None,
 ) -> tuple[Verdict, str]:  # fmt: skip
     """Return the verdict and its sentence. Points go from coarse to fine; `order` is that of the error in the knob."""
     good = [point for point in points if point.ok]
@@ -111,6 +115,8 @@ def judge(
         verdict, reason = Verdict.NOT_SHOWN, f"{told}: too coarse for a motion that amplifies errors"
     if verdict in WRONG and above_rounding(good) != good:
         verdict, reason = _beside_rounding(good, order or 1.0, uncertainty)
+    if verdict in STAYING and appeal is not None and _is_granted(levels(good)[-1], appeal):
+        verdict, reason = Verdict.NOT_SHOWN, _granted(levels(good)[-1], appeal)
     return _with_failures(points, good, verdict, reason)
 
 
@@ -118,6 +124,16 @@ def _is_as_far(finest: Point, control: Control) -> bool:
     """Whether both are lost, the one about as far as the other: what blows up is farther than any motion goes."""
     error = finest.error or 0.0
     return min(error, control.error) > RESOLVED and error <= control.error / RESOLVED
+
+
+def _is_granted(finest: Point, appeal: Point) -> bool:
+    """Whether a plainly finer run shows that the error still falls."""
+    return appeal.ok and appeal.error is not None and appeal.error <= STALLED * (finest.error or 0.0)
+
+
+def _granted(finest: Point, appeal: Point) -> str:
+    here = f"still {finest.error:.1e} off at {finest.setting}, but {appeal.error:.1e} at {appeal.setting}"
+    return f"{here}: it approaches, at more work than is asked of all"
 
 
 def speaking(points: Sequence[Point]) -> int:

@@ -261,6 +261,31 @@ def test_runs_that_are_strangers_to_one_another_ask_for_a_control(monkeypatch):
     assert settled.control is None
 
 
+@pytest.mark.parametrize(("method", "finer"), [(FOURTH, 4.0), (ADAPTIVE, 16.0)], ids=["fixed", "adaptive"])
+def test_an_accusation_waits_for_a_plainly_finer_run(method, finer):
+    """Errors that stay as far as the search goes, and fall beyond or never: who needs more work is slow, not wrong."""
+    stays = MadeUp(lambda knob: 0.3 * (1.0 + knob), count=lambda rtol: 50.0 * rtol**-0.35)
+    accused, _ = search(stays, SCENE, "made", method, TRUTH)
+    finest = accused.knobs[-1]
+    assert accused.verdict()[0] is Verdict.WRONG_LIMIT
+    assert stays.asked[-1] == pytest.approx(finest / finer, rel=0.05, abs=0.0)
+    assert stays.asked[-1] not in accused.records
+    falls = MadeUp(lambda knob: 0.3 * (1.0 + knob) if knob >= finest else 0.02, count=stays.count)
+    acquitted, answers = search(falls, SCENE, "made", method, TRUTH)
+    assert acquitted.verdict()[0] is Verdict.NOT_SHOWN
+    assert falls.asked == stays.asked
+    assert "reached" not in {answer.answer for answer in answers}
+
+
+def test_nobody_appeals_who_is_not_accused_or_is_excused():
+    converges, _ = search(MadeUp(lambda h: h**4), SCENE, "made", FOURTH, TRUTH)
+    excused = replace(FOURTH, wrong_limit="as declared", weak_on=frozenset({"constrained"}))
+    stays, _ = search(MadeUp(lambda h: 0.3 + h**4), SCENE, "made", excused, TRUTH)
+    assert converges.appeal is None
+    assert stays.verdict()[0] is Verdict.WRONG_LIMIT
+    assert stays.appeal is None
+
+
 def test_the_control_is_of_another_library_and_of_no_lower_order():
     scene = scenes.make("double_pendulum")
     runs, truth = Runs(), truth_of(Runs(), scene)

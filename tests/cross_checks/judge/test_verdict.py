@@ -124,6 +124,30 @@ def test_runs_that_a_control_does_no_better_are_not_accused(errors, gaps, off, v
     assert ("where other euler is 3.2e+00 off" in reason) == (verdict is Verdict.NOT_SHOWN)
 
 
+@pytest.mark.parametrize(
+    ("errors", "gaps", "status", "further", "verdict"),
+    [
+        ([2.0, 2.0, 2.0], [1e-2, 1e-3], "success", 0.9, Verdict.NOT_SHOWN),  # it was no limit
+        ([2.0, 2.0, 2.0], [1e-2, 1e-3], "success", 1.9, Verdict.WRONG_LIMIT),
+        ([2.7, 2.9, 3.0], [2.0, 3.1], "success", 0.7, Verdict.NOT_SHOWN),
+        ([2.7, 2.9, 3.0], [2.0, 3.1], "success", 3.1, Verdict.DIVERGED),
+        ([2.7, 2.9, 3.0], [2.0, 3.1], "non-finite", None, Verdict.DIVERGED),
+        ([1e-2, 9e-7, 5e-5], [1e-2, 5e-5], "success", 1e-9, Verdict.LOST),  # what was lost was lost
+        ([4e-1, 1e-1, 2.5e-2], [3e-1, 7.5e-2], "success", 1e-9, Verdict.CONVERGING),  # accused of nothing
+    ],
+)
+def test_a_finer_run_refutes_an_accusation_or_leaves_it(errors, gaps, status, further, verdict):
+    appeal = Point("step=finer", 1e-3, status, "", further)
+    found, reason = judge(runs(errors, gaps), 2.0, 1e-14, appeal=appeal)
+    assert found is verdict, reason
+    assert ("step=finer" in reason) == (verdict is Verdict.NOT_SHOWN)
+
+
+def test_what_blew_up_at_its_finest_is_acquitted_by_no_appeal():
+    points = runs([2.7, 2.9, 3.0], [2.0, 3.1], status="non-finite", message="NaN")
+    assert judge(points, 2.0, 1e-14, appeal=Point("step=finer", 1e-3, "success", "", 0.1))[0] is Verdict.DIVERGED
+
+
 def test_a_truth_that_knows_no_better_judges_nothing():
     assert judge(runs([1e-2, 5e-4, 1e-4], [1e-2, 4e-4]), 2.0, 1e-3)[0] is Verdict.BELOW_TRUTH
     assert judge(runs([1e-2, 1e-4, 5e-7], [1e-2, 1e-4]), 4.0, 1e-6)[0] is Verdict.BELOW_TRUTH
