@@ -1,6 +1,7 @@
 """A working truth where no certified one exists: what engines agree on that share as little as possible.
 
-Every engine that runs the scene gives its best methods at two fine settings. The pair is chosen that is closest, its
+Every engine that runs the scene gives its best methods at fine settings: at two tolerances, or at three steps that
+halve, of which the last two tell where they lead, and the first two how well. The pair is chosen that is closest, its
 members' own last refinements included, of engines that stand on different packages: the scene is known to that
 distance, agreed and not certified. Where that is too far to tell agreement by, as where a motion amplifies errors, all
 give a finer setting still. Where one package runs the scene alone, two unlike methods of its must do, and the sentence
@@ -9,14 +10,15 @@ says so.
 
 from __future__ import annotations
 
-from itertools import combinations
+from itertools import combinations, pairwise
 from typing import NamedTuple
 
 import numpy as np
 
 from cross_checks import engines
 from cross_checks.engine import Engine, Method
-from cross_checks.judge.ladder import label, settings_at
+from cross_checks.judge.extrapolation import extrapolated
+from cross_checks.judge.ladder import knob_of, label, settings_at
 from cross_checks.judge.runs import Runs, gap
 from cross_checks.judge.verdict import AGREEMENT
 from cross_checks.truth import MARGIN, NoTruth, Truth
@@ -24,16 +26,16 @@ from mbs_ref.scene import Scene
 from mbs_ref.scene.scales import scales_of
 from mbs_ref.trajectory import Trajectory
 
-type Settings = dict[str, tuple[float, float]]  # by the kind of a method: coarse and fine
-FINE: Settings = {"adaptive": (1e-10, 1e-12), "fixed": (2.5e-4, 5e-5)}  # tolerances; steps over the duration
-FINEST: Settings = {"adaptive": (1e-12, 1e-14), "fixed": (5e-5, 1e-5)}
+type Settings = dict[str, tuple[float, ...]]  # by the kind of a method, coarse to fine
+FINE: Settings = {"adaptive": (1e-10, 1e-12), "fixed": (2e-4, 1e-4, 5e-5)}  # tolerances; steps over the duration
+FINEST: Settings = {"adaptive": (1e-12, 1e-14), "fixed": (4e-5, 2e-5, 1e-5)}
 WORST = 1e-3  # of the scene: engines further apart agree on nothing
 ENOUGH = AGREEMENT / MARGIN  # of the scene: a truth that is known so well tells agreement
 PER_ENGINE = 2  # methods asked of each
 
 
 class Witness(NamedTuple):
-    """A run at the finer of two settings, and how far it moved from the coarser."""
+    """The best that a method gives, and how far it moved from the next coarser."""
 
     engine: str
     library: str  # that it stands on
@@ -114,11 +116,27 @@ def _best_methods(engine: Engine, scene: Scene) -> list[Method]:
     return ranked[:PER_ENGINE]
 
 
-def _heard(runs: Runs, scene: Scene, engine: str, method: Method, settings: Settings) -> Witness | None:
-    knobs = [knob * (scene.duration if method.kind == "fixed" else 1.0) for knob in settings[method.kind]]
-    coarse, fine = (runs.run(scene, engine, settings_at(method, scene, knob)) for knob in knobs)
-    moved = gap(scene, coarse.path, fine.path)
-    if fine.record.status != "success" or coarse.record.status != "success" or moved is None or fine.path is None:
+def _heard(runs: Runs, scene: Scene, engine: str, method: Method, knobs: Settings) -> Witness | None:
+    """Return the finest run, or where the runs lead if they do so more surely; None where one of them fails."""
+    unit = scene.duration if method.kind == "fixed" else 1.0
+    paths, settings = [], [settings_at(method, scene, unit * knob) for knob in knobs[method.kind]]
+    for asked in settings:
+        run = runs.run(scene, engine, asked)
+        if run.record.status != "success" or run.path is None:
+            return None
+        paths.append(run.path)
+    moved = gap(scene, *paths[-2:])
+    if moved is None:
         return None
-    setting = label(settings_at(method, scene, knobs[1]))
-    return Witness(engine, engines.get(engine).library, method.name, setting, fine.path, moved)
+    plain = Witness(engine, engines.get(engine).library, method.name, label(settings[-1]), paths[-1], moved)
+    if len(paths) < 3 or method.order is None:
+        return plain
+    steps = [knob_of(asked) for asked in settings]
+    limits = [
+        extrapolated(coarse, fine, wide / narrow, method.order)
+        for (coarse, wide), (fine, narrow) in pairwise(zip(paths, steps, strict=True))
+    ]
+    settled = gap(scene, *limits[-2:])
+    if settled is None or settled >= moved:
+        return plain
+    return plain._replace(setting=f"{plain.setting}, extrapolated,", path=limits[-1], moved=settled)

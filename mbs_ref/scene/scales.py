@@ -40,7 +40,7 @@ def scales_of(scene: Scene) -> Scales:
     speed = max(math.hypot(*body.velocity) for body in scene.bodies)
     spin = max(_spin(body) for body in scene.bodies)
     gravity = math.hypot(*scene.gravity)
-    rate = math.sqrt(gravity / length + (speed / length) ** 2 + spin**2 + scene.duration**-2)
+    rate = math.hypot(math.sqrt(gravity / length), speed / length, spin, 1.0 / scene.duration)
     return Scales(length, 1.0 / rate)
 
 

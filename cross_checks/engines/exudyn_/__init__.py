@@ -94,7 +94,8 @@ class Exudyn(Engine):
         exu.config.printToConsole = False
         model = _build(scene, plan.method.name)
         model.mbs.Assemble()
-        return Built(model, options_of(plan, dense=needs_dense(model.mbs, scene)), "closed-loop" in traits(scene))
+        options = options_of(plan, scene, dense=needs_dense(model.mbs, scene))
+        return Built(model, options, "closed-loop" in traits(scene))
 
     def first_call(self, model: Built, plan: Plan) -> None:
         first_call(model.model, plan, model.options)

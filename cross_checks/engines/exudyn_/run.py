@@ -18,12 +18,14 @@ from cross_checks.engines.exudyn_.methods import SOLVERS
 from cross_checks.workshop.outcome import End
 from cross_checks.workshop.plan import Plan
 from mbs_ref.scene import Scene
+from mbs_ref.scene.scales import scales_of
 from mbs_ref.scene.traits import traits
 from mbs_ref.trajectory import Status
 
 SPECTRAL_RADIUS = 0.9  # of generalized-alpha at infinite frequency: Exudyn's default, pinned
 # tighter, Newton stops at singular poses (generalized-alpha at 1e-10); looser, the order is lost below 1e-8 m
 NEWTON = {"relativeTolerance": 1e-9, "absoluteTolerance": 1e-9, "maxIterations": 25}
+RESIDUAL = 1e-10  # of the scene's forces, where that is less than Newton's absolute tolerance in N: light bodies
 SMALLEST_STEP = 1e-13  # s, adaptive methods
 CALLED_FROM = re.compile(r"\s*\[Python file '[^']*', line \d+\]")  # at the end of Exudyn's messages
 DENSE = 60  # unknowns up to which dense elimination costs no more than sparse (chains of 10: 50 equal, 110 half more)
@@ -52,7 +54,13 @@ def eliminate(options, *, dense: bool) -> None:
     options.linearSolver.ignoreSingularJacobian = dense
 
 
-def options_of(plan: Plan, *, dense: bool):
+def force_scale(scene: Scene) -> float:
+    """Return the force (N) that moves the whole scene by its length within its time."""
+    scales = scales_of(scene)
+    return sum(body.mass for body in scene.bodies) * scales.speed / scales.time
+
+
+def options_of(plan: Plan, scene: Scene, *, dense: bool):
     """Leave nothing to defaults that surprise: halving of the step, output files."""
     options = exu.SimulationSettings()
     options.solution.file.write = False
@@ -68,6 +76,7 @@ def options_of(plan: Plan, *, dense: bool):
     time.newton.useModifiedNewton = True  # the same errors to four figures in half the time, and no pose is lost
     for name, value in NEWTON.items():
         setattr(time.newton, name, value)
+    time.newton.absoluteTolerance = min(time.newton.absoluteTolerance, RESIDUAL * force_scale(scene))
     if adaptive:
         time.relativeTolerance, time.absoluteTolerance, time.minimumStepSize = plan.rtol, plan.atol, SMALLEST_STEP
     return options

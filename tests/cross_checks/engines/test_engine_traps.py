@@ -206,3 +206,14 @@ def test_exudyn_says_what_went_wrong_and_not_in_which_file_of_ours():
     assert not found.ok
     assert "singular" in found.message
     assert "Python file" not in found.message
+
+
+@pytest.mark.parametrize("method", ["generalized_alpha", "trapezoidal"])
+def test_light_bodies_fall_as_heavy_ones_with_exudyn(method):
+    """Masses cancel; a Newton iteration that ends at so many newtons would not know it."""
+    heavy, light = (
+        run("exudyn", method, scenes.make("double_pendulum", mass_1=mass, mass_2=0.6 * mass), step=1e-3, t_end=1.0)
+        for mass in (1.0, 1e-6)
+    )
+    assert light.status is heavy.status is Status.SUCCESS
+    assert np.max(np.abs(light.position - heavy.position)) <= 1e-9

@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
 
+from cross_checks import engines
 from cross_checks.judge import consensus
-from cross_checks.judge.consensus import ENOUGH, FINEST, Witness, working_truth
+from cross_checks.judge.consensus import ENOUGH, FINE, FINEST, Witness, _heard, working_truth
 from cross_checks.judge.measure import error_of
 from cross_checks.judge.runs import Runs
 from cross_checks.metrics.metric import Judged
 from cross_checks.metrics.state_error import known_to
+from cross_checks.records.record import Record
+from cross_checks.records.store import Run
 from cross_checks.truth import NoTruth, Truth
 from cross_checks.truths import truth_for
 from mbs_ref import scenes
@@ -34,6 +38,35 @@ def off(by: float) -> Trajectory:
 
 def witness(engine: str, package: str, by: float, moved: float = 1e-10) -> Witness:
     return Witness(engine, package, "rk4", "step=1", off(by), moved)
+
+
+@dataclass
+class MadeUp:
+    """Runs that are off by a function of the step."""
+
+    by: Callable[[float], float]
+
+    def run(self, scene, engine, settings):
+        plain = dict(scene=scene.name, parameters={}, engine=engine, method=settings.method, status="success",
+                     settings=settings.model_dump(exclude_none=True))  # fmt: skip
+        return Run(Record(**plain), off(self.by(settings.step)))
+
+
+@pytest.mark.parametrize(
+    ("by", "known", "leads"),
+    [
+        (lambda h: 3.0 * h**2, 1e-14, True),
+        (lambda h: 3.0 * h**2 + 50.0 * h**3, 1e-7, True),  # the finest run is off by 8e-7
+        (lambda h: h, 2e-3, True),  # another order than documented: half of the error goes, and is told
+        (lambda h: 1e-7 if h > 8e-4 else -1e-7, 3e-7, False),  # rounding leads nowhere: the finest run stands
+    ],
+)
+def test_runs_of_fixed_steps_are_heard_where_they_lead(by, known, leads):
+    method = engines.get("exudyn").method("generalized_alpha")
+    found = _heard(MadeUp(by), SCENE, "exudyn", method, FINE)  # type: ignore[arg-type]
+    assert found is not None
+    assert ("extrapolated" in found.name) == leads
+    assert np.max(np.abs(found.path.position - off(0.0).position)) <= max(found.moved, 1e-15) <= known
 
 
 @pytest.fixture
