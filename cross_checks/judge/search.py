@@ -34,6 +34,7 @@ from cross_checks.judge.verdict import (
 from cross_checks.records.record import Record
 from cross_checks.truth import NoTruth, Truth
 from mbs_ref.scene import Scene
+from mbs_ref.scene.traits import is_smooth
 from mbs_ref.scene.units import free_fall_time
 from mbs_ref.self_checks.stiffness import may_be_stiff, stiffness_at_start
 from mbs_ref.settings import Settings
@@ -95,6 +96,12 @@ class Tried:
         p = float(self.method.order or 5)
         return p / (p + 1.0) if self.method.kind == "adaptive" else self.order
 
+    @property
+    def promised(self) -> float:
+        """The order that a verdict may ask: no more than first where forces jump or bend between a method's steps."""
+        is_first = self.method.kind == "fixed" and not self.method.locates_events and not is_smooth(self.scene)
+        return min(self.foretold, 1.0) if is_first else self.foretold
+
     def good(self) -> list[tuple[float, float]]:
         """Return setting and error of every run that succeeded, coarse to fine."""
         runs = ((knob, self.records[knob]) for knob in self.knobs)
@@ -134,7 +141,7 @@ class Tried:
         """Return what the runs show, and its sentence."""
         known = (r.error.uncertainty for r in self.records.values() if r.error is not None)
         why = self.truth.reason if isinstance(self.truth, NoTruth) else ""
-        return judge(self.points(), self.foretold, next(known, 0.0), why, self.control, self.appeal)
+        return judge(self.points(), self.promised, next(known, 0.0), why, self.control, self.appeal)
 
     def refines(self, knob: float) -> bool:
         """Whether a setting takes more steps than every coarser one, or does not say how many it takes."""

@@ -75,6 +75,12 @@ def traits(scene: Scene) -> frozenset[str]:
     return frozenset(name for name, value in present.items() if value)
 
 
+def is_smooth(scene: Scene) -> bool:
+    """Return whether no force or speed jumps or bends: nothing touches, no spring slackens, no signal has a kink."""
+    slackens = any(getattr(load, "tension_only", False) for load in scene.loads)
+    return not (scene.contacts or slackens or scene.breakpoints())
+
+
 def _is_rheonomic(joint: Joint) -> bool:
     return isinstance(joint, Drive) or (isinstance(joint, UserConstraint) and joint.depends_on_time)
 

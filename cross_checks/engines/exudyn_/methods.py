@@ -18,6 +18,7 @@ EXPLICIT_CONTACT = (CONTACT, PAIR_CONTACT)
 SINGULAR = "stops at singular poses, or leaves them on another branch and reports success"
 JUMPS = "at tight tolerances its step control may never come back from the jump of a contact force"
 FRICTION = "friction acts on the surface as it was before a body sank in, and gives way to slow slip"
+RAMP = "friction grows in proportion to slow slip, up to v_s, not as tanh(v_t / v_s)"
 SOLVERS = {
     "generalized_alpha": exu.DynamicSolverType.GeneralizedAlpha,
     "rotation_vector": exu.DynamicSolverType.GeneralizedAlpha,
@@ -40,7 +41,7 @@ METHODS = (
     Method("contact_rk44", "fixed", None, "Runge-Kutta 4 with GeneralContact; bodies without joints", STEPS,
            requires=frozenset({"contact"}), wrong_limit=FRICTION, weak_on=frozenset({"friction"})),
     Method("pair_contact_rk44", "fixed", None, "Runge-Kutta 4 with contact connectors; bodies without joints", STEPS,
-           requires=frozenset({"contact", "spatial"})),
+           requires=frozenset({"contact", "spatial"}), wrong_limit=RAMP, weak_on=frozenset({"friction"})),
     Method("tree_dopri5", "adaptive", 5, "KinematicTree, Dormand-Prince 5", RTOLS, requires=PLANAR, wrong_limit=JUMPS,
            weak_on=frozenset({"contact"})),
     Method("tree_rk44", "fixed", 4, "KinematicTree, Runge-Kutta 4", STEPS, requires=PLANAR, stability=exponential(4)),

@@ -70,6 +70,8 @@ def options_of(plan: Plan, scene: Scene, *, dense: bool):
     time.verboseMode = 0
     adaptive = plan.method.kind == "adaptive"
     time.adaptiveStep = time.automaticStepSize = adaptive
+    # at its default the solver ends where a contact leaves more than 1 N at a step that it would have shorter
+    time.discontinuous.useRecommendedStepSize = adaptive
     time.generalizedAlpha.spectralRadius = SPECTRAL_RADIUS
     # useIndex2Constraints needs useNewmark, and is then TrapezoidalIndex2 to the last bit
     time.generalizedAlpha.useIndex2Constraints = time.generalizedAlpha.useNewmark = False

@@ -21,6 +21,7 @@ from mbs_ref.trajectory import Status
 if TYPE_CHECKING:
     from mbs_ref.cores.system import System
 
+TIGHTEST = 100.0 * np.finfo(float).eps  # relative tolerance: SciPy takes none tighter, and warns
 ADAMS = 1  # ODEPACK's number of the family that every start begins with; 2 is BDF
 
 
@@ -68,7 +69,7 @@ def _start(leg: MultistepLeg) -> LSODA:
 
 
 def _tolerances(options: Options) -> dict[str, Any]:
-    return {"rtol": options.rtol, "atol": options.atol}
+    return {"rtol": max(options.rtol, TIGHTEST), "atol": options.atol}
 
 
 class _OnConstraints(LSODA):
