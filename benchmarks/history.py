@@ -127,11 +127,12 @@ def _strongest(x: np.ndarray) -> tuple[int, float]:
 
 
 def from_benchmarks(data: dict[str, Any], job: str, made: str, commit_id: str, machine: str) -> list[Entry]:
-    """Return the entries of a pytest-benchmark file, with the accuracy that the suites put in extra_info."""
+    """Return the entries of a pytest-benchmark file, with loop time and accuracy where a suite tells one of each."""
     entries = []
     for item in data["benchmarks"]:
         told = item["extra_info"]
-        seconds = float(told.get("loop_s", item["stats"]["min"]))
+        loop = told.get("loop_s")
+        seconds = float(loop if isinstance(loop, int | float) else item["stats"]["min"])
         accuracy = next((told[key] for key in ACCURACIES if key in told), None)
         entries.append(Entry(job, made, commit_id, machine, f"bench {item['name']}", seconds, "s", "", accuracy))
     return entries

@@ -93,6 +93,12 @@ def test_benchmarks_become_entries():
     assert (found.value, found.error) == (0.5, 1e-7)
 
 
+def test_a_benchmark_that_compares_two_loops_counts_by_its_own_time():
+    data = {"benchmarks": [{"name": "track", "stats": {"min": 2.0}, "extra_info": {"loop_s": [0.5, 0.6]}}]}
+    (found,) = from_benchmarks(data, "job", "now", "abc", "box")
+    assert (found.value, found.error) == (2.0, None)
+
+
 def test_the_worst_verdict_counts():
     def of(*words):
         return overall([Finding("case", word, "", 1e-6) for word in words])
