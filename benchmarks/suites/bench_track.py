@@ -29,11 +29,11 @@ def in_turns(benchmark, settings: Settings, *parameters: dict) -> list[float]:
 
 def test_the_cost_of_a_track_grows_linearly(benchmark):
     short, long = in_turns(benchmark, DRIVE, *({"links": links} for links in LINKS))
-    benchmark.extra_info |= {"links": LINKS, "loops_s": (short, long), "ratio": long / short, "asked": ASKED}
+    benchmark.extra_info |= {"links": LINKS, "loop_s": (short, long), "ratio": long / short, "asked": ASKED}
     assert long / short <= ASKED
 
 
 def test_contacts_on_constraints_cost_little_more_than_on_springs(benchmark):
     soft, held = in_turns(benchmark, PAPERS, {"law": "spring_damper"}, {"law": "constraint"})
-    benchmark.extra_info |= {"loops_s": (soft, held), "ratio": held / soft, "asked": HELD}
+    benchmark.extra_info |= {"loop_s": (soft, held), "ratio": held / soft, "asked": HELD}
     assert held / soft <= HELD

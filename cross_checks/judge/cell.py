@@ -129,8 +129,7 @@ def refused(scene: Scene, engine: str, method: Method | None) -> tuple[str, str]
 
 def cell_of(tried: Tried, answers: Sequence[Reached]) -> Cell:
     """Return the verdict on runs that were made; the same runs give the same cell."""
-    scene, truth, points = tried.scene, tried.truth, tried.points()
-    uncertainty = next((r.error.uncertainty for r in tried.records.values() if r.error is not None), None)
+    scene, truth, points, uncertainty = tried.scene, tried.truth, tried.points(), tried.uncertainty
     verdict, reason = tried.verdict()
     place = speaking(points)
     record: Record | None = None if place < 0 else tried.records[points[place].knob]

@@ -137,11 +137,15 @@ class Tried:
         rounding = self.method.rounding(record.steps)
         return Point(label(settings), knob_of(settings), record.status, record.message, error, apart, refines, rounding)
 
+    @property
+    def uncertainty(self) -> float | None:
+        """How well the truth is known over the scene's scales; None where no run has an error."""
+        return next((r.error.uncertainty for r in self.records.values() if r.error is not None), None)
+
     def verdict(self) -> tuple[Verdict, str]:
         """Return what the runs show, and its sentence."""
-        known = (r.error.uncertainty for r in self.records.values() if r.error is not None)
         why = self.truth.reason if isinstance(self.truth, NoTruth) else ""
-        return judge(self.points(), self.promised, next(known, 0.0), why, self.control, self.appeal)
+        return judge(self.points(), self.promised, self.uncertainty or 0.0, why, self.control, self.appeal)
 
     def refines(self, knob: float) -> bool:
         """Whether a setting takes more steps than every coarser one, or does not say how many it takes."""

@@ -21,7 +21,8 @@ whose error is no larger tell of the arithmetic and are set aside (`above_roundi
 error that does not fall, where the appeal, a run plainly finer than those that are asked of all, leaves at most STALLED
 of the error.
 
-Convergence is read from refinements. A run that takes no more steps than a coarser one, as where outputs end the steps,
+The documented order is no more than first where forces jump or bend between the steps of a method that locates no
+events. Convergence is read from refinements. A run that takes no more steps than a coarser one, as where outputs end the steps,
 refines nothing: such runs are one level, for which the largest of their errors stands.
 """
 
