@@ -11,7 +11,8 @@ import opensim  # pyright: ignore[reportMissingImports]  # an optional extra
 
 from cross_checks.engine import Engine, Method, Poses, Refusal
 from cross_checks.engines.opensim_.build import model_of
-from cross_checks.engines.opensim_.methods import ENDLESS, FIXED, INTEGRATORS, METHODS
+from cross_checks.engines.opensim_.counts import LEVEL, Counts, counted
+from cross_checks.engines.opensim_.methods import ENDLESS, FIXED, INTEGRATORS, METHODS, SHORTEST
 from cross_checks.engines.opensim_.reader import Reader, values
 from cross_checks.workshop.linkage import Linkage, closure_refusals, linkage_of, poses_of
 from cross_checks.workshop.outcome import End, Loop
@@ -20,7 +21,7 @@ from mbs_ref.scene import Scene, SpringDamper
 from mbs_ref.scene.traits import traits
 from mbs_ref.trajectory import Status
 
-opensim.Logger.setLevelString("Error")
+opensim.Logger.setLevelString(LEVEL)
 
 
 @dataclass(frozen=True)
@@ -79,7 +80,7 @@ class OpenSim(Engine):
             manager.setIntegratorFixedStepSize(plan.step)
         else:
             manager.setIntegratorAccuracy(plan.rtol)
-        manager.setIntegratorInternalStepLimit(plan.max_steps)
+            manager.setIntegratorMinimumStepSize(SHORTEST * float(plan.times[-1]))
         manager.setWriteToStorage(False)
         manager.setPerformAnalyses(False)
         manager.setRecordStatesTrajectory(False)
@@ -92,16 +93,23 @@ class OpenSim(Engine):
         states[0] = values(state)
         state.setTime(0.0)
         manager.initialize(state)
+        counts = Counts(sum(plan.counts))
         for k, t in enumerate(plan.times[1:].tolist(), start=1):
             try:
-                state = manager.integrate(t)
+                if k == len(plan.times) - 1 and plan.method.kind == "adaptive":
+                    state, counts = counted(manager, t)
+                else:
+                    state = manager.integrate(t)
             except RuntimeError as error:
                 return Loop(states, _failure(error, k))
             if abs(state.getTime() - t) > 1e-9 * plan.times[-1]:
                 reason = f"opensim came back at t = {state.getTime():g} s without a word"
                 return Loop(states, End(k, Status.ENGINE_ERROR, reason))
             states[k] = values(state)
-        return Loop(states, End(len(states)), sum(plan.counts))
+        if counts.steps > plan.max_steps:
+            reason = f"max_steps = {plan.max_steps} were used up: {counts.steps} steps"
+            return Loop(states, End(len(states), Status.TOO_MANY_STEPS, reason), *counts)
+        return Loop(states, End(len(states)), *counts)
 
     def poses(self, model: Built, plan: Plan, states: np.ndarray) -> Poses:
         return poses_of(model.linkage, model.reader, states)

@@ -55,6 +55,28 @@ def test_more_accuracy_makes_the_four_bar_worse_and_success_is_reported():
     assert tight > 10.0 * loose
 
 
+def test_steps_are_counted_and_nothing_is_printed(capfd):
+    loose, tight = (run("opensim", "rk_merson", scenes.make("heavy_top"), rtol=rtol) for rtol in (1e-6, 1e-9))
+    assert loose.steps > 40
+    # Merson's estimate, of third order, follows the fourth power of a step; outputs end some early
+    assert tight.steps / loose.steps == pytest.approx(1e3 ** (1 / 4), rel=0.15)
+    assert tight.rhs_calls >= 5 * tight.steps
+    assert capfd.readouterr().out == ""
+
+
+def test_a_bound_on_steps_is_kept():
+    path = run("opensim", "rk_merson", scenes.make("heavy_top"), rtol=1e-9, max_steps=100)
+    assert path.status == "too-many-steps"
+    assert "max_steps = 100" in path.message
+
+
+def test_a_loop_comes_back_whose_steps_shrank_without_end():
+    """Through the singular pose, at 1e-9 of the run and less; seen in 4.6."""
+    path = run("opensim", "rk_feldberg", scenes.make("spatial_n_four_bar", loops=2), rtol=2.5e-8, samples=41)
+    assert path.status == "success"
+    assert path.steps < 1e5
+
+
 def test_refusals_name_the_part(opensim):
     (endless,) = opensim.method_refusals(FOUR_BAR, opensim.method("cpodes"))
     assert "steps of no length without end" in endless.reason
