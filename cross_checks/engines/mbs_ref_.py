@@ -91,6 +91,7 @@ def _method(entry: Integrator) -> Method:
         entry.name, kind, entry.order, entry.description, entry.ladder, entry.requires,
         locates_events=entry.locates_events, stability=entry.stability, wrong_limit=entry.weakness,
         weak_on=frozenset({"constrained"}) if entry.weakness else frozenset(),
+        embedded=entry.embedded,
     )
 
 

@@ -92,15 +92,23 @@ class Tried:
 
     @property
     def foretold(self) -> float:
-        """The order that the search expects: p of a step; p / (p + 1) of a tolerance, which bounds a step's error."""
-        p = float(self.method.order or 5)
-        return p / (p + 1.0) if self.method.kind == "adaptive" else self.order
+        """The order that the search expects: p of a step; of a tolerance that over the power its estimate follows.
+
+        So errors are proportional to the tolerance of a pair that goes on from its better solution, p(p - 1).
+        """
+        return (self.method.order or 5) / self.method.local_order if self.method.kind == "adaptive" else self.order
 
     @property
     def promised(self) -> float:
-        """The order that a verdict may ask: no more than first where forces jump or bend between a method's steps."""
-        is_first = self.method.kind == "fixed" and not self.method.locates_events and not is_smooth(self.scene)
-        return min(self.foretold, 1.0) if is_first else self.foretold
+        """The order that a verdict may ask: no more than first where forces jump or bend between a method's steps.
+
+        Of a tolerance p / (p + 1), which an estimate of the local error itself leaves.
+        """
+        if self.method.kind == "adaptive":
+            p = self.method.order or 5
+            return p / (p + 1)
+        is_first = not self.method.locates_events and not is_smooth(self.scene)
+        return min(self.order, 1.0) if is_first else self.order
 
     def good(self) -> list[tuple[float, float]]:
         """Return setting and error of every run that succeeded, coarse to fine."""
@@ -452,7 +460,7 @@ def _steps(tried: Tried, knob: float) -> float:
 
 def _growth(tried: Tried, done: list[tuple[float, int]]) -> float:
     """Return the power of a tolerance by which steps grow, from runs (tolerance, steps), fine to coarse."""
-    documented = 1.0 / ((tried.method.order or 5) + 1)
+    documented = 1.0 / tried.method.local_order
     finest, most = done[0]
     coarser, fewer = next((run for run in done if run[0] >= _factor(tried) * finest), done[0])
     return documented if coarser == finest else max(documented, math.log(most / fewer) / math.log(coarser / finest))

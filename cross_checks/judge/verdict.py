@@ -22,8 +22,8 @@ error that does not fall, where the appeal, a run plainly finer than those that 
 of the error.
 
 The documented order is no more than first where forces jump or bend between the steps of a method that locates no
-events. Convergence is read from refinements. A run that takes no more steps than a coarser one, as where outputs end the steps,
-refines nothing: such runs are one level, for which the largest of their errors stands.
+events. Convergence is read from refinements. A run that takes no more steps than a coarser one, as where outputs end
+the steps, refines nothing: such runs are one level, for which the largest of their errors stands.
 """
 
 from __future__ import annotations

@@ -28,7 +28,16 @@ class Method:
     wrong_limit: str = ""  # why it is known to fail or converge elsewhere ...
     weak_on: frozenset[str] = frozenset()  # ... on scenes with any of these traits: it excuses there, nowhere else
     driven_from_python: bool = False  # the engine gives accelerations alone; the time loop is Python code of ours
+    embedded: int | None = None  # order of the solution that a pair's estimate of errors compares with, as in 5(4)
     roundoff: float = DOUBLE  # by which a step's result is off, over its size, for want of digits
+
+    @property
+    def local_order(self) -> int:
+        """The power of a step that the estimate of its error follows, 6 where no order is documented.
+
+        Pairs compare with an embedded solution of lower order; others estimate the local error of their own.
+        """
+        return (self.embedded or self.order or 5) + 1
 
     def rounding(self, steps: int) -> float:
         """Return what rounding may add up to over the scene's scales: each step leaves the state off by `roundoff`."""

@@ -11,8 +11,8 @@ TREES = frozenset({"closed-loop", "rod-in-space"})  # Drake has constraints in d
 DIES = "tied to the world body itself, constraints of discrete time end the process (SIGSEGV, seen in 1.58.0)"
 
 
-def _continuous(name: str, order: int, text: str) -> Method:
-    return Method(name, "adaptive", order, text, ACCURACIES, excludes=TREES)
+def _continuous(name: str, order: int, text: str, embedded: int | None = None) -> Method:
+    return Method(name, "adaptive", order, text, ACCURACIES, excludes=TREES, embedded=embedded)
 
 
 def _stepped(name: str, order: int, text: str) -> Method:
@@ -20,8 +20,8 @@ def _stepped(name: str, order: int, text: str) -> Method:
 
 
 METHODS = (
-    _continuous("runge_kutta3", 3, "Drake's default: Runge-Kutta 3 with an embedded estimate"),
-    _continuous("runge_kutta5", 5, "Runge-Kutta 5 with an embedded estimate (Dormand-Prince)"),
+    _continuous("runge_kutta3", 3, "Drake's default: Runge-Kutta 3 with an embedded estimate", 2),
+    _continuous("runge_kutta5", 5, "Runge-Kutta 5 with an embedded estimate (Dormand-Prince)", 4),
     _continuous("radau3", 3, "Radau IIA of two stages"),
     _stepped("runge_kutta3", 3, "Runge-Kutta 3 at a fixed step"),
     _stepped("runge_kutta2", 2, "Runge-Kutta 2 at a fixed step"),

@@ -43,7 +43,7 @@ METHODS = (
     Method("pair_contact_rk44", "fixed", None, "Runge-Kutta 4 with contact connectors; bodies without joints", STEPS,
            requires=frozenset({"contact", "spatial"}), wrong_limit=RAMP, weak_on=frozenset({"friction"})),
     Method("tree_dopri5", "adaptive", 5, "KinematicTree, Dormand-Prince 5", RTOLS, requires=PLANAR, wrong_limit=JUMPS,
-           weak_on=frozenset({"contact"})),
+           weak_on=frozenset({"contact"}), embedded=4),
     Method("tree_rk44", "fixed", 4, "KinematicTree, Runge-Kutta 4", STEPS, requires=PLANAR, stability=exponential(4)),
     Method("tree_rk67", "fixed", 6, "KinematicTree, Runge-Kutta 6 of 7 stages", STEPS, requires=PLANAR,
            stability=exponential(6)),

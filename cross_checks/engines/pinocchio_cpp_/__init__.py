@@ -19,7 +19,7 @@ from mbs_ref.scene import Scene
 from mbs_ref.scene.traits import traits
 
 METHODS = (
-    Method("dop853", "adaptive", 8, "DOP853 in C++ with the step control of SciPy's", RTOLS),
+    Method("dop853", "adaptive", 8, "DOP853 in C++ with the step control of SciPy's", RTOLS, embedded=7),
     Method("rk4", "fixed", 4, "Runge-Kutta 4 in C++", STEPS, stability=exponential(4)),
 )
 TREES = "the C++ loop drives trees; the engine pinocchio closes loops"

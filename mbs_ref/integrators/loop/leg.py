@@ -140,6 +140,7 @@ class Integrator:
     locates_events: bool = True  # touch-down, lift-off and slip are found; else contact forces are merely clipped
     stability: tuple[float, ...] = ()  # explicit methods: coefficients of R(z), lowest power first
     weakness: str = ""  # why the method is known to fail or stand wrong where others do not: shown, never judged by
+    embedded: int | None = None  # order of the solution that the estimate of errors compares with, as in 5(4)
     varies_order: bool = False  # besides the step: its errors follow the tolerance loosely
     slack: float = 1.0  # how many times the tolerance a step may err and be accepted
     switches: str = ""  # the families between which the method changes and says so

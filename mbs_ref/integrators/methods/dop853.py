@@ -9,6 +9,7 @@ INTEGRATOR = Integrator(
     name="dop853",
     kind="both",
     order=8,
+    embedded=7,  # its two estimates, made one, follow the eighth power of a step (Hairer, sec. II.10)
     description="Dormand-Prince of order 8, adaptive; fixed step when a step is given",
     advance=explicit(TABLEAU),
     interpolates=True,

@@ -241,6 +241,7 @@ INTEGRATOR = Integrator(
     name="radau",
     kind="both",
     order=5,
+    embedded=3,
     description="Radau IIA, three stages: the stiff method",
     advance=advance,
     ladder=(1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10),
