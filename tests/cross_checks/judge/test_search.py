@@ -12,9 +12,9 @@ from cross_checks.engine import Method
 from cross_checks.judge.bounds import MOST_STEPS
 from cross_checks.judge.cell import truth_of
 from cross_checks.judge.control import control
-from cross_checks.judge.ladder import SAMPLES, TIGHTEST
+from cross_checks.judge.ladder import SAMPLES, TIGHTEST, settings_at
 from cross_checks.judge.runs import Runs
-from cross_checks.judge.search import BACK, WINDOW, first_knob, search
+from cross_checks.judge.search import AIM, BACK, WINDOW, Tried, first_knob, search
 from cross_checks.judge.verdict import Control, Verdict, judge
 from cross_checks.records.record import Record
 from cross_checks.records.store import Run
@@ -156,6 +156,29 @@ def test_a_run_beyond_the_bound_on_work_does_not_end_the_search_before_it():
     assert max(record.steps for record in tried.records.values()) > MOST_STEPS
     assert [answer.answer for answer in answers] == ["reached"] * 2
     assert answers[1].record.steps <= MOST_STEPS
+
+
+@pytest.mark.parametrize(("order", "embedded", "power"), [(5, 4, 1.0), (5, 3, 1.25), (4, None, 0.8)])
+def test_errors_follow_the_tolerance_as_the_orders_of_a_pair_tell(order, embedded, power):
+    """From the first run on: the second hits the middle of the window."""
+    runs = MadeUp(lambda r: 5.0 * r**power)
+    search(runs, SCENE, "made", Method("pair", "adaptive", order, "made up", embedded=embedded), TRUTH, (1e-7,))
+    assert 5.0 * runs.asked[1] ** power == pytest.approx(AIM * 1e-7, rel=0.05)
+
+
+def test_a_verdict_asks_no_more_of_a_tolerance_than_a_local_error_leaves():
+    tried = Tried(SCENE, "made", Method("radau", "adaptive", 5, "made up", embedded=3), TRUTH)
+    assert tried.promised == pytest.approx(5 / 6)
+
+
+@pytest.mark.parametrize(("engine", "method"), [("mbs_ref", "radau"), ("exudyn", "tree_dopri5")])
+def test_the_orders_declared_of_pairs_show_in_their_errors(engine, method):
+    """Against the closed form: 5(3) of Radau gives 5/4, 5(4) of Dormand and Prince 1."""
+    runs, truth, tolerances = Runs(), truth_of(Runs(), SCENE), (1e-6, 1e-10)
+    declared = engines.get(engine).method(method)
+    errors = [runs.judged(SCENE, engine, settings_at(declared, SCENE, rtol), truth).error.value for rtol in tolerances]
+    seen = np.log(errors[0] / errors[1]) / np.log(tolerances[0] / tolerances[1])
+    assert seen == pytest.approx(declared.order / declared.local_order, abs=0.1)
 
 
 def test_a_tolerance_that_no_step_meets_is_tried_no_tighter():
