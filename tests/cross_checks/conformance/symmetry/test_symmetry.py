@@ -52,7 +52,6 @@ KNOWN: dict[tuple[str, str, str], set[str]] = {
 }
 STOPS = {  # runs that the engine does not finish at this step or tolerance
     ("exudyn", "tree_dopri5", "bouncing_ball"),  # one of its runs does not come back
-    ("exudyn", "pair_contact_rk44", "bouncing_sphere"),
 }
 
 
