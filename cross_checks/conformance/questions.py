@@ -16,7 +16,7 @@ from cross_checks.workshop.method import Method
 from mbs_ref import scenes
 from mbs_ref.scene import GROUND, PointMass, Scene, UserForce
 from mbs_ref.scene import Distance as Rod
-from mbs_ref.scene.traits import part_types
+from mbs_ref.scene.traits import is_smooth, part_types
 from mbs_ref.settings import Settings
 
 SPANS = {  # s: long enough for every part to matter, short enough for many runs
@@ -39,7 +39,7 @@ class Asked:
 
     @property
     def is_smooth(self) -> bool:
-        return not self.scene.contacts
+        return is_smooth(self.scene)
 
 
 @cache

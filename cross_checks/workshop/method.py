@@ -37,7 +37,8 @@ class Method:
 
         Pairs compare with an embedded solution of lower order; others estimate the local error of their own.
         """
-        return (self.embedded or self.order or 5) + 1
+        compared = (self.order or 5) if self.embedded is None else self.embedded
+        return compared + 1
 
     def rounding(self, steps: int) -> float:
         """Return what rounding may add up to over the scene's scales: each step leaves the state off by `roundoff`."""

@@ -7,7 +7,7 @@ from cross_checks.engine import Method
 ACCURACIES = (1e-4, 1e-6, 1e-8, 1e-10, 1e-12)  # of Simbody's error control
 STEPS = (2e-2, 1e-2, 5e-3, 2.5e-3, 1e-3, 5e-4, 2.5e-4, 1e-4)  # s
 FIXED = "_fixed"
-SHORTEST = 2e-8  # of a run: no step is shorter, whatever its error; 5e7 of them, the bound of any run, come to no end
+SHORTEST = 2e-8  # of a run: no step is shorter, whatever its error, for 5e7 steps are the most that a run may take
 ENDLESS = "cpodes"  # in loops: no limit on steps ends it (seen in 4.6 on spatial_n_four_bar at 1e-8)
 INTEGRATORS = {
     "rk_merson": "RungeKuttaMerson",

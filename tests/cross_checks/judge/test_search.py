@@ -166,6 +166,10 @@ def test_errors_follow_the_tolerance_as_the_orders_of_a_pair_tell(order, embedde
     assert 5.0 * runs.asked[1] ** power == pytest.approx(AIM * 1e-7, rel=0.05)
 
 
+def test_an_embedded_solution_may_be_of_order_zero():
+    assert Method("euler", "adaptive", 1, "made up", embedded=0).local_order == 1
+
+
 def test_a_verdict_asks_no_more_of_a_tolerance_than_a_local_error_leaves():
     tried = Tried(SCENE, "made", Method("radau", "adaptive", 5, "made up", embedded=3), TRUTH)
     assert tried.promised == pytest.approx(5 / 6)
