@@ -24,11 +24,16 @@ class Cell:
     fate: Fate  # the worst that happened
     last: float | None  # most extreme value up to which all went right
     points: tuple[Point, ...]
-    reason: str = ""  # why it cannot, or the first failure
+    reason: str = ""  # why it cannot, or the first of the worst failures
 
     @property
     def key(self) -> tuple[str, str, str, bool]:
         return self.extreme, self.engine, self.method, self.full
+
+    @property
+    def first_failure(self) -> str:
+        """What comes beyond `last`; empty where all went right."""
+        return next((point.reason for point in self.points if not point.handled), "")
 
     def to_dict(self) -> dict[str, Any]:
         """Return plain data for JSON."""
@@ -38,8 +43,9 @@ class Cell:
 def made_of(extreme: str, family: str, engine: str, method: str, full: bool, points: Iterable[Point]) -> Cell:
     """Return the cell of the points, mild first."""
     kept = tuple(points)
-    failure = next((point.reason for point in kept if not point.handled), "")
-    return Cell(extreme, family, engine, method, full, fate_of(kept), last_handled(kept), kept, failure)
+    failures = [point for point in kept if not point.handled]
+    reason = next((point.reason for point in failures if point.fate is fate_of(failures)), "")
+    return Cell(extreme, family, engine, method, full, fate_of(kept), last_handled(kept), kept, reason)
 
 
 def from_dict(data: Any) -> Cell:

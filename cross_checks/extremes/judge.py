@@ -21,8 +21,6 @@ from cross_checks.extremes.extreme import Case, Extreme
 from cross_checks.records.record import CANNOT
 from mbs_ref.trajectory import Status, Trajectory
 
-SEVERITY = ("cannot", "survived", "stopped", "degraded", "silently-wrong")  # the worst last
-
 
 class Fate(StrEnum):
     """What became of a run."""

@@ -60,12 +60,12 @@ def _advice(extreme: Extreme, engine: str, cells: list[Cell]) -> dict[str, str]:
     lying = [c.method for c in cells if c.fate is Fate.SILENTLY_WRONG]
     names = ", ".join(tied)
     if best.last is None:
-        text = f"none of its methods is right even at {_value(extreme, extreme.axis.values[0])}: {best.reason}"
+        text = f"none of its methods is right even at {_value(extreme, extreme.axis.values[0])}: {best.first_failure}"
     elif best.last == best.points[-1].value:
         end = ", which is rightly refused" if best.points[-1].fate is Fate.STOPPED else ""
         text = f"trust {names} over the whole axis, to {_value(extreme, best.last)}{end}"
     else:
-        text = f"trust {names} up to {_value(extreme, best.last)}; beyond, {best.reason}"
+        text = f"trust {names} up to {_value(extreme, best.last)}; beyond, {best.first_failure}"
     warning = f"wrong without a word somewhere on the axis: {', '.join(lying)}" if lying else ""
     return {"engine": engine, "text": text, "warning": warning}
 

@@ -141,6 +141,20 @@ def test_a_scan_halves_values_whose_product_overflows():
     assert points[1].value == pytest.approx(1e230)
 
 
+def test_a_cell_is_explained_by_the_first_of_its_worst_failures():
+    """And not by a milder one before it; that comes where all is right no more."""
+
+    def failed(value: float, fate: Fate, reason: str, handled: bool = False) -> Point:
+        return Point(value, fate, handled, True, None, "", reason)
+
+    grows = [point_at(1.0, True), failed(2.0, Fate.STOPPED, "it died"), failed(3.0, Fate.SILENTLY_WRONG, "NaN"),
+             failed(4.0, Fate.SILENTLY_WRONG, "another motion")]  # fmt: skip
+    found = made_of("a", "b", "e", "m", False, grows)
+    assert (found.fate, found.reason, found.first_failure, found.last) == (Fate.SILENTLY_WRONG, "NaN", "it died", 1.0)
+    says_so = [failed(1.0, Fate.DEGRADED, "it says so", handled=True), failed(2.0, Fate.STOPPED, "it died")]
+    assert made_of("a", "b", "e", "m", False, says_so).reason == "it died"
+
+
 def test_cells_survive_the_file_and_a_corrupt_line_costs_only_itself(tmp_path):
     one = made_of("a", "b", "e", "m", False, [point_at(1.0, True), lost(2.0, "timeout", "gave no answer")])
     target = tmp_path / "cells.jsonl"
