@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from cross_checks.extremes.judge import Fate, Point
-from cross_checks.extremes.search import fate_of, last_handled
+from cross_checks.extremes.search import broken, fate_of, last_handled
 from cross_checks.records import lines as record_file
 
 
@@ -33,7 +33,8 @@ class Cell:
     @property
     def first_failure(self) -> str:
         """What comes beyond `last`; empty where all went right."""
-        return next((point.reason for point in self.points if not point.handled), "")
+        k = broken(self.points)
+        return "" if k is None else self.points[k].reason
 
     def to_dict(self) -> dict[str, Any]:
         """Return plain data for JSON."""
