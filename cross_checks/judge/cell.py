@@ -11,8 +11,9 @@ from cross_checks.engine import Engine, Method
 from cross_checks.judge.bounds import TARGETS
 from cross_checks.judge.consensus import working_truth
 from cross_checks.judge.runs import Runs
-from cross_checks.judge.search import Reached, Tried, search
-from cross_checks.judge.verdict import WRONG, Verdict, speaking
+from cross_checks.judge.search import Tried, search
+from cross_checks.judge.verdict import speaking
+from cross_checks.judge.vocabulary import WRONG, TargetResult, Verdict
 from cross_checks.metrics.observed_order import observed_order
 from cross_checks.records.record import CANNOT, MISSING, Record
 from cross_checks.truth import NoTruth, Truth
@@ -44,7 +45,7 @@ class Cell:
     setting: str = ""  # of the run that speaks for the method
     loop_s: float | None = None
     contact: dict[str, float] = field(default_factory=dict)
-    targets: tuple[Reached, ...] = ()
+    targets: tuple[TargetResult, ...] = ()
     runs: tuple[dict[str, Any], ...] = ()  # setting, status, error of each run, coarse to fine
 
     @property
@@ -127,7 +128,7 @@ def refused(scene: Scene, engine: str, method: Method | None) -> tuple[str, str]
     return method.name, "; ".join(dict.fromkeys([*reasons, broken] if broken else reasons))
 
 
-def cell_of(tried: Tried, answers: Sequence[Reached]) -> Cell:
+def cell_of(tried: Tried, answers: Sequence[TargetResult]) -> Cell:
     """Return the verdict on runs that were made; the same runs give the same cell."""
     scene, truth, points, uncertainty = tried.scene, tried.truth, tried.points(), tried.uncertainty
     verdict, reason = tried.verdict()
@@ -155,7 +156,7 @@ def _order(tried: Tried, uncertainty: float) -> float | None:
     return observed_order(steps, errors, uncertainty, rounding)
 
 
-def _told(reached: Reached) -> dict[str, Any]:
+def _told(reached: TargetResult) -> dict[str, Any]:
     record = reached.record
     plain = {"target": reached.target, "answer": reached.answer, "reason": reached.reason}
     if record is None or record.error is None:

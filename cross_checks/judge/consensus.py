@@ -20,7 +20,7 @@ from cross_checks.engine import Engine, Method
 from cross_checks.judge.extrapolation import extrapolated
 from cross_checks.judge.ladder import knob_of, label, settings_at
 from cross_checks.judge.runs import Runs, gap
-from cross_checks.judge.verdict import AGREEMENT
+from cross_checks.judge.vocabulary import AGREEMENT
 from cross_checks.truth import MARGIN, NoTruth, Truth
 from mbs_ref.scene import Scene
 from mbs_ref.scene.scales import scales_of

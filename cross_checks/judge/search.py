@@ -11,26 +11,14 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
-from typing import Literal
 
 from cross_checks.engine import Method
 from cross_checks.judge.bounds import MOST_STEPS, TARGETS
 from cross_checks.judge.control import control
 from cross_checks.judge.ladder import SAMPLES, TIGHTEST, coarsest, knob_of, label, settings_at
 from cross_checks.judge.runs import Runs, against, gap
-from cross_checks.judge.verdict import (
-    AGREEMENT,
-    BOUNCE,
-    PLAIN,
-    REFUSED,
-    RESOLVED,
-    STALLED,
-    STAYING,
-    Control,
-    Point,
-    Verdict,
-    judge,
-)
+from cross_checks.judge.verdict import BOUNCE, PLAIN, RESOLVED, STALLED, STAYING, Control, Point, judge
+from cross_checks.judge.vocabulary import AGREEMENT, REFUSED, Answer, TargetResult, Verdict
 from cross_checks.records.record import Record
 from cross_checks.truth import NoTruth, Truth
 from mbs_ref.scene import Scene
@@ -52,19 +40,6 @@ NEXT_TO_NONE = 0.1  # of the steps or of a setting: less is no difference
 TINY = 1e-300  # an error of zero has no logarithm
 TOO_SMALL = "step-too-small"  # what a method says that finds no step short enough: a tighter tolerance asks for more
 ENOUGH = 3  # runs that show whether a method converges
-
-Answer = Literal["reached", "not-reached", "not-tried", "cannot", "unjudged"]
-
-
-@dataclass(frozen=True)
-class Reached:
-    """What became of one target."""
-
-    target: float
-    answer: Answer
-    record: Record | None = None  # of the cheapest run that reached it
-    reason: str = ""
-
 
 @dataclass
 class Tried:
@@ -176,7 +151,7 @@ class Tried:
 def search(
     runs: Runs, scene: Scene, engine: str, method: Method, truth: Truth | NoTruth, targets: Sequence[float] = TARGETS,
     most_steps: int = MOST_STEPS,
-) -> tuple[Tried, list[Reached]]:  # fmt: skip
+) -> tuple[Tried, list[TargetResult]]:  # fmt: skip
     """Search the method's settings for every target; return all runs made and what became of each target.
 
     No setting is tried that would take more than `most_steps`, but for the appeal of a method that would be accused.
@@ -185,10 +160,10 @@ def search(
     if not _begin(runs, tried):
         refused = all(record.status in REFUSED for record in tried.records.values())
         answer: Answer = "cannot" if refused else "not-reached"
-        return tried, [Reached(target, answer, None, _last_words(tried)) for target in targets]
+        return tried, [TargetResult(target, answer, None, _last_words(tried)) for target in targets]
     if isinstance(truth, NoTruth):
         _support(runs, tried)
-        return tried, [Reached(target, "unjudged", None, truth.reason) for target in targets]
+        return tried, [TargetResult(target, "unjudged", None, truth.reason) for target in targets]
     answers = [_aim(runs, tried, target) for target in sorted(targets, reverse=True)]
     if not _is_shown(tried):
         _support(runs, tried)
@@ -258,18 +233,18 @@ def first_knob(scene: Scene, method: Method) -> float:
     return step
 
 
-def _aim(runs: Runs, tried: Tried, target: float) -> Reached:
+def _aim(runs: Runs, tried: Tried, target: float) -> TargetResult:
     """Try settings until one meets the target from within its window, or it is plain that none will."""
     for left in range(TRIES, -1, -1):
         if _is_met(tried, target) or _is_over(tried):
             break
         knob = _next(tried, target)
         if _steps(tried, knob) > tried.most_steps:
-            return Reached(target, "not-tried", None, f"it would take about {_steps(tried, knob):.1g} steps")
+            return TargetResult(target, "not-tried", None, f"it would take about {_steps(tried, knob):.1g} steps")
         if not left or _same_as_tried(tried, knob) or _is_vain(tried, knob, target):
             break
         _try(runs, tried, knob)
-    return Reached(target, "not-reached")
+    return TargetResult(target, "not-reached")
 
 
 def _next(tried: Tried, target: float) -> float:
@@ -466,22 +441,22 @@ def _growth(tried: Tried, done: list[tuple[float, int]]) -> float:
     return documented if coarser == finest else max(documented, math.log(most / fewer) / math.log(coarser / finest))
 
 
-def _answer(tried: Tried, became: Reached) -> Reached:
+def _answer(tried: Tried, became: TargetResult) -> TargetResult:
     """Say what became of a target, from all the runs that were made in the end."""
     good = tried.good()
     truth = tried.truth
     record = next((r for r in _successes(tried) if r.error is not None and r.error.value <= became.target), None)
     if record is not None:
-        return Reached(became.target, "reached", record)
+        return TargetResult(became.target, "reached", record)
     if isinstance(truth, Truth) and good:
         floor = next(r.error.floor for r in _successes(tried) if r.error is not None)
         if became.target < floor:
-            return Reached(became.target, "unjudged", None, f"the truth judges no error below {floor:.1e}")
+            return TargetResult(became.target, "unjudged", None, f"the truth judges no error below {floor:.1e}")
     if became.answer == "not-tried" and not _is_over(tried):
         return became
     best = min((error for _, error in good), default=None)
     reason = _last_words(tried) if best is None else f"its best is {best:.1e}; {_why_no_better(tried)}"
-    return Reached(became.target, "not-reached", None, reason)
+    return TargetResult(became.target, "not-reached", None, reason)
 
 
 def _why_no_better(tried: Tried) -> str:

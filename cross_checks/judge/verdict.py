@@ -31,15 +31,14 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from enum import StrEnum
 from itertools import pairwise
 from typing import NamedTuple
 
 from scipy.optimize import root_scalar
 
+from cross_checks.judge.vocabulary import AGREEMENT, REFUSED, WRONG, Verdict
 from cross_checks.truth import MARGIN
 
-AGREEMENT = 1e-6  # of the scene: closer to the truth than this is agreement
 SETTLED = 0.1  # of the error: a limit this close to the finest run, and the truth is elsewhere
 SHRINKING = 0.5  # the gap before, at least: less would not tell a limit
 RESOLVED = 0.1  # of the scene: an error beyond is no approach
@@ -50,28 +49,7 @@ MOST_ORDER = 20.0  # that gaps are asked for
 WIDE = 1e3  # factor between the coarsest and the finest setting: one that rules the steps at all does so over as much
 
 
-class Verdict(StrEnum):
-    AGREES = "agrees"
-    CONVERGING = "converging"
-    WRONG_LIMIT = "wrong-limit"
-    DIVERGED = "diverged"
-    LOST = "lost"
-    NOT_SHOWN = "not-shown"
-    CANNOT = "cannot"
-    FAILED = "failed"
-    BELOW_TRUTH = "below-truth"
-    ENGINE_MISSING = "engine-missing"
-    TIMEOUT = "timeout"
-    CRASHED = "crashed"
-    OUT_OF_MEMORY = "out-of-memory"
-
-
-WRONG = frozenset({
-    Verdict.FAILED, Verdict.WRONG_LIMIT, Verdict.DIVERGED, Verdict.LOST, Verdict.CRASHED, Verdict.TIMEOUT,
-    Verdict.OUT_OF_MEMORY,
-})  # fmt: skip
 STAYING = frozenset({Verdict.WRONG_LIMIT, Verdict.DIVERGED})  # off the truth, which a finer run may refute
-REFUSED = frozenset({Verdict.CANNOT, Verdict.ENGINE_MISSING})
 BLOWN_UP = frozenset({"non-finite", "reset"})
 
 

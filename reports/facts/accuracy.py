@@ -18,8 +18,8 @@ from cross_checks.judge.cell import Cell as Judged
 from cross_checks.judge.cell import cell_of, refused, tasks, truth_of
 from cross_checks.judge.ladder import grid
 from cross_checks.judge.runs import PASSING, Runs
-from cross_checks.judge.search import Reached, search
-from cross_checks.judge.verdict import Verdict
+from cross_checks.judge.search import search
+from cross_checks.judge.vocabulary import TargetResult, Verdict
 from cross_checks.records.naming import code_of, digest_of, truth_name
 from cross_checks.records.record import Record
 from cross_checks.records.store import Store
@@ -126,7 +126,7 @@ def _finite(value: float | None) -> float | None:
     return value if value is not None and isfinite(value) else None
 
 
-def _target(found: Reached) -> Target:
+def _target(found: TargetResult) -> Target:
     setting = "" if found.record is None else setting_label(found.record)
     return Target(found.target, found.answer, found.reason, setting)
 

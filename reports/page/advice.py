@@ -6,7 +6,7 @@ from collections import Counter
 from dataclasses import dataclass
 
 from cross_checks.judge.bounds import MOST_STEPS, TARGETS
-from cross_checks.judge.verdict import WRONG
+from cross_checks.judge.vocabulary import WRONG
 from cross_checks.records.record import Record
 from reports.drawing.numbers import count, of_scene, short
 from reports.facts.cheapest import entries, loop_time, reaching

@@ -10,7 +10,7 @@ from statistics import median
 from typing import Any, NamedTuple
 
 from cross_checks.judge.bounds import TARGETS
-from cross_checks.judge.verdict import WRONG
+from cross_checks.judge.vocabulary import WRONG
 from reports.drawing.numbers import short
 from reports.facts.cheapest import entries, loop_time
 from reports.facts.report_data import OURS, Cell, ReportData

@@ -5,7 +5,7 @@ from __future__ import annotations
 import click
 
 from cross_checks.judge.cell import Cell, check
-from cross_checks.judge.verdict import REFUSED
+from cross_checks.judge.vocabulary import REFUSED
 from mbs_ref import scenes
 from reports import inputs
 from reports.terminal.asking import STORE, asked_runs

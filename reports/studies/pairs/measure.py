@@ -12,7 +12,8 @@ from cross_checks import engines
 from cross_checks.engine import Engine, Method
 from cross_checks.judge import ladder
 from cross_checks.judge.runs import Runs
-from cross_checks.judge.search import Reached, search
+from cross_checks.judge.search import search
+from cross_checks.judge.vocabulary import TargetResult
 from cross_checks.records.store import Store, default_path
 from mbs_ref import scenes
 from mbs_ref.scene import Scene
@@ -157,7 +158,7 @@ def _label(scene: Scene) -> str:
     return scene_label(scene.name, scene.parameters)
 
 
-def _timed(scene: Scene, entrants: Sequence[tuple[str, Method, Reached]]) -> list[Row]:
+def _timed(scene: Scene, entrants: Sequence[tuple[str, Method, TargetResult]]) -> list[Row]:
     """Time everyone who reached a target in randomly interleaved runs."""
     rows = [_row(scene, *entrant) for entrant in entrants]
     ran = [k for k, row in enumerate(rows) if row.answer == "reached"]
@@ -177,12 +178,12 @@ def _timed(scene: Scene, entrants: Sequence[tuple[str, Method, Reached]]) -> lis
     ]
 
 
-def _loop_time(reached: Reached) -> float:
+def _loop_time(reached: TargetResult) -> float:
     """Return the loop time (s) of the run that was searched for."""
     return math.inf if reached.record is None else reached.record.times.get("loop_s", math.inf)
 
 
-def _row(scene: Scene, engine: str, method: Method, reached: Reached) -> Row:
+def _row(scene: Scene, engine: str, method: Method, reached: TargetResult) -> Row:
     record = reached.record
     if record is None or record.error is None:
         return Row(_label(scene), engine, method.name, reached.target, reached.answer, reached.reason)

@@ -11,7 +11,7 @@ import pytest
 from cross_checks import engines
 from cross_checks.judge.cell import check, judge_method, truth_of
 from cross_checks.judge.runs import Runs
-from cross_checks.judge.verdict import Verdict
+from cross_checks.judge.vocabulary import Verdict
 from cross_checks.metrics.state_error import from_truth
 from cross_checks.records.store import Store
 from cross_checks.truths import seek_truth

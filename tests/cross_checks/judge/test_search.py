@@ -15,7 +15,8 @@ from cross_checks.judge.control import control
 from cross_checks.judge.ladder import SAMPLES, TIGHTEST, settings_at
 from cross_checks.judge.runs import Runs
 from cross_checks.judge.search import AIM, BACK, WINDOW, Tried, first_knob, search
-from cross_checks.judge.verdict import Control, Verdict, judge
+from cross_checks.judge.verdict import Control, judge
+from cross_checks.judge.vocabulary import Verdict
 from cross_checks.records.record import Record
 from cross_checks.records.store import Run
 from cross_checks.truth import NoTruth, Truth

@@ -7,7 +7,8 @@ from dataclasses import replace
 
 import pytest
 
-from cross_checks.judge.verdict import Control, Point, Verdict, judge, limit_distance, shown_order
+from cross_checks.judge.verdict import Control, Point, judge, limit_distance, shown_order
+from cross_checks.judge.vocabulary import Verdict
 from cross_checks.metrics.observed_order import observed_order
 
 

@@ -8,7 +8,7 @@ import pytest
 
 from cross_checks.certificates import certificate
 from cross_checks.certificates.certificate import Certificate, certify, departure, holds, read, stored, write
-from cross_checks.judge.verdict import AGREEMENT
+from cross_checks.judge.vocabulary import AGREEMENT
 from cross_checks.records.record import Error
 from cross_checks.truth import NoTruth
 from mbs_ref import scenes

@@ -14,7 +14,7 @@ from cross_checks.certify.sky.particles import converge
 from cross_checks.judge.cell import judge_method, truth_of
 from cross_checks.judge.one_run import evaluate
 from cross_checks.judge.runs import Runs
-from cross_checks.judge.verdict import Verdict
+from cross_checks.judge.vocabulary import Verdict
 from cross_checks.truth import NoTruth, Truth
 from cross_checks.truths import seek_truth
 from mbs_ref import scenes

@@ -25,7 +25,7 @@ from cross_checks.engine import Engine, Method
 from cross_checks.judge import one_run as compare
 from cross_checks.judge import runs as judged_runs
 from cross_checks.judge.cell import Cell
-from cross_checks.judge.verdict import Verdict
+from cross_checks.judge.vocabulary import Verdict
 from cross_checks.records.record import Error, Record
 from cross_checks.truths import seek_truth
 from mbs_ref import scenes

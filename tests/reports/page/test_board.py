@@ -10,7 +10,7 @@ import pytest
 from click.testing import CliRunner
 
 from cross_checks.judge.bounds import TARGETS
-from cross_checks.judge.verdict import WRONG
+from cross_checks.judge.vocabulary import WRONG
 from reports.cli import main
 from reports.facts.cheapest import entries
 from reports.facts.report_data import OURS
