@@ -15,7 +15,7 @@ from cross_checks.judge.cell import refused, tasks, truth_of
 from cross_checks.judge.ladder import grid
 from cross_checks.judge.one_run import without_run
 from cross_checks.judge.runs import Runs
-from cross_checks.judge.search import search
+from cross_checks.judge.tried import search
 from cross_checks.records.naming import run_name
 from cross_checks.records.record import CANNOT, MISSING, Record
 from cross_checks.truth import NoTruth, Truth

@@ -10,12 +10,11 @@ from cross_checks import engines as registry
 from cross_checks.engine import Engine, Method
 from cross_checks.judge.bounds import TARGETS
 from cross_checks.judge.consensus import working_truth
+from cross_checks.judge.ladder import label
 from cross_checks.judge.runs import Runs
-from cross_checks.judge.search import Tried, search
-from cross_checks.judge.verdict import speaking
+from cross_checks.judge.tried import Tried, search
 from cross_checks.judge.vocabulary import WRONG, TargetResult, Verdict
-from cross_checks.metrics.observed_order import observed_order
-from cross_checks.records.record import CANNOT, MISSING, Record
+from cross_checks.records.record import CANNOT, MISSING
 from cross_checks.truth import NoTruth, Truth
 from cross_checks.workshop.initial_state import broken_start
 from mbs_ref.display import facts, listing
@@ -35,6 +34,7 @@ class Cell:
     method: str
     verdict: Verdict
     reason: str
+    odds: float | None = None  # that the verdict is false; None where no probability is involved
     excuse: str = ""  # why the method is known to go wrong on such a scene; empty where it is not
     error: float | None = None  # of the run that speaks for the method
     compliance: float | None = None  # m or rad
@@ -130,30 +130,28 @@ def refused(scene: Scene, engine: str, method: Method | None) -> tuple[str, str]
 
 def cell_of(tried: Tried, answers: Sequence[TargetResult]) -> Cell:
     """Return the verdict on runs that were made; the same runs give the same cell."""
-    scene, truth, points, uncertainty = tried.scene, tried.truth, tried.points(), tried.uncertainty
-    verdict, reason = tried.verdict()
-    place = speaking(points)
-    record: Record | None = None if place < 0 else tried.records[points[place].knob]
+    scene, truth, judged = tried.scene, tried.truth, tried.verdict()
+    record = tried.speaking()
+    points = [tried.search.points[knob] for knob in tried.knobs]
     return Cell(
-        scene.name, dict(scene.parameters), tried.engine, tried.method.name, verdict, reason,
+        scene.name, dict(scene.parameters), tried.engine, tried.method.name, judged.verdict, judged.reason,
         excuse=tried.method.excused(scene),
+        odds=judged.odds,
         error=None if record is None or record.error is None else record.error.value,
         compliance=None if record is None else record.measure("compliance_position"),
-        order=_order(tried, uncertainty or 0.0), documented_order=tried.method.order,
-        uncertainty=uncertainty, truth="" if isinstance(truth, NoTruth) else truth.kind,
-        setting="" if place < 0 else points[place].setting,
+        order=_order(tried), documented_order=tried.method.order,
+        uncertainty=tried.uncertainty, truth="" if isinstance(truth, NoTruth) else truth.kind,
+        setting="" if record is None else label(Settings(**record.settings)),
         loop_s=None if record is None else record.times.get("loop_s"),
         contact={} if record is None else record.contact, targets=tuple(answers),
         runs=tuple({"setting": p.setting, "status": p.status, "error": p.error} for p in points),
     )  # fmt: skip
 
 
-def _order(tried: Tried, uncertainty: float) -> float | None:
-    if tried.method.kind != "fixed" or not tried.good():
-        return None
-    steps, errors = zip(*tried.good(), strict=True)
-    rounding = [tried.method.rounding(tried.records[step].steps) for step in steps]
-    return observed_order(steps, errors, uncertainty, rounding)
+def _order(tried: Tried) -> float | None:
+    """Return the order that fixed steps show; None where it is not known to a quarter."""
+    shown = tried.search.shown()
+    return None if shown is None or tried.method.kind != "fixed" else shown.observed_order
 
 
 def _told(reached: TargetResult) -> dict[str, Any]:

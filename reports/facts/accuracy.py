@@ -18,7 +18,7 @@ from cross_checks.judge.cell import Cell as Judged
 from cross_checks.judge.cell import cell_of, refused, tasks, truth_of
 from cross_checks.judge.ladder import grid
 from cross_checks.judge.runs import PASSING, Runs
-from cross_checks.judge.search import search
+from cross_checks.judge.tried import search
 from cross_checks.judge.vocabulary import TargetResult, Verdict
 from cross_checks.records.naming import code_of, digest_of, truth_name
 from cross_checks.records.record import Record

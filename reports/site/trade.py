@@ -8,7 +8,7 @@ from cross_checks import engines
 from cross_checks.judge.cell import refused, truth_of
 from cross_checks.judge.consensus import FINE
 from cross_checks.judge.runs import Runs
-from cross_checks.judge.search import search
+from cross_checks.judge.tried import search
 from cross_checks.records.record import Record
 from cross_checks.truth import NoTruth, Truth
 from mbs_ref.scene import Scene

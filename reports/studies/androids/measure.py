@@ -15,7 +15,7 @@ from cross_checks.judge import ladder
 from cross_checks.judge.cell import cell_of
 from cross_checks.judge.one_run import judged_run
 from cross_checks.judge.runs import Runs
-from cross_checks.judge.search import search
+from cross_checks.judge.tried import search
 from cross_checks.records.store import Store, default_path
 from cross_checks.truth import NoTruth, Truth
 from cross_checks.truths import truth_for

@@ -12,7 +12,7 @@ from cross_checks import engines
 from cross_checks.engine import Engine, Method
 from cross_checks.judge import ladder
 from cross_checks.judge.runs import Runs
-from cross_checks.judge.search import search
+from cross_checks.judge.tried import search
 from cross_checks.judge.vocabulary import TargetResult
 from cross_checks.records.store import Store, default_path
 from mbs_ref import scenes

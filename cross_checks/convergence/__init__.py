@@ -1,0 +1,1 @@
+"""One statistical model of convergence: every verdict, observed order and choice of a next setting queries it."""

@@ -1,0 +1,62 @@
+"""The runs of one method on one scene as the data of the convergence model."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+SAME_STEPS = 1.05  # ratio of step counts below which a finer setting refines nothing: outputs or events set the steps
+SATURATED = 0.5  # of the scene: motions farther apart are unrelated, and only bound the law from below
+UNRELATED = 4  # such runs that count where there are no others
+
+
+@dataclass(frozen=True)
+class Ladder:
+    """Successful runs from coarse to fine. Errors and gaps are distances over the scene's scales."""
+
+    settings: np.ndarray  # (n,) steps (s) or relative tolerances
+    errors: np.ndarray  # (n,) distance from the truth; NaN where no truth is known
+    gaps: np.ndarray  # (n, n) distances between runs; NaN where unknown
+    steps: np.ndarray  # (n,) int, 0 where the engine reports none
+    rounding: np.ndarray  # (n,) what rounding may add to the error
+    kind: str  # of the setting: "fixed" or "adaptive"
+    order: float  # expected power of the setting that the error follows
+    reference: float = 1.0  # setting at which an error is typical before any run ...
+    typical: float = 0.0  # ... and its log10 ...
+    spread: float = 2.0  # ... within so many decades
+    uncertainty: float = 0.0  # of the truth
+
+    def __len__(self) -> int:
+        return len(self.settings)
+
+    def levels(self) -> Ladder:
+        """Return one run per level: its largest error stands, at its finest setting.
+
+        Runs belong to the level of the coarser run where they take hardly more steps than it did. Of coarse runs that
+        are unrelated to the truth only the finest counts.
+        """
+        chosen: list[int] = []
+        finest: list[int] = []
+        most = 0
+        for k, steps in enumerate(self.steps):
+            if not chosen or steps == 0 or steps > SAME_STEPS * most:
+                chosen.append(k)
+                finest.append(k)
+            else:
+                finest[-1] = k
+                if not self.errors[chosen[-1]] > self.errors[k]:
+                    chosen[-1] = k
+            most = max(most, int(steps))
+        related = next((k for k, place in enumerate(chosen) if not self.errors[place] > SATURATED), len(chosen))
+        first = max(0, related - 1) if related < len(chosen) else max(0, len(chosen) - UNRELATED)
+        finest, take = finest[first:], np.array(chosen[first:], dtype=int)
+        return replace(
+            self, settings=self.settings[finest], errors=self.errors[take], gaps=self.gaps[np.ix_(take, take)],
+            steps=self.steps[take], rounding=self.rounding[finest],
+        )  # fmt: skip
+
+    def upto(self, count: int) -> Ladder:
+        """Return the coarsest `count` runs."""
+        parts = {name: getattr(self, name)[:count] for name in ("settings", "errors", "steps", "rounding")}
+        return replace(self, **parts, gaps=self.gaps[:count, :count])

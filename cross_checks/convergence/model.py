@@ -1,0 +1,387 @@
+"""The probability that a method converges to the truth, from the errors of its runs and the gaps between them.
+
+A run at setting s ends at x(s) = x_true + D + C s^p z: d = |D| is the distance of the method's own limit from the
+truth, p the order and z a direction of size about 1 whose length scatters by `sigma` decades. Five hypotheses explain
+the same errors e_i and gaps g_ij, each datum once, as products of densities of log10 distances:
+
+    right     D = 0: errors follow the law; a gap follows from the two errors
+    limit     D > 0: gaps between neighbours follow the law; the finest error states d; the other errors follow from it
+    plateau   outputs or events set the steps at all runs so far: equal errors, and the law is not visible yet
+    stalled   errors follow the law down to a level below which they do not fall, in random directions
+    lost      errors follow the law, and the last runs lie far above it
+
+Right and limit admit first runs that are not on the law, plateaus before it and stray runs. Known contributions enter
+as known: the truth's uncertainty in errors, rounding in errors and gaps. Densities are Student's t with 4 degrees of
+freedom; below two widths they fall as the distance itself, for a vector is short by k decades with odds 10^-k only.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import lru_cache
+
+import numpy as np
+from scipy.special import logsumexp
+
+from cross_checks.convergence.ladder import Ladder
+
+# Priors. Calibrated on synthetic ladders (docs/theory.md); none refers to a scene or an engine.
+PRIORS = {"right": 0.62, "limit": 0.25, "plateau": 0.04, "stalled": 0.07, "lost": 0.02}
+STRAY = 0.03  # probability that a run lies anywhere, off the law
+LATE = 0.15  # probability that the first run is not on the law; halves with every further run
+FADE = {"fixed": 0.5, "adaptive": 2.0}  # decades of the setting over which a plateau becomes less likely by e
+WIDTHS = np.array([0.03, 0.12, 0.12, 0.35, 0.7])  # sigma: scatter about the law, decades
+ALIGNED = np.array([True, True, False, False, False])  # whether z keeps its direction
+SCATTER = {"fixed": (0.35, 0.25, 0.20, 0.15, 0.05), "adaptive": (0.05, 0.15, 0.30, 0.35, 0.15)}
+UNUSUAL = 0.02  # probability that the error at the reference setting may be anything
+SPAN = 19.0  # decades over which a stray run's error may lie
+
+AMPLITUDES = np.arange(-18.0, 6.0, 0.25)  # log10 of the law at the finest run
+DISTANCES = np.arange(-10.0, 0.8, 0.125)  # log10 of d
+LEVELS = np.arange(-16.0, 4.0, 0.25)  # log10 of the level at which errors stall
+TINY = 1e-18  # over the scene's scales: an error or gap below is below any rounding
+HIDDEN = 10.0  # times the truth's uncertainty: an error below is only known to lie below
+COMMON = 1e-2  # of the smallest error: rounding above this matters, and its size and growth are uncertain
+KNOWN = 0.25  # of the order, or of 1: a wider interval shows no order
+ROUNDINGS = ((0.03, 1.0), (0.3, 1.0), (3.0, 1.0), (0.1, 0.5), (1.0, 0.5), (10.0, 0.5))  # factor, power of the steps
+
+
+@dataclass(frozen=True)
+class Posterior:
+    """Probabilities over hypotheses, orders, amplitudes and distances of the method's own limit."""
+
+    ladder: Ladder  # levels, coarse to fine
+    weights: dict[str, float]  # of the hypotheses, sum 1
+    orders: np.ndarray  # (n_p,)
+    law: np.ndarray  # (n_p, n_b) of order and amplitude, under right and limit; sum 1
+    distance: np.ndarray  # (n_d,) of DISTANCES under limit; sum 1
+    level: np.ndarray  # (n_l,) of LEVELS under stalled; sum 1
+
+    def odds_of_limit(self, above: float) -> float:
+        """Return the probability that the method's own limit is farther than `above` from the truth."""
+        return self.weights["limit"] * float(self.distance[np.log10(max(above, TINY)) < DISTANCES].sum())
+
+    def odds_of_stall(self, above: float) -> float:
+        """Return the probability that errors stall above a level."""
+        return self.weights["stalled"] * float(self.level[np.log10(max(above, TINY)) < LEVELS].sum())
+
+    def odds_of_order_below(self, order: float) -> float:
+        """Return the probability that the method converges to the truth, with less than an order."""
+        return self.weights["right"] * float(self.law.sum(axis=1)[self.orders < order].sum())
+
+    @property
+    def limit_distance(self) -> float:
+        """The median distance of the method's own limit from the truth, if it has one."""
+        place = min(int(np.searchsorted(np.cumsum(self.distance), 0.5)), len(DISTANCES) - 1)
+        return float(10.0 ** DISTANCES[place])
+
+    def order_range(self, share: float = 0.68) -> tuple[float, float]:
+        """Return the central interval of the order that holds a share of its probability."""
+        total = np.cumsum(self.law.sum(axis=1))
+        ends = np.searchsorted(total, [(1.0 - share) / 2.0, (1.0 + share) / 2.0])
+        low, high = self.orders[np.minimum(ends, len(self.orders) - 1)]
+        return float(low), float(high)
+
+    @property
+    def order(self) -> float:
+        """The mean order."""
+        return float(self.law.sum(axis=1) @ self.orders)
+
+    @property
+    def observed_order(self) -> float | None:
+        """The mean order where two runs or more follow the law and its central 68 % span less than KNOWN; else None."""
+        low, high = self.order_range()
+        follows = len(self.ladder) > 1 and self.weights["right"] + self.weights["limit"] > 0.5
+        return self.order if follows and high - low < KNOWN * max(1.0, self.order) else None
+
+
+def posterior(ladder: Ladder) -> Posterior:
+    """Return what the runs show. ValueError where there is none."""
+    if not len(ladder):
+        raise ValueError("ladder = (): a posterior needs one run at least")
+    levels = ladder.levels()
+    known = levels.errors[np.isfinite(levels.errors)]
+    smallest = max(float(np.min(known, initial=np.inf)), TINY)
+    if not np.any(levels.rounding > COMMON * smallest):
+        return _mixed(levels, [_evidence(levels)])
+    growth = np.maximum(levels.steps, 1)
+    sizes = [factor * levels.rounding * growth ** (power - 1.0) for factor, power in ROUNDINGS]
+    return _mixed(levels, [_evidence(replace(levels, rounding=size)) for size in sizes])
+
+
+def density(value: np.ndarray, centre: np.ndarray, width: np.ndarray | float) -> np.ndarray:
+    """Return the log density of a log10 distance per decade."""
+    z = (value - centre) / width
+    short = np.minimum(value - centre + 2.0 * width, 0.0) * np.log(10.0)
+    return np.log(0.375 / width) - 2.5 * np.log1p(0.25 * z * z) + short
+
+
+def _derived(value: np.ndarray, first: np.ndarray, second: np.ndarray, floor: np.ndarray | float = 0.0) -> np.ndarray:
+    """Return the log density of a distance whose two parts have known lengths and unknown directions."""
+    square = first**2 + second**2
+    width = np.hypot(0.06, 0.6 * first * second / np.maximum(square, TINY**2))
+    return density(value, 0.5 * np.log10(square + np.square(floor) + TINY**2), width)
+
+
+def _mix(log_density: np.ndarray, share: float) -> np.ndarray:
+    """Return a log density with a share of strays, which may lie anywhere."""
+    return np.logaddexp(np.log1p(-share) + log_density, np.log(share / SPAN))
+
+
+@lru_cache(maxsize=64)
+def _orders(expected: float) -> tuple[np.ndarray, np.ndarray]:
+    """Return the grid of orders and the log of their prior."""
+    grid = np.geomspace(0.25 * min(expected, 1.0), max(1.6 * expected, expected + 2.0), 33)
+    x = np.log(grid)
+    bell = np.exp(-0.5 * ((x - np.log(expected)) / 0.15) ** 2)
+    first = np.exp(-0.5 * (x / 0.15) ** 2) if expected > 1.0 else bell
+    flat = np.where(grid < 0.4, 0.25, 1.0)
+    prior = 0.68 * bell / bell.sum() + 0.12 * first / first.sum() + 0.2 * flat / flat.sum()
+    return grid, np.log(prior)
+
+
+def saturated(log_amplitude: np.ndarray) -> np.ndarray:
+    """Return the size of a difference of a given amplitude: motions are no farther apart than they are large."""
+    amplitude = 10.0 ** np.minimum(log_amplitude, 12.0)
+    return amplitude / (1.0 + 0.5 * amplitude)
+
+
+class _Data:
+    """Log densities of each datum under the law, on the grid of orders (p), amplitudes (b) and modes (m)."""
+
+    def __init__(self, ladder: Ladder) -> None:
+        n = len(ladder)
+        self.ladder, self.n = ladder, n
+        self.orders, log_order = _orders(ladder.order)
+        self.log_setting = np.log10(ladder.settings)
+        reach = self.orders[:, None] * (self.log_setting - self.log_setting[-1])  # (p, i)
+        amplitude = saturated(AMPLITUDES[None, :, None] + reach[:, None, :])  # (p, b, i)
+        self.hidden = HIDDEN * ladder.uncertainty
+        self.errors = np.maximum(ladder.errors, max(TINY, self.hidden))
+        self.log_error = np.log10(self.errors)
+        self.is_hidden = ladder.errors <= self.hidden
+        self.gaps = self._neighbours()
+        self.log_gap = np.log10(self.gaps)
+        to_finest = np.maximum(ladder.gaps[: max(n - 2, 0), -1], np.maximum(ladder.rounding[-1], TINY))
+        self.log_far = np.log10(to_finest)  # (n - 2,) of the gaps to the finest run
+        self.far_by_gaps = self._far_by_gaps()
+        self.prior = log_order[:, None, None] + self._amplitude_prior()[:, :, None] + np.log(SCATTER[ladder.kind])
+        self.amplitude = amplitude
+        self.by_law = self._errors_by_law(amplitude)  # (p, b, m, i)
+        self.gaps_by_law = self._gaps_by_law(amplitude)  # (p, b, m, i) of i and i + 1
+        self.gaps_by_errors = self._gaps_by_errors()  # (m, i)
+
+    def _neighbours(self) -> np.ndarray:
+        """Return the gaps between neighbours (n - 1,), no smaller than rounding."""
+        rounding = self._rounding(slice(None, -1), slice(1, None))
+        return np.maximum(np.diagonal(self.ladder.gaps, 1), np.maximum(rounding, TINY))
+
+    def _amplitude_prior(self) -> np.ndarray:
+        """Return log probabilities (p, b): the error at the reference setting is typical within decades."""
+        at = AMPLITUDES[None, :] + self.orders[:, None] * (np.log10(self.ladder.reference) - self.log_setting[-1])
+        usual = (1.0 + 0.25 * ((at - self.ladder.typical) / self.ladder.spread) ** 2) ** -2.5
+        return np.log((1.0 - UNUSUAL) * usual / usual.sum(axis=1, keepdims=True) + UNUSUAL / len(AMPLITUDES))
+
+    def _errors_by_law(self, amplitude: np.ndarray) -> np.ndarray:
+        known = np.hypot(self.ladder.rounding, self.ladder.uncertainty)
+        centre = np.log10(np.hypot(amplitude, known) + TINY)[:, :, None, :]
+        value = density(self.log_error, centre, WIDTHS[:, None])
+        below = np.minimum(0.0, (np.log10(self.hidden + TINY) - centre) / WIDTHS[:, None])
+        return _mix(np.where(self.is_hidden, -2.5 * np.log1p(0.25 * below**2), value), STRAY)
+
+    def _gaps_by_law(self, amplitude: np.ndarray) -> np.ndarray:
+        """Return densities of the gaps to the next run by the law, and of those to the finest run by two gaps."""
+        coarse, fine = amplitude[..., :-1], amplitude[..., 1:]
+        rounding = self._rounding(slice(None, -1), slice(1, None))
+        along, across = np.hypot(coarse - fine, rounding), np.sqrt(coarse**2 + fine**2 + rounding**2)
+        centre = np.where(ALIGNED[:, None], along[:, :, None, :], across[:, :, None, :])
+        next_one = _mix(density(self.log_gap, np.log10(centre + TINY), WIDTHS[:, None]), 2.0 * STRAY)
+        return next_one + self.far_by_gaps
+
+    def _rounding(self, first: slice, second: slice) -> np.ndarray:
+        return np.hypot(self.ladder.rounding[first], self.ladder.rounding[second])
+
+    def _gaps_by_errors(self) -> np.ndarray:
+        """Return densities (m, i) of the gaps from run i to the next and to the finest run, by their errors."""
+        rounding = self._rounding(slice(None, -1), slice(1, None))
+        next_one = self._apart(self.log_gap, self.errors[:-1], self.errors[1:], rounding)
+        both = self.is_hidden[:-1] & self.is_hidden[1:]
+        next_one = np.where(both, -np.log(SPAN), next_one)
+        if self.n > 2:
+            rounding = self._rounding(slice(None, -2), slice(-1, None))
+            far = self._apart(self.log_far, self.errors[:-2], self.errors[-1], rounding)
+            hidden = self.is_hidden[:-2] & self.is_hidden[-1]
+            next_one[:, :-1] += np.where(hidden, -np.log(SPAN), far)
+        return next_one
+
+    def _apart(self, log_gap: np.ndarray, first: np.ndarray, second: np.ndarray, rounding: np.ndarray) -> np.ndarray:
+        """Return densities (m, i) of gaps between runs of known errors: directions differ as lengths scatter."""
+        across = _derived(log_gap, first, second, rounding)
+        turn = WIDTHS[:, None] * np.log(10.0)  # rad
+        length = np.sqrt((first - second) ** 2 + first * second * turn**2 + rounding**2)
+        width = np.hypot(0.06, 0.6 * first * second / (first**2 + second**2))
+        along = density(log_gap, np.log10(length + TINY), width)
+        mixed = np.logaddexp(np.log1p(-2.0 * STRAY) + along, np.log(2.0 * STRAY) + across)
+        return np.where(ALIGNED[:, None], mixed, across)
+
+    def _far_by_gaps(self) -> np.ndarray:
+        """Return densities (m, i) of the gaps to the finest run by those to the next run and from there."""
+        far = np.zeros((len(WIDTHS), max(self.n - 1, 0)))
+        if self.n > 2:
+            first, second = self.gaps[:-1], 10.0 ** np.append(self.log_far[1:], self.log_gap[-1])
+            across = _derived(self.log_far, first, second)
+            width = np.hypot(0.06, 0.6 * first * second / (first**2 + second**2))
+            along = np.logaddexp(np.log1p(-2.0 * STRAY) + density(self.log_far, np.log10(first + second), width),
+                                 np.log(2.0 * STRAY) + across)  # fmt: skip
+            far[:, :-1] = np.where(ALIGNED[:, None], along, across)
+        return far
+
+    @property
+    def across(self) -> np.ndarray:
+        """Log densities (n - 1,) of the gaps between runs in unrelated directions."""
+        return self.gaps_by_errors[-1]
+
+    def late(self, first: int) -> float:
+        """Return the log probability that the law begins at run `first`, and the log density of the runs before."""
+        start = np.log1p(-LATE) if first == 0 else np.log(LATE) + first * np.log(0.5)
+        return float(start - first * np.log(SPAN) + self.across[:first].sum())
+
+    def plateau(self, count: int) -> float:
+        """Return the log density of `count` first runs as a plateau: equal errors, gaps of any size below them."""
+        steps = self.log_error[1:count] - self.log_error[: count - 1]
+        decades = self.log_setting[0] - self.log_setting[count - 1]
+        below = np.where(self.log_gap[: count - 1] <= self.log_error[: count - 1] + 0.3, -np.log(8.0), -np.log(1e4))
+        far = self.far_by_gaps[-1, : count - 1].sum()
+        return float(-np.log(SPAN) + density(steps, np.zeros(1), 0.1).sum() + below.sum() + far
+                     - decades / FADE[self.ladder.kind])  # fmt: skip
+
+
+@dataclass(frozen=True)
+class _Evidence:
+    """Unnormalised probabilities under one size of rounding."""
+
+    total: float
+    logs: dict[str, float]
+    orders: np.ndarray
+    law: np.ndarray
+    distance: np.ndarray
+    level: np.ndarray
+
+
+def _evidence(ladder: Ladder) -> _Evidence:
+    data = _Data(ladder)
+    if not np.isfinite(ladder.errors).all():
+        return _without_truth(data)
+    right, law_right = _right(data)
+    limit, law_limit, distance = _limit(data)
+    stalled, level = _stalled(data)
+    logs = {
+        "right": right, "limit": limit, "stalled": stalled, "lost": _lost(data),
+        "plateau": data.plateau(data.n) if data.n > 1 else -np.log(SPAN),
+    }  # fmt: skip
+    logs = {name: float(value + np.log(PRIORS[name])) for name, value in logs.items()}
+    total = float(logsumexp(list(logs.values())))
+    law = np.exp(logs["right"] - total) * law_right + np.exp(logs["limit"] - total) * law_limit
+    return _Evidence(total, logs, data.orders, law, distance, level)
+
+
+def _right(data: _Data) -> tuple[float, np.ndarray]:
+    """Return the log evidence that the method converges to the truth, and the posterior of order and amplitude."""
+    terms = data.by_law.copy()
+    terms[..., :-1] += data.gaps_by_errors
+    tails = np.cumsum(terms[..., ::-1], axis=-1)[..., ::-1]  # (p, b, m, i): from run i on
+    starts = [data.late(first) for first in range(data.n)]
+    if data.n > 2:  # a plateau of two runs or more, then the law
+        ends = [data.plateau(count) + data.across[count - 1] + np.log(LATE) for count in range(2, data.n)]
+        starts[2:] = np.logaddexp(starts[2:], ends).tolist()
+    return _summed(data.prior[..., None] + tails + np.array(starts))
+
+
+def _limit(data: _Data) -> tuple[float, np.ndarray, np.ndarray]:
+    """Return the log evidence of a limit off the truth, the posterior of order and amplitude, and of its distance."""
+    n, finest = data.n, data.amplitude[0, :, -1]
+    known = float(np.hypot(data.ladder.rounding[-1], data.ladder.uncertainty))
+    distance = 10.0**DISTANCES
+    last = _derived(data.log_error[-1], finest[:, None], distance[None, :], known)  # (b, d)
+    if data.is_hidden[-1]:
+        last = np.where(np.hypot(finest[:, None], distance) <= data.hidden, 0.0, last - np.log(SPAN))
+    to_finest = np.maximum(data.ladder.gaps[:-1, -1], np.maximum(data.ladder.rounding[-1], TINY))
+    others = _mix(_derived(data.log_error[:-1], data.errors[-1], to_finest, known), STRAY)
+    others = np.where(data.is_hidden[:-1], -np.log(SPAN), others)
+    gaps = np.zeros((*data.by_law.shape[:3], n))
+    gaps[..., :-1] = data.gaps_by_law + others
+    tails = np.cumsum(gaps[..., ::-1], axis=-1)[..., ::-1]
+    starts = np.array([data.late(first) for first in range(n)])
+    weight = logsumexp(data.prior[..., None] + tails + starts, axis=(2, 3))  # (p, b)
+    by_distance = logsumexp(weight, axis=0)[:, None] + last - np.log(len(DISTANCES))
+    total = float(logsumexp(by_distance))
+    law = np.exp(weight + (logsumexp(last, axis=1) - np.log(len(DISTANCES)))[None, :] - total)
+    return total, law, np.exp(logsumexp(by_distance, axis=0) - total)
+
+
+def _stalled(data: _Data) -> tuple[float, np.ndarray]:
+    """Return the log evidence that errors stall, grow, or lie at random heights, and the posterior of their level.
+
+    The last runs scatter about a level by 0.12 to 1.5 decades; up to two before them may follow the law.
+    """
+    n = data.n
+    widths = np.array([0.12, 0.35, 0.7, 1.5])
+    drift = np.array([0.0, -0.5, -1.0])  # order of the level in the setting: errors may grow with refinement
+    tilt = drift[:, None] * (data.log_setting - data.log_setting[-1])  # (order, i)
+    centre = np.log10(saturated(LEVELS[:, None, None] + tilt))  # (l, order, i)
+    per_run = density(data.log_error, centre[:, :, None, :], widths[:, None])  # (l, order, width, i)
+    per_run[..., :-1] += data.across
+    tails = np.cumsum(per_run[..., ::-1], axis=-1)[..., ::-1]
+    prior = np.log(np.array([0.7, 0.2, 0.1]))[:, None] - np.log(len(widths)) - np.log(len(LEVELS))
+    heads = np.cumsum(data.by_law[..., :-1] + data.gaps_by_errors, axis=-1)
+    before = [0.0] + [float(logsumexp(data.prior + heads[..., k])) for k in range(n - 1)]
+    start = np.array(before) - np.log(n)
+    logs = logsumexp(tails + prior[..., None] + start, axis=(1, 2, 3))
+    total = float(logsumexp(logs))
+    return total, np.exp(logs - total)
+
+
+def _lost(data: _Data) -> float:
+    """Return the log evidence that two last runs or more lie far above the law of those before."""
+    logs = []
+    for count in range(2, data.n):
+        before = data.n - count
+        if np.min(data.errors[before:]) <= 3.0 * np.min(data.errors[:before]):
+            continue
+        law = data.by_law[..., :before].sum(axis=-1) + data.gaps_by_errors[..., : before - 1].sum(axis=-1)
+        rest = float(data.across[before - 1 :].sum()) - count * np.log(SPAN) - count * np.log(2.0)
+        logs.append(float(logsumexp(data.prior + law)) + rest)
+    return float(logsumexp(logs)) if logs else -np.inf
+
+
+def _without_truth(data: _Data) -> _Evidence:
+    """Return the evidence of the gaps alone: they follow the law, or do not shrink."""
+    gaps = np.zeros((*data.by_law.shape[:3], data.n))
+    gaps[..., :-1] = data.gaps_by_law
+    right, law = _summed(data.prior + gaps.sum(axis=-1))
+    apart = density(data.log_gap, LEVELS[:, None], 0.35).sum(axis=-1) - np.log(len(LEVELS))
+    logs = {name: -np.inf for name in PRIORS}
+    logs |= {"right": right + np.log(PRIORS["right"]), "stalled": float(logsumexp(apart)) + np.log(PRIORS["stalled"])}
+    total = float(logsumexp(list(logs.values())))
+    level = np.exp(apart - logsumexp(apart))
+    return _Evidence(total, logs, data.orders, law, np.full(len(DISTANCES), 1.0 / len(DISTANCES)), level)
+
+
+def _summed(logs: np.ndarray) -> tuple[float, np.ndarray]:
+    """Return the log of a sum over the grid, and the probabilities of order and amplitude (p, b)."""
+    total = float(logsumexp(logs))
+    return total, np.exp(logsumexp(logs, axis=tuple(range(2, logs.ndim))) - total)
+
+
+def _mixed(ladder: Ladder, parts: list[_Evidence]) -> Posterior:
+    share = np.exp([part.total for part in parts] - logsumexp([part.total for part in parts]))
+    weights = {
+        name: float(sum(s * np.exp(part.logs[name] - part.total) for s, part in zip(share, parts, strict=True)))
+        for name in PRIORS
+    }
+
+    def mixed(name: str) -> np.ndarray:
+        return sum(s * getattr(part, name) for s, part in zip(share, parts, strict=True))
+
+    law, distance, level = mixed("law"), mixed("distance"), mixed("level")
+    return Posterior(ladder, weights, parts[0].orders, law / law.sum(), distance / distance.sum(), level / level.sum())

@@ -1,0 +1,201 @@
+"""One method on one scene as the search sees it: its runs, their errors and their gaps, from the store."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+from cross_checks import engines
+from cross_checks.engine import Method
+from cross_checks.judge.bounds import MOST_STEPS, TARGETS
+from cross_checks.judge.ladder import TIGHTEST, coarsest, knob_of, label, settings_at
+from cross_checks.judge.runs import Runs, against, gap
+from cross_checks.judge.search import Search
+from cross_checks.judge.verdict import Judgement, Point
+from cross_checks.judge.vocabulary import REFUSED, Answer, TargetResult
+from cross_checks.records.record import Record
+from cross_checks.truth import NoTruth, Truth
+from mbs_ref.scene import Scene
+from mbs_ref.scene.traits import is_smooth
+from mbs_ref.scene.units import free_fall_time
+from mbs_ref.self_checks.stiffness import may_be_stiff, stiffness_at_start
+from mbs_ref.trajectory import Trajectory
+
+FIRST_RTOL, FIRST_STEP = 1e-5, 5e-3  # where the search begins; steps in free-fall times
+STABLE = 0.7  # of the step that the linearised motion allows an explicit method
+TYPICAL_RTOL, TYPICAL_STEPS = 1e-6, 1000  # a setting at which errors are typical before any run:
+TYPICAL = 10.0  # times the tolerance; of steps, each order brings 1.2 decades
+DECADES_PER_ORDER, MOST_ORDER = 1.2, 6
+
+
+@dataclass
+class Tried:
+    """The runs of one method on one scene."""
+
+    runs: Runs
+    scene: Scene
+    engine: str
+    method: Method
+    truth: Truth | NoTruth
+    most_steps: int = MOST_STEPS  # that a run may take
+    records: dict[float, Record] = field(default_factory=dict)
+    paths: dict[float, Trajectory | None] = field(default_factory=dict)
+    gaps: dict[tuple[float, float], float] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        self.kind, self.duration = self.method.kind, self.scene.duration
+        self.local_order = self.method.local_order
+        self.coarsest = coarsest(self.method, self.scene)
+        self.finest = TIGHTEST if self.kind == "adaptive" else self.duration / self.most_steps
+        self.why_no_truth = self.truth.reason if isinstance(self.truth, NoTruth) else ""
+        self.search = Search(self)
+
+    @property
+    def knobs(self) -> list[float]:
+        """The settings that were run, coarse to fine."""
+        return self.search.knobs
+
+    @property
+    def expected(self) -> float:
+        """The order of the error in the setting: p of a step; of a tolerance that over the power its estimate follows.
+
+        It is 1 where forces jump between the steps of a method that locates no events.
+        """
+        if self.kind == "adaptive":
+            return (self.method.order or 5) / self.local_order
+        return self.promised
+
+    @property
+    def promised(self) -> float:
+        """The order that a verdict may ask for: of a tolerance p / (p + 1), which controls the local error."""
+        p = float(self.method.order or (5 if self.kind == "adaptive" else 1))
+        if self.kind == "adaptive":
+            return p / (p + 1.0)
+        return p if self.method.locates_events or is_smooth(self.scene) else min(p, 1.0)
+
+    @property
+    def uncertainty(self) -> float | None:
+        """How well the truth is known over the scene's scales; None where no run has an error."""
+        return next((r.error.uncertainty for r in self.records.values() if r.error is not None), None)
+
+    def typed(self, knob: float) -> float:
+        """Return a setting as a user types it: a step that divides the outputs, a tolerance of two digits."""
+        return knob_of(settings_at(self.method, self.scene, min(max(knob, TIGHTEST), self.coarsest)))
+
+    def run(self, knob: float) -> Point:
+        """Return the run at a setting, judged."""
+        settings = settings_at(self.method, self.scene, knob)
+        run = self.runs.run(self.scene, self.engine, settings)
+        record = against(self.scene, run, self.truth)
+        self.records[knob], self.paths[knob] = record, run.path
+        error = record.error.value if record.error is not None and record.status == "success" else None
+        rounding = self.method.rounding(record.steps)
+        return Point(label(settings), knob, record.status, record.message, error, record.steps, rounding)
+
+    def gap(self, first: float, second: float) -> float:
+        """Return the distance between two runs over the scene's scales; NaN where unknown."""
+        key = (min(first, second), max(first, second))
+        if key not in self.gaps:
+            apart = 0.0 if first == second else gap(self.scene, self.paths[first], self.paths[second])
+            self.gaps[key] = math.nan if apart is None else apart
+        return self.gaps[key]
+
+    def facts(self) -> dict:
+        """Return what the ladder of this method states beside its runs."""
+        p = min(self.method.order or 5, MOST_ORDER)
+        where = TYPICAL_RTOL if self.kind == "adaptive" else self.duration / TYPICAL_STEPS
+        typical = math.log10(TYPICAL * TYPICAL_RTOL) if self.kind == "adaptive" else -DECADES_PER_ORDER * p
+        return {
+            "kind": self.kind, "order": self.expected, "reference": where, "typical": typical,
+            "uncertainty": self.uncertainty or 0.0,
+        }  # fmt: skip
+
+    def reference(self, knob: float) -> float | None:
+        """Return the error of a method of that order or more at the same setting, of another package."""
+        for name, other in _alike(self.scene, self.engine, self.method):
+            run = self.runs.run(self.scene, name, settings_at(other, self.scene, knob))
+            record = against(self.scene, run, self.truth)
+            if record.status == "success" and record.error is not None:
+                return record.error.value
+        return None
+
+    def is_within(self, point: Point) -> bool:
+        """Whether a run keeps to the work limit; a step is shortened to divide the outputs."""
+        return (self.kind == "fixed" and point.knob >= 0.99 * self.finest) or point.steps <= 1.01 * self.most_steps
+
+    def verdict(self) -> Judgement:
+        """Return what the runs show."""
+        return self.search.judgement()
+
+    def speaking(self) -> Record | None:
+        """Return the run that represents the method: the finest in agreement, else the finest that succeeded."""
+        good = self.search.good
+        agreeing = [point for point in good if point.error is not None and point.error <= 1e-6]
+        return self.records[(agreeing or good)[-1].knob] if good else None
+
+
+def _alike(scene: Scene, engine: str, method: Method):
+    if method.order is None:
+        return
+    for name in engines.names():
+        try:
+            other = engines.get(name)
+        except engines.EngineMissing:
+            continue
+        if other.library == engines.get(engine).library or other.refusals(scene):
+            continue
+        able = [m for m in other.methods() if m.kind == method.kind and (m.order or 0) >= method.order]
+        sound = [m for m in able if not other.method_refusals(scene, m) and not m.excused(scene)]
+        if sound:
+            yield name, min(sound, key=lambda m: m.order or 0)
+
+
+def search(
+    runs: Runs, scene: Scene, engine: str, method: Method, truth: Truth | NoTruth, targets: Sequence[float] = TARGETS,
+    most_steps: int = MOST_STEPS,
+) -> tuple[Tried, list[TargetResult]]:  # fmt: skip
+    """Search the method's settings for every target; return all runs and what became of each target."""
+    tried = Tried(runs, scene, engine, method, truth, most_steps)
+    if not tried.search.begin(first_knob(scene, method)):
+        refused = all(record.status in REFUSED for record in tried.records.values())
+        answer: Answer = "cannot" if refused else "not-reached"
+        return tried, [TargetResult(target, answer, None, _last_message(tried)) for target in targets]
+    if isinstance(truth, Truth):
+        tried.search.reach(sorted(targets, reverse=True))
+    tried.search.settle()
+    return tried, [_result(tried, target) for target in sorted(targets, reverse=True)]
+
+
+def first_knob(scene: Scene, method: Method) -> float:
+    """Return where the search begins: within what a stiff motion allows, where the method is explicit."""
+    if method.kind == "adaptive":
+        return FIRST_RTOL
+    step = min(FIRST_STEP * free_fall_time(scene), coarsest(method, scene))
+    if method.stability and may_be_stiff(scene):
+        step = min(step, STABLE * stiffness_at_start(scene).step_limit(method.stability))
+    return step
+
+
+def _result(tried: Tried, target: float) -> TargetResult:
+    """Return what became of a target, from all runs that keep to the work limit."""
+    good = tried.search.good
+    records = [tried.records[point.knob] for point in good if tried.is_within(point)]
+    if isinstance(tried.truth, NoTruth):
+        return TargetResult(target, "unjudged", None, tried.truth.reason)
+    record = next((r for r in records if r.error is not None and r.error.value <= target), None)
+    if record is not None:
+        return TargetResult(target, "reached", record)
+    floor = max((r.error.floor for r in records if r.error is not None), default=0.0)
+    if target < floor:
+        return TargetResult(target, "unjudged", None, f"errors below {floor:.1e} cannot be resolved by this truth")
+    steps = tried.search.least_steps(target)
+    if tried.most_steps < steps < math.inf:
+        return TargetResult(target, "not-tried", None, f"it would take about {steps:.1g} steps")
+    best = min((r.error.value for r in records if r.error is not None), default=math.inf)
+    return TargetResult(target, "not-reached", None, f"the best error is {best:.1e}; {tried.verdict().reason}")
+
+
+def _last_message(tried: Tried) -> str:
+    last = tried.records[tried.knobs[-1]]
+    return last.message or last.status
