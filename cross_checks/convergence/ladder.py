@@ -8,6 +8,8 @@ import numpy as np
 
 SAME_STEPS = 1.05  # ratio of step counts below which a finer setting refines nothing: outputs or events set the steps
 SATURATED = 0.5  # of the scene: motions farther apart are unrelated, and only bound the law from below
+DOUBLE = 2.0**-53  # no run is closer to another than the rounding of its state
+FARTHEST = (2.0, 20.0)  # of the scene: bounds of the largest distance between motions; beyond, a run has blown up
 UNRELATED = 4  # such runs that count where there are no others
 
 
@@ -29,6 +31,12 @@ class Ladder:
 
     def __len__(self) -> int:
         return len(self.settings)
+
+    @property
+    def bound(self) -> float:
+        """The largest distance between two motions of this scene, as far as the runs show."""
+        largest = np.nanmax(np.append(self.errors, self.gaps), initial=FARTHEST[0])
+        return float(np.clip(largest, *FARTHEST))
 
     def levels(self) -> Ladder:
         """Return one run per level: its largest error stands, at its finest setting.
@@ -53,7 +61,7 @@ class Ladder:
         finest, take = finest[first:], np.array(chosen[first:], dtype=int)
         return replace(
             self, settings=self.settings[finest], errors=self.errors[take], gaps=self.gaps[np.ix_(take, take)],
-            steps=self.steps[take], rounding=self.rounding[finest],
+            steps=self.steps[take], rounding=np.maximum(self.rounding[finest], DOUBLE),
         )  # fmt: skip
 
     def upto(self, count: int) -> Ladder:

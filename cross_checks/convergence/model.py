@@ -140,10 +140,10 @@ def _orders(expected: float) -> tuple[np.ndarray, np.ndarray]:
     return grid, np.log(prior)
 
 
-def saturated(log_amplitude: np.ndarray) -> np.ndarray:
-    """Return the size of a difference of a given amplitude: motions are no farther apart than they are large."""
+def saturated(log_amplitude: np.ndarray, bound: float) -> np.ndarray:
+    """Return the size of a difference of a given amplitude: motions are no farther apart than `bound`."""
     amplitude = 10.0 ** np.minimum(log_amplitude, 12.0)
-    return amplitude / (1.0 + 0.5 * amplitude)
+    return amplitude / (1.0 + amplitude / bound)
 
 
 class _Data:
@@ -155,7 +155,7 @@ class _Data:
         self.orders, log_order = _orders(ladder.order)
         self.log_setting = np.log10(ladder.settings)
         reach = self.orders[:, None] * (self.log_setting - self.log_setting[-1])  # (p, i)
-        amplitude = saturated(AMPLITUDES[None, :, None] + reach[:, None, :])  # (p, b, i)
+        amplitude = saturated(AMPLITUDES[None, :, None] + reach[:, None, :], ladder.bound)  # (p, b, i)
         self.hidden = HIDDEN * ladder.uncertainty
         self.errors = np.maximum(ladder.errors, max(TINY, self.hidden))
         self.log_error = np.log10(self.errors)
@@ -193,7 +193,9 @@ class _Data:
         """Return densities of the gaps to the next run by the law, and of those to the finest run by two gaps."""
         coarse, fine = amplitude[..., :-1], amplitude[..., 1:]
         rounding = self._rounding(slice(None, -1), slice(1, None))
-        along, across = np.hypot(coarse - fine, rounding), np.sqrt(coarse**2 + fine**2 + rounding**2)
+        turned = coarse * fine * np.square(fine / self.ladder.bound)  # motions as far apart as they are large are unrelated
+        along = np.sqrt(np.square(coarse - fine) + turned + rounding**2)
+        across = np.sqrt(coarse**2 + fine**2 + rounding**2)
         centre = np.where(ALIGNED[:, None], along[:, :, None, :], across[:, :, None, :])
         next_one = _mix(density(self.log_gap, np.log10(centre + TINY), WIDTHS[:, None]), 2.0 * STRAY)
         return next_one + self.far_by_gaps
@@ -250,7 +252,8 @@ class _Data:
         """Return the log density of `count` first runs as a plateau: equal errors, gaps of any size below them."""
         steps = self.log_error[1:count] - self.log_error[: count - 1]
         decades = self.log_setting[0] - self.log_setting[count - 1]
-        below = np.where(self.log_gap[: count - 1] <= self.log_error[: count - 1] + 0.3, -np.log(8.0), -np.log(1e4))
+        depth = self.log_error[: count - 1] - self.log_gap[: count - 1]
+        below = np.where((depth > -0.3) & (depth < 8.0), -np.log(8.0), -np.log(1e4))
         far = self.far_by_gaps[-1, : count - 1].sum()
         return float(-np.log(SPAN) + density(steps, np.zeros(1), 0.1).sum() + below.sum() + far
                      - decades / FADE[self.ladder.kind])  # fmt: skip
@@ -328,7 +331,7 @@ def _stalled(data: _Data) -> tuple[float, np.ndarray]:
     widths = np.array([0.12, 0.35, 0.7, 1.5])
     drift = np.array([0.0, -0.5, -1.0])  # order of the level in the setting: errors may grow with refinement
     tilt = drift[:, None] * (data.log_setting - data.log_setting[-1])  # (order, i)
-    centre = np.log10(saturated(LEVELS[:, None, None] + tilt))  # (l, order, i)
+    centre = np.log10(saturated(LEVELS[:, None, None] + tilt, data.ladder.bound))  # (l, order, i)
     per_run = density(data.log_error, centre[:, :, None, :], widths[:, None])  # (l, order, width, i)
     per_run[..., :-1] += data.across
     tails = np.cumsum(per_run[..., ::-1], axis=-1)[..., ::-1]

@@ -42,8 +42,8 @@ def _predicted(posterior: Posterior, settings: np.ndarray) -> tuple[np.ndarray, 
     runs, wanted = np.log10(ladder.settings), np.log10(settings)
     nearest = np.argmin(np.abs(wanted[:, None] - runs), axis=1)
     order = posterior.orders[p][:, None]
-    at_runs = np.log10(saturated(AMPLITUDES[b][:, None] + order * (runs - runs[-1])))
-    law = np.log10(saturated(AMPLITUDES[b][:, None] + order * (wanted - runs[-1])))
+    at_runs = np.log10(saturated(AMPLITUDES[b][:, None] + order * (runs - runs[-1]), ladder.bound))
+    law = np.log10(saturated(AMPLITUDES[b][:, None] + order * (wanted - runs[-1]), ladder.bound))
     known = np.log10(np.maximum(ladder.errors, 1e-18))
     share = np.exp(-np.abs(law - at_runs[:, nearest]) / MEMORY)
     scatter = NEAR + (FAR[ladder.kind] - NEAR) * np.sqrt(1.0 - share)

@@ -14,11 +14,11 @@ from cross_checks.judge.vocabulary import AGREEMENT, REFUSED, Verdict
 from cross_checks.truth import MARGIN
 
 CALIBRATED = 3e-4  # smallest odds that the calibration on 10 000 ladders supports (3/n without a failure)
-CERTAIN = 0.99  # odds from which a method's own limit is off the truth ...
-FAILING = 0.95  # ... and from which its errors do not fall
+FAILING = 0.95  # odds of a failure from which a method is classified as wrong
 ROUNDED = 5.0  # times what rounding may add: a smaller error says nothing of the method
 DOUBTFUL = 0.1  # odds of a failure up to which agreement stands; half of it for convergence
 RESOLVED = 0.1  # of the scene: a larger error shows no approach
+NEAR_BEST = 3.0  # times the best error: a finest run that is farther off shows no approach
 CONFIRMED = 3  # levels of runs at least that classify a method as wrong
 BLOWN_UP = frozenset({"non-finite", "reset"})
 
@@ -109,14 +109,14 @@ def _agreement(good: Sequence[Point], shown: Posterior, failing: float) -> Judge
 
 def _wrong(good: Sequence[Point], shown: Posterior, limit: float, stall: float) -> Judgement | None:
     """Return the classification as wrong-limit, lost or diverged where its odds suffice."""
-    ladder = shown.ladder
-    error, last = float(ladder.errors[-1]), good[-1].setting
-    if limit > CERTAIN:
-        own = f"its own limit is {shown.limit_distance:.1e} from the truth"
-        return Judgement(Verdict.WRONG_LIMIT, f"{error:.1e} at {last}: {own}", _capped(1.0 - limit))
     if stall + limit <= FAILING:
         return None
+    ladder = shown.ladder
+    error, last = float(ladder.errors[-1]), good[-1].setting
     odds, best = _capped(1.0 - stall - limit), float(np.min(ladder.errors))
+    if limit > stall:
+        own = f"its own limit is {shown.limit_distance:.1e} from the truth"
+        return Judgement(Verdict.WRONG_LIMIT, f"{error:.1e} at {last}: {own}", odds)
     if best <= AGREEMENT:
         return Judgement(Verdict.LOST, f"{error:.1e} at {last}, after {best:.1e} at a coarser setting", odds)
     return Judgement(Verdict.DIVERGED, f"the error does not fall: still {error:.1e} at {last}", odds)
@@ -132,12 +132,14 @@ def _approach(last: str, shown: Posterior, promised: float) -> Judgement:
         "that the error hardly falls": shown.odds_of_order_below(_least_order(promised)),
     }
     odds = sum(doubts.values())
-    if len(ladder) >= CONFIRMED and error <= RESOLVED and odds < DOUBTFUL:
+    is_best = error <= NEAR_BEST * float(np.min(ladder.errors))
+    if len(ladder) >= CONFIRMED and error <= RESOLVED and is_best and odds < DOUBTFUL:
         slow = f", below half of {promised:.2g}" if shown.order < 0.5 * promised else ""
         pace = f"falling with order {shown.order:.2g}{slow}"
         return Judgement(Verdict.CONVERGING, f"{error:.1e} at {last}, {pace}", _capped(odds))
     what, most = max(doubts.items(), key=lambda item: item[1])
     why = f"odds of {most:.2g} {what}" if odds >= DOUBTFUL else "too few levels, or too far off, to show an approach"
+    why = why if is_best else f"a coarser setting is better, {np.min(ladder.errors):.1e}"
     return Judgement(Verdict.NOT_SHOWN, f"still {error:.1e} off at {last}: {why}")
 
 
