@@ -53,8 +53,8 @@ def component_errors(judged: Judged) -> dict[str, dict[str, Any]]:
     return figures({metric.name: metric.curve(judged) for metric in METRICS})
 
 
-def error_of(judged: Judged) -> tuple[Error | None, np.ndarray | None]:
-    """Return the error of a run and its curve over time (n_t,), NaN where the truth knows nothing.
+def error_of(judged: Judged) -> tuple[Error | None, list[float | None] | None]:
+    """Return the error of a run and its curve over time (n_t,), with None where the truth knows nothing.
 
     None without a truth, and where the error is not finite.
     """
@@ -62,13 +62,13 @@ def error_of(judged: Judged) -> tuple[Error | None, np.ndarray | None]:
     if isinstance(errors, Absent) or not isinstance(truth, Truth):
         return None, None
     relative = errors.counted / units_of(scales)
-    curve = largest(largest(relative, -1), -1)
-    if not relative.size or not np.isfinite(value := float(largest(curve))):
+    if not relative.size or not np.isfinite(value := float(largest(relative))):
         return None, None
     sample, body, part = np.unravel_index(int(np.nanargmax(relative)), relative.shape)
     worst = f"{NAMES[part]} of {judged.scene.body_names[body]} at t = {judged.path.times[sample]:.4g} s"
     known, told = known_to(judged.scene, truth), f"{truth.kind}: {truth.how}"
-    return Error(value, told, known, gaps_as_none(curve)[-1], worst, scales.length, scales.time), curve
+    curve = gaps_as_none(largest(largest(relative, -1), -1))
+    return Error(value, told, known, curve[-1], worst, scales.length, scales.time), curve
 
 
 def gaps_as_none(curve: np.ndarray) -> list[float | None]:
@@ -76,17 +76,13 @@ def gaps_as_none(curve: np.ndarray) -> list[float | None]:
     return [float(value) if np.isfinite(value) else None for value in curve]
 
 
-def _history(path: Trajectory, curves: dict[str, Any], error: np.ndarray | None) -> dict[str, list[float | None]]:
+def _history(path: Trajectory, curves: dict[str, Any], error: list | None) -> dict[str, list[float | None]]:
     plotted = {name: curve for name, curve in curves.items() if metrics.every()[name].plotted}
     estimate = None if path.estimate is None else path.estimate.over_time
     every = {"t": path.times, "estimate": estimate, **plotted}
     known = {name: c for name, c in every.items() if isinstance(c, np.ndarray) and np.isfinite(c).all()}
-    return {name: curve.tolist() for name, curve in known.items()} | error_history(error)
-
-
-def error_history(error: np.ndarray | None) -> dict[str, list[float | None]]:
-    """Return the error's part of a record's history."""
-    return {} if error is None else {"error": gaps_as_none(error)}
+    listed = {name: curve.tolist() for name, curve in known.items()}
+    return listed if error is None else listed | {"error": error}
 
 
 def _declared_events(scene: Scene, path: Trajectory) -> dict[str, list[float]]:

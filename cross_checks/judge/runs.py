@@ -10,7 +10,7 @@ import numpy as np
 from cross_checks import engines
 from cross_checks.isolation.parent import Caller, Isolated, Lost, direct
 from cross_checks.judge.ladder import grid
-from cross_checks.judge.measure import component_errors, error_history, error_of, unjudged
+from cross_checks.judge.measure import component_errors, error_of, unjudged
 from cross_checks.judge.one_run import complete, judged_run, without_run
 from cross_checks.metrics.metric import Judged
 from cross_checks.records.naming import run_name, truth_name
@@ -104,7 +104,7 @@ def against(scene: Scene, run: Run, truth: Truth | NoTruth) -> Record:
         return replace(record, notes=(*record.notes, *told))
     judged = Judged(scene, path, truth)
     error, curve = error_of(judged)
-    history, figures = record.history | error_history(curve), component_errors(judged)
+    history, figures = record.history | ({} if curve is None else {"error": curve}), component_errors(judged)
     return replace(
         record, error=error, history=history, notes=(*record.notes, *unjudged(error)),
         measures=record.measures | figures["measures"], bounds=figures["bounds"],

@@ -43,20 +43,16 @@ def off_truth(scene: Scene, path: Trajectory) -> list[float] | None:
 
 def known_to(scene: Scene, truth: Truth) -> float:
     """Return how well poses of a truth are known, in the measure of the error: the worse of places and turns."""
-    return max(truth.uncertainty / scales_of(scene).length, _turn_uncertainty(scene, truth))
+    return float(np.max(_uncertainty(scene, truth, 1)[..., :2] / (scales_of(scene).length, 1.0)))
 
 
 def _uncertainty(scene: Scene, truth: Truth, n: int) -> np.ndarray:
-    """Return how well a truth is known at its first n samples (n, 1, 4): m, rad, m/s, rad/s."""
-    doubt = np.full((n, 1, 4), np.inf)
-    doubt[..., :2] = truth.uncertainty, _turn_uncertainty(scene, truth)
-    if truth.rate_uncertainty is not None:
-        doubt[..., 2:] = truth.rate_uncertainty[:n, None, None]
-    return doubt
+    """Return how well a truth is known at its first n samples (n, 1, 4): m, rad, m/s, rad/s.
 
-
-def _turn_uncertainty(scene: Scene, truth: Truth) -> float:
-    """Return how well orientations are known, rad: by default `uncertainty` at the least radius of gyration."""
+    Unless given, that of orientations is the angle of its `uncertainty` at the least radius of gyration.
+    """
     length = scales_of(scene).length
     arm = min((body.gyration_radius for body in scene.bodies if body.gyration_radius > 0.0), default=length)
-    return truth.uncertainty / arm if truth.turn_uncertainty is None else truth.turn_uncertainty
+    turn = truth.uncertainty / arm if truth.turn_uncertainty is None else truth.turn_uncertainty
+    rate = np.inf if truth.rate_uncertainty is None else truth.rate_uncertainty[:n]
+    return np.stack(np.broadcast_arrays(truth.uncertainty, turn, rate, rate), axis=-1).reshape(-1, 1, 4)

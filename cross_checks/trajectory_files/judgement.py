@@ -117,14 +117,15 @@ def as_truth(scene: Scene, first: Told, second: Told, name: str) -> tuple[Told, 
     common = np.abs(second.path.times[at] - first.path.times) <= near
     if np.count_nonzero(common & (first.path.times > 0.0)) == 0:
         raise FileError(f"{name}: no sample after the start is at a time that the first file has")
-    ours, theirs = _at(first.path, np.flatnonzero(common)), _at(second.path, at[common])
+    ours, theirs = samples_at(first.path, np.flatnonzero(common)), samples_at(second.path, at[common])
     how = f"{name}, at the {len(ours.times)} times that both files have"
     truth = Truth(theirs.position, theirs.orientation, 0.0, "published", how, velocity=theirs.velocity,
                   angular_velocity=theirs.angular_velocity, rate_uncertainty=np.zeros(len(ours.times)))  # fmt: skip
     return Told(ours, (*first.untold, *(f"{sentence} ({name})" for sentence in second.untold))), truth
 
 
-def _at(path: Trajectory, rows: np.ndarray) -> Trajectory:
+def samples_at(path: Trajectory, rows: np.ndarray) -> Trajectory:
+    """Return the samples of a motion at some places (n,)."""
     return Trajectory(
         path.times[rows], path.position[rows], path.orientation[rows], path.velocity[rows], path.angular_velocity[rows]
     )

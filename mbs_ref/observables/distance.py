@@ -7,6 +7,7 @@ metres by L, m/s by L/T and rad/s by 1/T; radians stay as they are.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import NamedTuple, Protocol
 
 import numpy as np
@@ -62,10 +63,10 @@ def unmasked_distances(first: Motion, second: Motion, in_space: bool | None) -> 
     """
     with np.errstate(all="ignore"):  # overflow is infinitely far
         return np.stack(np.broadcast_arrays(
-            _size(_difference(first.position, second.position, True), True),
+            _size(_between(first.position, second.position, True), True),
             _size(turn_between(first.orientation, second.orientation, in_space), in_space),
-            _size(_difference(first.velocity, second.velocity, True), True),
-            _size(_difference(first.angular_velocity, second.angular_velocity, in_space), in_space),
+            _size(_between(first.velocity, second.velocity, True), True),
+            _size(_between(first.angular_velocity, second.angular_velocity, in_space), in_space),
         ), axis=-1)  # fmt: skip
 
 
@@ -124,29 +125,22 @@ def coordinate_size(scales: Scales, position: np.ndarray) -> float:
 def turn_between(first: np.ndarray | None, second: np.ndarray | None, in_space: bool | None) -> np.ndarray | None:
     """Return the turn (rad) from the second to the first orientation over their common samples, None where unknown.
 
-    The shape is (..., n_t, n_bodies), in (-pi, pi], or (..., n_t, n_bodies, 3) in space: rotation vectors, world axes.
+    The shape is (..., n_t, n_bodies), in [-pi, pi), or (..., n_t, n_bodies, 3) in space: rotation vectors, world axes.
     """
-    if not in_space:
-        turn = _difference(first, second, in_space)
-        return None if turn is None else np.remainder(turn + np.pi, 2.0 * np.pi) - np.pi
-    both = _common(first, second, in_space)
-    return None if both is None else rotation_vector(product(both[0], conjugate(both[1])))
+    if in_space:
+        return _between(first, second, in_space, lambda p, q: rotation_vector(product(p, conjugate(q))))
+    return _between(first, second, in_space, lambda a, b: np.remainder(a - b + np.pi, 2.0 * np.pi) - np.pi)
 
 
-def _difference(first: np.ndarray | None, second: np.ndarray | None, of_vectors: bool | None) -> np.ndarray | None:
-    both = _common(first, second, of_vectors)
-    return None if both is None else both[0] - both[1]
-
-
-def _common(
-    first: np.ndarray | None, second: np.ndarray | None, of_vectors: bool | None
-) -> tuple[np.ndarray, np.ndarray] | None:
-    """Return both over their common samples; None where one is unknown, as the Euler parameters of particles."""
+def _between(
+    first: np.ndarray | None, second: np.ndarray | None, of_vectors: bool | None, minus: Callable = np.subtract
+) -> np.ndarray | None:
+    """Return the difference over the common samples; None where one is unknown or lacks Euler parameters."""
     if first is None or second is None or of_vectors is None or first.ndim != second.ndim:
         return None
     rest = (slice(None),) * (2 if of_vectors else 1)
     n = min(part.shape[-1 - len(rest)] for part in (first, second))
-    return first[(..., slice(n), *rest)], second[(..., slice(n), *rest)]
+    return minus(first[(..., slice(n), *rest)], second[(..., slice(n), *rest)])
 
 
 def _size(difference: np.ndarray | None, of_vectors: bool | None) -> np.ndarray | float:

@@ -7,10 +7,10 @@ from dataclasses import replace
 
 import numpy as np
 
+from cross_checks.trajectory_files.judgement import samples_at
 from cross_checks.trajectory_files.mistakes.case import Case
 from cross_checks.truth import NoTruth
 from mbs_ref.observables.distance import turn_between
-from mbs_ref.trajectory import Trajectory
 
 FITS = 8  # corrections by Gauss and Newton; each squares what is left
 
@@ -30,7 +30,7 @@ def lag(case: Case) -> Iterator[tuple[str, Case]]:
         truth = case.truth_at(moved[rows])
         if isinstance(truth, NoTruth):
             return
-        now = replace(case, path=_rows(case.path, rows, moved[rows]), truth=truth)
+        now = replace(case, path=replace(samples_at(case.path, rows), times=moved[rows]), truth=truth)
     if late:
         word = "late" if late > 0.0 else "early"
         yield f"samples are {word} by {abs(late):.4g} s (they tell the state of another time)", now
@@ -51,9 +51,3 @@ def _lateness(case: Case) -> float | None:
     known = np.isfinite(gap) & np.isfinite(rate)
     square = float(np.sum(rate[known] ** 2))
     return -float(np.sum(gap[known] * rate[known])) / square if square > 0.0 else None
-
-
-def _rows(path: Trajectory, rows: np.ndarray, times: np.ndarray) -> Trajectory:
-    return Trajectory(
-        times, path.position[rows], path.orientation[rows], path.velocity[rows], path.angular_velocity[rows]
-    )

@@ -150,8 +150,7 @@ def _show_error(record: Record, notes: tuple[str, ...]) -> None:
 
 def _add_figures(facts: Table, record: Record, listed: Iterable[Metric]) -> None:
     for metric in listed:
-        figure = amount(record.measure(metric.name), metric.unit, record.bounds.get(metric.name))
-        if figure:
+        if figure := amount(record.measure(metric.name), metric.unit, record.bounds.get(metric.name)):
             facts.add_row(metric.label, figure)
 
 
