@@ -83,8 +83,3 @@ def rotation_vector(theta) -> np.ndarray:
     sine = np.linalg.norm(theta[..., 1:], axis=-1, keepdims=True)
     angle = 2.0 * np.arctan2(sine, theta[..., :1])
     return theta[..., 1:] * np.where(sine > 0.0, angle / np.where(sine > 0.0, sine, 1.0), 2.0)
-
-
-def geodesic_angle(first, second) -> np.ndarray:
-    """Return the angle (...), rad in [0, pi], of the turn between two orientations; signs of theta are no matter."""
-    return np.linalg.norm(rotation_vector(product(first, conjugate(second))), axis=-1)

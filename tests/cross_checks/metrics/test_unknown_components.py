@@ -103,5 +103,5 @@ def test_json_has_null_and_the_bound(tmp_path):
     orbit = json.loads(CliRunner().invoke(main, ["simulate", "kepler", *store]).stdout)
     assert orbit["measures"]["orientation_error"] is orbit["measures"]["angular_velocity_error"] is None
     assert not orbit["bounds"].keys() & {"orientation_error", "angular_velocity_error"}
-    told = CliRunner().invoke(main, ["simulate", "torque_free_top", "-p", "turns=100", "--rtol", "1e-12", *store[:2]])
-    assert f"below {record['bounds']['angular_velocity_error']:.3g} rad/s" in told.output
+    text = CliRunner().invoke(main, ["simulate", "torque_free_top", "-p", "turns=100", "--rtol", "1e-12", *store[:2]])
+    assert f"below {record['bounds']['angular_velocity_error']:.3g} rad/s" in text.output
