@@ -19,13 +19,11 @@ from cross_checks.records import lines
 from cross_checks.records.naming import code_of
 from cross_checks.truth import MARGIN
 from mbs_ref import scenes
-from mbs_ref.cores.system import Poses
 from mbs_ref.integrators import integrators
+from mbs_ref.observables.distance import largest, relative
 from mbs_ref.run.plan import make_plan
 from mbs_ref.scene import Scene
-from mbs_ref.scene.scales import scales_of
 from mbs_ref.scene.units import free_fall_time, tolerance_unit
-from mbs_ref.self_checks.state_gap import state_gaps
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
 from mbs_ref.trajectory import Trajectory
@@ -169,8 +167,7 @@ def _truth(scene: Scene, times: np.ndarray) -> tuple[Trajectory, float] | None:
 
 
 def _gap(scene: Scene, first: Trajectory, second: Trajectory) -> float:
-    one, other = (Poses.of(path) for path in (first, second))
-    return float(min(np.max(state_gaps(scene, scales_of(scene), one, other)), 1e300))
+    return float(min(largest(relative(scene, first, second, np.inf)), 1e300))
 
 
 def table(found: Iterable[Trial]) -> list[dict[str, Any]]:

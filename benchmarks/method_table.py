@@ -17,12 +17,10 @@ import numpy as np
 
 from mbs_ref import scenes
 from mbs_ref.cores.choice import core_name
-from mbs_ref.cores.system import Poses
 from mbs_ref.integrators import DEFAULT, integrators
+from mbs_ref.observables.distance import largest, relative
 from mbs_ref.run.method_choice import AUTO
 from mbs_ref.scene import Scene
-from mbs_ref.scene.scales import scales_of
-from mbs_ref.self_checks.state_gap import state_gaps
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
 from mbs_ref.trajectory import Trajectory
@@ -104,10 +102,7 @@ def _in_turns(scene: Scene, *choices: tuple[str, float]) -> list[float]:
 
 
 def _error(scene: Scene, path: Trajectory, tight: Trajectory) -> float:
-    count = min(len(path.times), len(tight.times))
-    poses = [Poses(*(part[:count] for part in Poses.of(one))) for one in (path, tight)]
-    gaps = state_gaps(scene, scales_of(scene), *poses)
-    return float(np.max(gaps[:, :2])) if path.ok else np.inf
+    return float(largest(relative(scene, path, tight)[:, :2])) if path.ok else np.inf
 
 
 def main(names: list[str]) -> None:

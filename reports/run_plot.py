@@ -17,8 +17,8 @@ def run_plot(scene: Scene, path: Trajectory, record: Record) -> str:
     body = scene.body_names[-1]
     places = {f"{AXES[k]} of {body}": (path.times, path.position[:, -1, k]) for k in range(path.position.shape[2])}
     plots = [text_plot(places, "t, s", "position, m")]
-    error = record.history.get("error", [])
-    if error:
+    error = np.array(record.history.get("error", []), dtype=float)
+    if len(error):
         over_time = {"error": (path.times[1 : len(error)], error[1:])}  # which begins at 0 by construction
         plots.append(text_plot(over_time, "t, s", "error over the scene's scales", log_y=True))
     return "\n\n".join(plot for plot in plots if plot)

@@ -18,6 +18,7 @@ from cross_checks.engines.mujoco_.run import rolled_out
 from cross_checks.workshop.plan import Plan, plan_run
 from mbs_ref import scenes
 from mbs_ref.cores.system import Poses
+from mbs_ref.observables.distance import Partial, farthest
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate, simulate_starts
 from mbs_ref.trajectory import Trajectory
@@ -94,7 +95,7 @@ def test_batch_against_rollout(benchmark, times, starts, lanes):
 def _coarsest_of_ours(starts: Poses, truth: np.ndarray, lanes: bool) -> Settings:
     for rtol in (1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9):
         settings = LEAN.model_copy(update={"rtol": rtol})
-        if np.max(np.abs(_ends(_batch(starts, settings, lanes)) - truth)) <= ERROR:
+        if farthest(SCENE, Partial(_ends(_batch(starts, settings, lanes))), Partial(truth))[0] <= ERROR:
             return settings
     raise AssertionError("no tolerance reaches it")
 
@@ -108,7 +109,7 @@ def _coarsest_of_theirs(times: np.ndarray, truth: np.ndarray) -> tuple[float, Ca
         plan, built = _planned(engine, DURATION / steps, np.array([0.0, DURATION]))
         after = rolled_out(built.model, states, steps, THREADS)
         ends = engine.poses(built, replace(plan, times=np.zeros(STARTS)), after)[0]
-        if np.max(np.abs(ends - truth)) <= ERROR:
+        if farthest(SCENE, Partial(ends), Partial(truth))[0] <= ERROR:
             return DURATION / steps, partial(rolled_out, built.model, states, steps, THREADS)
     raise AssertionError("no step reaches it")
 

@@ -17,6 +17,7 @@ from cross_checks import engines
 from cross_checks.engine import Method
 from mbs_ref import scenes
 from mbs_ref.cores.relative.layout import no_tree
+from mbs_ref.observables.distance import Partial, farthest
 from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings
 
@@ -59,7 +60,7 @@ def cheapest(engine: str, scene: Scene, choices: list[Settings], truth: np.ndarr
     """Return a run at the coarsest setting that reaches the error, or None."""
     for chosen in choices:
         end, seconds = loop(engine, scene, chosen)
-        if end is not None and np.linalg.norm(end - truth, axis=1).max() <= ERROR:
+        if end is not None and farthest(scene, Partial(end[None]), Partial(truth[None]))[0] <= ERROR:
             return lambda chosen=chosen: loop(engine, scene, chosen)[1]
         if seconds > TOO_LONG:
             return None

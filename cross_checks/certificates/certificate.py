@@ -23,6 +23,7 @@ from cross_checks.truth import MARGIN, NoTruth, Truth
 from cross_checks.truths import seek_truth
 from mbs_ref import scenes
 from mbs_ref.atomic_file import write_atomic
+from mbs_ref.observables.distance import Partial, unmasked_distances
 from mbs_ref.scene import Scene
 
 FOLDER = Path(__file__).parent / "kept"
@@ -97,7 +98,7 @@ def _confirmation(scene: Scene) -> tuple[str, float | None]:
     by = f"{solver.name} {fit[0].name} {ladder.label(finest)}"
     if record.error is None:
         return f"{by} does not finish: {record.message}", None
-    return by, record.measure("position_error")
+    return by, record.at_most("position_error")
 
 
 def _end(scene: Scene, truth: Truth) -> dict[str, list[float | None]]:
@@ -118,7 +119,7 @@ def departure(stored: Certificate, fresh: Certificate) -> float:
     """Return how far (m) the ends of two certificates of one truth are apart; ValueError where they are of two."""
     if (stored.scene, stored.parameters, stored.t_end) != (fresh.scene, fresh.parameters, fresh.t_end):
         raise ValueError(f"{file_name(stored)} and {file_name(fresh)} certify different truths")
-    return float(np.max(np.linalg.norm(_places(stored) - _places(fresh), axis=1)))
+    return float(unmasked_distances(_end_of(stored), _end_of(fresh), None)[..., 0].max())
 
 
 def holds(stored: Certificate, fresh: Certificate) -> bool:
@@ -126,8 +127,8 @@ def holds(stored: Certificate, fresh: Certificate) -> bool:
     return departure(stored, fresh) <= stored.uncertainty + fresh.uncertainty
 
 
-def _places(certificate: Certificate) -> np.ndarray:
-    return np.array([[0.0 if x is None else x for x in place] for place in certificate.end.values()])
+def _end_of(certificate: Certificate) -> Partial:
+    return Partial(np.array([[[0.0 if x is None else x for x in place] for place in certificate.end.values()]]))
 
 
 def file_name(certificate: Certificate | Scene) -> str:

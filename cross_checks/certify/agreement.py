@@ -12,7 +12,7 @@ from cross_checks.certify.numerics.extrapolation import extrapolate
 from cross_checks.certify.numerics.rates import along
 from cross_checks.certify.numerics.runge_kutta import runge_kutta
 from cross_checks.truth import Truth
-from mbs_ref.scene.euler_parameters import geodesic_angle
+from mbs_ref.observables.distance import Partial, unmasked_distances
 
 NUDGE = 1e-10  # of the start, to measure how the motion magnifies an error
 LARGEST_UNCERTAINTY = 1e-8  # m; a truth known less well ranks nobody, and is not worth its computation
@@ -97,7 +97,8 @@ def agree(
     difference = _gap(fine, coarse)
     uncertainty = difference + DOUBLE_EPS * max(1.0, sensitivity)
     best = _rates(second, grid, solved)
-    doubt = best[2] + _largest_gap(best[:2], rates[:2]) + DOUBLE_EPS * max(1.0, sensitivity)
+    apart = unmasked_distances(Partial(None, None, *best[:2]), Partial(None, None, *rates[:2]), best[1].ndim == 3)
+    doubt = best[2] + apart[..., 2:].max(axis=(1, 2)) + DOUBLE_EPS * max(1.0, sensitivity)
     given = (best[0][asked], best[1][asked], doubt[asked])
     return Agreement(fine[0][asked], fine[1][asked], difference, sensitivity, uncertainty, *given)
 
@@ -129,18 +130,10 @@ def _rates(
     return tuple(np.array(part) for part in zip(*rates, strict=True))  # type: ignore[return-value]
 
 
-def _largest_gap(first: tuple[np.ndarray, np.ndarray], second: tuple[np.ndarray, np.ndarray]) -> np.ndarray:
-    """Return the largest difference of any component at each time (n_t,)."""
-    gaps = [np.abs(a - b).reshape(len(a), -1).max(axis=1) for a, b in zip(first, second, strict=True)]
-    return np.maximum(*gaps)
-
-
 def _gap(first: tuple[np.ndarray, np.ndarray], second: tuple[np.ndarray, np.ndarray]) -> float:
     """Return the largest distance between centres, and in space between points ARM away from them."""
-    gap = float(np.max(np.abs(first[0] - second[0])))
-    if first[1].ndim == 2:
-        return gap
-    return max(gap, ARM * float(np.max(geodesic_angle(first[1], second[1]))))
+    sizes = unmasked_distances(Partial(*first), Partial(*second), first[1].ndim == 3)
+    return float(np.max(sizes[..., :2] * ((1.0, ARM) if first[1].ndim == 3 else (1.0, 0.0))))
 
 
 def _sensitivity(formulation: Formulation, times: np.ndarray, poses: tuple, tolerance: float) -> float:

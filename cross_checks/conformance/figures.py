@@ -9,6 +9,7 @@ import numpy as np
 from cross_checks.conformance.questions import Asked
 from cross_checks.truth import Truth
 from mbs_ref.observables import constraint_residual, energy_balance, kinetic_energy
+from mbs_ref.observables.distance import farthest
 from mbs_ref.scene import PlanarBody, Scene, SpatialBody
 from mbs_ref.scene.euler_parameters import rotation_matrices
 from mbs_ref.trajectory import Trajectory
@@ -39,13 +40,9 @@ def axes(scene: Scene, orientation: np.ndarray) -> np.ndarray:
 
 
 def apart(question: Asked, one: Trajectory, other: Trajectory | Truth) -> float:
-    """Return how far two motions are apart: places over the scene's size, entries of rotation matrices (about rad)."""
-    places = float(np.abs(one.position - other.position).max()) / size(question)
-    bodies = turning(question.scene)
-    if not bodies.any():
-        return places
-    turned, beside = (axes(question.scene, motion.orientation)[:, bodies] for motion in (one, other))
-    return max(places, float(np.abs(turned - beside).max()))
+    """Return how far two motions are apart: the larger of positions over the scene's size and of orientations, rad."""
+    place, turn, *_ = farthest(question.scene, one, other)
+    return float(np.fmax(place / size(question), turn))
 
 
 def slope_mismatch(scene: Scene, path: Trajectory, roundoff: float) -> tuple[float, float]:

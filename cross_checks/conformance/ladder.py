@@ -12,14 +12,17 @@ from cross_checks.conformance import figures
 from cross_checks.conformance.apart import called
 from cross_checks.conformance.finding import Finding, Row, verdict
 from cross_checks.conformance.questions import Asked, rungs
+from cross_checks.convergence.ladder import Ladder
+from cross_checks.convergence.model import Posterior, posterior
 from cross_checks.engine import Engine
-from cross_checks.metrics.observed_order import ASYMPTOTIC, observed_order
 from cross_checks.workshop.method import Method
 from mbs_ref.settings import Settings
 from mbs_ref.trajectory import Trajectory
 
 ORDER_OFF = 0.35  # how far an observed order may be from the documented one
-MORE = 7  # halvings of the finest step where its error is not ASYMPTOTIC
+MORE = 7  # halvings of the finest step while its error is as large as the motion
+RESOLVED = 0.1  # of the scene's size: a larger error shows no order
+LIKELY = 0.5  # odds from which a failure to converge to the truth is a finding
 GOOD = 1e-8  # of the scene's size: an error that need not shrink any more
 AT_START = 1e-9  # of the scene's size and speed: how exactly the first sample is the scene's initial state ...
 READ = 10  # ... or this many roundings, as reading a pose in single precision takes
@@ -52,13 +55,14 @@ def climb(engine: Engine, method: Method, question: Asked) -> tuple[list[Finding
     runs = [timed(engine, question, settings) for settings in asked]
     runs += _refined(engine, method, question, runs)
     good = [run for run in runs if run.path.ok]
-    row = _row(method, question, good)
+    shown = _shown(method, question, good)
+    row = _row(method, question, good, shown)
     if len(good) < 2:
         said = "; ".join(f"{run.setting}: {run.path.message}" for run in runs if not run.path.ok)
         seen, excuse = f"fewer than two runs end: {said}", method.excused(question.scene) or ALOUD
         return [verdict("runs", method.name, question.scene.name, seen, excuse=excuse)], row
     findings = [verdict("runs", method.name, question.scene.name, "")]
-    findings += list(_always(engine, method, question, good)) + list(_excusable(method, question, good, row))
+    findings += list(_always(engine, method, question, good)) + list(_excusable(method, question, good, shown))
     if question.is_smooth or method.kind == "fixed" or method.locates_events:  # else it may step over a contact
         findings.append(_same_end(engine, method, question, good[-1]))
     return findings, row
@@ -72,7 +76,7 @@ def _refined(engine: Engine, method: Method, question: Asked, runs: list[Run]) -
     """
     *_, before, last = runs
     for left in range(MORE, 0, -1):
-        if method.kind != "fixed" or not question.is_smooth or not last.path.ok or last.error < ASYMPTOTIC:
+        if method.kind != "fixed" or not question.is_smooth or not last.path.ok or last.error < RESOLVED:
             return
         if math.isfinite(before.error) and left * figures.apart(question, before.path, last.path) < last.error:
             return
@@ -92,17 +96,29 @@ def timed(engine: Engine, question: Asked, settings: Settings, times: np.ndarray
     return Run(settings, path, wall, cpu, figures.apart(question, path, question.truth))
 
 
-def _row(method: Method, question: Asked, good: list[Run]) -> Row:
+def _row(method: Method, question: Asked, good: list[Run], shown: Posterior | None) -> Row:
     best = min(good, key=lambda run: run.error, default=None)
-    order = _observed(method, question, good) if method.kind == "fixed" and question.is_smooth else None
+    is_steady = method.kind == "fixed" and question.is_smooth and shown is not None
     error, loop = (best.error, best.path.timing.loop_s) if best else (None, None)
-    return Row(method.name, question.scene.name, order, method.order, error, loop)
+    return Row(method.name, question.scene.name, shown.observed_order if is_steady else None, method.order, error, loop)
 
 
-def _observed(method: Method, question: Asked, good: list[Run]) -> float | None:
-    known = question.truth.uncertainty / figures.size(question)
-    rounding = [method.rounding(run.path.steps) for run in good]
-    return observed_order([run.settings.step or 0.0 for run in good], [run.error for run in good], known, rounding)
+def _shown(method: Method, question: Asked, good: list[Run]) -> Posterior | None:
+    """Return what the runs show of convergence; None where none has an error."""
+    known = [run for run in good if math.isfinite(run.error)]
+    if not known:
+        return None
+    knobs = np.array([run.settings.step or run.settings.rtol or math.nan for run in known])
+    gaps = np.array([[figures.apart(question, one.path, other.path) for other in known] for one in known])
+    is_first = not method.locates_events and not question.is_smooth
+    order = float(method.order or 1) if method.kind == "fixed" else (method.order or 5) / method.local_order
+    errors = np.array([run.error for run in known])
+    return posterior(Ladder(
+        knobs, errors, gaps, np.array([run.path.steps for run in known]),
+        np.array([method.rounding(run.path.steps) for run in known]), method.kind, min(order, 1.0) if is_first else order,
+        reference=float(knobs[0]), typical=float(np.log10(max(errors[0], 1e-16))),
+        uncertainty=question.truth.uncertainty / figures.size(question),
+    ))  # fmt: skip
 
 
 def _always(engine: Engine, method: Method, question: Asked, good: list[Run]) -> Iterator[Finding]:
@@ -114,18 +130,32 @@ def _always(engine: Engine, method: Method, question: Asked, good: list[Run]) ->
     yield verdict("clock", name, scene, _wrong_clock(good) or _untold_work(engine, question, good))
 
 
-def _excusable(method: Method, question: Asked, good: list[Run], row: Row) -> Iterator[Finding]:
+def _excusable(method: Method, question: Asked, good: list[Run], shown: Posterior | None) -> Iterator[Finding]:
     """Yield what a method may fail where it declares a weakness: accuracy, energy, joints."""
     name, scene, excuse = method.name, question.scene.name, method.excused(question.scene)
     enough = max(GOOD, method.rounding(good[-1].path.steps))
     floor = max(enough, 100.0 * question.truth.uncertainty / figures.size(question))
-    seen, steady = f"error {row.error:.1e}", question.is_smooth and method.order is not None
-    wrong = _unshrunk(steady, [run.error for run in good], floor, "errors")
-    yield verdict("truth", name, scene, wrong, seen=seen, excuse=excuse)
+    steady = question.is_smooth and method.order is not None
+    seen = f"error {min(run.error for run in good):.1e}"
+    yield verdict("truth", name, scene, _off_truth(good, shown, floor), seen=seen, excuse=excuse)
     energy = [figures.energy_miss(question.scene, run.path) for run in good]
     yield verdict("energy", name, scene, _unshrunk(steady, energy, enough, "energy is lost or won:"), excuse=excuse)
     gaps = [figures.joint_gap(question, run.path) for run in good]
     yield verdict("joints", name, scene, _unshrunk(steady, gaps, enough, "joints open by"), excuse=excuse)
+
+
+def _off_truth(good: list[Run], shown: Posterior | None, floor: float) -> str:
+    """Return a sentence where the runs are likely not to converge to the truth, and their error is not small."""
+    error = good[-1].error
+    if shown is None or error <= floor:
+        return ""
+    limit = shown.odds_of_limit(max(floor, 0.3 * error))
+    fails = shown.odds_of_stall(max(floor, 0.3 * error)) + shown.weights["lost"]
+    if limit + fails < LIKELY:
+        return ""
+    what = "converge to another limit" if limit > fails else "do not fall"
+    errors = " ".join(f"{run.error:.1e}" for run in good)
+    return f"errors {errors}, coarse to fine, {what}, with odds of {limit + fails:.2g}"
 
 
 def _unshrunk(steady: bool, sizes: list[float | None], floor: float, what: str) -> str:

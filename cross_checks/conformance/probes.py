@@ -17,6 +17,7 @@ from scipy.integrate import solve_ivp
 
 from cross_checks.mechanisms.dense_oracle import Moment, augmented, consistent
 from cross_checks.truth import Truth
+from mbs_ref.observables.distance import Partial, farthest
 from mbs_ref.scene import (
     GROUND,
     Bushing,
@@ -191,7 +192,7 @@ def _scene(kind: str, bodies: tuple[Any, ...], joints: tuple[Any, ...], loads: t
 def probe_truth(scene: Scene, times: np.ndarray) -> Truth:
     """Return the truth of a probe at the times (s)."""
     rough, fine = (_motion(scene, times, rtol) for rtol in TOLERANCES)
-    apart = max(float(np.abs(one - other).max()) for one, other in zip(rough, fine, strict=True))
+    apart = float(np.nanmax(farthest(scene, Partial(*rough), Partial(*fine))))
     how = f"the dense oracle at {TOLERANCES[1]:g}, from which {TOLERANCES[0]:g} differs by {apart:.1e}"
     position, orientation, _ = fine
     return Truth(position, orientation, apart, "converged", how)

@@ -8,9 +8,9 @@ import numpy as np
 
 from cross_checks.extremes.extreme import Measure
 from cross_checks.metrics.compliance import compliance
-from cross_checks.metrics.state_error import from_truth
 from cross_checks.truth import NoTruth, Truth
 from mbs_ref import observables
+from mbs_ref.observables.distance import Partial, farthest, largest, point_distances
 from mbs_ref.scene import Scene
 from mbs_ref.trajectory import Trajectory
 
@@ -21,8 +21,8 @@ def positions(exact: Positions, size: float = 1.0) -> Measure:
     """Judge centres of mass by their exact places; `size` of the motion in m."""
 
     def measure(scene: Scene, path: Trajectory) -> float:
-        distance = np.linalg.norm(path.position - exact(path.times), axis=2)
-        return float(np.max(distance)) / size
+        # sizes whose squares overflow are scaled first
+        return farthest(scene, Partial(path.position / size), Partial(exact(path.times) / size))[0]
 
     return measure
 
@@ -34,23 +34,17 @@ def truth(solve: Callable[[Scene, np.ndarray], Truth | NoTruth], size: float | N
         truth = solve(scene, path.times)
         if not isinstance(truth, Truth):
             raise LookupError(f"{scene.name} has no truth here: {truth}")
-        sizes = from_truth(scene, path, truth).sizes
-        arm = max(body.gyration_radius for body in scene.bodies)
-        return float(np.max(np.maximum(sizes[:, 0], arm * sizes[:, 1]))) / (size or _farthest(truth))
+        start = Partial(np.broadcast_to(truth.position[:1], truth.position.shape))
+        return float(largest(point_distances(scene, path, truth)[..., 0])) / (size or farthest(scene, truth, start)[0])
 
     return measure
-
-
-def _farthest(truth: Truth) -> float:
-    """Return the greatest distance (m) of any body from its start: the size that a run's own estimate counts in."""
-    return float(np.max(np.linalg.norm(truth.position - truth.position[:1], axis=2)))
 
 
 def rates(exact: Positions, size: float) -> Measure:
     """Judge velocities; `size` in m/s."""
 
     def measure(scene: Scene, path: Trajectory) -> float:
-        return float(np.max(np.abs(path.velocity - exact(path.times)))) / size
+        return farthest(scene, path, Partial(velocity=exact(path.times)))[2] / size
 
     return measure
 

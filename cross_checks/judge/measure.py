@@ -11,11 +11,12 @@ from cross_checks.ephemerides.observed import Observed, Unobserved, observe
 from cross_checks.metrics.compliance import worst_joint
 from cross_checks.metrics.component_errors import METRICS
 from cross_checks.metrics.contact_figures import contact_figures
-from cross_checks.metrics.metric import Absent, Judged, largest
+from cross_checks.metrics.metric import Absent, Judged, figures
 from cross_checks.metrics.significant_figures import significant_figures
-from cross_checks.metrics.state_error import NAMES, known_to
+from cross_checks.metrics.state_error import known_to
 from cross_checks.records.record import Error
 from cross_checks.truth import Truth
+from mbs_ref.observables.distance import NAMES, largest, units_of
 from mbs_ref.scene import Scene
 from mbs_ref.trajectory import Trajectory
 
@@ -23,7 +24,7 @@ BROKEN = 1e-3  # m, rad: a joint this far open is named in the notes
 
 
 def measure(judged: Judged) -> dict[str, Any]:
-    """Return measures, error, curves, figures and notes of a run; None with a note for what is not defined."""
+    """Return measures, bounds, error, curves, figures and notes of a run; None with a note for what is not defined."""
     if not len(judged.path.times):
         return {"measures": dict.fromkeys(metrics.every()), "error": None, "notes": tuple(judged.path.notes)}
     with np.errstate(over="ignore", invalid="ignore"):  # a run that blew up may overflow here: not finite, so no figure
@@ -37,7 +38,7 @@ def _measured(judged: Judged) -> dict[str, Any]:
     error, history = error_of(judged)
     observed = observe(scene, float(path.times[-1]))
     return {
-        "measures": {name: largest(curve) for name, curve in curves.items()},
+        **figures(curves),
         "error": error,
         "notes": (*_notes(judged), *reasons, *unjudged(error), *_told(observed)),
         "figures": significant_figures(scene, path, observed) if isinstance(observed, Observed) else {},
@@ -47,34 +48,41 @@ def _measured(judged: Judged) -> dict[str, Any]:
     }
 
 
-def component_errors(judged: Judged) -> dict[str, float | None]:
-    """Return the components of the error, each in its own unit, by their metrics' names."""
-    return {metric.name: largest(metric.curve(judged)) for metric in METRICS}
+def component_errors(judged: Judged) -> dict[str, dict[str, Any]]:
+    """Return `measures` and `bounds` of the components of the error, each in its own unit."""
+    return figures({metric.name: metric.curve(judged) for metric in METRICS})
 
 
-def error_of(judged: Judged) -> tuple[Error | None, np.ndarray | None]:
-    """Return the error of a run and its curve over time (n_t,); None without a truth, or where it is not finite."""
-    apart, truth = judged.differences, judged.truth
-    if isinstance(apart, Absent) or not isinstance(truth, Truth):
+def error_of(judged: Judged) -> tuple[Error | None, list[float | None] | None]:
+    """Return the error of a run and its curve over time (n_t,), with None where the truth knows nothing.
+
+    None without a truth, and where the error is not finite.
+    """
+    errors, truth, scales = judged.errors, judged.truth, judged.scales
+    if isinstance(errors, Absent) or not isinstance(truth, Truth):
         return None, None
-    relative = apart.relative(judged.scales)
-    if not relative.size or not np.isfinite(relative).all():
+    relative = errors.counted / units_of(scales)
+    if not relative.size or not np.isfinite(value := float(largest(relative))):
         return None, None
-    sample, part = np.unravel_index(int(np.argmax(relative)), relative.shape)
-    body = judged.scene.body_names[int(apart.bodies[sample, part])]
-    told, curve = f"{truth.kind}: {truth.how}", np.max(relative, axis=1)
-    worst = f"{NAMES[part]} of {body} at t = {judged.path.times[sample]:.4g} s"
-    scales = judged.scales
-    known = known_to(judged.scene, truth)
-    return Error(float(curve.max()), told, known, float(curve[-1]), worst, scales.length, scales.time), curve
+    sample, body, part = np.unravel_index(int(np.nanargmax(relative)), relative.shape)
+    worst = f"{NAMES[part]} of {judged.scene.body_names[body]} at t = {judged.path.times[sample]:.4g} s"
+    known, told = known_to(judged.scene, truth), f"{truth.kind}: {truth.how}"
+    curve = gaps_as_none(largest(largest(relative, -1), -1))
+    return Error(value, told, known, curve[-1], worst, scales.length, scales.time), curve
 
 
-def _history(path: Trajectory, curves: dict[str, Any], error: np.ndarray | None) -> dict[str, list[float]]:
+def gaps_as_none(curve: np.ndarray) -> list[float | None]:
+    """Return a curve (n,) as a list, with None where it is unknown."""
+    return [float(value) if np.isfinite(value) else None for value in curve]
+
+
+def _history(path: Trajectory, curves: dict[str, Any], error: list | None) -> dict[str, list[float | None]]:
     plotted = {name: curve for name, curve in curves.items() if metrics.every()[name].plotted}
     estimate = None if path.estimate is None else path.estimate.over_time
-    every = {"t": path.times, "error": error, "estimate": estimate, **plotted}
+    every = {"t": path.times, "estimate": estimate, **plotted}
     known = {name: c for name, c in every.items() if isinstance(c, np.ndarray) and np.isfinite(c).all()}
-    return {name: curve.tolist() for name, curve in known.items()}
+    listed = {name: curve.tolist() for name, curve in known.items()}
+    return listed if error is None else listed | {"error": error}
 
 
 def _declared_events(scene: Scene, path: Trajectory) -> dict[str, list[float]]:

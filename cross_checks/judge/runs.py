@@ -13,14 +13,13 @@ from cross_checks.judge.ladder import grid
 from cross_checks.judge.measure import component_errors, error_of, unjudged
 from cross_checks.judge.one_run import complete, judged_run, without_run
 from cross_checks.metrics.metric import Judged
-from cross_checks.metrics.state_error import differences
 from cross_checks.records.naming import run_name, truth_name
 from cross_checks.records.record import Record
 from cross_checks.records.store import Run, Store
 from cross_checks.truth import NoTruth, Truth
 from cross_checks.truths import seek_truth
+from mbs_ref.observables.distance import largest, relative
 from mbs_ref.scene import Scene
-from mbs_ref.scene.scales import scales_of
 from mbs_ref.settings import Settings
 from mbs_ref.trajectory import Trajectory
 
@@ -105,17 +104,19 @@ def against(scene: Scene, run: Run, truth: Truth | NoTruth) -> Record:
         return replace(record, notes=(*record.notes, *told))
     judged = Judged(scene, path, truth)
     error, curve = error_of(judged)
-    history = record.history if curve is None else record.history | {"error": curve.tolist()}
-    notes, measures = (*record.notes, *unjudged(error)), record.measures | component_errors(judged)
-    return replace(record, error=error, history=history, notes=notes, measures=measures)
+    history, figures = record.history | ({} if curve is None else {"error": curve}), component_errors(judged)
+    return replace(
+        record, error=error, history=history, notes=(*record.notes, *unjudged(error)),
+        measures=record.measures | figures["measures"], bounds=figures["bounds"],
+    )  # fmt: skip
 
 
 def gap(scene: Scene, first: Trajectory | None, second: Trajectory | None) -> float | None:
     """Return how far two runs are apart, in the measure of the error; None where one of them has no samples."""
     if first is None or second is None or not len(first.times) or not len(second.times):
         return None
-    largest = float(np.max(differences(scene, first, second).relative(scales_of(scene))))
-    return largest if np.isfinite(largest) else None
+    apart = float(largest(relative(scene, first, second)))
+    return apart if np.isfinite(apart) else None
 
 
 def _parts(truth: Truth | NoTruth) -> tuple[dict, dict[str, np.ndarray]]:

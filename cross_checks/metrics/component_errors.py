@@ -5,13 +5,17 @@ from __future__ import annotations
 import numpy as np
 
 from cross_checks.metrics.metric import Absent, Judged, Metric
-from cross_checks.metrics.state_error import NAMES, UNITS
+from mbs_ref.observables.distance import NAMES, UNITS, largest
 
 
 def _component(place: int):
     def curve(judged: Judged) -> np.ndarray | Absent:
-        differences = judged.differences
-        return Absent() if isinstance(differences, Absent) else differences.sizes[:, place]
+        errors = judged.errors
+        if isinstance(errors, Absent):
+            return Absent()
+        sizes, bound = errors.sizes[..., place], float(largest(errors.bounds[..., place]))
+        known = sizes[~np.isnan(sizes)]
+        return known if known.size else Absent(below=bound if np.isfinite(bound) else None)
 
     return curve
 

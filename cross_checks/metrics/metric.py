@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
-from cross_checks.metrics.state_error import Differences, from_truth
+from cross_checks.metrics.state_error import Errors, from_truth
 from cross_checks.truth import NoTruth, Truth
 from mbs_ref.scene import Scene
 from mbs_ref.scene.scales import Scales, scales_of
@@ -17,9 +18,10 @@ from mbs_ref.trajectory import Trajectory
 
 @dataclass(frozen=True)
 class Absent:
-    """Why a metric is not defined for a run."""
+    """Why a metric has no known figure for a run."""
 
-    reason: str = ""  # empty where nobody needs to be told
+    reason: str = ""  # empty where it needs no note
+    below: float | None = None  # what the figure is at most, where the truth does not know it better
 
 
 @dataclass(frozen=True)
@@ -36,7 +38,7 @@ class Judged:
         return scales_of(self.scene)
 
     @cached_property
-    def differences(self) -> Differences | Absent:
+    def errors(self) -> Errors | Absent:
         """How far the run is from the truth, component by component."""
         if isinstance(self.truth, NoTruth):
             return Absent(f"no error: {self.truth.reason}")
@@ -50,7 +52,7 @@ class Metric:
     name: str  # in records and CSV
     label: str  # over a column
     unit: str
-    curve: Callable[[Judged], np.ndarray | Absent]  # (n_t,) or (1,); the figure is its largest value
+    curve: Callable[[Judged], np.ndarray | Absent]  # (n,), one value a sample where plotted; the figure is the largest
     plotted: bool = False  # its curve is kept for the plots
 
 
@@ -60,3 +62,12 @@ def largest(curve: np.ndarray | Absent) -> float | None:
         return None
     value = float(np.max(curve))
     return value if np.isfinite(value) else None
+
+
+def figures(curves: dict[str, np.ndarray | Absent]) -> dict[str, dict[str, Any]]:
+    """Return `measures` and `bounds` of a record: every figure, and what unknown ones are at most."""
+    below = {name: curve.below for name, curve in curves.items() if isinstance(curve, Absent)}
+    return {
+        "measures": {name: largest(curve) for name, curve in curves.items()},
+        "bounds": {name: bound for name, bound in below.items() if bound is not None},
+    }

@@ -17,13 +17,14 @@ class Error:
     """Distance from the truth over the scene's own scales, and how well the truth is known in the same measure.
 
     The largest over components (position, orientation, velocity, angular velocity), bodies and times; see
-    cross_checks.metrics.state_error. Each component in its own unit is among the record's measures.
+    mbs_ref.observables.distance. Each component in its own unit is among the record's measures. Rates count where they
+    differ by MARGIN times what the truth knows; the uncertainty is that of poses.
     """
 
     value: float
     truth: str  # exact | published | converged | agreed, and where it comes from
     uncertainty: float  # of the truth
-    final: float  # at the last time alone
+    final: float | None  # at the last time alone; None where the truth knows nothing there
     worst: str = "position"  # the component that is largest, and of which body
     length: float = 1.0  # m, what a position counts in
     time: float = 1.0  # s
@@ -65,6 +66,7 @@ class Record:
     rhs_calls: int = 0
     final: dict[str, dict[str, Any]] = field(default_factory=dict)  # body -> position, angle or orientation, rates
     measures: dict[str, float | None] = field(default_factory=dict)  # by the name of a metric (cross_checks.metrics)
+    bounds: dict[str, float] = field(default_factory=dict)  # what unknown measures are at most, where that is known
     error: Error | None = None
     times: dict[str, float] = field(default_factory=dict)  # build_s, first_call_s, loop_s
     versions: dict[str, str] = field(default_factory=dict)
@@ -73,11 +75,16 @@ class Record:
     contact: dict[str, float] = field(default_factory=dict)  # restitution, ... by "contact: figure, unit"
     events: dict[str, list[float]] = field(default_factory=dict)  # declared event -> its times (s), where located
     estimate: dict[str, Any] | None = None  # of the error, by the run itself: value, unit, how, holds_until (s), ...
-    history: dict[str, list[float]] = field(default_factory=dict)  # t, error, estimate and the plotted metrics' curves
+    history: dict[str, list[float | None]] = field(default_factory=dict)  # t, error, estimate and the plotted metrics' curves
 
     def measure(self, name: str) -> float | None:
         """Return a metric's figure; None where it is not defined."""
         return self.measures.get(name)
+
+    def at_most(self, name: str) -> float | None:
+        """Return a metric's figure, or what it is at most where it is unknown; None where that is unknown, too."""
+        value = self.measure(name)
+        return self.bounds.get(name) if value is None else value
 
     def to_dict(self) -> dict[str, Any]:
         """Return plain data for JSON."""
@@ -92,5 +99,6 @@ class Record:
         return facts(f"{self.scene}: {self.engine} {self.method}", [
             ("settings", chosen), ("status", f"{self.status}: {self.message}" if self.message else self.status),
             ("error", off), ("truth", truth), ("loop, s", self.times.get("loop_s")),
-            *((name, value) for name, value in self.measures.items()), ("notes", "; ".join(self.notes)),
+            *self.measures.items(), *((name, f"below {bound:.2g}") for name, bound in self.bounds.items()),
+            ("notes", "; ".join(self.notes)),
         ])  # fmt: skip

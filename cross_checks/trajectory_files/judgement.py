@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import product
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from cross_checks import metrics
-from cross_checks.judge.measure import measure
+from cross_checks.judge.measure import gaps_as_none, measure
 from cross_checks.metrics.metric import Judged
-from cross_checks.metrics.state_error import NAMES, UNITS, from_truth, units_of
+from cross_checks.metrics.state_error import from_truth
 from cross_checks.records.record import Error
 from cross_checks.trajectory_files.columns import FileError
 from cross_checks.trajectory_files.told_motion import Told
 from cross_checks.truth import NoTruth, Truth
+from mbs_ref.observables.distance import NAMES, UNITS, largest, units_of
 from mbs_ref.scene import Scene
 from mbs_ref.scene.scales import scales_of
 from mbs_ref.trajectory import Trajectory
@@ -27,11 +30,12 @@ class Part(NamedTuple):
 
     body: str
     component: str
-    largest: float | None  # in `unit`; None where the file, or what it is held against, does not tell
     unit: str
-    relative: float | None  # over the scene's own scale
-    at: float | None  # s
-    final: float | None  # in `unit`, at the last sample
+    largest: float | None = None  # in `unit`; None where it is unknown
+    relative: float | None = None  # over the scene's own scale
+    at: float | None = None  # s
+    final: float | None = None  # in `unit`, at the last sample; None where it is unknown there
+    below: float | None = None  # in `unit`: what an unknown size is at most, where that is known
 
 
 @dataclass(frozen=True)
@@ -47,7 +51,7 @@ class Judgement:
     measures: dict[str, float | None]  # compliance, drifts: the file's own consistency
     untold: tuple[str, ...]
     notes: tuple[str, ...]
-    curves: dict[str, list[float]]  # t (s) and each component's error over time, of the scene
+    curves: dict[str, list[float | None]]  # t (s) and each component's error over time, of the scene
     suspicions: tuple[str, ...] = ()  # mistakes that would explain the error
 
     def to_dict(self) -> dict[str, Any]:
@@ -68,9 +72,9 @@ def judgement(scene: Scene, told: Told, truth: Truth | NoTruth, asked: float) ->
     )
 
 
-def _curves(scene: Scene, path: Trajectory, truth: Truth) -> dict[str, list[float]]:
-    relative = from_truth(scene, path, truth).relative(scales_of(scene))
-    return {"t": path.times.tolist(), **{name: relative[:, c].tolist() for c, name in enumerate(NAMES)}}
+def _curves(scene: Scene, path: Trajectory, truth: Truth) -> dict[str, list[float | None]]:
+    relative = largest(from_truth(scene, path, truth).counted, 1) / units_of(scales_of(scene))
+    return {"t": path.times.tolist(), **{name: gaps_as_none(relative[:, c]) for c, name in enumerate(NAMES)}}
 
 
 _ERRORS = frozenset({"position_error", "orientation_error", "velocity_error", "angular_velocity_error"})
@@ -89,26 +93,17 @@ def _verdict(error: Error | None, truth: Truth | NoTruth, asked: float) -> tuple
     return "departs", f"off by {error.value:.3g} of the scene in {error.worst}; asked was {asked:g}"
 
 
-def _parts(scene: Scene, path: Trajectory, truth: Truth):
-    units = units_of(scales_of(scene))
-    for k, body in enumerate(scene.bodies):
-        alone = scene.model_copy(update={"bodies": (body,)})
-        sizes = from_truth(alone, _only(path, k), _only(truth, k)).sizes
-        for c, name in enumerate(NAMES):
-            known = [getattr(motion, name.replace(" ", "_")) for motion in (path, truth)]
-            if any(values is None or np.isnan(values[:, k]).all() for values in known):
-                yield Part(body.name, name, None, UNITS[c], None, None, None)
-                continue
-            row = int(np.argmax(sizes[:, c]))
-            worst = float(sizes[row, c])
-            yield Part(body.name, name, worst, UNITS[c], worst / units[c], float(path.times[row]), float(sizes[-1, c]))
-
-
-def _only(motion: Any, k: int) -> Any:
-    """Return a motion of one body."""
-    rates = {name: getattr(motion, name) for name in ("velocity", "angular_velocity")}
-    cut = {name: None if values is None else values[:, k : k + 1] for name, values in rates.items()}
-    return replace(motion, position=motion.position[:, k : k + 1], orientation=motion.orientation[:, k : k + 1], **cut)
+def _parts(scene: Scene, path: Trajectory, truth: Truth) -> Iterator[Part]:
+    units, errors = units_of(scales_of(scene)), from_truth(scene, path, truth)
+    for (k, body), (c, name) in product(enumerate(scene.bodies), enumerate(NAMES)):
+        sizes, below = errors.sizes[:, k, c], largest(errors.bounds[:, k, c])
+        part = Part(body.name, name, UNITS[c])
+        if np.isnan(sizes).all():
+            yield part if np.isnan(below) else part._replace(below=float(below))
+            continue
+        row = int(np.nanargmax(sizes))
+        worst, final = float(sizes[row]), gaps_as_none(sizes)[-1]
+        yield part._replace(largest=worst, relative=worst / units[c], at=float(path.times[row]), final=final)
 
 
 def as_truth(scene: Scene, first: Told, second: Told, name: str) -> tuple[Told, Truth]:
@@ -122,14 +117,15 @@ def as_truth(scene: Scene, first: Told, second: Told, name: str) -> tuple[Told, 
     common = np.abs(second.path.times[at] - first.path.times) <= near
     if np.count_nonzero(common & (first.path.times > 0.0)) == 0:
         raise FileError(f"{name}: no sample after the start is at a time that the first file has")
-    ours, theirs = _at(first.path, np.flatnonzero(common)), _at(second.path, at[common])
+    ours, theirs = samples_at(first.path, np.flatnonzero(common)), samples_at(second.path, at[common])
     how = f"{name}, at the {len(ours.times)} times that both files have"
     truth = Truth(theirs.position, theirs.orientation, 0.0, "published", how, velocity=theirs.velocity,
                   angular_velocity=theirs.angular_velocity, rate_uncertainty=np.zeros(len(ours.times)))  # fmt: skip
     return Told(ours, (*first.untold, *(f"{sentence} ({name})" for sentence in second.untold))), truth
 
 
-def _at(path: Trajectory, rows: np.ndarray) -> Trajectory:
+def samples_at(path: Trajectory, rows: np.ndarray) -> Trajectory:
+    """Return the samples of a motion at some places (n,)."""
     return Trajectory(
         path.times[rows], path.position[rows], path.orientation[rows], path.velocity[rows], path.angular_velocity[rows]
     )

@@ -77,12 +77,9 @@ def parameter_matrix(theta) -> np.ndarray:
     return np.array([[-e1, e0, -e3, e2], [-e2, e3, e0, -e1], [-e3, -e2, e1, e0]])
 
 
-def geodesic_angle(first, second) -> np.ndarray:
-    """Return the angle (...), rad in [0, pi], of the turn between two orientations; signs of theta are no matter.
-
-    4 asin(|p - q| / 2) with the nearer sign: exact to rounding for small angles, where acos is not.
-    """
-    p, q = (np.asarray(x, dtype=float) for x in (first, second))
-    p, q = (x / np.linalg.norm(x, axis=-1, keepdims=True) for x in (p, q))
-    gap = np.minimum(np.linalg.norm(p - q, axis=-1), np.linalg.norm(p + q, axis=-1))
-    return 4.0 * np.arcsin(np.minimum(0.5 * gap, 1.0))
+def rotation_vector(theta) -> np.ndarray:
+    """Return the rotation vector (..., 3), rad, no longer than pi; theta need not have unit length, nor a sign."""
+    theta = np.where(floats(theta)[..., :1] < 0.0, -floats(theta), theta)
+    sine = np.linalg.norm(theta[..., 1:], axis=-1, keepdims=True)
+    angle = 2.0 * np.arctan2(sine, theta[..., :1])
+    return theta[..., 1:] * np.where(sine > 0.0, angle / np.where(sine > 0.0, sine, 1.0), 2.0)

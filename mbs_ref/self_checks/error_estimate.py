@@ -28,9 +28,9 @@ import numpy as np
 from mbs_ref.cores.system import Poses, System
 from mbs_ref.integrators import DEFAULT, integrators
 from mbs_ref.integrators.loop.leg import FEWEST, Options
+from mbs_ref.observables.distance import coordinate_size, motion_size, relative
 from mbs_ref.run.legs import EPS, Run, run_legs
 from mbs_ref.run.plan import ABSOLUTE, DEFAULT_TOLERANCE, Plan
-from mbs_ref.self_checks.state_gap import coordinate_size, state_gaps, state_sizes
 from mbs_ref.trajectory import Estimate, Status
 
 SAFETY = 3.0  # for two runs (P. J. Roache, J. Fluids Eng. 116 (1994) 405: the grid convergence index)
@@ -111,7 +111,7 @@ def estimated(
         return None
     opening, went = _opening(system, plan, run) if plan.options.step else (np.zeros(4), np.zeros(4))
     reached = max(len(one.bounds) for one in found)
-    scale = coordinate_size(scales, seen.path)
+    scale = coordinate_size(scales, seen.path.position)
     least = np.fmax(SAFETY * opening, _least(plan, run, found) * scale)
     bounds = SAFETY * _off_constraints(system, plan, seen) + least
     for one in found:
@@ -228,8 +228,14 @@ def _apart(system: System, times: np.ndarray, path: Poses, others: np.ndarray) -
     told = system.poses(others[here].reshape(-1, others.shape[-1]))
     first = Poses(*(part[here] for part in path))
     second = Poses(*(part.reshape(*lead, count, *part.shape[1:]) for part in told))
-    sizes = [state_sizes(system.scene, system.scales, one, times[:count]) for one in (first, second)]
-    return state_gaps(system.scene, system.scales, first, second), np.maximum(*sizes)
+    sizes = [motion_size(system.scene, system.scales, one, times[:count]) for one in (first, second)]
+    return _gaps(system, first, second), np.maximum(*sizes)
+
+
+def _gaps(system: System, first: Poses, second: Poses) -> np.ndarray:
+    """Return how far runs are apart (..., n, 4), infinite where not finite; particles' orientations add nothing."""
+    gaps = relative(system.scene, first, second, np.inf, system.scales)
+    return np.where(np.isnan(gaps), 0.0, gaps)
 
 
 def _off_constraints(system: System, plan: Plan, seen: _Seen) -> np.ndarray:
@@ -241,7 +247,7 @@ def _off_constraints(system: System, plan: Plan, seen: _Seen) -> np.ndarray:
     for t, y in zip(run.times, near, strict=True):
         other.set_mode_time(float(t))
         other.project(float(t), y, plan.options.projection_tolerance)
-    return state_gaps(system.scene, system.scales, seen.path, system.poses(near))
+    return _gaps(system, seen.path, system.poses(near))
 
 
 def _opening(system: System, plan: Plan, run: Run) -> tuple[np.ndarray, np.ndarray]:

@@ -9,6 +9,7 @@ import numpy as np
 from cross_checks.certificates import certificate
 from cross_checks.metrics.state_error import known_to
 from cross_checks.truth import MARGIN, NoTruth, Truth
+from mbs_ref.observables.distance import Partial, farthest
 from mbs_ref.scene import Scene
 from mbs_ref.scene.scales import scales_of
 
@@ -46,10 +47,6 @@ def truth_facts(label: str, scene: Scene, truth: Truth | NoTruth) -> TruthFacts:
 
 def _departure(scene: Scene, truth: Truth, end: dict[str, list[float | None]]) -> float | None:
     """Return the largest distance (m) between where the truth and its certificate end."""
-    apart = [
-        float(np.linalg.norm(truth.position[-1, scene.body_index(name)] - np.array(place, dtype=float)))
-        for name, place in end.items()
-        if None not in place
-    ]
-    finite = [distance for distance in apart if np.isfinite(distance)]
-    return max(finite, default=None)
+    places = np.array([[end[name] for name in scene.body_names]], dtype=float)
+    apart = farthest(scene, Partial(truth.position[-1:]), Partial(places))[0]
+    return apart if np.isfinite(apart) else None

@@ -59,6 +59,13 @@ def number(value: float | None) -> str:
     return "-" if value is None or not math.isfinite(value) else f"{value:.3g}"
 
 
+def amount(value: float | None, unit: str, below: float | None = None) -> str:
+    """Return a number with its unit; where it is unknown, what it is at most; empty where that is unknown, too."""
+    if value is None:
+        return "" if below is None else f"below {number(below)} {unit}"
+    return f"{number(value)} {unit}"
+
+
 @contextmanager
 def progress(title: str) -> Iterator[Report]:
     """Show a bar on stderr; where that is no terminal, a line every EVERY seconds."""

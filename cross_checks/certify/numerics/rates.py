@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from mbs_ref.scene.euler_parameters import conjugate, product
+from mbs_ref.scene.euler_parameters import conjugate, product, rotation_vector
 
 OFFSETS = np.arange(-3, 4)
 SIXTH = np.array([-1, 9, -45, 0, 45, -9, 1]) / 60.0  # f' of order 6 (Fornberg 1988, table 1)
@@ -77,8 +77,4 @@ def _turns(orientation: list[np.ndarray]) -> np.ndarray:
     values = np.array(orientation)
     if values.ndim == 2:
         return values
-    turn = product(values, conjugate(values[len(values) // 2])[None])
-    turn = np.where(turn[..., :1] < 0.0, -turn, turn)
-    sine = np.linalg.norm(turn[..., 1:], axis=-1, keepdims=True)
-    angle = 2.0 * np.arctan2(sine, turn[..., :1])
-    return turn[..., 1:] * np.where(sine > 0.0, angle / np.where(sine > 0.0, sine, 1.0), 2.0)
+    return rotation_vector(product(values, conjugate(values[len(values) // 2])[None]))

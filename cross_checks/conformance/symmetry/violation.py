@@ -11,8 +11,8 @@ from cross_checks.conformance.symmetry import placement as place
 from cross_checks.conformance.symmetry import restart
 from cross_checks.conformance.symmetry.placement import Placement, image, moved
 from cross_checks.engine import Engine
-from mbs_ref.scene import PlanarBody, Scene
-from mbs_ref.scene.euler_parameters import geodesic_angle
+from mbs_ref.observables.distance import Motion, Partial, point_distances
+from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings
 from mbs_ref.trajectory import Trajectory
 
@@ -54,8 +54,9 @@ def violations(engine: Engine, scene: Scene, settings: Settings) -> list[Violati
     times = np.linspace(0.0, settings.t_end or scene.duration, SAMPLES)
     plain = _run(engine, scene, settings, times)
     noise, finer = _noise(engine, scene, settings, times, plain), _finer(engine, scene, settings, plain)
-    error = _gap(scene, _poses(finer), _poses(plain))
-    carried = error + plain.times[-1] * _rate_gap(scene, finer, plain)
+    error, rate_error = _gap(scene, finer, plain)
+    # a way back starts from velocities, which may be worse than positions
+    carried = error + plain.times[-1] * rate_error
     violations = []
     for name, measure in SYMMETRIES.items():
         size = _measured(measure, engine, scene, settings, plain)
@@ -78,17 +79,6 @@ def _finer(engine: Engine, scene: Scene, settings: Settings, plain: Trajectory) 
     return _run(engine, scene, settings.model_copy(update=finer), plain.times)
 
 
-def _rate_gap(scene: Scene, seen: Trajectory, wanted: Trajectory) -> float:
-    """Return the largest difference (m/s) of centres' velocities, and of points a radius of gyration away.
-
-    Whoever turns back starts from velocities: a method whose places are better than they leaves more than places show.
-    """
-    gap = float(np.max(np.linalg.norm(seen.velocity - wanted.velocity, axis=2)))
-    turning = np.abs(seen.angular_velocity - wanted.angular_velocity)
-    spin = turning if turning.ndim == 2 else np.linalg.norm(turning, axis=2)
-    return max(gap, float(np.max(spin * _arms(scene))))
-
-
 def _run(engine: Engine, scene: Scene, settings: Settings, times: np.ndarray) -> Trajectory:
     t_end = float(times[-1])
     run = engine.run(scene, settings.model_copy(update={"t_end": t_end}), times)
@@ -109,21 +99,13 @@ def _noise(engine: Engine, scene: Scene, settings: Settings, times: np.ndarray, 
     others = [(scene.model_copy(update={"bodies": bodies, "name": "nudged", "parameters": {}}), settings)]
     if settings.rtol is not None:
         others.append((scene, settings.model_copy(update={"rtol": 0.5 * settings.rtol})))
-    gaps = [_gap(scene, _poses(_run(engine, *other, times)), _poses(plain)) for other in others]
-    return max(amount, *gaps)
+    gaps = [_gap(scene, _run(engine, *other, times), plain)[0] for other in others]
+    return float(max(amount, *gaps))
 
 
-def _poses(run: Trajectory) -> tuple[np.ndarray, np.ndarray]:
-    return run.position, run.orientation
-
-
-def _gap(scene: Scene, seen: tuple[np.ndarray, np.ndarray], wanted: tuple[np.ndarray, np.ndarray]) -> float:
-    """Return the largest distance (m) of centres, and of points a radius of gyration away."""
-    gap = float(np.max(np.linalg.norm(seen[0] - wanted[0], axis=2)))
-    if seen[1].ndim == 2:
-        arm = [np.sqrt(b.inertia / b.mass) if isinstance(b, PlanarBody) else 0.0 for b in scene.bodies]
-        return max(gap, float(np.max(np.abs(seen[1] - wanted[1]) * arm)))
-    return max(gap, float(np.max(geodesic_angle(seen[1], wanted[1]) * _arms(scene))))
+def _gap(scene: Scene, seen: Motion, wanted: Motion) -> np.ndarray:
+    """Return the largest distances (m, m/s) of centres and of points a radius of gyration away."""
+    return point_distances(scene, seen, wanted).max(axis=(0, 1))
 
 
 def _seen(make: Callable[[Scene], Placement], *, needs_step: bool = False) -> Callable:
@@ -143,7 +125,7 @@ def _seen(make: Callable[[Scene], Placement], *, needs_step: bool = False) -> Ca
             changed["atol"] = settings.atol * placed.length
         seen = image(scene, placed)
         run = _run(engine, seen, settings.model_copy(update=changed), plain.times * placed.time)
-        return _gap(seen, _poses(run), moved(plain, placed)) / placed.length
+        return float(_gap(seen, run, Partial(*moved(plain, placed)))[0]) / placed.length
 
     return measure
 
@@ -203,7 +185,7 @@ def _cut(engine: Engine, scene: Scene, settings: Settings, plain: Trajectory) ->
     first = _run(engine, scene, settings, plain.times[: half + 1])
     rest = restart.continued(scene, first, back=False)
     second = _run(engine, rest, settings, plain.times[half:] - plain.times[half])
-    return _gap(scene, _poses(second), (plain.position[half:], plain.orientation[half:]))
+    return float(_gap(scene, second, Partial(plain.position[half:], plain.orientation[half:]))[0])
 
 
 def _there_and_back(engine: Engine, scene: Scene, settings: Settings, plain: Trajectory) -> float | str:
@@ -212,7 +194,7 @@ def _there_and_back(engine: Engine, scene: Scene, settings: Settings, plain: Tra
     if reason:
         return reason
     back = _run(engine, restart.continued(scene, plain, back=True), settings, plain.times)
-    return _gap(scene, _poses(back), (plain.position[::-1], plain.orientation[::-1]))
+    return float(_gap(scene, back, Partial(plain.position[::-1], plain.orientation[::-1]))[0])
 
 
 SYMMETRIES: dict[str, Callable[[Engine, Scene, Settings, Trajectory], float | str]] = {
@@ -226,8 +208,3 @@ SYMMETRIES: dict[str, Callable[[Engine, Scene, Settings, Trajectory], float | st
     "cut in two": _cut,
     BACK: _there_and_back,
 }
-
-
-def _arms(scene: Scene) -> np.ndarray:
-    """Return each body's radius of gyration (n_bodies,), m: points that far away turn about the centre."""
-    return np.array([body.gyration_radius for body in scene.bodies])

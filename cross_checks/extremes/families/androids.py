@@ -11,6 +11,7 @@ from cross_checks.certify.mechanisms.hinged_tree import formulations
 from cross_checks.certify.numerics.runge_kutta import runge_kutta
 from cross_checks.extremes.extreme import Axis, Case, Extreme, Measure, grid
 from mbs_ref import scenes
+from mbs_ref.observables.distance import Partial, farthest
 from mbs_ref.scene import PlanarBody, Scene
 from mbs_ref.trajectory import Trajectory
 
@@ -34,9 +35,9 @@ def _lagrange() -> Measure:
 
     def measure(scene: Scene, path: Trajectory) -> float:
         equations = formulations(scene)[0]
-        loose, tight = (_places(equations, path.times, tolerance) for tolerance in (LOOSE, TIGHT))
-        error, doubt = (np.max(np.linalg.norm(x - tight, axis=2)) for x in (path.position, loose))
-        return max(float(error - doubt), 0.0) / SIZE
+        loose, tight = (Partial(_places(equations, path.times, tolerance)) for tolerance in (LOOSE, TIGHT))
+        error, doubt = (farthest(scene, x, tight)[0] for x in (path, loose))
+        return max(error - doubt, 0.0) / SIZE
 
     return measure
 

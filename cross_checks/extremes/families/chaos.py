@@ -9,6 +9,7 @@ from cross_checks.certify.numerics.runge_kutta import runge_kutta
 from cross_checks.extremes import measures
 from cross_checks.extremes.extreme import Axis, Case, Extreme, grid
 from cross_checks.extremes.parts import rod_chain
+from mbs_ref.observables.distance import Partial, farthest
 from mbs_ref.scene import Scene
 from mbs_ref.trajectory import Trajectory
 
@@ -23,7 +24,7 @@ def _within_horizon(scene: Scene, path: Trajectory) -> float:
     formulation = lagrange(rods)
     states = runge_kutta(formulation.derivative, formulation.start, path.times[near], 1e-13)
     exact = np.array([formulation.poses(t, y)[0] for t, y in zip(path.times[near], states, strict=True)])
-    return float(np.max(np.linalg.norm(path.position[near] - exact, axis=2)))
+    return farthest(scene, path, Partial(exact))[0]
 
 
 def _chain(duration: float) -> Case:

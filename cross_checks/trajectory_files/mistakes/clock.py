@@ -6,12 +6,11 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
+from cross_checks.trajectory_files.judgement import samples_at
 from cross_checks.trajectory_files.mistakes.case import Case
 from cross_checks.truth import NoTruth
-from mbs_ref.scene.euler_parameters import conjugate, product
-from mbs_ref.trajectory import Trajectory
+from mbs_ref.observables.distance import turn_between
 
 FITS = 8  # corrections by Gauss and Newton; each squares what is left
 
@@ -31,7 +30,7 @@ def lag(case: Case) -> Iterator[tuple[str, Case]]:
         truth = case.truth_at(moved[rows])
         if isinstance(truth, NoTruth):
             return
-        now = replace(case, path=_rows(case.path, rows, moved[rows]), truth=truth)
+        now = replace(case, path=replace(samples_at(case.path, rows), times=moved[rows]), truth=truth)
     if late:
         word = "late" if late > 0.0 else "early"
         yield f"samples are {word} by {abs(late):.4g} s (they tell the state of another time)", now
@@ -44,27 +43,11 @@ def _lateness(case: Case) -> float | None:
     speed = truth.velocity if truth.velocity is not None else np.gradient(truth.position, path.times, axis=0)
     gaps.append((path.position - truth.position).ravel() / length)
     rates.append(speed.ravel() / length)
-    if truth.angular_velocity is not None and case.told_turns:
-        gaps.append(_rotation_vectors(path.orientation, truth.orientation).ravel())
+    turn = turn_between(path.orientation, truth.orientation, case.scene.dimension == 3)
+    if truth.angular_velocity is not None and turn is not None:
+        gaps.append(turn.ravel())
         rates.append(truth.angular_velocity.ravel())
     gap, rate = np.concatenate(gaps), np.concatenate(rates)
     known = np.isfinite(gap) & np.isfinite(rate)
     square = float(np.sum(rate[known] ** 2))
     return -float(np.sum(gap[known] * rate[known])) / square if square > 0.0 else None
-
-
-def _rotation_vectors(first: np.ndarray, second: np.ndarray) -> np.ndarray:
-    """Return the turn from the second to the first orientation, rad, in world axes; NaN where one is not told."""
-    if first.ndim == 2:
-        return np.remainder(first - second + np.pi, 2.0 * np.pi) - np.pi
-    between = product(first, conjugate(second))
-    known = np.isfinite(between).all(axis=2)
-    turns = np.full((*between.shape[:2], 3), np.nan)
-    turns[known] = Rotation.from_quat(between[known], scalar_first=True).as_rotvec()
-    return turns
-
-
-def _rows(path: Trajectory, rows: np.ndarray, times: np.ndarray) -> Trajectory:
-    return Trajectory(
-        times, path.position[rows], path.orientation[rows], path.velocity[rows], path.angular_velocity[rows]
-    )

@@ -9,7 +9,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from cross_checks.trajectory_files.mistakes.case import NONE, Case, vector
-from mbs_ref.scene.euler_parameters import conjugate, product
+from mbs_ref.scene.euler_parameters import conjugate, product, rotation_vector
 from mbs_ref.trajectory import Trajectory
 
 FITS = 6  # corrections by Gauss and Newton
@@ -88,11 +88,10 @@ def _spin_left(case: Case) -> np.ndarray | None:
     """Return the spin (3,), rad/s, that brings the file's motion nearer to the truth; None where nothing is told."""
     path, truth, t = case.path, case.truth, case.path.times
     if case.told_turns and not np.isnan(path.orientation).all():
-        between = product(truth.orientation, conjugate(path.orientation))
-        known = ~np.isnan(between).any(axis=2)
-        turns = Rotation.from_quat(between[known], scalar_first=True).as_rotvec()
+        turns = rotation_vector(product(truth.orientation, conjugate(path.orientation)))
+        known = ~np.isnan(turns).any(axis=2)
         weight = np.broadcast_to(t[:, None], known.shape)[known]
-        return weight @ turns / (weight @ weight)
+        return weight @ turns[known] / (weight @ weight)
     known = ~np.isnan(path.position).any(axis=2)
     if not known.any():
         return None

@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from mbs_ref.cores.system import Poses
+from mbs_ref.observables.distance import farthest
 from mbs_ref.run.lanes import NOTE, why_not_in_lanes
 from mbs_ref.run.many import processors, shared
 from mbs_ref.run.method_choice import AUTO
@@ -192,7 +193,7 @@ class _Store:
             if path.status in ENDED:
                 self._keep(k, path)
                 if self.settings.project_initial and isinstance(job, _Job):
-                    self.corrections[k] = _correction(path, job.start or own_start(job.scene))
+                    self.corrections[k] = _correction(job.scene, path, job.start or own_start(job.scene))
 
     def _keep(self, k: int, path: Trajectory) -> None:
         self.reached[k] = path.times[-1]
@@ -214,7 +215,7 @@ class _Store:
         )  # fmt: skip
 
 
-def _correction(path: Trajectory, asked: Poses) -> np.ndarray:
+def _correction(scene: Scene, path: Trajectory, asked: Poses) -> np.ndarray:
     """Return by how much a start was projected at most: its poses (m or rad) and rates (m/s or rad/s)."""
-    gaps = [np.abs(part[0] - start[0]).max(initial=0.0) for part, start in zip(Poses.of(path), asked, strict=True)]
-    return np.array([max(gaps[:2]), max(gaps[2:])])
+    place, turn, speed, spin = farthest(scene, path, asked)
+    return np.fmax([place, speed], [turn, spin])

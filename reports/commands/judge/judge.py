@@ -15,7 +15,7 @@ from mbs_ref.scene import Scene
 from reports import inputs
 from reports.drawing.plots.figure import FLOOR, new_figure
 from reports.terminal.asking import STORE, asked_runs
-from reports.terminal.console import awaited, echo_json, number, show, table
+from reports.terminal.console import amount, awaited, echo_json, number, show, table
 from reports.terminal.exit_codes import Failed, NothingSelected
 
 
@@ -133,14 +133,14 @@ def _show(found: Judgement) -> None:
         facts.add_row("suspicion", sentence)
     for name, metric in metrics.every().items():
         if found.measures.get(name) is not None:
-            facts.add_row(metric.label, f"{number(found.measures[name])} {metric.unit}")
+            facts.add_row(metric.label, amount(found.measures[name], metric.unit))
     for sentence in (*found.untold, *found.notes):
         facts.add_row("note", sentence)
     show(facts)
-    listing = table("\nErrors", "body", "component", "largest", "unit", "of the scene", "at t, s", "at the end")
+    listing = table("\nErrors", "body", "component", "largest", "of the scene", "at t, s", "at the end")
     for part in found.parts:
-        told = (number(part.largest), part.unit, number(part.relative), number(part.at), number(part.final))
-        listing.add_row(part.body, part.component, *(("not told",) if part.largest is None else told))
+        size = amount(part.largest, part.unit, part.below) or "unknown"
+        listing.add_row(part.body, part.component, size, *map(number, (part.relative, part.at, part.final)))
     show(listing)
 
 
@@ -149,5 +149,6 @@ def _draw(found: Judgement, target: Path) -> None:
     times = found.curves.get("t", [])
     for name, curve in found.curves.items():
         if name != "t" and any(curve):
-            figure.add_scatter(x=times, y=[max(value, FLOOR) for value in curve], name=name, mode="lines+markers")
+            sizes = [None if value is None else max(value, FLOOR) for value in curve]
+            figure.add_scatter(x=times, y=sizes, name=name, mode="lines+markers")
     write_atomic(target, figure.to_html(include_plotlyjs=True).encode())

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Any
 
 import click
+from rich.table import Table
 
 from cross_checks import metrics
 from cross_checks.metrics import component_errors
+from cross_checks.metrics.metric import Metric
 from cross_checks.records.record import Record
 from cross_checks.records.store import Run, Store
 from mbs_ref.scene import Scene
@@ -17,7 +20,7 @@ from reports.poses_file import FORMATS, write_poses
 from reports.run_plot import never_closed, run_plot
 from reports.scene_summary import summary
 from reports.terminal.asking import STORE, store_path
-from reports.terminal.console import awaited, compiling, echo_json, number, show, table
+from reports.terminal.console import amount, awaited, compiling, echo_json, number, show, table
 from reports.terminal.exit_codes import EngineAbsent, Failed, Incomplete
 
 
@@ -115,9 +118,7 @@ def _show(record: Record) -> None:
     facts.add_row("reached", f"{record.t_end:g} s in {record.steps} steps, {record.rhs_calls} right-hand sides")
     if record.estimate is not None:
         facts.add_row("estimated error", _estimate(record.estimate))
-    for name, metric in metrics.every().items():
-        if record.measure(name) is not None:
-            facts.add_row(metric.label, f"{number(record.measure(name))} {metric.unit}")
+    _add_figures(facts, record, metrics.every().values())
     facts.add_row("times", ", ".join(f"{key} {number(value)}" for key, value in record.times.items()))
     for name, value in record.contact.items():
         facts.add_row(name, number(value))
@@ -132,18 +133,25 @@ def _show(record: Record) -> None:
 def _show_error(record: Record, notes: tuple[str, ...]) -> None:
     """Show what the truth tells of the run, with the notes that came of it."""
     facts, error = table("\nAgainst the truth", "", ""), record.error
-    facts.add_row("error", "no truth known" if error is None else f"{number(error.value)} of the scene ({error.worst})")
-    if error is not None:
+    if error is None:
+        facts.add_row("error", "no truth known")
+    else:
+        off = amount(error.value if error.is_judged else None, "of the scene", error.bound)
+        facts.add_row("error", f"{off} ({error.worst})")
         known = f"{number(error.uncertainty)} of the scene, whose length is {number(error.length)} m"
         facts.add_row("truth", f"{error.truth}, known to {known}")
-    for metric in component_errors.METRICS:
-        if record.measure(metric.name) is not None:
-            facts.add_row(metric.label, f"{number(record.measure(metric.name))} {metric.unit}")
+    _add_figures(facts, record, component_errors.METRICS)
     for note in notes:
         facts.add_row("note", note)
     if error is None:
         facts.add_row("next", "mbs-ref check makes a truth of what unlike engines agree on, and judges by it")
     show(facts)
+
+
+def _add_figures(facts: Table, record: Record, listed: Iterable[Metric]) -> None:
+    for metric in listed:
+        if figure := amount(record.measure(metric.name), metric.unit, record.bounds.get(metric.name)):
+            facts.add_row(metric.label, figure)
 
 
 def _estimate(estimate: dict[str, Any]) -> str:

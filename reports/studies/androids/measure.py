@@ -16,12 +16,14 @@ from cross_checks.judge.cell import cell_of
 from cross_checks.judge.one_run import judged_run
 from cross_checks.judge.runs import Runs
 from cross_checks.judge.tried import search
+from cross_checks.metrics.state_error import off_truth
 from cross_checks.records.store import Store, default_path
 from cross_checks.truth import NoTruth, Truth
 from cross_checks.truths import truth_for
 from mbs_ref import scenes
 from mbs_ref.integrators import integrators
 from mbs_ref.observables import constraint_residual
+from mbs_ref.observables.distance import distances
 from mbs_ref.scene import Scene
 from mbs_ref.self_checks.stiffness import stiffness_at_start
 from mbs_ref.settings import Settings
@@ -135,9 +137,9 @@ def _tested(scene: Scene, settings: Settings) -> tuple[Trajectory | None, str]:
 
 
 def _error(scene: Scene, path: Trajectory) -> float | None:
-    """Return the distance from the truth."""
-    truth = truth_for(scene, ladder.grid(scene)) if path.ok else None
-    return None if truth is None else float(np.linalg.norm(path.position - truth.position, axis=2).max())
+    """Return the largest distance (m) from the truth."""
+    off = off_truth(scene, path)
+    return None if off is None else off[0]
 
 
 # --- stable steps -----------------------------------------------------------------------------------------
@@ -170,15 +172,13 @@ def convergence(scene: Scene, paths: dict[str, Trajectory] | None = None) -> Con
     fine: dict[str, Any] = {"rtol": FINE, "reactions": False, "estimate": "off"}
     paths = paths or {m: simulate(scene, Settings(method=m, **fine), times) for m in UNLIKE}
     one, other = (paths[method] for method in UNLIKE)
-    gaps = {
-        label: np.linalg.norm((one.position - other.position)[:, scene.body_index(body)], axis=1)
-        for label, body in WATCHED.items()
-    }
+    apart = distances(scene, one, other)[..., 0]
+    gaps = {label: apart[:, scene.body_index(body)] for label, body in WATCHED.items()}
     truth = truth_for(scene, times)
     compliance = {m: float(np.abs(constraint_residual(scene, path)).max()) for m, path in paths.items()}
     known = None if truth is None else truth.uncertainty
-    apart = curves(times[1:], {part: gap[1:] for part, gap in gaps.items()}, "distance, m", log=True)
-    return Convergence(scene.name, str(scene.parameters["impact"]), apart, compliance, _error(scene, one), known)
+    drawn = curves(times[1:], {part: gap[1:] for part, gap in gaps.items()}, "distance, m", log=True)
+    return Convergence(scene.name, str(scene.parameters["impact"]), drawn, compliance, _error(scene, one), known)
 
 
 def _fine(own: Sequence[tuple[Run, Trajectory]]) -> dict[str, Trajectory]:

@@ -9,6 +9,7 @@ from cross_checks import engines
 from cross_checks.judge.one_run import judged_run
 from cross_checks.truths.bouncing_ball import impact
 from mbs_ref import scenes
+from mbs_ref.observables.distance import farthest
 from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
@@ -56,16 +57,15 @@ def vehicle_runs(vehicle: Scene) -> tuple[list[Trajectory], tuple[VehicleRun, ..
     """Run the vehicle with each method; the first is what the others are compared with."""
     more = {"t_end": VEHICLE_END, "samples": VEHICLE_SAMPLES, "estimate": "off"}
     paths = [simulate(vehicle, settings.model_copy(update=more)) for settings in VEHICLE_RUNS]
-    return paths, tuple(_vehicle_run(s, p, paths[0]) for s, p in zip(VEHICLE_RUNS, paths, strict=True))
+    return paths, tuple(_vehicle_run(vehicle, s, p, paths[0]) for s, p in zip(VEHICLE_RUNS, paths, strict=True))
 
 
-def _vehicle_run(settings: Settings, path: Trajectory, first: Trajectory) -> VehicleRun:
-    n = min(len(path.times), len(first.times))
+def _vehicle_run(vehicle: Scene, settings: Settings, path: Trajectory, first: Trajectory) -> VehicleRun:
     knob = f"step {settings.step:g} s" if settings.step else f"rtol {settings.rtol:g}"
     worst = 0.0 if path.step_compliance is None else float(np.max(path.step_compliance[:, 1]))
     return VehicleRun(
         f"{settings.method}, {knob}", path.steps, path.events, worst,
-        float(np.max(np.abs(path.position[:n] - first.position[:n]))), path.timing.loop_s,
+        farthest(vehicle, path, first)[0], path.timing.loop_s,
         str(path.status) if path.ok else path.message,
     )  # fmt: skip
 

@@ -9,12 +9,13 @@ from typing import Any
 import numpy as np
 
 from cross_checks.judge.one_run import evaluate
-from cross_checks.truth import NoTruth, Truth
-from cross_checks.truths import seek_truth
+from cross_checks.metrics.state_error import off_truth
+from cross_checks.truth import NoTruth
 from mbs_ref import scenes
 from mbs_ref.crash.outlines import excesses
 from mbs_ref.crash.results import crash_results
 from mbs_ref.observables.attachment import Motion
+from mbs_ref.observables.distance import farthest
 from mbs_ref.observables.rolling import rolling_slip
 from mbs_ref.scene import Scene
 from mbs_ref.scene.scales import scales_of
@@ -64,7 +65,7 @@ def satellites() -> Ladder:
     models = [(name, scenes.make("satellite", **more), ORBIT) for name, more in chosen]
 
     def told(scene: Scene, path: Trajectory, fullest: Trajectory) -> tuple[dict[str, float], float | None]:
-        off = float(np.linalg.norm(path.position - fullest.position, axis=2).max())
+        off = farthest(scene, path, fullest)[0]
         radius = float(np.linalg.norm(scene.bodies[1].position))
         return {"off the fullest model, m": off}, -np.log10(off / radius) if off > 0.0 else None
 
@@ -82,13 +83,10 @@ ERROR = "-log10 of the error over the scene"
 
 
 def _from_truth(scene: Scene, path: Trajectory, _: Trajectory) -> tuple[dict[str, float], float | None]:
-    truth = seek_truth(scene, path.times)
+    off = off_truth(scene, path)
     kept = 0.0 if path.step_compliance is None else float(path.step_compliance[:, 1].max())
     shown = {"largest |C|, m": kept}
-    if not isinstance(truth, Truth) or not path.ok:
-        return shown, None
-    off = float(np.linalg.norm(path.position - truth.position, axis=2).max()) / scales_of(scene).length
-    return shown, float(-np.log10(max(off, 1e-16)))
+    return shown, None if off is None else float(-np.log10(max(off[0] / scales_of(scene).length, 1e-16)))
 
 
 def equations() -> Ladder:

@@ -11,6 +11,7 @@ from mbs_ref import scenes
 from mbs_ref.cores.choice import compile_scene
 from mbs_ref.kernels.border.questions import derivative
 from mbs_ref.kernels.jit import jit
+from mbs_ref.observables.distance import farthest
 from mbs_ref.scene import Scene
 from mbs_ref.scene.traits import Coordinates
 from mbs_ref.settings import Settings
@@ -49,7 +50,7 @@ def _apart(scene: Scene, t_end: float) -> float | str:
     settings = Settings(rtol=FINE, t_end=t_end, samples=21, estimate="off", reactions=False)
     runs = [simulate(scene, settings.model_copy(update={"coordinates": kind})) for kind in ("cartesian", "relative")]
     failed = next((run.message for run in runs if not run.ok), None)
-    return failed or float(np.abs(runs[0].position - runs[1].position).max())
+    return failed or farthest(scene, *runs)[0]
 
 
 def _loop(scene: Scene, coordinates: Coordinates):

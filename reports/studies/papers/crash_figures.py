@@ -6,10 +6,13 @@ from typing import Any
 
 import numpy as np
 
+from cross_checks.judge import ladder
+from cross_checks.metrics.state_error import off_truth
 from mbs_ref import scenes
 from mbs_ref.crash.outlines import excesses
 from mbs_ref.crash.results import CrashResults, crash_results, sign_changes
 from mbs_ref.observables.attachment import Motion
+from mbs_ref.observables.distance import Partial, farthest
 from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
@@ -48,7 +51,7 @@ def measure_crash() -> tuple[dict[str, float | str], dict[str, Film], dict[str, 
         figures |= _results(kind, scene, paths[kind], found[kind])
         figures |= _believable(kind)
         for method, more in METHODS[kind]:
-            figures |= _method(kind, scene, paths[kind], method, more)
+            figures |= _method(kind, scene, method, more)
     figures["vertebral.rk4.refusal"] = simulate(made["vertebral"], Settings(method="rk4", step=1e-4)).message
     figures |= _constraints(made["simplified"]) | _in_space(made["simplified"])
     figures["seats.imbalance"] = _seats_imbalance(made["simplified"], found["simplified"])
@@ -73,7 +76,8 @@ def _in_space(planar: Scene) -> dict[str, float | str]:
     fine = Settings(rtol=1e-12, samples=21, estimate="off", reactions=False)
     flat, straight = (simulate(scene, fine) for scene in (planar, scenes.make("android_spatial", oblique=0.0)))
     path = simulate(scenes.make("android_spatial"), fine)
-    apart = float(np.abs(straight.position[:, :, :2] - flat.position).max()) if straight.ok else straight.message
+    within = Partial(straight.position[:, :, :2])
+    apart = farthest(planar, within, flat)[0] if straight.ok else straight.message
     return {
         "spatial.apart": apart, "spatial.time": straight.timing.loop_s / flat.timing.loop_s,
         "spatial.sideways": float(np.abs(path.position[:, 0, 2]).max()) if path.ok else path.message,
@@ -87,7 +91,7 @@ def _constraints(scene: Scene) -> dict[str, float | str]:
     return {
         "contacts.steps": float(one.steps), "constraints.steps": float(other.steps),
         "constraints.status": str(other.status) if other.ok else other.message,
-        "constraints.apart": float(np.abs(one.position - other.position).max()) if other.ok else "stopped",
+        "constraints.apart": farthest(scene, one, other)[0] if other.ok else "stopped",
     }  # fmt: skip
 
 
@@ -159,17 +163,17 @@ def _believable(kind: str) -> dict[str, float | str]:
     return figures
 
 
-def _method(kind: str, scene: Scene, fine: Trajectory, method: str, more: dict) -> dict[str, float | str]:
+def _method(kind: str, scene: Scene, method: str, more: dict) -> dict[str, float | str]:
     """Run a method of the papers under their own test |C| < h, and to the end."""
     settings = Settings(method=method, **more, **AS_THEY_RAN, events="located" if method == "lsodar" else "none")
     tested = simulate(scene, settings.model_copy(update={"stop_on_compliance": True}))
-    stopped = tested.status is Status.COMPLIANCE
-    path = simulate(scene, settings) if stopped else tested
+    path, stopped = simulate(scene, settings, ladder.grid(scene)), tested.status is Status.COMPLIANCE
+    off = off_truth(scene, path)
     kept = np.zeros((1, 2)) if path.step_compliance is None else path.step_compliance
     name = f"{kind}.{method}"
     return {
         f"{name}.status": str(path.status), f"{name}.test": "fails" if stopped else "keeps",
         f"{name}.until": float(tested.times[-1]), f"{name}.compliance": float(kept[:, 1].max()),
-        f"{name}.error": float(np.abs(path.position - fine.position[::2]).max()) if path.ok else path.message,
+        f"{name}.error": path.message if off is None else off[0],
         f"{name}.switches": float(path.method_switches or 0), f"{name}.steps": float(path.steps),
     }  # fmt: skip

@@ -6,8 +6,7 @@ import math
 
 import numpy as np
 
-from cross_checks.truth import Truth
-from cross_checks.truths import seek_truth
+from cross_checks.metrics.state_error import off_truth
 from mbs_ref import scenes
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
@@ -32,7 +31,6 @@ def satellites() -> dict[str, float | str]:
     ratio = (len(crossings) - 0.5) * math.pi / (turns * at / run.times[-1])
     large = scenes.make("librating_satellite", pitch=LARGE)
     path = simulate(large, SETTINGS)
-    truth = seek_truth(large, path.times)
-    off = float(np.abs(path.orientation - truth.orientation).max()) if isinstance(truth, Truth) else "no truth"
+    _, off, *_ = off_truth(large, path) or (0.0, "no truth")
     norm = float(np.abs(np.sum(path.orientation**2, axis=2) - 1.0).max())
     return {"satellite.frequency": ratio, "satellite.off": off, "satellite.norm": norm}

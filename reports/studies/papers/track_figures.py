@@ -9,6 +9,7 @@ import numpy as np
 from cross_checks import engines
 from mbs_ref import scenes
 from mbs_ref.observables.attachment import Motion
+from mbs_ref.observables.distance import distances, farthest
 from mbs_ref.observables.rolling import rolling_slip
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
@@ -44,12 +45,12 @@ def measure_track() -> tuple[dict[str, float | str], dict[str, Film], dict[str, 
         figures |= {
             f"{name}.test": "fails" if path.status is Status.COMPLIANCE else "keeps" if path.ok else path.message,
             f"{name}.until": float(path.times[-1]), f"{name}.compliance": float(kept[:, 1].max()),
-            f"{name}.apart": float(np.abs(path.position - fine.position).max()) if path.ok else "stopped",
+            f"{name}.apart": farthest(scene, path, fine)[0] if path.ok else "stopped",
             f"{name}.loop_s": path.timing.loop_s,
         }  # fmt: skip
     dassl = simulate(scene, Settings(method="dassl", rtol=1e-4, t_end=BRIEF, reactions=False, estimate="off"))
     kept = np.zeros((1, 2)) if dassl.step_compliance is None else dassl.step_compliance
-    figures["track.known_to"] = float(np.abs(simulate(scene, FINEST, times).position - fine.position).max())
+    figures["track.known_to"] = farthest(scene, simulate(scene, FINEST, times), fine)[0]
     figures |= {"track.dassl.compliance": float(kept[:, 1].max()), "track.dassl.loop_s": dassl.timing.loop_s}
     finer = Settings(method="dop853", rtol=1e-9, reactions=False)
     figures["track.pinocchio.finest_apart"] = _engine(scene, "pinocchio", finer, fine)
@@ -70,13 +71,13 @@ def _held(times: np.ndarray) -> dict[str, float | str]:
     settings = Settings(method="rk4", step=1e-4, reactions=False, estimate="off")
     scene = scenes.make("tracked_vehicle", law="constraint")
     held, soft = simulate(scene, settings, times), simulate(scenes.make("tracked_vehicle"), settings, times)
-    hull = scene.body_index("chassis")
+    apart = distances(scene, held, soft)[:, scene.body_index("chassis"), 0]
     kept = np.zeros((1, 2)) if held.step_compliance is None else held.step_compliance
     return {
         "track.held.status": str(held.status) if held.ok else held.message,
         "track.held.events": float(held.events), "track.soft.events": float(soft.events),
         "track.held.calls": held.rhs_calls / soft.rhs_calls, "track.held.compliance": float(kept[:, 1].max()),
-        "track.held.apart": float(np.abs(held.position - soft.position)[:, hull].max()) if held.ok else "stopped",
+        "track.held.apart": float(apart.max()) if held.ok else "stopped",
     }  # fmt: skip
 
 
@@ -85,7 +86,7 @@ def _engine(scene, name: str, settings: Settings, fine) -> float | str:
         path = engines.get(name).run(scene, settings, fine.times)
     except engines.EngineMissing:
         return "not installed"
-    return float(np.abs(path.position - fine.position).max()) if path.ok else path.message
+    return farthest(scene, path, fine)[0] if path.ok else path.message
 
 
 def _rolling() -> tuple[dict[str, float | str], dict[str, Curves]]:

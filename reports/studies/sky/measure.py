@@ -13,6 +13,7 @@ from cross_checks.records.record import Record
 from cross_checks.truth import NoTruth
 from mbs_ref import scenes
 from mbs_ref.observables import energy_balance
+from mbs_ref.observables.distance import distances
 from mbs_ref.scene import Scene
 from mbs_ref.scenes.solar_system import julian_date
 from mbs_ref.settings import Settings
@@ -117,11 +118,11 @@ def _lap(rival: str, theirs: Settings, scene: Scene, random: np.random.Generator
             engine, settings = entrants[k]
             best[k] = min(best[k], engine.run(scene, settings).timing.loop_s)
     shown = scene.parameters.get("orbit", scene.parameters.get("start"))
-    return Lap(f"{scene.name} {shown}", best[1] / best[0], _apart(*paths))
+    return Lap(f"{scene.name} {shown}", best[1] / best[0], _apart(scene, *paths))
 
 
-def _apart(one: Trajectory, other: Trajectory) -> float | None:
+def _apart(scene: Scene, one: Trajectory, other: Trajectory) -> float | None:
     """Return the largest distance (m) between the two at the end."""
     if not (one.ok and other.ok):
         return None
-    return float(np.linalg.norm(one.position[-1] - other.position[-1], axis=1).max())
+    return float(distances(scene, one, other)[-1, :, 0].max())

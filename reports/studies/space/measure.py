@@ -7,11 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from cross_checks.truth import Truth
-from cross_checks.truths import seek_truth
+from cross_checks.metrics.state_error import off_truth
 from mbs_ref import observables, scenes
 from mbs_ref.scene import PointMass, Scene, SpatialBody
-from mbs_ref.scene.euler_parameters import geodesic_angle
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
 from mbs_ref.trajectory import Trajectory
@@ -34,9 +32,9 @@ def _rk4(scene: Scene, step: float, kept: bool, samples: int = 2) -> Trajectory:
 
 
 def _turned_away(scene: Scene, path: Trajectory) -> float:
-    truth = seek_truth(scene, path.times)
-    assert isinstance(truth, Truth), truth
-    return float(geodesic_angle(path.orientation, truth.orientation).max())
+    off = off_truth(scene, path)
+    assert off is not None
+    return off[1]
 
 
 def _norm_drift(half: float) -> NormDrift:

@@ -13,8 +13,8 @@ from cross_checks.judge.one_run import checked_run
 from cross_checks.mechanisms.random_scenes import DURATION, random_scene
 from cross_checks.workshop.planar_tree import joint_tree
 from cross_checks.workshop.spatial_tree import spatial_tree
+from mbs_ref.observables.distance import farthest
 from mbs_ref.scene import PlanarBody, Scene, TorsionSpring, Weld
-from mbs_ref.scene.euler_parameters import geodesic_angle
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
 from mbs_ref.trajectory import Trajectory
@@ -56,11 +56,7 @@ def apart(name: str, scene: Scene, finer: int = 1) -> float | None:
     theirs = checked_run(registry.get(name), scene, settings, TIMES)
     assert isinstance(theirs, Trajectory), theirs
     assert theirs.ok, theirs.message
-    gap = float(np.abs(ours.position - theirs.position).max())
-    turn = ours.orientation - theirs.orientation if scene.dimension == 2 else geodesic_angle(
-        ours.orientation, theirs.orientation
-    )  # fmt: skip
-    return max(gap, float(np.abs(turn).max()))
+    return float(np.nanmax(farthest(scene, ours, theirs)[:2]))
 
 
 class Survey(NamedTuple):

@@ -49,7 +49,7 @@ def test_rigid_bodies_with_euler_parameters_have_the_same_figures_and_unit_norms
     assert record.status == "success", record.message
     assert record.figures == pytest.approx(points.figures, abs=0.01)
     assert record.measure("compliance_position") < 1e-14  # of theta . theta = 1, with projection
-    assert record.measure("orientation_error") < 1e-7  # rad, after 480 turns of Jupiter
+    assert record.at_most("orientation_error") < 1e-7  # rad, after 480 turns of Jupiter
 
 
 def test_rigid_planets_know_newtons_gravity_alone():

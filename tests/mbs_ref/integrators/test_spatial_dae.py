@@ -14,7 +14,7 @@ from mbs_ref.cores.spatial.system import SpatialSystem
 from mbs_ref.integrators.loop.ida import _Ida, as_dae
 from mbs_ref.kernels.answers import FORM
 from mbs_ref.kernels.residual import GGL, INDEX_1, residual
-from mbs_ref.scene.euler_parameters import geodesic_angle
+from mbs_ref.observables.distance import farthest
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
 from mbs_ref.trajectory import Trajectory
@@ -32,9 +32,7 @@ def exact(name: str) -> Trajectory:
 def gap(name: str, **settings) -> float:
     path = simulate(scenes.make(name), Settings(reactions=False, **settings), TIMES)
     assert path.ok, path.message
-    truth = exact(name)
-    turned = geodesic_angle(path.orientation, truth.orientation).max()
-    return max(float(np.abs(path.position - truth.position).max()), float(turned))
+    return max(farthest(scenes.make(name), path, exact(name))[:2])
 
 
 @pytest.mark.parametrize("name", [*LOOPS, "heavy_top"])

@@ -10,7 +10,7 @@ import pytest
 from cross_checks.extremes.parts import rod_chain
 from cross_checks.truths import kepler, truth_for
 from mbs_ref import scenes
-from mbs_ref.cores.system import Poses
+from mbs_ref.observables.distance import largest, relative
 from mbs_ref.scene import GROUND, Force, PlanarBody, PointMass, Prismatic, Scene, SpringDamper, UserForce, Weld
 from mbs_ref.scene.celestial import Newton, Oblateness
 from mbs_ref.scene.scales import scales_of
@@ -18,7 +18,6 @@ from mbs_ref.scene.signals import HalfSine
 from mbs_ref.scenes.incline import build as incline
 from mbs_ref.scenes.kepler import build as orbit
 from mbs_ref.self_checks.error_estimate import SAFETY, _richardson
-from mbs_ref.self_checks.state_gap import state_gaps
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
 from mbs_ref.trajectory import SEEN, Estimate, Status, Trajectory
@@ -30,11 +29,7 @@ def error(scene: Scene, path: Trajectory) -> float:
     """Return how far a run is from one with a far tighter tolerance, over the scene's scales."""
     fine = simulate(scene, Settings(rtol=TIGHT, estimate="off", reactions=False), path.times)
     assert fine.ok, fine.message
-    return float(np.max(state_gaps(scene, scales_of(scene), _poses(path), _poses(fine))))
-
-
-def _poses(path: Trajectory) -> Poses:
-    return Poses(path.position, path.orientation, path.velocity, path.angular_velocity)
+    return float(largest(relative(scene, path, fine, np.inf)))
 
 
 def of(path: Trajectory) -> Estimate:

@@ -1,0 +1,157 @@
+"""How far two motions of a scene are apart, and how far one goes, in position, orientation and their rates.
+
+`distances` is the one measure of every verdict, study, check and page. A quantity that is unknown is NaN, never 0: a
+particle has no orientation, and a motion may lack rates. `relative` divides by the scene's own length L and time T:
+metres by L, m/s by L/T and rad/s by 1/T; radians stay as they are.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple, Protocol
+
+import numpy as np
+
+from mbs_ref.scene import PointMass, Scene
+from mbs_ref.scene.euler_parameters import conjugate, product, rotation_vector
+from mbs_ref.scene.scales import Scales, scales_of
+
+NAMES = ("position", "orientation", "velocity", "angular velocity")
+UNITS = ("m", "rad", "m/s", "rad/s")
+
+
+class Motion(Protocol):
+    """World poses and rates of every body at sample times; None where the motion lacks a quantity."""
+
+    @property
+    def position(self) -> np.ndarray | None: ...  # (..., n_t, n_bodies, dimension) m
+    @property
+    def orientation(self) -> np.ndarray | None: ...  # (..., n_t, n_bodies) rad, or (..., n_t, n_bodies, 4)
+    @property
+    def velocity(self) -> np.ndarray | None: ...  # (..., n_t, n_bodies, dimension) m/s
+    @property
+    def angular_velocity(self) -> np.ndarray | None: ...  # (..., n_t, n_bodies) or (..., n_t, n_bodies, 3) rad/s
+
+
+class Partial(NamedTuple):
+    """A motion of which some quantities are known; shapes as in `Motion`."""
+
+    position: np.ndarray | None = None
+    orientation: np.ndarray | None = None
+    velocity: np.ndarray | None = None
+    angular_velocity: np.ndarray | None = None
+
+
+def distances(scene: Scene, first: Motion, second: Motion, missing: float = np.nan) -> np.ndarray:
+    """Return how far two motions are apart (..., n_t, n_bodies, 4): m, rad, m/s, rad/s; NaN where unknown.
+
+    Vectors differ by their Euclidean length and orientations by the angle of the turn between them, in [0, pi]; whole
+    turns in the plane do not count. The samples are those that both motions have. An infinite number is infinitely far.
+    `missing` replaces every NaN but those of particles' orientations: pass inf for runs, which lack nothing.
+    """
+    particles = [isinstance(body, PointMass) for body in scene.bodies]
+    sizes = unmasked_distances(first, second, None if all(particles) else scene.dimension == 3)
+    sizes[np.isnan(sizes)] = missing
+    sizes[..., particles, 1::2] = np.nan
+    return sizes
+
+
+def unmasked_distances(first: Motion, second: Motion, in_space: bool | None) -> np.ndarray:
+    """Return the distances of any bodies, with those of particles' orientations among them.
+
+    Turns are vectors in space and numbers in the plane; None for particles alone.
+    """
+    with np.errstate(all="ignore"):  # overflow is infinitely far
+        return np.stack(np.broadcast_arrays(
+            _size(_between(first.position, second.position, True), True),
+            _size(turn_between(first.orientation, second.orientation, in_space), in_space),
+            _size(_between(first.velocity, second.velocity, True), True),
+            _size(_between(first.angular_velocity, second.angular_velocity, in_space), in_space),
+        ), axis=-1)  # fmt: skip
+
+
+def units_of(scales: Scales) -> np.ndarray:
+    """Return the unit of each component (4,): m, rad, m/s, rad/s."""
+    return np.array([scales.length, 1.0, scales.speed, 1.0 / scales.time])
+
+
+def largest(sizes: np.ndarray, axis: int | None = None) -> np.ndarray:
+    """Return the largest known size over an axis, or over all; NaN where none is known."""
+    return np.fmax.reduce(sizes, axis=axis)
+
+
+def relative(
+    scene: Scene, first: Motion, second: Motion, missing: float = np.nan, scales: Scales | None = None
+) -> np.ndarray:
+    """Return the largest distances over bodies (..., n_t, 4), over the scene's scales."""
+    return largest(distances(scene, first, second, missing), -2) / units_of(scales or scales_of(scene))
+
+
+def point_distances(scene: Scene, first: Motion, second: Motion) -> np.ndarray:
+    """Return distances of centres of mass, or of points a radius of gyration away if larger: m and m/s (..., 2)."""
+    sizes = distances(scene, first, second)
+    arms = np.array([[body.gyration_radius] for body in scene.bodies])
+    return np.fmax(sizes[..., ::2], arms * sizes[..., 1::2])
+
+
+def farthest(scene: Scene, first: Motion, second: Motion) -> list[float]:
+    """Return the largest distances over samples and bodies: m, rad, m/s, rad/s; NaN where unknown."""
+    return largest(distances(scene, first, second).reshape(-1, 4), 0).tolist()
+
+
+def motion_size(scene: Scene, scales: Scales, run: tuple[np.ndarray, ...], times: np.ndarray) -> np.ndarray:
+    """Return how far a motion goes from its start in position and orientation, and its largest rates (..., 4).
+
+    The run is its positions, orientations, velocities and angular velocities. All sizes are over the scene's scales.
+    Samples once a period show bodies near their start alone: positions go at least as far as the speeds allow, up to
+    the extent of all positions.
+    """
+    position = run[0]
+    here = (slice(None),) * (position.ndim - 3) + (slice(1),)
+    start = (np.broadcast_to(part[here], part.shape) for part in run[:2])
+    sizes = distances(scene, Partial(*run), Partial(*start, *map(np.zeros_like, run[2:])))
+    with np.errstate(all="ignore"):
+        way = np.nansum(np.diff(times) * sizes[..., 2].max(axis=-1)[..., 1:], axis=-1)
+        size = np.max(sizes, axis=(-3, -2), where=np.isfinite(sizes), initial=0.0)
+    size[..., 0] = np.maximum(size[..., 0], np.minimum(way, _extent(position)))
+    return size / units_of(scales)
+
+
+def coordinate_size(scales: Scales, position: np.ndarray) -> float:
+    """Return the largest finite coordinate over the scene's length, at least 1: the unit of a relative tolerance."""
+    return max(float(np.max(np.abs(position), where=np.isfinite(position), initial=0.0)) / scales.length, 1.0)
+
+
+def turn_between(first: np.ndarray | None, second: np.ndarray | None, in_space: bool | None) -> np.ndarray | None:
+    """Return the turn (rad) from the second to the first orientation over their common samples, None where unknown.
+
+    The shape is (..., n_t, n_bodies), in [-pi, pi), or (..., n_t, n_bodies, 3) in space: rotation vectors, world axes.
+    """
+    if in_space:
+        return _between(first, second, in_space, lambda p, q: rotation_vector(product(p, conjugate(q))))
+    return _between(first, second, in_space, lambda a, b: np.remainder(a - b + np.pi, 2.0 * np.pi) - np.pi)
+
+
+def _between(
+    first: np.ndarray | None, second: np.ndarray | None, of_vectors: bool | None, minus: Callable = np.subtract
+) -> np.ndarray | None:
+    """Return the difference over the common samples; None where one is unknown or lacks Euler parameters."""
+    if first is None or second is None or of_vectors is None or first.ndim != second.ndim:
+        return None
+    rest = (slice(None),) * (2 if of_vectors else 1)
+    n = min(part.shape[-1 - len(rest)] for part in (first, second))
+    return minus(first[(..., slice(n), *rest)], second[(..., slice(n), *rest)])
+
+
+def _size(difference: np.ndarray | None, of_vectors: bool | None) -> np.ndarray | float:
+    if difference is None:
+        return np.nan
+    return np.linalg.norm(difference, axis=-1) if of_vectors else np.abs(difference)
+
+
+def _extent(position: np.ndarray) -> np.ndarray:
+    """Return the diagonal (..., m) of the box around all bodies at all times."""
+    known = np.isfinite(position).all(axis=-1, keepdims=True)
+    low = np.min(position, axis=(-3, -2), where=known, initial=np.inf)
+    high = np.max(position, axis=(-3, -2), where=known, initial=-np.inf)
+    return np.linalg.norm(np.maximum(high - low, 0.0), axis=-1)
