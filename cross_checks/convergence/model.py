@@ -84,12 +84,16 @@ class Posterior:
 
     @property
     def order(self) -> float:
-        """The mean order."""
-        return float(self.law.sum(axis=1) @ self.orders)
+        """The most probable order, interpolated between those of the grid."""
+        logs = np.log(self.law.sum(axis=1) + 1e-300)
+        k = int(np.clip(np.argmax(logs), 1, len(logs) - 2))
+        bend = logs[k - 1] - 2.0 * logs[k] + logs[k + 1]
+        shift = 0.5 * (logs[k - 1] - logs[k + 1]) / bend if bend < 0.0 else 0.0
+        return float(self.orders[k] * (self.orders[k + 1] / self.orders[k]) ** np.clip(shift, -1.0, 1.0))
 
     @property
     def observed_order(self) -> float | None:
-        """The mean order where two runs or more follow the law and its central 68 % span less than KNOWN; else None."""
+        """The order where two runs or more follow the law and its central 68 % span less than KNOWN; else None."""
         low, high = self.order_range()
         follows = len(self.ladder) > 1 and self.weights["right"] + self.weights["limit"] > 0.5
         return self.order if follows and high - low < KNOWN * max(1.0, self.order) else None
@@ -157,7 +161,7 @@ class _Data:
         reach = self.orders[:, None] * (self.log_setting - self.log_setting[-1])  # (p, i)
         amplitude = saturated(AMPLITUDES[None, :, None] + reach[:, None, :], ladder.bound)  # (p, b, i)
         self.hidden = HIDDEN * ladder.uncertainty
-        self.errors = np.maximum(ladder.errors, max(TINY, self.hidden))
+        self.errors = np.fmax(ladder.errors, max(TINY, self.hidden))
         self.log_error = np.log10(self.errors)
         self.is_hidden = ladder.errors <= self.hidden
         self.gaps = self._neighbours()

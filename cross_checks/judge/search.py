@@ -29,7 +29,8 @@ FAIRER = 0.3  # ... and after three runs for it
 PER_DECADE = 12  # settings that are considered
 FINER = {"fixed": 4.0, "adaptive": 100.0}  # factor to a plainly finer setting
 BEYOND = 4.0  # times the work limit: allowed to a run that may refute the classification as wrong
-MOST_RUNS = 12
+MOST_RUNS = 12  # of one method, where a failure is likely and not certain ...
+USUAL_RUNS = 6  # ... and of any other for its verdict
 TOO_SMALL = "step-too-small"  # status of a method whose step size underflowed: a tighter tolerance fails, too
 TRUSTED = 0.9  # odds of the law from which a coarser run tells as much as a finer one
 
@@ -44,6 +45,7 @@ class Subject(Protocol):
     coarsest: float
     finest: float  # within the work limit, or the tightest tolerance
     duration: float  # s
+    outputs: int  # intervals between output times
     most_steps: int
     why_no_truth: str
 
@@ -187,7 +189,7 @@ class Search:
         nearest = np.argmin(np.abs(np.log(knobs[:, None] / known)), axis=1)
         predicted = steps[nearest] * (known[nearest] / knobs) ** growth
         finer = np.where(known <= knobs[:, None], steps, np.inf).min(axis=1)  # no finer run takes fewer
-        return np.minimum(predicted, finer)
+        return np.maximum(np.minimum(predicted, finer), min(self.subject.outputs, steps.min()))  # each output ends one
 
     def _odds_to_run(self, knobs: np.ndarray) -> np.ndarray:
         """Return the odds (n,) that settings run: less beyond a failure, and between a failure and the nearest run."""
@@ -232,7 +234,7 @@ class Search:
     def _first(self, first: float) -> list[float]:
         finest, coarsest = self.subject.finest, self.subject.coarsest
         if self.subject.kind == "adaptive":
-            return [first, math.sqrt(first * finest), finest, math.sqrt(first * coarsest), coarsest]
+            return [first, math.sqrt(first * finest), finest, math.sqrt(first * coarsest)]
         wishes, factor = [first], 4.0
         while wishes[-1] > 4.0 * finest:
             wishes.append(max(wishes[-1] / factor, finest))
@@ -251,20 +253,21 @@ class Search:
                     self.try_(finer)
                     continue
             if judged.verdict is Verdict.NOT_SHOWN:
+                if self._has_new_reference():
+                    continue
                 knob = self._settling() if len(self.points) < self._most_runs() else None
                 if knob is not None:
                     self.try_(knob)
-                    continue
-                if self._has_new_reference():
                     continue
             return judged
 
     def _most_runs(self) -> int:
         """Return how many runs a verdict is worth: more where a failure is likely and not certain."""
         shown = self.shown()
-        if shown is None or len(shown.ladder) < CONFIRMED or shown.weights["right"] < TRUSTED:
+        is_lost = self.reference is not None and (self.good[-1].error or 0.0) > RESOLVED
+        if shown is None or (not is_lost and (len(shown.ladder) < CONFIRMED or shown.weights["right"] < TRUSTED)):
             return MOST_RUNS
-        return MOST_RUNS // 2
+        return USUAL_RUNS
 
     def _settling(self) -> float | None:
         """Return the setting that tells most about the verdict: the middle of the widest hole; None where none is left.

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from cross_checks import engines
 from cross_checks.engine import Method
 from cross_checks.judge.bounds import MOST_STEPS, TARGETS
-from cross_checks.judge.ladder import TIGHTEST, coarsest, knob_of, label, settings_at
+from cross_checks.judge.ladder import SAMPLES, TIGHTEST, coarsest, knob_of, label, settings_at
 from cross_checks.judge.runs import Runs, against, gap
 from cross_checks.judge.search import Search
 from cross_checks.judge.verdict import Judgement, Point
@@ -44,7 +44,7 @@ class Tried:
     gaps: dict[tuple[float, float], float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        self.kind, self.duration = self.method.kind, self.scene.duration
+        self.kind, self.duration, self.outputs = self.method.kind, self.scene.duration, SAMPLES - 1
         self.local_order = self.method.local_order
         self.coarsest = coarsest(self.method, self.scene)
         self.finest = TIGHTEST if self.kind == "adaptive" else self.duration / self.most_steps
