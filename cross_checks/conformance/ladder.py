@@ -12,8 +12,8 @@ from cross_checks.conformance import figures
 from cross_checks.conformance.apart import called
 from cross_checks.conformance.finding import Finding, Row, verdict
 from cross_checks.conformance.questions import Asked, rungs
-from cross_checks.convergence.ladder import Ladder
-from cross_checks.convergence.model import Posterior, posterior
+from cross_checks.judge.convergence.ladder import Ladder
+from cross_checks.judge.convergence.model import Posterior, posterior
 from cross_checks.engine import Engine
 from cross_checks.workshop.method import Method
 from mbs_ref.settings import Settings

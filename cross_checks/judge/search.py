@@ -16,13 +16,15 @@ from typing import Protocol
 
 import numpy as np
 
-from cross_checks.convergence.model import Posterior, posterior
-from cross_checks.convergence.prediction import expected_log_error, odds_below
+from cross_checks.judge.convergence.model import Posterior, posterior
+from cross_checks.judge.convergence.prediction import expected_log_error, odds_below
 from cross_checks.judge.verdict import CONFIRMED, RESOLVED, Judgement, Point, above_rounding, judge, ladder_of
 from cross_checks.judge.vocabulary import REFUSED, SILENT, Verdict
 
-WINDOW = 10.0  # a chosen error lies within this factor below its target
+WINDOW = 10.0  # a chosen error lies within this factor below its target ...
+AIM = 6.0  # ... and is aimed at within this one, for the sake of its scatter
 BELOW = 0.4  # worth of an error below the window, in units of one within it
+REFINED = 0.3  # odds of a coarser setting within the window that are worth a run
 PRICE = 0.1  # worth of a decade of steps
 FAIR = 0.12  # odds of a target below which no run is made for it ...
 FAIRER = 0.3  # ... and after three runs for it
@@ -141,19 +143,19 @@ class Search:
         for target in targets:
             reaching = [point for point in self.good if point.error is not None and point.error <= target]
             at_most = runs * odds_below(shown, knobs, target)
-            within = at_most - runs * odds_below(shown, knobs, target / WINDOW)
+            within = at_most - runs * odds_below(shown, knobs, target / AIM)
             if reaching:
                 cheapest = reaching[0]
                 cheaper = (knobs > cheapest.knob) & (10.0**steps < 0.8 * max(cheapest.steps, 1))
                 gain = np.where(cheaper, within, 0.0)
-                if (cheapest.error or 0.0) >= target / WINDOW or gain.max() < BELOW or tries[target] > 2:
+                if (cheapest.error or 0.0) >= target / WINDOW or gain.max() < REFINED or tries[target] > 2:
                     continue
                 worth += gain
-                able |= gain >= BELOW
+                able |= gain >= REFINED
             else:
                 if at_most.max() < (FAIR if tries[target] < 3 else FAIRER) or tries[target] > 4:
                     continue
-                worth += within + BELOW * (at_most - within)
+                worth += within if served else within + BELOW * (at_most - within)  # the loosest target leads
                 able |= at_most >= 0.5 * at_most.max()
             served.append(target)
         if not served:
@@ -173,7 +175,7 @@ class Search:
     def steps(self, knobs: np.ndarray) -> np.ndarray:
         """Return how many steps settings take (n,): counted for a fixed step, extrapolated for a tolerance.
 
-        From the nearest run steps grow by the documented order, or as between the finest runs where that is faster.
+        From the next coarser run steps grow by the documented order, or as between the finest runs if that is faster.
         """
         if self.subject.kind == "fixed":
             return self.subject.duration / knobs
@@ -182,12 +184,12 @@ class Search:
             return np.zeros(len(knobs))
         known, steps = (np.array(each, dtype=float) for each in zip(*done, strict=True))
         growth = 1.0 / self.subject.local_order
-        coarser = np.flatnonzero(known >= 10.0 * known[-1])
-        if len(coarser):
-            seen = math.log(steps[-1] / steps[coarser[-1]]) / math.log(known[coarser[-1]] / known[-1])
+        plainly = np.flatnonzero(known >= 10.0 * known[-1])
+        if len(plainly):
+            seen = math.log(steps[-1] / steps[plainly[-1]]) / math.log(known[plainly[-1]] / known[-1])
             growth = max(growth, seen)
-        nearest = np.argmin(np.abs(np.log(knobs[:, None] / known)), axis=1)
-        predicted = steps[nearest] * (known[nearest] / knobs) ** growth
+        coarser = np.maximum(np.sum(known[None, :] >= knobs[:, None], axis=1) - 1, 0)  # runs go from coarse to fine
+        predicted = steps[coarser] * (known[coarser] / knobs) ** growth
         finer = np.where(known <= knobs[:, None], steps, np.inf).min(axis=1)  # no finer run takes fewer
         return np.maximum(np.minimum(predicted, finer), min(self.subject.outputs, steps.min()))  # each output ends one
 
@@ -204,7 +206,7 @@ class Search:
                 beyond = np.abs(np.log(knobs / point.knob)) < math.log(1.2)
             nearest = good[np.argmin(np.abs(np.log(good / point.knob)))]
             share = np.log(knobs / nearest) / math.log(point.knob / nearest)  # 0 at the run, 1 at the failure
-            between = np.clip(1.0 - 0.7 * share, 0.3, 1.0)
+            between = np.clip(1.0 - share**2, 0.05, 1.0)
             leap = 0.3 if self.subject.kind == "fixed" else 0.05
             odds *= np.where(beyond, leap, 1.0 if inside else np.where(share > 0.0, between, 1.0))
         return odds
@@ -291,7 +293,8 @@ class Search:
             elif shown.weights["right"] < TRUSTED:
                 wished = knobs < middle
         knobs = knobs[wished] if wished.any() else knobs
-        apart = np.abs(np.log(knobs)[:, None] - np.log(np.array(self.knobs))).min(axis=1)
+        ends = [self.subject.finest] if self.subject.kind == "adaptive" else []  # a tolerance's steps are extrapolated
+        apart = np.abs(np.log(knobs)[:, None] - np.log(np.array([*self.knobs, *ends]))).min(axis=1)
         return float(knobs[int(np.argmax(apart))])
 
     def _is_able(self, knob: float, allowance: float) -> bool:

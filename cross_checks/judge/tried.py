@@ -13,7 +13,7 @@ from cross_checks.judge.ladder import SAMPLES, TIGHTEST, coarsest, knob_of, labe
 from cross_checks.judge.runs import Runs, against, gap
 from cross_checks.judge.search import Search
 from cross_checks.judge.verdict import Judgement, Point
-from cross_checks.judge.vocabulary import REFUSED, Answer, TargetResult
+from cross_checks.judge.vocabulary import REFUSED, WRONG, Answer, TargetResult
 from cross_checks.records.record import Record
 from cross_checks.truth import NoTruth, Truth
 from mbs_ref.scene import Scene
@@ -189,11 +189,12 @@ def _result(tried: Tried, target: float) -> TargetResult:
     floor = max((r.error.floor for r in records if r.error is not None), default=0.0)
     if target < floor:
         return TargetResult(target, "unjudged", None, f"errors below {floor:.1e} cannot be resolved by this truth")
-    steps = tried.search.least_steps(target)
-    if tried.most_steps < steps < math.inf:
+    steps, verdict = tried.search.least_steps(target), tried.verdict()
+    is_open = verdict.verdict not in WRONG and bool(good) and tried.knobs[-1] == good[-1].knob
+    if is_open and tried.most_steps < steps < math.inf:
         return TargetResult(target, "not-tried", None, f"it would take about {steps:.1g} steps")
     best = min((r.error.value for r in records if r.error is not None), default=math.inf)
-    return TargetResult(target, "not-reached", None, f"the best error is {best:.1e}; {tried.verdict().reason}")
+    return TargetResult(target, "not-reached", None, f"the best error is {best:.1e}; {verdict.reason}")
 
 
 def _last_message(tried: Tried) -> str:

@@ -8,8 +8,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cross_checks.convergence.ladder import Ladder
-from cross_checks.convergence.model import Posterior, posterior
+from cross_checks.judge.convergence.ladder import Ladder
+from cross_checks.judge.convergence.model import Posterior, posterior
 from cross_checks.judge.vocabulary import AGREEMENT, REFUSED, Verdict
 from cross_checks.truth import MARGIN
 
@@ -18,6 +18,7 @@ FAILING = 0.95  # odds of a failure from which a method is classified as wrong
 ROUNDED = 5.0  # times what rounding may add: a smaller error says nothing of the method
 DOUBTFUL = 0.1  # odds of a failure up to which agreement stands; half of it for convergence
 RESOLVED = 0.1  # of the scene: a larger error shows no approach
+FALLING = 0.5  # times the errors of the two levels before: a smaller error is no failure, whatever came before
 NEAR_BEST = 3.0  # times the best error: a finest run that is farther off shows no approach
 CONFIRMED = 3  # levels of runs at least that classify a method as wrong
 BLOWN_UP = frozenset({"non-finite", "reset"})
@@ -109,10 +110,10 @@ def _agreement(good: Sequence[Point], shown: Posterior, failing: float) -> Judge
 
 def _wrong(good: Sequence[Point], shown: Posterior, limit: float, stall: float) -> Judgement | None:
     """Return the classification as wrong-limit, lost or diverged where its odds suffice."""
-    if stall + limit <= FAILING:
-        return None
     ladder = shown.ladder
     error, last = float(ladder.errors[-1]), good[-1].setting
+    if stall + limit <= FAILING or error < FALLING * np.min(ladder.errors[-3:-1]):
+        return None
     odds, best = _capped(1.0 - stall - limit), float(np.min(ladder.errors))
     if limit > stall:
         own = f"its own limit is {shown.limit_distance:.1e} from the truth"

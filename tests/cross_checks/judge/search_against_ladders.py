@@ -19,7 +19,8 @@ from cross_checks.judge.bounds import MOST_STEPS, TARGETS
 from cross_checks.judge.cell import refused, tasks, truth_of
 from cross_checks.judge.ladder import label, rungs
 from cross_checks.judge.runs import Runs
-from cross_checks.judge.search import WINDOW, search
+from cross_checks.judge.search import WINDOW
+from cross_checks.judge.tried import search
 from cross_checks.records.record import Record
 from cross_checks.records.store import Store, default_path
 from cross_checks.truth import NoTruth, Truth

@@ -7,7 +7,7 @@ import itertools
 import numpy as np
 import pytest
 
-from cross_checks.convergence.model import Posterior, posterior
+from cross_checks.judge.convergence.model import Posterior, posterior
 from cross_checks.judge.verdict import Judgement, Point, judge, ladder_of
 from cross_checks.judge.vocabulary import Verdict
 
@@ -95,7 +95,7 @@ def test_one_rise_at_the_finest_of_four_runs_classifies_nothing(errors, word):
         # 85 steps, then 104 at three tolerances: two that hardly differ are no limit
         ([1e-3, 1.6e-6, 4e-4, 4e-4], [1e-3, 1e-3, 1e-3], [85, 104, 104, 104], Verdict.NOT_SHOWN),
         # in agreement by luck, at steps that err by 4e-4 as well: nothing was reached that could be lost
-        ([1e-1, 1e-2, 9e-7, 4e-4], [1e-1, 1e-2, 1e-2], [10, 20, 40, 40], Verdict.CONVERGING),
+        ([1e-1, 1e-2, 9e-7, 4e-4], [1e-1, 1e-2, 1e-2], [10, 20, 40, 40], Verdict.NOT_SHOWN),  # odds of a limit 0.13
         # three levels that settle elsewhere, one of them run twice
         ([2.0, 2.0, 2.0, 2.0], [1e-2, 1e-3, 1e-3], [10, 20, 40, 40], Verdict.WRONG_LIMIT),
         ([0.3] * 3, [0.0] * 2, [50] * 3, Verdict.NOT_SHOWN),  # outputs set all steps: one level

@@ -23,7 +23,7 @@ from functools import lru_cache
 import numpy as np
 from scipy.special import logsumexp
 
-from cross_checks.convergence.ladder import Ladder
+from cross_checks.judge.convergence.ladder import Ladder
 
 # Priors. Calibrated on synthetic ladders (docs/theory.md); none refers to a scene or an engine.
 PRIORS = {"right": 0.62, "limit": 0.25, "plateau": 0.04, "stalled": 0.07, "lost": 0.02}
@@ -135,7 +135,7 @@ def _mix(log_density: np.ndarray, share: float) -> np.ndarray:
 @lru_cache(maxsize=64)
 def _orders(expected: float) -> tuple[np.ndarray, np.ndarray]:
     """Return the grid of orders and the log of their prior."""
-    grid = np.geomspace(0.25 * min(expected, 1.0), max(1.6 * expected, expected + 2.0), 33)
+    grid = np.geomspace(0.25 * min(expected, 1.0), max(1.6 * expected, expected + 3.0), 33)
     x = np.log(grid)
     bell = np.exp(-0.5 * ((x - np.log(expected)) / 0.15) ** 2)
     first = np.exp(-0.5 * (x / 0.15) ** 2) if expected > 1.0 else bell

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from cross_checks.convergence.model import AMPLITUDES, DISTANCES, FADE, LEVELS, Posterior, saturated
+from cross_checks.judge.convergence.model import AMPLITUDES, DISTANCES, FADE, LEVELS, Posterior, saturated
 
 FAR = {"fixed": 0.25, "adaptive": 0.4}  # decades: scatter of an error far from all runs
 NEAR = 0.06  # decades: scatter of an error at a setting that was run
