@@ -7,6 +7,7 @@ import time
 from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import replace
 
+from benchmarks.timing import BUSY, BUSY_NOTE, with_loops
 from cross_checks import engines as registry
 from cross_checks.engine import Method
 from cross_checks.isolation.parent import Caller, Isolated, Lost
@@ -25,8 +26,6 @@ from mbs_ref.settings import Settings
 DECADES = tuple(10.0**-k for k in range(2, 11))  # targets of a sweep, over the scene's scales
 REPEATS = 5  # timed runs of a setting, of which the fastest counts
 REPEAT_BUDGET = 0.5  # s of loop time after which no more repeats are made
-BUSY = 0.9  # of a processor: a timed run that got less shared the machine
-BUSY_NOTE = "timed on a busy machine"
 
 Progress = Callable[[int, int, str], None]  # (done, of how many, what is made); a method counts twice, run and timed
 Asked = tuple[str, Method | None]  # an engine and its method; none where the engine is not installed
@@ -95,23 +94,22 @@ def _name(engine: str, method: Method | None) -> str:
 
 
 def timed(runs: Runs, scene: Scene, record: Record) -> Record:
-    """Return a record with the fastest of some repeats of its loop on this machine; made once and kept."""
+    """Return a record with the loop times of some repeats on this machine; the store keeps those of an idle one."""
     if record.status != "success":
         return record
     settings = Settings(**record.settings)
     key = run_name(scene, registry.get(record.engine), settings, grid(scene))
     loops = runs.store.timings(key, host())
-    notes = record.notes
-    if not loops:
-        try:
-            loops, share = runs.call(loops_of, scene, record.engine, settings)
-        except Lost as lost:
-            return replace(record, notes=(*notes, f"not timed: a repeat {lost}"))
-        notes = notes if share >= BUSY else (*notes, f"{BUSY_NOTE}: it got {share:.0%} of a processor")
-        if share >= BUSY:
-            runs.store.keep_timings(key, host(), loops)
-    spread = {"loop_s": min(loops), "loop_median_s": sorted(loops)[len(loops) // 2], "loop_runs": float(len(loops))}
-    return replace(record, times=record.times | spread, notes=notes)
+    if loops:
+        return with_loops(record, loops)
+    try:
+        loops, share = runs.call(loops_of, scene, record.engine, settings)
+    except Lost as lost:
+        return replace(record, notes=(*record.notes, f"not timed: a repeat {lost}"))
+    if share < BUSY:
+        return with_loops(record, loops, f"{BUSY_NOTE}: it got {share:.0%} of a processor")
+    runs.store.keep_timings(key, host(), loops)
+    return with_loops(record, loops)
 
 
 def loops_of(scene: Scene, engine: str, settings: Settings) -> tuple[list[float], float]:

@@ -13,20 +13,19 @@ from cross_checks.extremes import named
 from cross_checks.extremes.cell import Cell as ExtremeCell
 from cross_checks.extremes.cell import read as read_cells
 from cross_checks.extremes.run import matrix
+from cross_checks.judge.capabilities import Capability, capabilities
 from cross_checks.records.naming import code_of, digest_of
 from cross_checks.records.store import Store
 from mbs_ref import scenes
 from mbs_ref.scene import Scene
 from reports.facts.accuracy import Truths, answers, kept_answers, questions, truth_key, truths
-from reports.facts.capability import capabilities
 from reports.facts.cheapest import contenders
 from reports.facts.compiling import compile_kernels
 from reports.facts.environment import environment
 from reports.facts.kept import engine_versions, keep, recall, remembered
-from reports.facts.report_data import Capability, ReportData
+from reports.facts.report_data import ReportData
 from reports.facts.timing import timed
 from reports.facts.truth_facts import TruthFacts, truth_facts
-from reports.reproduce import scene_label
 from reports.studies.measuring import Progress, measure_all, measured
 
 SCENES: tuple[tuple[str, dict[str, Any]], ...] = (
@@ -80,7 +79,7 @@ INTERRUPTED = "interrupted"
 def chosen_scenes(quick: bool = False) -> dict[str, Scene]:
     """Return the scenes of the report by their labels."""
     made = [scenes.make(name, **parameters) for name, parameters in (QUICK if quick else SCENES)]
-    return {scene_label(scene.name, scene.parameters): scene for scene in made}
+    return {scenes.label(scene.name, scene.parameters): scene for scene in made}
 
 
 @contextmanager

@@ -35,7 +35,7 @@ ROOMS = {
         "ephemerides", "metrics", "records", "judge", "certificates conformance extremes trajectory_files",
     ),
     "benchmarks": (
-        "calibration event_work cluster pick profiles repeatability scaling sweep timing",
+        "calibration event_work cluster pick repeatability scaling timing", "sweep",
         "confirm dask_matrix history trees",
         "record_changes", "suites",
     ),

@@ -18,7 +18,6 @@ from reports.drawing.plots.compliance import compliance as compliance_data
 from reports.drawing.plots.energy import energy as energy_data
 from reports.drawing.plots.error_history import error_history
 from reports.drawing.plots.figure import new_figure, to_data
-from reports.drawing.plots.palette import styles
 from reports.drawing.plots.work_precision import work_precision as work_precision_data
 
 AXES = "xyz"
@@ -87,7 +86,7 @@ def work_precision(runs: Iterable[Run | Record]) -> go.Figure:
 
 def _of_records(draw: Any, runs: Iterable[Run | Record], needed: str) -> go.Figure:
     records = [item.record if isinstance(item, Run) else item for item in runs]
-    data = draw(records, styles(records, list(dict.fromkeys(record.engine for record in records))))
+    data = draw(records)
     if not data or not data["data"]:
         raise ValueError(f"runs = {len(records)} runs, none with {needed}; see their `status`, `message` and `notes`")
     return go.Figure(data)

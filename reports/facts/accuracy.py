@@ -1,11 +1,10 @@
-"""The cells of the validation matrix with their runs: asked of the store, and made on all cores where it has none."""
+"""The cells of the validation matrix with their runs: read from the store, or computed on all cores."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, fields
 from functools import cache
-from math import isfinite
 from typing import Any
 
 from cross_checks import engines as registry
@@ -14,22 +13,18 @@ from cross_checks.engine import Method
 from cross_checks.isolation.parent import Caller
 from cross_checks.isolation.workers import each
 from cross_checks.judge.bounds import TARGETS
-from cross_checks.judge.cell import Cell as Judged
-from cross_checks.judge.cell import cell_of, refused, tasks, truth_of
+from cross_checks.judge.cell import judged, tasks, truth_of
 from cross_checks.judge.ladder import grid
 from cross_checks.judge.runs import PASSING, Runs
-from cross_checks.judge.search import search
-from cross_checks.judge.vocabulary import TargetResult, Verdict
+from cross_checks.judge.vocabulary import Cell
 from cross_checks.records.naming import code_of, digest_of, truth_name
 from cross_checks.records.record import Record
 from cross_checks.records.store import Store
 from cross_checks.truth import NoTruth, Truth
 from mbs_ref.scene import Scene
 from reports.facts.kept import keep, recall
-from reports.facts.report_data import Cell, Target, setting_label
 
 JUDGING = "cross_checks.judge.cell"  # whose changes make cells anew
-MISSING = "any method"
 Truths = dict[str, Truth | NoTruth]  # by the scene's label
 Report = Callable[[int, int, str], None]
 
@@ -100,35 +95,9 @@ def _answer(store: Store, call: Caller, question: Question, truth: Truth | NoTru
 
 
 def answer(runs: Runs, question: Question, truth: Truth | NoTruth) -> tuple[Answer, bool]:
-    """Return the answer, and whether the machine had a part in it: such a one is not kept."""
-    name, refusal = refused(question.scene, question.engine, question.method)
-    if refusal or question.method is None:
-        verdict = Verdict.ENGINE_MISSING if question.method is None else Verdict.CANNOT
-        missed = tuple(Target(target, "cannot", refusal) for target in TARGETS)
-        cell = Cell(question.label, question.engine, name or MISSING, str(verdict), refusal, None, None, None)
-        return Answer(replace(cell, targets=missed)), False
-    tried, reached = search(runs, question.scene, question.engine, question.method, truth)
-    records = tuple(tried.records[knob] for knob in tried.knobs)
-    passing = any(record.status in PASSING for record in records)
-    return Answer(_plain(question.label, cell_of(tried, reached)), records), passing
-
-
-def _plain(label: str, found: Judged) -> Cell:
-    """Return the judge's cell as the page keeps it: under the scene's label, with finite numbers or None."""
-    return Cell(
-        label, found.engine, found.method, str(found.verdict), found.reason, _finite(found.error),
-        _finite(found.compliance), _finite(found.order), found.excuse, found.documented_order, found.setting,
-        tuple(_target(reached) for reached in found.targets),
-    )  # fmt: skip
-
-
-def _finite(value: float | None) -> float | None:
-    return value if value is not None and isfinite(value) else None
-
-
-def _target(found: TargetResult) -> Target:
-    setting = "" if found.record is None else setting_label(found.record)
-    return Target(found.target, found.answer, found.reason, setting)
+    """Return the answer, and whether the machine had a part in it: such a one is not stored."""
+    cell, records = judged(runs, question.scene, question.engine, question.method, truth)
+    return Answer(cell, records), any(record.status in PASSING for record in records)
 
 
 @cache

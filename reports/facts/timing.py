@@ -15,7 +15,7 @@ from functools import cache
 
 import numpy as np
 
-from benchmarks.timing import BUSY
+from benchmarks.timing import BUSY, BUSY_NOTE, with_loops
 from cross_checks import engines
 from cross_checks.engine import Engine
 from cross_checks.isolation.parent import Isolated, Lost
@@ -31,9 +31,7 @@ from reports.facts.environment import processor
 LEAST, MOST = 3, 5  # runs of a setting
 NARROW = 0.05  # of the median: half of the interval
 ENOUGH = 1.0  # s of loop time
-BUSY_NOTE = "timed on a busy machine"
 SHARED = " while others used it"  # of a machine's name, under which times of a busy one are kept
-FIRST_NOTE = "timed once, while other runs shared the machine"
 
 Report = Callable[[int, int, str], None]
 
@@ -60,7 +58,7 @@ def kept_times(store: Store, record: Record) -> Record | None:
     key = _key(record)
     quiet = store.timings(key, machine())
     loops = quiet or store.timings(key, machine() + SHARED)
-    return told(record, loops, busy=not quiet) if loops else None
+    return with_loops(record, loops, "" if quiet else BUSY_NOTE) if loops else None
 
 
 def _measured(store: Store, record: Record, call: Isolated) -> Record:
@@ -70,7 +68,7 @@ def _measured(store: Store, record: Record, call: Isolated) -> Record:
         return replace(record, notes=(*record.notes, f"not timed: {error}"))
     busy = share < BUSY
     store.keep_timings(_key(record), machine() + (SHARED if busy else ""), loops)
-    return told(record, loops, busy)
+    return with_loops(record, loops, BUSY_NOTE if busy else "")
 
 
 def time_loops(scene: str, parameters: dict, engine: str, settings: dict) -> tuple[list[float], float]:
@@ -107,13 +105,6 @@ def half_width(loops: list[float]) -> float:
     """Return half of the spread of the loop times over their median; 0 where nothing was measured."""
     middle = float(np.median(loops))
     return 0.0 if middle <= 0.0 else 0.5 * (max(loops) - min(loops)) / middle
-
-
-def told(record: Record, loops: list[float], busy: bool) -> Record:
-    """Return the record with its loop times: the least, the median, the largest."""
-    found = {"loop_s": min(loops), "loop_median_s": float(np.median(loops)), "loop_most_s": max(loops)}
-    notes = (*record.notes, BUSY_NOTE) if busy else record.notes
-    return replace(record, times=record.times | found | {"loop_runs": float(len(loops))}, notes=notes)
 
 
 def is_timed(record: Record) -> bool:

@@ -5,12 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from reports.drawing.plots.palette import styles
 from reports.facts.report_data import ReportData
 
 
 def per_scene(data: ReportData, plot: Callable[..., dict[str, Any] | None]) -> dict[str, dict[str, Any]]:
     """Return scene -> figure for every scene that `plot` can draw."""
-    style = styles(data.records, data.engines)
-    figures = {scene: plot(data.of_scene(scene), style) for scene in data.scenes}
+    figures = {scene: plot(data.of_scene(scene)) for scene in data.scenes}
     return {scene: figure for scene, figure in figures.items() if figure}

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import click
 
-from cross_checks.judge.cell import Cell, check
-from cross_checks.judge.vocabulary import REFUSED
+from cross_checks.judge.cell import check
+from cross_checks.judge.vocabulary import Cell, Refused, refusals
 from mbs_ref import scenes
 from reports import inputs
 from reports.terminal.asking import STORE, asked_runs
@@ -51,7 +51,7 @@ def command(
         _show(cells)
     if interrupted:
         raise Incomplete(f"interrupted after {len(cells)} cells")
-    if not any(cell.verdict not in ("cannot", "engine-missing") for cell in cells):
+    if not any(not cell.is_refused for cell in cells):
         why = {f"{cell.scene} by {cell.engine}": cell.reason for cell in reversed(cells)}  # an engine's first method
         told = [f"{where}: {reason}" for where, reason in reversed(why.items())]
         raise NothingSelected(f"no engine runs any of the scenes. {'. '.join(told[:MOST_REASONS])}")
@@ -64,19 +64,27 @@ def command(
 def _show(cells: list[Cell]) -> None:
     listing = table("", "scene", "engine", "method", "verdict", "error", "compliance", "order", "reason")
     for cell in cells:
-        if cell.verdict in REFUSED:
+        if cell.is_refused:
             continue
         figures = (number(value) for value in (cell.error, cell.compliance, cell.order))
-        excuse = f" (known: {cell.excuse})" if cell.excuse else ""
-        listing.add_row(cell.scene, cell.engine, cell.method, cell.verdict, *figures, f"{cell.reason}{excuse}")
+        exemption = f" (documented: {cell.exemption})" if cell.exemption else ""
+        verdict = f"{cell.verdict} {cell.code}"
+        listing.add_row(cell.label, cell.engine, cell.method, verdict, *figures, f"{cell.reason}{exemption}")
     show(listing)
-    refused = len([cell for cell in cells if cell.verdict in REFUSED])
-    if refused:
-        click.echo(f"{refused} more cells are refused or not installed; --json gives the reasons", err=True)
+    _show_refusals(cells)
     kinds = sorted({cell.truth for cell in cells if cell.truth})
     if kinds:
         click.echo(f"Errors are over each scene's own length and time; truths are {', '.join(kinds)}.", err=True)
     _show_contact([cell for cell in cells if cell.contact])
+
+
+def _show_refusals(cells: list[Cell]) -> None:
+    """List the engines that cannot run a scene by their reasons."""
+    listing = table("\nRefused", *Refused._fields)
+    for row in refusals(cells):
+        listing.add_row(*row)
+    if listing.row_count:
+        show(listing)
 
 
 def _show_contact(cells: list[Cell]) -> None:
@@ -86,5 +94,5 @@ def _show_contact(cells: list[Cell]) -> None:
     listing = table("\nContact", "scene", "engine", "method", "figures")
     for cell in cells:
         figures = "; ".join(f"{name} {number(value)}" for name, value in cell.contact.items())
-        listing.add_row(cell.scene, cell.engine, cell.method, figures)
+        listing.add_row(cell.label, cell.engine, cell.method, figures)
     show(listing)

@@ -6,9 +6,8 @@ from typing import Any
 
 from cross_checks.records.record import Record
 from reports.drawing.plots.history import history
-from reports.drawing.plots.palette import Style
 
 
-def compliance(records: list[Record], styles: dict[tuple[str, str], Style]) -> dict[str, Any] | None:
+def compliance(records: list[Record]) -> dict[str, Any] | None:
     """Return the figure of the largest |C(q, t)| (m, rad) over time (s)."""
-    return history(records, styles, "compliance_position", "largest |C(q, t)|, m or rad")
+    return history(records, "compliance_position", "largest |C(q, t)|, m or rad")

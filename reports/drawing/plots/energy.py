@@ -6,9 +6,8 @@ from typing import Any
 
 from cross_checks.records.record import Record
 from reports.drawing.plots.history import history
-from reports.drawing.plots.palette import Style
 
 
-def energy(records: list[Record], styles: dict[tuple[str, str], Style]) -> dict[str, Any] | None:
+def energy(records: list[Record]) -> dict[str, Any] | None:
     """Return the figure of |E(t) - E(0) - work| (J) over time (s)."""
-    return history(records, styles, "energy_drift", "|energy − initial − work|, J")
+    return history(records, "energy_drift", "|energy − initial − work|, J")

@@ -5,10 +5,11 @@ from __future__ import annotations
 from typing import Any
 
 from cross_checks.judge.bounds import TARGETS
+from cross_checks.judge.vocabulary import OURS
 from reports.drawing.numbers import duration, short
 from reports.drawing.section import Section
 from reports.facts.cheapest import Entry, entries, loop_time
-from reports.facts.report_data import OURS, ReportData
+from reports.facts.report_data import ReportData
 from reports.page.slug import scene_file
 
 LEAD = "The cheapest engine at each target error, with our own solver beside it. A scene's page has every engine."

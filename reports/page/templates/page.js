@@ -94,8 +94,9 @@ function answer() {
   const { best, second, margin, limit } = found;
   const head = node("p", "", out);
   node("strong", `${named(best)}: ${short(best.ms)} ms`, head);
+  if (best.ours) head.append(" by this project's own solver");
   head.append(` (error ${short(best.error)}, joints closed to ${short(best.compliance)} m).`);
-  node("p", second ? `Runner-up: ${named(second)}, at ${short(second.ms)} ms: ${short(margin)} times as long.` : "No other method shown reaches it.", out);
+  node("p", second ? `Runner-up: ${named(second)}, at ${short(second.ms)} ms: ${short(margin)} times as long.` : "No other engine or method shown reaches it.", out);
   node("p", limits(limit), out);
   const line = node("div", "", out);
   line.className = "line";
@@ -106,14 +107,14 @@ function answer() {
 
 function refusal({ why, near, floor, count }, bounds) {
   if (why === "nothing") return "No run of the engines shown finished on this scene.";
-  if (why === "floor") return `The truth of this scene judges no error below ${short(floor)}; ask for more.`;
+  if (why === "floor") return `The truth of this scene judges no error below ${short(floor)}.`;
   if (why === "budget") return `None within ${short(bounds.ms)} ms; the cheapest is ${named(near)} at ${short(near.ms)} ms.`;
   if (why === "compliance") return `${count} settings reach the error, but none keeps the joints within ${short(bounds.compliance)} m; the nearest is ${named(near)} with ${short(near.compliance)} m.`;
   return `None reached this; the nearest is ${named(near)} with ${short(near.error)}.`;
 }
 
 function limits(limit) {
-  if (!limit) return "Nothing cheaper misses one bound alone.";
+  if (!limit) return "No cheaper setting misses only one of the bounds.";
   const { bound, cheaper } = limit;
   const off = bound === "error" ? `an error of ${short(cheaper.error)}` : `joints open by ${short(cheaper.compliance)} m`;
   return `The ${bound} limits it: the nearest cheaper one is ${named(cheaper)}, at ${short(cheaper.ms)} ms with ${off}.`;

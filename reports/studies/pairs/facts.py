@@ -9,11 +9,11 @@ from reports.studies.study import Study
 
 @dataclass(frozen=True)
 class Row:
-    """One method at one target error, or the reason why it has none."""
+    """One engine at one target error, by its cheapest method, or the reason why it does not reach it."""
 
     scene: str
     engine: str
-    method: str
+    method: str  # empty where the scene is refused
     target: float | None  # over the scene's scales; None where the scene is refused
     answer: str  # reached | not-reached | not-tried | cannot | unjudged | engine-missing
     reason: str = ""

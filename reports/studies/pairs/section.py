@@ -10,9 +10,9 @@ from reports.facts.report_data import ReportData
 from reports.studies.pairs.facts import Pair, PairsFacts, Places, Row
 
 LEAD = (
-    "The pairs that this project sets out to compare, one table each: the cheapest setting found that meets a target "
-    "error over the scene's own scales, what it leaves of the constraints and of the energy, and its time in "
-    "interleaved runs, as a multiple of our cheapest."
+    "The pairs that this project sets out to compare, one table each. Every engine enters all of its methods. A row "
+    "shows the cheapest setting that meets a target error over the scene's own scales: its constraint violation, its "
+    "energy drift, and its time in interleaved runs, also as a multiple of our cheapest."
 )
 NO_ROWS = "no rows"  # to comply with
 HEAD = ("scene", "engine and method", "target", "setting", "error", "largest |C|", "energy drift", "time", "over ours")
