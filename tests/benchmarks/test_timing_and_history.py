@@ -1,21 +1,16 @@
-"""The timing verdict on known clocks, change points, the history's files, and performance profiles."""
+"""The timing verdict on known clocks, change points, and the history's files."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from benchmarks.history import Entry, append, change_points, from_benchmarks, index, series
-from benchmarks.profiles import profiles
-from benchmarks.sweep import sweep
 from benchmarks.timing import Pace, Sample, compare
 from benchmarks.trees.regression import Finding, cheapest, confirmed, overall
-from cross_checks.judge.runs import Runs
 from cross_checks.records.lines import Busy, exclusive
-from mbs_ref import scenes
 
 
 def clock(seconds: float, seed: int, noise: float = 0.02):
@@ -114,16 +109,6 @@ def test_the_coarsest_rung_within_the_error_is_chosen():
     rungs = [{"status": s, "error": e, "settings": {"step": h}} for s, e, h in runs]
     assert cheapest(rungs, 1e-6) == {"step": 0.01}
     assert cheapest(rungs, 1e-12) is None
-
-
-def test_profiles(swing):
-    records = list(sweep(Runs(), scenes.make("pendulum"), ["swing"]))
-    priced = [replace(r, times={"loop_s": 1e-4 / r.settings["step"]}) for r in records if r.status == "success"]
-    found = {p.solver[1]: p for p in profiles([*priced, *(r for r in records if r.status != "success")], 1e-3)}
-    assert found["second"].share(1.0) == 1.0
-    assert found["biased"].share(1e9) == 0.0
-    assert found["loops"].factors == ()
-    assert profiles(priced, 1e-30) == []
 
 
 def test_two_sweeps_do_not_write_one_file(tmp_path):

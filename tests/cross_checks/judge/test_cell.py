@@ -108,7 +108,7 @@ def test_a_copy_under_another_name_has_the_truth_and_the_verdict_of_the_original
     known, found = (judge_method(runs, one, "mujoco", method, truth_of(runs, one)) for one in (scene, copy))
     assert known.verdict is Verdict.WRONG_LIMIT
     assert (found.verdict, found.error, found.reason) == (known.verdict, known.error, known.reason)
-    assert known.excuse
+    assert known.exemption
     assert not known.is_wrong
 
 

@@ -24,8 +24,7 @@ from cross_checks import engines
 from cross_checks.engine import Engine, Method
 from cross_checks.judge import one_run as compare
 from cross_checks.judge import runs as judged_runs
-from cross_checks.judge.cell import Cell
-from cross_checks.judge.vocabulary import Verdict
+from cross_checks.judge.vocabulary import Cell, Verdict
 from cross_checks.records.record import Error, Record
 from cross_checks.truths import seek_truth
 from mbs_ref import scenes
@@ -68,8 +67,8 @@ class Quick(Engine):
 
 
 def cell(method: str = "rk4", verdict: str = "agrees") -> Cell:
-    excuse = "loops are springs" if method == "soft" else ""
-    return Cell("pendulum", {}, "quick", method, Verdict(verdict), "as told", excuse, 1e-9, 1e-12, math.nan)
+    exemption = "loops are springs" if method == "soft" else ""
+    return Cell("pendulum", {}, "quick", method, Verdict(verdict), "the reason", exemption, 1e-9, 1e-12, math.nan)
 
 
 def get(name: str) -> Engine:
@@ -327,7 +326,7 @@ def test_check_prints_cells(stand):
     done = run("check", "pendulum", "--engine", "quick", "--json")
     assert done.exit_code == 0
     (shown,) = json.loads(done.stdout)
-    assert shown["verdict"] == "agrees"
+    assert (shown["verdict"], shown["code"]) == ("agrees", "MBS.V01")
     assert shown["order"] is None
     assert stand["asked"] == {"scenes": ["pendulum"], "engines": ["quick"]}
     assert "agrees" in run("check").stdout
@@ -342,6 +341,12 @@ def test_check_prints_cells(stand):
 def test_check_s_exit_code_stands_for_the_table(stand, method, verdict, code):
     stand["cells"] = [cell(method, verdict)]
     assert run("check").exit_code == code
+
+
+def test_check_lists_refusals_by_engine_and_reason(stand):
+    stand["cells"] = [cell(), *(cell(method, "cannot") for method in ("rk4", "euler"))]
+    rows = [line.split() for line in run("check").stdout.partition("Refused")[2].splitlines() if "quick" in line]
+    assert rows == [["quick", "rk4,", "euler", "pendulum", "the", "reason"]]
 
 
 def test_sweep_draws_what_it_measured(stand, tmp_path):

@@ -186,6 +186,13 @@ def test_slower_and_not_measured_differ(night, pace, code):
     assert run(*night["words"]).exit_code == code
 
 
+def test_a_night_without_any_case_ends_before_any_work(night, tmp_path):
+    done = run(*night["words"], "--only", "pendulum links=3")
+    assert done.exit_code == 5
+    assert "pendulum mbs_ref rk4" in done.output
+    assert not list(tmp_path.iterdir())
+
+
 def test_a_sweep_that_became_less_accurate_fails_the_night(night):
     assert run(*night["words"]).exit_code == 0
     night["records"] = [replace(RECORD, status="diverged"), DEAR]

@@ -7,12 +7,15 @@ from pathlib import Path
 
 import pytest
 
+from cross_checks import engines
+from cross_checks.judge.cell import judge_method, tasks
 from cross_checks.judge.runs import Runs
+from cross_checks.judge.vocabulary import OURS
 from cross_checks.records.store import Store
 from reports.page.render import render
 from reports.studies.pairs import measure
 from reports.studies.pairs.facts import Pair, PairsFacts, Places, Row
-from reports.studies.pairs.measure import OURS, Asked, pair
+from reports.studies.pairs.measure import Request, pair
 from reports.studies.pairs.sky_places import sky_places
 from tests.reports.page.synthetic_report import report_data
 
@@ -20,33 +23,50 @@ FEW = 1e-3
 FIGURES = {"earth": 7.0, "jupiter": 4.0, "moon": 4.5}  # that a built-in ephemeris of four figures shares with our run
 
 
-def test_both_sides_meet_one_target_and_who_cannot_says_why(tmp_path: Path):
-    pytest.importorskip("exudyn")
-    asked = Asked("Loops", "", (("slider_crank", {}),),
-                  ((OURS, ("dop853",)), ("exudyn", ("tree_dopri5",))), (FEW,))  # fmt: skip
+@pytest.fixture
+def offered(monkeypatch):
+    """Let our solver offer three methods."""
+    ours = [(OURS, engines.get(OURS).method(name)) for name in ("euler", "dop853", "rk4")]
+    monkeypatch.setattr(measure, "tasks", lambda names: [*ours, *tasks(names[1:])])
+
+
+def test_every_method_enters_and_the_cheapest_one_is_shown(tmp_path: Path, monkeypatch, offered):
+    monkeypatch.setattr(measure, "least_times", lambda runs, first: [first[k] / 7.0 for k in range(len(runs))])
+    request = Request("A pendulum", "", (("pendulum", {}),), (), (FEW, 1e-11))
     with Store(tmp_path / "runs.sqlite") as store:
-        ours, *others = pair(Runs(store), asked).rows
-    assert ours.engine == OURS
-    assert ours.answer == "reached"
-    assert ours.error is not None
-    assert ours.error < FEW
-    assert ours.ratio == 1.0
-    assert ours.compliance is not None
-    answers = {row.engine: row for row in others}
-    assert answers["exudyn"].answer == "cannot"
-    assert "loop" in answers["exudyn"].reason
+        runs = Runs(store)
+        (scene,) = request.made()
+        truth = runs.truth(scene)
+        cells = [judge_method(runs, scene, *who, truth, request.targets) for who in request.entrants()]
+        rows = pair(runs, request).rows
+    assert [row.target for row in rows] == [FEW, 1e-11]
+    for row in rows:
+        results = [result for cell in cells for result in cell.targets if result.target == row.target and result.record]
+        best = min((result.record for result in results), key=lambda r: r.times["loop_s"])
+        assert (row.method, row.error, row.loop_s) == (best.method, best.error.value, best.times["loop_s"] / 7.0)
+        assert row.ratio == 1.0
+    assert rows[1].method == "dop853"  # of three methods one reaches it
 
 
-def test_searches_made_side_by_side_leave_nothing_to_run(tmp_path: Path, monkeypatch):
+def test_an_engine_that_cannot_run_the_scene_gives_its_reason(tmp_path: Path, offered):
+    pytest.importorskip("exudyn")
+    request = Request("Friction", "", (("incline", {}),), ("exudyn",), (FEW,))
+    with Store(tmp_path / "runs.sqlite") as store:
+        *_, last = pair(Runs(store), request).rows
+    assert (last.engine, last.target, last.answer) == ("exudyn", None, "cannot")
+    assert last.reason
+
+
+def test_searches_made_side_by_side_leave_nothing_to_run(tmp_path: Path, monkeypatch, offered):
     monkeypatch.setenv("MBS_REF_STORE", str(tmp_path / "runs.sqlite"))
-    asked = Asked("A pendulum", "", (("pendulum", {}),), ((OURS, ("dop853", "rk4")),), (FEW,))
-    monkeypatch.setattr(measure, "PAIRS", (asked,))
-    assert measure.parts() == [(0, 0, 0), (0, 0, 1)]
+    request = Request("A pendulum", "", (("pendulum", {}),), (), (FEW,))
+    monkeypatch.setattr(measure, "PAIRS", (request,))
+    assert measure.parts() == [(0, 0, 0), (0, 0, 1), (0, 0, 2)]
     for part in reversed(measure.parts()):
         measure.make(part)
     with Store(tmp_path / "runs.sqlite") as store:
         runs = Runs(store)
-        assert [row.answer for row in pair(runs, asked).rows] == ["reached", "reached"]
+        assert [row.answer for row in pair(runs, request).rows] == ["reached"]
         assert runs.made == 0
 
 
