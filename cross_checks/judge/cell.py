@@ -76,13 +76,23 @@ def judged(
 
     No run takes more than `most_steps`.
     """
-    name, refusal = refused(scene, engine, method)
-    if refusal or method is None:
-        verdict = Verdict.ENGINE_MISSING if method is None else Verdict.CANNOT
-        missed = tuple(TargetResult(target, "cannot", None, refusal) for target in targets)
-        return Cell(scene.name, dict(scene.parameters), engine, name, verdict, refusal, targets=missed), ()
+    refusal = refusal_of(scene, engine, method, targets)
+    if refusal is not None or method is None:
+        return refusal, ()  # type: ignore[return-value] - None only with a method
     tried, results = search(runs, scene, engine, method, truth, targets, most_steps)
     return cell_of(tried, results), tuple(tried.records[knob] for knob in tried.knobs)
+
+
+def refusal_of(
+    scene: Scene, engine: str, method: Method | None, targets: Sequence[float] = TARGETS
+) -> Cell | None:
+    """Return the cell of a method that cannot run the scene, with every reason; None where it can."""
+    name, reason = refused(scene, engine, method)
+    if not reason:
+        return None
+    verdict = Verdict.ENGINE_MISSING if method is None else Verdict.CANNOT
+    missed = tuple(TargetResult(target, "cannot", None, reason) for target in targets)
+    return Cell(scene.name, dict(scene.parameters), engine, name, verdict, reason, targets=missed)
 
 
 def refused(scene: Scene, engine: str, method: Method | None) -> tuple[str, str]:

@@ -9,6 +9,8 @@ from cross_checks.judge.vocabulary import OURS
 from reports.facts.cheapest import Entry, entries, loop_time
 from reports.facts.report_data import ReportData
 
+MIDDLE = 1e-6  # over the scene's scales: the target at which engines are compared in words
+
 
 @dataclass(frozen=True)
 class Standing:

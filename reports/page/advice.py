@@ -11,9 +11,7 @@ from cross_checks.records.record import Record
 from reports.drawing.numbers import count, of_scene, short
 from reports.facts.cheapest import entries, reaching
 from reports.facts.report_data import ReportData
-from reports.facts.standings import standing_of
-
-MIDDLE = 1e-6  # the target that settings are recommended for
+from reports.facts.standings import MIDDLE, standing_of
 
 
 @dataclass(frozen=True)

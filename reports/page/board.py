@@ -14,6 +14,7 @@ from reports.drawing.numbers import short
 from reports.facts.report_data import ReportData
 from reports.facts.standings import standings
 from reports.page.render import templates
+from reports.page.sections.matrix import view
 from reports.page.sections.prices import inside, price_table
 from reports.page.slug import slug
 
@@ -39,11 +40,6 @@ def _blocks(data: ReportData, scene: str) -> list[dict[str, Any]]:
     return blocks
 
 
-def claim(cell: Cell) -> dict[str, str]:
+def claim(cell: Cell) -> dict[str, Any]:
     """Return a verdict that classifies a method as wrong, with the command that repeats it."""
-    again = f"mbs-ref rerun {cell.name}"
-    return {
-        "anchor": slug(f"{cell.label} {cell.engine} {cell.method}"), "scene": cell.label, "engine": cell.engine,
-        "method": cell.method, "verdict": cell.verdict, "code": cell.code, "reason": cell.reason,
-        "exemption": cell.exemption, "command": again,
-    }  # fmt: skip
+    return view(cell) | {"anchor": slug(f"{cell.label} {cell.engine} {cell.method}")}

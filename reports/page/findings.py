@@ -8,10 +8,10 @@ from cross_checks.judge.vocabulary import OURS, WRONG, Cell, Verdict
 from cross_checks.records.record import Record
 from mbs_ref.trajectory import Status
 from reports.drawing.numbers import count, duration, joules, metres, of_scene, setting, short
-from reports.drawing.section import Finding
+from reports.drawing.section import Finding, Section
 from reports.facts.cheapest import entries, known_error, loop_time, usable
 from reports.facts.report_data import ReportData
-from reports.facts.standings import standing_of
+from reports.facts.standings import MIDDLE, standing_of
 from reports.studies.study import every, section
 
 CAUGHT = (Status.NON_FINITE, Status.RESET)  # what engines do without saying so
@@ -19,7 +19,6 @@ ORDER_SLACK = 0.5  # an observed order lower than documented by more than this i
 CLOSED_JOINTS = 1e-8  # m, compliance that looks perfect
 FAR_OFF = 1e-2  # of the scene, an error anyone would mind
 CONSERVED = 1e-6  # J, energy drift that looks perfect
-MIDDLE = 1e-6  # over the scene's scales, at which costs are compared
 MOST = 8  # findings of one rule shown
 
 
@@ -157,4 +156,6 @@ def _scenes(cells: list[Cell]) -> str:
     return ", ".join(dict.fromkeys(c.label for c in cells))
 
 
+LEAD = "What a reader should take away, worded from the data of this very report."
+SECTION = Section("findings", "Findings", LEAD, lambda data: {"findings": findings(data)})
 RULES = (wrong_limits, failing_beside_a_sibling, silent_failures, perfect_but_wrong, low_orders, fastest)

@@ -1,4 +1,4 @@
-"""A quantity over time, one line an engine: what compliance, energy drift and error have in common."""
+"""Compliance, energy drift and error over time, one line an engine."""
 
 from __future__ import annotations
 
@@ -11,7 +11,22 @@ from reports.drawing.plots.palette import styles
 from reports.facts.cheapest import best_of_engines
 
 
-def history(records: list[Record], key: str, title: str) -> dict[str, Any] | None:
+def compliance(records: list[Record]) -> dict[str, Any] | None:
+    """Return the figure of the largest |C(q, t)| (m, rad) over time (s)."""
+    return _history(records, "compliance_position", "largest |C(q, t)|, m or rad")
+
+
+def energy(records: list[Record]) -> dict[str, Any] | None:
+    """Return the figure of |E(t) - E(0) - work| (J) over time (s)."""
+    return _history(records, "energy_drift", "|energy − initial − work|, J")
+
+
+def error_history(records: list[Record]) -> dict[str, Any] | None:
+    """Return the figure of the error over the scene's scales over time (s)."""
+    return _history(records, "error", "error over the scene's scales")
+
+
+def _history(records: list[Record], key: str, title: str) -> dict[str, Any] | None:
     """Return the figure of `history[key]` over time (s), or None where no record holds it."""
     drawn = [r for r in best_of_engines(records) if r.history.get(key) and r.history.get("t")]
     if not drawn:

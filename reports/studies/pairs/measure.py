@@ -22,7 +22,6 @@ from cross_checks.truth import NoTruth, Truth
 from mbs_ref import scenes
 from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings
-from reports.drawing.numbers import setting
 from reports.facts.cheapest import Entry, entries, loop_time, near, reaching
 from reports.facts.report_data import ReportData
 from reports.facts.turns import least_times
@@ -108,11 +107,12 @@ def compared(runs: Runs, scene: Scene, request: Request) -> Iterator[Row]:
         timed = replace(data, records=_timed(scene, data, target))
         listed = [entry for entry in entries(timed, label, target) if entry.engine in able]
         ours = next((loop_time(entry.best) for entry in listed if entry.best and entry.engine == OURS), None)
-        yield from (_row(scene, target, entry, ours) for entry in listed)
+        for entry in listed:
+            ratio = None if ours is None or entry.best is None else loop_time(entry.best) / ours
+            yield Row(label, target, entry, bool(scene.joints), ratio)
     for engine in data.engines:
         if engine not in able:
-            cell = data.cells_of(label, engine)[0]
-            yield Row(label, engine, "", None, cell.verdict, cell.reason)
+            yield Row(label, None, Entry(engine, "cannot", None, data.cells_of(label, engine)[0].reason))
 
 
 def _cell(
@@ -130,17 +130,6 @@ def _timed(scene: Scene, data: ReportData, target: float) -> tuple[Record, ...]:
 
 def _loop(scene: Scene, run: Record) -> float:
     return engines.get(run.engine).run(scene, Settings(**run.settings), grid(scene)).timing.loop_s
-
-
-def _row(scene: Scene, target: float, entry: Entry, ours: float | None) -> Row:
-    run, label = entry.best, scenes.label(scene.name, scene.parameters)
-    if run is None or run.error is None:
-        return Row(label, entry.engine, entry.method, target, entry.answer, entry.reason)
-    return Row(
-        label, entry.engine, entry.method, target, entry.answer, "", setting(run.settings), run.error.value,
-        run.measure("compliance_position") if scene.joints else None, run.measure("energy_drift"), loop_time(run),
-        None if ours is None else loop_time(run) / ours,
-    )  # fmt: skip
 
 
 def parts() -> list[tuple[int, int, int]]:

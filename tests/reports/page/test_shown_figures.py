@@ -14,8 +14,8 @@ from cross_checks.judge.vocabulary import OURS, Cell, TargetResult, Verdict
 from cross_checks.records.record import Error, Record
 from reports.drawing.numbers import short
 from reports.facts.report_data import ReportData
-from reports.facts.standings import standings
-from reports.page.advice import MIDDLE, advice
+from reports.facts.standings import MIDDLE, standings
+from reports.page.advice import advice
 from reports.page.board import board
 from reports.page.sections.prices import price_table
 from reports.page.sections.profiles import context as profiles

@@ -11,7 +11,9 @@ from cross_checks import engines
 from cross_checks.judge.cell import judge_method, tasks
 from cross_checks.judge.runs import Runs
 from cross_checks.judge.vocabulary import OURS
+from cross_checks.records.record import Error, Record
 from cross_checks.records.store import Store
+from reports.facts.cheapest import Entry
 from reports.page.render import render
 from reports.studies.pairs import measure
 from reports.studies.pairs.facts import Pair, PairsFacts, Places, Row
@@ -43,9 +45,9 @@ def test_every_method_enters_and_the_cheapest_one_is_shown(tmp_path: Path, monke
     for row in rows:
         results = [result for cell in cells for result in cell.targets if result.target == row.target and result.record]
         best = min((result.record for result in results), key=lambda r: r.times["loop_s"])
-        assert (row.method, row.error, row.loop_s) == (best.method, best.error.value, best.times["loop_s"] / 7.0)
+        assert row.entry.best == replace(best, times=best.times | {"loop_s": best.times["loop_s"] / 7.0})
         assert row.ratio == 1.0
-    assert rows[1].method == "dop853"  # of three methods one reaches it
+    assert rows[1].entry.method == "dop853"  # of three methods one reaches it
 
 
 def test_an_engine_that_cannot_run_the_scene_gives_its_reason(tmp_path: Path, offered):
@@ -53,8 +55,8 @@ def test_an_engine_that_cannot_run_the_scene_gives_its_reason(tmp_path: Path, of
     request = Request("Friction", "", (("incline", {}),), ("exudyn",), (FEW,))
     with Store(tmp_path / "runs.sqlite") as store:
         *_, last = pair(Runs(store), request).rows
-    assert (last.engine, last.target, last.answer) == ("exudyn", None, "cannot")
-    assert last.reason
+    assert (last.entry.engine, last.target, last.entry.answer) == ("exudyn", None, "cannot")
+    assert last.entry.reason
 
 
 def test_searches_made_side_by_side_leave_nothing_to_run(tmp_path: Path, monkeypatch, offered):
@@ -66,7 +68,7 @@ def test_searches_made_side_by_side_leave_nothing_to_run(tmp_path: Path, monkeyp
         measure.make(part)
     with Store(tmp_path / "runs.sqlite") as store:
         runs = Runs(store)
-        assert [row.answer for row in pair(runs, request).rows] == ["reached"]
+        assert [row.entry.answer for row in pair(runs, request).rows] == ["reached"]
         assert runs.made == 0
 
 
@@ -80,8 +82,10 @@ def test_our_planets_and_moon_are_where_astropy_says():
 
 
 def test_the_page_tells_rows_refusals_and_places():
-    good = Row("chain", OURS, "dop853", 1e-6, "reached", "", "rtol = 1e-7", 3e-7, None, None, 2e-3, 1.0)
-    never = Row("chain", "exudyn", "tree", None, "cannot", "closes a loop")
+    run = Record("chain", {}, OURS, "dop853", {"rtol": 1e-7}, "success", error=Error(3.1e-7, "exact", 1e-12, 0.0),
+                 times={"loop_s": 2.3e-3})  # fmt: skip
+    good = Row("chain", 1e-6, Entry(OURS, "reached", run, method="dop853"), False, 1.37)
+    never = Row("chain", None, Entry("exudyn", "cannot", None, "closes a loop"))
     facts = PairsFacts(
         (Pair("Chains", "note", (good, never)),), (Places("planets", 200.0, {"mars": 4e6}, "m", {"mars": 4.8}),)
     )
@@ -90,4 +94,4 @@ def test_the_page_tells_rows_refusals_and_places():
     assert "cannot: closes a loop" in page
     assert "worked on" in page
     assert 'colspan="6"' in page
-    assert "4.8" in page
+    assert all(text in page for text in ("rtol = 1e-7", "3.1e-7", "2.3 ms", "1.37", "4.8"))
