@@ -38,11 +38,14 @@ class Verdict(StrEnum):
     ENGINE_MISSING = "engine-missing"
 
 
+Tone = Literal["good", "fair", "bad", "plain"]
+
+
 class Meaning(NamedTuple):
     """A verdict's stable code, its tone on a page and its meaning in one sentence."""
 
     code: str
-    tone: Literal["good", "fair", "bad", "plain"]
+    tone: Tone
     sentence: str
 
 
@@ -65,7 +68,14 @@ WRONG = frozenset(verdict for verdict, meaning in MEANINGS.items() if meaning.to
 REFUSED = frozenset({Verdict.CANNOT, Verdict.ENGINE_MISSING})
 SILENT = frozenset({Verdict.WRONG_LIMIT, Verdict.LOST, Verdict.DIVERGED})  # the runs behind them report success
 
-Answer = Literal["reached", "not-reached", "not-tried", "cannot", "unjudged"]
+Answer = Literal["reached", "not-tried", "not-reached", "unjudged", "cannot"]
+ANSWERS: dict[Answer, tuple[str, Tone]] = {
+    "reached": ("reached", "good"),
+    "not-tried": ("not tried", "fair"),
+    "not-reached": ("not reached", "bad"),
+    "unjudged": ("not judged", "plain"),
+    "cannot": ("cannot", "plain"),
+}  # with word and tone; the first of the answers of its methods is an engine's
 
 
 @dataclass(frozen=True)
@@ -126,7 +136,7 @@ class Cell:
         return f"{self.label.replace(' ', ',')}/{self.engine}/{self.method}"
 
     @property
-    def tone(self) -> str:
+    def tone(self) -> Tone:
         """The tone of the verdict on a page; no worse than fair where a documented weakness exempts the method."""
         tone = MEANINGS[self.verdict].tone
         return "fair" if tone == "bad" and self.exemption else tone

@@ -6,13 +6,12 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from cross_checks.judge.bounds import TARGETS
-from cross_checks.judge.vocabulary import Answer, Cell
+from cross_checks.judge.vocabulary import ANSWERS, Answer, Cell
 from cross_checks.records.record import Record
 from mbs_ref.trajectory import Status
 from reports.facts.report_data import ReportData
 
 NEAR = 1.5  # times the cheapest first run: settings that near are timed, too, since first runs are noisy
-RANK = ("reached", "not-tried", "not-reached", "unjudged", "cannot")  # the first of its methods' answers is an engine's
 
 
 @dataclass(frozen=True)
@@ -70,7 +69,7 @@ def _entry(data: ReportData, scene: str, engine: str, target: float) -> Entry:
     results = [(cell, result) for cell in data.cells_of(scene, engine) if (result := cell.result(target)) is not None]
     if not results:
         return Entry(engine, "cannot", reason="none of its methods was run for this target")
-    cell, result = min(results, key=lambda item: (RANK.index(item[1].answer), _error(item[0])))
+    cell, result = min(results, key=lambda item: (list(ANSWERS).index(item[1].answer), _error(item[0])))
     return Entry(engine, result.answer, None, result.reason or cell.reason, cell.method)
 
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from cross_checks.judge.vocabulary import MEANINGS, Cell, TargetResult, refusals
-from reports.drawing.numbers import ABSENT, in_words, metres, of_scene, setting, short
+from cross_checks.judge.vocabulary import ANSWERS, MEANINGS, Cell, TargetResult, refusals
+from reports.drawing.numbers import ABSENT, in_words, metres, of_scene, order_of, setting, short
 from reports.drawing.section import Section
 from reports.facts.report_data import ReportData
 
@@ -13,7 +13,6 @@ LEAD = (
     "What each method does on each scene it takes. Errors are over the scene's own scales: position over its length, "
     "angles in rad, velocities over length by time; the largest component of any body at any output counts."
 )
-ANSWERS = {"reached": "good", "not-reached": "bad", "not-tried": "fair", "unjudged": "plain", "cannot": "plain"}
 
 
 def view(cell: Cell) -> dict[str, Any]:
@@ -31,15 +30,16 @@ def view(cell: Cell) -> dict[str, Any]:
         "error": of_scene(cell.error),
         "setting": in_words(cell.setting) or ABSENT,
         "compliance": metres(cell.compliance),
-        "order": ABSENT if cell.order is None else f"{short(cell.order)} of {cell.documented_order}",
+        "order": order_of(cell.order, cell.documented_order),
         "targets": [_target(result) for result in cell.targets],
         "command": f"mbs-ref rerun {cell.name}",
     }
 
 
 def _target(result: TargetResult) -> dict[str, str]:
-    text = result.answer if result.record is None else setting(result.record.settings)
-    return {"target": short(result.target), "tone": ANSWERS[result.answer], "text": text, "reason": result.reason}
+    word, tone = ANSWERS[result.answer]
+    text = word if result.record is None else setting(result.record.settings)
+    return {"target": short(result.target), "tone": tone, "text": text, "reason": result.reason}
 
 
 def context(data: ReportData) -> dict[str, Any]:

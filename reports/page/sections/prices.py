@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from cross_checks.judge.bounds import TARGETS
-from cross_checks.judge.vocabulary import OURS
+from cross_checks.judge.vocabulary import ANSWERS, OURS
 from reports.drawing.numbers import duration, metres, setting, short
 from reports.drawing.plots.work_precision import work_precision
 from reports.drawing.section import Section
@@ -20,10 +20,6 @@ LEAD = (
     "The cheapest setting of each engine that comes within the target error, over the scene's own scales. Our own "
     "solver stands below the ranking: it has no rank."
 )
-WORDS = {
-    "not-tried": "not tried", "not-reached": "not reached", "unjudged": "not judged", "cannot": "cannot",
-    "reached": "reached",
-}  # fmt: skip
 
 
 def price_table(data: ReportData, scene: str) -> list[dict[str, Any]]:
@@ -53,7 +49,7 @@ def _row(entry: Entry, factor: float | None) -> dict[str, Any]:
     }
     record = entry.best
     if record is None or record.error is None:
-        told = f"{WORDS[entry.answer]}: {entry.reason or 'no reason was given'}"
+        told = f"{ANSWERS[entry.answer][0]}: {entry.reason or 'no reason was given'}"
         named = f" ({entry.method})" if entry.method and entry.answer != "cannot" else ""
         return row | {"missed": told + named}
     return row | {

@@ -1,4 +1,4 @@
-// Folds wide tables, draws plots when they come near the screen, and answers the pick box.
+// Folds wide tables, draws plots, first those near the screen, and answers the pick box.
 "use strict";
 const css = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 const narrow = () => window.innerWidth < 760;
@@ -54,6 +54,10 @@ const near = new IntersectionObserver((entries) => {
   for (const entry of entries) if (entry.isIntersecting) { near.unobserve(entry.target); draw(entry.target); }
 }, { rootMargin: "400px" });
 document.querySelectorAll(".plot").forEach((div) => near.observe(div));
+// the others once the browser is idle, so that a printed page has them, too
+window.addEventListener("load", async () => {
+  for (const div of document.querySelectorAll(".plot")) { await new Promise(window.requestIdleCallback ?? setTimeout); await draw(div); }
+});
 
 function drawnPlots() { return document.querySelectorAll(".plot[data-drawn]"); }
 
