@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import math
+import random
 
 import numpy as np
 import pytest
 
 from benchmarks.history import Entry, append, change_points, from_benchmarks, index, series
-from benchmarks.timing import Pace, Sample, compare
+from benchmarks.timing import Pace, Sample, compare, with_loops
 from benchmarks.trees.regression import Finding, cheapest, confirmed, overall
 from cross_checks.records.lines import Busy, exclusive
+from cross_checks.records.record import Record
 
 
 def clock(seconds: float, seed: int, noise: float = 0.02):
@@ -109,6 +111,19 @@ def test_the_coarsest_rung_within_the_error_is_chosen():
     rungs = [{"status": s, "error": e, "settings": {"step": h}} for s, e, h in runs]
     assert cheapest(rungs, 1e-6) == {"step": 0.01}
     assert cheapest(rungs, 1e-12) is None
+
+
+@pytest.mark.parametrize("count", [4, 5])
+def test_loop_times_of_a_record(count):
+    chance = random.Random(count)
+    loops = [chance.uniform(0.1, 2.0) for _ in range(count)]
+    run = with_loops(Record("pendulum", {}, "quick", "rk4", {}, "success", times={"build_s": 0.7}), loops, "busy")
+    ordered = sorted(loops)
+    middle = (ordered[(count - 1) // 2] + ordered[count // 2]) / 2.0
+    assert run.times == {
+        "build_s": 0.7, "loop_s": ordered[0], "loop_median_s": middle, "loop_most_s": ordered[-1], "loop_runs": count
+    }  # fmt: skip
+    assert run.notes == ("busy",)
 
 
 def test_two_sweeps_do_not_write_one_file(tmp_path):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from cross_checks.judge.vocabulary import ANSWERS
 from reports.drawing.numbers import ABSENT, duration, joules, metres, setting, short
 from reports.drawing.section import Section
 from reports.facts.cheapest import loop_time
@@ -38,7 +39,7 @@ def _cells(row: Row) -> list[str]:
     entry, run = row.entry, row.entry.best
     head = [row.scene, f"{entry.engine} {entry.method}".rstrip(), _target(row)]
     if run is None or run.error is None:
-        return [*head, f"{entry.answer}: {entry.reason}".rstrip(": ")]
+        return [*head, f"{ANSWERS[entry.answer][0]}: {entry.reason}".rstrip(": ")]
     drift = run.measure("energy_drift")
     return [
         *head, setting(run.settings), short(run.error.value),

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from cross_checks import engines
-from cross_checks.judge.cell import check, judge_method, truth_of
+from cross_checks.judge.cell import check, judge_method, judged, truth_of
 from cross_checks.judge.runs import Runs
 from cross_checks.judge.vocabulary import Verdict
 from cross_checks.metrics.state_error import from_truth
@@ -58,6 +58,13 @@ def test_no_engine_is_accused_of_a_scene_whose_start_breaks_its_joints(swing):
     assert {cell.verdict for cell in cells} == {Verdict.CANNOT}
     assert "breaks joint" in cells[0].reason
     assert not any(cell.is_wrong for cell in cells)
+
+
+def test_a_cell_holds_the_runs_that_reach_its_targets_without_their_histories(swing):
+    cell, records = judged(Runs(), PENDULUM, "swing", engines.get("swing").method("second"), truth_of(Runs(), PENDULUM))
+    reached = [result.record for result in cell.targets if result.record]
+    assert [replace(r, history={}) for r in records if r.settings in [run.settings for run in reached]] == reached
+    assert all(record.history for record in records)
 
 
 def test_unknown_engines_are_refused(swing):
