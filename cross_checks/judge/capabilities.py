@@ -50,8 +50,8 @@ def _capability(name: str, probes: dict[str, Scene]) -> Capability:
     return Capability(
         name, True, "", engine.version(), tuple(engine.methods()),
         {kind: kind in engine.part_types for kind in PART_TYPES},
-        {label: tuple(refusal.reason for refusal in found) for label, found in refusals.items()},
-        {trait: _ability(engine, trait, found) for trait, found in shown.items() if found},
+        {label: tuple(refusal.reason for refusal in own) for label, own in refusals.items()},
+        {trait: _ability(engine, trait, own) for trait, own in shown.items() if own},
     )  # fmt: skip
 
 

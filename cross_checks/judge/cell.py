@@ -106,7 +106,7 @@ def refused(scene: Scene, engine: str, method: Method | None) -> tuple[str, str]
 
 
 def cell_of(tried: Tried, results: Sequence[TargetResult]) -> Cell:
-    """Return the verdict on runs that were made; the same runs give the same cell."""
+    """Return the verdict on a search; the same runs give the same cell."""
     scene, truth, points, uncertainty = tried.scene, tried.truth, tried.points(), tried.uncertainty
     verdict, reason = tried.verdict()
     place = speaking(points)

@@ -148,7 +148,7 @@ class Cell:
 
     @property
     def is_refused(self) -> bool:
-        """Whether no run was made."""
+        """Whether the engine ran nothing, for a reason."""
         return self.verdict in REFUSED
 
     def result(self, target: float) -> TargetResult | None:

@@ -79,8 +79,8 @@ def _error(cell: Cell) -> float:
 
 def contenders(data: ReportData) -> list[Record]:
     """Return the runs that may be an engine's cheapest at a target."""
-    found = (run for s in data.scenes for e in data.engines for t in TARGETS for run in near(reaching(data, s, e, t)))
-    return list({id(run): run for run in found}.values())
+    every = (run for s in data.scenes for e in data.engines for t in TARGETS for run in near(reaching(data, s, e, t)))
+    return list({id(run): run for run in every}.values())
 
 
 def near(runs: Sequence[Record]) -> list[Record]:

@@ -87,17 +87,17 @@ class ReportData:
 
     @cached_property
     def _by_place(self) -> dict[tuple[str, str], list[Cell]]:
-        found: dict[tuple[str, str], list[Cell]] = defaultdict(list)
+        groups: dict[tuple[str, str], list[Cell]] = defaultdict(list)
         for cell in self.cells:
-            found[(cell.label, cell.engine)].append(cell)
-        return dict(found)
+            groups[(cell.label, cell.engine)].append(cell)
+        return dict(groups)
 
     @cached_property
     def _by_scene(self) -> dict[str, list[Record]]:
-        found: dict[str, list[Record]] = defaultdict(list)
+        groups: dict[str, list[Record]] = defaultdict(list)
         for record in self.records:
-            found[record.label].append(record)
-        return dict(found)
+            groups[record.label].append(record)
+        return dict(groups)
 
     @cached_property
     def _by_run(self) -> dict[tuple[Any, ...], Record]:

@@ -46,11 +46,11 @@ def standings(data: ReportData, target: float) -> list[Standing]:
 
 def _standings(data: ReportData, target: float) -> list[Standing]:
     listed = {scene: entries(data, scene, target) for scene in data.scenes}
-    factors = {scene: over_cheapest(found) for scene, found in listed.items()}
+    factors = {scene: over_cheapest(own) for scene, own in listed.items()}
     first = [min((f, e) for e, f in own.items() if e != OURS)[1] for own in factors.values() if own]
 
     def standing(engine: str) -> Standing:
-        reached = sum(e.engine == engine and e.best is not None for found in listed.values() for e in found)
+        reached = sum(e.engine == engine and e.best is not None for own in listed.values() for e in own)
         own = {scene: ratios[engine] for scene, ratios in factors.items() if engine in ratios}
         return Standing(engine, reached, first.count(engine), own, len(first))
 

@@ -30,8 +30,7 @@ class Advice:
 
 def advice(data: ReportData) -> list[Advice]:
     """Return a line for each engine, ours last: it is no part of the ranking."""
-    found = [_of_engine(data, engine) for engine in data.engines]
-    return sorted(found, key=lambda line: line.ours)
+    return sorted((_of_engine(data, engine) for engine in data.engines), key=lambda line: line.ours)
 
 
 def _of_engine(data: ReportData, engine: str) -> Advice:
@@ -60,7 +59,7 @@ def _trust(data: ReportData, engine: str) -> tuple[str, str]:
     if not able:
         return "It runs none of these scenes.", ""
     hits = {target: reached(data, engine, target) for target in TARGETS}
-    told = ", ".join(f"{short(target)} on {len(hits[target])}" for target in TARGETS)
+    reach = ", ".join(f"{short(target)} on {len(hits[target])}" for target in TARGETS)
     best = hits[MIDDLE] or hits[TARGETS[0]]
     if not best:
         return f"It comes within {short(TARGETS[0])} of the truth on none of {count(len(able), 'scene')}.", ""
@@ -68,7 +67,7 @@ def _trust(data: ReportData, engine: str) -> tuple[str, str]:
     runs = [run for run in best.values() if run.method == method]
     within = MIDDLE if hits[MIDDLE] else TARGETS[0]
     use = f"Use {method} at {_span(runs)} for {short(within)}: cheapest of its methods on {number} of {len(best)}."
-    return use, f"Of {count(len(able), 'scene')} it models, it reaches {told}."
+    return use, f"Of {count(len(able), 'scene')} it models, it reaches {reach}."
 
 
 def _span(runs: list[Record]) -> str:
@@ -96,10 +95,10 @@ def _limit(data: ReportData, engine: str) -> str:
         return ""
     answers = {scene: next(e.answer for e in entries(data, scene, MIDDLE) if e.engine == engine) for scene in able}
     parts = []
-    for answer, told in MISSED.items():
-        where = ", ".join(scene for scene, found in answers.items() if found == answer)
+    for answer, sentence in MISSED.items():
+        where = ", ".join(scene for scene, own in answers.items() if own == answer)
         if where:
-            parts.append(told.format(target=short(MIDDLE), scenes=where, steps=MOST_STEPS))
+            parts.append(sentence.format(target=short(MIDDLE), scenes=where, steps=MOST_STEPS))
     cannot = ", ".join(scene for scene in data.scenes if scene not in able)
     if cannot:
         parts.append(f"it cannot model {cannot}")

@@ -41,7 +41,7 @@ class Request:
     rivals: tuple[str, ...]
     targets: tuple[float, ...] = (1e-3, 1e-6)
 
-    def made(self) -> list[Scene]:
+    def built(self) -> list[Scene]:
         return [scenes.make(name, **parameters) for name, parameters in self.scenes]
 
     def entrants(self) -> list[tuple[str, Method | None]]:
@@ -93,7 +93,7 @@ def measure() -> PairsFacts:
 
 def pair(runs: Runs, request: Request) -> Pair:
     """Return the rows of every scene of a pair, and of every engine."""
-    rows = tuple(row for scene in request.made() for row in compared(runs, scene, request))
+    rows = tuple(row for scene in request.built() for row in compared(runs, scene, request))
     return Pair(request.title, request.note, rows)
 
 
@@ -123,9 +123,9 @@ def _cell(
 
 def _timed(scene: Scene, data: ReportData, target: float) -> tuple[Record, ...]:
     """Return the runs that may be an engine's cheapest at a target, timed in randomly interleaved turns."""
-    found = [run for engine in data.engines for run in near(reaching(data, data.scenes[0], engine, target))]
-    times = least_times([partial(_loop, scene, run) for run in found], [loop_time(run) for run in found])
-    return tuple(replace(run, times=run.times | {"loop_s": time}) for run, time in zip(found, times, strict=True))
+    near_best = [run for engine in data.engines for run in near(reaching(data, data.scenes[0], engine, target))]
+    times = least_times([partial(_loop, scene, run) for run in near_best], [loop_time(run) for run in near_best])
+    return tuple(replace(run, times=run.times | {"loop_s": time}) for run, time in zip(near_best, times, strict=True))
 
 
 def _loop(scene: Scene, run: Record) -> float:
@@ -133,11 +133,11 @@ def _loop(scene: Scene, run: Record) -> float:
 
 
 def parts() -> list[tuple[int, int, int]]:
-    """Return every search as a pair, a scene of it and an entrant, counted: they may be made in any order."""
+    """Return every search as a pair, a scene of it and an entrant, counted: their order does not matter."""
     return [
         (k, number, entrant)
         for k, request in enumerate(PAIRS)
-        for number, scene in enumerate(request.made())
+        for number, scene in enumerate(request.built())
         for entrant, who in enumerate(request.entrants()) if not refused(scene, *who)[1]
     ]  # fmt: skip
 
@@ -145,7 +145,7 @@ def parts() -> list[tuple[int, int, int]]:
 def make(part: tuple[int, int, int]) -> None:
     """Search once: the store keeps the runs, among which `measure` looks for the cheapest."""
     request = PAIRS[part[0]]
-    scene, entrant = request.made()[part[1]], request.entrants()[part[2]]
+    scene, entrant = request.built()[part[1]], request.entrants()[part[2]]
     with Store(default_path()) as store:
         runs = Runs(store)
         _cell(runs, scene, *entrant, runs.truth(scene), request)

@@ -37,7 +37,7 @@ def test_every_method_enters_and_the_cheapest_one_is_shown(tmp_path: Path, monke
     request = Request("A pendulum", "", (("pendulum", {}),), (), (FEW, 1e-11))
     with Store(tmp_path / "runs.sqlite") as store:
         runs = Runs(store)
-        (scene,) = request.made()
+        (scene,) = request.built()
         truth = runs.truth(scene)
         cells = [judge_method(runs, scene, *who, truth, request.targets) for who in request.entrants()]
         rows = pair(runs, request).rows
