@@ -9,6 +9,8 @@ from cross_checks.judge.vocabulary import OURS
 from cross_checks.records.record import Record
 from mbs_ref.display import facts
 
+RIVAL = 5.0  # of the cheapest loop time: one that is measured beside other runs is off by less than this factor
+
 
 @dataclass(frozen=True)
 class Limit:
@@ -85,6 +87,21 @@ def pick(
     margin = None if second is None else cost(second) / cost(best)
     limit = _limit([r for r in measured if cost(r) < cost(best)], bounds)
     return Choice(best, second, margin, " ".join((_why(best, second, margin), _why_not_cheaper(limit))), limit)
+
+
+def contenders(records: Iterable[Record], bounds: Bounds) -> list[Record]:
+    """Return the runs that may prove the cheapest within the bounds once they are timed alone."""
+    reached = [record for record in records if _is_measured(record) and bounds.met_by(record)]
+    return [record for record in reached if cost(record) <= RIVAL * min(map(cost, reached))]
+
+
+def basis(records: Iterable[Record]) -> str:
+    """Return a sentence on what the errors of the records are from."""
+    errors = [record.error for record in records if record.error is not None]
+    if not errors:
+        return "No truth is known yet."
+    best = min(errors, key=lambda error: error.uncertainty)
+    return f"Errors are from a truth known to {best.uncertainty:.1e} of the scene: {best.truth}."
 
 
 def told(record: Record) -> str:

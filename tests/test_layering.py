@@ -35,8 +35,8 @@ ROOMS = {
         "ephemerides", "metrics", "records", "judge", "certificates conformance extremes trajectory_files",
     ),
     "benchmarks": (
-        "calibration event_work cluster pick repeatability scaling timing", "sweep",
-        "confirm dask_matrix history trees",
+        "calibration event_work pick repeatability timing", "sweep",
+        "confirm history trees",
         "record_changes", "suites",
     ),
     "reports": (

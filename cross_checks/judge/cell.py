@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 from cross_checks import engines as registry
 from cross_checks.engine import Engine, Method
 from cross_checks.judge.bounds import MOST_STEPS, TARGETS
-from cross_checks.judge.consensus import working_truth
+from cross_checks.judge.consensus import ENOUGH, working_truth
 from cross_checks.judge.runs import Runs
 from cross_checks.judge.search import Tried, search
 from cross_checks.judge.verdict import speaking
-from cross_checks.judge.vocabulary import Cell, TargetResult, Verdict
+from cross_checks.judge.vocabulary import SILENT, Cell, TargetResult, Verdict
 from cross_checks.metrics.observed_order import observed_order
 from cross_checks.records.record import Record
 from cross_checks.truth import NoTruth, Truth
@@ -20,16 +20,20 @@ from cross_checks.workshop.initial_state import broken_start
 from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings
 
-Progress = Callable[[int, int, str], None]  # (cells done, of how many, what comes next)
+ALONE = "one package, not certified"
+BY_TRUTH = SILENT | {Verdict.AGREES, Verdict.BELOW_TRUTH, Verdict.CONVERGING}  # verdicts that a truth decides
 
 
-def truth_of(runs: Runs, scene: Scene) -> Truth | NoTruth:
-    """Return the scene's certified truth, else what engines agree on, else why there is neither."""
+def truth_of(runs: Runs, scene: Scene, enough: float = ENOUGH) -> Truth | NoTruth:
+    """Return the scene's certified truth, else what engines agree on, else why there is neither.
+
+    Engines run until they know the scene to `enough` of its scales.
+    """
     broken = broken_start(scene, Settings().initial_tolerance)
     if broken:
         return NoTruth(broken)
     truth = runs.truth(scene)
-    return working_truth(runs, scene, truth.reason) if isinstance(truth, NoTruth) else truth
+    return working_truth(runs, scene, truth.reason, enough) if isinstance(truth, NoTruth) else truth
 
 
 def tasks(engines: Iterable[str]) -> list[tuple[str, Method | None]]:
@@ -41,23 +45,6 @@ def tasks(engines: Iterable[str]) -> list[tuple[str, Method | None]]:
         except registry.EngineMissing:
             offered.append((name, None))
     return offered
-
-
-def check(
-    runs: Runs, scenes: Iterable[Scene], engines: Sequence[str] | None = None, progress: Progress | None = None
-) -> Iterator[Cell]:
-    """Yield a cell for every scene, engine and method, as it is judged. ValueError where an engine is unknown."""
-    offered = tasks(engines or registry.names())
-    listed = [(scene, *task) for scene in scenes for task in offered]
-    truths: dict[int, Truth | NoTruth] = {}
-    for done, (scene, engine, method) in enumerate(listed):
-        if progress is not None:
-            progress(done, len(listed), f"{scene.name} {engine} {method.name if method else ''}".strip())
-        if id(scene) not in truths:
-            truths[id(scene)] = truth_of(runs, scene)
-        yield judge_method(runs, scene, engine, method, truths[id(scene)])
-    if progress is not None:
-        progress(len(listed), len(listed), "")
 
 
 def judge_method(
@@ -108,7 +95,7 @@ def refused(scene: Scene, engine: str, method: Method | None) -> tuple[str, str]
 def cell_of(tried: Tried, results: Sequence[TargetResult]) -> Cell:
     """Return the verdict on a search; the same runs give the same cell."""
     scene, truth, points, uncertainty = tried.scene, tried.truth, tried.points(), tried.uncertainty
-    verdict, reason = tried.verdict()
+    verdict, reason, results = _of_one_package(truth, *tried.verdict(), results)
     place = speaking(points)
     record: Record | None = None if place < 0 else tried.records[points[place].knob]
     return Cell(
@@ -127,6 +114,16 @@ def cell_of(tried: Tried, results: Sequence[TargetResult]) -> Cell:
 
 def _without_history(result: TargetResult) -> TargetResult:
     return result if result.record is None else replace(result, record=replace(result.record, history={}))
+
+
+def _of_one_package(
+    truth: Truth | NoTruth, verdict: Verdict, reason: str, results: Sequence[TargetResult]
+) -> tuple[Verdict, str, Sequence[TargetResult]]:
+    """Return what is shown where one package alone knows the motion: it confirms no method and calls none wrong."""
+    if truth.kind != "one-package":
+        return verdict, reason, results
+    unjudged = [replace(one, answer="unjudged", reason=ALONE) if one.record else one for one in results]
+    return (Verdict.NOT_SHOWN, f"{ALONE}: {reason}", unjudged) if verdict in BY_TRUTH else (verdict, reason, unjudged)
 
 
 def _order(tried: Tried, uncertainty: float) -> float | None:

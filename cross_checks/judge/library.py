@@ -7,7 +7,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from cross_checks.judge.cell import check as check_all
+from cross_checks.judge.answers import check as check_all
 from cross_checks.judge.one_run import judged_run
 from cross_checks.judge.runs import UNTOLD, Runs, against
 from cross_checks.judge.vocabulary import Cell

@@ -22,7 +22,7 @@ class Error:
     """
 
     value: float
-    truth: str  # exact | published | converged | agreed, and where it comes from
+    truth: str  # exact | published | converged | agreed | one-package, and where it comes from
     uncertainty: float  # of the truth
     final: float  # at the last time alone
     worst: str = "position"  # the component that is largest, and of which body

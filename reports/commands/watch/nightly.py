@@ -14,7 +14,6 @@ from pathlib import Path
 import click
 
 from benchmarks import history, record_changes
-from benchmarks.cluster import FULL
 from benchmarks.history import Entry
 from benchmarks.record_changes import Move
 from benchmarks.trees import regression
@@ -30,6 +29,11 @@ from reports.terminal.exit_codes import Failed, Incomplete, NothingSelected
 
 FILE = click.Path(dir_okay=False, path_type=Path)
 FOLDER = click.Path(file_okay=False, path_type=Path)
+SWEPT = (
+    ("pendulum", {}), ("pendulum_chain", {"links": 3}), ("n_four_bar", {"loops": 1}), ("double_pendulum", {}),
+    ("pendulum_chain", {"links": 10}), ("n_four_bar", {"loops": 2}), ("slider_crank", {}), ("driven_pendulum", {}),
+    ("spring_pendulum", {}),
+)  # fmt: skip
 ERROR = 1e-6  # of the scene, at which the cheapest loop times are followed
 Where = tuple[str, str, str, str]  # job, made, commit, machine
 
@@ -89,7 +93,7 @@ def _sweep(folder: Path, only: str, where: Where) -> tuple[list[Entry], list[rec
         shutil.rmtree(before, ignore_errors=True)
         folder.rename(before)
     entries, changes = [], []
-    made = [scenes.make(name, **parameters) for name, parameters in FULL]
+    made = [scenes.make(name, **parameters) for name, parameters in SWEPT]
     for scene in made:
         label = scenes.label(scene.name, scene.parameters)
         if only not in label:
