@@ -15,10 +15,10 @@ from cross_checks.engine import Method
 from cross_checks.isolation.parent import Caller
 from cross_checks.isolation.workers import BRIEF, Late, Pool
 from cross_checks.judge.bounds import TARGETS
-from cross_checks.judge.cell import Cell, cell_of, refusal_of, tasks
+from cross_checks.judge.cell import judged, refusal_of, tasks
 from cross_checks.judge.consensus import ENOUGH, Consensus, Request
 from cross_checks.judge.runs import Runs
-from cross_checks.judge.search import search
+from cross_checks.judge.vocabulary import Cell
 from cross_checks.records.record import Record
 from cross_checks.truth import MARGIN, NoTruth, Truth
 from mbs_ref.scene import Scene
@@ -118,7 +118,7 @@ class _OfScene:
     def begin(self, asked: Sequence[Question]) -> Iterator[Answer]:
         """Seek the truth; yield the answers that need none, of methods that cannot run the scene."""
         for question in asked:
-            cell = refusal_of(question.scene, question.engine, question.method)
+            cell = refusal_of(question.scene, question.engine, question.method, self._targets)
             if cell is None:
                 self._able.append(question)
             else:
@@ -155,12 +155,10 @@ class _OfScene:
     def _searched(self, question: Question, call: Caller) -> Answer:
         """Search and judge by the best truth there is when the task begins."""
         assert self._truth is not None
-        assert question.method is not None
         (truth, known_to, is_settled), runs = self._truth, replace(self._runs, call=call)
         targets = self._targets if is_settled else sorted({max(one, MARGIN * known_to) for one in self._targets})
-        tried, results = search(runs, question.scene, question.engine, question.method, truth, targets)
-        records = tuple(tried.records[knob] for knob in tried.knobs)
-        return Answer(question, cell_of(tried, results), records, truth, is_settled)
+        found = judged(runs, question.scene, question.engine, question.method, truth, targets)
+        return Answer(question, *found, truth, is_settled)
 
     def receive(self, question: Question, result: Answer | Late) -> Answer | None:
         """Return an answer; search again where it came too late, or the truth is better known by now."""

@@ -70,15 +70,15 @@ def test_a_certified_truth_gives_settled_answers_alone(asked):
 
 @pytest.mark.parametrize("patient", [True, False])
 def test_a_method_that_comes_late_is_answered_last_or_not_at_all(asked, monkeypatch, patient):
-    tried, search = [], module.search
+    tried, judged = [], module.judged
 
     def once_late(runs, scene, engine, method, truth, targets):
         tried.append(method.name)
         if tried == ["second"]:
             raise Late("slow")
-        return search(runs, scene, engine, method, truth, targets)
+        return judged(runs, scene, engine, method, truth, targets)
 
-    monkeypatch.setattr(module, "search", once_late)
+    monkeypatch.setattr(module, "judged", once_late)
     monkeypatch.setattr(module, "Pool", partial(_late_pool, module.Pool))
     found = [one.cell.method for one in answers(Runs(), asked, patient=patient)]
     assert found == ["loops", "", "biased", *(["second"] if patient else [])]
