@@ -2,29 +2,20 @@
 
 from __future__ import annotations
 
-import platform
-import time
 from collections.abc import Callable, Collection, Iterator, Sequence
-from dataclasses import replace
 
-from benchmarks.timing import BUSY, BUSY_NOTE, with_loops
+from benchmarks.loop_times import timed
 from cross_checks import engines as registry
 from cross_checks.engine import Method
-from cross_checks.isolation.parent import Lost
 from cross_checks.judge.answers import Answer, Progress, Question, answers, questions
 from cross_checks.judge.cell import tasks
-from cross_checks.judge.ladder import grid
 from cross_checks.judge.one_run import without_run
 from cross_checks.judge.runs import Runs
-from cross_checks.records.naming import run_name
 from cross_checks.records.record import Record
 from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings
 
 DECADES = tuple(10.0**-k for k in range(2, 11))  # targets of a sweep, over the scene's scales
-REPEATS = 5  # timed runs of a setting, of which the fastest counts
-REPEAT_BUDGET = 0.5  # s of loop time after which no more repeats are made
-
 Worth = Callable[[Sequence[Record]], Collection[Record]]  # those of all runs that are timed
 
 
@@ -52,7 +43,7 @@ def sweep(
             break
     for number, record in enumerate(records):
         progress(number, len(records), f"timing {record.engine} {record.method}")
-        yield timed(runs, scene, record) if id(record) in chosen else record
+        yield timed(runs.store, runs.call, scene, record) if id(record) in chosen else record
 
 
 def _offered(engines: Collection[str] | None, methods: Collection[str] | None) -> list[tuple[str, Method | None]]:
@@ -69,39 +60,3 @@ def _records(answer: Answer) -> list[Record]:
     status = str(cell.verdict)
     refused = without_run(scene, cell.engine, Settings(method=cell.method or None), status, cell.reason)
     return list(answer.records) or [refused]
-
-
-def timed(runs: Runs, scene: Scene, record: Record) -> Record:
-    """Return a record with the loop times of some repeats on this machine; the store keeps those of an idle one."""
-    if record.status != "success":
-        return record
-    settings = Settings(**record.settings)
-    key = run_name(scene, registry.get(record.engine), settings, grid(scene))
-    loops = runs.store.timings(key, host())
-    if loops:
-        return with_loops(record, loops)
-    try:
-        loops, share = runs.call(loops_of, scene, record.engine, settings)
-    except Lost as lost:
-        return replace(record, notes=(*record.notes, f"not timed: a repeat {lost}"))
-    if share < BUSY:
-        return with_loops(record, loops, f"{BUSY_NOTE}: it got {share:.0%} of a processor")
-    runs.store.keep_timings(key, host(), loops)
-    return with_loops(record, loops)
-
-
-def loops_of(scene: Scene, engine: str, settings: Settings) -> tuple[list[float], float]:
-    """Repeat a run without judging it; return its loop times (s) and the share of a processor that it got."""
-    solver, times = registry.get(engine), grid(scene)
-    loops: list[float] = []
-    wall, cpu = time.perf_counter(), time.process_time()
-    while len(loops) < REPEATS and sum(loops) < REPEAT_BUDGET:
-        loops.append(solver.run(scene, settings, times).timing.loop_s)
-        if loops[-1] <= 0.0:  # an engine that measures nothing would repeat for nothing
-            break
-    return loops, (time.process_time() - cpu) / max(time.perf_counter() - wall, 1e-9)
-
-
-def host() -> str:
-    """Return the machine that a time belongs to."""
-    return f"{platform.node()} {platform.machine()}"

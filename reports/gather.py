@@ -8,6 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from benchmarks.loop_times import timed_all
 from cross_checks import engines
 from cross_checks.extremes import named
 from cross_checks.extremes.cell import Cell as ExtremeCell
@@ -26,7 +27,6 @@ from reports.facts.compiling import compile_kernels
 from reports.facts.environment import environment
 from reports.facts.kept import engine_versions, keep, recall, remembered
 from reports.facts.report_data import ReportData
-from reports.facts.timing import timed
 from reports.facts.truth_facts import TruthFacts, truth_facts
 from reports.studies.measuring import Progress, measure_all, measured
 
@@ -122,7 +122,7 @@ def _timed(
     told: list[str] = []
     found: dict[int, Any] = {}
     with _interruptible(told, lambda: "the accuracy runs, before all was timed"):
-        found = timed(store, contenders(data), report, again)
+        found = timed_all(store, contenders(data), report, again)
     records = tuple(found.get(id(record), record) for record in data.records)
     return replace(data, records=records, incomplete="; ".join(told))
 

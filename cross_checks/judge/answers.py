@@ -101,7 +101,7 @@ def answers(
                 task.consensus.receive(task, result)
                 of.follow(task.consensus)
             else:
-                of.start(task.scene, result)
+                of.start(task.scene, result)  # type: ignore[arg-type] - a truth has all the time it takes
     tick([])
 
 

@@ -8,12 +8,12 @@ import json
 from collections.abc import Iterable
 from typing import Any
 
+from benchmarks.loop_times import is_busy
 from cross_checks import metrics
 from cross_checks.records.record import Record
 from reports.drawing.numbers import ABSENT, setting
 from reports.facts.kept import adapter
 from reports.facts.report_data import ReportData
-from reports.facts.timing import is_busy
 from reports.page.advice import Advice, advice
 from reports.page.findings import findings
 from reports.page.sections.decisions import told

@@ -12,8 +12,7 @@ import click
 from benchmarks import confirm, pick
 from benchmarks.pick import Bounds, Choice
 from benchmarks.record_changes import BY_MACHINE
-from benchmarks.sweep import BUSY_NOTE
-from benchmarks.timing import Comparison
+from benchmarks.timing import BUSY_NOTE, Comparison
 from cross_checks.conformance.loading import name_of
 from cross_checks.isolation.parent import Lost
 from cross_checks.judge.cell import truth_of

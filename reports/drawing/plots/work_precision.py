@@ -5,12 +5,12 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from benchmarks.loop_times import is_timed
 from cross_checks.records.record import Record
 from reports.drawing.numbers import duration, metres, setting, short
 from reports.drawing.plots.figure import FLOOR, Figure, add_series, lines, new_figure, to_data
 from reports.drawing.plots.palette import Style, style_of, styles
 from reports.facts.cheapest import floor, loop_time, usable
-from reports.facts.timing import is_timed
 
 FRONTIER = "frontier"  # the name of an engine's one line
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from benchmarks.loop_times import is_busy, is_timed
 from cross_checks.judge.bounds import TARGETS
 from cross_checks.judge.vocabulary import ANSWERS, OURS
 from reports.drawing.numbers import duration, metres, setting, short
@@ -13,7 +14,6 @@ from reports.facts.cheapest import Entry, entries, known_error, loop_time, usabl
 from reports.facts.report_data import ReportData
 from reports.facts.standings import over_cheapest
 from reports.facts.timed_loop import INSIDE
-from reports.facts.timing import is_busy, is_timed
 from reports.reproduce import command
 
 LEAD = (

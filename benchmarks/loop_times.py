@@ -1,4 +1,4 @@
-"""Loop times of what the page ranks: each engine's cheapest setting at each target, alone on the machine.
+"""Loop times of runs alone on the machine.
 
 A setting is run again until the half-width of its interval is below 5 % of the median, three to five times: the rule
 of hyperfine, with a bound; a loop of more than ENOUGH seconds is made once. Times are kept in the store by run
@@ -12,13 +12,13 @@ import time
 from collections.abc import Callable, Iterable
 from dataclasses import replace
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 
-from benchmarks.timing import BUSY, BUSY_NOTE, with_loops
+from benchmarks.timing import BUSY, BUSY_NOTE, Sample, with_loops
 from cross_checks import engines
-from cross_checks.engine import Engine
-from cross_checks.isolation.parent import Isolated, Lost
+from cross_checks.isolation.parent import Caller, Isolated, Lost
 from cross_checks.judge.ladder import grid
 from cross_checks.records.naming import run_name
 from cross_checks.records.record import Record
@@ -26,72 +26,71 @@ from cross_checks.records.store import Store
 from mbs_ref import scenes
 from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings
-from reports.facts.environment import processor
 
 LEAST, MOST = 3, 5  # runs of a setting
 NARROW = 0.05  # of the median: half of the interval
 ENOUGH = 1.0  # s of loop time
+CPU_FACTS = Path("/proc/cpuinfo")  # Linux; elsewhere the platform module knows
 SHARED = " while others used it"  # of a machine's name, under which times of a busy one are kept
 
 Report = Callable[[int, int, str], None]
 
 
-def timed(store: Store, records: Iterable[Record], report: Report, again: bool = False) -> dict[int, Record]:
+def timed_all(store: Store, records: Iterable[Record], report: Report, again: bool = False) -> dict[int, Record]:
     """Return each record, by its id, with its loop times; measured where the store holds none, or `again`."""
-    asked, found = list(records), {}
-    missing = []
-    for record in asked:
-        held = None if again else kept_times(store, record)
-        if held is None:
-            missing.append(record)
-        else:
-            found[id(record)] = held
+    scene_of = cache(lambda name, parameters: scenes.make(name, **dict(parameters)))
+    placed = [(record, scene_of(record.scene, tuple(sorted(record.parameters.items())))) for record in records]
+    found = {} if again else {id(record): stored_times(store, scene, record) for record, scene in placed}
+    missing = [(record, scene) for record, scene in placed if found.get(id(record)) is None]
     with Isolated() as call:
-        for done, record in enumerate(missing):
+        for done, (record, scene) in enumerate(missing):
             report(done, len(missing), f"timing {record.scene} {record.engine} {record.method}")
-            found[id(record)] = _measured(store, record, call)
-    return found
+            found[id(record)] = measured(store, call, scene, record)
+    return {key: record for key, record in found.items() if record is not None}
 
 
-def kept_times(store: Store, record: Record) -> Record | None:
+def timed(store: Store, call: Caller, scene: Scene, record: Record) -> Record:
+    """Return the record of a successful run with loop times of an idle machine, measured where the store holds none."""
+    loops = store.timings(_key(scene, record), machine()) if record.status == "success" else []
+    return with_loops(record, loops) if loops or record.status != "success" else measured(store, call, scene, record)
+
+
+def stored_times(store: Store, scene: Scene, record: Record) -> Record | None:
     """Return the record with the times that the store holds of it on this machine; None where it holds none."""
-    key = _key(record)
+    key = _key(scene, record)
     quiet = store.timings(key, machine())
     loops = quiet or store.timings(key, machine() + SHARED)
     return with_loops(record, loops, "" if quiet else BUSY_NOTE) if loops else None
 
 
-def _measured(store: Store, record: Record, call: Isolated) -> Record:
+def measured(store: Store, call: Caller, scene: Scene, record: Record) -> Record:
+    """Return the record with its loop times, which the store keeps; with a note where no run came back."""
     try:
-        loops, share = call(time_loops, record.scene, record.parameters, record.engine, record.settings)
+        loops, share = call(time_loops, scene, record.engine, Settings(**record.settings))
     except (Lost, RuntimeError, ValueError, ArithmeticError) as error:
         return replace(record, notes=(*record.notes, f"not timed: {error}"))
     busy = share < BUSY
-    store.keep_timings(_key(record), machine() + (SHARED if busy else ""), loops)
+    store.keep_timings(_key(scene, record), machine() + (SHARED if busy else ""), loops)
     return with_loops(record, loops, BUSY_NOTE if busy else "")
 
 
-def time_loops(scene: str, parameters: dict, engine: str, settings: dict) -> tuple[list[float], float]:
+def time_loops(scene: Scene, engine: str, settings: Settings) -> tuple[list[float], float]:
     """Return the loop times (s), and the share of a processor that the process got meanwhile; a first run warms up."""
-    made, solver, chosen = scenes.make(scene, **parameters), engines.get(engine), Settings(**settings)
-    times = grid(made)
-    first, share = _loop(solver, made, chosen, times)
-    if first > ENOUGH:  # warming up is a small part of it
-        return [first], share
-    loops: list[float] = []
-    shares = []
-    while not is_enough(loops):
-        loop, share = _loop(solver, made, chosen, times)
-        loops.append(loop)
-        shares.append(share)
-    return loops, float(np.mean(shares))
+    first = sample(scene, engine, settings)
+    if first.loop_s > ENOUGH:  # warming up is a small part of it
+        return [first.loop_s], first.cpu_share
+    samples: list[Sample] = []
+    while not is_enough([one.loop_s for one in samples]):
+        samples.append(sample(scene, engine, settings))
+    return [one.loop_s for one in samples], float(np.mean([one.cpu_share for one in samples]))
 
 
-def _loop(solver: Engine, scene: Scene, settings: Settings, times: np.ndarray) -> tuple[float, float]:
+def sample(scene: Scene, engine: str, settings: Settings) -> Sample:
     """Return the time (s) of a run's loop, and the share of a processor that the run got."""
+    solver, times = engines.get(engine), grid(scene)
     wall, cpu = time.perf_counter(), time.process_time()
     loop = float(solver.run(scene, settings, times).timing.loop_s)
-    return loop, (time.process_time() - cpu) / max(time.perf_counter() - wall, 1e-9)
+    return Sample(loop, (time.process_time() - cpu) / max(time.perf_counter() - wall, 1e-9))
 
 
 def is_enough(loops: list[float]) -> bool:
@@ -117,17 +116,18 @@ def is_busy(record: Record) -> bool:
     return BUSY_NOTE in record.notes
 
 
+def processor() -> str:
+    """Return the processor's name."""
+    lines = CPU_FACTS.read_text().splitlines() if CPU_FACTS.exists() else []
+    models = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]
+    return next(iter(models), platform.processor() or platform.machine())
+
+
 @cache
 def machine() -> str:
     """Return what times compare on: the computer and its processor."""
     return f"{platform.node()} {processor()}"
 
 
-def _key(record: Record) -> str:
-    made = _scene(record.scene, tuple(sorted(record.parameters.items())))
-    return run_name(made, engines.get(record.engine), Settings(**record.settings), grid(made))
-
-
-@cache
-def _scene(name: str, parameters: tuple) -> Scene:
-    return scenes.make(name, **dict(parameters))
+def _key(scene: Scene, record: Record) -> str:
+    return run_name(scene, engines.get(record.engine), Settings(**record.settings), grid(scene))
