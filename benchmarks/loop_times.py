@@ -51,8 +51,10 @@ def timed_all(store: Store, records: Iterable[Record], report: Report, again: bo
 
 def timed(store: Store, call: Caller, scene: Scene, record: Record) -> Record:
     """Return the record of a successful run with loop times of an idle machine, measured where the store holds none."""
-    loops = store.timings(_key(scene, record), machine()) if record.status == "success" else []
-    return with_loops(record, loops) if loops or record.status != "success" else measured(store, call, scene, record)
+    if record.status != "success":
+        return record
+    loops = store.timings(_key(scene, record), machine())
+    return with_loops(record, loops) if loops else measured(store, call, scene, record)
 
 
 def stored_times(store: Store, scene: Scene, record: Record) -> Record | None:
