@@ -59,11 +59,10 @@ def sweep_records(
         runs = stack.enter_context(asked_runs([scene], store, timeout, memory_mib))
         written = {key_of(record) for record in begun(stack, target)}
         try:
-            swept = sweep(
+            for record in sweep(
                 runs, scene, names, list(methods) or None, report, errors or DECADES,
                 lambda judged: so_far.__setitem__(slice(None), judged), worth,
-            )  # fmt: skip
-            for record in swept:
+            ):  # fmt: skip
                 records.append(record)
                 if target is not None and key_of(record) not in written:
                     lines.append(target, [finite_record(record)])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import atexit
 import heapq
 import queue
 import threading
@@ -78,9 +79,15 @@ class Pool[Name, Result]:
         self._changed = threading.Condition()
 
     def __enter__(self) -> Self:
+        atexit.register(self.close)  # of a generator that nobody closes, whose processes would outlive this one
         return self
 
     def __exit__(self, *_: object) -> None:
+        atexit.unregister(self.close)
+        self.close()
+
+    def close(self) -> None:
+        """End the processes, whatever they are doing."""
         with self._changed:
             self._closed = True
             for worker in self._running.values():
@@ -97,7 +104,7 @@ class Pool[Name, Result]:
             heapq.heappush(self._waiting, task)
             self._changed.notify()
         if isinstance(self._call, Isolated) and len(self._threads) < min(self._most, len(self._open)):
-            self._threads.append(threading.Thread(target=self._serve))
+            self._threads.append(threading.Thread(target=self._serve, daemon=True))
             self._threads[-1].start()
 
     def drop(self, unwanted: Callable[[Name], bool]) -> None:

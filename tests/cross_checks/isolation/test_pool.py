@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+import subprocess
+import sys
 import threading
 import time
 from functools import partial
@@ -92,3 +94,15 @@ def test_without_processes_tasks_are_made_here_cheapest_first():
 
 def test_each_gives_every_task_its_result():
     assert sorted(each([1.0, 2.0], lambda call, a: call(troubles.add, a, a))) == [(1.0, 2.0), (2.0, 4.0)]
+
+
+def test_a_generator_that_nobody_closes_does_not_keep_the_program_alive():
+    program = """
+import time
+from cross_checks.isolation.workers import each
+held = each([0.0, 3600.0], lambda call, seconds: call(time.sleep, seconds))
+print(next(held)[0])
+raise SystemExit(3)
+"""
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, timeout=troubles.PATIENCE, check=False)
+    assert (done.returncode, done.stdout) == (3, b"0.0\n")
