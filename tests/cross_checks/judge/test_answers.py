@@ -4,21 +4,26 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import partial
+from pathlib import Path
 
 import numpy as np
 import pytest
 
-from cross_checks.isolation.workers import Late
+from cross_checks.isolation.parent import Isolated
+from cross_checks.isolation.workers import Late, Pool
 from cross_checks.judge import answers as module
-from cross_checks.judge.answers import answers, questions
+from cross_checks.judge.answers import answers, check, questions
 from cross_checks.judge.cell import tasks
 from cross_checks.judge.consensus import Pair
 from cross_checks.judge.runs import Runs
 from cross_checks.judge.vocabulary import Verdict
+from cross_checks.records.store import Store
 from cross_checks.truth import NoTruth
 from cross_checks.truths import truth_for
 from mbs_ref import scenes
+from mbs_ref.scene.toml import read_scene
 
+DATA = Path(__file__).parents[2] / "data"
 PENDULUM = scenes.make("pendulum")
 
 
@@ -79,19 +84,16 @@ def test_a_method_that_comes_late_is_answered_last_or_not_at_all(asked, monkeypa
         return judged(runs, scene, engine, method, truth, targets)
 
     monkeypatch.setattr(module, "judged", once_late)
-    monkeypatch.setattr(module, "Pool", partial(_late_pool, module.Pool))
+    monkeypatch.setattr(module, "Pool", Caught)
     found = [one.cell.method for one in answers(Runs(), asked, patient=patient)]
     assert found == ["loops", "", "biased", *(["second"] if patient else [])]
 
 
-def _late_pool(pool, *given, **named):
-    """Return a pool whose tasks give a Late as if in another process."""
+class Caught[Name, Result](Pool[Name, Result]):
+    """A pool whose tasks give a Late here as they do in another process."""
 
-    class Caught(pool):
-        def add(self, name, work, seconds=0.0, again=False):
-            super().add(name, partial(_caught, work), seconds, again)
-
-    return Caught(*given, **named)
+    def add(self, name, work, seconds=0.0, again=False):
+        super().add(name, partial(_caught, work), seconds, again)
 
 
 def _caught(work, call):
@@ -99,3 +101,21 @@ def _caught(work, call):
         return work(call)
     except Late as late:
         return late
+
+
+@pytest.mark.slow
+def test_blind_runs_of_one_package_confirm_no_method():
+    """Every run misses some of the stud's hits at its own times, which two runs at the same times would agree to."""
+    scene = read_scene(DATA / "stud_and_stone.toml")
+    verdicts = {cell.verdict for cell in check(Runs(Store(), Isolated()), [scene], ["mbs_ref"])}
+    assert Verdict.NOT_SHOWN in verdicts
+    assert verdicts <= {Verdict.NOT_SHOWN, Verdict.CANNOT}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["dumbbell_on_incline", "singular_peaucellier"])
+def test_mechanisms_without_a_closed_form_get_a_truth_of_two_packages(name):
+    found = list(answers(Runs(Store(), Isolated()), questions([read_scene(DATA / f"{name}.toml")], tasks(["mbs_ref"]))))
+    assert any(not one.is_settled for one in found)
+    truths = {one.truth.kind for one in found if one.is_settled and one.truth is not None}
+    assert truths == {"agreed"}
