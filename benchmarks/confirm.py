@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import time
 from dataclasses import replace
 
 import numpy as np
 
+from benchmarks.loop_times import sample
 from benchmarks.pick import Choice, setting
-from benchmarks.timing import Comparison, Pace, Sample, compare
+from benchmarks.timing import Comparison, Pace, compare
 from cross_checks import engines
 from cross_checks.isolation.parent import Caller, Lost, direct
 from cross_checks.judge import ladder
@@ -30,14 +30,6 @@ WORDS = {
     Pace.SAME: "A tie in",
     Pace.INCONCLUSIVE: "Not settled by",
 }
-
-
-def sample(scene: Scene, engine: str, settings: Settings) -> Sample:
-    """Time one run: its loop, and the share of a processor that it got."""
-    times = ladder.grid(scene)
-    wall, cpu = time.perf_counter(), time.process_time()
-    loop_s = engines.get(engine).run(scene, settings, times).timing.loop_s
-    return Sample(loop_s, (time.process_time() - cpu) / max(time.perf_counter() - wall, 1e-9))
 
 
 def duel(scene: Scene, choice: Choice, call: Caller = direct, seed: int = 0) -> Comparison:

@@ -5,8 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
+from cross_checks.judge.vocabulary import OURS
 from cross_checks.records.record import Record
 from mbs_ref.display import facts
+
+RIVAL = 5.0  # of the cheapest loop time: one that is measured beside other runs is off by less than this factor
 
 
 @dataclass(frozen=True)
@@ -22,7 +25,7 @@ class Choice:
     """The recommendation, or the sentence why there is none."""
 
     best: Record | None
-    runner_up: Record | None  # the cheapest of another engine or method
+    runner_up: Record | None  # the cheapest of another engine; of another method where one engine alone reaches it
     margin: float | None  # how many times cheaper the best is than the runner-up
     sentence: str
     limit: Limit | None = None  # None where nothing measured is cheaper, or only for failing both bounds
@@ -74,17 +77,31 @@ def pick(
     _check_one_scene(measured)
     floor = max((r.error.floor for r in measured if r.error), default=0.0)
     if error < floor:
-        told = f"the truth of this scene judges no error below {floor:.1e} of it; ask for more"
-        return Choice(None, None, None, told)
+        return Choice(None, None, None, f"the truth of this scene judges no error below {floor:.1e} of it")
     reached = [r for r in measured if bounds.met_by(r)]
     affordable = sorted((r for r in reached if budget is None or cost(r) <= budget), key=cost)
     if not affordable:
         return Choice(None, None, None, _why_none(measured, reached, bounds))
     best = affordable[0]
-    second = next((r for r in affordable if (r.engine, r.method) != (best.engine, best.method)), None)
+    second = _runner_up(best, affordable)
     margin = None if second is None else cost(second) / cost(best)
     limit = _limit([r for r in measured if cost(r) < cost(best)], bounds)
     return Choice(best, second, margin, " ".join((_why(best, second, margin), _why_not_cheaper(limit))), limit)
+
+
+def contenders(records: Iterable[Record], bounds: Bounds) -> list[Record]:
+    """Return the runs that may prove the cheapest within the bounds once they are timed alone."""
+    reached = [record for record in records if _is_measured(record) and bounds.met_by(record)]
+    return [record for record in reached if cost(record) <= RIVAL * min(map(cost, reached))]
+
+
+def basis(records: Iterable[Record]) -> str:
+    """Return a sentence on what the errors of the records are from."""
+    errors = [record.error for record in records if record.error is not None]
+    if not errors:
+        return "No truth is known yet."
+    best = min(errors, key=lambda error: error.uncertainty)
+    return f"Errors are from a truth known to {best.uncertainty:.1e} of the scene: {best.truth}."
 
 
 def told(record: Record) -> str:
@@ -146,16 +163,23 @@ def setting(record: Record) -> str:
     return f"{record.engine} {record.method} {how}"
 
 
+def _runner_up(best: Record, affordable: Sequence[Record]) -> Record | None:
+    """Return the cheapest of another engine, else of another method."""
+    others = [r for r in affordable if r.engine != best.engine] or [r for r in affordable if r.method != best.method]
+    return next(iter(others), None)
+
+
 def _why(best: Record, second: Record | None, margin: float | None) -> str:
-    text = f"{setting(best)} reaches {_length(best)} in {1e3 * cost(best):.3g} ms"
+    whose = ", this project's own solver," if best.engine == OURS else ""
+    text = f"{setting(best)}{whose} reaches {_length(best)} in {1e3 * cost(best):.3g} ms"
     if second is None or margin is None:
-        return f"{text}; no other method reaches it."
+        return f"{text}; no other engine or method reaches it."
     return f"{text}, {margin:.3g} times cheaper than {setting(second)} ({1e3 * cost(second):.3g} ms)."
 
 
 def _why_not_cheaper(limit: Limit | None) -> str:
     if limit is None:
-        return "Nothing cheaper misses one bound alone."
+        return "No cheaper setting misses only one of the bounds."
     near, price = limit.cheaper, f"{1e3 * cost(limit.cheaper):.3g} ms"
     if limit.bound == "error":
         return f"The error limits it: for {price} the nearest is {setting(near)} with {_length(near)}."

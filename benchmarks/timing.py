@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from enum import StrEnum
+from statistics import median
 from typing import NamedTuple
 
 import numpy as np
+
+from cross_checks.records.record import Record
 
 PAIRS = 5  # runs of each in a block, of which the fastest counts
 LEAST, MOST = 10, 40  # blocks
 LIMIT = 1.05  # a ratio of times within 1/LIMIT and LIMIT is the same
 RESAMPLES = 1000
-BUSY = 0.9  # of a processor: with less, a run is made again
+BUSY = 0.9  # of a processor: with less, a run shares the machine
+BUSY_NOTE = "timed on a busy machine"
 AGAIN = 3  # times a disturbed run is made again
 
 
@@ -41,6 +45,13 @@ class Comparison:
     high: float
     blocks: int
     disturbed: float  # share of runs that shared the machine, though they were made again
+
+
+def with_loops(record: Record, loops: Sequence[float], note: str = "") -> Record:
+    """Return the record with its loop times (s): the least, the median, the largest; `note` is added to its notes."""
+    times = {"loop_s": min(loops), "loop_median_s": median(loops), "loop_most_s": max(loops)}
+    notes = (*record.notes, note) if note else record.notes
+    return replace(record, times=record.times | times | {"loop_runs": float(len(loops))}, notes=notes)
 
 
 def compare(

@@ -8,25 +8,26 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from benchmarks.loop_times import timed_all
 from cross_checks import engines
 from cross_checks.extremes import named
 from cross_checks.extremes.cell import Cell as ExtremeCell
 from cross_checks.extremes.cell import read as read_cells
 from cross_checks.extremes.run import matrix
+from cross_checks.judge.answers import questions
+from cross_checks.judge.capabilities import Capability, capabilities
+from cross_checks.judge.cell import tasks
 from cross_checks.records.naming import code_of, digest_of
 from cross_checks.records.store import Store
 from mbs_ref import scenes
 from mbs_ref.scene import Scene
-from reports.facts.accuracy import Truths, answers, kept_answers, questions, truth_key, truths
-from reports.facts.capability import capabilities
+from reports.facts.accuracy import Stored, settled_answers, stored_answers, truth_key
 from reports.facts.cheapest import contenders
 from reports.facts.compiling import compile_kernels
 from reports.facts.environment import environment
 from reports.facts.kept import engine_versions, keep, recall, remembered
-from reports.facts.report_data import Capability, ReportData
-from reports.facts.timing import timed
+from reports.facts.report_data import ReportData
 from reports.facts.truth_facts import TruthFacts, truth_facts
-from reports.reproduce import scene_label
 from reports.studies.measuring import Progress, measure_all, measured
 
 SCENES: tuple[tuple[str, dict[str, Any]], ...] = (
@@ -80,7 +81,7 @@ INTERRUPTED = "interrupted"
 def chosen_scenes(quick: bool = False) -> dict[str, Scene]:
     """Return the scenes of the report by their labels."""
     made = [scenes.make(name, **parameters) for name, parameters in (QUICK if quick else SCENES)]
-    return {scene_label(scene.name, scene.parameters): scene for scene in made}
+    return {scenes.label(scene.name, scene.parameters): scene for scene in made}
 
 
 @contextmanager
@@ -94,29 +95,24 @@ def _interruptible(told: list[str], what: Callable[[], str]) -> Iterator[None]:
 
 def _judged(store: Store, chosen: dict[str, Scene], data: ReportData, report: Progress, *_: Any) -> ReportData:
     """Judge every method on every scene; unfinished ones are left out after Ctrl-C."""
-    asked = questions(chosen)
-    found = kept_answers(store, asked)
+    asked = questions(list(chosen.values()), tasks(engines.names()))
+    found = stored_answers(store, asked)
     missing = [question for question in asked if question not in found]
     told: list[str] = []
+    truths: dict[str, TruthFacts] = {}
     with _interruptible(told, lambda: f"{len(found)} of {len(asked)} cells"):
         if missing:
             compile_kernels(store, report)
-            known = truths(store, {q.label: chosen[q.label] for q in missing}, report)
-            _keep_truths(store, chosen, known)
-            for question, answer in answers(store, missing, known):
-                found[question] = answer
-                name = question.method.name if question.method else ""
-                report(len(found), len(asked), f"{question.label}, {question.engine} {name}".rstrip())
+            for answer in settled_answers(store, missing, report):
+                if answer.truth is not None and answer.cell.label not in truths:
+                    truths[answer.cell.label] = truth_facts(answer.cell.label, answer.question.scene, answer.truth)
+                    keep(store, truth_key(answer.question.scene), TruthFacts, truths[answer.cell.label])
+                found[answer.question] = Stored(answer.cell, answer.records)
     there = [found[question] for question in asked if question in found]
     return replace(
         data, cells=tuple(answer.cell for answer in there), incomplete="; ".join(told),
         records=tuple(record for answer in there for record in answer.records),
     )  # fmt: skip
-
-
-def _keep_truths(store: Store, chosen: dict[str, Scene], known: Truths) -> None:
-    for label, truth in known.items():
-        keep(store, truth_key(label, chosen[label]), TruthFacts, truth_facts(label, chosen[label], truth))
 
 
 def _timed(
@@ -126,7 +122,7 @@ def _timed(
     told: list[str] = []
     found: dict[int, Any] = {}
     with _interruptible(told, lambda: "the accuracy runs, before all was timed"):
-        found = timed(store, contenders(data), report, again)
+        found = timed_all(store, contenders(data), report, again)
     records = tuple(found.get(id(record), record) for record in data.records)
     return replace(data, records=records, incomplete="; ".join(told))
 
@@ -136,7 +132,7 @@ def _beyond(
 ) -> ReportData:
     """Add what is asked of adapters and truths, and the extremes."""
     told: list[str] = []
-    kept = [recall(store, truth_key(label, scene), TruthFacts) for label, scene in chosen.items()]
+    kept = [recall(store, truth_key(scene), TruthFacts) for scene in chosen.values()]
     data = replace(data, truths=tuple(facts for facts in kept if facts is not None))
     key = digest_of(
         ["capabilities", engine_versions(), _adapters(), list(chosen), code_of("cross_checks.judge.capabilities")]

@@ -197,14 +197,12 @@ def seconds(text: str) -> float:
 
 
 def shard[T](items: Sequence[T], text: str) -> list[T]:
-    """Return part I of N, asked for as I/N."""
-    from benchmarks import cluster
-
+    """Return part I of N, written as I/N; the parts are disjoint and together everything."""
     part = re.fullmatch(r"(\d+)/(\d+)", text)
-    try:
-        return cluster.shard(items, *(int(part[1]), int(part[2])) if part else (0, 0))
-    except ValueError as error:
-        raise click.UsageError(str(error)) from error
+    index, count = (int(part[1]), int(part[2])) if part else (0, 0)
+    if not 1 <= index <= count:
+        raise click.UsageError(f"shard = {text} must be I/N with 1 <= I <= N")
+    return list(items[index - 1 :: count])
 
 
 def positive(_context: click.Context, option: click.Parameter, value: float | None) -> float | None:

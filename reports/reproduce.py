@@ -1,11 +1,9 @@
-"""The command line that makes a record's run again, and the labels of scenes."""
+"""The command line that makes a record's run again."""
 
 from __future__ import annotations
 
 import shlex
 from collections.abc import Sequence
-from functools import cache
-from typing import Any
 
 from cross_checks import engines
 from cross_checks.judge.ladder import SAMPLES
@@ -16,10 +14,10 @@ from mbs_ref import scenes
 def command(record: Record, scene: str = "", kept: Sequence[str] = ()) -> str:
     """Return the mbs-ref command that runs what the record holds, of a `scene` that was named so: perhaps by a file.
 
-    `kept` are the initial velocities that it was told to keep.
+    `kept` are the initial velocities that it keeps.
     """
     words = ["mbs-ref", "simulate", scene or record.scene, "--engine", engines.called(record.engine)]
-    parameters = {} if scene.endswith(".toml") else chosen_parameters(record.scene, record.parameters)
+    parameters = {} if scene.endswith(".toml") else scenes.chosen(record.scene, record.parameters)
     for name, value in parameters.items():
         words += ["-p", f"{name}={value}"]
     for rate in kept:
@@ -29,21 +27,3 @@ def command(record: Record, scene: str = "", kept: Sequence[str] = ()) -> str:
         if value is not None:
             words += [f"--{name}", str(value)]
     return shlex.join([*words, "--samples", str(SAMPLES)])
-
-
-def scene_label(name: str, parameters: dict[str, Any]) -> str:
-    """Return a scene's name with its counts and whatever else was chosen, as the command line takes them."""
-    chosen = chosen_parameters(name, parameters)
-    counts = {key: value for key, value in parameters.items() if type(value) is int}
-    return " ".join([name, *(f"{key}={value}" for key, value in (counts | chosen).items())])
-
-
-def chosen_parameters(name: str, parameters: dict[str, Any]) -> dict[str, Any]:
-    """Return the parameters that differ from the scene's defaults."""
-    defaults = _defaults().get(name, {})
-    return {key: value for key, value in parameters.items() if defaults.get(key) != value}
-
-
-@cache
-def _defaults() -> dict[str, dict[str, Any]]:
-    return {name: scenes.describe(name).parameters for name in scenes.names()}

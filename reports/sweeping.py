@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
@@ -12,9 +14,20 @@ from cross_checks.records.lines import key_of
 from cross_checks.records.record import Record
 from mbs_ref.scene import Scene
 from reports import inputs
-from reports.terminal.asking import asked_runs
+from reports.terminal.asking import asked_runs, telling
 from reports.terminal.console import finite_record, progress
 from reports.terminal.exit_codes import Failed, Incomplete
+
+if TYPE_CHECKING:
+    from benchmarks.sweep import Worth
+
+
+class Interrupted(Incomplete):
+    """A sweep was cut short: the runs that it has, judged, not all of them timed alone."""
+
+    def __init__(self, message: str, records: Sequence[Record]) -> None:
+        super().__init__(message)
+        self.records = records
 
 
 def sweep_records(
@@ -27,28 +40,37 @@ def sweep_records(
     *,
     store: str | None = None,
     errors: tuple[float, ...] = (),
+    best: Callable[[Sequence[Record]], str] = lambda records: "",
+    worth: Worth | None = None,
 ) -> list[Record]:
-    """Return the sweep's records, and add to `target` those that it lacks; Incomplete where it is interrupted.
+    """Return the sweep's records, and add to `target` those that it lacks; Interrupted where it is cut short.
 
-    Engines run in a process of their own, within `timeout` (s) and `memory_mib` for each run.
+    Engines run in a process of their own, within `timeout` (s) and `memory_mib` for each run. `best` states what the
+    runs so far show, which is printed while others are made. `worth` returns the runs that are timed alone, all unless
+    given.
     """
     from benchmarks.sweep import DECADES, sweep
 
     names = inputs.engine_names(chosen)
     records: list[Record] = []
+    so_far: list[Record] = []
     with ExitStack() as stack:
-        report = stack.enter_context(progress(f"sweep {scene.name}"))
+        report = telling(stack.enter_context(progress(f"sweep {scene.name}")), lambda: best(so_far))
         runs = stack.enter_context(asked_runs([scene], store, timeout, memory_mib))
         written = {key_of(record) for record in begun(stack, target)}
         try:
-            for record in sweep(runs, scene, names, list(methods) or None, report, errors or DECADES):
+            for record in sweep(
+                runs, scene, names, list(methods) or None, report, errors or DECADES,
+                lambda judged: so_far.__setitem__(slice(None), judged), worth,
+            ):  # fmt: skip
                 records.append(record)
                 if target is not None and key_of(record) not in written:
                     lines.append(target, [finite_record(record)])
         except ValueError as error:  # a method that none of the engines offers
             raise click.UsageError(str(error)) from error
         except KeyboardInterrupt:
-            raise Incomplete(f"interrupted after {len(records)} records") from None
+            so_far[: len(records)] = records  # those that are timed by now
+            raise Interrupted(f"interrupted after {len(records)} of {len(so_far)} records", so_far) from None
     return records
 
 

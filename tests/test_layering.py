@@ -35,8 +35,8 @@ ROOMS = {
         "ephemerides", "metrics", "records", "judge", "certificates conformance extremes trajectory_files",
     ),
     "benchmarks": (
-        "calibration event_work cluster pick profiles repeatability scaling sweep timing",
-        "confirm dask_matrix history trees",
+        "calibration event_work pick repeatability timing", "loop_times", "confirm sweep",
+        "history trees",
         "record_changes", "suites",
     ),
     "reports": (

@@ -12,9 +12,9 @@ from cross_checks.conformance import figures
 from cross_checks.conformance.apart import called
 from cross_checks.conformance.finding import Finding, Row, verdict
 from cross_checks.conformance.questions import Asked, rungs
+from cross_checks.engine import Engine
 from cross_checks.judge.convergence.ladder import Ladder
 from cross_checks.judge.convergence.model import Posterior, posterior
-from cross_checks.engine import Engine
 from cross_checks.workshop.method import Method
 from mbs_ref.settings import Settings
 from mbs_ref.trajectory import Trajectory
@@ -112,10 +112,11 @@ def _shown(method: Method, question: Asked, good: list[Run]) -> Posterior | None
     gaps = np.array([[figures.apart(question, one.path, other.path) for other in known] for one in known])
     is_first = not method.locates_events and not question.is_smooth
     order = float(method.order or 1) if method.kind == "fixed" else (method.order or 5) / method.local_order
+    order = min(order, 1.0) if is_first else order
     errors = np.array([run.error for run in known])
     return posterior(Ladder(
         knobs, errors, gaps, np.array([run.path.steps for run in known]),
-        np.array([method.rounding(run.path.steps) for run in known]), method.kind, min(order, 1.0) if is_first else order,
+        np.array([method.rounding(run.path.steps) for run in known]), method.kind, order,
         reference=float(knobs[0]), typical=float(np.log10(max(errors[0], 1e-16))),
         uncertainty=question.truth.uncertainty / figures.size(question),
     ))  # fmt: skip

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import queue
-import threading
 import time
 from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import replace
+from functools import partial
+from typing import Any
 
 from cross_checks import engines as registry
 from cross_checks.engine import Engine, Method, output_times
@@ -15,7 +15,8 @@ from cross_checks.extremes.cell import Cell, made_of
 from cross_checks.extremes.extreme import UNCHECKED, Extreme, settings_for
 from cross_checks.extremes.judge import Fate, Point, judge, lost
 from cross_checks.extremes.search import bisect, scan
-from cross_checks.isolation.parent import Cancelled, Isolated, Lost
+from cross_checks.isolation.parent import Isolated, Lost
+from cross_checks.isolation.workers import each
 from cross_checks.judge.one_run import checked_run
 from cross_checks.records.record import MISSING
 
@@ -27,7 +28,7 @@ MEMORY = 2 * 2**30  # bytes of one child
 REFINE = 3  # halvings between two listed values in the full set
 
 Progress = Callable[[int, int, str], None]
-Group = tuple[str, str | None, tuple[Extreme, ...]]  # engine, method, extremes
+Task = tuple[str, str, Extreme]  # engine, method (empty where the engine is not installed), extreme
 
 
 def run_point(extreme_name: str, value: float, engine_name: str, method_name: str) -> Point:
@@ -73,18 +74,17 @@ def cell_of(extreme: Extreme, engine: Engine, method: Method, full: bool, call: 
     return made_of(extreme.name, extreme.family, engine.name, method.name, full, points)
 
 
-def groups(extremes: Sequence[Extreme], engines: Collection[str], quick_methods: bool) -> list[Group]:
-    """Return what is run together: all extremes of one method, so that a child loads each method once."""
-    groups: list[Group] = []
+def tasks(extremes: Sequence[Extreme], engines: Collection[str], full: bool) -> list[Task]:
+    """Return every extreme with every method, those of a method together; a few methods only unless `full`."""
+    found: list[Task] = []
     for name in engines:
         try:
-            engine = registry.get(name)
+            offered = [method.name for method in registry.get(name).methods()]
         except registry.EngineMissing:
-            groups.append((name, None, tuple(extremes)))
-            continue
-        chosen = [m for m in engine.methods() if not quick_methods or m.name in QUICK.get(name, (m.name,))]
-        groups += [(name, method.name, tuple(extremes)) for method in chosen]
-    return groups
+            offered = [""]
+        chosen = [method for method in offered if full or not method or method in QUICK.get(name, offered)]
+        found += [(name, method, extreme) for method in chosen for extreme in extremes]
+    return found
 
 
 # The methods a quick look takes; an engine without an entry is taken whole.
@@ -114,68 +114,17 @@ def matrix(
 ) -> Iterator[Cell]:
     """Yield every cell as soon as it is known; those of `known` are not run again."""
     before = {cell.key for cell in known}
-    work: queue.Queue[Group] = queue.Queue()
-    out: queue.Queue[Cell | BaseException | None] = queue.Queue()
-    tasks = groups(extremes, engines, not full)
-    for group in tasks:
-        work.put(group)
-    total = sum(len(group[2]) for group in tasks)
-    stop, calls = threading.Event(), [Isolated(memory=MEMORY) for _ in range(children)]
-    workers = [threading.Thread(target=_work, args=(work, out, stop, full, before, call)) for call in calls]
-    for worker in workers:
-        worker.start()
-    done, ended = 0, 0
-    try:
-        while ended < len(calls):
-            item = out.get()
-            if item is None:
-                ended += 1
-                continue
-            if isinstance(item, BaseException):
-                raise item
-            done += 1
-            if progress is not None:
-                progress(done, total, f"{item.engine} {item.method} {item.extreme}")
-            if item.key not in before:
-                yield item
-    finally:
-        stop.set()
-        for call in calls:
-            call.cancel()
-        for worker in workers:
-            worker.join()
+    asked = [task for task in tasks(extremes, engines, full) if (task[2].name, *task[:2], full) not in before]
+    for done, (_, cell) in enumerate(each(asked, partial(_cell, full), children, memory=MEMORY), 1):
+        if progress is not None:
+            progress(done, len(asked), f"{cell.engine} {cell.method} {cell.extreme}")
+        yield cell
 
 
-def _work(
-    work: queue.Queue, out: queue.Queue, stop: threading.Event, full: bool, before: set, call: Isolated
-) -> None:
-    """Take groups until there are none; whatever a broken adapter raises is raised again in the caller's thread."""
-    try:
-        with call:
-            _take(work, out, stop, full, before, call)
-    except (queue.Empty, Cancelled):
-        out.put(None)
-    except BaseException as error:
-        out.put(error)
-
-
-def _take(
-    work: queue.Queue, out: queue.Queue, stop: threading.Event, full: bool, before: set, call: Isolated
-) -> None:
-    while not stop.is_set():
-        name, method, extremes = work.get_nowait()
-        for extreme in extremes:
-            if stop.is_set():
-                break
-            out.put(_one(name, method, extreme, full, before, call))
-    out.put(None)
-
-
-def _one(name: str, method: str | None, extreme: Extreme, full: bool, before: set, call: Isolated) -> Cell:
-    if method is None:
+def _cell(full: bool, call: Any, task: Task) -> Cell:
+    name, method, extreme = task
+    if not method:
         reason = f"{MISSING}: {name} is not installed"
         return Cell(extreme.name, extreme.family, name, "", full, Fate.CANNOT, None, (), reason)
-    if (extreme.name, name, method, full) in before:
-        return Cell(extreme.name, extreme.family, name, method, full, Fate.CANNOT, None, ())
     engine = registry.get(name)
-    return cell_of(extreme, engine, engine.method(method), full, call)
+    return cell_of(extreme, engine, engine.method(method), full, call.call)

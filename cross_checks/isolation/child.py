@@ -14,6 +14,7 @@ from cross_checks.isolation.compilation import told
 from cross_checks.isolation.environments import INSIDE
 from cross_checks.isolation.messages import COMPILED, COMPILING, NOTES, receive, send
 
+STOPS = [signal.Signals[name] for name in ("SIGINT", "SIGTERM", "SIGHUP") if name in signal.Signals.__members__]
 SET_PARENT_DEATH_SIGNAL = 1  # prctl(2)
 ROOM = 4 * 2**30  # bytes of address space beyond the limit on resident memory: libraries reserve much, use little
 
@@ -81,7 +82,8 @@ def _end_with_parent() -> None:
 def main() -> None:
     if INSIDE in os.environ:  # asked by an adapter, itself perhaps a child that is killed when it takes too long
         _end_with_parent()
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the caller's to handle; it ends this process
+    for stop in STOPS:  # are the caller's to handle; it ends this process
+        signal.signal(stop, signal.SIG_IGN)
     handle, memory = int(sys.argv[1]), int(sys.argv[2])
     _, hard = resource.getrlimit(resource.RLIMIT_AS)
     most = memory + ROOM

@@ -111,6 +111,20 @@ class Isolated:
         """Whether the next call starts a new child."""
         return self._child is None or self._child.poll() is not None
 
+    @property
+    def processors(self) -> int:
+        """How many calls can be made side by side: as many as this process may use processors."""
+        return len(os.sched_getaffinity(0))
+
+    def alike(self) -> Isolated:
+        """Return another caller of the same limits, with a child of its own."""
+        return Isolated(self.timeout, self.memory, self.threads, self.python, self.variables)
+
+    @property
+    def is_cancelled(self) -> bool:
+        """Whether every later call raises Cancelled."""
+        return self._cancelled
+
     def close(self) -> None:
         """End the child, whatever it is doing."""
         self._end_copy()

@@ -1,63 +1,188 @@
-"""Tasks given to several processes of their own, results as they come; Ctrl-C ends them all."""
+"""Tasks side by side in several processes of their own, results as they come; Ctrl-C ends them all."""
 
 from __future__ import annotations
 
-import os
+import atexit
+import heapq
 import queue
 import threading
+import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
+from dataclasses import dataclass, field
+from functools import partial
+from itertools import count
+from typing import Any, Self
 
-from cross_checks.isolation.parent import MEMORY, Caller, Cancelled, Isolated
+from cross_checks.isolation.parent import MEMORY, Caller, Cancelled, Isolated, Lost
 
 TIMEOUT = 300.0  # s for one call; the search bounds its work by steps, so that only a run that hangs meets this
+BRIEF = 10.0  # s that a call of a task's first try may compute: longer than nearly all runs, short enough to wait for
+TICK = 1.0  # s between reports while no task ends
+
+
+class Late(RuntimeError):
+    """A call of a task's first try computed longer than it may."""
+
+
+@dataclass(order=True)
+class _Task:
+    place: tuple[bool, float, int]  # second tries last, then the expected seconds, then first come
+    name: Any = field(compare=False)
+    work: Callable[[Caller], Any] = field(compare=False)
+
+
+@dataclass
+class _Worker:
+    """What makes the calls of one task after the other."""
+
+    call: Isolated
+    task: _Task | None = None
+    since: float = 0.0  # s on the monotonic clock
+    is_first: bool = False  # whether it makes the task's first try
+
+    @property
+    def patient(self) -> Caller:
+        """What makes calls without a limit on time."""
+        return self.call.patient
+
+    def __call__(self, function: Callable[..., Any], *arguments: Any) -> Any:
+        try:
+            return self.call(function, *arguments)
+        except Lost as lost:
+            raise Late(str(lost)) if self.is_first and lost.status == "timeout" else lost from None
+
+
+class Pool[Name, Result]:
+    """Tasks made side by side; more may be added, and some dropped, while their results come.
+
+    Iterate to receive every task's name with what its work returns, in the order in which they end; an exception of
+    the work is raised there. Tasks of fewest expected seconds begin first. Calls are made by callers alike `call`, one
+    for each of its processors unless `workers` says how many. With `brief` (s) the calls of a first try stay within
+    that; the result of a task with one that does not is a Late. A `call` that is not Isolated makes every task in the
+    caller's thread. `tick` receives the tasks under way and their seconds. Use as a context manager.
+    """
+
+    def __init__(
+        self, call: Caller, workers: int = 0, brief: float | None = None,
+        tick: Callable[[list[tuple[Name, float]]], None] = lambda running: None,
+    ) -> None:  # fmt: skip
+        self._call, self._most, self._brief = call, workers, brief
+        if isinstance(call, Isolated):
+            self._most = workers or call.processors
+        self._tick, self._numbers, self._closed = tick, count(), False
+        self._waiting: list[_Task] = []  # a heap
+        self._open: dict[int, _Task] = {}  # whose results nobody has received, by number
+        self._done: queue.Queue[tuple[_Task, Any]] = queue.Queue()
+        self._threads: list[threading.Thread] = []
+        self._running: dict[int, _Worker] = {}  # by the thread that it serves
+        self._changed = threading.Condition()
+
+    def __enter__(self) -> Self:
+        atexit.register(self.close)  # of a generator that nobody closes, whose processes would outlive this one
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        atexit.unregister(self.close)
+        self.close()
+
+    def close(self) -> None:
+        """End the processes, whatever they are doing."""
+        with self._changed:
+            self._closed = True
+            for worker in self._running.values():
+                worker.call.cancel()
+            self._changed.notify_all()
+        for thread in self._threads:
+            thread.join()
+
+    def add(self, name: Name, work: Callable[[Caller], Result], seconds: float = 0.0, again: bool = False) -> None:
+        """Add a task that is expected to take `seconds`; `again` makes its second try, after all others."""
+        task = _Task((again, seconds, next(self._numbers)), name, work)
+        with self._changed:
+            self._open[task.place[-1]] = task
+            heapq.heappush(self._waiting, task)
+            self._changed.notify()
+        if isinstance(self._call, Isolated) and len(self._threads) < min(self._most, len(self._open)):
+            self._threads.append(threading.Thread(target=self._serve, daemon=True))
+            self._threads[-1].start()
+
+    def drop(self, unwanted: Callable[[Name], bool]) -> None:
+        """Forget the tasks whose names are unwanted, those under way included."""
+        with self._changed:
+            self._open = {number: task for number, task in self._open.items() if not unwanted(task.name)}
+            self._waiting = [task for task in self._waiting if task.place[-1] in self._open]
+            heapq.heapify(self._waiting)
+            for worker in self._running.values():
+                if worker.task is not None and worker.task.place[-1] not in self._open:
+                    worker.call.cancel()
+
+    def running(self) -> list[tuple[Name, float]]:
+        """Return the names of the tasks under way, and for how long they are, s."""
+        now = time.monotonic()
+        with self._changed:
+            under_way = [(one.task, now - one.since) for one in self._running.values()]
+            return [(task.name, seconds) for task, seconds in under_way if task and task.place[-1] in self._open]
+
+    def __iter__(self) -> Iterator[tuple[Name, Result | Late]]:
+        while self._open:
+            self._tick(self.running())
+            with suppress(queue.Empty):
+                task, result = self._done.get(timeout=TICK) if self._threads else self._made_here()
+                if self._open.pop(task.place[-1], None) is None:
+                    continue
+                if isinstance(result, BaseException) and not isinstance(result, Late):
+                    raise result
+                yield task.name, result
+
+    def _made_here(self) -> tuple[_Task, Any]:
+        task = heapq.heappop(self._waiting)
+        return task, task.work(self._call)
+
+    def _serve(self) -> None:
+        """Make tasks until the pool is closed; a process whose task was dropped is replaced."""
+        while not self._closed:
+            with self._call.alike() as call, suppress(Cancelled):  # type: ignore[attr-defined] - an Isolated has threads
+                worker = _Worker(call)
+                while (task := self._next(worker)) is not None:
+                    self._done.put((task, _made(worker, task)))
+
+    def _next(self, worker: _Worker) -> _Task | None:
+        """Return the next task, given to the worker; None where the pool is closed."""
+        with self._changed:
+            self._running.pop(threading.get_ident(), None)
+            if worker.call.is_cancelled:
+                raise Cancelled("its last task was dropped")
+            self._changed.wait_for(lambda: self._waiting or self._closed)
+            if self._closed:
+                return None
+            worker.task, worker.since = heapq.heappop(self._waiting), time.monotonic()
+            worker.is_first = self._brief is not None and not worker.task.place[0]
+            whole = self._call.timeout  # type: ignore[attr-defined]
+            worker.call.timeout = min(self._brief or whole, whole) if worker.is_first else whole
+            self._running[threading.get_ident()] = worker
+            return worker.task
+
+
+def _made(worker: _Worker, task: _Task) -> Any:
+    try:
+        return task.work(worker)
+    except Cancelled:
+        raise
+    except BaseException as error:  # raised again in the caller's thread
+        return error
 
 
 def each[Task, Result](
     tasks: Sequence[Task], work: Callable[[Caller, Task], Result], workers: int = 0, timeout: float = TIMEOUT,
     memory: int = MEMORY,
 ) -> Iterator[tuple[Task, Result]]:  # fmt: skip
-    """Yield every task with what `work` returns for it, as soon as it is known; its exception is raised here.
-
-    Each worker has one thread; unless given, there is one for every processor that this process may use. Each of their
-    calls is made within `timeout` (s) and `memory` (bytes).
-    """
-    waiting: queue.Queue[Task] = queue.Queue()
-    done: queue.Queue[tuple[Task, Result] | BaseException] = queue.Queue()
-    for task in tasks:
-        waiting.put(task)
-    calls = [Isolated(timeout, memory) for _ in range(min(workers or len(os.sched_getaffinity(0)), len(tasks)))]
-    threads = [threading.Thread(target=_serve, args=(waiting, done, work, call)) for call in calls]
-    for thread in threads:
-        thread.start()
-    try:
-        for _ in tasks:
-            found = done.get()
-            if isinstance(found, BaseException):
-                raise found
-            yield found
-    finally:
-        _empty(waiting)
-        for call in calls:
-            call.cancel()
-        for thread in threads:
-            thread.join()
+    """Yield every task with what `work` returns for it, as soon as it is known, from a Pool without first tries."""
+    with Pool[Task, Result](Isolated(timeout, memory), workers) as pool:
+        for task in tasks:
+            pool.add(task, partial(_on, work, task))
+        yield from pool  # type: ignore[misc]
 
 
-def _serve(waiting: queue.Queue, done: queue.Queue, work: Callable, call: Isolated) -> None:
-    with call, suppress(queue.Empty, Cancelled):
-        while True:
-            task = waiting.get_nowait()
-            try:
-                done.put((task, work(call, task)))
-            except Cancelled:
-                return
-            except BaseException as error:  # told to the caller's thread
-                done.put(error)
-                return
-
-
-def _empty(waiting: queue.Queue) -> None:
-    with suppress(queue.Empty):
-        while True:
-            waiting.get_nowait()
+def _on[Task, Result](work: Callable[[Caller, Task], Result], task: Task, call: Caller) -> Result:
+    return work(call, task)

@@ -2,79 +2,38 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import asdict, dataclass, field
-from typing import Any
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
 
 from cross_checks import engines as registry
 from cross_checks.engine import Engine, Method
-from cross_checks.judge.bounds import TARGETS
-from cross_checks.judge.consensus import working_truth
+from cross_checks.judge.bounds import MOST_STEPS, TARGETS
+from cross_checks.judge.consensus import ENOUGH, working_truth
 from cross_checks.judge.ladder import label
 from cross_checks.judge.runs import Runs
 from cross_checks.judge.tried import Tried, search
-from cross_checks.judge.vocabulary import WRONG, TargetResult, Verdict
-from cross_checks.records.record import CANNOT, MISSING
+from cross_checks.judge.verdict import Judgement
+from cross_checks.judge.vocabulary import SILENT, Cell, TargetResult, Verdict
+from cross_checks.records.record import Record
 from cross_checks.truth import NoTruth, Truth
 from cross_checks.workshop.initial_state import broken_start
-from mbs_ref.display import facts, listing
 from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings
 
-Progress = Callable[[int, int, str], None]  # (cells done, of how many, what comes next)
+ALONE = "one package, not certified"
+BY_TRUTH = SILENT | {Verdict.AGREES, Verdict.BELOW_TRUTH, Verdict.CONVERGING}  # verdicts that a truth decides
 
 
-@dataclass(frozen=True)
-class Cell:
-    """One verdict. Errors are over the scene's scales; None with a reason where there is none."""
+def truth_of(runs: Runs, scene: Scene, enough: float = ENOUGH) -> Truth | NoTruth:
+    """Return the scene's certified truth, else what engines agree on, else why there is neither.
 
-    scene: str
-    parameters: dict[str, Any]
-    engine: str
-    method: str
-    verdict: Verdict
-    reason: str
-    odds: float | None = None  # that the verdict is false; None where no probability is involved
-    excuse: str = ""  # why the method is known to go wrong on such a scene; empty where it is not
-    error: float | None = None  # of the run that speaks for the method
-    compliance: float | None = None  # m or rad
-    order: float | None = None  # observed; of fixed-step methods
-    documented_order: int | None = None
-    uncertainty: float | None = None  # of the truth, over the scene's scales
-    truth: str = ""  # its kind: exact, published, converged, or agreed by engines
-    setting: str = ""  # of the run that speaks for the method
-    loop_s: float | None = None
-    contact: dict[str, float] = field(default_factory=dict)
-    targets: tuple[TargetResult, ...] = ()
-    runs: tuple[dict[str, Any], ...] = ()  # setting, status, error of each run, coarse to fine
-
-    @property
-    def is_wrong(self) -> bool:
-        """Whether the verdict accuses, and nothing that the method declares excuses it here."""
-        return self.verdict in WRONG and not self.excuse
-
-    def _repr_html_(self) -> str:
-        """Return what a notebook shows: the verdict, why, and the runs it was made from."""
-        told = facts(f"{self.scene}: {self.engine} {self.method}", [
-            ("verdict", f"{self.verdict}: {self.reason}"), ("known", self.excuse), ("error of the scene", self.error),
-            ("truth", self.truth), ("order", self.order), ("documented order", self.documented_order),
-        ])  # fmt: skip
-        runs = [(run["setting"], run["status"], run["error"]) for run in self.runs]
-        return told + listing("Runs", ("setting", "status", "error of the scene"), runs)
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return plain data for JSON, without the curves of the records."""
-        plain = asdict(self) | {"verdict": str(self.verdict), "targets": [_told(t) for t in self.targets]}
-        return plain
-
-
-def truth_of(runs: Runs, scene: Scene) -> Truth | NoTruth:
-    """Return the scene's certified truth, else what engines agree on, else why there is neither."""
+    Engines run until they know the scene to `enough` of its scales.
+    """
     broken = broken_start(scene, Settings().initial_tolerance)
     if broken:
         return NoTruth(broken)
     truth = runs.truth(scene)
-    return working_truth(runs, scene, truth.reason) if isinstance(truth, NoTruth) else truth
+    return working_truth(runs, scene, truth.reason, enough) if isinstance(truth, NoTruth) else truth
 
 
 def tasks(engines: Iterable[str]) -> list[tuple[str, Method | None]]:
@@ -88,34 +47,39 @@ def tasks(engines: Iterable[str]) -> list[tuple[str, Method | None]]:
     return offered
 
 
-def check(
-    runs: Runs, scenes: Iterable[Scene], engines: Sequence[str] | None = None, progress: Progress | None = None
-) -> Iterator[Cell]:
-    """Yield a cell for every scene, engine and method, as it is judged. ValueError where an engine is unknown."""
-    offered = tasks(engines or registry.names())
-    listed = [(scene, *task) for scene in scenes for task in offered]
-    truths: dict[int, Truth | NoTruth] = {}
-    for done, (scene, engine, method) in enumerate(listed):
-        if progress is not None:
-            progress(done, len(listed), f"{scene.name} {engine} {method.name if method else ''}".strip())
-        if id(scene) not in truths:
-            truths[id(scene)] = truth_of(runs, scene)
-        yield judge_method(runs, scene, engine, method, truths[id(scene)])
-    if progress is not None:
-        progress(len(listed), len(listed), "")
-
-
 def judge_method(
     runs: Runs, scene: Scene, engine: str, method: Method | None, truth: Truth | NoTruth,
-    targets: Sequence[float] = TARGETS,
+    targets: Sequence[float] = TARGETS, most_steps: int = MOST_STEPS,
 ) -> Cell:  # fmt: skip
     """Search the method's settings and judge what they show."""
-    name, refusal = refused(scene, engine, method)
-    if refusal or method is None:
-        verdict = Verdict(MISSING if method is None else CANNOT)
-        return Cell(scene.name, dict(scene.parameters), engine, name, verdict, refusal)
-    tried, answers = search(runs, scene, engine, method, truth, targets)
-    return cell_of(tried, answers)
+    return judged(runs, scene, engine, method, truth, targets, most_steps)[0]
+
+
+def judged(
+    runs: Runs, scene: Scene, engine: str, method: Method | None, truth: Truth | NoTruth,
+    targets: Sequence[float] = TARGETS, most_steps: int = MOST_STEPS,
+) -> tuple[Cell, tuple[Record, ...]]:  # fmt: skip
+    """Return the method's cell and the records that it is based on, coarse to fine; none of a method that is refused.
+
+    No run takes more than `most_steps`.
+    """
+    refusal = refusal_of(scene, engine, method, targets)
+    if refusal is not None or method is None:
+        return refusal, ()  # type: ignore[return-value] - None only with a method
+    tried, results = search(runs, scene, engine, method, truth, targets, most_steps)
+    return cell_of(tried, results), tuple(tried.records[knob] for knob in tried.knobs)
+
+
+def refusal_of(
+    scene: Scene, engine: str, method: Method | None, targets: Sequence[float] = TARGETS
+) -> Cell | None:
+    """Return the cell of a method that cannot run the scene, with every reason; None where it can."""
+    name, reason = refused(scene, engine, method)
+    if not reason:
+        return None
+    verdict = Verdict.ENGINE_MISSING if method is None else Verdict.CANNOT
+    missed = tuple(TargetResult(target, "cannot", None, reason) for target in targets)
+    return Cell(scene.name, dict(scene.parameters), engine, name, verdict, reason, targets=missed)
 
 
 def refused(scene: Scene, engine: str, method: Method | None) -> tuple[str, str]:
@@ -128,35 +92,37 @@ def refused(scene: Scene, engine: str, method: Method | None) -> tuple[str, str]
     return method.name, "; ".join(dict.fromkeys([*reasons, broken] if broken else reasons))
 
 
-def cell_of(tried: Tried, answers: Sequence[TargetResult]) -> Cell:
-    """Return the verdict on runs that were made; the same runs give the same cell."""
-    scene, truth, judged = tried.scene, tried.truth, tried.verdict()
-    record = tried.speaking()
-    points = [tried.search.points[knob] for knob in tried.knobs]
+def cell_of(tried: Tried, results: Sequence[TargetResult]) -> Cell:
+    """Return the verdict on a search; the same runs give the same cell."""
+    scene, truth, record = tried.scene, tried.truth, tried.representative()
+    judgement, results = _of_one_package(truth, tried.verdict(), results)
+    points, shown = (tried.search.points[knob] for knob in tried.knobs), tried.search.shown()
     return Cell(
-        scene.name, dict(scene.parameters), tried.engine, tried.method.name, judged.verdict, judged.reason,
-        excuse=tried.method.excused(scene),
-        odds=judged.odds,
+        scene.name, dict(scene.parameters), tried.engine, tried.method.name, judgement.verdict, judgement.reason,
+        odds=judgement.odds,
+        exemption=tried.method.excused(scene),
         error=None if record is None or record.error is None else record.error.value,
         compliance=None if record is None else record.measure("compliance_position"),
-        order=_order(tried), documented_order=tried.method.order,
+        order=None if shown is None or tried.kind == "adaptive" else shown.observed_order,
+        documented_order=tried.method.order,
         uncertainty=tried.uncertainty, truth="" if isinstance(truth, NoTruth) else truth.kind,
         setting="" if record is None else label(Settings(**record.settings)),
         loop_s=None if record is None else record.times.get("loop_s"),
-        contact={} if record is None else record.contact, targets=tuple(answers),
+        contact={} if record is None else record.contact, targets=tuple(_without_history(result) for result in results),
         runs=tuple({"setting": p.setting, "status": p.status, "error": p.error} for p in points),
     )  # fmt: skip
 
 
-def _order(tried: Tried) -> float | None:
-    """Return the order that fixed steps show; None where it is not known to a quarter."""
-    shown = tried.search.shown()
-    return None if shown is None or tried.method.kind != "fixed" else shown.observed_order
+def _without_history(result: TargetResult) -> TargetResult:
+    return result if result.record is None else replace(result, record=replace(result.record, history={}))
 
 
-def _told(reached: TargetResult) -> dict[str, Any]:
-    record = reached.record
-    plain = {"target": reached.target, "answer": reached.answer, "reason": reached.reason}
-    if record is None or record.error is None:
-        return plain
-    return plain | {"settings": record.settings, "error": record.error.value, "loop_s": record.times.get("loop_s")}
+def _of_one_package(
+    truth: Truth | NoTruth, judged: Judgement, results: Sequence[TargetResult]
+) -> tuple[Judgement, Sequence[TargetResult]]:
+    """Return what is shown where one package alone knows the motion: it confirms no method and calls none wrong."""
+    if truth.kind != "one-package":
+        return judged, results
+    unjudged = [replace(one, answer="unjudged", reason=ALONE) if one.record else one for one in results]
+    is_open = judged.verdict in BY_TRUTH
+    return (Judgement(Verdict.NOT_SHOWN, f"{ALONE}: {judged.reason}") if is_open else judged), unjudged

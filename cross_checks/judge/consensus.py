@@ -1,37 +1,54 @@
 """A working truth where no certified one exists: what engines agree on that share as little as possible.
 
-Every engine that runs the scene gives its best methods at fine settings: at two tolerances, or at three steps that
-halve, of which the last two tell where they lead, and the first two how well. The pair is chosen that is closest, its
-members' own last refinements included, of engines that stand on different packages: the scene is known to that
-distance, agreed and not certified. Where that is too far to tell agreement by, as where a motion amplifies errors, all
-give a finer setting still. Where one package runs the scene alone, two unlike methods of its must do, and the sentence
-says so.
+Every engine that runs the scene gives its best methods, side by side: cheap settings first, finer ones as long as the
+scene is not known well enough, those of fast methods before those of slow ones. A method's limit comes from two
+tolerances, or from three steps that halve: the last two show where they lead, and the first two how well. The pair is
+chosen that is closest, its members' own last refinements included, of engines that stand on different packages: the
+scene is known to that distance, agreed and not certified.
+
+Runs that look for events at the same times are one witness. Each run therefore has output times of its own between
+those of the judges, and each method steps of its own. Where one package runs the scene alone, two unlike methods of it
+give a truth of the kind "one-package", which confirms no method and calls none wrong.
 """
 
 from __future__ import annotations
 
-from itertools import combinations, pairwise
+import time
+from dataclasses import replace
+from functools import partial
+from itertools import pairwise
 from typing import NamedTuple
+from zlib import crc32
 
 import numpy as np
 
 from cross_checks import engines
 from cross_checks.engine import Engine, Method
+from cross_checks.isolation.parent import Caller
+from cross_checks.isolation.workers import BRIEF, Late, Pool
 from cross_checks.judge.extrapolation import extrapolated
 from cross_checks.judge.ladder import knob_of, label, settings_at
 from cross_checks.judge.runs import Runs, gap
 from cross_checks.judge.vocabulary import AGREEMENT
+from cross_checks.records.store import SAMPLES
 from cross_checks.truth import MARGIN, NoTruth, Truth
 from mbs_ref.scene import Scene
 from mbs_ref.scene.scales import scales_of
+from mbs_ref.settings import Settings
 from mbs_ref.trajectory import Trajectory
 
-type Settings = dict[str, tuple[float, ...]]  # by the kind of a method, coarse to fine
-FINE: Settings = {"adaptive": (1e-10, 1e-12), "fixed": (2e-4, 1e-4, 5e-5)}  # tolerances; steps over the duration
-FINEST: Settings = {"adaptive": (1e-12, 1e-14), "fixed": (4e-5, 2e-5, 1e-5)}
+LEVELS: tuple[dict[str, tuple[float, ...]], ...] = (
+    {"adaptive": (1e-6, 1e-8), "fixed": (6.4e-4, 3.2e-4, 1.6e-4)},
+    {"adaptive": (1e-8, 1e-10), "fixed": (1.6e-4, 8e-5, 4e-5)},
+    {"adaptive": (1e-10, 1e-12), "fixed": (4e-5, 2e-5, 1e-5)},
+    {"adaptive": (1e-12, 1e-14)},
+)  # tolerances, and steps over the duration, by the kind of a method; each level begins where the one before ends
+DEARER = 4.0  # expected cost of a level over that of the one before: the ratio of its steps
 WORST = 1e-3  # of the scene: engines further apart agree on nothing
-ENOUGH = AGREEMENT / MARGIN  # of the scene: a truth that is known so well tells agreement
-PER_ENGINE = 2  # methods asked of each
+ENOUGH = AGREEMENT / MARGIN  # of the scene: a truth that is known so well shows agreement
+PER_ENGINE = 2  # methods of each
+BETWEEN = 4  # output times of a run between two of the judges'
+SPREAD = 0.25  # by which the steps of two methods at the same level differ at most
 
 
 class Witness(NamedTuple):
@@ -56,35 +73,123 @@ class Pair(NamedTuple):
     first: Witness
     second: Witness
 
+    @property
+    def packages(self) -> int:
+        return len({self.first.library, self.second.library})
 
-def working_truth(runs: Runs, scene: Scene, reason: str = "") -> Truth | NoTruth:
+
+class Request(NamedTuple):
+    """A level of a method that a consensus waits for."""
+
+    consensus: Consensus
+    engine: str
+    method: Method
+    level: int
+
+    @property
+    def scene(self) -> Scene:
+        return self.consensus.scene
+
+    def __str__(self) -> str:
+        return f"{self.scene.name} {self.engine} {self.method.name} for the truth, level {self.level + 1}"
+
+
+class Consensus:
+    """What engines agree on so far: `truth`, which is final when `is_settled`.
+
+    Runs are requested from the pool, whose user hands every result of a Request to `receive`. A scene is settled when
+    it is known to `enough` of its scales, or when no run is left to make. A method whose run computes for long is
+    waited for only where the others agree on nothing.
+    """
+
+    def __init__(self, pool: Pool, runs: Runs, scene: Scene, reason: str = "", enough: float = ENOUGH) -> None:
+        self.scene = scene
+        self._pool, self._runs, self._reason, self._enough = pool, runs, reason, enough
+        self._witnesses: dict[tuple[str, str], Witness] = {}
+        self._closest: dict[int, Pair] = {}  # by the number of packages, of all pairs so far
+        self._late: list[Request] = []
+        able = [(name, method) for name in engines.names() for method in _best_methods(name, scene)]
+        self._packages = len({engines.get(name).library for name, _ in able})
+        self._open = [self._requested(Request(self, name, method, 0)) for name, method in able]
+
+    @property
+    def is_settled(self) -> bool:
+        """Whether no run is made or awaited any more."""
+        return not self._open
+
+    @property
+    def pair(self) -> Pair | None:
+        """The closest pair of two packages, else of one."""
+        return self._closest.get(2) or self._closest.get(1)
+
+    @property
+    def truth(self) -> Truth | NoTruth:
+        """What the pair agrees on; NoTruth with its distance where that is nothing."""
+        if self.pair is not None and self.pair.known_to <= WORST:
+            return _agreed(self.scene, self.pair)
+        why = "fewer than two methods run the scene to its end"
+        if self.pair is not None:
+            known_to, first, second = self.pair
+            apart = f"the closest, {first.name} and {second.name}, are {known_to:.1e} of the scene apart"
+            who = "one package runs the scene, and its methods" if self.pair.packages == 1 else "engines"
+            why = f"{who} agree on nothing: {apart}"
+        kind = "one-package" if len({one.library for one in self._witnesses.values()}) == 1 else "none"
+        return NoTruth(f"{self._reason}; {why}".lstrip("; "), kind)
+
+    def _is_known(self, distance: float) -> bool:
+        """Whether the scene is known to a distance by two packages, or by one where no other can run it."""
+        pair = self._closest.get(min(2, self._packages))
+        return pair is not None and pair.known_to <= distance
+
+    def receive(self, request: Request, result: tuple[Witness | None, float] | Late) -> None:
+        """Take in what came of a request, and request what is needed next."""
+        self._open.remove(request)
+        if isinstance(result, Late):
+            self._late.append(request)
+        else:
+            witness, seconds = result
+            self._compare(witness)
+            finer = request._replace(level=request.level + 1)
+            if finer.level < len(LEVELS) and request.method.kind in LEVELS[finer.level]:
+                self._open.append(self._requested(finer, DEARER * seconds))
+        if self._is_known(self._enough):
+            self._pool.drop(lambda name: name in self._open)
+            self._open = []
+        elif not self._open and not self._is_known(WORST):
+            self._open, self._late = [self._requested(late, again=True) for late in self._late], []
+
+    def _requested(self, request: Request, seconds: float = 0.0, again: bool = False) -> Request:
+        self._pool.add(request, partial(_timed, self._runs, request), seconds, again)
+        return request
+
+    def _compare(self, witness: Witness | None) -> None:
+        if witness is None:
+            return
+        self._witnesses[witness.engine, witness.method] = witness
+        for other in self._witnesses.values():
+            if other is not witness:
+                known_to = max(_distance(self.scene, witness, other), witness.moved, other.moved)
+                pair = Pair(known_to, *sorted((witness, other), key=lambda one: one.moved))
+                self._closest[pair.packages] = min(self._closest.get(pair.packages, pair), pair, key=lambda p: p[0])
+
+
+def working_truth(runs: Runs, scene: Scene, reason: str = "", enough: float = ENOUGH) -> Truth | NoTruth:
     """Return what engines agree on; NoTruth with `reason` and the distance where they do not."""
-    pair = _closest(scene, _witnesses(runs, scene, FINE))
-    if pair is None:
-        return NoTruth(f"{reason}; fewer than two methods run the scene to its end".lstrip("; "))
-    if ENOUGH < pair.known_to <= WORST:
-        finer = _closest(scene, _witnesses(runs, scene, FINEST))
-        pair = min(pair, finer or pair, key=lambda one: one.known_to)
-    if not pair.known_to <= WORST:
-        told = f"the closest, {pair.first.name} and {pair.second.name}, are {pair.known_to:.1e} of the scene apart"
-        return NoTruth(f"{reason}; engines agree on nothing: {told}".lstrip("; "))
-    return _agreed(scene, pair.known_to, *sorted(pair[1:], key=lambda witness: witness.moved))
+    with Pool(runs.call, brief=BRIEF) as pool:
+        consensus = Consensus(pool, runs, scene, reason, enough)
+        for request, result in pool:
+            consensus.receive(request, result)
+    return consensus.truth
 
 
-def _closest(scene: Scene, witnesses: list[Witness]) -> Pair | None:
-    alone = len({witness.library for witness in witnesses}) == 1
-    unlike = [(a, b) for a, b in combinations(witnesses, 2) if alone or a.library != b.library]
-    pairs = [Pair(max(_distance(scene, a, b), a.moved, b.moved), a, b) for a, b in unlike]
-    return min(pairs, key=lambda pair: pair.known_to, default=None)
-
-
-def _agreed(scene: Scene, known_to: float, best: Witness, other: Witness) -> Truth:
+def _agreed(scene: Scene, pair: Pair) -> Truth:
+    known_to, best, other = pair
     scales = scales_of(scene)
-    alone = f"; both stand on {best.library}" if best.library == other.library else ""
-    how = f"agreed, not certified: {best.name} and {other.name} are {known_to:.1e} of the scene apart{alone}"
+    alone, how = pair.packages == 1, f"{best.name} and {other.name} are {known_to:.1e} of the scene apart"
+    how = f"{how}, and both stand on {best.library}: one package, not certified" if alone else f"not certified: {how}"
     return Truth(
-        best.path.position, best.path.orientation, known_to * scales.length, "agreed", how, known_to * scales.length,
-        velocity=best.path.velocity, angular_velocity=best.path.angular_velocity,
+        best.path.position, best.path.orientation, known_to * scales.length, "one-package" if alone else "agreed", how,
+        known_to * scales.length, velocity=best.path.velocity, angular_velocity=best.path.angular_velocity,
         rate_uncertainty=np.full(len(best.path.times), known_to * max(scales.speed, 1.0 / scales.time)),
         turn_uncertainty=known_to,
     )  # fmt: skip
@@ -95,43 +200,42 @@ def _distance(scene: Scene, first: Witness, second: Witness) -> float:
     return float("inf") if apart is None else apart
 
 
-def _witnesses(runs: Runs, scene: Scene, settings: Settings) -> list[Witness]:
-    witnesses = []
-    for name in engines.names():
-        try:
-            engine = engines.get(name)
-        except engines.EngineMissing:
-            continue
-        heard = (_heard(runs, scene, name, method, settings) for method in _best_methods(engine, scene))
-        witnesses += [witness for witness in heard if witness is not None]
-    return witnesses
-
-
-def _best_methods(engine: Engine, scene: Scene) -> list[Method]:
+def _best_methods(name: str, scene: Scene) -> list[Method]:
     """Return the methods of highest order that run the scene and are not known to go wrong on it, unlike ones first."""
+    try:
+        engine: Engine = engines.get(name)
+    except engines.EngineMissing:
+        return []
     if engine.refusals(scene):
         return []
     able = [m for m in engine.methods() if not engine.method_refusals(scene, m) and not m.excused(scene)]
-    ranked = sorted(able, key=lambda m: (m.kind != "adaptive", -(m.order or 4)))
-    return ranked[:PER_ENGINE]
+    return sorted(able, key=lambda m: (m.kind != "adaptive", -(m.order or 4)))[:PER_ENGINE]
 
 
-def _heard(runs: Runs, scene: Scene, engine: str, method: Method, knobs: Settings) -> Witness | None:
+def _timed(runs: Runs, request: Request, call: Caller) -> tuple[Witness | None, float]:
+    """Return the witness, and the seconds that it took."""
+    start, knobs = time.monotonic(), LEVELS[request.level][request.method.kind]
+    witness = witness_of(replace(runs, call=call), request.scene, request.engine, request.method, knobs)
+    return witness, time.monotonic() - start
+
+
+def witness_of(runs: Runs, scene: Scene, engine: str, method: Method, knobs: tuple[float, ...]) -> Witness | None:
     """Return the finest run, or where the runs lead if they do so more surely; None where one of them fails."""
-    unit = scene.duration if method.kind == "fixed" else 1.0
-    paths, settings = [], [settings_at(method, scene, unit * knob) for knob in knobs[method.kind]]
-    for asked in settings:
-        run = runs.run(scene, engine, asked)
-        if run.record.status != "success" or run.path is None:
+    own = np.random.default_rng(crc32(f"{engine} {method.name}".encode()))
+    unit = scene.duration * (1.0 - SPREAD * own.random()) if method.kind == "fixed" else 1.0
+    paths, settings = [], [settings_at(method, scene, unit * knob) for knob in knobs]
+    for one in settings:
+        path = _at_own_times(runs, scene, engine, one)
+        if path is None:
             return None
-        paths.append(run.path)
+        paths.append(path)
     moved = gap(scene, *paths[-2:])
     if moved is None:
         return None
     plain = Witness(engine, engines.get(engine).library, method.name, label(settings[-1]), paths[-1], moved)
     if len(paths) < 3 or method.order is None:
         return plain
-    steps = [knob_of(asked) for asked in settings]
+    steps = [knob_of(one) for one in settings]
     limits = [
         extrapolated(coarse, fine, wide / narrow, method.order)
         for (coarse, wide), (fine, narrow) in pairwise(zip(paths, steps, strict=True))
@@ -140,3 +244,27 @@ def _heard(runs: Runs, scene: Scene, engine: str, method: Method, knobs: Setting
     if settled is None or settled >= moved:
         return plain
     return plain._replace(setting=f"{plain.setting}, extrapolated,", path=limits[-1], moved=settled)
+
+
+def _at_own_times(runs: Runs, scene: Scene, engine: str, settings: Settings) -> Trajectory | None:
+    """Return a run at the judges' times, made with others between them; None where it fails."""
+    common = runs.grid(scene)
+    seed = crc32(f"{engine} {settings.method} {label(settings)}".encode())
+    times = np.union1d(common, between(common, settings.step, np.random.default_rng(seed)))
+    run = replace(runs, times=times).run(scene, engine, settings)
+    if run.record.status != "success" or run.path is None or len(run.path.times) != len(times):
+        return None
+    rows = np.isin(times, common)
+    samples = {name: getattr(run.path, name)[rows] for name in SAMPLES}
+    return replace(run.path, **samples, reactions={}, contacts={})
+
+
+def between(times: np.ndarray, step: float | None, random: np.random.Generator) -> np.ndarray:
+    """Return BETWEEN random times (s) in each interval; where there is a step, multiples of it that are none of them.
+
+    Fewer where the multiples coincide.
+    """
+    inner = (times[:-1, None] + np.diff(times)[:, None] * random.random((len(times) - 1, BETWEEN))).ravel()
+    if step is None:
+        return inner
+    return step * np.setdiff1d(np.rint(inner / step), np.rint(times / step))

@@ -7,10 +7,10 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from cross_checks.judge.cell import Cell
-from cross_checks.judge.cell import check as check_all
+from cross_checks.judge.answers import check as check_all
 from cross_checks.judge.one_run import judged_run
 from cross_checks.judge.runs import UNTOLD, Runs, against
+from cross_checks.judge.vocabulary import Cell
 from cross_checks.records.store import Run, Store, default_path
 from mbs_ref.display import listing
 from mbs_ref.scene import Scene

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from cross_checks import engines
-from cross_checks.isolation.parent import Caller, Isolated, Lost, direct
+from cross_checks.isolation.parent import Caller, Lost, direct
 from cross_checks.judge.ladder import grid
 from cross_checks.judge.measure import component_errors, error_of, unjudged
 from cross_checks.judge.one_run import complete, judged_run, without_run
@@ -85,8 +85,7 @@ class Runs:
             facts, arrays = kept
             given: dict[str, Any] = {**facts, **arrays}
             return NoTruth(**given) if "reason" in facts else Truth(**given)
-        patient = self.call.patient if isinstance(self.call, Isolated) else self.call
-        truth = patient(seek_truth, scene, asked)
+        truth = getattr(self.call, "patient", self.call)(seek_truth, scene, asked)
         self.store.keep_arrays(key, *_parts(truth))
         return truth
 

@@ -128,7 +128,7 @@ class Tried:
         """Return what the runs show."""
         return self.search.judgement()
 
-    def speaking(self) -> Record | None:
+    def representative(self) -> Record | None:
         """Return the run that represents the method: the finest in agreement, else the finest that succeeded."""
         good = self.search.good
         agreeing = [point for point in good if point.error is not None and point.error <= 1e-6]

@@ -6,6 +6,7 @@ from dataclasses import asdict, dataclass, field
 from typing import Any
 
 from cross_checks.truth import MARGIN
+from mbs_ref import scenes
 from mbs_ref.display import facts
 from mbs_ref.settings import Settings
 
@@ -22,7 +23,7 @@ class Error:
     """
 
     value: float
-    truth: str  # exact | published | converged | agreed, and where it comes from
+    truth: str  # exact | published | converged | agreed | one-package, and where it comes from
     uncertainty: float  # of the truth
     final: float | None  # at the last time alone; None where the truth knows nothing there
     worst: str = "position"  # the component that is largest, and of which body
@@ -76,6 +77,11 @@ class Record:
     events: dict[str, list[float]] = field(default_factory=dict)  # declared event -> its times (s), where located
     estimate: dict[str, Any] | None = None  # of the error, by the run itself: value, unit, how, holds_until (s), ...
     history: dict[str, list[float | None]] = field(default_factory=dict)  # t, error, estimate and the plotted metrics' curves
+
+    @property
+    def label(self) -> str:
+        """The scene with its parameters, as the command line takes them."""
+        return scenes.label(self.scene, self.parameters)
 
     def measure(self, name: str) -> float | None:
         """Return a metric's figure; None where it is not defined."""

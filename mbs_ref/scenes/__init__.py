@@ -56,6 +56,18 @@ def make(name: str, **parameters: Any) -> Scene:
     return builder(**chosen).model_copy(update={"parameters": chosen})
 
 
+def label(name: str, parameters: dict[str, Any]) -> str:
+    """Return a scene's name with its counts and whatever else was chosen, as the command line takes them."""
+    counts = {key: value for key, value in parameters.items() if type(value) is int}
+    return " ".join([name, *(f"{key}={value}" for key, value in (counts | chosen(name, parameters)).items())])
+
+
+def chosen(name: str, parameters: dict[str, Any]) -> dict[str, Any]:
+    """Return the parameters that differ from the scene's defaults; all of a scene that is not one of these."""
+    defaults = describe(name).parameters if name in _listed() else {}
+    return {key: value for key, value in parameters.items() if defaults.get(key) != value}
+
+
 def _builder(name: str) -> Callable[..., Scene]:
     known = names()
     if name not in known:

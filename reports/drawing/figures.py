@@ -13,12 +13,9 @@ from cross_checks.records.store import Run
 from mbs_ref.scene import Scene
 from mbs_ref.simulate.ensemble import Ensemble
 from mbs_ref.trajectory import Trajectory
+from reports.drawing.plots import history
 from reports.drawing.plots.bands import bands
-from reports.drawing.plots.compliance import compliance as compliance_data
-from reports.drawing.plots.energy import energy as energy_data
-from reports.drawing.plots.error_history import error_history
 from reports.drawing.plots.figure import new_figure, to_data
-from reports.drawing.plots.palette import styles
 from reports.drawing.plots.work_precision import work_precision as work_precision_data
 
 AXES = "xyz"
@@ -67,17 +64,17 @@ def spread(ensemble: Ensemble) -> go.Figure:
 
 def error(runs: Iterable[Run | Record]) -> go.Figure:
     """Return the error of runs of one scene over time (s), over its scales; an engine's best run speaks for it."""
-    return _of_records(error_history, runs, "an error over time")
+    return _of_records(history.error_history, runs, "an error over time")
 
 
 def energy(runs: Iterable[Run | Record]) -> go.Figure:
     """Return the energy that runs of one scene created or lost (J) over time (s)."""
-    return _of_records(energy_data, runs, "an energy drift over time")
+    return _of_records(history.energy, runs, "an energy drift over time")
 
 
 def compliance(runs: Iterable[Run | Record]) -> go.Figure:
     """Return how far the joints gape (m, rad) over time (s)."""
-    return _of_records(compliance_data, runs, "a compliance over time")
+    return _of_records(history.compliance, runs, "a compliance over time")
 
 
 def work_precision(runs: Iterable[Run | Record]) -> go.Figure:
@@ -87,7 +84,7 @@ def work_precision(runs: Iterable[Run | Record]) -> go.Figure:
 
 def _of_records(draw: Any, runs: Iterable[Run | Record], needed: str) -> go.Figure:
     records = [item.record if isinstance(item, Run) else item for item in runs]
-    data = draw(records, styles(records, list(dict.fromkeys(record.engine for record in records))))
+    data = draw(records)
     if not data or not data["data"]:
         raise ValueError(f"runs = {len(records)} runs, none with {needed}; see their `status`, `message` and `notes`")
     return go.Figure(data)

@@ -46,6 +46,11 @@ def duration(seconds: float | None) -> str:
     return f"{short(seconds * 1e3, 3)} ms" if seconds >= 1e-3 else f"{short(seconds * 1e6, 3)} µs"
 
 
+def order_of(observed: float | None, documented: int | None) -> str:
+    """Return an observed order beside the documented one, where there is one; empty for None."""
+    return "" if observed is None else short(observed) if documented is None else f"{short(observed)} of {documented}"
+
+
 def count(number: int, noun: str) -> str:
     """Return `1 cell`, `2 cells`."""
     return f"{number} {noun}" if number == 1 else f"{number} {noun}s"

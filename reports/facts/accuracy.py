@@ -1,134 +1,67 @@
-"""The cells of the validation matrix with their runs: asked of the store, and made on all cores where it has none."""
+"""The cells of the validation matrix with their runs: read from the store, or computed on all cores."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, fields
 from functools import cache
-from math import isfinite
 from typing import Any
 
 from cross_checks import engines as registry
 from cross_checks.certify.kept_poses import physics_of
-from cross_checks.engine import Method
-from cross_checks.isolation.parent import Caller
-from cross_checks.isolation.workers import each
+from cross_checks.isolation.parent import Isolated
+from cross_checks.isolation.workers import TIMEOUT
+from cross_checks.judge.answers import Answer, Question, answers
 from cross_checks.judge.bounds import TARGETS
-from cross_checks.judge.cell import Cell as Judged
-from cross_checks.judge.cell import cell_of, refused, tasks, truth_of
 from cross_checks.judge.ladder import grid
 from cross_checks.judge.runs import PASSING, Runs
-from cross_checks.judge.tried import search
-from cross_checks.judge.vocabulary import TargetResult, Verdict
+from cross_checks.judge.vocabulary import Cell
 from cross_checks.records.naming import code_of, digest_of, truth_name
 from cross_checks.records.record import Record
 from cross_checks.records.store import Store
-from cross_checks.truth import NoTruth, Truth
+from mbs_ref import scenes
 from mbs_ref.scene import Scene
 from reports.facts.kept import keep, recall
-from reports.facts.report_data import Cell, Target, setting_label
 
 JUDGING = "cross_checks.judge.cell"  # whose changes make cells anew
-MISSING = "any method"
-Truths = dict[str, Truth | NoTruth]  # by the scene's label
 Report = Callable[[int, int, str], None]
 
 
-@dataclass(frozen=True, eq=False)
-class Question:
-    """A method on a scene."""
-
-    key: str  # of its answer in the store
-    label: str
-    scene: Scene
-    engine: str
-    method: Method | None  # None where the engine is not installed
-
-
 @dataclass(frozen=True)
-class Answer:
+class Stored:
     """A cell with the runs that it was judged from."""
 
     cell: Cell
     records: tuple[Record, ...] = ()
 
 
-def questions(chosen: dict[str, Scene]) -> list[Question]:
-    """Return every method of every engine on every labelled scene."""
-    found, asked = [], tasks(registry.names())
-    for label, scene in chosen.items():
-        physics = _physics(label, scene)
-        for engine, method in asked:
-            key = digest_of(["cell", *physics, _engine_key(engine), None if method is None else method.name, _judge()])
-            found.append(Question(key, label, scene, engine, method))
-    return found
+def truth_key(scene: Scene) -> str:
+    """Return the key of the facts of a scene's truth."""
+    return digest_of(["truth facts", *_physics(scene), _judge(), code_of("reports.facts.truth_facts")])
 
 
-def truth_key(label: str, scene: Scene) -> str:
-    """Return what the facts of a scene's truth are kept under."""
-    return digest_of(["truth facts", *_physics(label, scene), _judge(), code_of("reports.facts.truth_facts")])
+def _key(question: Question) -> str:
+    method = None if question.method is None else question.method.name
+    return digest_of(["cell", *_physics(question.scene), _engine_key(question.engine), method, _judge()])
 
 
-def _physics(label: str, scene: Scene) -> list[str]:
-    return [label, physics_of(scene), truth_name(scene, grid(scene))]
+def _physics(scene: Scene) -> list[str]:
+    return [scenes.label(scene.name, scene.parameters), physics_of(scene), truth_name(scene, grid(scene))]
 
 
-def truths(store: Store, chosen: dict[str, Scene], report: Report) -> Truths:
-    """Return every scene's truth, certified or agreed."""
-    found: Truths = {}
-    asked = list(chosen.items())
-    for (label, _), truth in each(asked, lambda call, item: truth_of(Runs(store, call), item[1])):
-        found[label] = truth
-        report(len(found), len(asked), f"truth of {label}")
-    return {label: found[label] for label in chosen}
-
-
-def kept_answers(store: Store, asked: list[Question]) -> dict[Question, Answer]:
+def stored_answers(store: Store, asked: list[Question]) -> dict[Question, Stored]:
     """Return the answers that the store holds."""
-    held = {question: recall(store, question.key, Answer) for question in asked}
+    held = {question: recall(store, _key(question), Stored) for question in asked}
     return {question: answer for question, answer in held.items() if answer is not None}
 
 
-def answers(store: Store, asked: list[Question], known: Truths) -> Iterator[tuple[Question, Answer]]:
-    """Yield an answer to every question as it is found; the store keeps them."""
-    return each(asked, lambda call, question: _answer(store, call, question, known[question.label]))
-
-
-def _answer(store: Store, call: Caller, question: Question, truth: Truth | NoTruth) -> Answer:
-    found, passing = answer(Runs(store, call), question, truth)
-    return found if passing else keep(store, question.key, Answer, found)
-
-
-def answer(runs: Runs, question: Question, truth: Truth | NoTruth) -> tuple[Answer, bool]:
-    """Return the answer, and whether the machine had a part in it: such a one is not kept."""
-    name, refusal = refused(question.scene, question.engine, question.method)
-    if refusal or question.method is None:
-        verdict = Verdict.ENGINE_MISSING if question.method is None else Verdict.CANNOT
-        missed = tuple(Target(target, "cannot", refusal) for target in TARGETS)
-        cell = Cell(question.label, question.engine, name or MISSING, str(verdict), refusal, None, None, None)
-        return Answer(replace(cell, targets=missed)), False
-    tried, reached = search(runs, question.scene, question.engine, question.method, truth)
-    records = tuple(tried.records[knob] for knob in tried.knobs)
-    passing = any(record.status in PASSING for record in records)
-    return Answer(_plain(question.label, cell_of(tried, reached)), records), passing
-
-
-def _plain(label: str, found: Judged) -> Cell:
-    """Return the judge's cell as the page keeps it: under the scene's label, with finite numbers or None."""
-    return Cell(
-        label, found.engine, found.method, str(found.verdict), found.reason, _finite(found.error),
-        _finite(found.compliance), _finite(found.order), found.excuse, found.documented_order, found.setting,
-        tuple(_target(reached) for reached in found.targets),
-    )  # fmt: skip
-
-
-def _finite(value: float | None) -> float | None:
-    return value if value is not None and isfinite(value) else None
-
-
-def _target(found: TargetResult) -> Target:
-    setting = "" if found.record is None else setting_label(found.record)
-    return Target(found.target, found.answer, found.reason, setting)
+def settled_answers(store: Store, asked: list[Question], report: Report) -> Iterator[Answer]:
+    """Yield the settled answer to every question; the store keeps those in which the machine had no part."""
+    for answer in answers(Runs(store, Isolated(TIMEOUT)), asked, progress=report):
+        if answer.is_settled:
+            if not any(record.status in PASSING for record in answer.records):
+                keep(store, _key(answer.question), Stored, Stored(answer.cell, answer.records))
+            yield answer
 
 
 @cache

@@ -9,10 +9,10 @@ from datetime import UTC, datetime
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
+from benchmarks.loop_times import processor
 from cross_checks import engines
 
 PACKAGES = ("mbs-ref", "numpy", "scipy", "numba", "pydantic", "plotly")
-CPU_FACTS = Path("/proc/cpuinfo")  # Linux; elsewhere the platform module knows
 
 
 def environment() -> dict[str, str]:
@@ -27,13 +27,6 @@ def environment() -> dict[str, str]:
         **{name: _version(name) for name in PACKAGES},
         **{f"engine {name}": _engine(name) for name in engines.names()},
     }
-
-
-def processor() -> str:
-    """Return the processor's name."""
-    lines = CPU_FACTS.read_text().splitlines() if CPU_FACTS.exists() else []
-    models = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]
-    return next(iter(models), platform.processor() or platform.machine())
 
 
 def _commit() -> str:

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from reports.facts.timing import ENOUGH
+from benchmarks.loop_times import ENOUGH
 
 ROUNDS = 3  # turns, of which a run's least counts
 

@@ -6,14 +6,12 @@ from collections import Counter
 from dataclasses import dataclass
 
 from cross_checks.judge.bounds import MOST_STEPS, TARGETS
-from cross_checks.judge.vocabulary import WRONG
+from cross_checks.judge.vocabulary import OURS, SILENT, Cell, Verdict
 from cross_checks.records.record import Record
 from reports.drawing.numbers import count, of_scene, short
-from reports.facts.cheapest import entries, loop_time, reaching
-from reports.facts.report_data import OURS, Cell, ReportData
-from reports.page.verdicts import SILENT
-
-MIDDLE = 1e-6  # the target that settings are recommended for
+from reports.facts.cheapest import entries, reaching
+from reports.facts.report_data import ReportData
+from reports.facts.standings import MIDDLE, standing_of
 
 
 @dataclass(frozen=True)
@@ -25,20 +23,19 @@ class Advice:
     reach: str  # on how many scenes it reaches what
     limit: str  # what it cannot model, and what it does not reach
     silent: tuple[str, ...]  # what it gets wrong with success reported, a method each, the worst first
-    pace: str  # its time beside the cheapest of the other engines
+    pace: str  # its time over that of the cheapest ranked engine
     ours: bool
     missing: bool = False  # its package is not installed
 
 
 def advice(data: ReportData) -> list[Advice]:
     """Return a line for each engine, ours last: it is no part of the ranking."""
-    found = [_of_engine(data, engine) for engine in data.engines]
-    return sorted(found, key=lambda line: line.ours)
+    return sorted((_of_engine(data, engine) for engine in data.engines), key=lambda line: line.ours)
 
 
 def _of_engine(data: ReportData, engine: str) -> Advice:
     cells = [c for c in data.cells if c.engine == engine]
-    if cells and all(c.verdict == "engine-missing" for c in cells):
+    if cells and all(c.verdict is Verdict.ENGINE_MISSING for c in cells):
         return Advice(engine, "Not installed here: nothing is known of it.", "", "", (), "", engine == OURS, True)
     return Advice(
         engine, *_trust(data, engine), _limit(data, engine), silent(cells), _pace(data, engine), engine == OURS
@@ -47,7 +44,7 @@ def _of_engine(data: ReportData, engine: str) -> Advice:
 
 def modelled(data: ReportData, engine: str) -> list[str]:
     """Return the scenes that some method of the engine takes."""
-    able = {c.scene for c in data.cells if c.engine == engine and c.verdict not in ("cannot", "engine-missing")}
+    able = {c.label for c in data.cells if c.engine == engine and not c.is_refused}
     return [scene for scene in data.scenes if scene in able]
 
 
@@ -62,7 +59,7 @@ def _trust(data: ReportData, engine: str) -> tuple[str, str]:
     if not able:
         return "It runs none of these scenes.", ""
     hits = {target: reached(data, engine, target) for target in TARGETS}
-    told = ", ".join(f"{short(target)} on {len(hits[target])}" for target in TARGETS)
+    reach = ", ".join(f"{short(target)} on {len(hits[target])}" for target in TARGETS)
     best = hits[MIDDLE] or hits[TARGETS[0]]
     if not best:
         return f"It comes within {short(TARGETS[0])} of the truth on none of {count(len(able), 'scene')}.", ""
@@ -70,7 +67,7 @@ def _trust(data: ReportData, engine: str) -> tuple[str, str]:
     runs = [run for run in best.values() if run.method == method]
     within = MIDDLE if hits[MIDDLE] else TARGETS[0]
     use = f"Use {method} at {_span(runs)} for {short(within)}: cheapest of its methods on {number} of {len(best)}."
-    return use, f"Of {count(len(able), 'scene')} it models, it reaches {told}."
+    return use, f"Of {count(len(able), 'scene')} it models, it reaches {reach}."
 
 
 def _span(runs: list[Record]) -> str:
@@ -98,10 +95,10 @@ def _limit(data: ReportData, engine: str) -> str:
         return ""
     answers = {scene: next(e.answer for e in entries(data, scene, MIDDLE) if e.engine == engine) for scene in able}
     parts = []
-    for answer, told in MISSED.items():
-        where = ", ".join(scene for scene, found in answers.items() if found == answer)
+    for answer, sentence in MISSED.items():
+        where = ", ".join(scene for scene, own in answers.items() if own == answer)
         if where:
-            parts.append(told.format(target=short(MIDDLE), scenes=where, steps=MOST_STEPS))
+            parts.append(sentence.format(target=short(MIDDLE), scenes=where, steps=MOST_STEPS))
     cannot = ", ".join(scene for scene in data.scenes if scene not in able)
     if cannot:
         parts.append(f"it cannot model {cannot}")
@@ -109,8 +106,8 @@ def _limit(data: ReportData, engine: str) -> str:
 
 
 def silent(cells: list[Cell]) -> tuple[str, ...]:
-    """Name the methods whose finest runs report success and are wrong: the worst first, declared or not."""
-    wrong = [c for c in cells if c.verdict in SILENT and c.error is not None and c.verdict in WRONG]
+    """Name the methods whose finest runs report success and are wrong: the worst first, documented or not."""
+    wrong = [c for c in cells if c.verdict in SILENT and c.error is not None]
     by_method: dict[str, list[Cell]] = {}
     for cell in sorted(wrong, key=lambda c: -(c.error or 0.0)):
         by_method.setdefault(cell.method, []).append(cell)
@@ -118,22 +115,18 @@ def silent(cells: list[Cell]) -> tuple[str, ...]:
 
 
 def _wrong(method: str, cells: list[Cell]) -> str:
-    known = " (known)" if all(c.excuse for c in cells) else ""
-    where = cells[0].scene if len(cells) == 1 else f"{cells[0].scene} and {count(len(cells) - 1, 'other scene')}"
-    if cells[0].verdict == "lost":
-        return f"{method}{known} on {where}: it reaches {of_scene(cells[0].error)}, and loses it at finer settings"
-    return f"{method}{known} on {where}: {of_scene(cells[0].error)} off"
+    documented = " (documented)" if all(c.exemption for c in cells) else ""
+    first = cells[0]
+    where = first.label if len(cells) == 1 else f"{first.label} and {count(len(cells) - 1, 'other scene')}"
+    if first.verdict is Verdict.LOST:
+        return f"{method}{documented} on {where}: it reaches {of_scene(first.error)}, and loses it at finer settings"
+    return f"{method}{documented} on {where}: {of_scene(first.error)} off"
 
 
 def _pace(data: ReportData, engine: str) -> str:
-    """Return its median time over the cheapest other engine's at MIDDLE, of those that are ranked."""
-    factors = []
-    for scene in data.scenes:
-        found = {e.engine: e.best for e in entries(data, scene, MIDDLE) if e.best is not None}
-        rivals = [loop_time(best) for name, best in found.items() if name not in (engine, OURS)]
-        if engine in found and rivals:
-            factors.append(loop_time(found[engine]) / min(rivals))
-    if not factors:
+    """Return its median time at MIDDLE over that of the cheapest ranked engine; empty where it is compared to none."""
+    standing = standing_of(data, engine, MIDDLE)
+    if standing is None or standing.median is None or set(data.engines) <= {engine, OURS}:
         return ""
-    middle = sorted(factors)[len(factors) // 2]
-    return f"{short(middle)} × the time of the best other engine (median of {count(len(factors), 'scene')})"
+    scenes = count(len(standing.factors), "scene")
+    return f"{short(standing.median)} × the time of the cheapest ranked engine (median of {scenes})"

@@ -8,13 +8,13 @@ import json
 from collections.abc import Iterable
 from typing import Any
 
+from benchmarks.loop_times import is_busy
 from cross_checks import metrics
 from cross_checks.metrics import component_errors
 from cross_checks.records.record import Record
 from reports.drawing.numbers import ABSENT, setting
 from reports.facts.kept import adapter
 from reports.facts.report_data import ReportData
-from reports.facts.timing import is_busy
 from reports.page.advice import Advice, advice
 from reports.page.findings import findings
 from reports.page.sections.decisions import told
@@ -23,6 +23,10 @@ from reports.page.sections.prices import price_table
 from reports.reproduce import command
 
 TIMES = ("build_s", "first_call_s", "loop_s", "loop_median_s", "loop_most_s", "loop_runs")
+VERDICTS = {
+    "engine": "engine", "method": "method", "verdict": "word", "code": "code", "error": "error", "setting": "setting",
+    "why": "reason",
+}  # column -> key of a cell's view
 PRICES = ("within", "engine", "method", "setting", "error", "loop time", "over the cheapest")
 
 
@@ -111,9 +115,9 @@ def price_row(target: str, row: dict[str, Any]) -> list[str]:
 
 def verdict_text(data: ReportData, scene: str) -> str:
     """Return a scene's verdicts as a Markdown table."""
-    cells = [view(cell) for cell in data.cells if cell.scene == scene]
-    body = [[c["engine"], c["method"], c["word"], c["error"], c["setting"], c["reason"]] for c in cells]
-    return f"### {_plain(scene)}\n\n" + _table(["engine", "method", "verdict", "error", "setting", "why"], body)
+    cells = [view(cell) for cell in data.cells if cell.label == scene]
+    body = [[str(c[key]) for key in VERDICTS.values()] for c in cells]
+    return f"### {_plain(scene)}\n\n" + _table(list(VERDICTS), body)
 
 
 def _table(head: list[str], body: list[list[str]]) -> str:

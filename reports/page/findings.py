@@ -4,22 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from cross_checks.judge.vocabulary import OURS, WRONG, Cell, Verdict
 from cross_checks.records.record import Record
 from mbs_ref.trajectory import Status
 from reports.drawing.numbers import count, duration, joules, metres, of_scene, setting, short
-from reports.drawing.section import Finding
-from reports.facts.cheapest import Entry, entries, known_error, loop_time, usable
-from reports.facts.report_data import OURS, Cell, ReportData
-from reports.page.verdicts import verdict
-from reports.reproduce import scene_label
+from reports.drawing.section import Finding, Section
+from reports.facts.cheapest import entries, known_error, loop_time, usable
+from reports.facts.report_data import ReportData
+from reports.facts.standings import MIDDLE, standing_of
 from reports.studies.study import every, section
 
-SILENT = (Status.NON_FINITE, Status.RESET)  # what engines do without saying so
+CAUGHT = (Status.NON_FINITE, Status.RESET)  # what engines do without saying so
 ORDER_SLACK = 0.5  # an observed order lower than documented by more than this is worth a sentence
 CLOSED_JOINTS = 1e-8  # m, compliance that looks perfect
 FAR_OFF = 1e-2  # of the scene, an error anyone would mind
 CONSERVED = 1e-6  # J, energy drift that looks perfect
-MIDDLE = 1e-6  # over the scene's scales, at which costs are compared
 MOST = 8  # findings of one rule shown
 
 
@@ -31,7 +30,7 @@ def findings(data: ReportData) -> list[Finding]:
 
 def wrong_limits(data: ReportData) -> Iterator[Finding]:
     """Methods that converge to another answer."""
-    for engine, methods, cells in grouped(data, {"wrong-limit"}):
+    for engine, methods, cells in grouped(data, Verdict.WRONG_LIMIT):
         worst = max((c.error for c in cells if c.error is not None), default=None)
         where = f"on {_scenes(cells)} it stays up to {of_scene(worst)} away however fine the setting"
         text = f"It converges, but not to the truth: {where}. {_sentence(cells[0].reason)}"
@@ -40,10 +39,10 @@ def wrong_limits(data: ReportData) -> Iterator[Finding]:
 
 def failing_beside_a_sibling(data: ReportData) -> Iterator[Finding]:
     """Methods that fail where another method of the same engine agrees."""
-    good = {(c.engine, c.scene): c.method for c in data.cells if verdict(c.verdict).tone == "good"}
-    for word in ("lost", "failed", "diverged", "crashed", "timeout", "out-of-memory"):
-        for engine, methods, cells in grouped(data, {word}):
-            sibling = next((good[engine, c.scene] for c in cells if (engine, c.scene) in good), None)
+    good = {(c.engine, c.label): c.method for c in data.cells if c.tone == "good"}
+    for word in sorted(WRONG - {Verdict.WRONG_LIMIT}, key=list(Verdict).index):
+        for engine, methods, cells in grouped(data, word):
+            sibling = next((good[engine, c.label] for c in cells if (engine, c.label) in good), None)
             beside = f", where {sibling} agrees" if sibling else ""
             text = f"It does not reach the truth on {_scenes(cells)}{beside}. {_sentence(cells[0].reason)}"
             yield Finding("bad", f"{engine} {methods}: {word}", text.strip())
@@ -51,10 +50,10 @@ def failing_beside_a_sibling(data: ReportData) -> Iterator[Finding]:
 
 def silent_failures(data: ReportData) -> Iterator[Finding]:
     """Runs that engines ended silently and the adapters caught."""
-    caught = [r for r in data.records if r.status in SILENT]
+    caught = [r for r in data.records if r.status in CAUGHT]
     for key in dict.fromkeys((r.engine, r.method, r.status) for r in caught):
         own = [r for r in caught if (r.engine, r.method, r.status) == key]
-        scenes = ", ".join(dict.fromkeys(scene_label(r.scene, r.parameters) for r in own))
+        scenes = ", ".join(dict.fromkeys(r.label for r in own))
         text = f"{count(len(own), 'run')} on {scenes} ended so. {_sentence(own[0].message)}"
         yield Finding("bad", f"{key[0]} {key[1]}: {key[2]}, caught by the adapter", text)
 
@@ -62,9 +61,9 @@ def silent_failures(data: ReportData) -> Iterator[Finding]:
 def low_orders(data: ReportData) -> Iterator[Finding]:
     """Methods whose observed order falls short of the documented one."""
     low = [
-        f"{c.engine} {c.method} on {c.scene}: {short(c.order)} instead of {c.documented_order}"
+        f"{c.engine} {c.method} on {c.label}: {short(c.order)} instead of {c.documented_order}"
         for c in data.cells
-        if c.order is not None and c.verdict not in ("wrong-limit", "lost")
+        if c.order is not None and c.verdict not in (Verdict.WRONG_LIMIT, Verdict.LOST)
         and c.order < (c.documented_order or 0) - ORDER_SLACK
     ]  # fmt: skip
     if low:
@@ -88,14 +87,14 @@ def _finest(data: ReportData) -> list[Record]:
     """Return the most accurate finished record of each scene, engine and method."""
     best: dict[tuple[str, str, str], Record] = {}
     for record in filter(usable, data.records):
-        key = (scene_label(record.scene, record.parameters), record.engine, record.method)
+        key = (record.label, record.engine, record.method)
         if key not in best or known_error(record) < known_error(best[key]):
             best[key] = record
     return list(best.values())
 
 
 def _run(record: Record) -> str:
-    return f"{record.engine} {record.method} on {scene_label(record.scene, record.parameters)}"
+    return f"{record.engine} {record.method} on {record.label}"
 
 
 def _listed(records: list[Record]) -> str:
@@ -107,8 +106,7 @@ def _listed(records: list[Record]) -> str:
 
 def fastest(data: ReportData) -> Iterator[Finding]:
     """Which of the other engines is cheapest on how many scenes, by what margin, and how our own solver compares."""
-    ranked = {scene: entries(data, scene, MIDDLE) for scene in data.scenes}
-    found = {scene: [e.best for e in ranking if e.best and e.engine != OURS] for scene, ranking in ranked.items()}
+    found = {s: [e.best for e in entries(data, s, MIDDLE) if e.best and e.engine != OURS] for s in data.scenes}
     reached = {scene: bests for scene, bests in found.items() if bests}
     for engine in dict.fromkeys(bests[0].engine for bests in reached.values()):
         won = {scene: bests for scene, bests in reached.items() if bests[0].engine == engine}
@@ -118,17 +116,13 @@ def fastest(data: ReportData) -> Iterator[Finding]:
         parts = "; ".join(f"{scene}: {_cost(bests[0])}" for scene, bests in won.items())
         ending = f" The next engine takes {_span(margins)} times as long." if margins else ""
         yield Finding("good", title, f"{parts}.{ending}")
-    yield from _ours(ranked)
+    yield from _ours(data)
 
 
-def _ours(ranked: dict[str, list[Entry]]) -> Iterator[Finding]:
-    ratios = []
-    for ranking in ranked.values():
-        best = {e.engine: e.best for e in ranking if e.best}
-        rivals = [loop_time(run) for name, run in best.items() if name != OURS]
-        if OURS in best and rivals:
-            ratios.append(loop_time(best[OURS]) / min(rivals))
-    if ratios:
+def _ours(data: ReportData) -> Iterator[Finding]:
+    standing = standing_of(data, OURS, MIDDLE)
+    if standing is not None and standing.factors:
+        ratios = list(standing.factors.values())
         text = f"Its time over that of the cheapest other engine: {_span(ratios)} on {count(len(ratios), 'scene')}."
         yield Finding("plain", f"Our own solver beside them, within {short(MIDDLE)}", text)
 
@@ -142,12 +136,12 @@ def _span(ratios: list[float]) -> str:
     return low if low == high else f"{low} to {high}"
 
 
-def grouped(data: ReportData, words: set[str]) -> Iterator[tuple[str, str, list[Cell]]]:
+def grouped(data: ReportData, word: Verdict) -> Iterator[tuple[str, str, list[Cell]]]:
     """Yield engine, methods in words, and cells: the methods of an engine that share verdict and scenes together."""
-    met = [c for c in data.cells if c.verdict in words]
+    met = [c for c in data.cells if c.verdict is word]
     shared: dict[tuple[str, tuple[str, ...]], list[str]] = {}
     for engine, method in dict.fromkeys((c.engine, c.method) for c in met):
-        scenes = tuple(c.scene for c in met if (c.engine, c.method) == (engine, method))
+        scenes = tuple(c.label for c in met if (c.engine, c.method) == (engine, method))
         shared.setdefault((engine, scenes), []).append(method)
     for (engine, _), methods in shared.items():
         yield engine, ", ".join(methods), [c for c in met if c.engine == engine and c.method in methods]
@@ -159,7 +153,9 @@ def _sentence(text: str) -> str:
 
 
 def _scenes(cells: list[Cell]) -> str:
-    return ", ".join(dict.fromkeys(c.scene for c in cells))
+    return ", ".join(dict.fromkeys(c.label for c in cells))
 
 
+LEAD = "What a reader should take away, worded from the data of this very report."
+SECTION = Section("findings", "Findings", LEAD, lambda data: {"findings": findings(data)})
 RULES = (wrong_limits, failing_beside_a_sibling, silent_failures, perfect_but_wrong, low_orders, fastest)

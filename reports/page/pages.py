@@ -8,22 +8,19 @@ from itertools import groupby
 
 from reports.drawing.section import Section
 from reports.facts.report_data import ReportData
+from reports.page import findings
 from reports.page.sections import (
     capabilities,
-    compliance,
-    convergence,
     decisions,
-    energy,
     environment,
     extremes,
-    findings,
     matrix,
     method,
     overview,
+    plots,
     prices,
     profiles,
     records,
-    time_split,
     truths,
 )
 from reports.page.slug import engine_file, scene_file
@@ -69,5 +66,5 @@ def _of(*modules) -> tuple[Section, ...]:
     return tuple(module.SECTION for module in modules)
 
 
-SCENE = _of(prices, matrix, compliance, energy, convergence, time_split, truths, records)
+SCENE = (*_of(prices, matrix), *plots.SECTIONS, *_of(truths, records))
 ENGINE = _of(decisions, matrix, extremes, capabilities)

@@ -14,7 +14,7 @@ from plotly.offline import get_plotlyjs
 
 from mbs_ref.kernels.jit import cache_folder
 from reports import studies
-from reports.drawing.plots.palette import colours
+from reports.drawing.plots.palette import style_of
 from reports.drawing.section import Section
 from reports.facts.report_data import ReportData
 from reports.page.pages import Page, pages
@@ -40,6 +40,7 @@ class Images:
 def templates() -> Environment:
     """Return the templates, whose compiled form is kept beside the kernels' where that folder can be written."""
     templates = Environment(loader=FileSystemLoader((TEMPLATES, STUDIES)), autoescape=True, undefined=StrictUndefined)
+    templates.globals["style_of"] = style_of
     folder = cache_folder().parent / "templates"
     with suppress(OSError):
         folder.mkdir(parents=True, exist_ok=True)
@@ -56,10 +57,8 @@ def render(data: ReportData) -> dict[str, bytes]:
 
 
 def _page(page: Page, listed: list[Page], data: ReportData, images: Images) -> str:
-    engine_colours = colours(data.engines)
-
     def body(section: Section) -> Markup:
-        shared = {"scenes": page.data.scenes, "engine_colours": engine_colours, "absence": data.absence}
+        shared = {"scenes": page.data.scenes, "absence": data.absence}
         context = {"section": section, "image": images.add, **shared, **section.context(page.data)}
         return Markup(templates().get_template(section.template or f"{section.name}.html").render(context))
 

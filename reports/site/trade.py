@@ -6,7 +6,7 @@ from pathlib import Path
 
 from cross_checks import engines
 from cross_checks.judge.cell import refused, truth_of
-from cross_checks.judge.consensus import FINE
+from cross_checks.judge.consensus import LEVELS
 from cross_checks.judge.runs import Runs
 from cross_checks.judge.tried import search
 from cross_checks.records.record import Record
@@ -44,7 +44,7 @@ def entrants() -> list[str]:
 
 def _truth(runs: Runs, scene: Scene) -> Truth | NoTruth:
     """Return the certified truth, or what engines agree on where their finest runs are within the bound on work."""
-    truth, steps, bodies = runs.truth(scene), round(1.0 / min(FINE["fixed"])), len(scene.bodies)
+    truth, steps, bodies = runs.truth(scene), round(1.0 / min(LEVELS[1]["fixed"])), len(scene.bodies)
     if not isinstance(truth, NoTruth) or steps * bodies <= TRUTH_WORK:
         return truth_of(runs, scene)
     price = f"{steps:,} steps of {bodies} bodies a run, more than {TRUTH_WORK:,} of both"

@@ -111,27 +111,17 @@ def compiling() -> Iterator[None]:
 
 
 class Lines:
-    """Progress for a log: done of how many, what comes next, and how long the rest takes at the pace so far."""
+    """Progress for a log: done of how many, the time so far, and what is under way."""
 
     def __init__(self, title: str) -> None:
         self.title, self.begun = title, time.monotonic()
-        self.said = self.begun
-        self.stage: tuple[int, float, int] = (-1, self.begun, 0)  # total, since when, done then
+        self.shown = self.begun
 
     def __call__(self, done: int, total: int, what: str = "") -> None:
         now = time.monotonic()
-        if total != self.stage[0] or done < self.stage[2]:
-            self.stage = (total, now, done)
-        if now - self.said >= EVERY:
-            self.said = now
-            click.echo(f"{self.title}: {done}/{total} {what}{self._left(done, total, now)}".rstrip(), err=True)
-
-    def _left(self, done: int, total: int, now: float) -> str:
-        _, since, first = self.stage
-        if done <= first:
-            return ""
-        left = (now - since) / (done - first) * (total - done)
-        return f", {now - self.begun:.0f} s so far, about {left:.0f} s left of this"
+        if now - self.shown >= EVERY:
+            self.shown = now
+            click.echo(f"{self.title}: {done}/{total} after {now - self.begun:.0f} s {what}".rstrip(), err=True)
 
 
 def finite_record(record: Record) -> Record:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import random
 from dataclasses import replace
 
 import pytest
@@ -10,6 +11,7 @@ from click.testing import CliRunner
 from benchmarks.pick import pick
 from benchmarks.sweep import sweep
 from cross_checks.judge.runs import Runs
+from cross_checks.judge.vocabulary import OURS
 from mbs_ref import scenes
 from reports.cli import main
 
@@ -53,6 +55,19 @@ def test_the_cheapest_that_reaches_the_error_is_picked(records):
     rough = pick(priced(records), 0.5)
     assert {rough.best.method, rough.runner_up.method} == {"biased", "second"}
     assert rough.margin == pytest.approx(rough.runner_up.times["loop_s"] / rough.best.times["loop_s"])
+
+
+def test_the_runner_up_is_of_another_engine_and_our_own_solver_is_named_as_such(records):
+    chance = random.Random(11)
+    of = [(engine, method) for engine in (OURS, "exudyn", "mujoco") for method in ("rk4", "euler", "radau")]
+    for _ in range(30):
+        own = [replace(priced(records)[0], engine=engine, method=method, times={"loop_s": chance.uniform(0.1, 9.0)})
+               for engine, method in of]  # fmt: skip
+        choice = pick(own, 1.0)
+        first, *others = sorted(own, key=lambda r: r.times["loop_s"])
+        assert choice.best == first
+        assert choice.runner_up == next(r for r in others if r.engine != first.engine)
+        assert ("this project's own solver" in choice.sentence) == (first.engine == OURS)
 
 
 @pytest.mark.parametrize(

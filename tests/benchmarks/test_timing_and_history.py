@@ -1,21 +1,18 @@
-"""The timing verdict on known clocks, change points, the history's files, and performance profiles."""
+"""The timing verdict on known clocks, change points, and the history's files."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import replace
+import random
 
 import numpy as np
 import pytest
 
 from benchmarks.history import Entry, append, change_points, from_benchmarks, index, series
-from benchmarks.profiles import profiles
-from benchmarks.sweep import sweep
-from benchmarks.timing import Pace, Sample, compare
+from benchmarks.timing import Pace, Sample, compare, with_loops
 from benchmarks.trees.regression import Finding, cheapest, confirmed, overall
-from cross_checks.judge.runs import Runs
 from cross_checks.records.lines import Busy, exclusive
-from mbs_ref import scenes
+from cross_checks.records.record import Record
 
 
 def clock(seconds: float, seed: int, noise: float = 0.02):
@@ -116,14 +113,17 @@ def test_the_coarsest_rung_within_the_error_is_chosen():
     assert cheapest(rungs, 1e-12) is None
 
 
-def test_profiles(swing):
-    records = list(sweep(Runs(), scenes.make("pendulum"), ["swing"]))
-    priced = [replace(r, times={"loop_s": 1e-4 / r.settings["step"]}) for r in records if r.status == "success"]
-    found = {p.solver[1]: p for p in profiles([*priced, *(r for r in records if r.status != "success")], 1e-3)}
-    assert found["second"].share(1.0) == 1.0
-    assert found["biased"].share(1e9) == 0.0
-    assert found["loops"].factors == ()
-    assert profiles(priced, 1e-30) == []
+@pytest.mark.parametrize("count", [4, 5])
+def test_loop_times_of_a_record(count):
+    chance = random.Random(count)
+    loops = [chance.uniform(0.1, 2.0) for _ in range(count)]
+    run = with_loops(Record("pendulum", {}, "quick", "rk4", {}, "success", times={"build_s": 0.7}), loops, "busy")
+    ordered = sorted(loops)
+    middle = (ordered[(count - 1) // 2] + ordered[count // 2]) / 2.0
+    assert run.times == {
+        "build_s": 0.7, "loop_s": ordered[0], "loop_median_s": middle, "loop_most_s": ordered[-1], "loop_runs": count
+    }  # fmt: skip
+    assert run.notes == ("busy",)
 
 
 def test_two_sweeps_do_not_write_one_file(tmp_path):

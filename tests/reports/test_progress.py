@@ -1,10 +1,11 @@
-"""Progress in a log: a line now and then, with what is done, what comes next and how long the rest may take."""
+"""Progress in a log: a line now and then, with what is done, the time so far and what is under way."""
 
 from __future__ import annotations
 
 import pytest
 
 from reports.terminal import console
+from reports.terminal.asking import telling
 from reports.terminal.console import Lines
 
 
@@ -15,21 +16,20 @@ def clock(monkeypatch) -> list[float]:
     return now
 
 
-def test_a_line_every_few_seconds_with_the_time_left(clock, capsys):
+def test_a_line_every_few_seconds_with_the_time_so_far(clock, capsys):
     report = Lines("report")
     for done in range(11):
         clock[0] = float(done)
         report(done, 100, f"cell {done}")
     lines = capsys.readouterr().err.splitlines()
     assert [line.split()[1] for line in lines] == ["3/100", "6/100", "9/100"]
-    assert lines[-1] == "report: 9/100 cell 9, 9 s so far, about 91 s left of this"
+    assert lines[-1] == "report: 9/100 after 9 s cell 9"
 
 
-def test_a_new_stage_is_foretold_from_its_own_pace(clock, capsys):
-    report = Lines("report")
-    report(9, 10, "slow")
-    clock[0] = 100.0
-    report(0, 50, "quick")
-    clock[0] = 104.0
-    report(4, 50, "quick")
-    assert "about 46 s left" in capsys.readouterr().err.splitlines()[-1]
+def test_the_best_so_far_is_printed_once_it_is_known_and_when_its_time_has_doubled(clock, capsys):
+    best = [""]
+    report = telling(lambda *_: None, lambda: best[0])
+    for now, text in ((19.0, "early"), (20.0, ""), (21.0, "first"), (41.0, "again"), (42.0, "second"), (83.0, "late")):
+        clock[0], best[0] = now, text
+        report(0, 1)
+    assert capsys.readouterr().err.splitlines() == ["So far, after 21 s: first", "So far, after 42 s: second"]

@@ -197,7 +197,7 @@ class _Data:
         """Return densities of the gaps to the next run by the law, and of those to the finest run by two gaps."""
         coarse, fine = amplitude[..., :-1], amplitude[..., 1:]
         rounding = self._rounding(slice(None, -1), slice(1, None))
-        turned = coarse * fine * np.square(fine / self.ladder.bound)  # motions as far apart as they are large are unrelated
+        turned = coarse * fine * np.square(fine / self.ladder.bound)  # motions far apart have unrelated directions
         along = np.sqrt(np.square(coarse - fine) + turned + rounding**2)
         across = np.sqrt(coarse**2 + fine**2 + rounding**2)
         centre = np.where(ALIGNED[:, None], along[:, :, None, :], across[:, :, None, :])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
+from collections.abc import Sequence
 from dataclasses import asdict
 from importlib.metadata import PackageNotFoundError, metadata, requires, version
 from pathlib import Path
@@ -101,7 +102,7 @@ def _requirements(name: str) -> list[str]:
     return [match["what"].strip() for match in found if match["extra"] == wanted]
 
 
-def _methods(found: list[Capability]):
+def _methods(found: Sequence[Capability]):
     listing = table("Engines", "engine", "version", "method", "kind", "order", "about")
     for item in found:
         if not item.installed:
@@ -112,7 +113,7 @@ def _methods(found: list[Capability]):
     return listing
 
 
-def _parts(found: list[Capability]):
+def _parts(found: Sequence[Capability]):
     here = [item for item in found if item.installed]
     listing = table("\nParts of a scene", "part", *(item.engine for item in here))
     for kind in PART_TYPES:
@@ -120,7 +121,7 @@ def _parts(found: list[Capability]):
     return listing
 
 
-def _scenes(found: list[Capability]):
+def _scenes(found: Sequence[Capability]):
     here = [item for item in found if item.installed]
     listing = table("\nScenes", "scene", *(item.engine for item in here))
     for scene in here[0].scenes if here else ():

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import click
 
-from cross_checks.judge.cell import Cell, check
-from cross_checks.judge.vocabulary import REFUSED
+from cross_checks.judge.answers import Answer, Question, answers, questions
+from cross_checks.judge.cell import tasks
+from cross_checks.judge.vocabulary import Cell, Refused, refusals
+from cross_checks.truth import Truth
 from mbs_ref import scenes
 from reports import inputs
-from reports.terminal.asking import STORE, asked_runs
+from reports.terminal.asking import STORE, asked_runs, telling
 from reports.terminal.console import echo_json, number, progress, show, table
 from reports.terminal.exit_codes import Failed, Incomplete, NothingSelected
 
@@ -20,38 +24,44 @@ MOST_REASONS = 5  # told where nothing runs
 @inputs.PARAMETERS
 @inputs.KEEP
 @inputs.ENGINES
+@click.option("--scheduler", metavar="tcp://HOST:PORT", help="Run on the workers of a dask cluster.")
+@click.option("--shard", metavar="I/N", default="1/1", help="Only part I of N of the cells, for batch systems.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON: a list of cells.")
 @STORE
 def command(
-    scene: tuple[str, ...], parameters: tuple[str, ...], kept: tuple[str, ...], chosen: tuple[str, ...], as_json: bool,
-    store: str | None,
+    scene: tuple[str, ...], parameters: tuple[str, ...], kept: tuple[str, ...], chosen: tuple[str, ...],
+    scheduler: str | None, shard: str, as_json: bool, store: str | None,
 ) -> None:  # fmt: skip
     """Compare engines with each other and with the truth, on every SCENE or on those named.
 
-    Where no truth is certified, engines are held against what unlike ones agree on. Runs are made once and kept in a
-    store; each engine runs in a process of its own: one that hangs, crashes or eats memory costs its own cell.
+    Where no truth is certified, engines are held against what unlike ones agree on; answers are provisional until that
+    is known well enough. Runs are made once and kept in a store, on all processors, each in a process of its own: one
+    that hangs, crashes or eats memory costs its own cell. Any signal ends the command with what is known so far.
     Exit code 1 where a method is wrong where it does not declare that it is known to be.
     """
     for option, given in (("-p", parameters), ("--keep", kept)):
         if given and len(scene) != 1:
             raise click.UsageError(f"{option} {given[0]} needs exactly one SCENE; {len(scene)} are named")
     selected = [inputs.comparable(name, parameters, kept) for name in scene or scenes.names()]
-    names = inputs.engine_names(chosen)
-    cells: list[Cell] = []
+    asked = inputs.shard(questions(selected, tasks(inputs.engine_names(chosen))), shard)
+    known: dict[Question, Answer] = {}
     interrupted = False
     try:
-        with progress("check") as report, asked_runs(selected, store) as runs:
-            for cell in check(runs, selected, names, report):
-                cells.append(cell)
+        with progress("check") as report, asked_runs(selected, store, scheduler=scheduler) as runs:
+            for answer in answers(runs, asked, progress=telling(report, lambda: _best(known.values()))):
+                known[answer.question] = answer
     except KeyboardInterrupt:
         interrupted = True
+    best = [known[question] for question in asked if question in known]
+    cells = [answer.cell for answer in best]
     if as_json:
-        echo_json([cell.to_dict() for cell in cells])
+        echo_json([answer.cell.to_dict() | {"settled": answer.is_settled} for answer in best])
     else:
         _show(cells)
     if interrupted:
-        raise Incomplete(f"interrupted after {len(cells)} cells")
-    if not any(cell.verdict not in ("cannot", "engine-missing") for cell in cells):
+        settled = sum(answer.is_settled for answer in best)
+        raise Incomplete(f"interrupted after {settled} of {len(asked)} cells. {_best(best)}")
+    if not any(not cell.is_refused for cell in cells):
         why = {f"{cell.scene} by {cell.engine}": cell.reason for cell in reversed(cells)}  # an engine's first method
         told = [f"{where}: {reason}" for where, reason in reversed(why.items())]
         raise NothingSelected(f"no engine runs any of the scenes. {'. '.join(told[:MOST_REASONS])}")
@@ -61,22 +71,44 @@ def command(
         raise Failed(f"{len(wrong)} of {len(cells)} cells are wrong: {named}")
 
 
+def _best(known: Iterable[Answer]) -> str:
+    """Return the verdicts so far on the methods that run, and what the provisional ones are judged by."""
+    verdicts: dict[str, list[str]] = {}
+    truths: dict[str, str] = {}
+    for answer in known:
+        cell = answer.cell
+        if answer.truth is not None:
+            mark = "" if answer.is_settled else " (provisional)"
+            verdicts.setdefault(f"{cell.scene}: {cell.verdict}{mark}", []).append(f"{cell.engine} {cell.method}")
+        if isinstance(answer.truth, Truth) and not answer.is_settled:
+            truths[cell.scene] = f"{cell.scene}: provisional while its truth is refined, {answer.truth.how}"
+    return "\n  ".join([*(f"{verdict}: {', '.join(names)}" for verdict, names in verdicts.items()), *truths.values()])
+
+
 def _show(cells: list[Cell]) -> None:
     listing = table("", "scene", "engine", "method", "verdict", "error", "compliance", "order", "reason")
     for cell in cells:
-        if cell.verdict in REFUSED:
+        if cell.is_refused:
             continue
         figures = (number(value) for value in (cell.error, cell.compliance, cell.order))
-        excuse = f" (known: {cell.excuse})" if cell.excuse else ""
-        listing.add_row(cell.scene, cell.engine, cell.method, cell.verdict, *figures, f"{cell.reason}{excuse}")
+        exemption = f" (documented: {cell.exemption})" if cell.exemption else ""
+        verdict = f"{cell.verdict} {cell.code}"
+        listing.add_row(cell.label, cell.engine, cell.method, verdict, *figures, f"{cell.reason}{exemption}")
     show(listing)
-    refused = len([cell for cell in cells if cell.verdict in REFUSED])
-    if refused:
-        click.echo(f"{refused} more cells are refused or not installed; --json gives the reasons", err=True)
+    _show_refusals(cells)
     kinds = sorted({cell.truth for cell in cells if cell.truth})
     if kinds:
         click.echo(f"Errors are over each scene's own length and time; truths are {', '.join(kinds)}.", err=True)
     _show_contact([cell for cell in cells if cell.contact])
+
+
+def _show_refusals(cells: list[Cell]) -> None:
+    """List the engines that cannot run a scene by their reasons."""
+    listing = table("\nRefused", *Refused._fields)
+    for row in refusals(cells):
+        listing.add_row(*row)
+    if listing.row_count:
+        show(listing)
 
 
 def _show_contact(cells: list[Cell]) -> None:
@@ -86,5 +118,5 @@ def _show_contact(cells: list[Cell]) -> None:
     listing = table("\nContact", "scene", "engine", "method", "figures")
     for cell in cells:
         figures = "; ".join(f"{name} {number(value)}" for name, value in cell.contact.items())
-        listing.add_row(cell.scene, cell.engine, cell.method, figures)
+        listing.add_row(cell.label, cell.engine, cell.method, figures)
     show(listing)

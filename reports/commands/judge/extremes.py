@@ -51,8 +51,7 @@ def command(
             for problem in problems:
                 click.echo(problem, err=True)
         try:
-            fresh = run.matrix(extremes, names, full=full, known=tuple(found), progress=report)
-            for one in fresh:
+            for one in run.matrix(extremes, names, full=full, known=tuple(found), progress=report):
                 if target is not None:
                     cell.append(target, one)
                 found.append(one)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, replace
+from collections.abc import Sequence
+from dataclasses import asdict, astuple, replace
 from pathlib import Path
 from typing import Any
 
@@ -11,8 +12,7 @@ import click
 from benchmarks import confirm, pick
 from benchmarks.pick import Bounds, Choice
 from benchmarks.record_changes import BY_MACHINE
-from benchmarks.sweep import BUSY_NOTE
-from benchmarks.timing import Comparison
+from benchmarks.timing import BUSY_NOTE, Comparison
 from cross_checks.conformance.loading import name_of
 from cross_checks.isolation.parent import Lost
 from cross_checks.judge.cell import truth_of
@@ -21,7 +21,7 @@ from cross_checks.records.record import Record
 from mbs_ref.scene import Scene
 from reports import inputs
 from reports.reproduce import command as reproduce
-from reports.sweeping import sweep_records
+from reports.sweeping import Interrupted, sweep_records
 from reports.terminal.asking import STORE, asked_runs, isolated
 from reports.terminal.console import echo_json
 from reports.terminal.exit_codes import Failed, Incomplete, NothingSelected
@@ -79,12 +79,10 @@ def command(
     if real_time:
         limit = min(made.duration, limit or made.duration)
     asked = inputs.relative_error(error, made)
-    if records is None:
-        found = sweep_records(made, chosen, (), None, store=store, errors=(asked,))
-    else:
-        found = _of_scene(records, made, chosen)
+    bounds = Bounds(asked, compliance, limit)
+    found = _swept(made, chosen, store, bounds, as_json) if records is None else _of_scene(records, made, chosen)
     _warn(found)
-    choice, duel = _confirmed(made, pick.pick(found, asked, compliance, limit), confirming)
+    choice, duel = _confirmed(made, pick.pick(found, *astuple(bounds)), confirming)
     again = _afresh(made, choice, store) if fresh else None
     shipped = _as_shipped(made, chosen, store)
     again_by = None if choice.best is None else reproduce(choice.best, scene, kept)
@@ -95,10 +93,33 @@ def command(
     if not as_json:
         click.echo(choice.sentence)
         click.echo(again_by)
+        click.echo(pick.basis(found), err=True)
         for one in shipped:
             click.echo(pick.told(one))
     if again is not None:
-        _check(again, Bounds(asked, compliance))
+        _check(again, bounds)
+
+
+def _swept(
+    scene: Scene, chosen: tuple[str, ...], store: str | None, bounds: Bounds, as_json: bool
+) -> list[Record]:
+    """Return the runs to choose among; where the sweep is interrupted, print the best of those so far."""
+
+    def best(records: Sequence[Record]) -> str:
+        chosen = [pick.pick(records, *astuple(bounds)).sentence] if any(record.error for record in records) else []
+        return " ".join([*chosen, pick.basis(records)])
+
+    try:
+        return sweep_records(
+            scene, chosen, (), None, store=store, errors=(bounds.error,), best=best,
+            worth=lambda records: pick.contenders(records, bounds),
+        )  # fmt: skip
+    except Interrupted as interrupted:
+        if as_json:
+            echo_json(_facts(pick.pick(interrupted.records, *astuple(bounds)), None, None, None))
+        else:
+            click.echo(f"Provisional: {best(interrupted.records)}")
+        raise
 
 
 def _pick_model(scene: str, parameters: tuple[str, ...], error: str, as_json: bool) -> None:

@@ -6,6 +6,7 @@ import json
 import platform
 import shutil
 import uuid
+from collections.abc import Sequence
 from contextlib import ExitStack
 from datetime import UTC, datetime
 from pathlib import Path
@@ -13,7 +14,6 @@ from pathlib import Path
 import click
 
 from benchmarks import history, record_changes
-from benchmarks.cluster import FULL
 from benchmarks.history import Entry
 from benchmarks.record_changes import Move
 from benchmarks.trees import regression
@@ -23,14 +23,18 @@ from mbs_ref import scenes
 from reports.commands.watch.compare import tree
 from reports.drawing.plots.trend import write_trends
 from reports.facts.environment import environment
-from reports.reproduce import scene_label
 from reports.sweeping import sweep_records
 from reports.terminal.console import progress
-from reports.terminal.exit_codes import Failed, Incomplete
+from reports.terminal.exit_codes import Failed, Incomplete, NothingSelected
 
 FILE = click.Path(dir_okay=False, path_type=Path)
 FOLDER = click.Path(file_okay=False, path_type=Path)
-ERROR = 1e-6  # m, at which the cheapest loop times are followed
+SWEPT = (
+    ("pendulum", {}), ("pendulum_chain", {"links": 3}), ("n_four_bar", {"loops": 1}), ("double_pendulum", {}),
+    ("pendulum_chain", {"links": 10}), ("n_four_bar", {"loops": 2}), ("slider_crank", {}), ("driven_pendulum", {}),
+    ("spring_pendulum", {}),
+)  # fmt: skip
+ERROR = 1e-6  # of the scene, at which the cheapest loop times are followed
 Where = tuple[str, str, str, str]  # job, made, commit, machine
 
 
@@ -47,9 +51,13 @@ def command(baseline: str, bench: Path | None, file: Path, sweeps: Path | None, 
     Exit code 1 where it is slower, or a sweep less accurate than last night's; 4 where something could not
     be measured or stayed inconclusive, and nothing is slower.
     """
+    cases = [case for case in regression.CASES if only in case.name]
+    if not cases:
+        names = "; ".join(case.name for case in regression.CASES)
+        raise NothingSelected(f"--only {only!r} is in the name of no case: {names}")
     facts = environment()
     where = (uuid.uuid4().hex, datetime.now(UTC).isoformat(timespec="seconds"), facts["commit"], platform.node())
-    findings = _regressions(baseline, only)
+    findings = _regressions(baseline, cases)
     entries = [Entry(*where, f"ratio {f.case}", f.timing.ratio, "1", f.verdict, f.error) for f in findings if f.timing]
     if bench is not None:
         entries += history.from_benchmarks(json.loads(bench.read_text()), *where)
@@ -65,8 +73,7 @@ def command(baseline: str, bench: Path | None, file: Path, sweeps: Path | None, 
     _end(findings, worse)
 
 
-def _regressions(baseline: str, only: str) -> list[Finding]:
-    cases = [case for case in regression.CASES if only in case.name]
+def _regressions(baseline: str, cases: Sequence[regression.Case]) -> list[Finding]:
     with ExitStack() as stack:
         trees = [stack.enter_context(tree(name)) for name in (baseline, ".")]
         report = stack.enter_context(progress("nightly"))
@@ -86,9 +93,9 @@ def _sweep(folder: Path, only: str, where: Where) -> tuple[list[Entry], list[rec
         shutil.rmtree(before, ignore_errors=True)
         folder.rename(before)
     entries, changes = [], []
-    made = [scenes.make(name, **parameters) for name, parameters in FULL]
+    made = [scenes.make(name, **parameters) for name, parameters in SWEPT]
     for scene in made:
-        label = scene_label(scene.name, scene.parameters)
+        label = scenes.label(scene.name, scene.parameters)
         if only not in label:
             continue
         name = f"{label.replace(' ', '_')}.jsonl"
@@ -121,4 +128,4 @@ def _end(findings: list[Finding], worse: list[record_changes.Change]) -> None:
         raise Failed("; ".join(told))
     if verdict in (regression.NOT_MEASURED, "inconclusive"):
         named = ", ".join(f.case for f in findings if f.verdict == verdict)
-        raise Incomplete(f"{verdict}: {named or 'no case chosen'}")
+        raise Incomplete(f"{verdict}: {named}")

@@ -13,8 +13,10 @@ from cross_checks.extremes.run import cell_of
 from cross_checks.isolation.parent import Isolated
 from cross_checks.judge.cell import judge_method, truth_of
 from cross_checks.judge.runs import Runs
+from cross_checks.judge.vocabulary import Cell
 from cross_checks.records.store import Store
 from reports import inputs
+from reports.drawing.numbers import setting
 from reports.studies.measuring import measure, measured
 from reports.terminal.asking import isolated
 from reports.terminal.console import echo_json, number, show, table
@@ -29,7 +31,7 @@ def command(cell: str, as_json: bool) -> None:
 
     SCENE[,NAME=VALUE...]/ENGINE/METHOD judges a method anew: mbs-ref rerun pendulum_chain,links=3/mujoco/rk4.
     EXTREME/ENGINE/METHOD drives it along an extreme's axis: mbs-ref rerun overflow/exudyn/trapezoidal.
-    STUDY measures a study: mbs-ref rerun space. Exit code 1 where the verdict accuses the method.
+    STUDY measures a study: mbs-ref rerun space. Exit code 1 where the method is wrong.
     """
     parts = cell.split("/")
     if cell in measured():
@@ -71,21 +73,15 @@ def _judge(cell: str, as_json: bool) -> None:
         raise Failed(f"{cell}: {found.verdict}")
 
 
-def _tables(found) -> None:
-    listing = table(
-        f"{found.scene} {found.engine} {found.method}: {found.verdict}, {found.reason}", "setting", "status", "error"
-    )
+def _tables(found: Cell) -> None:
+    title = f"{found.label} {found.engine} {found.method}: {found.verdict} {found.code}, {found.reason}"
+    listing = table(title, "setting", "status", "error")
     for run in found.runs:
         listing.add_row(run["setting"], run["status"], number(run["error"]))
     show(listing)
     targets = table("\nTargets", "target", "answer", "setting or reason", "loop, s")
-    for reached in found.targets:
-        record = reached.record
-        told = (
-            reached.reason
-            if record is None
-            else ", ".join(f"{k}={v}" for k, v in record.settings.items() if k in ("step", "rtol"))
-        )
-        loop = None if record is None else record.times.get("loop_s")
-        targets.add_row(f"{reached.target:g}", reached.answer, told, number(loop))
+    for result in found.targets:
+        run = result.record
+        how = result.reason if run is None else setting(run.settings)
+        targets.add_row(f"{result.target:g}", result.answer, how, number(run and run.times.get("loop_s")))
     show(targets)

@@ -5,19 +5,19 @@ from __future__ import annotations
 import csv
 import io
 import sys
-from dataclasses import asdict
 from pathlib import Path
 
 import click
 
+from cross_checks.judge.vocabulary import Refused, refusals
 from mbs_ref.scene.messages import suggest
 from reports.facts.cheapest import known_error, loop_time, usable
 from reports.facts.report_data import ReportData
 from reports.page.advice import advice
-from reports.page.files import PRICES, price_row
+from reports.page.files import PRICES, VERDICTS, price_row
 from reports.page.publish import read_data
 from reports.page.sections.decisions import told
-from reports.page.sections.matrix import refused, view
+from reports.page.sections.matrix import view
 from reports.page.sections.prices import cannot, price_table
 from reports.terminal.console import echo_json, show, table
 from reports.terminal.exit_codes import NothingSelected
@@ -61,7 +61,7 @@ def _print(data: ReportData, label: str, as_csv: bool, as_json: bool) -> None:
     prices = [price_row(block["target"], row) for block in price_table(data, label) for row in block["rows"]]
     if as_json:
         rows = [dict(zip(PRICES, row, strict=True)) for row in prices]
-        echo_json({"scene": label, "cells": [asdict(cell) for cell in data.cells], "prices": rows})
+        echo_json({"scene": label, "cells": [cell.to_dict() for cell in data.cells], "prices": rows})
     elif as_csv:
         out = io.StringIO()
         csv.writer(out, lineterminator="\n").writerows([["scene", *PRICES], *([label, *row] for row in prices)])
@@ -100,13 +100,13 @@ def _tables(data: ReportData, label: str, prices: list[list[str]]) -> None:
     plot = price_plot(data)
     if plot:
         click.echo(f"\n{plot}")
-    verdicts = table("\nVerdicts", "engine", "method", "verdict", "error", "setting", "why")
+    verdicts = table("\nVerdicts", *VERDICTS)
     for cell in data.cells:
-        if cell.verdict not in ("cannot", "engine-missing"):
+        if not cell.is_refused:
             seen = view(cell)
-            verdicts.add_row(*(seen[key] for key in ("engine", "method", "word", "error", "setting", "reason")))
+            verdicts.add_row(*(seen[key] for key in VERDICTS.values()))
     show(verdicts)
-    out = table("\nNo part take", "engine", "methods", "because")
-    for row in refused(data):
-        out.add_row(row["engine"], row["methods"], row["reason"])
+    out = table("\nRefused", *Refused._fields)
+    for row in refusals(data.cells):
+        out.add_row(*row)
     show(out)

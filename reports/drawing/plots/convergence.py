@@ -7,22 +7,20 @@ from typing import Any
 from cross_checks.records.record import Record
 from reports.drawing.numbers import setting, short
 from reports.drawing.plots.figure import Figure, add_series, lines, new_figure, to_data
-from reports.drawing.plots.palette import Style
+from reports.drawing.plots.palette import styles
 from reports.facts.cheapest import known_error, usable
 
 STRAIGHT = 0.1  # of the scene; lines bend above it, where a mechanism's own size limits the error
 AXES = {"step": "step h, s", "rtol": "relative tolerance asked"}
 
 
-def convergence(
-    records: list[Record], styles: dict[tuple[str, str], Style], over: str, orders: dict[tuple[str, str], int]
-) -> dict[str, Any] | None:
+def convergence(records: list[Record], over: str, orders: dict[tuple[str, str], int]) -> dict[str, Any] | None:
     """Return the figure of the error over `over` (step in s, or rtol), or None without such records."""
     drawn = [r for r in records if usable(r) and r.settings.get(over) is not None]
     if not drawn:
         return None
     figure = new_figure(AXES[over], "error over the scene's scales")
-    for (engine, method), style in styles.items():
+    for (engine, method), style in styles(records).items():
         own = sorted((r for r in drawn if (r.engine, r.method) == (engine, method)), key=lambda r: r.settings[over])
         if own:
             x, y = [r.settings[over] for r in own], [r.error.value for r in own if r.error]

@@ -10,6 +10,7 @@ from typing import Any
 from cross_checks.extremes.cell import Cell
 from cross_checks.extremes.extreme import Axis
 from reports.drawing.numbers import short
+from reports.drawing.plots.palette import style_of
 
 LEFT, WIDTH, ROW, TOP, RIGHT = 250, 560, 19, 8, 34  # px: names, axis, row height, margins
 
@@ -23,13 +24,13 @@ class Mark:
     text: str
 
 
-def chart(cells: list[Cell], axis: Axis, colours: dict[str, str]) -> dict[str, Any] | None:
+def chart(cells: list[Cell], axis: Axis) -> dict[str, Any] | None:
     """Return what the template draws; the axis shows the listed values, mild to extreme, evenly."""
     asked = [cell for cell in cells if cell.points]
     if not asked:
         return None
     values = _values(asked, axis)
-    rows = [_row(cell, k, axis, values, colours) for k, cell in enumerate(asked)]
+    rows = [_row(cell, k, axis, values) for k, cell in enumerate(asked)]
     height = TOP + ROW * len(rows)
     ticks = [{"x": place(value, values), "label": tick(axis, value)} for value in values]
     unit = f" ({axis.unit})" if axis.unit and not axis.labels else ""
@@ -65,7 +66,7 @@ def _values(cells: list[Cell], axis: Axis) -> tuple[float, ...]:
     return axis.values + axis.full if any(cell.full for cell in cells) else axis.values
 
 
-def _row(cell: Cell, k: int, axis: Axis, values: tuple[float, ...], colours: dict[str, str]) -> dict[str, Any]:
+def _row(cell: Cell, k: int, axis: Axis, values: tuple[float, ...]) -> dict[str, Any]:
     marks = [
         Mark(place(p.value, values), str(p.fate), f"{axis.name} {axis.label(p.value)}: {p.fate}. {p.reason}")
         for p in cell.points
@@ -73,4 +74,4 @@ def _row(cell: Cell, k: int, axis: Axis, values: tuple[float, ...], colours: dic
     end = None if cell.last is None else place(cell.last, values)
     y = TOP + ROW * k + ROW // 2
     return {"engine": cell.engine, "method": cell.method, "y": y, "end": end, "marks": marks,
-            "colour": colours.get(cell.engine, "#888888")}  # fmt: skip
+            "colour": style_of(cell.engine).colour}  # fmt: skip

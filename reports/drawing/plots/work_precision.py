@@ -5,28 +5,27 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from benchmarks.loop_times import is_timed
 from cross_checks.records.record import Record
 from reports.drawing.numbers import duration, metres, setting, short
 from reports.drawing.plots.figure import FLOOR, Figure, add_series, lines, new_figure, to_data
-from reports.drawing.plots.palette import Style
+from reports.drawing.plots.palette import Style, style_of, styles
 from reports.facts.cheapest import floor, loop_time, usable
-from reports.facts.timing import is_timed
 
 FRONTIER = "frontier"  # the name of an engine's one line
 
 
-def work_precision(records: list[Record], styles: dict[tuple[str, str], Style]) -> dict[str, Any]:
+def work_precision(records: list[Record]) -> dict[str, Any]:
     """Return the figure of one scene: time of the loop (ms) across, error over the scene's scales up."""
     figure = new_figure("time of the integration loop, ms", "error over the scene's scales")
-    for engine in dict.fromkeys(engine for engine, _ in styles):
+    chosen = styles(records)
+    for engine in dict.fromkeys(engine for engine, _ in chosen):
         own = frontier([r for r in records if r.engine == engine])
         if own:
-            style = next(style for (name, _), style in styles.items() if name == engine)
-            symbols = [styles[engine, r.method].symbol for r in own]
-            _add(figure, engine, FRONTIER, style, own)
-            figure.data[-1]["marker"] |= {"symbol": symbols, "size": 9}
-            figure.data[-1]["line"] |= {"dash": "solid", "width": 2.5}
-    for (engine, method), style in styles.items():
+            _add(figure, engine, FRONTIER, style_of(engine), own)
+            figure.data[-1]["marker"] |= {"symbol": [chosen[engine, r.method].symbol for r in own], "size": 9}
+            figure.data[-1]["line"] |= {"width": 2.5}
+    for (engine, method), style in chosen.items():
         own = sorted((r for r in records if (r.engine, r.method) == (engine, method) and usable(r)), key=loop_time)
         if own:
             _add(figure, engine, method, style, own, visible="legendonly")

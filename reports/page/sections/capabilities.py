@@ -4,31 +4,33 @@ from __future__ import annotations
 
 from typing import Any
 
+from cross_checks.judge.capabilities import Ability
 from reports.drawing.section import Section
-from reports.facts.report_data import Capability, ReportData
+from reports.facts.report_data import ReportData
 
-LEAD = "Asked of the adapters themselves: what each engine models, never will by its nature, or is not taught yet."
+LEAD = "Derived from the adapters: what each engine models, can never model by its nature, or does not translate yet."
 WORDS = {"can": ("good", "can"), "some": ("fair", "some methods"), "not-yet": ("plain", "not yet"),
-         "never": ("bad", "never"), "missing": ("plain", "engine missing")}  # fmt: skip
-TITLES = {"part": "Parts of a scene", "trait": "Traits of a scene"}
+         "never": ("bad", "never")}  # fmt: skip
+TITLES = {"parts": "Parts of a scene", "traits": "Traits of a scene"}
 
 
-def _view(found: Capability | None) -> dict[str, str]:
-    if found is None:
-        return {"tone": "plain", "word": "not asked", "reason": "no probe for this"}
-    tone, word = WORDS[found.answer]
-    return {"tone": tone, "word": word, "reason": found.reason}
+def _view(known: bool | Ability | None) -> dict[str, str]:
+    if known is None:
+        return {"tone": "plain", "word": "not tested", "reason": "no scene shows this"}
+    ability = known if isinstance(known, Ability) else Ability("can" if known else "not-yet")
+    tone, word = WORDS[ability.answer]
+    return {"tone": tone, "word": word, "reason": ability.reason}
 
 
 def context(data: ReportData) -> dict[str, Any]:
-    engines = list(dict.fromkeys(c.engine for c in data.capabilities))
-    found = {(c.kind, c.name, c.engine): c for c in data.capabilities}
+    able = [one for one in data.capabilities if one.installed]
     groups = []
     for kind, title in TITLES.items():
-        names = list(dict.fromkeys(c.name for c in data.capabilities if c.kind == kind))
-        rows = [{"name": n, "cells": [_view(found.get((kind, n, e))) for e in engines]} for n in names]
+        names = list(dict.fromkeys(name for one in able for name in getattr(one, kind)))
+        rows = [{"name": name, "cells": [_view(getattr(one, kind).get(name)) for one in able]} for name in names]
         groups.append({"title": title, "rows": rows})
-    return {"engines": engines, "groups": groups}
+    absent = {one.engine: one.reason for one in data.capabilities if not one.installed}
+    return {"engines": [one.engine for one in able], "groups": groups, "absent": absent}
 
 
 SECTION = Section("capabilities", "Capabilities", LEAD, context)

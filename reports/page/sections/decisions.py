@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections import Counter
 from typing import Any
 
+from cross_checks.judge.vocabulary import Verdict
 from reports.drawing.numbers import count
 from reports.drawing.section import Section
 from reports.facts.report_data import ReportData
 from reports.page.advice import advice
 from reports.page.slug import engine_file
-from reports.page.verdicts import VERDICTS, verdict
 
 LEAD = (
     "Which engine to trust for what, from the runs of this report. An error of 1e-6 is a millionth of the scene's own "
@@ -32,14 +32,8 @@ def told(data: ReportData) -> str:
     if not data.cells:
         return "No validation was run: this page holds no cells."
     counts = Counter(cell.verdict for cell in data.cells)
-    words = [*VERDICTS, *(word for word in counts if word not in VERDICTS)]
-    parts = ", ".join(f"{counts[word]} {word}" for word in words if counts[word])
+    parts = ", ".join(f"{counts[word]} {word}" for word in Verdict if counts[word])
     return f"{count(len(data.cells), 'cell')} of {count(len(data.scenes), 'scene')} and every method: {parts}."
-
-
-def tones(data: ReportData) -> Counter[str]:
-    """Count the cells by tone."""
-    return Counter(verdict(cell.verdict).tone for cell in data.cells)
 
 
 SECTION = Section("decisions", "Which engine for what", LEAD, context)

@@ -10,8 +10,8 @@ from cross_checks.extremes import every
 from cross_checks.extremes.cell import Cell
 from cross_checks.extremes.extreme import Extreme
 from cross_checks.extremes.judge import Fate
+from cross_checks.judge.vocabulary import OURS
 from reports.drawing.plots.fates import chart, tick
-from reports.drawing.plots.palette import colours
 from reports.drawing.section import Section
 from reports.facts.report_data import ReportData
 
@@ -20,11 +20,11 @@ TONES = {Fate.SURVIVED: "good", Fate.STOPPED: "plain", Fate.DEGRADED: "fair", Fa
 
 
 def context(data: ReportData) -> dict[str, Any]:
-    cells = sorted(data.extremes, key=lambda c: (c.engine != "mbs_ref", c.engine, c.method))
+    cells = sorted(data.extremes, key=lambda c: (c.engine != OURS, c.engine, c.method))
     found = {extreme.name: [c for c in cells if c.extreme == extreme.name] for extreme in every()}
     shown = [extreme for extreme in every() if any(c.points for c in found[extreme.name])]
     families = [
-        {"name": family, "extremes": [_extreme(e, found[e.name], data) for e in group]}
+        {"name": family, "extremes": [_extreme(e, found[e.name]) for e in group]}
         for family, group in groupby(shown, key=lambda e: e.family)
     ]
     columns = list(dict.fromkeys((c.engine, c.method) for c in cells if c.points))
@@ -38,11 +38,11 @@ def context(data: ReportData) -> dict[str, Any]:
     }
 
 
-def _extreme(extreme: Extreme, cells: list[Cell], data: ReportData) -> dict[str, Any]:
+def _extreme(extreme: Extreme, cells: list[Cell]) -> dict[str, Any]:
     return {
         "name": extreme.name,
         "title": extreme.title,
-        "chart": chart(cells, extreme.axis, colours(data.engines)),
+        "chart": chart(cells, extreme.axis),
         "advice": [_advice(extreme, engine, list(own)) for engine, own in _by_engine(cells)],
         "good": f"{extreme.good:g}",
         "wrong": f"{extreme.wrong:g}",

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from typing import Any
 
+from benchmarks import loop_times
+from benchmarks.loop_times import is_busy, is_timed
 from benchmarks.timing import BUSY
 from cross_checks.judge import search, verdict
 from reports.drawing.section import Section
-from reports.facts import timing
 from reports.facts.report_data import ReportData
 from reports.facts.timed_loop import INSIDE
-from reports.facts.timing import is_busy, is_timed
 
 LEAD = "The criteria of every verdict, as the judge's own source states them, and what a time holds."
 
@@ -20,7 +20,7 @@ def context(data: ReportData) -> dict[str, Any]:
     return {
         "criteria": str(verdict.__doc__),
         "search": str(search.__doc__),
-        "rule": str(timing.__doc__),
+        "rule": str(loop_times.__doc__),
         "inside": {name: INSIDE[name] for name in data.engines if name in INSIDE},
         "ranked": len(ranked),
         "busy": sum(is_busy(record) for record in ranked),

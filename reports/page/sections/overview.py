@@ -5,10 +5,11 @@ from __future__ import annotations
 from typing import Any
 
 from cross_checks.judge.bounds import TARGETS
+from cross_checks.judge.vocabulary import ANSWERS, OURS
 from reports.drawing.numbers import duration, short
 from reports.drawing.section import Section
 from reports.facts.cheapest import Entry, entries, loop_time
-from reports.facts.report_data import OURS, ReportData
+from reports.facts.report_data import ReportData
 from reports.page.slug import scene_file
 
 LEAD = "The cheapest engine at each target error, with our own solver beside it. A scene's page has every engine."
@@ -36,16 +37,13 @@ def told(entry: Entry | None) -> str:
     if entry is None:
         return "not asked"
     if entry.best is None:
-        return entry.answer.replace("-", " ")
+        return ANSWERS[entry.answer][0]
     return f"{entry.engine} {entry.method}, {duration(loop_time(entry.best))}"
 
 
 def _missed(rivals: list[Entry]) -> str:
-    answers = [entry.answer for entry in rivals]
-    return next(
-        (f"none: {word.replace('-', ' ')}" for word in ("unjudged", "not-tried", "not-reached") if word in answers),
-        "none can",
-    )
+    answers = {entry.answer for entry in rivals} - {"cannot"}
+    return next((f"none: {word}" for answer, (word, _) in ANSWERS.items() if answer in answers), "none can")
 
 
 SECTION = Section("overview", "Scenes", LEAD, context)

@@ -4,25 +4,22 @@ from __future__ import annotations
 
 from typing import Any
 
+from benchmarks.loop_times import is_busy, is_timed
 from cross_checks.judge.bounds import TARGETS
+from cross_checks.judge.vocabulary import ANSWERS, OURS
 from reports.drawing.numbers import duration, metres, setting, short
-from reports.drawing.plots.palette import styles
 from reports.drawing.plots.work_precision import work_precision
 from reports.drawing.section import Section
 from reports.facts.cheapest import Entry, entries, known_error, loop_time, usable
-from reports.facts.report_data import OURS, ReportData
+from reports.facts.report_data import ReportData
+from reports.facts.standings import over_cheapest
 from reports.facts.timed_loop import INSIDE
-from reports.facts.timing import is_busy, is_timed
-from reports.reproduce import command, scene_label
+from reports.reproduce import command
 
 LEAD = (
     "The cheapest setting of each engine that comes within the target error, over the scene's own scales. Our own "
-    "solver stands below the ranking: it is no competitor here, but what the suite is built around."
+    "solver stands below the ranking: it has no rank."
 )
-WORDS = {
-    "not-tried": "not tried", "not-reached": "not reached", "unjudged": "not judged", "cannot": "cannot",
-    "reached": "reached",
-}  # fmt: skip
 
 
 def price_table(data: ReportData, scene: str) -> list[dict[str, Any]]:
@@ -32,10 +29,9 @@ def price_table(data: ReportData, scene: str) -> list[dict[str, Any]]:
 
 def _block(data: ReportData, scene: str, target: float) -> dict[str, Any]:
     found = entries(data, scene, target)
-    ranked = [e for e in found if e.engine != OURS]
-    first = next((e for e in ranked if e.best), None)
-    ordered = [*ranked, *(e for e in found if e.engine == OURS)]
-    return {"target": short(target), "rows": [_row(entry, first) for entry in ordered]}
+    factors = over_cheapest(found)
+    ordered = sorted(found, key=lambda entry: entry.engine == OURS)
+    return {"target": short(target), "rows": [_row(entry, factors.get(entry.engine)) for entry in ordered]}
 
 
 def cannot(blocks: list[dict[str, Any]]) -> dict[str, str]:
@@ -44,7 +40,7 @@ def cannot(blocks: list[dict[str, Any]]) -> dict[str, str]:
     return {name: why for name, why in every[0].items() if all(name in one for one in every)}
 
 
-def _row(entry: Entry, first: Entry | None) -> dict[str, Any]:
+def _row(entry: Entry, factor: float | None) -> dict[str, Any]:
     row = {
         "engine": entry.engine,
         "ours": entry.engine == OURS,
@@ -53,7 +49,7 @@ def _row(entry: Entry, first: Entry | None) -> dict[str, Any]:
     }
     record = entry.best
     if record is None or record.error is None:
-        told = f"{WORDS[entry.answer]}: {entry.reason or 'no reason was given'}"
+        told = f"{ANSWERS[entry.answer][0]}: {entry.reason or 'no reason was given'}"
         named = f" ({entry.method})" if entry.method and entry.answer != "cannot" else ""
         return row | {"missed": told + named}
     return row | {
@@ -64,15 +60,15 @@ def _row(entry: Entry, first: Entry | None) -> dict[str, Any]:
         "metres": metres(record.error.metres),
         "time": duration(loop_time(record)),
         "spread": spread(record),
-        "factor": _factor(entry, first),
+        "factor": _factor(entry, factor),
         "command": command(record),
     }
 
 
-def _factor(entry: Entry, first: Entry | None) -> str:
-    if first is None or first.best is None or entry.best is None:
+def _factor(entry: Entry, factor: float | None) -> str:
+    if factor is None:
         return "alone"
-    return "cheapest" if entry is first else f"{short(loop_time(entry.best) / loop_time(first.best))} ×"
+    return "cheapest" if factor == 1.0 and entry.engine != OURS else f"{short(factor)} ×"
 
 
 def inside(data: ReportData) -> dict[str, str]:
@@ -96,8 +92,9 @@ def pick_rows(data: ReportData) -> list[dict[str, Any]]:
     """Return what the pick box chooses from: every finished run with its cost and command."""
     return [
         {
-            "scene": scene_label(r.scene, r.parameters),
+            "scene": r.label,
             "engine": r.engine,
+            "ours": r.engine == OURS,
             "method": r.method,
             "setting": setting(r.settings),
             "error": known_error(r),
@@ -112,8 +109,7 @@ def pick_rows(data: ReportData) -> list[dict[str, Any]]:
 
 
 def context(data: ReportData) -> dict[str, Any]:
-    style = styles(data.records, data.engines)
-    plots = {scene: work_precision(data.of_scene(scene), style) for scene in data.scenes if data.of_scene(scene)}
+    plots = {scene: work_precision(data.of_scene(scene)) for scene in data.scenes if data.of_scene(scene)}
     tables = {scene: price_table(data, scene) for scene in data.scenes}
     never = {scene: cannot(blocks) for scene, blocks in tables.items()}
     return {"plots": plots, "tables": tables, "never": never, "pick_rows": pick_rows(data), "inside": inside(data)}

@@ -1,4 +1,4 @@
-// Folds wide tables, draws plots when they come near the screen, and answers the pick box.
+// Folds wide tables, draws plots, first those near the screen, and answers the pick box.
 "use strict";
 const css = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 const narrow = () => window.innerWidth < 760;
@@ -54,6 +54,10 @@ const near = new IntersectionObserver((entries) => {
   for (const entry of entries) if (entry.isIntersecting) { near.unobserve(entry.target); draw(entry.target); }
 }, { rootMargin: "400px" });
 document.querySelectorAll(".plot").forEach((div) => near.observe(div));
+// the others once the browser is idle, so that a printed page has them, too
+window.addEventListener("load", async () => {
+  for (const div of document.querySelectorAll(".plot")) { await new Promise(window.requestIdleCallback ?? setTimeout); await draw(div); }
+});
 
 function drawnPlots() { return document.querySelectorAll(".plot[data-drawn]"); }
 
@@ -94,8 +98,9 @@ function answer() {
   const { best, second, margin, limit } = found;
   const head = node("p", "", out);
   node("strong", `${named(best)}: ${short(best.ms)} ms`, head);
+  if (best.ours) head.append(" by this project's own solver");
   head.append(` (error ${short(best.error)}, joints closed to ${short(best.compliance)} m).`);
-  node("p", second ? `Runner-up: ${named(second)}, at ${short(second.ms)} ms: ${short(margin)} times as long.` : "No other method shown reaches it.", out);
+  node("p", second ? `Runner-up: ${named(second)}, at ${short(second.ms)} ms: ${short(margin)} times as long.` : "No other engine or method shown reaches it.", out);
   node("p", limits(limit), out);
   const line = node("div", "", out);
   line.className = "line";
@@ -106,14 +111,14 @@ function answer() {
 
 function refusal({ why, near, floor, count }, bounds) {
   if (why === "nothing") return "No run of the engines shown finished on this scene.";
-  if (why === "floor") return `The truth of this scene judges no error below ${short(floor)}; ask for more.`;
+  if (why === "floor") return `The truth of this scene judges no error below ${short(floor)}.`;
   if (why === "budget") return `None within ${short(bounds.ms)} ms; the cheapest is ${named(near)} at ${short(near.ms)} ms.`;
   if (why === "compliance") return `${count} settings reach the error, but none keeps the joints within ${short(bounds.compliance)} m; the nearest is ${named(near)} with ${short(near.compliance)} m.`;
   return `None reached this; the nearest is ${named(near)} with ${short(near.error)}.`;
 }
 
 function limits(limit) {
-  if (!limit) return "Nothing cheaper misses one bound alone.";
+  if (!limit) return "No cheaper setting misses only one of the bounds.";
   const { bound, cheaper } = limit;
   const off = bound === "error" ? `an error of ${short(cheaper.error)}` : `joints open by ${short(cheaper.compliance)} m`;
   return `The ${bound} limits it: the nearest cheaper one is ${named(cheaper)}, at ${short(cheaper.ms)} ms with ${off}.`;

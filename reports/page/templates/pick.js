@@ -16,7 +16,7 @@ function choose(rows, bounds) {
     const close = rows.filter(errorOk);
     return close.length ? { why: "compliance", near: least(close, "compliance"), count: close.length } : { why: "error", near: least(rows, "error") };
   }
-  const best = fit[0], second = fit.find((row) => row.engine !== best.engine || row.method !== best.method) ?? null;
+  const best = fit[0], second = fit.find((row) => row.engine !== best.engine) ?? fit.find((row) => row.method !== best.method) ?? null;
   const cheaper = rows.filter((row) => row.ms < best.ms);
   const loose = least(cheaper.filter(errorOk), "compliance"), far = least(cheaper.filter(gapOk), "error");
   const limit = loose ? { bound: "compliance", cheaper: loose } : far ? { bound: "error", cheaper: far } : null;

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+from cross_checks.judge.vocabulary import Cell
 from reports.facts.curves import Curves
 from reports.studies.study import Study
 
@@ -66,17 +67,7 @@ class Convergence:
 class Peer:
     """A method of another engine on one android and impact."""
 
-    scene: str
-    impact: str
-    engine: str
-    method: str
-    verdict: str
-    reason: str
-    error: float | None  # over the scene's scales
-    order: float | None
-    documented_order: int | None
-    setting: str
-    loop_s: float | None
+    cell: Cell
     reaction_error: float | None  # N, largest difference of a joint force from ours; None where it gives none
 
 

@@ -217,7 +217,4 @@ def peer(runs: Runs, scene: Scene, engine: str, method: Method, truth: Truth | N
             scene, engine, Settings(**spoken.settings), ladder.grid(scene), truth=truth, reference=ours
         )
         forces = again.measure("reaction_error")
-    return Peer(
-        scene.name, str(scene.parameters["impact"]), engine, method.name, str(cell.verdict), cell.reason, cell.error,
-        cell.order, cell.documented_order, cell.setting, cell.loop_s, forces,
-    )  # fmt: skip
+    return Peer(cell, forces)

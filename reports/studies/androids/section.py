@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from reports.drawing.numbers import ABSENT, duration, setting, short
+from reports.drawing.numbers import ABSENT, duration, in_words, order_of, setting, short
 from reports.drawing.plots.figure import FLOOR, new_figure, to_data
 from reports.drawing.plots.histories import HEIGHT, add_line, histories
 from reports.drawing.section import Section
@@ -114,12 +114,13 @@ def _gaps(found: tuple[Convergence, ...]) -> dict[str, Any]:
     return histories(Curves(found[0].gaps.x, lines, "distance, m", log=True))
 
 
-def _peer(cell: Peer) -> list[str]:
-    crash, method = f"{cell.scene}, {cell.impact}", f"{cell.engine} {cell.method}"
-    order = ABSENT if cell.order is None else f"{cell.order:.2f} (documented {cell.documented_order})"
-    reactions = "none given" if cell.reaction_error is None else short(cell.reaction_error)
-    figures = (short(cell.error), order, cell.setting or ABSENT, duration(cell.loop_s), reactions)
-    return [crash, method, cell.verdict, *figures, cell.reason]
+def _peer(peer: Peer) -> list[str]:
+    cell = peer.cell
+    crash, method = f"{cell.scene}, {cell.parameters['impact']}", f"{cell.engine} {cell.method}"
+    reactions = "none given" if peer.reaction_error is None else short(peer.reaction_error)
+    shown = (order_of(cell.order, cell.documented_order), in_words(cell.setting))
+    figures = (short(cell.error), *(text or ABSENT for text in shown), duration(cell.loop_s), reactions)
+    return [crash, method, f"{cell.verdict} {cell.code}", *figures, cell.reason]
 
 
 SECTION = Section("android_numerics", "The androids by method and engine", LEAD, context)

@@ -4,24 +4,18 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from reports.facts.cheapest import Entry
 from reports.studies.study import Study
 
 
 @dataclass(frozen=True)
 class Row:
-    """One method at one target error, or the reason why it has none."""
+    """One engine at one target error, by its cheapest method, or the reason why it does not reach it."""
 
     scene: str
-    engine: str
-    method: str
     target: float | None  # over the scene's scales; None where the scene is refused
-    answer: str  # reached | not-reached | not-tried | cannot | unjudged | engine-missing
-    reason: str = ""
-    setting: str = ""
-    error: float | None = None  # over the scene's scales
-    compliance: float | None = None  # m, rad; None where there are no rows to comply with
-    energy: float | None = None  # J, largest drift; None where the scene is not conservative
-    loop_s: float | None = None  # least of interleaved runs
+    entry: Entry  # its loop time is the least of interleaved runs
+    constrained: bool = False  # whether the scene has joints
     ratio: float | None = None  # loop time over that of our cheapest at the same target
 
 

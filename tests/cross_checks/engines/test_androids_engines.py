@@ -7,7 +7,7 @@ import pytest
 
 from cross_checks import engines
 from cross_checks.judge import ladder
-from cross_checks.judge.search import first_knob
+from cross_checks.judge.tried import first_knob
 from cross_checks.truths import truth_for
 from mbs_ref import scenes
 from mbs_ref.self_checks.stiffness import stiffness_at_start

@@ -28,7 +28,6 @@ from mbs_ref import scenes
 from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings
 from reports.gather import SCENES
-from reports.reproduce import scene_label
 
 BOUND = 1.01 * MOST_STEPS  # of a rung that the search could choose: a step is shortened to divide the outputs
 
@@ -86,7 +85,7 @@ def _compared(runs: Runs, scene: Scene, engine: str, method: Method, truth: Trut
     chosen = [answer.record for answer in answers]
     runnable = [knob for knob in tried.knobs if tried.records[knob].status == "success"]
     return Compared(
-        scene_label(scene.name, scene.parameters), engine, method.name, len(climbed), len(tried.records),
+        scenes.label(scene.name, scene.parameters), engine, method.name, len(climbed), len(tried.records),
         tuple(_told(next((r for r in within if _reaches(r, target)), None)) for target in TARGETS),
         tuple(_told(record) for record in chosen),
         tuple(f"{answer.answer} {answer.reason}" for answer in answers),

@@ -15,7 +15,8 @@ from cross_checks.judge.vocabulary import Verdict
 def points_of(errors, knobs=None, steps=None, rounding=0.0, **last) -> list[Point]:
     knobs = knobs or [2.0**-k for k in range(len(errors))]
     steps = steps or [int(100 / knob) for knob in knobs]
-    runs = [Point(f"step={h:g}", h, "success", "", e, n, rounding) for h, e, n in zip(knobs, errors, steps, strict=True)]
+    each = zip(knobs, errors, steps, strict=True)
+    runs = [Point(f"step={h:g}", h, "success", "", e, n, rounding) for h, e, n in each]
     return [*runs, Point("step=last", knobs[-1] / 2.0, **last)] if last else runs
 
 

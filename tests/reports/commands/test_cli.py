@@ -24,9 +24,10 @@ from cross_checks import engines
 from cross_checks.engine import Engine, Method
 from cross_checks.judge import one_run as compare
 from cross_checks.judge import runs as judged_runs
-from cross_checks.judge.cell import Cell
-from cross_checks.judge.vocabulary import Verdict
+from cross_checks.judge.answers import Answer
+from cross_checks.judge.vocabulary import Cell, Verdict
 from cross_checks.records.record import Error, Record
+from cross_checks.truth import NoTruth
 from cross_checks.truths import seek_truth
 from mbs_ref import scenes
 from mbs_ref.scene.toml import write_scene
@@ -68,8 +69,8 @@ class Quick(Engine):
 
 
 def cell(method: str = "rk4", verdict: str = "agrees") -> Cell:
-    excuse = "loops are springs" if method == "soft" else ""
-    return Cell("pendulum", {}, "quick", method, Verdict(verdict), "as told", excuse, 1e-9, 1e-12, math.nan)
+    exemption = "loops are springs" if method == "soft" else ""
+    return Cell("pendulum", {}, "quick", method, Verdict(verdict), "the reason", exemption, 1e-9, 1e-12, math.nan)
 
 
 def get(name: str) -> Engine:
@@ -93,15 +94,18 @@ def stand(monkeypatch, tmp_path):
     def judged_run(scene, engine, settings, *, truth):
         return evaluate(scene, engine, settings), Quick().run(scene, settings)
 
-    def check(runs, scene_list, engine_names, progress):
+    def answers(runs, asked, progress):
         progress(1, 1, "done")
-        fakes["asked"] = {"scenes": [s.name for s in scene_list], "engines": engine_names}
-        for one in fakes["cells"]:
+        fakes["asked"] = {
+            "scenes": list(dict.fromkeys(question.scene.name for question in asked)),
+            "engines": list(dict.fromkeys(question.engine for question in asked)),
+        }
+        for question, one in zip(asked, fakes["cells"], strict=False):
             if isinstance(one, BaseException):
                 raise one
-            yield one
+            yield Answer(question, one, (), NoTruth("told"), True)
 
-    def sweep(runs, scene, engine_names, methods, progress, targets):
+    def sweep(runs, scene, engine_names, methods, progress, targets, seen, worth):
         fakes["asked"] = {"scene": scene, "engines": engine_names, "methods": methods}
         if methods == ["rk5"]:
             raise ValueError("method = rk5 is offered by none of the engines asked")
@@ -116,7 +120,7 @@ def stand(monkeypatch, tmp_path):
 
     monkeypatch.setattr(compare, "evaluate", evaluate)
     monkeypatch.setattr(compare, "judged_run", judged_run)
-    monkeypatch.setattr(checking, "check", check)
+    monkeypatch.setattr(checking, "answers", answers)
     monkeypatch.setenv("MBS_REF_STORE", str(tmp_path / "runs.sqlite"))
     monkeypatch.setattr(sweeps, "sweep", sweep)
     monkeypatch.setattr(picking, "pick", pick)
@@ -327,7 +331,7 @@ def test_check_prints_cells(stand):
     done = run("check", "pendulum", "--engine", "quick", "--json")
     assert done.exit_code == 0
     (shown,) = json.loads(done.stdout)
-    assert shown["verdict"] == "agrees"
+    assert (shown["verdict"], shown["code"]) == ("agrees", "MBS.V01")
     assert shown["order"] is None
     assert stand["asked"] == {"scenes": ["pendulum"], "engines": ["quick"]}
     assert "agrees" in run("check").stdout
@@ -342,6 +346,12 @@ def test_check_prints_cells(stand):
 def test_check_s_exit_code_stands_for_the_table(stand, method, verdict, code):
     stand["cells"] = [cell(method, verdict)]
     assert run("check").exit_code == code
+
+
+def test_check_lists_refusals_by_engine_and_reason(stand):
+    stand["cells"] = [cell(), *(cell(method, "cannot") for method in ("rk4", "euler"))]
+    rows = [line.split() for line in run("check").stdout.partition("Refused")[2].splitlines() if "quick" in line]
+    assert rows == [["quick", "rk4,", "euler", "pendulum", "the", "reason"]]
 
 
 def test_sweep_draws_what_it_measured(stand, tmp_path):
@@ -399,7 +409,7 @@ def test_an_interrupted_sweep_keeps_what_it_has(stand, tmp_path):
     file = tmp_path / "records.jsonl"
     done = run("sweep", "pendulum", "-o", str(file))
     assert done.exit_code == 4
-    assert "interrupted after 1 record" in done.stderr
+    assert "interrupted after 1 of 1 records" in done.stderr
     assert len(file.read_text().splitlines()) == 1
 
 
@@ -408,7 +418,7 @@ def test_an_interrupted_check_shows_the_cells_it_has(stand):
     done = run("check", "pendulum", "--engine", "quick", "--json")
     assert done.exit_code == 4
     assert len(json.loads(done.stdout)) == 1
-    assert "interrupted after 1 cells" in done.stderr
+    assert "interrupted after 1 of 2 cells" in done.stderr
 
 
 def test_an_interrupted_run_prints_and_writes_what_there_is(stand, tmp_path):

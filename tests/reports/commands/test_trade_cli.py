@@ -8,15 +8,13 @@ from dataclasses import replace
 import pytest
 from click.testing import CliRunner
 
-from benchmarks import cluster, confirm
-from benchmarks.cluster import Task
+from benchmarks import confirm
 from benchmarks.timing import Comparison, Pace
 from benchmarks.trees import regression
 from benchmarks.trees.regression import Case, Finding
 from cross_checks.isolation.parent import Lost
 from cross_checks.records import lines as record_file
 from cross_checks.records.record import Error, Record
-from cross_checks.records.store import Run, Store
 from mbs_ref import scenes
 from reports.cli import main
 from reports.commands.watch import nightly
@@ -105,36 +103,12 @@ def test_compare_files(tmp_path):
     assert run("compare", a, file_of(tmp_path, "c.jsonl", replace(RECORD, engine="x"))).exit_code == 5
 
 
-@pytest.fixture
-def tasks(monkeypatch):
-    """Three tasks, and a count of those that were run."""
-    made = [Task("pendulum", (), "mbs_ref", (("method", "rk4"), ("step", h))) for h in (0.1, 0.05, 0.025)]
-    ran: list[Task] = []
-
-    def serial(asked, timeout):
-        for task in asked:
-            ran.append(task)
-            if len(ran) == 2:
-                raise KeyboardInterrupt
-            yield task, Run(replace(RECORD, settings=settings_of(task)), None)
-
-    monkeypatch.setattr(cluster, "plan", lambda quick, engines: made)
-    monkeypatch.setattr(cluster, "serial", serial)
-    return ran
-
-
-def settings_of(task: Task) -> dict:
-    return cluster._planned(task, "", "").settings
-
-
-def test_an_interrupted_matrix_goes_on_where_it_stopped(tasks, tmp_path):
-    words = ["matrix", "--serial", "--store", str(tmp_path / "m.sqlite")]
-    assert run(*words).exit_code == 4
-    assert run(*words, "--json").exit_code == 0
-    assert [task.settings[1][1] for task in tasks] == [0.1, 0.05, 0.05, 0.025]
-    assert run(*words).exit_code == 0
-    assert len(tasks) == 4
-    assert len(Store(tmp_path / "m.sqlite")) == 3
+def test_parts_of_a_check_are_disjoint_and_complete(tmp_path):
+    words = ["check", "pendulum", "--engine", "mbs_ref", "--json", "--store", str(tmp_path / "s.sqlite"), "--shard"]
+    whole, *parts = [json.loads(run(*words, part).stdout) for part in ("1/1", "1/2", "2/2")]
+    assert sorted(cell["method"] for part in parts for cell in part) == sorted(cell["method"] for cell in whole)
+    assert run(*words, "3/2").exit_code == 2
+    assert run(*words, "99/99").exit_code == 5
 
 
 def test_certify():
@@ -162,7 +136,7 @@ def night(monkeypatch, tmp_path):
 
     monkeypatch.setattr(regression, "CASES", (Case("pendulum", "rk4"),))
     monkeypatch.setattr(regression, "regressions", regressions)
-    monkeypatch.setattr(nightly, "FULL", (("pendulum", {}),))
+    monkeypatch.setattr(nightly, "SWEPT", (("pendulum", {}),))
     monkeypatch.setattr(nightly, "sweep_records", sweep_records)
     said["words"] = ["nightly", "--baseline", ".", "--file", str(tmp_path / "history.jsonl"),
                      "--sweeps", str(tmp_path / "sweeps"), "--trends", str(tmp_path / "trends.html")]  # fmt: skip
@@ -184,6 +158,13 @@ def test_a_night_is_kept_and_drawn(night, tmp_path):
 def test_slower_and_not_measured_differ(night, pace, code):
     night["pace"] = pace
     assert run(*night["words"]).exit_code == code
+
+
+def test_a_night_without_any_case_ends_before_any_work(night, tmp_path):
+    done = run(*night["words"], "--only", "pendulum links=3")
+    assert done.exit_code == 5
+    assert "pendulum mbs_ref rk4" in done.output
+    assert not list(tmp_path.iterdir())
 
 
 def test_a_sweep_that_became_less_accurate_fails_the_night(night):

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 from cross_checks.extremes.cell import Cell as ExtremeCell
 from cross_checks.extremes.cell import made_of
 from cross_checks.extremes.judge import Fate, Point
 from cross_checks.judge.bounds import TARGETS
+from cross_checks.judge.capabilities import Ability, Capability
+from cross_checks.judge.vocabulary import Cell, TargetResult, Verdict
 from cross_checks.records.record import Error, Record
-from reports.facts.report_data import Capability, Cell, ReportData, Target, setting_label
-from reports.reproduce import scene_label
+from reports.facts.report_data import ReportData
 
 TIMED = {"loop_median_s": 1.0, "loop_most_s": 2.0, "loop_runs": 3.0}
 HOSTILE = "<script>alert('x')</script> & <b>bold</b> | pipe"
@@ -91,21 +93,21 @@ def _cell(scene: str, parameters: dict, method: tuple, own: list[Record], verdic
     measured = [r.error.value for r in own if r.error]
     error = min(measured, default=None)
     seen = float(order) if verdict in ("agrees", "converging") else None
-    label = scene_label(scene, parameters)
     compliance = own[-1].measure("compliance_position") if measured else None
     targets = tuple(_target(target, own, verdict, reason) for target in TARGETS)
-    return Cell(label, engine, name, verdict, reason, error, compliance, seen, "", order, targets=targets)
+    word = Verdict(verdict)
+    return Cell(scene, parameters, engine, name, word, reason, "", error, compliance, seen, order, targets=targets)
 
 
-def _target(target: float, own: list[Record], verdict: str, reason: str) -> Target:
+def _target(target: float, own: list[Record], verdict: str, reason: str) -> TargetResult:
     reaching = [r for r in own if r.error and r.error.value <= target]
     if reaching:
-        return Target(target, "reached", "", setting_label(reaching[0]))
+        return TargetResult(target, "reached", replace(reaching[0], history={}))
     if verdict == "cannot":
-        return Target(target, "cannot", reason)
+        return TargetResult(target, "cannot", None, reason)
     if verdict == "converging":
-        return Target(target, "not-tried", "it would take about 1e+07 steps")
-    return Target(target, "not-reached", "its best is 0.3; finer settings do not help")
+        return TargetResult(target, "not-tried", None, "it would take about 1e+07 steps")
+    return TargetResult(target, "not-reached", None, "its best is 0.3; finer settings do not help")
 
 
 def _extremes() -> tuple[ExtremeCell, ...]:
@@ -136,12 +138,16 @@ def report_data() -> ReportData:
             own = [_record(scene, parameters, method, knob, verdict, reason) for knob in knobs]
             records += own
             cells.append(_cell(scene, parameters, method, own, verdict, reason))
-    answers = {"mujoco": ("never", "loop closures are always soft"), "exudyn": ("some", "redundant coordinates only")}
+    loops = {"mujoco": Ability("never", "loop closures are always soft"),
+             "exudyn": Ability("some", "redundant coordinates only")}  # fmt: skip
     capabilities = [
-        Capability(engine, kind, name, *answers.get(engine, ("can", "")))
-        for kind, name in (("part", "revolute"), ("part", "user_force"), ("trait", "closed-loop"))
+        Capability(
+            engine, True, parts={"revolute": True, "user_force": engine == "mbs_ref"},
+            traits={"closed-loop": loops.get(engine, Ability("can"))},
+        )
         for engine in ("mbs_ref", "exudyn", "pinocchio", "mujoco")
-    ]
+    ]  # fmt: skip
+    capabilities.append(Capability("drake", False, f"engine 'drake' needs the package 'pydrake' {HOSTILE}"))
     environment = {"made": "2026-01-02 03:04 UTC", "python": "3.12.1", "processor": HOSTILE, "exudyn": "1.2.3"}
     return ReportData(
         tuple(cells), tuple(records), tuple(capabilities), environment, extremes=_extremes()

@@ -8,6 +8,7 @@ from html.parser import HTMLParser
 
 import pytest
 
+from cross_checks.judge.capabilities import Ability
 from cross_checks.judge.one_run import evaluate
 from cross_checks.records import lines as record_file
 from mbs_ref.scene.toml import SceneFileError, loads
@@ -68,7 +69,10 @@ def hostile(data: ReportData) -> ReportData:
     words = {"message": HOSTILE, "notes": (HOSTILE,), "versions": {HOSTILE: HOSTILE}, "parameters": {HOSTILE: HOSTILE}}
     records = tuple(replace(r, scene=r.scene + HOSTILE, method=r.method + HOSTILE, **words) for r in data.records)
     cells = tuple(replace(c, scene=c.scene + HOSTILE, method=c.method + HOSTILE, reason=HOSTILE) for c in data.cells)
-    able = tuple(replace(c, reason=HOSTILE) for c in data.capabilities)
+    able = tuple(
+        replace(c, reason=HOSTILE, traits={HOSTILE: Ability("never", HOSTILE)}, parts={HOSTILE: True})
+        for c in data.capabilities
+    )
     facts = {HOSTILE: HOSTILE, "made": HOSTILE}
     return replace(data, records=records, cells=cells, environment=facts, capabilities=able, incomplete=HOSTILE)
 

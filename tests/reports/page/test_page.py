@@ -10,15 +10,15 @@ from html.parser import HTMLParser
 
 import pytest
 
+from mbs_ref import scenes
 from reports.drawing.numbers import duration, metres, setting, short
-from reports.drawing.plots.palette import COLOURS, colours
 from reports.facts.report_data import ReportData
 from reports.page.advice import advice
 from reports.page.pages import pages
 from reports.page.publish import DATA, publish, read_data
 from reports.page.sections.prices import price_table
 from reports.page.slug import scene_file
-from reports.reproduce import command, scene_label
+from reports.reproduce import command
 from tests.reports.page.synthetic_report import HOSTILE, report_data
 
 LOADING = {"src", "href", "data", "poster", "action", "srcset"}  # attributes that make a browser fetch
@@ -121,7 +121,7 @@ def test_every_page_holds_its_sections_in_order_and_links_lead_to_all(data, sour
 
 def test_every_cell_has_its_verdict_or_refusal_on_its_scenes_page(data, read):
     for cell in data.cells:
-        text = " ".join(read[scene_file(cell.scene)].text)
+        text = " ".join(read[scene_file(cell.label)].text)
         assert cell.method in text
         assert (cell.verdict if cell.verdict != "cannot" else cell.reason) in text
 
@@ -185,14 +185,14 @@ def test_markdown_shows_every_cell_and_is_escaped(folder, data):
     text = (folder / "report.md").read_text()
     assert "<script>" not in text
     for cell in data.cells:
-        assert f"| {cell.engine} | {cell.method} | {cell.verdict} |" in text
+        assert f"| {cell.engine} | {cell.method} | {cell.verdict} | {cell.code} |" in text
 
 
 def test_every_record_and_every_cell_has_its_command(data, sources):
     for scene in data.scenes:
         source = sources[scene_file(scene)]
         assert source.count("data-command=\"mbs-ref simulate") >= len(data.of_scene(scene))
-        ran = [cell for cell in data.cells if cell.scene == scene and cell.verdict != "cannot"]
+        ran = [cell for cell in data.cells if cell.label == scene and cell.verdict != "cannot"]
         assert source.count("data-command=\"mbs-ref rerun") == len(ran)
 
 
@@ -207,11 +207,6 @@ def test_hover_text_is_escaped(read):
 def test_a_report_without_any_run_still_renders(tmp_path):
     text = publish(ReportData((), ()), tmp_path).read_text()
     assert "No validation was run" in text
-
-
-def test_an_engine_keeps_its_colour(data):
-    assert colours(data.engines)["mbs_ref"] == COLOURS[0]
-    assert len(set(colours(data.engines).values())) == len(data.engines)
 
 
 @pytest.mark.parametrize(
@@ -229,5 +224,5 @@ def test_units():
 
 
 def test_labels_show_counts_and_what_was_chosen():
-    assert scene_label("pendulum_chain", {"links": 3, "gravity": 9.81}) == "pendulum_chain links=3"
-    assert scene_label("pendulum", {"gravity": 1.62}) == "pendulum gravity=1.62"
+    assert scenes.label("pendulum_chain", {"links": 3, "gravity": 9.81}) == "pendulum_chain links=3"
+    assert scenes.label("pendulum", {"gravity": 1.62}) == "pendulum gravity=1.62"

@@ -4,22 +4,23 @@ from __future__ import annotations
 
 import pytest
 
+from benchmarks import loop_times
+from benchmarks.loop_times import is_busy, is_enough, is_timed, machine, stored_times, timed_all
 from cross_checks.judge.ladder import grid
 from cross_checks.judge.one_run import evaluate
 from cross_checks.records.record import Record
 from cross_checks.records.store import Store
 from mbs_ref import scenes
 from mbs_ref.settings import Settings
-from reports.facts import timing
 from reports.facts.cheapest import contenders
-from reports.facts.timing import is_busy, is_enough, is_timed, kept_times, timed
 from tests.reports.page.synthetic_report import report_data
+
+SCENE = scenes.make("pendulum")
 
 
 @pytest.fixture(scope="module")
 def record() -> Record:
-    scene = scenes.make("pendulum")
-    return evaluate(scene, "mbs_ref", Settings(method="rk4", step=scene.duration / 40), grid(scene))
+    return evaluate(SCENE, "mbs_ref", Settings(method="rk4", step=SCENE.duration / 40), grid(SCENE))
 
 
 @pytest.mark.parametrize(
@@ -32,21 +33,21 @@ def test_runs_repeat_until_their_interval_is_narrow_or_the_bound_is_met(loops, e
 
 def test_times_are_measured_once_and_kept(record, monkeypatch):
     with Store() as store:
-        first = timed(store, [record], lambda done, total, what: None)[id(record)]
+        first = timed_all(store, [record], lambda done, total, what: None)[id(record)]
         assert is_timed(first)
-        monkeypatch.setattr(timing, "time_loops", None)  # would not travel to another process
-        again = timed(store, [record], lambda done, total, what: None)[id(record)]
+        monkeypatch.setattr(loop_times, "time_loops", None)  # would not travel to another process
+        again = timed_all(store, [record], lambda done, total, what: None)[id(record)]
         assert again.times == first.times
 
 
 def test_a_busy_machines_time_is_marked_and_gives_way_to_a_quiet_one(record):
     with Store() as store:
-        store.keep_timings(timing._key(record), timing.machine() + timing.SHARED, [3.0, 3.0, 3.0])
-        busy = kept_times(store, record)
+        store.keep_timings(loop_times._key(SCENE, record), machine() + loop_times.SHARED, [3.0, 3.0, 3.0])
+        busy = stored_times(store, SCENE, record)
         assert busy is not None
         assert is_busy(busy)
-        store.keep_timings(timing._key(record), timing.machine(), [1.0, 1.0, 1.1])
-        quiet = kept_times(store, record)
+        store.keep_timings(loop_times._key(SCENE, record), machine(), [1.0, 1.0, 1.1])
+        quiet = stored_times(store, SCENE, record)
         assert quiet is not None
         assert not is_busy(quiet)
         assert (quiet.times["loop_s"], quiet.times["loop_most_s"]) == (1.0, 1.1)

@@ -7,12 +7,17 @@ from pathlib import Path
 
 import pytest
 
+from cross_checks import engines
+from cross_checks.judge.cell import judge_method, tasks
 from cross_checks.judge.runs import Runs
+from cross_checks.judge.vocabulary import OURS
+from cross_checks.records.record import Error, Record
 from cross_checks.records.store import Store
+from reports.facts.cheapest import Entry
 from reports.page.render import render
 from reports.studies.pairs import measure
 from reports.studies.pairs.facts import Pair, PairsFacts, Places, Row
-from reports.studies.pairs.measure import OURS, Asked, pair
+from reports.studies.pairs.measure import Request, pair
 from reports.studies.pairs.sky_places import sky_places
 from tests.reports.page.synthetic_report import report_data
 
@@ -20,33 +25,50 @@ FEW = 1e-3
 FIGURES = {"earth": 7.0, "jupiter": 4.0, "moon": 4.5}  # that a built-in ephemeris of four figures shares with our run
 
 
-def test_both_sides_meet_one_target_and_who_cannot_says_why(tmp_path: Path):
-    pytest.importorskip("exudyn")
-    asked = Asked("Loops", "", (("slider_crank", {}),),
-                  ((OURS, ("dop853",)), ("exudyn", ("tree_dopri5",))), (FEW,))  # fmt: skip
+@pytest.fixture
+def offered(monkeypatch):
+    """Let our solver offer three methods."""
+    ours = [(OURS, engines.get(OURS).method(name)) for name in ("euler", "dop853", "rk4")]
+    monkeypatch.setattr(measure, "tasks", lambda names: [*ours, *tasks(names[1:])])
+
+
+def test_every_method_enters_and_the_cheapest_one_is_shown(tmp_path: Path, monkeypatch, offered):
+    monkeypatch.setattr(measure, "least_times", lambda runs, first: [first[k] / 7.0 for k in range(len(runs))])
+    request = Request("A pendulum", "", (("pendulum", {}),), (), (FEW, 1e-11))
     with Store(tmp_path / "runs.sqlite") as store:
-        ours, *others = pair(Runs(store), asked).rows
-    assert ours.engine == OURS
-    assert ours.answer == "reached"
-    assert ours.error is not None
-    assert ours.error < FEW
-    assert ours.ratio == 1.0
-    assert ours.compliance is not None
-    answers = {row.engine: row for row in others}
-    assert answers["exudyn"].answer == "cannot"
-    assert "loop" in answers["exudyn"].reason
+        runs = Runs(store)
+        (scene,) = request.built()
+        truth = runs.truth(scene)
+        cells = [judge_method(runs, scene, *who, truth, request.targets) for who in request.entrants()]
+        rows = pair(runs, request).rows
+    assert [row.target for row in rows] == [FEW, 1e-11]
+    for row in rows:
+        results = [result for cell in cells for result in cell.targets if result.target == row.target and result.record]
+        best = min((result.record for result in results), key=lambda r: r.times["loop_s"])
+        assert row.entry.best == replace(best, times=best.times | {"loop_s": best.times["loop_s"] / 7.0})
+        assert row.ratio == 1.0
+    assert rows[1].entry.method == "dop853"  # of three methods one reaches it
 
 
-def test_searches_made_side_by_side_leave_nothing_to_run(tmp_path: Path, monkeypatch):
+def test_an_engine_that_cannot_run_the_scene_gives_its_reason(tmp_path: Path, offered):
+    pytest.importorskip("exudyn")
+    request = Request("Friction", "", (("incline", {}),), ("exudyn",), (FEW,))
+    with Store(tmp_path / "runs.sqlite") as store:
+        *_, last = pair(Runs(store), request).rows
+    assert (last.entry.engine, last.target, last.entry.answer) == ("exudyn", None, "cannot")
+    assert last.entry.reason
+
+
+def test_searches_made_side_by_side_leave_nothing_to_run(tmp_path: Path, monkeypatch, offered):
     monkeypatch.setenv("MBS_REF_STORE", str(tmp_path / "runs.sqlite"))
-    asked = Asked("A pendulum", "", (("pendulum", {}),), ((OURS, ("dop853", "rk4")),), (FEW,))
-    monkeypatch.setattr(measure, "PAIRS", (asked,))
-    assert measure.parts() == [(0, 0, 0), (0, 0, 1)]
+    request = Request("A pendulum", "", (("pendulum", {}),), (), (FEW,))
+    monkeypatch.setattr(measure, "PAIRS", (request,))
+    assert measure.parts() == [(0, 0, 0), (0, 0, 1), (0, 0, 2)]
     for part in reversed(measure.parts()):
         measure.make(part)
     with Store(tmp_path / "runs.sqlite") as store:
         runs = Runs(store)
-        assert [row.answer for row in pair(runs, asked).rows] == ["reached", "reached"]
+        assert [row.entry.answer for row in pair(runs, request).rows] == ["reached"]
         assert runs.made == 0
 
 
@@ -60,8 +82,10 @@ def test_our_planets_and_moon_are_where_astropy_says():
 
 
 def test_the_page_tells_rows_refusals_and_places():
-    good = Row("chain", OURS, "dop853", 1e-6, "reached", "", "rtol = 1e-7", 3e-7, None, None, 2e-3, 1.0)
-    never = Row("chain", "exudyn", "tree", None, "cannot", "closes a loop")
+    run = Record("chain", {}, OURS, "dop853", {"rtol": 1e-7}, "success", error=Error(3.1e-7, "exact", 1e-12, 0.0),
+                 times={"loop_s": 2.3e-3})  # fmt: skip
+    good = Row("chain", 1e-6, Entry(OURS, "reached", run, method="dop853"), False, 1.37)
+    never = Row("chain", None, Entry("exudyn", "cannot", None, "closes a loop"))
     facts = PairsFacts(
         (Pair("Chains", "note", (good, never)),), (Places("planets", 200.0, {"mars": 4e6}, "m", {"mars": 4.8}),)
     )
@@ -70,4 +94,4 @@ def test_the_page_tells_rows_refusals_and_places():
     assert "cannot: closes a loop" in page
     assert "worked on" in page
     assert 'colspan="6"' in page
-    assert "4.8" in page
+    assert all(text in page for text in ("rtol = 1e-7", "3.1e-7", "2.3 ms", "1.37", "4.8"))

@@ -1,0 +1,121 @@
+"""Answers side by side: provisional ones while a truth is refined, settled ones after, and who is not waited for."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from cross_checks.isolation.parent import Isolated
+from cross_checks.isolation.workers import Late, Pool
+from cross_checks.judge import answers as module
+from cross_checks.judge.answers import answers, check, questions
+from cross_checks.judge.cell import tasks
+from cross_checks.judge.consensus import Pair
+from cross_checks.judge.runs import Runs
+from cross_checks.judge.vocabulary import Verdict
+from cross_checks.records.store import Store
+from cross_checks.truth import NoTruth
+from cross_checks.truths import truth_for
+from mbs_ref import scenes
+from mbs_ref.scene.toml import read_scene
+
+DATA = Path(__file__).parents[2] / "data"
+PENDULUM = scenes.make("pendulum")
+
+
+@pytest.fixture
+def asked(swing):
+    return questions([PENDULUM], tasks(["swing", "absent"]))
+
+
+class Agreeing:
+    """A consensus of which a test says the truths, one a request."""
+
+    truths: tuple[tuple[float, bool], ...] = ()
+
+    def __init__(self, pool, runs, scene, reason, enough):
+        self.scene, self.enough, self.left = scene, enough, list(self.truths)
+        self.pair, self.is_settled, self.pool = None, False, pool
+        pool.add(module.Request(self, "swing", None, 0), lambda call: None, 5.0)  # type: ignore[arg-type]
+
+    def receive(self, request, result):
+        known_to, self.is_settled = self.left.pop(0)
+        self.pair = Pair(known_to, None, None)  # type: ignore[arg-type]
+        truth = truth_for(PENDULUM, np.linspace(0.0, PENDULUM.duration, 41))
+        self.truth = replace(truth, kind="agreed", uncertainty=known_to, turn_uncertainty=known_to,
+                             rate_uncertainty=np.full(41, known_to))  # fmt: skip
+        if not self.is_settled:
+            self.pool.add(request, lambda call: None, 5.0)
+
+
+def test_answers_are_provisional_until_the_truth_is_settled(asked, monkeypatch):
+    monkeypatch.setattr(module, "Consensus", Agreeing)
+    monkeypatch.setattr(Agreeing, "truths", ((1e-2, False), (1e-5, False), (1e-5, False), (1e-12, True)))
+    monkeypatch.setattr(Runs, "truth", lambda self, scene: NoTruth("no closed form"))
+    seen = []
+    found = list(answers(Runs(), asked, progress=lambda done, total, text: seen.append((done, total))))
+    second = [(one.cell.verdict, one.is_settled) for one in found if one.question.method is asked[0].method]
+    assert second == [(Verdict.BELOW_TRUTH, False), (Verdict.AGREES, True)]
+    assert {t.target for t in found[2].cell.targets} == {1e-3, 30.0 * 1e-5}  # no finer than the truth is known
+    assert {one.question for one in found if one.is_settled} == set(asked)
+    assert seen[0] == (2, 4)  # loops and absent, which run nothing
+    assert seen[-1] == (4, 4)
+
+
+def test_a_certified_truth_gives_settled_answers_alone(asked):
+    found = list(answers(Runs(), asked))
+    assert len(found) == len(asked)
+    assert all(one.is_settled for one in found)
+    assert found[-1].records
+
+
+@pytest.mark.parametrize("patient", [True, False])
+def test_a_method_that_comes_late_is_answered_last_or_not_at_all(asked, monkeypatch, patient):
+    tried, judged = [], module.judged
+
+    def once_late(runs, scene, engine, method, truth, targets):
+        tried.append(method.name)
+        if tried == ["second"]:
+            raise Late("slow")
+        return judged(runs, scene, engine, method, truth, targets)
+
+    monkeypatch.setattr(module, "judged", once_late)
+    monkeypatch.setattr(module, "Pool", Caught)
+    found = [one.cell.method for one in answers(Runs(), asked, patient=patient)]
+    assert found == ["loops", "", "biased", *(["second"] if patient else [])]
+
+
+class Caught[Name, Result](Pool[Name, Result]):
+    """A pool whose tasks give a Late here as they do in another process."""
+
+    def add(self, name, work, seconds=0.0, again=False):
+        super().add(name, partial(_caught, work), seconds, again)
+
+
+def _caught(work, call):
+    try:
+        return work(call)
+    except Late as late:
+        return late
+
+
+@pytest.mark.slow
+def test_blind_runs_of_one_package_confirm_no_method():
+    """Every run misses some of the stud's hits at its own times, which two runs at the same times would agree to."""
+    scene = read_scene(DATA / "stud_and_stone.toml")
+    verdicts = {cell.verdict for cell in check(Runs(Store(), Isolated()), [scene], ["mbs_ref"])}
+    assert Verdict.NOT_SHOWN in verdicts
+    assert verdicts <= {Verdict.NOT_SHOWN, Verdict.CANNOT}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["dumbbell_on_incline", "singular_peaucellier"])
+def test_mechanisms_without_a_closed_form_get_a_truth_of_two_packages(name):
+    found = list(answers(Runs(Store(), Isolated()), questions([read_scene(DATA / f"{name}.toml")], tasks(["mbs_ref"]))))
+    assert any(not one.is_settled for one in found)
+    truths = {one.truth.kind for one in found if one.is_settled and one.truth is not None}
+    assert truths == {"agreed"}

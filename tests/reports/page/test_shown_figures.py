@@ -1,0 +1,107 @@
+"""Each shown figure, computed again from random irregular runs; a figure on two pages is the same on both."""
+
+from __future__ import annotations
+
+import random
+import re
+from statistics import median
+
+import pytest
+
+from benchmarks.timing import with_loops
+from cross_checks.judge.bounds import TARGETS
+from cross_checks.judge.vocabulary import OURS, Cell, TargetResult, Verdict
+from cross_checks.records.record import Error, Record
+from reports.drawing.numbers import short
+from reports.facts.report_data import ReportData
+from reports.facts.standings import MIDDLE, standings
+from reports.page.advice import advice
+from reports.page.board import board
+from reports.page.sections.prices import price_table
+from reports.page.sections.profiles import context as profiles
+
+LINKS = (2, 3, 5, 7, 11, 13)
+OFFERED = {OURS: ("dop853", "rk4"), "exudyn": ("tree", "alpha"), "mujoco": ("rk4",), "pinocchio": ("dop853", "rk4")}
+
+
+def irregular(seed: int) -> ReportData:
+    """Return a report in which each method reaches some targets on some scenes, at times of no pattern."""
+    chance, cells, records = random.Random(seed), [], []
+    for links in LINKS:
+        for engine, method in ((engine, method) for engine, methods in OFFERED.items() for method in methods):
+            results = []
+            for target in TARGETS:
+                if chance.random() < 0.35:
+                    results.append(TargetResult(target, "not-reached"))
+                    continue
+                run = Record(
+                    "pendulum_chain", {"links": links}, engine, method, {"step": chance.uniform(1e-5, 1e-2)}, "success",
+                    error=Error(target * chance.uniform(0.1, 0.9), "exact", 1e-14, 0.0, length=chance.uniform(0.3, 7)),
+                    times={"loop_s": 10 ** chance.uniform(-5, 1)},
+                )  # fmt: skip
+                results.append(TargetResult(target, "reached", run))
+                records.append(with_loops(run, [run.times["loop_s"] * chance.uniform(0.5, 2) for _ in range(4)]))
+            facts = ("pendulum_chain", {"links": links}, engine, method, Verdict.CONVERGING, "")
+            cells.append(Cell(*facts, error=chance.uniform(1e-9, 1e-3), targets=tuple(results)))
+    return ReportData(tuple(cells), tuple(records))
+
+
+def ratios(data: ReportData, target: float) -> dict[str, list[float]]:
+    """Return each engine's times over those of the cheapest ranked engine, from the runs alone."""
+    found: dict[str, list[float]] = {engine: [] for engine in OFFERED}
+    for links in LINKS:
+        cells = [cell for cell in data.cells if cell.parameters == {"links": links}]
+        keys = [(c.engine, c.method, t.record.settings) for c in cells for t in c.targets
+                if t.target == target and t.record]  # fmt: skip
+        alone = [r for r in data.records if r.parameters == {"links": links}]
+        times = {e: min(r.times["loop_s"] for r in alone if (r.engine, r.method, r.settings) in own)
+                 for e in OFFERED if (own := [key for key in keys if key[0] == e])}  # fmt: skip
+        least = min((time for engine, time in times.items() if engine != OURS), default=None)
+        for engine in times if least else ():
+            found[engine].append(times[engine] / least)
+    return found
+
+
+@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("target", TARGETS)
+def test_standings(seed, target):
+    data, expected = irregular(seed), ratios(irregular(seed), target)
+    problems = sum(ratio == 1.0 for engine, own in expected.items() if engine != OURS for ratio in own)
+    for one in standings(data, target):
+        own = expected[one.engine]
+        assert sorted(one.factors.values()) == pytest.approx(sorted(own))
+        assert one.median == pytest.approx(median(own))
+        assert one.problems == problems
+        assert [one.share(tau) for tau in (1.0, 2.0)] == [sum(x <= tau for x in own) / problems for tau in (1.0, 2.0)]
+        if one.engine != OURS:
+            assert (one.cheapest, one.reached) == (own.count(1.0), len(own))
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_the_median_factor_is_the_same_on_every_page(seed):
+    data, expected = irregular(seed), ratios(irregular(seed), MIDDLE)
+    shown = {engine: f"{short(median(own))} ×" for engine, own in expected.items()}
+    rows = next(block["rows"] for block in profiles(data)["blocks"] if block["error"] == short(MIDDLE))
+    assert {row["engine"]: row["median"] for row in rows} == {e: f for e, f in shown.items() if e != OURS}
+    assert {line.engine: line.pace.split(" the time")[0] for line in advice(data)} == shown
+    text = board(data).decode()
+    listed = {e: re.search(rf'id="rank-1e-6-{e}".*?([\d.e-]+ ×)</td></tr>', text) for e in shown}
+    assert {engine: found and found[1] for engine, found in listed.items()} == shown
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_price_factors(seed):
+    data = irregular(seed)
+    expected = ratios(data, MIDDLE)
+    rows = [row for scene in data.scenes for block in price_table(data, scene) if block["target"] == short(MIDDLE)
+            for row in block["rows"] if not row["missed"] and row["factor"] != "alone"]  # fmt: skip
+    for engine, own in expected.items():
+        told = ["cheapest" if ratio == 1.0 and engine != OURS else f"{short(ratio)} ×" for ratio in own]
+        assert [row["factor"] for row in rows if row["engine"] == engine] == told
+
+
+def test_no_figure_of_others_on_an_engines_own_page():
+    data = irregular(1)
+    assert all(line.pace for line in advice(data))
+    for engine in OFFERED:
+        assert [line.pace for line in advice(data.only(engine=engine))] == [""]
