@@ -103,13 +103,8 @@ class Tried:
 
     def facts(self) -> dict:
         """Return what the ladder of this method states beside its runs."""
-        p = min(self.method.order or 5, MOST_ORDER)
-        where = TYPICAL_RTOL if self.kind == "adaptive" else self.duration / TYPICAL_STEPS
-        typical = math.log10(TYPICAL * TYPICAL_RTOL) if self.kind == "adaptive" else -DECADES_PER_ORDER * p
-        return {
-            "kind": self.kind, "order": self.expected, "reference": where, "typical": typical,
-            "uncertainty": self.uncertainty or 0.0,
-        }  # fmt: skip
+        order, known = self.method.order or 5, self.uncertainty or 0.0
+        return facts_of(self.kind, order, self.expected, self.duration, known)
 
     def reference(self, knob: float) -> float | None:
         """Return the error of a method of that order or more at the same setting, of another package."""
@@ -133,6 +128,14 @@ class Tried:
         good = self.search.good
         agreeing = [point for point in good if point.error is not None and point.error <= 1e-6]
         return self.records[(agreeing or good)[-1].knob] if good else None
+
+
+def facts_of(kind: str, order: int, expected: float, duration: float, uncertainty: float) -> dict:
+    """Return a ladder's facts: the error that is typical at a setting before any run, of a documented order."""
+    is_fixed = kind == "fixed"
+    where = duration / TYPICAL_STEPS if is_fixed else TYPICAL_RTOL
+    typical = -DECADES_PER_ORDER * min(order, MOST_ORDER) if is_fixed else math.log10(TYPICAL * TYPICAL_RTOL)
+    return {"kind": kind, "order": expected, "reference": where, "typical": typical, "uncertainty": uncertainty}
 
 
 def _alike(scene: Scene, engine: str, method: Method):

@@ -106,7 +106,6 @@ class Cell:
     method: str  # empty where the engine is not installed
     verdict: Verdict
     reason: str
-    odds: float | None = None  # that the verdict is false; None where no probability is involved
     exemption: str = ""  # why the method is documented to be wrong on such a scene; empty where it is not
     error: float | None = None  # of the representative run
     compliance: float | None = None  # m or rad
@@ -119,6 +118,7 @@ class Cell:
     contact: dict[str, float] = field(default_factory=dict)
     targets: tuple[TargetResult, ...] = ()  # their records without histories
     runs: tuple[dict[str, Any], ...] = ()  # setting, status, error of each run, coarse to fine
+    odds: float | None = None  # that the verdict is false; None where no probability is involved
 
     @computed_field
     @property
