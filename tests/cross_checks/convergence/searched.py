@@ -11,7 +11,6 @@ import math
 from typing import Any
 
 from cross_checks.judge.convergence.calibration import FILE, calibration
-
 from cross_checks.judge.search import Search
 from cross_checks.judge.tried import FIRST_RTOL, facts_of
 from cross_checks.judge.verdict import AGREEMENT, Point

@@ -1,4 +1,4 @@
-"""The fixed part of the calibration: verdicts on synthetic methods of a family that the priors were not calibrated on."""
+"""The fixed part of the calibration: verdicts on synthetic methods of a family that the priors were not fitted to."""
 
 from __future__ import annotations
 

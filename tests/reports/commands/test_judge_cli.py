@@ -114,7 +114,7 @@ def test_a_scene_of_the_users_own_is_judged_by_what_engines_agree_on(tmp_path):
     assert done.exit_code == 0, done.output
     told = json.loads(done.stdout)
     assert told["verdict"] == "agrees"
-    assert told["error"]["truth"].startswith("agreed: agreed, not certified")
+    assert told["error"]["truth"].startswith("agreed: not certified")
 
 
 def test_who_waits_for_a_truth_is_told_so(own_file, monkeypatch):
