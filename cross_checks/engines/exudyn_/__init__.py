@@ -29,9 +29,9 @@ from cross_checks.engines.exudyn_.run import (
 )
 from cross_checks.engines.exudyn_.spatial_build import build_spatial
 from cross_checks.engines.exudyn_.spatial_parts import SPATIAL_PARTS
+from cross_checks.linkage.forces import PARTS, contact_refusals
 from cross_checks.workshop.outcome import Loop
 from cross_checks.workshop.plan import Plan
-from cross_checks.workshop.planar_forces import CLIPPED_CONTACTS, contact_refusals
 from mbs_ref.scene import Scene
 from mbs_ref.scene.traits import traits
 from mbs_ref.settings import Settings
@@ -53,28 +53,13 @@ class Exudyn(Engine):
     name: ClassVar[str] = "exudyn"
     package: ClassVar[str] = "exudyn"
     as_shipped: ClassVar[Settings | None] = Settings(method="generalized_alpha", step=1e-2)
-    part_types: ClassVar[frozenset[str]] = frozenset(
-        {"planar", "point_mass", "revolute", "prismatic", "weld", "distance", "coordinate_drive"}
-        | {"force", "torque", "spring_damper", "torsion_spring"}
-        | {"spatial", "spherical", "cylindrical", "torque_vector"}
-        | {"point_bushing"}
-        | CLIPPED_CONTACTS
-        | {"sphere_on_plane", "sphere_on_sphere", "stick_slip"}
-    )
+    part_types: ClassVar[frozenset[str]] = PARTS | {"coordinate_drive", "stick_slip"}
 
     def methods(self) -> tuple[Method, ...]:
         return METHODS
 
     def version(self) -> str:
         return exu.__version__
-
-    def topology_refusals(self, scene: Scene) -> list[Refusal]:
-        """In space some parts of the plane are not yet taught."""
-        if scene.dimension == 2:
-            return []
-        parts = [*scene.joints, *scene.loads]
-        untaught = [part for part in parts if type(part) not in SPATIAL_PARTS]
-        return [Refusal(f"{p.name!r}: exudyn is not yet taught {p.type} in space", permanent=False) for p in untaught]
 
     def method_refusals(self, scene: Scene, method: Method) -> list[Refusal]:
         reasons = super().method_refusals(scene, method)
@@ -84,10 +69,15 @@ class Exudyn(Engine):
             reasons += [Refusal("loads are not taught", False)] if scene.loads else []
         else:
             reasons += contact_refusals(scene)
-        if scene.contacts and scene.dimension == 3 and method.name not in EXPLICIT_CONTACT:
-            reasons.append(Refusal(f"contact in space is taught to {' and '.join(EXPLICIT_CONTACT)} alone", False))
-        if method.name.startswith(TREE) and scene.dimension == 2:
-            reasons += tree_refusals(scene)
+        if method.name.startswith(TREE):
+            return reasons + tree_refusals(scene)
+        if scene.dimension == 3:
+            known = (*EXPLICIT_CONTACT, "KinematicTree")
+            if scene.contacts and method.name not in EXPLICIT_CONTACT:
+                reasons.append(Refusal(f"contact in space is taught to {', '.join(known)} alone", False))
+            untaught = [part for part in (*scene.joints, *scene.loads) if type(part) not in SPATIAL_PARTS]
+            sentence = f"{{!r}}: {method.name} is not yet taught {{}} in space"
+            reasons += [Refusal(sentence.format(part.name, part.type), False) for part in untaught]
         return reasons
 
     def build(self, scene: Scene, plan: Plan) -> Built:
@@ -126,6 +116,6 @@ ENGINE = Exudyn
 
 
 def _build(scene: Scene, method: str):
-    if scene.dimension == 3:
-        return build_spatial(scene, method)
-    return build_tree(scene) if method.startswith(TREE) else build_redundant(scene, method)
+    if method.startswith(TREE):
+        return build_tree(scene)
+    return (build_redundant if scene.dimension == 2 else build_spatial)(scene, method)

@@ -16,7 +16,7 @@ import numpy as np
 from cross_checks.engine import Refusal
 from cross_checks.engines.exudyn_.planar_model import Redundant
 from cross_checks.engines.exudyn_.spatial_model import Spatial
-from cross_checks.workshop.planar_tree import FIXED
+from cross_checks.linkage.tree import FIXED
 from mbs_ref.scene import GROUND, PlanarBody, Scene
 from mbs_ref.scene.base.directions import normals, unit
 from mbs_ref.scene.contact import CircleOnCircle, CircleOnLine, SphereOnPlane, SphereOnSphere, SpringDamperLaw

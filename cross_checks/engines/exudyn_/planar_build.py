@@ -14,8 +14,8 @@ from cross_checks.engines.exudyn_.planar_joints import JOINTS
 from cross_checks.engines.exudyn_.planar_loads import LOADS
 from cross_checks.engines.exudyn_.planar_model import Redundant, node_sensor
 from cross_checks.engines.exudyn_.shared_forces import add_shared_forces
-from cross_checks.workshop.planar_tree import FIXED
-from mbs_ref.scene import PlanarBody, PointBushing, Scene
+from cross_checks.linkage.tree import FIXED
+from mbs_ref.scene import PlanarBody, Scene
 
 
 def build_redundant(scene: Scene, method: str) -> Redundant:
@@ -26,7 +26,7 @@ def build_redundant(scene: Scene, method: str) -> Redundant:
         _add_body(model, k, body)
     for joint in scene.joints:
         JOINTS[type(joint)](model, joint)
-    if method != CONTACT and (scene.contacts or any(isinstance(load, PointBushing) for load in scene.loads)):
+    if method != CONTACT and (scene.contacts or any(type(load) not in LOADS for load in scene.loads)):
         add_shared_forces(model)
         return model
     for load in scene.loads:

@@ -10,7 +10,7 @@ import exudyn.itemInterface as item
 import numpy as np
 
 from cross_checks.engines.exudyn_.planar_model import Redundant, in_body
-from cross_checks.workshop.planar_tree import FIXED
+from cross_checks.linkage.tree import FIXED
 from cross_checks.workshop.prescribed import displacement
 from mbs_ref.scene import CoordinateDrive, Distance, PlanarBody, Prismatic, Revolute, Weld
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from cross_checks.engines.exudyn_.loads import add_load, pull_only
 from cross_checks.engines.exudyn_.planar_model import Redundant, in_body
-from cross_checks.workshop.planar_tree import FIXED
+from cross_checks.linkage.tree import FIXED
 from mbs_ref.scene import Force, PlanarBody, SpringDamper, Torque, TorsionSpring
 
 

@@ -11,7 +11,7 @@ from typing import Any
 import exudyn.itemInterface as item
 import numpy as np
 
-from cross_checks.workshop.planar_tree import FIXED
+from cross_checks.linkage.tree import FIXED
 from mbs_ref.observables.attachment import Motion
 from mbs_ref.scene import Distance, PlanarBody, Scene
 from mbs_ref.trajectory import Trajectory

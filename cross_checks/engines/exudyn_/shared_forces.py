@@ -9,14 +9,14 @@ import exudyn.itemInterface as item
 import numpy as np
 
 from cross_checks.engines.exudyn_.planar_model import Redundant
-from cross_checks.workshop.planar_forces import SHARED, AppliedForces
-from cross_checks.workshop.planar_tree import joint_tree
+from cross_checks.linkage.forces import SHARED, Applied
+from cross_checks.linkage.links import linkage_of
 from mbs_ref.scene import PlanarBody
 
 
 def add_shared_forces(model: Redundant) -> None:
     """Apply all loads and contacts through one item over all nodes, which calls Python."""
-    applied = AppliedForces(joint_tree(model.scene))
+    applied = Applied(linkage_of(model.scene))
     weight = np.outer([body.mass for body in model.scene.bodies], [*model.scene.gravity, 0.0])
     start = np.array([[*body.position, getattr(body, "angle", 0.0)] for body in model.scene.bodies])
 
@@ -26,7 +26,7 @@ def add_shared_forces(model: Redundant) -> None:
         pose, rate = start.copy(), np.zeros_like(start)
         pose[used] += q
         rate[used] = v
-        return (applied.of_poses(t, pose, rate) - weight)[used]  # the bodies have their weight already
+        return (applied.in_plane(t, pose, rate) - weight)[used]  # the bodies have their weight already
 
     size = int(used.sum())  # a point mass has a node of two coordinates
     zero = np.zeros((size, size))

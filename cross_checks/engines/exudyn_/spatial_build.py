@@ -14,7 +14,7 @@ from cross_checks.engines.exudyn_.methods import CONTACT, EXPLICIT_CONTACT
 from cross_checks.engines.exudyn_.pair_contact import add_pair_contacts
 from cross_checks.engines.exudyn_.spatial_model import Spatial
 from cross_checks.engines.exudyn_.spatial_parts import SPATIAL_PARTS
-from cross_checks.workshop.planar_tree import FIXED
+from cross_checks.linkage.tree import FIXED
 from mbs_ref.scene import Scene, SpatialBody
 from mbs_ref.scene.euler_parameters import parameter_matrix, rotation_matrices
 

@@ -12,7 +12,7 @@ import exudyn as exu
 import exudyn.itemInterface as item
 import numpy as np
 
-from cross_checks.workshop.planar_tree import FIXED
+from cross_checks.linkage.tree import FIXED
 from mbs_ref.scene import Scene, SpatialBody
 from mbs_ref.scene.euler_parameters import from_matrix, rotation_matrices
 

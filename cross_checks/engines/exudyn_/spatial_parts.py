@@ -11,6 +11,8 @@ import numpy as np
 from cross_checks.engines.exudyn_.loads import add_load, pull_only
 from cross_checks.engines.exudyn_.planar_joints import rod
 from cross_checks.engines.exudyn_.spatial_model import Spatial
+from cross_checks.linkage.links import rest_length
+from cross_checks.linkage.tree import FIXED
 from mbs_ref.scene import (
     Cylindrical,
     Distance,
@@ -21,9 +23,10 @@ from mbs_ref.scene import (
     Spherical,
     SpringDamper,
     TorqueVector,
+    TorsionSpring,
     Weld,
 )
-from mbs_ref.scene.base.directions import normals
+from mbs_ref.scene.base.directions import normals, unit
 
 
 def _generic(model: Spatial, joint, axis, fixed: list[int]) -> None:
@@ -44,15 +47,27 @@ def _spatial_distance(model: Spatial, joint: Distance) -> None:
 
 
 def _spatial_spring(model: Spatial, load: SpringDamper) -> None:
-    initial = float(np.linalg.norm(np.subtract(load.point_b, load.point_a)))
-    rest = initial if load.rest_length is None else load.rest_length
     law = {"springForceUserFunction": pull_only} if load.tension_only else {}
     model.mbs.AddObject(
         item.ObjectConnectorSpringDamper(
             markerNumbers=model.pair(load, load.point_a, load.point_b),
-            referenceLength=rest, stiffness=load.stiffness, damping=load.damping, **law,
+            referenceLength=rest_length(load), stiffness=load.stiffness, damping=load.damping, **law,
         )
     )  # fmt: skip
+
+
+def _spatial_torsion(model: Spatial, load: TorsionSpring) -> None:
+    """A spring and damper about z of a frame whose z axis is the spring's; Exudyn knows no more than half a turn."""
+    assert load.axis is not None  # scenes in space give it
+    frame = np.column_stack((*normals(load.axis), unit(load.axis)))
+    ends = [(name, model.scene.body_index(name)) for name in (load.body_a, load.body_b)]
+    places = [model.scene.bodies[k].position if k != FIXED else np.zeros(3) for _, k in ends]
+    markers = [model.frame(name, place, frame) for (name, _), place in zip(ends, places, strict=True)]
+    model.mbs.AddObject(
+        item.ObjectConnectorTorsionalSpringDamper(
+            markerNumbers=markers, stiffness=load.stiffness, damping=load.damping, offset=load.rest_angle or 0.0
+        )
+    )
 
 
 def _spatial_push(model: Spatial, load: Force | TorqueVector) -> None:
@@ -74,6 +89,7 @@ SPATIAL_PARTS = {
     Weld: lambda model, joint: _generic(model, joint, (0.0, 0.0, 1.0), [1, 1, 1, 1, 1, 1]),
     Distance: _spatial_distance,
     SpringDamper: _spatial_spring,
+    TorsionSpring: _spatial_torsion,
     Force: _spatial_push,
     TorqueVector: _spatial_push,
 }

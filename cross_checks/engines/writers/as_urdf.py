@@ -14,8 +14,8 @@ from xml.etree.ElementTree import Element, SubElement
 import numpy as np
 
 from cross_checks.engines.writers.form import Form, refuse
-from cross_checks.workshop.linkage import Link, Linkage, linkage_of
-from cross_checks.workshop.spatial_tree import FIXED
+from cross_checks.linkage.links import Link, Linkage, linkage_of
+from cross_checks.linkage.tree import FIXED
 from mbs_ref.scene import Bushing, Drive, Scene, TorsionSpring
 from mbs_ref.settings import Settings
 

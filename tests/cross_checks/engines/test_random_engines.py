@@ -9,10 +9,9 @@ import numpy as np
 import pytest
 
 from cross_checks import engines as registry
+from cross_checks.certify.oracle.random_scenes import DURATION, random_scene
 from cross_checks.judge.one_run import checked_run
-from cross_checks.mechanisms.random_scenes import DURATION, random_scene
-from cross_checks.workshop.planar_tree import joint_tree
-from cross_checks.workshop.spatial_tree import spatial_tree
+from cross_checks.linkage.links import linkage_of
 from mbs_ref.observables.distance import farthest
 from mbs_ref.scene import PlanarBody, Scene, TorsionSpring, Weld
 from mbs_ref.settings import Settings
@@ -34,12 +33,7 @@ def comparable(name: str, scene: Scene) -> bool:
     """Return whether the engine takes the scene and promises its motion."""
     engine = registry.get(name)
     refused = engine.refusals(scene) or engine.method_refusals(scene, engine.method(CLOSE[name][0].method))
-    return not refused and not (name in SOFT_LOOPS and _closes_loops(scene))
-
-
-def _closes_loops(scene: Scene) -> bool:
-    tree = joint_tree(scene) if scene.dimension == 2 else spatial_tree(scene)
-    return bool(tree.closures)
+    return not refused and not (name in SOFT_LOOPS and linkage_of(scene).closures)
 
 
 def apart(name: str, scene: Scene, finer: int = 1) -> float | None:

@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from cross_checks.workshop.linkage import Link, closure_refusals, linkage_of
+from cross_checks.linkage.links import Link, closure_refusals, linkage_of
 from mbs_ref import scenes
-from mbs_ref.scene import PlanarBody, SpatialBody
+from mbs_ref.scene import GROUND, PlanarBody, PointMass, Scene, SpatialBody, Spherical
+from tests.cross_checks.linkage.test_motion import mixed_tree
 
 LINKED = (
     "pendulum", "double_pendulum", "slider_crank", "n_four_bar", "spring_pendulum", "bouncing_ball", "andrews",
@@ -52,6 +53,44 @@ def test_rates_of_the_links_move_bodies_as_the_scene_says(name):
             assert spin[link.body] == pytest.approx(body.angular_velocity, abs=1e-12)
             moments = np.linalg.eigvalsh(link.inertia)  # turned, not changed
             assert moments == pytest.approx(np.linalg.eigvalsh(body.inertia_matrix))
+
+
+@pytest.mark.parametrize("name", ["slider_crank", "spatial_slider_crank"])
+def test_a_slide_stays_in_the_tree_and_a_shared_point_closes_the_loop(name):
+    linkage = linkage_of(scenes.make(name))
+    assert "prismatic" in [link.kind for link in linkage.links]
+    assert [closure.kind for closure in linkage.closures] == ["point"]
+
+
+def test_a_four_bars_loops_are_counted_and_its_tree_is_shallow():
+    scene = scenes.make("n_four_bar", loops=4)
+    linkage = linkage_of(scene)
+    assert len(linkage.closures) == 4
+    assert max(len(list(linkage.path(name))) for name in scene.body_names) == 2
+
+
+def test_every_body_hangs_on_an_earlier_one_and_hinges_turn_what_they_carry():
+    linkage = linkage_of(mixed_tree())
+    seen = [-1]
+    for link in linkage.links:
+        assert link.parent in seen
+        seen.append(link.body)
+    assert sorted(seen) == list(range(-1, 6))
+    assert not linkage.closures
+    assert [link.size for link in linkage.of_body] == [1, 0, 1, 1, 3, 0]
+    assert linkage.turns.sum(axis=1).tolist() == [2.0, 1.0, 1.0, 0.0, 1.0, 1.0]
+
+
+def test_a_particle_on_a_ball_joint_is_welded_to_its_parent():
+    rod = SpatialBody(name="rod", mass=1.0, inertia=(0.1, 0.1, 0.1, 0.0, 0.0, 0.0), position=(0.5, 0.0, 0.0))
+    bob = PointMass(name="bob", mass=1.0, position=(1.0, 0.0, 0.0), velocity=(0.0, 0.0, 0.0))
+    joints = (
+        Spherical(name="pivot", body_a=GROUND, body_b="rod", point=(0.0, 0.0, 0.0)),
+        Spherical(name="hook", body_a="rod", body_b="bob", point=bob.position),
+    )
+    scene = Scene(name="hung", gravity=(0.0, 0.0, -9.81), bodies=(rod, bob), joints=joints)
+    hung = next(link for link in linkage_of(scene).links if link.name == "bob")
+    assert (hung.kind, hung.size, hung.inertia.any()) == ("weld", 0, False)
 
 
 def test_loops_that_an_engine_is_not_taught_are_named():
