@@ -11,18 +11,18 @@ from typing import Any, NamedTuple, Protocol, get_args
 import numpy as np
 
 from cross_checks.linkage.links import Linkage
-from cross_checks.linkage.motion import IN_PLANE, Motion, arrays_of, composed, motion_of, project, rotated
+from cross_checks.linkage.motion import Motion, arrays_of, composed, motion_of, project, rotated
 from cross_checks.workshop.method import Refusal
 from mbs_ref.cores.choice import compile_scene
 from mbs_ref.kernels.border.questions import apply_loads
 from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.planar.dynamics import load_state as load_planar
 from mbs_ref.kernels.spatial.orientation import load_state as load_spatial
-from mbs_ref.kernels.spatial.vectors import add, cross, put, symmetric_times
+from mbs_ref.kernels.spatial.vectors import cross, plus, put, symmetric_times, triple
 from mbs_ref.scene import Scene
 from mbs_ref.scene.celestial import CelestialLoad
 from mbs_ref.scene.contact import ConstraintLaw, FloresLaw, LankaraniNikraveshLaw, RigidLaw, StickSlip
-from mbs_ref.scene.euler_parameters import from_matrix
+from mbs_ref.scene.euler_parameters import conjugate, from_matrix, parameter_matrix, product
 from mbs_ref.scene.events import Event
 from mbs_ref.scene.joints import Drive, PointOnPlane, RollingWheel, UserConstraint
 from mbs_ref.scene.traits import PART_TYPES
@@ -54,35 +54,43 @@ class Core(NamedTuple):
 
     angle: np.ndarray  # (n_bodies,) rad at t = 0, of planar bodies
     theta: np.ndarray  # (n_bodies, 4) Euler parameters at t = 0, of spatial bodies
-    rigid: np.ndarray  # (n_bodies,) 1.0; 0.0 for particles
-    q: np.ndarray  # (n_bodies,) first place of a body in the state
-    v: np.ndarray  # (n_bodies + 1,) the same of its velocity, and the state's size
+    rigid: np.ndarray  # (n_bodies,) 1.0; 0.0 for particles, which transmit no torque
     order: np.ndarray  # (n_bodies,) scene index
-    columns: np.ndarray  # (3 or 6,) where the force's entries are among force and torque in space
     force: np.ndarray  # (n_bodies, 3 or 6) N, N m
-    inertia: np.ndarray  # (n_bodies, 6) kg m^2, world axes; in space alone
-    omega: np.ndarray  # (n_bodies, 3) rad/s; in space alone
+    q: np.ndarray  # (n_bodies,) first place of a body in the state; in space alone, as all that follow
+    v: np.ndarray  # (n_bodies + 1,) the same of its velocity, and the state's size
+    inertia: np.ndarray  # (n_bodies, 6) kg m^2, world axes
+    omega: np.ndarray  # (n_bodies, 3) rad/s
+
+
+@jit
+def planar_forces(model, work, core, t, pose, rate):
+    """Return the forces (n_bodies, 3) of planar poses and velocities (n_bodies, 3): N, N, N m."""
+    load_planar(model, work, np.concatenate((pose.ravel(), rate.ravel())))
+    apply_loads(model, work, t)
+    force = np.empty_like(pose)
+    for i, b in enumerate(core.order):
+        force[b, 0], force[b, 1], force[b, 2] = core.force[i, 0], core.force[i, 1], core.force[i, 2] * core.rigid[b]
+    return force
 
 
 @jit
 def planar_wrenches(model, work, core, t, motion):
     """Return force and torque (n_bodies, 6) of all loads, contacts and gravity in the plane."""
-    y = np.zeros(core.v[-1])
+    pose, rate, wrench = motion.position.copy(), motion.velocity.copy(), np.zeros((core.rigid.shape[0], 6))
     for b in range(core.rigid.shape[0]):
-        q, v = core.q[b], core.v[b]
-        y[q], y[q + 1] = motion.position[b, 0], motion.position[b, 1]
-        y[v], y[v + 1] = motion.velocity[b, 0], motion.velocity[b, 1]
-        y[q + 2] = (core.angle[b] + motion.angle[b]) * core.rigid[b]
-        y[v + 2] = motion.omega[b, 2] * core.rigid[b]
-    load_planar(model, work, y)
-    apply_loads(model, work, t)
-    return spread(core)
+        pose[b, 2] = (core.angle[b] + motion.angle[b]) * core.rigid[b]
+        rate[b, 2] = motion.omega[b, 2] * core.rigid[b]
+    force = planar_forces(model, work, core, t, pose, rate)
+    for b in range(core.rigid.shape[0]):
+        wrench[b, 0], wrench[b, 1], wrench[b, 5] = force[b, 0], force[b, 1], force[b, 2]
+    return wrench
 
 
 @jit
 def spatial_wrenches(model, work, core, t, motion):
     """Return the same in space; contacts that stick have no deflection."""
-    y = np.zeros(core.v[-1])
+    y, wrench = np.zeros(core.v[-1]), np.zeros((core.rigid.shape[0], 6))
     for b in range(core.rigid.shape[0]):
         q, v = core.q[b], core.v[b]
         put(y, q, motion.position[b])
@@ -93,22 +101,11 @@ def spatial_wrenches(model, work, core, t, motion):
             put(y, v + 3, rotated((theta[0], -theta[1], -theta[2], -theta[3]), motion.omega[b]))
     load_spatial(model, work, y)
     apply_loads(model, work, t)
-    wrench = spread(core)
     for i, b in enumerate(core.order):
+        put(wrench[b], 0, core.force[i])
         if core.rigid[b] == 1.0:  # the core counts the gyroscopic torque among its forces
-            add(wrench[b], 3, cross(core.omega[i], symmetric_times(core.inertia[i], core.omega[i])))
-    return wrench
-
-
-@jit
-def spread(core):
-    """Return the core's forces as (n_bodies, 6) in the scene's order; particles bear no torque."""
-    wrench = np.zeros((core.order.shape[0], 6))
-    for i, b in enumerate(core.order):
-        for c in range(core.columns.shape[0]):
-            wrench[b, core.columns[c]] = core.force[i, c]
-        for c in range(3, 6):
-            wrench[b, c] *= core.rigid[b]
+            gyroscopic = cross(core.omega[i], symmetric_times(core.inertia[i], core.omega[i]))
+            put(wrench[b], 3, plus(triple(core.force[i], 3), gyroscopic))
     return wrench
 
 
@@ -135,16 +132,16 @@ class Applied:
         self.system: Any = compile_scene(linkage.scene)
         start = self.system.initial_state()
         self.system.start_contacts(0.0, start, located=False)
-        bodies, kinematics, n = self.system.groups.bodies, self.system.scratch.kinematics, len(linkage.links)
-        places = np.full((2, n + 1), len(start))
-        places[:, bodies.scene_index] = (
-            (3 * bodies.scene_index, 3 * (n + bodies.scene_index)) if self.planar else (bodies.q, bodies.v)
-        )
-        gyroscopic = (np.zeros((0, 6)), np.zeros((0, 3))) if self.planar else (kinematics.inertia, kinematics.omega)
+        bodies, kinematics = self.system.groups.bodies, self.system.scratch.kinematics
+        in_space = np.zeros((2, 1), dtype=np.int64), np.zeros((0, 6)), np.zeros((0, 3))
+        if not self.planar:
+            places = np.full((2, len(linkage.links) + 1), len(start))
+            places[:, bodies.scene_index] = bodies.q, bodies.v
+            in_space = places, kinematics.inertia, kinematics.omega
+        places, *gyroscopic = in_space
         self.core = Core(
-            linkage.angle, linkage.theta, linkage.rigid, *places, bodies.scene_index,
-            np.array(IN_PLANE if self.planar else range(6)), kinematics.force, *gyroscopic,
-        )  # fmt: skip
+            linkage.angle, linkage.theta, linkage.rigid, bodies.scene_index, kinematics.force, *places, *gyroscopic
+        )
 
     def wrenches(self, t: float, motion: Motion) -> np.ndarray:
         """Return force (N) and torque about the centre of mass (N m), (n_bodies, 6), world axes."""
@@ -154,10 +151,17 @@ class Applied:
 
     def in_plane(self, t: float, pose: np.ndarray, rate: np.ndarray) -> np.ndarray:
         """Return the forces (n_bodies, 3) of planar poses and velocities (n_bodies, 3): N, N, N m."""
-        none, turn = np.zeros(len(pose)), pose[:, 2] - self.core.angle
-        place, speed = np.column_stack((pose[:, :2], none)), np.column_stack((rate[:, :2], none))
-        motion = Motion(place, self.core.theta, speed, np.column_stack((none, none, rate[:, 2])), turn)
-        return self.wrenches(t, motion)[:, IN_PLANE]
+        self.system.set_mode_time(t)
+        return planar_forces(self.system.model, self.system.work, self.core, t, pose, rate)
+
+    def of_parameters(self, t: float, pose: np.ndarray, rate: np.ndarray) -> np.ndarray:
+        """Return the generalized forces (n_bodies, 7) of places and Euler parameters and their rates: N, N m."""
+        theta, arms = pose[:, 3:], np.array([parameter_matrix(one) for one in pose[:, 3:]])
+        turn = product(theta / np.linalg.norm(theta, axis=1, keepdims=True), conjugate(self.core.theta))
+        omega = 2.0 * np.einsum("nij,nj->ni", arms, rate[:, 3:])
+        motion = Motion(pose[:, :3].copy(), turn, rate[:, :3].copy(), omega, np.zeros(len(pose)))
+        wrench = self.wrenches(t, motion)
+        return np.column_stack((wrench[:, :3], 2.0 * np.einsum("nij,ni->nj", arms, wrench[:, 3:])))
 
     def generalized(self, t: float, q: np.ndarray, v: np.ndarray) -> np.ndarray:
         """Return the generalized forces (n_v,) of the linkage's coordinates and rates (see `motion_of`)."""

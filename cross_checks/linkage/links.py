@@ -119,13 +119,6 @@ class Linkage:
             yield self.of_body[k]
             k = self.of_body[k].parent
 
-    def rest_turn(self, load: TorsionSpring) -> float:
-        """Return by how much (rad) body b has turned in body a since t = 0 where the spring is relaxed."""
-        if load.rest_angle is None or self.scene.dimension == 3:
-            return load.rest_angle or 0.0
-        a, b = ([*self.angle, 0.0][self.scene.body_index(name)] for name in (load.body_a, load.body_b))
-        return load.rest_angle - (b - a)
-
     @cached_property
     def of_body(self) -> tuple[Link, ...]:
         """The links in the scene's order of bodies."""
@@ -173,6 +166,14 @@ def rest_length(load: SpringDamper) -> float:
     """Return the length (m) at which a spring is relaxed."""
     initial = float(np.linalg.norm(np.subtract(load.point_b, load.point_a)))
     return initial if load.rest_length is None else load.rest_length
+
+
+def rest_turn(scene: Scene, load: TorsionSpring) -> float:
+    """Return by how much (rad) body b has turned in body a since t = 0 where the spring is relaxed."""
+    if load.rest_angle is None or scene.dimension == 3:
+        return load.rest_angle or 0.0
+    angles = [*(getattr(body, "angle", 0.0) for body in scene.bodies), 0.0]
+    return load.rest_angle - (angles[scene.body_index(load.body_b)] - angles[scene.body_index(load.body_a)])
 
 
 def linkage_of(scene: Scene) -> Linkage:

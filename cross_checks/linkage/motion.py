@@ -18,7 +18,6 @@ from mbs_ref.scene.euler_parameters import product
 
 SLIDE, TURN, BALL, FREE = range(4)
 KINDS = {"slide": SLIDE, "turn": TURN, "ball": BALL, "free": FREE}
-IN_PLANE = (0, 1, 5)  # of force and torque in space: force in x and y, torque about z
 SIZES = {"ball": (4, 3), "free": (7, 6)}  # coordinates and rates; of all others 1 and 1
 
 

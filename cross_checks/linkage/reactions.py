@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from cross_checks.linkage.links import Linkage, Z, lifted
-from cross_checks.linkage.motion import IN_PLANE
 from mbs_ref.scene import GROUND
 from mbs_ref.scene.euler_parameters import conjugate, from_axis_angle, product, rotation_matrices
+
+IN_PLANE = (0, 1, 5)  # of force and torque in space: force in x and y, torque about z
 
 
 def tree_reactions(linkage: Linkage, poses: tuple[np.ndarray, ...], wrench: np.ndarray) -> dict[str, np.ndarray]:

@@ -12,11 +12,12 @@ import exudyn as exu
 import numpy as np
 
 from cross_checks.engine import Engine, Method, Poses, Refusal
+from cross_checks.engines.exudyn_.build import ROTATION_VECTOR, build_redundant, takes_shared_forces
 from cross_checks.engines.exudyn_.contact import general_contact_refusals
 from cross_checks.engines.exudyn_.kinematic_tree import build_tree, tree_refusals
 from cross_checks.engines.exudyn_.methods import CONTACT, EXPLICIT_CONTACT, METHODS, STAGES, TREE
 from cross_checks.engines.exudyn_.pair_contact import pair_contact_refusals
-from cross_checks.engines.exudyn_.planar_build import build_redundant
+from cross_checks.engines.exudyn_.parts import JOINTS
 from cross_checks.engines.exudyn_.run import (
     Left,
     advance_adaptive,
@@ -27,12 +28,10 @@ from cross_checks.engines.exudyn_.run import (
     sampled_adaptive,
     sampled_fixed,
 )
-from cross_checks.engines.exudyn_.spatial_build import build_spatial
-from cross_checks.engines.exudyn_.spatial_parts import SPATIAL_PARTS
 from cross_checks.linkage.forces import PARTS, contact_refusals
 from cross_checks.workshop.outcome import Loop
 from cross_checks.workshop.plan import Plan
-from mbs_ref.scene import Scene
+from mbs_ref.scene import CoordinateDrive, Scene
 from mbs_ref.scene.traits import traits
 from mbs_ref.settings import Settings
 
@@ -41,7 +40,7 @@ from mbs_ref.settings import Settings
 class Built:
     """An assembled system, and the options of its solver."""
 
-    model: Any  # Redundant, Spatial or Tree
+    model: Any  # Redundant or Tree
     options: Any
     loops: bool
     left: list[Left] = field(default_factory=list)  # what the run left, once it is over
@@ -71,13 +70,12 @@ class Exudyn(Engine):
             reasons += contact_refusals(scene)
         if method.name.startswith(TREE):
             return reasons + tree_refusals(scene)
-        if scene.dimension == 3:
-            known = (*EXPLICIT_CONTACT, "KinematicTree")
-            if scene.contacts and method.name not in EXPLICIT_CONTACT:
-                reasons.append(Refusal(f"contact in space is taught to {', '.join(known)} alone", False))
-            untaught = [part for part in (*scene.joints, *scene.loads) if type(part) not in SPATIAL_PARTS]
-            sentence = f"{{!r}}: {method.name} is not yet taught {{}} in space"
-            reasons += [Refusal(sentence.format(part.name, part.type), False) for part in untaught]
+        drives = (CoordinateDrive,) if scene.dimension == 3 else ()
+        strange = [joint for joint in scene.joints if type(joint) not in JOINTS or isinstance(joint, drives)]
+        sentence = f"joint {{!r}}: {method.name} is not yet taught {{}}"
+        reasons += [Refusal(sentence.format(joint.name, joint.type), False) for joint in strange]
+        if method.name == ROTATION_VECTOR and takes_shared_forces(scene, method.name):
+            reasons.append(Refusal(f"{method.name}: the shared force code is not yet taught rotation vectors", False))
         return reasons
 
     def build(self, scene: Scene, plan: Plan) -> Built:
@@ -118,4 +116,4 @@ ENGINE = Exudyn
 def _build(scene: Scene, method: str):
     if method.startswith(TREE):
         return build_tree(scene)
-    return (build_redundant if scene.dimension == 2 else build_spatial)(scene, method)
+    return build_redundant(scene, method)

@@ -13,7 +13,6 @@ import exudyn.itemInterface as item
 import numpy as np
 
 from cross_checks.engine import Refusal
-from cross_checks.engines.exudyn_.planar_model import node_sensor
 from cross_checks.linkage.forces import SHARED, applied
 from cross_checks.linkage.links import Link, Linkage, linkage_of
 from cross_checks.linkage.motion import arrays_of, motion_of, poses_of
@@ -118,5 +117,6 @@ def build_tree(scene: Scene) -> Tree:
         )
     )  # fmt: skip
     kinds = (exu.OutputVariableType.Coordinates, exu.OutputVariableType.Coordinates_t)
-    sensors = [mbs.AddSensor(node_sensor(node, kind)) for kind in kinds]
+    options = {"nodeNumber": node, "storeInternal": True, "writeToFile": False}
+    sensors = [mbs.AddSensor(item.SensorNode(**options, outputVariableType=kind)) for kind in kinds]
     return Tree(linkage, container, mbs, number, sensors, chain.centres, () if loads is None else (SHARED,))

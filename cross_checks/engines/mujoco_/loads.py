@@ -10,7 +10,7 @@ from collections.abc import Iterable
 import mujoco
 import numpy as np
 
-from cross_checks.linkage.links import Linkage, Z, rest_length
+from cross_checks.linkage.links import Linkage, Z, rest_length, rest_turn
 from cross_checks.workshop.prescribed import constant_value
 from mbs_ref.scene import Force, SpringDamper, Torque, TorqueVector, TorsionSpring
 
@@ -63,7 +63,7 @@ def _add_torsion(spec, frames, linkage: Linkage, load: TorsionSpring) -> None:
     weights = turning(linkage, load)
     if not weights:
         return
-    rest = linkage.rest_turn(load)
+    rest = rest_turn(linkage.scene, load)
     first, sign = next(iter(weights.items()))
     hinge = spec.joint(first)
     if len(weights) == 1 and not np.any(hinge.stiffness) and not np.any(hinge.damping):

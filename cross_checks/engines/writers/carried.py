@@ -16,10 +16,11 @@ from numba.core.dispatcher import Dispatcher
 from numba.core.extending import _Intrinsic
 
 from cross_checks.engines.writers.literals import literal
-from cross_checks.engines.writers.script import template
+from cross_checks.engines.writers.script import source, template
 from cross_checks.linkage.forces import Applied, planar_wrenches, spatial_wrenches
 from cross_checks.linkage.motion import LinkArrays, motion_of, project
 from mbs_ref.kernels.answers import ANSWERS
+from mbs_ref.scene.euler_parameters import conjugate, floats, parameter_matrix, product
 
 ACCESSOR = "_of"  # ends the name of what gives a group of arrays of a model or of its scratch
 Sources = dict[str, Any]  # what a text names, by its name
@@ -39,6 +40,7 @@ def forces_text(applied: Applied) -> str:
     own = {key: shared.get(key) or _value(value) for key, value in applied.core._asdict().items()}
     return motion_text(applied.tree) + template("forces.py.j2").render(
         code="\n\n".join(_texts(named)), core=core, own=", ".join(f"{key}={value}" for key, value in own.items()),
+        parameters=source(floats, conjugate, product, parameter_matrix),
         model=list(map(_group, model, model.values())), work=list(map(_group, work, work.values())),
     )  # fmt: skip
 

@@ -199,22 +199,25 @@ def test_a_hinges_spring_swings_about_its_rest_angle(name, method, bound, axis, 
     assert angle == pytest.approx(exact, abs=bound)
 
 
-SHARERS = [
-    ("mujoco", "rk4", {"step": 1e-4}),
-    ("pinocchio", "dop853", {"rtol": 1e-11}),
-    ("drake", "runge_kutta3", {"rtol": 1e-9}),
+SHARERS = [  # m, how near each comes
+    ("mujoco", "rk4", {"step": 1e-4}, 1e-7),
+    ("pinocchio", "dop853", {"rtol": 1e-11}, 1e-7),
+    ("drake", "runge_kutta3", {"rtol": 1e-9}, 1e-7),
+    ("exudyn", "generalized_alpha", {"step": 1e-4}, 5e-8),
+    ("exudyn", "generalized_alpha", {"step": 5e-5}, 1.25e-8),
 ]
 
 
-@pytest.mark.parametrize(("name", "method", "accuracy"), SHARERS)
-def test_springs_bushings_torques_and_pulses_in_space_act_as_the_references_do(name, method, accuracy):
+@pytest.mark.parametrize(("name", "method", "accuracy", "bound"), SHARERS)
+def test_springs_bushings_torques_and_pulses_in_space_act_as_the_references_do(name, method, accuracy, bound):
     installed(name)
     scene, times = loaded_top(), np.linspace(0.0, 0.1, 3)
     own = simulate(scene, Settings(rtol=1e-11, reactions=False, estimate="off"), times)
     path = engines.get(name).run(scene, Settings(method=method, reactions=False, **accuracy), times)
     assert path.ok, path.message
-    assert np.abs(path.position - own.position).max() < 1e-7
-    assert geodesic_angle(path.orientation, own.orientation).max() < 1e-6
+    place, turn = farthest(scene, path, own)[:2]
+    assert place < 2.0 * bound
+    assert turn < 10.0 * bound
 
 
 def test_two_springs_of_one_hinge_and_one_across_two_hinges_are_all_counted():

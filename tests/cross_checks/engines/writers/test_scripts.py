@@ -130,7 +130,7 @@ def test_contact_that_mujoco_has_itself_as_a_script(tmp_path):
 @pytest.mark.parametrize(
     ("name", "scene", "chosen"),
     [(name, scene, {}) for name in ("pinocchio", "drake") for scene in (loaded_tree, loaded_top)]
-    + [("exudyn", loaded_tree, {})],
+    + [("exudyn", loaded_tree, {}), ("exudyn", loaded_top, {})],
 )
 def test_all_kinds_of_loads_go_with_a_script(name, scene, chosen, tmp_path):
     assert_alike(engine(name), scene(), Settings(**SHORT, **chosen), tmp_path)
