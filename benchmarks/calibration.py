@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from cross_checks.certify.oracle.random_scenes import random_scene
+from cross_checks.mechanisms.random_scenes import random_scene
 from cross_checks.records import lines
 from cross_checks.records.naming import code_of
 from cross_checks.truth import MARGIN

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from cross_checks.certify.oracle.dense_oracle import Moment, augmented, consistent
+from cross_checks.mechanisms.dense_oracle import Moment, augmented, consistent
 from cross_checks.truth import Truth
 from mbs_ref.observables.distance import Partial, farthest
 from mbs_ref.scene import (

@@ -13,12 +13,12 @@ import dartpy  # pyright: ignore[reportMissingImports]  # an optional extra
 import numpy as np
 
 from cross_checks.engine import Engine, Method, Poses, Refusal
+from cross_checks.engine.outcome import End, Loop
+from cross_checks.engine.plan import Plan
 from cross_checks.linkage.forces import PARTS, SHARED, Applied, applied, contact_refusals, read
 from cross_checks.linkage.links import Closure, Link, Linkage, closure_refusals, linkage_of
 from cross_checks.linkage.motion import poses_of
 from cross_checks.linkage.tree import FIXED
-from cross_checks.workshop.outcome import End, Loop
-from cross_checks.workshop.plan import Plan
 from mbs_ref.scene import Scene
 
 STEPS = (2e-2, 1e-2, 5e-3, 2.5e-3, 1e-3, 5e-4, 2.5e-4, 1e-4)  # s

@@ -21,6 +21,8 @@ import mujoco
 import numpy as np
 
 from cross_checks.engine import Engine, Method, Poses, Refusal
+from cross_checks.engine.outcome import End, Loop
+from cross_checks.engine.plan import Plan
 from cross_checks.engines.mujoco_ import CLOSING, MuJoCo
 from cross_checks.engines.mujoco_.build import compile_links
 from cross_checks.engines.mujoco_.forces import own_refusals
@@ -30,8 +32,6 @@ from cross_checks.engines.mujoco_.observe import Observer
 from cross_checks.engines.mujoco_.run import at_start
 from cross_checks.linkage.links import Linkage, closure_refusals, linkage_of
 from cross_checks.linkage.motion import poses_of
-from cross_checks.workshop.outcome import End, Loop
-from cross_checks.workshop.plan import Plan
 from mbs_ref.scene import Scene
 
 jax.config.update("jax_enable_x64", True)  # else everything is in single precision, without a word

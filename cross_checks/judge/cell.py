@@ -8,6 +8,7 @@ from typing import Any
 
 from cross_checks import engines as registry
 from cross_checks.engine import Engine, Method
+from cross_checks.engine.initial_state import broken_start
 from cross_checks.judge.bounds import TARGETS
 from cross_checks.judge.consensus import working_truth
 from cross_checks.judge.runs import Runs
@@ -17,7 +18,6 @@ from cross_checks.judge.vocabulary import WRONG, TargetResult, Verdict
 from cross_checks.metrics.observed_order import observed_order
 from cross_checks.records.record import CANNOT, MISSING, Record
 from cross_checks.truth import NoTruth, Truth
-from cross_checks.workshop.initial_state import broken_start
 from mbs_ref.display import facts, listing
 from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings

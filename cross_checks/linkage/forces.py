@@ -10,9 +10,9 @@ from typing import Any, NamedTuple, Protocol, get_args
 
 import numpy as np
 
+from cross_checks.engine.method import Refusal
 from cross_checks.linkage.links import Linkage
 from cross_checks.linkage.motion import Motion, arrays_of, composed, motion_of, project, rotated
-from cross_checks.workshop.method import Refusal
 from mbs_ref.cores.choice import compile_scene
 from mbs_ref.kernels.border.questions import apply_loads
 from mbs_ref.kernels.jit import jit

@@ -12,8 +12,8 @@ from functools import cached_property
 
 import numpy as np
 
+from cross_checks.engine.method import Refusal
 from cross_checks.linkage.tree import FIXED, Edge, Holding, spanning_tree
-from cross_checks.workshop.method import Refusal
 from mbs_ref.scene import (
     Distance,
     PlanarBody,

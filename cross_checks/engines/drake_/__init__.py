@@ -10,6 +10,8 @@ import numpy as np
 from pydrake.multibody.plant import MultibodyPlant  # pyright: ignore[reportMissingImports]  # an optional extra
 
 from cross_checks.engine import Engine, Method, Poses, Refusal
+from cross_checks.engine.outcome import Loop, stopped
+from cross_checks.engine.plan import Plan
 from cross_checks.engines.drake_.build import plant_of, tied_to_ground
 from cross_checks.engines.drake_.methods import METHODS, SAP, WORLD
 from cross_checks.engines.drake_.reader import Reader
@@ -18,8 +20,6 @@ from cross_checks.isolation.parent import Isolated, Lost
 from cross_checks.linkage.forces import PARTS, SHARED, Applied, applied, contact_refusals, read
 from cross_checks.linkage.links import Linkage, closure_refusals, linkage_of
 from cross_checks.linkage.motion import poses_of
-from cross_checks.workshop.outcome import Loop, stopped
-from cross_checks.workshop.plan import Plan
 from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings
 from mbs_ref.trajectory import Status, Trajectory

@@ -16,10 +16,10 @@ from pydrake.multibody.plant import (  # pyright: ignore[reportMissingImports]
 from pydrake.systems.analysis import ResetIntegratorFromFlags, Simulator  # pyright: ignore[reportMissingImports]
 from pydrake.systems.framework import DiagramBuilder, LeafSystem  # pyright: ignore[reportMissingImports]
 
+from cross_checks.engine.outcome import End, Loop
+from cross_checks.engine.plan import Plan
 from cross_checks.engines.drake_.methods import FIXED, SAP, WORLD
 from cross_checks.engines.drake_.reader import Reader
-from cross_checks.workshop.outcome import End, Loop
-from cross_checks.workshop.plan import Plan
 from mbs_ref.trajectory import Status
 
 Wrenches = Callable[[float, np.ndarray], np.ndarray]

@@ -12,6 +12,8 @@ import exudyn as exu
 import numpy as np
 
 from cross_checks.engine import Engine, Method, Poses, Refusal
+from cross_checks.engine.outcome import Loop
+from cross_checks.engine.plan import Plan
 from cross_checks.engines.exudyn_.build import ROTATION_VECTOR, build_redundant, takes_shared_forces
 from cross_checks.engines.exudyn_.contact import general_contact_refusals
 from cross_checks.engines.exudyn_.kinematic_tree import build_tree, tree_refusals
@@ -29,8 +31,6 @@ from cross_checks.engines.exudyn_.run import (
     sampled_fixed,
 )
 from cross_checks.linkage.forces import PARTS, contact_refusals
-from cross_checks.workshop.outcome import Loop
-from cross_checks.workshop.plan import Plan
 from mbs_ref.scene import CoordinateDrive, Scene
 from mbs_ref.scene.traits import traits
 from mbs_ref.settings import Settings

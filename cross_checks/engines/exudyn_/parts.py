@@ -9,10 +9,10 @@ import exudyn as exu
 import exudyn.itemInterface as item
 import numpy as np
 
+from cross_checks.engine.prescribed import constant_value, displacement, factor
 from cross_checks.engines.exudyn_.model import Redundant
 from cross_checks.linkage.links import Z, lifted, rest_length, rest_turn
 from cross_checks.linkage.tree import FIXED
-from cross_checks.workshop.prescribed import constant_value, displacement, factor
 from mbs_ref.scene import (
     CoordinateDrive,
     Cylindrical,

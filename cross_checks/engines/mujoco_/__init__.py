@@ -12,6 +12,8 @@ import mujoco
 import numpy as np
 
 from cross_checks.engine import Engine, Method, Poses, Refusal
+from cross_checks.engine.outcome import Loop, end_of
+from cross_checks.engine.plan import Plan
 from cross_checks.engines.mujoco_.build import compile_links
 from cross_checks.engines.mujoco_.forces import Callback, force_refusals, passive, shared_forces, takes_shared_forces
 from cross_checks.engines.mujoco_.methods import METHODS, STOCK, TIGHT
@@ -21,8 +23,6 @@ from cross_checks.linkage.forces import PARTS, SHARED
 from cross_checks.linkage.links import Linkage, closure_refusals, linkage_of
 from cross_checks.linkage.motion import poses_of
 from cross_checks.linkage.reactions import tree_reactions
-from cross_checks.workshop.outcome import Loop, end_of
-from cross_checks.workshop.plan import Plan
 from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings
 

@@ -10,8 +10,8 @@ from collections.abc import Iterable
 import mujoco
 import numpy as np
 
+from cross_checks.engine.prescribed import constant_value
 from cross_checks.linkage.links import Linkage, Z, rest_length, rest_turn
-from cross_checks.workshop.prescribed import constant_value
 from mbs_ref.scene import Force, SpringDamper, Torque, TorqueVector, TorsionSpring
 
 SAME_AXIS = 1e-9  # of directions of length 1

@@ -11,9 +11,9 @@ import mujoco
 import numpy as np
 from mujoco import rollout
 
+from cross_checks.engine.outcome import End
+from cross_checks.engine.plan import Plan
 from cross_checks.linkage.links import Linkage
-from cross_checks.workshop.outcome import End
-from cross_checks.workshop.plan import Plan
 from mbs_ref.trajectory import Status
 
 if mujoco.get_mju_user_warning() is None:  # else every warning is added to a file in the user's folder

@@ -24,14 +24,14 @@ import warp
 from numba.core.event import trigger_event
 
 from cross_checks.engine import Engine, Method, Poses, Refusal
+from cross_checks.engine.method import SINGLE
+from cross_checks.engine.outcome import End, Loop
+from cross_checks.engine.plan import Plan
 from cross_checks.engines.newton_.model import DEVICE, model_of
 from cross_checks.engines.newton_.reader import Reader, row_of
 from cross_checks.linkage.forces import MECHANISM, read
 from cross_checks.linkage.links import Linkage, closure_refusals, linkage_of
 from cross_checks.linkage.motion import poses_of
-from cross_checks.workshop.method import SINGLE
-from cross_checks.workshop.outcome import End, Loop
-from cross_checks.workshop.plan import Plan
 from mbs_ref.scene import Scene
 
 STEPS = (2e-2, 1e-2, 5e-3, 2.5e-3, 1e-3, 5e-4, 2.5e-4, 1e-4)  # s

@@ -10,6 +10,8 @@ import numpy as np
 import opensim  # pyright: ignore[reportMissingImports]  # an optional extra
 
 from cross_checks.engine import Engine, Method, Poses, Refusal
+from cross_checks.engine.outcome import End, Loop
+from cross_checks.engine.plan import Plan
 from cross_checks.engines.opensim_.build import model_of
 from cross_checks.engines.opensim_.counts import LEVEL, Counts, counted
 from cross_checks.engines.opensim_.methods import ENDLESS, FIXED, INTEGRATORS, METHODS, SHORTEST
@@ -17,8 +19,6 @@ from cross_checks.engines.opensim_.reader import Reader, values
 from cross_checks.linkage.forces import MECHANISM, read
 from cross_checks.linkage.links import Linkage, closure_refusals, linkage_of
 from cross_checks.linkage.motion import poses_of
-from cross_checks.workshop.outcome import End, Loop
-from cross_checks.workshop.plan import Plan
 from mbs_ref.scene import Scene, SpringDamper
 from mbs_ref.scene.traits import traits
 from mbs_ref.trajectory import Status

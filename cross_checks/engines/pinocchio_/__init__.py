@@ -12,6 +12,8 @@ import numpy as np
 import pinocchio as pin
 
 from cross_checks.engine import Engine, Method, Poses, Refusal
+from cross_checks.engine.outcome import Loop
+from cross_checks.engine.plan import Plan
 from cross_checks.engines.pinocchio_.build import Mechanism, mechanism_of
 from cross_checks.engines.pinocchio_.dynamics import RightHandSide, right_hand_side
 from cross_checks.engines.pinocchio_.loop import advance_adaptive, advance_fixed
@@ -20,8 +22,6 @@ from cross_checks.engines.pinocchio_.observe import motions_of, reactions_of
 from cross_checks.linkage.forces import PARTS, SHARED, contact_refusals
 from cross_checks.linkage.links import closure_refusals, linkage_of
 from cross_checks.linkage.motion import poses_of
-from cross_checks.workshop.outcome import Loop
-from cross_checks.workshop.plan import Plan
 from mbs_ref.scene import Scene
 
 DATA_BYTES = 32  # times n_v^3: what pinocchio.Data takes for a chain

@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from cross_checks.engine.prescribed import Prescribed
 from cross_checks.engines import get
 from cross_checks.engines.writers.carried import array_text, forces_text, motion_text
 from cross_checks.engines.writers.exudyn_items import changed, functions, general_contact, lines, name_of
@@ -21,7 +22,6 @@ from cross_checks.engines.writers.literals import literal
 from cross_checks.engines.writers.script import script, source
 from cross_checks.linkage.forces import Applied
 from cross_checks.linkage.motion import arrays_of
-from cross_checks.workshop.prescribed import Prescribed
 from mbs_ref.scene import PlanarBody, Scene, SpatialBody
 from mbs_ref.scene.euler_parameters import from_matrix
 from mbs_ref.scene.signals import Segment

@@ -7,8 +7,8 @@ import math
 import numpy as np
 import pytest
 
-from cross_checks.workshop.outcome import End
-from cross_checks.workshop.plan import Plan
+from cross_checks.engine.outcome import End
+from cross_checks.engine.plan import Plan
 from mbs_ref import scenes
 from mbs_ref.observables import constraint_residual
 from mbs_ref.scene import GROUND, PlanarBody, PointMass, Prismatic, Revolute, Scene, SpringDamper

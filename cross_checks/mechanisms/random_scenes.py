@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from cross_checks.certify.oracle.dense_oracle import Augmented, Moment, augmented, consistent
+from cross_checks.mechanisms.dense_oracle import Augmented, Moment, augmented, consistent
 from mbs_ref.scene import (
     GROUND,
     Bushing,
