@@ -50,19 +50,20 @@ class Link:
     rigid: bool  # has an orientation; a particle that is free only slides
 
     @property
-    def freedoms(self):
-        """The joint as a chain of slides and turns, each with its axis (3,), of ball and free joints."""
+    def freedoms(self) -> list[tuple[str, np.ndarray]]:
+        """The joint as a chain of slides and turns, each with its axis (3,); ball and free joints have none."""
+        none = np.zeros(3)
         if self.kind == "free":
-            return [("free", None)] if self.rigid else [("slide", axis) for axis in np.eye(3)]
+            return [("free", none)] if self.rigid else [("slide", axis) for axis in np.eye(3)]
         if self.kind == "planar":
             x, y, z = np.eye(3)
             return [("slide", x), ("slide", y), *([("turn", z)] if self.rigid else [])]
         kinds = {"prismatic": ["slide"], "cylindrical": ["slide", "turn"], "ball": ["ball"]}
-        axes = [None] if self.kind == "ball" else self.axes
+        axes = [none] if self.kind == "ball" else list(self.axes)
         return list(zip(kinds.get(self.kind, ["turn"] * len(axes)), axes, strict=True))
 
     @property
-    def size(self):
+    def size(self) -> int:
         """The number of rates of its freedoms."""
         return sum({"free": 6, "ball": 3}.get(kind, 1) for kind, _ in self.freedoms)
 
@@ -81,7 +82,7 @@ class Closure:
     length: float  # m, a rod's alone
 
     @property
-    def shared_points(self):
+    def shared_points(self) -> list[np.ndarray]:
         """World points at t = 0 that the two bodies share: a hinge's are two on its axis, 1 m apart."""
         offsets = (-0.5, 0.5) if self.kind == "hinge" else (0.0,)
         return [self.point_a + offset * self.axis for offset in offsets]

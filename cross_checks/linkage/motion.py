@@ -56,7 +56,7 @@ def arrays_of(linkage: Linkage) -> LinkArrays:
         np.array([link.centre for link in links]), np.cumsum([0, *(len(link.freedoms) for link in links)]),
         np.array([*(link.origin for link in linkage.of_body), np.zeros(3)]),
         np.array([KINDS[kind] for kind, _ in freedoms], dtype=np.int64),
-        np.array([np.zeros(3) if axis is None else axis for _, axis in freedoms]).reshape(-1, 3),
+        np.array([axis for _, axis in freedoms]).reshape(-1, 3),
         starts[:-1, 0].copy(), starts[:, 1].copy(),
     )  # fmt: skip
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from cross_checks.linkage.links import Linkage, Z, lifted
@@ -17,7 +19,7 @@ def tree_reactions(linkage: Linkage, poses: tuple[np.ndarray, ...], wrench: np.n
     poses are position, orientation, velocity and angular velocity; wrench (n_t, n_bodies, 6) is what a body gets
     from its parent: force (N) and moment about the world's origin (N m).
     """
-    joints = {joint.name: joint for joint in linkage.scene.joints}
+    joints: dict[str, Any] = {joint.name: joint for joint in linkage.scene.joints}
     held = [(link, joints[link.joint]) for link in linkage.links if link.joint is not None]
     return {
         joint.name: about(linkage, poses, joint, (1.0 if link.name == joint.body_b else -1.0) * wrench[:, link.body])

@@ -43,7 +43,7 @@ class Tree:
 
 @dataclass
 class Chain:
-    """The lists a KinematicTree is made of."""
+    """The lists that define a KinematicTree."""
 
     types: list = field(default_factory=list)
     parents: list[int] = field(default_factory=list)

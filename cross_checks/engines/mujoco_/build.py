@@ -24,7 +24,7 @@ LEAST_MOMENT = 2.0 * mujoco.mjMINVAL  # kg m^2, of a particle on a rod: MuJoCo t
 
 
 def compile_links(linkage: Linkage, plan: Plan, shared: bool) -> mujoco.MjModel:
-    """Return the model; with `shared` forces, all loads, contacts and the weight are left to their callback."""
+    """Return the model; with `shared` forces, their callback applies all loads, contacts and the weight."""
     spec = mujoco.MjSpec()
     pin_options(spec, plan, linkage.scene)
     frames = {FIXED: spec.worldbody}
@@ -50,7 +50,7 @@ def _add_body(parent: mujoco.MjsBody, linkage: Linkage, link: Link) -> mujoco.Mj
     frame.explicitinertial, frame.mass, frame.inertia = True, link.mass, moments
     frame.ipos, frame.iquat = link.centre, from_matrix(np.linalg.det(axes) * axes)
     for k, (kind, axis) in enumerate(link.freedoms):
-        frame.add_joint(name=f"{link.name}/{k}", type=JOINTS[kind], **({} if axis is None else {"axis": axis}))
+        frame.add_joint(name=f"{link.name}/{k}", type=JOINTS[kind], **({"axis": axis} if axis.any() else {}))
     return frame
 
 

@@ -66,7 +66,7 @@ def _add_torsion(spec, frames, linkage: Linkage, load: TorsionSpring) -> None:
     rest = rest_turn(linkage.scene, load)
     first, sign = next(iter(weights.items()))
     hinge = spec.joint(first)
-    if len(weights) == 1 and not np.any(hinge.stiffness) and not np.any(hinge.damping):
+    if len(weights) == 1 and not np.any((hinge.stiffness, hinge.damping)):
         hinge.stiffness, hinge.damping, hinge.springref = _linear(load.stiffness), _linear(load.damping), sign * rest
         return
     tendon = spec.add_tendon(name=load.name)

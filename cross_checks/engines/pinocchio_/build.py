@@ -137,7 +137,7 @@ def _joint_models(link: Link) -> Iterable[Any]:
 
 
 def _contacts(mechanism: Mechanism, closure: Closure, origin: dict[int, np.ndarray], gains) -> Iterable[Any]:
-    """Yield the contacts; a hinge is two shared points: one row too many, which the proximal solver bears."""
+    """Yield the contacts; a hinge is two shared points: one row too many, which the proximal solver tolerates."""
     kind = pin.ContactType.CONTACT_6D if closure.kind == "weld" else pin.ContactType.CONTACT_3D
     a, b = mechanism.joint[closure.a], mechanism.joint[closure.b]
     for point in closure.shared_points:

@@ -23,7 +23,8 @@ def motions_of(mechanism: Mechanism, states: np.ndarray) -> Iterator[Motion]:
         q = mechanism.configured(y[:n])
         pin.forwardKinematics(mechanism.model, mechanism.data, q, y[n:])
         bodies = [_of_body(mechanism, k) for k in range(len(linkage.links))]
-        yield Motion(*map(np.array, zip(*bodies, strict=True)), linkage.turned(q))
+        position, turn, velocity, omega = map(np.array, zip(*bodies, strict=True))
+        yield Motion(position, turn, velocity, omega, linkage.turned(q))
 
 
 def _of_body(mechanism: Mechanism, k: int) -> tuple:

@@ -18,7 +18,7 @@ from mbs_ref.settings import Settings
 
 def write_drake(scene: Scene, settings: Settings) -> str:
     """Return the script: the links and closures of the scene, and what the adapter builds and reads with."""
-    adapter = get("drake")  # its absence is said here, before what the adapter is made of is asked for
+    adapter = get("drake")  # raises EngineMissing before the adapter's own modules are imported
     from cross_checks.engines.drake_ import build, reader, run
     from cross_checks.engines.drake_.methods import SAP, WORLD
 

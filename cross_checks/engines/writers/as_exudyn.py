@@ -30,7 +30,7 @@ from mbs_ref.settings import Settings
 
 def write_exudyn(scene: Scene, settings: Settings) -> str:
     """Return the script: Exudyn's system item by item, its solver's settings, and what its sensors recorded."""
-    get("exudyn")  # its absence is said here, before what the adapter is made of is asked for
+    get("exudyn")  # raises EngineMissing before the adapter's own modules are imported
     from cross_checks.engines.exudyn_.contact import add_contacts
     from cross_checks.engines.exudyn_.methods import CONTACT, SOLVERS
 

@@ -17,7 +17,7 @@ from mbs_ref.settings import Settings
 
 def write_pinocchio(scene: Scene, settings: Settings) -> str:
     """Return the script: Pinocchio's model joint by joint, and the adapter's own right-hand side, loads and step."""
-    get("pinocchio")  # its absence is said here, before what the adapter is made of is asked for
+    get("pinocchio")  # raises EngineMissing before the adapter's own modules are imported
     from cross_checks.engines.pinocchio_ import dynamics, loop
     from cross_checks.engines.pinocchio_.build import Mechanism, _places
 

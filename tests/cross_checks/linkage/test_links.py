@@ -7,7 +7,7 @@ import pytest
 
 from cross_checks.linkage.links import Link, closure_refusals, linkage_of
 from mbs_ref import scenes
-from mbs_ref.scene import GROUND, PlanarBody, PointMass, Scene, SpatialBody, Spherical
+from mbs_ref.scene import GROUND, PlanarBody, PointMass, Revolute, Scene, SpatialBody, Spherical
 from tests.cross_checks.linkage.test_motion import mixed_tree
 
 LINKED = (
@@ -91,6 +91,19 @@ def test_a_particle_on_a_ball_joint_is_welded_to_its_parent():
     scene = Scene(name="hung", gravity=(0.0, 0.0, -9.81), bodies=(rod, bob), joints=joints)
     hung = next(link for link in linkage_of(scene).links if link.name == "bob")
     assert (hung.kind, hung.size, hung.inertia.any()) == ("weld", 0, False)
+
+
+def test_a_body_on_a_pinned_particle_turns_against_what_carries_the_particle():
+    arm = PlanarBody(name="arm", mass=1.0, inertia=0.1, position=(0.5, 0.0), velocity=(0.0, 1.0), angular_velocity=2.0)
+    tip = PointMass(name="tip", mass=1.0, position=(1.0, 0.0), velocity=(0.0, 2.0))
+    rod = PlanarBody(name="rod", mass=1.0, inertia=0.1, position=(1.5, 0.0), velocity=(0.0, 3.5), angular_velocity=3.0)
+    joints = (
+        Revolute(name="pivot", body_a=GROUND, body_b="arm", point=(0.0, 0.0)),
+        Revolute(name="nail", body_a="arm", body_b="tip", point=(1.0, 0.0)),
+        Revolute(name="hinge", body_a="tip", body_b="rod", point=(1.0, 0.0)),
+    )
+    linkage = linkage_of(Scene(name="carried", gravity=(0.0, 0.0), bodies=(arm, tip, rod), joints=joints))
+    assert linkage.rates == pytest.approx([2.0, 1.0], abs=1e-15)
 
 
 def test_loops_that_an_engine_is_not_taught_are_named():

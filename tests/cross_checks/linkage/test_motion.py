@@ -87,9 +87,9 @@ def test_coordinates_satisfy_the_trees_joints_at_both_levels(scene):
     arrays, held = arrays_of(linkage), {link.joint for link in linkage.links}
     tree = scene.model_copy(update={"joints": tuple(joint for joint in scene.joints if joint.name in held)})
     poses = poses_of(linkage, (motion_of(arrays, q, v)[0] for q, v in states(linkage)))
-    found = rows(tree, Trajectory(np.arange(5.0), *poses))
-    assert np.abs(found.residual).max(initial=0.0) < 1e-12
-    assert np.abs(found.rate).max(initial=0.0) < 1e-11
+    constraints = rows(tree, Trajectory(np.arange(5.0), *poses))
+    assert np.abs(constraints.residual).max(initial=0.0) < 1e-12
+    assert np.abs(constraints.rate).max(initial=0.0) < 1e-11
 
 
 @each_tree
