@@ -16,7 +16,7 @@ from pydantic import ValidationError
 from cross_checks import engines
 from cross_checks.conformance.loading import NoEngine, load
 from cross_checks.engine import Engine
-from cross_checks.workshop.initial_state import broken_start
+from cross_checks.engine.initial_state import broken_start
 from mbs_ref import scenes
 from mbs_ref.scene import Scene
 from mbs_ref.scene import messages as problems
@@ -119,7 +119,7 @@ def run_options[C: Callable[..., Any]](command: C) -> C:
 
 def _robot(file: str, parameters: Sequence[str]) -> Scene:
     """Return the scene of a robot, and say on stderr what was assumed."""
-    from cross_checks.workshop.robot import RobotError, driven, read_start
+    from cross_checks.engine.robot import RobotError, driven, read_start
 
     path = Path(file)
     if not path.is_file():

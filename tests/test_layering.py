@@ -31,7 +31,7 @@ ROOMS = {
         "integrators crash", "run scenes", "self_checks", "simulate",
     ),
     "cross_checks": (
-        "isolation truth", "workshop", "engine", "certify engines", "mechanisms truths",
+        "isolation truth", "engine", "linkage", "certify engines", "mechanisms truths",
         "ephemerides", "metrics", "records", "judge", "certificates conformance extremes trajectory_files",
     ),
     "benchmarks": (

@@ -13,9 +13,9 @@ from functools import partial
 import numpy as np
 import pytest
 
+from cross_checks.engine.plan import Plan, plan_run
 from cross_checks.engines.mujoco_ import Built, MuJoCo
 from cross_checks.engines.mujoco_.run import rolled_out
-from cross_checks.workshop.plan import Plan, plan_run
 from mbs_ref import scenes
 from mbs_ref.cores.system import Poses
 from mbs_ref.observables.distance import Partial, farthest

@@ -10,9 +10,9 @@ import numpy as np
 from cross_checks import engines
 from cross_checks.conformance.wrapped import Wrapped
 from cross_checks.engine import Engine
+from cross_checks.engine.outcome import stopped
 from cross_checks.isolation.parent import Caller, Lost
 from cross_checks.judge.one_run import ENGINE_FAILURES
-from cross_checks.workshop.outcome import stopped
 from mbs_ref.scene import Scene, UserForce
 from mbs_ref.settings import Settings
 from mbs_ref.trajectory import Status, Trajectory

@@ -12,7 +12,7 @@ from cross_checks.conformance.finding import Finding, Report, Row, verdict
 from cross_checks.conformance.ladder import ORDER_OFF, climb
 from cross_checks.conformance.questions import Asked, impossible, open_pendulum, questions, rungs, takes, unasked
 from cross_checks.engine import Engine
-from cross_checks.workshop.method import Method
+from cross_checks.engine.method import Method
 from mbs_ref.settings import Settings
 from mbs_ref.trajectory import Status
 

@@ -13,9 +13,9 @@ from cross_checks.conformance.apart import called
 from cross_checks.conformance.finding import Finding, Row, verdict
 from cross_checks.conformance.questions import Asked, rungs
 from cross_checks.engine import Engine
+from cross_checks.engine.method import Method
 from cross_checks.judge.convergence.ladder import Ladder
 from cross_checks.judge.convergence.model import Posterior, posterior
-from cross_checks.workshop.method import Method
 from mbs_ref.settings import Settings
 from mbs_ref.trajectory import Trajectory
 
@@ -183,7 +183,7 @@ def _wrong_times(question: Asked, good: list[Run]) -> str:
 
 def _wrong_start(question: Asked, path: Trajectory, allowed: float) -> str:
     """Compare the first sample with the scene: every part, whatever the method."""
-    from cross_checks.workshop.initial_state import initial_sample
+    from cross_checks.engine.initial_state import initial_sample
 
     start, turns = initial_sample(question.scene), figures.turning(question.scene)
     axes = [figures.axes(question.scene, p.orientation[:1])[:, turns] for p in (path, start)]

@@ -11,8 +11,8 @@ import numpy as np
 
 from cross_checks.conformance.probes import probe_truth, probes
 from cross_checks.engine import Engine
+from cross_checks.engine.method import Method
 from cross_checks.truths import Truth, known, truth_for
-from cross_checks.workshop.method import Method
 from mbs_ref import scenes
 from mbs_ref.scene import GROUND, PointMass, Scene, UserForce
 from mbs_ref.scene import Distance as Rod

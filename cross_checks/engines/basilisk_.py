@@ -30,10 +30,10 @@ from Basilisk.simulation import (
 from Basilisk.utilities import SimulationBaseClass
 
 from cross_checks.engine import Engine, Method, Poses, Refusal, exponential
-from cross_checks.workshop.outcome import End, Loop
-from cross_checks.workshop.particles import of_particles
-from cross_checks.workshop.plan import Plan
-from cross_checks.workshop.satellites import no_satellites, normalized_zonals, planet_of
+from cross_checks.engine.outcome import End, Loop
+from cross_checks.engine.particles import of_particles
+from cross_checks.engine.plan import Plan
+from cross_checks.engine.satellites import no_satellites, normalized_zonals, planet_of
 from mbs_ref.scene import Scene
 from mbs_ref.scene.celestial import Drag, Oblateness
 from mbs_ref.scene.units import attraction, is_celestial

@@ -13,21 +13,12 @@ import dartpy  # pyright: ignore[reportMissingImports]  # an optional extra
 import numpy as np
 
 from cross_checks.engine import Engine, Method, Poses, Refusal
-from cross_checks.workshop.linkage import (
-    PARTS,
-    Applied,
-    Closure,
-    Link,
-    Linkage,
-    applied,
-    closure_refusals,
-    linkage_of,
-    poses_of,
-)
-from cross_checks.workshop.outcome import End, Loop
-from cross_checks.workshop.plan import Plan
-from cross_checks.workshop.planar_forces import SHARED, contact_refusals
-from cross_checks.workshop.spatial_tree import FIXED
+from cross_checks.engine.outcome import End, Loop
+from cross_checks.engine.plan import Plan
+from cross_checks.linkage.forces import PARTS, SHARED, Applied, applied, contact_refusals, read
+from cross_checks.linkage.links import Closure, Link, Linkage, closure_refusals, linkage_of
+from cross_checks.linkage.motion import poses_of
+from cross_checks.linkage.tree import FIXED
 from mbs_ref.scene import Scene
 
 STEPS = (2e-2, 1e-2, 5e-3, 2.5e-3, 1e-3, 5e-4, 2.5e-4, 1e-4)  # s
@@ -56,7 +47,7 @@ class Dart(Engine):
 
     name: ClassVar[str] = "dart"
     package: ClassVar[str] = "dartpy"
-    part_types: ClassVar[frozenset[str]] = PARTS
+    part_types: ClassVar[frozenset[str]] = PARTS - {"cylindrical"}
 
     def methods(self) -> tuple[Method, ...]:
         return METHODS
@@ -101,14 +92,15 @@ class Dart(Engine):
         for k, count in enumerate(plan.counts, start=1):
             for _ in range(count):
                 if model.applied is not None:
-                    reader.push(model.applied.wrenches(steps * plan.step, reader, reader.state()))
+                    motion = read(model.linkage, reader, reader.state())
+                    reader.push(model.applied.wrenches(steps * plan.step, motion))
                 world.step()
                 steps += 1
             states[k] = reader.state()
         return Loop(states, End(len(states)), steps, steps)
 
     def poses(self, model: Built, plan: Plan, states: np.ndarray) -> Poses:
-        return poses_of(model.linkage, model.reader, states)
+        return poses_of(model.linkage, (read(model.linkage, model.reader, state) for state in states))
 
     def notes(self, model: Built, plan: Plan) -> tuple[str, ...]:
         return (SHARED,) if model.applied else ()
@@ -163,9 +155,7 @@ def _constraints(nodes: dict[int, Any], closure: Closure, own_hinge: bool) -> li
     if closure.kind == "hinge" and own_hinge:
         axes = [closure.axis] * len(tied)
         return [dartpy.constraint.RevoluteJointConstraint(*tied, closure.point_a, *axes)]
-    offsets = (-0.5, 0.5) if closure.kind == "hinge" else (0.0,)
-    points = (closure.point_a + offset * closure.axis for offset in offsets)
-    return [dartpy.constraint.BallJointConstraint(*tied, point) for point in points]
+    return [dartpy.constraint.BallJointConstraint(*tied, point) for point in closure.shared_points]
 
 
 class Reader:
@@ -173,11 +163,10 @@ class Reader:
 
     def __init__(self, linkage: Linkage, skeleton: Any, nodes: dict[int, Any], joints: list[Any]) -> None:
         self.linkage, self.skeleton, self.joints = linkage, skeleton, joints
-        in_order = sorted(linkage.links, key=lambda link: link.body)
-        self.nodes = [nodes[link.body] for link in in_order]
-        self.centres = np.array([link.centre for link in in_order])
+        self.nodes = [nodes[link.body] for link in linkage.of_body]
+        self.centres = np.array([link.centre for link in linkage.of_body])
         self.size = skeleton.getNumDofs()
-        counted = [(joint, k) for joint, link in zip(joints, linkage.links, strict=True) for k in range(link.of_tree)]
+        counted = [(joint, k) for joint, link in zip(joints, linkage.links, strict=True) for k in range(link.size)]
         self.places = [joint.getIndexInSkeleton(k) for joint, k in counted]
 
     def start_rates(self) -> np.ndarray:

@@ -13,9 +13,9 @@ from typing import Any
 import numpy as np
 
 from cross_checks.engine import Engine, Method, Refusal
+from cross_checks.engine.outcome import stopped
 from cross_checks.isolation.environments import python_of, surroundings
 from cross_checks.isolation.parent import Isolated, Lost
-from cross_checks.workshop.outcome import stopped
 from mbs_ref.kernels.jit import source_digest
 from mbs_ref.scene import Scene
 from mbs_ref.scene.traits import python_parts

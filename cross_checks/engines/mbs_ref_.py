@@ -9,7 +9,7 @@ from typing import ClassVar
 import numpy as np
 
 from cross_checks.engine import Engine, Method, Refusal
-from cross_checks.workshop.outcome import stopped
+from cross_checks.engine.outcome import stopped
 from mbs_ref.cores.choice import compile_scene, core_name
 from mbs_ref.integrators import integrators
 from mbs_ref.integrators.loop.leg import Integrator

@@ -21,18 +21,17 @@ import mujoco
 import numpy as np
 
 from cross_checks.engine import Engine, Method, Poses, Refusal
-from cross_checks.engines.mujoco_.contact import contact_refusals
+from cross_checks.engine.outcome import End, Loop
+from cross_checks.engine.plan import Plan
+from cross_checks.engines.mujoco_ import CLOSING, MuJoCo
+from cross_checks.engines.mujoco_.build import compile_links
+from cross_checks.engines.mujoco_.forces import own_refusals
 from cross_checks.engines.mujoco_.methods import METHODS as OF_MUJOCO
 from cross_checks.engines.mujoco_.methods import STOCK, TIGHT
-from cross_checks.engines.mujoco_.observe import observe_planar, observe_spatial
-from cross_checks.engines.mujoco_.planar_build import compile_planar
-from cross_checks.engines.mujoco_.refusals import closure_refusals, part_refusals, spatial_refusals
+from cross_checks.engines.mujoco_.observe import Observer
 from cross_checks.engines.mujoco_.run import at_start
-from cross_checks.engines.mujoco_.spatial_build import compile_spatial
-from cross_checks.workshop.outcome import End, Loop
-from cross_checks.workshop.plan import Plan
-from cross_checks.workshop.planar_tree import JointTree, joint_tree
-from cross_checks.workshop.spatial_tree import SpatialTree, spatial_tree
+from cross_checks.linkage.links import Linkage, closure_refusals, linkage_of
+from cross_checks.linkage.motion import poses_of
 from mbs_ref.scene import Scene
 
 jax.config.update("jax_enable_x64", True)  # else everything is in single precision, without a word
@@ -60,7 +59,7 @@ def _steps(model: Any, data: Any, count: int) -> Any:
 class Built:
     """A MuJoCo model, its copy in JAX, and the state there at t = 0."""
 
-    tree: JointTree | SpatialTree
+    linkage: Linkage
     model: mujoco.MjModel
     copy: Any
     start: Any
@@ -71,13 +70,10 @@ class Mjx(Engine):
 
     name: ClassVar[str] = "mjx"
     package: ClassVar[str] = "mujoco.mjx"
-    part_types: ClassVar[frozenset[str]] = frozenset(
-        {"planar", "point_mass", "revolute", "prismatic", "weld", "distance"}
-        | {"force", "torque", "spring_damper", "torsion_spring"}
-        | {"spatial", "spherical", "cylindrical", "universal"}
-        | {"sphere_on_plane", "sphere_on_sphere"}
-        | {"spring_damper_law", "stick_slip"}
-    )
+    part_types: ClassVar[frozenset[str]] = MuJoCo.part_types - {
+        "bushing", "point_bushing", "user_force", "circle_on_line", "circle_on_circle", "pin_on_sprocket",
+        "progressive_law", "hunt_crossley_law", "regularised_coulomb",
+    }  # fmt: skip
 
     def methods(self) -> tuple[Method, ...]:
         return METHODS
@@ -86,26 +82,25 @@ class Mjx(Engine):
         return version("mujoco-mjx")
 
     def topology_refusals(self, scene: Scene) -> list[Refusal]:
-        own = spatial_refusals(scene) if scene.dimension == 3 else closure_refusals(scene) + part_refusals(scene)
-        found = own + contact_refusals(scene)
+        found = closure_refusals("mujoco", scene, CLOSING) + own_refusals(linkage_of(scene))
         if scene.dimension == 2 and scene.contacts:
             found.append(Refusal(GUESSED, permanent=True))
         return [Refusal(r.reason.replace("mujoco", "mjx"), r.permanent) for r in found]
 
     def method_refusals(self, scene: Scene, method: Method) -> list[Refusal]:
         reasons = super().method_refusals(scene, method)
-        if method.name.endswith(TIGHT) and not reasons and not _tree(scene).closures:
+        if method.name.endswith(TIGHT) and not reasons and not linkage_of(scene).closures:
             reasons.append(Refusal(f"{method.name} differs only where a joint closes a loop, and none does", True))
         return reasons
 
     def build(self, scene: Scene, plan: Plan) -> Built:
-        tree = _tree(scene)
-        model = compile_planar(tree, plan) if isinstance(tree, JointTree) else compile_spatial(tree, plan)
+        linkage = linkage_of(scene)
+        model = compile_links(linkage, plan, shared=False)
         model.opt.enableflags = 0  # the exact effective mass, which MJX lacks
         if all(contact.friction is None for contact in scene.contacts):
             model.opt.cone = mujoco.mjtCone.mjCONE_PYRAMIDAL  # elliptic ones without any friction are a TypeError in it
-        start = at_start(model, tree)
-        return Built(tree, model, mjx.put_model(model), mjx.put_data(model, start))
+        start = at_start(model, linkage)
+        return Built(linkage, model, mjx.put_model(model), mjx.put_data(model, start))
 
     def first_call(self, model: Built, plan: Plan) -> None:
         """Compile, which takes seconds."""
@@ -124,13 +119,7 @@ class Mjx(Engine):
 
     def poses(self, model: Built, plan: Plan, states: np.ndarray) -> Poses:
         """Return the poses of MJX's coordinates; MuJoCo's own kinematics reads them."""
-        if isinstance(model.tree, SpatialTree):
-            return observe_spatial(model.model, model.tree, states)
-        return observe_planar(model.model, model.tree, plan.times[: len(states)], states)
+        return poses_of(model.linkage, Observer(model.model, model.linkage).motions(plan.times[: len(states)], states))
 
 
 ENGINE = Mjx
-
-
-def _tree(scene: Scene) -> JointTree | SpatialTree:
-    return joint_tree(scene) if scene.dimension == 2 else spatial_tree(scene)

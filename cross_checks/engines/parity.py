@@ -15,8 +15,8 @@ from xml.etree import ElementTree
 
 import numpy as np
 
-from cross_checks.workshop.initial_state import initial_sample
-from cross_checks.workshop.robot import RobotError
+from cross_checks.engine.initial_state import initial_sample
+from cross_checks.engine.robot import RobotError
 from mbs_ref.observables import kinetic_energy, potential_energy
 
 Values = dict[str, float]  # rad or m, or their rates, by joint name

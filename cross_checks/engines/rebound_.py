@@ -12,9 +12,9 @@ import numpy as np
 import rebound
 
 from cross_checks.engine import Engine, Method, Poses, Refusal
-from cross_checks.workshop.outcome import End, Loop
-from cross_checks.workshop.particles import of_particles
-from cross_checks.workshop.plan import Plan
+from cross_checks.engine.outcome import End, Loop
+from cross_checks.engine.particles import of_particles
+from cross_checks.engine.plan import Plan
 from mbs_ref.cores.choice import compile_scene
 from mbs_ref.scene import Scene
 from mbs_ref.scene.celestial import Oblateness, Relativity

@@ -7,6 +7,7 @@ from dataclasses import replace
 
 from cross_checks import engines as registry
 from cross_checks.engine import Engine, Method
+from cross_checks.engine.initial_state import broken_start
 from cross_checks.judge.bounds import MOST_STEPS, TARGETS
 from cross_checks.judge.consensus import ENOUGH, working_truth
 from cross_checks.judge.ladder import label
@@ -16,7 +17,6 @@ from cross_checks.judge.verdict import Judgement
 from cross_checks.judge.vocabulary import SILENT, Cell, TargetResult, Verdict
 from cross_checks.records.record import Record
 from cross_checks.truth import NoTruth, Truth
-from cross_checks.workshop.initial_state import broken_start
 from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings
 

@@ -1,1 +1,0 @@
-"""Mechanisms drawn at random, and the dense equations that say whether one is sound."""

@@ -20,7 +20,8 @@ CRASH = ("tests/mbs_ref/crash/test_against_injury_vectors.py", "tests/mbs_ref/cr
 SELF_CHECKS = ("tests/mbs_ref/self_checks/test_ambiguous_start.py", "tests/mbs_ref/run", "tests/mbs_ref/self_checks",
                "tests/mbs_ref/cores/test_spatial.py")  # fmt: skip
 TRUTHS = ("tests/cross_checks/truths",)
-ENGINES = ("tests/cross_checks/engines", "tests/cross_checks/workshop", "tests/cross_checks/conformance/symmetry")
+ENGINES = ("tests/cross_checks/engines", "tests/cross_checks/engine", "tests/cross_checks/linkage",
+           "tests/cross_checks/conformance/symmetry")
 JUDGE = ("tests/cross_checks/judge", "tests/cross_checks/records", "tests/cross_checks/truths/test_sky_truths.py")
 
 # the longest prefix of a defect's file decides
@@ -49,7 +50,8 @@ WATCHERS: dict[str, tuple[str, ...]] = {
     "cross_checks/truths": (*TRUTHS, "tests/mbs_ref/kernels/contact"),  # whose runs are held against truths
     "cross_checks/engines": ENGINES,
     "cross_checks/engines/rebound": ("tests/cross_checks/engines/test_engine_sky.py", *ENGINES),
-    "cross_checks/workshop": ("tests/cross_checks/workshop", *ENGINES),
+    "cross_checks/engine": ("tests/cross_checks/engine", *ENGINES),
+    "cross_checks/linkage": ("tests/cross_checks/linkage", *ENGINES),
     "cross_checks/judge": JUDGE,
     "cross_checks/metrics": ("tests/cross_checks/metrics", *JUDGE, "tests/cross_checks/engines"),
     "cross_checks/metrics/contact_figures": ("tests/cross_checks/truths/test_contact_truths.py", *JUDGE),

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cross_checks.workshop.prescribed import factor
+from cross_checks.engine.prescribed import factor
 from mbs_ref.kernels.jit import strict_jit
 from mbs_ref.scene import Force, PlanarBody, PointBushing, Scene, SpringDamper, TorsionSpring
 from mbs_ref.scene.contact import CircleOnLine, ProgressiveLaw, SpringDamperLaw

@@ -10,15 +10,16 @@ import numpy as np
 from pydrake.multibody.plant import MultibodyPlant  # pyright: ignore[reportMissingImports]  # an optional extra
 
 from cross_checks.engine import Engine, Method, Poses, Refusal
+from cross_checks.engine.outcome import Loop, stopped
+from cross_checks.engine.plan import Plan
 from cross_checks.engines.drake_.build import plant_of, tied_to_ground
 from cross_checks.engines.drake_.methods import METHODS, SAP, WORLD
 from cross_checks.engines.drake_.reader import Reader
 from cross_checks.engines.drake_.run import Simulated, advance, is_discrete, simulated
 from cross_checks.isolation.parent import Isolated, Lost
-from cross_checks.workshop.linkage import PARTS, Applied, Linkage, applied, closure_refusals, linkage_of, poses_of
-from cross_checks.workshop.outcome import Loop, stopped
-from cross_checks.workshop.plan import Plan
-from cross_checks.workshop.planar_forces import SHARED, contact_refusals
+from cross_checks.linkage.forces import PARTS, SHARED, Applied, applied, contact_refusals, read
+from cross_checks.linkage.links import Linkage, closure_refusals, linkage_of
+from cross_checks.linkage.motion import poses_of
 from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings
 from mbs_ref.trajectory import Status, Trajectory
@@ -42,7 +43,7 @@ class Drake(Engine):
 
     name: ClassVar[str] = "drake"
     package: ClassVar[str] = "pydrake"
-    part_types: ClassVar[frozenset[str]] = PARTS
+    part_types: ClassVar[frozenset[str]] = PARTS - {"cylindrical"}
 
     def methods(self) -> tuple[Method, ...]:
         return METHODS
@@ -80,7 +81,8 @@ class Drake(Engine):
         # with loads, gravity comes with them from the one system of applied forces
         plant = plant_of(linkage, step, linkage.gravity if loads is None else np.zeros(3), plan.method.name != SAP)
         reader = Reader(plant, linkage)
-        model = simulated(plant, reader, loads, plan)
+        acting = None if loads is None else lambda t, state: loads.wrenches(t, read(linkage, reader, state))
+        model = simulated(plant, reader, acting, plan)
         plant.SetPositionsAndVelocities(model.context, reader.start(linkage))
         return Built(linkage, plant, reader, loads, model)
 
@@ -91,7 +93,7 @@ class Drake(Engine):
         return advance(model.simulated, model.plant, plan)
 
     def poses(self, model: Built, plan: Plan, states: np.ndarray) -> Poses:
-        return poses_of(model.linkage, model.reader, states)
+        return poses_of(model.linkage, (read(model.linkage, model.reader, state) for state in states))
 
     def notes(self, model: Built, plan: Plan) -> tuple[str, ...]:
         shared = (SHARED,) if model.applied else ()

@@ -12,8 +12,8 @@ from pydrake.multibody.plant import (  # pyright: ignore[reportMissingImports]
     MultibodyPlant,
 )
 
-from cross_checks.workshop.linkage import Closure, Link, Linkage
-from cross_checks.workshop.spatial_tree import FIXED
+from cross_checks.linkage.links import Closure, Link, Linkage
+from cross_checks.linkage.tree import FIXED
 
 
 def plant_of(linkage: Linkage, step: float, gravity: np.ndarray, to_world: bool) -> MultibodyPlant:
@@ -77,12 +77,12 @@ def _joint(link: Link, parent: Any, place: RigidTransform, child: Any, plant: Mu
 def _add_closure(plant: MultibodyPlant, bodies: dict[int, Any], linkage: Linkage, closure: Closure) -> None:
     """Tie two bodies; a hinge is two shared points on its axis."""
     a, b = bodies[closure.a], bodies[closure.b]
-    at_a, at_b = closure.point_a - linkage.origin(closure.a), closure.point_b - linkage.origin(closure.b)
+    origins = linkage.origin(closure.a), linkage.origin(closure.b)
+    at_a, at_b = closure.point_a - origins[0], closure.point_b - origins[1]
     if closure.kind == "rod":
         plant.AddDistanceConstraint(a, at_a, b, at_b, closure.length)
     elif closure.kind == "weld":
         plant.AddWeldConstraint(a, RigidTransform(at_a), b, RigidTransform(at_b))
     else:
-        for offset in (-0.5, 0.5) if closure.kind == "hinge" else (0.0,):
-            along = offset * closure.axis
-            plant.AddBallConstraint(a, at_a + along, b, at_b + along)
+        for point in closure.shared_points:
+            plant.AddBallConstraint(a, point - origins[0], b, point - origins[1])

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from pydrake.multibody.plant import MultibodyPlant  # pyright: ignore[reportMissingImports]
 
-from cross_checks.workshop.linkage import Linkage
+from cross_checks.linkage.links import Linkage
 
 
 class Reader:
@@ -14,12 +14,12 @@ class Reader:
     def __init__(self, plant: MultibodyPlant, linkage: Linkage) -> None:
         self.plant, self.context = plant, plant.CreateDefaultContext()
         self.joints = [plant.GetJointByName(f"{link.name}/joint") for link in linkage.links]
-        in_order = sorted(linkage.links, key=lambda link: link.body)
-        self.bodies = [plant.GetBodyByName(link.name) for link in in_order]
-        self.centres = np.array([link.centre for link in in_order])
-        of_tree = [(j, k) for j, link in zip(self.joints, linkage.links, strict=True) for k in range(link.of_tree)]
-        self.places = [joint.position_start() + k for joint, k in of_tree]  # a planar joint slides, then turns
-        self.speeds = [plant.num_positions() + joint.velocity_start() + k for joint, k in of_tree]
+        by_body = sorted(linkage.links, key=lambda link: link.body)
+        self.bodies = [plant.GetBodyByName(link.name) for link in by_body]
+        self.centres = np.array([link.centre for link in by_body])
+        counted = [(j, k) for j, link in zip(self.joints, linkage.links, strict=True) for k in range(link.size)]
+        self.places = [joint.position_start() + k for joint, k in counted]  # a planar joint slides, then turns
+        self.speeds = [plant.num_positions() + joint.velocity_start() + k for joint, k in counted]
 
     def start(self, linkage: Linkage) -> np.ndarray:
         """Return the state at t = 0: a free body's rates are its angular velocity, then its velocity."""

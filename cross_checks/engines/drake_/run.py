@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -16,26 +16,30 @@ from pydrake.multibody.plant import (  # pyright: ignore[reportMissingImports]
 from pydrake.systems.analysis import ResetIntegratorFromFlags, Simulator  # pyright: ignore[reportMissingImports]
 from pydrake.systems.framework import DiagramBuilder, LeafSystem  # pyright: ignore[reportMissingImports]
 
+from cross_checks.engine.outcome import End, Loop
+from cross_checks.engine.plan import Plan
 from cross_checks.engines.drake_.methods import FIXED, SAP, WORLD
 from cross_checks.engines.drake_.reader import Reader
-from cross_checks.workshop.linkage import Applied
-from cross_checks.workshop.outcome import End, Loop
-from cross_checks.workshop.plan import Plan
 from mbs_ref.trajectory import Status
+
+Wrenches = Callable[[float, np.ndarray], np.ndarray]
 
 
 class Loads(LeafSystem):
-    """The scene's loads as forces at the centres of mass."""
+    """Forces and torques (n_bodies, 6) of time and state as forces at the centres of mass."""
 
-    def __init__(self, applied: Applied, reader: Reader, size: int) -> None:
+    def __init__(self, wrenches: Wrenches, reader: Reader, size: int) -> None:
         super().__init__()
-        self.applied, self.reader = applied, reader
+        self.wrenches, self.reader = wrenches, reader
         self.state = self.DeclareVectorInputPort("state", size)
         none = Value([ExternallyAppliedSpatialForce()])
         self.DeclareAbstractOutputPort("forces", lambda: none.Clone(), self._fill)
 
     def _fill(self, context: Any, output: Any) -> None:
-        wrenches = self.applied.wrenches(context.get_time(), self.reader, self.state.Eval(context))
+        state = self.state.Eval(context)
+        if not np.isfinite(state).all():  # reading it would end the process
+            raise RuntimeError(f"the state is not finite at t = {context.get_time():g} s")
+        wrenches = self.wrenches(context.get_time(), state)
         forces = []
         for body, centre, wrench in zip(self.reader.bodies, self.reader.centres, wrenches, strict=True):
             force = ExternallyAppliedSpatialForce()
@@ -58,15 +62,15 @@ def is_discrete(plan: Plan) -> bool:
     return plan.method.name in (SAP, WORLD)
 
 
-def simulated(plant: MultibodyPlant, reader: Reader, applied: Applied | None, plan: Plan) -> Simulated:
+def simulated(plant: MultibodyPlant, reader: Reader, wrenches: Wrenches | None, plan: Plan) -> Simulated:
     """Return a simulator whose integrator is chosen."""
-    if applied is None:
+    if wrenches is None:
         simulator = Simulator(plant)
         found = Simulated(simulator, simulator.get_mutable_context())
     else:
         builder = DiagramBuilder()
         builder.AddSystem(plant)
-        loads = builder.AddSystem(Loads(applied, reader, plant.num_multibody_states()))
+        loads = builder.AddSystem(Loads(wrenches, reader, plant.num_multibody_states()))
         builder.Connect(plant.get_state_output_port(), loads.get_input_port())
         builder.Connect(loads.get_output_port(), plant.get_applied_spatial_force_input_port())
         diagram = builder.Build()

@@ -12,11 +12,14 @@ import exudyn as exu
 import numpy as np
 
 from cross_checks.engine import Engine, Method, Poses, Refusal
+from cross_checks.engine.outcome import Loop
+from cross_checks.engine.plan import Plan
+from cross_checks.engines.exudyn_.build import ROTATION_VECTOR, build_redundant, takes_shared_forces
 from cross_checks.engines.exudyn_.contact import general_contact_refusals
 from cross_checks.engines.exudyn_.kinematic_tree import build_tree, tree_refusals
 from cross_checks.engines.exudyn_.methods import CONTACT, EXPLICIT_CONTACT, METHODS, STAGES, TREE
 from cross_checks.engines.exudyn_.pair_contact import pair_contact_refusals
-from cross_checks.engines.exudyn_.planar_build import build_redundant
+from cross_checks.engines.exudyn_.parts import JOINTS
 from cross_checks.engines.exudyn_.run import (
     Left,
     advance_adaptive,
@@ -27,12 +30,8 @@ from cross_checks.engines.exudyn_.run import (
     sampled_adaptive,
     sampled_fixed,
 )
-from cross_checks.engines.exudyn_.spatial_build import build_spatial
-from cross_checks.engines.exudyn_.spatial_parts import SPATIAL_PARTS
-from cross_checks.workshop.outcome import Loop
-from cross_checks.workshop.plan import Plan
-from cross_checks.workshop.planar_forces import CLIPPED_CONTACTS, contact_refusals
-from mbs_ref.scene import Scene
+from cross_checks.linkage.forces import PARTS, contact_refusals
+from mbs_ref.scene import CoordinateDrive, Scene
 from mbs_ref.scene.traits import traits
 from mbs_ref.settings import Settings
 
@@ -41,7 +40,7 @@ from mbs_ref.settings import Settings
 class Built:
     """An assembled system, and the options of its solver."""
 
-    model: Any  # Redundant, Spatial or Tree
+    model: Any  # Redundant or Tree
     options: Any
     loops: bool
     left: list[Left] = field(default_factory=list)  # what the run left, once it is over
@@ -53,28 +52,13 @@ class Exudyn(Engine):
     name: ClassVar[str] = "exudyn"
     package: ClassVar[str] = "exudyn"
     as_shipped: ClassVar[Settings | None] = Settings(method="generalized_alpha", step=1e-2)
-    part_types: ClassVar[frozenset[str]] = frozenset(
-        {"planar", "point_mass", "revolute", "prismatic", "weld", "distance", "coordinate_drive"}
-        | {"force", "torque", "spring_damper", "torsion_spring"}
-        | {"spatial", "spherical", "cylindrical", "torque_vector"}
-        | {"point_bushing"}
-        | CLIPPED_CONTACTS
-        | {"sphere_on_plane", "sphere_on_sphere", "stick_slip"}
-    )
+    part_types: ClassVar[frozenset[str]] = PARTS | {"coordinate_drive", "stick_slip"}
 
     def methods(self) -> tuple[Method, ...]:
         return METHODS
 
     def version(self) -> str:
         return exu.__version__
-
-    def topology_refusals(self, scene: Scene) -> list[Refusal]:
-        """In space some parts of the plane are not yet taught."""
-        if scene.dimension == 2:
-            return []
-        parts = [*scene.joints, *scene.loads]
-        untaught = [part for part in parts if type(part) not in SPATIAL_PARTS]
-        return [Refusal(f"{p.name!r}: exudyn is not yet taught {p.type} in space", permanent=False) for p in untaught]
 
     def method_refusals(self, scene: Scene, method: Method) -> list[Refusal]:
         reasons = super().method_refusals(scene, method)
@@ -84,10 +68,14 @@ class Exudyn(Engine):
             reasons += [Refusal("loads are not taught", False)] if scene.loads else []
         else:
             reasons += contact_refusals(scene)
-        if scene.contacts and scene.dimension == 3 and method.name not in EXPLICIT_CONTACT:
-            reasons.append(Refusal(f"contact in space is taught to {' and '.join(EXPLICIT_CONTACT)} alone", False))
-        if method.name.startswith(TREE) and scene.dimension == 2:
-            reasons += tree_refusals(scene)
+        if method.name.startswith(TREE):
+            return reasons + tree_refusals(scene)
+        drives = (CoordinateDrive,) if scene.dimension == 3 else ()
+        strange = [joint for joint in scene.joints if type(joint) not in JOINTS or isinstance(joint, drives)]
+        sentence = f"joint {{!r}}: {method.name} is not yet taught {{}}"
+        reasons += [Refusal(sentence.format(joint.name, joint.type), False) for joint in strange]
+        if method.name == ROTATION_VECTOR and takes_shared_forces(scene, method.name):
+            reasons.append(Refusal(f"{method.name}: the shared force code is not yet taught rotation vectors", False))
         return reasons
 
     def build(self, scene: Scene, plan: Plan) -> Built:
@@ -126,6 +114,6 @@ ENGINE = Exudyn
 
 
 def _build(scene: Scene, method: str):
-    if scene.dimension == 3:
-        return build_spatial(scene, method)
-    return build_tree(scene) if method.startswith(TREE) else build_redundant(scene, method)
+    if method.startswith(TREE):
+        return build_tree(scene)
+    return build_redundant(scene, method)

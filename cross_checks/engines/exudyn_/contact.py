@@ -14,9 +14,8 @@ import exudyn.itemInterface as item
 import numpy as np
 
 from cross_checks.engine import Refusal
-from cross_checks.engines.exudyn_.planar_model import Redundant
-from cross_checks.engines.exudyn_.spatial_model import Spatial
-from cross_checks.workshop.planar_tree import FIXED
+from cross_checks.engines.exudyn_.model import Redundant
+from cross_checks.linkage.tree import FIXED
 from mbs_ref.scene import GROUND, PlanarBody, Scene
 from mbs_ref.scene.base.directions import normals, unit
 from mbs_ref.scene.contact import CircleOnCircle, CircleOnLine, SphereOnPlane, SphereOnSphere, SpringDamperLaw
@@ -75,7 +74,7 @@ def _circles(contact: Any) -> list[tuple[str, tuple[float, ...], float]]:
     return [(contact.body_a, contact.center_a, contact.radius_a), (contact.body_b, contact.center_b, contact.radius_b)]
 
 
-def add_contacts(model: Redundant | Spatial) -> None:
+def add_contacts(model: Redundant) -> None:
     """Two shapes in series: each has twice the pair's stiffness and half its damping."""
     contacts = model.scene.contacts
     law: Any = contacts[0].law
@@ -94,11 +93,10 @@ def add_contacts(model: Redundant | Spatial) -> None:
     general.SetSearchTreeBox(pMin=[-REACH, -REACH, -REACH], pMax=[REACH, REACH, REACH])
 
 
-def _marker(model: Redundant | Spatial, body: str, center) -> int:
+def _marker(model: Redundant, body: str, center) -> int:
     """Return a marker that takes a torque, which friction needs, where its body turns."""
-    if isinstance(model, Spatial):
-        return model.marker(body, center)
-    return model.marker(body, center, rigid=isinstance(model.scene.bodies[model.scene.body_index(body)], PlanarBody))
+    turns = isinstance(model.scene.bodies[model.scene.body_index(body)], PlanarBody)
+    return model.marker(body, center, rigid=turns if model.planar else None)
 
 
 def _surface(contact: Flat) -> tuple[tuple[float, ...], tuple[float, ...]]:
@@ -109,7 +107,7 @@ def _surface(contact: Flat) -> tuple[tuple[float, ...], tuple[float, ...]]:
     return (*contact.point_1, 0.0), (float(-along[1]), float(along[0]), 0.0)
 
 
-def _add_plane(model: Redundant | Spatial, general, point: np.ndarray, normal: np.ndarray, shape: dict) -> None:
+def _add_plane(model: Redundant, general, point: np.ndarray, normal: np.ndarray, shape: dict) -> None:
     """Two triangles, wide enough for the scene."""
     first, second = normals(normal)
     corners = [point + REACH * (p * first + q * second) for p, q in ((-1, -1), (1, -1), (1, 1), (-1, 1))]

@@ -32,7 +32,7 @@ SOLVERS = {
 }
 # right-hand sides a step
 STAGES = {"contact_rk44": 4, "pair_contact_rk44": 4, "tree_rk44": 4, "tree_rk67": 9, "tree_euler": 1, "tree_dopri5": 7}
-PLANAR, SPATIAL = frozenset({"planar"}), frozenset({"spatial"})
+SPATIAL = frozenset({"spatial"})
 METHODS = (
     Method("generalized_alpha", "fixed", 2, "generalized-alpha, index 3, redundant coordinates", STEPS),
     Method("trapezoidal", "fixed", 2, "trapezoidal rule, index 2, redundant coordinates", STEPS, wrong_limit=SINGULAR,
@@ -42,10 +42,10 @@ METHODS = (
            requires=frozenset({"contact"}), wrong_limit=FRICTION, weak_on=frozenset({"friction"})),
     Method("pair_contact_rk44", "fixed", None, "Runge-Kutta 4 with contact connectors; bodies without joints", STEPS,
            requires=frozenset({"contact", "spatial"}), wrong_limit=RAMP, weak_on=frozenset({"friction"})),
-    Method("tree_dopri5", "adaptive", 5, "KinematicTree, Dormand-Prince 5", RTOLS, requires=PLANAR, wrong_limit=JUMPS,
+    Method("tree_dopri5", "adaptive", 5, "KinematicTree, Dormand-Prince 5", RTOLS, wrong_limit=JUMPS,
            weak_on=frozenset({"contact"}), embedded=4),
-    Method("tree_rk44", "fixed", 4, "KinematicTree, Runge-Kutta 4", STEPS, requires=PLANAR, stability=exponential(4)),
-    Method("tree_rk67", "fixed", 6, "KinematicTree, Runge-Kutta 6 of 7 stages", STEPS, requires=PLANAR,
+    Method("tree_rk44", "fixed", 4, "KinematicTree, Runge-Kutta 4", STEPS, stability=exponential(4)),
+    Method("tree_rk67", "fixed", 6, "KinematicTree, Runge-Kutta 6 of 7 stages", STEPS,
            stability=exponential(6)),
-    Method("tree_euler", "fixed", 1, "KinematicTree, explicit Euler", STEPS, requires=PLANAR, stability=exponential(1)),
+    Method("tree_euler", "fixed", 1, "KinematicTree, explicit Euler", STEPS, stability=exponential(1)),
 )

@@ -14,7 +14,7 @@ import numpy as np
 
 from cross_checks.engine import Refusal
 from cross_checks.engines.exudyn_.contact import REACH, SLOW, one_coefficient
-from cross_checks.engines.exudyn_.spatial_model import Spatial
+from cross_checks.engines.exudyn_.model import Redundant
 from mbs_ref.scene import Scene
 from mbs_ref.scene.base.directions import normals
 from mbs_ref.scene.contact import SphereOnPlane, SphereOnSphere, SpringDamperLaw
@@ -34,7 +34,7 @@ def pair_contact_refusals(scene: Scene) -> list[Refusal]:
     return [Refusal(reason, permanent=False) for reason in reasons]
 
 
-def add_pair_contacts(model: Spatial) -> None:
+def add_pair_contacts(model: Redundant) -> None:
     for contact in model.scene.contacts:
         law, friction = contact.law, contact.friction
         assert isinstance(law, SpringDamperLaw)  # every other law is refused before
@@ -53,7 +53,7 @@ def add_pair_contacts(model: Spatial) -> None:
             _add_plane(model, contact, shared)
 
 
-def _add_plane(model: Spatial, contact: SphereOnPlane, shared: dict) -> None:
+def _add_plane(model: Redundant, contact: SphereOnPlane, shared: dict) -> None:
     """One triangle, wide enough for the scene, in the axes of the body that carries it."""
     first, second = (model.axes(contact.body_b).T @ along for along in normals(contact.normal))
     corners = [np.zeros(3) + REACH * (np.cos(a) * first + np.sin(a) * second) for a in (0.0, 2.1, 4.2)]

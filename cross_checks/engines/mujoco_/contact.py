@@ -10,13 +10,12 @@ that a thrown sphere hops. It acts between the surfaces, half the penetration ne
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from typing import Any
 
 import mujoco
 import numpy as np
 
-from cross_checks.engine import Refusal
+from cross_checks.linkage.links import Linkage
 from mbs_ref.scene import GROUND, Scene
 from mbs_ref.scene.contact import (
     CircleOnCircle,
@@ -33,22 +32,19 @@ STOCK_SOLREF, STOCK_SOLIMP = (0.02, 1.0), (0.9, 0.95, 0.001, 0.5, 2.0)  # MuJoCo
 PENALTY_SOLIMP = (1e-4, 1e-4, 0.001, 0.5, 2.0)
 
 
-Place = Callable[[str, tuple[float, ...]], tuple[Any, Any]]  # body, world point at t = 0 -> frame, place in it
-
-
-def add_contact(spec, place: Place, scene: Scene, contact: Contact, stock: bool) -> None:
+def add_contact(spec, frames, linkage: Linkage, contact: Contact, stock: bool) -> None:
     """A sphere against a plane or another sphere, paired explicitly so that nothing else touches."""
     if isinstance(contact, CircleOnCircle | SphereOnSphere):
         a = (contact.body_a, contact.center_a, contact.radius_a)
         b = (contact.body_b, contact.center_b, contact.radius_b)
-        geoms = [_sphere(place, f"{contact.name}/{side}", *end) for side, end in (("a", a), ("b", b))]
+        geoms = [_sphere(frames, linkage, f"{contact.name}/{side}", *end) for side, end in (("a", a), ("b", b))]
     else:
         assert isinstance(contact, CircleOnLine | SphereOnPlane)
-        sphere = _sphere(place, f"{contact.name}/a", contact.body_a, contact.center, contact.radius)
+        sphere = _sphere(frames, linkage, f"{contact.name}/a", contact.body_a, contact.center, contact.radius)
         geoms = [_plane(spec, f"{contact.name}/b", contact), sphere]
     pair = spec.add_pair(name=contact.name, geomname1=geoms[0], geomname2=geoms[1], condim=1)
     pair.margin, pair.gap = 0.0, 0.0
-    mass = _contact_mass(scene, contact)
+    mass = _contact_mass(linkage.scene, contact)
     law: Any = contact.law
     pair.solref = STOCK_SOLREF if stock else (-law.stiffness / mass, -law.damping / mass)
     pair.solimp = STOCK_SOLIMP if stock else PENALTY_SOLIMP
@@ -57,11 +53,11 @@ def add_contact(spec, place: Place, scene: Scene, contact: Contact, stock: bool)
         pair.friction = (contact.friction.coefficient, contact.friction.coefficient, 0.0, 0.0, 0.0)
 
 
-def _sphere(place: Place, label: str, body: str, center, radius: float) -> str:
-    frame, where = place(body, center)
-    size = (radius, 0.0, 0.0)
-    frame.add_geom(name=label, type=mujoco.mjtGeom.mjGEOM_SPHERE, size=size, pos=where, mass=0.0,
-                   contype=0, conaffinity=0)  # fmt: skip
+def _sphere(frames, linkage: Linkage, label: str, body: str, center, radius: float) -> str:
+    frames[linkage.scene.body_index(body)].add_geom(
+        name=label, type=mujoco.mjtGeom.mjGEOM_SPHERE, size=(radius, 0.0, 0.0), pos=linkage.local(body, center),
+        mass=0.0, contype=0, conaffinity=0,
+    )  # fmt: skip
     return label
 
 
@@ -84,7 +80,8 @@ def _contact_mass(scene: Scene, contact) -> float:
     return 1.0 / sum(1.0 / scene.bodies[scene.body_index(name)].mass for name in names if name != GROUND)
 
 
-def contact_refusals(scene: Scene) -> list[Refusal]:
+def contact_refusals(scene: Scene) -> list[str]:
+    """Return why MuJoCo's own contacts cannot stand for the scene's, contact by contact."""
     reasons = []
     jointed = {end for joint in scene.joints for end in joint.ends}
     for contact in scene.contacts:
@@ -111,4 +108,4 @@ def contact_refusals(scene: Scene) -> list[Refusal]:
                 continue
             if name in jointed or math.dist(center, scene.bodies[scene.body_index(name)].position) > 1e-12:
                 reasons.append(f"{where}: its effective mass, which scales the stiffness, changes as {name!r} moves")
-    return [Refusal(reason, permanent=False) for reason in reasons]
+    return reasons

@@ -9,7 +9,7 @@ import mujoco
 import numpy as np
 
 from cross_checks.engine import Method, exponential
-from cross_checks.workshop.plan import Plan
+from cross_checks.engine.plan import Plan
 from mbs_ref.scene import Scene
 
 INTEGRATORS = {

@@ -11,9 +11,9 @@ from typing import Any
 
 import mujoco
 
+from cross_checks.engine.robot import LOCKED, RATE, Robot, RobotError, of_file, plain, refuse, three, unknown
 from cross_checks.engines.mujoco_.mjcf_limits import IGNORABLE, assumptions, refusals
 from cross_checks.engines.mujoco_.mjcf_pose import HINGE, SLIDE, Posed
-from cross_checks.workshop.robot import LOCKED, RATE, Robot, RobotError, of_file, plain, refuse, three, unknown
 from mbs_ref.scene import Scene
 
 OPTIONS = "gravity, duration, ignore"

@@ -6,8 +6,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from cross_checks.engine.robot import LOCKED
 from cross_checks.engines.mujoco_.mjcf_pose import CONNECT, SAME, SLIDE, WELD, Posed
-from cross_checks.workshop.robot import LOCKED
 
 IGNORABLE = ("armature", "damping", "friction", "gravcomp", "springs", "tendons")
 

@@ -13,7 +13,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from cross_checks.workshop.robot import LOCKED, RATE, Axis, own_forces, plain, six, three
+from cross_checks.engine.robot import LOCKED, RATE, Axis, own_forces, plain, six, three
 from mbs_ref.scene import GROUND, Cylindrical, Prismatic, Revolute, SpatialBody, Spherical, Universal, Weld
 from mbs_ref.scene.euler_parameters import from_matrix
 

@@ -1,4 +1,4 @@
-"""MuJoCo's own poses and wrenches."""
+"""MuJoCo's own motion and wrenches."""
 
 # Its names live in a compiled module.
 # pyright: reportAttributeAccessIssue=false
@@ -10,52 +10,56 @@ from collections.abc import Iterator
 import mujoco
 import numpy as np
 
-from cross_checks.workshop.planar_tree import JointTree
-from cross_checks.workshop.spatial_tree import SpatialTree
+from cross_checks.linkage.links import Linkage
+from cross_checks.linkage.motion import Motion
+from mbs_ref.kernels.jit import strict_jit
 
 
-def observe_planar(model: mujoco.MjModel, tree: JointTree, times: np.ndarray, states: np.ndarray):
-    """Return MuJoCo's own poses; angles add up along the tree, beyond one turn."""
-    n = len(tree.scene.bodies)
-    position, velocity = np.zeros((2, len(states), n, 2))
-    index = np.array([model.body(name).id for name in tree.scene.body_names])
-    for k, data in enumerate(_placed(model, times, states)):
-        arm = data.xipos[index] - data.subtree_com[model.body_rootid[index]]  # cvel is about that point
-        position[k] = data.xipos[index, :2]
-        velocity[k] = (data.cvel[index, 3:] + np.cross(data.cvel[index, :3], arm))[:, :2]
-    _, angle, _, rate = tree.poses(states[:, : model.nq], states[:, model.nq :])
-    return position, angle, velocity, rate
+class Observer:
+    """Reads the bodies of a scene from MuJoCo's data."""
+
+    def __init__(self, model: mujoco.MjModel, linkage: Linkage) -> None:
+        self.model, self.linkage = model, linkage
+        self.index = np.array([model.body(name).id for name in linkage.scene.body_names])
+        self.root = model.body_rootid[self.index]
+
+    def motion(self, data: mujoco.MjData) -> Motion:
+        """Return the motion that the data's kinematics have."""
+        angle = self.linkage.turned(data.qpos)
+        return _motion(data.xipos, data.xquat, data.cvel, data.subtree_com, self.index, self.root, angle)
+
+    def placed(self, times: np.ndarray, states: np.ndarray) -> Iterator[mujoco.MjData]:
+        """Yield MuJoCo's data at each state, forces included."""
+        data = mujoco.MjData(self.model)
+        for data.time, state in zip(times, states, strict=True):
+            data.qpos[:], data.qvel[:] = state[: self.model.nq], state[self.model.nq :]
+            mujoco.mj_forward(self.model, data)
+            yield data
+
+    def motions(self, times: np.ndarray, states: np.ndarray) -> Iterator[Motion]:
+        """Yield the motion at each state."""
+        return map(self.motion, self.placed(times, states))
+
+    def wrenches(self, times: np.ndarray, states: np.ndarray) -> np.ndarray:
+        """Return what each body gets from its parent, (n_t, n_bodies, 6): N, and N m about the world's origin."""
+        wrench = np.zeros((len(states), len(self.index), 6))
+        for k, data in enumerate(self.placed(times, states)):
+            mujoco.mj_rnePostConstraint(self.model, data)
+            force = data.cfrc_int[self.index, 3:]
+            reference = data.subtree_com[self.root]  # cfrc_int is about that point
+            wrench[k] = np.column_stack((force, data.cfrc_int[self.index, :3] + np.cross(reference, force)))
+        return wrench
 
 
-def wrenches(model: mujoco.MjModel, tree: JointTree, times: np.ndarray, states: np.ndarray) -> np.ndarray:
-    """Return what each body gets from its parent, (n_t, n_bodies, 3): force (N) and moment about the origin (N m)."""
-    wrench = np.zeros((len(states), len(tree.scene.bodies), 3))
-    index = np.array([model.body(name).id for name in tree.scene.body_names])
-    for k, data in enumerate(_placed(model, times, states)):
-        mujoco.mj_rnePostConstraint(model, data)
-        reference = data.subtree_com[model.body_rootid[index]]  # cfrc_int is about that point
-        moment = data.cfrc_int[index, :3] + np.cross(reference, data.cfrc_int[index, 3:])
-        wrench[k] = np.column_stack((data.cfrc_int[index, 3:5], moment[:, 2]))
-    return wrench
-
-
-def _placed(model: mujoco.MjModel, times: np.ndarray, states: np.ndarray) -> Iterator[mujoco.MjData]:
-    """Yield MuJoCo's data at each state, forces included."""
-    data = mujoco.MjData(model)
-    for data.time, state in zip(times, states, strict=True):
-        data.qpos[:], data.qvel[:] = state[: model.nq], state[model.nq :]
-        mujoco.mj_forward(model, data)
-        yield data
-
-
-def observe_spatial(model: mujoco.MjModel, tree: SpatialTree, states: np.ndarray):
-    """Return MuJoCo's own poses."""
-    n = len(tree.scene.bodies)
-    position, velocity, omega = np.zeros((3, len(states), n, 3))
-    theta = np.zeros((len(states), n, 4))
-    index = np.array([model.body(name).id for name in tree.scene.body_names])
-    for k, data in enumerate(_placed(model, np.zeros(len(states)), states)):
-        arm = data.xipos[index] - data.subtree_com[model.body_rootid[index]]  # cvel is about that point
-        position[k], theta[k], omega[k] = data.xipos[index], data.xquat[index], data.cvel[index, :3]
-        velocity[k] = data.cvel[index, 3:] + np.cross(data.cvel[index, :3], arm)
-    return position, theta, velocity, omega
+@strict_jit
+def _motion(xipos, xquat, cvel, subtree_com, index, root, angle):
+    """Return the motion; cvel is about the centre of mass of a body's whole tree."""
+    n = index.shape[0]
+    position, turn, velocity, omega = np.empty((n, 3)), np.empty((n, 4)), np.empty((n, 3)), np.empty((n, 3))
+    for b in range(n):
+        position[b], turn[b], omega[b] = xipos[index[b]], xquat[index[b]], cvel[index[b], :3]
+        arm, spin, speed = position[b] - subtree_com[root[b]], omega[b], cvel[index[b], 3:]
+        for c in range(3):
+            i, j = (c + 1) % 3, (c + 2) % 3
+            velocity[b, c] = speed[c] + spin[i] * arm[j] - spin[j] * arm[i]
+    return Motion(position, turn, velocity, omega, angle)

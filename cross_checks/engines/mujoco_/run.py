@@ -11,23 +11,19 @@ import mujoco
 import numpy as np
 from mujoco import rollout
 
-from cross_checks.engines.mujoco_.spatial_build import start_rates
-from cross_checks.workshop.outcome import End
-from cross_checks.workshop.plan import Plan
-from cross_checks.workshop.planar_tree import JointTree
-from cross_checks.workshop.spatial_tree import SpatialTree, depth_first
+from cross_checks.engine.outcome import End
+from cross_checks.engine.plan import Plan
+from cross_checks.linkage.links import Linkage
 from mbs_ref.trajectory import Status
 
 if mujoco.get_mju_user_warning() is None:  # else every warning is added to a file in the user's folder
     mujoco.set_mju_user_warning(lambda message: None)  # they are counted in MjData, where `clock_end` reads them
 
 
-def at_start(model: mujoco.MjModel, tree: JointTree | SpatialTree) -> mujoco.MjData:
+def at_start(model: mujoco.MjModel, linkage: Linkage) -> mujoco.MjData:
+    """Return the data at t = 0, where all coordinates are the model's reference."""
     data = mujoco.MjData(model)
-    if isinstance(tree, SpatialTree):  # the reference configuration is the start
-        data.qvel[:] = np.concatenate([start_rates(tree, edge) for edge in depth_first(tree)])
-        return data
-    data.qpos[:], data.qvel[:] = 0.0, tree.rates()
+    data.qvel[:] = linkage.rates
     return data
 
 

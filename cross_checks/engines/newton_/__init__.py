@@ -24,19 +24,17 @@ import warp
 from numba.core.event import trigger_event
 
 from cross_checks.engine import Engine, Method, Poses, Refusal
+from cross_checks.engine.method import SINGLE
+from cross_checks.engine.outcome import End, Loop
+from cross_checks.engine.plan import Plan
 from cross_checks.engines.newton_.model import DEVICE, model_of
 from cross_checks.engines.newton_.reader import Reader, row_of
-from cross_checks.workshop.linkage import Linkage, closure_refusals, linkage_of, poses_of
-from cross_checks.workshop.method import SINGLE
-from cross_checks.workshop.outcome import End, Loop
-from cross_checks.workshop.plan import Plan
+from cross_checks.linkage.forces import MECHANISM, read
+from cross_checks.linkage.links import Linkage, closure_refusals, linkage_of
+from cross_checks.linkage.motion import poses_of
 from mbs_ref.scene import Scene
 
 STEPS = (2e-2, 1e-2, 5e-3, 2.5e-3, 1e-3, 5e-4, 2.5e-4, 1e-4)  # s
-JOINTED = frozenset(
-    {"planar", "point_mass", "spatial"}
-    | {"revolute", "prismatic", "weld", "distance", "spherical", "cylindrical", "universal"}
-)
 FEATHERSTONE = "featherstone"
 FLOAT32 = "Newton computes in single precision: n steps leave up to 6e-8 n of rounding"
 METHODS = (
@@ -63,7 +61,7 @@ class Newton(Engine):
 
     name: ClassVar[str] = "newton"
     package: ClassVar[str] = "newton"
-    part_types: ClassVar[frozenset[str]] = JOINTED
+    part_types: ClassVar[frozenset[str]] = MECHANISM
 
     def methods(self) -> tuple[Method, ...]:
         return METHODS
@@ -110,7 +108,8 @@ class Newton(Engine):
         return Loop(states, End(len(states)), done, done)
 
     def poses(self, model: Built, plan: Plan, states: np.ndarray) -> Poses:
-        return poses_of(model.linkage, Reader(model.linkage, model.model), states)
+        reader = Reader(model.linkage, model.model)
+        return poses_of(model.linkage, (read(model.linkage, reader, state) for state in states))
 
     def notes(self, model: Built, plan: Plan) -> tuple[str, ...]:
         return (FLOAT32,)

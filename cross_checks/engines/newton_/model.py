@@ -14,8 +14,8 @@ import newton
 import numpy as np
 import warp
 
-from cross_checks.workshop.linkage import Link, Linkage
-from cross_checks.workshop.spatial_tree import FIXED
+from cross_checks.linkage.links import Link, Linkage
+from cross_checks.linkage.tree import FIXED
 
 DEVICE = "cpu"
 X, Y, Z = np.eye(3)

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from cross_checks.engines.newton_.model import trees_of
-from cross_checks.workshop.linkage import Linkage
+from cross_checks.linkage.links import Linkage
 from mbs_ref.scene.euler_parameters import rotation_matrices
 
 
@@ -26,7 +26,7 @@ class Reader:
         self.order = np.argsort([link.body for link in links])  # of Newton's bodies, in the scene
         self.centres = np.array([links[k].centre for k in self.order])
         numbers = {link.body: k for k, link in enumerate(links)}
-        counted = [(numbers[link.body], k) for link in linkage.links for k in range(link.of_tree)]
+        counted = [(numbers[link.body], k) for link in linkage.links for k in range(link.size)]
         starts = model.joint_q_start.numpy(), model.joint_qd_start.numpy()
         self.places, self.rates = ([int(start[joint]) + k for joint, k in counted] for start in starts)
 

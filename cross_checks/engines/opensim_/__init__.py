@@ -10,13 +10,15 @@ import numpy as np
 import opensim  # pyright: ignore[reportMissingImports]  # an optional extra
 
 from cross_checks.engine import Engine, Method, Poses, Refusal
+from cross_checks.engine.outcome import End, Loop
+from cross_checks.engine.plan import Plan
 from cross_checks.engines.opensim_.build import model_of
 from cross_checks.engines.opensim_.counts import LEVEL, Counts, counted
 from cross_checks.engines.opensim_.methods import ENDLESS, FIXED, INTEGRATORS, METHODS, SHORTEST
 from cross_checks.engines.opensim_.reader import Reader, values
-from cross_checks.workshop.linkage import Linkage, closure_refusals, linkage_of, poses_of
-from cross_checks.workshop.outcome import End, Loop
-from cross_checks.workshop.plan import Plan
+from cross_checks.linkage.forces import MECHANISM, read
+from cross_checks.linkage.links import Linkage, closure_refusals, linkage_of
+from cross_checks.linkage.motion import poses_of
 from mbs_ref.scene import Scene, SpringDamper
 from mbs_ref.scene.traits import traits
 from mbs_ref.trajectory import Status
@@ -40,10 +42,7 @@ class OpenSim(Engine):
 
     name: ClassVar[str] = "opensim"
     package: ClassVar[str] = "opensim"
-    part_types: ClassVar[frozenset[str]] = frozenset(
-        {"planar", "point_mass", "revolute", "prismatic", "weld", "distance", "spring_damper"}
-        | {"spatial", "spherical", "universal"}
-    )
+    part_types: ClassVar[frozenset[str]] = MECHANISM - {"cylindrical"} | {"spring_damper"}
 
     def methods(self) -> tuple[Method, ...]:
         return METHODS
@@ -112,7 +111,7 @@ class OpenSim(Engine):
         return Loop(states, End(len(states)), *counts)
 
     def poses(self, model: Built, plan: Plan, states: np.ndarray) -> Poses:
-        return poses_of(model.linkage, model.reader, states)
+        return poses_of(model.linkage, (read(model.linkage, model.reader, state) for state in states))
 
 
 ENGINE = OpenSim

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 import opensim  # pyright: ignore[reportMissingImports]
 
-from cross_checks.workshop.linkage import Closure, Link, Linkage
-from cross_checks.workshop.spatial_tree import FIXED
+from cross_checks.linkage.links import Closure, Link, Linkage, rest_length
+from cross_checks.linkage.tree import FIXED
 from mbs_ref.scene import SpringDamper
 
 STRAIGHT = np.eye(3)
@@ -104,8 +104,5 @@ def _constraints(bodies: dict[int, Any], linkage: Linkage, closure: Closure) -> 
 def _spring(bodies: dict[int, Any], linkage: Linkage, load: SpringDamper) -> Any:
     ends = []
     for name, point in ((load.body_a, load.point_a), (load.body_b, load.point_b)):
-        body = linkage.scene.body_index(name)
-        ends += [bodies[body], _vector(np.resize((*point, 0.0), 3) - linkage.origin(body))]
-    initial = math.dist(load.point_a, load.point_b)
-    rest = initial if load.rest_length is None else load.rest_length
-    return opensim.PointToPointSpring(*ends, load.stiffness, rest)
+        ends += [bodies[linkage.scene.body_index(name)], _vector(linkage.local(name, point))]
+    return opensim.PointToPointSpring(*ends, load.stiffness, rest_length(load))

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import opensim  # pyright: ignore[reportMissingImports]
 
-from cross_checks.workshop.linkage import Linkage
+from cross_checks.linkage.links import Linkage
 
 
 def values(state: Any) -> np.ndarray:
@@ -20,15 +20,12 @@ class Reader:
 
     def __init__(self, linkage: Linkage, model: Any, joints: list[Any], state: Any) -> None:
         self.model, self.state = model, opensim.State(state)
-        in_order = sorted(linkage.links, key=lambda link: link.body)
-        self.bodies = [model.getBodySet().get(link.name) for link in in_order]
-        self.centres = np.array([link.centre for link in in_order])
-        # a planar joint turns before it slides; the tree slides first, and has no turn of a particle
-        order = {3: (1, 2, 0), 2: (1, 2), 1: (0,), 0: ()}
+        self.bodies = [model.getBodySet().get(link.name) for link in linkage.of_body]
+        self.centres = np.array([link.centre for link in linkage.of_body])
         self.counted = [
             joint.get_coordinates(k)
             for joint, link in zip(joints, linkage.links, strict=True)
-            for k in order[link.of_tree]
+            for k in ((1, 2, 0) if link.kind == "planar" else range(link.size))[: link.size]  # it turns, then slides
         ]
 
     def _put(self, state: np.ndarray) -> None:

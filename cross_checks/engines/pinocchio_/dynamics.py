@@ -11,14 +11,13 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 
-from cross_checks.engines.pinocchio_.planar_build import Mechanism
-from cross_checks.engines.pinocchio_.spatial_build import SpatialMechanism
+from cross_checks.engines.pinocchio_.build import Mechanism
 
 PROXIMAL = {"absolute_accuracy": 1e-14, "mu": 1e-8, "max_iter": 20}  # mu = 0 gives NaN on redundant rows
 RightHandSide = Callable[[float, np.ndarray], np.ndarray]
 
 
-def right_hand_side(mechanism: Mechanism | SpatialMechanism, contact_data: Any) -> RightHandSide:
+def right_hand_side(mechanism: Mechanism, contact_data: Any) -> RightHandSide:
     """Return f(t, y) with y = (q, v), one Pinocchio call each."""
     model, data, n = mechanism.model, mechanism.data, mechanism.n_q
     derivative = np.empty(n + model.nv)

@@ -11,9 +11,9 @@ from math import isfinite
 import numpy as np
 from scipy.integrate import DOP853
 
+from cross_checks.engine.outcome import End, Loop
+from cross_checks.engine.plan import Plan
 from cross_checks.engines.pinocchio_.dynamics import RightHandSide
-from cross_checks.workshop.outcome import End, Loop
-from cross_checks.workshop.plan import Plan
 from mbs_ref.trajectory import Status
 
 

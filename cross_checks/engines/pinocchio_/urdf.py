@@ -10,7 +10,7 @@ from xml.etree import ElementTree
 import numpy as np
 import pinocchio  # pyright: ignore[reportMissingImports]
 
-from cross_checks.workshop.robot import (
+from cross_checks.engine.robot import (
     LOCKED,
     RATE,
     Axis,

@@ -9,12 +9,13 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from cross_checks.engine import Method, Refusal, exponential
+from cross_checks.engine.outcome import Loop
+from cross_checks.engine.plan import Plan
 from cross_checks.engines.pinocchio_ import Built, Pinocchio
 from cross_checks.engines.pinocchio_.methods import RTOLS, STEPS
 from cross_checks.engines.pinocchio_cpp_.compiler import described, obstacle
 from cross_checks.engines.pinocchio_cpp_.native import Tree
-from cross_checks.workshop.outcome import Loop
-from cross_checks.workshop.plan import Plan
+from cross_checks.linkage.forces import MECHANISM
 from mbs_ref.scene import Scene
 from mbs_ref.scene.traits import traits
 
@@ -37,10 +38,7 @@ class PinocchioCpp(Pinocchio):
 
     name: ClassVar[str] = "pinocchio_cpp"
     package: ClassVar[str] = "pinocchio"
-    part_types: ClassVar[frozenset[str]] = frozenset(
-        {"planar", "point_mass", "spatial"}
-        | {"revolute", "prismatic", "weld", "distance", "spherical", "cylindrical", "universal"}
-    )
+    part_types: ClassVar[frozenset[str]] = MECHANISM
 
     def methods(self) -> tuple[Method, ...]:
         return METHODS

@@ -13,9 +13,9 @@ from typing import Any
 import numpy as np
 from scipy.integrate import DOP853
 
+from cross_checks.engine.outcome import End, Loop
+from cross_checks.engine.plan import Plan
 from cross_checks.engines.pinocchio_cpp_.compiler import library
-from cross_checks.workshop.outcome import End, Loop
-from cross_checks.workshop.plan import Plan
 from mbs_ref.trajectory import Status
 
 KINDS = (  # in the order of the program's enumeration

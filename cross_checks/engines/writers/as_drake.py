@@ -9,16 +9,16 @@ import numpy as np
 from cross_checks.engines import get
 from cross_checks.engines.writers.carried import forces_text
 from cross_checks.engines.writers.form import Form, NotWritable, job_of, refuse_own
-from cross_checks.engines.writers.script import script, source, turns_of
-from cross_checks.workshop.linkage import Closure, Link
-from mbs_ref.scene import Scene, SpatialBody
-from mbs_ref.scene.euler_parameters import floats, from_matrix, product
+from cross_checks.engines.writers.script import script, source
+from cross_checks.linkage.links import Closure, Link
+from mbs_ref.scene import Scene
+from mbs_ref.scene.euler_parameters import from_matrix
 from mbs_ref.settings import Settings
 
 
 def write_drake(scene: Scene, settings: Settings) -> str:
     """Return the script: the links and closures of the scene, and what the adapter builds and reads with."""
-    adapter = get("drake")  # its absence is said here, before what the adapter is made of is asked for
+    adapter = get("drake")  # raises EngineMissing before the adapter's own modules are imported
     from cross_checks.engines.drake_ import build, reader, run
     from cross_checks.engines.drake_.methods import SAP, WORLD
 
@@ -32,13 +32,11 @@ def write_drake(scene: Scene, settings: Settings) -> str:
     return script(
         job, "drake and numpy", links=list(_fields(linkage.links, Link)),
         gravity=linkage.gravity if applied is None else np.zeros(3),  # with loads, it comes with them
-        forces="" if applied is None else forces_text(applied.forces), pushing=source(run.Loads),
+        forces="" if applied is None else forces_text(applied), pushing=source(run.Loads),
         closures=list(_fields(linkage.closures, Closure)), table=source(Link, Closure), building=source(*building),
-        reader=source(reader.Reader), turning=source(floats, product, from_matrix),
+        reader=source(reader.Reader), turning=source(from_matrix),
         landing=source(run.is_discrete, run._landings), choosing=source(run._choose_integrator),
         simulating=source(run.Simulated, run.simulated),
-        turns=turns_of(scene) if scene.dimension == 2 else None,
-        start=[body.orientation if isinstance(body, SpatialBody) else None for body in scene.bodies],
     )  # fmt: skip
 
 

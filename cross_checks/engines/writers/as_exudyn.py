@@ -13,14 +13,15 @@ from typing import Any
 
 import numpy as np
 
+from cross_checks.engine.prescribed import Prescribed
 from cross_checks.engines import get
 from cross_checks.engines.writers.carried import array_text, forces_text, motion_text
 from cross_checks.engines.writers.exudyn_items import changed, functions, general_contact, lines, name_of
 from cross_checks.engines.writers.form import Form, Job, job_of, refuse_own
 from cross_checks.engines.writers.literals import literal
 from cross_checks.engines.writers.script import script, source
-from cross_checks.workshop.planar_forces import AppliedForces
-from cross_checks.workshop.prescribed import Prescribed
+from cross_checks.linkage.forces import Applied
+from cross_checks.linkage.motion import arrays_of
 from mbs_ref.scene import PlanarBody, Scene, SpatialBody
 from mbs_ref.scene.euler_parameters import from_matrix
 from mbs_ref.scene.signals import Segment
@@ -29,7 +30,7 @@ from mbs_ref.settings import Settings
 
 def write_exudyn(scene: Scene, settings: Settings) -> str:
     """Return the script: Exudyn's system item by item, its solver's settings, and what its sensors recorded."""
-    get("exudyn")  # its absence is said here, before what the adapter is made of is asked for
+    get("exudyn")  # raises EngineMissing before the adapter's own modules are imported
     from cross_checks.engines.exudyn_.contact import add_contacts
     from cross_checks.engines.exudyn_.methods import CONTACT, SOLVERS
 
@@ -38,7 +39,7 @@ def write_exudyn(scene: Scene, settings: Settings) -> str:
     model, plan = job.built.model, job.plan
     contact = general_contact(model, add_contacts) if plan.method.name == CONTACT else []
     default = type(job.built.options)()
-    tree = getattr(model, "tree", None)
+    tree = getattr(model, "linkage", None)
     called = [Called(function) for function in functions(model.mbs)]
     return script(
         job, "exudyn and numpy", items=list(lines(model.mbs)), contact=contact,
@@ -46,7 +47,8 @@ def write_exudyn(scene: Scene, settings: Settings) -> str:
         forces=next((forces_text(one.applied) for one in called if one.applied is not None), ""),
         options=list(changed(job.built.options, default)), solver=SOLVERS[plan.method.name].name,
         every=reduce(gcd, plan.counts) if plan.counts else 0, sensors=[] if tree else list(_sensors(job)),
-        motion="" if tree is None else motion_text(tree), turn=source(from_matrix),
+        motion="" if tree is None or tree.loaded else motion_text(arrays_of(tree)), tree=tree is not None,
+        turn=source(from_matrix),
         prescribed=source(Segment, Prescribed),
         sparse=job.built.loops and job.built.options.linearSolver.solverType.name != "EigenDense",
     )  # fmt: skip
@@ -63,8 +65,8 @@ class Called:
         return dict(inspect.getclosurevars(self.function).nonlocals)
 
     @property
-    def applied(self) -> AppliedForces | None:
-        return next((value for value in self.held.values() if isinstance(value, AppliedForces)), None)
+    def applied(self) -> Applied | None:
+        return next((value for value in self.held.values() if isinstance(value, Applied)), None)
 
     def text(self, name: str) -> str:
         """Return a function that sets up what this one holds, and returns it; then its call."""
@@ -75,7 +77,7 @@ class Called:
 
 def _held(value: Any) -> str:
     """Return Python text of what a function of the adapter's holds."""
-    if isinstance(value, AppliedForces):
+    if isinstance(value, Applied):
         return "FORCES"
     if isinstance(value, Prescribed):
         return f"Prescribed([{', '.join(f'Segment(*{literal(tuple(one))})' for one in value.segments)}])"

@@ -10,30 +10,29 @@ import numpy as np
 from cross_checks.engines import get
 from cross_checks.engines.writers.carried import forces_text
 from cross_checks.engines.writers.form import Form, Job, job_of, refuse_own
-from cross_checks.engines.writers.script import script, source, turns_of
-from mbs_ref.scene import Scene, SpatialBody
+from cross_checks.engines.writers.script import script, source
+from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings
 
 
 def write_pinocchio(scene: Scene, settings: Settings) -> str:
     """Return the script: Pinocchio's model joint by joint, and the adapter's own right-hand side, loads and step."""
-    get("pinocchio")  # its absence is said here, before what the adapter is made of is asked for
+    get("pinocchio")  # raises EngineMissing before the adapter's own modules are imported
     from cross_checks.engines.pinocchio_ import dynamics, loop
-    from cross_checks.engines.pinocchio_.spatial_build import SpatialMechanism, _places
+    from cross_checks.engines.pinocchio_.build import Mechanism, _places
 
     job = job_of(scene, settings, "pinocchio")
     mechanism = job.built.mechanism
     refuse_own(scene, "pinocchio")
-    planar = scene.dimension == 2
-    turning = [SpatialMechanism.number_coordinates, SpatialMechanism.configured, SpatialMechanism.rate]
+    turning = [Mechanism.number_coordinates, Mechanism.configured, Mechanism.rate]
     needs = "pinocchio (pin), numpy" + ("" if job.plan.counts else " and scipy")
     return script(
         job, needs, joints=list(_joints(mechanism.model)), constraints=list(_constraints(mechanism)),
         gravity=mechanism.model.gravity.linear, start=job.built.start, placements=list(_placements(job)),
-        turns=turns_of(scene) if planar else None, proximal=dynamics.PROXIMAL,
+        proximal=dynamics.PROXIMAL,
         dynamics=source(dynamics.right_hand_side), step=source(loop._rk4_step if job.plan.counts else loop._land),
         forces="" if mechanism.applied is None else forces_text(mechanism.applied), breaks=list(_breaks(job)),
-        turning="" if planar else source(*turning), places="" if planar else source(_places),
+        turning=source(*turning), places=source(_places),
     )  # fmt: skip
 
 
@@ -67,11 +66,10 @@ def _constraints(mechanism: Any) -> Iterator[tuple]:
 
 
 def _placements(job: Job) -> Iterator[tuple]:
-    """Yield the joint that carries each body, the body's place in it, and whether it has an orientation."""
+    """Yield the joint that carries each body, and the body's centre of mass in it (m)."""
     mechanism = job.built.mechanism
-    for k, body in enumerate(job.scene.bodies):
-        number = mechanism.joint[k]
-        yield (int(number), *_place(mechanism.placement[k]), isinstance(body, SpatialBody))
+    for k in range(len(job.scene.bodies)):
+        yield int(mechanism.joint[k]), mechanism.centre[k].tolist()
 
 
 FORM = Form("pinocchio", ".py", "a script that runs in Pinocchio alone", write_pinocchio)

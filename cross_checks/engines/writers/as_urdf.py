@@ -14,8 +14,8 @@ from xml.etree.ElementTree import Element, SubElement
 import numpy as np
 
 from cross_checks.engines.writers.form import Form, refuse
-from cross_checks.workshop.linkage import Link, Linkage, linkage_of
-from cross_checks.workshop.spatial_tree import FIXED
+from cross_checks.linkage.links import Link, Linkage, linkage_of
+from cross_checks.linkage.tree import FIXED
 from mbs_ref.scene import Bushing, Drive, Scene, TorsionSpring
 from mbs_ref.settings import Settings
 
@@ -66,7 +66,7 @@ def _refusals(linkage: Linkage) -> Iterator[str]:
         yield f"joint {closure.name!r} closes a loop, and URDF holds trees"
     free = [link.name for link in linkage.links if link.kind in ("free", "planar")]
     for link in linkage.links:
-        joint = _joint_name(linkage, link)
+        joint = _joint_name(link)
         if link.kind not in (*KINDS, "free", "planar"):
             yield f"joint {joint!r} is a {link.kind} joint; URDF has hinges, slides and welds"
         if not link.inertia.any():
@@ -106,12 +106,9 @@ def _damping(load: Any, link: Link, planar: bool) -> float | None:
     return None
 
 
-def _joint_name(linkage: Linkage, link: Link) -> str:
+def _joint_name(link: Link) -> str:
     """Return the name of the scene's joint that hangs a link on its parent."""
-    names = dict(enumerate(linkage.scene.body_names)) | {FIXED: "ground"}
-    ends = {link.name, names[link.parent]}
-    found = [joint.name for joint in linkage.scene.joints if set(joint.ends) == ends]
-    return found[0] if found else f"{link.name}_joint"
+    return link.joint or f"{link.name}_joint"
 
 
 class _Written:
@@ -144,7 +141,7 @@ class _Written:
         for link in self.linkage.links:
             if np.any(link.rates):
                 rates = ", ".join(map(repr, link.rates.tolist()))
-                yield f"at t = 0 the rate of joint {_joint_name(self.linkage, link)} is {rates}"
+                yield f"at t = 0 the rate of joint {_joint_name(link)} is {rates}"
 
     def _link(self, root: Element, link: Link) -> None:
         part = SubElement(SubElement(root, "link", name=link.name), "inertial")
@@ -156,7 +153,7 @@ class _Written:
 
     def _joint(self, root: Element, link: Link) -> None:
         kind = KINDS[link.kind]
-        joint = SubElement(root, "joint", name=_joint_name(self.linkage, link), type=kind)
+        joint = SubElement(root, "joint", name=_joint_name(link), type=kind)
         SubElement(joint, "parent", link=self.names[link.parent])
         SubElement(joint, "child", link=link.name)
         offset = link.origin - self.linkage.origin(link.parent)

@@ -17,48 +17,38 @@ from numba.core.extending import _Intrinsic
 
 from cross_checks.engines.writers.literals import literal
 from cross_checks.engines.writers.script import source, template
-from cross_checks.workshop.planar_forces import AppliedForces
-from cross_checks.workshop.planar_motion import arrays_of, motion_of, project
-from cross_checks.workshop.planar_tree import JointTree
-from cross_checks.workshop.spatial_forces import SpatialApplied
+from cross_checks.linkage.forces import Applied, planar_wrenches, spatial_wrenches
+from cross_checks.linkage.motion import LinkArrays, motion_of, project
 from mbs_ref.kernels.answers import ANSWERS
-from mbs_ref.kernels.planar.dynamics import load_state as load_planar
-from mbs_ref.kernels.planar.loads import planar_apply_loads
-from mbs_ref.kernels.spatial.loads import spatial_apply_loads
-from mbs_ref.kernels.spatial.orientation import load_state as load_spatial
-from mbs_ref.scene import SpatialBody, symmetric
-from mbs_ref.scene.euler_parameters import floats, rotation_matrices
+from mbs_ref.scene.euler_parameters import conjugate, floats, parameter_matrix, product
 
 ACCESSOR = "_of"  # ends the name of what gives a group of arrays of a model or of its scratch
 Sources = dict[str, Any]  # what a text names, by its name
+OF_KINEMATICS = ("force", "inertia", "omega")  # arrays that the core writes to and the sum of forces reads
 NEVER_CALLED = ("call_user",)  # a scene that has a user's own function is refused
-_IN_PLANE = (load_planar, planar_apply_loads, motion_of, project)
-_IN_SPACE = (load_spatial, spatial_apply_loads)
 
 
-def forces_text(applied: AppliedForces | SpatialApplied) -> str:
-    """Return the text of `on_bodies(t, ...)`, in the plane also of `generalized(t, q, v)`, as adapters call them."""
+def forces_text(applied: Applied) -> str:
+    """Return the text of MOTION, and of FORCES, which has the methods of the adapters' Applied."""
     system = applied.system
-    planar = isinstance(applied, AppliedForces)
-    named = _gathered("planar", *_IN_PLANE) if planar else _gathered("spatial", *_IN_SPACE)
+    core, root = ("planar", planar_wrenches) if applied.planar else ("spatial", spatial_wrenches)
+    named = _gathered(core, root)
     groups = [name.removesuffix(ACCESSOR) for name, value in named.items() if isinstance(value, _Intrinsic)]
     model = {name: getattr(system.groups, name) for name in groups if hasattr(system.groups, name)}
     work = {name: getattr(system.scratch, name) for name in groups if hasattr(system.scratch, name)}
-    spatial = {} if planar else {
-        "rigid": [(k, symmetric(b.inertia)) for k, b in enumerate(system.scene.bodies) if isinstance(b, SpatialBody)],
-        "rotation": source(floats, rotation_matrices), "start": array_text(applied.start),
-    }  # fmt: skip
-    return template("forces.py.j2").render(
-        code="\n\n".join(_texts(named)), planar=planar, model=list(map(_group, model, model.values())),
-        work=list(map(_group, work, work.values())), literal=literal, array=array_text,
-        tree=_group("", applied.arrays).removeprefix("=") if isinstance(applied, AppliedForces) else "", **spatial,
+    shared = {name: f"WORK.kinematics.{name}" for name in (("force",) if applied.planar else OF_KINEMATICS)}
+    own = {key: shared.get(key) or _value(value) for key, value in applied.core._asdict().items()}
+    return motion_text(applied.tree) + template("forces.py.j2").render(
+        code="\n\n".join(_texts(named)), core=core, own=", ".join(f"{key}={value}" for key, value in own.items()),
+        parameters=source(floats, conjugate, product, parameter_matrix),
+        model=list(map(_group, model, model.values())), work=list(map(_group, work, work.values())),
     )  # fmt: skip
 
 
-def motion_text(tree: JointTree) -> str:
-    """Return the text of `motion_of(TREE, q, v)`, which gives poses and velocities of a planar tree's coordinates."""
-    code = "\n\n".join(_texts(_gathered("planar", motion_of)))
-    return f"{code}\n\nTREE = {_group('', arrays_of(tree)).removeprefix('=')}\n"
+def motion_text(tree: LinkArrays) -> str:
+    """Return the text of MOTION, whose `motion_of` and `project` are those of the adapters over one linkage."""
+    code = "\n\n".join(_texts(_gathered("spatial", motion_of, project)))
+    return template("motion.py.j2").render(code=code, tree=_group("", tree).removeprefix("="))
 
 
 def plain_text(function: Callable[..., Any]) -> str:

@@ -8,13 +8,12 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 from jinja2 import Environment, FileSystemLoader, StrictUndefined, Template
 
 from cross_checks.engines.writers.form import Job
 from cross_checks.engines.writers.literals import counts_text, literal, rows, times_text
-from cross_checks.workshop.planar_tree import joint_tree
-from mbs_ref.scene import PlanarBody, Scene
+from cross_checks.linkage.links import linkage_of
+from mbs_ref.scene.euler_parameters import floats, product
 
 PLANAR = ["x", "y", "angle", "vx", "vy", "rate"]
 SPATIAL = ["x", "y", "z", "e0", "e1", "e2", "e3", "vx", "vy", "vz", "wx", "wy", "wz"]
@@ -43,7 +42,8 @@ def script(job: Job, needs: str, **tables: Any) -> str:
             job=job, plan=plan, needs=needs, planar=planar, columns=PLANAR if planar else SPATIAL,
             bodies=scene.body_names, times=times_text(plan.times),
             counts=counts_text(plan.counts) if plan.counts else "",
-            literal=literal, rows=rows, source=source, **tables,
+            literal=literal, rows=rows, source=source, linkage=linkage_of(scene), product=source(floats, product),
+            **tables,
         )
     )  # fmt: skip
 
@@ -51,13 +51,3 @@ def script(job: Job, needs: str, **tables: Any) -> str:
 def source(*codes: Any) -> str:
     """Return the adapter's own functions and classes as text."""
     return "\n\n".join(textwrap.dedent(inspect.getsource(code)).rstrip() + "\n" for code in codes)
-
-
-def turns_of(scene: Scene) -> list[tuple[float, list[int]]]:
-    """Return each planar body's angle at t = 0 (rad), and the coordinates of the joint tree that turn it."""
-    tree = joint_tree(scene)
-    unit = np.eye(tree.size)
-    _, _, _, rate = tree.poses(np.zeros_like(unit), unit)  # (n_q, n_bodies): what each coordinate's rate turns
-    assert set(np.unique(rate)) <= {0.0, 1.0}  # coordinates turn one way, and by their own angle
-    start = [body.angle if isinstance(body, PlanarBody) else 0.0 for body in scene.bodies]
-    return [(angle, np.flatnonzero(rate[:, k]).tolist()) for k, angle in enumerate(start)]

@@ -15,7 +15,7 @@ from cross_checks.conformance.broken_engines import Broken, Mistake, mistakes
 from cross_checks.conformance.examine import examine
 from cross_checks.conformance.finding import Report
 from cross_checks.conformance.questions import questions, unasked
-from cross_checks.workshop.method import SINGLE, Method
+from cross_checks.engine.method import SINGLE, Method
 from reports.commands.judge.conformance import command
 from tests.cross_checks.engines.engine_runs import engine
 

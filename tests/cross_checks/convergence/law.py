@@ -15,7 +15,7 @@ from typing import Literal
 
 import numpy as np
 
-from cross_checks.workshop.method import DOUBLE
+from cross_checks.engine.method import DOUBLE
 
 OUTPUTS = 40  # intervals between the output times of a run
 MOST_STEPS = 100_000  # of the finest fixed step

@@ -18,12 +18,12 @@ from functools import cache
 import numpy as np
 
 from cross_checks.engine import Engine, Method
+from cross_checks.engine.outcome import End, Loop
 from cross_checks.engines import ADAPTERS
 from cross_checks.judge.cell import judge_method
 from cross_checks.judge.runs import Runs
 from cross_checks.records.store import Store
 from cross_checks.truths import truth_for
-from cross_checks.workshop.outcome import End, Loop
 from mbs_ref import scenes
 from mbs_ref.scene import Scene
 from mbs_ref.scene.scales import scales_of

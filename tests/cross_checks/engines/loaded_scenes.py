@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from mbs_ref import scenes
 from mbs_ref.scene import (
     GROUND,
+    Bushing,
     Force,
     PlanarBody,
     PointMass,
@@ -12,10 +14,11 @@ from mbs_ref.scene import (
     Scene,
     SpringDamper,
     Torque,
+    TorqueVector,
     TorsionSpring,
     Weld,
 )
-from mbs_ref.scene.signals import Constant
+from mbs_ref.scene.signals import Constant, HalfSine
 
 
 def loaded_tree() -> Scene:
@@ -49,3 +52,19 @@ def loaded_tree() -> Scene:
             TorsionSpring(name="clock", body_a=GROUND, body_b="free", stiffness=2.0),
         ),
     )  # fmt: skip
+
+
+def loaded_top() -> Scene:
+    """Return a top with a spring, a bushing, a torque in its own axes, and a pulse that ends within the run."""
+    scene = scenes.make("heavy_top", spin=5.0)  # a bushing knows no more than half a turn
+    top = scene.bodies[0]
+    above = (top.position[0], top.position[1], top.position[2] + 0.3)
+    loads = (
+        SpringDamper(name="spring", body_a="ground", body_b=top.name, point_a=(0.4, 0.1, 0.2), point_b=above,
+                     stiffness=30.0, damping=0.2),
+        Bushing(name="bush", body_a=top.name, body_b="ground", point=above, stiffness=(3.0, 2.0, 1.0, 0.3, 0.2, 0.1)),
+        TorqueVector(name="twist", body=top.name, vector=(0.0, 0.1, 0.2), frame="body"),
+        Force(name="knock", body=top.name, point=above, vector=(1.0, 2.0, 0.5),
+              factor=HalfSine(peak=1.0, duration=0.033)),
+    )  # fmt: skip
+    return scene.model_copy(update={"loads": loads, "duration": 0.1})

@@ -18,6 +18,9 @@ HEIGHT = 0.1234567  # m, no whole number of steps: gap = 0 exactly at a step is 
 CASES = [
     ("mujoco", "rk4", "bouncing_ball", {"law": "spring_damper_force", "height": HEIGHT}),
     ("mujoco", "rk4", "newtons_cradle", {"law": "spring_damper", "balls": 2, "stiffness": 1e5, "damping": 30.0}),
+    ("mujoco", "rk4", "bouncing_ball", {"law": "progressive", "height": HEIGHT}),
+    ("pinocchio", "rk4", "bouncing_ball", {"law": "progressive", "height": HEIGHT}),
+    ("exudyn", "tree_rk44", "bouncing_ball", {"law": "progressive", "height": HEIGHT}),
     ("exudyn", "contact_rk44", "bouncing_ball", {"law": "spring_damper", "height": HEIGHT}),
     ("exudyn", "contact_rk44", "newtons_cradle", {"law": "spring_damper", "stiffness": 1e5, "damping": 30.0}),
 ]
@@ -43,12 +46,14 @@ def test_stock_contacts_of_mujoco_are_another_law():
     assert abs(run.velocity[-1, 0, 1] - 0.5717) > 0.1
 
 
-@pytest.mark.parametrize(("name", "method"), [("mujoco", "rk4"), ("exudyn", "contact_rk44")])
-def test_laws_that_an_engine_has_not_are_refused_by_name(name, method):
+@pytest.mark.parametrize(
+    ("name", "method", "law"), [("mujoco", "rk4", "rigid"), ("exudyn", "contact_rk44", "progressive")]
+)
+def test_laws_that_an_engine_has_not_are_refused_by_name(name, method, law):
     pytest.importorskip(name)
-    run = engines.get(name).run(scenes.make("bouncing_ball", law="progressive"), Settings(method=method, step=1e-3))
+    run = engines.get(name).run(scenes.make("bouncing_ball", law=law), Settings(method=method, step=1e-3))
     assert run.status is Status.REFUSED
-    assert "progressive_law" in run.message
+    assert f"{law}_law" in run.message
 
 
 def test_the_closed_form_is_a_truth():

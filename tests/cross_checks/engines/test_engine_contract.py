@@ -10,7 +10,8 @@ import pytest
 from cross_checks import engines
 from mbs_ref import scenes
 from mbs_ref.observables import rows
-from mbs_ref.scene import GROUND, PlanarBody, PointMass, Revolute, Scene, UserForce
+from mbs_ref.scene import GROUND, PlanarBody, PointOnPlane, Revolute, Scene, SpatialBody
+from mbs_ref.scene.contact import RigidLaw, SphereOnPlane
 from mbs_ref.settings import Settings
 from mbs_ref.trajectory import Status
 from tests.cross_checks.engines.engine_runs import engine, run, settings_of
@@ -166,13 +167,14 @@ def test_inconsistent_initial_velocities_are_named_not_snapped(name):
 
 
 @each_engine
-def test_spatial_scenes_and_unknown_parts_are_refused_together(name):
-    body = PointMass(name="stone", mass=1.0, position=(0.0, 0.0, 0.0), velocity=(0.0, 0.0, 0.0))
-    wind = UserForce(name="wind", function=lambda t, q, v: 0.0 * q)
-    scene = Scene(name="space", bodies=(body,), loads=(wind,), gravity=(0.0, 0.0, -9.81))
+def test_all_that_an_engine_lacks_is_refused_together(name):
+    body = SpatialBody(name="stone", mass=1.0, inertia=(1.0, 1.0, 1.0, 0.0, 0.0, 0.0), position=(0.0, 0.0, 0.0))
+    table = PointOnPlane(name="table", body_a=GROUND, body_b="stone", point=(0.0, 0.0, 0.0), normal=(0.0, 0.0, 1.0))
+    wall = SphereOnPlane(name="wall", body_a="stone", center=(0.0, 0.0, 0.0), radius=0.1, body_b=GROUND,
+                         point=(1.0, 0.0, 0.0), normal=(-1.0, 0.0, 0.0), law=RigidLaw(restitution=0.5))  # fmt: skip
+    scene = Scene(name="space", bodies=(body,), joints=(table,), contacts=(wall,), gravity=(0.0, 0.0, -9.81))
     reasons = [refusal.reason for refusal in engine(name).refusals(scene)]
-    assert any("spatial" in reason or "in space" in reason for reason in reasons)
-    assert ("user_force" in engine(name).part_types) == (len(reasons) == 1)
+    assert {"'point_on_plane'", "'rigid_law'"} <= {reason.split()[-1] for reason in reasons}
     result = engine(name).run(scene, Settings())
     assert result.status is Status.REFUSED
     assert all(reason in result.message for reason in reasons)

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from importlib.util import find_spec
 from itertools import pairwise
 
 import numpy as np
 import pytest
 
+from cross_checks import engines
 from mbs_ref import scenes
 from mbs_ref.observables import rows
 from mbs_ref.scene import GROUND, Force, PlanarBody, Scene, SpatialBody, SpringDamper, Torque
@@ -80,24 +82,28 @@ def test_a_tabulated_force_and_torque_move_a_free_body_exactly():
     assert result.orientation[-1, 0] == pytest.approx(1.0 / 3.0, abs=1e-6)
 
 
-def test_mujoco_refuses_a_load_that_varies_in_time():
+def test_mujoco_takes_a_load_that_varies_in_time_from_the_shared_force_code():
     ramp = Table(times=(0.0, 1.0), values=(0.0, 1.0))
-    result = run("mujoco", "rk4", pulled(ramp))
-    assert result.status is Status.REFUSED
-    assert "'pull' varies in time" in result.message
-    assert "'twist' varies in time" in result.message
+    result = run("mujoco", "rk4", pulled(ramp), step=1e-2, t_end=1.0, samples=2)
+    assert result.position[-1, 0] == pytest.approx((1.0 / 3.0, 0.0), abs=1e-13)  # RK4 is exact for t^3
+    assert result.orientation[-1, 0] == pytest.approx(1.0 / 3.0, abs=1e-13)
+    assert any("shared force code" in note for note in result.notes)
 
 
 @pytest.mark.parametrize("dimension", [2, 3])
-def test_mujoco_refuses_a_rope_that_damps(dimension):
-    """Its tendons damp while they are slack too."""
+def test_a_rope_that_damps_is_none_of_mujocos_tendons(dimension):
+    """Its tendons damp while they are slack too: the shared force code acts instead, and MJX refuses."""
     ends = {"body_a": GROUND, "body_b": "stone", "point_a": (0.0,) * dimension, "point_b": (2.0, 0.0, 0.0)[:dimension]}
-    pose = {"name": "stone", "mass": 1.0, "position": ends["point_b"]}
+    pose = {"name": "stone", "mass": 1.0, "position": ends["point_b"], "velocity": (1.0, 0.0, 0.0)[:dimension]}
     body = PlanarBody(inertia=1.0, **pose) if dimension == 2 else SpatialBody(inertia=(1.0,) * 3 + (0.0,) * 3, **pose)
     rope = SpringDamper(name="rope", stiffness=1.0, damping=0.1, tension_only=True, **ends)
-    result = run("mujoco", "rk4", Scene(name="rope", gravity=(0.0,) * dimension, bodies=(body,), loads=(rope,)))
-    assert result.status is Status.REFUSED
-    assert "load 'rope': a mujoco tendon damps while slack" in result.message
+    scene = Scene(name="rope", gravity=(0.0,) * dimension, bodies=(body,), loads=(rope,))
+    own = run("mbs_ref", "rk4", scene, step=1e-3, t_end=1.0, samples=3, events="none")
+    assert distance(run("mujoco", "rk4", scene, step=1e-3, t_end=1.0, samples=3), own) < 1e-12
+    if "mjx" in engines.names() and find_spec("mujoco.mjx") is not None:
+        refused = run("mjx", "rk4", scene)
+        assert refused.status is Status.REFUSED
+        assert "load 'rope': a mjx tendon damps while slack" in refused.message
 
 
 def test_a_rope_pulls_and_never_pushes():

@@ -7,8 +7,8 @@ import math
 import numpy as np
 import pytest
 
-from cross_checks.workshop.outcome import End
-from cross_checks.workshop.plan import Plan
+from cross_checks.engine.outcome import End
+from cross_checks.engine.plan import Plan
 from mbs_ref import scenes
 from mbs_ref.observables import constraint_residual
 from mbs_ref.scene import GROUND, PlanarBody, PointMass, Prismatic, Revolute, Scene, SpringDamper
@@ -148,11 +148,11 @@ def test_the_kinematic_trees_own_centres_of_mass_are_those_reported():
     sensors = [
         model.mbs.AddSensor(
             exu.itemInterface.SensorKinematicTree(
-                objectNumber=model.number, linkNumber=edge.start, localPosition=_centre(model.tree, edge),
+                objectNumber=model.number, linkNumber=k, localPosition=centre,
                 storeInternal=True, writeToFile=False, outputVariableType=exu.OutputVariableType.Position,
             )
         )
-        for edge in model.tree.edges
+        for k, centre in enumerate(model.centres)
     ]  # fmt: skip
     model.mbs.Assemble()
     options = exu.SimulationSettings()
@@ -161,9 +161,9 @@ def test_the_kinematic_trees_own_centres_of_mass_are_those_reported():
     model.mbs.SolveDynamic(options, solverType=exu.DynamicSolverType.RK44)
     stored = [model.mbs.GetSensorStoredData(sensor) for sensor in model.sensors]
     position, *_ = model.poses(np.hstack([data[-1:, 1:] for data in stored]))
-    for edge, sensor in zip(model.tree.edges, sensors, strict=True):
+    for link, sensor in zip(model.linkage.links, sensors, strict=True):
         own = model.mbs.GetSensorStoredData(sensor)[-1, 1:3]
-        assert own == pytest.approx(position[0, edge.body], abs=1e-13)
+        assert own == pytest.approx(position[0, link.body], abs=1e-13)
 
 
 def mixed_slides() -> Scene:
@@ -178,14 +178,6 @@ def mixed_slides() -> Scene:
         Revolute(name="elbow", body_a="b", body_b="c", point=(2.0, 0.0)),
     )
     return Scene(name="slides", gravity=(1.0, -9.81), bodies=bodies, joints=joints)
-
-
-def _centre(tree, edge) -> list[float]:
-    """Return the centre of mass in the link's frame, which lies along the axis of a slide."""
-    arm = tree.position[edge.body] - edge.point
-    if edge.kind == "prismatic":
-        arm = np.array([edge.axis @ arm, edge.axis[0] * arm[1] - edge.axis[1] * arm[0]])
-    return [*arm, 0.0]
 
 
 def test_what_engines_do_as_they_come_is_what_their_packages_say():

@@ -14,8 +14,8 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
+from cross_checks.engine.robot import RobotError
 from cross_checks.engines.parity import Values, by_us, differences, joints_of, parity, readers
-from cross_checks.workshop.robot import RobotError
 from reports.cli import main
 
 pytest.importorskip("pinocchio")

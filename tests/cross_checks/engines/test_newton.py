@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+from cross_checks.engine.method import SINGLE
 from cross_checks.judge.one_run import evaluate
-from cross_checks.workshop.method import SINGLE
 from mbs_ref import scenes
 from mbs_ref.scene import (
     GROUND,

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from cross_checks.conformance.probes import probes
+from cross_checks.engine.plan import Plan, plan_run
 from cross_checks.judge.one_run import evaluate
-from cross_checks.workshop.plan import Plan, plan_run
 from mbs_ref import scenes
 from mbs_ref.scene import PlanarBody, Scene
 from mbs_ref.settings import Settings

@@ -15,12 +15,11 @@ from cross_checks.engine import Engine
 from cross_checks.engines import writers
 from cross_checks.trajectory_files.column_map import own_map
 from mbs_ref import scenes
-from mbs_ref.scene import Bushing, Force, Scene, SpringDamper, TorqueVector
-from mbs_ref.scene.signals import HalfSine
+from mbs_ref.scene import Scene, SpringDamper
 from mbs_ref.settings import Settings
 from reports.poses_file import write_poses
 from tests.cross_checks.engines.engine_runs import engine
-from tests.cross_checks.engines.loaded_scenes import loaded_tree
+from tests.cross_checks.engines.loaded_scenes import loaded_top, loaded_tree
 
 OURS = {"mbs_ref", "cross_checks", "benchmarks", "reports", "tests"}
 ROUNDOFF = (
@@ -128,26 +127,10 @@ def test_contact_that_mujoco_has_itself_as_a_script(tmp_path):
     assert_alike(engine("mujoco"), hopping, Settings(t_end=0.3, samples=4), tmp_path)
 
 
-def loaded_top() -> Scene:
-    """Return a top with a spring, a bushing, a torque in its own axes, and a pulse that ends within the run."""
-    scene = scenes.make("heavy_top", spin=5.0)  # a bushing knows no more than half a turn
-    top = scene.bodies[0]
-    above = (top.position[0], top.position[1], top.position[2] + 0.3)
-    loads = (
-        SpringDamper(name="spring", body_a="ground", body_b=top.name, point_a=(0.4, 0.1, 0.2), point_b=above,
-                     stiffness=30.0, damping=0.2),
-        Bushing(name="bush", body_a=top.name, body_b="ground", point=above, stiffness=(3.0, 2.0, 1.0, 0.3, 0.2, 0.1)),
-        TorqueVector(name="twist", body=top.name, vector=(0.0, 0.1, 0.2), frame="body"),
-        Force(name="knock", body=top.name, point=above, vector=(1.0, 2.0, 0.5),
-              factor=HalfSine(peak=1.0, duration=0.033)),
-    )  # fmt: skip
-    return scene.model_copy(update={"loads": loads, "duration": 0.1})
-
-
 @pytest.mark.parametrize(
     ("name", "scene", "chosen"),
     [(name, scene, {}) for name in ("pinocchio", "drake") for scene in (loaded_tree, loaded_top)]
-    + [("exudyn", loaded_tree, {})],
+    + [("exudyn", loaded_tree, {}), ("exudyn", loaded_top, {})],
 )
 def test_all_kinds_of_loads_go_with_a_script(name, scene, chosen, tmp_path):
     assert_alike(engine(name), scene(), Settings(**SHORT, **chosen), tmp_path)
@@ -178,7 +161,7 @@ def test_what_a_script_prints_is_a_file_that_judge_reads_without_a_map():
     ("name", "scene", "named"),
     [
         ("pinocchio", "kepler", "part type 'newton'"),
-        ("mujoco", "bouncing_ball", "release = 'force'"),
+        ("mujoco", "bouncing_ball", "contact 'floor' (circle_on_line)"),
         ("mujoco", "kepler", "part type 'newton'"),
     ],
 )

@@ -10,9 +10,9 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from cross_checks.workshop.method import Method, Refusal, exponential
-from cross_checks.workshop.outcome import Loop, end_of
-from cross_checks.workshop.plan import Plan, output_times, plan_run
+from cross_checks.engine.method import Method, Refusal, exponential
+from cross_checks.engine.outcome import Loop, end_of
+from cross_checks.engine.plan import Plan, output_times, plan_run
 from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings
 from mbs_ref.trajectory import Timing, Trajectory

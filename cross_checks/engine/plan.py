@@ -7,9 +7,9 @@ from typing import ClassVar, Protocol
 
 import numpy as np
 
-from cross_checks.workshop.initial_state import inconsistency
-from cross_checks.workshop.method import Method, Refusal
-from cross_checks.workshop.outcome import stopped
+from cross_checks.engine.initial_state import inconsistency
+from cross_checks.engine.method import Method, Refusal
+from cross_checks.engine.outcome import stopped
 from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings
 from mbs_ref.trajectory import Status, Trajectory

@@ -1,0 +1,178 @@
+"""Joints and loads in redundant coordinates."""
+
+# Its items take their arguments by names that type checkers cannot see.
+# pyright: reportCallIssue=false, reportArgumentType=false, reportAttributeAccessIssue=false
+
+from __future__ import annotations
+
+import exudyn as exu
+import exudyn.itemInterface as item
+import numpy as np
+
+from cross_checks.engine.prescribed import constant_value, displacement, factor
+from cross_checks.engines.exudyn_.model import Redundant
+from cross_checks.linkage.links import Z, lifted, rest_length, rest_turn
+from cross_checks.linkage.tree import FIXED
+from mbs_ref.scene import (
+    CoordinateDrive,
+    Cylindrical,
+    Distance,
+    Force,
+    PlanarBody,
+    PointMass,
+    Prismatic,
+    Revolute,
+    Spherical,
+    SpringDamper,
+    Torque,
+    TorqueVector,
+    TorsionSpring,
+    Weld,
+)
+from mbs_ref.scene.base.directions import normals, unit
+
+CALLS = "{} {!r} calls Python at every residual"
+
+
+def _add_revolute(model: Redundant, joint: Revolute) -> None:
+    if not model.planar:
+        return _add_generic(model, joint, joint.axis, [1, 1, 1, 1, 1, 0])
+    _watch_force(model, joint.name, _pin(model, joint), 3)
+
+
+def _pin(model: Redundant, joint: Revolute | Weld) -> int:
+    return model.mbs.AddObject(item.ObjectJointRevolute2D(markerNumbers=model.pair(joint, joint.point, joint.point)))
+
+
+def _watch_force(model: Redundant, joint: str, number: int, width: int) -> None:
+    """Record the force of a joint, in the plane."""
+    model.forces[joint] = sum(model.widths)
+    model.watch(item.SensorObject, {"objectNumber": number}, exu.OutputVariableType.Force, width)
+
+
+def _add_weld(model: Redundant, joint: Weld) -> None:
+    """Hold a body at a point and at its angle; a particle in the plane has none."""
+    if not model.planar:
+        return _add_generic(model, joint, Z, [1, 1, 1, 1, 1, 1])
+    _pin(model, joint)
+    bodies = [model.scene.body_index(name) for name in (joint.body_a, joint.body_b)]
+    if all(k == FIXED or isinstance(model.scene.bodies[k], PlanarBody) for k in bodies):
+        markers = [model.coordinate(body, 2) for body in (joint.body_a, joint.body_b)]
+        model.mbs.AddObject(item.ObjectConnectorCoordinate(markerNumbers=markers))
+
+
+def _add_prismatic(model: Redundant, joint: Prismatic) -> None:
+    if not model.planar:
+        return _add_generic(model, joint, joint.axis, [1, 1, 0, 1, 1, 1])
+    markers = [model.marker(body, joint.point, rigid=True) for body in (joint.body_a, joint.body_b)]
+    axis = unit(lifted(joint.axis))
+    along, across = model.axes(joint.body_a).T @ axis, model.axes(joint.body_b).T @ np.cross(Z, axis)
+    model.mbs.AddObject(
+        item.ObjectJointPrismatic2D(markerNumbers=markers, axisMarker0=list(along), normalMarker1=list(across))
+    )
+
+
+def _add_cylindrical(model: Redundant, joint: Cylindrical) -> None:
+    _add_generic(model, joint, joint.axis, [1, 1, 0, 1, 1, 0])
+
+
+def _add_generic(model: Redundant, joint, axis, fixed: list[int]) -> None:
+    """Add a joint along z of a frame whose z axis is the joint's; `fixed` marks the six relative motions it stops."""
+    frame = np.column_stack((*normals(axis), unit(axis)))
+    markers = [model.frame(body, joint.point, frame) for body in (joint.body_a, joint.body_b)]
+    model.mbs.AddObject(item.ObjectJointGeneric(markerNumbers=markers, constrainedAxes=fixed))
+
+
+def _add_spherical(model: Redundant, joint: Spherical) -> None:
+    model.mbs.AddObject(item.ObjectJointSpherical(markerNumbers=model.pair(joint, joint.point, joint.point)))
+
+
+def _add_distance(model: Redundant, joint: Distance) -> None:
+    length = joint.length or float(np.linalg.norm(np.subtract(joint.point_b, joint.point_a)))
+    markers = model.pair(joint, joint.point_a, joint.point_b)
+    number = model.mbs.AddObject(item.ObjectConnectorDistance(markerNumbers=markers, distance=length))
+    if model.planar:
+        _watch_force(model, joint.name, number, 1)
+
+
+def _add_drive(model: Redundant, joint: CoordinateDrive) -> None:
+    coordinate = ("x", "y", "angle").index(joint.coordinate)
+    motion = displacement(joint.motion, joint.level)
+    markers = [model.coordinate("ground", 0), model.coordinate(joint.body, coordinate)]
+
+    def place(mbs, t, number, offset) -> float:
+        return motion.value(t)
+
+    def speed(mbs, t, number, offset) -> float:
+        return motion.rate(t)
+
+    model.mbs.AddObject(
+        item.ObjectConnectorCoordinate(markerNumbers=markers, offsetUserFunction=place, offsetUserFunction_t=speed)
+    )
+    model.notes += (CALLS.format("drive", joint.name),)
+
+
+def _add_spring(model: Redundant, load: SpringDamper) -> None:
+    law = {"springForceUserFunction": pull_only} if load.tension_only else {}
+    model.mbs.AddObject(
+        item.ObjectConnectorSpringDamper(
+            markerNumbers=model.pair(load, load.point_a, load.point_b), referenceLength=rest_length(load),
+            stiffness=load.stiffness, damping=load.damping, **law,
+        )
+    )  # fmt: skip
+    if load.tension_only:
+        model.notes += (CALLS.format("load", load.name),)
+
+
+def pull_only(mbs, t, number, stretch, stretch_rate, stiffness, damping, force) -> float:
+    return max(0.0, stiffness * stretch + damping * stretch_rate) if stretch > 0.0 else 0.0
+
+
+def _add_torsion(model: Redundant, load: TorsionSpring) -> None:
+    """Add a spring between the angles of two planar bodies, or about z of a frame whose z axis is the spring's."""
+    ends, rest = (load.body_a, load.body_b), rest_turn(model.scene, load)
+    if model.planar:
+        markers, kind = [model.coordinate(body, 2) for body in ends], item.ObjectConnectorCoordinateSpringDamper
+    else:
+        frame, kind = np.column_stack((*normals(load.axis), unit(load.axis))), item.ObjectConnectorTorsionalSpringDamper
+        markers = [model.frame(body, _centre(model, body), frame) for body in ends]
+    law = {"stiffness": load.stiffness, "damping": load.damping, "offset": rest}
+    model.mbs.AddObject(kind(markerNumbers=markers, **law))
+
+
+def _centre(model: Redundant, body: str):
+    k = model.scene.body_index(body)
+    return model.scene.bodies[k].position if k != FIXED else np.zeros(model.scene.dimension)
+
+
+def _add_push(model: Redundant, load: Force | Torque | TorqueVector) -> None:
+    """Add a force or torque; along body axes Exudyn takes it in the body's own. A particle has none."""
+    force, body = isinstance(load, Force), model.scene.bodies[model.scene.body_index(load.body)]
+    vector = load.torque * Z if isinstance(load, Torque) else lifted(load.vector)
+    follows = getattr(load, "frame", "world") == "body" and not isinstance(body, PointMass)
+    if follows:
+        vector = model.axes(load.body).T @ vector
+    rigid = (follows or not force) if model.planar else None
+    marker = model.marker(load.body, load.point if force else body.position, rigid=rigid)
+    kind, constant = (item.LoadForceVector if force else item.LoadTorqueVector), constant_value(load.factor)
+    if constant is not None:
+        model.mbs.AddLoad(kind(markerNumber=marker, loadVector=(constant * vector).tolist(), bodyFixed=follows))
+        return
+    signal = factor(load.factor)
+
+    def scaled(mbs, t, unit) -> list[float]:
+        return [signal.value(t) * c for c in unit]
+
+    model.mbs.AddLoad(
+        kind(markerNumber=marker, loadVector=vector.tolist(), bodyFixed=follows, loadVectorUserFunction=scaled)
+    )
+    model.notes += (CALLS.format("load", load.name),)
+
+
+JOINTS = {
+    Revolute: _add_revolute, Weld: _add_weld, Prismatic: _add_prismatic, Distance: _add_distance,
+    CoordinateDrive: _add_drive, Spherical: _add_spherical, Cylindrical: _add_cylindrical,
+}  # fmt: skip
+LOADS = {
+    **dict.fromkeys((Force, Torque, TorqueVector), _add_push), SpringDamper: _add_spring, TorsionSpring: _add_torsion,
+}  # fmt: skip

@@ -1,0 +1,147 @@
+"""A scene as a Pinocchio model; free-flyers and spherical joints carry quaternions.
+
+Every joint's frame stands along the world's axes at t = 0, where all coordinates are neutral.
+"""
+
+# It is installed under a prefix that only the interpreter knows.
+# pyright: reportMissingImports=false
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+
+from cross_checks.linkage.forces import Applied, applied
+from cross_checks.linkage.links import Closure, Link, Linkage, Z
+from cross_checks.linkage.tree import FIXED
+
+FREE, BALL = "JointModelFreeFlyer", "JointModelSpherical"
+
+
+@dataclass
+class Mechanism:
+    """A Pinocchio model and where the scene's bodies are in it."""
+
+    linkage: Linkage
+    model: Any
+    data: Any
+    applied: Applied | None  # all loads and contacts with gravity; None where gravity is all
+    joint: dict[int, int] = field(default_factory=dict)  # body -> the last joint that carries it
+    first: dict[int, int] = field(default_factory=dict)  # body -> the first joint between it and its parent
+    centre: dict[int, np.ndarray] = field(default_factory=dict)  # body -> (3,) m, its centre of mass in that joint
+    contacts: Any = field(default_factory=lambda: pin.StdVec_RigidConstraintModel())
+    closing: list[str] = field(default_factory=list)  # the scene's joint of each contact
+    turns: Any = None  # (k, 4) places of quaternions in q, (k, 3) of their rates in v
+    flights: Any = None  # free-flyers: (m, 3) places of positions in q, (m, 3) of velocities in v, (m,) turns
+    plain: Any = None  # (p,) places of all other coordinates in q and of their rates in v
+
+    @property
+    def n_q(self) -> int:
+        return int(self.model.nq)
+
+    def configured(self, q: np.ndarray) -> np.ndarray:
+        """Return q with quaternions of norm one, which Pinocchio takes for granted."""
+        if not len(self.turns[0]):
+            return q
+        q = q.copy()
+        theta = q[self.turns[0]]
+        q[self.turns[0]] = theta / np.linalg.norm(theta, axis=1, keepdims=True)
+        return q
+
+    def rate(self, q: np.ndarray, v: np.ndarray) -> np.ndarray:
+        """Return q': quaternions turn with v in the body's axes, and so do free-flyers' velocities."""
+        if not len(self.turns[0]):
+            return v
+        rate = np.zeros(self.n_q)
+        rate[self.plain[0]] = v[self.plain[1]]
+        theta, omega = q[self.turns[0]], v[self.turns[1]]  # x, y, z, w
+        e, w = theta[:, :3], theta[:, 3:]
+        rate[self.turns[0][:, :3]] = 0.5 * (w * omega + np.cross(e, omega))
+        rate[self.turns[0][:, 3]] = -0.5 * np.sum(e * omega, axis=1)
+        places, speeds, which = self.flights
+        if len(places):
+            speed = v[speeds]
+            twice = 2.0 * np.cross(e[which], speed)
+            rate[places] = speed + w[which] * twice + np.cross(e[which], twice)
+        return rate
+
+    def number_coordinates(self) -> None:
+        """Note where quaternions, free-flyers and plain coordinates are."""
+        turns, flights, plain = ([], []), ([], [], []), ([], [], [])
+        for joint in list(self.model.joints)[1:]:
+            q, v, kind = joint.idx_q, joint.idx_v, joint.shortname()
+            if kind == FREE:
+                for part, places in zip(flights, (range(q, q + 3), range(v, v + 3), len(turns[0])), strict=True):
+                    part.append(places)
+                q, v = q + 3, v + 3
+            if kind in (FREE, BALL):
+                turns[0].append(range(q, q + 4))
+                turns[1].append(range(v, v + 3))
+            else:
+                plain[0].extend(range(q, q + joint.nq))
+                plain[1].extend(range(v, v + joint.nv))
+        self.turns = tuple(_places(part, k) for part, k in zip(turns, (4, 3), strict=True))
+        self.flights = (_places(flights[0], 3), _places(flights[1], 3), np.array(flights[2], dtype=int))
+        self.plain = tuple(np.array(part, dtype=int) for part in plain)
+
+    def torques(self, t: float, q: np.ndarray, v: np.ndarray) -> np.ndarray:
+        """Return tau: zero, or the scene's applied forces projected on the joints."""
+        return np.zeros(self.model.nv) if self.applied is None else self.applied.generalized(t, q, v)
+
+
+def _places(ranges: list, width: int) -> np.ndarray:
+    return np.array([list(places) for places in ranges], dtype=int).reshape(-1, width)
+
+
+def mechanism_of(linkage: Linkage, gains: tuple[float, float]) -> Mechanism:
+    """Return the scene as a model, with the joints that close loops as contacts of points and frames."""
+    model, loads = pin.Model(), applied(linkage)
+    # with loads, gravity comes with them from the one system of applied forces
+    model.gravity.linear = linkage.gravity if loads is None else np.zeros(3)
+    mechanism = Mechanism(linkage, model, None, loads, joint={FIXED: 0})
+    origin = {0: np.zeros(3)}  # of a joint's frame at t = 0
+    for link in linkage.links:
+        number = mechanism.joint[link.parent]
+        for k, joint in enumerate(_joint_models(link)):
+            number = model.addJoint(number, joint, _at(link.origin - origin[number]), f"{link.name}/{k}")
+            origin[number] = link.origin
+            mechanism.first.setdefault(link.body, number)
+        mechanism.joint[link.body] = number
+        mechanism.centre[link.body] = link.origin + link.centre - origin[number]
+        inertia = pin.Inertia(link.mass, np.zeros(3), link.inertia)
+        model.appendBodyToJoint(number, inertia, _at(mechanism.centre[link.body]))
+    for closure in linkage.closures:
+        for contact in _contacts(mechanism, closure, origin, gains):
+            mechanism.contacts.append(contact)
+            mechanism.closing.append(closure.name)
+    mechanism.data = model.createData()
+    mechanism.number_coordinates()
+    return mechanism
+
+
+def _at(place: np.ndarray) -> pin.SE3:
+    return pin.SE3(np.eye(3), place)
+
+
+def _joint_models(link: Link) -> Iterable[Any]:
+    kinds = {
+        "free": lambda _: pin.JointModelFreeFlyer(), "ball": lambda _: pin.JointModelSpherical(),
+        "slide": pin.JointModelPrismaticUnaligned,
+        "turn": lambda axis: pin.JointModelRZ() if np.array_equal(axis, Z) else pin.JointModelRevoluteUnaligned(axis),
+    }  # fmt: skip
+    return [kinds[kind](axis) for kind, axis in link.freedoms]
+
+
+def _contacts(mechanism: Mechanism, closure: Closure, origin: dict[int, np.ndarray], gains) -> Iterable[Any]:
+    """Yield the contacts; a hinge is two shared points: one row too many, which the proximal solver tolerates."""
+    kind = pin.ContactType.CONTACT_6D if closure.kind == "weld" else pin.ContactType.CONTACT_3D
+    a, b = mechanism.joint[closure.a], mechanism.joint[closure.b]
+    for point in closure.shared_points:
+        at_a, at_b = _at(point - origin[a]), _at(point - origin[b])
+        contact = pin.RigidConstraintModel(kind, mechanism.model, a, at_a, b, at_b, pin.ReferenceFrame.LOCAL)
+        contact.setBaumgarteCorrectorParameters(pin.BaumgarteCorrectorParameters(*gains))
+        yield contact

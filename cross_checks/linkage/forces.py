@@ -1,0 +1,194 @@
+"""Loads and contacts of a linkage by our own force code, for other engines: then dynamics is what is compared.
+
+Contact forces are clipped by the state instead of switched at located events, so a one-step method is of
+order 2 where a force starts with a kink, and of order 1 where it jumps.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple, Protocol, get_args
+
+import numpy as np
+
+from cross_checks.engine.method import Refusal
+from cross_checks.linkage.links import Linkage
+from cross_checks.linkage.motion import Motion, arrays_of, composed, motion_of, project, rotated
+from mbs_ref.cores.choice import compile_scene
+from mbs_ref.kernels.border.questions import apply_loads
+from mbs_ref.kernels.jit import jit
+from mbs_ref.kernels.planar.dynamics import load_state as load_planar
+from mbs_ref.kernels.spatial.orientation import load_state as load_spatial
+from mbs_ref.kernels.spatial.vectors import cross, plus, put, symmetric_times, triple
+from mbs_ref.scene import Scene
+from mbs_ref.scene.celestial import CelestialLoad
+from mbs_ref.scene.contact import ConstraintLaw, FloresLaw, LankaraniNikraveshLaw, RigidLaw, StickSlip
+from mbs_ref.scene.euler_parameters import conjugate, from_matrix, parameter_matrix, product
+from mbs_ref.scene.events import Event
+from mbs_ref.scene.joints import Drive, PointOnPlane, RollingWheel, UserConstraint
+from mbs_ref.scene.traits import PART_TYPES
+
+SHARED = "loads and contacts come from the shared force code, called through Python"
+LOCATED = (RigidLaw, LankaraniNikraveshLaw, FloresLaw, ConstraintLaw, StickSlip)  # need located events
+_LACKS = (
+    *get_args(CelestialLoad), *get_args(get_args(Event)[0]), *Drive.__subclasses__(), *LOCATED,
+    PointOnPlane, RollingWheel, UserConstraint,
+)  # fmt: skip
+PARTS = frozenset(PART_TYPES) - {part.model_fields["type"].default for part in _LACKS}  # of links and shared forces
+MECHANISM = frozenset(
+    {"planar", "point_mass", "spatial"}
+    | {"revolute", "prismatic", "weld", "distance", "spherical", "cylindrical", "universal"}
+)  # bodies and joints, which links stand for
+
+
+def contact_refusals(scene: Scene) -> list[Refusal]:
+    """Return why the scene's contacts need located events, contact by contact."""
+    return [
+        Refusal(f"contact {c.name!r}: {c.law.type} or its friction needs located events", False)
+        for c in scene.contacts
+        if isinstance(c.law, LOCATED) or isinstance(c.friction, LOCATED)
+    ]
+
+
+class Core(NamedTuple):
+    """Where our force code has a scene's bodies, and what it leaves: forces in an order of its own."""
+
+    angle: np.ndarray  # (n_bodies,) rad at t = 0, of planar bodies
+    theta: np.ndarray  # (n_bodies, 4) Euler parameters at t = 0, of spatial bodies
+    rigid: np.ndarray  # (n_bodies,) 1.0; 0.0 for particles, which transmit no torque
+    order: np.ndarray  # (n_bodies,) scene index
+    force: np.ndarray  # (n_bodies, 3 or 6) N, N m
+    q: np.ndarray  # (n_bodies,) first place of a body in the state; in space alone, as all that follow
+    v: np.ndarray  # (n_bodies + 1,) the same of its velocity, and the state's size
+    inertia: np.ndarray  # (n_bodies, 6) kg m^2, world axes
+    omega: np.ndarray  # (n_bodies, 3) rad/s
+
+
+@jit
+def planar_forces(model, work, core, t, pose, rate):
+    """Return the forces (n_bodies, 3) of planar poses and velocities (n_bodies, 3): N, N, N m."""
+    load_planar(model, work, np.concatenate((pose.ravel(), rate.ravel())))
+    apply_loads(model, work, t)
+    force = np.empty_like(pose)
+    for i, b in enumerate(core.order):
+        force[b, 0], force[b, 1], force[b, 2] = core.force[i, 0], core.force[i, 1], core.force[i, 2] * core.rigid[b]
+    return force
+
+
+@jit
+def planar_wrenches(model, work, core, t, motion):
+    """Return force and torque (n_bodies, 6) of all loads, contacts and gravity in the plane."""
+    pose, rate, wrench = motion.position.copy(), motion.velocity.copy(), np.zeros((core.rigid.shape[0], 6))
+    for b in range(core.rigid.shape[0]):
+        pose[b, 2] = (core.angle[b] + motion.angle[b]) * core.rigid[b]
+        rate[b, 2] = motion.omega[b, 2] * core.rigid[b]
+    force = planar_forces(model, work, core, t, pose, rate)
+    for b in range(core.rigid.shape[0]):
+        wrench[b, 0], wrench[b, 1], wrench[b, 5] = force[b, 0], force[b, 1], force[b, 2]
+    return wrench
+
+
+@jit
+def spatial_wrenches(model, work, core, t, motion):
+    """Return the same in space; contacts that stick have no deflection."""
+    y, wrench = np.zeros(core.v[-1]), np.zeros((core.rigid.shape[0], 6))
+    for b in range(core.rigid.shape[0]):
+        q, v = core.q[b], core.v[b]
+        put(y, q, motion.position[b])
+        put(y, v, motion.velocity[b])
+        if core.rigid[b] == 1.0:
+            theta = composed(motion.turn[b], core.theta[b])
+            y[q + 3], y[q + 4], y[q + 5], y[q + 6] = theta
+            put(y, v + 3, rotated((theta[0], -theta[1], -theta[2], -theta[3]), motion.omega[b]))
+    load_spatial(model, work, y)
+    apply_loads(model, work, t)
+    for i, b in enumerate(core.order):
+        put(wrench[b], 0, core.force[i])
+        if core.rigid[b] == 1.0:  # the core counts the gyroscopic torque among its forces
+            gyroscopic = cross(core.omega[i], symmetric_times(core.inertia[i], core.omega[i]))
+            put(wrench[b], 3, plus(triple(core.force[i], 3), gyroscopic))
+    return wrench
+
+
+@jit
+def planar_generalized(model, work, core, tree, t, q, v):
+    """Return the generalized forces (n_v,) of a planar linkage's coordinates and rates."""
+    motion, axes = motion_of(tree, q, v)
+    return project(tree, motion, axes, planar_wrenches(model, work, core, t, motion))
+
+
+@jit
+def spatial_generalized(model, work, core, tree, t, q, v):
+    """Return the same of a spatial linkage."""
+    motion, axes = motion_of(tree, q, v)
+    return project(tree, motion, axes, spatial_wrenches(model, work, core, t, motion))
+
+
+class Applied:
+    """Forces and torques of all loads, contacts and gravity on the bodies of a linkage."""
+
+    def __init__(self, linkage: Linkage) -> None:
+        self.tree = arrays_of(linkage)
+        self.planar = linkage.scene.dimension == 2
+        self.system: Any = compile_scene(linkage.scene)
+        start = self.system.initial_state()
+        self.system.start_contacts(0.0, start, located=False)
+        bodies, kinematics = self.system.groups.bodies, self.system.scratch.kinematics
+        in_space = np.zeros((2, 1), dtype=np.int64), np.zeros((0, 6)), np.zeros((0, 3))
+        if not self.planar:
+            places = np.full((2, len(linkage.links) + 1), len(start))
+            places[:, bodies.scene_index] = bodies.q, bodies.v
+            in_space = places, kinematics.inertia, kinematics.omega
+        places, *gyroscopic = in_space
+        self.core = Core(
+            linkage.angle, linkage.theta, linkage.rigid, bodies.scene_index, kinematics.force, *places, *gyroscopic
+        )
+
+    def wrenches(self, t: float, motion: Motion) -> np.ndarray:
+        """Return force (N) and torque about the centre of mass (N m), (n_bodies, 6), world axes."""
+        self.system.set_mode_time(t)
+        evaluate = planar_wrenches if self.planar else spatial_wrenches
+        return evaluate(self.system.model, self.system.work, self.core, t, motion)
+
+    def in_plane(self, t: float, pose: np.ndarray, rate: np.ndarray) -> np.ndarray:
+        """Return the forces (n_bodies, 3) of planar poses and velocities (n_bodies, 3): N, N, N m."""
+        self.system.set_mode_time(t)
+        return planar_forces(self.system.model, self.system.work, self.core, t, pose, rate)
+
+    def of_parameters(self, t: float, pose: np.ndarray, rate: np.ndarray) -> np.ndarray:
+        """Return the generalized forces (n_bodies, 7) of places and Euler parameters and their rates: N, N m."""
+        theta, arms = pose[:, 3:], np.array([parameter_matrix(one) for one in pose[:, 3:]])
+        turn = product(theta / np.linalg.norm(theta, axis=1, keepdims=True), conjugate(self.core.theta))
+        omega = 2.0 * np.einsum("nij,nj->ni", arms, rate[:, 3:])
+        motion = Motion(pose[:, :3].copy(), turn, rate[:, :3].copy(), omega, np.zeros(len(pose)))
+        wrench = self.wrenches(t, motion)
+        return np.column_stack((wrench[:, :3], 2.0 * np.einsum("nij,ni->nj", arms, wrench[:, 3:])))
+
+    def generalized(self, t: float, q: np.ndarray, v: np.ndarray) -> np.ndarray:
+        """Return the generalized forces (n_v,) of the linkage's coordinates and rates (see `motion_of`)."""
+        self.system.set_mode_time(t)
+        evaluate = planar_generalized if self.planar else spatial_generalized
+        return evaluate(self.system.model, self.system.work, self.core, self.tree, t, q, v)
+
+
+def applied(linkage: Linkage) -> Applied | None:
+    """Return what acts besides gravity, gravity included; None where gravity is all."""
+    return Applied(linkage) if linkage.loaded else None
+
+
+class Reader(Protocol):
+    """What an engine's state says of the links, in the scene's order of bodies."""
+
+    def coordinates(self, state: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return coordinates and rates of a planar scene's freedoms, each (n_v,)."""
+        ...
+
+    def frames(self, state: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+        """Return turns since t = 0 (n, 3, 3), centres of mass (n, 3), their velocities, and angular velocities."""
+        ...
+
+
+def read(linkage: Linkage, reader: Reader, state: np.ndarray) -> Motion:
+    """Return the motion of an engine's state; turns are NaN where a matrix is not finite."""
+    matrices, position, velocity, omega = (np.array(part) for part in reader.frames(state))
+    turn = np.array([from_matrix(m) if np.isfinite(m).all() else np.full(4, np.nan) for m in matrices])
+    return Motion(position, turn, velocity, omega, linkage.turned(reader.coordinates(state)[0]))

@@ -1,0 +1,32 @@
+"""Scenes whose initial state breaks a joint are named before an engine snaps them together."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from cross_checks.engine.initial_state import inconsistency, worst_gap
+from mbs_ref import scenes
+from mbs_ref.scene import Revolute
+from tests.cross_checks.linkage.test_motion import mixed_tree
+
+
+def test_a_loop_that_starts_open_is_named():
+    scene = scenes.make("n_four_bar", loops=1)
+    opened = [
+        joint.model_copy(update={"point_b": (joint.point[0], joint.point[1] + 0.25)}) if joint.name == "A1" else joint
+        for joint in scene.joints
+        if isinstance(joint, Revolute)
+    ]
+    assert inconsistency(scene, 1e-9) == ""
+    assert "'A1' starts 0.25 m open" in inconsistency(scene.model_copy(update={"joints": tuple(opened)}), 1.0)
+
+
+def test_the_worst_gap_names_its_joint():
+    scene = mixed_tree()
+    assert worst_gap(scene.model_copy(update={"joints": ()})) is None
+    bad = scene.joints[-1].model_copy(update={"length": 2.0})
+    gap = worst_gap(scene.model_copy(update={"joints": (*scene.joints[:-1], bad)}))
+    assert gap is not None
+    assert gap.joint == "string"
+    assert gap.position == pytest.approx(2.0 - np.hypot(0.3, 0.8))
