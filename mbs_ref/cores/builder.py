@@ -13,6 +13,7 @@ from mbs_ref.kernels.rigid.closures import Loops
 from mbs_ref.kernels.signals import SignalArrays
 from mbs_ref.scene import GROUND, Scene
 from mbs_ref.scene.base.rows import Row
+from mbs_ref.scene.contact import Contact
 from mbs_ref.scene.joints import Drive
 from mbs_ref.scene.signals import DEGREE, Segment, motion_segments
 
@@ -54,6 +55,8 @@ class Builder:
             self._add_slot(edge, child, self.layout.parent[child])
         for edge in self.layout.closures:
             self._add_slot(edge, self.number[edge.a], self.number[edge.b])
+        held = [k for k, contact in enumerate(scene.contacts) if contact.law.HOLDS]
+        self.contact_slot = {k: self._add_contact(scene.contacts[k]) for k in held}
         self.rows = [row for k in sorted(self.place) for row in self._placed_rows(k)]
 
     def _add_slot(self, edge: Edge | None, side0: int, side1: int) -> None:
@@ -64,6 +67,12 @@ class Builder:
             self.place[k] = Place(slot, row, side, count)
             row += count
         self.slot_rows.append(row)
+
+    def _add_contact(self, contact: Contact) -> int:
+        """Give a constraint contact a slot of one row, as if it closed a loop."""
+        self.slot_bodies.append((self.body(contact.body_a), self.body(contact.body_b)))
+        self.slot_rows.append(1)
+        return len(self.slot_rows) - 1
 
     def _placed_rows(self, k: int) -> list[PlacedRow]:
         joint, at = self.scene.joints[k], self.place[k]

@@ -16,7 +16,7 @@ from numba import carray, types  # pyright: ignore[reportPrivateImportUsage]
 
 from mbs_ref.kernels.border.callback import call_for_numbers
 from mbs_ref.kernels.border.groups import Floats, Ints
-from mbs_ref.kernels.border.handles import Model, Work, accessor
+from mbs_ref.kernels.border.handles import Model, Work, accessor, handle_of
 from mbs_ref.kernels.border.questions import (
     add_row,
     defect_of,
@@ -56,13 +56,14 @@ class DaeGroups(NamedTuple):
     dae: Dae
 
 
+@handle_of(DaeGroups)
 class Problem(NamedTuple):
     """What compiled code receives of a DAE."""
 
     address: int  # of a handle
 
 
-dae_of = accessor(DaeGroups, "dae")
+dae_of = accessor("dae")
 
 
 @jit

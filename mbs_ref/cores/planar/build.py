@@ -8,12 +8,12 @@ from typing import Any
 import numpy as np
 
 from mbs_ref.cores.builder import Builder, Place, PlacedRow, contiguous, floats, ints, signal_arrays, table, where
-from mbs_ref.cores.contact_arrays import contact_laws
-from mbs_ref.cores.planar.shapes import contact_balls, contact_pairs, planar_modes, tension_only, watches
+from mbs_ref.cores.event_arrays import contact_laws, contact_modes, springs, watches
+from mbs_ref.cores.planar.shapes import contact_balls, contact_pairs
 from mbs_ref.kernels.planar import model as arrays
-from mbs_ref.scene import Force, PlanarBody, PointBushing, PointMass, Scene, SpringDamper, Torque, TorsionSpring
+from mbs_ref.kernels.rigid.model import World
+from mbs_ref.scene import Force, PlanarBody, PointMass, Scene, Torque, TorsionSpring
 from mbs_ref.scene.base.rows import OnPlane, Prescribed, PrescribedAngle, Rod, Row, SameAngle, SharedPoint
-from mbs_ref.scene.contact import Contact
 from mbs_ref.scene.joints import Drive, UserConstraint
 
 _HELD_INERTIA = 1.0  # kg m^2 in the idle third slot of a point mass: nothing ever turns it
@@ -25,20 +25,9 @@ def _rotation(angle: float) -> np.ndarray:
 
 
 class _Builder(Builder):
-    """Planar bodies' places and angles, and a slot for each contact that stands for a constraint."""
+    """Planar bodies' places and angles."""
 
-    def __init__(self, scene: Scene) -> None:
-        super().__init__(scene)
-        held = [k for k, contact in enumerate(scene.contacts) if contact.law.HOLDS]
-        self.contact_slot = {k: self._add_contact(scene.contacts[k]) for k in held}
-
-    def _add_contact(self, contact: Contact) -> int:
-        """Give a constraint contact a slot of one row, as if it closed a loop."""
-        self.slot_bodies.append((self.body(contact.body_a), self.body(contact.body_b)))
-        self.slot_rows.append(1)
-        return len(self.slot_rows) - 1
-
-    def local(self, name: str, point: tuple[float, ...]) -> np.ndarray:
+    def point(self, name: str, point: tuple[float, ...]) -> np.ndarray:
         """Return a world point at t = 0 in body axes."""
         index = self.scene_index[name]
         if index < 0:
@@ -66,8 +55,8 @@ def _pair_joints(build: _Builder, kinds: tuple[type[Row], ...]) -> arrays.PairJo
         slot=ints([build.place[k].slot for k in chosen]),
         row=ints([build.place[k].row for k in chosen]),
         side_a=ints([build.place[k].side for k in chosen]),
-        point_a=table([build.local(a, head.point_a) for head, (a, _) in zip(heads, ends, strict=True)], 2),
-        point_b=table([build.local(b, head.point_b) for head, (_, b) in zip(heads, ends, strict=True)], 2),
+        point_a=table([build.point(a, head.point_a) for head, (a, _) in zip(heads, ends, strict=True)], 2),
+        point_b=table([build.point(b, head.point_b) for head, (_, b) in zip(heads, ends, strict=True)], 2),
         normal=table([_normal(build, head, a) for head, (a, _) in zip(heads, ends, strict=True)], 2),
         value=floats(_kept_value(build, head, *pair) for head, pair in zip(heads, ends, strict=True)),
     )
@@ -109,7 +98,7 @@ def _drive_parts(build: _Builder, drive: PlacedRow) -> tuple[np.ndarray, np.ndar
     if isinstance(drive.row, PrescribedAngle):
         return np.zeros(2), np.zeros(2), 1.0, build.angle(drive.b)
     point, direction = drive.row.point, drive.row.direction
-    return build.local(drive.b, point), direction, 0.0, float(direction @ point)
+    return build.point(drive.b, point), direction, 0.0, float(direction @ point)
 
 
 def _forces(build: _Builder) -> arrays.Forces:
@@ -131,31 +120,7 @@ def _force_parts(build: _Builder, load: Force | Torque) -> tuple[np.ndarray, np.
         return np.zeros(2), np.zeros(2), 0, load.torque
     follows, vector = load.frame == "body", np.array(load.vector)
     turned = _rotation(build.angle(load.body)).T @ vector if follows else vector
-    return build.local(load.body, load.point), turned, int(follows), 0.0
-
-
-def _springs(build: _Builder) -> arrays.Springs:
-    loads = [x for x in build.scene.loads if isinstance(x, SpringDamper | PointBushing)]
-    places = {x.name: len(build.scene.contacts) + k for k, x in enumerate(tension_only(build.scene))}
-    marks = [(x.point, x.point) if isinstance(x, PointBushing) else (x.point_a, x.point_b) for x in loads]
-    return arrays.Springs(
-        a=ints([build.body(x.body_a) for x in loads]),
-        b=ints([build.body(x.body_b) for x in loads]),
-        point_a=table([build.local(x.body_a, a) for x, (a, _) in zip(loads, marks, strict=True)], 2),
-        point_b=table([build.local(x.body_b, b) for x, (_, b) in zip(loads, marks, strict=True)], 2),
-        stiffness=floats(x.stiffness for x in loads),
-        damping=floats(x.damping for x in loads),
-        rest_length=floats(_rest_length(x) for x in loads),
-        tension_only=ints([int(isinstance(x, SpringDamper) and x.tension_only) for x in loads]),
-        isotropic=ints([int(isinstance(x, PointBushing)) for x in loads]),
-        place=ints([places.get(x.name, -1) for x in loads]),
-    )
-
-
-def _rest_length(load: SpringDamper | PointBushing) -> float:
-    if isinstance(load, PointBushing):
-        return 0.0
-    return math.dist(load.point_a, load.point_b) if load.rest_length is None else load.rest_length
+    return build.point(load.body, load.point), turned, int(follows), 0.0
 
 
 def _torsion_springs(build: _Builder) -> arrays.TorsionSprings:
@@ -184,6 +149,8 @@ def build_planar(scene: Scene) -> tuple[arrays.PlanarGroups, dict[int, Place]]:
             mass=floats(b.mass for b in ordered),
             inertia=floats(_HELD_INERTIA if isinstance(b, PointMass) else b.inertia for b in ordered),
             scene_index=ints(build.layout.order),
+            q=3 * ints(build.layout.order),
+            v=3 * ints(build.layout.order) + 3 * build.n,
             parent=ints(build.layout.parent),
         ),
         slots=arrays.Slots(
@@ -194,14 +161,14 @@ def build_planar(scene: Scene) -> tuple[arrays.PlanarGroups, dict[int, Place]]:
         **joints,
         drives=drives,
         forces=forces,
-        springs=_springs(build),
+        springs=springs(scene, build),
         torsion_springs=_torsion_springs(build),
         contact_pairs=pairs,
         contact_laws=contact_laws(scene, build.contact_slot),
-        contact_modes=planar_modes(scene),
+        contact_modes=contact_modes(scene),
         near_pairs=contact_balls(pairs),
         watches=watches(scene, build),
         signals=signal_arrays(build.segments),
-        world=arrays.World(np.array(scene.gravity, dtype=float), ints([0]), ints([0]), np.zeros(3)),
+        world=World(np.array(scene.gravity, dtype=float), ints([0]), ints([0]), np.zeros(3)),
     )
     return arrays.PlanarGroups(*map(contiguous, groups)), build.place

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-import math
 from typing import Any, NamedTuple, get_type_hints
 
 import numpy as np
 
 from mbs_ref.cores.builder import Builder, Place, contiguous, floats, ints, signal_arrays, table, where
-from mbs_ref.cores.contact_arrays import contact_laws, contact_modes
+from mbs_ref.cores.event_arrays import contact_laws, contact_modes, springs, watches
 from mbs_ref.cores.spatial.shapes import contact_balls, contact_pairs
 from mbs_ref.kernels.border.groups import declared
+from mbs_ref.kernels.rigid.model import World
 from mbs_ref.kernels.spatial import model as arrays
-from mbs_ref.scene import Bushing, Force, PointMass, Scene, SpatialBody, SpringDamper, TorqueVector, TorsionSpring
+from mbs_ref.scene import Bushing, Force, PointMass, Scene, SpatialBody, TorqueVector, TorsionSpring
 from mbs_ref.scene.base.directions import normals, unit
 from mbs_ref.scene.base.rows import Row
 from mbs_ref.scene.celestial import CelestialPart, Epoch, GravityGradient, Newton
@@ -92,20 +92,6 @@ def _forces(build: _Builder) -> arrays.Forces:
 
 def _ends(build: _Builder, loads: list[Any]) -> tuple[np.ndarray, np.ndarray]:
     return ints([build.body(x.body_a) for x in loads]), ints([build.body(x.body_b) for x in loads])
-
-
-def _springs(build: _Builder) -> arrays.Springs:
-    loads = [x for x in build.scene.loads if isinstance(x, SpringDamper)]
-    rest = [math.dist(x.point_a, x.point_b) if x.rest_length is None else x.rest_length for x in loads]
-    return arrays.Springs(
-        *_ends(build, loads),
-        table([build.point(x.body_a, x.point_a) for x in loads], 3),
-        table([build.point(x.body_b, x.point_b) for x in loads], 3),
-        floats(x.stiffness for x in loads),
-        floats(x.damping for x in loads),
-        floats(rest),
-        ints([int(x.tension_only) for x in loads]),
-    )
 
 
 def _torsion_springs(build: _Builder) -> arrays.TorsionSprings:
@@ -196,16 +182,17 @@ def build_spatial(scene: Scene) -> tuple[arrays.SpatialGroups, dict[int, Place]]
         loops=build.loops(),
         **rows,
         forces=forces,
-        springs=_springs(build),
+        springs=springs(scene, build),
         torsion_springs=_torsion_springs(build),
         bushings=_bushings(build),
         contact_pairs=pairs,
-        contact_laws=contact_laws(scene, {}),
-        contact_modes=contact_modes(scene, len(scene.contacts)),
+        contact_laws=contact_laws(scene, build.contact_slot),
+        contact_modes=contact_modes(scene),
         near_pairs=contact_balls(pairs),
+        watches=watches(scene, build),
         attraction=_attraction(build),
         gradients=_gradients(build),
         signals=signal_arrays(build.segments),
-        world=arrays.World(np.array(scene.gravity, dtype=float), ints([0]), ints([0]), np.zeros(3)),
+        world=World(np.array(scene.gravity, dtype=float), ints([0]), ints([0]), np.zeros(3)),
     )
     return arrays.SpatialGroups(*map(contiguous, groups)), build.place

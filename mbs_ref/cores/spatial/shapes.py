@@ -7,6 +7,7 @@ from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
+from mbs_ref.cores.event_arrays import Places
 from mbs_ref.cores.near_pairs import Ball, near_pairs
 from mbs_ref.kernels.contact import laws as shared
 from mbs_ref.kernels.contact.near_pairs import NearPairs
@@ -18,12 +19,8 @@ from mbs_ref.scene.contact import SphereOnPlane, SphereOnSphere
 _ENDS = {"plane": shared.ENDS_NONE, "rectangle": shared.ENDS_OPEN, "capped": shared.ENDS_CAPPED}
 
 
-class Places(Protocol):
-    """What the builder knows of bodies."""
-
-    def body(self, name: str) -> int: ...
-
-    def point(self, name: str, world: Any) -> np.ndarray: ...
+class Axes(Places, Protocol):
+    """Bodies that also have axes."""
 
     def direction(self, name: str, world: Any) -> np.ndarray: ...
 
@@ -45,7 +42,7 @@ def _plane(part: SphereOnPlane) -> _Shape:
     normal = unit(part.normal)
     edge = normals(part.normal)[0] if part.edge is None else unit(part.edge)
     return _Shape(
-        kind=arrays.PAIR_PLANE,
+        kind=shared.PAIR_FLAT,
         center=part.center,
         radius=part.radius,
         origin=part.point,
@@ -58,13 +55,13 @@ def _plane(part: SphereOnPlane) -> _Shape:
 
 def _sphere(part: SphereOnSphere) -> _Shape:
     half = part.radius_b, part.radius_b
-    return _Shape(arrays.PAIR_SPHERE, part.center_a, part.radius_a, part.center_b, half)
+    return _Shape(shared.PAIR_ROUND, part.center_a, part.radius_a, part.center_b, half)
 
 
 _SHAPES: dict[type, Any] = {SphereOnPlane: _plane, SphereOnSphere: _sphere}
 
 
-def contact_pairs(scene: Scene, places: Places) -> arrays.ContactPairs:
+def contact_pairs(scene: Scene, places: Axes) -> arrays.ContactPairs:
     """Return the shapes in body axes."""
     parts, count = scene.contacts, len(scene.contacts)
     shapes: list[_Shape] = [_SHAPES[type(part)](part) for part in parts]
@@ -97,7 +94,7 @@ def _ball(pairs: arrays.ContactPairs, k: int) -> Ball:
 
 def _other_ball(pairs: arrays.ContactPairs, k: int) -> Ball | None:
     """Return None for a surface without ends or without a back, which reaches far below itself."""
-    plane = pairs.kind[k] == arrays.PAIR_PLANE
+    plane = pairs.kind[k] == shared.PAIR_FLAT
     if plane and (pairs.ends[k] == shared.ENDS_NONE or math.isinf(pairs.thickness[k])):
         return None
     reach = math.hypot(*pairs.half[k]) if plane else float(pairs.half[k, 0])

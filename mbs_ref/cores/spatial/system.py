@@ -11,7 +11,8 @@ from mbs_ref.cores.spatial.build import build_spatial, world_axes
 from mbs_ref.cores.system import Poses
 from mbs_ref.cores.user_rows import variable
 from mbs_ref.kernels import answers as core
-from mbs_ref.kernels.spatial.model import SpatialScratch, spatial_scratch
+from mbs_ref.kernels.rigid.model import rigid_scratch
+from mbs_ref.kernels.spatial.model import SpatialScratch
 from mbs_ref.scene import Scene, SpatialBody, symmetric
 from mbs_ref.scene.base.taylor import Taylor
 from mbs_ref.scene.euler_parameters import parameter_matrix, rotation_matrices
@@ -48,8 +49,10 @@ class SpatialSystem(JointedSystem):
     # --- set-up -----------------------------------------------------------------------------------
 
     def _scratch(self) -> SpatialScratch:
-        sticking = int(self.groups.contact_pairs.sticking[0])
-        scratch = spatial_scratch(self.n_bodies, len(self.groups.slots.body), self.groups.loops, sticking)
+        sticking, state = int(self.groups.contact_pairs.sticking[0]), len(self.initial_state())
+        slots, loops = len(self.groups.slots.body), self.groups.loops
+        scratch = rigid_scratch(SpatialScratch, self.n_bodies, slots, state, loops, rates=6, n_sticking=sticking)
+        scratch.kinematics.turned[:] = np.eye(3)
         scratch.kinematics.inertia[: self.n_bodies] = self.groups.bodies.inertia
         return scratch
 
@@ -84,9 +87,14 @@ class SpatialSystem(JointedSystem):
         return np.array([k for k, b in enumerate(self.scene.bodies) if isinstance(b, SpatialBody)], dtype=int)
 
     def _closure_ranks(self) -> np.ndarray:
-        """Return how many rows of each closure are independent at the pose, near the first, where most are."""
-        if self.n_closure_rows == 0:
-            return self.groups.loops.most
+        """Return how many rows of each closure are independent at the pose, near the first, where most are.
+
+        A contact's closure has one row, while it is closed.
+        """
+        loops = self.groups.loops
+        of_contact = np.isin(loops.slot, self.groups.contact_laws.slot)
+        if of_contact.all():
+            return loops.count
         y = self.initial_state()
         self.project(0.0, y, 1e-14, 50)
         best = self._ranks_at(y)
@@ -95,7 +103,7 @@ class SpatialSystem(JointedSystem):
             near = self._moved(y, generator.standard_normal(len(y)))
             if self.project(0.0, near, 1e-14, 50) < PROJECTED:
                 best = max(best, self._ranks_at(near), key=np.sum)
-        return best
+        return np.where(of_contact, loops.count, best)
 
     def _ranks_at(self, y: np.ndarray) -> np.ndarray:
         """Return how many pivots of each closure stand out from roundoff."""
@@ -221,8 +229,8 @@ class SpatialSystem(JointedSystem):
         return scaled / np.linalg.norm(scaled, axis=1, keepdims=True)
 
     def independent_rows(self, t: float, y: np.ndarray) -> np.ndarray:
-        every = len(self.rows())
-        kept = every - self.n_closure_rows + int(self.groups.loops.most.sum())
+        every, loops = len(self.rows()), self.groups.loops
+        kept = every - int(np.sum(loops.count - loops.most))
         if kept == every:
             return np.arange(every)
         from scipy.linalg import qr  # takes long to import

@@ -35,7 +35,7 @@ from mbs_ref.integrators.loop.leg import (
 )
 from mbs_ref.integrators.loop.step_control import all_finite
 from mbs_ref.integrators.stages.gauss_coefficients import STAGES, Gauss, gauss
-from mbs_ref.kernels.border.handles import Work, accessor, make_handle
+from mbs_ref.kernels.border.handles import accessor, handle_of, make_handle
 from mbs_ref.kernels.jit import jit, loop_jit
 from mbs_ref.kernels.particles.dynamics import accelerate
 from mbs_ref.kernels.particles.model import LANES, lanes_of, lights_of, particles_of
@@ -263,17 +263,22 @@ class Groups(NamedTuple):
     gauss: Gauss  # abar, a and their low parts transposed: the stage is the last index
 
 
-gauss_of = accessor(Groups, "gauss")
+@handle_of(Groups)
+class Coefficients(NamedTuple):
+    address: int
+
+
+gauss_of = accessor("gauss")
 
 
 @cache
-def _coefficients() -> tuple[Work, Groups, np.ndarray]:
+def _coefficients() -> tuple[Coefficients, Groups, np.ndarray]:
     """Return the method's coefficients as compiled code receives them, and what keeps them alive."""
     g = gauss()
     g = g._replace(abar=g.abar.T.copy(), a=g.a.T.copy(), abar_low=g.abar_low.T.copy(), a_low=g.a_low.T.copy())
     groups = Groups(g)
     handle = make_handle(groups)
-    return Work(handle.ctypes.data), groups, handle
+    return Coefficients(handle.ctypes.data), groups, handle
 
 
 @jit

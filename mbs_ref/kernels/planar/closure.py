@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from mbs_ref.kernels.algebra.ldl import ldl3_solve
 from mbs_ref.kernels.jit import jit, placed
-from mbs_ref.kernels.planar.model import RATES, bodies_of, closures_of, loops_of, rows_of, slots_of, tree_of
-from mbs_ref.kernels.rigid.elimination import begin_by, eliminate, pass_by
+from mbs_ref.kernels.rigid.model import bodies_of, closures_of, rows_of, slots_of, tree_of
 
 
 @jit
-def _row_mobility(model, work, slot, row):
+def row_mobility(model, work, slot, row):
     """Return G M^-1 G^T of one row, the bodies taken as free."""
     bodies, slots, rows = bodies_of(model), slots_of(model), rows_of(work)
     n = bodies.mass.shape[0]
@@ -24,20 +23,8 @@ def _row_mobility(model, work, slot, row):
     return total
 
 
-@jit
-def begin_closures(model, work):
-    """Put the closures' rows where their paths begin."""
-    begin_by(model, work, _row_mobility, RATES, loops_of(model), closures_of(work), rows_of(work).jacobian)
-
-
-@jit
-def pass_rows(model, work, i):
-    """Condense body i under the closures that pass it."""
-    pass_by(model, work, i, _pass_closure, RATES, loops_of(model), closures_of(work))
-
-
 @placed
-def _pass_closure(model, work, i, here, there, count):
+def pass_closure(model, work, i, here, there, count):
     for r in range(count):
         _pass_row(model, work, i, here, there, r)
 
@@ -60,9 +47,3 @@ def _pass_row(model, work, i, here, there, r):
     column[0, r] = v0 - (lift[0, 0] * u0 + lift[0, 1] * u1 + lift[0, 2] * u2)
     column[1, r] = v1 - (lift[1, 0] * u0 + lift[1, 1] * u1 + lift[1, 2] * u2)
     column[2, r] = v2 - (lift[2, 0] * u0 + lift[2, 1] * u1 + lift[2, 2] * u2)
-
-
-@jit
-def eliminate_closures(model, work, i):
-    """Eliminate the closures whose apex is body i, or ground."""
-    eliminate(RATES, loops_of(model), closures_of(work), i, tree_of(work).articulated[i])

@@ -13,19 +13,9 @@ from mbs_ref.kernels.border.questions import fill_contact_rows
 from mbs_ref.kernels.controls import CONTROL_MODE_TIME
 from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.planar.marks import arm, separation
-from mbs_ref.kernels.planar.model import (
-    distance_of,
-    drives_of,
-    kinematics_of,
-    prismatic_of,
-    revolute_of,
-    rows_of,
-    signals_of,
-    slots_of,
-    weld_of,
-    world_of,
-)
+from mbs_ref.kernels.planar.model import distance_of, prismatic_of, revolute_of, weld_of
 from mbs_ref.kernels.planar.vectors import cross, dot, over, plus
+from mbs_ref.kernels.rigid.model import drives_of, kinematics_of, rows_of, signals_of, slots_of, world_of
 from mbs_ref.kernels.signals import evaluate
 
 

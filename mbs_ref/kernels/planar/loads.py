@@ -6,14 +6,11 @@ import numpy as np
 
 from mbs_ref.kernels.border.callback import call_user
 from mbs_ref.kernels.border.questions import apply_contacts
-from mbs_ref.kernels.contact.laws import (
-    MODE_CLOSED,
-    MODE_PLAIN,
-)
 from mbs_ref.kernels.controls import CONTROL_MODE_TIME
 from mbs_ref.kernels.jit import bare, jit
-from mbs_ref.kernels.planar.marks import arm, push, push_back, separation
-from mbs_ref.kernels.planar.model import (
+from mbs_ref.kernels.planar.marks import arm, exchange, separation
+from mbs_ref.kernels.planar.vectors import cross, dot, left, minus, over, plus, times
+from mbs_ref.kernels.rigid.model import (
     bodies_of,
     contact_modes_of,
     forces_of,
@@ -23,7 +20,7 @@ from mbs_ref.kernels.planar.model import (
     torsion_springs_of,
     world_of,
 )
-from mbs_ref.kernels.planar.vectors import cross, dot, left, minus, over, plus, times
+from mbs_ref.kernels.rigid.spring_events import is_slack
 from mbs_ref.kernels.signals import evaluate
 
 
@@ -61,26 +58,12 @@ def apply_forces(model, work, t):
 
 
 @jit
-def spring_separation(spring, kin, k):
-    """Return the Separation of a spring's marks."""
-    return separation(kin, spring.a[k], spring.b[k], spring.point_a[k], spring.point_b[k])
-
-
-@jit
-def is_slack(modes, place, stretch, tension):
-    """Return whether a tension-only spring gives no force: by its frozen mode, or by the state without events."""
-    if modes.mode[place] == MODE_PLAIN:
-        return stretch <= 0.0 or tension < 0.0
-    return modes.mode[place] != MODE_CLOSED
-
-
-@jit
 def apply_springs(model, work):
     """F = k (l - l0) + c l_dot along the line of the two points (Fox 1999 eq 18 with the points' distance)."""
     spring, kin, modes = springs_of(model), kinematics_of(work), contact_modes_of(model)
     for k in range(spring.a.shape[0]):
         a = spring.a[k]
-        apart = spring_separation(spring, kin, k)
+        apart = separation(kin, a, spring.b[k], spring.point_a[k], spring.point_b[k])
         gap, rate, arm_a = apart.gap, apart.rate, apart.arm_a
         length = np.sqrt(dot(gap, gap))
         stretch = length - spring.rest_length[k]
@@ -93,11 +76,10 @@ def apply_springs(model, work):
             force = times(spring.damping[k], rate)  # no line of action: only the isotropic limit of the damper
         else:
             tension = spring.stiffness[k] * stretch + spring.damping[k] * dot(gap, rate) / length
-            if spring.tension_only[k] == 1 and is_slack(modes, spring.place[k], stretch, tension):
+            if is_slack(modes, spring.place[k], stretch, tension):
                 tension = 0.0
             force = over(times(tension, gap), length)
-        push(kin, a, arm_a, force)
-        push_back(kin, spring.b[k], apart.arm_b, force)
+        exchange(work, a, arm_a, spring.b[k], apart.arm_b, force)
 
 
 @jit

@@ -7,8 +7,11 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from mbs_ref.kernels.jit import jit
-from mbs_ref.kernels.planar.vectors import cross, minus, plus, turn
+from mbs_ref.kernels.planar.vectors import cross, dot, minus, pair, plus, turn
+from mbs_ref.kernels.rigid.model import kinematics_of
 
 
 class Separation(NamedTuple):
@@ -58,16 +61,35 @@ def separation(kin, a, b, point_a, point_b):
 
 
 @jit
-def push(kin, body, arm, force):
-    """Add a force (N) at rho."""
-    kin.force[body, 0] += force[0]
-    kin.force[body, 1] += force[1]
-    kin.force[body, 2] += cross(arm, force)
+def exchange(work, a, arm_a, b, arm_b, force):
+    on_a, on_b = kinematics_of(work).force[a], kinematics_of(work).force[b]
+    on_a[0] += force[0]
+    on_a[1] += force[1]
+    on_a[2] += cross(arm_a, force)
+    on_b[0] -= force[0]
+    on_b[1] -= force[1]
+    on_b[2] -= cross(arm_b, force)
 
 
 @jit
-def push_back(kin, body, arm, force):
-    """Subtract a force (N) at rho."""
-    kin.force[body, 0] -= force[0]
-    kin.force[body, 1] -= force[1]
-    kin.force[body, 2] -= cross(arm, force)
+def centre(work, i):
+    return pair(kinematics_of(work).pose[i], 0)
+
+
+@jit
+def place_of_mark(work, i, point):
+    pose = kinematics_of(work).pose
+    return plus(pose[i], arm(pose, i, point))
+
+
+@jit
+def distance(work, a, b, point_a, point_b):
+    apart = separation(kinematics_of(work), a, b, point_a, point_b)
+    length = np.sqrt(dot(apart.gap, apart.gap))
+    return length, dot(apart.gap, apart.rate) / length if length > 0.0 else 0.0
+
+
+@jit
+def coordinate(work, i, component):
+    kin = kinematics_of(work)
+    return kin.motion[i, 3] if component == 2 else kin.pose[i, component], kin.motion[i, component]

@@ -12,15 +12,18 @@ from __future__ import annotations
 
 from mbs_ref.kernels.algebra.ldl import ldl3, ldl3_solve
 from mbs_ref.kernels.jit import jit
-from mbs_ref.kernels.planar.closure import begin_closures, eliminate_closures, pass_rows
-from mbs_ref.kernels.planar.model import RATES, bodies_of, closures_of, rows_of, slots_of, tree_of
+from mbs_ref.kernels.planar.model import RATES
 from mbs_ref.kernels.rigid.elimination import (
+    begin_closures,
     condense,
+    eliminate_closures,
+    pass_rows,
     start_rows,
     substitute,
     take_closures,
     take_free,
 )
+from mbs_ref.kernels.rigid.model import bodies_of, closures_of, rows_of, slots_of, tree_of
 
 
 @jit

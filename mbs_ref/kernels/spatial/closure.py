@@ -3,21 +3,11 @@
 from __future__ import annotations
 
 from mbs_ref.kernels.jit import jit, placed
-from mbs_ref.kernels.rigid.elimination import begin_by, eliminate, pass_by
-from mbs_ref.kernels.spatial.model import (
-    RATES,
-    bodies_of,
-    closures_of,
-    kinematics_of,
-    loops_of,
-    rows_of,
-    slots_of,
-    tree_of,
-)
+from mbs_ref.kernels.rigid.model import bodies_of, closures_of, kinematics_of, rows_of, slots_of, tree_of
 
 
 @jit
-def _row_mobility(model, work, slot, row):
+def row_mobility(model, work, slot, row):
     """Return a scale of G M^-1 G^T of one row, the bodies taken as free and as spheres."""
     bodies, slots, rows, kin = bodies_of(model), slots_of(model), rows_of(work), kinematics_of(work)
     n = bodies.mass.shape[0]
@@ -32,20 +22,8 @@ def _row_mobility(model, work, slot, row):
     return total
 
 
-@jit
-def begin_closures(model, work):
-    """Put the closures' rows where their paths begin."""
-    begin_by(model, work, _row_mobility, RATES, loops_of(model), closures_of(work), rows_of(work).jacobian)
-
-
-@jit
-def pass_rows(model, work, i):
-    """Condense body i under the closures that pass it."""
-    pass_by(model, work, i, _pass_closure, RATES, loops_of(model), closures_of(work))
-
-
 @placed
-def _pass_closure(model, work, i, here, there, _count):
+def pass_closure(model, work, i, here, there, _count):
     """Condense body i under one closure, all of whose rows go through the same steps at once."""
     tree, rows, closures, count = tree_of(work), rows_of(work), closures_of(work), slots_of(model).count[i]
     joint, column = closures.joint[here], closures.column[here]
@@ -84,9 +62,3 @@ def _solve_rows(a, n, b):
         for k in range(i + 1, n):
             for r in range(6):
                 b[i, r] -= a[k, i] * b[k, r]
-
-
-@jit
-def eliminate_closures(model, work, i):
-    """Eliminate the closures whose apex is body i, or ground."""
-    eliminate(RATES, loops_of(model), closures_of(work), i, tree_of(work).articulated[i])

@@ -13,24 +13,13 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from mbs_ref.kernels.border.callback import call_user
+from mbs_ref.kernels.border.questions import fill_contact_rows
 from mbs_ref.kernels.controls import CONTROL_MODE_TIME
 from mbs_ref.kernels.jit import jit
+from mbs_ref.kernels.rigid.model import drives_of, kinematics_of, rows_of, signals_of, slots_of, world_of
 from mbs_ref.kernels.signals import evaluate
 from mbs_ref.kernels.spatial.marks import centripetal, mark, separation
-from mbs_ref.kernels.spatial.model import (
-    distances_of,
-    drives_of,
-    kinematics_of,
-    planes_of,
-    points_of,
-    products_of,
-    rows_of,
-    signals_of,
-    slots_of,
-    turns_of,
-    wheels_of,
-    world_of,
-)
+from mbs_ref.kernels.spatial.model import distances_of, planes_of, points_of, products_of, turns_of, wheels_of
 from mbs_ref.kernels.spatial.vectors import cross, dot, minus, negative, over, plus, times, triple, turn
 
 NO_FORCE = (0.0, 0.0, 0.0)
@@ -237,3 +226,4 @@ def spatial_fill_rows(model, work, t):
     fill_wheels(model, work)
     if world_of(model).user_rows[0] != 0:
         call_user(world_of(model).user_rows[0], t, 0)  # pyright: ignore[reportCallIssue]
+    fill_contact_rows(model, work)

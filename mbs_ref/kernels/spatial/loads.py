@@ -14,20 +14,20 @@ from mbs_ref.kernels.border.callback import call_user
 from mbs_ref.kernels.border.questions import apply_contacts
 from mbs_ref.kernels.controls import CONTROL_MODE_TIME
 from mbs_ref.kernels.jit import jit
-from mbs_ref.kernels.signals import evaluate
-from mbs_ref.kernels.spatial.marks import push, separation, twist
-from mbs_ref.kernels.spatial.model import (
-    attraction_of,
+from mbs_ref.kernels.rigid.model import (
     bodies_of,
-    bushings_of,
+    contact_modes_of,
     forces_of,
-    gradients_of,
     kinematics_of,
     signals_of,
     springs_of,
     torsion_springs_of,
     world_of,
 )
+from mbs_ref.kernels.rigid.spring_events import is_slack
+from mbs_ref.kernels.signals import evaluate
+from mbs_ref.kernels.spatial.marks import exchange, push, separation, twist
+from mbs_ref.kernels.spatial.model import attraction_of, bushings_of, gradients_of
 from mbs_ref.kernels.spatial.vectors import (
     add,
     cross,
@@ -74,7 +74,7 @@ def apply_forces(model, work, t):
 @jit
 def apply_springs(model, work):
     """F = k (l - l0) + c l_dot along the line of the two points (Fox 1999 eq 18 with the points' distance)."""
-    spring, kin = springs_of(model), kinematics_of(work)
+    spring, kin, modes = springs_of(model), kinematics_of(work), contact_modes_of(model)
     for k in range(spring.a.shape[0]):
         a, b = spring.a[k], spring.b[k]
         apart = separation(kin, a, b, spring.point_a[k], spring.point_b[k])
@@ -84,11 +84,10 @@ def apply_springs(model, work):
             force = times(spring.damping[k], apart.rate)
         else:
             tension = spring.stiffness[k] * stretch + spring.damping[k] * dot(apart.gap, apart.rate) / length
-            if spring.tension_only[k] == 1 and (stretch <= 0.0 or tension < 0.0):
+            if is_slack(modes, spring.place[k], stretch, tension):
                 tension = 0.0
             force = times(tension / length, apart.gap)
-        push(kin, a, apart.arm_a, force)
-        push(kin, b, apart.arm_b, negative(force))
+        exchange(work, a, apart.arm_a, b, apart.arm_b, force)
 
 
 @jit

@@ -7,8 +7,11 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from mbs_ref.kernels.jit import jit
-from mbs_ref.kernels.spatial.vectors import add, cross, minus, plus, turn
+from mbs_ref.kernels.rigid.model import kinematics_of
+from mbs_ref.kernels.spatial.vectors import add, cross, dot, minus, negative, plus, triple, turn
 
 
 class Mark(NamedTuple):
@@ -60,3 +63,34 @@ def push(kin, body, arm, force):
 def twist(kin, body, torque):
     """Add a torque."""
     add(kin.force[body], 3, torque)
+
+
+@jit
+def exchange(work, a, arm_a, b, arm_b, force):
+    kin = kinematics_of(work)
+    push(kin, a, arm_a, force)
+    push(kin, b, arm_b, negative(force))
+
+
+@jit
+def centre(work, i):
+    return triple(kinematics_of(work).position[i], 0)
+
+
+@jit
+def place_of_mark(work, i, point):
+    kin = kinematics_of(work)
+    return plus(kin.position[i], turn(kin.turned[i], point))
+
+
+@jit
+def distance(work, a, b, point_a, point_b):
+    apart = separation(kinematics_of(work), a, b, point_a, point_b)
+    length = np.sqrt(dot(apart.gap, apart.gap))
+    return length, dot(apart.gap, apart.rate) / length if length > 0.0 else 0.0
+
+
+@jit
+def coordinate(work, i, component):
+    kin = kinematics_of(work)
+    return kin.position[i, component], kin.velocity[i, component]

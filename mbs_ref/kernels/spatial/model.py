@@ -1,23 +1,20 @@
 """The arrays of a compiled spatial scene, one homogeneous group per element type.
 
-Bodies are numbered in elimination order: a parent before its children, ground last (index n_bodies).
 A rigid body has the coordinates R and theta0..theta3 and the rates R', omega; a point mass has R and R'
 alone. Joints are broken up into five element types: shared points, products of directions, points on
-planes, distances and prescribed turns. Rows live in slots of up to six: slot i < n_bodies joins body i to
-its parent in the spanning tree, later slots close loops; in a tree slot side 0 is the child.
+planes, distances and prescribed turns. See `rigid.model` for the numbering.
 """
 
 from __future__ import annotations
 
 from typing import Annotated, NamedTuple
 
-import numpy as np
-
 from mbs_ref.kernels.border.groups import Floats, Ints
 from mbs_ref.kernels.border.handles import accessor
 from mbs_ref.kernels.contact.laws import ContactLaws, ContactModes
 from mbs_ref.kernels.contact.near_pairs import NearPairs
-from mbs_ref.kernels.rigid.closures import Closures, Loops, closure_scratch
+from mbs_ref.kernels.rigid.closures import Closures, Loops
+from mbs_ref.kernels.rigid.model import Rows, Solved, Springs, Watches, World
 from mbs_ref.kernels.signals import SignalArrays
 
 RATES = tuple(range(6))  # of a body: a loop over it has bounds that the compiler knows
@@ -128,17 +125,6 @@ class Forces(NamedTuple):
     signal: Annotated[Ints, "k"]
 
 
-class Springs(NamedTuple):
-    a: Annotated[Ints, "k"]
-    b: Annotated[Ints, "k"]
-    point_a: Annotated[Floats, "k", 3]  # m, in body a
-    point_b: Annotated[Floats, "k", 3]  # m, in body b
-    stiffness: Annotated[Floats, "k"]  # N/m
-    damping: Annotated[Floats, "k"]  # N s/m
-    rest_length: Annotated[Floats, "k"]  # m
-    tension_only: Annotated[Ints, "k"]
-
-
 class TorsionSprings(NamedTuple):
     a: Annotated[Ints, "k"]
     b: Annotated[Ints, "k"]
@@ -180,9 +166,6 @@ class ContactPairs(NamedTuple):
     sticking: Annotated[Ints, 1]  # contacts that can stick
 
 
-PAIR_PLANE, PAIR_SPHERE = range(2)
-
-
 class Attraction(NamedTuple):
     """Newton's gravity between all pairs of centres of mass."""
 
@@ -195,13 +178,6 @@ class Gradients(NamedTuple):
     a: Annotated[Ints, "k"]
     b: Annotated[Ints, "k"]
     gm: Annotated[Floats, "k"]  # m^3/s^2, of a
-
-
-class World(NamedTuple):
-    gravity: Annotated[Floats, 3]  # m/s^2
-    user_force: Annotated[Ints, 1]  # address of a C callback, or 0
-    user_rows: Annotated[Ints, 1]  # the same, for constraints of the user's own
-    control: Annotated[Floats, 3]  # see kernels/controls.py
 
 
 class SpatialGroups(NamedTuple):
@@ -225,34 +201,23 @@ class SpatialGroups(NamedTuple):
     contact_laws: ContactLaws
     contact_modes: ContactModes
     near_pairs: NearPairs
+    watches: Watches
     attraction: Attraction
     gradients: Gradients
     signals: SignalArrays
     world: World
 
 
-bodies_of = accessor(SpatialGroups, "bodies")
-slots_of = accessor(SpatialGroups, "slots")
-loops_of = accessor(SpatialGroups, "loops")
-points_of = accessor(SpatialGroups, "points")
-products_of = accessor(SpatialGroups, "products")
-planes_of = accessor(SpatialGroups, "planes")
-distances_of = accessor(SpatialGroups, "distances")
-turns_of = accessor(SpatialGroups, "turns")
-drives_of = accessor(SpatialGroups, "drives")
-wheels_of = accessor(SpatialGroups, "wheels")
-forces_of = accessor(SpatialGroups, "forces")
-springs_of = accessor(SpatialGroups, "springs")
-torsion_springs_of = accessor(SpatialGroups, "torsion_springs")
-bushings_of = accessor(SpatialGroups, "bushings")
-contact_pairs_of = accessor(SpatialGroups, "contact_pairs")
-contact_laws_of = accessor(SpatialGroups, "contact_laws")
-contact_modes_of = accessor(SpatialGroups, "contact_modes", tangents=2)
-near_pairs_of = accessor(SpatialGroups, "near_pairs", dimension=3)
-attraction_of = accessor(SpatialGroups, "attraction")
-gradients_of = accessor(SpatialGroups, "gradients")
-signals_of = accessor(SpatialGroups, "signals")
-world_of = accessor(SpatialGroups, "world")
+points_of = accessor("points")
+products_of = accessor("products")
+planes_of = accessor("planes")
+distances_of = accessor("distances")
+turns_of = accessor("turns")
+wheels_of = accessor("wheels")
+bushings_of = accessor("bushings")
+attraction_of = accessor("attraction")
+gradients_of = accessor("gradients")
+grips_of = accessor("grips")
 
 
 class Kinematics(NamedTuple):
@@ -267,14 +232,6 @@ class Kinematics(NamedTuple):
     inertia: Annotated[Floats, "n + 1", 6]  # world axes: xx, yy, zz, xy, xz, yz
     force: Annotated[Floats, "n + 1", 6]  # N; N m about the centre of mass
     user: Annotated[Floats, 3, "n", 7]  # q, v and f in scene order, for a user's force law
-
-
-class Rows(NamedTuple):
-    jacobian: Annotated[Floats, "n_slots", 2, 6, 6]  # of (R', omega)
-    residual: Annotated[Floats, "n_slots", 6]  # C
-    rate: Annotated[Floats, "n_slots", 6]  # C_dot
-    gamma: Annotated[Floats, "n_slots", 6]  # right-hand side of C_q qdd = Q_d
-    multiplier: Annotated[Floats, "n_slots", 6]
 
 
 class Tree(NamedTuple):
@@ -298,35 +255,5 @@ class SpatialScratch(NamedTuple):
     rows: Rows
     tree: Tree
     closures: Closures
+    solved: Solved
     grips: Grips
-
-
-def _floats(*shape: int) -> np.ndarray:
-    return np.zeros(shape)
-
-
-def spatial_scratch(n: int, n_slots: int, loops: Loops, n_sticking: int = 0) -> SpatialScratch:
-    """Allocate the scratch of one run."""
-    turned = np.tile(np.eye(3), (n + 1, 1, 1))
-    vectors = [_floats(n + 1, 3) for _ in range(3)]
-    slot = [_floats(n_slots, 6) for _ in range(4)]
-    return SpatialScratch(
-        kinematics=Kinematics(
-            vectors[0], turned, _floats(n + 1, 4), _floats(n + 1), vectors[1], vectors[2],
-            _floats(n + 1, 6), _floats(n + 1, 6), _floats(3, n, 7),
-        ),
-        rows=Rows(_floats(n_slots, 2, 6, 6), *slot),
-        tree=Tree(
-            _floats(n + 1, 6, 6), _floats(n, 6, 6), _floats(n, 6, 6), _floats(n, 6, 6),
-            _floats(n, 6), _floats(n + 1, 6), _floats(n + 1, 6),
-        ),
-        closures=closure_scratch(loops, 6),
-        grips=Grips(_floats(n_sticking, 2)),
-    )  # fmt: skip
-
-
-kinematics_of = accessor(SpatialScratch, "kinematics")
-rows_of = accessor(SpatialScratch, "rows")
-tree_of = accessor(SpatialScratch, "tree")
-closures_of = accessor(SpatialScratch, "closures", rates=6)
-grips_of = accessor(SpatialScratch, "grips")

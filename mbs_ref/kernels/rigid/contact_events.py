@@ -24,7 +24,6 @@ from mbs_ref.kernels.contact.laws import (
     MODE_OPEN,
     MODE_PLAIN,
     RELEASE_CONSTRAINT,
-    RELEASE_FORCE,
     RELEASE_RIGID,
     ROOTS_EACH,
     normal_force,
@@ -39,21 +38,38 @@ from mbs_ref.kernels.contact.modes import (
     normal_roots,
 )
 from mbs_ref.kernels.jit import jit
-from mbs_ref.kernels.planar.contacts import contact_geometry, find_near, friction_force, is_behind, leaving_ends
-from mbs_ref.kernels.planar.dynamics import load_state
-from mbs_ref.kernels.planar.landing import AT_REST, contact_mass, contact_push, settle_held
-from mbs_ref.kernels.planar.model import (
+from mbs_ref.kernels.rigid.contact_forces import find_near, is_behind, is_touching
+from mbs_ref.kernels.rigid.dynamics import correct_rates, store_solved
+from mbs_ref.kernels.rigid.geometry import (
+    block,
+    centre,
+    change_grip,
+    contact_force,
+    contact_geometry,
+    gap_response,
+    gap_rows,
+    grip_margin,
+    leaving_ends,
+    load_state,
+    slide_against,
+    slip_of,
+    start_grip,
+    stick,
+    stop_together,
+    take_grip,
+)
+from mbs_ref.kernels.rigid.landing import AT_REST, contact_mass, contact_push, settle_held
+from mbs_ref.kernels.rigid.model import (
     bodies_of,
     contact_laws_of,
     contact_modes_of,
     contact_pairs_of,
-    kinematics_of,
     near_pairs_of,
     rows_of,
     tree_of,
 )
-from mbs_ref.kernels.planar.vectors import cross, plus
 from mbs_ref.kernels.rigid.stopped_contacts import holding_forces
+from mbs_ref.kernels.rows import clear
 
 
 @jit
@@ -63,7 +79,7 @@ def contact_roots(model, work, t, y, g, rate):
     near = near_pairs_of(model)
     if _some_constrained(laws, modes):
         accelerate(model, work, t, y)  # their functions are multipliers
-        tree_of(work).holds[0] = t  # the step that goes on from here need not ask again
+        store_solved(work, t, y)  # the step that goes on from here need not ask again
     else:
         load_state(model, work, y)
     find_near(model, work)
@@ -82,7 +98,7 @@ def contact_roots(model, work, t, y, g, rate):
             continue
         normal_roots(laws, modes, k, touch.gap, touch.closing, touch.beyond, leaving, g, rate)
         if closed and laws.friction[k] == FRICTION_STICK_SLIP:
-            g[i + 2] = _grip_margin(laws, modes, k, touch) + 1.0
+            g[i + 2] = grip_margin(model, work, k, touch) + 1.0
 
 
 @jit
@@ -94,35 +110,14 @@ def _some_constrained(laws, modes):
 
 
 @jit
-def _grip_margin(laws, modes, k, touch):
-    """Return how much more force sticking bears, or the speed of sliding, in units of their roundoff."""
-    if modes.grip[k] == GRIP_STICK:
-        normal = normal_force(laws, modes, k, -touch.gap, -touch.closing)
-        margin = laws.static[k] * normal - abs(friction_force(laws, modes, k, normal, touch))
-        return margin / (modes.noise[0] * (laws.grip_stiffness[k] + laws.grip_damping[k]))
-    return modes.grip[k] * touch.slip / modes.noise[0]
-
-
-@jit
-def _take_grip(modes, k, touch):
-    """Slide where there is a sliding speed; stick, unloaded, where there is none."""
-    modes.anchor[k, 0] = touch.along
-    if touch.slip > 0.0:
-        modes.grip[k] = 1
-    elif touch.slip < 0.0:
-        modes.grip[k] = -1
-    else:
-        modes.grip[k] = GRIP_STICK
-
-
-@jit
 def contact_transition(model, work, t, y, g, dy):
     """Change the modes whose functions are negative, with impulses where rigid.
 
-    dy is scratch of y's shape. y changes at rigid impacts and where a constraint contact closes.
+    dy is scratch of y's shape. Velocities in y change at rigid impacts, positions too where a constraint contact
+    closes, and deflections where a contact sticks.
     """
     pairs, laws, modes = contact_pairs_of(model), contact_laws_of(model), contact_modes_of(model)
-    regrip = False
+    stopped = False
     held = False
     for k in range(pairs.kind.shape[0]):
         if not is_broken(g, k):
@@ -134,53 +129,62 @@ def contact_transition(model, work, t, y, g, dy):
         if left == IMPACT:
             _impact(model, work, t, y, k)
         elif left == TOUCH:
-            _take_grip(modes, k, touch)
-        elif left == FRICTION and modes.grip[k] == GRIP_STICK:
-            normal = normal_force(laws, modes, k, -touch.gap, -touch.closing)
-            modes.grip[k] = -1 if friction_force(laws, modes, k, normal, touch) > 0.0 else 1
-        elif left == FRICTION:
-            modes.grip[k] = GRIP_PROBE
-            modes.anchor[k, 0] = 0.0
-            regrip = True
+            take_grip(model, y, k, touch)
+        elif left == FRICTION and change_grip(model, work, k, touch):
+            _probe(modes, k)
+            stopped = True
     if held:
         settle_held(model, work, t, y, g)
-    if regrip:
+    if stopped:
+        stop_together(model, work, y, g)
         settle_grips(model, work, t, y, dy)
 
 
 @jit
-def planar_slip_velocities(model, work, y, out):
-    """Fill out (n_contacts, 1) with the sliding speeds (m/s) at y of the contacts under probe."""
-    pairs, modes = contact_pairs_of(model), contact_modes_of(model)
-    load_state(model, work, y)
-    for k in range(pairs.kind.shape[0]):
-        if modes.grip[k] == GRIP_PROBE:
-            out[k, 0] = contact_geometry(model, work, k).slip
+def _probe(modes, k):
+    modes.grip[k] = GRIP_PROBE
+    for c in range(modes.anchor.shape[1]):
+        modes.anchor[k, c] = 0.0
 
 
 @jit
-def planar_settle_grips(model, work, t, y, dy):
+def rigid_slip_velocities(model, work, y, out):
+    """Fill out (n_contacts, tangents) with the slip velocities (m/s) at y of the contacts under probe."""
+    modes = contact_modes_of(model)
+    load_state(model, work, y)
+    for k in range(out.shape[0]):
+        if modes.grip[k] == GRIP_PROBE:
+            slip = slip_of(model, contact_geometry(model, work, k))
+            for c in range(len(slip)):
+                out[k, c] = slip[c]
+
+
+@jit
+def rigid_settle_grips(model, work, t, y, dy):
     """Let the stopped contacts stick where mu_s allows what holds them, else slide on against it."""
     pairs, laws, modes = contact_pairs_of(model), contact_laws_of(model), contact_modes_of(model)
     count = pairs.kind.shape[0]
-    loads, place, force = np.zeros(count), np.zeros(count), np.zeros((count, 1))
+    loads, force = np.zeros(count), np.zeros((count, modes.anchor.shape[1]))
     load_state(model, work, y)
     for k in range(count):
         if modes.grip[k] == GRIP_PROBE:
             touch = contact_geometry(model, work, k)
             loads[k] = max(normal_force(laws, modes, k, -touch.gap, -touch.closing), 0.0)
-            place[k] = touch.along
     if np.sum(loads) > 0.0:
         mass = bodies_of(model).mass
         holding_forces(model, work, t, y, dy, modes, laws.grip_stiffness, pairs.a, pairs.b, mass, loads, force)
+    load_state(model, work, y)
     for k in range(count):
         if modes.grip[k] != GRIP_PROBE:
             continue
-        if abs(force[k, 0]) <= laws.static[k] * loads[k]:
+        square = 0.0
+        for c in range(force.shape[1]):
+            square += force[k, c] * force[k, c]
+        if np.sqrt(square) <= laws.static[k] * loads[k]:
             modes.grip[k] = GRIP_STICK
-            modes.anchor[k, 0] = place[k] + force[k, 0] / laws.grip_stiffness[k]
+            stick(model, y, k, contact_geometry(model, work, k), force[k])
         else:
-            modes.grip[k] = -1 if force[k, 0] > 0.0 else 1
+            slide_against(model, k, force[k])
 
 
 @jit
@@ -189,12 +193,12 @@ def start_contacts(model, work, t, y, located):
     pairs, laws, modes = contact_pairs_of(model), contact_laws_of(model), contact_modes_of(model)
     resting = False
     near_pairs_of(model).stale[0] = 1
+    load_state(model, work, y)
     for k in range(pairs.kind.shape[0]):
-        load_state(model, work, y)
         touch = contact_geometry(model, work, k)
         modes.dashpot[k] = laws.damping[k] + laws.impact_damping[k] * laws.stiffness[k] / laws.slowest[k]
         modes.grip[k] = GRIP_STICK
-        modes.anchor[k, 0] = touch.along
+        start_grip(model, k, touch)
         near = AT_REST * modes.noise[0]
         if not located:
             modes.mode[k] = MODE_PLAIN
@@ -207,79 +211,65 @@ def start_contacts(model, work, t, y, located):
             modes.mode[k] = MODE_BEHIND
         else:
             close(laws, modes, k, max(-touch.closing, 0.0))
-            _take_grip(modes, k, touch)
-            if laws.friction[k] == FRICTION_STICK_SLIP and touch.slip == 0.0:
-                modes.grip[k] = GRIP_PROBE
-                modes.anchor[k, 0] = 0.0
+            take_grip(model, y, k, touch)
+            if laws.friction[k] == FRICTION_STICK_SLIP and _is_still(slip_of(model, touch)):
+                _probe(modes, k)
                 resting = True
     if resting:
         settle_grips(model, work, t, y, np.empty_like(y))
 
 
 @jit
-def planar_contact_mobility(model, work, t, y, k):
+def _is_still(slip):
+    fastest = 0.0
+    for speed in slip:
+        fastest = max(fastest, abs(speed))
+    return fastest == 0.0
+
+
+@jit
+def rigid_contact_mobility(model, work, t, y, k):
     """Return n^T W n (1/kg), the normal mobility of a contact within the joints; leave W n as tree acceleration."""
-    pairs = contact_pairs_of(model)
-    tree, rows = tree_of(work), rows_of(work)
+    pairs, tree, rows = contact_pairs_of(model), tree_of(work), rows_of(work)
     load_state(model, work, y)
     fill_rows(model, work, t)
     factor(model, work)
     touch = contact_geometry(model, work, k)
-    n, a, b = touch.normal, pairs.a[k], pairs.b[k]
-    for i in range(tree.load.shape[0]):
-        for c in range(3):
-            tree.load[i, c] = 0.0
-    for c in range(2):
-        tree.load[a, c] += n[c]
-        tree.load[b, c] -= n[c]
-    tree.load[a, 2] += cross(touch.arm_a, n)
-    tree.load[b, 2] -= cross(touch.arm_b, n)
-    for slot in range(rows.gamma.shape[0]):
-        for row in range(3):
-            rows.gamma[slot, row] = 0.0
+    on_a, on_b = gap_rows(model, touch)
+    clear(tree.load)
+    for c in range(len(block(model))):
+        tree.load[pairs.a[k], c] += on_a[c]
+        tree.load[pairs.b[k], c] += on_b[c]
+    clear(rows.gamma)
     solve(model, work, rows.gamma)
-    (ax, ay), (bx, by), response = touch.arm_a, touch.arm_b, tree.acceleration
-    x = response[a, 0] - ay * response[a, 2] - response[b, 0] + by * response[b, 2]
-    return n[0] * x + n[1] * (response[a, 1] + ax * response[a, 2] - response[b, 1] - bx * response[b, 2])
+    return gap_response(model, work, k, touch)
 
 
 @jit
 def _impact(model, work, t, y, k):
     """Reverse the normal speed by an impulse, v+ = -e v-, within the joints: dv = W n p."""
-    laws, bodies = contact_laws_of(model), bodies_of(model)
     mobility = contact_mobility(model, work, t, y, k)
     closing = contact_geometry(model, work, k).closing
-    response = tree_of(work).acceleration
-    impulse = -(1.0 + laws.restitution[k]) * closing / mobility
-    n = bodies.mass.shape[0]
-    for i in range(n):
-        place = 3 * (n + bodies.scene_index[i])
-        for c in range(3):
-            y[place + c] += impulse * response[i, c]
+    impulse = -(1.0 + contact_laws_of(model).restitution[k]) * closing / mobility
+    correct_rates(model, work, impulse, y)
 
 
 @jit
-def planar_contact_forces(model, work, t, y, out):
-    """Fill out (n_contacts, 5): depth d (m), force on body a (N, N), its point (m, m), in the present modes."""
+def rigid_contact_forces(model, work, t, y, out):
+    """Fill out (n_contacts, 1 + 2 dimension): depth d (m), force on body a (N), its point (m), in the present modes."""
     pairs, laws, modes = contact_pairs_of(model), contact_laws_of(model), contact_modes_of(model)
-    kin = kinematics_of(work)
     if _some_constrained(laws, modes):
         accelerate(model, work, t, y)
     else:
         load_state(model, work, y)
     for k in range(pairs.kind.shape[0]):
         touch = contact_geometry(model, work, k)
-        touching = touch.gap < 0.0 and touch.beyond <= 0.0 and not is_behind(pairs, k, touch.gap)
-        if modes.mode[k] != MODE_PLAIN:
-            touching = modes.mode[k] == MODE_CLOSED
-        normal = normal_force(laws, modes, k, -touch.gap, -touch.closing) if touching else 0.0
-        if touching and laws.release[k] == RELEASE_CONSTRAINT:
-            normal = contact_push(work, laws, k)
-        if modes.mode[k] == MODE_PLAIN and laws.release[k] == RELEASE_FORCE:
-            normal = max(normal, 0.0)
-        tangential = friction_force(laws, modes, k, normal, touch) if touching else 0.0
-        n, point = touch.normal, plus(kin.pose[pairs.a[k]], touch.arm_a)
         out[k, 0] = -touch.gap
-        out[k, 1] = normal * n[0] + tangential * n[1]
-        out[k, 2] = normal * n[1] - tangential * n[0]
-        out[k, 3], out[k, 4] = point
+        place, touching = centre(work, pairs.a[k]), is_touching(pairs, laws, modes, k, touch)
+        normal = normal_force(laws, modes, k, -touch.gap, -touch.closing)
+        if laws.release[k] == RELEASE_CONSTRAINT:
+            normal = contact_push(work, laws, k)
+        force = contact_force(model, work, k, touch, normal)
+        for c in range(len(place)):
+            out[k, 1 + c] = force[c] if touching else 0.0
+            out[k, 1 + len(place) + c] = place[c] + touch.arm_a[c]

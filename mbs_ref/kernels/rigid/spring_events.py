@@ -5,31 +5,29 @@ Open is slack; closed pulls; lifted is stretched, but its damper outweighs the s
 
 from __future__ import annotations
 
-import numpy as np
-
-from mbs_ref.kernels.contact.laws import (
-    MODE_CLOSED,
-    MODE_LIFTED,
-    MODE_OPEN,
-    MODE_PLAIN,
-    ROOTS_EACH,
-)
+from mbs_ref.kernels.contact.laws import MODE_CLOSED, MODE_LIFTED, MODE_OPEN, MODE_PLAIN, ROOTS_EACH
 from mbs_ref.kernels.jit import jit
-from mbs_ref.kernels.planar.loads import spring_separation
-from mbs_ref.kernels.planar.model import (
-    contact_modes_of,
-    kinematics_of,
-    springs_of,
-)
-from mbs_ref.kernels.planar.vectors import dot
+from mbs_ref.kernels.rigid.geometry import distance
+from mbs_ref.kernels.rigid.model import contact_modes_of, springs_of
 
 
 @jit
-def _pull(spring, kin, k):
+def is_slack(modes, place, stretch, tension):
+    """Return whether the spring of this place among the modes gives no force; -1 is that of one that may push.
+
+    It is slack by its frozen mode, or by the state where events are not located.
+    """
+    if place < 0:
+        return False
+    if modes.mode[place] == MODE_PLAIN:
+        return stretch <= 0.0 or tension < 0.0
+    return modes.mode[place] != MODE_CLOSED
+
+
+@jit
+def _pull(spring, work, k):
     """Return stretch, its rate, and the tension without any clipping."""
-    apart = spring_separation(spring, kin, k)
-    length = np.sqrt(dot(apart.gap, apart.gap))
-    rate = dot(apart.gap, apart.rate) / length if length > 0.0 else 0.0
+    length, rate = distance(work, spring.a[k], spring.b[k], spring.point_a[k], spring.point_b[k])
     stretch = length - spring.rest_length[k]
     return stretch, rate, spring.stiffness[k] * stretch + spring.damping[k] * rate
 
@@ -37,14 +35,14 @@ def _pull(spring, kin, k):
 @jit
 def spring_roots(model, work, g, rate):
     """Fill the functions of the tension-only springs at the state in `work`."""
-    spring, kin, modes = springs_of(model), kinematics_of(work), contact_modes_of(model)
+    spring, modes = springs_of(model), contact_modes_of(model)
     noise = modes.noise[0]
     for k in range(spring.place.shape[0]):
         if spring.place[k] < 0:
             continue
         i = ROOTS_EACH * spring.place[k]
         mode = modes.mode[spring.place[k]]
-        stretch, speed, tension = _pull(spring, kin, k)
+        stretch, speed, tension = _pull(spring, work, k)
         slack = noise * (spring.stiffness[k] + spring.damping[k])
         g[i + 1] = 1.0
         g[i + 2] = 1.0
@@ -78,12 +76,12 @@ def spring_transition(model, g):
 @jit
 def start_springs(model, work, located):
     """Set the modes by the state in `work`."""
-    spring, kin, modes = springs_of(model), kinematics_of(work), contact_modes_of(model)
+    spring, modes = springs_of(model), contact_modes_of(model)
     for k in range(spring.place.shape[0]):
         place = spring.place[k]
         if place < 0:
             continue
-        stretch, _, tension = _pull(spring, kin, k)
+        stretch, _, tension = _pull(spring, work, k)
         if not located:
             modes.mode[place] = MODE_PLAIN
         elif stretch <= 0.0:

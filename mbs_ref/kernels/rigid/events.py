@@ -1,4 +1,4 @@
-"""The events of a planar scene: contacts, then tension-only springs, then declared events, three functions each.
+"""The events of a scene: contacts, then tension-only springs, then declared events, three functions each.
 
 All are positive while the frozen modes hold. Each holds a little beyond its root, by `noise`, or contacts at
 rest exactly at d = 0 would chatter.
@@ -6,29 +6,24 @@ rest exactly at d = 0 would chatter.
 
 from __future__ import annotations
 
-from mbs_ref.kernels.contact.laws import (
-    ROOTS_EACH,
-)
+from mbs_ref.kernels.contact.laws import ROOTS_EACH
 from mbs_ref.kernels.contact.modes import ENDLESS, SETTLED, STOP, is_broken, is_endless
 from mbs_ref.kernels.jit import jit
-from mbs_ref.kernels.planar.contact_events import contact_roots, contact_transition, start_contacts
-from mbs_ref.kernels.planar.dynamics import load_state
-from mbs_ref.kernels.planar.model import (
-    contact_modes_of,
-    watches_of,
-)
-from mbs_ref.kernels.planar.spring_events import spring_roots, spring_transition, start_springs
-from mbs_ref.kernels.planar.watch_events import start_watches, watch_roots, watch_transition
+from mbs_ref.kernels.rigid.contact_events import contact_roots, contact_transition, start_contacts
+from mbs_ref.kernels.rigid.geometry import load_state
+from mbs_ref.kernels.rigid.model import contact_modes_of, watches_of
+from mbs_ref.kernels.rigid.spring_events import spring_roots, spring_transition, start_springs
+from mbs_ref.kernels.rigid.watch_events import start_watches, watch_roots, watch_transition
 
 
 @jit
-def planar_root_count(model):
+def rigid_root_count(model):
     """Return the number of event functions; 0 in the plain mode."""
     return contact_modes_of(model).roots[0]
 
 
 @jit
-def planar_roots(model, work, t, y, g, rate):
+def rigid_roots(model, work, t, y, g, rate):
     """Fill g and, where known, its rate, else 0; g > 0 while the frozen modes hold."""
     contact_roots(model, work, t, y, g, rate)
     spring_roots(model, work, g, rate)
@@ -36,10 +31,10 @@ def planar_roots(model, work, t, y, g, rate):
 
 
 @jit
-def planar_transition(model, work, t, span, y, g, dy):
+def rigid_transition(model, work, t, span, y, g, dy):
     """Change the modes whose functions are negative, with impulses where rigid; return code and source.
 
-    dy is scratch of y's shape. y changes at impacts only.
+    dy is scratch of y's shape. y changes as in `contact_transition`.
     """
     modes = contact_modes_of(model)
     source = 0
@@ -67,12 +62,13 @@ def _log(modes, t, g):
                 row[1] = k
                 row[2] = modes.mode[k]
                 row[3] = modes.grip[k]
-                row[4] = modes.anchor[k, 0]
-                row[5] = modes.dashpot[k]
+                for c in range(modes.anchor.shape[1]):
+                    row[4 + c] = modes.anchor[k, c]
+                row[4 + modes.anchor.shape[1]] = modes.dashpot[k]
 
 
 @jit
-def planar_start_modes(model, work, t, y, located):
+def rigid_start_modes(model, work, t, y, located):
     """Set every mode by the state; event functions are watched only where `located`."""
     modes = contact_modes_of(model)
     modes.logged[0] = 0

@@ -1,0 +1,96 @@
+"""The groups of arrays that planar and spatial scenes share, and access to those that both have by one name.
+
+`dimension` is 2 or 3, `rates` those of a body, 3 or 6. Bodies are numbered in elimination order: a parent before its
+children, ground last (index n_bodies). Constraint rows lie in slots of up to `rates` rows: slot i < n_bodies joins body
+i to its parent in the spanning tree, later slots close loops. A slot has two Jacobian blocks, of its sides 0 and 1; in
+a tree slot side 0 is the child.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, NamedTuple, get_type_hints
+
+import numpy as np
+
+from mbs_ref.kernels.border.groups import Floats, Ints, empty
+from mbs_ref.kernels.border.handles import accessor
+from mbs_ref.kernels.rigid.closures import Loops, closure_scratch
+
+WATCH_DISTANCE, WATCH_COORDINATE, WATCH_RATE = range(3)
+
+
+class Springs(NamedTuple):
+    a: Annotated[Ints, "k"]
+    b: Annotated[Ints, "k"]
+    point_a: Annotated[Floats, "k", "dimension"]  # m, in body a
+    point_b: Annotated[Floats, "k", "dimension"]  # m, in body b
+    stiffness: Annotated[Floats, "k"]  # N/m
+    damping: Annotated[Floats, "k"]  # N s/m
+    rest_length: Annotated[Floats, "k"]  # m
+    isotropic: Annotated[Ints, "k"]  # 1 for a bushing in the plane, whose force follows the gap as a vector
+    place: Annotated[Ints, "k"]  # of a tension-only spring's mode in ContactModes; -1 for others
+
+
+class Watches(NamedTuple):
+    """Declared events: a coordinate, a distance or a coordinate's rate crosses a value."""
+
+    a: Annotated[Ints, "k"]
+    b: Annotated[Ints, "k"]  # the other body of a distance
+    point_a: Annotated[Floats, "k", "dimension"]  # m, in body a
+    point_b: Annotated[Floats, "k", "dimension"]  # m, in body b
+    quantity: Annotated[Ints, "k"]  # WATCH_*
+    component: Annotated[Ints, "k"]  # 0 x, 1 y, 2 angle in the plane and z in space
+    value: Annotated[Floats, "k"]  # m, rad, m/s or rad/s
+    direction: Annotated[Ints, "k"]  # 1 rising, -1 falling, 0 either
+    stops: Annotated[Ints, "k"]  # 1 where the run ends
+
+
+class World(NamedTuple):
+    gravity: Annotated[Floats, "dimension"]  # m/s^2
+    user_force: Annotated[Ints, 1]  # address of a C callback, or 0
+    user_rows: Annotated[Ints, 1]  # the same, for constraints of the user's own
+    control: Annotated[Floats, 3]  # see kernels/controls.py
+
+
+class Rows(NamedTuple):
+    jacobian: Annotated[Floats, "n_slots", 2, "rates", "rates"]
+    residual: Annotated[Floats, "n_slots", "rates"]  # C
+    rate: Annotated[Floats, "n_slots", "rates"]  # C_dot
+    gamma: Annotated[Floats, "n_slots", "rates"]  # right-hand side of C_q qdd = Q_d
+    multiplier: Annotated[Floats, "n_slots", "rates"]
+
+
+class Solved(NamedTuple):
+    """Which state the accelerations in the tree belong to."""
+
+    time: Annotated[Floats, 1]  # s; NaN where they may be another state's
+    state: Annotated[Floats, "n_state"]
+
+
+def rigid_scratch(scratch: type, n: int, n_slots: int, n_state: int, loops: Loops, **lengths: int) -> Any:
+    """Return the scratch of one run, zero but for the pivots of `loops` and no state solved."""
+    own = {"n": n, "n + 1": n + 1, "n_slots": n_slots, "n_state": n_state, **lengths}
+    groups = {name: empty(kind, **own) for name, kind in get_type_hints(scratch).items() if name != "closures"}
+    groups["solved"].time[0] = np.nan
+    return scratch(closures=closure_scratch(loops, lengths["rates"]), **groups)
+
+
+bodies_of = accessor("bodies")
+slots_of = accessor("slots")
+loops_of = accessor("loops")
+drives_of = accessor("drives")
+forces_of = accessor("forces")
+springs_of = accessor("springs")
+torsion_springs_of = accessor("torsion_springs")
+contact_pairs_of = accessor("contact_pairs")
+contact_laws_of = accessor("contact_laws")
+contact_modes_of = accessor("contact_modes")
+near_pairs_of = accessor("near_pairs")
+watches_of = accessor("watches")
+signals_of = accessor("signals")
+world_of = accessor("world")
+kinematics_of = accessor("kinematics")
+rows_of = accessor("rows")
+tree_of = accessor("tree")
+closures_of = accessor("closures")
+solved_of = accessor("solved")
