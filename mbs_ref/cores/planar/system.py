@@ -13,7 +13,6 @@ from mbs_ref.cores.system import Poses
 from mbs_ref.cores.user_rows import variable
 from mbs_ref.kernels import answers as core
 from mbs_ref.kernels.border.questions import apply_loads
-from mbs_ref.kernels.planar.core import PlanarModel, PlanarWork
 from mbs_ref.kernels.planar.dynamics import load_state
 from mbs_ref.kernels.planar.model import PlanarScratch
 from mbs_ref.kernels.rigid.model import rigid_scratch
@@ -68,7 +67,7 @@ class PlanarSystem(JointedSystem):
     def applied_forces(self, t: float, q: np.ndarray, v: np.ndarray) -> np.ndarray:
         """Return the generalized applied forces (n_bodies, 3) of gravity and every load: N, N, N m."""
         y = np.concatenate((q.ravel(), v.ravel()))
-        _evaluate_loads(PlanarModel(*self.model), PlanarWork(*self.work), float(t), y)
+        _evaluate_loads(*self.own_handles, float(t), y)
         return self._in_scene_order(self.scratch.kinematics.force[: self.n_bodies])
 
     def poses(self, states: np.ndarray) -> Poses:

@@ -16,7 +16,6 @@ from mbs_ref.kernels.border.groups import empty
 from mbs_ref.kernels.relative import model as arrays
 from mbs_ref.kernels.relative.events import take_velocities_over, tell_over
 from mbs_ref.kernels.relative.lanes import Figures, Tree, tree_in_lanes
-from mbs_ref.kernels.relative.model import TreeModel, TreeWork
 from mbs_ref.scene import PlanarBody, Scene
 from mbs_ref.scene.euler_parameters import conjugate, product
 from mbs_ref.scene.scales import Scales
@@ -76,7 +75,7 @@ class RelativeSystem(System):
         for i, first in enumerate(self.layout.q[:-1]):
             found = self._coordinate(i, told)
             y[first : first + len(found)] = found
-        take_velocities_over(*self._own, told[None], y[None])
+        take_velocities_over(*self.own_handles, told[None], y[None])
         return y
 
     def initial_state(self) -> np.ndarray:
@@ -107,12 +106,8 @@ class RelativeSystem(System):
 
     def _all_told(self, states: np.ndarray) -> np.ndarray:
         told = np.empty((len(states), len(self.scratch.told.state)))
-        tell_over(*self._own, np.ascontiguousarray(states), told)
+        tell_over(*self.own_handles, np.ascontiguousarray(states), told)
         return told
-
-    @property
-    def _own(self) -> tuple[TreeModel, TreeWork]:
-        return TreeModel(*self.model), TreeWork(*self.work)
 
     def set_mode_time(self, t: float) -> None:
         """Choose the signals' segments: the ones that contain t (s)."""
@@ -168,7 +163,7 @@ class RelativePlanarSystem(RelativeSystem):
         for i, first in enumerate(self.layout.q[:-1]):
             found = self._coordinate(i, told.T).T
             y[:, first : first + found.shape[1]] = found
-        take_velocities_over(*self._own, np.ascontiguousarray(told), y)
+        take_velocities_over(*self.own_handles, np.ascontiguousarray(told), y)
         return y
 
     @property

@@ -11,7 +11,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from mbs_ref.integrators.loop.explicit import resized
 from mbs_ref.integrators.loop.leg import (
     DONE,
     NON_FINITE,
@@ -20,7 +19,7 @@ from mbs_ref.integrators.loop.leg import (
     STEP_TOO_SMALL,
     TOO_MANY_STEPS,
 )
-from mbs_ref.integrators.loop.step_control import SHORTEST, choose_step, first_step, is_cut
+from mbs_ref.integrators.loop.step import SHORTEST, choose_step, first_step, is_cut, resized
 from mbs_ref.kernels.algebra.lanes import (
     WIDTH,
     chosen_in_lanes,

@@ -33,8 +33,8 @@ from mbs_ref.integrators.loop.leg import (
     Progress,
     finish_leg,
 )
-from mbs_ref.integrators.loop.step_control import all_finite
 from mbs_ref.integrators.stages.gauss_coefficients import STAGES, Gauss, gauss
+from mbs_ref.kernels.algebra.dense import all_finite
 from mbs_ref.kernels.border.handles import accessor, handle_of, make_handle
 from mbs_ref.kernels.jit import jit, loop_jit
 from mbs_ref.kernels.particles.dynamics import accelerate
@@ -425,7 +425,7 @@ def advance(system: System, options: Options, run: Progress, y: np.ndarray, time
     low, scratch = np.zeros_like(y), np.zeros((4, len(y) // 6, 3, STAGES))
     code = RUNNING
     while code == RUNNING:
-        code = advance_gauss(system.model, system.work, method, options, run, y, low, scratch, times, states)
+        code = advance_gauss(*system.own_handles, method, options, run, y, low, scratch, times, states)
     worst = np.zeros(len(times))
     if code == COLLISION:
         message = f"at t = {run.t:.9g} s two bodies collided: {_closest(system, y)}"
@@ -436,16 +436,18 @@ def advance(system: System, options: Options, run: Progress, y: np.ndarray, time
     return finish_leg(code, states, worst, run)
 
 
-INTEGRATOR = Integrator(
-    name="gauss",
-    kind="both",
-    order=16,
-    description="Gauss-Legendre of order 16 for free particles, adaptive, with compensated sums",
-    advance=advance,
-    stabilization="none",
-    stabilizations=("none",),
-    ladder=(1e-4, 1e-6, 1e-8, 1e-10, 1e-12, 1e-14, 1e-16, 1e-18),
-    source="Hairer, Lubich, Wanner, Geometric Numerical Integration, 2nd ed., Springer 2006, sec. VIII.6",
-    cores=("particles",),
-    slack=ACCEPT ** (2 * STAGES),
+INTEGRATORS = (
+    Integrator(
+        name="gauss",
+        kind="both",
+        order=16,
+        description="Gauss-Legendre of order 16 for free particles, adaptive, with compensated sums",
+        advance=advance,
+        stabilization="none",
+        stabilizations=("none",),
+        ladder=(1e-4, 1e-6, 1e-8, 1e-10, 1e-12, 1e-14, 1e-16, 1e-18),
+        source="Hairer, Lubich, Wanner, Geometric Numerical Integration, 2nd ed., Springer 2006, sec. VIII.6",
+        cores=("particles",),
+        slack=ACCEPT ** (2 * STAGES),
+    ),
 )

@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from mbs_ref.cores.jointed_system import JointedSystem
-from mbs_ref.integrators.loop.attempt import close_attempt, next_attempt, stands_still, take
 from mbs_ref.integrators.loop.events import EVENT, RETRY, event_tables, settle
 from mbs_ref.integrators.loop.leg import (
     NOT_CONVERGED,
@@ -26,6 +25,7 @@ from mbs_ref.integrators.loop.leg import (
     Progress,
     run_chunks,
 )
+from mbs_ref.integrators.loop.step import accept, close_attempt, next_attempt, stands_still
 from mbs_ref.kernels.answers import FORM
 from mbs_ref.kernels.border.questions import derivative, displace, multipliers, position_count
 from mbs_ref.kernels.implicit import dense_correction, factor_tangent, tree_correction
@@ -217,7 +217,7 @@ def advance_generalized_alpha(model, work, options, run, y, motion, tangent, out
     code = _begin(model, work, options, run, y, motion, table)
     tangent.step[0] = 0.0
     while code == RUNNING and run.steps < budget:
-        attempt = next_attempt(options, run, outputs, False, search)
+        attempt = next_attempt(options.step, run, outputs.times[run.next_output], False, search)
         if stands_still(attempt):
             return STEP_TOO_SMALL
         if not _solve(model, work, run, attempt, y, motion, iterate, tangent):
@@ -228,7 +228,7 @@ def advance_generalized_alpha(model, work, options, run, y, motion, tangent, out
             continue
         if code == RUNNING:
             motion.qdd[:], motion.a[:] = iterate.qdd, iterate.a
-            code = take(model, work, options, run, attempt, verdict, y, iterate.y, table, outputs)
+            code = accept(model, work, options, run, attempt, verdict, y, iterate.y, table, outputs)
         if code == RUNNING and verdict == EVENT:
             _start(model, work, attempt.t_new, y, motion)
             tangent.step[0] = 0.0
@@ -263,18 +263,20 @@ def _tangent(system: JointedSystem, n: int) -> Tangent:
     return Tangent(row_slot, row_row, lu, pivots, np.zeros(1))
 
 
-INTEGRATOR = Integrator(
-    name="generalized_alpha",
-    kind="fixed",
-    order=2,
-    description="generalized-alpha on the index-3 equations, spectral radius 0.9",
-    advance=advance,
-    stabilization="none",
-    stabilizations=("none", "projection"),
-    ladder=(2e-2, 1e-2, 5e-3, 2.5e-3, 1.25e-3, 6.25e-4),
-    source="Arnold and Bruls 2007; Chung and Hulbert 1993",
-    keeps_constraints=True,
-    holds_deflections=False,
-    needs_positions=True,
-    cores=("planar", "spatial"),
+INTEGRATORS = (
+    Integrator(
+        name="generalized_alpha",
+        kind="fixed",
+        order=2,
+        description="generalized-alpha on the index-3 equations, spectral radius 0.9",
+        advance=advance,
+        stabilization="none",
+        stabilizations=("none", "projection"),
+        ladder=(2e-2, 1e-2, 5e-3, 2.5e-3, 1.25e-3, 6.25e-4),
+        source="Arnold and Bruls 2007; Chung and Hulbert 1993",
+        keeps_constraints=True,
+        holds_deflections=False,
+        needs_positions=True,
+        cores=("planar", "spatial"),
+    ),
 )

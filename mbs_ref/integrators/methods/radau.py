@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from mbs_ref.integrators.loop.attempt import WITHDRAWN, close_attempt, next_attempt, propose_again, stands_still, take
 from mbs_ref.integrators.loop.crossing import NEAR, Crossing
 from mbs_ref.integrators.loop.events import EVENT, RETRY, event_tables
 from mbs_ref.integrators.loop.leg import (
@@ -27,7 +26,16 @@ from mbs_ref.integrators.loop.leg import (
     Progress,
     run_chunks,
 )
-from mbs_ref.integrators.loop.step_control import SHORTEST, begin, propose_first
+from mbs_ref.integrators.loop.step import (
+    SHORTEST,
+    WITHDRAWN,
+    accept,
+    begin,
+    close_attempt,
+    first_step,
+    next_attempt,
+    stands_still,
+)
 from mbs_ref.integrators.stages.radau_newton import (
     NEWTON_ITERATIONS,
     error_norm,
@@ -189,12 +197,14 @@ def advance_radau(model, work, options, run, y, outputs):
     code = begin(model, work, run, y, f, table, options.max_events)
     if code != RUNNING:
         return code
-    propose_first(model, work, options, run, y, f, 3, span)
+    if adaptive and run.h == 0.0:
+        run.h = first_step(model, work, run.t, y, f, 3, options, span)
+        run.rhs_calls += 1
     jacobian, past = np.empty((y.shape[0], y.shape[0])), Past(np.zeros(3), np.zeros(4, dtype=np.int64))
     _renew_jacobian(model, work, options, run, y, f, trial, jacobian, past)
     newton = newton_for(jacobian)
     while code == RUNNING and run.steps < budget:
-        attempt = next_attempt(options, run, outputs, adaptive, search)
+        attempt = next_attempt(options.step, run, outputs.times[run.next_output], adaptive, search)
         if stands_still(attempt) or (attempt.h < SHORTEST * span and not attempt.searching):
             return STEP_TOO_SMALL
         if not _prepare(model, work, options, run, attempt, y, f, trial, tolerances, newton, past):
@@ -214,10 +224,11 @@ def advance_radau(model, work, options, run, y, outputs):
             past.marks[REJECTED], past.values[H_LAST] = 1, 0.0
             continue
         if verdict == RETRY:
-            propose_again(options, run, attempt)
+            if adaptive:
+                run.h = attempt.proposed
             continue
         if code == RUNNING:
-            code = take(model, work, options, run, attempt, verdict, y, trial, table, outputs)
+            code = accept(model, work, options, run, attempt, verdict, y, trial, table, outputs)
         if code == RUNNING:
             _remember(past, attempt, solved.rate, verdict)
             derivative(model, work, attempt.t_new, y, f)
@@ -237,14 +248,16 @@ def advance(system: System, options: Options, run: Progress, y: np.ndarray, time
     return crossing.finish(run_chunks(chunk, options, run, y, times))
 
 
-INTEGRATOR = Integrator(
-    name="radau",
-    kind="both",
-    order=5,
-    embedded=3,
-    description="Radau IIA, three stages: the stiff method",
-    advance=advance,
-    ladder=(1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10),
-    source="Hairer and Wanner, Solving Ordinary Differential Equations II, sec. IV.8",
-    cores=("planar", "spatial"),
+INTEGRATORS = (
+    Integrator(
+        name="radau",
+        kind="both",
+        order=5,
+        embedded=3,
+        description="Radau IIA, three stages: the stiff method",
+        advance=advance,
+        ladder=(1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10),
+        source="Hairer and Wanner, Solving Ordinary Differential Equations II, sec. IV.8",
+        cores=("planar", "spatial"),
+    ),
 )

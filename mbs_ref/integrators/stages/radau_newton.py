@@ -9,9 +9,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from mbs_ref.integrators.loop.step_control import weighted_norm
 from mbs_ref.integrators.stages.radau_coefficients import MU_COMPLEX, MU_REAL, TI, C, E, T
-from mbs_ref.kernels.algebra.dense import lu_factor, lu_solve
+from mbs_ref.kernels.algebra.dense import lu_factor, lu_solve, weighted_norm
 from mbs_ref.kernels.border.questions import derivative
 from mbs_ref.kernels.jit import jit
 

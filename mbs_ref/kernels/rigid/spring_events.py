@@ -75,7 +75,7 @@ def spring_transition(model, g):
 
 @jit
 def start_springs(model, work, located):
-    """Set the modes by the state in `work`."""
+    """Set the modes by the state in `work`; a stretch within its roundoff is none."""
     spring, modes = springs_of(model), contact_modes_of(model)
     for k in range(spring.place.shape[0]):
         place = spring.place[k]
@@ -84,7 +84,7 @@ def start_springs(model, work, located):
         stretch, _, tension = _pull(spring, work, k)
         if not located:
             modes.mode[place] = MODE_PLAIN
-        elif stretch <= 0.0:
+        elif stretch <= modes.noise[0]:
             modes.mode[place] = MODE_OPEN
         else:
             modes.mode[place] = MODE_LIFTED if tension < 0.0 else MODE_CLOSED
