@@ -350,6 +350,9 @@ class SphereOnPlane(ContactPart):
     thickness: Positive | None = None  # m: what appears deeper than this is behind the surface, not in it
     friction: Friction | None = None
 
+    def mark(self, end: str) -> tuple[float, ...]:
+        return self.center if end == "body_a" else self.point
+
     @model_validator(mode="after")
     def _check(self) -> Self:
         bounded = self.extent != "plane"

@@ -157,7 +157,8 @@ def advance_explicit(model, work, tableau, options, run, y, outputs):
             record(run, stages.new, outputs)
             code = DONE if run.next_output == outputs.times.shape[0] else RUNNING
         else:
-            natural, run.h = max(natural, run.h), attempt.h * (AVOID if is_noisy(there, NOISY_PIVOT, rtol) else AVOID_STAGE)
+            natural = max(natural, run.h)
+            run.h = attempt.h * (AVOID if is_noisy(there, NOISY_PIVOT, rtol) else AVOID_STAGE)
     return code
 
 

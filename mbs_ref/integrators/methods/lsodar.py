@@ -44,7 +44,7 @@ def advance(system: System, options: Options, run: Progress, y: np.ndarray, time
         if not (leg.arrive(t, now, solver.t - before) and leg.keeps_pace()):
             break
         _record_passed(solver, leg)
-        if leg.jumps(leg.events.found):
+        if leg.jumps(leg.events.at_event):
             run.rhs_calls += solver.nfev
             solver = None
     run.rhs_calls += solver.nfev if solver is not None else 0
