@@ -20,18 +20,16 @@ from mbs_ref.kernels.particles import dynamics as particles
 from mbs_ref.kernels.particles.model import ParticleModel, ParticleWork
 from mbs_ref.kernels.planar import dynamics as planar
 from mbs_ref.kernels.planar.core import PlanarModel, PlanarWork
-from mbs_ref.kernels.planar.joints import planar_fill_rows
 from mbs_ref.kernels.planar.loads import planar_apply_loads
 from mbs_ref.kernels.relative import planar as relative_planar
 from mbs_ref.kernels.relative import spatial as relative_spatial
 from mbs_ref.kernels.relative.events import PASSED_ON
 from mbs_ref.kernels.relative.model import TreeModel, TreeWork
-from mbs_ref.kernels.rigid import contact_events, contact_forces, contact_rows, descriptor, dynamics, events
+from mbs_ref.kernels.rigid import contact_events, contact_forces, contact_rows, descriptor, dynamics, events, joints
 from mbs_ref.kernels.spatial import descriptor as spatial_form
 from mbs_ref.kernels.spatial import dynamics as spatial
 from mbs_ref.kernels.spatial import grips as spatial_grips
 from mbs_ref.kernels.spatial.core import SpatialModel, SpatialWork
-from mbs_ref.kernels.spatial.joints import spatial_fill_rows
 from mbs_ref.kernels.spatial.loads import spatial_apply_loads
 
 
@@ -51,6 +49,7 @@ _RIGID: dict[str, dict[str, Callable[..., Any]]] = {  # of bodies and joints, in
         "project": dynamics.rigid_project,
         "regularity": dynamics.rigid_regularity,
         "accelerate": dynamics.rigid_accelerate,
+        "fill_rows": joints.rigid_fill_rows,
     },
     EVENTS: {
         "root_count": events.rigid_root_count,
@@ -100,7 +99,6 @@ ANSWERS: dict[str, dict[str, dict[str, Callable[..., Any]]]] = {
             **_RIGID[MOTION],
             "derivative": planar.planar_derivative,
             "tangent": planar.planar_tangent,
-            "fill_rows": planar_fill_rows,
             "apply_loads": planar_apply_loads,
         },
         FORM: {
@@ -116,7 +114,6 @@ ANSWERS: dict[str, dict[str, dict[str, Callable[..., Any]]]] = {
             **_RIGID[MOTION],
             "derivative": spatial.spatial_derivative,
             "tangent": spatial.spatial_tangent,
-            "fill_rows": spatial_fill_rows,
             "apply_loads": spatial_apply_loads,
         },
         EVENTS: {

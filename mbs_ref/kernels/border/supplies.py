@@ -33,27 +33,26 @@ def supplied_by(handle: type) -> dict[str, Any]:
     return _supplies[handle]
 
 
-def supplied(stub: Callable[..., Any]) -> Any:
-    """Make a supplied function of one whose name and docstring alone count; its first argument is a handle."""
+def supplied(stub: Callable[..., Any], passes_handle: bool = True) -> Any:
+    """Make a supplied function of one whose name and docstring alone count; its first argument is a handle.
+
+    Without `passes_handle` that argument chooses the core, and the core's function does not receive it.
+    """
+    first = 0 if passes_handle else 1
 
     def resolve(typingctx, *given):
         function = typeof(_supplies[given[0].instance_class][stub.__name__])
-        kind = typingctx.resolve_function_type(function, given, {})
-        return Signature(kind.return_type, given, None), _call(function, kind)
+        kind = typingctx.resolve_function_type(function, given[first:], {})
+
+        def codegen(context, builder, signature, args):
+            implementation = context.get_function(function, kind)
+            context.add_linking_libs(getattr(implementation, "libs", ()))
+            pairs = zip(args[first:], signature.args[first:], kind.args, strict=True)
+            return implementation(builder, [context.cast(builder, *each) for each in pairs])
+
+        return Signature(kind.return_type, given, None), codegen
 
     return intrinsic(with_parameters_of(stub, resolve))
-
-
-def _call(function: Any, kind: Any) -> Callable[..., Any]:
-    """Return what emits the call of a compiled function of this signature."""
-
-    def codegen(context, builder, signature, args):
-        implementation = context.get_function(function, kind)
-        context.add_linking_libs(getattr(implementation, "libs", ()))
-        given = [context.cast(builder, *each) for each in zip(args, signature.args, kind.args, strict=True)]
-        return implementation(builder, given)
-
-    return codegen
 
 
 def with_parameters_of(stub: Callable[..., Any], function: Callable[..., Any]) -> Callable[..., Any]:

@@ -158,7 +158,7 @@ def gap_response(model, work, k, touch):
 def gap_gamma(model, work, k, touch):
     pairs, kin, n = contact_pairs_of(model), kinematics_of(work), touch.normal
     a, b = pairs.a[k], pairs.b[k]
-    apart = separation(kin, b, a, pairs.origin[k], pairs.center[k])
+    apart = separation(work, b, a, pairs.origin[k], pairs.center[k])
     surplus = dot(n, apart.centripetal)
     if pairs.kind[k] == PAIR_FLAT:
         wb = kin.motion[b, 2]

@@ -63,7 +63,7 @@ def apply_springs(model, work):
     spring, kin, modes = springs_of(model), kinematics_of(work), contact_modes_of(model)
     for k in range(spring.a.shape[0]):
         a = spring.a[k]
-        apart = separation(kin, a, spring.b[k], spring.point_a[k], spring.point_b[k])
+        apart = separation(work, a, spring.b[k], spring.point_a[k], spring.point_b[k])
         gap, rate, arm_a = apart.gap, apart.rate, apart.arm_a
         length = np.sqrt(dot(gap, gap))
         stretch = length - spring.rest_length[k]

@@ -47,8 +47,8 @@ def rate_between(kin, a, b, arm_a, arm_b):
 
 
 @jit
-def separation(kin, a, b, point_a, point_b):
-    """Return the Separation of two marks."""
+def separation(work, a, b, point_a, point_b):
+    kin = kinematics_of(work)
     arm_a, arm_b = arm(kin.pose, a, point_a), arm(kin.pose, b, point_b)
     wa, wb = kin.motion[a, 2], kin.motion[b, 2]
     return Separation(
@@ -58,6 +58,24 @@ def separation(kin, a, b, point_a, point_b):
         rate_between(kin, a, b, arm_a, arm_b),
         (arm_b[0] * wb * wb - arm_a[0] * wa * wa, arm_b[1] * wb * wb - arm_a[1] * wa * wa),
     )
+
+
+@jit
+def inward(work, a, b, apart):
+    return apart.centripetal
+
+
+@jit
+def rate_along(work, i, point, e):
+    kin = kinematics_of(work)
+    return dot(e, kin.motion[i]) + cross(arm(kin.pose, i, point), e) * kin.motion[i, 2]
+
+
+@jit
+def acceleration_along(work, i, point, e):
+    kin = kinematics_of(work)
+    w = kin.motion[i, 2]
+    return -(dot(e, arm(kin.pose, i, point)) * w * w)
 
 
 @jit
@@ -84,7 +102,7 @@ def place_of_mark(work, i, point):
 
 @jit
 def distance(work, a, b, point_a, point_b):
-    apart = separation(kinematics_of(work), a, b, point_a, point_b)
+    apart = separation(work, a, b, point_a, point_b)
     length = np.sqrt(dot(apart.gap, apart.gap))
     return length, dot(apart.gap, apart.rate) / length if length > 0.0 else 0.0
 

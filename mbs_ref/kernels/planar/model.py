@@ -12,7 +12,7 @@ from mbs_ref.kernels.border.handles import accessor
 from mbs_ref.kernels.contact.laws import ContactLaws, ContactModes
 from mbs_ref.kernels.contact.near_pairs import NearPairs
 from mbs_ref.kernels.rigid.closures import Closures, Loops
-from mbs_ref.kernels.rigid.model import Rows, Solved, Springs, Watches, World
+from mbs_ref.kernels.rigid.model import Distances, Drives, Planes, Points, Rows, Solved, Springs, Watches, World
 from mbs_ref.kernels.signals import SignalArrays
 
 RATES = tuple(range(3))  # of a body: a loop over it has bounds that the compiler knows
@@ -32,28 +32,22 @@ class Slots(NamedTuple):
     padding: Annotated[Floats, "n_slots", 3]  # : 1 where a row is unused, else 0
 
 
-class PairJoints(NamedTuple):
-    """Revolute, prismatic, weld and distance joints all fill this group; each type has its own."""
+class Angles(NamedTuple):
+    """theta_b - theta_a = value: one row."""
 
     slot: Annotated[Ints, "k"]
-    row: Annotated[Ints, "k"]  # first row in the slot
+    row: Annotated[Ints, "k"]
     side_a: Annotated[Ints, "k"]  # which side of the slot is body_a
-    point_a: Annotated[Floats, "k", 2]  # m, in body a
-    point_b: Annotated[Floats, "k", 2]  # m, in body b
-    normal: Annotated[Floats, "k", 2]  # prismatic: unit normal of the axis, in body a
-    value: Annotated[Floats, "k"]  # relative angle (rad) or length (m) to keep
+    value: Annotated[Floats, "k"]  # rad
 
 
-class Drives(NamedTuple):
-    """One prescribed row: direction . (r_body - start) + turn (theta - start) = signal."""
+class AngleDrives(NamedTuple):
+    """theta - start = signal: one row, the other side is ground."""
 
     slot: Annotated[Ints, "k"]
     row: Annotated[Ints, "k"]
     side: Annotated[Ints, "k"]  # which side of the slot is the body
-    point: Annotated[Floats, "k", 2]  # m, in the body
-    direction: Annotated[Floats, "k", 2]  # unit vector, or zero for an angle drive
-    turn: Annotated[Floats, "k"]  # 1 for an angle drive, else 0
-    start: Annotated[Floats, "k"]  # value of the driven coordinate at t = 0
+    start: Annotated[Floats, "k"]  # rad
     signal: Annotated[Ints, "k"]
 
 
@@ -96,11 +90,12 @@ class PlanarGroups(NamedTuple):
     bodies: Bodies
     slots: Slots
     loops: Loops
-    revolute: PairJoints
-    prismatic: PairJoints
-    weld: PairJoints
-    distance: PairJoints
+    points: Points
+    planes: Planes
+    angles: Angles
+    distances: Distances
     drives: Drives
+    angle_drives: AngleDrives
     forces: Forces
     springs: Springs
     torsion_springs: TorsionSprings
@@ -113,10 +108,8 @@ class PlanarGroups(NamedTuple):
     world: World
 
 
-revolute_of = accessor("revolute")
-prismatic_of = accessor("prismatic")
-weld_of = accessor("weld")
-distance_of = accessor("distance")
+angles_of = accessor("angles")
+angle_drives_of = accessor("angle_drives")
 
 
 class Kinematics(NamedTuple):

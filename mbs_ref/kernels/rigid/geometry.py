@@ -7,9 +7,12 @@ fields.
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
 from mbs_ref.kernels.border.supplies import supplied
+
+by_core = partial(supplied, passes_handle=False)
 
 # --- state ------------------------------------------------------------------------------------------
 
@@ -72,6 +75,64 @@ def distance(work, a, b, point_a, point_b) -> Any:
 @supplied
 def coordinate(work, i, component) -> Any:
     """Return a coordinate of body i (m, rad) and its rate."""
+
+
+@by_core
+def dot(work, a, b) -> Any:
+    """Return the product of two vectors."""
+
+
+@by_core
+def over(work, a, divisor) -> Any:
+    """Return a vector divided by a number."""
+
+
+@supplied
+def separation(work, a, b, point_a, point_b) -> Any:
+    """Return how a point of body b lies and moves from one of body a: arm_a, arm_b, gap and rate among its fields."""
+
+
+@supplied
+def inward(work, a, b, apart) -> Any:
+    """Return the second rate (m/s^2) of the gap of a separation without the bodies' accelerations, negative."""
+
+
+@supplied
+def rate_along(work, i, point, e) -> Any:
+    """Return the velocity (m/s) of a point of body i along a unit vector."""
+
+
+@supplied
+def acceleration_along(work, i, point, e) -> Any:
+    """Return the acceleration (m/s^2) of a point of body i along a unit vector, without the body's own."""
+
+
+# --- joint rows -------------------------------------------------------------------------------------
+
+
+@supplied
+def put_point(work, slot, side, row, apart) -> Any:
+    """Write the Jacobian of r_b - r_a from a row on; body a is on this side."""
+
+
+@supplied
+def put_line(work, slot, side, row, e, apart) -> Any:
+    """Write the Jacobian of e . (r_b - r_a) at a fixed unit vector e."""
+
+
+@supplied
+def put_on_body(work, slot, side, row, i, point, e) -> Any:
+    """Write the Jacobian of e . r of a point of body i at a fixed unit vector e."""
+
+
+@supplied
+def fill_plane(work, slot, side, row, a, b, normal, apart) -> Any:
+    """Evaluate the row n . (r_b - r_a) = 0 of a normal in body a."""
+
+
+@supplied
+def fill_own_rows(model, work, t) -> Any:
+    """Evaluate the rows that this core alone has."""
 
 
 # --- the augmented system ---------------------------------------------------------------------------

@@ -19,6 +19,50 @@ from mbs_ref.kernels.rigid.closures import Loops, closure_scratch
 WATCH_DISTANCE, WATCH_COORDINATE, WATCH_RATE = range(3)
 
 
+class Points(NamedTuple):
+    """r_b - r_a = 0: a row along each world axis."""
+
+    slot: Annotated[Ints, "k"]
+    row: Annotated[Ints, "k"]  # first row in the slot
+    side_a: Annotated[Ints, "k"]  # which side of the slot is body_a
+    point_a: Annotated[Floats, "k", "dimension"]  # m, in body a
+    point_b: Annotated[Floats, "k", "dimension"]  # m, in body b
+
+
+class Planes(NamedTuple):
+    """n . (r_b - r_a) = 0 with n fixed in body a: one row; in the plane a line."""
+
+    slot: Annotated[Ints, "k"]
+    row: Annotated[Ints, "k"]
+    side_a: Annotated[Ints, "k"]
+    point_a: Annotated[Floats, "k", "dimension"]  # m, in body a
+    point_b: Annotated[Floats, "k", "dimension"]  # m, in body b
+    normal: Annotated[Floats, "k", "dimension"]  # unit vector, in body a
+
+
+class Distances(NamedTuple):
+    """|r_b - r_a| = length: one row."""
+
+    slot: Annotated[Ints, "k"]
+    row: Annotated[Ints, "k"]
+    side_a: Annotated[Ints, "k"]
+    point_a: Annotated[Floats, "k", "dimension"]  # m, in body a
+    point_b: Annotated[Floats, "k", "dimension"]  # m, in body b
+    length: Annotated[Floats, "k"]  # m
+
+
+class Drives(NamedTuple):
+    """direction . (r - start) = signal: one row, the other side is ground."""
+
+    slot: Annotated[Ints, "k"]
+    row: Annotated[Ints, "k"]
+    side: Annotated[Ints, "k"]  # which side of the slot is the body
+    point: Annotated[Floats, "k", "dimension"]  # m, in the body
+    direction: Annotated[Floats, "k", "dimension"]  # unit vector, world
+    start: Annotated[Floats, "k"]  # m
+    signal: Annotated[Ints, "k"]
+
+
 class Springs(NamedTuple):
     a: Annotated[Ints, "k"]
     b: Annotated[Ints, "k"]
@@ -78,6 +122,9 @@ def rigid_scratch(scratch: type, n: int, n_slots: int, n_state: int, loops: Loop
 bodies_of = accessor("bodies")
 slots_of = accessor("slots")
 loops_of = accessor("loops")
+points_of = accessor("points")
+planes_of = accessor("planes")
+distances_of = accessor("distances")
 drives_of = accessor("drives")
 forces_of = accessor("forces")
 springs_of = accessor("springs")

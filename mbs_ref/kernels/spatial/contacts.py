@@ -13,7 +13,7 @@ import numpy as np
 from mbs_ref.kernels.contact.laws import ENDS_CAPPED, ENDS_OPEN, PAIR_FLAT
 from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.rigid.model import contact_pairs_of, kinematics_of, tree_of
-from mbs_ref.kernels.spatial.marks import centripetal, separation
+from mbs_ref.kernels.spatial.marks import inward, separation
 from mbs_ref.kernels.spatial.vectors import cross, dot, minus, over, plus, times, triple, turn
 
 
@@ -119,8 +119,8 @@ def gap_response(model, work, k, touch):
 def gap_gamma(model, work, k, touch):
     pairs, kin, n = contact_pairs_of(model), kinematics_of(work), touch.normal
     a, b = pairs.a[k], pairs.b[k]
-    apart = separation(kin, b, a, pairs.origin[k], pairs.center[k])
-    surplus = -dot(n, centripetal(kin, b, a, apart))
+    apart = separation(work, b, a, pairs.origin[k], pairs.center[k])
+    surplus = dot(n, inward(work, b, a, apart))
     if pairs.kind[k] == PAIR_FLAT:
         turning = cross(kin.omega[b], n)
         return surplus - 2.0 * dot(turning, apart.rate) - dot(cross(kin.omega[b], turning), apart.gap)

@@ -7,7 +7,7 @@ from typing import NamedTuple
 from mbs_ref.kernels.border.handles import handle_of
 from mbs_ref.kernels.border.supplies import supply
 from mbs_ref.kernels.rigid import geometry
-from mbs_ref.kernels.spatial import closure, contacts, dynamics, grips, marks, orientation, tree
+from mbs_ref.kernels.spatial import closure, contacts, dynamics, grips, joints, marks, orientation, tree, vectors
 from mbs_ref.kernels.spatial.model import SpatialGroups, SpatialScratch
 
 
@@ -21,4 +21,5 @@ class SpatialWork(NamedTuple):
     address: int
 
 
-supply((SpatialModel, SpatialWork), geometry, (closure, contacts, dynamics, grips, marks, orientation, tree))
+MODULES = (closure, contacts, dynamics, grips, joints, marks, orientation, tree, vectors)
+supply((SpatialModel, SpatialWork), geometry, MODULES)

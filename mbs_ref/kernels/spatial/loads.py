@@ -74,10 +74,10 @@ def apply_forces(model, work, t):
 @jit
 def apply_springs(model, work):
     """F = k (l - l0) + c l_dot along the line of the two points (Fox 1999 eq 18 with the points' distance)."""
-    spring, kin, modes = springs_of(model), kinematics_of(work), contact_modes_of(model)
+    spring, modes = springs_of(model), contact_modes_of(model)
     for k in range(spring.a.shape[0]):
         a, b = spring.a[k], spring.b[k]
-        apart = separation(kin, a, b, spring.point_a[k], spring.point_b[k])
+        apart = separation(work, a, b, spring.point_a[k], spring.point_b[k])
         length = np.sqrt(dot(apart.gap, apart.gap))
         stretch = length - spring.rest_length[k]
         if length == 0.0:  # no line of action: only the isotropic limit of the damper
@@ -173,7 +173,7 @@ def apply_bushings(model, work):
     for k in range(load.a.shape[0]):
         a, b = load.a[k], load.b[k]
         stiffness, damping = load.stiffness[k], load.damping[k]
-        apart = separation(kin, a, b, load.point_a[k], load.point_b[k])
+        apart = separation(work, a, b, load.point_a[k], load.point_b[k])
         _product(kin.turned[a], load.axes_a[k], here)
         _product(kin.turned[b], load.axes_b[k], there)
         _relative(here, there, relative)

@@ -38,8 +38,8 @@ def mark(kin, body, point):
 
 
 @jit
-def separation(kin, a, b, point_a, point_b):
-    """Return the Separation of two marks."""
+def separation(work, a, b, point_a, point_b):
+    kin = kinematics_of(work)
     on_a, on_b = mark(kin, a, point_a), mark(kin, b, point_b)
     gap = minus(minus(plus(kin.position[b], on_b.arm), kin.position[a]), on_a.arm)
     rate = minus(minus(plus(kin.velocity[b], on_b.rate), kin.velocity[a]), on_a.rate)
@@ -47,9 +47,21 @@ def separation(kin, a, b, point_a, point_b):
 
 
 @jit
-def centripetal(kin, a, b, apart):
-    """Return d'' without the bodies' accelerations: omega_b x (omega_b x rho_b) - omega_a x (omega_a x rho_a)."""
-    return minus(cross(kin.omega[b], apart.arm_rate_b), cross(kin.omega[a], apart.arm_rate_a))
+def inward(work, a, b, apart):
+    kin = kinematics_of(work)
+    return minus(cross(kin.omega[a], apart.arm_rate_a), cross(kin.omega[b], apart.arm_rate_b))
+
+
+@jit
+def rate_along(work, i, point, e):
+    kin = kinematics_of(work)
+    return dot(e, plus(kin.velocity[i], mark(kin, i, point).rate))
+
+
+@jit
+def acceleration_along(work, i, point, e):
+    kin = kinematics_of(work)
+    return dot(e, cross(kin.omega[i], mark(kin, i, point).rate))
 
 
 @jit
@@ -85,7 +97,7 @@ def place_of_mark(work, i, point):
 
 @jit
 def distance(work, a, b, point_a, point_b):
-    apart = separation(kinematics_of(work), a, b, point_a, point_b)
+    apart = separation(work, a, b, point_a, point_b)
     length = np.sqrt(dot(apart.gap, apart.gap))
     return length, dot(apart.gap, apart.rate) / length if length > 0.0 else 0.0
 

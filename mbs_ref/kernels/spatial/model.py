@@ -14,7 +14,7 @@ from mbs_ref.kernels.border.handles import accessor
 from mbs_ref.kernels.contact.laws import ContactLaws, ContactModes
 from mbs_ref.kernels.contact.near_pairs import NearPairs
 from mbs_ref.kernels.rigid.closures import Closures, Loops
-from mbs_ref.kernels.rigid.model import Rows, Solved, Springs, Watches, World
+from mbs_ref.kernels.rigid.model import Distances, Drives, Planes, Points, Rows, Solved, Springs, Watches, World
 from mbs_ref.kernels.signals import SignalArrays
 
 RATES = tuple(range(6))  # of a body: a loop over it has bounds that the compiler knows
@@ -36,16 +36,6 @@ class Slots(NamedTuple):
     count: Annotated[Ints, "n_slots"]  # rows in use
 
 
-class Points(NamedTuple):
-    """r_b - r_a = 0: three rows along the world axes."""
-
-    slot: Annotated[Ints, "k"]
-    row: Annotated[Ints, "k"]  # first row in the slot
-    side_a: Annotated[Ints, "k"]  # which side of the slot is body_a
-    point_a: Annotated[Floats, "k", 3]  # m, in body a
-    point_b: Annotated[Floats, "k", 3]  # m, in body b
-
-
 class Products(NamedTuple):
     """e_a . e_b = 0 of two directions that are to stay perpendicular: one row."""
 
@@ -57,28 +47,6 @@ class Products(NamedTuple):
     value: Annotated[Floats, "k"]  # the product to keep
 
 
-class Planes(NamedTuple):
-    """n . (r_b - r_a) = 0 with n fixed in body a: one row."""
-
-    slot: Annotated[Ints, "k"]
-    row: Annotated[Ints, "k"]
-    side_a: Annotated[Ints, "k"]
-    point_a: Annotated[Floats, "k", 3]  # m, in body a
-    point_b: Annotated[Floats, "k", 3]  # m, in body b
-    normal: Annotated[Floats, "k", 3]  # unit vector, in body a
-
-
-class Distances(NamedTuple):
-    """|r_b - r_a| = length: one row."""
-
-    slot: Annotated[Ints, "k"]
-    row: Annotated[Ints, "k"]
-    side_a: Annotated[Ints, "k"]
-    point_a: Annotated[Floats, "k", 3]  # m, in body a
-    point_b: Annotated[Floats, "k", 3]  # m, in body b
-    length: Annotated[Floats, "k"]  # m
-
-
 class Turns(NamedTuple):
     """sin(angle about an axis of a - signal) = 0: one row."""
 
@@ -88,18 +56,6 @@ class Turns(NamedTuple):
     zero: Annotated[Floats, "k", 3]  # in body a: where the mark of b is at angle 0 ...
     quarter: Annotated[Floats, "k", 3]  # in body a: ... and after a quarter turn
     mark: Annotated[Floats, "k", 3]  # in body b
-    signal: Annotated[Ints, "k"]
-
-
-class Drives(NamedTuple):
-    """direction . (r - start) = signal: one row, the other side is ground."""
-
-    slot: Annotated[Ints, "k"]
-    row: Annotated[Ints, "k"]
-    side: Annotated[Ints, "k"]  # which side of the slot is the body
-    point: Annotated[Floats, "k", 3]  # m, in the body
-    direction: Annotated[Floats, "k", 3]  # unit vector, world
-    start: Annotated[Floats, "k"]  # m
     signal: Annotated[Ints, "k"]
 
 
@@ -208,10 +164,7 @@ class SpatialGroups(NamedTuple):
     world: World
 
 
-points_of = accessor("points")
 products_of = accessor("products")
-planes_of = accessor("planes")
-distances_of = accessor("distances")
 turns_of = accessor("turns")
 wheels_of = accessor("wheels")
 bushings_of = accessor("bushings")
