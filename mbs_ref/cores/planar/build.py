@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from mbs_ref.cores.builder import Builder, Place, contiguous, floats, ints, row_groups, signal_arrays, table
+from mbs_ref.cores.contact_shapes import contact_balls, contact_pairs
 from mbs_ref.cores.event_arrays import contact_laws, contact_modes, springs, watches
-from mbs_ref.cores.planar.shapes import contact_balls, contact_pairs
 from mbs_ref.kernels.planar import model as arrays
 from mbs_ref.kernels.rigid.model import World
 from mbs_ref.scene import Force, PlanarBody, PointMass, Scene, Torque, TorsionSpring

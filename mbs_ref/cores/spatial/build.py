@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 
 from mbs_ref.cores.builder import Builder, Place, contiguous, floats, ints, row_groups, signal_arrays, table
+from mbs_ref.cores.contact_shapes import contact_balls, contact_pairs
 from mbs_ref.cores.event_arrays import contact_laws, contact_modes, springs, watches
-from mbs_ref.cores.spatial.shapes import contact_balls, contact_pairs
 from mbs_ref.kernels.rigid.model import World
 from mbs_ref.kernels.spatial import model as arrays
 from mbs_ref.scene import Bushing, Force, PointMass, Scene, SpatialBody, TorqueVector, TorsionSpring

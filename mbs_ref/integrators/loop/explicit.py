@@ -6,32 +6,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from mbs_ref.integrators.loop import leg
+from mbs_ref.integrators.loop import step as stepping
 from mbs_ref.integrators.loop.events import EVENT, RETRY, event_tables
-from mbs_ref.integrators.loop.leg import (
-    DONE,
-    NON_FINITE,
-    RUNNING,
-    SINGULAR,
-    STEP_TOO_SMALL,
-    Advance,
-    Leg,
-    Options,
-    Outputs,
-    Progress,
-    run_chunks,
-)
-from mbs_ref.integrators.loop.step import (
-    SHORTEST,
-    WITHDRAWN,
-    accept,
-    begin,
-    close_attempt,
-    first_step,
-    next_attempt,
-    record,
-    resized,
-    stands_still,
-)
 from mbs_ref.integrators.stages.explicit_stages import STAGE_ITERATIONS, Stages, error_norm, fill_between, fill_stages
 from mbs_ref.kernels.border.questions import derivative, project, regularity
 from mbs_ref.kernels.jit import jit, loop_jit
@@ -98,17 +75,17 @@ def advance_explicit(model, work, tableau, options, run, y, outputs):
     natural = 0.0  # s, step that accuracy allows while one is shortened to avoid a singular pose, else 0
     search, table = event_tables(model)
     budget = run.steps + options.chunk
-    code = begin(model, work, run, y, stages.slopes[0], table, options.max_events)
-    if code == RUNNING and adaptive and run.h == 0.0:
-        run.h = first_step(model, work, run.t, y, stages.slopes[0], tableau.order, options, span)
+    code = stepping.begin(model, work, run, y, stages.slopes[0], table, options.max_events)
+    if code == leg.RUNNING and adaptive and run.h == 0.0:
+        run.h = stepping.first_step(model, work, run.t, y, stages.slopes[0], tableau.order, options, span)
         run.rhs_calls += 1
     if not adaptive:
         run.h = options.step
-    while code == RUNNING and run.steps < budget:
+    while code == leg.RUNNING and run.steps < budget:
         end = outputs.times[-1 if options.dense else run.next_output]
-        attempt = next_attempt(options.step, run, end, adaptive and natural == 0.0, search)
-        if stands_still(attempt):
-            return STEP_TOO_SMALL
+        attempt = stepping.next_attempt(options.step, run, end, adaptive and natural == 0.0, search)
+        if stepping.stands_still(attempt):
+            return leg.STEP_TOO_SMALL
         restore = projects and ((rejected and pivot < NEAR_SINGULAR) or regularity(work) < NEAR_SINGULAR)
         pivot = fill_stages(model, work, tableau, attempt.t, attempt.h, y, stages, restore, tolerance)
         run.rhs_calls += last - 1
@@ -118,24 +95,24 @@ def advance_explicit(model, work, tableau, options, run, y, outputs):
             derivative(model, work, attempt.t_new, stages.new, stages.slopes[last])
             run.rhs_calls += 1
             error = error_norm(model, work, tableau, attempt.h, y, stages, restore, options.rtol, options.atol)
-            accepted, run.h = resized(
+            accepted, run.h = stepping.resized(
                 error, tableau.error_order, attempt.h, attempt.proposed, attempt.lands, rejected
             )  # fmt: skip
             rejected = not accepted
             if rejected:
                 run.rejected += 1
-                if attempt.t + run.h == attempt.t or run.h < SHORTEST * span:
-                    return STEP_TOO_SMALL if np.isfinite(error) else NON_FINITE
+                if attempt.t + run.h == attempt.t or run.h < stepping.SHORTEST * span:
+                    return leg.STEP_TOO_SMALL if np.isfinite(error) else leg.NON_FINITE
                 continue
-        code, verdict = close_attempt(model, work, options, run, attempt, span, stages.new, search, table)
-        if verdict == WITHDRAWN:
+        code, verdict = stepping.close_attempt(model, work, options, run, attempt, span, stages.new, search, table)
+        if verdict == stepping.WITHDRAWN:
             rejected, natural = True, 0.0
             continue
         if verdict == RETRY:
             if adaptive:
                 run.h = attempt.proposed  # the step after the event starts from it
             continue
-        if code != RUNNING:
+        if code != leg.RUNNING:
             return code
         there = regularity(work) if projects else 1.0
         avoids = is_too_near(there, pivot if restore else 1.0, rtol, avoided, adaptive) and verdict != EVENT
@@ -143,32 +120,32 @@ def advance_explicit(model, work, tableau, options, run, y, outputs):
             fill_between(model, work, tableau, options, run, attempt, y, stages, restore, outputs)
         if not avoids:
             run.h, natural, avoided = resumed(run.h, natural), 0.0, 0
-            code = accept(model, work, options, run, attempt, verdict, y, stages.new, table, outputs)
-            if code == RUNNING and is_slope_known(adaptive, projects, attempt.searching, verdict):
+            code = stepping.accept(model, work, options, run, attempt, verdict, y, stages.new, table, outputs)
+            if code == leg.RUNNING and is_slope_known(adaptive, projects, attempt.searching, verdict):
                 stages.slopes[0, :] = stages.slopes[last]
-            elif code == RUNNING:
+            elif code == leg.RUNNING:
                 derivative(model, work, attempt.t_new, y, stages.slopes[0])
                 run.rhs_calls += 1
             continue
         avoided += 1
         if avoided > MOST_AVOIDED:
-            return SINGULAR
+            return leg.SINGULAR
         if attempt.lands:  # the output is stored, and the run goes on from before it
-            record(run, stages.new, outputs)
-            code = DONE if run.next_output == outputs.times.shape[0] else RUNNING
+            stepping.record(run, stages.new, outputs)
+            code = leg.DONE if run.next_output == outputs.times.shape[0] else leg.RUNNING
         else:
             natural = max(natural, run.h)
             run.h = attempt.h * (AVOID if is_noisy(there, NOISY_PIVOT, rtol) else AVOID_STAGE)
     return code
 
 
-def explicit(tableau: Tableau) -> Advance:
+def explicit(tableau: Tableau) -> leg.Advance:
     """Return the leg-by-leg driver of a tableau."""
 
-    def advance(system: System, options: Options, run: Progress, y: np.ndarray, times: np.ndarray) -> Leg:
-        def chunk(outputs: Outputs) -> int:
+    def advance(system: System, options: leg.Options, run: leg.Progress, y: np.ndarray, times: np.ndarray) -> leg.Leg:
+        def chunk(outputs: leg.Outputs) -> int:
             return advance_explicit(system.model, system.work, tableau, options, run, y, outputs)
 
-        return run_chunks(chunk, options, run, y, times)
+        return leg.run_chunks(chunk, options, run, y, times)
 
     return advance

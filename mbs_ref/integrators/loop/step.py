@@ -6,8 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from mbs_ref.integrators.loop import leg
 from mbs_ref.integrators.loop.events import ACTIVE, EVENT, H_NEXT, IDLE, KEEP, settle, watch
-from mbs_ref.integrators.loop.leg import COMPLIANCE, DONE, NON_FINITE, PROJECTION, RUNNING, TOO_MANY_STEPS
 from mbs_ref.kernels.algebra.dense import all_finite, weighted_norm
 from mbs_ref.kernels.border.questions import compliance, derivative, project
 from mbs_ref.kernels.jit import inlined, jit
@@ -38,11 +38,11 @@ def begin(model, work, run, y, dy, table, max_events):
     """Settle the modes at the start and evaluate dy/dt there; return a status code."""
     if table.shape[1] > 0:
         code = settle(model, work, run.t, y, table, run, max_events)
-        if code != RUNNING:
+        if code != leg.RUNNING:
             return code
     derivative(model, work, run.t, y, dy)
     run.rhs_calls += 1
-    return RUNNING
+    return leg.RUNNING
 
 
 @jit
@@ -122,19 +122,19 @@ def is_cut(proposed, h):
 def close_step(model, work, t, y, step, restore, tolerance, stop, worst):
     """Check and restore an accepted state; return code and the largest |C| so far."""
     if not all_finite(y):
-        return NON_FINITE, worst
+        return leg.NON_FINITE, worst
     if restore:
         left = project(model, work, t, y, tolerance, PROJECTION_ITERATIONS)
         if not left <= PROJECTION_FAILURE * tolerance:
-            return PROJECTION, worst
+            return leg.PROJECTION, worst
         if not all_finite(y):  # velocities are projected last
-            return NON_FINITE, worst
+            return leg.NON_FINITE, worst
     else:
         left, _ = compliance(model, work, t, y)
     worst = max(worst, left)
     if stop and left >= step:
-        return COMPLIANCE, worst
-    return RUNNING, worst
+        return leg.COMPLIANCE, worst
+    return leg.RUNNING, worst
 
 
 @jit
@@ -145,7 +145,7 @@ def withdraw(run, t, h, span):
     """
     run.rejected += 1
     run.h = WITHDRAWAL * h
-    return PROJECTION if t + WITHDRAWAL * h == t or WITHDRAWAL * h < SHORTEST * span else RUNNING
+    return leg.PROJECTION if t + WITHDRAWAL * h == t or WITHDRAWAL * h < SHORTEST * span else leg.RUNNING
 
 
 @inlined
@@ -160,9 +160,9 @@ def close_attempt(model, work, options, run, attempt, span, trial, search, table
         model, work, attempt.t_new, trial, step, options.project, options.projection_tolerance,
         options.stop_on_compliance, run.compliance,
     )  # fmt: skip
-    if code == PROJECTION and options.step == 0.0 and not attempt.searching:
+    if code == leg.PROJECTION and options.step == 0.0 and not attempt.searching:
         return withdraw(run, attempt.t, attempt.h, span), WITHDRAWN
-    if code != RUNNING or table.shape[1] == 0:
+    if code != leg.RUNNING or table.shape[1] == 0:
         return code, KEEP
     return code, watch(model, work, attempt.t, attempt.h, trial, search, table)
 
@@ -189,10 +189,10 @@ def accept(model, work, options, run, attempt, verdict, y, trial, table, outputs
         run.cut += 1
     if verdict == EVENT:
         code = settle(model, work, attempt.t_new, y, table, run, options.max_events)
-        if code != RUNNING:
+        if code != leg.RUNNING:
             return code
     if attempt.lands:
         record(run, y, outputs)
     if run.next_output == outputs.times.shape[0]:
-        return DONE
-    return TOO_MANY_STEPS if run.steps >= options.max_steps else RUNNING
+        return leg.DONE
+    return leg.TOO_MANY_STEPS if run.steps >= options.max_steps else leg.RUNNING

@@ -44,7 +44,7 @@ def _on_line(pairs, k, x, tangent):
     """Return the Surface that a line, a segment or a capped segment shows at x."""
     normal = left(tangent)
     along, above = dot(x, tangent), dot(x, normal)
-    beyond = abs(along) - pairs.half[k]
+    beyond = abs(along) - pairs.half[k, 0]
     if pairs.ends[k] == ENDS_OPEN:
         return Surface(above - pairs.radius[k], normal, beyond, along)
     if pairs.ends[k] == ENDS_CAPPED and beyond > 0.0:
@@ -59,8 +59,8 @@ def _on_line(pairs, k, x, tangent):
 def _on_circle(pairs, k, x):
     distance = math.sqrt(dot(x, x))
     if distance == 0.0:
-        return Surface(-pairs.radius[k] - pairs.half[k], (0.0, 1.0), -1.0, 0.0)
-    return Surface(distance - pairs.radius[k] - pairs.half[k], over(x, distance), -1.0, 0.0)
+        return Surface(-pairs.radius[k] - pairs.half[k, 0], (0.0, 1.0), -1.0, 0.0)
+    return Surface(distance - pairs.radius[k] - pairs.half[k, 0], over(x, distance), -1.0, 0.0)
 
 
 @jit
@@ -75,7 +75,7 @@ def _through_gap(pairs, k, x, seat):
 def _in_sprocket(pairs, k, x, seat):
     """Return the Surface of the wall of the tooth gap nearest to a pin at x."""
     outward = _through_gap(pairs, k, x, seat)
-    out = dot(x, outward) - pairs.half[k]
+    out = dot(x, outward) - pairs.half[k, 0]
     side = outward[1] * x[0] - outward[0] * x[1]
     wall = math.copysign(1.0, side)
     cosine, sine = pairs.flank[k]
@@ -111,7 +111,7 @@ def contact_geometry(model, work, k):
     if pairs.kind[k] == PAIR_ROUND:
         surface = _on_circle(pairs, k, x)
     else:
-        direction = arm(kin.pose, b, pairs.direction[k])
+        direction = arm(kin.pose, b, pairs.axes[k, 0])
         if pairs.kind[k] == PAIR_FLAT:
             surface = _on_line(pairs, k, x, direction)
             rolled = back * (kin.motion[a, 3] - kin.motion[b, 3])
@@ -131,7 +131,7 @@ def leaving_ends(model, work, k):
     """Return the rate (m/s) of the excess over open ends."""
     pairs, kin = contact_pairs_of(model), kinematics_of(work)
     center, origin, x = _places(pairs, kin, k)
-    outward = arm(kin.pose, pairs.b[k], pairs.direction[k])
+    outward = arm(kin.pose, pairs.b[k], pairs.axes[k, 0])
     if pairs.kind[k] == PAIR_FLAT:
         outward = times(math.copysign(1.0, dot(x, outward)), outward)
     else:

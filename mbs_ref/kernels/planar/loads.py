@@ -2,25 +2,21 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from mbs_ref.kernels.border.callback import call_user
 from mbs_ref.kernels.border.questions import apply_contacts
 from mbs_ref.kernels.controls import CONTROL_MODE_TIME
 from mbs_ref.kernels.jit import bare, jit
-from mbs_ref.kernels.planar.marks import arm, exchange, separation
-from mbs_ref.kernels.planar.vectors import cross, dot, left, minus, over, plus, times
+from mbs_ref.kernels.planar.marks import arm
+from mbs_ref.kernels.planar.vectors import cross, times
 from mbs_ref.kernels.rigid.model import (
     bodies_of,
-    contact_modes_of,
     forces_of,
     kinematics_of,
     signals_of,
-    springs_of,
     torsion_springs_of,
     world_of,
 )
-from mbs_ref.kernels.rigid.spring_events import is_slack
+from mbs_ref.kernels.rigid.springs import apply_springs
 from mbs_ref.kernels.signals import evaluate
 
 
@@ -55,31 +51,6 @@ def apply_forces(model, work, t):
         kin.force[body, 0] += force[0]
         kin.force[body, 1] += force[1]
         kin.force[body, 2] += torque
-
-
-@jit
-def apply_springs(model, work):
-    """F = k (l - l0) + c l_dot along the line of the two points (Fox 1999 eq 18 with the points' distance)."""
-    spring, kin, modes = springs_of(model), kinematics_of(work), contact_modes_of(model)
-    for k in range(spring.a.shape[0]):
-        a = spring.a[k]
-        apart = separation(work, a, spring.b[k], spring.point_a[k], spring.point_b[k])
-        gap, rate, arm_a = apart.gap, apart.rate, apart.arm_a
-        length = np.sqrt(dot(gap, gap))
-        stretch = length - spring.rest_length[k]
-        if spring.isotropic[k] == 1:
-            # against body a's matter at b's mark, where both forces act
-            rate = minus(rate, times(kin.motion[a, 2], left(gap)))
-            arm_a = plus(arm_a, gap)
-            force = plus(times(spring.stiffness[k], gap), times(spring.damping[k], rate))
-        elif length == 0.0:
-            force = times(spring.damping[k], rate)  # no line of action: only the isotropic limit of the damper
-        else:
-            tension = spring.stiffness[k] * stretch + spring.damping[k] * dot(gap, rate) / length
-            if is_slack(modes, spring.place[k], stretch, tension):
-                tension = 0.0
-            force = over(times(tension, gap), length)
-        exchange(work, a, arm_a, spring.b[k], apart.arm_b, force)
 
 
 @jit

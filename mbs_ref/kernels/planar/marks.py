@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from mbs_ref.kernels.jit import jit
-from mbs_ref.kernels.planar.vectors import cross, dot, minus, pair, plus, turn
+from mbs_ref.kernels.planar.vectors import cross, dot, left, minus, over, pair, plus, times, turn
 from mbs_ref.kernels.rigid.model import kinematics_of
 
 
@@ -76,6 +76,16 @@ def acceleration_along(work, i, point, e):
     kin = kinematics_of(work)
     w = kin.motion[i, 2]
     return -(dot(e, arm(kin.pose, i, point)) * w * w)
+
+
+@jit
+def rate_seen(work, a, gap, rate):
+    return minus(rate, times(kinematics_of(work).motion[a, 2], left(gap)))
+
+
+@jit
+def pull(tension, gap, length):
+    return over(times(tension, gap), length)
 
 
 @jit

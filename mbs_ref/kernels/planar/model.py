@@ -12,7 +12,18 @@ from mbs_ref.kernels.border.handles import accessor
 from mbs_ref.kernels.contact.laws import ContactLaws, ContactModes
 from mbs_ref.kernels.contact.near_pairs import NearPairs
 from mbs_ref.kernels.rigid.closures import Closures, Loops
-from mbs_ref.kernels.rigid.model import Distances, Drives, Planes, Points, Rows, Solved, Springs, Watches, World
+from mbs_ref.kernels.rigid.model import (
+    ContactPairs,
+    Distances,
+    Drives,
+    Planes,
+    Points,
+    Rows,
+    Solved,
+    Springs,
+    Watches,
+    World,
+)
 from mbs_ref.kernels.signals import SignalArrays
 
 RATES = tuple(range(3))  # of a body: a loop over it has bounds that the compiler knows
@@ -66,22 +77,6 @@ class TorsionSprings(NamedTuple):
     stiffness: Annotated[Floats, "k"]  # N m/rad
     damping: Annotated[Floats, "k"]  # N m s/rad
     rest_angle: Annotated[Floats, "k"]  # rad
-
-
-class ContactPairs(NamedTuple):
-    """Shapes that may touch; see PAIR_* for the kinds and mbs_ref.scene.contact for the meaning."""
-
-    kind: Annotated[Ints, "k"]  # PAIR_*
-    a: Annotated[Ints, "k"]
-    b: Annotated[Ints, "k"]
-    center: Annotated[Floats, "k", 2]  # m, the circle's centre in body a
-    radius: Annotated[Floats, "k"]  # m, of the circle; clearance of a pin
-    origin: Annotated[Floats, "k", 2]  # m, in body b: middle of the line, centre of the other circle, axle
-    direction: Annotated[Floats, "k", 2]  # in body b: unit vector along the line, or towards the first seat
-    half: Annotated[Floats, "k"]  # m: half length of a segment, inf for a line; other circle's radius; pitch radius
-    ends: Annotated[Ints, "k"]  # ENDS_*; number of teeth
-    thickness: Annotated[Floats, "k"]  # m, inf where unlimited; reach of the teeth beyond the pitch circle
-    flank: Annotated[Floats, "k", 2]  # cosine and sine of a flank's angle
 
 
 class PlanarGroups(NamedTuple):

@@ -13,16 +13,7 @@ from __future__ import annotations
 from mbs_ref.kernels.algebra.ldl import ldl3, ldl3_solve
 from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.planar.model import RATES
-from mbs_ref.kernels.rigid.elimination import (
-    begin_closures,
-    condense,
-    eliminate_closures,
-    pass_rows,
-    start_rows,
-    substitute,
-    take_closures,
-    take_free,
-)
+from mbs_ref.kernels.rigid import elimination
 from mbs_ref.kernels.rigid.model import bodies_of, closures_of, rows_of, slots_of, tree_of
 
 
@@ -35,7 +26,7 @@ def factor_tree(model, work, loops):
     bodies, slots, tree, rows = bodies_of(model), slots_of(model), tree_of(work), rows_of(work)
     n = bodies.mass.shape[0]
     if loops is not None:
-        begin_closures(model, work)
+        elimination.begin_closures(model, work)
     for i in range(n):
         art = tree.articulated[i]
         art[0, 0] = bodies.mass[i]
@@ -47,7 +38,7 @@ def factor_tree(model, work, loops):
     for i in range(n - 1, -1, -1):
         art = tree.articulated[i]
         if loops is not None and loops.closed[i, 0] < loops.closed[i, 1]:
-            eliminate_closures(model, work, i)
+            elimination.eliminate_closures(model, work, i)
         m = ldl3(art[0, 0], art[1, 0], art[1, 1], art[2, 0], art[2, 1], art[2, 2])
         for c in range(6):
             tree.mass_factor[i, c] = m[c]
@@ -83,9 +74,9 @@ def factor_tree(model, work, loops):
                 for c in range(r + 1):
                     up[r, c] += far[0, r] * transfer[0, c] + far[1, r] * transfer[1, c] + far[2, r] * transfer[2, c]
         if loops is not None and loops.entry[i] < loops.entry[i + 1]:
-            pass_rows(model, work, i)
+            elimination.pass_rows(model, work, i)
     if loops is not None:
-        eliminate_closures(model, work, n)
+        elimination.eliminate_closures(model, work, n)
 
 
 @jit
@@ -107,10 +98,10 @@ def solve_tree(model, work, loops, gamma, acceleration, multiplier):
     n = bodies.mass.shape[0]
     load = tree.load
     if loops is not None:
-        start_rows(RATES, loops, closures, gamma)
+        elimination.start_rows(RATES, loops, closures, gamma)
     for i in range(n - 1, -1, -1):
         if loops is not None and loops.closed[i, 0] < loops.closed[i, 1]:
-            condense(RATES, loops, closures, i, load[i])
+            elimination.condense(RATES, loops, closures, i, load[i])
         m = tree.mass_factor[i]
         s = tree.row_factor[i]
         jac = rows.jacobian[i, 0]
@@ -128,7 +119,7 @@ def solve_tree(model, work, loops, gamma, acceleration, multiplier):
         multiplier[i, 1] = u1
         multiplier[i, 2] = u2
         if loops is not None and loops.entry[i] < loops.entry[i + 1]:
-            take_free(RATES, loops, closures, i, load[i], gamma[i])
+            elimination.take_free(RATES, loops, closures, i, load[i], gamma[i])
         p = bodies.parent[i]
         if p == n:
             continue
@@ -136,8 +127,8 @@ def solve_tree(model, work, loops, gamma, acceleration, multiplier):
         for c in range(3):
             load[p, c] -= far[0, c] * u0 + far[1, c] * u1 + far[2, c] * u2
     if loops is not None:
-        condense(RATES, loops, closures, n, load[n])
-        substitute(RATES, loops, closures, n, acceleration[n], multiplier)
+        elimination.condense(RATES, loops, closures, n, load[n])
+        elimination.substitute(RATES, loops, closures, n, acceleration[n], multiplier)
     for i in range(n):
         p = bodies.parent[i]
         if p != n:
@@ -150,6 +141,6 @@ def solve_tree(model, work, loops, gamma, acceleration, multiplier):
                 )
         _put_answer(tree, i, multiplier[i], acceleration[i])
         if loops is not None and loops.entry[i] < loops.entry[i + 1]:
-            take_closures(RATES, loops, closures, i, acceleration[i], multiplier[i])
+            elimination.take_closures(RATES, loops, closures, i, acceleration[i], multiplier[i])
         if loops is not None and loops.closed[i, 0] < loops.closed[i, 1]:
-            substitute(RATES, loops, closures, i, acceleration[i], multiplier)
+            elimination.substitute(RATES, loops, closures, i, acceleration[i], multiplier)

@@ -7,14 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from mbs_ref.kernels.border.questions import (
-    accelerate,
-    contact_mobility,
-    factor,
-    fill_rows,
-    settle_grips,
-    solve,
-)
+from mbs_ref.kernels.border import questions as ask
 from mbs_ref.kernels.contact.laws import (
     FRICTION_STICK_SLIP,
     GRIP_PROBE,
@@ -38,26 +31,9 @@ from mbs_ref.kernels.contact.modes import (
     normal_roots,
 )
 from mbs_ref.kernels.jit import jit
+from mbs_ref.kernels.rigid import geometry as core
 from mbs_ref.kernels.rigid.contact_forces import find_near, is_behind, is_touching
 from mbs_ref.kernels.rigid.dynamics import correct_rates, store_solved
-from mbs_ref.kernels.rigid.geometry import (
-    block,
-    centre,
-    change_grip,
-    contact_force,
-    contact_geometry,
-    gap_response,
-    gap_rows,
-    grip_margin,
-    leaving_ends,
-    load_state,
-    slide_against,
-    slip_of,
-    start_grip,
-    stick,
-    stop_together,
-    take_grip,
-)
 from mbs_ref.kernels.rigid.landing import AT_REST, contact_mass, contact_push, settle_held
 from mbs_ref.kernels.rigid.model import (
     bodies_of,
@@ -78,19 +54,19 @@ def contact_roots(model, work, t, y, g, rate):
     pairs, laws, modes = contact_pairs_of(model), contact_laws_of(model), contact_modes_of(model)
     near = near_pairs_of(model)
     if _some_constrained(laws, modes):
-        accelerate(model, work, t, y)  # their functions are multipliers
+        ask.accelerate(model, work, t, y)  # their functions are multipliers
         store_solved(work, t, y)  # the step that goes on from here need not ask again
     else:
-        load_state(model, work, y)
+        core.load_state(model, work, y)
     find_near(model, work)
     for i in range(ROOTS_EACH * pairs.kind.shape[0]):
         g[i] = 1.0
         rate[i] = 0.0
     for place in range(near.count[0]):
         k = near.pair[place]
-        touch = contact_geometry(model, work, k)
+        touch = core.contact_geometry(model, work, k)
         i = ROOTS_EACH * k
-        leaving = leaving_ends(model, work, k) if touch.beyond > touch.gap else 0.0
+        leaving = core.leaving_ends(model, work, k) if touch.beyond > touch.gap else 0.0
         closed = modes.mode[k] == MODE_CLOSED
         if closed and laws.release[k] == RELEASE_CONSTRAINT:
             g[i] = 1.0 - touch.beyond / modes.noise[0]
@@ -98,7 +74,7 @@ def contact_roots(model, work, t, y, g, rate):
             continue
         normal_roots(laws, modes, k, touch.gap, touch.closing, touch.beyond, leaving, g, rate)
         if closed and laws.friction[k] == FRICTION_STICK_SLIP:
-            g[i + 2] = grip_margin(model, work, k, touch) + 1.0
+            g[i + 2] = core.grip_margin(model, work, k, touch) + 1.0
 
 
 @jit
@@ -123,21 +99,21 @@ def contact_transition(model, work, t, y, g, dy):
         if not is_broken(g, k):
             continue
         held = held or laws.slot[k] >= 0
-        load_state(model, work, y)
-        touch = contact_geometry(model, work, k)
+        core.load_state(model, work, y)
+        touch = core.contact_geometry(model, work, k)
         left = next_mode(laws, modes, k, g, touch.closing, is_behind(pairs, k, touch.gap))
         if left == IMPACT:
             _impact(model, work, t, y, k)
         elif left == TOUCH:
-            take_grip(model, y, k, touch)
-        elif left == FRICTION and change_grip(model, work, k, touch):
+            core.take_grip(model, y, k, touch)
+        elif left == FRICTION and core.change_grip(model, work, k, touch):
             _probe(modes, k)
             stopped = True
     if held:
         settle_held(model, work, t, y, g)
     if stopped:
-        stop_together(model, work, y, g)
-        settle_grips(model, work, t, y, dy)
+        core.stop_together(model, work, y, g)
+        ask.settle_grips(model, work, t, y, dy)
 
 
 @jit
@@ -151,10 +127,10 @@ def _probe(modes, k):
 def rigid_slip_velocities(model, work, y, out):
     """Fill out (n_contacts, tangents) with the slip velocities (m/s) at y of the contacts under probe."""
     modes = contact_modes_of(model)
-    load_state(model, work, y)
+    core.load_state(model, work, y)
     for k in range(out.shape[0]):
         if modes.grip[k] == GRIP_PROBE:
-            slip = slip_of(model, contact_geometry(model, work, k))
+            slip = core.slip_of(model, core.contact_geometry(model, work, k))
             for c in range(len(slip)):
                 out[k, c] = slip[c]
 
@@ -165,15 +141,15 @@ def rigid_settle_grips(model, work, t, y, dy):
     pairs, laws, modes = contact_pairs_of(model), contact_laws_of(model), contact_modes_of(model)
     count = pairs.kind.shape[0]
     loads, force = np.zeros(count), np.zeros((count, modes.anchor.shape[1]))
-    load_state(model, work, y)
+    core.load_state(model, work, y)
     for k in range(count):
         if modes.grip[k] == GRIP_PROBE:
-            touch = contact_geometry(model, work, k)
+            touch = core.contact_geometry(model, work, k)
             loads[k] = max(normal_force(laws, modes, k, -touch.gap, -touch.closing), 0.0)
     if np.sum(loads) > 0.0:
         mass = bodies_of(model).mass
         holding_forces(model, work, t, y, dy, modes, laws.grip_stiffness, pairs.a, pairs.b, mass, loads, force)
-    load_state(model, work, y)
+    core.load_state(model, work, y)
     for k in range(count):
         if modes.grip[k] != GRIP_PROBE:
             continue
@@ -182,9 +158,9 @@ def rigid_settle_grips(model, work, t, y, dy):
             square += force[k, c] * force[k, c]
         if np.sqrt(square) <= laws.static[k] * loads[k]:
             modes.grip[k] = GRIP_STICK
-            stick(model, y, k, contact_geometry(model, work, k), force[k])
+            core.stick(model, y, k, core.contact_geometry(model, work, k), force[k])
         else:
-            slide_against(model, k, force[k])
+            core.slide_against(model, k, force[k])
 
 
 @jit
@@ -193,12 +169,12 @@ def start_contacts(model, work, t, y, located):
     pairs, laws, modes = contact_pairs_of(model), contact_laws_of(model), contact_modes_of(model)
     resting = False
     near_pairs_of(model).stale[0] = 1
-    load_state(model, work, y)
+    core.load_state(model, work, y)
     for k in range(pairs.kind.shape[0]):
-        touch = contact_geometry(model, work, k)
+        touch = core.contact_geometry(model, work, k)
         modes.dashpot[k] = laws.damping[k] + laws.impact_damping[k] * laws.stiffness[k] / laws.slowest[k]
         modes.grip[k] = GRIP_STICK
-        start_grip(model, k, touch)
+        core.start_grip(model, k, touch)
         near = AT_REST * modes.noise[0]
         if not located:
             modes.mode[k] = MODE_PLAIN
@@ -211,12 +187,12 @@ def start_contacts(model, work, t, y, located):
             modes.mode[k] = MODE_BEHIND
         else:
             close(laws, modes, k, max(-touch.closing, 0.0))
-            take_grip(model, y, k, touch)
-            if laws.friction[k] == FRICTION_STICK_SLIP and _is_still(slip_of(model, touch)):
+            core.take_grip(model, y, k, touch)
+            if laws.friction[k] == FRICTION_STICK_SLIP and _is_still(core.slip_of(model, touch)):
                 _probe(modes, k)
                 resting = True
     if resting:
-        settle_grips(model, work, t, y, np.empty_like(y))
+        ask.settle_grips(model, work, t, y, np.empty_like(y))
 
 
 @jit
@@ -231,25 +207,25 @@ def _is_still(slip):
 def rigid_contact_mobility(model, work, t, y, k):
     """Return n^T W n (1/kg), the normal mobility of a contact within the joints; leave W n as tree acceleration."""
     pairs, tree, rows = contact_pairs_of(model), tree_of(work), rows_of(work)
-    load_state(model, work, y)
-    fill_rows(model, work, t)
-    factor(model, work)
-    touch = contact_geometry(model, work, k)
-    on_a, on_b = gap_rows(model, touch)
+    core.load_state(model, work, y)
+    ask.fill_rows(model, work, t)
+    ask.factor(model, work)
+    touch = core.contact_geometry(model, work, k)
+    on_a, on_b = core.gap_rows(model, touch)
     clear(tree.load)
-    for c in range(len(block(model))):
+    for c in range(len(core.block(model))):
         tree.load[pairs.a[k], c] += on_a[c]
         tree.load[pairs.b[k], c] += on_b[c]
     clear(rows.gamma)
-    solve(model, work, rows.gamma)
-    return gap_response(model, work, k, touch)
+    ask.solve(model, work, rows.gamma)
+    return core.gap_response(model, work, k, touch)
 
 
 @jit
 def _impact(model, work, t, y, k):
     """Reverse the normal speed by an impulse, v+ = -e v-, within the joints: dv = W n p."""
-    mobility = contact_mobility(model, work, t, y, k)
-    closing = contact_geometry(model, work, k).closing
+    mobility = ask.contact_mobility(model, work, t, y, k)
+    closing = core.contact_geometry(model, work, k).closing
     impulse = -(1.0 + contact_laws_of(model).restitution[k]) * closing / mobility
     correct_rates(model, work, impulse, y)
 
@@ -259,17 +235,17 @@ def rigid_contact_forces(model, work, t, y, out):
     """Fill out (n_contacts, 1 + 2 dimension): depth d (m), force on body a (N), its point (m), in the present modes."""
     pairs, laws, modes = contact_pairs_of(model), contact_laws_of(model), contact_modes_of(model)
     if _some_constrained(laws, modes):
-        accelerate(model, work, t, y)
+        ask.accelerate(model, work, t, y)
     else:
-        load_state(model, work, y)
+        core.load_state(model, work, y)
     for k in range(pairs.kind.shape[0]):
-        touch = contact_geometry(model, work, k)
+        touch = core.contact_geometry(model, work, k)
         out[k, 0] = -touch.gap
-        place, touching = centre(work, pairs.a[k]), is_touching(pairs, laws, modes, k, touch)
+        place, touching = core.centre(work, pairs.a[k]), is_touching(pairs, laws, modes, k, touch)
         normal = normal_force(laws, modes, k, -touch.gap, -touch.closing)
         if laws.release[k] == RELEASE_CONSTRAINT:
             normal = contact_push(work, laws, k)
-        force = contact_force(model, work, k, touch, normal)
+        force = core.contact_force(model, work, k, touch, normal)
         for c in range(len(place)):
             out[k, 1 + c] = force[c] if touching else 0.0
             out[k, 1 + len(place) + c] = place[c] + touch.arm_a[c]

@@ -8,7 +8,7 @@ from __future__ import annotations
 from mbs_ref.kernels.contact.laws import MODE_CLOSED, MODE_PLAIN, PAIR_FLAT, RELEASE_FORCE, normal_force
 from mbs_ref.kernels.contact.near_pairs import refresh
 from mbs_ref.kernels.jit import jit
-from mbs_ref.kernels.rigid.geometry import contact_force, contact_geometry, exchange, place_of_mark
+from mbs_ref.kernels.rigid import geometry as core
 from mbs_ref.kernels.rigid.model import contact_laws_of, contact_modes_of, contact_pairs_of, near_pairs_of
 
 
@@ -33,7 +33,7 @@ def find_near(model, work):
     """Bring the list of near pairs up to the pose in `work`."""
     near = near_pairs_of(model)
     for s in range(near.body.shape[0]):
-        place = place_of_mark(work, near.body[s], near.center[s])
+        place = core.place_of_mark(work, near.body[s], near.center[s])
         for c in range(len(place)):
             near.place[s, c] = place[c]
     refresh(near, contact_modes_of(model))
@@ -52,8 +52,8 @@ def rigid_apply_contacts(model, work):
         k = near.pair[place]
         if modes.mode[k] != MODE_CLOSED and modes.mode[k] != MODE_PLAIN:
             continue
-        touch = contact_geometry(model, work, k)
+        touch = core.contact_geometry(model, work, k)
         if is_touching(pairs, laws, modes, k, touch):
             normal = normal_force(laws, modes, k, -touch.gap, -touch.closing)
-            force = contact_force(model, work, k, touch, normal)
-            exchange(work, pairs.a[k], touch.arm_a, pairs.b[k], touch.arm_b, force)
+            force = core.contact_force(model, work, k, touch, normal)
+            core.exchange(work, pairs.a[k], touch.arm_a, pairs.b[k], touch.arm_b, force)

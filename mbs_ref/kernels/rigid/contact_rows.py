@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from mbs_ref.kernels.contact.laws import MODE_CLOSED
 from mbs_ref.kernels.jit import jit
-from mbs_ref.kernels.rigid.geometry import block, contact_geometry, gap_gamma, gap_rows
+from mbs_ref.kernels.rigid import geometry as core
 from mbs_ref.kernels.rigid.model import contact_laws_of, contact_modes_of, rows_of
 
 
@@ -27,12 +27,12 @@ def rigid_fill_contact_rows(model, work):
 def _clear(model, rows, slot):
     """An open contact's row is empty: the solver leaves it out."""
     used = False
-    for c in range(len(block(model))):
+    for c in range(len(core.block(model))):
         used |= rows.jacobian[slot, 0, 0, c] != 0.0  # a closed one's holds the normal
     if not used:
         return
     for side in range(2):
-        for c in range(len(block(model))):
+        for c in range(len(core.block(model))):
             rows.jacobian[slot, side, 0, c] = 0.0
     rows.residual[slot, 0] = 0.0
     rows.rate[slot, 0] = 0.0
@@ -42,11 +42,11 @@ def _clear(model, rows, slot):
 @jit
 def _fill_contact(model, work, k):
     rows, slot = rows_of(work), contact_laws_of(model).slot[k]
-    touch = contact_geometry(model, work, k)
-    on_a, on_b = gap_rows(model, touch)
-    for c in range(len(block(model))):
+    touch = core.contact_geometry(model, work, k)
+    on_a, on_b = core.gap_rows(model, touch)
+    for c in range(len(core.block(model))):
         rows.jacobian[slot, 0, 0, c] = on_a[c]
         rows.jacobian[slot, 1, 0, c] = on_b[c]
     rows.residual[slot, 0] = touch.gap
     rows.rate[slot, 0] = touch.closing
-    rows.gamma[slot, 0] = gap_gamma(model, work, k, touch)
+    rows.gamma[slot, 0] = core.gap_gamma(model, work, k, touch)

@@ -10,17 +10,7 @@ import numpy as np
 from mbs_ref.kernels.algebra.refinement import refinements
 from mbs_ref.kernels.border.questions import apply_loads, factor, fill_rows, solve
 from mbs_ref.kernels.jit import jit
-from mbs_ref.kernels.rigid.geometry import (
-    add_rates,
-    correct_places,
-    factor_tree,
-    has_no_rows,
-    largest_norm_defect,
-    load_state,
-    normalize,
-    solve_tree,
-    subtract_inertia,
-)
+from mbs_ref.kernels.rigid import geometry as core
 from mbs_ref.kernels.rigid.model import (
     bodies_of,
     closures_of,
@@ -47,27 +37,27 @@ from mbs_ref.kernels.rows import (
 @jit
 def rigid_factor(model, work):
     """Factor the augmented matrix at the Jacobians in `work`."""
-    factor_tree(model, work, loops_of(model))
+    core.factor_tree(model, work, loops_of(model))
 
 
 @jit
 def rigid_solve(model, work, gamma):
     """Solve the augmented system for the tree's load and `gamma` into its acceleration and the multipliers."""
     solved_of(work).time[0] = np.nan
-    solve_tree(model, work, loops_of(model), gamma, tree_of(work).acceleration, rows_of(work).multiplier)
+    core.solve_tree(model, work, loops_of(model), gamma, tree_of(work).acceleration, rows_of(work).multiplier)
 
 
 @jit
 def rigid_factor_open(model, work):
     """The same of a tree without closed loops."""
-    factor_tree(model, work, None)
+    core.factor_tree(model, work, None)
 
 
 @jit
 def rigid_solve_open(model, work, gamma):
     """The same of a tree without closed loops."""
     solved_of(work).time[0] = np.nan
-    solve_tree(model, work, None, gamma, tree_of(work).acceleration, rows_of(work).multiplier)
+    core.solve_tree(model, work, None, gamma, tree_of(work).acceleration, rows_of(work).multiplier)
 
 
 @jit
@@ -75,7 +65,7 @@ def _refine(model, work):
     """Add to acceleration and multipliers what the residuals of both equations ask for."""
     rows, tree, body = rows_of(work), tree_of(work), slots_of(model).body
     first, multiplier, gamma = tree.acceleration.copy(), rows.multiplier.copy(), rows.gamma.copy()
-    subtract_inertia(model, work, first, tree.load)
+    core.subtract_inertia(model, work, first, tree.load)
     take_reactions(tree.load, body, rows.jacobian, multiplier)
     take_accelerations(gamma, body, rows.jacobian, first)
     solve(model, work, gamma)
@@ -86,7 +76,7 @@ def _refine(model, work):
 @jit
 def rigid_accelerate(model, work, t, y):
     """Compute accelerations and multipliers at (t, y) into `work`; refine them as often as the loops' pose asks for."""
-    load_state(model, work, y)
+    core.load_state(model, work, y)
     apply_loads(model, work, t)
     fill_rows(model, work, t)
     rows = rows_of(work)
@@ -122,10 +112,10 @@ def is_solved(work, t, y):
 @jit
 def rigid_compliance(model, work, t, y):
     """Return max |C|, with the norms that the state keeps, and max |C_dot| over all rows (m, rad; m/s, rad/s)."""
-    load_state(model, work, y)
+    core.load_state(model, work, y)
     fill_rows(model, work, t)
     rows = rows_of(work)
-    return max(largest_entry(rows.residual), largest_norm_defect(model, work)), largest_entry(rows.rate)
+    return max(largest_entry(rows.residual), core.largest_norm_defect(model, work)), largest_entry(rows.rate)
 
 
 @jit
@@ -154,7 +144,7 @@ def correct_rates(model, work, factor, y):
     """Add factor times the accelerations in `work` to the rates in y."""
     bodies, acceleration = bodies_of(model), tree_of(work).acceleration
     for i in range(bodies.mass.shape[0]):
-        add_rates(model, work, i, factor, acceleration[i], y, bodies.v[i])
+        core.add_rates(model, work, i, factor, acceleration[i], y, bodies.v[i])
 
 
 @jit
@@ -163,10 +153,10 @@ def rigid_project(model, work, t, y, tolerance, most):
 
     At most `most` Gauss-Newton iterations for the positions; velocities are linear and need one.
     """
-    normalize(model, y)
-    load_state(model, work, y)
-    if has_no_rows(model):
-        return largest_norm_defect(model, work)
+    core.normalize(model, y)
+    core.load_state(model, work, y)
+    if core.has_no_rows(model):
+        return core.largest_norm_defect(model, work)
     rows = rows_of(work)
     fill_rows(model, work, t)
     left = largest_entry(rows.residual)
@@ -175,8 +165,8 @@ def rigid_project(model, work, t, y, tolerance, most):
             break
         factor(model, work)
         respond(model, work, rows.residual)
-        correct_places(model, work, y)
-        load_state(model, work, y)
+        core.correct_places(model, work, y)
+        core.load_state(model, work, y)
         fill_rows(model, work, t)
         previous = left
         left = largest_entry(rows.residual)
@@ -185,4 +175,4 @@ def rigid_project(model, work, t, y, tolerance, most):
     factor(model, work)
     respond(model, work, rows.rate)
     correct_rates(model, work, 1.0, y)
-    return max(left, largest_norm_defect(model, work))
+    return max(left, core.largest_norm_defect(model, work))

@@ -12,7 +12,7 @@ from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.rigid.contact_events import contact_roots, contact_transition, start_contacts
 from mbs_ref.kernels.rigid.geometry import load_state
 from mbs_ref.kernels.rigid.model import contact_modes_of, watches_of
-from mbs_ref.kernels.rigid.spring_events import spring_roots, spring_transition, start_springs
+from mbs_ref.kernels.rigid.springs import spring_roots, spring_transition, start_springs
 from mbs_ref.kernels.rigid.watch_events import start_watches, watch_roots, watch_transition
 
 

@@ -83,6 +83,26 @@ def dot(work, a, b) -> Any:
 
 
 @by_core
+def plus(work, a, b) -> Any:
+    """Return the sum of two vectors."""
+
+
+@by_core
+def times(work, factor, a) -> Any:
+    """Return a number times a vector."""
+
+
+@supplied
+def rate_seen(work, a, gap, rate) -> Any:
+    """Return the rate (m/s) of a gap as body a sees it."""
+
+
+@by_core
+def pull(work, tension, gap, length) -> Any:
+    """Return a force of this tension (N) along a gap of this length (m)."""
+
+
+@by_core
 def over(work, a, divisor) -> Any:
     """Return a vector divided by a number."""
 

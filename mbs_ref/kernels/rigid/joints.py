@@ -12,20 +12,7 @@ from mbs_ref.kernels.border.callback import call_user
 from mbs_ref.kernels.border.questions import fill_contact_rows
 from mbs_ref.kernels.controls import CONTROL_MODE_TIME
 from mbs_ref.kernels.jit import jit
-from mbs_ref.kernels.rigid.geometry import (
-    acceleration_along,
-    dot,
-    fill_own_rows,
-    fill_plane,
-    inward,
-    over,
-    place_of_mark,
-    put_line,
-    put_on_body,
-    put_point,
-    rate_along,
-    separation,
-)
+from mbs_ref.kernels.rigid import geometry as core
 from mbs_ref.kernels.rigid.model import (
     distances_of,
     drives_of,
@@ -51,9 +38,9 @@ def _fill_points(model, work):
     joint, slots, rows = points_of(model), slots_of(model), rows_of(work)
     for k in range(joint.slot.shape[0]):
         slot, row, side, a, b = bodies_of_row(slots, joint, k)
-        apart = separation(work, a, b, joint.point_a[k], joint.point_b[k])
-        put_point(work, slot, side, row, apart)
-        surplus = inward(work, a, b, apart)
+        apart = core.separation(work, a, b, joint.point_a[k], joint.point_b[k])
+        core.put_point(work, slot, side, row, apart)
+        surplus = core.inward(work, a, b, apart)
         for c in range(len(surplus)):
             rows.residual[slot, row + c] = apart.gap[c]
             rows.rate[slot, row + c] = apart.rate[c]
@@ -65,8 +52,8 @@ def _fill_planes(model, work):
     joint, slots = planes_of(model), slots_of(model)
     for k in range(joint.slot.shape[0]):
         slot, row, side, a, b = bodies_of_row(slots, joint, k)
-        apart = separation(work, a, b, joint.point_a[k], joint.point_b[k])
-        fill_plane(work, slot, side, row, a, b, joint.normal[k], apart)
+        apart = core.separation(work, a, b, joint.point_a[k], joint.point_b[k])
+        core.fill_plane(work, slot, side, row, a, b, joint.normal[k], apart)
 
 
 @jit
@@ -74,15 +61,15 @@ def _fill_distances(model, work):
     joint, slots, rows = distances_of(model), slots_of(model), rows_of(work)
     for k in range(joint.slot.shape[0]):
         slot, row, side, a, b = bodies_of_row(slots, joint, k)
-        apart = separation(work, a, b, joint.point_a[k], joint.point_b[k])
-        length = np.sqrt(dot(work, apart.gap, apart.gap))
-        e = over(work, apart.gap, length)
-        along = dot(work, e, apart.rate)
-        put_line(work, slot, side, row, e, apart)
+        apart = core.separation(work, a, b, joint.point_a[k], joint.point_b[k])
+        length = np.sqrt(core.dot(work, apart.gap, apart.gap))
+        e = core.over(work, apart.gap, length)
+        along = core.dot(work, e, apart.rate)
+        core.put_line(work, slot, side, row, e, apart)
         rows.residual[slot, row] = length - joint.length[k]
         rows.rate[slot, row] = along
-        across = dot(work, apart.rate, apart.rate) - along * along
-        rows.gamma[slot, row] = dot(work, e, inward(work, a, b, apart)) - across / length
+        across = core.dot(work, apart.rate, apart.rate) - along * along
+        rows.gamma[slot, row] = core.dot(work, e, core.inward(work, a, b, apart)) - across / length
 
 
 @jit
@@ -94,10 +81,11 @@ def _fill_drives(model, work, t):
         slot, row, side, e = drive.slot[k], drive.row[k], drive.side[k], drive.direction[k]
         i = slots.body[slot, side]
         value, rate, curvature = evaluate(signals, drive.signal[k], t, mode_time)
-        put_on_body(work, slot, side, row, i, drive.point[k], e)
-        rows.residual[slot, row] = dot(work, e, place_of_mark(work, i, drive.point[k])) - drive.start[k] - value
-        rows.rate[slot, row] = rate_along(work, i, drive.point[k], e) - rate
-        rows.gamma[slot, row] = curvature - acceleration_along(work, i, drive.point[k], e)
+        core.put_on_body(work, slot, side, row, i, drive.point[k], e)
+        place = core.dot(work, e, core.place_of_mark(work, i, drive.point[k]))
+        rows.residual[slot, row] = place - drive.start[k] - value
+        rows.rate[slot, row] = core.rate_along(work, i, drive.point[k], e) - rate
+        rows.gamma[slot, row] = curvature - core.acceleration_along(work, i, drive.point[k], e)
 
 
 @jit
@@ -107,7 +95,7 @@ def rigid_fill_rows(model, work, t):
     _fill_planes(model, work)
     _fill_distances(model, work)
     _fill_drives(model, work, t)
-    fill_own_rows(model, work, t)
+    core.fill_own_rows(model, work, t)
     if world_of(model).user_rows[0] != 0:
         call_user(world_of(model).user_rows[0], t, 0)  # pyright: ignore[reportCallIssue]
     fill_contact_rows(model, work)

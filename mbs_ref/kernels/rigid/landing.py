@@ -17,7 +17,7 @@ from mbs_ref.kernels.contact.laws import (
     ROOTS_EACH,
 )
 from mbs_ref.kernels.jit import jit
-from mbs_ref.kernels.rigid.geometry import contact_geometry, gap_gamma, gap_response, load_state, position_count
+from mbs_ref.kernels.rigid import geometry as core
 from mbs_ref.kernels.rigid.model import (
     bodies_of,
     contact_laws_of,
@@ -77,7 +77,7 @@ def settle_held(model, work, t, y, g):
 def _touching(model, work, y):
     """Return the constraint contacts that are closed, or open with no gap that counts."""
     laws, modes, near = contact_laws_of(model), contact_modes_of(model), near_pairs_of(model)
-    load_state(model, work, y)
+    core.load_state(model, work, y)
     found, count = np.empty(near.count[0], dtype=np.int64), 0
     for place in range(near.count[0]):
         k = near.pair[place]
@@ -85,7 +85,7 @@ def _touching(model, work, y):
             continue
         holds = modes.mode[k] == MODE_CLOSED
         if modes.mode[k] == MODE_OPEN:
-            touch = contact_geometry(model, work, k)
+            touch = core.contact_geometry(model, work, k)
             holds = touch.beyond <= 0.0 and abs(touch.gap) <= AT_REST * modes.noise[0]
         if holds:
             found[count] = k
@@ -97,13 +97,13 @@ def _touching(model, work, y):
 def _move(model, work, t, y):
     """Project onto joints and closed contacts in the mass norm: of the velocities, a plastic impact."""
     project(model, work, t, y, FINER * contact_modes_of(model).noise[0], ITERATIONS)
-    load_state(model, work, y)
+    core.load_state(model, work, y)
 
 
 @jit
 def _close_gaps(model, work, t, y):
     """Project the positions alone."""
-    first = position_count(model)
+    first = core.position_count(model)
     before = y[first:].copy()
     _move(model, work, t, y)
     _put_back(y, first, before)
@@ -118,7 +118,7 @@ def _put_back(y, first, before):
 @jit
 def _pivot(model, work, t, y, touching, level):
     """Open and close contacts until the complementarity of impulses or of forces holds."""
-    modes, first = contact_modes_of(model), position_count(model)
+    modes, first = contact_modes_of(model), core.position_count(model)
     before = y[first:].copy()
     for turn in range(MOST * touching.shape[0]):
         if level == IMPULSES:
@@ -166,10 +166,10 @@ def _lack(model, work, k, level, slight):
     noise = modes.noise[0]
     if modes.mode[k] == MODE_CLOSED:
         return -contact_push(work, laws, k) / contact_mass(model, k) - noise
-    touch = contact_geometry(model, work, k)
+    touch = core.contact_geometry(model, work, k)
     if level == IMPULSES:
         return -touch.closing - AT_REST * noise
-    drawn = gap_gamma(model, work, k, touch) - gap_response(model, work, k, touch)
+    drawn = core.gap_gamma(model, work, k, touch) - core.gap_response(model, work, k, touch)
     leaves = max(touch.closing, 0.0)
     if leaves * leaves > 2.0 * drawn * AT_REST * noise:
         return 0.0

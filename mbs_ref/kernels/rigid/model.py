@@ -75,6 +75,25 @@ class Springs(NamedTuple):
     place: Annotated[Ints, "k"]  # of a tension-only spring's mode in ContactModes; -1 for others
 
 
+class ContactPairs(NamedTuple):
+    """Shapes that may touch; see PAIR_* for the kinds and mbs_ref.scene.contact for the meaning."""
+
+    kind: Annotated[Ints, "k"]  # PAIR_*
+    a: Annotated[Ints, "k"]
+    b: Annotated[Ints, "k"]
+    center: Annotated[Floats, "k", "dimension"]  # m, of the circle or sphere, in body a
+    radius: Annotated[Floats, "k"]  # m, of the circle or sphere; clearance of a pin
+    origin: Annotated[Floats, "k", "dimension"]  # m, in body b: middle of a flat shape, centre of the other one, axle
+    # in body b, unit rows: edges of a flat shape and its normal; the first row of a sprocket points to its first seat
+    axes: Annotated[Floats, "k", "dimension", "dimension"]
+    half: Annotated[Floats, "k", 2]  # m: half sides, inf where endless; the other one's radius; pitch radius
+    ends: Annotated[Ints, "k"]  # ENDS_*; number of teeth
+    thickness: Annotated[Floats, "k"]  # m, inf where unlimited; reach of the teeth beyond the pitch circle
+    flank: Annotated[Floats, "k", 2]  # cosine and sine of the angle of a tooth's flank
+    deflection: Annotated[Ints, "k"]  # place of its two sticking deflections (m) in a spatial state, else -1
+    sticking: Annotated[Ints, 1]  # contacts that have such a place
+
+
 class Watches(NamedTuple):
     """Declared events: a coordinate, a distance or a coordinate's rate crosses a value."""
 

@@ -16,17 +16,15 @@ from mbs_ref.kernels.controls import CONTROL_MODE_TIME
 from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.rigid.model import (
     bodies_of,
-    contact_modes_of,
     forces_of,
     kinematics_of,
     signals_of,
-    springs_of,
     torsion_springs_of,
     world_of,
 )
-from mbs_ref.kernels.rigid.spring_events import is_slack
+from mbs_ref.kernels.rigid.springs import apply_springs
 from mbs_ref.kernels.signals import evaluate
-from mbs_ref.kernels.spatial.marks import exchange, push, separation, twist
+from mbs_ref.kernels.spatial.marks import push, separation, twist
 from mbs_ref.kernels.spatial.model import attraction_of, bushings_of, gradients_of
 from mbs_ref.kernels.spatial.vectors import (
     add,
@@ -69,25 +67,6 @@ def apply_forces(model, work, t):
             force, torque = turn(kin.turned[body], force), turn(kin.turned[body], torque)
         push(kin, body, turn(kin.turned[body], load.point[k]), times(scale, force))
         twist(kin, body, times(scale, torque))
-
-
-@jit
-def apply_springs(model, work):
-    """F = k (l - l0) + c l_dot along the line of the two points (Fox 1999 eq 18 with the points' distance)."""
-    spring, modes = springs_of(model), contact_modes_of(model)
-    for k in range(spring.a.shape[0]):
-        a, b = spring.a[k], spring.b[k]
-        apart = separation(work, a, b, spring.point_a[k], spring.point_b[k])
-        length = np.sqrt(dot(apart.gap, apart.gap))
-        stretch = length - spring.rest_length[k]
-        if length == 0.0:  # no line of action: only the isotropic limit of the damper
-            force = times(spring.damping[k], apart.rate)
-        else:
-            tension = spring.stiffness[k] * stretch + spring.damping[k] * dot(apart.gap, apart.rate) / length
-            if is_slack(modes, spring.place[k], stretch, tension):
-                tension = 0.0
-            force = times(tension / length, apart.gap)
-        exchange(work, a, apart.arm_a, b, apart.arm_b, force)
 
 
 @jit

@@ -11,7 +11,7 @@ import numpy as np
 
 from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.rigid.model import kinematics_of
-from mbs_ref.kernels.spatial.vectors import add, cross, dot, minus, negative, plus, triple, turn
+from mbs_ref.kernels.spatial.vectors import add, cross, dot, minus, negative, plus, times, triple, turn
 
 
 class Mark(NamedTuple):
@@ -75,6 +75,16 @@ def push(kin, body, arm, force):
 def twist(kin, body, torque):
     """Add a torque."""
     add(kin.force[body], 3, torque)
+
+
+@jit
+def rate_seen(work, a, gap, rate):
+    return minus(rate, cross(kinematics_of(work).omega[a], gap))
+
+
+@jit
+def pull(tension, gap, length):
+    return times(tension / length, gap)
 
 
 @jit

@@ -14,7 +14,18 @@ from mbs_ref.kernels.border.handles import accessor
 from mbs_ref.kernels.contact.laws import ContactLaws, ContactModes
 from mbs_ref.kernels.contact.near_pairs import NearPairs
 from mbs_ref.kernels.rigid.closures import Closures, Loops
-from mbs_ref.kernels.rigid.model import Distances, Drives, Planes, Points, Rows, Solved, Springs, Watches, World
+from mbs_ref.kernels.rigid.model import (
+    ContactPairs,
+    Distances,
+    Drives,
+    Planes,
+    Points,
+    Rows,
+    Solved,
+    Springs,
+    Watches,
+    World,
+)
 from mbs_ref.kernels.signals import SignalArrays
 
 RATES = tuple(range(6))  # of a body: a loop over it has bounds that the compiler knows
@@ -103,23 +114,6 @@ class Bushings(NamedTuple):
     axes_b: Annotated[Floats, "k", 3, 3]
     stiffness: Annotated[Floats, "k", 6]  # N/m and N m/rad
     damping: Annotated[Floats, "k", 6]  # N s/m and N m s/rad
-
-
-class ContactPairs(NamedTuple):
-    """Shapes that may touch; see PAIR_* for the kinds and mbs_ref.scene.contact for the meaning."""
-
-    kind: Annotated[Ints, "k"]  # PAIR_*
-    a: Annotated[Ints, "k"]
-    b: Annotated[Ints, "k"]
-    center: Annotated[Floats, "k", 3]  # m, the sphere's centre in body a
-    radius: Annotated[Floats, "k"]  # m, of the sphere
-    origin: Annotated[Floats, "k", 3]  # m, in body b: on the plane, or centre of the other sphere
-    axes: Annotated[Floats, "k", 3, 3]  # in body b, unit rows: two edges of the plane and its normal
-    half: Annotated[Floats, "k", 2]  # m: half sides of a rectangle, inf for a plane; other sphere's radius
-    ends: Annotated[Ints, "k"]  # ENDS_*
-    thickness: Annotated[Floats, "k"]  # m, inf where unlimited
-    deflection: Annotated[Ints, "k"]  # place of its two sticking deflections (m) in the state, -1 where there are none
-    sticking: Annotated[Ints, 1]  # contacts that can stick
 
 
 class Attraction(NamedTuple):

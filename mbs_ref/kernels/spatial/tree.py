@@ -23,16 +23,7 @@ from __future__ import annotations
 
 from mbs_ref.kernels.algebra.ldl import factor_ldl, ldl3, ldl3_solve, solve_ldl
 from mbs_ref.kernels.jit import jit
-from mbs_ref.kernels.rigid.elimination import (
-    begin_closures,
-    condense,
-    eliminate_closures,
-    pass_rows,
-    start_rows,
-    substitute,
-    take_closures,
-    take_free,
-)
+from mbs_ref.kernels.rigid import elimination
 from mbs_ref.kernels.rigid.model import bodies_of, closures_of, kinematics_of, rows_of, slots_of, tree_of
 from mbs_ref.kernels.spatial.model import RATES
 
@@ -102,13 +93,13 @@ def factor_tree(model, work, loops):
     n = bodies.mass.shape[0]
     _start_blocks(model, work)
     if loops is not None:
-        begin_closures(model, work)
+        elimination.begin_closures(model, work)
     for i in range(n - 1, -1, -1):
         if bodies.alone[i] == 1:
             continue
         art = tree.articulated[i]
         if loops is not None and loops.closed[i, 0] < loops.closed[i, 1]:
-            eliminate_closures(model, work, i)
+            elimination.eliminate_closures(model, work, i)
         factor_ldl(art, 6)
         count = slots.count[i]
         jac, far, lift = rows.jacobian[i, 0], rows.jacobian[i, 1], tree.lift[i]
@@ -118,7 +109,7 @@ def factor_tree(model, work, loops):
             solve_ldl(art, 6, lift[r])
         _factor_rows(jac, lift, tree.row_factor[i], count)
         if loops is not None and loops.entry[i] < loops.entry[i + 1]:
-            pass_rows(model, work, i)
+            elimination.pass_rows(model, work, i)
         p = bodies.parent[i]
         if p == n:
             continue
@@ -131,7 +122,7 @@ def factor_tree(model, work, loops):
                 for c in range(r + 1):
                     up[r, c] += weight * transfer[k, c]
     if loops is not None:
-        eliminate_closures(model, work, n)
+        elimination.eliminate_closures(model, work, n)
 
 
 @jit
@@ -166,14 +157,14 @@ def solve_tree(model, work, loops, gamma, acceleration, multiplier):
     n = bodies.mass.shape[0]
     load = tree.load
     if loops is not None:
-        start_rows(RATES, loops, closures, gamma)
+        elimination.start_rows(RATES, loops, closures, gamma)
     for i in range(n - 1, -1, -1):
         if bodies.alone[i] == 1:
             continue
         free, jac, far, u = tree.free[i], rows.jacobian[i, 0], rows.jacobian[i, 1], multiplier[i]
         count = slots.count[i]
         if loops is not None and loops.closed[i, 0] < loops.closed[i, 1]:
-            condense(RATES, loops, closures, i, load[i])
+            elimination.condense(RATES, loops, closures, i, load[i])
         for c in range(6):
             free[c] = load[i, c]
         solve_ldl(tree.articulated[i], 6, free)
@@ -184,7 +175,7 @@ def solve_tree(model, work, loops, gamma, acceleration, multiplier):
             u[r] = total
         solve_ldl(tree.row_factor[i], count, u)
         if loops is not None and loops.entry[i] < loops.entry[i + 1]:
-            take_free(RATES, loops, closures, i, load[i], gamma[i])
+            elimination.take_free(RATES, loops, closures, i, load[i], gamma[i])
         p = bodies.parent[i]
         if p == n:
             continue
@@ -192,8 +183,8 @@ def solve_tree(model, work, loops, gamma, acceleration, multiplier):
             for c in range(6):
                 load[p, c] -= far[r, c] * u[r]
     if loops is not None:
-        condense(RATES, loops, closures, n, load[n])
-        substitute(RATES, loops, closures, n, acceleration[n], multiplier)
+        elimination.condense(RATES, loops, closures, n, load[n])
+        elimination.substitute(RATES, loops, closures, n, acceleration[n], multiplier)
     for i in range(n):
         if bodies.alone[i] == 1:
             _solve_alone(bodies.mass[i], tree.articulated[i], load[i], acceleration[i])
@@ -209,6 +200,6 @@ def solve_tree(model, work, loops, gamma, acceleration, multiplier):
                 multiplier[i, r] += total
         _put_answer(tree, i, count, multiplier[i], acceleration[i])
         if loops is not None and loops.entry[i] < loops.entry[i + 1]:
-            take_closures(RATES, loops, closures, i, acceleration[i], multiplier[i])
+            elimination.take_closures(RATES, loops, closures, i, acceleration[i], multiplier[i])
         if loops is not None and loops.closed[i, 0] < loops.closed[i, 1]:
-            substitute(RATES, loops, closures, i, acceleration[i], multiplier)
+            elimination.substitute(RATES, loops, closures, i, acceleration[i], multiplier)

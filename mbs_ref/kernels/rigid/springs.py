@@ -1,13 +1,15 @@
-"""Springs that only pull: where they go slack is an event, and where their damper would push.
+"""Springs between two points, and the events of those that only pull: where they go slack, or their damper would push.
 
 Open is slack; closed pulls; lifted is stretched, but its damper outweighs the spring and it gives nothing.
 """
 
 from __future__ import annotations
 
+import numpy as np
+
 from mbs_ref.kernels.contact.laws import MODE_CLOSED, MODE_LIFTED, MODE_OPEN, MODE_PLAIN, ROOTS_EACH
 from mbs_ref.kernels.jit import jit
-from mbs_ref.kernels.rigid.geometry import distance
+from mbs_ref.kernels.rigid import geometry as core
 from mbs_ref.kernels.rigid.model import contact_modes_of, springs_of
 
 
@@ -25,9 +27,34 @@ def is_slack(modes, place, stretch, tension):
 
 
 @jit
+def apply_springs(model, work):
+    """F = k (l - l0) + c l_dot along the line of the two points (Fox 1999 eq 18 with the points' distance)."""
+    spring, modes = springs_of(model), contact_modes_of(model)
+    for k in range(spring.a.shape[0]):
+        a, b = spring.a[k], spring.b[k]
+        apart = core.separation(work, a, b, spring.point_a[k], spring.point_b[k])
+        gap, rate, arm_a = apart.gap, apart.rate, apart.arm_a
+        length = np.sqrt(core.dot(work, gap, gap))
+        stretch = length - spring.rest_length[k]
+        if spring.isotropic[k] == 1:
+            # against body a's matter at b's mark, where both forces act
+            rate, arm_a = core.rate_seen(work, a, gap, rate), core.plus(work, arm_a, gap)
+            elastic = core.times(work, spring.stiffness[k], gap)
+            force = core.plus(work, elastic, core.times(work, spring.damping[k], rate))
+        elif length == 0.0:
+            force = core.times(work, spring.damping[k], rate)  # no line of action: the isotropic limit of the damper
+        else:
+            tension = spring.stiffness[k] * stretch + spring.damping[k] * core.dot(work, gap, rate) / length
+            if is_slack(modes, spring.place[k], stretch, tension):
+                tension = 0.0
+            force = core.pull(work, tension, gap, length)
+        core.exchange(work, a, arm_a, b, apart.arm_b, force)
+
+
+@jit
 def _pull(spring, work, k):
     """Return stretch, its rate, and the tension without any clipping."""
-    length, rate = distance(work, spring.a[k], spring.b[k], spring.point_a[k], spring.point_b[k])
+    length, rate = core.distance(work, spring.a[k], spring.b[k], spring.point_a[k], spring.point_b[k])
     stretch = length - spring.rest_length[k]
     return stretch, rate, spring.stiffness[k] * stretch + spring.damping[k] * rate
 
