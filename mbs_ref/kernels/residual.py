@@ -15,7 +15,7 @@ import numpy as np
 from numba import carray, types  # pyright: ignore[reportPrivateImportUsage]
 
 from mbs_ref.kernels.border import questions as ask
-from mbs_ref.kernels.border.callback import call_for_numbers
+from mbs_ref.kernels.border.calls import call_for_numbers
 from mbs_ref.kernels.border.groups import Floats, Ints
 from mbs_ref.kernels.border.handles import Model, Work, accessor, handle_of
 from mbs_ref.kernels.jit import address_for_c, jit

@@ -21,9 +21,11 @@ from cross_checks.workshop.planar_forces import AppliedForces
 from cross_checks.workshop.planar_motion import arrays_of, motion_of, project
 from cross_checks.workshop.planar_tree import JointTree
 from cross_checks.workshop.spatial_forces import SpatialApplied
-from mbs_ref.kernels.answers import ANSWERS
+from mbs_ref.kernels.answers import ANSWERS, HANDLES
+from mbs_ref.kernels.border.supplies import supplied_by
 from mbs_ref.kernels.planar.dynamics import load_state as load_planar
 from mbs_ref.kernels.planar.loads import planar_apply_loads
+from mbs_ref.kernels.rigid import geometry
 from mbs_ref.kernels.spatial.loads import spatial_apply_loads
 from mbs_ref.kernels.spatial.orientation import load_state as load_spatial
 from mbs_ref.scene import SpatialBody, symmetric
@@ -75,11 +77,15 @@ def array_text(values: Any) -> str:
     return f"np.array({literal(array)}{whole})" if array.any() else f"np.zeros({array.shape}{whole})"
 
 
+class _Interface(dict[str, Dispatcher]):
+    """What compiled functions call as attributes of `mbs_ref.kernels.rigid.geometry`: the core's functions by name."""
+
+
 def _gathered(core: str, *roots: Dispatcher) -> Sources:
     answers = {question: answer for group in ANSWERS[core].values() for question, answer in group.items()}
     named: Sources = {}
     for root in roots:
-        _gather(root, answers, named)
+        _gather(root, answers | supplied_by(HANDLES[core][0]), named)
     return named
 
 
@@ -91,6 +97,13 @@ def _gather(function: Dispatcher, answers: Sources, named: Sources) -> None:
     own = function.py_func
     found = {own.__name__: function, **inspect.getclosurevars(own).globals}
     for name, value in found.items():
+        if value is geometry:
+            used = named.setdefault(name, _Interface())
+            for attribute in own.__code__.co_names:
+                if attribute in vars(geometry) and attribute not in used:
+                    used[attribute] = answers[attribute]
+                    _gather(answers[attribute], answers, named)
+            continue
         meant = answers[name] if isinstance(value, _Intrinsic) and name in answers else value
         if name in named:
             if named[name] is not meant:
@@ -111,11 +124,19 @@ def _texts(named: Sources) -> Iterator[str]:
             yield f'{name} = attrgetter("{name.removesuffix(ACCESSOR)}")'
         elif isinstance(value, type):
             yield f'{name} = namedtuple("{name}", {literal(list(value._fields))})'  # pyright: ignore[reportAttributeAccessIssue]
-        elif not isinstance(value, ModuleType | Dispatcher | _Intrinsic):
+        elif not isinstance(value, ModuleType | Dispatcher | _Intrinsic | _Interface):
             yield f"{name} = {literal(value)}"
     yield from map(plain_text, dict.fromkeys(called))
+    yield from (_interface_text(name, value) for name, value in named.items() if isinstance(value, _Interface))
     others = {name: value.py_func.__name__ for name, value in named.items() if isinstance(value, Dispatcher)}
     yield from (f"{name} = {own}" for name, own in others.items() if name != own)
+
+
+def _interface_text(name: str, functions: _Interface) -> str:
+    """Return a namespace of functions; those that do not receive the handle that chooses the core drop it."""
+    calls = (f"{own}={own if getattr(geometry, own).passes_handle else f'lambda work, *given: {own}(*given)'}"
+             for own in functions)  # fmt: skip
+    return f"{name} = SimpleNamespace({', '.join(calls)})"
 
 
 def _group(name: str, group: Any) -> str:

@@ -52,7 +52,9 @@ def supplied(stub: Callable[..., Any], passes_handle: bool = True) -> Any:
 
         return Signature(kind.return_type, given, None), codegen
 
-    return intrinsic(with_parameters_of(stub, resolve))
+    result = intrinsic(with_parameters_of(stub, resolve))
+    result.passes_handle = passes_handle  # type: ignore[attr-defined]
+    return result
 
 
 def with_parameters_of(stub: Callable[..., Any], function: Callable[..., Any]) -> Callable[..., Any]:

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from mbs_ref.kernels.controls import CONTROL_MODE_TIME
 from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.planar.marks import arm
 from mbs_ref.kernels.planar.model import angle_drives_of, angles_of
 from mbs_ref.kernels.planar.vectors import cross, dot
 from mbs_ref.kernels.rigid.joints import bodies_of_row
-from mbs_ref.kernels.rigid.model import kinematics_of, rows_of, signals_of, slots_of, world_of
+from mbs_ref.kernels.rigid.model import CONTROL_MODE_TIME, kinematics_of, rows_of, signals_of, slots_of, world_of
 from mbs_ref.kernels.signals import evaluate
 
 

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from mbs_ref.kernels.border.callback import call_user
+from mbs_ref.kernels.border.calls import call_user
 from mbs_ref.kernels.border.questions import apply_contacts
-from mbs_ref.kernels.controls import CONTROL_MODE_TIME
 from mbs_ref.kernels.jit import bare, jit
 from mbs_ref.kernels.planar.marks import arm
 from mbs_ref.kernels.planar.vectors import cross, times
 from mbs_ref.kernels.rigid.model import (
+    CONTROL_MODE_TIME,
     bodies_of,
     forces_of,
     kinematics_of,

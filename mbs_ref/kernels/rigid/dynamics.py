@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from mbs_ref.kernels.algebra.refinement import refinements
 from mbs_ref.kernels.border.questions import apply_loads, factor, fill_rows, solve
 from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.rigid import geometry as core
@@ -33,6 +32,24 @@ from mbs_ref.kernels.rows import (
     take_reactions,
 )
 
+EPS = 2.220446049250313e-16
+BORNE = 100.0 * EPS  # relative: below the tightest tolerance that is asked for, 1e-13
+REFINED_BELOW = EPS / BORNE  # pivot: elimination alone loses no more above it
+MOST_REFINEMENTS = 4
+CONVERGES = 1e-4  # relative: where elimination loses more, a rank is lost and nothing is there to refine
+
+
+@jit
+def refinements(pivot):
+    """Return the steps of refinement after which what elimination lost at this relative pivot is borne."""
+    if pivot >= REFINED_BELOW or pivot * CONVERGES < EPS:
+        return 0
+    steps = 0
+    error = EPS / pivot
+    while error > BORNE and steps < MOST_REFINEMENTS:
+        error *= EPS / pivot
+        steps += 1
+    return steps
 
 @jit
 def rigid_factor(model, work):

@@ -8,12 +8,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from mbs_ref.kernels.border.callback import call_user
+from mbs_ref.kernels.border.calls import call_user
 from mbs_ref.kernels.border.questions import fill_contact_rows
-from mbs_ref.kernels.controls import CONTROL_MODE_TIME
 from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.rigid import geometry as core
 from mbs_ref.kernels.rigid.model import (
+    CONTROL_MODE_TIME,
     distances_of,
     drives_of,
     planes_of,

@@ -16,6 +16,10 @@ from mbs_ref.kernels.border.groups import Floats, Ints, empty
 from mbs_ref.kernels.border.handles import accessor
 from mbs_ref.kernels.rigid.closures import Loops, closure_scratch
 
+CONTROL_MODE_TIME = 0  # s, a time inside the current step: picks the signals' segments
+CONTROL_VELOCITY_GAIN = 1  # 1/s, Baumgarte 2 g
+CONTROL_POSITION_GAIN = 2  # 1/s^2, Baumgarte g^2
+
 WATCH_DISTANCE, WATCH_COORDINATE, WATCH_RATE = range(3)
 
 

@@ -9,10 +9,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from mbs_ref.kernels.controls import CONTROL_MODE_TIME
 from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.rigid.joints import bodies_of_row
-from mbs_ref.kernels.rigid.model import kinematics_of, rows_of, signals_of, slots_of, world_of
+from mbs_ref.kernels.rigid.model import CONTROL_MODE_TIME, kinematics_of, rows_of, signals_of, slots_of, world_of
 from mbs_ref.kernels.signals import evaluate
 from mbs_ref.kernels.spatial.marks import inward, mark
 from mbs_ref.kernels.spatial.model import products_of, turns_of, wheels_of

@@ -10,11 +10,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from mbs_ref.kernels.border.callback import call_user
+from mbs_ref.kernels.border.calls import call_user
 from mbs_ref.kernels.border.questions import apply_contacts
-from mbs_ref.kernels.controls import CONTROL_MODE_TIME
 from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.rigid.model import (
+    CONTROL_MODE_TIME,
     bodies_of,
     forces_of,
     kinematics_of,

@@ -10,7 +10,7 @@ import pytest
 from mbs_ref import scenes
 from mbs_ref.integrators import integrators
 from mbs_ref.integrators.methods import euler, rk4
-from mbs_ref.integrators.stages import radau_coefficients as radau
+from mbs_ref.integrators.stages import radau_newton as radau
 from mbs_ref.integrators.stages.dop853_tableau import TABLEAU as DOP853
 from mbs_ref.observables.constraints import constraint_rate, constraint_residual
 from mbs_ref.scene import CoordinateDrive, Force, PlanarBody, PointMass, Prismatic, Scene, SpringDamper, UserForce

@@ -14,8 +14,7 @@ from mbs_ref.integrators.methods import gauss, generalized_alpha, radau
 from mbs_ref.integrators.stages import explicit_stages
 from mbs_ref.integrators.stages.gauss_coefficients import STAGES
 from mbs_ref.integrators.stages.gauss_coefficients import gauss as coefficients
-from mbs_ref.integrators.stages.radau_coefficients import C
-from mbs_ref.integrators.stages.radau_newton import guess_stages
+from mbs_ref.integrators.stages.radau_newton import C, guess_stages
 
 
 @pytest.mark.parametrize(("a", "b"), [(1.0, 1e-17), (1e-17, 1.0), (1e16, 3.3), (0.1, 0.2), (-1.0, 1.0 + 2.0**-52)])
