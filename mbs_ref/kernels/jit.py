@@ -143,7 +143,7 @@ class _Cache(caching.FunctionCache):
 
     def _index_key(self, sig: Any, codegen: Any) -> tuple[Any, ...]:
         given = getattr(sig, "args", sig)  # a signature, or the types alone
-        named = [kind for kind in given if isinstance(kind, types.BaseNamedTuple)]
+        named: list[Any] = [kind for kind in given if isinstance(kind, types.BaseNamedTuple)]
         layouts = tuple((getattr(kind, "fields", ()), source_digest(kind.instance_class.__module__)) for kind in named)
         return (*super()._index_key(sig, codegen), layouts)
 

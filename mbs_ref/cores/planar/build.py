@@ -25,13 +25,13 @@ def _rotation(angle: float) -> np.ndarray:
 class _Builder(Builder):
     """Planar bodies' places and angles."""
 
-    def point(self, name: str, point: tuple[float, ...]) -> np.ndarray:
+    def point(self, name: str, world: Any) -> np.ndarray:
         """Return a world point at t = 0 in body axes."""
         index = self.scene_index[name]
         if index < 0:
-            return np.array(point, dtype=float)
+            return np.array(world, dtype=float)
         body: Any = self.scene.bodies[index]
-        offset = np.array(point) - np.array(body.position)
+        offset = np.array(world) - np.array(body.position)
         return offset if isinstance(body, PointMass) else _rotation(body.angle).T @ offset
 
     def direction(self, name: str, world: Any) -> np.ndarray:
