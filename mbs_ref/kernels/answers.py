@@ -20,17 +20,24 @@ from mbs_ref.kernels.particles import dynamics as particles
 from mbs_ref.kernels.particles.model import ParticleModel, ParticleWork
 from mbs_ref.kernels.planar import dynamics as planar
 from mbs_ref.kernels.planar.core import PlanarModel, PlanarWork
-from mbs_ref.kernels.planar.loads import planar_apply_loads
 from mbs_ref.kernels.relative import planar as relative_planar
 from mbs_ref.kernels.relative import spatial as relative_spatial
 from mbs_ref.kernels.relative.events import PASSED_ON
 from mbs_ref.kernels.relative.model import TreeModel, TreeWork
-from mbs_ref.kernels.rigid import contact_events, contact_forces, contact_rows, descriptor, dynamics, events, joints
+from mbs_ref.kernels.rigid import (
+    contact_events,
+    contact_forces,
+    contact_rows,
+    descriptor,
+    dynamics,
+    events,
+    joints,
+    loads,
+)
 from mbs_ref.kernels.spatial import descriptor as spatial_form
 from mbs_ref.kernels.spatial import dynamics as spatial
 from mbs_ref.kernels.spatial import grips as spatial_grips
 from mbs_ref.kernels.spatial.core import SpatialModel, SpatialWork
-from mbs_ref.kernels.spatial.loads import spatial_apply_loads
 
 
 @jit
@@ -50,6 +57,7 @@ _RIGID: dict[str, dict[str, Callable[..., Any]]] = {  # of bodies and joints, in
         "regularity": dynamics.rigid_regularity,
         "accelerate": dynamics.rigid_accelerate,
         "fill_rows": joints.rigid_fill_rows,
+        "apply_loads": loads.rigid_apply_loads,
     },
     EVENTS: {
         "root_count": events.rigid_root_count,
@@ -99,7 +107,6 @@ ANSWERS: dict[str, dict[str, dict[str, Callable[..., Any]]]] = {
             **_RIGID[MOTION],
             "derivative": planar.planar_derivative,
             "tangent": planar.planar_tangent,
-            "apply_loads": planar_apply_loads,
         },
         FORM: {
             **_RIGID[FORM],
@@ -114,7 +121,6 @@ ANSWERS: dict[str, dict[str, dict[str, Callable[..., Any]]]] = {
             **_RIGID[MOTION],
             "derivative": spatial.spatial_derivative,
             "tangent": spatial.spatial_tangent,
-            "apply_loads": spatial_apply_loads,
         },
         EVENTS: {
             **_RIGID[EVENTS],

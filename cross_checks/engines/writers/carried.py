@@ -24,9 +24,8 @@ from cross_checks.workshop.spatial_forces import SpatialApplied
 from mbs_ref.kernels.answers import ANSWERS, HANDLES
 from mbs_ref.kernels.border.supplies import supplied_by
 from mbs_ref.kernels.planar.dynamics import load_state as load_planar
-from mbs_ref.kernels.planar.loads import planar_apply_loads
 from mbs_ref.kernels.rigid import geometry
-from mbs_ref.kernels.spatial.loads import spatial_apply_loads
+from mbs_ref.kernels.rigid.loads import rigid_apply_loads
 from mbs_ref.kernels.spatial.orientation import load_state as load_spatial
 from mbs_ref.scene import SpatialBody, symmetric
 from mbs_ref.scene.euler_parameters import floats, rotation_matrices
@@ -34,8 +33,8 @@ from mbs_ref.scene.euler_parameters import floats, rotation_matrices
 ACCESSOR = "_of"  # ends the name of what gives a group of arrays of a model or of its scratch
 Sources = dict[str, Any]  # what a text names, by its name
 NEVER_CALLED = ("call_user",)  # a scene that has a user's own function is refused
-_IN_PLANE = (load_planar, planar_apply_loads, motion_of, project)
-_IN_SPACE = (load_spatial, spatial_apply_loads)
+_IN_PLANE = (load_planar, rigid_apply_loads, motion_of, project)
+_IN_SPACE = (load_spatial, rigid_apply_loads)
 
 
 def forces_text(applied: AppliedForces | SpatialApplied) -> str:

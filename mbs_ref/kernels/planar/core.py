@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 from mbs_ref.kernels.border.handles import handle_of
 from mbs_ref.kernels.border.supplies import supply
-from mbs_ref.kernels.planar import closure, contacts, dynamics, grips, joints, marks, tree, vectors
+from mbs_ref.kernels.planar import contacts, dynamics, grips, joints, loads, marks, tree, vectors
 from mbs_ref.kernels.planar.model import PlanarGroups, PlanarScratch
 from mbs_ref.kernels.rigid import geometry
 
@@ -21,4 +21,4 @@ class PlanarWork(NamedTuple):
     address: int
 
 
-supply((PlanarModel, PlanarWork), geometry, (closure, contacts, dynamics, grips, joints, marks, tree, vectors))
+supply((PlanarModel, PlanarWork), geometry, (contacts, dynamics, grips, joints, loads, marks, tree, vectors))

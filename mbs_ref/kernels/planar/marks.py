@@ -7,8 +7,6 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-import numpy as np
-
 from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.planar.vectors import cross, dot, left, minus, over, pair, plus, times, turn
 from mbs_ref.kernels.rigid.model import kinematics_of
@@ -108,13 +106,6 @@ def centre(work, i):
 def place_of_mark(work, i, point):
     pose = kinematics_of(work).pose
     return plus(pose[i], arm(pose, i, point))
-
-
-@jit
-def distance(work, a, b, point_a, point_b):
-    apart = separation(work, a, b, point_a, point_b)
-    length = np.sqrt(dot(apart.gap, apart.gap))
-    return length, dot(apart.gap, apart.rate) / length if length > 0.0 else 0.0
 
 
 @jit

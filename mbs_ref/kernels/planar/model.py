@@ -11,19 +11,8 @@ from mbs_ref.kernels.border.groups import Floats, Ints
 from mbs_ref.kernels.border.handles import accessor
 from mbs_ref.kernels.contact.laws import ContactLaws, ContactModes
 from mbs_ref.kernels.contact.near_pairs import NearPairs
+from mbs_ref.kernels.rigid import model as shared
 from mbs_ref.kernels.rigid.closures import Closures, Loops
-from mbs_ref.kernels.rigid.model import (
-    ContactPairs,
-    Distances,
-    Drives,
-    Planes,
-    Points,
-    Rows,
-    Solved,
-    Springs,
-    Watches,
-    World,
-)
 from mbs_ref.kernels.signals import SignalArrays
 
 RATES = tuple(range(3))  # of a body: a loop over it has bounds that the compiler knows
@@ -85,22 +74,22 @@ class PlanarGroups(NamedTuple):
     bodies: Bodies
     slots: Slots
     loops: Loops
-    points: Points
-    planes: Planes
+    points: shared.Points
+    planes: shared.Planes
     angles: Angles
-    distances: Distances
-    drives: Drives
+    distances: shared.Distances
+    drives: shared.Drives
     angle_drives: AngleDrives
     forces: Forces
-    springs: Springs
+    springs: shared.Springs
     torsion_springs: TorsionSprings
-    contact_pairs: ContactPairs
+    contact_pairs: shared.ContactPairs
     contact_laws: ContactLaws
     contact_modes: ContactModes
     near_pairs: NearPairs
-    watches: Watches
+    watches: shared.Watches
     signals: SignalArrays
-    world: World
+    world: shared.World
 
 
 angles_of = accessor("angles")
@@ -131,7 +120,7 @@ class PlanarScratch(NamedTuple):
     """Scratch of one run."""
 
     kinematics: Kinematics
-    rows: Rows
+    rows: shared.Rows
     tree: Tree
     closures: Closures
-    solved: Solved
+    solved: shared.Solved

@@ -68,11 +68,6 @@ def place_of_mark(work, i, point) -> Any:
 
 
 @supplied
-def distance(work, a, b, point_a, point_b) -> Any:
-    """Return the distance (m) of a point of body a from one of body b, and its rate, 0 where they coincide."""
-
-
-@supplied
 def coordinate(work, i, component) -> Any:
     """Return a coordinate of body i (m, rad) and its rate."""
 
@@ -125,6 +120,29 @@ def rate_along(work, i, point, e) -> Any:
 @supplied
 def acceleration_along(work, i, point, e) -> Any:
     """Return the acceleration (m/s^2) of a point of body i along a unit vector, without the body's own."""
+
+
+# --- loads ------------------------------------------------------------------------------------------
+
+
+@supplied
+def apply_gravity(model, work) -> Any:
+    """Set every force to the weight, and the torque to what turning bodies add; every other load adds to it."""
+
+
+@supplied
+def apply_force(model, work, k, scale) -> Any:
+    """Add force and torque k, times its signal's value."""
+
+
+@supplied
+def apply_own_loads(model, work) -> Any:
+    """Add the loads that this core alone has, torsion springs among them."""
+
+
+@supplied
+def put_state(work, i, k) -> Any:
+    """Write place and rates of body i where a user's law reads those of body k of the scene."""
 
 
 # --- joint rows -------------------------------------------------------------------------------------

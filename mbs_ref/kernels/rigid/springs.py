@@ -52,9 +52,17 @@ def apply_springs(model, work):
 
 
 @jit
+def distance(work, a, b, point_a, point_b):
+    """Return the distance (m) of a point of body a from one of body b, and its rate, 0 where they coincide."""
+    apart = core.separation(work, a, b, point_a, point_b)
+    length = np.sqrt(core.dot(work, apart.gap, apart.gap))
+    return length, core.dot(work, apart.gap, apart.rate) / length if length > 0.0 else 0.0
+
+
+@jit
 def _pull(spring, work, k):
     """Return stretch, its rate, and the tension without any clipping."""
-    length, rate = core.distance(work, spring.a[k], spring.b[k], spring.point_a[k], spring.point_b[k])
+    length, rate = distance(work, spring.a[k], spring.b[k], spring.point_a[k], spring.point_b[k])
     stretch = length - spring.rest_length[k]
     return stretch, rate, spring.stiffness[k] * stretch + spring.damping[k] * rate
 

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from mbs_ref.kernels.contact.laws import ROOTS_EACH
 from mbs_ref.kernels.jit import jit
-from mbs_ref.kernels.rigid.geometry import coordinate, distance
+from mbs_ref.kernels.rigid.geometry import coordinate
 from mbs_ref.kernels.rigid.model import WATCH_DISTANCE, WATCH_RATE, contact_modes_of, watches_of
+from mbs_ref.kernels.rigid.springs import distance
 
 
 @jit

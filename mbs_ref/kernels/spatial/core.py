@@ -7,7 +7,7 @@ from typing import NamedTuple
 from mbs_ref.kernels.border.handles import handle_of
 from mbs_ref.kernels.border.supplies import supply
 from mbs_ref.kernels.rigid import geometry
-from mbs_ref.kernels.spatial import closure, contacts, dynamics, grips, joints, marks, orientation, tree, vectors
+from mbs_ref.kernels.spatial import contacts, dynamics, grips, joints, loads, marks, orientation, tree, vectors
 from mbs_ref.kernels.spatial.model import SpatialGroups, SpatialScratch
 
 
@@ -21,5 +21,5 @@ class SpatialWork(NamedTuple):
     address: int
 
 
-MODULES = (closure, contacts, dynamics, grips, joints, marks, orientation, tree, vectors)
+MODULES = (contacts, dynamics, grips, joints, loads, marks, orientation, tree, vectors)
 supply((SpatialModel, SpatialWork), geometry, MODULES)

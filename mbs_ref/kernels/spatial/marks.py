@@ -7,8 +7,6 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-import numpy as np
-
 from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.rigid.model import kinematics_of
 from mbs_ref.kernels.spatial.vectors import add, cross, dot, minus, negative, plus, times, triple, turn
@@ -103,13 +101,6 @@ def centre(work, i):
 def place_of_mark(work, i, point):
     kin = kinematics_of(work)
     return plus(kin.position[i], turn(kin.turned[i], point))
-
-
-@jit
-def distance(work, a, b, point_a, point_b):
-    apart = separation(work, a, b, point_a, point_b)
-    length = np.sqrt(dot(apart.gap, apart.gap))
-    return length, dot(apart.gap, apart.rate) / length if length > 0.0 else 0.0
 
 
 @jit

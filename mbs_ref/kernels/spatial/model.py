@@ -13,19 +13,8 @@ from mbs_ref.kernels.border.groups import Floats, Ints
 from mbs_ref.kernels.border.handles import accessor
 from mbs_ref.kernels.contact.laws import ContactLaws, ContactModes
 from mbs_ref.kernels.contact.near_pairs import NearPairs
+from mbs_ref.kernels.rigid import model as shared
 from mbs_ref.kernels.rigid.closures import Closures, Loops
-from mbs_ref.kernels.rigid.model import (
-    ContactPairs,
-    Distances,
-    Drives,
-    Planes,
-    Points,
-    Rows,
-    Solved,
-    Springs,
-    Watches,
-    World,
-)
 from mbs_ref.kernels.signals import SignalArrays
 
 RATES = tuple(range(6))  # of a body: a loop over it has bounds that the compiler knows
@@ -136,26 +125,26 @@ class SpatialGroups(NamedTuple):
     bodies: Bodies
     slots: Slots
     loops: Loops
-    points: Points
+    points: shared.Points
     products: Products
-    planes: Planes
-    distances: Distances
+    planes: shared.Planes
+    distances: shared.Distances
     turns: Turns
-    drives: Drives
+    drives: shared.Drives
     wheels: Wheels
     forces: Forces
-    springs: Springs
+    springs: shared.Springs
     torsion_springs: TorsionSprings
     bushings: Bushings
-    contact_pairs: ContactPairs
+    contact_pairs: shared.ContactPairs
     contact_laws: ContactLaws
     contact_modes: ContactModes
     near_pairs: NearPairs
-    watches: Watches
+    watches: shared.Watches
     attraction: Attraction
     gradients: Gradients
     signals: SignalArrays
-    world: World
+    world: shared.World
 
 
 products_of = accessor("products")
@@ -199,8 +188,8 @@ class SpatialScratch(NamedTuple):
     """Scratch of one run."""
 
     kinematics: Kinematics
-    rows: Rows
+    rows: shared.Rows
     tree: Tree
     closures: Closures
-    solved: Solved
+    solved: shared.Solved
     grips: Grips
