@@ -175,7 +175,7 @@ class SpatialSystem(JointedSystem):
                 states[:, v + 3 : v + 6] = np.einsum("tij,ti->tj", turns, omega)
         return states
 
-    # --- the augmented system, dense --------------------------------------------------------------
+    # --- rows and masses, dense -------------------------------------------------------------------
 
     def mass_matrix(self) -> np.ndarray:
         """Return diag(m I, J) (6 n_bodies, 6 n_bodies) in world axes at the state last evaluated."""
@@ -185,43 +185,6 @@ class SpatialSystem(JointedSystem):
             result[6 * k : 6 * k + 3, 6 * k : 6 * k + 3] = body.mass * np.eye(3)
             result[6 * k + 3 : 6 * k + 6, 6 * k + 3 : 6 * k + 6] = symmetric(tuple(inertia[k]))
         return result
-
-    def augmented(self, t: float, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return the papers' augmented matrix in Euler parameters and its right-hand side, dense.
-
-        Unknowns: qdd (3 a point mass, 7 a rigid body), then the multipliers of the joint rows (`rows`),
-        then of theta^T theta = 1 for each rigid body (Fox 1999 eq 9 and appendix). The upper-left block is
-        4 E^T J E in each body's theta, of rank 3: the matrix is to be factored whole.
-        """
-        force = self.applied_forces(t, y).ravel()
-        gamma = np.array([self.scratch.rows.gamma[slot, row] for _, slot, row in self.rows()])
-        jacobian, mass = self.jacobian(t, y), self.mass_matrix()
-        to_rates, norms, squares = self._rate_map(y)
-        size, m, k = to_rates.shape[1], len(gamma), len(norms)
-        matrix = np.zeros((size + m + k, size + m + k))
-        matrix[:size, :size] = to_rates.T @ mass @ to_rates
-        matrix[size : size + m, :size] = jacobian @ to_rates
-        matrix[size + m :, :size] = norms
-        matrix[:size, size:] = matrix[size:, :size].T
-        return matrix, np.concatenate((to_rates.T @ force, gamma, squares))
-
-    def _rate_map(self, y: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Return d(R', omega)/d(q'), the Jacobian of the norms and their right-hand side -2 theta'^T theta'."""
-        to_rates = np.zeros((6 * self.n_bodies, self.n_positions))
-        norms, squares = np.zeros((len(self.rigid), self.n_positions)), np.zeros(len(self.rigid))
-        bodies = self.groups.bodies
-        place = {k: (bodies.q[i], bodies.v[i]) for i, k in enumerate(bodies.scene_index)}
-        for k in range(self.n_bodies):
-            to_rates[6 * k : 6 * k + 3, place[k][0] : place[k][0] + 3] = np.eye(3)
-        for row, k in enumerate(self.rigid):
-            q, v = place[k]
-            theta = y[q + 3 : q + 7]
-            e = parameter_matrix(theta)
-            to_rates[6 * k + 3 : 6 * k + 6, q + 3 : q + 7] = 2.0 * e
-            norms[row, q + 3 : q + 7] = 2.0 * theta
-            rate = 0.5 * e.T @ rotation_matrices(theta) @ y[v + 3 : v + 6]
-            squares[row] = -2.0 * rate @ rate
-        return to_rates, norms, squares
 
     def scaled_jacobian(self, t: float, y: np.ndarray) -> np.ndarray:
         jacobian = self.jacobian(t, y)

@@ -9,8 +9,8 @@ E theta = 0, E E^T = I and nu the multiplier of theta^T theta = 1,
 whose upper-left block is singular (rank 3), so that it is factored whole: alpha = 2 E theta'' and the first rows
 times E / 2 give J alpha = tau - omega x J omega; theta'' = E^T alpha / 2 - theta |theta'|^2 keeps the last row, and
 joint rows in theta'' are rows in omega times 2 E. Eliminating the four parameters and their norm row first is
-thus exact and leaves the 6 x 6 block diag(m I, J) of (R'', alpha). `SpatialSystem.augmented` forms the whole matrix
-densely; the tests compare.
+thus exact and leaves the 6 x 6 block diag(m I, J) of (R'', alpha). A test forms the whole
+matrix densely and compares.
 
 Leaf to root, a body with block M, force f and joint rows J a + K a_parent = gamma is condensed into its
 parent: with S = J M^-1 J^T,
