@@ -11,7 +11,7 @@ from typing import Annotated, NamedTuple
 import numpy as np
 
 from mbs_ref.kernels.border.groups import Floats, Ints, empty
-from mbs_ref.kernels.jit import jit
+from mbs_ref.kernels.jit import bare
 
 RELEASE_GAP, RELEASE_FORCE, RELEASE_RIGID, RELEASE_CONSTRAINT = range(4)
 FRICTION_NONE, FRICTION_SMOOTH, FRICTION_STICK_SLIP = range(3)
@@ -72,7 +72,7 @@ def fresh_modes(count: int, noise: float, slow: float, most_logged: int, dimensi
     return modes._replace(noise=np.array([noise]), slow=np.array([slow]), log=log)
 
 
-@jit
+@bare
 def normal_force(laws, modes, k, depth, rate):
     """Return F = k d^n + c d^m d' without any clipping; d' is `rate`."""
     elastic = depth

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from mbs_ref.kernels.contact.laws import ENDS_CAPPED, ENDS_OPEN, PAIR_FLAT, PAIR_ROUND
-from mbs_ref.kernels.jit import jit
+from mbs_ref.kernels.jit import bare
 from mbs_ref.kernels.planar.marks import arm, gap_between, rate_between, separation
 from mbs_ref.kernels.planar.vectors import cross, dot, left, minus, over, plus, times, turn
 from mbs_ref.kernels.rigid.model import contact_pairs_of, kinematics_of, tree_of
@@ -39,7 +39,7 @@ class Touch(NamedTuple):
     arm_b: Any  # m
 
 
-@jit
+@bare
 def _on_line(pairs, k, x, tangent):
     """Return the Surface that a line, a segment or a capped segment shows at x."""
     normal = left(tangent)
@@ -55,7 +55,7 @@ def _on_line(pairs, k, x, tangent):
     return Surface(above - pairs.radius[k], normal, -1.0, along)
 
 
-@jit
+@bare
 def _on_circle(pairs, k, x):
     distance = math.sqrt(dot(x, x))
     if distance == 0.0:
@@ -63,7 +63,7 @@ def _on_circle(pairs, k, x):
     return Surface(distance - pairs.radius[k] - pairs.half[k, 0], over(x, distance), -1.0, 0.0)
 
 
-@jit
+@bare
 def _through_gap(pairs, k, x, seat):
     """Return the direction outwards through the tooth gap nearest to a pin at x; `seat` points to the first gap."""
     pitch = 2.0 * math.pi / pairs.ends[k]
@@ -71,7 +71,7 @@ def _through_gap(pairs, k, x, seat):
     return turn(math.cos(angle), math.sin(angle), seat)
 
 
-@jit
+@bare
 def _in_sprocket(pairs, k, x, seat):
     """Return the Surface of the wall of the tooth gap nearest to a pin at x."""
     outward = _through_gap(pairs, k, x, seat)
@@ -92,7 +92,7 @@ def _in_sprocket(pairs, k, x, seat):
     return Surface(pairs.radius[k] - offset, normal, out - pairs.thickness[k], 0.0)
 
 
-@jit
+@bare
 def _places(pairs, kin, k):
     """Return the arms of the circle's centre and of the other shape's origin, and the way from this to that."""
     a, b = pairs.a[k], pairs.b[k]
@@ -100,7 +100,7 @@ def _places(pairs, kin, k):
     return center, origin, gap_between(kin, b, a, origin, center)
 
 
-@jit
+@bare
 def contact_geometry(model, work, k):
     """Return the Touch of a pair."""
     pairs, kin = contact_pairs_of(model), kinematics_of(work)
@@ -126,7 +126,7 @@ def contact_geometry(model, work, k):
     return Touch(surface.gap, dot(n, u), surface.beyond, n, slip, surface.along + rolled, arm_a, arm_b)
 
 
-@jit
+@bare
 def leaving_ends(model, work, k):
     """Return the rate (m/s) of the excess over open ends."""
     pairs, kin = contact_pairs_of(model), kinematics_of(work)
@@ -139,13 +139,13 @@ def leaving_ends(model, work, k):
     return dot(outward, rate_between(kin, pairs.b[k], pairs.a[k], plus(x, origin), center))
 
 
-@jit
+@bare
 def gap_rows(model, touch):
     n = touch.normal
     return (n[0], n[1], cross(touch.arm_a, n)), (-n[0], -n[1], -cross(touch.arm_b, n))
 
 
-@jit
+@bare
 def gap_response(model, work, k, touch):
     pairs, n = contact_pairs_of(model), touch.normal
     (ax, ay), (bx, by), response = touch.arm_a, touch.arm_b, tree_of(work).acceleration
@@ -154,7 +154,7 @@ def gap_response(model, work, k, touch):
     return n[0] * x + n[1] * (a[1] + ax * a[2] - b[1] - bx * b[2])
 
 
-@jit
+@bare
 def gap_gamma(model, work, k, touch):
     pairs, kin, n = contact_pairs_of(model), kinematics_of(work), touch.normal
     a, b = pairs.a[k], pairs.b[k]

@@ -16,12 +16,12 @@ from mbs_ref.kernels.contact.laws import (
     GRIP_STICK,
     normal_force,
 )
-from mbs_ref.kernels.jit import jit
+from mbs_ref.kernels.jit import bare, jit
 from mbs_ref.kernels.planar.vectors import times
 from mbs_ref.kernels.rigid.model import contact_laws_of, contact_modes_of
 
 
-@jit
+@bare
 def _friction(laws, modes, k, normal, touch):
     """Return the force on body a along the tangent."""
     if laws.friction[k] == FRICTION_SMOOTH:
@@ -34,7 +34,7 @@ def _friction(laws, modes, k, normal, touch):
     return -laws.coefficient[k] * normal * grip
 
 
-@jit
+@bare
 def contact_force(model, work, k, touch, normal):
     laws, modes = contact_laws_of(model), contact_modes_of(model)
     force = times(normal, touch.normal)
@@ -44,7 +44,7 @@ def contact_force(model, work, k, touch, normal):
     return force
 
 
-@jit
+@bare
 def slip_of(model, touch):
     return (touch.slip,)
 

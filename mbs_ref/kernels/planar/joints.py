@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from mbs_ref.kernels.jit import jit
+from mbs_ref.kernels.jit import bare
 from mbs_ref.kernels.planar.marks import arm
 from mbs_ref.kernels.planar.model import angle_drives_of, angles_of
 from mbs_ref.kernels.planar.vectors import cross, dot
@@ -11,7 +11,7 @@ from mbs_ref.kernels.rigid.model import CONTROL_MODE_TIME, kinematics_of, rows_o
 from mbs_ref.kernels.signals import evaluate
 
 
-@jit
+@bare
 def _place(block, row, force, torque):
     """Write one row of a Jacobian block: what multiplies R' and what multiplies omega."""
     block[row, 0] = force[0]
@@ -19,7 +19,7 @@ def _place(block, row, force, torque):
     block[row, 2] = torque
 
 
-@jit
+@bare
 def put_point(work, slot, side, row, apart):
     jacobian = rows_of(work).jacobian
     on_a, on_b = jacobian[slot, side], jacobian[slot, 1 - side]
@@ -29,19 +29,19 @@ def put_point(work, slot, side, row, apart):
     _place(on_b, row + 1, (0.0, 1.0), apart.arm_b[0])
 
 
-@jit
+@bare
 def put_line(work, slot, side, row, e, apart):
     jacobian = rows_of(work).jacobian
     _place(jacobian[slot, side], row, (-e[0], -e[1]), cross(e, apart.arm_a))
     _place(jacobian[slot, 1 - side], row, e, cross(apart.arm_b, e))
 
 
-@jit
+@bare
 def put_on_body(work, slot, side, row, i, point, e):
     _place(rows_of(work).jacobian[slot, side], row, e, cross(arm(kinematics_of(work).pose, i, point), e))
 
 
-@jit
+@bare
 def fill_plane(work, slot, side, row, a, b, normal, apart):
     kin, rows = kinematics_of(work), rows_of(work)
     n, wa = arm(kin.pose, a, normal), kin.motion[a, 2]
@@ -54,13 +54,13 @@ def fill_plane(work, slot, side, row, a, b, normal, apart):
     rows.gamma[slot, row] = dot(n, apart.centripetal) - 2.0 * wa * sweep + wa * wa * gap
 
 
-@jit
+@bare
 def fill_own_rows(model, work, t):
     _fill_angles(model, work)
     _fill_angle_drives(model, work, t)
 
 
-@jit
+@bare
 def _fill_angles(model, work):
     joint, slots, kin, rows = angles_of(model), slots_of(model), kinematics_of(work), rows_of(work)
     for k in range(joint.slot.shape[0]):
@@ -72,7 +72,7 @@ def _fill_angles(model, work):
         rows.gamma[slot, row] = 0.0
 
 
-@jit
+@bare
 def _fill_angle_drives(model, work, t):
     drive, slots, kin, rows = angle_drives_of(model), slots_of(model), kinematics_of(work), rows_of(work)
     mode_time = world_of(model).control[CONTROL_MODE_TIME]

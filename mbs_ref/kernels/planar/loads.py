@@ -8,7 +8,7 @@ from mbs_ref.kernels.planar.vectors import cross, times
 from mbs_ref.kernels.rigid.model import bodies_of, forces_of, kinematics_of, torsion_springs_of, world_of
 
 
-@jit
+@bare
 def apply_gravity(model, work):
     weigh(bodies_of(model), world_of(model).gravity, kinematics_of(work))
 
@@ -24,7 +24,7 @@ def weigh(bodies, gravity, kin):
         kin.force[i, 2] = 0.0
 
 
-@jit
+@bare
 def apply_force(model, work, k, scale):
     load, kin = forces_of(model), kinematics_of(work)
     body = load.body[k]
@@ -37,7 +37,7 @@ def apply_force(model, work, k, scale):
     kin.force[body, 2] += torque
 
 
-@jit
+@bare
 def apply_own_loads(model, work):
     spring, kin = torsion_springs_of(model), kinematics_of(work)
     for k in range(spring.a.shape[0]):

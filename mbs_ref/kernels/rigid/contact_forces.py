@@ -7,18 +7,18 @@ from __future__ import annotations
 
 from mbs_ref.kernels.contact.laws import MODE_CLOSED, MODE_PLAIN, PAIR_FLAT, RELEASE_FORCE, normal_force
 from mbs_ref.kernels.contact.near_pairs import refresh
-from mbs_ref.kernels.jit import jit
+from mbs_ref.kernels.jit import bare, jit
 from mbs_ref.kernels.rigid import geometry as core
 from mbs_ref.kernels.rigid.model import contact_laws_of, contact_modes_of, contact_pairs_of, near_pairs_of
 
 
-@jit
+@bare
 def is_behind(pairs, k, gap):
     """Return whether a depth is more than the surface is thick."""
     return pairs.kind[k] == PAIR_FLAT and -gap > pairs.thickness[k]
 
 
-@jit
+@bare
 def is_touching(pairs, laws, modes, k, touch):
     """Return whether the contact has a force: by its frozen mode, or in the plain mode by the state."""
     if modes.mode[k] != MODE_PLAIN:
@@ -39,7 +39,7 @@ def find_near(model, work):
     refresh(near, contact_modes_of(model))
 
 
-@jit
+@bare
 def rigid_apply_contacts(model, work):
     """Add the forces of every contact that is closed."""
     pairs = contact_pairs_of(model)

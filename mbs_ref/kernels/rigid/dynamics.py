@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 
 from mbs_ref.kernels.border.questions import apply_loads, factor, fill_rows, solve
-from mbs_ref.kernels.jit import jit
+from mbs_ref.kernels.jit import bare, jit
 from mbs_ref.kernels.rigid import geometry as core
 from mbs_ref.kernels.rigid.model import (
     bodies_of,
@@ -105,7 +105,7 @@ def rigid_accelerate(model, work, t, y):
         _refine(model, work)
 
 
-@jit
+@bare
 def store_solved(work, t, y):
     """State that the accelerations in `work` are those at (t, y)."""
     solved = solved_of(work)
@@ -114,7 +114,7 @@ def store_solved(work, t, y):
         solved.state[k] = y[k]
 
 
-@jit
+@bare
 def is_solved(work, t, y):
     """Return whether the accelerations in `work` are those at (t, y)."""
     solved = solved_of(work)

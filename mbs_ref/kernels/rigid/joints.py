@@ -10,7 +10,7 @@ import numpy as np
 
 from mbs_ref.kernels.border.calls import call_user
 from mbs_ref.kernels.border.questions import fill_contact_rows
-from mbs_ref.kernels.jit import jit
+from mbs_ref.kernels.jit import bare, jit
 from mbs_ref.kernels.rigid import geometry as core
 from mbs_ref.kernels.rigid.model import (
     CONTROL_MODE_TIME,
@@ -26,14 +26,14 @@ from mbs_ref.kernels.rigid.model import (
 from mbs_ref.kernels.signals import evaluate
 
 
-@jit
+@bare
 def bodies_of_row(slots, joint, k):
     """Return slot, row, the side of body a, and the bodies a and b."""
     slot, side = joint.slot[k], joint.side_a[k]
     return slot, joint.row[k], side, slots.body[slot, side], slots.body[slot, 1 - side]
 
 
-@jit
+@bare
 def _fill_points(model, work):
     joint, slots, rows = points_of(model), slots_of(model), rows_of(work)
     for k in range(joint.slot.shape[0]):
@@ -47,7 +47,7 @@ def _fill_points(model, work):
             rows.gamma[slot, row + c] = surplus[c]
 
 
-@jit
+@bare
 def _fill_planes(model, work):
     joint, slots = planes_of(model), slots_of(model)
     for k in range(joint.slot.shape[0]):
@@ -56,7 +56,7 @@ def _fill_planes(model, work):
         core.fill_plane(work, slot, side, row, a, b, joint.normal[k], apart)
 
 
-@jit
+@bare
 def _fill_distances(model, work):
     joint, slots, rows = distances_of(model), slots_of(model), rows_of(work)
     for k in range(joint.slot.shape[0]):
@@ -72,7 +72,7 @@ def _fill_distances(model, work):
         rows.gamma[slot, row] = core.dot(work, e, core.inward(work, a, b, apart)) - across / length
 
 
-@jit
+@bare
 def _fill_drives(model, work, t):
     """Prescribed rows; ground is the other side, whose block stays zero."""
     drive, slots, rows, signals = drives_of(model), slots_of(model), rows_of(work), signals_of(model)

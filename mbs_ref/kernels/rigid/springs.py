@@ -8,12 +8,12 @@ from __future__ import annotations
 import numpy as np
 
 from mbs_ref.kernels.contact.laws import MODE_CLOSED, MODE_LIFTED, MODE_OPEN, MODE_PLAIN, ROOTS_EACH
-from mbs_ref.kernels.jit import jit
+from mbs_ref.kernels.jit import bare, jit
 from mbs_ref.kernels.rigid import geometry as core
 from mbs_ref.kernels.rigid.model import contact_modes_of, springs_of
 
 
-@jit
+@bare
 def is_slack(modes, place, stretch, tension):
     """Return whether the spring of this place among the modes gives no force; -1 is that of one that may push.
 
@@ -26,7 +26,7 @@ def is_slack(modes, place, stretch, tension):
     return modes.mode[place] != MODE_CLOSED
 
 
-@jit
+@bare
 def apply_springs(model, work):
     """F = k (l - l0) + c l_dot along the line of the two points (Fox 1999 eq 18 with the points' distance)."""
     spring, modes = springs_of(model), contact_modes_of(model)
@@ -51,7 +51,7 @@ def apply_springs(model, work):
         core.exchange(work, a, arm_a, b, apart.arm_b, force)
 
 
-@jit
+@bare
 def distance(work, a, b, point_a, point_b):
     """Return the distance (m) of a point of body a from one of body b, and its rate, 0 where they coincide."""
     apart = core.separation(work, a, b, point_a, point_b)
@@ -59,7 +59,7 @@ def distance(work, a, b, point_a, point_b):
     return length, core.dot(work, apart.gap, apart.rate) / length if length > 0.0 else 0.0
 
 
-@jit
+@bare
 def _pull(spring, work, k):
     """Return stretch, its rate, and the tension without any clipping."""
     length, rate = distance(work, spring.a[k], spring.b[k], spring.point_a[k], spring.point_b[k])

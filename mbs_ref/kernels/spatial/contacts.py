@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from mbs_ref.kernels.contact.laws import ENDS_CAPPED, ENDS_OPEN, PAIR_FLAT
-from mbs_ref.kernels.jit import jit
+from mbs_ref.kernels.jit import bare
 from mbs_ref.kernels.rigid.model import contact_pairs_of, kinematics_of, tree_of
 from mbs_ref.kernels.spatial.marks import inward, separation
 from mbs_ref.kernels.spatial.vectors import cross, dot, minus, over, plus, times, triple, turn
@@ -31,7 +31,7 @@ class Touch(NamedTuple):
     edge_2: Any
 
 
-@jit
+@bare
 def _on_plane(pairs, k, x, e, f, n):
     """Return the gap, the outward normal and how far the centre is beyond an open end."""
     along, across, above = dot(x, e), dot(x, f), dot(x, n)
@@ -48,7 +48,7 @@ def _on_plane(pairs, k, x, e, f, n):
     return above - pairs.radius[k], n, -1.0
 
 
-@jit
+@bare
 def _on_sphere(pairs, k, x, n):
     distance = math.sqrt(dot(x, x))
     if distance == 0.0:
@@ -56,7 +56,7 @@ def _on_sphere(pairs, k, x, n):
     return distance - pairs.radius[k] - pairs.half[k, 0], over(x, distance), -1.0
 
 
-@jit
+@bare
 def _places(pairs, kin, k):
     """Return the way between the bodies, the arm of the sphere's centre, and the way to it from the other's origin."""
     a, b = pairs.a[k], pairs.b[k]
@@ -65,7 +65,7 @@ def _places(pairs, kin, k):
     return apart, c, minus(plus(apart, c), turn(kin.turned[b], pairs.origin[k]))
 
 
-@jit
+@bare
 def contact_geometry(model, work, k):
     """Return the Touch of a pair."""
     pairs, kin = contact_pairs_of(model), kinematics_of(work)
@@ -86,7 +86,7 @@ def contact_geometry(model, work, k):
     return Touch(gap, closing, beyond, n, minus(u, times(closing, n)), on_a, on_b, e, f)
 
 
-@jit
+@bare
 def leaving_ends(model, work, k):
     """Return the rate (m/s) of the excess over open ends of a plane."""
     pairs, kin = contact_pairs_of(model), kinematics_of(work)
@@ -101,13 +101,13 @@ def leaving_ends(model, work, k):
     return math.copysign(1.0, across) * dot(u, f)
 
 
-@jit
+@bare
 def gap_rows(model, touch):
     n, p, q = touch.normal, cross(touch.arm_a, touch.normal), cross(touch.arm_b, touch.normal)
     return (n[0], n[1], n[2], p[0], p[1], p[2]), (-n[0], -n[1], -n[2], -q[0], -q[1], -q[2])
 
 
-@jit
+@bare
 def gap_response(model, work, k, touch):
     pairs, n, response = contact_pairs_of(model), touch.normal, tree_of(work).acceleration
     p, q = cross(touch.arm_a, n), cross(touch.arm_b, n)
@@ -115,7 +115,7 @@ def gap_response(model, work, k, touch):
     return dot(n, x) + dot(p, triple(x, 3)) - dot(n, z) - dot(q, triple(z, 3))
 
 
-@jit
+@bare
 def gap_gamma(model, work, k, touch):
     pairs, kin, n = contact_pairs_of(model), kinematics_of(work), touch.normal
     a, b = pairs.a[k], pairs.b[k]

@@ -22,7 +22,7 @@ from mbs_ref.kernels.contact.laws import (
     ROOTS_EACH,
     normal_force,
 )
-from mbs_ref.kernels.jit import jit
+from mbs_ref.kernels.jit import bare, jit
 from mbs_ref.kernels.rigid.model import contact_laws_of, contact_modes_of, contact_pairs_of
 from mbs_ref.kernels.spatial.contacts import contact_geometry
 from mbs_ref.kernels.spatial.model import grips_of
@@ -37,12 +37,12 @@ TOGETHER = 10.0  # of the slip velocity that counts as a stop: so slow, a contac
 SLUGGISH = 1e3
 
 
-@jit
+@bare
 def slip_of(model, touch):
     return dot(touch.slip, touch.edge_1), dot(touch.slip, touch.edge_2)
 
 
-@jit
+@bare
 def _slide(laws, modes, k, normal, along, across):
     """Return mu N against the slip velocity.
 
@@ -58,7 +58,7 @@ def _slide(laws, modes, k, normal, along, across):
     return scale * (ahead * d0 + aside0), scale * (ahead * d1 + aside1)
 
 
-@jit
+@bare
 def _grip_force(laws, modes, grips, pairs, k, normal, along, across):
     """Return stick-slip friction on body a along the plane's edges, N."""
     grip = modes.grip[k]
@@ -71,7 +71,7 @@ def _grip_force(laws, modes, grips, pairs, k, normal, along, across):
     return _slide(laws, modes, k, normal, along, across)
 
 
-@jit
+@bare
 def _friction(model, work, k, normal, touch):
     """Return the friction on body a, world axes, N."""
     laws, modes = contact_laws_of(model), contact_modes_of(model)
@@ -87,7 +87,7 @@ def _friction(model, work, k, normal, touch):
     return plus(times(p, touch.edge_1), times(q, touch.edge_2))
 
 
-@jit
+@bare
 def contact_force(model, work, k, touch, normal):
     return plus(times(normal, touch.normal), _friction(model, work, k, normal, touch))
 

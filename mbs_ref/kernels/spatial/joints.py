@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from mbs_ref.kernels.jit import jit
+from mbs_ref.kernels.jit import bare
 from mbs_ref.kernels.rigid.joints import bodies_of_row
 from mbs_ref.kernels.rigid.model import CONTROL_MODE_TIME, kinematics_of, rows_of, signals_of, slots_of, world_of
 from mbs_ref.kernels.signals import evaluate
@@ -28,7 +28,7 @@ class Product(NamedTuple):
     gamma: Any  # 1/s^2, the second rate without angular accelerations, negative
 
 
-@jit
+@bare
 def _place(block, row, force, torque):
     """Write one row of a Jacobian block: what multiplies R' and what multiplies omega."""
     for c in range(3):
@@ -36,14 +36,14 @@ def _place(block, row, force, torque):
         block[row, 3 + c] = torque[c]
 
 
-@jit
+@bare
 def _turn_rows(rows, slot, side, row, normal):
     """Write a row that multiplies omega_a - omega_b."""
     _place(rows.jacobian[slot, side], row, NO_FORCE, normal)
     _place(rows.jacobian[slot, 1 - side], row, NO_FORCE, negative(normal))
 
 
-@jit
+@bare
 def _product(kin, a, b, e, f):
     """Return the Product of a direction of a and one of b."""
     wa, wb = kin.omega[a], kin.omega[b]
@@ -53,7 +53,7 @@ def _product(kin, a, b, e, f):
     return Product(cross(e, f), rate, -second)
 
 
-@jit
+@bare
 def fill_products(model, work):
     joint, slots, kin, rows = products_of(model), slots_of(model), kinematics_of(work), rows_of(work)
     for k in range(joint.slot.shape[0]):
@@ -66,7 +66,7 @@ def fill_products(model, work):
         rows.gamma[slot, row] = product.gamma
 
 
-@jit
+@bare
 def put_point(work, slot, side, row, apart):
     jacobian = rows_of(work).jacobian
     a0, a1, a2 = apart.arm_a
@@ -80,19 +80,19 @@ def put_point(work, slot, side, row, apart):
     _place(on_b, row + 2, (0.0, 0.0, 1.0), (b1, -b0, 0.0))
 
 
-@jit
+@bare
 def put_line(work, slot, side, row, e, apart):
     jacobian = rows_of(work).jacobian
     _place(jacobian[slot, side], row, negative(e), negative(cross(apart.arm_a, e)))
     _place(jacobian[slot, 1 - side], row, e, cross(apart.arm_b, e))
 
 
-@jit
+@bare
 def put_on_body(work, slot, side, row, i, point, e):
     _place(rows_of(work).jacobian[slot, side], row, e, cross(turn(kinematics_of(work).turned[i], point), e))
 
 
-@jit
+@bare
 def fill_plane(work, slot, side, row, a, b, normal, apart):
     """d(n . d)/dt = (omega_a x n) . d + n . d_dot."""
     kin, rows = kinematics_of(work), rows_of(work)
@@ -105,7 +105,7 @@ def fill_plane(work, slot, side, row, a, b, normal, apart):
     rows.gamma[slot, row] = -(dot(cross(kin.omega[a], turning), d) + 2.0 * dot(turning, rate) + dot(n, surplus))
 
 
-@jit
+@bare
 def fill_turns(model, work, t):
     """m(phi) . b = 0 with m = cos(phi) quarter - sin(phi) zero: b follows the angle phi about the axis."""
     joint, slots, kin, rows = turns_of(model), slots_of(model), kinematics_of(work), rows_of(work)
@@ -128,7 +128,7 @@ def fill_turns(model, work, t):
         rows.gamma[slot, row] = product.gamma + 2.0 * speed * turning + surge * kf + speed * speed * mf
 
 
-@jit
+@bare
 def fill_wheels(model, work):
     """v + omega x (rho + r e) = 0 along the plane's edges and its normal n; e points down the wheel, of the axis a.
 
@@ -159,7 +159,7 @@ def fill_wheels(model, work):
         rows.residual[slot, first + 2] = dot(normal, plus(kin.position[body], reach)) - wheel.height[k]
 
 
-@jit
+@bare
 def leave_slips(model, values):
     """Zero what rows on velocities alone have in `values` (n_slots, 6): they do not say where a body is."""
     wheel = wheels_of(model)
@@ -168,7 +168,7 @@ def leave_slips(model, values):
             values[wheel.slot[k], wheel.row[k] + c] = 0.0
 
 
-@jit
+@bare
 def fill_own_rows(model, work, t):
     fill_products(model, work)
     fill_turns(model, work, t)

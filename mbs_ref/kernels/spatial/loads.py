@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from mbs_ref.kernels.jit import jit
+from mbs_ref.kernels.jit import bare, jit
 from mbs_ref.kernels.rigid.model import (
     bodies_of,
     forces_of,
@@ -36,7 +36,7 @@ LARGEST_TWIST = 3.0  # rad: beyond, a spring cannot know its turns, and its torq
 SMALL_ANGLE = 1e-4  # rad: below, the rotation vector's functions use their series
 
 
-@jit
+@bare
 def apply_gravity(model, work):
     """The torque is -omega x J omega (Q_v)."""
     bodies, kin, gravity = bodies_of(model), kinematics_of(work), world_of(model).gravity
@@ -46,7 +46,7 @@ def apply_gravity(model, work):
         put(force, 3, cross(symmetric_times(kin.inertia[i], omega), omega))
 
 
-@jit
+@bare
 def apply_force(model, work, k, scale):
     load, kin = forces_of(model), kinematics_of(work)
     body = load.body[k]
@@ -57,7 +57,7 @@ def apply_force(model, work, k, scale):
     twist(kin, body, times(scale, torque))
 
 
-@jit
+@bare
 def apply_torsion_springs(model, work):
     """Torque about an axis of body a on the angle of a mark of body b, counted from t = 0."""
     spring, kin = torsion_springs_of(model), kinematics_of(work)

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-from mbs_ref.kernels.jit import jit
+from mbs_ref.kernels.jit import bare
 from mbs_ref.kernels.rigid.model import kinematics_of
 from mbs_ref.kernels.spatial.vectors import add, cross, dot, minus, negative, plus, times, triple, turn
 
@@ -28,14 +28,14 @@ class Separation(NamedTuple):
     arm_rate_b: Any  # m/s
 
 
-@jit
+@bare
 def mark(kin, body, point):
     """Return rho and omega x rho of a point of a body."""
     arm = turn(kin.turned[body], point)
     return Mark(arm, cross(kin.omega[body], arm))
 
 
-@jit
+@bare
 def separation(work, a, b, point_a, point_b):
     kin = kinematics_of(work)
     on_a, on_b = mark(kin, a, point_a), mark(kin, b, point_b)
@@ -44,66 +44,66 @@ def separation(work, a, b, point_a, point_b):
     return Separation(on_a.arm, on_b.arm, gap, rate, on_a.rate, on_b.rate)
 
 
-@jit
+@bare
 def inward(work, a, b, apart):
     kin = kinematics_of(work)
     return minus(cross(kin.omega[a], apart.arm_rate_a), cross(kin.omega[b], apart.arm_rate_b))
 
 
-@jit
+@bare
 def rate_along(work, i, point, e):
     kin = kinematics_of(work)
     return dot(e, plus(kin.velocity[i], mark(kin, i, point).rate))
 
 
-@jit
+@bare
 def acceleration_along(work, i, point, e):
     kin = kinematics_of(work)
     return dot(e, cross(kin.omega[i], mark(kin, i, point).rate))
 
 
-@jit
+@bare
 def push(kin, body, arm, force):
     """Add a force at rho."""
     add(kin.force[body], 0, force)
     twist(kin, body, cross(arm, force))
 
 
-@jit
+@bare
 def twist(kin, body, torque):
     """Add a torque."""
     add(kin.force[body], 3, torque)
 
 
-@jit
+@bare
 def rate_seen(work, a, gap, rate):
     return minus(rate, cross(kinematics_of(work).omega[a], gap))
 
 
-@jit
+@bare
 def pull(tension, gap, length):
     return times(tension / length, gap)
 
 
-@jit
+@bare
 def exchange(work, a, arm_a, b, arm_b, force):
     kin = kinematics_of(work)
     push(kin, a, arm_a, force)
     push(kin, b, arm_b, negative(force))
 
 
-@jit
+@bare
 def centre(work, i):
     return triple(kinematics_of(work).position[i], 0)
 
 
-@jit
+@bare
 def place_of_mark(work, i, point):
     kin = kinematics_of(work)
     return plus(kin.position[i], turn(kin.turned[i], point))
 
 
-@jit
+@bare
 def coordinate(work, i, component):
     kin = kinematics_of(work)
     return kin.position[i, component], kin.velocity[i, component]
