@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import math
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, get_type_hints
 
 import numpy as np
 
 from mbs_ref.cores.joint_graph import Edge, joint_rows, layout, row_count
 from mbs_ref.cores.loops import Closure, loops_of_closures
+from mbs_ref.kernels.border.groups import Declared, declared
 from mbs_ref.kernels.rigid.closures import Loops
 from mbs_ref.kernels.signals import SignalArrays
 from mbs_ref.scene import GROUND, Scene
 from mbs_ref.scene.base.rows import Row
+from mbs_ref.scene.contact import Contact
 from mbs_ref.scene.joints import Drive
 from mbs_ref.scene.signals import DEGREE, Segment, motion_segments
 
@@ -54,6 +56,8 @@ class Builder:
             self._add_slot(edge, child, self.layout.parent[child])
         for edge in self.layout.closures:
             self._add_slot(edge, self.number[edge.a], self.number[edge.b])
+        held = [k for k, contact in enumerate(scene.contacts) if contact.law.HOLDS]
+        self.contact_slot = {k: self._add_contact(scene.contacts[k]) for k in held}
         self.rows = [row for k in sorted(self.place) for row in self._placed_rows(k)]
 
     def _add_slot(self, edge: Edge | None, side0: int, side1: int) -> None:
@@ -64,6 +68,12 @@ class Builder:
             self.place[k] = Place(slot, row, side, count)
             row += count
         self.slot_rows.append(row)
+
+    def _add_contact(self, contact: Contact) -> int:
+        """Give a constraint contact a slot of one row, as if it closed a loop."""
+        self.slot_bodies.append((self.body(contact.body_a), self.body(contact.body_b)))
+        self.slot_rows.append(1)
+        return len(self.slot_rows) - 1
 
     def _placed_rows(self, k: int) -> list[PlacedRow]:
         joint, at = self.scene.joints[k], self.place[k]
@@ -79,9 +89,6 @@ class Builder:
         closures = [Closure(k, self.slot_bodies[k], self.slot_rows[k]) for k in slots]
         return loops_of_closures(self.layout.parent, closures)
 
-    def of(self, *kinds: type[Row]) -> list[PlacedRow]:
-        return [placed for placed in self.rows if isinstance(placed.row, kinds)]
-
     def body(self, name: str) -> int:
         """Return a body's elimination number; that of ground is the number of bodies."""
         return self.number[self.scene_index[name]]
@@ -95,9 +102,48 @@ class Builder:
         return self.signal(motion_segments(drive.motion, drive.level))
 
 
-def where(rows: list[PlacedRow]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return slot, row and the first end's side of each."""
-    return ints([r.at.slot for r in rows]), ints([r.at.row for r in rows]), ints([r.at.side for r in rows])
+class _End(NamedTuple):
+    """The body that carries one end of a row; mbs_ref.scene.base.rows.Axes."""
+
+    build: Any
+    name: str
+
+    @property
+    def angle(self) -> float:
+        return self.build.angle(self.name)
+
+    def point(self, world: Any) -> np.ndarray:
+        return self.build.point(self.name, world)
+
+    def direction(self, world: Any) -> np.ndarray:
+        return self.build.direction(self.name, world)
+
+
+def row_groups(build: Builder, groups: type) -> dict[str, Any]:
+    """Return the arrays of each kind of row that a core's groups have, by the name of the group."""
+    hints = get_type_hints(groups)
+    kinds = [kind for kind in Row.__subclasses__() if kind.GROUP in hints]
+    return {kind.GROUP: _row_group(build, kind, hints[kind.GROUP]) for kind in kinds}
+
+
+def _lengths(build: Builder, array: Declared) -> list[int]:
+    return [n if isinstance(n, int) else build.scene.dimension for n in array.shape[1:]]
+
+
+def _row_group(build: Builder, kind: type[Row], group: Any) -> Any:
+    """Return the arrays of one kind of row: where each is, its numbers, and the signal of a prescribed one."""
+    rows = [placed for placed in build.rows if isinstance(placed.row, kind)]
+    numbers = [r.row.numbers(_End(build, r.a), _End(build, r.b)) for r in rows]
+    own = list(declared(group).items())[3:]
+    columns = {
+        name: np.array([n[k] for n in numbers], dtype=float).reshape(len(rows), *_lengths(build, array))
+        for k, (name, array) in enumerate(own)
+        if name != "signal"
+    }
+    if "signal" in group._fields:
+        columns["signal"] = ints([build.motion(r.joint) for r in rows])
+    side = [r.at.side if "side_a" in group._fields else 1 - r.at.side for r in rows]  # a drive's first end is ground
+    return group(ints([r.at.slot for r in rows]), ints([r.at.row for r in rows]), ints(side), **columns)
 
 
 def ints(values: list[int]) -> np.ndarray:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from mbs_ref.cores.event_arrays import event_sources
 from mbs_ref.cores.system import System
 from mbs_ref.kernels import answers as core
 
@@ -24,7 +25,7 @@ class ContactSystem(System):
 
     @property
     def event_sources(self) -> tuple[str, ...]:
-        return tuple(contact.name for contact in self.scene.contacts)
+        return tuple(event_sources(self.scene))
 
     def contact_events(self) -> np.ndarray:
         """Return time (s) and place in `event_sources` (n_events, 2) of the events located so far."""

@@ -15,7 +15,8 @@ from mbs_ref.cores.builder import Place
 from mbs_ref.cores.contact_system import ContactSystem
 from mbs_ref.cores.system import RANK_TOLERANCE
 from mbs_ref.cores.user_rows import UserRow, write_user_rows
-from mbs_ref.kernels.controls import CONTROL_MODE_TIME, CONTROL_POSITION_GAIN, CONTROL_VELOCITY_GAIN
+from mbs_ref.kernels.contact.laws import MODE_CLOSED
+from mbs_ref.kernels.rigid.model import CONTROL_MODE_TIME, CONTROL_POSITION_GAIN, CONTROL_VELOCITY_GAIN
 from mbs_ref.kernels.rigid.reactions import JointRows, forces_at_joints, forces_of_tree
 from mbs_ref.scene import GROUND, UserConstraint, UserForce
 from mbs_ref.scene.base.taylor import Taylor
@@ -157,11 +158,19 @@ class JointedSystem(ContactSystem):
         return int(self.groups.loops.count.sum())
 
     def rows(self, every: bool = False) -> list[tuple[int, int, int]]:
-        """Return (joint, slot, row in slot) of every joint row, joint after joint."""
-        return [(k, at.slot, at.row + r) for k, at in sorted(self.place.items()) for r in range(at.count)]
+        """Return (joint, slot, row in slot) of every constraint row, joint after joint, then the closed contacts'.
+
+        A contact's joint is -1; with `every` the rows of open constraint contacts, which are empty, come too.
+        """
+        slots, modes = self.groups.contact_laws.slot, self.groups.contact_modes.mode
+        held = [slot for slot, mode in zip(slots, modes, strict=False) if slot >= 0 and (every or mode == MODE_CLOSED)]
+        joints = [(k, at.slot, at.row + r) for k, at in sorted(self.place.items()) for r in range(at.count)]
+        return joints + [(-1, int(slot), 0) for slot in held]
 
     def row_joints(self) -> list[str]:
-        return [self.scene.joints[k].name for k, _, _ in self.rows()]
+        """Return the joint of each row, or its contact."""
+        contacts = dict(zip(self.groups.contact_laws.slot.tolist(), self.event_sources, strict=False))
+        return [self.scene.joints[k].name if k >= 0 else contacts[slot] for k, slot, _ in self.rows()]
 
     def residuals(self, t: float, y: np.ndarray) -> dict[str, tuple[np.ndarray, np.ndarray]]:
         """Return C and C_dot of every joint by name."""

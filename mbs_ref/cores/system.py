@@ -69,6 +69,12 @@ class System(ABC):
         """What compiled code receives of the scratch."""
         return Work(self.handles[1].ctypes.data)
 
+    @property
+    def own_handles(self) -> tuple[Any, Any]:
+        """Model and scratch as the core's own code takes them, by the types of its handles."""
+        model, work = core.HANDLES[self.CORE]
+        return model(*self.model), work(*self.work)
+
     def prepare(self, group: str) -> None:
         """Have the answers to a group of questions compiled and connected (mbs_ref.kernels.answers)."""
         for handle in self.handles:

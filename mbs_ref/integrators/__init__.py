@@ -1,4 +1,4 @@
-"""The methods of integration: one file each in methods/, found by listing it."""
+"""The methods of integration, of the files in methods/."""
 
 from __future__ import annotations
 
@@ -20,5 +20,5 @@ STIFF = "radau"  # where stability, not accuracy, would make an explicit method'
 def integrators() -> dict[str, Integrator]:
     """Return every integrator by name, the default first."""
     names = [info.name for info in pkgutil.iter_modules(methods.__path__)]
-    found = [importlib.import_module(f"{methods.__name__}.{name}").INTEGRATOR for name in names]
-    return {entry.name: entry for entry in sorted(found, key=lambda entry: (entry.name != DEFAULT, entry.name))}
+    every = [x for name in names for x in importlib.import_module(f"{methods.__name__}.{name}").INTEGRATORS]
+    return {entry.name: entry for entry in sorted(every, key=lambda entry: (entry.name != DEFAULT, entry.name))}

@@ -17,23 +17,27 @@ from mbs_ref.kernels.border.calls import addresses, unanswered
 from mbs_ref.kernels.border.handles import QUESTIONS
 from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.particles import dynamics as particles
-from mbs_ref.kernels.planar import contact_events as planar_contact_events
-from mbs_ref.kernels.planar import contact_rows as planar_rows
-from mbs_ref.kernels.planar import contacts as planar_contacts
-from mbs_ref.kernels.planar import descriptor as planar_form
+from mbs_ref.kernels.particles.model import ParticleModel, ParticleWork
 from mbs_ref.kernels.planar import dynamics as planar
-from mbs_ref.kernels.planar import events as planar_events
-from mbs_ref.kernels.planar import joints as planar_joints
-from mbs_ref.kernels.planar import loads as planar_loads
+from mbs_ref.kernels.planar.core import PlanarModel, PlanarWork
 from mbs_ref.kernels.relative import planar as relative_planar
 from mbs_ref.kernels.relative import spatial as relative_spatial
 from mbs_ref.kernels.relative.events import PASSED_ON
-from mbs_ref.kernels.spatial import contact_events as spatial_contact_events
-from mbs_ref.kernels.spatial import contacts as spatial_contacts
+from mbs_ref.kernels.relative.model import TreeModel, TreeWork
+from mbs_ref.kernels.rigid import (
+    contact_events,
+    contact_forces,
+    contact_rows,
+    descriptor,
+    dynamics,
+    events,
+    joints,
+    loads,
+)
 from mbs_ref.kernels.spatial import descriptor as spatial_form
 from mbs_ref.kernels.spatial import dynamics as spatial
-from mbs_ref.kernels.spatial import joints as spatial_joints
-from mbs_ref.kernels.spatial import loads as spatial_loads
+from mbs_ref.kernels.spatial import grips as spatial_grips
+from mbs_ref.kernels.spatial.core import SpatialModel, SpatialWork
 
 
 @jit
@@ -46,125 +50,108 @@ EVENTS, UNEVENTFUL = "events", "uneventful"  # of contacts, one-sided springs an
 LOOPS, OPEN = "loops", "open"  # of closed loops, rows of contacts among them; of trees
 FORM = "form"  # of methods on the DAE itself
 REPORT = "report"  # afterwards
+_RIGID: dict[str, dict[str, Callable[..., Any]]] = {  # of bodies and joints, in the plane and in space
+    MOTION: {
+        "compliance": dynamics.rigid_compliance,
+        "project": dynamics.rigid_project,
+        "regularity": dynamics.rigid_regularity,
+        "accelerate": dynamics.rigid_accelerate,
+        "fill_rows": joints.rigid_fill_rows,
+        "apply_loads": loads.rigid_apply_loads,
+    },
+    EVENTS: {
+        "root_count": events.rigid_root_count,
+        "roots": events.rigid_roots,
+        "transition": events.rigid_transition,
+        "start_modes": events.rigid_start_modes,
+        "contact_mobility": contact_events.rigid_contact_mobility,
+        "settle_grips": contact_events.rigid_settle_grips,
+        "slip_velocities": contact_events.rigid_slip_velocities,
+        "apply_contacts": contact_forces.rigid_apply_contacts,
+        "fill_contact_rows": contact_rows.rigid_fill_contact_rows,
+    },
+    LOOPS: {
+        "factor": dynamics.rigid_factor,
+        "solve": dynamics.rigid_solve,
+    },
+    OPEN: {
+        "factor": dynamics.rigid_factor_open,
+        "solve": dynamics.rigid_solve_open,
+    },
+    FORM: {
+        "multipliers": dynamics.rigid_multipliers,
+        "position_count": descriptor.rigid_position_count,
+        "force_balance": descriptor.rigid_force_balance,
+        "answer": descriptor.rigid_answer,
+        "row_times": descriptor.rigid_row_times,
+        "add_row": descriptor.rigid_add_row,
+        "defect_of": descriptor.rigid_defect_of,
+        "gamma_of": descriptor.rigid_gamma_of,
+    },
+    REPORT: {
+        "contact_forces": contact_events.rigid_contact_forces,
+    },
+}
+HANDLES: dict[str, tuple[type, type]] = {  # core -> what its own code takes a model and a scratch for
+    "planar": (PlanarModel, PlanarWork),
+    "spatial": (SpatialModel, SpatialWork),
+    "relative_planar": (TreeModel, TreeWork),
+    "relative_spatial": (TreeModel, TreeWork),
+    "particles": (ParticleModel, ParticleWork),
+}
 # core -> group -> question -> answer; UNEVENTFUL is answered alike everywhere
 ANSWERS: dict[str, dict[str, dict[str, Callable[..., Any]]]] = {
     "planar": {
+        **_RIGID,
         MOTION: {
+            **_RIGID[MOTION],
             "derivative": planar.planar_derivative,
-            "compliance": planar.planar_compliance,
-            "project": planar.planar_project,
             "tangent": planar.planar_tangent,
-            "regularity": planar.planar_regularity,
-            "accelerate": planar.planar_accelerate,
-            "fill_rows": planar_joints.planar_fill_rows,
-            "apply_loads": planar_loads.planar_apply_loads,
-        },
-        EVENTS: {
-            "root_count": planar_events.planar_root_count,
-            "roots": planar_events.planar_roots,
-            "transition": planar_events.planar_transition,
-            "start_modes": planar_events.planar_start_modes,
-            "contact_mobility": planar_contact_events.planar_contact_mobility,
-            "settle_grips": planar_contact_events.planar_settle_grips,
-            "slip_velocities": planar_contact_events.planar_slip_velocities,
-            "apply_contacts": planar_contacts.planar_apply_contacts,
-            "fill_contact_rows": planar_rows.planar_fill_contact_rows,
-        },
-        LOOPS: {
-            "factor": planar.planar_factor,
-            "solve": planar.planar_solve,
-        },
-        OPEN: {
-            "factor": planar.planar_factor_open,
-            "solve": planar.planar_solve_open,
         },
         FORM: {
-            "multipliers": planar.planar_multipliers,
-            "position_count": planar_form.planar_position_count,
-            "force_balance": planar_form.planar_force_balance,
-            "times_mass": planar_form.planar_times_mass,
-            "answer": planar_form.planar_answer,
-            "row_times": planar_form.planar_row_times,
-            "add_row": planar_form.planar_add_row,
-            "displace": planar_form.planar_displace,
-            "position_rate": planar_form.planar_position_rate,
-            "defect_of": planar_form.planar_defect_of,
-            "gamma_of": planar_form.planar_gamma_of,
-        },
-        REPORT: {
-            "contact_forces": planar_contact_events.planar_contact_forces,
+            **_RIGID[FORM],
+            "times_mass": planar.planar_times_mass,
+            "displace": planar.planar_displace,
+            "position_rate": planar.planar_position_rate,
         },
     },
     "spatial": {
+        **_RIGID,
         MOTION: {
+            **_RIGID[MOTION],
             "derivative": spatial.spatial_derivative,
-            "compliance": spatial.spatial_compliance,
-            "project": spatial.spatial_project,
             "tangent": spatial.spatial_tangent,
-            "regularity": spatial.spatial_regularity,
-            "accelerate": spatial.spatial_accelerate,
-            "fill_rows": spatial_joints.spatial_fill_rows,
-            "apply_loads": spatial_loads.spatial_apply_loads,
         },
         EVENTS: {
-            "root_count": spatial_contact_events.spatial_root_count,
-            "roots": spatial_contact_events.spatial_roots,
-            "transition": spatial_contact_events.spatial_transition,
-            "start_modes": spatial_contact_events.spatial_start_modes,
-            "contact_mobility": spatial_contact_events.spatial_contact_mobility,
-            "settle_grips": spatial_contact_events.spatial_settle_grips,
-            "slip_velocities": spatial_contact_events.spatial_slip_velocities,
-            "apply_contacts": spatial_contacts.spatial_apply_contacts,
-            "fill_deflection_rates": spatial_contacts.spatial_fill_deflection_rates,
-        },
-        LOOPS: {
-            "factor": spatial.spatial_factor,
-            "solve": spatial.spatial_solve,
-        },
-        OPEN: {
-            "factor": spatial.spatial_factor_open,
-            "solve": spatial.spatial_solve_open,
+            **_RIGID[EVENTS],
+            "fill_deflection_rates": spatial_grips.spatial_fill_deflection_rates,
         },
         FORM: {
-            "multipliers": spatial.spatial_multipliers,
-            "position_count": spatial_form.spatial_position_count,
-            "force_balance": spatial_form.spatial_force_balance,
+            **_RIGID[FORM],
             "times_mass": spatial_form.spatial_times_mass,
-            "answer": spatial_form.spatial_answer,
-            "row_times": spatial_form.spatial_row_times,
-            "add_row": spatial_form.spatial_add_row,
             "displace": spatial_form.spatial_displace,
             "position_rate": spatial_form.spatial_position_rate,
-            "defect_of": spatial_form.spatial_defect_of,
-            "gamma_of": spatial_form.spatial_gamma_of,
-        },
-        REPORT: {
-            "contact_forces": spatial_contact_events.spatial_contact_forces,
         },
     },
     "relative_planar": {
         MOTION: {
             **NO_ROWS,
             "derivative": relative_planar.relative_planar_derivative,
-        },
-        EVENTS: {
             "tell": relative_planar.tell_planar,
             "take_velocities": relative_planar.take_planar_velocities,
-            **PASSED_ON,
         },
+        EVENTS: PASSED_ON,
     },
     "relative_spatial": {
         MOTION: {
             **NO_ROWS,
             "derivative": relative_spatial.relative_spatial_derivative,
+            "tell": relative_spatial.tell_spatial,
+            "take_velocities": relative_spatial.take_spatial_velocities,
             "compliance": relative_spatial.relative_spatial_compliance,
             "project": relative_spatial.relative_spatial_project,
         },
-        EVENTS: {
-            "tell": relative_spatial.tell_spatial,
-            "take_velocities": relative_spatial.take_spatial_velocities,
-            **PASSED_ON,
-        },
+        EVENTS: PASSED_ON,
     },
     "particles": {
         MOTION: {
@@ -184,7 +171,7 @@ ANSWERS: dict[str, dict[str, dict[str, Callable[..., Any]]]] = {
 @cache
 def _addresses(core: str, group: str) -> tuple[np.ndarray, np.ndarray]:
     """Return the places in a handle and the addresses of a group's answers, which are compiled if they never were."""
-    return addresses(({UNEVENTFUL: NO_EVENTS} | ANSWERS[core]).get(group, {}))
+    return addresses(({UNEVENTFUL: NO_EVENTS} | ANSWERS[core]).get(group, {}), *HANDLES[core])
 
 
 def connected(core: str, handle: np.ndarray, groups: Iterable[str]) -> np.ndarray:

@@ -10,17 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from mbs_ref.kernels.algebra.dense import lu_factor, lu_solve
-from mbs_ref.kernels.border.questions import (
-    add_row,
-    answer,
-    defect_of,
-    displace,
-    force_balance,
-    gamma_of,
-    multipliers,
-    position_count,
-    times_mass,
-)
+from mbs_ref.kernels.border import questions as ask
 from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.rows import largest_entry
 
@@ -41,18 +31,18 @@ def _largest(values):
 def tree_correction(model, work, t, y, qdd, lam, weight, velocity_level):
     """Correct qdd and lam (n_slots, rows a slot) with the mass matrix alone; return |d_qdd| and max defect."""
     balance, inert, found = np.empty_like(qdd), np.empty_like(qdd), np.empty_like(lam)
-    force_balance(model, work, t, y, lam, balance)
-    times_mass(model, qdd, inert)
+    ask.force_balance(model, work, t, y, lam, balance)
+    ask.times_mass(model, qdd, inert)
     for k in range(qdd.shape[0]):
         balance[k] -= inert[k]
-    defect = defect_of(work, velocity_level)
+    defect = ask.defect_of(work, velocity_level)
     size = largest_entry(defect)
-    gamma = gamma_of(work)
+    gamma = ask.gamma_of(work)
     for slot in range(lam.shape[0]):
         for row in range(lam.shape[1]):
             gamma[slot, row] = -defect[slot, row] / weight
-    answer(model, work, balance, inert)
-    multipliers(work, found)
+    ask.answer(model, work, balance, inert)
+    ask.multipliers(work, found)
     for k in range(qdd.shape[0]):
         qdd[k] += inert[k]
     for slot in range(lam.shape[0]):
@@ -67,24 +57,24 @@ def factor_tangent(model, work, t, y, lam, by_position, by_velocity, row_slot, r
 
     Return False where it is singular.
     """
-    start = position_count(model)
+    start = ask.position_count(model)
     n = y.shape[0] - start
     base, shifted, move = np.empty(n), np.empty(n), np.zeros(n)
     state = y.copy()
-    force_balance(model, work, t, y, lam, base)
+    ask.force_balance(model, work, t, y, lam, base)
     lu[:] = 0.0
     for r in range(row_slot.shape[0]):
-        add_row(model, work, row_slot[r], row_row[r], 1.0, lu[n + r, :n])
+        ask.add_row(model, work, row_slot[r], row_row[r], 1.0, lu[n + r, :n])
         for k in range(n):
             lu[k, n + r] = lu[n + r, k]
         lu[n + r, n + r] = -PROXIMAL
     for j in range(n):
         move[j] = DIFFERENCE * by_position
-        displace(model, y, move, state)
+        ask.displace(model, y, move, state)
         state[start + j] = y[start + j] + DIFFERENCE * by_velocity
-        force_balance(model, work, t, state, lam, shifted)
+        ask.force_balance(model, work, t, state, lam, shifted)
         move[j] = 1.0
-        times_mass(model, move, lu[j, :n])  # a column of the symmetric M, kept as a row until the end
+        ask.times_mass(model, move, lu[j, :n])  # a column of the symmetric M, kept as a row until the end
         for i in range(n):
             lu[j, i] -= (shifted[i] - base[i]) / DIFFERENCE
         move[j] = 0.0
@@ -100,11 +90,11 @@ def dense_correction(model, work, t, y, qdd, lam, weight, velocity_level, row_sl
     """Correct qdd and lam with the factored full Newton matrix; return |d_qdd| and max defect."""
     n = qdd.shape[0]
     rhs, inert = np.empty(n + row_slot.shape[0]), np.empty(n)
-    force_balance(model, work, t, y, lam, rhs[:n])
-    times_mass(model, qdd, inert)
+    ask.force_balance(model, work, t, y, lam, rhs[:n])
+    ask.times_mass(model, qdd, inert)
     for k in range(n):
         rhs[k] -= inert[k]
-    defect = defect_of(work, velocity_level)
+    defect = ask.defect_of(work, velocity_level)
     size = largest_entry(defect)
     for r in range(row_slot.shape[0]):
         rhs[n + r] = -defect[row_slot[r], row_row[r]] / weight

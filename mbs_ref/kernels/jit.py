@@ -132,7 +132,7 @@ class _Index(caching.IndexDataCacheFile):
 
 
 class _Cache(caching.FunctionCache):
-    """A function's compiled code by its sources, and by the fields of the named tuples that it is given."""
+    """A function's compiled code by its sources, and by the fields and sources of the named tuples that it is given."""
 
     _impl_class = _Code
 
@@ -143,7 +143,8 @@ class _Cache(caching.FunctionCache):
 
     def _index_key(self, sig: Any, codegen: Any) -> tuple[Any, ...]:
         given = getattr(sig, "args", sig)  # a signature, or the types alone
-        layouts = tuple(getattr(kind, "fields", ()) for kind in given if isinstance(kind, types.BaseNamedTuple))
+        named: list[Any] = [kind for kind in given if isinstance(kind, types.BaseNamedTuple)]
+        layouts = tuple((getattr(kind, "fields", ()), source_digest(kind.instance_class.__module__)) for kind in named)
         return (*super()._index_key(sig, codegen), layouts)
 
 

@@ -14,20 +14,10 @@ from typing import Annotated, NamedTuple
 import numpy as np
 from numba import carray, types  # pyright: ignore[reportPrivateImportUsage]
 
-from mbs_ref.kernels.border.callback import call_for_numbers
+from mbs_ref.kernels.border import questions as ask
+from mbs_ref.kernels.border.calls import call_for_numbers
 from mbs_ref.kernels.border.groups import Floats, Ints
-from mbs_ref.kernels.border.handles import Model, Work, accessor
-from mbs_ref.kernels.border.questions import (
-    add_row,
-    defect_of,
-    force_balance,
-    gamma_of,
-    position_count,
-    position_rate,
-    roots,
-    row_times,
-    times_mass,
-)
+from mbs_ref.kernels.border.handles import Model, Work, accessor, handle_of
 from mbs_ref.kernels.jit import address_for_c, jit
 
 INDEX_1, GGL, INDEX_3, INDEX_2 = 1, 2, 3, 4
@@ -56,27 +46,28 @@ class DaeGroups(NamedTuple):
     dae: Dae
 
 
+@handle_of(DaeGroups)
 class Problem(NamedTuple):
     """What compiled code receives of a DAE."""
 
     address: int  # of a handle
 
 
-dae_of = accessor(DaeGroups, "dae")
+dae_of = accessor("dae")
 
 
 @jit
 def residual(dae, t, x, xp, out):
     """Write F(t, x, x') of the chosen form."""
     model, work = Model(dae.system[0]), Work(dae.system[1])
-    start, n, m = position_count(model), dae.balance.shape[0], dae.slot.shape[0]
+    start, n, m = ask.position_count(model), dae.balance.shape[0], dae.slot.shape[0]
     balance, end = dae.balance, start + n  # of the state
     dae.lam[:] = 0.0
     for r in range(m):
         dae.lam[dae.slot[r], dae.row[r]] = x[end + r]
     y = x[:end]
-    force_balance(model, work, t, y, dae.lam, balance)
-    times_mass(model, xp[start:end], out[start:end])
+    ask.force_balance(model, work, t, y, dae.lam, balance)
+    ask.times_mass(model, xp[start:end], out[start:end])
     for k in range(n):
         out[start + k] -= balance[k]
     _fill_rows(model, work, dae, xp[start:end], out[end:], x[end:])
@@ -84,8 +75,8 @@ def residual(dae, t, x, xp, out):
         balance[k] = y[start + k]
     if dae.form[0] == GGL:
         for r in range(m):
-            add_row(model, work, dae.slot[r], dae.row[r], -x[end + m + r], balance)
-    position_rate(model, y, balance, out)
+            ask.add_row(model, work, dae.slot[r], dae.row[r], -x[end + m + r], balance)
+    ask.position_rate(model, y, balance, out)
     for k in range(start):
         out[k] = xp[k] - out[k]
 
@@ -95,13 +86,13 @@ def _fill_rows(model, work, dae, rate, out, multiplier):
     """Write the constraint rows; multiplier is lambda and, in the GGL form, mu after it."""
     m, form = dae.slot.shape[0], dae.form[0]
     if form == INDEX_1:
-        gamma = gamma_of(work)
+        gamma = ask.gamma_of(work)
         for r in range(m):
             soft = dae.softness[0] * multiplier[r]
-            applied = row_times(model, work, dae.slot[r], dae.row[r], rate)
+            applied = ask.row_times(model, work, dae.slot[r], dae.row[r], rate)
             out[r] = applied - gamma[dae.slot[r], dae.row[r]] - soft
         return
-    position, velocity = defect_of(work, False), defect_of(work, True)
+    position, velocity = ask.defect_of(work, False), ask.defect_of(work, True)
     for r in range(m):
         slot, row = dae.slot[r], dae.row[r]
         if form == INDEX_3:
@@ -115,7 +106,7 @@ def _fill_rows(model, work, dae, rate, out, multiplier):
 @jit
 def largest_balance(model, work, t, y, lam, balance):
     """Return the largest applied force or torque at (t, y)."""
-    force_balance(model, work, t, y, lam, balance)
+    ask.force_balance(model, work, t, y, lam, balance)
     return np.abs(balance).max()
 
 
@@ -132,7 +123,7 @@ def _residual_for_c(t, x, xp, out, data):
     """Write F; return 1 where it is not finite."""
     dae = dae_of(Problem(data))
     count = 2 if dae.form[0] == GGL else 1
-    size = position_count(Model(dae.system[0])) + dae.balance.shape[0] + count * dae.slot.shape[0]
+    size = ask.position_count(Model(dae.system[0])) + dae.balance.shape[0] + count * dae.slot.shape[0]
     result = _numbers(dae, out, size)
     residual(dae, t, _numbers(dae, x, size), _numbers(dae, xp, size), result)
     dae.evaluations[0] += 1
@@ -146,8 +137,8 @@ def _events_for_c(t, x, _xp, out, data):
     """Write the event functions."""
     dae = dae_of(Problem(data))
     model = Model(dae.system[0])
-    y = _numbers(dae, x, position_count(model) + dae.balance.shape[0])
-    roots(model, Work(dae.system[1]), t, y, carray(out, dae.event_rate.shape[0]), dae.event_rate)
+    y = _numbers(dae, x, ask.position_count(model) + dae.balance.shape[0])
+    ask.roots(model, Work(dae.system[1]), t, y, carray(out, dae.event_rate.shape[0]), dae.event_rate)
     return 0
 
 

@@ -6,8 +6,8 @@ sides they are.
 
 from __future__ import annotations
 
-from mbs_ref.kernels.controls import CONTROL_POSITION_GAIN, CONTROL_VELOCITY_GAIN
 from mbs_ref.kernels.jit import jit
+from mbs_ref.kernels.rigid.model import CONTROL_POSITION_GAIN, CONTROL_VELOCITY_GAIN
 
 
 @jit

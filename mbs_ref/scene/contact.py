@@ -139,7 +139,7 @@ class ConstraintLaw(Law):
     """No penetration and no rebound: while contact lasts the constraint gap = 0 stands for the force.
 
     The papers' other cure (Fox 2001). At touch-down an impulse takes the approach speed away (restitution 0);
-    the contact lets go where the multiplier would pull. Circles on lines and circles alone, without friction.
+    the contact opens where the multiplier would pull. For circles and spheres alone, without friction.
     """
 
     IMPULSIVE: ClassVar[bool] = True
@@ -225,7 +225,7 @@ class ContactPart(Attached):
     """Two shapes on two bodies, a law and friction."""
 
     SHAPED_B: ClassVar[bool] = False  # whether body_b carries more than a circle or a sphere
-    MAY_HOLD: ClassVar[bool] = False  # whether a law may stand for a constraint here
+    MAY_HOLD: ClassVar[bool] = True  # whether a law may stand for a constraint here
 
     law: ContactLaw
     friction: Any = None
@@ -233,7 +233,9 @@ class ContactPart(Attached):
     @model_validator(mode="after")
     def _check_law(self) -> Self:
         if self.law.HOLDS and not self.MAY_HOLD:
-            raise ValueError(f"law = {self.law.type!r} is for circle_on_line and circle_on_circle, not for {self.type}")
+            raise ValueError(f"law = {self.law.type!r} is for circles and spheres, not for {self.type}")
+        if self.law.HOLDS and getattr(self, "extent", "") == "capped":
+            raise ValueError(f"extent = 'capped' does not go with {self.law.type}; its ends turn the normal")
         if self.law.IMPULSIVE and self.friction is not None:
             raise ValueError(f"law = {self.law.type!r} has no force that friction could use; leave friction out")
         return self
@@ -258,7 +260,6 @@ class CircleOnLine(ContactPart):
     DIMENSIONS: ClassVar[tuple[int, ...]] = (2,)
     COUNTERPART: ClassVar[str] = "sphere_on_plane"
     SHAPED_B: ClassVar[bool] = True
-    MAY_HOLD: ClassVar[bool] = True
 
     type: Literal["circle_on_line"] = "circle_on_line"
     body_a: EndName  # carries the circle
@@ -275,8 +276,6 @@ class CircleOnLine(ContactPart):
     def _check(self) -> Self:
         if math.dist(self.point_1, self.point_2) == 0.0:
             raise ValueError("point_1 and point_2 coincide; the surface has no direction")
-        if self.law.HOLDS and self.extent == "capped":
-            raise ValueError(f"extent = 'capped' does not go with {self.law.type}; allowed: 'line', 'segment'")
         return self
 
 
@@ -285,7 +284,6 @@ class CircleOnCircle(ContactPart):
 
     DIMENSIONS: ClassVar[tuple[int, ...]] = (2,)
     COUNTERPART: ClassVar[str] = "sphere_on_sphere"
-    MAY_HOLD: ClassVar[bool] = True
 
     type: Literal["circle_on_circle"] = "circle_on_circle"
     body_a: EndName
@@ -311,6 +309,7 @@ class PinOnSprocket(ContactPart):
 
     DIMENSIONS: ClassVar[tuple[int, ...]] = (2,)
     SHAPED_B: ClassVar[bool] = True
+    MAY_HOLD: ClassVar[bool] = False
 
     type: Literal["pin_on_sprocket"] = "pin_on_sprocket"
     body_a: EndName  # carries the pin
@@ -350,6 +349,9 @@ class SphereOnPlane(ContactPart):
     edge: Direction3 | None = None  # direction of the first side, world, t = 0; perpendicular to normal
     thickness: Positive | None = None  # m: what appears deeper than this is behind the surface, not in it
     friction: Friction | None = None
+
+    def mark(self, end: str) -> tuple[float, ...]:
+        return self.center if end == "body_a" else self.point
 
     @model_validator(mode="after")
     def _check(self) -> Self:

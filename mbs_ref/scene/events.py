@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Annotated, ClassVar, Literal
+from collections.abc import Iterator
+from typing import Annotated, Literal
 
 from pydantic import Field
 
@@ -14,17 +15,21 @@ Action = Literal["record", "stop"]
 
 
 class CoordinateEvent(Attached):
-    """A body's coordinate, or its rate, crosses a value."""
-
-    DIMENSIONS: ClassVar[tuple[int, ...]] = (2,)
+    """A body's coordinate, or its rate, crosses a value; an angle is watched in the plane alone."""
 
     type: Literal["coordinate_event"] = "coordinate_event"
     body: BodyName
-    coordinate: Literal["x", "y", "angle"]
+    coordinate: Literal["x", "y", "z", "angle"]
     rate: bool = False  # watch the coordinate's rate instead
     value: float = 0.0  # m or rad; m/s or rad/s
     crossing: Crossing = "either"
     action: Action = "record"
+
+    def complaints(self, dimension: int) -> Iterator[str]:
+        if dimension == 2 and self.coordinate == "z":
+            yield "coordinate = 'z' is for space alone"
+        if dimension == 3 and self.coordinate == "angle":
+            yield "coordinate = 'angle' is for the plane alone"
 
     def refuses_particle(self, end: str, dimension: int) -> str:
         return NO_ORIENTATION if self.coordinate == "angle" else ""
@@ -32,8 +37,6 @@ class CoordinateEvent(Attached):
 
 class DistanceEvent(Attached):
     """The distance between two marks crosses a value."""
-
-    DIMENSIONS: ClassVar[tuple[int, ...]] = (2,)
 
     type: Literal["distance_event"] = "distance_event"
     body_a: EndName

@@ -15,7 +15,7 @@ def is_celestial(scene: Scene) -> bool:
     """Return whether the scene is made of free particles in space that celestial fields alone move."""
     return (
         scene.dimension == 3
-        and not scene.joints
+        and not (scene.joints or scene.contacts or scene.events)
         and all(isinstance(body, PointMass) for body in scene.bodies)
         and all(isinstance(load, CelestialPart) for load in scene.loads)
     )

@@ -1,8 +1,9 @@
-"""What a run says of itself: poses, reactions, counts, notes and the estimate of its error make a Trajectory."""
+"""A Trajectory of a run: poses, reactions, counts, notes and the estimate of its error; without samples if refused."""
 
 from __future__ import annotations
 
 import itertools
+from collections.abc import Callable
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -10,9 +11,13 @@ import numpy as np
 
 from mbs_ref.cores.system import Poses, System
 from mbs_ref.run.legs import Run
+from mbs_ref.run.many import stopped
 from mbs_ref.run.plan import Plan
+from mbs_ref.scene import Scene
+from mbs_ref.self_checks.consistent_start import InconsistentScene
 from mbs_ref.self_checks.error_estimate import ENDED, Beside, estimated
 from mbs_ref.self_checks.rank_watch import singular_passage
+from mbs_ref.self_checks.soundness import UnsoundScene
 from mbs_ref.trajectory import Status, Timing, Trajectory
 
 
@@ -106,3 +111,16 @@ def _reactions(system: System, plan: Plan, times: np.ndarray, states: np.ndarray
         return {}
     system.set_baumgarte(0.0)
     return system.reactions_over(times, states)
+
+
+def or_stopped[T](scene: Scene, make: Callable[[], T], refusal: type[ValueError] = UnsoundScene) -> T | Trajectory:
+    """Return what is made, or a trajectory that ended before it began.
+
+    It is `inconsistent` where the start breaks a constraint, and `refused` by such errors; others are raised.
+    """
+    try:
+        return make()
+    except InconsistentScene as error:
+        return stopped(scene, Status.INCONSISTENT, str(error))
+    except refusal as error:
+        return stopped(scene, Status.REFUSED, str(error))

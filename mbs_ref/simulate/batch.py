@@ -10,12 +10,11 @@ import numpy as np
 
 from mbs_ref.cores.system import Poses
 from mbs_ref.run.lanes import why_not_in_lanes
-from mbs_ref.run.many import processors, shared
-from mbs_ref.run.starts import check_starts
+from mbs_ref.run.many import check_starts, processors, shared
 from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings
+from mbs_ref.simulate.assembly import or_stopped
 from mbs_ref.simulate.one_run import compiled, simulate, simulated
-from mbs_ref.simulate.refusals import or_stopped
 from mbs_ref.simulate.side_by_side import scenes_in_lanes, starts_in_lanes
 from mbs_ref.trajectory import Trajectory
 

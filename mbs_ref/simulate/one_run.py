@@ -11,9 +11,9 @@ from mbs_ref.cores.system import Poses, System
 from mbs_ref.integrators import DEFAULT
 from mbs_ref.integrators.loop.leg import progress
 from mbs_ref.run.legs import Run, finite_part, run_legs
+from mbs_ref.run.many import check_starts
 from mbs_ref.run.method_choice import choose_plan, without
 from mbs_ref.run.plan import Plan
-from mbs_ref.run.starts import check_starts
 from mbs_ref.scene import Scene
 from mbs_ref.self_checks.consistent_start import consistent_start, rank_at_start, redundancy, unstable_step
 from mbs_ref.self_checks.first_steps import after_first_steps

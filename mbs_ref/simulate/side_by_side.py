@@ -19,9 +19,8 @@ from mbs_ref.scene import Scene
 from mbs_ref.self_checks.consistent_start import consistent_start
 from mbs_ref.self_checks.error_estimate import all_beside, companion_plan
 from mbs_ref.settings import Settings
-from mbs_ref.simulate.assembly import sampled, trajectory, with_estimate
+from mbs_ref.simulate.assembly import or_stopped, sampled, trajectory, with_estimate
 from mbs_ref.simulate.one_run import compiled
-from mbs_ref.simulate.refusals import or_stopped
 from mbs_ref.trajectory import Timing, Trajectory
 
 

@@ -7,14 +7,12 @@ from typing import Any
 
 import numpy as np
 
-from mbs_ref.cores.builder import Builder, Place, PlacedRow, contiguous, floats, ints, signal_arrays, table, where
-from mbs_ref.cores.contact_arrays import contact_laws
-from mbs_ref.cores.planar.shapes import contact_balls, contact_pairs, planar_modes, tension_only, watches
+from mbs_ref.cores.builder import Builder, Place, contiguous, floats, ints, row_groups, signal_arrays, table
+from mbs_ref.cores.contact_shapes import contact_balls, contact_pairs
+from mbs_ref.cores.event_arrays import contact_laws, contact_modes, springs, watches
 from mbs_ref.kernels.planar import model as arrays
-from mbs_ref.scene import Force, PlanarBody, PointBushing, PointMass, Scene, SpringDamper, Torque, TorsionSpring
-from mbs_ref.scene.base.rows import OnPlane, Prescribed, PrescribedAngle, Rod, Row, SameAngle, SharedPoint
-from mbs_ref.scene.contact import Contact
-from mbs_ref.scene.joints import Drive, UserConstraint
+from mbs_ref.kernels.rigid.model import World
+from mbs_ref.scene import Force, PlanarBody, PointMass, Scene, Torque, TorsionSpring
 
 _HELD_INERTIA = 1.0  # kg m^2 in the idle third slot of a point mass: nothing ever turns it
 
@@ -25,91 +23,24 @@ def _rotation(angle: float) -> np.ndarray:
 
 
 class _Builder(Builder):
-    """Planar bodies' places and angles, and a slot for each contact that stands for a constraint."""
+    """Planar bodies' places and angles."""
 
-    def __init__(self, scene: Scene) -> None:
-        super().__init__(scene)
-        held = [k for k, contact in enumerate(scene.contacts) if contact.law.HOLDS]
-        self.contact_slot = {k: self._add_contact(scene.contacts[k]) for k in held}
-
-    def _add_contact(self, contact: Contact) -> int:
-        """Give a constraint contact a slot of one row, as if it closed a loop."""
-        self.slot_bodies.append((self.body(contact.body_a), self.body(contact.body_b)))
-        self.slot_rows.append(1)
-        return len(self.slot_rows) - 1
-
-    def local(self, name: str, point: tuple[float, ...]) -> np.ndarray:
+    def point(self, name: str, world: Any) -> np.ndarray:
         """Return a world point at t = 0 in body axes."""
         index = self.scene_index[name]
         if index < 0:
-            return np.array(point, dtype=float)
+            return np.array(world, dtype=float)
         body: Any = self.scene.bodies[index]
-        offset = np.array(point) - np.array(body.position)
+        offset = np.array(world) - np.array(body.position)
         return offset if isinstance(body, PointMass) else _rotation(body.angle).T @ offset
+
+    def direction(self, name: str, world: Any) -> np.ndarray:
+        """Return a world direction at t = 0 in body axes."""
+        return _rotation(self.angle(name)).T @ world
 
     def angle(self, name: str) -> float:
         body: Any = self.scene.bodies[self.scene_index[name]] if name != "ground" else None
         return body.angle if isinstance(body, PlanarBody) else 0.0
-
-
-_PAIRS: dict[str, tuple[type[Row], ...]] = {
-    "revolute": (SharedPoint,), "prismatic": (OnPlane, SameAngle), "weld": (SharedPoint, SameAngle), "distance": (Rod,),
-}  # fmt: skip
-
-
-def _pair_joints(build: _Builder, kinds: tuple[type[Row], ...]) -> arrays.PairJoints:
-    """Return the joints that are made of these kinds of rows."""
-    chosen = [k for k, rows in enumerate(build.joint_rows) if tuple(map(type, rows)) == kinds]
-    heads: list[Any] = [build.joint_rows[k][0] for k in chosen]
-    ends = [build.scene.joints[k].ends for k in chosen]
-    return arrays.PairJoints(
-        slot=ints([build.place[k].slot for k in chosen]),
-        row=ints([build.place[k].row for k in chosen]),
-        side_a=ints([build.place[k].side for k in chosen]),
-        point_a=table([build.local(a, head.point_a) for head, (a, _) in zip(heads, ends, strict=True)], 2),
-        point_b=table([build.local(b, head.point_b) for head, (_, b) in zip(heads, ends, strict=True)], 2),
-        normal=table([_normal(build, head, a) for head, (a, _) in zip(heads, ends, strict=True)], 2),
-        value=floats(_kept_value(build, head, *pair) for head, pair in zip(heads, ends, strict=True)),
-    )
-
-
-def _normal(build: _Builder, head: Row, a: str) -> np.ndarray:
-    return _rotation(build.angle(a)).T @ head.normal if isinstance(head, OnPlane) else np.zeros(2)
-
-
-def _kept_value(build: _Builder, head: Row, a: str, b: str) -> float:
-    return head.length if isinstance(head, Rod) else build.angle(b) - build.angle(a)
-
-
-def _refuse_unknown_rows(scene: Scene, joint_rows: list[list[Row]]) -> None:
-    for joint, rows in zip(scene.joints, joint_rows, strict=True):
-        if not isinstance(joint, Drive | UserConstraint) and tuple(map(type, rows)) not in _PAIRS.values():
-            names = ", ".join(type(row).__name__ for row in rows)
-            raise ValueError(f"joint {joint.name!r}: the planar core has no kernel for the rows {names} together")
-
-
-def _drives(build: _Builder) -> arrays.Drives:
-    drives = build.of(Prescribed, PrescribedAngle)
-    slot, row, first = where(drives)
-    parts = [_drive_parts(build, r) for r in drives]
-    return arrays.Drives(
-        slot=slot,
-        row=row,
-        side=1 - first,  # a drive's first end is ground
-        point=table([point for point, _, _, _ in parts], 2),
-        direction=table([direction for _, direction, _, _ in parts], 2),
-        turn=floats(turn for _, _, turn, _ in parts),
-        start=floats(start for _, _, _, start in parts),
-        signal=ints([build.motion(r.joint) for r in drives]),
-    )
-
-
-def _drive_parts(build: _Builder, drive: PlacedRow) -> tuple[np.ndarray, np.ndarray, float, float]:
-    """Return body-fixed point, direction, turn and starting value."""
-    if isinstance(drive.row, PrescribedAngle):
-        return np.zeros(2), np.zeros(2), 1.0, build.angle(drive.b)
-    point, direction = drive.row.point, drive.row.direction
-    return build.local(drive.b, point), direction, 0.0, float(direction @ point)
 
 
 def _forces(build: _Builder) -> arrays.Forces:
@@ -130,32 +61,8 @@ def _force_parts(build: _Builder, load: Force | Torque) -> tuple[np.ndarray, np.
     if isinstance(load, Torque):
         return np.zeros(2), np.zeros(2), 0, load.torque
     follows, vector = load.frame == "body", np.array(load.vector)
-    turned = _rotation(build.angle(load.body)).T @ vector if follows else vector
-    return build.local(load.body, load.point), turned, int(follows), 0.0
-
-
-def _springs(build: _Builder) -> arrays.Springs:
-    loads = [x for x in build.scene.loads if isinstance(x, SpringDamper | PointBushing)]
-    places = {x.name: len(build.scene.contacts) + k for k, x in enumerate(tension_only(build.scene))}
-    marks = [(x.point, x.point) if isinstance(x, PointBushing) else (x.point_a, x.point_b) for x in loads]
-    return arrays.Springs(
-        a=ints([build.body(x.body_a) for x in loads]),
-        b=ints([build.body(x.body_b) for x in loads]),
-        point_a=table([build.local(x.body_a, a) for x, (a, _) in zip(loads, marks, strict=True)], 2),
-        point_b=table([build.local(x.body_b, b) for x, (_, b) in zip(loads, marks, strict=True)], 2),
-        stiffness=floats(x.stiffness for x in loads),
-        damping=floats(x.damping for x in loads),
-        rest_length=floats(_rest_length(x) for x in loads),
-        tension_only=ints([int(isinstance(x, SpringDamper) and x.tension_only) for x in loads]),
-        isotropic=ints([int(isinstance(x, PointBushing)) for x in loads]),
-        place=ints([places.get(x.name, -1) for x in loads]),
-    )
-
-
-def _rest_length(load: SpringDamper | PointBushing) -> float:
-    if isinstance(load, PointBushing):
-        return 0.0
-    return math.dist(load.point_a, load.point_b) if load.rest_length is None else load.rest_length
+    turned = build.direction(load.body, vector) if follows else vector
+    return build.point(load.body, load.point), turned, int(follows), 0.0
 
 
 def _torsion_springs(build: _Builder) -> arrays.TorsionSprings:
@@ -175,15 +82,16 @@ def build_planar(scene: Scene) -> tuple[arrays.PlanarGroups, dict[int, Place]]:
     """Compile a planar scene; also return where each joint's rows are."""
     build = _Builder(scene)
     ordered: list[Any] = [scene.bodies[i] for i in build.layout.order]
-    _refuse_unknown_rows(scene, build.joint_rows)
-    joints = {name: _pair_joints(build, kinds) for name, kinds in _PAIRS.items()}
-    drives, forces = _drives(build), _forces(build)
+    rows = row_groups(build, arrays.PlanarGroups)
+    forces = _forces(build)
     pairs = contact_pairs(scene, build)
     groups = arrays.PlanarGroups(
         bodies=arrays.Bodies(
             mass=floats(b.mass for b in ordered),
             inertia=floats(_HELD_INERTIA if isinstance(b, PointMass) else b.inertia for b in ordered),
             scene_index=ints(build.layout.order),
+            q=3 * ints(build.layout.order),
+            v=3 * ints(build.layout.order) + 3 * build.n,
             parent=ints(build.layout.parent),
         ),
         slots=arrays.Slots(
@@ -191,17 +99,16 @@ def build_planar(scene: Scene) -> tuple[arrays.PlanarGroups, dict[int, Place]]:
             padding=np.array([[float(r >= rows) for r in range(3)] for rows in build.slot_rows]).reshape(-1, 3),
         ),
         loops=build.loops(),
-        **joints,
-        drives=drives,
+        **rows,
         forces=forces,
-        springs=_springs(build),
+        springs=springs(scene, build),
         torsion_springs=_torsion_springs(build),
         contact_pairs=pairs,
         contact_laws=contact_laws(scene, build.contact_slot),
-        contact_modes=planar_modes(scene),
+        contact_modes=contact_modes(scene),
         near_pairs=contact_balls(pairs),
         watches=watches(scene, build),
         signals=signal_arrays(build.segments),
-        world=arrays.World(np.array(scene.gravity, dtype=float), ints([0]), ints([0]), np.zeros(3)),
+        world=World(np.array(scene.gravity, dtype=float), ints([0]), ints([0]), np.zeros(3)),
     )
     return arrays.PlanarGroups(*map(contiguous, groups)), build.place

@@ -9,14 +9,13 @@ import numpy as np
 
 from mbs_ref.cores.jointed_system import JointedSystem
 from mbs_ref.cores.planar.build import build_planar
-from mbs_ref.cores.planar.shapes import event_sources
 from mbs_ref.cores.system import Poses
 from mbs_ref.cores.user_rows import variable
 from mbs_ref.kernels import answers as core
 from mbs_ref.kernels.border.questions import apply_loads
-from mbs_ref.kernels.contact.laws import MODE_CLOSED
-from mbs_ref.kernels.planar import dynamics
-from mbs_ref.kernels.planar.model import PlanarScratch, planar_scratch
+from mbs_ref.kernels.planar.dynamics import load_state
+from mbs_ref.kernels.planar.model import PlanarScratch
+from mbs_ref.kernels.rigid.model import rigid_scratch
 from mbs_ref.scene import PlanarBody, PointMass, Scene
 from mbs_ref.scene.joints import PlanarPlace
 from mbs_ref.scene.scales import Scales
@@ -43,7 +42,10 @@ class PlanarSystem(JointedSystem):
     # --- set-up -----------------------------------------------------------------------------------
 
     def _scratch(self) -> PlanarScratch:
-        return planar_scratch(self.n_bodies, len(self.groups.slots.body), self.groups.loops)
+        slots, state = len(self.groups.slots.body), 6 * self.n_bodies
+        scratch = rigid_scratch(PlanarScratch, self.n_bodies, slots, state, self.groups.loops, rates=3)
+        scratch.kinematics.pose[:, 2] = 1.0
+        return scratch
 
     def initial_state(self) -> np.ndarray:
         """Return y (6 n_bodies,) at t = 0."""
@@ -60,17 +62,12 @@ class PlanarSystem(JointedSystem):
         q = np.tile([scales.length, scales.length, 1.0], len(scene.bodies))
         return np.concatenate((q, q / scales.time))
 
-    # --- contacts ---------------------------------------------------------------------------------
-
-    @property
-    def event_sources(self) -> tuple[str, ...]:
-        return tuple(event_sources(self.scene))
-
     # --- evaluation -------------------------------------------------------------------------------
 
     def applied_forces(self, t: float, q: np.ndarray, v: np.ndarray) -> np.ndarray:
         """Return the generalized applied forces (n_bodies, 3) of gravity and every load: N, N, N m."""
-        _evaluate_loads(self.model, self.work, float(t), np.concatenate((q.ravel(), v.ravel())))
+        y = np.concatenate((q.ravel(), v.ravel()))
+        _evaluate_loads(*self.own_handles, float(t), y)
         return self._in_scene_order(self.scratch.kinematics.force[: self.n_bodies])
 
     def poses(self, states: np.ndarray) -> Poses:
@@ -91,20 +88,6 @@ class PlanarSystem(JointedSystem):
         """Return the diagonal of M (3 n_bodies,) in scene order: kg, kg, kg m^2."""
         bodies = self.groups.bodies
         return self._in_scene_order(np.column_stack((bodies.mass, bodies.mass, bodies.inertia))).ravel()
-
-    def rows(self, every: bool = False) -> list[tuple[int, int, int]]:
-        """Return (joint, slot, row in slot) of every constraint row, joint after joint, then the closed contacts'.
-
-        A contact's joint is -1; with `every` the rows of open constraint contacts, which are empty, come too.
-        """
-        slots, modes = self.groups.contact_laws.slot, self.groups.contact_modes.mode
-        held = [slot for slot, mode in zip(slots, modes, strict=False) if slot >= 0 and (every or mode == MODE_CLOSED)]
-        return super().rows() + [(-1, int(slot), 0) for slot in held]
-
-    def row_joints(self) -> list[str]:
-        """Return the joint of each row, or its contact."""
-        contacts = dict(zip(self.groups.contact_laws.slot.tolist(), self.event_sources, strict=False))
-        return [self.scene.joints[k].name if k >= 0 else contacts[slot] for k, slot, _ in self.rows()]
 
     def augmented(
         self, t: float, q: np.ndarray, v: np.ndarray
@@ -182,5 +165,5 @@ class PlanarSystem(JointedSystem):
 
 @core.jit
 def _evaluate_loads(model, work, t, y):
-    dynamics.load_state(model, work, y)
+    load_state(model, work, y)
     apply_loads(model, work, t)

@@ -14,14 +14,8 @@ from mbs_ref.cores.spatial.system import SpatialSystem
 from mbs_ref.cores.system import Poses, System
 from mbs_ref.kernels.border.groups import empty
 from mbs_ref.kernels.relative import model as arrays
+from mbs_ref.kernels.relative.events import take_velocities_over, tell_over
 from mbs_ref.kernels.relative.lanes import Figures, Tree, tree_in_lanes
-from mbs_ref.kernels.relative.planar import (
-    take_planar_velocities,
-    take_planar_velocities_over,
-    tell_planar,
-    tell_planar_over,
-)
-from mbs_ref.kernels.relative.spatial import take_spatial_velocities, tell_spatial
 from mbs_ref.scene import PlanarBody, Scene
 from mbs_ref.scene.euler_parameters import conjugate, product
 from mbs_ref.scene.scales import Scales
@@ -66,14 +60,6 @@ class RelativeSystem(System):
         """Return each body's orientation in its parent at t = 0, and the joints' axes as `Joints` has them."""
 
     @abstractmethod
-    def _place(self, y: np.ndarray) -> None:
-        """Write the redundant state of y to the scratch."""
-
-    @abstractmethod
-    def _take_velocities(self, y: np.ndarray) -> None:
-        """Write to y the rates that the redundant state in the scratch means, where y was placed last."""
-
-    @abstractmethod
     def _coordinate(self, i: int, told: np.ndarray) -> np.ndarray:
         """Return a joint's coordinates at a redundant state."""
 
@@ -81,8 +67,7 @@ class RelativeSystem(System):
 
     def told(self, y: np.ndarray) -> np.ndarray:
         """Return the redundant state of y."""
-        self._place(np.ascontiguousarray(y))
-        return self.scratch.told.state.copy()
+        return self._all_told(y[None])[0]
 
     def reduced(self, told: np.ndarray) -> np.ndarray:
         """Return the state of a redundant one that keeps the joints."""
@@ -90,9 +75,7 @@ class RelativeSystem(System):
         for i, first in enumerate(self.layout.q[:-1]):
             found = self._coordinate(i, told)
             y[first : first + len(found)] = found
-        self._place(y)
-        self.scratch.told.state[:] = told
-        self._take_velocities(y)
+        take_velocities_over(*self.own_handles, told[None], y[None])
         return y
 
     def initial_state(self) -> np.ndarray:
@@ -122,7 +105,9 @@ class RelativeSystem(System):
         return np.array([self.reduced(y) for y in told])
 
     def _all_told(self, states: np.ndarray) -> np.ndarray:
-        return np.array([self.told(y) for y in states]).reshape(len(states), len(self.scratch.told.state))
+        told = np.empty((len(states), len(self.scratch.told.state)))
+        tell_over(*self.own_handles, np.ascontiguousarray(states), told)
+        return told
 
     def set_mode_time(self, t: float) -> None:
         """Choose the signals' segments: the ones that contain t (s)."""
@@ -173,23 +158,12 @@ class RelativePlanarSystem(RelativeSystem):
 
     CORE, REDUNDANT = "relative_planar", PlanarSystem
 
-    def _place(self, y: np.ndarray) -> None:
-        tell_planar(self.model, self.work, y)
-
-    def _take_velocities(self, y: np.ndarray) -> None:
-        take_planar_velocities(self.model, self.work, y)
-
-    def _all_told(self, states: np.ndarray) -> np.ndarray:
-        told = np.empty((len(states), len(self.scratch.told.state)))
-        tell_planar_over(self.model, self.work, np.ascontiguousarray(states), told)
-        return told
-
     def all_reduced(self, told: np.ndarray) -> np.ndarray:
         y = np.zeros((len(told), self.layout.n_state))
         for i, first in enumerate(self.layout.q[:-1]):
             found = self._coordinate(i, told.T).T
             y[:, first : first + found.shape[1]] = found
-        take_planar_velocities_over(self.model, self.work, np.ascontiguousarray(told), y)
+        take_velocities_over(*self.own_handles, np.ascontiguousarray(told), y)
         return y
 
     @property
@@ -243,12 +217,6 @@ class RelativeSpatialSystem(RelativeSystem):
     """A spatial tree."""
 
     CORE, REDUNDANT = "relative_spatial", SpatialSystem
-
-    def _place(self, y: np.ndarray) -> None:
-        tell_spatial(self.model, self.work, y)
-
-    def _take_velocities(self, y: np.ndarray) -> None:
-        take_spatial_velocities(self.model, self.work, y)
 
     def _poses_of(self, told: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return places (n + 1, 3) and Euler parameters (n + 1, 4) in elimination order, ground last."""

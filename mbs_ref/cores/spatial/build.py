@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-import math
-from typing import Any, NamedTuple, get_type_hints
+from typing import Any
 
 import numpy as np
 
-from mbs_ref.cores.builder import Builder, Place, contiguous, floats, ints, signal_arrays, table, where
-from mbs_ref.cores.contact_arrays import contact_laws, contact_modes
-from mbs_ref.cores.spatial.shapes import contact_balls, contact_pairs
-from mbs_ref.kernels.border.groups import declared
+from mbs_ref.cores.builder import Builder, Place, contiguous, floats, ints, row_groups, signal_arrays, table
+from mbs_ref.cores.contact_shapes import contact_balls, contact_pairs
+from mbs_ref.cores.event_arrays import contact_laws, contact_modes, springs, watches
+from mbs_ref.kernels.rigid.model import World
 from mbs_ref.kernels.spatial import model as arrays
-from mbs_ref.scene import Bushing, Force, PointMass, Scene, SpatialBody, SpringDamper, TorqueVector, TorsionSpring
+from mbs_ref.scene import Bushing, Force, PointMass, Scene, SpatialBody, TorqueVector, TorsionSpring
 from mbs_ref.scene.base.directions import normals, unit
-from mbs_ref.scene.base.rows import Row
 from mbs_ref.scene.celestial import CelestialPart, Epoch, GravityGradient, Newton
 from mbs_ref.scene.euler_parameters import rotation_matrices
 
@@ -24,19 +22,6 @@ _HELD_INERTIA = (1.0, 1.0, 1.0, 0.0, 0.0, 0.0)  # kg m^2 in the idle block of a 
 def world_axes(body: Any) -> np.ndarray:
     """Return the rotation matrix (3, 3) of a body at t = 0; one for ground (None) and point masses."""
     return rotation_matrices(body.orientation) if isinstance(body, SpatialBody) else np.eye(3)
-
-
-class _End(NamedTuple):
-    """The body that carries one end of a row; mbs_ref.scene.base.rows.Axes."""
-
-    build: _Builder
-    name: str
-
-    def point(self, world: Any) -> np.ndarray:
-        return self.build.point(self.name, world)
-
-    def direction(self, world: Any) -> np.ndarray:
-        return self.build.direction(self.name, world)
 
 
 class _Builder(Builder):
@@ -58,24 +43,6 @@ class _Builder(Builder):
         return np.array(world, dtype=float) if name == "ground" else self.axes[name].T @ world
 
 
-def _row_group(build: _Builder, kind: type[Row]) -> Any:
-    """Return the arrays of one kind of row: where each is, its numbers, and the signal of a prescribed one."""
-    group = get_type_hints(arrays.SpatialGroups)[kind.GROUP]
-    rows = build.of(kind)
-    slot, row, side_a = where(rows)
-    numbers = [r.row.numbers(_End(build, r.a), _End(build, r.b)) for r in rows]
-    own = list(declared(group).items())[3:]
-    columns = {
-        name: np.array([n[k] for n in numbers], dtype=float).reshape(-1, *array.shape[1:])
-        for k, (name, array) in enumerate(own)
-        if name != "signal"
-    }
-    if "signal" in group._fields:
-        columns["signal"] = ints([build.motion(r.joint) for r in rows])
-    side = side_a if "side_a" in group._fields else 1 - side_a  # a drive's first end is ground
-    return group(slot, row, side, **columns)
-
-
 def _forces(build: _Builder) -> arrays.Forces:
     loads = [x for x in build.scene.loads if isinstance(x, Force | TorqueVector)]
     turned = [build.axes[x.body].T @ x.vector if x.frame == "body" else np.array(x.vector) for x in loads]
@@ -92,20 +59,6 @@ def _forces(build: _Builder) -> arrays.Forces:
 
 def _ends(build: _Builder, loads: list[Any]) -> tuple[np.ndarray, np.ndarray]:
     return ints([build.body(x.body_a) for x in loads]), ints([build.body(x.body_b) for x in loads])
-
-
-def _springs(build: _Builder) -> arrays.Springs:
-    loads = [x for x in build.scene.loads if isinstance(x, SpringDamper)]
-    rest = [math.dist(x.point_a, x.point_b) if x.rest_length is None else x.rest_length for x in loads]
-    return arrays.Springs(
-        *_ends(build, loads),
-        table([build.point(x.body_a, x.point_a) for x in loads], 3),
-        table([build.point(x.body_b, x.point_b) for x in loads], 3),
-        floats(x.stiffness for x in loads),
-        floats(x.damping for x in loads),
-        floats(rest),
-        ints([int(x.tension_only) for x in loads]),
-    )
 
 
 def _torsion_springs(build: _Builder) -> arrays.TorsionSprings:
@@ -184,7 +137,7 @@ def _bodies(build: _Builder) -> arrays.Bodies:
 def build_spatial(scene: Scene) -> tuple[arrays.SpatialGroups, dict[int, Place]]:
     """Compile a spatial scene; also return where each joint's rows are."""
     build = _Builder(scene)
-    rows = {kind.GROUP: _row_group(build, kind) for kind in Row.__subclasses__() if kind.GROUP}
+    rows = row_groups(build, arrays.SpatialGroups)
     forces = _forces(build)
     pairs = contact_pairs(scene, build)
     groups = arrays.SpatialGroups(
@@ -196,16 +149,17 @@ def build_spatial(scene: Scene) -> tuple[arrays.SpatialGroups, dict[int, Place]]
         loops=build.loops(),
         **rows,
         forces=forces,
-        springs=_springs(build),
+        springs=springs(scene, build),
         torsion_springs=_torsion_springs(build),
         bushings=_bushings(build),
         contact_pairs=pairs,
-        contact_laws=contact_laws(scene, {}),
-        contact_modes=contact_modes(scene, len(scene.contacts)),
+        contact_laws=contact_laws(scene, build.contact_slot),
+        contact_modes=contact_modes(scene),
         near_pairs=contact_balls(pairs),
+        watches=watches(scene, build),
         attraction=_attraction(build),
         gradients=_gradients(build),
         signals=signal_arrays(build.segments),
-        world=arrays.World(np.array(scene.gravity, dtype=float), ints([0]), ints([0]), np.zeros(3)),
+        world=World(np.array(scene.gravity, dtype=float), ints([0]), ints([0]), np.zeros(3)),
     )
     return arrays.SpatialGroups(*map(contiguous, groups)), build.place

@@ -11,7 +11,8 @@ from mbs_ref.cores.spatial.build import build_spatial, world_axes
 from mbs_ref.cores.system import Poses
 from mbs_ref.cores.user_rows import variable
 from mbs_ref.kernels import answers as core
-from mbs_ref.kernels.spatial.model import SpatialScratch, spatial_scratch
+from mbs_ref.kernels.rigid.model import rigid_scratch
+from mbs_ref.kernels.spatial.model import SpatialScratch
 from mbs_ref.scene import Scene, SpatialBody, symmetric
 from mbs_ref.scene.base.taylor import Taylor
 from mbs_ref.scene.euler_parameters import parameter_matrix, rotation_matrices
@@ -48,8 +49,10 @@ class SpatialSystem(JointedSystem):
     # --- set-up -----------------------------------------------------------------------------------
 
     def _scratch(self) -> SpatialScratch:
-        sticking = int(self.groups.contact_pairs.sticking[0])
-        scratch = spatial_scratch(self.n_bodies, len(self.groups.slots.body), self.groups.loops, sticking)
+        sticking, state = int(self.groups.contact_pairs.sticking[0]), len(self.initial_state())
+        slots, loops = len(self.groups.slots.body), self.groups.loops
+        scratch = rigid_scratch(SpatialScratch, self.n_bodies, slots, state, loops, rates=6, n_sticking=sticking)
+        scratch.kinematics.turned[:] = np.eye(3)
         scratch.kinematics.inertia[: self.n_bodies] = self.groups.bodies.inertia
         return scratch
 
@@ -84,9 +87,14 @@ class SpatialSystem(JointedSystem):
         return np.array([k for k, b in enumerate(self.scene.bodies) if isinstance(b, SpatialBody)], dtype=int)
 
     def _closure_ranks(self) -> np.ndarray:
-        """Return how many rows of each closure are independent at the pose, near the first, where most are."""
-        if self.n_closure_rows == 0:
-            return self.groups.loops.most
+        """Return how many rows of each closure are independent at the pose, near the first, where most are.
+
+        A contact's closure has one row, while it is closed.
+        """
+        loops = self.groups.loops
+        of_contact = np.isin(loops.slot, self.groups.contact_laws.slot)
+        if of_contact.all():
+            return loops.count
         y = self.initial_state()
         self.project(0.0, y, 1e-14, 50)
         best = self._ranks_at(y)
@@ -95,7 +103,7 @@ class SpatialSystem(JointedSystem):
             near = self._moved(y, generator.standard_normal(len(y)))
             if self.project(0.0, near, 1e-14, 50) < PROJECTED:
                 best = max(best, self._ranks_at(near), key=np.sum)
-        return best
+        return np.where(of_contact, loops.count, best)
 
     def _ranks_at(self, y: np.ndarray) -> np.ndarray:
         """Return how many pivots of each closure stand out from roundoff."""
@@ -167,7 +175,7 @@ class SpatialSystem(JointedSystem):
                 states[:, v + 3 : v + 6] = np.einsum("tij,ti->tj", turns, omega)
         return states
 
-    # --- the augmented system, dense --------------------------------------------------------------
+    # --- rows and masses, dense -------------------------------------------------------------------
 
     def mass_matrix(self) -> np.ndarray:
         """Return diag(m I, J) (6 n_bodies, 6 n_bodies) in world axes at the state last evaluated."""
@@ -178,51 +186,14 @@ class SpatialSystem(JointedSystem):
             result[6 * k + 3 : 6 * k + 6, 6 * k + 3 : 6 * k + 6] = symmetric(tuple(inertia[k]))
         return result
 
-    def augmented(self, t: float, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return the papers' augmented matrix in Euler parameters and its right-hand side, dense.
-
-        Unknowns: qdd (3 a point mass, 7 a rigid body), then the multipliers of the joint rows (`rows`),
-        then of theta^T theta = 1 for each rigid body (Fox 1999 eq 9 and appendix). The upper-left block is
-        4 E^T J E in each body's theta, of rank 3: the matrix is to be factored whole.
-        """
-        force = self.applied_forces(t, y).ravel()
-        gamma = np.array([self.scratch.rows.gamma[slot, row] for _, slot, row in self.rows()])
-        jacobian, mass = self.jacobian(t, y), self.mass_matrix()
-        to_rates, norms, squares = self._rate_map(y)
-        size, m, k = to_rates.shape[1], len(gamma), len(norms)
-        matrix = np.zeros((size + m + k, size + m + k))
-        matrix[:size, :size] = to_rates.T @ mass @ to_rates
-        matrix[size : size + m, :size] = jacobian @ to_rates
-        matrix[size + m :, :size] = norms
-        matrix[:size, size:] = matrix[size:, :size].T
-        return matrix, np.concatenate((to_rates.T @ force, gamma, squares))
-
-    def _rate_map(self, y: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Return d(R', omega)/d(q'), the Jacobian of the norms and their right-hand side -2 theta'^T theta'."""
-        to_rates = np.zeros((6 * self.n_bodies, self.n_positions))
-        norms, squares = np.zeros((len(self.rigid), self.n_positions)), np.zeros(len(self.rigid))
-        bodies = self.groups.bodies
-        place = {k: (bodies.q[i], bodies.v[i]) for i, k in enumerate(bodies.scene_index)}
-        for k in range(self.n_bodies):
-            to_rates[6 * k : 6 * k + 3, place[k][0] : place[k][0] + 3] = np.eye(3)
-        for row, k in enumerate(self.rigid):
-            q, v = place[k]
-            theta = y[q + 3 : q + 7]
-            e = parameter_matrix(theta)
-            to_rates[6 * k + 3 : 6 * k + 6, q + 3 : q + 7] = 2.0 * e
-            norms[row, q + 3 : q + 7] = 2.0 * theta
-            rate = 0.5 * e.T @ rotation_matrices(theta) @ y[v + 3 : v + 6]
-            squares[row] = -2.0 * rate @ rate
-        return to_rates, norms, squares
-
     def scaled_jacobian(self, t: float, y: np.ndarray) -> np.ndarray:
         jacobian = self.jacobian(t, y)
         scaled = np.linalg.solve(np.linalg.cholesky(self.mass_matrix()), jacobian.T).T
         return scaled / np.linalg.norm(scaled, axis=1, keepdims=True)
 
     def independent_rows(self, t: float, y: np.ndarray) -> np.ndarray:
-        every = len(self.rows())
-        kept = every - self.n_closure_rows + int(self.groups.loops.most.sum())
+        every, loops = len(self.rows()), self.groups.loops
+        kept = every - int(np.sum(loops.count - loops.most))
         if kept == every:
             return np.arange(every)
         from scipy.linalg import qr  # takes long to import

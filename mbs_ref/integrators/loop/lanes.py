@@ -11,16 +11,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from mbs_ref.integrators.loop.explicit import resized
-from mbs_ref.integrators.loop.leg import (
-    DONE,
-    NON_FINITE,
-    RUNNING,
-    STALLED,
-    STEP_TOO_SMALL,
-    TOO_MANY_STEPS,
-)
-from mbs_ref.integrators.loop.step_control import SHORTEST, choose_step, first_step, is_cut
+from mbs_ref.integrators.loop import leg
+from mbs_ref.integrators.loop.step import SHORTEST, choose_step, first_step, is_cut, resized
 from mbs_ref.kernels.algebra.lanes import (
     WIDTH,
     chosen_in_lanes,
@@ -142,7 +134,7 @@ def propose_all(model, work, options, runs, first, last, times, order):
         y, slope = runs.states[i, 0], runs.slopes[i]
         derivative(model, work, times[0], y, slope)
         runs.h[i] = first_step(model, work, times[0], y, slope, order, options, times[-1] - times[0])
-        runs.t[i], runs.next_output[i], runs.rhs_calls[i], runs.code[i] = times[0], 1, 2, RUNNING
+        runs.t[i], runs.next_output[i], runs.rhs_calls[i], runs.code[i] = times[0], 1, 2, leg.RUNNING
 
 
 @bare
@@ -213,7 +205,7 @@ def _judge(tableau, options, runs, side, times, i, w):
     target = times[runs.next_output[i]]
     t_new = target if lands else runs.t[i] + h
     if t_new == runs.t[i]:
-        return STEP_TOO_SMALL, False
+        return leg.STEP_TOO_SMALL, False
     runs.rhs_calls[i] += tableau.b.shape[0]
     proposed = runs.h[i]
     error = _error(side.now[MAIN, w], side.now[LOW, w], side.y.shape[0])
@@ -222,8 +214,8 @@ def _judge(tableau, options, runs, side, times, i, w):
     if not accepted:
         runs.rejected[i] += 1
         if runs.t[i] + runs.h[i] == runs.t[i] or runs.h[i] < SHORTEST * span:
-            return STEP_TOO_SMALL if np.isfinite(error) else NON_FINITE, False
-        return RUNNING, False
+            return leg.STEP_TOO_SMALL if np.isfinite(error) else leg.NON_FINITE, False
+        return leg.RUNNING, False
     runs.t[i] = t_new
     runs.steps[i] += 1
     if lands:
@@ -232,10 +224,10 @@ def _judge(tableau, options, runs, side, times, i, w):
             runs.states[i, runs.next_output[i], k] = side.new[k, w]
         runs.next_output[i] += 1
         if runs.next_output[i] == times.shape[0]:
-            return DONE, True
+            return leg.DONE, True
     if runs.steps[i] >= options.max_steps:
-        return TOO_MANY_STEPS, True
-    return STALLED if _is_hopeless(options, runs, side, span, i, w) else RUNNING, True
+        return leg.TOO_MANY_STEPS, True
+    return leg.STALLED if _is_hopeless(options, runs, side, span, i, w) else leg.RUNNING, True
 
 
 @bare
@@ -249,7 +241,7 @@ def _judge_all(tableau, options, runs, side, times):
             code, taken = _judge(tableau, options, runs, side, times, i, w)
             side.now[TAKEN, w] = 1.0 if taken else 0.0
             runs.code[i] = code
-            if code != RUNNING:
+            if code != leg.RUNNING:
                 side.run[w] = IDLE
                 ended = True
     return ended

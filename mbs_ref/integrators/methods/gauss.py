@@ -19,23 +19,10 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from mbs_ref.integrators.loop.leg import (
-    DONE,
-    MESSAGES,
-    NON_FINITE,
-    NOT_CONVERGED,
-    RUNNING,
-    STEP_TOO_SMALL,
-    TOO_MANY_STEPS,
-    Integrator,
-    Leg,
-    Options,
-    Progress,
-    finish_leg,
-)
-from mbs_ref.integrators.loop.step_control import all_finite
+from mbs_ref.integrators.loop import leg
 from mbs_ref.integrators.stages.gauss_coefficients import STAGES, Gauss, gauss
-from mbs_ref.kernels.border.handles import Work, accessor, make_handle
+from mbs_ref.kernels.algebra.dense import all_finite
+from mbs_ref.kernels.border.handles import accessor, handle_of, make_handle
 from mbs_ref.kernels.jit import jit, loop_jit
 from mbs_ref.kernels.particles.dynamics import accelerate
 from mbs_ref.kernels.particles.model import LANES, lanes_of, lights_of, particles_of
@@ -263,17 +250,22 @@ class Groups(NamedTuple):
     gauss: Gauss  # abar, a and their low parts transposed: the stage is the last index
 
 
-gauss_of = accessor(Groups, "gauss")
+@handle_of(Groups)
+class Coefficients(NamedTuple):
+    address: int
+
+
+gauss_of = accessor("gauss")
 
 
 @cache
-def _coefficients() -> tuple[Work, Groups, np.ndarray]:
+def _coefficients() -> tuple[Coefficients, Groups, np.ndarray]:
     """Return the method's coefficients as compiled code receives them, and what keeps them alive."""
     g = gauss()
     g = g._replace(abar=g.abar.T.copy(), a=g.a.T.copy(), abar_low=g.abar_low.T.copy(), a_low=g.a_low.T.copy())
     groups = Groups(g)
     handle = make_handle(groups)
-    return Work(handle.ctypes.data), groups, handle
+    return Coefficients(handle.ctypes.data), groups, handle
 
 
 @jit
@@ -337,7 +329,7 @@ def _lengthen(run, h, factor):
 
 @jit
 def _broken(f):
-    return NOT_CONVERGED if all_finite(f.ravel()) else NON_FINITE
+    return leg.NOT_CONVERGED if all_finite(f.ravel()) else leg.NON_FINITE
 
 
 @jit
@@ -346,7 +338,7 @@ def _one_step(model, work, g, options, run, y, low, stages, target, goal, enough
     adaptive = options.step == 0.0
     t_new, h, lands = _propose(run, target, options.step)
     if h <= 0.0 or (adaptive and not lands and run.h < SMALLEST * run.t):
-        return STEP_TOO_SMALL, False
+        return leg.STEP_TOO_SMALL, False
     made = _attempt(model, work, g, run.t, h, y, low, stages, run.h_before, enough)
     run.rhs_calls += STAGES * abs(made)
     if made < 0 and not adaptive:
@@ -356,16 +348,16 @@ def _one_step(model, work, g, options, run, y, low, stages, target, goal, enough
         run.rejected += 1
         run.h = h * SAFETY * factor
         run.h_before = run.h_before if made > 0 and all_finite(stages.f.ravel()) else 0.0
-        return RUNNING, False
+        return leg.RUNNING, False
     _finish(g, h, y, low, stages.f)
     if not all_finite(y):
-        return NON_FINITE, False
+        return leg.NON_FINITE, False
     run.t, run.h_before = t_new, h
     run.steps += 1
     _copy(stages.old, stages.f)
     if adaptive:
         _lengthen(run, h, factor)
-    return COLLISION if touching(particles_of(model).radius, y, stages.f.shape[0]) else RUNNING, lands
+    return COLLISION if touching(particles_of(model).radius, y, stages.f.shape[0]) else leg.RUNNING, lands
 
 
 @loop_jit
@@ -384,19 +376,19 @@ def advance_gauss(model, work, method, options, run, y, low, scratch, times, sta
     while run.next_output < times.shape[0]:
         target = times[run.next_output]
         code, lands = _one_step(model, work, g, options, run, y, low, stages, target, goal, enough)
-        if code != RUNNING:
+        if code != leg.RUNNING:
             return code
         if lands:
             for k in range(y.shape[0]):
                 states[run.next_output, k] = y[k]
             run.next_output += 1
         if run.next_output == times.shape[0]:
-            return DONE
+            return leg.DONE
         if run.steps >= options.max_steps:
-            return TOO_MANY_STEPS
+            return leg.TOO_MANY_STEPS
         if run.steps >= budget:
-            return RUNNING
-    return DONE
+            return leg.RUNNING
+    return leg.DONE
 
 
 def _closest(system: System, y: np.ndarray) -> str:
@@ -410,7 +402,7 @@ def _closest(system: System, y: np.ndarray) -> str:
     return f"{names[min(i, j)]!r} and {names[max(i, j)]!r} are {gap[i, j]:.6g} m apart"
 
 
-def advance(system: System, options: Options, run: Progress, y: np.ndarray, times: np.ndarray) -> Leg:
+def advance(system: System, options: leg.Options, run: leg.Progress, y: np.ndarray, times: np.ndarray) -> leg.Leg:
     """Advance a system of particles over one leg."""
     states = np.empty((len(times), len(y)))
     states[0] = y
@@ -418,29 +410,31 @@ def advance(system: System, options: Options, run: Progress, y: np.ndarray, time
     run.h_before = 0.0
     method, *_ = _coefficients()
     low, scratch = np.zeros_like(y), np.zeros((4, len(y) // 6, 3, STAGES))
-    code = RUNNING
-    while code == RUNNING:
-        code = advance_gauss(system.model, system.work, method, options, run, y, low, scratch, times, states)
+    code = leg.RUNNING
+    while code == leg.RUNNING:
+        code = advance_gauss(*system.own_handles, method, options, run, y, low, scratch, times, states)
     worst = np.zeros(len(times))
     if code == COLLISION:
         message = f"at t = {run.t:.9g} s two bodies collided: {_closest(system, y)}"
-        return Leg(states, worst, int(run.next_output), Status.COLLISION, message)
-    if code == STEP_TOO_SMALL:
-        message = f"at t = {run.t:.9g} s {MESSAGES[code]}: {_closest(system, y)}"
-        return Leg(states, worst, int(run.next_output), Status.STEP_TOO_SMALL, message)
-    return finish_leg(code, states, worst, run)
+        return leg.Leg(states, worst, int(run.next_output), Status.COLLISION, message)
+    if code == leg.STEP_TOO_SMALL:
+        message = f"at t = {run.t:.9g} s {leg.MESSAGES[code]}: {_closest(system, y)}"
+        return leg.Leg(states, worst, int(run.next_output), Status.STEP_TOO_SMALL, message)
+    return leg.finish_leg(code, states, worst, run)
 
 
-INTEGRATOR = Integrator(
-    name="gauss",
-    kind="both",
-    order=16,
-    description="Gauss-Legendre of order 16 for free particles, adaptive, with compensated sums",
-    advance=advance,
-    stabilization="none",
-    stabilizations=("none",),
-    ladder=(1e-4, 1e-6, 1e-8, 1e-10, 1e-12, 1e-14, 1e-16, 1e-18),
-    source="Hairer, Lubich, Wanner, Geometric Numerical Integration, 2nd ed., Springer 2006, sec. VIII.6",
-    cores=("particles",),
-    slack=ACCEPT ** (2 * STAGES),
+INTEGRATORS = (
+    leg.Integrator(
+        name="gauss",
+        kind="both",
+        order=16,
+        description="Gauss-Legendre of order 16 for free particles, adaptive, with compensated sums",
+        advance=advance,
+        stabilization="none",
+        stabilizations=("none",),
+        ladder=(1e-4, 1e-6, 1e-8, 1e-10, 1e-12, 1e-14, 1e-16, 1e-18),
+        source="Hairer, Lubich, Wanner, Geometric Numerical Integration, 2nd ed., Springer 2006, sec. VIII.6",
+        cores=("particles",),
+        slack=ACCEPT ** (2 * STAGES),
+    ),
 )

@@ -13,19 +13,9 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from mbs_ref.cores.jointed_system import JointedSystem
-from mbs_ref.integrators.loop.attempt import close_attempt, next_attempt, stands_still, take
+from mbs_ref.integrators.loop import leg
 from mbs_ref.integrators.loop.events import EVENT, RETRY, event_tables, settle
-from mbs_ref.integrators.loop.leg import (
-    NOT_CONVERGED,
-    RUNNING,
-    STEP_TOO_SMALL,
-    Integrator,
-    Leg,
-    Options,
-    Outputs,
-    Progress,
-    run_chunks,
-)
+from mbs_ref.integrators.loop.step import accept, close_attempt, next_attempt, stands_still
 from mbs_ref.kernels.answers import FORM
 from mbs_ref.kernels.border.questions import derivative, displace, multipliers, position_count
 from mbs_ref.kernels.implicit import dense_correction, factor_tangent, tree_correction
@@ -199,9 +189,9 @@ def _begin(model, work, options, run, y, motion, table):
     """Settle the modes; where that moved anything, start anew. Return a status code."""
     t, before = run.t, run.events
     if table.shape[1] == 0:
-        return RUNNING
+        return leg.RUNNING
     code = settle(model, work, t, y, table, run, options.max_events)
-    if code == RUNNING and run.events != before:
+    if code == leg.RUNNING and run.events != before:
         _start(model, work, t, y, motion)
     return code
 
@@ -216,20 +206,20 @@ def advance_generalized_alpha(model, work, options, run, y, motion, tangent, out
     budget = run.steps + options.chunk
     code = _begin(model, work, options, run, y, motion, table)
     tangent.step[0] = 0.0
-    while code == RUNNING and run.steps < budget:
-        attempt = next_attempt(options, run, outputs, False, search)
+    while code == leg.RUNNING and run.steps < budget:
+        attempt = next_attempt(options.step, run, outputs.times[run.next_output], False, search)
         if stands_still(attempt):
-            return STEP_TOO_SMALL
+            return leg.STEP_TOO_SMALL
         if not _solve(model, work, run, attempt, y, motion, iterate, tangent):
-            return NOT_CONVERGED
+            return leg.NOT_CONVERGED
         code, verdict = close_attempt(model, work, options, run, attempt, span, iterate.y, search, table)
         if verdict == RETRY:
             motion.lam[:] = iterate.old_lam
             continue
-        if code == RUNNING:
+        if code == leg.RUNNING:
             motion.qdd[:], motion.a[:] = iterate.qdd, iterate.a
-            code = take(model, work, options, run, attempt, verdict, y, iterate.y, table, outputs)
-        if code == RUNNING and verdict == EVENT:
+            code = accept(model, work, options, run, attempt, verdict, y, iterate.y, table, outputs)
+        if code == leg.RUNNING and verdict == EVENT:
             _start(model, work, attempt.t_new, y, motion)
             tangent.step[0] = 0.0
     return code
@@ -238,7 +228,7 @@ def advance_generalized_alpha(model, work, options, run, y, motion, tangent, out
 DENSE_LIMIT = 900  # unknowns; a dense tangent beyond costs seconds a factorization and is not tried
 
 
-def advance(system: System, options: Options, run: Progress, y: np.ndarray, times: np.ndarray) -> Leg:
+def advance(system: System, options: leg.Options, run: leg.Progress, y: np.ndarray, times: np.ndarray) -> leg.Leg:
     """Integrate one leg."""
     assert isinstance(system, JointedSystem)  # `cores` of the INTEGRATOR sees to it
     system.prepare(FORM)
@@ -248,10 +238,10 @@ def advance(system: System, options: Options, run: Progress, y: np.ndarray, time
     run.rhs_calls += 1
     tangent = _tangent(system, n)
 
-    def chunk(outputs: Outputs) -> int:
+    def chunk(outputs: leg.Outputs) -> int:
         return advance_generalized_alpha(system.model, system.work, options, run, y, motion, tangent, outputs)
 
-    return run_chunks(chunk, options, run, y, times)
+    return leg.run_chunks(chunk, options, run, y, times)
 
 
 def _tangent(system: JointedSystem, n: int) -> Tangent:
@@ -263,18 +253,20 @@ def _tangent(system: JointedSystem, n: int) -> Tangent:
     return Tangent(row_slot, row_row, lu, pivots, np.zeros(1))
 
 
-INTEGRATOR = Integrator(
-    name="generalized_alpha",
-    kind="fixed",
-    order=2,
-    description="generalized-alpha on the index-3 equations, spectral radius 0.9",
-    advance=advance,
-    stabilization="none",
-    stabilizations=("none", "projection"),
-    ladder=(2e-2, 1e-2, 5e-3, 2.5e-3, 1.25e-3, 6.25e-4),
-    source="Arnold and Bruls 2007; Chung and Hulbert 1993",
-    keeps_constraints=True,
-    holds_deflections=False,
-    needs_positions=True,
-    cores=("planar", "spatial"),
+INTEGRATORS = (
+    leg.Integrator(
+        name="generalized_alpha",
+        kind="fixed",
+        order=2,
+        description="generalized-alpha on the index-3 equations, spectral radius 0.9",
+        advance=advance,
+        stabilization="none",
+        stabilizations=("none", "projection"),
+        ladder=(2e-2, 1e-2, 5e-3, 2.5e-3, 1.25e-3, 6.25e-4),
+        source="Arnold and Bruls 2007; Chung and Hulbert 1993",
+        keeps_constraints=True,
+        holds_deflections=False,
+        needs_positions=True,
+        cores=("planar", "spatial"),
+    ),
 )

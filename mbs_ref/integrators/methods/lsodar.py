@@ -44,7 +44,7 @@ def advance(system: System, options: Options, run: Progress, y: np.ndarray, time
         if not (leg.arrive(t, now, solver.t - before) and leg.keeps_pace()):
             break
         _record_passed(solver, leg)
-        if leg.jumps(leg.events.found):
+        if leg.jumps(leg.events.at_event):
             run.rhs_calls += solver.nfev
             solver = None
     run.rhs_calls += solver.nfev if solver is not None else 0
@@ -113,15 +113,18 @@ def _failure(solver: LSODA, words: str | None) -> Ending:
     return Ending(Status.STEP_TOO_SMALL, f"at t = {solver.t:.9g} s LSODA gave up: {words or 'no reason given'}")
 
 
-INTEGRATOR = Integrator(
-    name="lsodar",
-    kind="adaptive",
-    order=12,
-    varies_order=True,
-    description="Adams (order up to 12) and BDF (up to 5) with automatic switching: the papers' LSODAR, through SciPy",
-    advance=advance,
-    stabilizations=("none", "baumgarte", "projection"),
-    switches="Adams and BDF",
-    ladder=(1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12),
-    source="Petzold 1983; Hindmarsh 1983",
+INTEGRATORS = (
+    Integrator(
+        name="lsodar",
+        kind="adaptive",
+        order=12,
+        varies_order=True,
+        description="Adams (order up to 12) and BDF (up to 5) with automatic switching: "
+        "the papers' LSODAR, through SciPy",
+        advance=advance,
+        stabilizations=("none", "baumgarte", "projection"),
+        switches="Adams and BDF",
+        ladder=(1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12),
+        source="Petzold 1983; Hindmarsh 1983",
+    ),
 )

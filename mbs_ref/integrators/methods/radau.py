@@ -11,32 +11,11 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from mbs_ref.integrators.loop.attempt import WITHDRAWN, close_attempt, next_attempt, propose_again, stands_still, take
+from mbs_ref.integrators.loop import leg
+from mbs_ref.integrators.loop import step as stepping
 from mbs_ref.integrators.loop.crossing import NEAR, Crossing
 from mbs_ref.integrators.loop.events import EVENT, RETRY, event_tables
-from mbs_ref.integrators.loop.leg import (
-    NEAR_SINGULAR,
-    NON_FINITE,
-    NOT_CONVERGED,
-    RUNNING,
-    STEP_TOO_SMALL,
-    Integrator,
-    Leg,
-    Options,
-    Outputs,
-    Progress,
-    run_chunks,
-)
-from mbs_ref.integrators.loop.step_control import SHORTEST, begin, propose_first
-from mbs_ref.integrators.stages.radau_newton import (
-    NEWTON_ITERATIONS,
-    error_norm,
-    factor,
-    fill_jacobian,
-    guess_stages,
-    newton_for,
-    solve_stages,
-)
+from mbs_ref.integrators.stages import radau_newton as iteration
 from mbs_ref.kernels.border.questions import derivative, regularity
 from mbs_ref.kernels.jit import inlined, jit, loop_jit
 
@@ -85,7 +64,7 @@ def _tolerances(options):
 @inlined
 def _renew_jacobian(model, work, options, run, y, f, scratch, jacobian, past):
     """Make the Jacobian that of the present state; no factors belong to it."""
-    fill_jacobian(model, work, run.t, y, f, options.units, scratch, jacobian)
+    iteration.fill_jacobian(model, work, run.t, y, f, options.units, scratch, jacobian)
     run.rhs_calls += y.shape[0]
     past.marks[FRESH], past.marks[STALE] = 1, 0
     past.values[H_FACTORED] = 0.0
@@ -99,10 +78,10 @@ def _prepare(model, work, options, run, attempt, y, f, scratch, tolerances, newt
     if past.marks[STALE] == 1:
         _renew_jacobian(model, work, options, run, y, f, scratch, newton.jacobian, past)
     if past.values[H_FACTORED] != attempt.h:
-        if not factor(newton, attempt.h):
+        if not iteration.factor(newton, attempt.h):
             return False
         past.values[H_FACTORED] = attempt.h
-    guess_stages(newton, past.values[H_LAST], attempt.h)
+    iteration.guess_stages(newton, past.values[H_LAST], attempt.h)
     for k in range(y.shape[0]):
         newton.scale[k] = tolerances.atol[k] + tolerances.rtol * abs(y[k])
     return True
@@ -114,15 +93,15 @@ def _recover(options, run, attempt, past):
     past.values[H_LAST] = 0.0
     if past.marks[FRESH] == 0:
         past.marks[STALE] = 1
-        return RUNNING
+        return leg.RUNNING
     past.marks[FAILURES] += 1
     if options.step > 0.0 or attempt.searching:
-        return NOT_CONVERGED
+        return leg.NOT_CONVERGED
     if past.marks[FAILURES] > MOST_FAILURES:
-        return NON_FINITE
+        return leg.NON_FINITE
     run.h = 0.5 * attempt.h
     run.rejected += 1
-    return RUNNING
+    return leg.RUNNING
 
 
 @jit
@@ -142,7 +121,7 @@ def _growth(run, past, h, error, safety, rate):
 def _judge(run, attempt, past, error, solved):
     """Return whether the error is borne, and propose the next step: the shorter, the longer Newton took (sec. IV.8)."""
     h = attempt.h
-    safety = SAFETY * (2 * NEWTON_ITERATIONS + 1) / (2 * NEWTON_ITERATIONS + solved.iterations)
+    safety = SAFETY * (2 * iteration.NEWTON_ITERATIONS + 1) / (2 * iteration.NEWTON_ITERATIONS + solved.iterations)
     if not error < 1.0:
         run.rejected += 1
         run.h = h * (MIN_FACTOR if not np.isfinite(error) else max(MIN_FACTOR, safety * error**-0.25))
@@ -163,7 +142,8 @@ def _judge(run, attempt, past, error, solved):
 def _is_accurate(model, work, run, attempt, y, f, tolerances, newton, past, solved):
     """Estimate the error and judge it; after a rejection, and in the first step, the estimate is filtered."""
     again = past.marks[REJECTED] == 1 or run.steps == 0
-    error = error_norm(model, work, attempt.t, attempt.h, y, f, newton, tolerances.rtol, tolerances.atol, again)
+    rtol, atol = tolerances.rtol, tolerances.atol
+    error = iteration.error_norm(model, work, attempt.t, attempt.h, y, f, newton, rtol, atol, again)
     return _judge(run, attempt, past, error, solved)
 
 
@@ -186,20 +166,22 @@ def advance_radau(model, work, options, run, y, outputs):
     f, trial = np.empty_like(y), np.empty_like(y)
     search, table = event_tables(model)
     budget = run.steps + options.chunk
-    code = begin(model, work, run, y, f, table, options.max_events)
-    if code != RUNNING:
+    code = stepping.begin(model, work, run, y, f, table, options.max_events)
+    if code != leg.RUNNING:
         return code
-    propose_first(model, work, options, run, y, f, 3, span)
+    if adaptive and run.h == 0.0:
+        run.h = stepping.first_step(model, work, run.t, y, f, 3, options, span)
+        run.rhs_calls += 1
     jacobian, past = np.empty((y.shape[0], y.shape[0])), Past(np.zeros(3), np.zeros(4, dtype=np.int64))
     _renew_jacobian(model, work, options, run, y, f, trial, jacobian, past)
-    newton = newton_for(jacobian)
-    while code == RUNNING and run.steps < budget:
-        attempt = next_attempt(options, run, outputs, adaptive, search)
-        if stands_still(attempt) or (attempt.h < SHORTEST * span and not attempt.searching):
-            return STEP_TOO_SMALL
+    newton = iteration.newton_for(jacobian)
+    while code == leg.RUNNING and run.steps < budget:
+        attempt = stepping.next_attempt(options.step, run, outputs.times[run.next_output], adaptive, search)
+        if stepping.stands_still(attempt) or (attempt.h < stepping.SHORTEST * span and not attempt.searching):
+            return leg.STEP_TOO_SMALL
         if not _prepare(model, work, options, run, attempt, y, f, trial, tolerances, newton, past):
-            return NON_FINITE
-        solved = solve_stages(model, work, attempt.t, attempt.h, y, newton, tolerances.newton)
+            return leg.NON_FINITE
+        solved = iteration.solve_stages(model, work, attempt.t, attempt.h, y, newton, tolerances.newton)
         run.rhs_calls += 3 * solved.iterations
         if not solved.converged:
             code = _recover(options, run, attempt, past)
@@ -209,42 +191,45 @@ def advance_radau(model, work, options, run, y, outputs):
             continue
         for k in range(y.shape[0]):
             trial[k] = y[k] + newton.z[2, k]
-        code, verdict = close_attempt(model, work, options, run, attempt, span, trial, search, table)
-        if verdict == WITHDRAWN:
+        code, verdict = stepping.close_attempt(model, work, options, run, attempt, span, trial, search, table)
+        if verdict == stepping.WITHDRAWN:
             past.marks[REJECTED], past.values[H_LAST] = 1, 0.0
             continue
         if verdict == RETRY:
-            propose_again(options, run, attempt)
+            if adaptive:
+                run.h = attempt.proposed
             continue
-        if code == RUNNING:
-            code = take(model, work, options, run, attempt, verdict, y, trial, table, outputs)
-        if code == RUNNING:
+        if code == leg.RUNNING:
+            code = stepping.accept(model, work, options, run, attempt, verdict, y, trial, table, outputs)
+        if code == leg.RUNNING:
             _remember(past, attempt, solved.rate, verdict)
             derivative(model, work, attempt.t_new, y, f)
             run.rhs_calls += 1
             if adaptive and options.project and regularity(work) < NEAR:
-                return NEAR_SINGULAR
+                return leg.NEAR_SINGULAR
     return code
 
 
-def advance(system: System, options: Options, run: Progress, y: np.ndarray, times: np.ndarray) -> Leg:
+def advance(system: System, options: leg.Options, run: leg.Progress, y: np.ndarray, times: np.ndarray) -> leg.Leg:
     """Integrate one leg; DOP853 carries it past singular poses."""
     crossing = Crossing(system, options, run, y)
 
-    def chunk(outputs: Outputs) -> int:
+    def chunk(outputs: leg.Outputs) -> int:
         return crossing.past(advance_radau(system.model, system.work, options, run, y, outputs), outputs)
 
-    return crossing.finish(run_chunks(chunk, options, run, y, times))
+    return crossing.finish(leg.run_chunks(chunk, options, run, y, times))
 
 
-INTEGRATOR = Integrator(
-    name="radau",
-    kind="both",
-    order=5,
-    embedded=3,
-    description="Radau IIA, three stages: the stiff method",
-    advance=advance,
-    ladder=(1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10),
-    source="Hairer and Wanner, Solving Ordinary Differential Equations II, sec. IV.8",
-    cores=("planar", "spatial"),
+INTEGRATORS = (
+    leg.Integrator(
+        name="radau",
+        kind="both",
+        order=5,
+        embedded=3,
+        description="Radau IIA, three stages: the stiff method",
+        advance=advance,
+        ladder=(1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10),
+        source="Hairer and Wanner, Solving Ordinary Differential Equations II, sec. IV.8",
+        cores=("planar", "spatial"),
+    ),
 )

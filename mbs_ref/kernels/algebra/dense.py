@@ -1,8 +1,28 @@
-"""Dense LU with partial pivoting, real or complex, in place: the implicit methods' small linear algebra."""
+"""Dense vectors and matrices of a state's size: norms, and LU with partial pivoting, real or complex, in place."""
 
 from __future__ import annotations
 
+import numpy as np
+
 from mbs_ref.kernels.jit import jit
+
+
+@jit
+def all_finite(y):
+    total = 0.0
+    for k in range(y.shape[0]):
+        total += y[k] * 0.0
+    return total == 0.0
+
+
+@jit
+def weighted_norm(x, y0, y1, rtol, atol):
+    """Root mean square of x / (atol + rtol max(|y0|, |y1|)) (Hairer, Norsett, Wanner I, eq II.4.11)."""
+    total = 0.0
+    for k in range(x.shape[0]):
+        scaled = x[k] / (atol[k] + rtol * max(abs(y0[k]), abs(y1[k])))
+        total += scaled * scaled
+    return np.sqrt(total / x.shape[0])
 
 
 @jit

@@ -10,7 +10,6 @@ contracted or hoisted across it. Addresses live in memory only; what the disk ca
 
 from __future__ import annotations
 
-import inspect
 from collections.abc import Callable, Mapping
 from functools import cache, partial
 from typing import Any
@@ -23,7 +22,8 @@ from numba.core.typeconv.castgraph import Conversion
 from numba.core.typing.templates import signature
 from numba.extending import intrinsic
 
-from mbs_ref.kernels.border.handles import QUESTIONS, Model, Work
+from mbs_ref.kernels.border.handles import QUESTIONS, Model, Work, is_handle
+from mbs_ref.kernels.border.supplies import with_parameters_of
 from mbs_ref.kernels.jit import jit
 
 MODEL, WORK = (types.NamedUniTuple(types.int64, 1, kind) for kind in (Model, Work))
@@ -46,18 +46,19 @@ def question(returns: Any, *takes: Any) -> Callable[[Callable[..., Any]], Any]:
         _asked[stub.__name__] = place, kind
 
         def ask(typingctx, *given):
-            return (kind, _call(place)) if all(map(partial(_fits, typingctx), given, takes)) else None
+            if not all(map(partial(_fits, typingctx), given, takes)):
+                return None
+            own = (g if is_handle(g) else t for g, t in zip(given, takes, strict=True))
+            return signature(returns, *own), _call(place)
 
-        context = inspect.Parameter("typingctx", inspect.Parameter.POSITIONAL_OR_KEYWORD)
-        parameters = (context, *inspect.signature(stub).parameters.values())
-        ask.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
-        ask.__name__, ask.__doc__ = stub.__name__, stub.__doc__
-        return intrinsic(ask)
+        return intrinsic(with_parameters_of(stub, ask))
 
     return make
 
 
 def _fits(typingctx: Any, given: Any, taken: Any) -> bool:
+    if is_handle(given):
+        return is_handle(taken)
     kind = typingctx.can_convert(given, taken)
     return kind is not None and kind <= Conversion.safe
 
@@ -99,8 +100,44 @@ def unanswered() -> np.ndarray:
     return np.full(QUESTIONS, _address(_unanswered, signature(types.none)))
 
 
-def addresses(answers: Mapping[str, Any]) -> tuple[np.ndarray, np.ndarray]:
-    """Return the places in a handle of these questions, and the addresses of the functions that answer them."""
-    found = [(place, _address(answer, kind)) for name, answer in answers.items() for place, kind in [_asked[name]]]
-    places, where = np.array(found, dtype=np.int64).reshape(-1, 2).T
+def addresses(answers: Mapping[str, Any], model: type, work: type) -> tuple[np.ndarray, np.ndarray]:
+    """Return the places in a handle of these questions, and the addresses of the functions that answer them.
+
+    The functions are compiled for a core's own classes of handles, which are numbers as those of the questions are.
+    """
+    own = {MODEL: types.NamedUniTuple(types.int64, 1, model), WORK: types.NamedUniTuple(types.int64, 1, work)}
+    rows = []
+    for name, answer in answers.items():
+        place, kind = _asked[name]
+        rows.append((place, _address(answer, signature(kind.return_type, *(own.get(x, x) for x in kind.args)))))
+    places, where = np.array(rows, dtype=np.int64).reshape(-1, 2).T
     return places, where
+
+
+@intrinsic
+def call_user(typingctx: Any, address: Any, t: Any, data: Any) -> Any:
+    """Call void (double t, double *data) at `address` with the time and the address of data, or 0."""
+    signature = types.void(types.int64, types.float64, types.uintp)
+
+    def codegen(context, builder, signature, args):
+        word = ir.IntType(64)
+        function_type = ir.FunctionType(ir.VoidType(), [ir.DoubleType(), word])
+        pointer = builder.inttoptr(args[0], function_type.as_pointer())
+        builder.call(pointer, [args[1], args[2]])
+        return context.get_dummy_value()
+
+    return signature, codegen
+
+
+@intrinsic
+def call_for_numbers(typingctx: Any, address: Any, thing: Any) -> Any:
+    """Call double *(void *thing) at `address` and return the pointer to its numbers."""
+    numbers = types.CPointer(types.float64)
+    signature = numbers(types.int64, types.intp)
+
+    def codegen(context, builder, signature, args):
+        word = ir.IntType(64)
+        function_type = ir.FunctionType(context.get_value_type(numbers), [word])
+        return builder.call(builder.inttoptr(args[0], function_type.as_pointer()), [args[1]])
+
+    return signature, codegen

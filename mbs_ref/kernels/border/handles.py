@@ -8,6 +8,7 @@ compiled code counts the references of an array it is given, atomically, at ever
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any, NamedTuple, get_type_hints
 
 import numpy as np
@@ -23,6 +24,9 @@ QUESTIONS = 40  # a handle's first words: where the answers to questions are (mb
 _WORDS = 5  # then, per array: address, then up to four lengths
 _PADDING = [(0,) * (_WORDS - 1 - n) for n in range(_WORDS)]  # behind the lengths of an array of n dimensions
 _DTYPES = {np.dtype(np.float64): types.float64, np.dtype(np.int64): types.int64}
+
+
+_owned: dict[type, tuple[type, dict[str, int]]] = {}  # class of a handle -> its groups and known lengths
 
 
 class Model(NamedTuple):
@@ -52,23 +56,42 @@ def make_handle(groups: Any, checked: bool = False) -> np.ndarray:
     return np.array(words, dtype=np.int64)
 
 
-def accessor(groups: type, name: str, **lengths: int) -> Any:
-    """Return a compiled function (owner) -> the group `name`, where the owner's handle came from `make_handle`.
+def handle_of(groups: type, **lengths: int) -> Callable[[type], type]:
+    """Declare a class of handles: of which named tuple of groups, and which words of their shapes are these numbers.
 
-    `groups` is the class of the named tuple of groups that the handle was made of. Lengths that are declared as numbers
-    and those given here by their words are known to the compiler, and so is where an entry lies: the word must mean
-    that number wherever the accessor is used.
+    The type of a handle is what compiled code knows of it: two cores that have a group of one name each differ by it.
     """
-    kinds = get_type_hints(groups)
-    fields = list(kinds)
-    first = sum(len(declared(kinds[field])) for field in fields[: fields.index(name)])
-    arrays = list(declared(kinds[name]).values())
-    array_types = [types.Array(_DTYPES[x.dtype], len(x.shape), "C") for x in arrays]
-    known = [[lengths.get(n) if isinstance(n, str) else n for n in x.shape] for x in arrays]
-    group_type = types.NamedTuple(array_types, kinds[name])
+
+    def declare(handle: type) -> type:
+        _owned[handle] = groups, lengths
+        return handle
+
+    return declare
+
+
+def is_handle(kind: Any) -> bool:
+    """Return whether a Numba type is one of handles."""
+    return isinstance(kind, types.NamedUniTuple) and kind.instance_class in (Model, Work, *_owned)
+
+
+def accessor(name: str) -> Any:
+    """Return a compiled function (handle) -> the group `name` of what the handle's class was declared for.
+
+    Lengths that are numbers, in the group's declaration or in the handle's, are known to the compiler, and so is where
+    an entry lies.
+    """
 
     @intrinsic
     def access(typingctx, owner):
+        groups, lengths = _owned[owner.instance_class]
+        kinds = get_type_hints(groups)
+        fields = list(kinds)
+        first = sum(len(declared(kinds[field])) for field in fields[: fields.index(name)])
+        arrays = list(declared(kinds[name]).values())
+        array_types = [types.Array(_DTYPES[x.dtype], len(x.shape), "C") for x in arrays]
+        known = [[lengths.get(n) if isinstance(n, str) else n for n in x.shape] for x in arrays]
+        group_type = types.NamedTuple(array_types, kinds[name])
+
         def codegen(context, builder, signature, args):
             values = [_view(context, builder, args[0], first + k, kind, known[k]) for k, kind in enumerate(array_types)]
             return context.make_tuple(builder, group_type, values)

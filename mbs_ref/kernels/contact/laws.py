@@ -11,11 +11,12 @@ from typing import Annotated, NamedTuple
 import numpy as np
 
 from mbs_ref.kernels.border.groups import Floats, Ints, empty
-from mbs_ref.kernels.jit import jit
+from mbs_ref.kernels.jit import bare
 
 RELEASE_GAP, RELEASE_FORCE, RELEASE_RIGID, RELEASE_CONSTRAINT = range(4)
 FRICTION_NONE, FRICTION_SMOOTH, FRICTION_STICK_SLIP = range(3)
 ENDS_NONE, ENDS_OPEN, ENDS_CAPPED = range(3)
+PAIR_FLAT, PAIR_ROUND, PAIR_SPROCKET = range(3)  # on a line or plane, on a circle or sphere, in a sprocket
 # PLAIN: no events, the force is clipped by the state. LIFTED: still inside after a release at F = 0.
 # BEHIND: found too deep to have come through the front. LEAVING: rigid, just hit, not yet clear.
 MODE_OPEN, MODE_CLOSED, MODE_LIFTED, MODE_BEHIND, MODE_LEAVING, MODE_PLAIN = range(6)
@@ -46,7 +47,7 @@ class ContactLaws(NamedTuple):
 class ContactModes(NamedTuple):
     """What changes at events alone, frozen inside a step.
 
-    Of contacts, then in the plane of tension-only springs and watches.
+    Of contacts, then of tension-only springs and of watches.
     """
 
     mode: Annotated[Ints, "k"]  # MODE_*; of a watch, the side it is on: 1 above its value, -1 below
@@ -71,7 +72,7 @@ def fresh_modes(count: int, noise: float, slow: float, most_logged: int, dimensi
     return modes._replace(noise=np.array([noise]), slow=np.array([slow]), log=log)
 
 
-@jit
+@bare
 def normal_force(laws, modes, k, depth, rate):
     """Return F = k d^n + c d^m d' without any clipping; d' is `rate`."""
     elastic = depth

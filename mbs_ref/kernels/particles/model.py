@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Annotated, NamedTuple
 
 from mbs_ref.kernels.border.groups import Floats, Ints, empty
-from mbs_ref.kernels.border.handles import accessor
+from mbs_ref.kernels.border.handles import accessor, handle_of
 
 EXPONENTIAL, STANDARD = 0, 1  # atmospheres
 LANES = 8  # instants evaluated side by side: the stages of a Gauss step, or one instant repeated
@@ -110,13 +110,23 @@ def particle_scratch(n: int) -> ParticleScratch:
     return ParticleScratch(empty(Lanes, n=n, LANES=LANES))
 
 
-particles_of = accessor(ParticleGroups, "particles")
-relativity_of = accessor(ParticleGroups, "relativity")
-zonals_of = accessor(ParticleGroups, "zonals")
-figures_of = accessor(ParticleGroups, "figures")
-tides_of = accessor(ParticleGroups, "tides")
-points_of = accessor(ParticleGroups, "points")
-third_bodies_of = accessor(ParticleGroups, "third_bodies")
-drags_of = accessor(ParticleGroups, "drags")
-lights_of = accessor(ParticleGroups, "lights")
-lanes_of = accessor(ParticleScratch, "lanes", LANES=LANES)
+@handle_of(ParticleGroups)
+class ParticleModel(NamedTuple):
+    address: int
+
+
+@handle_of(ParticleScratch, LANES=LANES)
+class ParticleWork(NamedTuple):
+    address: int
+
+
+particles_of = accessor("particles")
+relativity_of = accessor("relativity")
+zonals_of = accessor("zonals")
+figures_of = accessor("figures")
+tides_of = accessor("tides")
+points_of = accessor("points")
+third_bodies_of = accessor("third_bodies")
+drags_of = accessor("drags")
+lights_of = accessor("lights")
+lanes_of = accessor("lanes")

@@ -1,6 +1,6 @@
-"""Contact forces in the plane, in the frozen mode of each contact or clipped by the state.
+"""Shapes that touch in the plane: where and how they meet, and the rows of their gap.
 
-The force acts on both bodies at the circle's deepest point, so momentum is kept to roundoff.
+gap = n . (c - o) - r with n fixed in body b for a line, gap = |c - o| - r for two circles.
 """
 
 from __future__ import annotations
@@ -10,31 +10,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from mbs_ref.kernels.contact.laws import (
-    ENDS_CAPPED,
-    ENDS_OPEN,
-    FRICTION_NONE,
-    FRICTION_SMOOTH,
-    GRIP_PROBE,
-    GRIP_STICK,
-    MODE_CLOSED,
-    MODE_PLAIN,
-    RELEASE_FORCE,
-    normal_force,
-)
-from mbs_ref.kernels.contact.near_pairs import refresh
-from mbs_ref.kernels.jit import jit
-from mbs_ref.kernels.planar.marks import arm, gap_between, push, push_back, rate_between
-from mbs_ref.kernels.planar.model import (
-    PAIR_CIRCLE,
-    PAIR_LINE,
-    contact_laws_of,
-    contact_modes_of,
-    contact_pairs_of,
-    kinematics_of,
-    near_pairs_of,
-)
+from mbs_ref.kernels.contact.laws import ENDS_CAPPED, ENDS_OPEN, PAIR_FLAT, PAIR_ROUND
+from mbs_ref.kernels.jit import bare
+from mbs_ref.kernels.planar.marks import arm, gap_between, rate_between, separation
 from mbs_ref.kernels.planar.vectors import cross, dot, left, minus, over, plus, times, turn
+from mbs_ref.kernels.rigid.model import contact_pairs_of, kinematics_of, tree_of
 
 
 class Surface(NamedTuple):
@@ -59,12 +39,12 @@ class Touch(NamedTuple):
     arm_b: Any  # m
 
 
-@jit
+@bare
 def _on_line(pairs, k, x, tangent):
     """Return the Surface that a line, a segment or a capped segment shows at x."""
     normal = left(tangent)
     along, above = dot(x, tangent), dot(x, normal)
-    beyond = abs(along) - pairs.half[k]
+    beyond = abs(along) - pairs.half[k, 0]
     if pairs.ends[k] == ENDS_OPEN:
         return Surface(above - pairs.radius[k], normal, beyond, along)
     if pairs.ends[k] == ENDS_CAPPED and beyond > 0.0:
@@ -75,15 +55,15 @@ def _on_line(pairs, k, x, tangent):
     return Surface(above - pairs.radius[k], normal, -1.0, along)
 
 
-@jit
+@bare
 def _on_circle(pairs, k, x):
     distance = math.sqrt(dot(x, x))
     if distance == 0.0:
-        return Surface(-pairs.radius[k] - pairs.half[k], (0.0, 1.0), -1.0, 0.0)
-    return Surface(distance - pairs.radius[k] - pairs.half[k], over(x, distance), -1.0, 0.0)
+        return Surface(-pairs.radius[k] - pairs.half[k, 0], (0.0, 1.0), -1.0, 0.0)
+    return Surface(distance - pairs.radius[k] - pairs.half[k, 0], over(x, distance), -1.0, 0.0)
 
 
-@jit
+@bare
 def _through_gap(pairs, k, x, seat):
     """Return the direction outwards through the tooth gap nearest to a pin at x; `seat` points to the first gap."""
     pitch = 2.0 * math.pi / pairs.ends[k]
@@ -91,11 +71,11 @@ def _through_gap(pairs, k, x, seat):
     return turn(math.cos(angle), math.sin(angle), seat)
 
 
-@jit
+@bare
 def _in_sprocket(pairs, k, x, seat):
     """Return the Surface of the wall of the tooth gap nearest to a pin at x."""
     outward = _through_gap(pairs, k, x, seat)
-    out = dot(x, outward) - pairs.half[k]
+    out = dot(x, outward) - pairs.half[k, 0]
     side = outward[1] * x[0] - outward[0] * x[1]
     wall = math.copysign(1.0, side)
     cosine, sine = pairs.flank[k]
@@ -112,7 +92,7 @@ def _in_sprocket(pairs, k, x, seat):
     return Surface(pairs.radius[k] - offset, normal, out - pairs.thickness[k], 0.0)
 
 
-@jit
+@bare
 def _places(pairs, kin, k):
     """Return the arms of the circle's centre and of the other shape's origin, and the way from this to that."""
     a, b = pairs.a[k], pairs.b[k]
@@ -120,7 +100,7 @@ def _places(pairs, kin, k):
     return center, origin, gap_between(kin, b, a, origin, center)
 
 
-@jit
+@bare
 def contact_geometry(model, work, k):
     """Return the Touch of a pair."""
     pairs, kin = contact_pairs_of(model), kinematics_of(work)
@@ -128,11 +108,11 @@ def contact_geometry(model, work, k):
     center, _, x = _places(pairs, kin, k)
     back = pairs.radius[k]
     rolled = 0.0
-    if pairs.kind[k] == PAIR_CIRCLE:
+    if pairs.kind[k] == PAIR_ROUND:
         surface = _on_circle(pairs, k, x)
     else:
-        direction = arm(kin.pose, b, pairs.direction[k])
-        if pairs.kind[k] == PAIR_LINE:
+        direction = arm(kin.pose, b, pairs.axes[k, 0])
+        if pairs.kind[k] == PAIR_FLAT:
             surface = _on_line(pairs, k, x, direction)
             rolled = back * (kin.motion[a, 3] - kin.motion[b, 3])
         else:
@@ -146,72 +126,43 @@ def contact_geometry(model, work, k):
     return Touch(surface.gap, dot(n, u), surface.beyond, n, slip, surface.along + rolled, arm_a, arm_b)
 
 
-@jit
+@bare
 def leaving_ends(model, work, k):
     """Return the rate (m/s) of the excess over open ends."""
     pairs, kin = contact_pairs_of(model), kinematics_of(work)
     center, origin, x = _places(pairs, kin, k)
-    outward = arm(kin.pose, pairs.b[k], pairs.direction[k])
-    if pairs.kind[k] == PAIR_LINE:
+    outward = arm(kin.pose, pairs.b[k], pairs.axes[k, 0])
+    if pairs.kind[k] == PAIR_FLAT:
         outward = times(math.copysign(1.0, dot(x, outward)), outward)
     else:
         outward = _through_gap(pairs, k, x, outward)
     return dot(outward, rate_between(kin, pairs.b[k], pairs.a[k], plus(x, origin), center))
 
 
-@jit
-def is_behind(pairs, k, gap):
-    """Return whether a depth is more than the surface is thick."""
-    return pairs.kind[k] == PAIR_LINE and -gap > pairs.thickness[k]
+@bare
+def gap_rows(model, touch):
+    n = touch.normal
+    return (n[0], n[1], cross(touch.arm_a, n)), (-n[0], -n[1], -cross(touch.arm_b, n))
 
 
-@jit
-def friction_force(laws, modes, k, normal, touch):
-    """Return the force on body a along the tangent."""
-    if laws.friction[k] == FRICTION_SMOOTH:
-        return -laws.coefficient[k] * normal * math.tanh(touch.slip / laws.creep[k])
-    grip = modes.grip[k]
-    if grip == GRIP_STICK:
-        return -laws.grip_stiffness[k] * (touch.along - modes.anchor[k, 0]) - laws.grip_damping[k] * touch.slip
-    if grip == GRIP_PROBE:
-        return modes.anchor[k, 0]
-    return -laws.coefficient[k] * normal * grip
+@bare
+def gap_response(model, work, k, touch):
+    pairs, n = contact_pairs_of(model), touch.normal
+    (ax, ay), (bx, by), response = touch.arm_a, touch.arm_b, tree_of(work).acceleration
+    a, b = response[pairs.a[k]], response[pairs.b[k]]
+    x = a[0] - ay * a[2] - b[0] + by * b[2]
+    return n[0] * x + n[1] * (a[1] + ax * a[2] - b[1] - bx * b[2])
 
 
-@jit
-def find_near(model, work):
-    """Bring the list of near pairs up to the pose in `work`."""
-    near, kin = near_pairs_of(model), kinematics_of(work)
-    for s in range(near.body.shape[0]):
-        body = near.body[s]
-        place = plus(kin.pose[body], arm(kin.pose, body, near.center[s]))
-        near.place[s, 0], near.place[s, 1] = place
-    refresh(near, contact_modes_of(model))
-
-
-@jit
-def planar_apply_contacts(model, work):
-    """Add the forces of every contact that is closed."""
-    pairs = contact_pairs_of(model)
-    if pairs.kind.shape[0] == 0:
-        return
-    laws, modes, kin, near = contact_laws_of(model), contact_modes_of(model), kinematics_of(work), near_pairs_of(model)
-    if modes.roots[0] == 0 or near.stale[0] == 1:  # while modes are frozen, what touches is in the list already
-        find_near(model, work)
-    for place in range(near.count[0]):
-        k = near.pair[place]
-        mode = modes.mode[k]
-        if mode != MODE_CLOSED and mode != MODE_PLAIN:
-            continue
-        touch = contact_geometry(model, work, k)
-        if mode == MODE_PLAIN and not (touch.gap < 0.0 and touch.beyond <= 0.0 and not is_behind(pairs, k, touch.gap)):
-            continue
-        normal = normal_force(laws, modes, k, -touch.gap, -touch.closing)
-        if mode == MODE_PLAIN and laws.release[k] == RELEASE_FORCE and normal < 0.0:
-            continue
-        force = times(normal, touch.normal)
-        if laws.friction[k] != FRICTION_NONE:
-            tangential = friction_force(laws, modes, k, normal, touch)
-            force = (force[0] + tangential * touch.normal[1], force[1] - tangential * touch.normal[0])
-        push(kin, pairs.a[k], touch.arm_a, force)
-        push_back(kin, pairs.b[k], touch.arm_b, force)
+@bare
+def gap_gamma(model, work, k, touch):
+    pairs, kin, n = contact_pairs_of(model), kinematics_of(work), touch.normal
+    a, b = pairs.a[k], pairs.b[k]
+    apart = separation(work, b, a, pairs.origin[k], pairs.center[k])
+    surplus = dot(n, apart.centripetal)
+    if pairs.kind[k] == PAIR_FLAT:
+        wb = kin.motion[b, 2]
+        sweep = cross(n, apart.rate)  # d(n)/d(theta_b) . d_dot
+        return surplus - 2.0 * wb * sweep + wb * wb * dot(n, apart.gap)
+    along = dot(n, apart.rate)
+    return surplus - (dot(apart.rate, apart.rate) - along * along) / np.sqrt(dot(apart.gap, apart.gap))

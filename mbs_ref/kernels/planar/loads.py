@@ -1,35 +1,15 @@
-"""Generalized applied forces in the plane: gravity, forces, torques, springs, and a user's own law."""
+"""Applied forces in the plane."""
 
 from __future__ import annotations
 
-import numpy as np
-
-from mbs_ref.kernels.border.callback import call_user
-from mbs_ref.kernels.border.questions import apply_contacts
-from mbs_ref.kernels.contact.laws import (
-    MODE_CLOSED,
-    MODE_PLAIN,
-)
-from mbs_ref.kernels.controls import CONTROL_MODE_TIME
 from mbs_ref.kernels.jit import bare, jit
-from mbs_ref.kernels.planar.marks import arm, push, push_back, separation
-from mbs_ref.kernels.planar.model import (
-    bodies_of,
-    contact_modes_of,
-    forces_of,
-    kinematics_of,
-    signals_of,
-    springs_of,
-    torsion_springs_of,
-    world_of,
-)
-from mbs_ref.kernels.planar.vectors import cross, dot, left, minus, over, plus, times
-from mbs_ref.kernels.signals import evaluate
+from mbs_ref.kernels.planar.marks import arm
+from mbs_ref.kernels.planar.vectors import cross, times
+from mbs_ref.kernels.rigid.model import bodies_of, forces_of, kinematics_of, torsion_springs_of, world_of
 
 
-@jit
+@bare
 def apply_gravity(model, work):
-    """Set every force to the weight; every other load adds to it."""
     weigh(bodies_of(model), world_of(model).gravity, kinematics_of(work))
 
 
@@ -44,64 +24,21 @@ def weigh(bodies, gravity, kin):
         kin.force[i, 2] = 0.0
 
 
-@jit
-def apply_forces(model, work, t):
-    load, kin, signals = forces_of(model), kinematics_of(work), signals_of(model)
-    mode_time = world_of(model).control[CONTROL_MODE_TIME]
-    for k in range(load.body.shape[0]):
-        body = load.body[k]
-        scale, _, _ = evaluate(signals, load.signal[k], t, mode_time)
-        force = times(scale, load.vector[k])
-        if load.follows[k] == 1:
-            force = arm(kin.pose, body, force)
-        torque = cross(arm(kin.pose, body, load.point[k]), force) + scale * load.torque[k]
-        kin.force[body, 0] += force[0]
-        kin.force[body, 1] += force[1]
-        kin.force[body, 2] += torque
+@bare
+def apply_force(model, work, k, scale):
+    load, kin = forces_of(model), kinematics_of(work)
+    body = load.body[k]
+    force = times(scale, load.vector[k])
+    if load.follows[k] == 1:
+        force = arm(kin.pose, body, force)
+    torque = cross(arm(kin.pose, body, load.point[k]), force) + scale * load.torque[k]
+    kin.force[body, 0] += force[0]
+    kin.force[body, 1] += force[1]
+    kin.force[body, 2] += torque
 
 
-@jit
-def spring_separation(spring, kin, k):
-    """Return the Separation of a spring's marks."""
-    return separation(kin, spring.a[k], spring.b[k], spring.point_a[k], spring.point_b[k])
-
-
-@jit
-def is_slack(modes, place, stretch, tension):
-    """Return whether a tension-only spring gives no force: by its frozen mode, or by the state without events."""
-    if modes.mode[place] == MODE_PLAIN:
-        return stretch <= 0.0 or tension < 0.0
-    return modes.mode[place] != MODE_CLOSED
-
-
-@jit
-def apply_springs(model, work):
-    """F = k (l - l0) + c l_dot along the line of the two points (Fox 1999 eq 18 with the points' distance)."""
-    spring, kin, modes = springs_of(model), kinematics_of(work), contact_modes_of(model)
-    for k in range(spring.a.shape[0]):
-        a = spring.a[k]
-        apart = spring_separation(spring, kin, k)
-        gap, rate, arm_a = apart.gap, apart.rate, apart.arm_a
-        length = np.sqrt(dot(gap, gap))
-        stretch = length - spring.rest_length[k]
-        if spring.isotropic[k] == 1:
-            # against body a's matter at b's mark, where both forces act
-            rate = minus(rate, times(kin.motion[a, 2], left(gap)))
-            arm_a = plus(arm_a, gap)
-            force = plus(times(spring.stiffness[k], gap), times(spring.damping[k], rate))
-        elif length == 0.0:
-            force = times(spring.damping[k], rate)  # no line of action: only the isotropic limit of the damper
-        else:
-            tension = spring.stiffness[k] * stretch + spring.damping[k] * dot(gap, rate) / length
-            if spring.tension_only[k] == 1 and is_slack(modes, spring.place[k], stretch, tension):
-                tension = 0.0
-            force = over(times(tension, gap), length)
-        push(kin, a, arm_a, force)
-        push_back(kin, spring.b[k], apart.arm_b, force)
-
-
-@jit
-def apply_torsion_springs(model, work):
+@bare
+def apply_own_loads(model, work):
     spring, kin = torsion_springs_of(model), kinematics_of(work)
     for k in range(spring.a.shape[0]):
         a = spring.a[k]
@@ -113,31 +50,8 @@ def apply_torsion_springs(model, work):
 
 
 @jit
-def apply_user_force(model, work, t):
-    """Call the user's law in scene order; it adds generalized forces."""
-    bodies, kin = bodies_of(model), kinematics_of(work)
-    n = bodies.mass.shape[0]
-    for i in range(n):
-        k = bodies.scene_index[i]
-        kin.user[0, k, 0] = kin.pose[i, 0]
-        kin.user[0, k, 1] = kin.pose[i, 1]
-        kin.user[0, k, 2] = kin.motion[i, 3]
-        for c in range(3):
-            kin.user[1, k, c] = kin.motion[i, c]
-            kin.user[2, k, c] = 0.0
-    call_user(world_of(model).user_force[0], t, kin.user.ctypes.data)  # pyright: ignore[reportCallIssue]
-    for i in range(n):
-        for c in range(3):
-            kin.force[i, c] += kin.user[2, bodies.scene_index[i], c]
-
-
-@jit
-def planar_apply_loads(model, work, t):
-    """Evaluate every applied force at the pose and motion in `work`."""
-    apply_gravity(model, work)
-    apply_forces(model, work, t)
-    apply_springs(model, work)
-    apply_torsion_springs(model, work)
-    apply_contacts(model, work)
-    if world_of(model).user_force[0] != 0:
-        apply_user_force(model, work, t)
+def put_state(work, i, k):
+    kin = kinematics_of(work)
+    kin.user[0, k, 0], kin.user[0, k, 1], kin.user[0, k, 2] = kin.pose[i, 0], kin.pose[i, 1], kin.motion[i, 3]
+    for c in range(3):
+        kin.user[1, k, c] = kin.motion[i, c]

@@ -7,8 +7,9 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-from mbs_ref.kernels.jit import jit
-from mbs_ref.kernels.planar.vectors import cross, minus, plus, turn
+from mbs_ref.kernels.jit import bare
+from mbs_ref.kernels.planar.vectors import cross, dot, left, minus, over, pair, plus, times, turn
+from mbs_ref.kernels.rigid.model import kinematics_of
 
 
 class Separation(NamedTuple):
@@ -21,19 +22,19 @@ class Separation(NamedTuple):
     centripetal: Any  # m/s^2, omega_b^2 rho_b - omega_a^2 rho_a: -d'' without the bodies' accelerations
 
 
-@jit
+@bare
 def arm(pose, body, point):
     """Return rho = A u."""
     return turn(pose[body, 2], pose[body, 3], point)
 
 
-@jit
+@bare
 def gap_between(kin, a, b, arm_a, arm_b):
     """Return r_b - r_a (m) of two marks given by their arms."""
     return minus(minus(plus(kin.pose[b], arm_b), kin.pose[a]), arm_a)
 
 
-@jit
+@bare
 def rate_between(kin, a, b, arm_a, arm_b):
     """Return r_b' - r_a' (m/s) of two marks given by their arms."""
     va, vb = kin.motion[a], kin.motion[b]
@@ -43,9 +44,9 @@ def rate_between(kin, a, b, arm_a, arm_b):
     )
 
 
-@jit
-def separation(kin, a, b, point_a, point_b):
-    """Return the Separation of two marks."""
+@bare
+def separation(work, a, b, point_a, point_b):
+    kin = kinematics_of(work)
     arm_a, arm_b = arm(kin.pose, a, point_a), arm(kin.pose, b, point_b)
     wa, wb = kin.motion[a, 2], kin.motion[b, 2]
     return Separation(
@@ -57,17 +58,57 @@ def separation(kin, a, b, point_a, point_b):
     )
 
 
-@jit
-def push(kin, body, arm, force):
-    """Add a force (N) at rho."""
-    kin.force[body, 0] += force[0]
-    kin.force[body, 1] += force[1]
-    kin.force[body, 2] += cross(arm, force)
+@bare
+def inward(work, a, b, apart):
+    return apart.centripetal
 
 
-@jit
-def push_back(kin, body, arm, force):
-    """Subtract a force (N) at rho."""
-    kin.force[body, 0] -= force[0]
-    kin.force[body, 1] -= force[1]
-    kin.force[body, 2] -= cross(arm, force)
+@bare
+def rate_along(work, i, point, e):
+    kin = kinematics_of(work)
+    return dot(e, kin.motion[i]) + cross(arm(kin.pose, i, point), e) * kin.motion[i, 2]
+
+
+@bare
+def acceleration_along(work, i, point, e):
+    kin = kinematics_of(work)
+    w = kin.motion[i, 2]
+    return -(dot(e, arm(kin.pose, i, point)) * w * w)
+
+
+@bare
+def rate_seen(work, a, gap, rate):
+    return minus(rate, times(kinematics_of(work).motion[a, 2], left(gap)))
+
+
+@bare
+def pull(tension, gap, length):
+    return over(times(tension, gap), length)
+
+
+@bare
+def exchange(work, a, arm_a, b, arm_b, force):
+    on_a, on_b = kinematics_of(work).force[a], kinematics_of(work).force[b]
+    on_a[0] += force[0]
+    on_a[1] += force[1]
+    on_a[2] += cross(arm_a, force)
+    on_b[0] -= force[0]
+    on_b[1] -= force[1]
+    on_b[2] -= cross(arm_b, force)
+
+
+@bare
+def centre(work, i):
+    return pair(kinematics_of(work).pose[i], 0)
+
+
+@bare
+def place_of_mark(work, i, point):
+    pose = kinematics_of(work).pose
+    return plus(pose[i], arm(pose, i, point))
+
+
+@bare
+def coordinate(work, i, component):
+    kin = kinematics_of(work)
+    return kin.motion[i, 3] if component == 2 else kin.pose[i, component], kin.motion[i, component]

@@ -11,16 +11,10 @@ are eliminated on the way (mbs_ref.kernels.rigid.elimination).
 from __future__ import annotations
 
 from mbs_ref.kernels.algebra.ldl import ldl3, ldl3_solve
-from mbs_ref.kernels.jit import jit
-from mbs_ref.kernels.planar.closure import begin_closures, eliminate_closures, pass_rows
-from mbs_ref.kernels.planar.model import RATES, bodies_of, closures_of, rows_of, slots_of, tree_of
-from mbs_ref.kernels.rigid.elimination import (
-    condense,
-    start_rows,
-    substitute,
-    take_closures,
-    take_free,
-)
+from mbs_ref.kernels.jit import jit, placed
+from mbs_ref.kernels.planar.model import RATES
+from mbs_ref.kernels.rigid import elimination
+from mbs_ref.kernels.rigid.model import bodies_of, closures_of, rows_of, slots_of, tree_of
 
 
 @jit
@@ -32,7 +26,7 @@ def factor_tree(model, work, loops):
     bodies, slots, tree, rows = bodies_of(model), slots_of(model), tree_of(work), rows_of(work)
     n = bodies.mass.shape[0]
     if loops is not None:
-        begin_closures(model, work)
+        elimination.begin_closures(model, work)
     for i in range(n):
         art = tree.articulated[i]
         art[0, 0] = bodies.mass[i]
@@ -44,7 +38,7 @@ def factor_tree(model, work, loops):
     for i in range(n - 1, -1, -1):
         art = tree.articulated[i]
         if loops is not None and loops.closed[i, 0] < loops.closed[i, 1]:
-            eliminate_closures(model, work, i)
+            elimination.eliminate_closures(model, work, i)
         m = ldl3(art[0, 0], art[1, 0], art[1, 1], art[2, 0], art[2, 1], art[2, 2])
         for c in range(6):
             tree.mass_factor[i, c] = m[c]
@@ -80,9 +74,9 @@ def factor_tree(model, work, loops):
                 for c in range(r + 1):
                     up[r, c] += far[0, r] * transfer[0, c] + far[1, r] * transfer[1, c] + far[2, r] * transfer[2, c]
         if loops is not None and loops.entry[i] < loops.entry[i + 1]:
-            pass_rows(model, work, i)
+            elimination.pass_rows(model, work, i)
     if loops is not None:
-        eliminate_closures(model, work, n)
+        elimination.eliminate_closures(model, work, n)
 
 
 @jit
@@ -104,10 +98,10 @@ def solve_tree(model, work, loops, gamma, acceleration, multiplier):
     n = bodies.mass.shape[0]
     load = tree.load
     if loops is not None:
-        start_rows(RATES, loops, closures, gamma)
+        elimination.start_rows(RATES, loops, closures, gamma)
     for i in range(n - 1, -1, -1):
         if loops is not None and loops.closed[i, 0] < loops.closed[i, 1]:
-            condense(RATES, loops, closures, i, load[i])
+            elimination.condense(RATES, loops, closures, i, load[i])
         m = tree.mass_factor[i]
         s = tree.row_factor[i]
         jac = rows.jacobian[i, 0]
@@ -125,7 +119,7 @@ def solve_tree(model, work, loops, gamma, acceleration, multiplier):
         multiplier[i, 1] = u1
         multiplier[i, 2] = u2
         if loops is not None and loops.entry[i] < loops.entry[i + 1]:
-            take_free(RATES, loops, closures, i, load[i], gamma[i])
+            elimination.take_free(RATES, loops, closures, i, load[i], gamma[i])
         p = bodies.parent[i]
         if p == n:
             continue
@@ -133,8 +127,8 @@ def solve_tree(model, work, loops, gamma, acceleration, multiplier):
         for c in range(3):
             load[p, c] -= far[0, c] * u0 + far[1, c] * u1 + far[2, c] * u2
     if loops is not None:
-        condense(RATES, loops, closures, n, load[n])
-        substitute(RATES, loops, closures, n, acceleration[n], multiplier)
+        elimination.condense(RATES, loops, closures, n, load[n])
+        elimination.substitute(RATES, loops, closures, n, acceleration[n], multiplier)
     for i in range(n):
         p = bodies.parent[i]
         if p != n:
@@ -147,6 +141,51 @@ def solve_tree(model, work, loops, gamma, acceleration, multiplier):
                 )
         _put_answer(tree, i, multiplier[i], acceleration[i])
         if loops is not None and loops.entry[i] < loops.entry[i + 1]:
-            take_closures(RATES, loops, closures, i, acceleration[i], multiplier[i])
+            elimination.take_closures(RATES, loops, closures, i, acceleration[i], multiplier[i])
         if loops is not None and loops.closed[i, 0] < loops.closed[i, 1]:
-            substitute(RATES, loops, closures, i, acceleration[i], multiplier)
+            elimination.substitute(RATES, loops, closures, i, acceleration[i], multiplier)
+
+
+# --- closures of loops (mbs_ref.kernels.rigid.elimination) ------------------------------------------
+
+
+@jit
+def row_mobility(model, work, slot, row):
+    """Return G M^-1 G^T of one row, the bodies taken as free."""
+    bodies, slots, rows = bodies_of(model), slots_of(model), rows_of(work)
+    n = bodies.mass.shape[0]
+    total = 0.0
+    for side in range(2):
+        body = slots.body[slot, side]
+        if body < n:
+            g = rows.jacobian[slot, side, row]
+            if g[0] == 0.0 and g[1] == 0.0 and g[2] == 0.0:
+                continue  # an open contact's: most are
+            total += (g[0] * g[0] + g[1] * g[1]) / bodies.mass[body] + g[2] * g[2] / bodies.inertia[body]
+    return total
+
+
+@placed
+def pass_closure(model, work, i, here, there, count):
+    for r in range(count):
+        _pass_row(model, work, i, here, there, r)
+
+
+@placed
+def _pass_row(model, work, i, here, there, r):
+    tree, closures = tree_of(work), closures_of(work)
+    m, s, lift, transfer = tree.mass_factor[i], tree.row_factor[i], tree.lift[i], tree.transfer[i]
+    joint, column = closures.joint[here], closures.column[here]
+    p0, p1, p2 = closures.passed[here, 0, r], closures.passed[here, 1, r], closures.passed[here, 2, r]
+    w0 = lift[0, 0] * p0 + lift[1, 0] * p1 + lift[2, 0] * p2
+    w1 = lift[0, 1] * p0 + lift[1, 1] * p1 + lift[2, 1] * p2
+    w2 = lift[0, 2] * p0 + lift[1, 2] * p1 + lift[2, 2] * p2
+    if there >= 0:
+        for c in range(3):
+            closures.passed[there, c, r] -= transfer[0, c] * w0 + transfer[1, c] * w1 + transfer[2, c] * w2
+    v0, v1, v2 = ldl3_solve(m[0], m[1], m[2], m[3], m[4], m[5], p0, p1, p2)
+    u0, u1, u2 = ldl3_solve(s[0], s[1], s[2], s[3], s[4], s[5], w0, w1, w2)
+    joint[0, r], joint[1, r], joint[2, r] = u0, u1, u2
+    column[0, r] = v0 - (lift[0, 0] * u0 + lift[0, 1] * u1 + lift[0, 2] * u2)
+    column[1, r] = v1 - (lift[1, 0] * u0 + lift[1, 1] * u1 + lift[1, 2] * u2)
+    column[2, r] = v2 - (lift[2, 0] * u0 + lift[2, 1] * u1 + lift[2, 2] * u2)

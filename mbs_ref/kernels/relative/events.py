@@ -6,19 +6,32 @@ from collections.abc import Callable
 from typing import Any
 
 from mbs_ref.kernels.border import questions as ask
+from mbs_ref.kernels.border.handles import Model, Work
 from mbs_ref.kernels.jit import jit
-from mbs_ref.kernels.relative.model import inner_model, inner_work, told_of
+from mbs_ref.kernels.relative.model import redundant_of, told_of
+
+
+@jit
+def _inner_model(model):
+    """Return the redundant system's model."""
+    return Model(redundant_of(model).address[0])
+
+
+@jit
+def _inner_work(model):
+    """Return the redundant system's scratch."""
+    return Work(redundant_of(model).address[1])
 
 
 @jit
 def _root_count(model):
-    return ask.root_count(inner_model(model))
+    return ask.root_count(_inner_model(model))
 
 
 @jit
 def _roots(model, work, t, y, g, rate):
     ask.tell(model, work, y)
-    ask.roots(inner_model(model), inner_work(model), t, told_of(work).state, g, rate)
+    ask.roots(_inner_model(model), _inner_work(model), t, told_of(work).state, g, rate)
 
 
 @jit
@@ -26,7 +39,7 @@ def _transition(model, work, t, span, y, g, dy):
     """Let the redundant system change its modes, and take over the velocities that an impulse changed."""
     ask.tell(model, work, y)
     told = told_of(work)
-    answer = ask.transition(inner_model(model), inner_work(model), t, span, told.state, g, told.slope)
+    answer = ask.transition(_inner_model(model), _inner_work(model), t, span, told.state, g, told.slope)
     ask.take_velocities(model, work, y)
     return answer
 
@@ -34,13 +47,32 @@ def _transition(model, work, t, span, y, g, dy):
 @jit
 def _start_modes(model, work, t, y, located):
     ask.tell(model, work, y)
-    ask.start_modes(inner_model(model), inner_work(model), t, told_of(work).state, located)
+    ask.start_modes(_inner_model(model), _inner_work(model), t, told_of(work).state, located)
 
 
 @jit
 def _contact_mobility(model, work, t, y, k):
     ask.tell(model, work, y)
-    return ask.contact_mobility(inner_model(model), inner_work(model), t, told_of(work).state, k)
+    return ask.contact_mobility(_inner_model(model), _inner_work(model), t, told_of(work).state, k)
+
+
+@jit
+def tell_over(model, work, states, out):
+    """Write the redundant system's state of each state (n, n_state) to out (n, n_told)."""
+    told = told_of(work).state
+    for k in range(states.shape[0]):
+        ask.tell(model, work, states[k])
+        out[k] = told
+
+
+@jit
+def take_velocities_over(model, work, told, states):
+    """Write to each state (n, n_state), of given coordinates, the rates that the redundant ones (n, n_told) mean."""
+    place = told_of(work).state
+    for k in range(states.shape[0]):
+        ask.tell(model, work, states[k])
+        place[:] = told[k]
+        ask.take_velocities(model, work, states[k])
 
 
 PASSED_ON: dict[str, Callable[..., Any]] = {

@@ -85,8 +85,9 @@ def derivative_in_lanes(tree, y, dy):
         in_lanes(shared.arm_of_parent), in_lanes(shared.axis), in_lanes(shared.offset),
     )  # fmt: skip
     bodies = Bodies(
-        in_lanes(tree.bodies.mass), in_lanes(tree.bodies.inertia), tree.bodies.scene_index, tree.bodies.parent
-    )
+        in_lanes(tree.bodies.mass), in_lanes(tree.bodies.inertia), tree.bodies.scene_index, tree.bodies.q,
+        tree.bodies.v, tree.bodies.parent,
+    )  # fmt: skip
     links = Links(
         in_lanes(tree.links.velocity), in_lanes(tree.links.apart), tree.turns, in_lanes(tree.links.freedom),
         in_lanes(tree.links.bias),

@@ -8,8 +8,7 @@ from __future__ import annotations
 from typing import Annotated, NamedTuple
 
 from mbs_ref.kernels.border.groups import Floats, Ints
-from mbs_ref.kernels.border.handles import Model, Work, accessor
-from mbs_ref.kernels.jit import jit
+from mbs_ref.kernels.border.handles import accessor, handle_of
 
 FREE, REVOLUTE, PRISMATIC, WELD, SPHERICAL, HELD = range(6)  # HELD: a particle at a joint's point
 
@@ -72,20 +71,18 @@ class RelativeScratch(NamedTuple):
     told: Told
 
 
-joints_of = accessor(RelativeGroups, "joints")
-redundant_of = accessor(RelativeGroups, "redundant")
-links_of = accessor(RelativeScratch, "links")
-recursion_of = accessor(RelativeScratch, "recursion")
-told_of = accessor(RelativeScratch, "told")
+@handle_of(RelativeGroups)
+class TreeModel(NamedTuple):
+    address: int
 
 
-@jit
-def inner_model(model):
-    """Return the redundant system's model."""
-    return Model(redundant_of(model).address[0])
+@handle_of(RelativeScratch)
+class TreeWork(NamedTuple):
+    address: int
 
 
-@jit
-def inner_work(model):
-    """Return the redundant system's scratch."""
-    return Work(redundant_of(model).address[1])
+joints_of = accessor("joints")
+redundant_of = accessor("redundant")
+links_of = accessor("links")
+recursion_of = accessor("recursion")
+told_of = accessor("told")

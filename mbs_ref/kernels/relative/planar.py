@@ -13,28 +13,38 @@ from mbs_ref.kernels.algebra.ldl import ldl3, ldl3_solve
 from mbs_ref.kernels.algebra.turning import cos_sin
 from mbs_ref.kernels.border import questions as ask
 from mbs_ref.kernels.jit import bare, inlined, jit
-from mbs_ref.kernels.planar.model import bodies_of, kinematics_of
+from mbs_ref.kernels.planar.core import PlanarModel, PlanarWork
 from mbs_ref.kernels.planar.vectors import left, minus, pair, plus, times, turn
 from mbs_ref.kernels.relative.model import (
     FREE,
     HELD,
     PRISMATIC,
     REVOLUTE,
-    inner_model,
-    inner_work,
     joints_of,
     links_of,
     recursion_of,
+    redundant_of,
     told_of,
 )
+from mbs_ref.kernels.rigid.model import bodies_of, kinematics_of
 
 ORIGIN = (0.0, 0.0)
 
 
 @jit
+def _redundant_model(model):
+    return PlanarModel(redundant_of(model).address[0])
+
+
+@jit
+def _redundant_work(model):
+    return PlanarWork(redundant_of(model).address[1])
+
+
+@jit
 def place_planar(model, work, y):
     """Write every body's pose and motion to the redundant system's scratch, and the joints' links."""
-    place_tree(joints_of(model), links_of(work), kinematics_of(inner_work(model)), y)
+    place_tree(joints_of(model), links_of(work), kinematics_of(_redundant_work(model)), y)
 
 
 @bare
@@ -99,32 +109,13 @@ def _put_joined(joints, links, kin, y, i):
 def tell_planar(model, work, y):
     """Place the tree at y and write the redundant system's state to `told`."""
     place_planar(model, work, y)
-    told, bodies, kin = told_of(work), bodies_of(inner_model(model)), kinematics_of(inner_work(model))
+    told, bodies, kin = told_of(work), bodies_of(_redundant_model(model)), kinematics_of(_redundant_work(model))
     n = bodies.mass.shape[0]
     for i in range(n):
         k = 3 * bodies.scene_index[i]
         told.state[k], told.state[k + 1], told.state[k + 2] = kin.pose[i, 0], kin.pose[i, 1], kin.motion[i, 3]
         for c in range(3):
             told.state[3 * n + k + c] = kin.motion[i, c]
-
-
-@jit
-def tell_planar_over(model, work, states, out):
-    """Write the redundant system's state of each state (n, n_state) to out (n, n_told)."""
-    told = told_of(work).state
-    for k in range(states.shape[0]):
-        tell_planar(model, work, states[k])
-        out[k] = told
-
-
-@jit
-def take_planar_velocities_over(model, work, told, states):
-    """Write to each state (n, n_state), of given coordinates, the rates that the redundant ones (n, n_told) mean."""
-    place = told_of(work).state
-    for k in range(states.shape[0]):
-        tell_planar(model, work, states[k])
-        place[:] = told[k]
-        take_planar_velocities(model, work, states[k])
 
 
 @inlined
@@ -196,8 +187,8 @@ def _load_blocks(bodies, kin, rec):
 def relative_planar_derivative(model, work, t, y, dy):
     """Write dy/dt = [u, u']."""
     place_planar(model, work, y)
-    ask.apply_loads(inner_model(model), inner_work(model), t)
-    bodies, kin = bodies_of(inner_model(model)), kinematics_of(inner_work(model))
+    ask.apply_loads(_redundant_model(model), _redundant_work(model), t)
+    bodies, kin = bodies_of(_redundant_model(model)), kinematics_of(_redundant_work(model))
     release_tree(joints_of(model), links_of(work), bodies, kin, recursion_of(work), y, dy)
 
 
@@ -219,7 +210,7 @@ def release_tree(joints, links, bodies, kin, rec, y, dy):
 @jit
 def take_planar_velocities(model, work, y):
     """Write to y the rates that the velocities in `told` mean, at the places that were last written."""
-    joints, links, told, bodies = joints_of(model), links_of(work), told_of(work), bodies_of(inner_model(model))
+    joints, links, told, bodies = joints_of(model), links_of(work), told_of(work), bodies_of(_redundant_model(model))
     n = bodies.mass.shape[0]
     for i in range(n):
         k, parent, v, own = 3 * (n + bodies.scene_index[i]), joints.parent[i], joints.v[i], links.velocity[i]

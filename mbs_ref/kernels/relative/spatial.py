@@ -18,18 +18,29 @@ from mbs_ref.kernels.relative.model import (
     REVOLUTE,
     SPHERICAL,
     WELD,
-    inner_model,
-    inner_work,
     joints_of,
     links_of,
     recursion_of,
+    redundant_of,
     told_of,
 )
-from mbs_ref.kernels.spatial.model import RATES, bodies_of, kinematics_of
+from mbs_ref.kernels.rigid.model import bodies_of, kinematics_of
+from mbs_ref.kernels.spatial.core import SpatialModel, SpatialWork
+from mbs_ref.kernels.spatial.model import RATES
 from mbs_ref.kernels.spatial.orientation import parameters, put_parameters, rotation, theta_rate, world_inertia
 from mbs_ref.kernels.spatial.vectors import add, cross, dot, minus, negative, plus, put, times, triple, turn, turn_back
 
 NOTHING = (0.0, 0.0, 0.0)
+
+
+@jit
+def _redundant_model(model):
+    return SpatialModel(redundant_of(model).address[0])
+
+
+@jit
+def _redundant_work(model):
+    return SpatialWork(redundant_of(model).address[1])
 
 
 @jit
@@ -47,7 +58,7 @@ def _composed(p, q):
 def place_spatial(model, work, y):
     """Write every body's pose and motion to the redundant system's scratch, and the joints' links."""
     joints, links = joints_of(model), links_of(work)
-    bodies, kin = bodies_of(inner_model(model)), kinematics_of(inner_work(model))
+    bodies, kin = bodies_of(_redundant_model(model)), kinematics_of(_redundant_work(model))
     for i in range(joints.kind.shape[0]):
         own = links.velocity[i]
         if bodies.rigid[i] == 1:
@@ -133,7 +144,7 @@ def _put_joined(joints, links, kin, y, i):
 def tell_spatial(model, work, y):
     """Place the tree at y and write the redundant system's state to `told`."""
     place_spatial(model, work, y)
-    told, bodies, kin = told_of(work), bodies_of(inner_model(model)), kinematics_of(inner_work(model))
+    told, bodies, kin = told_of(work), bodies_of(_redundant_model(model)), kinematics_of(_redundant_work(model))
     for i in range(bodies.mass.shape[0]):
         put(told.state, bodies.q[i], kin.position[i])
         put(told.state, bodies.v[i], kin.velocity[i])
@@ -278,7 +289,7 @@ def _release(joints, links, kin, rec, i):
 
 @jit
 def _load_blocks(model, work):
-    bodies, kin, rec = bodies_of(inner_model(model)), kinematics_of(inner_work(model)), recursion_of(work)
+    bodies, kin, rec = bodies_of(_redundant_model(model)), kinematics_of(_redundant_work(model)), recursion_of(work)
     for i in range(bodies.mass.shape[0]):
         a, j = rec.articulated[i], kin.inertia[i]
         for r in RATES:
@@ -295,8 +306,9 @@ def _load_blocks(model, work):
 def relative_spatial_derivative(model, work, t, y, dy):
     """Write dy/dt: lengths, angles and theta' = E^T omega / 2, then u'."""
     place_spatial(model, work, y)
-    ask.apply_loads(inner_model(model), inner_work(model), t)
-    joints, links, rec, kin = joints_of(model), links_of(work), recursion_of(work), kinematics_of(inner_work(model))
+    ask.apply_loads(_redundant_model(model), _redundant_work(model), t)
+    joints, links, rec = joints_of(model), links_of(work), recursion_of(work)
+    kin = kinematics_of(_redundant_work(model))
     n = joints.kind.shape[0]
     _load_blocks(model, work)
     for i in range(n - 1, -1, -1):
@@ -354,8 +366,8 @@ def relative_spatial_project(model, work, t, y, tolerance, most):
 @jit
 def take_spatial_velocities(model, work, y):
     """Write to y the rates that the velocities in `told` mean, at the places that were last written."""
-    joints, links, told, bodies = joints_of(model), links_of(work), told_of(work), bodies_of(inner_model(model))
-    kin = kinematics_of(inner_work(model))
+    joints, links, told, bodies = joints_of(model), links_of(work), told_of(work), bodies_of(_redundant_model(model))
+    kin = kinematics_of(_redundant_work(model))
     for i in range(bodies.mass.shape[0]):
         own, of_parent, v = links.velocity[i], links.velocity[joints.parent[i]], joints.v[i]
         put(own, 0, triple(told.state, bodies.v[i]))

@@ -25,7 +25,9 @@ that the compiler knows. Rows that a closure does not have are zero.
 
 from __future__ import annotations
 
-from mbs_ref.kernels.jit import inlined, placed
+from mbs_ref.kernels.jit import jit, placed
+from mbs_ref.kernels.rigid.geometry import block, pass_closure, row_mobility
+from mbs_ref.kernels.rigid.model import closures_of, loops_of, rows_of, tree_of
 
 RANK_TOLERANCE = 1e-13  # of a pivot against the row's mobility without joints
 
@@ -46,13 +48,14 @@ def rows_times(block, body, jacobian, acceleration, out):
 # --- factor -----------------------------------------------------------------------------------------
 
 
-@inlined
-def begin_by(model, work, row_mobility, block, loops, closures, jacobian):
-    """Put the rows of closures where their paths begin; row_mobility(model, work, slot, row) is without joints."""
+@jit
+def begin_closures(model, work):
+    """Put the closures' rows where their paths begin."""
+    loops, closures = loops_of(model), closures_of(work)
     for k in range(loops.slot.shape[0]):
         for r in range(loops.count[k]):
             closures.scale[k, r] = row_mobility(model, work, loops.slot[k], r)
-    start_closures(block, loops, closures, jacobian)
+    start_closures(block(model), loops, closures, rows_of(work).jacobian)
 
 
 @placed
@@ -114,17 +117,14 @@ def _clear(block, target):
             target[r, c] = 0.0
 
 
-@inlined
-def pass_by(model, work, i, pass_closure, block, loops, closures):
-    """Condense body i under the closures that pass it: their rows go on to its parent.
-
-    pass_closure(model, work, i, here, there, count) fills `column` and `joint` at the place `here`, and takes what goes
-    on from the place `there`, -1 for ground.
-    """
+@jit
+def pass_rows(model, work, i):
+    """Condense body i under the closures that pass it: their rows go on to its parent."""
+    loops, closures = loops_of(model), closures_of(work)
     for j in range(closures.entry[i], closures.entry[i + 1]):
         e = closures.passing[j]
         pass_closure(model, work, i, loops.here[e], loops.next[e], loops.count[loops.passing[e]])
-    couple(block, loops, closures, i)
+    couple(block(model), loops, closures, i)
 
 
 @placed
@@ -282,6 +282,12 @@ def eliminate(block, loops, closures, body, articulated):
             _update_met(block, loops, closures, k)
             if loops.summit[k] >= 0:
                 _update_apex(block, loops, closures, k, articulated)
+
+
+@jit
+def eliminate_closures(model, work, i):
+    """Eliminate the closures whose apex is body i, or ground."""
+    eliminate(block(model), loops_of(model), closures_of(work), i, tree_of(work).articulated[i])
 
 
 # --- solve ------------------------------------------------------------------------------------------

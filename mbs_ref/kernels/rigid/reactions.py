@@ -7,8 +7,8 @@ from typing import NamedTuple
 import numpy as np
 
 from mbs_ref.kernels.border.questions import derivative
-from mbs_ref.kernels.controls import CONTROL_MODE_TIME
 from mbs_ref.kernels.jit import loop_jit, strict_jit
+from mbs_ref.kernels.rigid.model import CONTROL_MODE_TIME
 
 
 class JointRows(NamedTuple):

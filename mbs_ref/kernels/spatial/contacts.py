@@ -1,8 +1,6 @@
-"""Contact forces in space, in the frozen mode of each contact or clipped by the state.
+"""Shapes that touch in space: where and how they meet, and the rows of their gap.
 
-The force acts on both bodies at the sphere's deepest point, so momentum is kept to roundoff. Where a contact
-slides, friction opposes the slip velocity in the tangent plane; where it sticks, two springs along the plane's
-edges carry it, and their deflections are states: how far a rolling sphere has slipped is no function of its pose.
+gap = n . (c - o) - r with n fixed in body b for a plane, gap = |c - o| - r for two spheres.
 """
 
 from __future__ import annotations
@@ -10,36 +8,13 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
-from mbs_ref.kernels.contact.laws import (
-    ENDS_CAPPED,
-    ENDS_OPEN,
-    FRICTION_NONE,
-    FRICTION_SMOOTH,
-    GRIP_PROBE,
-    GRIP_STICK,
-    MODE_CLOSED,
-    MODE_PLAIN,
-    RELEASE_FORCE,
-    normal_force,
-)
-from mbs_ref.kernels.contact.near_pairs import refresh
-from mbs_ref.kernels.jit import jit
-from mbs_ref.kernels.spatial.marks import push
-from mbs_ref.kernels.spatial.model import (
-    PAIR_PLANE,
-    contact_laws_of,
-    contact_modes_of,
-    contact_pairs_of,
-    grips_of,
-    kinematics_of,
-    near_pairs_of,
-)
-from mbs_ref.kernels.spatial.vectors import cross, dot, minus, negative, over, plus, put, times, turn
+import numpy as np
 
-# Below this many times `modes.slow` the direction of sliding is the frozen one. A step that ends where sliding stops
-# evaluates friction there; across the slip, its derivative mu N / (m v) turns roundoff of eps into eps / v, which has
-# to stay far below `slow`: with v = 1e3 slow it is 1e-2 slow.
-SLUGGISH = 1e3
+from mbs_ref.kernels.contact.laws import ENDS_CAPPED, ENDS_OPEN, PAIR_FLAT
+from mbs_ref.kernels.jit import bare
+from mbs_ref.kernels.rigid.model import contact_pairs_of, kinematics_of, tree_of
+from mbs_ref.kernels.spatial.marks import inward, separation
+from mbs_ref.kernels.spatial.vectors import cross, dot, minus, over, plus, times, triple, turn
 
 
 class Touch(NamedTuple):
@@ -56,7 +31,7 @@ class Touch(NamedTuple):
     edge_2: Any
 
 
-@jit
+@bare
 def _on_plane(pairs, k, x, e, f, n):
     """Return the gap, the outward normal and how far the centre is beyond an open end."""
     along, across, above = dot(x, e), dot(x, f), dot(x, n)
@@ -73,7 +48,7 @@ def _on_plane(pairs, k, x, e, f, n):
     return above - pairs.radius[k], n, -1.0
 
 
-@jit
+@bare
 def _on_sphere(pairs, k, x, n):
     distance = math.sqrt(dot(x, x))
     if distance == 0.0:
@@ -81,7 +56,7 @@ def _on_sphere(pairs, k, x, n):
     return distance - pairs.radius[k] - pairs.half[k, 0], over(x, distance), -1.0
 
 
-@jit
+@bare
 def _places(pairs, kin, k):
     """Return the way between the bodies, the arm of the sphere's centre, and the way to it from the other's origin."""
     a, b = pairs.a[k], pairs.b[k]
@@ -90,7 +65,7 @@ def _places(pairs, kin, k):
     return apart, c, minus(plus(apart, c), turn(kin.turned[b], pairs.origin[k]))
 
 
-@jit
+@bare
 def contact_geometry(model, work, k):
     """Return the Touch of a pair."""
     pairs, kin = contact_pairs_of(model), kinematics_of(work)
@@ -99,7 +74,7 @@ def contact_geometry(model, work, k):
     e = turn(kin.turned[b], pairs.axes[k, 0])
     f = turn(kin.turned[b], pairs.axes[k, 1])
     n = turn(kin.turned[b], pairs.axes[k, 2])
-    if pairs.kind[k] == PAIR_PLANE:
+    if pairs.kind[k] == PAIR_FLAT:
         gap, n, beyond = _on_plane(pairs, k, x, e, f, n)
     else:
         gap, n, beyond = _on_sphere(pairs, k, x, n)
@@ -111,7 +86,7 @@ def contact_geometry(model, work, k):
     return Touch(gap, closing, beyond, n, minus(u, times(closing, n)), on_a, on_b, e, f)
 
 
-@jit
+@bare
 def leaving_ends(model, work, k):
     """Return the rate (m/s) of the excess over open ends of a plane."""
     pairs, kin = contact_pairs_of(model), kinematics_of(work)
@@ -126,125 +101,28 @@ def leaving_ends(model, work, k):
     return math.copysign(1.0, across) * dot(u, f)
 
 
-@jit
-def slip_along(touch):
-    """Return the slip velocity along the plane's edges, m/s."""
-    return dot(touch.slip, touch.edge_1), dot(touch.slip, touch.edge_2)
+@bare
+def gap_rows(model, touch):
+    n, p, q = touch.normal, cross(touch.arm_a, touch.normal), cross(touch.arm_b, touch.normal)
+    return (n[0], n[1], n[2], p[0], p[1], p[2]), (-n[0], -n[1], -n[2], -q[0], -q[1], -q[2])
 
 
-@jit
-def is_behind(pairs, k, gap):
-    """Return whether a depth is more than the surface is thick."""
-    return pairs.kind[k] == PAIR_PLANE and -gap > pairs.thickness[k]
+@bare
+def gap_response(model, work, k, touch):
+    pairs, n, response = contact_pairs_of(model), touch.normal, tree_of(work).acceleration
+    p, q = cross(touch.arm_a, n), cross(touch.arm_b, n)
+    x, z = response[pairs.a[k]], response[pairs.b[k]]
+    return dot(n, x) + dot(p, triple(x, 3)) - dot(n, z) - dot(q, triple(z, 3))
 
 
-@jit
-def _slide(laws, modes, k, normal, along, across):
-    """Return mu N against the slip velocity.
-
-    Smooth through a stop: the slip along the frozen direction counts as positive, and as no less than SLUGGISH.
-    """
-    d0 = modes.anchor[k, 0]
-    d1 = modes.anchor[k, 1]
-    ahead = d0 * along + d1 * across
-    aside0 = along - ahead * d0
-    aside1 = across - ahead * d1
-    ahead = max(abs(ahead), SLUGGISH * modes.slow[0])
-    scale = -laws.coefficient[k] * normal / math.sqrt(ahead * ahead + aside0 * aside0 + aside1 * aside1)
-    return scale * (ahead * d0 + aside0), scale * (ahead * d1 + aside1)
-
-
-@jit
-def grip_force(laws, modes, grips, pairs, k, normal, along, across):
-    """Return stick-slip friction on body a along the plane's edges, N."""
-    grip = modes.grip[k]
-    if grip == GRIP_PROBE:
-        return modes.anchor[k, 0], modes.anchor[k, 1]
-    if grip == GRIP_STICK:
-        spring = grips.deflection[pairs.deflection[k]]
-        stiffness, damping = laws.grip_stiffness[k], laws.grip_damping[k]
-        return -stiffness * spring[0] - damping * along, -stiffness * spring[1] - damping * across
-    return _slide(laws, modes, k, normal, along, across)
-
-
-@jit
-def friction_force(laws, modes, grips, pairs, k, normal, touch):
-    """Return the friction on body a, world axes, N."""
-    if laws.friction[k] == FRICTION_NONE:
-        return 0.0, 0.0, 0.0
-    if laws.friction[k] == FRICTION_SMOOTH:
-        speed = math.sqrt(dot(touch.slip, touch.slip))
-        ratio = speed / laws.creep[k]
-        share = 1.0 / laws.creep[k] if ratio < 1e-8 else math.tanh(ratio) / speed
-        return times(share * (-laws.coefficient[k] * normal), touch.slip)
-    along, across = slip_along(touch)
-    p, q = grip_force(laws, modes, grips, pairs, k, normal, along, across)
-    return plus(times(p, touch.edge_1), times(q, touch.edge_2))
-
-
-@jit
-def find_near(model, work):
-    """Bring the list of near pairs up to the pose in `work`."""
-    near, kin = near_pairs_of(model), kinematics_of(work)
-    for s in range(near.body.shape[0]):
-        body = near.body[s]
-        put(near.place[s], 0, plus(kin.position[body], turn(kin.turned[body], near.center[s])))
-    refresh(near, contact_modes_of(model))
-
-
-@jit
-def is_touching(pairs, modes, k, touch):
-    """Return whether the contact has a force: by its frozen mode, or in the plain mode by the state."""
-    if modes.mode[k] == MODE_PLAIN:
-        return touch.gap < 0.0 and touch.beyond <= 0.0 and not is_behind(pairs, k, touch.gap)
-    return modes.mode[k] == MODE_CLOSED
-
-
-@jit
-def contact_force(model, work, k, touch):
-    """Return the force on body a of a contact that touches, world axes, N."""
-    pairs, laws, modes = contact_pairs_of(model), contact_laws_of(model), contact_modes_of(model)
-    normal = normal_force(laws, modes, k, -touch.gap, -touch.closing)
-    if modes.mode[k] == MODE_PLAIN and laws.release[k] == RELEASE_FORCE:
-        normal = max(normal, 0.0)
-    friction = friction_force(laws, modes, grips_of(work), pairs, k, normal, touch)
-    return plus(times(normal, touch.normal), friction)
-
-
-@jit
-def spatial_apply_contacts(model, work):
-    """Add the forces of every contact that is closed."""
-    pairs = contact_pairs_of(model)
-    if pairs.kind.shape[0] == 0:
-        return
-    modes, kin, near = contact_modes_of(model), kinematics_of(work), near_pairs_of(model)
-    if modes.roots[0] == 0 or near.stale[0] == 1:  # while modes are frozen, what touches is in the list already
-        find_near(model, work)
-    for place in range(near.count[0]):
-        k = near.pair[place]
-        if modes.mode[k] != MODE_CLOSED and modes.mode[k] != MODE_PLAIN:
-            continue
-        touch = contact_geometry(model, work, k)
-        if not is_touching(pairs, modes, k, touch):
-            continue
-        force = contact_force(model, work, k, touch)
-        push(kin, pairs.a[k], touch.arm_a, force)
-        push(kin, pairs.b[k], touch.arm_b, negative(force))
-
-
-@jit
-def spatial_fill_deflection_rates(model, work, dy):
-    """Write the rates of the sticking deflections: the slip velocity while a contact sticks, else none."""
-    count = grips_of(work).deflection.shape[0]
-    if count == 0:
-        return
-    pairs, modes = contact_pairs_of(model), contact_modes_of(model)
-    first = dy.shape[0] - 2 * count
-    for k in range(pairs.kind.shape[0]):
-        if pairs.deflection[k] < 0:
-            continue
-        place = first + 2 * pairs.deflection[k]
-        dy[place] = 0.0
-        dy[place + 1] = 0.0
-        if modes.mode[k] == MODE_CLOSED and modes.grip[k] == GRIP_STICK:
-            dy[place], dy[place + 1] = slip_along(contact_geometry(model, work, k))
+@bare
+def gap_gamma(model, work, k, touch):
+    pairs, kin, n = contact_pairs_of(model), kinematics_of(work), touch.normal
+    a, b = pairs.a[k], pairs.b[k]
+    apart = separation(work, b, a, pairs.origin[k], pairs.center[k])
+    surplus = dot(n, inward(work, b, a, apart))
+    if pairs.kind[k] == PAIR_FLAT:
+        turning = cross(kin.omega[b], n)
+        return surplus - 2.0 * dot(turning, apart.rate) - dot(cross(kin.omega[b], turning), apart.gap)
+    along = dot(n, apart.rate)
+    return surplus - (dot(apart.rate, apart.rate) - along * along) / np.sqrt(dot(apart.gap, apart.gap))

@@ -1,74 +1,42 @@
-"""The spatial system as an ODE, its constraints, and their coordinate projection.
+"""The state of a spatial scene, and its rates.
 
 State y = [q, u, s] in scene order: q = R, theta0..theta3 of a rigid body and R of a point mass, u = R', omega
 and R', s the deflections of contacts that can stick. The state holds omega in body axes: on a free top at rtol
 1e-12 that is 500 times more accurate than in world axes, where a steady spin already moves omega; everything
-else is in world axes. The index-3 DAE is reduced to its underlying ODE (Fox 1999 eq 9; Fox 2001 eq 19),
-optionally with Baumgarte's terms.
-theta^T theta = 1 is part of C; its multiplier and the four parameters are eliminated exactly (see `tree`),
-and projection restores it.
+else is in world axes. theta^T theta = 1 is part of C; its multiplier and the four parameters are eliminated exactly
+(see `tree`), and projection restores it.
 """
 
 from __future__ import annotations
 
-from mbs_ref.kernels.border.questions import accelerate, fill_deflection_rates, fill_rows
+from mbs_ref.kernels.border.questions import accelerate, fill_deflection_rates
 from mbs_ref.kernels.jit import jit
+from mbs_ref.kernels.rigid.dynamics import correct_rates, is_solved, respond
 from mbs_ref.kernels.rigid.elimination import rows_times
-from mbs_ref.kernels.rigid.reduction import project_by, reduce_to_accelerations, refine_by, respond
-from mbs_ref.kernels.rows import (
-    copy_rows,
-    largest_entry,
-)
+from mbs_ref.kernels.rigid.model import bodies_of, kinematics_of, rows_of, slots_of, tree_of
 from mbs_ref.kernels.spatial.joints import leave_slips
-from mbs_ref.kernels.spatial.model import (
-    RATES,
-    bodies_of,
-    closures_of,
-    kinematics_of,
-    loops_of,
-    rows_of,
-    slots_of,
-    tree_of,
-    world_of,
-)
-from mbs_ref.kernels.spatial.orientation import (
-    load_state,
-    parameters,
-    put_parameters,
-    theta_rate,
-    turn_theta,
-    turning_of,
-)
-from mbs_ref.kernels.spatial.tree import factor_tree, solve_tree
-from mbs_ref.kernels.spatial.vectors import add, minus, put, symmetric_times, triple, turn, turn_back
+from mbs_ref.kernels.spatial.model import RATES
+from mbs_ref.kernels.spatial.orientation import parameters, put_parameters, theta_rate, turn_theta, turning_of
+from mbs_ref.kernels.spatial.vectors import add, dot, minus, put, symmetric_times, times, triple, turn, turn_back
 
 
 @jit
-def spatial_factor(model, work):
-    """Factor the augmented matrix at the Jacobians in `work`."""
-    factor_tree(model, work, loops_of(model))
+def block(model):
+    return RATES
 
 
 @jit
-def spatial_solve(model, work, gamma):
-    """Solve the augmented system for the tree's load and `gamma` into its acceleration and the multipliers."""
-    solve_tree(model, work, loops_of(model), gamma, tree_of(work).acceleration, rows_of(work).multiplier)
+def position_count(model):
+    """Return the entries of the state that are positions and orientations; rates follow."""
+    rigid = bodies_of(model).rigid
+    total = 0
+    for i in range(rigid.shape[0]):
+        total += 7 if rigid[i] == 1 else 3
+    return total
 
 
 @jit
-def spatial_factor_open(model, work):
-    """The same of a tree without closed loops."""
-    factor_tree(model, work, None)
-
-
-@jit
-def spatial_solve_open(model, work, gamma):
-    """The same of a tree without closed loops."""
-    solve_tree(model, work, None, gamma, tree_of(work).acceleration, rows_of(work).multiplier)
-
-
-@jit
-def _leave_inertia(model, work, acceleration, load):
+def subtract_inertia(model, work, acceleration, load):
     """Write f - M a into load."""
     bodies, kin = bodies_of(model), kinematics_of(work)
     for i in range(bodies.mass.shape[0]):
@@ -78,23 +46,10 @@ def _leave_inertia(model, work, acceleration, load):
 
 
 @jit
-def _refine(model, work):
-    refine_by(model, work, _leave_inertia, slots_of(model).body, rows_of(work), tree_of(work))
-
-
-@jit
-def spatial_accelerate(model, work, t, y):
-    """Compute accelerations and multipliers at (t, y) into `work`; norms act on nothing, and need no stabilization."""
-    reduce_to_accelerations(
-        model, work, t, y, load_state, _refine,
-        world_of(model).control, kinematics_of(work).force, rows_of(work), tree_of(work), closures_of(work),
-    )  # fmt: skip
-
-
-@jit
 def spatial_derivative(model, work, t, y, dy):
     """Write dy/dt = [R', E^T omega / 2; R'', alpha]."""
-    accelerate(model, work, t, y)
+    if not is_solved(work, t, y):
+        accelerate(model, work, t, y)
     bodies, kin, acceleration = bodies_of(model), kinematics_of(work), tree_of(work).acceleration
     for i in range(bodies.mass.shape[0]):
         q = bodies.q[i]
@@ -110,27 +65,7 @@ def spatial_derivative(model, work, t, y, dy):
 
 
 @jit
-def spatial_compliance(model, work, t, y):
-    """Return max |C| with the norm constraints and max |C_dot| over all rows (m, rad; m/s, rad/s)."""
-    load_state(model, work, y)
-    fill_rows(model, work, t)
-    return max(largest_entry(rows_of(work).residual), _largest_norm(model, work)), largest_entry(rows_of(work).rate)
-
-
-@jit
-def spatial_regularity(work):
-    """Return the smallest relative closure pivot of the last factorization; 1 without closures."""
-    return closures_of(work).regularity[0]
-
-
-@jit
-def spatial_multipliers(work, lam):
-    """Copy the multipliers of the last solution into lam (n_slots, 6)."""
-    copy_rows(rows_of(work).multiplier, lam)
-
-
-@jit
-def _largest_norm(model, work):
+def largest_norm_defect(model, work):
     largest = 0.0
     norm, rigid = kinematics_of(work).norm, bodies_of(model).rigid
     for i in range(rigid.shape[0]):
@@ -140,18 +75,30 @@ def _largest_norm(model, work):
 
 
 @jit
-def _correct_rates(model, work, y):
-    """Add the correction in `work` to the rates in y."""
-    bodies, kin, acceleration = bodies_of(model), kinematics_of(work), tree_of(work).acceleration
-    for i in range(bodies.mass.shape[0]):
-        v = bodies.v[i]
-        add(y, v, acceleration[i])
-        if bodies.rigid[i] == 1:
-            add(y, v + 3, turn_back(kin.turned[i], triple(acceleration[i], 3)))
+def add_rates(model, work, i, factor, rates, out, k):
+    add(out, k, times(factor, rates))
+    if bodies_of(model).rigid[i] == 1:
+        add(out, k + 3, times(factor, turn_back(kinematics_of(work).turned[i], triple(rates, 3))))
 
 
 @jit
-def _correct_places(model, work, y):
+def world_rates(model, work, i, values, k):
+    omega = (0.0, 0.0, 0.0)
+    if bodies_of(model).rigid[i] == 1:
+        omega = turn(kinematics_of(work).turned[i], triple(values, k + 3))
+    return values[k], values[k + 1], values[k + 2], omega[0], omega[1], omega[2]
+
+
+@jit
+def plus_product(model, work, total, i, row, values, k):
+    total += dot(row, triple(values, k))
+    if bodies_of(model).rigid[i] == 1:
+        total += dot(triple(row, 3), turn(kinematics_of(work).turned[i], triple(values, k + 3)))
+    return total
+
+
+@jit
+def correct_places(model, work, y):
     """Move and turn the bodies in y by the correction in `work`."""
     bodies, acceleration = bodies_of(model), tree_of(work).acceleration
     for i in range(bodies.mass.shape[0]):
@@ -171,7 +118,7 @@ def _removed(model, work, of_places):
     rows_times(RATES, slots_of(model).body, rows.jacobian, tree.acceleration, rows.rate)
     if of_places:
         leave_slips(model, rows.rate)
-    respond(model, work, rows, tree, rows.rate)
+    respond(model, work, rows.rate)
 
 
 @jit
@@ -204,11 +151,11 @@ def spatial_tangent(model, work, x):
         if bodies.rigid[i] == 1:
             put(acceleration[i], 3, turn(kin.turned[i], triple(x, v + 3)))
     _removed(model, work, False)
-    _correct_rates(model, work, x)
+    correct_rates(model, work, 1.0, x)
 
 
 @jit
-def _normalize(model, y):
+def normalize(model, y):
     """Scale every body's Euler parameters to norm one: the orientation does not change."""
     bodies = bodies_of(model)
     for i in range(bodies.mass.shape[0]):
@@ -217,24 +164,7 @@ def _normalize(model, y):
 
 
 @jit
-def spatial_project(model, work, t, y, tolerance, most):
-    """Project positions, then velocities, onto the constraints in the mass norm; return max |C| left.
-
-    At most `most` Gauss-Newton iterations for the positions; velocities are linear and need one.
-    """
-    rows = rows_of(work)
-    _normalize(model, y)
-    load_state(model, work, y)
-    if rows.residual.shape[0] == 0 or _no_rows(model):
-        return _largest_norm(model, work)
-    left = project_by(
-        model, work, t, y, tolerance, most, load_state, _correct_places, _correct_rates, rows, tree_of(work)
-    )
-    return max(left, _largest_norm(model, work))
-
-
-@jit
-def _no_rows(model):
+def has_no_rows(model):
     alone = bodies_of(model).alone
     count = 0
     for i in range(alone.shape[0]):

@@ -1,9 +1,6 @@
-"""Joint rows in space: C, C_dot, the Jacobian blocks and gamma = -C_tt - (C_q v)_q v - 2 C_qt v.
+"""Joint rows in space: Jacobian blocks, which multiply (R', omega), products of directions, turns, rolling wheels.
 
-Every joint is made of these rows (Haug, Computer Aided Kinematics and Dynamics of Mechanical Systems, 1989,
-sec. 9.4): shared points, products of directions, points on planes, distances and prescribed turns; a wheel that rolls
-has rows on velocities alone besides. Jacobian
-blocks multiply (R', omega).
+A wheel that rolls has rows on velocities alone besides.
 """
 
 from __future__ import annotations
@@ -12,25 +9,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from mbs_ref.kernels.border.callback import call_user
-from mbs_ref.kernels.controls import CONTROL_MODE_TIME
-from mbs_ref.kernels.jit import jit
+from mbs_ref.kernels.jit import bare
+from mbs_ref.kernels.rigid.joints import bodies_of_row
+from mbs_ref.kernels.rigid.model import CONTROL_MODE_TIME, kinematics_of, rows_of, signals_of, slots_of, world_of
 from mbs_ref.kernels.signals import evaluate
-from mbs_ref.kernels.spatial.marks import centripetal, mark, separation
-from mbs_ref.kernels.spatial.model import (
-    distances_of,
-    drives_of,
-    kinematics_of,
-    planes_of,
-    points_of,
-    products_of,
-    rows_of,
-    signals_of,
-    slots_of,
-    turns_of,
-    wheels_of,
-    world_of,
-)
+from mbs_ref.kernels.spatial.marks import inward, mark
+from mbs_ref.kernels.spatial.model import products_of, turns_of, wheels_of
 from mbs_ref.kernels.spatial.vectors import cross, dot, minus, negative, over, plus, times, triple, turn
 
 NO_FORCE = (0.0, 0.0, 0.0)
@@ -44,7 +28,7 @@ class Product(NamedTuple):
     gamma: Any  # 1/s^2, the second rate without angular accelerations, negative
 
 
-@jit
+@bare
 def _place(block, row, force, torque):
     """Write one row of a Jacobian block: what multiplies R' and what multiplies omega."""
     for c in range(3):
@@ -52,37 +36,14 @@ def _place(block, row, force, torque):
         block[row, 3 + c] = torque[c]
 
 
-@jit
+@bare
 def _turn_rows(rows, slot, side, row, normal):
     """Write a row that multiplies omega_a - omega_b."""
     _place(rows.jacobian[slot, side], row, NO_FORCE, normal)
     _place(rows.jacobian[slot, 1 - side], row, NO_FORCE, negative(normal))
 
 
-@jit
-def fill_points(model, work):
-    joint, slots, kin, rows = points_of(model), slots_of(model), kinematics_of(work), rows_of(work)
-    for k in range(joint.slot.shape[0]):
-        slot, row, side = joint.slot[k], joint.row[k], joint.side_a[k]
-        a, b = slots.body[slot, side], slots.body[slot, 1 - side]
-        apart = separation(kin, a, b, joint.point_a[k], joint.point_b[k])
-        surplus = centripetal(kin, a, b, apart)
-        a0, a1, a2 = apart.arm_a
-        b0, b1, b2 = apart.arm_b
-        on_a, on_b = rows.jacobian[slot, side], rows.jacobian[slot, 1 - side]
-        _place(on_a, row, (-1.0, 0.0, 0.0), (0.0, -a2, a1))
-        _place(on_a, row + 1, (0.0, -1.0, 0.0), (a2, 0.0, -a0))
-        _place(on_a, row + 2, (0.0, 0.0, -1.0), (-a1, a0, 0.0))
-        _place(on_b, row, (1.0, 0.0, 0.0), (0.0, b2, -b1))
-        _place(on_b, row + 1, (0.0, 1.0, 0.0), (-b2, 0.0, b0))
-        _place(on_b, row + 2, (0.0, 0.0, 1.0), (b1, -b0, 0.0))
-        for c in range(3):
-            rows.residual[slot, row + c] = apart.gap[c]
-            rows.rate[slot, row + c] = apart.rate[c]
-            rows.gamma[slot, row + c] = -surplus[c]
-
-
-@jit
+@bare
 def _product(kin, a, b, e, f):
     """Return the Product of a direction of a and one of b."""
     wa, wb = kin.omega[a], kin.omega[b]
@@ -92,12 +53,11 @@ def _product(kin, a, b, e, f):
     return Product(cross(e, f), rate, -second)
 
 
-@jit
+@bare
 def fill_products(model, work):
     joint, slots, kin, rows = products_of(model), slots_of(model), kinematics_of(work), rows_of(work)
     for k in range(joint.slot.shape[0]):
-        slot, row, side = joint.slot[k], joint.row[k], joint.side_a[k]
-        a, b = slots.body[slot, side], slots.body[slot, 1 - side]
+        slot, row, side, a, b = bodies_of_row(slots, joint, k)
         e, f = turn(kin.turned[a], joint.along_a[k]), turn(kin.turned[b], joint.along_b[k])
         product = _product(kin, a, b, e, f)
         _turn_rows(rows, slot, side, row, product.normal)
@@ -106,52 +66,53 @@ def fill_products(model, work):
         rows.gamma[slot, row] = product.gamma
 
 
-@jit
-def fill_planes(model, work):
-    """n . d = 0: d(n . d)/dt = (omega_a x n) . d + n . d_dot."""
-    joint, slots, kin, rows = planes_of(model), slots_of(model), kinematics_of(work), rows_of(work)
-    for k in range(joint.slot.shape[0]):
-        slot, row, side = joint.slot[k], joint.row[k], joint.side_a[k]
-        a, b = slots.body[slot, side], slots.body[slot, 1 - side]
-        apart = separation(kin, a, b, joint.point_a[k], joint.point_b[k])
-        surplus = centripetal(kin, a, b, apart)
-        n, turning = mark(kin, a, joint.normal[k])
-        d, rate = apart.gap, apart.rate
-        _place(rows.jacobian[slot, side], row, negative(n), cross(n, plus(d, apart.arm_a)))
-        _place(rows.jacobian[slot, 1 - side], row, n, cross(apart.arm_b, n))
-        rows.residual[slot, row] = dot(n, d)
-        rows.rate[slot, row] = dot(turning, d) + dot(n, rate)
-        rows.gamma[slot, row] = -(dot(cross(kin.omega[a], turning), d) + 2.0 * dot(turning, rate) + dot(n, surplus))
+@bare
+def put_point(work, slot, side, row, apart):
+    jacobian = rows_of(work).jacobian
+    a0, a1, a2 = apart.arm_a
+    b0, b1, b2 = apart.arm_b
+    on_a, on_b = jacobian[slot, side], jacobian[slot, 1 - side]
+    _place(on_a, row, (-1.0, 0.0, 0.0), (0.0, -a2, a1))
+    _place(on_a, row + 1, (0.0, -1.0, 0.0), (a2, 0.0, -a0))
+    _place(on_a, row + 2, (0.0, 0.0, -1.0), (-a1, a0, 0.0))
+    _place(on_b, row, (1.0, 0.0, 0.0), (0.0, b2, -b1))
+    _place(on_b, row + 1, (0.0, 1.0, 0.0), (-b2, 0.0, b0))
+    _place(on_b, row + 2, (0.0, 0.0, 1.0), (b1, -b0, 0.0))
 
 
-@jit
-def fill_distances(model, work):
-    """|d| = length."""
-    joint, slots, kin, rows = distances_of(model), slots_of(model), kinematics_of(work), rows_of(work)
-    for k in range(joint.slot.shape[0]):
-        slot, row, side = joint.slot[k], joint.row[k], joint.side_a[k]
-        a, b = slots.body[slot, side], slots.body[slot, 1 - side]
-        apart = separation(kin, a, b, joint.point_a[k], joint.point_b[k])
-        length = np.sqrt(dot(apart.gap, apart.gap))
-        e = over(apart.gap, length)
-        along = dot(e, apart.rate)
-        _place(rows.jacobian[slot, side], row, negative(e), negative(cross(apart.arm_a, e)))
-        _place(rows.jacobian[slot, 1 - side], row, e, cross(apart.arm_b, e))
-        rows.residual[slot, row] = length - joint.length[k]
-        rows.rate[slot, row] = along
-        across = dot(apart.rate, apart.rate) - along * along
-        rows.gamma[slot, row] = -dot(e, centripetal(kin, a, b, apart)) - across / length
+@bare
+def put_line(work, slot, side, row, e, apart):
+    jacobian = rows_of(work).jacobian
+    _place(jacobian[slot, side], row, negative(e), negative(cross(apart.arm_a, e)))
+    _place(jacobian[slot, 1 - side], row, e, cross(apart.arm_b, e))
 
 
-@jit
+@bare
+def put_on_body(work, slot, side, row, i, point, e):
+    _place(rows_of(work).jacobian[slot, side], row, e, cross(turn(kinematics_of(work).turned[i], point), e))
+
+
+@bare
+def fill_plane(work, slot, side, row, a, b, normal, apart):
+    """d(n . d)/dt = (omega_a x n) . d + n . d_dot."""
+    kin, rows = kinematics_of(work), rows_of(work)
+    n, turning = mark(kin, a, normal)
+    d, rate, surplus = apart.gap, apart.rate, negative(inward(work, a, b, apart))
+    _place(rows.jacobian[slot, side], row, negative(n), cross(n, plus(d, apart.arm_a)))
+    _place(rows.jacobian[slot, 1 - side], row, n, cross(apart.arm_b, n))
+    rows.residual[slot, row] = dot(n, d)
+    rows.rate[slot, row] = dot(turning, d) + dot(n, rate)
+    rows.gamma[slot, row] = -(dot(cross(kin.omega[a], turning), d) + 2.0 * dot(turning, rate) + dot(n, surplus))
+
+
+@bare
 def fill_turns(model, work, t):
     """m(phi) . b = 0 with m = cos(phi) quarter - sin(phi) zero: b follows the angle phi about the axis."""
     joint, slots, kin, rows = turns_of(model), slots_of(model), kinematics_of(work), rows_of(work)
     signals = signals_of(model)
     mode_time = world_of(model).control[CONTROL_MODE_TIME]
     for k in range(joint.slot.shape[0]):
-        slot, row, side = joint.slot[k], joint.row[k], joint.side_a[k]
-        a, b = slots.body[slot, side], slots.body[slot, 1 - side]
+        slot, row, side, a, b = bodies_of_row(slots, joint, k)
         phi, speed, surge = evaluate(signals, joint.signal[k], t, mode_time)
         c, s = np.cos(phi), np.sin(phi)
         zero, quarter = turn(kin.turned[a], joint.zero[k]), turn(kin.turned[a], joint.quarter[k])
@@ -167,25 +128,7 @@ def fill_turns(model, work, t):
         rows.gamma[slot, row] = product.gamma + 2.0 * speed * turning + surge * kf + speed * speed * mf
 
 
-@jit
-def fill_drives(model, work, t):
-    """Prescribed rows; ground is the other side, whose block stays zero."""
-    drive, slots, kin, rows = drives_of(model), slots_of(model), kinematics_of(work), rows_of(work)
-    signals = signals_of(model)
-    mode_time = world_of(model).control[CONTROL_MODE_TIME]
-    for k in range(drive.slot.shape[0]):
-        slot, row = drive.slot[k], drive.row[k]
-        body = slots.body[slot, drive.side[k]]
-        value, rate, curvature = evaluate(signals, drive.signal[k], t, mode_time)
-        arm, arm_rate = mark(kin, body, drive.point[k])
-        e = drive.direction[k]
-        _place(rows.jacobian[slot, drive.side[k]], row, e, cross(arm, e))
-        rows.residual[slot, row] = dot(e, plus(kin.position[body], arm)) - drive.start[k] - value
-        rows.rate[slot, row] = dot(e, plus(kin.velocity[body], arm_rate)) - rate
-        rows.gamma[slot, row] = curvature - dot(e, cross(kin.omega[body], arm_rate))
-
-
-@jit
+@bare
 def fill_wheels(model, work):
     """v + omega x (rho + r e) = 0 along the plane's edges and its normal n; e points down the wheel, of the axis a.
 
@@ -216,7 +159,7 @@ def fill_wheels(model, work):
         rows.residual[slot, first + 2] = dot(normal, plus(kin.position[body], reach)) - wheel.height[k]
 
 
-@jit
+@bare
 def leave_slips(model, values):
     """Zero what rows on velocities alone have in `values` (n_slots, 6): they do not say where a body is."""
     wheel = wheels_of(model)
@@ -225,15 +168,8 @@ def leave_slips(model, values):
             values[wheel.slot[k], wheel.row[k] + c] = 0.0
 
 
-@jit
-def spatial_fill_rows(model, work, t):
-    """Evaluate every constraint row at the pose and motion in `work`."""
-    fill_points(model, work)
+@bare
+def fill_own_rows(model, work, t):
     fill_products(model, work)
-    fill_planes(model, work)
-    fill_distances(model, work)
     fill_turns(model, work, t)
-    fill_drives(model, work, t)
     fill_wheels(model, work)
-    if world_of(model).user_rows[0] != 0:
-        call_user(world_of(model).user_rows[0], t, 0)  # pyright: ignore[reportCallIssue]

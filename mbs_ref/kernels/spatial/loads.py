@@ -3,31 +3,20 @@
 Forces act at the centre of mass along world axes, with their torque about it: N and N m.
 """
 
-# An intrinsic takes one argument fewer than its definition.
-# pyright: reportCallIssue=false
-
 from __future__ import annotations
 
 import numpy as np
 
-from mbs_ref.kernels.border.callback import call_user
-from mbs_ref.kernels.border.questions import apply_contacts
-from mbs_ref.kernels.controls import CONTROL_MODE_TIME
-from mbs_ref.kernels.jit import jit
-from mbs_ref.kernels.signals import evaluate
-from mbs_ref.kernels.spatial.marks import push, separation, twist
-from mbs_ref.kernels.spatial.model import (
-    attraction_of,
+from mbs_ref.kernels.jit import bare, jit
+from mbs_ref.kernels.rigid.model import (
     bodies_of,
-    bushings_of,
     forces_of,
-    gradients_of,
     kinematics_of,
-    signals_of,
-    springs_of,
     torsion_springs_of,
     world_of,
 )
+from mbs_ref.kernels.spatial.marks import push, separation, twist
+from mbs_ref.kernels.spatial.model import attraction_of, bushings_of, gradients_of
 from mbs_ref.kernels.spatial.vectors import (
     add,
     cross,
@@ -47,9 +36,9 @@ LARGEST_TWIST = 3.0  # rad: beyond, a spring cannot know its turns, and its torq
 SMALL_ANGLE = 1e-4  # rad: below, the rotation vector's functions use their series
 
 
-@jit
+@bare
 def apply_gravity(model, work):
-    """Set every force to the weight and -omega x J omega (Q_v); every other load adds to it."""
+    """The torque is -omega x J omega (Q_v)."""
     bodies, kin, gravity = bodies_of(model), kinematics_of(work), world_of(model).gravity
     for i in range(bodies.mass.shape[0]):
         force, omega = kin.force[i], kin.omega[i]
@@ -57,41 +46,18 @@ def apply_gravity(model, work):
         put(force, 3, cross(symmetric_times(kin.inertia[i], omega), omega))
 
 
-@jit
-def apply_forces(model, work, t):
-    load, kin, signals = forces_of(model), kinematics_of(work), signals_of(model)
-    mode_time = world_of(model).control[CONTROL_MODE_TIME]
-    for k in range(load.body.shape[0]):
-        body = load.body[k]
-        scale, _, _ = evaluate(signals, load.signal[k], t, mode_time)
-        force, torque = triple(load.force[k], 0), triple(load.torque[k], 0)
-        if load.follows[k] == 1:
-            force, torque = turn(kin.turned[body], force), turn(kin.turned[body], torque)
-        push(kin, body, turn(kin.turned[body], load.point[k]), times(scale, force))
-        twist(kin, body, times(scale, torque))
+@bare
+def apply_force(model, work, k, scale):
+    load, kin = forces_of(model), kinematics_of(work)
+    body = load.body[k]
+    force, torque = triple(load.force[k], 0), triple(load.torque[k], 0)
+    if load.follows[k] == 1:
+        force, torque = turn(kin.turned[body], force), turn(kin.turned[body], torque)
+    push(kin, body, turn(kin.turned[body], load.point[k]), times(scale, force))
+    twist(kin, body, times(scale, torque))
 
 
-@jit
-def apply_springs(model, work):
-    """F = k (l - l0) + c l_dot along the line of the two points (Fox 1999 eq 18 with the points' distance)."""
-    spring, kin = springs_of(model), kinematics_of(work)
-    for k in range(spring.a.shape[0]):
-        a, b = spring.a[k], spring.b[k]
-        apart = separation(kin, a, b, spring.point_a[k], spring.point_b[k])
-        length = np.sqrt(dot(apart.gap, apart.gap))
-        stretch = length - spring.rest_length[k]
-        if length == 0.0:  # no line of action: only the isotropic limit of the damper
-            force = times(spring.damping[k], apart.rate)
-        else:
-            tension = spring.stiffness[k] * stretch + spring.damping[k] * dot(apart.gap, apart.rate) / length
-            if spring.tension_only[k] == 1 and (stretch <= 0.0 or tension < 0.0):
-                tension = 0.0
-            force = times(tension / length, apart.gap)
-        push(kin, a, apart.arm_a, force)
-        push(kin, b, apart.arm_b, negative(force))
-
-
-@jit
+@bare
 def apply_torsion_springs(model, work):
     """Torque about an axis of body a on the angle of a mark of body b, counted from t = 0."""
     spring, kin = torsion_springs_of(model), kinematics_of(work)
@@ -174,7 +140,7 @@ def apply_bushings(model, work):
     for k in range(load.a.shape[0]):
         a, b = load.a[k], load.b[k]
         stiffness, damping = load.stiffness[k], load.damping[k]
-        apart = separation(kin, a, b, load.point_a[k], load.point_b[k])
+        apart = separation(work, a, b, load.point_a[k], load.point_b[k])
         _product(kin.turned[a], load.axes_a[k], here)
         _product(kin.turned[b], load.axes_b[k], there)
         _relative(here, there, relative)
@@ -222,32 +188,18 @@ def apply_gradients(model, work):
 
 
 @jit
-def apply_user_force(model, work, t):
-    """Call the user's law in scene order; it adds forces and torques about the centres of mass."""
-    bodies, kin = bodies_of(model), kinematics_of(work)
-    n = bodies.mass.shape[0]
-    for i in range(n):
-        k = bodies.scene_index[i]
-        for c in range(3):
-            kin.user[0, k, c] = kin.position[i, c]
-            kin.user[1, k, c] = kin.velocity[i, c]
-            kin.user[1, k, 3 + c] = kin.omega[i, c]
-        for c in range(4):
-            kin.user[0, k, 3 + c] = kin.theta[i, c]
-        for c in range(7):
-            kin.user[2, k, c] = 0.0
-    call_user(world_of(model).user_force[0], t, kin.user.ctypes.data)
-    for i in range(n):
-        for c in range(6):
-            kin.force[i, c] += kin.user[2, bodies.scene_index[i], c]
+def put_state(work, i, k):
+    kin = kinematics_of(work)
+    for c in range(3):
+        kin.user[0, k, c] = kin.position[i, c]
+        kin.user[1, k, c] = kin.velocity[i, c]
+        kin.user[1, k, 3 + c] = kin.omega[i, c]
+    for c in range(4):
+        kin.user[0, k, 3 + c] = kin.theta[i, c]
 
 
 @jit
-def spatial_apply_loads(model, work, t):
-    """Evaluate every applied force at the pose and motion in `work`."""
-    apply_gravity(model, work)
-    apply_forces(model, work, t)
-    apply_springs(model, work)
+def apply_own_loads(model, work):
     apply_torsion_springs(model, work)
     if bushings_of(model).a.shape[0] > 0:
         apply_bushings(model, work)
@@ -255,6 +207,3 @@ def spatial_apply_loads(model, work, t):
         apply_attraction(model, work)
     if gradients_of(model).a.shape[0] > 0:
         apply_gradients(model, work)
-    if world_of(model).user_force[0] != 0:
-        apply_user_force(model, work, t)
-    apply_contacts(model, work)

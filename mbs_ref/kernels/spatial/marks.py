@@ -7,8 +7,9 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-from mbs_ref.kernels.jit import jit
-from mbs_ref.kernels.spatial.vectors import add, cross, minus, plus, turn
+from mbs_ref.kernels.jit import bare
+from mbs_ref.kernels.rigid.model import kinematics_of
+from mbs_ref.kernels.spatial.vectors import add, cross, dot, minus, negative, plus, times, triple, turn
 
 
 class Mark(NamedTuple):
@@ -27,36 +28,82 @@ class Separation(NamedTuple):
     arm_rate_b: Any  # m/s
 
 
-@jit
+@bare
 def mark(kin, body, point):
     """Return rho and omega x rho of a point of a body."""
     arm = turn(kin.turned[body], point)
     return Mark(arm, cross(kin.omega[body], arm))
 
 
-@jit
-def separation(kin, a, b, point_a, point_b):
-    """Return the Separation of two marks."""
+@bare
+def separation(work, a, b, point_a, point_b):
+    kin = kinematics_of(work)
     on_a, on_b = mark(kin, a, point_a), mark(kin, b, point_b)
     gap = minus(minus(plus(kin.position[b], on_b.arm), kin.position[a]), on_a.arm)
     rate = minus(minus(plus(kin.velocity[b], on_b.rate), kin.velocity[a]), on_a.rate)
     return Separation(on_a.arm, on_b.arm, gap, rate, on_a.rate, on_b.rate)
 
 
-@jit
-def centripetal(kin, a, b, apart):
-    """Return d'' without the bodies' accelerations: omega_b x (omega_b x rho_b) - omega_a x (omega_a x rho_a)."""
-    return minus(cross(kin.omega[b], apart.arm_rate_b), cross(kin.omega[a], apart.arm_rate_a))
+@bare
+def inward(work, a, b, apart):
+    kin = kinematics_of(work)
+    return minus(cross(kin.omega[a], apart.arm_rate_a), cross(kin.omega[b], apart.arm_rate_b))
 
 
-@jit
+@bare
+def rate_along(work, i, point, e):
+    kin = kinematics_of(work)
+    return dot(e, plus(kin.velocity[i], mark(kin, i, point).rate))
+
+
+@bare
+def acceleration_along(work, i, point, e):
+    kin = kinematics_of(work)
+    return dot(e, cross(kin.omega[i], mark(kin, i, point).rate))
+
+
+@bare
 def push(kin, body, arm, force):
     """Add a force at rho."""
     add(kin.force[body], 0, force)
     twist(kin, body, cross(arm, force))
 
 
-@jit
+@bare
 def twist(kin, body, torque):
     """Add a torque."""
     add(kin.force[body], 3, torque)
+
+
+@bare
+def rate_seen(work, a, gap, rate):
+    return minus(rate, cross(kinematics_of(work).omega[a], gap))
+
+
+@bare
+def pull(tension, gap, length):
+    return times(tension / length, gap)
+
+
+@bare
+def exchange(work, a, arm_a, b, arm_b, force):
+    kin = kinematics_of(work)
+    push(kin, a, arm_a, force)
+    push(kin, b, arm_b, negative(force))
+
+
+@bare
+def centre(work, i):
+    return triple(kinematics_of(work).position[i], 0)
+
+
+@bare
+def place_of_mark(work, i, point):
+    kin = kinematics_of(work)
+    return plus(kin.position[i], turn(kin.turned[i], point))
+
+
+@bare
+def coordinate(work, i, component):
+    kin = kinematics_of(work)
+    return kin.position[i, component], kin.velocity[i, component]

@@ -1,23 +1,20 @@
 """The arrays of a compiled spatial scene, one homogeneous group per element type.
 
-Bodies are numbered in elimination order: a parent before its children, ground last (index n_bodies).
 A rigid body has the coordinates R and theta0..theta3 and the rates R', omega; a point mass has R and R'
 alone. Joints are broken up into five element types: shared points, products of directions, points on
-planes, distances and prescribed turns. Rows live in slots of up to six: slot i < n_bodies joins body i to
-its parent in the spanning tree, later slots close loops; in a tree slot side 0 is the child.
+planes, distances and prescribed turns. See `rigid.model` for the numbering.
 """
 
 from __future__ import annotations
 
 from typing import Annotated, NamedTuple
 
-import numpy as np
-
 from mbs_ref.kernels.border.groups import Floats, Ints
 from mbs_ref.kernels.border.handles import accessor
 from mbs_ref.kernels.contact.laws import ContactLaws, ContactModes
 from mbs_ref.kernels.contact.near_pairs import NearPairs
-from mbs_ref.kernels.rigid.closures import Closures, Loops, closure_scratch
+from mbs_ref.kernels.rigid import model as shared
+from mbs_ref.kernels.rigid.closures import Closures, Loops
 from mbs_ref.kernels.signals import SignalArrays
 
 RATES = tuple(range(6))  # of a body: a loop over it has bounds that the compiler knows
@@ -39,16 +36,6 @@ class Slots(NamedTuple):
     count: Annotated[Ints, "n_slots"]  # rows in use
 
 
-class Points(NamedTuple):
-    """r_b - r_a = 0: three rows along the world axes."""
-
-    slot: Annotated[Ints, "k"]
-    row: Annotated[Ints, "k"]  # first row in the slot
-    side_a: Annotated[Ints, "k"]  # which side of the slot is body_a
-    point_a: Annotated[Floats, "k", 3]  # m, in body a
-    point_b: Annotated[Floats, "k", 3]  # m, in body b
-
-
 class Products(NamedTuple):
     """e_a . e_b = 0 of two directions that are to stay perpendicular: one row."""
 
@@ -60,28 +47,6 @@ class Products(NamedTuple):
     value: Annotated[Floats, "k"]  # the product to keep
 
 
-class Planes(NamedTuple):
-    """n . (r_b - r_a) = 0 with n fixed in body a: one row."""
-
-    slot: Annotated[Ints, "k"]
-    row: Annotated[Ints, "k"]
-    side_a: Annotated[Ints, "k"]
-    point_a: Annotated[Floats, "k", 3]  # m, in body a
-    point_b: Annotated[Floats, "k", 3]  # m, in body b
-    normal: Annotated[Floats, "k", 3]  # unit vector, in body a
-
-
-class Distances(NamedTuple):
-    """|r_b - r_a| = length: one row."""
-
-    slot: Annotated[Ints, "k"]
-    row: Annotated[Ints, "k"]
-    side_a: Annotated[Ints, "k"]
-    point_a: Annotated[Floats, "k", 3]  # m, in body a
-    point_b: Annotated[Floats, "k", 3]  # m, in body b
-    length: Annotated[Floats, "k"]  # m
-
-
 class Turns(NamedTuple):
     """sin(angle about an axis of a - signal) = 0: one row."""
 
@@ -91,18 +56,6 @@ class Turns(NamedTuple):
     zero: Annotated[Floats, "k", 3]  # in body a: where the mark of b is at angle 0 ...
     quarter: Annotated[Floats, "k", 3]  # in body a: ... and after a quarter turn
     mark: Annotated[Floats, "k", 3]  # in body b
-    signal: Annotated[Ints, "k"]
-
-
-class Drives(NamedTuple):
-    """direction . (r - start) = signal: one row, the other side is ground."""
-
-    slot: Annotated[Ints, "k"]
-    row: Annotated[Ints, "k"]
-    side: Annotated[Ints, "k"]  # which side of the slot is the body
-    point: Annotated[Floats, "k", 3]  # m, in the body
-    direction: Annotated[Floats, "k", 3]  # unit vector, world
-    start: Annotated[Floats, "k"]  # m
     signal: Annotated[Ints, "k"]
 
 
@@ -126,17 +79,6 @@ class Forces(NamedTuple):
     torque: Annotated[Floats, "k", 3]  # N m
     follows: Annotated[Ints, "k"]  # 1 along body axes
     signal: Annotated[Ints, "k"]
-
-
-class Springs(NamedTuple):
-    a: Annotated[Ints, "k"]
-    b: Annotated[Ints, "k"]
-    point_a: Annotated[Floats, "k", 3]  # m, in body a
-    point_b: Annotated[Floats, "k", 3]  # m, in body b
-    stiffness: Annotated[Floats, "k"]  # N/m
-    damping: Annotated[Floats, "k"]  # N s/m
-    rest_length: Annotated[Floats, "k"]  # m
-    tension_only: Annotated[Ints, "k"]
 
 
 class TorsionSprings(NamedTuple):
@@ -163,26 +105,6 @@ class Bushings(NamedTuple):
     damping: Annotated[Floats, "k", 6]  # N s/m and N m s/rad
 
 
-class ContactPairs(NamedTuple):
-    """Shapes that may touch; see PAIR_* for the kinds and mbs_ref.scene.contact for the meaning."""
-
-    kind: Annotated[Ints, "k"]  # PAIR_*
-    a: Annotated[Ints, "k"]
-    b: Annotated[Ints, "k"]
-    center: Annotated[Floats, "k", 3]  # m, the sphere's centre in body a
-    radius: Annotated[Floats, "k"]  # m, of the sphere
-    origin: Annotated[Floats, "k", 3]  # m, in body b: on the plane, or centre of the other sphere
-    axes: Annotated[Floats, "k", 3, 3]  # in body b, unit rows: two edges of the plane and its normal
-    half: Annotated[Floats, "k", 2]  # m: half sides of a rectangle, inf for a plane; other sphere's radius
-    ends: Annotated[Ints, "k"]  # ENDS_*
-    thickness: Annotated[Floats, "k"]  # m, inf where unlimited
-    deflection: Annotated[Ints, "k"]  # place of its two sticking deflections (m) in the state, -1 where there are none
-    sticking: Annotated[Ints, 1]  # contacts that can stick
-
-
-PAIR_PLANE, PAIR_SPHERE = range(2)
-
-
 class Attraction(NamedTuple):
     """Newton's gravity between all pairs of centres of mass."""
 
@@ -197,62 +119,41 @@ class Gradients(NamedTuple):
     gm: Annotated[Floats, "k"]  # m^3/s^2, of a
 
 
-class World(NamedTuple):
-    gravity: Annotated[Floats, 3]  # m/s^2
-    user_force: Annotated[Ints, 1]  # address of a C callback, or 0
-    user_rows: Annotated[Ints, 1]  # the same, for constraints of the user's own
-    control: Annotated[Floats, 3]  # see kernels/controls.py
-
-
 class SpatialGroups(NamedTuple):
     """Every array of a compiled spatial scene."""
 
     bodies: Bodies
     slots: Slots
     loops: Loops
-    points: Points
+    points: shared.Points
     products: Products
-    planes: Planes
-    distances: Distances
+    planes: shared.Planes
+    distances: shared.Distances
     turns: Turns
-    drives: Drives
+    drives: shared.Drives
     wheels: Wheels
     forces: Forces
-    springs: Springs
+    springs: shared.Springs
     torsion_springs: TorsionSprings
     bushings: Bushings
-    contact_pairs: ContactPairs
+    contact_pairs: shared.ContactPairs
     contact_laws: ContactLaws
     contact_modes: ContactModes
     near_pairs: NearPairs
+    watches: shared.Watches
     attraction: Attraction
     gradients: Gradients
     signals: SignalArrays
-    world: World
+    world: shared.World
 
 
-bodies_of = accessor(SpatialGroups, "bodies")
-slots_of = accessor(SpatialGroups, "slots")
-loops_of = accessor(SpatialGroups, "loops")
-points_of = accessor(SpatialGroups, "points")
-products_of = accessor(SpatialGroups, "products")
-planes_of = accessor(SpatialGroups, "planes")
-distances_of = accessor(SpatialGroups, "distances")
-turns_of = accessor(SpatialGroups, "turns")
-drives_of = accessor(SpatialGroups, "drives")
-wheels_of = accessor(SpatialGroups, "wheels")
-forces_of = accessor(SpatialGroups, "forces")
-springs_of = accessor(SpatialGroups, "springs")
-torsion_springs_of = accessor(SpatialGroups, "torsion_springs")
-bushings_of = accessor(SpatialGroups, "bushings")
-contact_pairs_of = accessor(SpatialGroups, "contact_pairs")
-contact_laws_of = accessor(SpatialGroups, "contact_laws")
-contact_modes_of = accessor(SpatialGroups, "contact_modes", tangents=2)
-near_pairs_of = accessor(SpatialGroups, "near_pairs", dimension=3)
-attraction_of = accessor(SpatialGroups, "attraction")
-gradients_of = accessor(SpatialGroups, "gradients")
-signals_of = accessor(SpatialGroups, "signals")
-world_of = accessor(SpatialGroups, "world")
+products_of = accessor("products")
+turns_of = accessor("turns")
+wheels_of = accessor("wheels")
+bushings_of = accessor("bushings")
+attraction_of = accessor("attraction")
+gradients_of = accessor("gradients")
+grips_of = accessor("grips")
 
 
 class Kinematics(NamedTuple):
@@ -267,14 +168,6 @@ class Kinematics(NamedTuple):
     inertia: Annotated[Floats, "n + 1", 6]  # world axes: xx, yy, zz, xy, xz, yz
     force: Annotated[Floats, "n + 1", 6]  # N; N m about the centre of mass
     user: Annotated[Floats, 3, "n", 7]  # q, v and f in scene order, for a user's force law
-
-
-class Rows(NamedTuple):
-    jacobian: Annotated[Floats, "n_slots", 2, 6, 6]  # of (R', omega)
-    residual: Annotated[Floats, "n_slots", 6]  # C
-    rate: Annotated[Floats, "n_slots", 6]  # C_dot
-    gamma: Annotated[Floats, "n_slots", 6]  # right-hand side of C_q qdd = Q_d
-    multiplier: Annotated[Floats, "n_slots", 6]
 
 
 class Tree(NamedTuple):
@@ -295,38 +188,8 @@ class SpatialScratch(NamedTuple):
     """Scratch of one run."""
 
     kinematics: Kinematics
-    rows: Rows
+    rows: shared.Rows
     tree: Tree
     closures: Closures
+    solved: shared.Solved
     grips: Grips
-
-
-def _floats(*shape: int) -> np.ndarray:
-    return np.zeros(shape)
-
-
-def spatial_scratch(n: int, n_slots: int, loops: Loops, n_sticking: int = 0) -> SpatialScratch:
-    """Allocate the scratch of one run."""
-    turned = np.tile(np.eye(3), (n + 1, 1, 1))
-    vectors = [_floats(n + 1, 3) for _ in range(3)]
-    slot = [_floats(n_slots, 6) for _ in range(4)]
-    return SpatialScratch(
-        kinematics=Kinematics(
-            vectors[0], turned, _floats(n + 1, 4), _floats(n + 1), vectors[1], vectors[2],
-            _floats(n + 1, 6), _floats(n + 1, 6), _floats(3, n, 7),
-        ),
-        rows=Rows(_floats(n_slots, 2, 6, 6), *slot),
-        tree=Tree(
-            _floats(n + 1, 6, 6), _floats(n, 6, 6), _floats(n, 6, 6), _floats(n, 6, 6),
-            _floats(n, 6), _floats(n + 1, 6), _floats(n + 1, 6),
-        ),
-        closures=closure_scratch(loops, 6),
-        grips=Grips(_floats(n_sticking, 2)),
-    )  # fmt: skip
-
-
-kinematics_of = accessor(SpatialScratch, "kinematics")
-rows_of = accessor(SpatialScratch, "rows")
-tree_of = accessor(SpatialScratch, "tree")
-closures_of = accessor(SpatialScratch, "closures", rates=6)
-grips_of = accessor(SpatialScratch, "grips")

@@ -9,7 +9,8 @@ from __future__ import annotations
 import numpy as np
 
 from mbs_ref.kernels.jit import jit
-from mbs_ref.kernels.spatial.model import bodies_of, grips_of, kinematics_of
+from mbs_ref.kernels.rigid.model import bodies_of, kinematics_of, solved_of
+from mbs_ref.kernels.spatial.model import grips_of
 from mbs_ref.kernels.spatial.vectors import put, triple, turn
 
 
@@ -88,6 +89,7 @@ def world_inertia(a, j, out):
 def load_state(model, work, y):
     """Copy the state into elimination order; turn Euler parameters into world axes and inertias."""
     bodies, kin = bodies_of(model), kinematics_of(work)
+    solved_of(work).time[0] = np.nan
     for i in range(bodies.mass.shape[0]):
         q = bodies.q[i]
         v = bodies.v[i]

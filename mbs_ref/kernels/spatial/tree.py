@@ -9,8 +9,8 @@ E theta = 0, E E^T = I and nu the multiplier of theta^T theta = 1,
 whose upper-left block is singular (rank 3), so that it is factored whole: alpha = 2 E theta'' and the first rows
 times E / 2 give J alpha = tau - omega x J omega; theta'' = E^T alpha / 2 - theta |theta'|^2 keeps the last row, and
 joint rows in theta'' are rows in omega times 2 E. Eliminating the four parameters and their norm row first is
-thus exact and leaves the 6 x 6 block diag(m I, J) of (R'', alpha). `SpatialSystem.augmented` forms the whole matrix
-densely; the tests compare.
+thus exact and leaves the 6 x 6 block diag(m I, J) of (R'', alpha). A test forms the whole
+matrix densely and compares.
 
 Leaf to root, a body with block M, force f and joint rows J a + K a_parent = gamma is condensed into its
 parent: with S = J M^-1 J^T,
@@ -22,24 +22,10 @@ eliminated on the way (mbs_ref.kernels.rigid.elimination).
 from __future__ import annotations
 
 from mbs_ref.kernels.algebra.ldl import factor_ldl, ldl3, ldl3_solve, solve_ldl
-from mbs_ref.kernels.jit import jit
-from mbs_ref.kernels.rigid.elimination import (
-    condense,
-    start_rows,
-    substitute,
-    take_closures,
-    take_free,
-)
-from mbs_ref.kernels.spatial.closure import begin_closures, eliminate_closures, pass_rows
-from mbs_ref.kernels.spatial.model import (
-    RATES,
-    bodies_of,
-    closures_of,
-    kinematics_of,
-    rows_of,
-    slots_of,
-    tree_of,
-)
+from mbs_ref.kernels.jit import jit, placed
+from mbs_ref.kernels.rigid import elimination
+from mbs_ref.kernels.rigid.model import bodies_of, closures_of, kinematics_of, rows_of, slots_of, tree_of
+from mbs_ref.kernels.spatial.model import RATES
 
 
 @jit
@@ -107,13 +93,13 @@ def factor_tree(model, work, loops):
     n = bodies.mass.shape[0]
     _start_blocks(model, work)
     if loops is not None:
-        begin_closures(model, work)
+        elimination.begin_closures(model, work)
     for i in range(n - 1, -1, -1):
         if bodies.alone[i] == 1:
             continue
         art = tree.articulated[i]
         if loops is not None and loops.closed[i, 0] < loops.closed[i, 1]:
-            eliminate_closures(model, work, i)
+            elimination.eliminate_closures(model, work, i)
         factor_ldl(art, 6)
         count = slots.count[i]
         jac, far, lift = rows.jacobian[i, 0], rows.jacobian[i, 1], tree.lift[i]
@@ -123,7 +109,7 @@ def factor_tree(model, work, loops):
             solve_ldl(art, 6, lift[r])
         _factor_rows(jac, lift, tree.row_factor[i], count)
         if loops is not None and loops.entry[i] < loops.entry[i + 1]:
-            pass_rows(model, work, i)
+            elimination.pass_rows(model, work, i)
         p = bodies.parent[i]
         if p == n:
             continue
@@ -136,7 +122,7 @@ def factor_tree(model, work, loops):
                 for c in range(r + 1):
                     up[r, c] += weight * transfer[k, c]
     if loops is not None:
-        eliminate_closures(model, work, n)
+        elimination.eliminate_closures(model, work, n)
 
 
 @jit
@@ -171,14 +157,14 @@ def solve_tree(model, work, loops, gamma, acceleration, multiplier):
     n = bodies.mass.shape[0]
     load = tree.load
     if loops is not None:
-        start_rows(RATES, loops, closures, gamma)
+        elimination.start_rows(RATES, loops, closures, gamma)
     for i in range(n - 1, -1, -1):
         if bodies.alone[i] == 1:
             continue
         free, jac, far, u = tree.free[i], rows.jacobian[i, 0], rows.jacobian[i, 1], multiplier[i]
         count = slots.count[i]
         if loops is not None and loops.closed[i, 0] < loops.closed[i, 1]:
-            condense(RATES, loops, closures, i, load[i])
+            elimination.condense(RATES, loops, closures, i, load[i])
         for c in range(6):
             free[c] = load[i, c]
         solve_ldl(tree.articulated[i], 6, free)
@@ -189,7 +175,7 @@ def solve_tree(model, work, loops, gamma, acceleration, multiplier):
             u[r] = total
         solve_ldl(tree.row_factor[i], count, u)
         if loops is not None and loops.entry[i] < loops.entry[i + 1]:
-            take_free(RATES, loops, closures, i, load[i], gamma[i])
+            elimination.take_free(RATES, loops, closures, i, load[i], gamma[i])
         p = bodies.parent[i]
         if p == n:
             continue
@@ -197,8 +183,8 @@ def solve_tree(model, work, loops, gamma, acceleration, multiplier):
             for c in range(6):
                 load[p, c] -= far[r, c] * u[r]
     if loops is not None:
-        condense(RATES, loops, closures, n, load[n])
-        substitute(RATES, loops, closures, n, acceleration[n], multiplier)
+        elimination.condense(RATES, loops, closures, n, load[n])
+        elimination.substitute(RATES, loops, closures, n, acceleration[n], multiplier)
     for i in range(n):
         if bodies.alone[i] == 1:
             _solve_alone(bodies.mass[i], tree.articulated[i], load[i], acceleration[i])
@@ -214,6 +200,67 @@ def solve_tree(model, work, loops, gamma, acceleration, multiplier):
                 multiplier[i, r] += total
         _put_answer(tree, i, count, multiplier[i], acceleration[i])
         if loops is not None and loops.entry[i] < loops.entry[i + 1]:
-            take_closures(RATES, loops, closures, i, acceleration[i], multiplier[i])
+            elimination.take_closures(RATES, loops, closures, i, acceleration[i], multiplier[i])
         if loops is not None and loops.closed[i, 0] < loops.closed[i, 1]:
-            substitute(RATES, loops, closures, i, acceleration[i], multiplier)
+            elimination.substitute(RATES, loops, closures, i, acceleration[i], multiplier)
+
+
+# --- closures of loops (mbs_ref.kernels.rigid.elimination) ------------------------------------------
+
+
+@jit
+def row_mobility(model, work, slot, row):
+    """Return a scale of G M^-1 G^T of one row, the bodies taken as free and as spheres."""
+    bodies, slots, rows, kin = bodies_of(model), slots_of(model), rows_of(work), kinematics_of(work)
+    n = bodies.mass.shape[0]
+    total = 0.0
+    for side in range(2):
+        body = slots.body[slot, side]
+        if body < n:
+            g = rows.jacobian[slot, side, row]
+            j = kin.inertia[body]
+            total += (g[0] * g[0] + g[1] * g[1] + g[2] * g[2]) / bodies.mass[body]
+            total += 3.0 * (g[3] * g[3] + g[4] * g[4] + g[5] * g[5]) / (j[0] + j[1] + j[2])
+    return total
+
+
+@placed
+def pass_closure(model, work, i, here, there, _count):
+    """Condense body i under one closure, all of whose rows go through the same steps at once."""
+    tree, rows, closures, count = tree_of(work), rows_of(work), closures_of(work), slots_of(model).count[i]
+    joint, column = closures.joint[here], closures.column[here]
+    for c in range(6):
+        for r in range(6):
+            column[c, r] = closures.passed[here, c, r]
+    _solve_rows(tree.articulated[i], 6, column)
+    for k in range(count):
+        for r in range(6):
+            joint[k, r] = 0.0
+        for c in range(6):
+            for r in range(6):
+                joint[k, r] += rows.jacobian[i, 0, k, c] * column[c, r]
+    _solve_rows(tree.row_factor[i], count, joint)
+    for k in range(count):
+        for c in range(6):
+            for r in range(6):
+                column[c, r] -= tree.lift[i, k, c] * joint[k, r]
+    if there >= 0:
+        for k in range(count):
+            for c in range(6):
+                for r in range(6):
+                    closures.passed[there, c, r] -= rows.jacobian[i, 1, k, c] * joint[k, r]
+
+
+@placed
+def _solve_rows(a, n, b):
+    """Solve in place, for six right-hand sides at once, with the factors of `factor_ldl`."""
+    for i in range(1, n):
+        for k in range(i):
+            for r in range(6):
+                b[i, r] -= a[i, k] * b[k, r]
+    for i in range(n - 1, -1, -1):
+        for r in range(6):
+            b[i, r] *= a[i, i]
+        for k in range(i + 1, n):
+            for r in range(6):
+                b[i, r] -= a[k, i] * b[k, r]

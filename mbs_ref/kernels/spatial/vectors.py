@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from mbs_ref.kernels.jit import jit
+from mbs_ref.kernels.jit import bare
 
 
-@jit
+@bare
 def triple(row, k):
     """Return row[k : k + 3]."""
     return row[k], row[k + 1], row[k + 2]
 
 
-@jit
+@bare
 def put(row, k, a):
     """row[k : k + 3] = a."""
     row[k] = a[0]
@@ -19,42 +19,42 @@ def put(row, k, a):
     row[k + 2] = a[2]
 
 
-@jit
+@bare
 def plus(a, b):
     return a[0] + b[0], a[1] + b[1], a[2] + b[2]
 
 
-@jit
+@bare
 def minus(a, b):
     return a[0] - b[0], a[1] - b[1], a[2] - b[2]
 
 
-@jit
+@bare
 def negative(a):
     return -a[0], -a[1], -a[2]
 
 
-@jit
+@bare
 def times(factor, a):
     return factor * a[0], factor * a[1], factor * a[2]
 
 
-@jit
+@bare
 def over(a, divisor):
     return a[0] / divisor, a[1] / divisor, a[2] / divisor
 
 
-@jit
+@bare
 def cross(a, b):
     return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
 
 
-@jit
+@bare
 def dot(a, b):
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
-@jit
+@bare
 def add(row, k, a):
     """row[k : k + 3] += a."""
     row[k] += a[0]
@@ -62,7 +62,7 @@ def add(row, k, a):
     row[k + 2] += a[2]
 
 
-@jit
+@bare
 def turn(m, u):
     """Return m u."""
     return (
@@ -72,7 +72,7 @@ def turn(m, u):
     )
 
 
-@jit
+@bare
 def turn_back(m, u):
     """Return m^T u."""
     return (
@@ -82,7 +82,7 @@ def turn_back(m, u):
     )
 
 
-@jit
+@bare
 def symmetric_times(s, u):
     """Return S u with S = xx, yy, zz, xy, xz, yz."""
     return (

@@ -20,6 +20,11 @@ Point = tuple[float, ...]
 class Axes(Protocol):
     """A body's place and axes at t = 0."""
 
+    @property
+    def angle(self) -> float:
+        """Return the body's angle, rad (plane)."""
+        ...
+
     def point(self, world: Any) -> np.ndarray:
         """Return a world point in body axes, m."""
         ...
@@ -33,15 +38,15 @@ class Row:
     """One elementary row, or a few that always come together."""
 
     TURNS: ClassVar[bool] = False  # whether it acts on the bodies' orientation alone
-    GROUP: ClassVar[str] = ""  # the group of arrays that it fills in space (mbs_ref/kernels/spatial/model.py)
+    GROUP: ClassVar[str] = ""  # the group of arrays that it fills (mbs_ref/kernels/*/model.py)
 
     @property
     def count(self) -> int:
         return 1
 
     def numbers(self, a: Axes, b: Axes) -> tuple[Any, ...]:
-        """Return its numbers in the axes of the bodies, in the order of its group's arrays (space)."""
-        raise NotImplementedError(f"{type(self).__name__} names no numbers in space")
+        """Return its numbers in the axes of the bodies, in the order of its group's arrays."""
+        raise NotImplementedError(f"{type(self).__name__} names no numbers")
 
 
 @dataclass(frozen=True)
@@ -103,7 +108,11 @@ class Product(Row):
 class SameAngle(Row):
     """theta_b - theta_a stays what it is at t = 0 (plane)."""
 
+    GROUP: ClassVar[str] = "angles"
     TURNS: ClassVar[bool] = True
+
+    def numbers(self, a: Axes, b: Axes) -> tuple[Any, ...]:
+        return (b.angle - a.angle,)
 
 
 @dataclass(frozen=True)
@@ -123,7 +132,11 @@ class Turn(Row):
 class PrescribedAngle(Row):
     """theta_b - theta_b(0) = motion (plane)."""
 
+    GROUP: ClassVar[str] = "angle_drives"
     TURNS: ClassVar[bool] = True
+
+    def numbers(self, a: Axes, b: Axes) -> tuple[Any, ...]:
+        return (b.angle,)
 
 
 @dataclass(frozen=True)

@@ -20,10 +20,10 @@ from mbs_ref.scene import Scene
 from mbs_ref.self_checks.error_estimate import ENDED
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate, simulate_scenes, simulate_starts
+from mbs_ref.simulate.assembly import or_stopped
 from mbs_ref.simulate.ensemble.design import Design
 from mbs_ref.simulate.ensemble.variants import Variants, own_start
 from mbs_ref.simulate.one_run import compiled
-from mbs_ref.simulate.refusals import or_stopped
 from mbs_ref.trajectory import Status, Trajectory
 
 LARGEST = 2 * 2**30  # bytes of samples that are kept

@@ -15,8 +15,8 @@ from mbs_ref import scenes
 from mbs_ref.crash.outlines import excesses
 from mbs_ref.crash.results import crash_results
 from mbs_ref.observables.attachment import Motion
+from mbs_ref.observables.contact_gap import rolling_slip
 from mbs_ref.observables.distance import farthest
-from mbs_ref.observables.rolling import rolling_slip
 from mbs_ref.scene import Scene
 from mbs_ref.scene.scales import scales_of
 from mbs_ref.settings import Settings

@@ -9,8 +9,8 @@ import numpy as np
 from cross_checks import engines
 from mbs_ref import scenes
 from mbs_ref.observables.attachment import Motion
+from mbs_ref.observables.contact_gap import rolling_slip
 from mbs_ref.observables.distance import distances, farthest
-from mbs_ref.observables.rolling import rolling_slip
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
 from mbs_ref.trajectory import Status

@@ -62,7 +62,7 @@ def test_eight_instants_side_by_side_are_eight_instants_alone(name):
     lanes.base[:] = start[0]
     lanes.delta[:] = 0.01 * np.abs(start[0]).max() * random.normal(size=lanes.delta.shape)
     lanes.velocity[:] = start[1][:, :, None] * (1.0 + 0.1 * random.normal(size=lanes.velocity.shape))
-    _accelerated(system.model, system.work)
+    _accelerated(*system.own_handles)
     instants = [(lanes.time[k], start[0] + lanes.delta[:, :, k], lanes.velocity[:, :, k].copy()) for k in range(LANES)]
     found = np.moveaxis(lanes.acceleration.copy(), 2, 0)
     for k, (t, *state) in enumerate(instants):

@@ -7,6 +7,7 @@ import pytest
 
 from mbs_ref import observables, scenes
 from mbs_ref.cores.choice import compile_scene
+from mbs_ref.cores.spatial.system import SpatialSystem
 from mbs_ref.scene.euler_parameters import parameter_matrix, rotation_matrices
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
@@ -14,6 +15,45 @@ from mbs_ref.trajectory import Status, Trajectory
 from tests.mbs_ref.cores.every_spatial_part import every_part, general_state
 
 T = 0.37  # s, no special time
+
+
+def augmented(system: SpatialSystem, t: float, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the papers' augmented matrix in Euler parameters and its right-hand side, dense.
+
+    Unknowns: qdd (3 a point mass, 7 a rigid body), then the multipliers of the joint rows (`rows`),
+    then of theta^T theta = 1 for each rigid body (Fox 1999 eq 9 and appendix). The upper-left block is
+    4 E^T J E in each body's theta, of rank 3: the matrix is to be factored whole.
+    """
+    force = system.applied_forces(t, y).ravel()
+    gamma = np.array([system.scratch.rows.gamma[slot, row] for _, slot, row in system.rows()])
+    jacobian, mass = system.jacobian(t, y), system.mass_matrix()
+    to_rates, norms, squares = _rate_map(system, y)
+    size, m, k = to_rates.shape[1], len(gamma), len(norms)
+    matrix = np.zeros((size + m + k, size + m + k))
+    matrix[:size, :size] = to_rates.T @ mass @ to_rates
+    matrix[size : size + m, :size] = jacobian @ to_rates
+    matrix[size + m :, :size] = norms
+    matrix[:size, size:] = matrix[size:, :size].T
+    return matrix, np.concatenate((to_rates.T @ force, gamma, squares))
+
+
+def _rate_map(system: SpatialSystem, y: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return d(R', omega)/d(q'), the Jacobian of the norms and their right-hand side -2 theta'^T theta'."""
+    to_rates = np.zeros((6 * system.n_bodies, system.n_positions))
+    norms, squares = np.zeros((len(system.rigid), system.n_positions)), np.zeros(len(system.rigid))
+    bodies = system.groups.bodies
+    place = {k: (bodies.q[i], bodies.v[i]) for i, k in enumerate(bodies.scene_index)}
+    for k in range(system.n_bodies):
+        to_rates[6 * k : 6 * k + 3, place[k][0] : place[k][0] + 3] = np.eye(3)
+    for row, k in enumerate(system.rigid):
+        q, v = place[k]
+        theta = y[q + 3 : q + 7]
+        e = parameter_matrix(theta)
+        to_rates[6 * k + 3 : 6 * k + 6, q + 3 : q + 7] = 2.0 * e
+        norms[row, q + 3 : q + 7] = 2.0 * theta
+        rate = 0.5 * e.T @ rotation_matrices(theta) @ y[v + 3 : v + 6]
+        squares[row] = -2.0 * rate @ rate
+    return to_rates, norms, squares
 
 
 @pytest.fixture(scope="module")
@@ -24,7 +64,7 @@ def system():
 def test_elimination_equals_the_augmented_matrix_factored_whole(system):
     y = general_state(system)
     dy = system.derivative(T, y)
-    matrix, right = system.augmented(T, y)
+    matrix, right = augmented(system, T, y)
     size = system.n_positions
     upper_left = matrix[:size, :size]
     assert np.linalg.matrix_rank(upper_left) == size - len(system.rigid)  # singular by itself, as the papers say

@@ -9,8 +9,8 @@ import pytest
 
 from mbs_ref import scenes
 from mbs_ref.integrators import integrators
-from mbs_ref.integrators.methods import euler, rk4
-from mbs_ref.integrators.stages import radau_coefficients as radau
+from mbs_ref.integrators.methods.runge_kutta import EULER, RK4
+from mbs_ref.integrators.stages import radau_newton as radau
 from mbs_ref.integrators.stages.dop853_tableau import TABLEAU as DOP853
 from mbs_ref.observables.constraints import constraint_rate, constraint_residual
 from mbs_ref.scene import CoordinateDrive, Force, PlanarBody, PointMass, Prismatic, Scene, SpringDamper, UserForce
@@ -23,7 +23,7 @@ A01_END = np.array([-0.2750874625761, -0.9614192050991])  # m at 10 s, by ellipt
 A02_B0_END = np.array([0.32845811154081562, 0.94451853817860088])  # m at 10 s, loops = 2
 
 
-@pytest.mark.parametrize("tableau", [euler.TABLEAU, rk4.TABLEAU, DOP853], ids=["euler", "rk4", "dop853"])
+@pytest.mark.parametrize("tableau", [EULER, RK4, DOP853], ids=["euler", "rk4", "dop853"])
 def test_tableau_identities(tableau):
     """Row sums, and the quadrature conditions sum b c^(k-1) = 1/k up to the order."""
     np.testing.assert_allclose(tableau.a.sum(axis=1), tableau.c, atol=1e-14)

@@ -14,8 +14,7 @@ from mbs_ref.integrators.methods import gauss, generalized_alpha, radau
 from mbs_ref.integrators.stages import explicit_stages
 from mbs_ref.integrators.stages.gauss_coefficients import STAGES
 from mbs_ref.integrators.stages.gauss_coefficients import gauss as coefficients
-from mbs_ref.integrators.stages.radau_coefficients import C
-from mbs_ref.integrators.stages.radau_newton import guess_stages
+from mbs_ref.integrators.stages.radau_newton import C, guess_stages
 
 
 @pytest.mark.parametrize(("a", "b"), [(1.0, 1e-17), (1e-17, 1.0), (1e16, 3.3), (0.1, 0.2), (-1.0, 1.0 + 2.0**-52)])
@@ -99,13 +98,6 @@ def test_radaus_newton_leaves_a_share_of_the_tolerance(rtol, share):
     assert radau._tolerances.py_func(options)[2] == pytest.approx(share, rel=1e-12)
 
 
-@pytest.mark.parametrize(("natural", "taken"), [(3.0, 3.0), (0.0, 1.0)])
-def test_away_from_a_singular_pose_steps_are_as_accuracy_allows_again(natural, taken):
-    run, past = SimpleNamespace(h=1.0), explicit.Past(np.array([natural]), np.array([0, 5]), np.ones(1))
-    explicit._settle_down.py_func(run, past)
-    assert (run.h, past.natural[0], past.marks[explicit.AVOIDED]) == (taken, 0.0, 0)
-
-
 @pytest.mark.parametrize("start", [0.0, 1000.0])
 def test_a_run_creeps_that_would_not_end_within_its_steps_whenever_it_begins(start):
     """A hundred steps for 1 s, looked at every ten: 0.11 s each is enough, 0.09 s twice is not."""
@@ -115,35 +107,32 @@ def test_a_run_creeps_that_would_not_end_within_its_steps_whenever_it_begins(sta
 
 
 def test_a_step_too_near_a_singular_pose_is_shortened_only_so_often():
-    options = SimpleNamespace(project=False, step=0.0)
     for avoided, stage_pivot, wanted in ((0, 1e-12, True), (0, 1.0, False), (explicit.PATIENT_AVOIDED, 1e-12, False)):
-        past = explicit.Past(np.zeros(1), np.array([0, avoided]), np.ones(1))
-        assert explicit._is_too_near.py_func(None, options, 1e-8, stage_pivot, past) == (wanted, False)
+        assert explicit.is_too_near.py_func(1.0, stage_pivot, 1e-8, avoided, True) == wanted
+    for adaptive in (True, False):
+        assert explicit.is_too_near.py_func(1e-10, 1.0, 1e-8, explicit.PATIENT_AVOIDED, adaptive) == adaptive
+
+
+@pytest.mark.parametrize(("natural", "taken"), [(3.0, 3.0), (0.0, 1.0)])
+def test_away_from_a_singular_pose_steps_are_as_accuracy_allows_again(natural, taken):
+    assert explicit.resumed.py_func(1.0, natural) == taken
 
 
 @pytest.mark.parametrize(
-    ("change", "reused"),
-    [({}, True), ({"verdict": explicit.EVENT}, False), ({"searching": True}, False), ({"project": True}, False),
-     ({"step": 0.1}, False)],
+    ("change", "known"),
+    [({}, True), ({"verdict": explicit.EVENT}, False), ({"searching": True}, False), ({"projects": True}, False),
+     ({"adaptive": False}, False)],
 )  # fmt: skip
-def test_a_slope_is_evaluated_anew_where_something_may_have_moved_the_state(monkeypatch, change, reused):
-    def derivative(model, work, t, y, out):
-        out[:] = 7.0
-
-    monkeypatch.setattr(explicit, "derivative", derivative)
-    of = {"verdict": explicit.EVENT + 1, "searching": False, "project": False, "step": 0.0} | change
-    options = SimpleNamespace(step=of["step"], project=of["project"])
-    attempt, run = SimpleNamespace(searching=of["searching"], t_new=1.0), SimpleNamespace(rhs_calls=0)
-    slopes = np.array([[1.0], [2.0], [3.0]])
-    explicit._next_slope.py_func(None, None, options, run, attempt, of["verdict"], np.zeros(1), slopes, 2)
-    assert (slopes[0, 0], run.rhs_calls) == ((3.0, 0) if reused else (7.0, 1))
+def test_a_slope_is_evaluated_anew_where_something_may_have_moved_the_state(change, known):
+    of = {"adaptive": True, "projects": False, "searching": False, "verdict": explicit.EVENT + 1} | change
+    assert explicit.is_slope_known.py_func(**of) == known
 
 
 def test_two_estimates_make_one_error_as_in_dop853(monkeypatch):
     """DOP853's ERR^2 / sqrt(ERR^2 + 0.01 ERR2^2) (Hairer, Norsett, Wanner I, sec. II.10)."""
     monkeypatch.setattr(explicit_stages, "_estimate", lambda model, work, weights, *given: weights[0])
     tableau = SimpleNamespace(error=np.array([3.0]), error_low=np.array([4.0]))
-    found = explicit_stages.error_norm.py_func(None, None, tableau, None, 0.1, None, None, False)
+    found = explicit_stages.error_norm.py_func(None, None, tableau, 0.1, None, None, False, None, None)
     assert found == pytest.approx(9.0 / np.sqrt(9.0 + 0.01 * 16.0))
 
 

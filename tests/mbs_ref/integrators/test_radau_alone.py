@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from mbs_ref.integrators.stages import radau_newton
-from mbs_ref.integrators.stages.radau_coefficients import C
+from mbs_ref.integrators.stages.radau_newton import C
 
 H = 0.3  # s
 POWERS = np.arange(3)

@@ -9,7 +9,7 @@ import pytest
 
 from mbs_ref import scenes
 from mbs_ref.observables.attachment import Motion
-from mbs_ref.observables.rolling import rolling_slip
+from mbs_ref.observables.contact_gap import rolling_slip
 from mbs_ref.scene import CoordinateDrive, PlanarBody, Revolute, Scene
 from mbs_ref.scene.signals import Constant
 from mbs_ref.scenes.tracked_vehicle.numbers import DATA

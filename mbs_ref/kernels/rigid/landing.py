@@ -17,10 +17,8 @@ from mbs_ref.kernels.contact.laws import (
     ROOTS_EACH,
 )
 from mbs_ref.kernels.jit import jit
-from mbs_ref.kernels.planar.contact_rows import gap_acceleration
-from mbs_ref.kernels.planar.contacts import contact_geometry
-from mbs_ref.kernels.planar.dynamics import load_state
-from mbs_ref.kernels.planar.model import (
+from mbs_ref.kernels.rigid import geometry as core
+from mbs_ref.kernels.rigid.model import (
     bodies_of,
     contact_laws_of,
     contact_modes_of,
@@ -79,7 +77,7 @@ def settle_held(model, work, t, y, g):
 def _touching(model, work, y):
     """Return the constraint contacts that are closed, or open with no gap that counts."""
     laws, modes, near = contact_laws_of(model), contact_modes_of(model), near_pairs_of(model)
-    load_state(model, work, y)
+    core.load_state(model, work, y)
     found, count = np.empty(near.count[0], dtype=np.int64), 0
     for place in range(near.count[0]):
         k = near.pair[place]
@@ -87,7 +85,7 @@ def _touching(model, work, y):
             continue
         holds = modes.mode[k] == MODE_CLOSED
         if modes.mode[k] == MODE_OPEN:
-            touch = contact_geometry(model, work, k)
+            touch = core.contact_geometry(model, work, k)
             holds = touch.beyond <= 0.0 and abs(touch.gap) <= AT_REST * modes.noise[0]
         if holds:
             found[count] = k
@@ -99,33 +97,32 @@ def _touching(model, work, y):
 def _move(model, work, t, y):
     """Project onto joints and closed contacts in the mass norm: of the velocities, a plastic impact."""
     project(model, work, t, y, FINER * contact_modes_of(model).noise[0], ITERATIONS)
-    load_state(model, work, y)
+    core.load_state(model, work, y)
 
 
 @jit
 def _close_gaps(model, work, t, y):
     """Project the positions alone."""
-    half = y.shape[0] // 2
-    before = y[half:].copy()
+    first = core.position_count(model)
+    before = y[first:].copy()
     _move(model, work, t, y)
-    _put_back(y, before)
+    _put_back(y, first, before)
 
 
 @jit
-def _put_back(y, before):
-    half = y.shape[0] // 2
-    for k in range(half):  # to assign the slice would compile its error messages too, for seconds
-        y[half + k] = before[k]
+def _put_back(y, first, before):
+    for k in range(before.shape[0]):  # to assign the slice would compile its error messages too, for seconds
+        y[first + k] = before[k]
 
 
 @jit
 def _pivot(model, work, t, y, touching, level):
     """Open and close contacts until the complementarity of impulses or of forces holds."""
-    modes = contact_modes_of(model)
-    before = y[y.shape[0] // 2 :].copy()
+    modes, first = contact_modes_of(model), core.position_count(model)
+    before = y[first:].copy()
     for turn in range(MOST * touching.shape[0]):
         if level == IMPULSES:
-            _put_back(y, before)
+            _put_back(y, first, before)
             _move(model, work, t, y)
         else:
             accelerate(model, work, t, y)
@@ -139,7 +136,7 @@ def _pivot(model, work, t, y, touching, level):
 def _worst(model, work, touching, level, in_order):
     """Return the contact farthest from complementarity, or the first that is off where asked `in_order`; else -1."""
     worst, most = -1, 0.0
-    slight = SLIGHT * _largest_acceleration(work)
+    slight = SLIGHT * _largest_acceleration(work, contact_modes_of(model).anchor.shape[1] + 1)
     for k in touching:
         lack = _lack(model, work, k, level, slight)
         if lack > most:
@@ -150,11 +147,12 @@ def _worst(model, work, touching, level, in_order):
 
 
 @jit
-def _largest_acceleration(work):
+def _largest_acceleration(work, dimension):
     acceleration = tree_of(work).acceleration
     largest = 0.0
     for i in range(acceleration.shape[0]):
-        largest = max(largest, abs(acceleration[i, 0]), abs(acceleration[i, 1]))
+        for c in range(dimension):
+            largest = max(largest, abs(acceleration[i, c]))
     return largest
 
 
@@ -168,10 +166,10 @@ def _lack(model, work, k, level, slight):
     noise = modes.noise[0]
     if modes.mode[k] == MODE_CLOSED:
         return -contact_push(work, laws, k) / contact_mass(model, k) - noise
-    touch = contact_geometry(model, work, k)
+    touch = core.contact_geometry(model, work, k)
     if level == IMPULSES:
         return -touch.closing - AT_REST * noise
-    drawn = -gap_acceleration(model, work, k, touch)
+    drawn = core.gap_gamma(model, work, k, touch) - core.gap_response(model, work, k, touch)
     leaves = max(touch.closing, 0.0)
     if leaves * leaves > 2.0 * drawn * AT_REST * noise:
         return 0.0

@@ -1,0 +1,126 @@
+"""Contact parts -> the arrays of the shapes that may touch, and the balls that they lie in."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple, Protocol
+
+import numpy as np
+
+from mbs_ref.cores.event_arrays import Places
+from mbs_ref.cores.near_pairs import Ball, near_pairs
+from mbs_ref.kernels.contact import laws as shared
+from mbs_ref.kernels.contact.near_pairs import NearPairs
+from mbs_ref.kernels.rigid.model import ContactPairs
+from mbs_ref.scene import Scene
+from mbs_ref.scene.base.directions import normals, unit
+from mbs_ref.scene.contact import CircleOnCircle, CircleOnLine, PinOnSprocket, SphereOnPlane, SphereOnSphere
+from mbs_ref.scene.traits import deflecting
+
+_ENDS = {
+    "line": shared.ENDS_NONE, "segment": shared.ENDS_OPEN, "plane": shared.ENDS_NONE, "rectangle": shared.ENDS_OPEN,
+    "capped": shared.ENDS_CAPPED,
+}  # fmt: skip
+
+
+class Axes(Places, Protocol):
+    """The bodies and their axes."""
+
+    def direction(self, name: str, world: Any) -> np.ndarray: ...
+
+
+class _Shape(NamedTuple):
+    """One row of ContactPairs, with the marks in world axes at t = 0."""
+
+    kind: int
+    center: tuple[float, ...]
+    radius: float
+    origin: Any
+    axes: Any  # unit vectors, as many as the scene has dimensions
+    half: tuple[float, float]
+    ends: int = shared.ENDS_NONE
+    thickness: float = math.inf
+    flank: tuple[float, float] = (1.0, 0.0)
+
+
+def _line(part: CircleOnLine) -> _Shape:
+    first, second = np.array(part.point_1), np.array(part.point_2)
+    length = float(np.linalg.norm(second - first))
+    along = (second - first) / length
+    axes = along, (-along[1], along[0])
+    return _flat(part, 0.5 * (first + second), axes, (0.5 * length, 0.0))
+
+
+def _plane(part: SphereOnPlane) -> _Shape:
+    normal = unit(part.normal)
+    edge = normals(part.normal)[0] if part.edge is None else unit(part.edge)
+    half = (math.inf, math.inf) if part.size is None else (0.5 * part.size[0], 0.5 * part.size[1])
+    return _flat(part, part.point, (edge, np.cross(normal, edge), normal), half)
+
+
+def _flat(part: CircleOnLine | SphereOnPlane, origin: Any, axes: Any, half: tuple[float, float]) -> _Shape:
+    thickness = math.inf if part.thickness is None else part.thickness
+    return _Shape(shared.PAIR_FLAT, part.center, part.radius, origin, axes, half, _ENDS[part.extent], thickness)
+
+
+def _round(part: CircleOnCircle | SphereOnSphere) -> _Shape:
+    axes, half = np.eye(len(part.center_a)), (part.radius_b, part.radius_b)
+    return _Shape(shared.PAIR_ROUND, part.center_a, part.radius_a, part.center_b, axes, half)
+
+
+def _sprocket(part: PinOnSprocket) -> _Shape:
+    c, s = math.cos(part.first_seat), math.sin(part.first_seat)
+    return _Shape(
+        shared.PAIR_SPROCKET, part.center, part.clearance, part.axle, ((c, s), (-s, c)), (part.pitch_radius, 0.0),
+        part.teeth, part.addendum_radius - part.pitch_radius, (math.cos(part.flank_angle), math.sin(part.flank_angle)),
+    )  # fmt: skip
+
+
+_SHAPES: dict[type, Any] = {
+    CircleOnLine: _line, CircleOnCircle: _round, PinOnSprocket: _sprocket, SphereOnPlane: _plane, SphereOnSphere: _round
+}  # fmt: skip
+
+
+def contact_pairs(scene: Scene, places: Axes) -> ContactPairs:
+    """Return the shapes in body axes."""
+    parts, d, sticking = scene.contacts, scene.dimension, deflecting(scene)
+    shapes: list[_Shape] = [_SHAPES[type(part)](part) for part in parts]
+    pairs = list(zip(parts, shapes, strict=True))
+    order = {name: k for k, name in enumerate(sticking)}
+    return ContactPairs(
+        kind=np.array([s.kind for s in shapes], dtype=np.int64),
+        a=np.array([places.body(p.body_a) for p in parts], dtype=np.int64),
+        b=np.array([places.body(p.body_b) for p in parts], dtype=np.int64),
+        center=np.array([places.point(p.body_a, s.center) for p, s in pairs], dtype=float).reshape(-1, d),
+        radius=np.array([s.radius for s in shapes], dtype=float),
+        origin=np.array([places.point(p.body_b, s.origin) for p, s in pairs], dtype=float).reshape(-1, d),
+        axes=np.array([[places.direction(p.body_b, x) for x in s.axes] for p, s in pairs]).reshape(-1, d, d),
+        half=np.array([s.half for s in shapes], dtype=float).reshape(-1, 2),
+        ends=np.array([s.ends for s in shapes], dtype=np.int64),
+        thickness=np.array([s.thickness for s in shapes], dtype=float),
+        flank=np.array([s.flank for s in shapes], dtype=float).reshape(-1, 2),
+        deflection=np.array([order.get(p.name, -1) for p in parts], dtype=np.int64),
+        sticking=np.array([len(sticking)], dtype=np.int64),
+    )
+
+
+def contact_balls(pairs: ContactPairs) -> NearPairs:
+    """Return what every pair's shapes lie in, and the list of near pairs."""
+    sides = [(_ball(pairs, k), _other_ball(pairs, k)) for k in range(len(pairs.kind))]
+    return near_pairs(sides, pairs.center.shape[1])
+
+
+def _ball(pairs: ContactPairs, k: int) -> Ball:
+    radius = 0.0 if pairs.kind[k] == shared.PAIR_SPROCKET else float(pairs.radius[k])  # a pin's is in its clearance
+    return Ball(int(pairs.a[k]), tuple(pairs.center[k]), radius)
+
+
+def _other_ball(pairs: ContactPairs, k: int) -> Ball | None:
+    """Return None for a surface without ends or without a back, which reaches far below itself."""
+    endless = pairs.ends[k] == shared.ENDS_NONE or math.isinf(pairs.thickness[k])
+    if pairs.kind[k] == shared.PAIR_FLAT and endless:
+        return None
+    reach = math.hypot(*pairs.half[k]) if pairs.kind[k] == shared.PAIR_FLAT else float(pairs.half[k, 0])
+    if pairs.kind[k] == shared.PAIR_SPROCKET:
+        reach = (reach + float(pairs.thickness[k])) / math.cos(math.pi / pairs.ends[k])
+    return Ball(int(pairs.b[k]), tuple(pairs.origin[k]), reach)

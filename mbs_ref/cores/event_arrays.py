@@ -1,0 +1,131 @@
+"""Contact laws, springs and declared events of a scene -> the arrays that planar and spatial cores share."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, Protocol
+
+import numpy as np
+
+from mbs_ref.kernels.contact import laws as shared
+from mbs_ref.kernels.rigid.model import WATCH_COORDINATE, WATCH_DISTANCE, WATCH_RATE, Springs, Watches
+from mbs_ref.scene import GROUND, PointBushing, Scene, SpringDamper
+from mbs_ref.scene.contact import FrictionNumbers
+from mbs_ref.scene.events import CoordinateEvent, DistanceEvent
+from mbs_ref.scene.scales import scales_of
+
+NOISE = 1e-13  # of the scene's size in metres (at least 1 m): above what roundoff and projection leave of a gap
+SLOW = 1e-8  # of the scene's speed, about eps^(1/2)
+MOST_LOGGED = 100_000  # events of one run whose modes are kept for output
+
+
+_COMPONENTS = {"x": 0, "y": 1, "angle": 2, "z": 2}
+_CROSSINGS = {"either": 0, "rising": 1, "falling": -1}
+_RELEASES = {
+    "gap": shared.RELEASE_GAP, "force": shared.RELEASE_FORCE, "rigid": shared.RELEASE_RIGID,
+    "constraint": shared.RELEASE_CONSTRAINT,
+}  # fmt: skip
+_FRICTIONS = {
+    "none": shared.FRICTION_NONE, "smooth": shared.FRICTION_SMOOTH, "stick_slip": shared.FRICTION_STICK_SLIP
+}  # fmt: skip
+
+
+class Places(Protocol):
+    """The bodies of a scene while it is compiled."""
+
+    def body(self, name: str) -> int: ...
+
+    def point(self, name: str, world: Any) -> np.ndarray: ...
+
+
+def contact_laws(scene: Scene, slots: dict[int, int]) -> shared.ContactLaws:
+    """Return the laws and frictions; `slots` holds the row of each constraint contact, by its place."""
+    laws = [part.law.numbers() for part in scene.contacts]
+    frictions = [part.friction.numbers() if part.friction else FrictionNumbers() for part in scene.contacts]
+    numbers = [law._asdict() | friction._asdict() for law, friction in zip(laws, frictions, strict=True)]
+    coded = {
+        "release": [_RELEASES[law.release] for law in laws],
+        "friction": [_FRICTIONS[friction.kind] for friction in frictions],
+        "slot": [slots.get(k, -1) for k in range(len(laws))],
+    }
+    arrays: dict[str, Any] = {name: np.array(values, dtype=np.int64) for name, values in coded.items()}
+    plain = (name for name in shared.ContactLaws._fields if name not in coded)
+    arrays |= {name: np.array([row[name] for row in numbers], dtype=float) for name in plain}
+    return shared.ContactLaws(**arrays)
+
+
+def contact_noise(scene: Scene) -> float:
+    """Return how far (m, m/s) beyond its root an event function must be."""
+    return NOISE * max([1.0, *(abs(x) for body in scene.bodies for x in body.position)])
+
+
+def event_sources(scene: Scene) -> list[str]:
+    """Return what may have events, in the order of the modes: contacts, tension-only springs, declared events."""
+    return [part.name for part in (*scene.contacts, *_tension_only(scene), *scene.events)]
+
+
+def _tension_only(scene: Scene) -> list[SpringDamper]:
+    return [load for load in scene.loads if isinstance(load, SpringDamper) and load.tension_only]
+
+
+def contact_modes(scene: Scene) -> shared.ContactModes:
+    """Return the modes before a run has settled them: springs answer by the state until then."""
+    count = len(event_sources(scene))
+    slow = SLOW * scales_of(scene).speed if count else 0.0  # the scales take as long as the rest
+    modes = shared.fresh_modes(count, contact_noise(scene), slow, MOST_LOGGED, scene.dimension)
+    modes.mode[len(scene.contacts) : len(scene.contacts) + len(_tension_only(scene))] = shared.MODE_PLAIN
+    return modes
+
+
+def springs(scene: Scene, places: Places) -> Springs:
+    """Return the springs between points, and in the plane the bushings."""
+    loads = [x for x in scene.loads if isinstance(x, SpringDamper | PointBushing)]
+    modes = {x.name: len(scene.contacts) + k for k, x in enumerate(_tension_only(scene))}
+    marks = [(x.point, x.point) if isinstance(x, PointBushing) else (x.point_a, x.point_b) for x in loads]
+    ends = [[places.point(body, mark) for body, mark in zip(x.ends, pair, strict=True)]
+            for x, pair in zip(loads, marks, strict=True)]  # fmt: skip
+    points = np.array(ends, dtype=float).reshape(-1, 2, scene.dimension)
+    return Springs(
+        a=np.array([places.body(x.body_a) for x in loads], dtype=np.int64),
+        b=np.array([places.body(x.body_b) for x in loads], dtype=np.int64),
+        point_a=points[:, 0],
+        point_b=points[:, 1],
+        stiffness=np.array([x.stiffness for x in loads], dtype=float),
+        damping=np.array([x.damping for x in loads], dtype=float),
+        rest_length=np.array([_rest_length(x) for x in loads], dtype=float),
+        isotropic=np.array([isinstance(x, PointBushing) for x in loads], dtype=np.int64),
+        place=np.array([modes.get(x.name, -1) for x in loads], dtype=np.int64),
+    )
+
+
+def _rest_length(load: SpringDamper | PointBushing) -> float:
+    if isinstance(load, PointBushing):
+        return 0.0
+    return math.dist(load.point_a, load.point_b) if load.rest_length is None else load.rest_length
+
+
+def watches(scene: Scene, places: Places) -> Watches:
+    """Return the declared events."""
+    ends = [(event.body_a, event.body_b) if isinstance(event, DistanceEvent) else (event.body, GROUND)
+            for event in scene.events]  # fmt: skip
+    marks = [[places.point(body, mark) for body, mark in zip(pair, (e.point_a, e.point_b), strict=True)]
+             if isinstance(e, DistanceEvent) else np.zeros((2, scene.dimension))
+             for e, pair in zip(scene.events, ends, strict=True)]  # fmt: skip
+    points = np.array(marks, dtype=float).reshape(-1, 2, scene.dimension)
+    return Watches(
+        a=np.array([places.body(a) for a, _ in ends], dtype=np.int64),
+        b=np.array([places.body(b) for _, b in ends], dtype=np.int64),
+        point_a=points[:, 0],
+        point_b=points[:, 1],
+        quantity=np.array([_quantity(event) for event in scene.events], dtype=np.int64),
+        component=np.array([_COMPONENTS[getattr(event, "coordinate", "x")] for event in scene.events], dtype=np.int64),
+        value=np.array([event.value for event in scene.events], dtype=float),
+        direction=np.array([_CROSSINGS[event.crossing] for event in scene.events], dtype=np.int64),
+        stops=np.array([event.action == "stop" for event in scene.events], dtype=np.int64),
+    )
+
+
+def _quantity(event: DistanceEvent | CoordinateEvent) -> int:
+    if isinstance(event, DistanceEvent):
+        return WATCH_DISTANCE
+    return WATCH_RATE if event.rate else WATCH_COORDINATE

@@ -1,0 +1,54 @@
+"""Explicit Runge-Kutta methods: their tableaux, and DOP853 with its error estimates and dense output."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from mbs_ref.integrators.loop.explicit import explicit
+from mbs_ref.integrators.loop.leg import Integrator
+from mbs_ref.integrators.stages import dop853_tableau
+from mbs_ref.integrators.stages.tableau import Tableau, stability_polynomial
+
+EULER = Tableau(np.zeros((1, 1)), np.ones(1), np.zeros(1), np.zeros(0), np.zeros(0), 1, 0)
+RK4 = Tableau(
+    a=np.array([[0, 0, 0, 0], [0.5, 0, 0, 0], [0, 0.5, 0, 0], [0, 0, 1.0, 0]]),
+    b=np.array([1.0, 2.0, 2.0, 1.0]) / 6.0,
+    c=np.array([0, 0.5, 0.5, 1.0]),
+    error=np.zeros(0),
+    error_low=np.zeros(0),
+    order=4,
+    error_order=0,
+)
+
+
+def _integrator(tableau: Tableau, **facts) -> Integrator:
+    return Integrator(
+        order=tableau.order, advance=explicit(tableau), stability=stability_polynomial(tableau), **facts
+    )  # fmt: skip
+
+
+INTEGRATORS = (
+    _integrator(
+        dop853_tableau.TABLEAU,
+        name="dop853",
+        kind="both",
+        embedded=7,  # its two estimates, combined, follow the eighth power of a step (Hairer, sec. II.10)
+        description="Dormand-Prince of order 8, adaptive; fixed step when a step is given",
+        interpolates=True,
+        ladder=(1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12),
+    ),
+    _integrator(
+        EULER,
+        name="euler",
+        kind="fixed",
+        description="explicit Euler",
+        ladder=(4e-3, 2e-3, 1e-3, 5e-4, 2.5e-4, 1.25e-4),
+    ),
+    _integrator(
+        RK4,  # Kutta 1901; the papers' fixed-step method
+        name="rk4",
+        kind="fixed",
+        description="classical Runge-Kutta, fixed step",
+        ladder=(2e-2, 1e-2, 5e-3, 2.5e-3, 1.25e-3, 6.25e-4),
+    ),
+)

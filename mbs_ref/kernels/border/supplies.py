@@ -1,0 +1,66 @@
+"""Functions that each core supplies to kernels that are written once over cores.
+
+A kernel calls a supplied function by its name. Which core's function it is follows from the type of the first argument,
+a handle (mbs_ref.kernels.border.handles), when the kernel is compiled: the call costs what any other does. The module
+of a handle's class imports all that its core supplies, so that the disk cache knows the sources.
+"""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable, Iterable
+from types import ModuleType
+from typing import Any
+
+from numba import typeof
+from numba.core.extending import _Intrinsic
+from numba.core.typing.templates import Signature
+from numba.extending import intrinsic
+
+_supplies: dict[type, dict[str, Any]] = {}  # class of a handle -> name -> compiled function
+
+
+def supply(handles: Iterable[type], interface: ModuleType, modules: Iterable[ModuleType]) -> None:
+    """Let the core of these classes of handles supply what `interface` names, each from one of its own modules."""
+    own = {name: function for module in modules for name, function in vars(module).items()}
+    names = [name for name, stub in vars(interface).items() if isinstance(stub, _Intrinsic)]
+    for handle in handles:
+        _supplies[handle] = {name: own[name] for name in names}
+
+
+def supplied_by(handle: type) -> dict[str, Any]:
+    """Return what the core of a class of handles supplies, by name."""
+    return _supplies[handle]
+
+
+def supplied(stub: Callable[..., Any], passes_handle: bool = True) -> Any:
+    """Make a supplied function of one whose name and docstring alone count; its first argument is a handle.
+
+    Without `passes_handle` that argument chooses the core, and the core's function does not receive it.
+    """
+    first = 0 if passes_handle else 1
+
+    def resolve(typingctx, *given):
+        function = typeof(_supplies[given[0].instance_class][stub.__name__])
+        kind = typingctx.resolve_function_type(function, given[first:], {})
+
+        def codegen(context, builder, signature, args):
+            implementation = context.get_function(function, kind)
+            context.add_linking_libs(getattr(implementation, "libs", ()))
+            pairs = zip(args[first:], signature.args[first:], kind.args, strict=True)
+            return implementation(builder, [context.cast(builder, *each) for each in pairs])
+
+        return Signature(kind.return_type, given, None), codegen
+
+    result = intrinsic(with_parameters_of(stub, resolve))
+    result.passes_handle = passes_handle  # type: ignore[attr-defined]
+    return result
+
+
+def with_parameters_of(stub: Callable[..., Any], function: Callable[..., Any]) -> Callable[..., Any]:
+    """Give a function, of the typing context and any arguments, a stub's name, docstring and parameters."""
+    context = inspect.Parameter("typingctx", inspect.Parameter.POSITIONAL_OR_KEYWORD)
+    parameters = (context, *inspect.signature(stub).parameters.values())
+    function.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
+    function.__name__, function.__doc__ = stub.__name__, stub.__doc__
+    return function

@@ -1,0 +1,102 @@
+"""Friction in the plane: along the tangent, which is the normal turned by -90 degrees.
+
+A sticking contact has a spring that is slack at the place `anchor` along a line; sliding has a sign.
+"""
+
+from __future__ import annotations
+
+import math
+
+from mbs_ref.kernels.contact.laws import (
+    FRICTION_NONE,
+    FRICTION_SMOOTH,
+    GRIP_BACKWARD,
+    GRIP_FORWARD,
+    GRIP_PROBE,
+    GRIP_STICK,
+    normal_force,
+)
+from mbs_ref.kernels.jit import bare, jit
+from mbs_ref.kernels.planar.vectors import times
+from mbs_ref.kernels.rigid.model import contact_laws_of, contact_modes_of
+
+
+@bare
+def _friction(laws, modes, k, normal, touch):
+    """Return the force on body a along the tangent."""
+    if laws.friction[k] == FRICTION_SMOOTH:
+        return -laws.coefficient[k] * normal * math.tanh(touch.slip / laws.creep[k])
+    grip = modes.grip[k]
+    if grip == GRIP_STICK:
+        return -laws.grip_stiffness[k] * (touch.along - modes.anchor[k, 0]) - laws.grip_damping[k] * touch.slip
+    if grip == GRIP_PROBE:
+        return modes.anchor[k, 0]
+    return -laws.coefficient[k] * normal * grip
+
+
+@bare
+def contact_force(model, work, k, touch, normal):
+    laws, modes = contact_laws_of(model), contact_modes_of(model)
+    force = times(normal, touch.normal)
+    if laws.friction[k] != FRICTION_NONE:
+        tangential = _friction(laws, modes, k, normal, touch)
+        force = (force[0] + tangential * touch.normal[1], force[1] - tangential * touch.normal[0])
+    return force
+
+
+@bare
+def slip_of(model, touch):
+    return (touch.slip,)
+
+
+@jit
+def grip_margin(model, work, k, touch):
+    laws, modes = contact_laws_of(model), contact_modes_of(model)
+    if modes.grip[k] == GRIP_STICK:
+        normal = normal_force(laws, modes, k, -touch.gap, -touch.closing)
+        margin = laws.static[k] * normal - abs(_friction(laws, modes, k, normal, touch))
+        return margin / (modes.noise[0] * (laws.grip_stiffness[k] + laws.grip_damping[k]))
+    return modes.grip[k] * touch.slip / modes.noise[0]
+
+
+@jit
+def start_grip(model, k, touch):
+    contact_modes_of(model).anchor[k, 0] = touch.along
+
+
+@jit
+def take_grip(model, y, k, touch):
+    modes = contact_modes_of(model)
+    modes.anchor[k, 0] = touch.along
+    if touch.slip > 0.0:
+        modes.grip[k] = GRIP_FORWARD
+    elif touch.slip < 0.0:
+        modes.grip[k] = GRIP_BACKWARD
+    else:
+        modes.grip[k] = GRIP_STICK
+
+
+@jit
+def change_grip(model, work, k, touch):
+    laws, modes = contact_laws_of(model), contact_modes_of(model)
+    if modes.grip[k] != GRIP_STICK:
+        return True
+    normal = normal_force(laws, modes, k, -touch.gap, -touch.closing)
+    slide_against(model, k, (_friction(laws, modes, k, normal, touch),))
+    return False
+
+
+@jit
+def stop_together(model, work, y, g):
+    pass
+
+
+@jit
+def stick(model, y, k, touch, force):
+    laws, modes = contact_laws_of(model), contact_modes_of(model)
+    modes.anchor[k, 0] = touch.along + force[0] / laws.grip_stiffness[k]
+
+
+@jit
+def slide_against(model, k, force):
+    contact_modes_of(model).grip[k] = GRIP_BACKWARD if force[0] > 0.0 else GRIP_FORWARD

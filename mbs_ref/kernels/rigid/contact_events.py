@@ -1,0 +1,251 @@
+"""Contact modes: the functions whose roots end a mode, and what happens there.
+
+Three functions a contact: the gap's, the force's (of a constraint, the multiplier's) and friction's.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from mbs_ref.kernels.border import questions as ask
+from mbs_ref.kernels.contact.laws import (
+    FRICTION_STICK_SLIP,
+    GRIP_PROBE,
+    GRIP_STICK,
+    MODE_BEHIND,
+    MODE_CLOSED,
+    MODE_OPEN,
+    MODE_PLAIN,
+    RELEASE_CONSTRAINT,
+    RELEASE_RIGID,
+    ROOTS_EACH,
+    normal_force,
+)
+from mbs_ref.kernels.contact.modes import (
+    FRICTION,
+    IMPACT,
+    TOUCH,
+    close,
+    is_broken,
+    next_mode,
+    normal_roots,
+)
+from mbs_ref.kernels.jit import jit
+from mbs_ref.kernels.rigid import geometry as core
+from mbs_ref.kernels.rigid.contact_forces import find_near, is_behind, is_touching
+from mbs_ref.kernels.rigid.dynamics import correct_rates, store_solved
+from mbs_ref.kernels.rigid.landing import AT_REST, contact_mass, contact_push, settle_held
+from mbs_ref.kernels.rigid.model import (
+    bodies_of,
+    contact_laws_of,
+    contact_modes_of,
+    contact_pairs_of,
+    near_pairs_of,
+    rows_of,
+    tree_of,
+)
+from mbs_ref.kernels.rigid.stopped_contacts import holding_forces
+from mbs_ref.kernels.rows import clear
+
+
+@jit
+def contact_roots(model, work, t, y, g, rate):
+    """Fill three functions a contact, and the rate of the first where known, else 0; load the state at y."""
+    pairs, laws, modes = contact_pairs_of(model), contact_laws_of(model), contact_modes_of(model)
+    near = near_pairs_of(model)
+    if _some_constrained(laws, modes):
+        ask.accelerate(model, work, t, y)  # their functions are multipliers
+        store_solved(work, t, y)  # the step that goes on from here need not ask again
+    else:
+        core.load_state(model, work, y)
+    find_near(model, work)
+    for i in range(ROOTS_EACH * pairs.kind.shape[0]):
+        g[i] = 1.0
+        rate[i] = 0.0
+    for place in range(near.count[0]):
+        k = near.pair[place]
+        touch = core.contact_geometry(model, work, k)
+        i = ROOTS_EACH * k
+        leaving = core.leaving_ends(model, work, k) if touch.beyond > touch.gap else 0.0
+        closed = modes.mode[k] == MODE_CLOSED
+        if closed and laws.release[k] == RELEASE_CONSTRAINT:
+            g[i] = 1.0 - touch.beyond / modes.noise[0]
+            g[i + 1] = contact_push(work, laws, k) / (modes.noise[0] * contact_mass(model, k)) + 1.0
+            continue
+        normal_roots(laws, modes, k, touch.gap, touch.closing, touch.beyond, leaving, g, rate)
+        if closed and laws.friction[k] == FRICTION_STICK_SLIP:
+            g[i + 2] = core.grip_margin(model, work, k, touch) + 1.0
+
+
+@jit
+def _some_constrained(laws, modes):
+    closed = 0
+    for k in range(laws.slot.shape[0]):
+        closed += laws.slot[k] >= 0 and modes.mode[k] == MODE_CLOSED
+    return closed > 0
+
+
+@jit
+def contact_transition(model, work, t, y, g, dy):
+    """Change the modes whose functions are negative, with impulses where rigid.
+
+    dy is scratch of y's shape. Velocities in y change at rigid impacts, positions too where a constraint contact
+    closes, and deflections where a contact sticks.
+    """
+    pairs, laws, modes = contact_pairs_of(model), contact_laws_of(model), contact_modes_of(model)
+    stopped = False
+    held = False
+    for k in range(pairs.kind.shape[0]):
+        if not is_broken(g, k):
+            continue
+        held = held or laws.slot[k] >= 0
+        core.load_state(model, work, y)
+        touch = core.contact_geometry(model, work, k)
+        left = next_mode(laws, modes, k, g, touch.closing, is_behind(pairs, k, touch.gap))
+        if left == IMPACT:
+            _impact(model, work, t, y, k)
+        elif left == TOUCH:
+            core.take_grip(model, y, k, touch)
+        elif left == FRICTION and core.change_grip(model, work, k, touch):
+            _probe(modes, k)
+            stopped = True
+    if held:
+        settle_held(model, work, t, y, g)
+    if stopped:
+        core.stop_together(model, work, y, g)
+        ask.settle_grips(model, work, t, y, dy)
+
+
+@jit
+def _probe(modes, k):
+    modes.grip[k] = GRIP_PROBE
+    for c in range(modes.anchor.shape[1]):
+        modes.anchor[k, c] = 0.0
+
+
+@jit
+def rigid_slip_velocities(model, work, y, out):
+    """Fill out (n_contacts, tangents) with the slip velocities (m/s) at y of the contacts under probe."""
+    modes = contact_modes_of(model)
+    core.load_state(model, work, y)
+    for k in range(out.shape[0]):
+        if modes.grip[k] == GRIP_PROBE:
+            slip = core.slip_of(model, core.contact_geometry(model, work, k))
+            for c in range(len(slip)):
+                out[k, c] = slip[c]
+
+
+@jit
+def rigid_settle_grips(model, work, t, y, dy):
+    """Let the stopped contacts stick where mu_s allows what holds them, else slide on against it."""
+    pairs, laws, modes = contact_pairs_of(model), contact_laws_of(model), contact_modes_of(model)
+    count = pairs.kind.shape[0]
+    loads, force = np.zeros(count), np.zeros((count, modes.anchor.shape[1]))
+    core.load_state(model, work, y)
+    for k in range(count):
+        if modes.grip[k] == GRIP_PROBE:
+            touch = core.contact_geometry(model, work, k)
+            loads[k] = max(normal_force(laws, modes, k, -touch.gap, -touch.closing), 0.0)
+    if np.sum(loads) > 0.0:
+        mass = bodies_of(model).mass
+        holding_forces(model, work, t, y, dy, modes, laws.grip_stiffness, pairs.a, pairs.b, mass, loads, force)
+    core.load_state(model, work, y)
+    for k in range(count):
+        if modes.grip[k] != GRIP_PROBE:
+            continue
+        square = 0.0
+        for c in range(force.shape[1]):
+            square += force[k, c] * force[k, c]
+        if np.sqrt(square) <= laws.static[k] * loads[k]:
+            modes.grip[k] = GRIP_STICK
+            core.stick(model, y, k, core.contact_geometry(model, work, k), force[k])
+        else:
+            core.slide_against(model, k, force[k])
+
+
+@jit
+def start_contacts(model, work, t, y, located):
+    """Set every contact's mode by the state; events are watched only where `located`."""
+    pairs, laws, modes = contact_pairs_of(model), contact_laws_of(model), contact_modes_of(model)
+    resting = False
+    near_pairs_of(model).stale[0] = 1
+    core.load_state(model, work, y)
+    for k in range(pairs.kind.shape[0]):
+        touch = core.contact_geometry(model, work, k)
+        modes.dashpot[k] = laws.damping[k] + laws.impact_damping[k] * laws.stiffness[k] / laws.slowest[k]
+        modes.grip[k] = GRIP_STICK
+        core.start_grip(model, k, touch)
+        near = AT_REST * modes.noise[0]
+        if not located:
+            modes.mode[k] = MODE_PLAIN
+        elif laws.release[k] == RELEASE_CONSTRAINT:
+            still = touch.beyond <= 0.0 and abs(touch.gap) <= near and abs(touch.closing) <= near
+            modes.mode[k] = MODE_CLOSED if still else MODE_OPEN
+        elif touch.beyond > 0.0 or touch.gap > 0.0 or laws.release[k] == RELEASE_RIGID:
+            modes.mode[k] = MODE_OPEN
+        elif is_behind(pairs, k, touch.gap):
+            modes.mode[k] = MODE_BEHIND
+        else:
+            close(laws, modes, k, max(-touch.closing, 0.0))
+            core.take_grip(model, y, k, touch)
+            if laws.friction[k] == FRICTION_STICK_SLIP and _is_still(core.slip_of(model, touch)):
+                _probe(modes, k)
+                resting = True
+    if resting:
+        ask.settle_grips(model, work, t, y, np.empty_like(y))
+
+
+@jit
+def _is_still(slip):
+    fastest = 0.0
+    for speed in slip:
+        fastest = max(fastest, abs(speed))
+    return fastest == 0.0
+
+
+@jit
+def rigid_contact_mobility(model, work, t, y, k):
+    """Return n^T W n (1/kg), the normal mobility of a contact within the joints; leave W n as tree acceleration."""
+    pairs, tree, rows = contact_pairs_of(model), tree_of(work), rows_of(work)
+    core.load_state(model, work, y)
+    ask.fill_rows(model, work, t)
+    ask.factor(model, work)
+    touch = core.contact_geometry(model, work, k)
+    on_a, on_b = core.gap_rows(model, touch)
+    clear(tree.load)
+    for c in range(len(core.block(model))):
+        tree.load[pairs.a[k], c] += on_a[c]
+        tree.load[pairs.b[k], c] += on_b[c]
+    clear(rows.gamma)
+    ask.solve(model, work, rows.gamma)
+    return core.gap_response(model, work, k, touch)
+
+
+@jit
+def _impact(model, work, t, y, k):
+    """Reverse the normal speed by an impulse, v+ = -e v-, within the joints: dv = W n p."""
+    mobility = ask.contact_mobility(model, work, t, y, k)
+    closing = core.contact_geometry(model, work, k).closing
+    impulse = -(1.0 + contact_laws_of(model).restitution[k]) * closing / mobility
+    correct_rates(model, work, impulse, y)
+
+
+@jit
+def rigid_contact_forces(model, work, t, y, out):
+    """Fill out (n_contacts, 1 + 2 dimension): depth d (m), force on body a (N), its point (m), in the present modes."""
+    pairs, laws, modes = contact_pairs_of(model), contact_laws_of(model), contact_modes_of(model)
+    if _some_constrained(laws, modes):
+        ask.accelerate(model, work, t, y)
+    else:
+        core.load_state(model, work, y)
+    for k in range(pairs.kind.shape[0]):
+        touch = core.contact_geometry(model, work, k)
+        out[k, 0] = -touch.gap
+        place, touching = core.centre(work, pairs.a[k]), is_touching(pairs, laws, modes, k, touch)
+        normal = normal_force(laws, modes, k, -touch.gap, -touch.closing)
+        if laws.release[k] == RELEASE_CONSTRAINT:
+            normal = contact_push(work, laws, k)
+        force = core.contact_force(model, work, k, touch, normal)
+        for c in range(len(place)):
+            out[k, 1 + c] = force[c] if touching else 0.0
+            out[k, 1 + len(place) + c] = place[c] + touch.arm_a[c]

@@ -1,0 +1,52 @@
+"""Contacts as constraints: the row gap = 0 while contact lasts, and none otherwise.
+
+The row's multiplier is the force that pulls the bodies together; the contact pushes with its negative.
+"""
+
+from __future__ import annotations
+
+from mbs_ref.kernels.contact.laws import MODE_CLOSED
+from mbs_ref.kernels.jit import jit
+from mbs_ref.kernels.rigid import geometry as core
+from mbs_ref.kernels.rigid.model import contact_laws_of, contact_modes_of, rows_of
+
+
+@jit
+def rigid_fill_contact_rows(model, work):
+    """Evaluate the row of every contact as a constraint; an open one's is empty."""
+    laws, modes = contact_laws_of(model), contact_modes_of(model)
+    for k in range(laws.slot.shape[0]):
+        if laws.slot[k] >= 0:
+            if modes.mode[k] == MODE_CLOSED:
+                _fill_contact(model, work, k)
+            else:
+                _clear(model, rows_of(work), laws.slot[k])
+
+
+@jit
+def _clear(model, rows, slot):
+    """An open contact's row is empty: the solver leaves it out."""
+    used = False
+    for c in range(len(core.block(model))):
+        used |= rows.jacobian[slot, 0, 0, c] != 0.0  # a closed one's holds the normal
+    if not used:
+        return
+    for side in range(2):
+        for c in range(len(core.block(model))):
+            rows.jacobian[slot, side, 0, c] = 0.0
+    rows.residual[slot, 0] = 0.0
+    rows.rate[slot, 0] = 0.0
+    rows.gamma[slot, 0] = 0.0
+
+
+@jit
+def _fill_contact(model, work, k):
+    rows, slot = rows_of(work), contact_laws_of(model).slot[k]
+    touch = core.contact_geometry(model, work, k)
+    on_a, on_b = core.gap_rows(model, touch)
+    for c in range(len(core.block(model))):
+        rows.jacobian[slot, 0, 0, c] = on_a[c]
+        rows.jacobian[slot, 1, 0, c] = on_b[c]
+    rows.residual[slot, 0] = touch.gap
+    rows.rate[slot, 0] = touch.closing
+    rows.gamma[slot, 0] = core.gap_gamma(model, work, k, touch)

@@ -1,0 +1,85 @@
+"""A planar or spatial scene as methods on the DAE itself see it: balances and rows, all in the state's order."""
+
+from __future__ import annotations
+
+from mbs_ref.kernels.border.questions import apply_loads, factor, fill_rows, solve
+from mbs_ref.kernels.jit import jit
+from mbs_ref.kernels.rigid import geometry as core
+from mbs_ref.kernels.rigid.model import bodies_of, kinematics_of, rows_of, slots_of, tree_of
+from mbs_ref.kernels.rows import take_reactions
+
+
+@jit
+def rigid_position_count(model):
+    """Return the entries of the state that are positions and orientations; rates follow."""
+    return core.position_count(model)
+
+
+@jit
+def _as_rates(model, work, rates, out):
+    """Write rates (n + 1, rates) of bodies in elimination order as the state has rates."""
+    bodies, start = bodies_of(model), core.position_count(model)
+    out[:] = 0.0
+    for i in range(bodies.mass.shape[0]):
+        core.add_rates(model, work, i, 1.0, rates[i], out, bodies.v[i] - start)
+
+
+@jit
+def rigid_force_balance(model, work, t, y, lam, out):
+    """Write f - C_q^T lambda as the state has rates, and leave C, C_dot and C_q in `work`."""
+    slots, rows, kin = slots_of(model), rows_of(work), kinematics_of(work)
+    core.load_state(model, work, y)
+    apply_loads(model, work, t)
+    fill_rows(model, work, t)
+    take_reactions(kin.force, slots.body, rows.jacobian, lam)
+    kin.force[bodies_of(model).mass.shape[0]] = 0.0
+    _as_rates(model, work, kin.force, out)
+
+
+@jit
+def rigid_answer(model, work, balance, out):
+    """Solve the augmented system for a balance and the gamma in `work`; write the accelerations to out."""
+    bodies, tree, start = bodies_of(model), tree_of(work), core.position_count(model)
+    factor(model, work)
+    for i in range(bodies.mass.shape[0]):
+        rates = core.world_rates(model, work, i, balance, bodies.v[i] - start)
+        for c in range(len(core.block(model))):
+            tree.load[i, c] = rates[c]
+    solve(model, work, rows_of(work).gamma)
+    _as_rates(model, work, tree.acceleration, out)
+
+
+@jit
+def rigid_row_times(model, work, slot, row, rate):
+    """Return one constraint row applied to rates."""
+    bodies, slots, rows, start = bodies_of(model), slots_of(model), rows_of(work), core.position_count(model)
+    total = 0.0
+    for side in range(2):
+        i = slots.body[slot, side]
+        if i < bodies.mass.shape[0]:
+            jacobian = rows.jacobian[slot, side, row]
+            total = core.plus_product(model, work, total, i, jacobian, rate, bodies.v[i] - start)
+    return total
+
+
+@jit
+def rigid_add_row(model, work, slot, row, factor, out):
+    """Add factor times one constraint row to out."""
+    bodies, slots, rows, start = bodies_of(model), slots_of(model), rows_of(work), core.position_count(model)
+    for side in range(2):
+        i = slots.body[slot, side]
+        if i < bodies.mass.shape[0]:
+            core.add_rates(model, work, i, factor, rows.jacobian[slot, side, row], out, bodies.v[i] - start)
+
+
+@jit
+def rigid_defect_of(work, velocity_level):
+    """Return C or C_dot (n_slots, rates)."""
+    rows = rows_of(work)
+    return rows.rate if velocity_level else rows.residual
+
+
+@jit
+def rigid_gamma_of(work):
+    """Return gamma (n_slots, rates)."""
+    return rows_of(work).gamma

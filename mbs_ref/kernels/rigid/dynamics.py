@@ -1,0 +1,195 @@
+"""The reduction of the DAE to an ODE, and the projection onto its constraints, in the plane and in space.
+
+The index-3 DAE is reduced to its underlying ODE (Fox 1999 eq 9; Fox 2001 eq 19), optionally with Baumgarte's terms.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from mbs_ref.kernels.border.questions import apply_loads, factor, fill_rows, solve
+from mbs_ref.kernels.jit import bare, jit
+from mbs_ref.kernels.rigid import geometry as core
+from mbs_ref.kernels.rigid.model import (
+    bodies_of,
+    closures_of,
+    kinematics_of,
+    loops_of,
+    rows_of,
+    slots_of,
+    solved_of,
+    tree_of,
+    world_of,
+)
+from mbs_ref.kernels.rows import (
+    add_to,
+    clear,
+    copy_rows,
+    largest_entry,
+    negate,
+    stabilize,
+    take_accelerations,
+    take_reactions,
+)
+
+EPS = 2.220446049250313e-16
+BORNE = 100.0 * EPS  # relative: below the tightest tolerance that is asked for, 1e-13
+REFINED_BELOW = EPS / BORNE  # pivot: elimination alone loses no more above it
+MOST_REFINEMENTS = 4
+CONVERGES = 1e-4  # relative: where elimination loses more, a rank is lost and nothing is there to refine
+
+
+@jit
+def refinements(pivot):
+    """Return the steps of refinement after which what elimination lost at this relative pivot is borne."""
+    if pivot >= REFINED_BELOW or pivot * CONVERGES < EPS:
+        return 0
+    steps = 0
+    error = EPS / pivot
+    while error > BORNE and steps < MOST_REFINEMENTS:
+        error *= EPS / pivot
+        steps += 1
+    return steps
+
+@jit
+def rigid_factor(model, work):
+    """Factor the augmented matrix at the Jacobians in `work`."""
+    core.factor_tree(model, work, loops_of(model))
+
+
+@jit
+def rigid_solve(model, work, gamma):
+    """Solve the augmented system for the tree's load and `gamma` into its acceleration and the multipliers."""
+    solved_of(work).time[0] = np.nan
+    core.solve_tree(model, work, loops_of(model), gamma, tree_of(work).acceleration, rows_of(work).multiplier)
+
+
+@jit
+def rigid_factor_open(model, work):
+    """The same of a tree without closed loops."""
+    core.factor_tree(model, work, None)
+
+
+@jit
+def rigid_solve_open(model, work, gamma):
+    """The same of a tree without closed loops."""
+    solved_of(work).time[0] = np.nan
+    core.solve_tree(model, work, None, gamma, tree_of(work).acceleration, rows_of(work).multiplier)
+
+
+@jit
+def _refine(model, work):
+    """Add to acceleration and multipliers what the residuals of both equations ask for."""
+    rows, tree, body = rows_of(work), tree_of(work), slots_of(model).body
+    first, multiplier, gamma = tree.acceleration.copy(), rows.multiplier.copy(), rows.gamma.copy()
+    core.subtract_inertia(model, work, first, tree.load)
+    take_reactions(tree.load, body, rows.jacobian, multiplier)
+    take_accelerations(gamma, body, rows.jacobian, first)
+    solve(model, work, gamma)
+    add_to(tree.acceleration, first)
+    add_to(rows.multiplier, multiplier)
+
+
+@jit
+def rigid_accelerate(model, work, t, y):
+    """Compute accelerations and multipliers at (t, y) into `work`; refine them as often as the loops' pose asks for."""
+    core.load_state(model, work, y)
+    apply_loads(model, work, t)
+    fill_rows(model, work, t)
+    rows = rows_of(work)
+    stabilize(world_of(model).control, rows.gamma, rows.rate, rows.residual)
+    factor(model, work)
+    copy_rows(kinematics_of(work).force, tree_of(work).load)
+    solve(model, work, rows.gamma)
+    for _ in range(refinements(closures_of(work).regularity[0])):
+        _refine(model, work)
+
+
+@bare
+def store_solved(work, t, y):
+    """State that the accelerations in `work` are those at (t, y)."""
+    solved = solved_of(work)
+    solved.time[0] = t
+    for k in range(y.shape[0]):
+        solved.state[k] = y[k]
+
+
+@bare
+def is_solved(work, t, y):
+    """Return whether the accelerations in `work` are those at (t, y)."""
+    solved = solved_of(work)
+    if solved.time[0] != t:
+        return False
+    same = True
+    for k in range(y.shape[0]):
+        same &= y[k] == solved.state[k]
+    return same
+
+
+@jit
+def rigid_compliance(model, work, t, y):
+    """Return max |C|, with the norms that the state keeps, and max |C_dot| over all rows (m, rad; m/s, rad/s)."""
+    core.load_state(model, work, y)
+    fill_rows(model, work, t)
+    rows = rows_of(work)
+    return max(largest_entry(rows.residual), core.largest_norm_defect(model, work)), largest_entry(rows.rate)
+
+
+@jit
+def rigid_regularity(work):
+    """Return the smallest relative closure pivot of the last factorization; 1 without closures."""
+    return closures_of(work).regularity[0]
+
+
+@jit
+def rigid_multipliers(work, lam):
+    """Copy the multipliers of the last solution into lam (n_slots, rates)."""
+    copy_rows(rows_of(work).multiplier, lam)
+
+
+@jit
+def respond(model, work, defect):
+    """Solve for the mass-weighted least-squares correction that removes `defect`."""
+    gamma = rows_of(work).gamma
+    negate(defect, gamma)
+    clear(tree_of(work).load)
+    solve(model, work, gamma)
+
+
+@jit
+def correct_rates(model, work, factor, y):
+    """Add factor times the accelerations in `work` to the rates in y."""
+    bodies, acceleration = bodies_of(model), tree_of(work).acceleration
+    for i in range(bodies.mass.shape[0]):
+        core.add_rates(model, work, i, factor, acceleration[i], y, bodies.v[i])
+
+
+@jit
+def rigid_project(model, work, t, y, tolerance, most):
+    """Project positions, then velocities, onto the constraints in the mass norm; return max |C| left.
+
+    At most `most` Gauss-Newton iterations for the positions; velocities are linear and need one.
+    """
+    core.normalize(model, y)
+    core.load_state(model, work, y)
+    if core.has_no_rows(model):
+        return core.largest_norm_defect(model, work)
+    rows = rows_of(work)
+    fill_rows(model, work, t)
+    left = largest_entry(rows.residual)
+    for _ in range(most):
+        if not left > tolerance:
+            break
+        factor(model, work)
+        respond(model, work, rows.residual)
+        core.correct_places(model, work, y)
+        core.load_state(model, work, y)
+        fill_rows(model, work, t)
+        previous = left
+        left = largest_entry(rows.residual)
+        if left > 0.5 * previous:
+            break
+    factor(model, work)
+    respond(model, work, rows.rate)
+    correct_rates(model, work, 1.0, y)
+    return max(left, core.largest_norm_defect(model, work))

@@ -1,0 +1,138 @@
+"""The events of a scene: contacts, then tension-only springs, then declared events, three functions each.
+
+A declared event is where a coordinate, a rate or a distance crosses its value; its mode is the side it is on.
+All functions are positive while the frozen modes hold. Each holds a little beyond its root, by `noise`, or contacts at
+rest exactly at d = 0 would chatter.
+"""
+
+from __future__ import annotations
+
+from mbs_ref.kernels.contact.laws import ROOTS_EACH
+from mbs_ref.kernels.contact.modes import ENDLESS, SETTLED, STOP, is_broken, is_endless
+from mbs_ref.kernels.jit import jit
+from mbs_ref.kernels.rigid.contact_events import contact_roots, contact_transition, start_contacts
+from mbs_ref.kernels.rigid.geometry import coordinate, load_state
+from mbs_ref.kernels.rigid.model import WATCH_DISTANCE, WATCH_RATE, contact_modes_of, watches_of
+from mbs_ref.kernels.rigid.springs import distance, spring_roots, spring_transition, start_springs
+
+
+@jit
+def _watched(watches, work, k):
+    """Return the quantity above its value, and its rate where known, else 0."""
+    a = watches.a[k]
+    if watches.quantity[k] == WATCH_DISTANCE:
+        place, rate = distance(work, a, watches.b[k], watches.point_a[k], watches.point_b[k])
+    else:
+        place, rate = coordinate(work, a, watches.component[k])
+        if watches.quantity[k] == WATCH_RATE:
+            place, rate = rate, 0.0
+    return place - watches.value[k], rate
+
+
+@jit
+def watch_roots(model, work, g, rate):
+    """Fill the functions at the state in `work`."""
+    watches, modes = watches_of(model), contact_modes_of(model)
+    first = modes.mode.shape[0] - watches.a.shape[0]
+    for k in range(watches.a.shape[0]):
+        i = ROOTS_EACH * (first + k)
+        side = modes.mode[first + k]
+        above, speed = _watched(watches, work, k)
+        g[i] = side * above / modes.noise[0] + 1.0
+        rate[i] = side * speed / modes.noise[0]
+        for extra in (i + 1, i + 2):
+            g[extra] = 1.0
+            rate[extra] = 0.0
+
+
+@jit
+def watch_transition(model, g):
+    """Change sides; forget crossings in the other direction; return whether the run is to stop."""
+    watches, modes = watches_of(model), contact_modes_of(model)
+    first = modes.mode.shape[0] - watches.a.shape[0]
+    stops = False
+    for k in range(watches.a.shape[0]):
+        i = ROOTS_EACH * (first + k)
+        if g[i] < 0.0:
+            modes.mode[first + k] *= -1
+            if watches.direction[k] * modes.mode[first + k] < 0:
+                g[i] = 0.0  # of the other direction, so not logged
+            elif watches.stops[k] == 1:
+                stops = True
+    return stops
+
+
+@jit
+def start_watches(model, work):
+    """Choose the sides by the state in `work`; exactly at the value, the side that it comes from."""
+    watches, modes = watches_of(model), contact_modes_of(model)
+    first = modes.mode.shape[0] - watches.a.shape[0]
+    for k in range(watches.a.shape[0]):
+        above, speed = _watched(watches, work, k)
+        modes.mode[first + k] = 1 if above > 0.0 or (above == 0.0 and speed < 0.0) else -1
+
+@jit
+def rigid_root_count(model):
+    """Return the number of event functions; 0 in the plain mode."""
+    return contact_modes_of(model).roots[0]
+
+
+@jit
+def rigid_roots(model, work, t, y, g, rate):
+    """Fill g and, where known, its rate, else 0; g > 0 while the frozen modes hold."""
+    contact_roots(model, work, t, y, g, rate)
+    spring_roots(model, work, g, rate)
+    watch_roots(model, work, g, rate)
+
+
+@jit
+def rigid_transition(model, work, t, span, y, g, dy):
+    """Change the modes whose functions are negative, with impulses where rigid; return code and source.
+
+    dy is scratch of y's shape. y changes as in `contact_transition`.
+    """
+    modes = contact_modes_of(model)
+    source = 0
+    for k in range(modes.mode.shape[0]):
+        if is_broken(g, k):
+            source = k
+            if is_endless(modes, k, t, span):
+                return ENDLESS, k
+    contact_transition(model, work, t, y, g, dy)
+    spring_transition(model, g)
+    stops = watch_transition(model, g)
+    _log(modes, t, g)
+    return STOP if stops else SETTLED, source
+
+
+@jit
+def _log(modes, t, g):
+    for k in range(modes.mode.shape[0]):
+        if is_broken(g, k):
+            place = modes.logged[0]
+            modes.logged[0] += 1
+            if place < modes.log.shape[0]:
+                row = modes.log[place]
+                row[0] = t
+                row[1] = k
+                row[2] = modes.mode[k]
+                row[3] = modes.grip[k]
+                for c in range(modes.anchor.shape[1]):
+                    row[4 + c] = modes.anchor[k, c]
+                row[4 + modes.anchor.shape[1]] = modes.dashpot[k]
+
+
+@jit
+def rigid_start_modes(model, work, t, y, located):
+    """Set every mode by the state; event functions are watched only where `located`."""
+    modes = contact_modes_of(model)
+    modes.logged[0] = 0
+    modes.roots[0] = ROOTS_EACH * modes.mode.shape[0] if located else 0
+    for k in range(modes.mode.shape[0]):
+        modes.stamp[k] = -1e300
+        modes.burst[k] = 0
+    load_state(model, work, y)
+    start_springs(model, work, located)
+    if watches_of(model).a.shape[0] > 0:
+        start_watches(model, work)
+    start_contacts(model, work, t, y, located)

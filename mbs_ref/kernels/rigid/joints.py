@@ -1,0 +1,101 @@
+"""Joint rows in the plane and in space: C, C_dot, the Jacobian blocks and gamma = -C_tt - (C_q v)_q v - 2 C_qt v.
+
+Every joint is made of elementary rows (Haug, Computer Aided Kinematics and Dynamics of Mechanical Systems, 1989,
+sec. 9.4). lambda of a row is the force or torque that the row exerts along its Jacobian.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from mbs_ref.kernels.border.calls import call_user
+from mbs_ref.kernels.border.questions import fill_contact_rows
+from mbs_ref.kernels.jit import bare, jit
+from mbs_ref.kernels.rigid import geometry as core
+from mbs_ref.kernels.rigid.model import (
+    CONTROL_MODE_TIME,
+    distances_of,
+    drives_of,
+    planes_of,
+    points_of,
+    rows_of,
+    signals_of,
+    slots_of,
+    world_of,
+)
+from mbs_ref.kernels.signals import evaluate
+
+
+@bare
+def bodies_of_row(slots, joint, k):
+    """Return slot, row, the side of body a, and the bodies a and b."""
+    slot, side = joint.slot[k], joint.side_a[k]
+    return slot, joint.row[k], side, slots.body[slot, side], slots.body[slot, 1 - side]
+
+
+@bare
+def _fill_points(model, work):
+    joint, slots, rows = points_of(model), slots_of(model), rows_of(work)
+    for k in range(joint.slot.shape[0]):
+        slot, row, side, a, b = bodies_of_row(slots, joint, k)
+        apart = core.separation(work, a, b, joint.point_a[k], joint.point_b[k])
+        core.put_point(work, slot, side, row, apart)
+        surplus = core.inward(work, a, b, apart)
+        for c in range(len(surplus)):
+            rows.residual[slot, row + c] = apart.gap[c]
+            rows.rate[slot, row + c] = apart.rate[c]
+            rows.gamma[slot, row + c] = surplus[c]
+
+
+@bare
+def _fill_planes(model, work):
+    joint, slots = planes_of(model), slots_of(model)
+    for k in range(joint.slot.shape[0]):
+        slot, row, side, a, b = bodies_of_row(slots, joint, k)
+        apart = core.separation(work, a, b, joint.point_a[k], joint.point_b[k])
+        core.fill_plane(work, slot, side, row, a, b, joint.normal[k], apart)
+
+
+@bare
+def _fill_distances(model, work):
+    joint, slots, rows = distances_of(model), slots_of(model), rows_of(work)
+    for k in range(joint.slot.shape[0]):
+        slot, row, side, a, b = bodies_of_row(slots, joint, k)
+        apart = core.separation(work, a, b, joint.point_a[k], joint.point_b[k])
+        length = np.sqrt(core.dot(work, apart.gap, apart.gap))
+        e = core.over(work, apart.gap, length)
+        along = core.dot(work, e, apart.rate)
+        core.put_line(work, slot, side, row, e, apart)
+        rows.residual[slot, row] = length - joint.length[k]
+        rows.rate[slot, row] = along
+        across = core.dot(work, apart.rate, apart.rate) - along * along
+        rows.gamma[slot, row] = core.dot(work, e, core.inward(work, a, b, apart)) - across / length
+
+
+@bare
+def _fill_drives(model, work, t):
+    """Prescribed rows; ground is the other side, whose block stays zero."""
+    drive, slots, rows, signals = drives_of(model), slots_of(model), rows_of(work), signals_of(model)
+    mode_time = world_of(model).control[CONTROL_MODE_TIME]
+    for k in range(drive.slot.shape[0]):
+        slot, row, side, e = drive.slot[k], drive.row[k], drive.side[k], drive.direction[k]
+        i = slots.body[slot, side]
+        value, rate, curvature = evaluate(signals, drive.signal[k], t, mode_time)
+        core.put_on_body(work, slot, side, row, i, drive.point[k], e)
+        place = core.dot(work, e, core.place_of_mark(work, i, drive.point[k]))
+        rows.residual[slot, row] = place - drive.start[k] - value
+        rows.rate[slot, row] = core.rate_along(work, i, drive.point[k], e) - rate
+        rows.gamma[slot, row] = curvature - core.acceleration_along(work, i, drive.point[k], e)
+
+
+@jit
+def rigid_fill_rows(model, work, t):
+    """Evaluate every constraint row at the pose and motion in `work`."""
+    _fill_points(model, work)
+    _fill_planes(model, work)
+    _fill_distances(model, work)
+    _fill_drives(model, work, t)
+    core.fill_own_rows(model, work, t)
+    if world_of(model).user_rows[0] != 0:
+        call_user(world_of(model).user_rows[0], t, 0)  # pyright: ignore[reportCallIssue]
+    fill_contact_rows(model, work)

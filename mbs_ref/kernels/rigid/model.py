@@ -1,0 +1,166 @@
+"""The groups of arrays that planar and spatial scenes share, and access to those that both have by one name.
+
+`dimension` is 2 or 3, `rates` those of a body, 3 or 6. Bodies are numbered in elimination order: a parent before its
+children, ground last (index n_bodies). Constraint rows lie in slots of up to `rates` rows: slot i < n_bodies joins body
+i to its parent in the spanning tree, later slots close loops. A slot has two Jacobian blocks, of its sides 0 and 1; in
+a tree slot side 0 is the child.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, NamedTuple, get_type_hints
+
+import numpy as np
+
+from mbs_ref.kernels.border.groups import Floats, Ints, empty
+from mbs_ref.kernels.border.handles import accessor
+from mbs_ref.kernels.rigid.closures import Loops, closure_scratch
+
+CONTROL_MODE_TIME = 0  # s, a time inside the current step: picks the signals' segments
+CONTROL_VELOCITY_GAIN = 1  # 1/s, Baumgarte 2 g
+CONTROL_POSITION_GAIN = 2  # 1/s^2, Baumgarte g^2
+
+WATCH_DISTANCE, WATCH_COORDINATE, WATCH_RATE = range(3)
+
+
+class Points(NamedTuple):
+    """r_b - r_a = 0: a row along each world axis."""
+
+    slot: Annotated[Ints, "k"]
+    row: Annotated[Ints, "k"]  # first row in the slot
+    side_a: Annotated[Ints, "k"]  # which side of the slot is body_a
+    point_a: Annotated[Floats, "k", "dimension"]  # m, in body a
+    point_b: Annotated[Floats, "k", "dimension"]  # m, in body b
+
+
+class Planes(NamedTuple):
+    """n . (r_b - r_a) = 0 with n fixed in body a: one row; in the plane a line."""
+
+    slot: Annotated[Ints, "k"]
+    row: Annotated[Ints, "k"]
+    side_a: Annotated[Ints, "k"]
+    point_a: Annotated[Floats, "k", "dimension"]  # m, in body a
+    point_b: Annotated[Floats, "k", "dimension"]  # m, in body b
+    normal: Annotated[Floats, "k", "dimension"]  # unit vector, in body a
+
+
+class Distances(NamedTuple):
+    """|r_b - r_a| = length: one row."""
+
+    slot: Annotated[Ints, "k"]
+    row: Annotated[Ints, "k"]
+    side_a: Annotated[Ints, "k"]
+    point_a: Annotated[Floats, "k", "dimension"]  # m, in body a
+    point_b: Annotated[Floats, "k", "dimension"]  # m, in body b
+    length: Annotated[Floats, "k"]  # m
+
+
+class Drives(NamedTuple):
+    """direction . (r - start) = signal: one row, the other side is ground."""
+
+    slot: Annotated[Ints, "k"]
+    row: Annotated[Ints, "k"]
+    side: Annotated[Ints, "k"]  # which side of the slot is the body
+    point: Annotated[Floats, "k", "dimension"]  # m, in the body
+    direction: Annotated[Floats, "k", "dimension"]  # unit vector, world
+    start: Annotated[Floats, "k"]  # m
+    signal: Annotated[Ints, "k"]
+
+
+class Springs(NamedTuple):
+    a: Annotated[Ints, "k"]
+    b: Annotated[Ints, "k"]
+    point_a: Annotated[Floats, "k", "dimension"]  # m, in body a
+    point_b: Annotated[Floats, "k", "dimension"]  # m, in body b
+    stiffness: Annotated[Floats, "k"]  # N/m
+    damping: Annotated[Floats, "k"]  # N s/m
+    rest_length: Annotated[Floats, "k"]  # m
+    isotropic: Annotated[Ints, "k"]  # 1 for a bushing in the plane, whose force follows the gap as a vector
+    place: Annotated[Ints, "k"]  # of a tension-only spring's mode in ContactModes; -1 for others
+
+
+class ContactPairs(NamedTuple):
+    """Shapes that may touch; see PAIR_* for the kinds and mbs_ref.scene.contact for the meaning."""
+
+    kind: Annotated[Ints, "k"]  # PAIR_*
+    a: Annotated[Ints, "k"]
+    b: Annotated[Ints, "k"]
+    center: Annotated[Floats, "k", "dimension"]  # m, of the circle or sphere, in body a
+    radius: Annotated[Floats, "k"]  # m, of the circle or sphere; clearance of a pin
+    origin: Annotated[Floats, "k", "dimension"]  # m, in body b: middle of a flat shape, centre of the other one, axle
+    # in body b, unit rows: edges of a flat shape and its normal; the first row of a sprocket points to its first seat
+    axes: Annotated[Floats, "k", "dimension", "dimension"]
+    half: Annotated[Floats, "k", 2]  # m: half sides, inf where endless; the other one's radius; pitch radius
+    ends: Annotated[Ints, "k"]  # ENDS_*; number of teeth
+    thickness: Annotated[Floats, "k"]  # m, inf where unlimited; reach of the teeth beyond the pitch circle
+    flank: Annotated[Floats, "k", 2]  # cosine and sine of the angle of a tooth's flank
+    deflection: Annotated[Ints, "k"]  # place of its two sticking deflections (m) in a spatial state, else -1
+    sticking: Annotated[Ints, 1]  # contacts that have such a place
+
+
+class Watches(NamedTuple):
+    """Declared events: a coordinate, a distance or a coordinate's rate crosses a value."""
+
+    a: Annotated[Ints, "k"]
+    b: Annotated[Ints, "k"]  # the other body of a distance
+    point_a: Annotated[Floats, "k", "dimension"]  # m, in body a
+    point_b: Annotated[Floats, "k", "dimension"]  # m, in body b
+    quantity: Annotated[Ints, "k"]  # WATCH_*
+    component: Annotated[Ints, "k"]  # 0 x, 1 y, 2 angle in the plane and z in space
+    value: Annotated[Floats, "k"]  # m, rad, m/s or rad/s
+    direction: Annotated[Ints, "k"]  # 1 rising, -1 falling, 0 either
+    stops: Annotated[Ints, "k"]  # 1 where the run ends
+
+
+class World(NamedTuple):
+    gravity: Annotated[Floats, "dimension"]  # m/s^2
+    user_force: Annotated[Ints, 1]  # address of a C callback, or 0
+    user_rows: Annotated[Ints, 1]  # the same, for constraints of the user's own
+    control: Annotated[Floats, 3]  # see kernels/controls.py
+
+
+class Rows(NamedTuple):
+    jacobian: Annotated[Floats, "n_slots", 2, "rates", "rates"]
+    residual: Annotated[Floats, "n_slots", "rates"]  # C
+    rate: Annotated[Floats, "n_slots", "rates"]  # C_dot
+    gamma: Annotated[Floats, "n_slots", "rates"]  # right-hand side of C_q qdd = Q_d
+    multiplier: Annotated[Floats, "n_slots", "rates"]
+
+
+class Solved(NamedTuple):
+    """Which state the accelerations in the tree belong to."""
+
+    time: Annotated[Floats, 1]  # s; NaN where they may be another state's
+    state: Annotated[Floats, "n_state"]
+
+
+def rigid_scratch(scratch: type, n: int, n_slots: int, n_state: int, loops: Loops, **lengths: int) -> Any:
+    """Return the scratch of one run, zero but for the pivots of `loops` and no state solved."""
+    own = {"n": n, "n + 1": n + 1, "n_slots": n_slots, "n_state": n_state, **lengths}
+    groups = {name: empty(kind, **own) for name, kind in get_type_hints(scratch).items() if name != "closures"}
+    groups["solved"].time[0] = np.nan
+    return scratch(closures=closure_scratch(loops, lengths["rates"]), **groups)
+
+
+bodies_of = accessor("bodies")
+slots_of = accessor("slots")
+loops_of = accessor("loops")
+points_of = accessor("points")
+planes_of = accessor("planes")
+distances_of = accessor("distances")
+drives_of = accessor("drives")
+forces_of = accessor("forces")
+springs_of = accessor("springs")
+torsion_springs_of = accessor("torsion_springs")
+contact_pairs_of = accessor("contact_pairs")
+contact_laws_of = accessor("contact_laws")
+contact_modes_of = accessor("contact_modes")
+near_pairs_of = accessor("near_pairs")
+watches_of = accessor("watches")
+signals_of = accessor("signals")
+world_of = accessor("world")
+kinematics_of = accessor("kinematics")
+rows_of = accessor("rows")
+tree_of = accessor("tree")
+closures_of = accessor("closures")
+solved_of = accessor("solved")

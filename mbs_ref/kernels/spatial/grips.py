@@ -1,0 +1,198 @@
+"""Friction in space, along the edges of the plane of contact.
+
+Where a contact slides, friction opposes the slip velocity in the tangent plane; where it sticks, two springs along the
+edges carry it, and their deflections are states: how far a rolling sphere has slipped is no function of its pose.
+Sliding keeps a frozen direction. Its function is positive while the slip velocity is within 60 degrees of it:
+at the root the direction follows the slip, or, where the slip has come to a stop, the contact sticks or slides
+on in the direction that its own acceleration takes.
+"""
+
+from __future__ import annotations
+
+import math
+
+from mbs_ref.kernels.contact.laws import (
+    FRICTION_NONE,
+    FRICTION_SMOOTH,
+    FRICTION_STICK_SLIP,
+    GRIP_FORWARD,
+    GRIP_PROBE,
+    GRIP_STICK,
+    MODE_CLOSED,
+    ROOTS_EACH,
+    normal_force,
+)
+from mbs_ref.kernels.jit import bare, jit
+from mbs_ref.kernels.rigid.model import contact_laws_of, contact_modes_of, contact_pairs_of
+from mbs_ref.kernels.spatial.contacts import contact_geometry
+from mbs_ref.kernels.spatial.model import grips_of
+from mbs_ref.kernels.spatial.orientation import load_state
+from mbs_ref.kernels.spatial.vectors import dot, plus, times
+
+COSINE = 0.5  # of the angle between slip and frozen direction at which the direction is frozen anew
+TOGETHER = 10.0  # of the slip velocity that counts as a stop: so slow, a contact stops along with another one
+# Below this many times `modes.slow` the direction of sliding is the frozen one. A step that ends where sliding stops
+# evaluates friction there; across the slip, its derivative mu N / (m v) turns roundoff of eps into eps / v, which has
+# to stay far below `slow`: with v = 1e3 slow it is 1e-2 slow.
+SLUGGISH = 1e3
+
+
+@bare
+def slip_of(model, touch):
+    return dot(touch.slip, touch.edge_1), dot(touch.slip, touch.edge_2)
+
+
+@bare
+def _slide(laws, modes, k, normal, along, across):
+    """Return mu N against the slip velocity.
+
+    Smooth through a stop: the slip along the frozen direction counts as positive, and as no less than SLUGGISH.
+    """
+    d0 = modes.anchor[k, 0]
+    d1 = modes.anchor[k, 1]
+    ahead = d0 * along + d1 * across
+    aside0 = along - ahead * d0
+    aside1 = across - ahead * d1
+    ahead = max(abs(ahead), SLUGGISH * modes.slow[0])
+    scale = -laws.coefficient[k] * normal / math.sqrt(ahead * ahead + aside0 * aside0 + aside1 * aside1)
+    return scale * (ahead * d0 + aside0), scale * (ahead * d1 + aside1)
+
+
+@bare
+def _grip_force(laws, modes, grips, pairs, k, normal, along, across):
+    """Return stick-slip friction on body a along the plane's edges, N."""
+    grip = modes.grip[k]
+    if grip == GRIP_PROBE:
+        return modes.anchor[k, 0], modes.anchor[k, 1]
+    if grip == GRIP_STICK:
+        spring = grips.deflection[pairs.deflection[k]]
+        stiffness, damping = laws.grip_stiffness[k], laws.grip_damping[k]
+        return -stiffness * spring[0] - damping * along, -stiffness * spring[1] - damping * across
+    return _slide(laws, modes, k, normal, along, across)
+
+
+@bare
+def _friction(model, work, k, normal, touch):
+    """Return the friction on body a, world axes, N."""
+    laws, modes = contact_laws_of(model), contact_modes_of(model)
+    if laws.friction[k] == FRICTION_NONE:
+        return 0.0, 0.0, 0.0
+    if laws.friction[k] == FRICTION_SMOOTH:
+        speed = math.sqrt(dot(touch.slip, touch.slip))
+        ratio = speed / laws.creep[k]
+        share = 1.0 / laws.creep[k] if ratio < 1e-8 else math.tanh(ratio) / speed
+        return times(share * (-laws.coefficient[k] * normal), touch.slip)
+    along, across = slip_of(model, touch)
+    p, q = _grip_force(laws, modes, grips_of(work), contact_pairs_of(model), k, normal, along, across)
+    return plus(times(p, touch.edge_1), times(q, touch.edge_2))
+
+
+@bare
+def contact_force(model, work, k, touch, normal):
+    return plus(times(normal, touch.normal), _friction(model, work, k, normal, touch))
+
+
+@jit
+def grip_margin(model, work, k, touch):
+    """Return how much more force sticking bears, or the speed along what is frozen, in units of their roundoff."""
+    laws, modes = contact_laws_of(model), contact_modes_of(model)
+    along, across = slip_of(model, touch)
+    if modes.grip[k] == GRIP_STICK:
+        normal = normal_force(laws, modes, k, -touch.gap, -touch.closing)
+        p, q = _grip_force(laws, modes, grips_of(work), contact_pairs_of(model), k, normal, along, across)
+        margin = laws.static[k] * normal - math.sqrt(p * p + q * q)
+        return margin / (modes.noise[0] * (laws.grip_stiffness[k] + laws.grip_damping[k]))
+    ahead = modes.anchor[k, 0] * along + modes.anchor[k, 1] * across
+    return (ahead - COSINE * math.sqrt(along * along + across * across)) / modes.noise[0]
+
+
+@jit
+def start_grip(model, k, touch):
+    modes = contact_modes_of(model)
+    modes.anchor[k, 0], modes.anchor[k, 1] = 1.0, 0.0
+
+
+@jit
+def stick(model, y, k, touch, force):
+    pairs, laws = contact_pairs_of(model), contact_laws_of(model)
+    place = y.shape[0] - 2 * pairs.sticking[0] + 2 * pairs.deflection[k]
+    y[place] = -force[0] / laws.grip_stiffness[k]
+    y[place + 1] = -force[1] / laws.grip_stiffness[k]
+
+
+@jit
+def take_grip(model, y, k, touch):
+    modes = contact_modes_of(model)
+    if contact_laws_of(model).friction[k] != FRICTION_STICK_SLIP:
+        return
+    along, across = slip_of(model, touch)
+    if along == 0.0 and across == 0.0:
+        modes.grip[k] = GRIP_STICK
+        stick(model, y, k, touch, (0.0, 0.0))
+    else:
+        _aim(modes, k, along, across)
+
+
+@jit
+def _aim(modes, k, along, across):
+    """Slide in a direction."""
+    speed = math.sqrt(along * along + across * across)
+    modes.grip[k] = GRIP_FORWARD
+    modes.anchor[k, 0] = along / speed
+    modes.anchor[k, 1] = across / speed
+
+
+@jit
+def change_grip(model, work, k, touch):
+    laws, modes = contact_laws_of(model), contact_modes_of(model)
+    along, across = slip_of(model, touch)
+    if modes.grip[k] == GRIP_STICK:
+        normal = normal_force(laws, modes, k, -touch.gap, -touch.closing)
+        p, q = _grip_force(laws, modes, grips_of(work), contact_pairs_of(model), k, normal, along, across)
+        _aim(modes, k, -p, -q)
+        return False
+    if math.sqrt(along * along + across * across) > modes.slow[0]:  # it turns
+        _aim(modes, k, along, across)
+        return False
+    return True
+
+
+@jit
+def stop_together(model, work, y, g):
+    """Probe every other sliding contact that is as good as at rest: the corners of one block stop at once.
+
+    Their functions in g turn negative, as of all that change.
+    """
+    laws, modes = contact_laws_of(model), contact_modes_of(model)
+    load_state(model, work, y)
+    for k in range(modes.grip.shape[0]):
+        closed = modes.mode[k] == MODE_CLOSED and laws.friction[k] == FRICTION_STICK_SLIP
+        if not closed or modes.grip[k] != GRIP_FORWARD:
+            continue
+        along, across = slip_of(model, contact_geometry(model, work, k))
+        if math.sqrt(along * along + across * across) <= TOGETHER * modes.slow[0]:
+            modes.grip[k] = GRIP_PROBE
+            g[ROOTS_EACH * k + 2] = -1.0
+
+
+@jit
+def slide_against(model, k, force):
+    _aim(contact_modes_of(model), k, -force[0], -force[1])
+
+
+@jit
+def spatial_fill_deflection_rates(model, work, dy):
+    """Write the rates of the sticking deflections: the slip velocity while a contact sticks, else none."""
+    count = grips_of(work).deflection.shape[0]
+    if count == 0:
+        return
+    pairs, modes = contact_pairs_of(model), contact_modes_of(model)
+    first = dy.shape[0] - 2 * count
+    for k in range(pairs.kind.shape[0]):
+        if pairs.deflection[k] < 0:
+            continue
+        place = first + 2 * pairs.deflection[k]
+        dy[place] = 0.0
+        dy[place + 1] = 0.0
+        if modes.mode[k] == MODE_CLOSED and modes.grip[k] == GRIP_STICK:
+            dy[place], dy[place + 1] = slip_of(model, contact_geometry(model, work, k))
