@@ -8,39 +8,30 @@ from typing import Any
 import numpy as np
 
 from cross_checks.engines import get
-from cross_checks.engines.writers.carried import forces_text
-from cross_checks.engines.writers.form import Form, Job, job_of, refuse_own
-from cross_checks.engines.writers.script import script, source, turns_of
+from cross_checks.engines.writers.form import Form, Job, job_of, refuse_shared
+from cross_checks.engines.writers.script import script, turns_of
 from mbs_ref.scene import Scene, SpatialBody
 from mbs_ref.settings import Settings
 
 
 def write_pinocchio(scene: Scene, settings: Settings) -> str:
-    """Return the script: Pinocchio's model joint by joint, and the adapter's own right-hand side, loads and step."""
-    get("pinocchio")  # its absence is said here, before what the adapter is made of is asked for
-    from cross_checks.engines.pinocchio_ import dynamics, loop
-    from cross_checks.engines.pinocchio_.spatial_build import SpatialMechanism, _places
+    """Return the script: Pinocchio's model joint by joint, its constraints and the start as tables.
+
+    Raises NotWritable where the adapter's force code acts.
+    """
+    get("pinocchio")  # raises EngineMissing before the adapter's modules are imported
+    from cross_checks.engines.pinocchio_.dynamics import PROXIMAL
 
     job = job_of(scene, settings, "pinocchio")
     mechanism = job.built.mechanism
-    refuse_own(scene, "pinocchio")
-    planar = scene.dimension == 2
-    turning = [SpatialMechanism.number_coordinates, SpatialMechanism.configured, SpatialMechanism.rate]
+    if mechanism.applied is not None:
+        refuse_shared(job)
     needs = "pinocchio (pin), numpy" + ("" if job.plan.counts else " and scipy")
     return script(
         job, needs, joints=list(_joints(mechanism.model)), constraints=list(_constraints(mechanism)),
         gravity=mechanism.model.gravity.linear, start=job.built.start, placements=list(_placements(job)),
-        turns=turns_of(scene) if planar else None, proximal=dynamics.PROXIMAL,
-        dynamics=source(dynamics.right_hand_side), step=source(loop._rk4_step if job.plan.counts else loop._land),
-        forces="" if mechanism.applied is None else forces_text(mechanism.applied), breaks=list(_breaks(job)),
-        turning="" if planar else source(*turning), places="" if planar else source(_places),
+        turns=turns_of(scene) if scene.dimension == 2 else None, proximal=PROXIMAL,
     )  # fmt: skip
-
-
-def _breaks(job: Job) -> list[float]:
-    """Return where the integrator restarts (s), with the start and the end."""
-    end = float(job.plan.times[-1])
-    return np.union1d([t for t in job.built.breakpoints if 0.0 < t < end], [0.0, end]).tolist()
 
 
 def _place(placement: Any) -> tuple[Any, Any]:

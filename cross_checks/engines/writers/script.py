@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import inspect
-import textwrap
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -43,14 +41,9 @@ def script(job: Job, needs: str, **tables: Any) -> str:
             job=job, plan=plan, needs=needs, planar=planar, columns=PLANAR if planar else SPATIAL,
             bodies=scene.body_names, times=times_text(plan.times),
             counts=counts_text(plan.counts) if plan.counts else "",
-            literal=literal, rows=rows, source=source, **tables,
+            literal=literal, rows=rows, **tables,
         )
     )  # fmt: skip
-
-
-def source(*codes: Any) -> str:
-    """Return the adapter's own functions and classes as text."""
-    return "\n\n".join(textwrap.dedent(inspect.getsource(code)).rstrip() + "\n" for code in codes)
 
 
 def turns_of(scene: Scene) -> list[tuple[float, list[int]]]:
