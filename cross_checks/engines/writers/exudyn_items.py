@@ -89,6 +89,8 @@ class Recorder:
 class _General:
     """Records calls and assignments."""
 
+    _calls: list[str]
+
     def __init__(self, calls: list[str]) -> None:
         object.__setattr__(self, "_calls", calls)
 
