@@ -49,7 +49,7 @@ def _run_once(text: str, failure: str) -> None:
     with TemporaryDirectory() as folder:
         file = Path(folder) / "script.py"
         file.write_text(text)
-        done = subprocess.run([sys.executable, file], capture_output=True, text=True, check=False)
+        done = subprocess.run([sys.executable, file], cwd=folder, capture_output=True, text=True, check=False)
     if done.returncode:
         lines = done.stderr.strip().splitlines() or [f"exit code {done.returncode}"]
         raise NotWritable(f"{failure}: {lines[-1]}")
