@@ -1,21 +1,11 @@
-"""Engines behind one contract, truths, and what is said of runs. What is meant for use from a program is listed here.
+"""Engines behind one contract, truths, and the verdicts on runs.
 
     import cross_checks
     run = cross_checks.run(scene, "mujoco", step=1e-3)
 
-Names are looked up when they are first used, so that importing the package takes no time.
+The public names are listed in `__init__.pyi`. They are imported when they are first used.
 """
 
-from mbs_ref.public_names import lazily
+from mbs_ref.public_names import offer
 
-PUBLIC = {
-    "Engine": "cross_checks.engine",
-    "check": "cross_checks.judge.library",
-    "frame": "cross_checks.records.frames",
-    "run": "cross_checks.judge.library",
-    "samples": "cross_checks.records.frames",
-    "write": "cross_checks.engines.writers",
-}
-ROOMS = ("engines",)  # folders that are themselves for use
-
-__getattr__, __dir__ = lazily(__name__, PUBLIC, ROOMS)
+offer(__name__, __file__)

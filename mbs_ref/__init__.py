@@ -1,20 +1,16 @@
-"""mbs-ref's language of scenes and its own solver. What is meant for use from a program is listed here.
+"""mbs-ref's language of scenes and its own solver.
 
     import mbs_ref
     scene = mbs_ref.scenes.make("pendulum")
+    path = mbs_ref.simulate(scene, mbs_ref.Settings(rtol=1e-9))
 
-Names are looked up when they are first used, so that importing the package takes no time.
+The public names are listed in `__init__.pyi`. They are imported when they are first used.
 """
 
-from mbs_ref.public_names import lazily
+import sys
 
-PUBLIC = {
-    "Scene": "mbs_ref.scene",
-    "Settings": "mbs_ref.settings",
-    "Trajectory": "mbs_ref.trajectory",
-    "read_scene": "mbs_ref.scene.toml",
-    "write_scene": "mbs_ref.scene.toml",
-}
-ROOMS = ("scene", "scenes")  # folders that are themselves for use
+from mbs_ref.public_names import offer
 
-__getattr__, __dir__ = lazily(__name__, PUBLIC, ROOMS)
+if sys.platform != "linux":  # processor affinity, file locks and /proc are Linux's
+    raise ImportError(f"mbs-ref needs Linux, and this system is {sys.platform}: use a container or WSL")
+offer(__name__, __file__)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 import importlib
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import NamedTuple
 
@@ -47,7 +47,19 @@ def read_columns(path: Path, delimiter: str = ",") -> Columns:
     if not path.is_file():
         raise FileError(f"{path}: there is no such file")
     readers = {".npz": _npz, ".parquet": _parquet}
-    table = readers[path.suffix](path) if path.suffix in readers else _text(path, delimiter)
+    return _checked(readers[path.suffix](path) if path.suffix in readers else _text(path, delimiter))
+
+
+def columns_of(arrays: Mapping[str, np.ndarray]) -> Columns:
+    """Return arrays as columns, as those of an NPZ file: (n_rows,) is one, (n_rows, k) are name[0] to name[k - 1].
+
+    Raises FileError as `read_columns` does.
+    """
+    return _checked(_of_arrays(Path("arrays"), arrays))
+
+
+def _checked(table: Columns) -> Columns:
+    path = table.path
     if not table.values or not len(next(iter(table.values.values()))):
         raise FileError(f"{path}: holds no row of numbers; expected: a header and a row a time")
     for name, values in table.values.items():
@@ -105,12 +117,14 @@ def _number(cell: str) -> float | None:
 
 
 def _npz(path: Path) -> Columns:
-    """Every array (n_rows,) is a column; of (n_rows, k) the columns are name[0] to name[k - 1]."""
     try:
         with np.load(path, allow_pickle=False) as arrays:
-            held = {name: arrays[name] for name in arrays.files}
+            return _of_arrays(path, {name: arrays[name] for name in arrays.files})
     except (ValueError, OSError) as error:
         raise FileError(f"{path}: cannot be read as NPZ: {error}") from error
+
+
+def _of_arrays(path: Path, held: Mapping[str, np.ndarray]) -> Columns:
     if held.keys() >= OWN:
         return Columns(path, _of_one_length(path, _own(held)))
     values = {}
@@ -122,7 +136,7 @@ def _npz(path: Path) -> Columns:
     return Columns(path, _of_one_length(path, values))
 
 
-def _own(held: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+def _own(held: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
     """Return the columns of an NPZ that `mbs-ref simulate -o` wrote, named as in its CSV."""
     bodies, n = [str(body) for body in held["bodies"]], len(held["times"])
     blocks = [held[name].reshape(n, len(bodies), -1) for name in STATE]

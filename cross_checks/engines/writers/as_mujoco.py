@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from cross_checks.engines.writers.as_mjcf import mjcf_of, mujoco_job
 from cross_checks.engines.writers.form import Form
-from cross_checks.engines.writers.script import script
+from cross_checks.engines.writers.script import script, turns_of
 from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings
 
@@ -12,7 +12,8 @@ from mbs_ref.settings import Settings
 def write_mujoco(scene: Scene, settings: Settings) -> str:
     """Return the script: the model as MJCF with all its digits, and the loop in C."""
     job = mujoco_job(scene, settings)
-    return script(job, "mujoco and numpy", model=mjcf_of(job))
+    turns = turns_of(scene) if scene.dimension == 2 else None
+    return script(job, "mujoco and numpy", model=mjcf_of(job), turns=turns)
 
 
 FORM = Form("mujoco", ".py", "a script that runs in MuJoCo alone", write_mujoco)

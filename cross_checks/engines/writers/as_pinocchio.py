@@ -8,38 +8,31 @@ from typing import Any
 import numpy as np
 
 from cross_checks.engines import get
-from cross_checks.engines.writers.carried import forces_text
-from cross_checks.engines.writers.form import Form, Job, job_of, refuse_own
-from cross_checks.engines.writers.script import script, source
-from mbs_ref.scene import Scene
+from cross_checks.engines.writers.form import Form, Job, job_of, refuse_shared
+from cross_checks.engines.writers.script import script, turns_of
+from mbs_ref.scene import Scene, SpatialBody
+from mbs_ref.scene.euler_parameters import rotation_matrices
 from mbs_ref.settings import Settings
 
 
 def write_pinocchio(scene: Scene, settings: Settings) -> str:
-    """Return the script: Pinocchio's model joint by joint, and the adapter's own right-hand side, loads and step."""
-    get("pinocchio")  # raises EngineMissing before the adapter's own modules are imported
-    from cross_checks.engines.pinocchio_ import dynamics, loop
-    from cross_checks.engines.pinocchio_.build import Mechanism, _places
+    """Return the script: Pinocchio's model joint by joint, its constraints and the start as tables.
+
+    Raises NotWritable where the adapter's force code acts.
+    """
+    get("pinocchio")  # raises EngineMissing before the adapter's modules are imported
+    from cross_checks.engines.pinocchio_.dynamics import PROXIMAL
 
     job = job_of(scene, settings, "pinocchio")
     mechanism = job.built.mechanism
-    refuse_own(scene, "pinocchio")
-    turning = [Mechanism.number_coordinates, Mechanism.configured, Mechanism.rate]
+    if mechanism.applied is not None:
+        refuse_shared(job)
     needs = "pinocchio (pin), numpy" + ("" if job.plan.counts else " and scipy")
     return script(
         job, needs, joints=list(_joints(mechanism.model)), constraints=list(_constraints(mechanism)),
         gravity=mechanism.model.gravity.linear, start=job.built.start, placements=list(_placements(job)),
-        proximal=dynamics.PROXIMAL,
-        dynamics=source(dynamics.right_hand_side), step=source(loop._rk4_step if job.plan.counts else loop._land),
-        forces="" if mechanism.applied is None else forces_text(mechanism.applied), breaks=list(_breaks(job)),
-        turning=source(*turning), places=source(_places),
+        turns=turns_of(scene) if scene.dimension == 2 else None, proximal=PROXIMAL,
     )  # fmt: skip
-
-
-def _breaks(job: Job) -> list[float]:
-    """Return where the integrator restarts (s), with the start and the end."""
-    end = float(job.plan.times[-1])
-    return np.union1d([t for t in job.built.breakpoints if 0.0 < t < end], [0.0, end]).tolist()
 
 
 def _place(placement: Any) -> tuple[Any, Any]:
@@ -66,10 +59,11 @@ def _constraints(mechanism: Any) -> Iterator[tuple]:
 
 
 def _placements(job: Job) -> Iterator[tuple]:
-    """Yield the joint that carries each body, and the body's centre of mass in it (m)."""
+    """Yield the joint that carries each body, the body's place in it, and whether it has an orientation."""
     mechanism = job.built.mechanism
-    for k in range(len(job.scene.bodies)):
-        yield int(mechanism.joint[k]), mechanism.centre[k].tolist()
+    for k, body in enumerate(job.scene.bodies):
+        turn = rotation_matrices(np.array(body.orientation)) if isinstance(body, SpatialBody) else np.eye(3)
+        yield int(mechanism.joint[k]), turn.tolist(), mechanism.centre[k].tolist(), isinstance(body, SpatialBody)
 
 
 FORM = Form("pinocchio", ".py", "a script that runs in Pinocchio alone", write_pinocchio)

@@ -1,8 +1,8 @@
-"""An assembled Exudyn system, told item by item as Exudyn itself reports it."""
+"""An assembled Exudyn system as Python text, item by item as Exudyn itself reports it."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from typing import Any
 
@@ -10,8 +10,8 @@ import numpy as np
 
 from cross_checks.engines.writers.literals import literal
 
-KINDS = ("Node", "Object", "Marker", "Load", "Sensor")  # in an order where nobody names what is not there yet
-NAMED = "UserFunction"  # in the names of an item's fields that hold Python, as {"function": ..., "type": ...}
+KINDS = ("Node", "Object", "Marker", "Load", "Sensor")  # in this order, items refer only to earlier ones
+NAMED = "UserFunction"  # in the names of fields that hold Python functions, as {"function": ..., "type": ...}
 
 
 def items(mbs: Any) -> Iterator[tuple[str, dict[str, Any]]]:
@@ -19,22 +19,20 @@ def items(mbs: Any) -> Iterator[tuple[str, dict[str, Any]]]:
     for kind in KINDS:
         count = getattr(mbs.systemData, f"NumberOf{kind}s")()
         for number in range(count):
-            told = getattr(mbs, f"Get{kind}")(number)
-            if "trianglePoints" in told:  # Exudyn 1.13 calls a sphere on a triangle a sphere on a sphere
-                told["objectType"] = "ContactSphereTriangle"
-            yield kind, {key: value for key, value in told.items() if key != "name" and not key.startswith("V")}
+            fields = getattr(mbs, f"Get{kind}")(number)
+            if "trianglePoints" in fields:  # Exudyn 1.13 calls a sphere on a triangle a sphere on a sphere
+                fields["objectType"] = "ContactSphereTriangle"
+            yield kind, {key: value for key, value in fields.items() if key != "name" and not key.startswith("V")}
 
 
-def functions(mbs: Any) -> list[Callable]:
-    """Return the Python functions that items call, each once."""
-    fields = [value for _, told in items(mbs) for key, value in told.items() if NAMED in key]
-    return list(dict.fromkeys(value["function"] for value in fields if isinstance(value, dict)))
+def calls_python(mbs: Any) -> bool:
+    """Return whether an item calls a Python function."""
+    named = (value for _, fields in items(mbs) for key, value in fields.items() if NAMED in key)
+    return any(isinstance(value, dict) for value in named)
 
 
-def text(value: Any, called: Sequence[Callable] = ()) -> str:
-    """Return Python text of a field; a function stands by its name and its place in `called`."""
-    if isinstance(value, dict):
-        return name_of(value["function"], called)
+def text(value: Any) -> str:
+    """Return Python text of a field."""
     kind = type(value).__name__
     if kind in ("Matrix3DList", "Vector3DList"):
         return f"exu.{kind}({literal([np.array(one) for one in value.GetPythonObject()])})"
@@ -49,17 +47,10 @@ def text(value: Any, called: Sequence[Callable] = ()) -> str:
     return literal(value)
 
 
-def name_of(function: Callable, called: Sequence[Callable]) -> str:
-    """Return the name under which a script holds a function: many drives have functions of one name."""
-    return f"{function.__name__}_{called.index(function)}"
-
-
 def lines(mbs: Any) -> Iterator[str]:
-    """Yield the calls that make the system."""
-    called = functions(mbs)
-    for kind, told in items(mbs):
-        fields = ", ".join(f"{key!r}: {text(value, called)}" for key, value in told.items())
-        yield f"mbs.Add{kind}({{{fields}}})"
+    """Yield the calls that build the system."""
+    for kind, fields in items(mbs):
+        yield f"mbs.Add{kind}({{{', '.join(f'{key!r}: {text(value)}' for key, value in fields.items())}}})"
 
 
 def changed(options: Any, default: Any, path: str = "options") -> Iterator[str]:
@@ -76,10 +67,10 @@ def _changed(given: dict[str, Any], usual: dict[str, Any], path: str) -> Iterato
             yield f"{path}.{name} = {text(value)}"
 
 
-class Heard:
-    """Stands for a system to which an adapter adds a general contact, and keeps the calls.
+class Recorder:
+    """Records the calls by which an adapter adds a general contact to a system.
 
-    Exudyn does not tell of a general contact what it was made of. Markers are those that the system has got already.
+    Exudyn does not report the parts of a general contact. Its markers are among the system's items.
     """
 
     def __init__(self, first_marker: int) -> None:
@@ -96,7 +87,9 @@ class Heard:
 
 
 class _General:
-    """Keeps what is called and set."""
+    """Records calls and assignments."""
+
+    _calls: list[str]
 
     def __init__(self, calls: list[str]) -> None:
         object.__setattr__(self, "_calls", calls)
@@ -117,9 +110,9 @@ def _array(value: Any) -> str:
 
 
 def general_contact(model: Any, add: Callable[[Any], None]) -> list[str]:
-    """Return the calls by which `add` gave the model its general contact, the last thing that the model got."""
-    counted = Heard(0)
+    """Return the calls by which `add` gave the model its general contact, whose markers are the model's last."""
+    counted = Recorder(0)
     add(replace(model, mbs=counted))
-    heard = Heard(model.mbs.systemData.NumberOfMarkers() - counted.next)
-    add(replace(model, mbs=heard))
-    return heard.calls
+    recorded = Recorder(model.mbs.systemData.NumberOfMarkers() - counted.next)
+    add(replace(model, mbs=recorded))
+    return recorded.calls

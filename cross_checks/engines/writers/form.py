@@ -1,4 +1,4 @@
-"""What a scene is written from: the model that an engine's adapter has built of it, and the run that was asked for."""
+"""What a scene is written from: the model that an engine's adapter builds, and the settings of its run."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Any
 from cross_checks import engines
 from cross_checks.engine import Engine
 from cross_checks.engine.plan import Plan, plan_run
-from mbs_ref.scene import Scene, UserForce
+from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings
 from mbs_ref.trajectory import Trajectory
 
@@ -59,18 +59,13 @@ def job_of(scene: Scene, settings: Settings, engine: str) -> Job:
 
 def refuse(scene: Scene, form: str, reasons: Iterable[str]) -> None:
     """Raise NotWritable where there is a reason."""
-    told = list(reasons)
-    if told:
-        raise NotWritable(f"{scene.name} cannot be written as {form}: {'; '.join(told)}")
-
-
-def refuse_own(scene: Scene, form: str) -> None:
-    """Refuse a user's own Python functions, which no text holds."""
-    refuse(scene, form, (f"load {x.name!r} is a Python function" for x in scene.loads if isinstance(x, UserForce)))
+    named = list(reasons)
+    if named:
+        raise NotWritable(f"{scene.name} cannot be written as {form}: {'; '.join(named)}")
 
 
 def refuse_shared(job: Job) -> None:
-    """Refuse what the engine gets from our force code, part by part."""
+    """Refuse loads and contacts whose forces our code computes for the engine; each is named."""
     parts = [f"{kind} {p.name!r} ({p.type})" for kind in ("load", "contact") for p in getattr(job.scene, f"{kind}s")]
-    sentence = f"our force code acts for these, which a file of {job.engine.name} alone lacks: {', '.join(parts)}"
+    sentence = f"mbs-ref computes the forces of these, and {job.engine.name} alone cannot: {', '.join(parts)}"
     refuse(job.scene, job.engine.name, [sentence])

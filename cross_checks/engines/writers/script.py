@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-import inspect
-import textwrap
 from functools import cache
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from jinja2 import Environment, FileSystemLoader, StrictUndefined, Template
 
 from cross_checks.engines.writers.form import Job
 from cross_checks.engines.writers.literals import counts_text, literal, rows, times_text
 from cross_checks.linkage.links import linkage_of
-from mbs_ref.scene.euler_parameters import floats, product
+from mbs_ref.scene import Scene
 
 PLANAR = ["x", "y", "angle", "vx", "vy", "rate"]
 SPATIAL = ["x", "y", "z", "e0", "e1", "e2", "e3", "vx", "vy", "vz", "wx", "wy", "wz"]
@@ -42,12 +41,12 @@ def script(job: Job, needs: str, **tables: Any) -> str:
             job=job, plan=plan, needs=needs, planar=planar, columns=PLANAR if planar else SPATIAL,
             bodies=scene.body_names, times=times_text(plan.times),
             counts=counts_text(plan.counts) if plan.counts else "",
-            literal=literal, rows=rows, source=source, linkage=linkage_of(scene), product=source(floats, product),
-            **tables,
+            literal=literal, rows=rows, **tables,
         )
     )  # fmt: skip
 
 
-def source(*codes: Any) -> str:
-    """Return the adapter's own functions and classes as text."""
-    return "\n\n".join(textwrap.dedent(inspect.getsource(code)).rstrip() + "\n" for code in codes)
+def turns_of(scene: Scene) -> list[tuple[float, list[int]]]:
+    """Return each planar body's angle at t = 0 (rad), and the coordinates of the linkage that turn it."""
+    linkage = linkage_of(scene)
+    return [(float(angle), np.flatnonzero(row).tolist()) for angle, row in zip(linkage.angle, linkage.turns, strict=True)]

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 
 import click
 
 from cross_checks import metrics
 from cross_checks.trajectory_files.judgement import Judgement
-from cross_checks.truth import Truth
 from mbs_ref.atomic_file import write_atomic
 from mbs_ref.scene import Scene
 from reports import inputs
@@ -60,8 +58,7 @@ def command(
     """
     from cross_checks.trajectory_files.columns import FileError
     from cross_checks.trajectory_files.judgement import as_truth, judgement
-    from cross_checks.trajectory_files.mistakes import suspicions
-    from cross_checks.trajectory_files.mistakes.case import Case
+    from cross_checks.trajectory_files.library import judged
     from cross_checks.trajectory_files.reading import read_motion
     from cross_checks.trajectory_files.truth_at import truth_at
 
@@ -74,19 +71,13 @@ def command(
         if write_map is not None:
             return _begin_map(Path(file), chosen, write_map)
         read = read_motion(Path(file), chosen, _path(map_file))
-        told = read.told
         with asked_runs([chosen], store) as runs:
-            at = truth_at(runs, chosen)
             if against is None:
-                with awaited(f"making the truth of {chosen.name} at the times of {file}, once"):
-                    truth = at(told.path.times)
+                with awaited(f"computing the truth of {chosen.name} at the times of {file}, once"):
+                    found = judged(chosen, read, truth_at(runs, chosen), limit)
             else:
                 other = read_motion(Path(against), chosen, _path(against_map or map_file))
-                told, truth = as_truth(chosen, told, other.told, Path(against).name)
-            found = judgement(chosen, told, truth, limit)
-            if found.verdict == "departs" and against is None and isinstance(truth, Truth):
-                case = Case(chosen, read.columns, read.stated, told.path, truth, at)
-                found = replace(found, suspicions=tuple(suspicions(case, limit)))
+                found = judgement(chosen, *as_truth(chosen, read.told, other.told, Path(against).name), limit)
     except FileError as error:
         raise click.UsageError(str(error)) from error
     if drawing is not None:

@@ -29,10 +29,10 @@ from reports.terminal.exit_codes import EngineAbsent, Failed
 def command(
     scene: str, form: str, parameters: tuple[str, ...], kept: tuple[str, ...], output: str | None, **options: Any
 ) -> None:
-    """Write SCENE so that it can be rerun without us.
+    """Write SCENE as a file that runs without mbs-ref.
 
-    A script needs its engine and numpy alone, and prints the poses that our adapter finds, to the last bits.
-    What the form cannot hold is refused by name.
+    A script needs only its engine, NumPy and for some methods SciPy. It prints the poses that the adapter computes, up
+    to roundoff, and is run once to its end before it is written. What the form cannot represent is refused by name.
     """
     target = None if output is None else inputs.output(output, (_form(form).suffix,))
     chosen = inputs.scene(scene, parameters, kept)

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import importlib
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -79,6 +81,24 @@ def test_public_names_are_there_and_others_say_which_are(package):
         assert getattr(package, name) is not None
     with pytest.raises(AttributeError, match="public are "):
         _ = package.nothing
+
+
+def test_a_function_and_the_package_of_its_name_are_one_attribute():
+    path = mbs_ref.simulate(SCENE, mbs_ref.Settings(t_end=0.1, samples=2))
+    assert path.ok
+    assert importlib.import_module("mbs_ref.simulate") is mbs_ref.simulate
+
+
+@pytest.mark.parametrize("package", [mbs_ref, cross_checks])
+def test_no_public_name_is_imported_with_its_package(package):
+    code = f"import sys, {package.__name__}; sys.exit('numpy' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
+def test_another_system_than_linux_is_refused_by_name():
+    code = "import sys; sys.platform = 'darwin'; import mbs_ref"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert "ImportError: mbs-ref needs Linux, and this system is darwin" in done.stderr
 
 
 def test_an_unknown_setting_or_engine_is_named():

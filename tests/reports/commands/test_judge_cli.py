@@ -122,4 +122,4 @@ def test_who_waits_for_a_truth_is_told_so(own_file, monkeypatch):
     monkeypatch.setattr(command_file, "awaited", lambda what: said.append(what) or nullcontext())
     assert run(str(own_file), "pendulum").exit_code == 0
     (sentence,) = said
-    assert sentence.startswith("making the truth of pendulum")
+    assert sentence.startswith("computing the truth of pendulum")
