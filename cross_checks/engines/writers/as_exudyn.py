@@ -49,7 +49,8 @@ def write_exudyn(scene: Scene, settings: Settings) -> str:
 def _link_sensors(model: Any) -> Iterator[tuple[int, list[float]]]:
     """Yield the link of a KinematicTree that carries each body, and the body's centre of mass in it (m)."""
     links = model.linkage.links
-    refuse(model.linkage.scene, "exudyn", (f"body {one.name!r} is welded to ground" for one in links if not one.freedoms))
+    welded = (f"body {one.name!r} is welded to ground" for one in links if not one.freedoms)
+    refuse(model.linkage.scene, "exudyn", welded)
     last = np.cumsum([len(one.freedoms) for one in links]) - 1  # a joint's first links are massless
     number = {one.body: int(k) for one, k in zip(links, last, strict=True)}
     for body in range(len(links)):

@@ -49,4 +49,5 @@ def script(job: Job, needs: str, **tables: Any) -> str:
 def turns_of(scene: Scene) -> list[tuple[float, list[int]]]:
     """Return each planar body's angle at t = 0 (rad), and the coordinates of the linkage that turn it."""
     linkage = linkage_of(scene)
-    return [(float(angle), np.flatnonzero(row).tolist()) for angle, row in zip(linkage.angle, linkage.turns, strict=True)]
+    each = zip(linkage.angle, linkage.turns, strict=True)
+    return [(float(angle), np.flatnonzero(row).tolist()) for angle, row in each]
