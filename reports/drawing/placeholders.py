@@ -18,7 +18,7 @@ NAME = re.compile(r"\{([^{}:|]+)(?::([^{}|]+))?(?:\|([^{}]*))?\}")
 UNKNOWN = "(not measured)"
 FORMATS: dict[str, Callable[[Any], str]] = {
     "short": short, "short3": partial(short, digits=3), "duration": duration, "metres": metres, "joules": joules,
-    "in_words": in_words,
+    "in_words": in_words, "kilo": lambda value: short(value / 1e3, 3), "milli": lambda value: short(value * 1e3, 3),
 }  # fmt: skip
 
 

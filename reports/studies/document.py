@@ -9,15 +9,19 @@ plots             the names of curves, a plot each
 overlay           the names of curves, all in one plot
 films, pictures   the names of films, moving with a strip of moments, or the strip alone
 outlines          the names of tables of lines with round ends, drawn at each time
+matrix            the columns by heading; `rows` maps each label to a cell, in which `@` stands for the column
 claims            the document's claims, by group
-each              the name of a table: `blocks` are shown once for each row, whose columns are figures there
+each              a table's name: `blocks` are shown once for each row, whose columns are figures there; or a list of
+                  words: `blocks` are shown once for each, with `@` replaced by the word
 
 A `*` in a name stands for any characters, which then are the heading of what is shown. `where` contains criteria, without
-which the block is not shown; `layout` is `pairs` or `details`.
+which the block is not shown; `layout` is `pairs` or `details`: what can be opened, titled `summary`,
+and is open where that contains `open`.
 """
 
 from __future__ import annotations
 
+import json
 import re
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
@@ -78,15 +82,20 @@ class Document:
         if kind == "claims":
             return layout | _claims(self.claims(), figures)
         if kind == "each":
-            rows = facts.tables[block[kind]]
-            return layout | {
-                "items": [
-                    {"title": filled(block.get("summary", ""), {**figures, **row}), "open": row.get("open"),
-                     "blocks": self._shown(facts, data, block["blocks"], {**figures, **row})}
-                    for row in rows
-                ]
-            }  # fmt: skip
+            return layout | {"items": [self._item(facts, data, block, e, figures) for e in _entries(facts, block)]}
         return layout | {"value": KINDS[kind](facts, block, figures)}
+
+    def _item(self, facts: Measured, data: ReportData, block: Block, entry: Any, figures: Figures) -> Block:
+        if isinstance(entry, str):
+            block, entry = json.loads(json.dumps(block).replace("@", entry)), {}
+        row = {**figures, **entry}
+        title = filled(block.get("summary", ""), row)
+        return {"title": title, "open": block.get("open", title) in title,
+                "blocks": self._shown(facts, data, block["blocks"], row)}  # fmt: skip
+
+
+def _entries(facts: Measured, block: Block) -> Any:
+    return facts.tables.get(block["each"], ()) if isinstance(block["each"], str) else block["each"]
 
 
 def _figures(data: ReportData) -> Figures:
@@ -114,6 +123,15 @@ def _table(facts: Measured, block: Block, figures: Figures) -> list[dict[str, An
         cells = [[_cell(name, text, {**figures, **row}) for name, text in columns.items()] for row in rows]
         tables.append({"title": title, "head": [filled(name, figures) for name in columns], "rows": cells})
     return tables
+
+
+def _matrix(facts: Measured, block: Block, figures: Figures) -> list[dict[str, Any]]:
+    columns = block["matrix"]
+    rows = [
+        [label, *(filled(text.replace("@", column), figures) for column in columns.values())]
+        for label, text in block["rows"].items()
+    ]
+    return [{"title": "", "head": [block.get("corner", ""), *columns], "rows": rows}]
 
 
 def _cell(name: str, text: str, row: Figures) -> str:
@@ -160,5 +178,5 @@ def _text(key: str) -> Callable[[Measured, Block, Figures], Any]:
 KINDS: dict[str, Callable[[Measured, Block, Figures], Any]] = {
     **{key: _text(key) for key in ("heading", "title", "text", "note")},
     **{key: _films(key) for key in ("films", "pictures")},
-    "table": _table, "plots": _plots, "overlay": _overlay, "outlines": _outlines,
+    "table": _table, "matrix": _matrix, "plots": _plots, "overlay": _overlay, "outlines": _outlines,
 }  # fmt: skip
