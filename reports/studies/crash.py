@@ -33,10 +33,16 @@ def finished(scene: Scene, settings: Settings = FINE) -> Trajectory:
     return path
 
 
-def with_test(scene: Scene, settings: Settings) -> tuple[Trajectory, Trajectory, float | None]:
-    """Return the run, the run that the papers' test |C| < h may stop, and the error (m); None where the run stopped."""
-    test = simulate(scene, settings.model_copy(update={"stop_on_compliance": True}), ladder.grid(scene))
-    path = simulate(scene, settings, ladder.grid(scene)) if test.status is Status.COMPLIANCE else test
+def with_test(
+    scene: Scene, settings: Settings, tested: bool = True
+) -> tuple[Trajectory, Trajectory, float | None]:
+    """Return the run, the run that the papers' test |C| < h may stop, and the error (m); None where the run stopped.
+
+    Without the test, or where it stops nothing, both runs are one.
+    """
+    times = ladder.grid(scene)
+    test = simulate(scene, settings.model_copy(update={"stop_on_compliance": tested}), times)
+    path = simulate(scene, settings, times) if test.status is Status.COMPLIANCE else test
     off = off_truth(scene, path)
     return path, test, None if off is None else off[0]
 

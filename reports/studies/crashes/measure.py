@@ -11,7 +11,7 @@ from mbs_ref import scenes
 from mbs_ref.crash.results import CrashResults, crash_results, sign_changes
 from mbs_ref.scene import Scene
 from mbs_ref.trajectory import Trajectory
-from reports.facts.curves import Curves, Measured, Value, curves, film
+from reports.facts.curves import Curves, Measured, Value, curves, film, plain
 from reports.studies.crash import IMPACTS, NAMES, SIMPLIFIED, VERTEBRAL, figures, finished, forces, imbalance
 
 SHOWN = {SIMPLIFIED: ("head", "thorax", "bottom", "thigh"), VERTEBRAL: ("head", "C1", "C3", "C6")}
@@ -84,7 +84,7 @@ def _whiplash(path: Trajectory, found: CrashResults) -> tuple[dict[str, Value], 
     return tuple(
         {
             "vertebra": name, "largest": float(torque.max()), "least": float(torque.min()),
-            "changes": ", ".join(f"{t:.3f} s" for t in sign_changes(path.times, torque)) or "never",
+            "changes": ", ".join(f"{t:.3f} s" for t in plain(sign_changes(path.times, torque))) or "never",
         }
         for name, torque in found.cervical_torques.items()
     )  # fmt: skip

@@ -38,7 +38,7 @@ def _turned_away(scene: Scene, path: Trajectory) -> float:
 
 
 def _norm_drift(half: float) -> dict[str, Value]:
-    """Return how far RK4 lets the norm sink in a steady spin of `half` = w h / 2 (rad), and the orientation errors (rad)."""
+    """Return the loss of norm by RK4 in a steady spin of `half` = w h / 2 (rad), and the orientation errors (rad)."""
     spin = 10.0  # rad/s
     scene = scenes.make("torque_free_top", tilt=0.0, axis=3, spin=spin, turns=20.0)
     step = 2.0 * half / spin
