@@ -14,8 +14,8 @@ claims            the document's claims, by group
 each              a table's name: `blocks` are shown once for each row, whose columns are figures there; or a list of
                   words: `blocks` are shown once for each, with `@` replaced by the word
 
-A `*` in a name stands for any characters, which become the heading of what is shown. A block is shown where the criteria
-of `where` hold. `layout` is `pairs`, or `details`: a part to open, titled `summary`, open where that contains `open`.
+A `*` in a name stands for any characters, which become the heading of what is shown. A block is shown where the
+criteria of `where` hold. `layout` is `pairs`, or `details`: a part to open, titled `summary`, open where that contains `open`.
 """
 
 from __future__ import annotations
