@@ -12,13 +12,13 @@ from typing import Any
 
 from markupsafe import Markup, escape
 
-from reports.drawing.numbers import ABSENT, duration, in_words, joules, metres, short
+from reports.drawing.numbers import ABSENT, duration, joules, metres, short
 
 NAME = re.compile(r"\{([^{}:|]+)(?::([^{}|]+))?(?:\|([^{}]*))?\}")
 UNKNOWN = "(not measured)"
 FORMATS: dict[str, Callable[[Any], str]] = {
     "short": short, "short3": partial(short, digits=3), "duration": duration, "metres": metres, "joules": joules,
-    "in_words": in_words, "kilo": lambda value: short(value / 1e3, 3), "milli": lambda value: short(value * 1e3, 3),
+    "kilo": lambda value: short(value / 1e3, 3), "milli": lambda value: short(value * 1e3, 3),
 }  # fmt: skip
 
 
@@ -43,6 +43,6 @@ def _shown(figures: Mapping[str, Any], name: str, form: str | None, absent: str 
     value = figures.get(name)
     if value is None:
         return absent or (ABSENT if name in figures else UNKNOWN)
-    if form in FORMATS:
-        return FORMATS[form](value)
-    return figure(value) if form is None or isinstance(value, str) else format(value, form)
+    if form is None or isinstance(value, str):
+        return figure(value)
+    return FORMATS[form](value) if form in FORMATS else format(value, form)

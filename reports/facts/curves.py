@@ -17,6 +17,7 @@ MOST_POINTS = 201  # of a line
 DIGITS = 6
 
 Value = int | float | str | None
+Row = Mapping[str, Value]  # of a table, by column
 
 
 @dataclass(frozen=True)
@@ -45,7 +46,7 @@ class Measured:
     """What a study measures, by name: SI numbers and words, rows of tables, curves and films."""
 
     figures: dict[str, Value] = field(default_factory=dict)
-    tables: dict[str, tuple[dict[str, Value], ...]] = field(default_factory=dict)  # each row by column
+    tables: dict[str, tuple[Row, ...]] = field(default_factory=dict)  # each row by column
     curves: dict[str, Curves] = field(default_factory=dict)
     films: dict[str, Film] = field(default_factory=dict)
 

@@ -15,7 +15,8 @@ each              a table's name: `blocks` are shown once for each row, whose co
                   words: `blocks` are shown once for each, with `@` replaced by the word
 
 A `*` in a name stands for any characters, which become the heading of what is shown. A block is shown where the
-criteria of `where` hold. `layout` is `pairs`, or `details`: a part to open, titled `summary`, open where that contains `open`.
+criteria of `where` hold. `layout` is `pairs`, or `details`: a part to open, titled `summary`, which is
+open where that contains `open`.
 """
 
 from __future__ import annotations
@@ -119,9 +120,14 @@ def _table(facts: Measured, block: Block, figures: Figures) -> list[dict[str, An
     tables = []
     for title, rows in _named(facts.tables, block["table"], figures).values():
         columns = block.get("columns") or {name: "" for row in rows for name in row}
-        cells = [[_cell(name, text, {**figures, **row}) for name, text in columns.items()] for row in rows]
+        cells = [_trimmed([_cell(name, text, {**figures, **row}) for name, text in columns.items()]) for row in rows]
         tables.append({"title": title, "head": [filled(name, figures) for name in columns], "rows": cells})
     return tables
+
+
+def _trimmed(cells: list[str]) -> list[str]:
+    """Return a row without empty cells at its end, into which the last one extends."""
+    return _trimmed(cells[:-1]) if cells and not cells[-1] else cells
 
 
 def _matrix(facts: Measured, block: Block, figures: Figures) -> list[dict[str, Any]]:

@@ -19,11 +19,11 @@ from reports.studies.document import Document
 
 @dataclass(frozen=True)
 class Study:
-    """A study, as STUDY of its facts.py declares it.
+    """A study, as its study.toml declares it.
 
-    Beside it stand measure.py, whose `measure()` makes the facts, and section.py with SECTION and section.html, which
-    show them and compute nothing. A measure.py may offer `parts()` and `make(part)`: what the store keeps once made, in
-    any order and side by side, for `measure()` to find there.
+    Beside it stands measure.py, whose `measure()` returns a Measured. A measure.py may offer `parts()` and `make(part)`:
+    runs that the store holds once made, in any order and side by side, for `measure()` to read there. A study without
+    study.toml has facts.py with STUDY, and section.py with SECTION and section.html, which show the facts.
     """
 
     page: str  # its file; studies of one file share a page
