@@ -70,7 +70,7 @@ class Document:
 
     def claims(self) -> tuple[Claim, ...]:
         """Return every claim in the order of the page."""
-        return tuple(Claim(**entry | {"criteria": _criteria(entry, "criteria")}) for entry in self.claim)
+        return tuple(Claim(**{**entry, "criteria": _criteria(entry, "criteria")}) for entry in self.claim)
 
     def _shown(self, facts: Measured, data: ReportData, blocks: list[Block], row: Figures) -> list[Block]:
         figures = {**_figures(data), **row}

@@ -30,7 +30,7 @@ from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
 from mbs_ref.trajectory import Status, Trajectory
 from reports.drawing.numbers import ABSENT, in_words, order_of, setting, short
-from reports.facts.curves import Curves, Measured, Value, curves, plain
+from reports.facts.curves import Curves, Measured, Row, Value, curves, plain
 from reports.studies.crash import IMPACTS, NAMES, SIMPLIFIED, VERTEBRAL, with_test
 
 PAPER_STEP = 1e-4  # s, Fox 1999
@@ -79,7 +79,7 @@ def label(scene: Scene) -> str:
     return f"{scene.name}, {scene.parameters['impact']}"
 
 
-def _add(made: Measured, table: str, row: dict[str, Value]) -> None:
+def _add(made: Measured, table: str, row: Row) -> None:
     made.tables[table] = (*made.tables.get(table, ()), row)
 
 
@@ -142,7 +142,7 @@ def _finite(value: float) -> float | None:
     return value if np.isfinite(value) else None
 
 
-def lsodar_figures(rows: Sequence[dict[str, Value]]) -> dict[str, Value]:
+def lsodar_figures(rows: Sequence[Row]) -> dict[str, Value]:
     """Return how the papers' adaptive method does on the stiff android."""
     stiff = [row for row in rows if str(row["android"]).startswith(VERTEBRAL)]
     runs = [row for row in stiff if str(row["method"]).startswith("lsodar")]
@@ -183,7 +183,7 @@ def add_stable(made: Measured, scene: Scene) -> None:
 # --- convergence ------------------------------------------------------------------------------------------
 
 
-def add_convergence(made: Measured, scene: Scene, paths: dict[str, Trajectory] | None = None) -> dict[str, Value]:
+def add_convergence(made: Measured, scene: Scene, paths: dict[str, Trajectory] | None = None) -> Row:
     """Compare the head's and the hip's path by two unlike integrators (`paths`, by method), and with the truth."""
     times = ladder.grid(scene)
     fine: dict[str, Any] = {"rtol": FINE, "reactions": False, "estimate": "off"}
@@ -194,7 +194,7 @@ def add_convergence(made: Measured, scene: Scene, paths: dict[str, Trajectory] |
     truth = truth_for(scene, times)
     compliance = {m: float(np.abs(constraint_residual(scene, path)).max()) for m, path in paths.items()}
     off = off_truth(scene, one)
-    row: dict[str, Value] = {
+    row: Row = {
         "android": label(scene), **{name: float(gap[1:].max()) for name, gap in gaps.items()}, **compliance,
         "error": None if off is None else off[0], "uncertainty": None if truth is None else truth.uncertainty,
     }  # fmt: skip
@@ -212,7 +212,7 @@ def _fine(runs: Sequence[tuple[Settings, Trajectory]]) -> dict[str, Trajectory]:
 # --- engines ----------------------------------------------------------------------------------------------
 
 
-def peers(runs: Runs, scene: Scene, names: Sequence[str] | None = None) -> list[dict[str, Value]]:
+def peers(runs: Runs, scene: Scene, names: Sequence[str] | None = None) -> list[Row]:
     """Judge the methods of every other engine that can run the scene: all in the first crash, few in the others."""
     found, crash = [], (scene.name, str(scene.parameters["impact"]))
     truth, ours = runs.truth(scene), simulate(scene, Settings(rtol=FINE, estimate="off"), ladder.grid(scene))
@@ -231,7 +231,7 @@ def peers(runs: Runs, scene: Scene, names: Sequence[str] | None = None) -> list[
 
 def peer(
     runs: Runs, scene: Scene, engine: str, method: Method, truth: Truth | NoTruth, ours: Trajectory
-) -> dict[str, Value]:
+) -> Row:
     """Judge one method; its joint forces are compared with ours at the setting that speaks for it."""
     tried, answers = search(runs, scene, engine, method, truth, PEER_TARGETS[method.kind])
     cell = cell_of(tried, answers)

@@ -16,7 +16,7 @@ from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
 from mbs_ref.trajectory import Trajectory
-from reports.facts.curves import Curves, Measured, Value, curves, film, plain
+from reports.facts.curves import Curves, Measured, Row, curves, film, plain
 from reports.studies.crash import largest_gap
 
 STEPS = (375, 750, 1500, 3000, 6000)  # over the ball's 0.4 s
@@ -56,21 +56,21 @@ def measure() -> Measured:
     return Measured(figures, tables, drawn, {"vehicle": film(vehicle, paths[0], FILMED)})
 
 
-def _line(row: dict[str, Value]) -> Curves:
+def _line(row: Row) -> Curves:
     """Return the errors of a ladder over its steps."""
     errors = plain([row[str(n)] for n in STEPS])
     label, axis = "error of the speed after the bounce, m/s", "steps over 0.4 s"
     return Curves(plain(STEPS), {"error": errors}, label, axis, log=True, x_log=True, marks="lines+markers")
 
 
-def vehicle_runs(vehicle: Scene) -> tuple[list[Trajectory], tuple[dict[str, Value], ...]]:
+def vehicle_runs(vehicle: Scene) -> tuple[list[Trajectory], tuple[Row, ...]]:
     """Run the vehicle with each method; the first is what the others are compared with."""
     more = {"t_end": VEHICLE_END, "samples": VEHICLE_SAMPLES, "estimate": "off"}
     paths = [simulate(vehicle, settings.model_copy(update=more)) for settings in VEHICLE_RUNS]
     return paths, tuple(_vehicle_run(vehicle, s, p, paths[0]) for s, p in zip(VEHICLE_RUNS, paths, strict=True))
 
 
-def _vehicle_run(vehicle: Scene, settings: Settings, path: Trajectory, first: Trajectory) -> dict[str, Value]:
+def _vehicle_run(vehicle: Scene, settings: Settings, path: Trajectory, first: Trajectory) -> Row:
     setting = f"step {settings.step:g} s" if settings.step else f"rtol {settings.rtol:g}"
     return {
         "method": f"{settings.method}, {setting}", "steps": int(path.steps), "events": int(path.events),
@@ -83,7 +83,7 @@ def _ball(law: str) -> Scene:
     return scenes.make("bouncing_ball", law=law, **LAWS[law])
 
 
-def ladder(law: str, events: str) -> dict[str, Value]:
+def ladder(law: str, events: str) -> Row:
     """Return the errors (m/s) of the speed after a bounce at 1 m/s by the number of RK4 steps, and their order."""
     ball = _ball(law)
     exact = impact(ball.contacts[0].law, 1.0, 1.0).restitution
@@ -93,7 +93,7 @@ def ladder(law: str, events: str) -> dict[str, Value]:
     return {"law": law, "events": events, "order": order, **{str(n): e for n, e in zip(STEPS, errors, strict=True)}}
 
 
-def _restitution(law: str) -> dict[str, Value]:
+def _restitution(law: str) -> Row:
     """Return a law's nominal restitution, the exact one and that of a run."""
     ball = _ball(law)
     path = simulate(ball, Settings(method="dop853", rtol=1e-12, samples=2, estimate="off"))
@@ -106,7 +106,7 @@ def _restitution(law: str) -> dict[str, Value]:
     }  # fmt: skip
 
 
-def _bounce(engine: str, method: str) -> dict[str, Value]:
+def _bounce(engine: str, method: str) -> Row:
     """Return the error of the ball in another engine, or why it has none, and the figures of its contact."""
     law = "spring_damper" if engine == "exudyn" else "spring_damper_force"
     ball = scenes.make("bouncing_ball", law=law, height=OFF_GRID)

@@ -11,7 +11,7 @@ from mbs_ref import scenes
 from mbs_ref.crash.results import CrashResults, crash_results, sign_changes
 from mbs_ref.scene import Scene
 from mbs_ref.trajectory import Trajectory
-from reports.facts.curves import Curves, Measured, Value, curves, film, plain
+from reports.facts.curves import Curves, Measured, Row, curves, film, plain
 from reports.studies.crash import IMPACTS, NAMES, SIMPLIFIED, VERTEBRAL, figures, finished, forces, imbalance
 
 SHOWN = {SIMPLIFIED: ("head", "thorax", "bottom", "thigh"), VERTEBRAL: ("head", "C1", "C3", "C6")}
@@ -79,7 +79,7 @@ def _compared(found: CrashResults) -> dict[str, tuple[np.ndarray, str]]:
     }  # fmt: skip
 
 
-def _whiplash(path: Trajectory, found: CrashResults) -> tuple[dict[str, Value], ...]:
+def _whiplash(path: Trajectory, found: CrashResults) -> tuple[Row, ...]:
     """Return for each vertebra the largest and least torque (N m) and when it changes sign."""
     return tuple(
         {

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 
 from reports.drawing.numbers import duration, short
-from reports.facts.curves import Value
+from reports.facts.curves import Row
 
 
 @dataclass(frozen=True)
@@ -41,11 +41,11 @@ class Ladder:
                 most[rung.name] = figures
         return [f"up to {figures}: {name}" for name, figures in most.items()]
 
-    def rows(self) -> tuple[dict[str, Value], ...]:
+    def rows(self) -> tuple[Row, ...]:
         """Return what a page shows of each model."""
         return tuple(self._row(rung) for rung in self.rungs)
 
-    def _row(self, rung: Rung) -> dict[str, Value]:
+    def _row(self, rung: Rung) -> Row:
         accuracy = {} if rung.accuracy is None else {self.measure: f"{rung.accuracy:.1f}"}
         shown = {name: short(rung.shown.get(name), 3) for name in self.rungs[0].shown}
         return {

@@ -24,7 +24,7 @@ from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings
 from reports.drawing.numbers import setting
 from reports.facts.cheapest import Entry, entries, loop_time, near, reaching
-from reports.facts.curves import Measured, Value
+from reports.facts.curves import Measured, Row
 from reports.facts.report_data import ReportData
 from reports.facts.turns import least_times
 from reports.studies.pairs.sky_places import sky_places
@@ -87,7 +87,7 @@ PAIRS = (
 
 
 @dataclass(frozen=True)
-class Row:
+class Result:
     """One engine at one target error, by its cheapest method, or the reason why it does not reach it."""
 
     scene: str
@@ -96,7 +96,7 @@ class Row:
     constrained: bool = False  # whether the scene has joints
     ratio: float | None = None  # loop time over that of our cheapest at the same target
 
-    def shown(self) -> dict[str, Value]:
+    def shown(self) -> Row:
         """Return what a page shows: the cells after a reason are empty."""
         entry, run = self.entry, self.entry.best
         head = {"scene": self.scene, "method": f"{entry.engine} {entry.method}".rstrip(), "target": self.target}
@@ -117,19 +117,19 @@ def measure() -> Measured:
     return shown([(request.title, request.note, own) for request, own in zip(PAIRS, rows, strict=True)], sky_places())
 
 
-def shown(pairs: Sequence[tuple[str, str, Sequence[Row]]], places: dict[str, tuple[dict[str, Value], ...]]) -> Measured:
+def shown(pairs: Sequence[tuple[str, str, Sequence[Result]]], places: dict[str, tuple[Row, ...]]) -> Measured:
     """Return the tables of pairs, each with title and note, and of places in the sky."""
     heads = tuple({"title": title, "note": note} for title, note, _ in pairs)
     tables = {f"pair: {title}": tuple(row.shown() for row in rows) for title, _, rows in pairs}
     return Measured({"pairs.places": len(places)}, {"pairs": heads, **tables, **places})
 
 
-def pair(runs: Runs, request: Request) -> tuple[Row, ...]:
+def pair(runs: Runs, request: Request) -> tuple[Result, ...]:
     """Return the rows of every scene of a pair, and of every engine."""
     return tuple(row for scene in request.built() for row in compared(runs, scene, request))
 
 
-def compared(runs: Runs, scene: Scene, request: Request) -> Iterator[Row]:
+def compared(runs: Runs, scene: Scene, request: Request) -> Iterator[Result]:
     """Yield a row for each target and engine, the cheapest first, and one for each engine that cannot run the scene."""
     truth = runs.truth(scene)
     data = ReportData(tuple(_cell(runs, scene, *entrant, truth, request) for entrant in request.entrants()), ())
@@ -141,10 +141,10 @@ def compared(runs: Runs, scene: Scene, request: Request) -> Iterator[Row]:
         ours = next((loop_time(entry.best) for entry in listed if entry.best and entry.engine == OURS), None)
         for entry in listed:
             ratio = None if ours is None or entry.best is None else loop_time(entry.best) / ours
-            yield Row(label, target, entry, bool(scene.joints), ratio)
+            yield Result(label, target, entry, bool(scene.joints), ratio)
     for engine in data.engines:
         if engine not in able:
-            yield Row(label, None, Entry(engine, "cannot", None, data.cells_of(label, engine)[0].reason))
+            yield Result(label, None, Entry(engine, "cannot", None, data.cells_of(label, engine)[0].reason))
 
 
 def _cell(

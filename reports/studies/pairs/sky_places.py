@@ -13,9 +13,9 @@ from mbs_ref.scenes.solar_system import julian_date
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
 from reports.drawing.numbers import metres, short
-from reports.facts.curves import Value
+from reports.facts.curves import Row
 
-Tables = dict[str, tuple[dict[str, Value], ...]]
+Tables = dict[str, tuple[Row, ...]]
 
 BUILTIN = "astropy_builtin"
 START = "1998-01-01"

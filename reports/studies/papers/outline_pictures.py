@@ -13,7 +13,7 @@ from mbs_ref.scene import Scene
 from mbs_ref.scene.contact import CircleOnLine
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
-from reports.facts.curves import Value
+from reports.facts.curves import Row
 from reports.studies.crash import BELIEVABLE
 
 PICTURES = 8  # 0.025 s apart
@@ -25,17 +25,17 @@ DRAWN: dict[str, tuple[str, dict[str, Any]]] = {
     "13 bodies, rear, stops and contacts": ("simplified", {"impact": "rear", **BELIEVABLE}),
     "13 bodies, rear, no head restraint": ("simplified", {"impact": "rear", "head_restraint": "none", **BELIEVABLE}),
 }
-Shape = dict[str, Value]  # time (s), kind (body | arm | seat), both ends and the radius (m)
+# a shape: time (s), kind (body | arm | seat), both ends and the radius (m)
 RUN = Settings(rtol=1e-7, samples=PICTURES + 1, estimate="off", reactions=False)
 
 
-def outline_pictures() -> dict[str, tuple[Shape, ...]]:
+def outline_pictures() -> dict[str, tuple[Row, ...]]:
     """Return the crashes in which bare and believable models differ: the lines to draw at each time."""
     made = {title: scenes.make(f"android_{kind}", **more) for title, (kind, more) in DRAWN.items()}
     return {f"outlines: {title}": _moments(scene) for title, scene in made.items()}
 
 
-def _moments(scene: Scene) -> tuple[Shape, ...]:
+def _moments(scene: Scene) -> tuple[Row, ...]:
     path = simulate(scene, RUN)
     motion = Motion(scene, path)
     shapes = outlines(scene.name)
@@ -45,7 +45,7 @@ def _moments(scene: Scene) -> tuple[Shape, ...]:
         for part in scene.contacts
         if isinstance(part, CircleOnLine) and part.body_b.startswith("seat") and ".restraint." not in part.name
     }
-    shown: list[Shape] = []
+    shown: list[Row] = []
     for k, time in enumerate(map(float, path.times[1:]), 1):
         shown += [_line(time, "seat", p[k], q[k], 0.0) for p, q in seats.values()]
         for shape in shapes:
@@ -54,6 +54,6 @@ def _moments(scene: Scene) -> tuple[Shape, ...]:
     return tuple(shown)
 
 
-def _line(time: float, kind: str, start: np.ndarray, end: np.ndarray, radius: float) -> Shape:
+def _line(time: float, kind: str, start: np.ndarray, end: np.ndarray, radius: float) -> Row:
     (x1, y1), (x2, y2) = (tuple(round(float(x), 4) for x in place[:2]) for place in (start, end))
     return {"time": time, "kind": kind, "x1": x1, "y1": y1, "x2": x2, "y2": y2, "radius": radius}

@@ -16,7 +16,7 @@ from cross_checks.records.store import Store
 from reports.facts.cheapest import Entry
 from reports.page.render import render
 from reports.studies.pairs import measure
-from reports.studies.pairs.measure import Request, Row, pair, shown
+from reports.studies.pairs.measure import Request, Result, pair, shown
 from reports.studies.pairs.sky_places import sky_places
 from tests.reports.page.synthetic_report import report_data
 
@@ -74,7 +74,7 @@ def test_searches_made_side_by_side_leave_nothing_to_run(tmp_path: Path, monkeyp
 def test_our_planets_and_moon_are_where_astropy_says():
     pytest.importorskip("astropy")
     planets, *_, moons = sky_places().values()
-    shared = {row["body"]: row["figures"] for row in planets}
+    shared = {row["body"]: float(str(row["figures"])) for row in planets}
     assert all(shared[name] > least for name, least in FIGURES.items())
     apart = {row["body"]: str(row["apart"]).split() for row in moons}
     assert {unit for _, unit in apart.values()} == {"rad"}
@@ -85,8 +85,8 @@ def test_our_planets_and_moon_are_where_astropy_says():
 def test_the_page_tells_rows_refusals_and_places():
     run = Record("chain", {}, OURS, "dop853", {"rtol": 1e-7}, "success", error=Error(3.1e-7, "exact", 1e-12, 0.0),
                  times={"loop_s": 2.3e-3})  # fmt: skip
-    good = Row("chain", 1e-6, Entry(OURS, "reached", run, method="dop853"), False, 1.37)
-    never = Row("chain", None, Entry("exudyn", "cannot", None, "closes a loop"))
+    good = Result("chain", 1e-6, Entry(OURS, "reached", run, method="dop853"), False, 1.37)
+    never = Result("chain", None, Entry("exudyn", "cannot", None, "closes a loop"))
     places = {"places: planets, day 200": ({"body": "mars", "apart": "4e6 m", "figures": 4.8},)}
     facts = shown([("Chains", "note", (good, never))], places)
     page = render(replace(report_data(), studies={"pairs": facts}))["pairs.html"].decode()
