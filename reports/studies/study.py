@@ -21,9 +21,9 @@ from reports.studies.document import Document
 class Study:
     """A study, as its study.toml declares it.
 
-    Beside it stands measure.py, whose `measure()` returns a Measured. It may offer `parts()` and `make(part)`: runs that
-    the store holds once made, in any order and side by side, for `measure()` to read there. A study without study.toml
-    has facts.py with STUDY, and section.py with SECTION and section.html, which show the facts.
+    Beside it stands measure.py, whose `measure()` returns a Measured. It may offer `parts()` and `make(part)`: runs
+    that the store holds once made, in any order and side by side, for `measure()` to read there. A study without
+    study.toml has facts.py with STUDY, and section.py with SECTION and section.html, which show the facts.
     """
 
     page: str  # its file; studies of one file share a page

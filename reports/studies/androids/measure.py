@@ -62,16 +62,16 @@ SHOWN = {  # on 48 bodies what takes seconds
 
 def measure() -> Measured:
     """Run everything; the vertebral android's truths are stored on disk."""
-    made = Measured()
+    measured = Measured()
     scenes_run = [scenes.make(name, impact=impact) for name, impact in product(NAMES, IMPACTS)]
     for scene in scenes_run:
-        add_convergence(made, scene, _fine(add_numerics(made, scene)))
-    made.figures.update(lsodar_figures(made.tables["runs"]))
+        add_convergence(measured, scene, _fine(add_numerics(measured, scene)))
+    measured.figures.update(lsodar_figures(measured.tables["runs"]))
     for name in NAMES:
-        add_stable(made, scenes.make(name))
+        add_stable(measured, scenes.make(name))
     with Store(default_path()) as store:
-        made.tables["engines"] = tuple(row for scene in scenes_run for row in peers(Runs(store), scene))
-    return made
+        measured.tables["engines"] = tuple(row for scene in scenes_run for row in peers(Runs(store), scene))
+    return measured
 
 
 def label(scene: Scene) -> str:
@@ -79,14 +79,14 @@ def label(scene: Scene) -> str:
     return f"{scene.name}, {scene.parameters['impact']}"
 
 
-def _add(made: Measured, table: str, row: Row) -> None:
-    made.tables[table] = (*made.tables.get(table, ()), row)
+def _add(measured: Measured, table: str, row: Row) -> None:
+    measured.tables[table] = (*measured.tables.get(table, ()), row)
 
 
 # --- methods of integration ------------------------------------------------------------------------------
 
 
-def add_numerics(made: Measured, scene: Scene) -> list[tuple[Settings, Trajectory]]:
+def add_numerics(measured: Measured, scene: Scene) -> list[tuple[Settings, Trajectory]]:
     """Run the papers' methods without stabilization, and the others as they come; return the runs."""
     fixed = [Settings(method=method, step=step, **more) for method, step, more in STEPS[scene.name]]
     adaptive = [
@@ -95,8 +95,8 @@ def add_numerics(made: Measured, scene: Scene) -> list[tuple[Settings, Trajector
         for rtol in rtols
         if _is_installed(method)
     ]
-    _add(made, "androids", {"android": label(scene)})
-    return [(settings, add_run(made, scene, _with_events(settings))) for settings in (*fixed, *adaptive)]
+    _add(measured, "androids", {"android": label(scene)})
+    return [(settings, add_run(measured, scene, _with_events(settings))) for settings in (*fixed, *adaptive)]
 
 
 def _is_installed(method: str) -> bool:
@@ -110,7 +110,7 @@ def _with_events(settings: Settings) -> Settings:
     return settings if located else settings.model_copy(update={"events": "none"})
 
 
-def add_run(made: Measured, scene: Scene, settings: Settings) -> Trajectory:
+def add_run(measured: Measured, scene: Scene, settings: Settings) -> Trajectory:
     """Add one setting: the papers' methods under the papers' test, and again without it where it stops them."""
     settings = settings.model_copy(update={"reactions": False, "estimate": "off", "max_steps": MOST_STEPS})
     tested = settings.method in TESTED
@@ -118,7 +118,7 @@ def add_run(made: Measured, scene: Scene, settings: Settings) -> Trajectory:
     method = f"{settings.method}, {setting({'step': settings.step, 'rtol': settings.rtol})}"
     gaps = path.step_compliance if path.step_compliance is not None and len(path.step_compliance) else None
     compliance = None if gaps is None else _finite(float(np.max(gaps[:, 1])))
-    _add(made, "runs", {
+    _add(measured, "runs", {
         "android": label(scene), "method": method,
         "end": "reached 0.2 s" if path.ok else f"{path.status}: {path.message}", "error": error,
         "compliance": compliance, "steps": int(path.steps), "rejected": int(path.rejected_steps),
@@ -126,11 +126,11 @@ def add_run(made: Measured, scene: Scene, settings: Settings) -> Trajectory:
         "loop_s": float(path.timing.loop_s), "test": _test_result(test) if tested else "not requested",
     })  # fmt: skip
     if label(scene) == PAPER_CRASH and settings.step:
-        made.figures[f"androids.{settings.method}.compliance"] = compliance
+        measured.figures[f"androids.{settings.method}.compliance"] = compliance
     good = None if gaps is None else gaps[1:][np.isfinite(gaps[1:, 1])]  # |C| as long as it is finite
     if good is not None and len(good):
         lines = curves(good[:, 0], {"|C|": good[:, 1]}, "largest |C| since the last sample, m", log=True)
-        made.curves[f"compliance: {label(scene)}: {method}"] = lines
+        measured.curves[f"compliance: {label(scene)}: {method}"] = lines
     return path
 
 
@@ -156,7 +156,7 @@ def lsodar_figures(rows: Sequence[Row]) -> dict[str, Value]:
 # --- stable steps -----------------------------------------------------------------------------------------
 
 
-def add_stable(made: Measured, scene: Scene) -> None:
+def add_stable(measured: Measured, scene: Scene) -> None:
     """Linearise the motion at the start, request a step that is too long, and take it all the same."""
     found = stiffness_at_start(scene)
     limits = {name: _finite(float(found.step_limit(m.stability))) for name, m in integrators().items() if m.stability}
@@ -168,14 +168,14 @@ def add_stable(made: Measured, scene: Scene) -> None:
     ))  # fmt: skip
     rules = {"1/omega": found.oscillation_rule, "m/c": found.damping_rule}
     known = ", ".join(f"{name} = {short(value)} s" for name, value in rules.items() if np.isfinite(value))
-    _add(made, "stable", {
+    _add(measured, "stable", {
         "android": scene.name, "decay": found.fastest_decay, "beyond": beyond,
         "limits": ", ".join(f"{name} {short(limit)} s" for name, limit in limits.items()),
         "rules": f" The papers' rules: {known}." if known else "",
         "refusal": simulate(scene, refused).message, "forced": f"{forced.status}: {forced.message}",
     })  # fmt: skip
     modes = {"eigenvalues": plain(np.imag(found.modes))}
-    made.curves[f"eigenvalues: {scene.name}"] = Curves(
+    measured.curves[f"eigenvalues: {scene.name}"] = Curves(
         plain(np.real(found.modes)), modes, "imaginary part, 1/s", "real part, 1/s", marks="markers"
     )
 
@@ -183,7 +183,7 @@ def add_stable(made: Measured, scene: Scene) -> None:
 # --- convergence ------------------------------------------------------------------------------------------
 
 
-def add_convergence(made: Measured, scene: Scene, paths: dict[str, Trajectory] | None = None) -> Row:
+def add_convergence(measured: Measured, scene: Scene, paths: dict[str, Trajectory] | None = None) -> Row:
     """Compare the head's and the hip's path by two unlike integrators (`paths`, by method), and with the truth."""
     times = ladder.grid(scene)
     fine: dict[str, Any] = {"rtol": FINE, "reactions": False, "estimate": "off"}
@@ -198,9 +198,9 @@ def add_convergence(made: Measured, scene: Scene, paths: dict[str, Trajectory] |
         "android": label(scene), **{name: float(gap[1:].max()) for name, gap in gaps.items()}, **compliance,
         "error": None if off is None else off[0], "uncertainty": None if truth is None else truth.uncertainty,
     }  # fmt: skip
-    _add(made, "convergence", row)
+    _add(measured, "convergence", row)
     lines = {part: gap[1:] for part, gap in gaps.items()}
-    made.curves[f"gaps: {label(scene)}"] = curves(times[1:], lines, "distance, m", log=True)
+    measured.curves[f"gaps: {label(scene)}"] = curves(times[1:], lines, "distance, m", log=True)
     return row
 
 

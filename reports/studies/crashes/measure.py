@@ -21,32 +21,32 @@ FILMED = 5  # samples a picture
 
 def measure() -> Measured:
     """Return both androids in both impacts. RuntimeError where a run does not reach its end."""
-    made = Measured()
+    measured = Measured()
     for impact, name in product(IMPACTS, NAMES):
         scene = scenes.make(name, impact=impact)
-        add_crash(made, scene, finished(scene))
-    return made
+        add_crash(measured, scene, finished(scene))
+    return measured
 
 
-def add_crash(made: Measured, scene: Scene, path: Trajectory) -> None:
+def add_crash(measured: Measured, scene: Scene, path: Trajectory) -> None:
     """Add the figures, tables, curves and film of a run."""
     found, label = crash_results(scene, path), f"{scene.name}, {scene.parameters['impact']}"
     prefix = f"{scene.name.removeprefix('android_')}.{scene.parameters['impact']}"
     own = figures(scene, path, found)
-    made.figures.update({f"{prefix}.{name}": value for name, value in own.items()})
-    made.films[label] = film(scene, path, FILMED)
+    measured.figures.update({f"{prefix}.{name}": value for name, value in own.items()})
+    measured.films[label] = film(scene, path, FILMED)
     drawn = _plots(path, found)
     for kind, field in KINDS.items():
         drawn |= forces(kind, scene, path.times, getattr(found.forces, field), SHOWN[scene.name])
-    made.curves.update({f"{label}: {name}": lines for name, lines in drawn.items()})
+    measured.curves.update({f"{label}: {name}": lines for name, lines in drawn.items()})
     for name, (values, unit) in _compared(found).items():
         name = f"impact from the {scene.parameters['impact']}: {name}"
         lines = curves(path.times, {f"{own['bodies']} bodies": values}, unit)
-        held = made.curves.get(name, lines)
-        made.curves[name] = replace(lines, lines=held.lines | lines.lines)
+        held = measured.curves.get(name, lines)
+        measured.curves[name] = replace(lines, lines=held.lines | lines.lines)
     if found.cervical_torques:
-        made.tables[f"whiplash: {label}"] = _whiplash(path, found)
-        made.curves[f"whiplash: {label}"] = curves(path.times, found.cervical_torques, "N m")
+        measured.tables[f"whiplash: {label}"] = _whiplash(path, found)
+        measured.curves[f"whiplash: {label}"] = curves(path.times, found.cervical_torques, "N m")
 
 
 def _plots(path: Trajectory, found: CrashResults) -> dict[str, Curves]:

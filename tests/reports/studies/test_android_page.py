@@ -21,19 +21,19 @@ from tests.reports.page.synthetic_report import report_data
 
 
 def occupant() -> Measured:
-    made, scene = Measured(), scenes.make(SIMPLIFIED, impact="rear")
-    add_crash(made, scene, simulate(scene, Settings(samples=41)))
-    return made
+    measured, scene = Measured(), scenes.make(SIMPLIFIED, impact="rear")
+    add_crash(measured, scene, simulate(scene, Settings(samples=41)))
+    return measured
 
 
 def methods() -> Measured:
-    made, scene = Measured(), scenes.make(SIMPLIFIED)
-    made.tables["androids"] = ({"android": androids.label(scene)},)
+    measured, scene = Measured(), scenes.make(SIMPLIFIED)
+    measured.tables["androids"] = ({"android": androids.label(scene)},)
     settings = Settings(method="rk4", step=1e-3, stabilization="none")
-    androids.add_run(made, scene, settings)
-    androids.add_run(made, scene, settings.model_copy(update={"step": 8e-3}))
-    androids.add_stable(made, scene)
-    return made
+    androids.add_run(measured, scene, settings)
+    androids.add_run(measured, scene, settings.model_copy(update={"step": 8e-3}))
+    androids.add_stable(measured, scene)
+    return measured
 
 
 def page_of(**studies: Measured) -> str:
@@ -61,9 +61,9 @@ def test_the_papers_front_crash_is_shown_with_its_own_figures():
     assert "4.5e-4 m" in page
     assert "These data do not reproduce that" not in page_of(androids=Measured({"androids.rk4.compliance": 1e-3}))
     rear = scenes.make(SIMPLIFIED, impact="rear")
-    made = Measured()
-    androids.add_run(made, rear, Settings(method="euler", step=1e-3, stabilization="none", events="none"))
-    assert not made.figures
+    measured = Measured()
+    androids.add_run(measured, rear, Settings(method="euler", step=1e-3, stabilization="none", events="none"))
+    assert not measured.figures
 
 
 @pytest.mark.parametrize(
