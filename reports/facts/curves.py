@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import base64
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -16,6 +16,9 @@ from reports.film.files import filmstrip, gif
 MOST_POINTS = 201  # of a line
 DIGITS = 6
 
+Value = int | float | str | None
+Row = Mapping[str, Value]  # of a table, by column
+
 
 @dataclass(frozen=True)
 class Curves:
@@ -26,6 +29,8 @@ class Curves:
     y_label: str
     x_label: str = "t, s"
     log: bool = False
+    x_log: bool = False
+    marks: str = "lines"  # lines | markers | lines+markers
 
 
 @dataclass(frozen=True)
@@ -34,6 +39,16 @@ class Film:
 
     gif: str
     strip: str
+
+
+@dataclass(frozen=True)
+class Measured:
+    """What a study measures, by name: SI numbers and words, rows of tables, curves and films."""
+
+    figures: dict[str, Value] = field(default_factory=dict)
+    tables: dict[str, tuple[Row, ...]] = field(default_factory=dict)  # each row by column
+    curves: dict[str, Curves] = field(default_factory=dict)
+    films: dict[str, Film] = field(default_factory=dict)
 
 
 def curves(x: np.ndarray, lines: Mapping[str, np.ndarray], y_label: str, log: bool = False) -> Curves:

@@ -18,6 +18,7 @@ from reports.drawing.plots.palette import style_of
 from reports.drawing.section import Section
 from reports.facts.report_data import ReportData
 from reports.page.pages import Page, pages
+from reports.page.slug import slug
 
 TEMPLATES = Path(__file__).parent / "templates"
 STUDIES = Path(studies.__file__).parent
@@ -40,7 +41,7 @@ class Images:
 def templates() -> Environment:
     """Return the templates, whose compiled form is kept beside the kernels' where that folder can be written."""
     templates = Environment(loader=FileSystemLoader((TEMPLATES, STUDIES)), autoescape=True, undefined=StrictUndefined)
-    templates.globals["style_of"] = style_of
+    templates.globals |= {"style_of": style_of, "slug": slug}
     folder = cache_folder().parent / "templates"
     with suppress(OSError):
         folder.mkdir(parents=True, exist_ok=True)

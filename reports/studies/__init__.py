@@ -1,1 +1,1 @@
-"""Studies of the full report, a folder each: facts.py declares it, measure.py makes the facts, section.* shows them."""
+"""Studies of the full report, a folder each: measure.py returns what is measured, study.toml presents it."""

@@ -3,23 +3,27 @@
 from __future__ import annotations
 
 import pkgutil
+import tomllib
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cache
 from importlib import import_module
+from importlib.resources import files
 from typing import Any
 
 from reports import studies
 from reports.drawing.section import Section
+from reports.facts.curves import Measured
+from reports.studies.document import Document
 
 
 @dataclass(frozen=True)
 class Study:
-    """A study, as STUDY of its facts.py declares it.
+    """A study, as its study.toml declares it.
 
-    Beside it stand measure.py, whose `measure()` makes the facts, and section.py with SECTION and section.html, which
-    show them and compute nothing. A measure.py may offer `parts()` and `make(part)`: what the store keeps once made, in
-    any order and side by side, for `measure()` to find there.
+    Beside it stands measure.py, whose `measure()` returns a Measured. It may offer `parts()` and `make(part)`: runs
+    that the store holds once made, in any order and side by side, for `measure()` to read there. A study without
+    study.toml has facts.py with STUDY, and section.py with SECTION and section.html, which show the facts.
     """
 
     page: str  # its file; studies of one file share a page
@@ -33,8 +37,22 @@ class Study:
 def every() -> dict[str, Study]:
     """Return every study by its folder's name."""
     names = [module.name for module in pkgutil.iter_modules(studies.__path__) if module.ispkg]
-    found = {name: import_module(f"reports.studies.{name}.facts").STUDY for name in names}
+    found = {name: _declared(name) for name in names}
     return dict(sorted(found.items(), key=lambda item: (item[1].page, item[1].place)))
+
+
+def _declared(name: str) -> Study:
+    text = document(name)
+    if text is None:
+        return import_module(f"reports.studies.{name}.facts").STUDY
+    return Study(text.page, text.title, Measured, text.place, text.alone)
+
+
+@cache
+def document(name: str) -> Document | None:
+    """Return a study's document; None for a study without one."""
+    path = files("reports.studies") / name / "study.toml"
+    return Document(name, **tomllib.loads(path.read_text(encoding="utf-8"))) if path.is_file() else None
 
 
 def measurement(name: str) -> Callable[[], Any]:
@@ -55,4 +73,7 @@ def make(name: str, part: Any) -> None:
 
 def section(name: str) -> Section:
     """Return what shows a study."""
+    text = document(name)
+    if text is not None:
+        return Section(text.name, text.heading, text.lead, text.context, text.findings, "document.html")
     return replace(import_module(f"reports.studies.{name}.section").SECTION, template=f"{name}/section.html")

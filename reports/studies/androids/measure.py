@@ -29,12 +29,12 @@ from mbs_ref.self_checks.stiffness import stiffness_at_start
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
 from mbs_ref.trajectory import Status, Trajectory
-from reports.facts.curves import Curves, curves, plain
-from reports.studies.androids.facts import AndroidFacts, Convergence, Peer, Run, Stable
+from reports.drawing.numbers import ABSENT, in_words, order_of, setting, short
+from reports.facts.curves import Curves, Measured, Row, Value, curves, plain
+from reports.studies.crash import IMPACTS, NAMES, SIMPLIFIED, VERTEBRAL, with_test
 
-SIMPLIFIED, VERTEBRAL = NAMES = ("android_simplified", "android_vertebral")
-IMPACTS = ("front", "rear")
 PAPER_STEP = 1e-4  # s, Fox 1999
+PAPER_CRASH = f"{SIMPLIFIED}, front"
 PAPERS: dict[str, Any] = {"stabilization": "none"}  # without stabilization, as they ran
 OURS: dict[str, Any] = {}
 # the papers' step where these data bear it; RK4 bears 7.1e-5 s and Euler 5.1e-5 s on the vertebral android
@@ -60,24 +60,34 @@ SHOWN = {  # on 48 bodies what takes seconds
 }
 
 
-def measure() -> AndroidFacts:
-    """Run everything; the vertebral android's truths are kept on disk."""
-    made = [scenes.make(name, impact=impact) for name, impact in product(NAMES, IMPACTS)]
-    runs = [numerics(scene) for scene in made]
+def measure() -> Measured:
+    """Run everything; the vertebral android's truths are stored on disk."""
+    measured = Measured()
+    scenes_run = [scenes.make(name, impact=impact) for name, impact in product(NAMES, IMPACTS)]
+    for scene in scenes_run:
+        add_convergence(measured, scene, _fine(add_numerics(measured, scene)))
+    measured.figures.update(lsodar_figures(measured.tables["runs"]))
+    for name in NAMES:
+        add_stable(measured, scenes.make(name))
     with Store(default_path()) as store:
-        return AndroidFacts(
-            tuple(run for own in runs for run, _ in own),
-            tuple(stable(scenes.make(name)) for name in NAMES),
-            tuple(convergence(scene, _fine(own)) for scene, own in zip(made, runs, strict=True)),
-            tuple(found for scene in made for found in peers(Runs(store), scene)),
-        )
+        measured.tables["engines"] = tuple(row for scene in scenes_run for row in peers(Runs(store), scene))
+    return measured
+
+
+def label(scene: Scene) -> str:
+    """Return android and impact."""
+    return f"{scene.name}, {scene.parameters['impact']}"
+
+
+def _add(measured: Measured, table: str, row: Row) -> None:
+    measured.tables[table] = (*measured.tables.get(table, ()), row)
 
 
 # --- methods of integration ------------------------------------------------------------------------------
 
 
-def numerics(scene: Scene) -> list[tuple[Run, Trajectory]]:
-    """Run the papers' methods without stabilization, and the others as they come."""
+def add_numerics(measured: Measured, scene: Scene) -> list[tuple[Settings, Trajectory]]:
+    """Run the papers' methods without stabilization, and the others as they come; return the runs."""
     fixed = [Settings(method=method, step=step, **more) for method, step, more in STEPS[scene.name]]
     adaptive = [
         Settings(method=method, rtol=rtol, stabilization="none" if method == "lsodar" else None)
@@ -85,7 +95,8 @@ def numerics(scene: Scene) -> list[tuple[Run, Trajectory]]:
         for rtol in rtols
         if _is_installed(method)
     ]
-    return [run(scene, _with_events(settings)) for settings in (*fixed, *adaptive)]
+    _add(measured, "androids", {"android": label(scene)})
+    return [(settings, add_run(measured, scene, _with_events(settings))) for settings in (*fixed, *adaptive)]
 
 
 def _is_installed(method: str) -> bool:
@@ -99,74 +110,80 @@ def _with_events(settings: Settings) -> Settings:
     return settings if located else settings.model_copy(update={"events": "none"})
 
 
-def run(scene: Scene, settings: Settings) -> tuple[Run, Trajectory]:
-    """Run one setting; the papers' methods under the papers' test, and again without it where it stops them."""
+def add_run(measured: Measured, scene: Scene, settings: Settings) -> Trajectory:
+    """Add one setting: the papers' methods under the papers' test, and again without it where it stops them."""
     settings = settings.model_copy(update={"reactions": False, "estimate": "off", "max_steps": MOST_STEPS})
-    path, test = _tested(scene, settings) if settings.method in TESTED else (None, "not asked")
-    path = path or simulate(scene, settings, ladder.grid(scene))
-    given = {"step": settings.step, "rtol": settings.rtol}
-    kept = path.step_compliance if path.step_compliance is not None and len(path.step_compliance) else None
-    return Run(
-        scene.name, str(scene.parameters["impact"]), str(settings.method), given, str(path.status), path.message,
-        int(path.steps), int(path.rejected_steps), int(path.rhs_calls), path.method_switches, int(path.events),
-        float(path.timing.loop_s), None if kept is None else _finite(float(np.max(kept[:, 1]))), _curve(kept), test,
-        _error(scene, path),
-    ), path  # fmt: skip
+    tested = settings.method in TESTED
+    path, test, error = with_test(scene, settings, tested)
+    method = f"{settings.method}, {setting({'step': settings.step, 'rtol': settings.rtol})}"
+    gaps = path.step_compliance if path.step_compliance is not None and len(path.step_compliance) else None
+    compliance = None if gaps is None else _finite(float(np.max(gaps[:, 1])))
+    _add(measured, "runs", {
+        "android": label(scene), "method": method,
+        "end": "reached 0.2 s" if path.ok else f"{path.status}: {path.message}", "error": error,
+        "compliance": compliance, "steps": int(path.steps), "rejected": int(path.rejected_steps),
+        "rhs_calls": int(path.rhs_calls), "switches": path.method_switches, "events": int(path.events),
+        "loop_s": float(path.timing.loop_s), "test": _test_result(test) if tested else "not requested",
+    })  # fmt: skip
+    if label(scene) == PAPER_CRASH and settings.step:
+        measured.figures[f"androids.{settings.method}.compliance"] = compliance
+    good = None if gaps is None else gaps[1:][np.isfinite(gaps[1:, 1])]  # |C| as long as it is finite
+    if good is not None and len(good):
+        lines = curves(good[:, 0], {"|C|": good[:, 1]}, "largest |C| since the last sample, m", log=True)
+        measured.curves[f"compliance: {label(scene)}: {method}"] = lines
+    return path
 
 
-def _curve(kept: np.ndarray | None) -> Curves | None:
-    """Return |C| over time, as long as it is finite."""
-    if kept is None:
-        return None
-    good = kept[1:][np.isfinite(kept[1:, 1])]
-    return (
-        curves(good[:, 0], {"|C|": good[:, 1]}, "largest |C| since the last sample, m", log=True) if len(good) else None
-    )
+def _test_result(test: Trajectory) -> str:
+    return test.message if test.status is Status.COMPLIANCE else "kept to the end" if test.ok else "not reached"
 
 
 def _finite(value: float) -> float | None:
     return value if np.isfinite(value) else None
 
 
-def _tested(scene: Scene, settings: Settings) -> tuple[Trajectory | None, str]:
-    """Return the run and how the papers' test went; no run where the test ended it."""
-    path = simulate(scene, settings.model_copy(update={"stop_on_compliance": True}), ladder.grid(scene))
-    if path.status is Status.COMPLIANCE:
-        return None, path.message
-    return path, "kept to the end" if path.ok else "not reached"
-
-
-def _error(scene: Scene, path: Trajectory) -> float | None:
-    """Return the largest distance (m) from the truth."""
-    off = off_truth(scene, path)
-    return None if off is None else off[0]
+def lsodar_figures(rows: Sequence[Row]) -> dict[str, Value]:
+    """Return how the papers' adaptive method does on the stiff android."""
+    stiff = [row for row in rows if str(row["android"]).startswith(VERTEBRAL)]
+    runs = [row for row in stiff if str(row["method"]).startswith("lsodar")]
+    good = [int(row["switches"] or 0) for row in runs if row["end"] == "reached 0.2 s"]
+    figures: dict[str, Value] = {"androids.lsodar.runs": len(runs), "androids.lsodar.reached": len(good)}
+    if good:
+        return figures | {"androids.lsodar.least_switches": min(good), "androids.lsodar.most_switches": max(good)}
+    return figures | ({"androids.lsodar.message": runs[0]["end"]} if runs else {})
 
 
 # --- stable steps -----------------------------------------------------------------------------------------
 
 
-def stable(scene: Scene) -> Stable:
-    """Linearise the motion at the start, ask for a step too long, and take it all the same."""
+def add_stable(measured: Measured, scene: Scene) -> None:
+    """Linearise the motion at the start, request a step that is too long, and take it all the same."""
     found = stiffness_at_start(scene)
-    limits = {name: found.step_limit(m.stability) for name, m in integrators().items() if m.stability}
+    limits = {name: _finite(float(found.step_limit(m.stability))) for name, m in integrators().items() if m.stability}
     beyond = BEYOND[scene.name]
-    asked = Settings(method="rk4", step=beyond, samples=26, reactions=False)
+    refused = Settings(method="rk4", step=beyond, samples=26, reactions=False)
     most = {"max_steps": MOST_STEPS, "max_events": MOST_STEPS}
-    bold = {"stabilization": "none", "estimate": "off", "refuse_unstable": False, **most}
-    forced = simulate(scene, asked.model_copy(update=bold))
+    forced = simulate(scene, refused.model_copy(
+        update={"stabilization": "none", "estimate": "off", "refuse_unstable": False, **most}
+    ))  # fmt: skip
     rules = {"1/omega": found.oscillation_rule, "m/c": found.damping_rule}
-    return Stable(
-        scene.name, plain(np.real(found.modes)), plain(np.imag(found.modes)), found.fastest_decay,
-        {name: value for name, value in rules.items() if np.isfinite(value)},
-        {name: _finite(float(value)) for name, value in limits.items()}, beyond, simulate(scene, asked).message,
-        f"{forced.status}: {forced.message}",
-    )  # fmt: skip
+    known = ", ".join(f"{name} = {short(value)} s" for name, value in rules.items() if np.isfinite(value))
+    _add(measured, "stable", {
+        "android": scene.name, "decay": found.fastest_decay, "beyond": beyond,
+        "limits": ", ".join(f"{name} {short(limit)} s" for name, limit in limits.items()),
+        "rules": f" The papers' rules: {known}." if known else "",
+        "refusal": simulate(scene, refused).message, "forced": f"{forced.status}: {forced.message}",
+    })  # fmt: skip
+    modes = {"eigenvalues": plain(np.imag(found.modes))}
+    measured.curves[f"eigenvalues: {scene.name}"] = Curves(
+        plain(np.real(found.modes)), modes, "imaginary part, 1/s", "real part, 1/s", marks="markers"
+    )
 
 
 # --- convergence ------------------------------------------------------------------------------------------
 
 
-def convergence(scene: Scene, paths: dict[str, Trajectory] | None = None) -> Convergence:
+def add_convergence(measured: Measured, scene: Scene, paths: dict[str, Trajectory] | None = None) -> Row:
     """Compare the head's and the hip's path by two unlike integrators (`paths`, by method), and with the truth."""
     times = ladder.grid(scene)
     fine: dict[str, Any] = {"rtol": FINE, "reactions": False, "estimate": "off"}
@@ -176,20 +193,26 @@ def convergence(scene: Scene, paths: dict[str, Trajectory] | None = None) -> Con
     gaps = {label: apart[:, scene.body_index(body)] for label, body in WATCHED.items()}
     truth = truth_for(scene, times)
     compliance = {m: float(np.abs(constraint_residual(scene, path)).max()) for m, path in paths.items()}
-    known = None if truth is None else truth.uncertainty
-    drawn = curves(times[1:], {part: gap[1:] for part, gap in gaps.items()}, "distance, m", log=True)
-    return Convergence(scene.name, str(scene.parameters["impact"]), drawn, compliance, _error(scene, one), known)
+    off = off_truth(scene, one)
+    row: Row = {
+        "android": label(scene), **{name: float(gap[1:].max()) for name, gap in gaps.items()}, **compliance,
+        "error": None if off is None else off[0], "uncertainty": None if truth is None else truth.uncertainty,
+    }  # fmt: skip
+    _add(measured, "convergence", row)
+    lines = {part: gap[1:] for part, gap in gaps.items()}
+    measured.curves[f"gaps: {label(scene)}"] = curves(times[1:], lines, "distance, m", log=True)
+    return row
 
 
-def _fine(own: Sequence[tuple[Run, Trajectory]]) -> dict[str, Trajectory]:
+def _fine(runs: Sequence[tuple[Settings, Trajectory]]) -> dict[str, Trajectory]:
     """Return the paths of the two methods at FINE."""
-    return {run.method: path for run, path in own if run.method in UNLIKE and run.settings["rtol"] == FINE}
+    return {str(s.method): path for s, path in runs if s.method in UNLIKE and s.rtol == FINE}
 
 
 # --- engines ----------------------------------------------------------------------------------------------
 
 
-def peers(runs: Runs, scene: Scene, names: Sequence[str] | None = None) -> list[Peer]:
+def peers(runs: Runs, scene: Scene, names: Sequence[str] | None = None) -> list[Row]:
     """Judge the methods of every other engine that can run the scene: all in the first crash, few in the others."""
     found, crash = [], (scene.name, str(scene.parameters["impact"]))
     truth, ours = runs.truth(scene), simulate(scene, Settings(rtol=FINE, estimate="off"), ladder.grid(scene))
@@ -206,7 +229,9 @@ def peers(runs: Runs, scene: Scene, names: Sequence[str] | None = None) -> list[
     return found
 
 
-def peer(runs: Runs, scene: Scene, engine: str, method: Method, truth: Truth | NoTruth, ours: Trajectory) -> Peer:
+def peer(
+    runs: Runs, scene: Scene, engine: str, method: Method, truth: Truth | NoTruth, ours: Trajectory
+) -> Row:
     """Judge one method; its joint forces are compared with ours at the setting that speaks for it."""
     tried, answers = search(runs, scene, engine, method, truth, PEER_TARGETS[method.kind])
     cell = cell_of(tried, answers)
@@ -217,4 +242,8 @@ def peer(runs: Runs, scene: Scene, engine: str, method: Method, truth: Truth | N
             scene, engine, Settings(**spoken.settings), ladder.grid(scene), truth=truth, reference=ours
         )
         forces = again.measure("reaction_error")
-    return Peer(cell, forces)
+    return {
+        "android": label(scene), "method": f"{engine} {method.name}", "verdict": f"{cell.verdict} {cell.code}",
+        "error": cell.error, "order": order_of(cell.order, cell.documented_order) or ABSENT,
+        "setting": in_words(cell.setting) or ABSENT, "loop_s": cell.loop_s, "forces": forces, "reason": cell.reason,
+    }  # fmt: skip

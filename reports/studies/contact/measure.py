@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from benchmarks.event_work import Balance, balance
@@ -14,8 +16,8 @@ from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
 from mbs_ref.trajectory import Trajectory
-from reports.facts.curves import Curves, curves, film
-from reports.studies.contact.facts import ContactFacts, EngineBounce, OrderLadder, Restitution, VehicleRun
+from reports.facts.curves import Curves, Measured, Row, curves, film, plain
+from reports.studies.crash import largest_gap
 
 STEPS = (375, 750, 1500, 3000, 6000)  # over the ball's 0.4 s
 LAWS = {
@@ -26,6 +28,7 @@ LAWS = {
 ENGINE_METHODS = (("mujoco", "rk4"), ("mujoco", "rk4_stock_contact"), ("exudyn", "contact_rk44"))
 OFF_GRID = 0.1234567  # m, height: no whole number of steps, so that no engine meets gap = 0 at a step's end
 VEHICLE_END, VEHICLE_SAMPLES = 2.0, 201
+NOMINAL = 1e-3  # difference from the nominal restitution above which a law does not return it
 FILMED = 5  # samples a picture
 VEHICLE_RUNS = (
     Settings(method="dop853", rtol=1e-8), Settings(method="rk4", step=1e-4, reactions=False),
@@ -33,68 +36,84 @@ VEHICLE_RUNS = (
 )  # fmt: skip
 
 
-def measure() -> ContactFacts:
+def measure() -> Measured:
     """Measure it; most of the time is the vehicle's."""
     vehicle = scenes.make("tracked_vehicle")
     paths, runs = vehicle_runs(vehicle)
     energy = balance(vehicle, Settings(method="dop853", rtol=1e-8, t_end=0.1, estimate="off"), longest=2e-4)
-    return ContactFacts(
-        orders=tuple(ladder(law, way) for law in ("spring_damper", "progressive") for way in ("none", "located")),
-        restitutions=tuple(_restitution(law) for law in LAWS),
-        engines=tuple(_bounce(*each) for each in ENGINE_METHODS if each[0] in engines.names()),
-        runs=runs,
-        description=vehicle.description,
-        t_end=float(paths[0].times[-1]),
-        film=film(vehicle, paths[0], FILMED),
-        curves=vehicle_curves(vehicle, paths[0], energy),
-        energy_end=float(energy.times[-1]),
-        exchanged=energy.exchanged,
-        drift=float(np.max(np.abs(energy.drift))),
-    )
+    orders = tuple(ladder(law, way) for law in ("spring_damper", "progressive") for way in ("none", "located"))
+    figures = {f"order.{row['law']}.{row['events']}": row["order"] for row in orders} | {
+        "vehicle.description": vehicle.description, "vehicle.t_end": float(paths[0].times[-1]),
+        "vehicle.energy_end": float(energy.times[-1]), "vehicle.exchanged": energy.exchanged,
+        "vehicle.drift": float(np.max(np.abs(energy.drift))),
+    }  # fmt: skip
+    tables = {
+        "orders": orders, "restitutions": tuple(_restitution(law) for law in LAWS), "runs": runs,
+        "engines": tuple(_bounce(*each) for each in ENGINE_METHODS if each[0] in engines.names()),
+    }  # fmt: skip
+    drawn = {f"vehicle: {name}": lines for name, lines in vehicle_curves(vehicle, paths[0], energy).items()}
+    drawn |= {f"order: {row['law']}, events {row['events']}": _line(row) for row in orders}
+    return Measured(figures, tables, drawn, {"vehicle": film(vehicle, paths[0], FILMED)})
 
 
-def vehicle_runs(vehicle: Scene) -> tuple[list[Trajectory], tuple[VehicleRun, ...]]:
+def _line(row: Row) -> Curves:
+    """Return the errors of a ladder over its steps."""
+    errors = plain([row[str(n)] for n in STEPS])
+    label, axis = "error of the speed after the bounce, m/s", "steps over 0.4 s"
+    return Curves(plain(STEPS), {"error": errors}, label, axis, log=True, x_log=True, marks="lines+markers")
+
+
+def vehicle_runs(vehicle: Scene) -> tuple[list[Trajectory], tuple[Row, ...]]:
     """Run the vehicle with each method; the first is what the others are compared with."""
     more = {"t_end": VEHICLE_END, "samples": VEHICLE_SAMPLES, "estimate": "off"}
     paths = [simulate(vehicle, settings.model_copy(update=more)) for settings in VEHICLE_RUNS]
     return paths, tuple(_vehicle_run(vehicle, s, p, paths[0]) for s, p in zip(VEHICLE_RUNS, paths, strict=True))
 
 
-def _vehicle_run(vehicle: Scene, settings: Settings, path: Trajectory, first: Trajectory) -> VehicleRun:
-    knob = f"step {settings.step:g} s" if settings.step else f"rtol {settings.rtol:g}"
-    worst = 0.0 if path.step_compliance is None else float(np.max(path.step_compliance[:, 1]))
-    return VehicleRun(
-        f"{settings.method}, {knob}", path.steps, path.events, worst,
-        farthest(vehicle, path, first)[0], path.timing.loop_s,
-        str(path.status) if path.ok else path.message,
-    )  # fmt: skip
+def _vehicle_run(vehicle: Scene, settings: Settings, path: Trajectory, first: Trajectory) -> Row:
+    setting = f"step {settings.step:g} s" if settings.step else f"rtol {settings.rtol:g}"
+    return {
+        "method": f"{settings.method}, {setting}", "steps": int(path.steps), "events": int(path.events),
+        "compliance": largest_gap(path), "difference": farthest(vehicle, path, first)[0],
+        "loop_s": float(path.timing.loop_s), "status": str(path.status) if path.ok else path.message,
+    }  # fmt: skip
 
 
 def _ball(law: str) -> Scene:
     return scenes.make("bouncing_ball", law=law, **LAWS[law])
 
 
-def ladder(law: str, events: str) -> OrderLadder:
+def ladder(law: str, events: str) -> Row:
+    """Return the errors (m/s) of the speed after a bounce at 1 m/s by the number of RK4 steps, and their order."""
     ball = _ball(law)
     exact = impact(ball.contacts[0].law, 1.0, 1.0).restitution
     settings = [Settings(method="rk4", step=0.4 / n, events=events, samples=2, estimate="off") for n in STEPS]  # type: ignore[arg-type]
-    errors = tuple(abs(float(simulate(ball, each).velocity[-1, 0, 1]) - exact) for each in settings)
-    return OrderLadder(law, events, STEPS, errors)
+    errors = [abs(float(simulate(ball, each).velocity[-1, 0, 1]) - exact) for each in settings]
+    order = math.log(errors[0] / errors[-1]) / math.log(STEPS[-1] / STEPS[0])
+    return {"law": law, "events": events, "order": order, **{str(n): e for n, e in zip(STEPS, errors, strict=True)}}
 
 
-def _restitution(law: str) -> Restitution:
+def _restitution(law: str) -> Row:
+    """Return a law's nominal restitution, the exact one and that of a run."""
     ball = _ball(law)
-    found = simulate(ball, Settings(method="dop853", rtol=1e-12, samples=2, estimate="off")).velocity[-1, 0, 1]
+    path = simulate(ball, Settings(method="dop853", rtol=1e-12, samples=2, estimate="off"))
+    computed, exact = float(path.velocity[-1, 0, 1]), impact(ball.contacts[0].law, 1.0, 1.0).restitution
     nominal = getattr(ball.contacts[0].law, "restitution", None)
-    return Restitution(law, nominal, impact(ball.contacts[0].law, 1.0, 1.0).restitution, float(found))
+    note = "" if nominal is None or abs(nominal - exact) <= NOMINAL else ", not returned"
+    return {
+        "law": law, "nominal": nominal, "note": note, "exact": exact, "computed": computed,
+        "difference": abs(computed - exact),
+    }  # fmt: skip
 
 
-def _bounce(engine: str, method: str) -> EngineBounce:
+def _bounce(engine: str, method: str) -> Row:
+    """Return the error of the ball in another engine, or why it has none, and the figures of its contact."""
     law = "spring_damper" if engine == "exudyn" else "spring_damper_force"
     ball = scenes.make("bouncing_ball", law=law, height=OFF_GRID)
     record, _ = judged_run(ball, engine, Settings(method=method, step=2e-4, samples=101))
-    error = None if record.error is None else record.error.value
-    return EngineBounce(engine, method, record.contact, error, record.message)
+    error = record.message if record.error is None else record.error.value
+    figures = "; ".join(f"{name} {value:.6g}" for name, value in record.contact.items())
+    return {"engine": engine, "method": method, "error": error, "figures": figures}
 
 
 def vehicle_curves(scene: Scene, path: Trajectory, energy: Balance) -> dict[str, Curves]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import product
 
 import numpy as np
@@ -9,62 +10,49 @@ import numpy as np
 from mbs_ref import scenes
 from mbs_ref.crash.results import CrashResults, crash_results, sign_changes
 from mbs_ref.scene import Scene
-from mbs_ref.settings import Settings
-from mbs_ref.simulate import simulate
 from mbs_ref.trajectory import Trajectory
-from reports.facts.curves import Curves, curves, film, plain
-from reports.studies.androids.measure import IMPACTS, NAMES
-from reports.studies.crashes.facts import Crash, CrashFacts, Whiplash
+from reports.facts.curves import Curves, Measured, Row, curves, film, plain
+from reports.studies.crash import IMPACTS, NAMES, SIMPLIFIED, VERTEBRAL, figures, finished, forces, imbalance
 
-SHOWN = {"android_simplified": ("head", "thorax", "bottom", "thigh"), "android_vertebral": ("head", "C1", "C3", "C6")}
-COMPONENTS = ("x, N", "y, N", "torque, N m")
+SHOWN = {SIMPLIFIED: ("head", "thorax", "bottom", "thigh"), VERTEBRAL: ("head", "C1", "C3", "C6")}
 KINDS = {"External forces Q_e": "external", "Constraint forces Q_c": "constraint"}
 FILMED = 5  # samples a picture
 
 
-def measure() -> CrashFacts:
+def measure() -> Measured:
     """Return both androids in both impacts. RuntimeError where a run does not reach its end."""
-    return CrashFacts(tuple(_run(name, impact) for impact, name in product(IMPACTS, NAMES)))
+    measured = Measured()
+    for impact, name in product(IMPACTS, NAMES):
+        scene = scenes.make(name, impact=impact)
+        add_crash(measured, scene, finished(scene))
+    return measured
 
 
-def _run(name: str, impact: str) -> Crash:
-    scene = scenes.make(name, impact=impact)
-    path = simulate(scene, Settings(rtol=1e-8, samples=401, estimate="off"))
-    return crash(scene, path)
-
-
-def crash(scene: Scene, path: Trajectory) -> Crash:
-    """Return the facts of a run. RuntimeError where it did not reach its end."""
-    if not path.ok:
-        raise RuntimeError(f"{scene.name}: {path.message}")
-    found = crash_results(scene, path)
-    imbalance = _imbalance(found)
-    return Crash(
-        scene.name, str(scene.parameters["impact"]), scene.description, len(scene.bodies), int(path.rhs_calls),
-        float(path.timing.loop_s), _largest_gap(path),
-        float(np.max(np.abs(imbalance)) / np.max(np.abs(found.works["pulse"]))),
-        float(found.seat_force.max()), float(found.belt_force.max()),
-        _reach(found.head_excursion[:, 0]), _reach(found.hip_excursion[:, 0]),
-        {key: float(value) for key, value in found.measures.items()}, film(scene, path, FILMED),
-        _forces(scene, path, found), _plots(path, found), _compared(path, found), _whiplash(path, found),
-    )  # fmt: skip
-
-
-def _forces(scene: Scene, path: Trajectory, found: CrashResults) -> dict[str, Curves]:
-    """Return the paper's Figs. 3 to 5: generalized forces per body against time."""
-    made = {}
+def add_crash(measured: Measured, scene: Scene, path: Trajectory) -> None:
+    """Add the figures, tables, curves and film of a run."""
+    found, label = crash_results(scene, path), f"{scene.name}, {scene.parameters['impact']}"
+    prefix = f"{scene.name.removeprefix('android_')}.{scene.parameters['impact']}"
+    own = figures(scene, path, found)
+    measured.figures.update({f"{prefix}.{name}": value for name, value in own.items()})
+    measured.films[label] = film(scene, path, FILMED)
+    drawn = _plots(path, found)
     for kind, field in KINDS.items():
-        values = getattr(found.forces, field)
-        for c, component in enumerate(COMPONENTS):
-            lines = {body: values[:, scene.body_index(body), c] for body in SHOWN[scene.name]}
-            made[f"{kind}, {component.split(',')[0]}"] = curves(path.times, lines, component)
-    return made
+        drawn |= forces(kind, scene, path.times, getattr(found.forces, field), SHOWN[scene.name])
+    measured.curves.update({f"{label}: {name}": lines for name, lines in drawn.items()})
+    for name, (values, unit) in _compared(found).items():
+        name = f"impact from the {scene.parameters['impact']}: {name}"
+        lines = curves(path.times, {f"{own['bodies']} bodies": values}, unit)
+        held = measured.curves.get(name, lines)
+        measured.curves[name] = replace(lines, lines=held.lines | lines.lines)
+    if found.cervical_torques:
+        measured.tables[f"whiplash: {label}"] = _whiplash(path, found)
+        measured.curves[f"whiplash: {label}"] = curves(path.times, found.cervical_torques, "N m")
 
 
 def _plots(path: Trajectory, found: CrashResults) -> dict[str, Curves]:
     times = path.times
     works = {f"work of {name}": work for name, work in found.works.items()}
-    balance = {"energy": found.energy - found.energy[0], **works, "energy less works": _imbalance(found)}
+    balance = {"energy": found.energy - found.energy[0], **works, "energy less works": imbalance(found)}
     places = {
         f"{name} {axis}": history[:, k]
         for name, history in (("head", found.head_excursion), ("hip", found.hip_excursion))
@@ -83,35 +71,20 @@ def _plots(path: Trajectory, found: CrashResults) -> dict[str, Curves]:
     return plots
 
 
-def _compared(path: Trajectory, found: CrashResults) -> dict[str, Curves]:
-    """Return what both androids are drawn with."""
-    histories = {
+def _compared(found: CrashResults) -> dict[str, tuple[np.ndarray, str]]:
+    """Return histories (n_t,) with their units, in which both androids are drawn."""
+    return {
         "Head along x": (found.head_excursion[:, 0], "m"), "Head acceleration": (found.head_g, "g"),
         "Belt forces": (found.belt_force, "N"),
     }  # fmt: skip
-    return {name: curves(path.times, {name: values}, unit) for name, (values, unit) in histories.items()}
 
 
-def _whiplash(path: Trajectory, found: CrashResults) -> Whiplash | None:
-    torques = found.cervical_torques
-    if not torques:
-        return None
-    return Whiplash(
-        curves(path.times, torques, "N m"),
-        {name: float(torque.max()) for name, torque in torques.items()},
-        {name: float(torque.min()) for name, torque in torques.items()},
-        {name: plain(sign_changes(path.times, torque)) for name, torque in torques.items()},
-    )
-
-
-def _imbalance(found: CrashResults) -> np.ndarray:
-    return found.energy - found.energy[0] - np.sum(list(found.works.values()), axis=0)
-
-
-def _reach(history: np.ndarray) -> float:
-    """Return the value furthest from zero, with its sign."""
-    return float(history[np.argmax(np.abs(history))])
-
-
-def _largest_gap(path: Trajectory) -> float:
-    return 0.0 if path.step_compliance is None else float(np.max(path.step_compliance[:, 1]))
+def _whiplash(path: Trajectory, found: CrashResults) -> tuple[Row, ...]:
+    """Return for each vertebra the largest and least torque (N m) and when it changes sign."""
+    return tuple(
+        {
+            "vertebra": name, "largest": float(torque.max()), "least": float(torque.min()),
+            "changes": ", ".join(f"{t:.3f} s" for t in plain(sign_changes(path.times, torque))) or "never",
+        }
+        for name, torque in found.cervical_torques.items()
+    )  # fmt: skip

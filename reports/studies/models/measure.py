@@ -22,8 +22,9 @@ from mbs_ref.scene.scales import scales_of
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
 from mbs_ref.trajectory import Trajectory
+from reports.facts.curves import Measured
 from reports.facts.turns import least_times
-from reports.studies.models.facts import Ladder, ModelsFacts, Rung
+from reports.studies.models.choice import Ladder, Rung
 
 OBSERVED = NoTruth("held against where the bodies really were")
 Model = tuple[str, Scene, Settings]
@@ -40,9 +41,21 @@ MU = 0.4  # of wheels on links
 FORCES = ("zonals", "third_bodies", "drag", "radiation")  # of a satellite, each with those before it
 
 
-def measure() -> ModelsFacts:
+def measure() -> Measured:
     """Run every ladder; a minute with compiled code at hand."""
-    return ModelsFacts(tuple(make() for make in dict.fromkeys(FAMILIES.values())))
+    return shown([make() for make in dict.fromkeys(FAMILIES.values())])
+
+
+def shown(ladders: Sequence[Ladder]) -> Measured:
+    """Return the ladders as tables."""
+    heads = tuple(
+        {
+            "title": made.title, "note": f"{made.note} {made.method}." if made.method else made.note,
+            "cheapest": "; ".join(made.cheapest()) or None,
+        }
+        for made in ladders
+    )  # fmt: skip
+    return Measured(tables={"ladders": heads, **{f"ladder: {made.title}": made.rows() for made in ladders}})
 
 
 def planets() -> Ladder:

@@ -5,7 +5,7 @@ Each engine enters every method that it offers for a scene; its row is that of i
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
@@ -15,17 +15,18 @@ from cross_checks.engine import Method
 from cross_checks.judge.cell import judged, refused, tasks
 from cross_checks.judge.ladder import grid
 from cross_checks.judge.runs import Runs
-from cross_checks.judge.vocabulary import OURS, Cell
+from cross_checks.judge.vocabulary import ANSWERS, OURS, Cell
 from cross_checks.records.record import Record
 from cross_checks.records.store import Store, default_path
 from cross_checks.truth import NoTruth, Truth
 from mbs_ref import scenes
 from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings
+from reports.drawing.numbers import setting
 from reports.facts.cheapest import Entry, entries, loop_time, near, reaching
+from reports.facts.curves import Measured, Row
 from reports.facts.report_data import ReportData
 from reports.facts.turns import least_times
-from reports.studies.pairs.facts import Pair, PairsFacts, Row
 from reports.studies.pairs.sky_places import sky_places
 
 WORK = 200_000  # steps times bodies that a run may take: the papers' 4000 steps of the android of 48 bodies are within
@@ -85,19 +86,50 @@ PAIRS = (
 )  # fmt: skip
 
 
-def measure() -> PairsFacts:
+@dataclass(frozen=True)
+class Result:
+    """One engine at one target error, by its cheapest method, or the reason why it does not reach it."""
+
+    scene: str
+    target: float | None  # over the scene's scales; None where the scene is refused
+    entry: Entry  # its loop time is the least of interleaved runs
+    constrained: bool = False  # whether the scene has joints
+    ratio: float | None = None  # loop time over that of our cheapest at the same target
+
+    def shown(self) -> Row:
+        """Return what a page shows: the cells after a reason are empty."""
+        entry, run = self.entry, self.entry.best
+        head = {"scene": self.scene, "method": f"{entry.engine} {entry.method}".rstrip(), "target": self.target}
+        if run is None or run.error is None:
+            rest = dict.fromkeys(("error", "compliance", "drift", "loop_s", "ratio"), "")
+            return head | {"setting": f"{ANSWERS[entry.answer][0]}: {entry.reason}".rstrip(": ")} | rest
+        return head | {
+            "setting": setting(run.settings), "error": run.error.value,
+            "compliance": run.measure("compliance_position") if self.constrained else "no rows",
+            "drift": run.measure("energy_drift"), "loop_s": loop_time(run), "ratio": self.ratio,
+        }  # fmt: skip
+
+
+def measure() -> Measured:
     """Search and time everything; the store holds the searched runs."""
     with Store(default_path()) as store:
-        return PairsFacts(tuple(pair(Runs(store), request) for request in PAIRS), sky_places())
+        rows = [pair(Runs(store), request) for request in PAIRS]
+    return shown([(request.title, request.note, own) for request, own in zip(PAIRS, rows, strict=True)], sky_places())
 
 
-def pair(runs: Runs, request: Request) -> Pair:
+def shown(pairs: Sequence[tuple[str, str, Sequence[Result]]], places: dict[str, tuple[Row, ...]]) -> Measured:
+    """Return the tables of pairs, each with title and note, and of places in the sky."""
+    heads = tuple({"title": title, "note": note} for title, note, _ in pairs)
+    tables = {f"pair: {title}": tuple(row.shown() for row in rows) for title, _, rows in pairs}
+    return Measured({"pairs.places": len(places)}, {"pairs": heads, **tables, **places})
+
+
+def pair(runs: Runs, request: Request) -> tuple[Result, ...]:
     """Return the rows of every scene of a pair, and of every engine."""
-    rows = tuple(row for scene in request.built() for row in compared(runs, scene, request))
-    return Pair(request.title, request.note, rows)
+    return tuple(row for scene in request.built() for row in compared(runs, scene, request))
 
 
-def compared(runs: Runs, scene: Scene, request: Request) -> Iterator[Row]:
+def compared(runs: Runs, scene: Scene, request: Request) -> Iterator[Result]:
     """Yield a row for each target and engine, the cheapest first, and one for each engine that cannot run the scene."""
     truth = runs.truth(scene)
     data = ReportData(tuple(_cell(runs, scene, *entrant, truth, request) for entrant in request.entrants()), ())
@@ -109,10 +141,10 @@ def compared(runs: Runs, scene: Scene, request: Request) -> Iterator[Row]:
         ours = next((loop_time(entry.best) for entry in listed if entry.best and entry.engine == OURS), None)
         for entry in listed:
             ratio = None if ours is None or entry.best is None else loop_time(entry.best) / ours
-            yield Row(label, target, entry, bool(scene.joints), ratio)
+            yield Result(label, target, entry, bool(scene.joints), ratio)
     for engine in data.engines:
         if engine not in able:
-            yield Row(label, None, Entry(engine, "cannot", None, data.cells_of(label, engine)[0].reason))
+            yield Result(label, None, Entry(engine, "cannot", None, data.cells_of(label, engine)[0].reason))
 
 
 def _cell(

@@ -7,17 +7,17 @@ from typing import Any
 import numpy as np
 
 from mbs_ref import scenes
-from mbs_ref.crash.outlines import Capsule, outlines
+from mbs_ref.crash.outlines import outlines
 from mbs_ref.observables.attachment import Motion
 from mbs_ref.scene import Scene
 from mbs_ref.scene.contact import CircleOnLine
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
-from reports.studies.papers.facts import Moment, Outline
+from reports.facts.curves import Row
+from reports.studies.crash import BELIEVABLE
 
 PICTURES = 8  # 0.025 s apart
 ARMS = ("upper_arm", "lower_arm", "hand")
-BELIEVABLE: dict[str, Any] = {"stops": True, "body_contacts": True}
 DRAWN: dict[str, tuple[str, dict[str, Any]]] = {
     "48 bodies, front, bare": ("vertebral", {}),
     "48 bodies, front, stops and contacts": ("vertebral", BELIEVABLE),
@@ -25,15 +25,17 @@ DRAWN: dict[str, tuple[str, dict[str, Any]]] = {
     "13 bodies, rear, stops and contacts": ("simplified", {"impact": "rear", **BELIEVABLE}),
     "13 bodies, rear, no head restraint": ("simplified", {"impact": "rear", "head_restraint": "none", **BELIEVABLE}),
 }
+# a shape: time (s), kind (body | arm | seat), both ends and the radius (m)
 RUN = Settings(rtol=1e-7, samples=PICTURES + 1, estimate="off", reactions=False)
 
 
-def outline_pictures() -> dict[str, tuple[Moment, ...]]:
-    """Return the crashes that bare and believable models are told apart by."""
-    return {title: _moments(scenes.make(f"android_{kind}", **more)) for title, (kind, more) in DRAWN.items()}
+def outline_pictures() -> dict[str, tuple[Row, ...]]:
+    """Return the crashes in which bare and believable models differ: the lines to draw at each time."""
+    made = {title: scenes.make(f"android_{kind}", **more) for title, (kind, more) in DRAWN.items()}
+    return {f"outlines: {title}": _moments(scene) for title, scene in made.items()}
 
 
-def _moments(scene: Scene) -> tuple[Moment, ...]:
+def _moments(scene: Scene) -> tuple[Row, ...]:
     path = simulate(scene, RUN)
     motion = Motion(scene, path)
     shapes = outlines(scene.name)
@@ -43,17 +45,15 @@ def _moments(scene: Scene) -> tuple[Moment, ...]:
         for part in scene.contacts
         if isinstance(part, CircleOnLine) and part.body_b.startswith("seat") and ".restraint." not in part.name
     }
-    moments = []
-    for k in range(1, len(path.times)):
-        cushions = [Outline("seat", _point(p[k]), _point(q[k]), 0.0) for p, q in seats.values()]
-        parts = [_part(shape, ends[shape.body][0][k], ends[shape.body][1][k]) for shape in shapes]
-        moments.append(Moment(float(path.times[k]), (*cushions, *parts)))
-    return tuple(moments)
+    shown: list[Row] = []
+    for k, time in enumerate(map(float, path.times[1:]), 1):
+        shown += [_line(time, "seat", p[k], q[k], 0.0) for p, q in seats.values()]
+        for shape in shapes:
+            start, end = (place[k] for place in ends[shape.body])
+            shown.append(_line(time, "arm" if shape.body in ARMS else "body", start, end, shape.radius))
+    return tuple(shown)
 
 
-def _part(shape: Capsule, start: np.ndarray, end: np.ndarray) -> Outline:
-    return Outline("arm" if shape.body in ARMS else "body", _point(start), _point(end), shape.radius)
-
-
-def _point(place: np.ndarray) -> tuple[float, float]:
-    return round(float(place[0]), 4), round(float(place[1]), 4)
+def _line(time: float, kind: str, start: np.ndarray, end: np.ndarray, radius: float) -> Row:
+    (x1, y1), (x2, y2) = (tuple(round(float(x), 4) for x in place[:2]) for place in (start, end))
+    return {"time": time, "kind": kind, "x1": x1, "y1": y1, "x2": x2, "y2": y2, "radius": radius}

@@ -14,7 +14,8 @@ from mbs_ref.observables.distance import distances, farthest
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
 from mbs_ref.trajectory import Status
-from reports.facts.curves import Curves, Film, curves, film
+from reports.facts.curves import Curves, Measured, Value, curves, film
+from reports.studies.crash import largest_gap
 
 MU = 0.4  # of wheels on links, scenes/data/tracked_vehicle.json
 ROLLING: dict[str, Any] = {"wheel_friction": MU}
@@ -31,27 +32,25 @@ DRIVERS = (("pinocchio", "rk4", 1e-4), ("exudyn", "generalized_alpha", 1e-4))
 FINEST = Settings(method="dop853", rtol=1e-12, reactions=False, estimate="off")  # unlike the reference, and ours too
 
 
-def measure_track() -> tuple[dict[str, float | str], dict[str, Film], dict[str, Curves]]:
+def measure_track() -> Measured:
     """Drive the rolling vehicle by each method and engine; the rough one for pictures."""
-    figures: dict[str, float | str] = {}
+    figures: dict[str, Value] = {}
     scene, times = scenes.make("tracked_vehicle", **ROLLING), np.linspace(0.0, SHORT, 26)
     fine = simulate(scene, REFERENCE, times)
     for method, more in METHODS:
         bare: dict[str, Any] = {"stabilization": "none"} if method in TESTED else {}
         settings = Settings(method=method, **more, **bare, reactions=False, estimate="off", max_steps=10**6)
         path = simulate(scene, settings.model_copy(update={"stop_on_compliance": method in TESTED}), times)
-        kept = np.zeros((1, 2)) if path.step_compliance is None else path.step_compliance
         name = f"track.{method}"
         figures |= {
             f"{name}.test": "fails" if path.status is Status.COMPLIANCE else "keeps" if path.ok else path.message,
-            f"{name}.until": float(path.times[-1]), f"{name}.compliance": float(kept[:, 1].max()),
+            f"{name}.until": float(path.times[-1]), f"{name}.compliance": largest_gap(path),
             f"{name}.apart": farthest(scene, path, fine)[0] if path.ok else "stopped",
             f"{name}.loop_s": path.timing.loop_s,
         }  # fmt: skip
     dassl = simulate(scene, Settings(method="dassl", rtol=1e-4, t_end=BRIEF, reactions=False, estimate="off"))
-    kept = np.zeros((1, 2)) if dassl.step_compliance is None else dassl.step_compliance
     figures["track.known_to"] = farthest(scene, simulate(scene, FINEST, times), fine)[0]
-    figures |= {"track.dassl.compliance": float(kept[:, 1].max()), "track.dassl.loop_s": dassl.timing.loop_s}
+    figures |= {"track.dassl.compliance": largest_gap(dassl), "track.dassl.loop_s": dassl.timing.loop_s}
     finer = Settings(method="dop853", rtol=1e-9, reactions=False)
     figures["track.pinocchio.finest_apart"] = _engine(scene, "pinocchio", finer, fine)
     for engine, method, step in DRIVERS:
@@ -63,20 +62,19 @@ def measure_track() -> tuple[dict[str, float | str], dict[str, Film], dict[str, 
     path = simulate(rough, REFERENCE.model_copy(update={"step": 1e-4, "t_end": LONG, "samples": 81, "method": "rk4"}))
     hull = np.degrees(path.orientation[:, rough.body_index("chassis")])
     drawn["Hull's pitch over a bump of 5 cm, rollers sprung"] = curves(path.times, {"pitch": hull}, "degrees")
-    return figures | rolled, {"Track over a bump": film(rough, path, 10)}, drawn
+    return Measured(figures | rolled, {}, drawn, {"Track over a bump": film(rough, path, 10)})
 
 
-def _held(times: np.ndarray) -> dict[str, float | str]:
+def _held(times: np.ndarray) -> dict[str, Value]:
     """Return what wheels held on the links by constraints change, against the force law; both without friction."""
     settings = Settings(method="rk4", step=1e-4, reactions=False, estimate="off")
     scene = scenes.make("tracked_vehicle", law="constraint")
     held, soft = simulate(scene, settings, times), simulate(scenes.make("tracked_vehicle"), settings, times)
     apart = distances(scene, held, soft)[:, scene.body_index("chassis"), 0]
-    kept = np.zeros((1, 2)) if held.step_compliance is None else held.step_compliance
     return {
         "track.held.status": str(held.status) if held.ok else held.message,
         "track.held.events": float(held.events), "track.soft.events": float(soft.events),
-        "track.held.calls": held.rhs_calls / soft.rhs_calls, "track.held.compliance": float(kept[:, 1].max()),
+        "track.held.calls": held.rhs_calls / soft.rhs_calls, "track.held.compliance": largest_gap(held),
         "track.held.apart": float(apart.max()) if held.ok else "stopped",
     }  # fmt: skip
 
@@ -89,7 +87,7 @@ def _engine(scene, name: str, settings: Settings, fine) -> float | str:
     return farthest(scene, path, fine)[0] if path.ok else path.message
 
 
-def _rolling() -> tuple[dict[str, float | str], dict[str, Curves]]:
+def _rolling() -> tuple[dict[str, Value], dict[str, Curves]]:
     """Return how well wheels roll, and that without friction nothing turns them."""
     settings = Settings(method="rk4", step=1e-4, t_end=LONG, samples=401, estimate="off")
     scene, bare = scenes.make("tracked_vehicle", **ROLLING), scenes.make("tracked_vehicle")

@@ -13,16 +13,16 @@ from mbs_ref.scene import PointMass, Scene, SpatialBody
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
 from mbs_ref.trajectory import Trajectory
-from reports.studies.space.facts import LongSteps, NormDrift, SpaceFacts
+from reports.facts.curves import Measured, Value
 
 FALLING = 20  # bodies in the scenes whose cost is compared
 PAIRS = 9  # interleaved runs of each; the least counts
 
 
-def measure() -> SpaceFacts:
+def measure() -> Measured:
     """Run everything; a few seconds with compiled code at hand."""
-    drift = tuple(_norm_drift(half) for half in (0.05, 0.1, 0.2))
-    return SpaceFacts(drift, _long_steps(), _cost_ratio(), (13, 6))
+    figures = _long_steps() | {"space.cost_ratio": _cost_ratio()}
+    return Measured(figures, {"norm": tuple(_norm_drift(half) for half in (0.05, 0.1, 0.2))})
 
 
 def _rk4(scene: Scene, step: float, kept: bool, samples: int = 2) -> Trajectory:
@@ -37,24 +37,32 @@ def _turned_away(scene: Scene, path: Trajectory) -> float:
     return off[1]
 
 
-def _norm_drift(half: float) -> NormDrift:
+def _norm_drift(half: float) -> dict[str, Value]:
+    """Return the loss of norm by RK4 in a steady spin of `half` = w h / 2 (rad), and the orientation errors (rad)."""
     spin = 10.0  # rad/s
     scene = scenes.make("torque_free_top", tilt=0.0, axis=3, spin=spin, turns=20.0)
     step = 2.0 * half / spin
     free, kept = (_rk4(scene, step, kept) for kept in (False, True))
     measured = 1.0 - float(np.linalg.norm(free.orientation[-1, 0]))
     formula = free.steps * half**6 / 144.0
-    return NormDrift(half, free.steps, measured, formula, _turned_away(scene, free), _turned_away(scene, kept))
+    return {
+        "half_angle": half, "steps": free.steps, "measured": measured, "formula": formula,
+        "free": _turned_away(scene, free), "normalised": _turned_away(scene, kept),
+    }  # fmt: skip
 
 
-def _long_steps() -> LongSteps:
+def _long_steps() -> dict[str, Value]:
+    """Return the errors of a spin that makes 10 rad a step."""
     spin, step = 1e4, 1e-3  # rad/s, s
     moments = {"inertia_1": 1.0, "inertia_2": 1.0, "inertia_3": 1.02}  # slow nutation: the rates stay resolved
     scene = scenes.make("torque_free_top", tilt=0.1, axis=3, spin=spin, turns=200.0, **moments)
     path = _rk4(scene, step, kept=True, samples=21)
     assert path.ok, path.message
     energy = observables.kinetic_energy(scene, path)
-    return LongSteps(spin * step, float(np.abs(energy / energy[0] - 1.0).max()), _turned_away(scene, path))
+    return {
+        "space.radians_a_step": spin * step, "space.energy_error": float(np.abs(energy / energy[0] - 1.0).max()),
+        "space.orientation_error": _turned_away(scene, path),
+    }  # fmt: skip
 
 
 def _falling(rigid: bool) -> Scene:

@@ -4,59 +4,79 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import pytest
+
 from mbs_ref import scenes
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
-from reports.drawing.numbers import short
-from reports.facts.curves import Curves
+from reports.facts.curves import Measured, curves
 from reports.facts.kept import adapter
 from reports.facts.report_data import ReportData
 from reports.page.publish import data_of
 from reports.page.render import render
 from reports.studies.androids import measure as androids
-from reports.studies.androids import section
-from reports.studies.androids.facts import AndroidFacts, Convergence
-from reports.studies.crashes.facts import CrashFacts
-from reports.studies.crashes.measure import crash
+from reports.studies.crash import SIMPLIFIED
+from reports.studies.crashes.measure import add_crash
 from tests.reports.page.synthetic_report import report_data
 
 
-def occupant() -> CrashFacts:
-    scene = scenes.make(androids.SIMPLIFIED, impact="rear")
-    return CrashFacts((crash(scene, simulate(scene, Settings(samples=41))),))
+def occupant() -> Measured:
+    measured, scene = Measured(), scenes.make(SIMPLIFIED, impact="rear")
+    add_crash(measured, scene, simulate(scene, Settings(samples=41)))
+    return measured
 
 
-def facts() -> AndroidFacts:
-    scene = scenes.make(androids.SIMPLIFIED)
+def methods() -> Measured:
+    measured, scene = Measured(), scenes.make(SIMPLIFIED)
+    measured.tables["androids"] = ({"android": androids.label(scene)},)
     settings = Settings(method="rk4", step=1e-3, stabilization="none")
-    kept, _ = androids.run(scene, settings)
-    refused, _ = androids.run(scene, settings.model_copy(update={"step": 8e-3}))
-    apart = Curves((0.2,), {"head": (1e-12,), "hip": (2e-12,)}, "distance, m", log=True)
-    close = Convergence(scene.name, "front", apart, {"dop853": 1e-15, "radau": 1e-15}, 1e-10, 1e-12)
-    return AndroidFacts((kept, refused), (androids.stable(scene),), (close,), ())
+    androids.add_run(measured, scene, settings)
+    androids.add_run(measured, scene, settings.model_copy(update={"step": 8e-3}))
+    androids.add_stable(measured, scene)
+    return measured
 
 
-def test_runs_stable_steps_and_convergence_are_told_from_facts_that_json_keeps():
-    data = replace(report_data(), studies={"crashes": occupant(), "androids": facts()})
-    kept = data_of(adapter(ReportData).dump_json(data))
-    assert kept == data
-    files = render(kept)
+def page_of(**studies: Measured) -> str:
+    return render(replace(report_data(), studies=studies))["androids.html"].decode()
+
+
+def test_runs_and_stable_steps_are_shown_from_facts_that_json_preserves():
+    data = replace(report_data(), studies={"crashes": occupant(), "androids": methods()})
+    read = data_of(adapter(ReportData).dump_json(data))
+    assert read == data
+    files = render(read)
     page = files["androids.html"].decode()
     assert "android_simplified, rear" in page
     assert "is beyond what rk4 can bear" in page
     assert "energy less works" in page
     assert "kept to the end" in page
-    assert files["android_simplified-rear.gif"].startswith(b"GIF")
+    assert any(name.startswith("crashes-android_simplified-rear") and name.endswith(".gif") for name in files)
 
 
-def test_the_papers_front_crash_is_told_with_its_own_figures():
-    """Runs of the rear crash come later in the facts and must not take its place."""
-    found = facts()
-    front = replace(found.runs[0], compliance=1.25e-12)
-    euler = replace(front, method="euler", compliance=4.5e-4)
-    rear = [replace(run, impact="rear", compliance=9.9) for run in (front, euler)]
-    told = replace(found, runs=(front, euler, *rear))
-    said = section.context(replace(report_data(), studies={"androids": told}))["claim"]
-    assert f"{short(front.compliance)} m" in said
-    assert f"{short(euler.compliance)} m" in said
-    assert "9.9" not in said
+def test_the_papers_front_crash_is_shown_with_its_own_figures():
+    """Runs of the rear crash come later and must not take its place."""
+    figures = {"androids.rk4.compliance": 1.25e-12, "androids.euler.compliance": 4.5e-4, "androids.lsodar.runs": 0}
+    page = page_of(androids=Measured(figures))
+    assert "1.2e-12 m" in page
+    assert "4.5e-4 m" in page
+    assert "These data do not reproduce that" not in page_of(androids=Measured({"androids.rk4.compliance": 1e-3}))
+    rear = scenes.make(SIMPLIFIED, impact="rear")
+    measured = Measured()
+    androids.add_run(measured, rear, Settings(method="euler", step=1e-3, stabilization="none", events="none"))
+    assert not measured.figures
+
+
+@pytest.mark.parametrize(
+    ("end", "shown"),
+    [("reached 0.2 s", "reaches the end in 1 of"), ("max_steps: many", "fails, as in the paper: max_steps: many")],
+)
+def test_the_page_states_how_lsodar_ends(end, shown):
+    row = {"android": "android_vertebral, front", "method": "lsodar, rtol = 1e-6", "end": end, "switches": 3}
+    page = " ".join(page_of(androids=Measured(androids.lsodar_figures([row]))).split())
+    assert shown in page
+
+
+def test_lines_of_one_overlay_are_named_by_what_the_star_stands_for():
+    line = curves([0.0, 0.1], {"head": [1e-12, 2e-12], "hip": [1e-12, 3e-12]}, "distance, m", log=True)
+    page = page_of(androids=Measured(curves={"gaps: android_simplified, front": line}))
+    assert "android_simplified, front: hip" in page

@@ -11,9 +11,8 @@ from mbs_ref import scenes
 from mbs_ref.settings import Settings
 from reports.cli import main
 from reports.page.render import render
-from reports.studies.models.choice import choose
-from reports.studies.models.facts import Ladder, ModelsFacts, Rung
-from reports.studies.models.measure import bounces, ladder, loops
+from reports.studies.models.choice import Ladder, Rung, choose
+from reports.studies.models.measure import bounces, ladder, loops, shown
 from tests.reports.page.synthetic_report import report_data
 
 
@@ -88,7 +87,7 @@ def test_planar_and_spatial_bodies_move_alike():
 
 def test_the_page_names_the_least_model_of_each_figure():
     made = Ladder("Sky", "note", "gauss", "figures", (rung("lumped", 1e-3, 2.5), rung("full", 2e-2, 4.0)))
-    page = render(replace(report_data(), studies={"models": ModelsFacts((made,))}))["models.html"].decode()
+    page = render(replace(report_data(), studies={"models": shown([made])}))["models.html"].decode()
     assert "up to 2: lumped; up to 4: full" in page
     assert "1.5" in page
     assert "20" in page

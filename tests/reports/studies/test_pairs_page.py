@@ -16,8 +16,7 @@ from cross_checks.records.store import Store
 from reports.facts.cheapest import Entry
 from reports.page.render import render
 from reports.studies.pairs import measure
-from reports.studies.pairs.facts import Pair, PairsFacts, Places, Row
-from reports.studies.pairs.measure import Request, pair
+from reports.studies.pairs.measure import Request, Result, pair, shown
 from reports.studies.pairs.sky_places import sky_places
 from tests.reports.page.synthetic_report import report_data
 
@@ -40,7 +39,7 @@ def test_every_method_enters_and_the_cheapest_one_is_shown(tmp_path: Path, monke
         (scene,) = request.built()
         truth = runs.truth(scene)
         cells = [judge_method(runs, scene, *who, truth, request.targets) for who in request.entrants()]
-        rows = pair(runs, request).rows
+        rows = pair(runs, request)
     assert [row.target for row in rows] == [FEW, 1e-11]
     for row in rows:
         results = [result for cell in cells for result in cell.targets if result.target == row.target and result.record]
@@ -54,7 +53,7 @@ def test_an_engine_that_cannot_run_the_scene_gives_its_reason(tmp_path: Path, of
     pytest.importorskip("exudyn")
     request = Request("Friction", "", (("incline", {}),), ("exudyn",), (FEW,))
     with Store(tmp_path / "runs.sqlite") as store:
-        *_, last = pair(Runs(store), request).rows
+        *_, last = pair(Runs(store), request)
     assert (last.entry.engine, last.target, last.entry.answer) == ("exudyn", None, "cannot")
     assert last.entry.reason
 
@@ -68,27 +67,28 @@ def test_searches_made_side_by_side_leave_nothing_to_run(tmp_path: Path, monkeyp
         measure.make(part)
     with Store(tmp_path / "runs.sqlite") as store:
         runs = Runs(store)
-        assert [row.entry.answer for row in pair(runs, request).rows] == ["reached"]
+        assert [row.entry.answer for row in pair(runs, request)] == ["reached"]
         assert runs.made == 0
 
 
 def test_our_planets_and_moon_are_where_astropy_says():
     pytest.importorskip("astropy")
-    planets, *_, moons = sky_places()
-    assert all(planets.figures[name] > least for name, least in FIGURES.items())
-    assert moons.unit == "rad"
-    assert moons.apart["sun"] < 1e-4
-    assert moons.apart["moon"] < 1e-3
+    planets, *_, moons = sky_places().values()
+    shared = {row["body"]: float(str(row["figures"])) for row in planets}
+    assert all(shared[name] > least for name, least in FIGURES.items())
+    apart = {row["body"]: str(row["apart"]).split() for row in moons}
+    assert {unit for _, unit in apart.values()} == {"rad"}
+    assert float(apart["sun"][0]) < 1e-4
+    assert float(apart["moon"][0]) < 1e-3
 
 
 def test_the_page_tells_rows_refusals_and_places():
     run = Record("chain", {}, OURS, "dop853", {"rtol": 1e-7}, "success", error=Error(3.1e-7, "exact", 1e-12, 0.0),
                  times={"loop_s": 2.3e-3})  # fmt: skip
-    good = Row("chain", 1e-6, Entry(OURS, "reached", run, method="dop853"), False, 1.37)
-    never = Row("chain", None, Entry("exudyn", "cannot", None, "closes a loop"))
-    facts = PairsFacts(
-        (Pair("Chains", "note", (good, never)),), (Places("planets", 200.0, {"mars": 4e6}, "m", {"mars": 4.8}),)
-    )
+    good = Result("chain", 1e-6, Entry(OURS, "reached", run, method="dop853"), False, 1.37)
+    never = Result("chain", None, Entry("exudyn", "cannot", None, "closes a loop"))
+    places = {"places: planets, day 200": ({"body": "mars", "apart": "4e6 m", "figures": 4.8},)}
+    facts = shown([("Chains", "note", (good, never))], places)
     page = render(replace(report_data(), studies={"pairs": facts}))["pairs.html"].decode()
     assert "no rows to comply with" in page
     assert "cannot: closes a loop" in page

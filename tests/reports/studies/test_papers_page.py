@@ -6,16 +6,18 @@ from dataclasses import replace
 
 import pytest
 
-from reports.facts.curves import Curves
+from reports.facts.curves import Curves, Measured
 from reports.page.pages import pages
 from reports.page.render import render
-from reports.studies.papers.claims import Claim, claims
-from reports.studies.papers.facts import Moment, Outline, PapersFacts
+from reports.studies.claims import Claim
 from reports.studies.papers.formulations import SINGULAR, euler_angles, multipliers
-from reports.studies.papers.measure import measure
+from reports.studies.study import document, measurement
 from tests.reports.page.synthetic_report import report_data
 
 HALF_ORDER = 0.5
+PAPERS = document("papers")
+assert PAPERS is not None
+CLAIMS = PAPERS.claims()
 
 
 def test_a_verdict_follows_the_figures():
@@ -23,39 +25,38 @@ def test_a_verdict_follows_the_figures():
         "g", "1999", "Sec. I", "a is small", "{a} m", (("a", "<", 1.0), ("a", "<", "b"), ("word", "=", "yes"))
     )
     good = {"a": 0.5, "b": 2.0, "word": "yes"}
-    assert claim.judged(good) == "reproduced"
-    assert claim.judged(good | {"a": 1.5}) == "not reproduced"
-    assert claim.judged(good | {"b": 0.1}) == "not reproduced"
-    assert claim.judged(good | {"word": "no"}) == "not reproduced"
-    assert claim.judged(good | {"a": "stopped"}) == "not reproduced"
-    assert claim.judged({"word": "yes"}) == "not measured"
-    assert claim.told(good) == "0.5 m"
-    assert claim.told({}) == "(not measured) m"
+    assert claim.decided(good) == "reproduced"
+    assert claim.decided(good | {"a": 1.5}) == "not reproduced"
+    assert claim.decided(good | {"b": 0.1}) == "not reproduced"
+    assert claim.decided(good | {"word": "no"}) == "not reproduced"
+    assert claim.decided(good | {"a": "stopped"}) == "not reproduced"
+    assert claim.decided({"word": "yes"}) == "not measured"
+    assert claim.shown(good)["result"] == "0.5 m"
+    assert claim.shown({})["result"] == "(not measured) m"
 
 
 def test_every_claim_has_a_verdict_and_a_page():
     files = {page.file for page in pages(report_data())}
-    for claim in claims():
-        assert bool(claim.stands) != (claim.verdict != "not measured"), claim.said
+    for claim in CLAIMS:
+        assert bool(claim.criteria) != (claim.verdict != "not measured"), claim.statement
         assert not claim.link or claim.link in files, claim.link
-    assert {claim.paper for claim in claims()} == {"1999", "2001"}
+    assert {claim.paper for claim in CLAIMS} == {"1999", "2001"}
     for figure in ("Fig. 1", "Fig. 2", "Fig. 3", "Fig. 4", "Fig. 5"):
-        assert any(figure in claim.where.replace("Figs.", "Fig.") for claim in claims())
+        assert any(figure in claim.where.replace("Figs.", "Fig.") for claim in CLAIMS)
 
 
 def test_the_page_tells_measured_and_missing_figures():
-    moment = Moment(0.025, (Outline("arm", (0.1, 0.2), (0.3, 0.4), 0.05),))
+    arm = {"time": 0.025, "kind": "arm", "x1": 0.1, "y1": 0.2, "x2": 0.3, "y2": 0.4, "radius": 0.05}
     line = Curves((0.0, 0.1), {"head": (0.0, 1.0)}, "x, N")
-    facts = PapersFacts(
-        {"seats.imbalance": 2e-12, "simplified.rk4.test": "keeps"}, {}, {"Fig. 3, x": line}, {"rear, bare": (moment,)}
-    )
+    figures = {"simplified.front.seats_imbalance": 2e-12, "simplified.rk4.test": "keeps"}
+    facts = Measured(figures, {"outlines: rear, bare": (arm,)}, {"Fig. 3, x": line})
     page = render(replace(report_data(), studies={"papers": facts}))["papers.html"].decode()
     assert "2.00e-12 N" in page
     assert "(not measured)" in page
     assert 'y1="-0.2"' in page
     assert 'stroke-width="0.1"' in page
     assert page.count("not reproduced") >= 1
-    assert all(claim.where in page for claim in claims())
+    assert all(claim.where in page for claim in CLAIMS)
 
 
 def test_differences_of_mu_lose_two_orders_and_grow_with_roundoff():
@@ -78,9 +79,10 @@ def test_eulers_angles_stop_at_the_pole_with_a_name():
 
 @pytest.mark.slow
 def test_every_figure_that_a_claim_names_is_measured():
-    found = measure()
+    figures = [measurement(name)().figures for name in ("papers", "crashes", "contact")]
+    known = {name for own in figures for name in own}
     words = {"keeps", "fails", "success", "singular"}
-    for claim in claims():
-        assert claim.named <= found.figures.keys(), claim.said
-        for _, _, other in claim.stands:
-            assert not isinstance(other, str) or other in words or other in found.figures
+    for claim in CLAIMS:
+        assert claim.names <= known, claim.statement
+        for _, _, other in claim.criteria:
+            assert not isinstance(other, str) or other in words or other in known

@@ -1,0 +1,121 @@
+"""The crash of both androids, measured by one module for the studies of the crashes, the androids and the papers."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from cross_checks.judge import ladder
+from cross_checks.metrics.state_error import off_truth
+from mbs_ref.crash.outlines import excesses
+from mbs_ref.crash.results import CrashResults, sign_changes
+from mbs_ref.observables.attachment import Motion
+from mbs_ref.scene import Scene
+from mbs_ref.settings import Settings
+from mbs_ref.simulate import simulate
+from mbs_ref.trajectory import Status, Trajectory
+from reports.facts.curves import Curves, Value, curves
+
+SIMPLIFIED, VERTEBRAL = NAMES = ("android_simplified", "android_vertebral")
+IMPACTS = ("front", "rear")
+FINE = Settings(rtol=1e-8, samples=401, estimate="off")
+BELIEVABLE: dict[str, Any] = {"stops": True, "body_contacts": True}
+COMPONENTS = (("x", "N"), ("y", "N"), ("torque", "N m"))
+
+
+def finished(scene: Scene, settings: Settings = FINE) -> Trajectory:
+    """Return the run of a scene. RuntimeError where it does not reach its end."""
+    path = simulate(scene, settings)
+    if not path.ok:
+        raise RuntimeError(f"{scene.name}: {path.message}")
+    return path
+
+
+def with_test(
+    scene: Scene, settings: Settings, tested: bool = True
+) -> tuple[Trajectory, Trajectory, float | None]:
+    """Return the run, the run that the papers' test |C| < h may stop, and the error (m); None where the run stopped.
+
+    Without the test, or where it stops nothing, both runs are one.
+    """
+    times = ladder.grid(scene)
+    test = simulate(scene, settings.model_copy(update={"stop_on_compliance": tested}), times)
+    path = simulate(scene, settings, times) if test.status is Status.COMPLIANCE else test
+    off = off_truth(scene, path)
+    return path, test, None if off is None else off[0]
+
+
+def deepest(scene: Scene, path: Trajectory) -> float:
+    """Return the largest depth (m) by which parts pass through one another beyond what is soft."""
+    return max(float(depth.max()) for depth in excesses(Motion(scene, path)).values())
+
+
+def largest_gap(path: Trajectory) -> float:
+    """Return the largest |C| (m) of the steps; 0 without steps."""
+    return 0.0 if path.step_compliance is None else float(np.max(path.step_compliance[:, 1]))
+
+
+def forces(
+    name: str, scene: Scene, times: np.ndarray, values: np.ndarray, bodies: Sequence[str]
+) -> dict[str, Curves]:
+    """Return generalized forces (n_t, n_bodies, 3) of some bodies over time, a plot for each component."""
+    return {
+        f"{name}: {part}": curves(
+            times, {body: values[:, scene.body_index(body), c] for body in bodies}, f"{part}, {unit}"
+        )
+        for c, (part, unit) in enumerate(COMPONENTS)
+    }  # fmt: skip
+
+
+def imbalance(found: CrashResults) -> np.ndarray:
+    """Return the energy (J) less the start's and all works (n_t,)."""
+    return found.energy - found.energy[0] - np.sum(list(found.works.values()), axis=0)
+
+
+def figures(scene: Scene, path: Trajectory, found: CrashResults) -> dict[str, Value]:
+    """Return the figures of a crash, without the names of android and impact."""
+    pull = found.forces.constraint[:, scene.body_index("head"), 0]
+    return {
+        "bodies": len(scene.bodies), "rhs_calls": int(path.rhs_calls), "loop_s": float(path.timing.loop_s),
+        "compliance": largest_gap(path),
+        "imbalance": float(np.max(np.abs(imbalance(found))) / np.max(np.abs(found.works["pulse"]))),
+        "seat_force": float(found.seat_force.max()), "belt_force": float(found.belt_force.max()),
+        "head_excursion": float(np.abs(found.head_excursion[:, 0]).max()),
+        "head_reach": float(found.head_excursion[np.argmax(np.abs(found.head_excursion[:, 0])), 0]),
+        "hip_excursion": float(np.abs(found.hip_excursion[:, 0]).max()),
+        "head_pull_most": float(pull.max()), "head_pull_least": float(pull.min()),
+        "largest_constraint_force": float(np.abs(found.forces.constraint[:, :, :2]).max()),
+        "deepest": deepest(scene, path), "seats_imbalance": _seats_imbalance(scene, found),
+        **{name: float(value) for name, value in found.measures.items()},
+        **_head_contact(scene, path), **_neck(path, found),
+    }  # fmt: skip
+
+
+def _seats_imbalance(scene: Scene, found: CrashResults) -> float:
+    """Return the largest Q_e + Q_c (N, N m) of the two seat bodies, which do not move."""
+    seats = [scene.body_index(name) for name in ("seat_base", "seat_back")]
+    return float(np.abs(found.forces.external[:, seats] + found.forces.constraint[:, seats]).max())
+
+
+def _head_contact(scene: Scene, path: Trajectory) -> dict[str, Value]:
+    """Return when (s) the head leaves the seat, and when it is back."""
+    head = next(c.name for c in scene.contacts if c.body_a == "head")
+    free = path.contacts[head][:, 0] <= 0.0
+    left = float(path.times[np.argmax(free & (path.times > 0.0))])
+    again = path.times[(path.times > left) & ~free]
+    return {"head_leaves": left, "head_back": float(again[0]) if len(again) else "never"}
+
+
+def _neck(path: Trajectory, found: CrashResults) -> dict[str, Value]:
+    """Return how the cervical torques (N m) change sign; nothing where none does."""
+    torques = found.cervical_torques
+    changed = [float(t) for torque in torques.values() for t in sign_changes(path.times, torque)[:1]]
+    if not changed:
+        return {}
+    return {
+        "neck_changes": len(changed), "neck_first": min(changed), "neck_last": max(changed),
+        "neck_most": max(float(t.max()) for t in torques.values()),
+        "neck_least": min(float(t.min()) for t in torques.values()),
+    }  # fmt: skip

@@ -1,0 +1,187 @@
+"""A study's document, study.toml: the blocks that present what the study measures.
+
+A block has one of these keys, whose value may contain placeholders:
+
+heading, title    a heading of a section or of a part
+text, note        a paragraph of HTML
+table             the name of a table; `columns` maps each heading to a cell, all columns without it
+plots             the names of curves, a plot each
+overlay           the names of curves, all in one plot
+films, pictures   the names of films, moving with a strip of moments, or the strip alone
+outlines          the names of tables of lines with round ends, drawn at each time
+matrix            the columns by heading; `rows` maps each label to a cell, in which `@` stands for the column
+claims            the document's claims, by group
+each              a table's name: `blocks` are shown once for each row, whose columns are figures there; or a list of
+                  words: `blocks` are shown once for each, with `@` replaced by the word
+
+A `*` in a name stands for any characters, which become the heading of what is shown. A block is shown where the
+criteria of `where` hold. `layout` is `pairs`, or `details`: a part to open, titled `summary`, which is
+open where that contains `open`.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from reports.drawing.numbers import ABSENT
+from reports.drawing.placeholders import figure, filled, markup
+from reports.drawing.plots.histories import overlay
+from reports.drawing.section import Finding
+from reports.facts.curves import Measured
+from reports.facts.report_data import ReportData
+from reports.studies.claims import Claim, Criterion, holds
+
+Block = dict[str, Any]
+Figures = Mapping[str, Any]
+
+
+@dataclass(frozen=True)
+class Document:
+    """A study's text; the module's docstring describes its blocks."""
+
+    study: str
+    page: str  # its file; studies of one file share a page
+    title: str  # of the page
+    name: str  # the section's anchor
+    heading: str
+    lead: str
+    blocks: list[Block]
+    place: int = 0  # on a shared page; the lowest stands first
+    alone: bool = False  # it measures times, so that nothing else may run meanwhile
+    claim: list[dict[str, Any]] = field(default_factory=list)
+    finding: list[dict[str, Any]] = field(default_factory=list)
+
+    def context(self, data: ReportData) -> dict[str, Any]:
+        """Return what the template shows: nothing where the study was not measured."""
+        facts = data.studies.get(self.study)
+        return {"study": self.study, "shown": None if facts is None else self._shown(facts, data, self.blocks, {})}
+
+    def findings(self, data: ReportData) -> Iterator[Finding]:
+        """Yield the document's findings whose criteria hold."""
+        figures = _figures(data)
+        for entry in self.finding:
+            if self.study in data.studies and holds(entry.get("where", ()), figures):
+                yield Finding(entry["tone"], filled(entry["title"], figures), filled(entry["text"], figures))
+
+    def claims(self) -> tuple[Claim, ...]:
+        """Return every claim in the order of the page."""
+        return tuple(Claim(**{**entry, "criteria": _criteria(entry, "criteria")}) for entry in self.claim)
+
+    def _shown(self, facts: Measured, data: ReportData, blocks: list[Block], row: Figures) -> list[Block]:
+        figures = {**_figures(data), **row}
+        return [self._block(facts, data, b, figures) for b in blocks if holds(_criteria(b, "where"), figures)]
+
+    def _block(self, facts: Measured, data: ReportData, block: Block, figures: Figures) -> Block:
+        kind = next(key for key in (*KINDS, "claims", "each") if key in block)
+        layout = {"kind": kind, "layout": block.get("layout", "")}
+        if kind == "claims":
+            return layout | _claims(self.claims(), figures)
+        if kind == "each":
+            return layout | {"items": [self._item(facts, data, block, e, figures) for e in _entries(facts, block)]}
+        return layout | {"value": KINDS[kind](facts, block, figures)}
+
+    def _item(self, facts: Measured, data: ReportData, block: Block, entry: Any, figures: Figures) -> Block:
+        if isinstance(entry, str):
+            block, entry = json.loads(json.dumps(block).replace("@", entry)), {}
+        row = {**figures, **entry}
+        title = filled(block.get("summary", ""), row)
+        return {"title": title, "open": block.get("open", title) in title,
+                "blocks": self._shown(facts, data, block["blocks"], row)}  # fmt: skip
+
+
+def _entries(facts: Measured, block: Block) -> Any:
+    return facts.tables.get(block["each"], ()) if isinstance(block["each"], str) else block["each"]
+
+
+def _figures(data: ReportData) -> Figures:
+    """Return the figures of all studies by name: a study may name those of another."""
+    measured = [facts for facts in data.studies.values() if isinstance(facts, Measured)]
+    return {name: value for facts in measured for name, value in facts.figures.items()}
+
+
+def _criteria(entry: dict[str, Any], key: str) -> tuple[Criterion, ...]:
+    return tuple((name, sign, other) for name, sign, other in entry.get(key, ()))
+
+
+def _named[Value](held: Mapping[str, Value], pattern: str, figures: Figures) -> dict[str, tuple[str, Value]]:
+    """Return name -> heading, value of what a pattern names, in its order."""
+    form = re.compile(re.escape(filled(pattern, figures)).replace(r"\*", "(.*)"))
+    met = {name: form.fullmatch(name) for name in held}
+    return {name: ("".join(match.groups()), held[name]) for name, match in met.items() if match}
+
+
+def _table(facts: Measured, block: Block, figures: Figures) -> list[dict[str, Any]]:
+    """Return heading, head and rows of each table."""
+    tables = []
+    for title, rows in _named(facts.tables, block["table"], figures).values():
+        columns = block.get("columns") or {name: "" for row in rows for name in row}
+        cells = [_trimmed([_cell(name, text, {**figures, **row}) for name, text in columns.items()]) for row in rows]
+        tables.append({"title": title, "head": [filled(name, figures) for name in columns], "rows": cells})
+    return tables
+
+
+def _trimmed(cells: list[str]) -> list[str]:
+    """Return a row without empty cells at its end, into which the last one extends."""
+    return _trimmed(cells[:-1]) if cells and not cells[-1] else cells
+
+
+def _matrix(facts: Measured, block: Block, figures: Figures) -> list[dict[str, Any]]:
+    columns = block["matrix"]
+    rows = [
+        [label, *(filled(text.replace("@", column), figures) for column in columns.values())]
+        for label, text in block["rows"].items()
+    ]
+    return [{"title": "", "head": [block.get("corner", ""), *columns], "rows": rows}]
+
+
+def _cell(name: str, text: str, row: Figures) -> str:
+    """Return a cell by its text, or the column's own figure without one."""
+    return filled(text, row) if text else ABSENT if row.get(name) is None else figure(row[name])
+
+
+def _claims(claims: tuple[Claim, ...], figures: Figures) -> Block:
+    groups: dict[str, list[dict[str, str]]] = {}
+    for claim in claims:
+        groups.setdefault(claim.group, []).append(claim.shown(figures))
+    counted = Counter(row["verdict"] for rows in groups.values() for row in rows)
+    return {"groups": groups, "counted": ", ".join(f"{number} {verdict}" for verdict, number in counted.most_common())}
+
+
+def _plots(facts: Measured, block: Block, figures: Figures) -> list[dict[str, Any]]:
+    named = _named(facts.curves, block["plots"], figures)
+    return [{"title": title, "label": name, "plot": overlay({"": line})} for name, (title, line) in named.items()]
+
+
+def _overlay(facts: Measured, block: Block, figures: Figures) -> list[dict[str, Any]]:
+    lines = dict(_named(facts.curves, block["overlay"], figures).values())
+    return [{"title": "", "label": filled(block["overlay"], figures), "plot": overlay(lines)}] if lines else []
+
+
+def _films(key: str) -> Callable[[Measured, Block, Figures], list[dict[str, Any]]]:
+    def films(facts: Measured, block: Block, figures: Figures) -> list[dict[str, Any]]:
+        named = _named(facts.films, block[key], figures)
+        return [{"title": title, "label": name, "film": film}
+                for name, (title, film) in named.items()]  # fmt: skip
+
+    return films
+
+
+def _outlines(facts: Measured, block: Block, figures: Figures) -> list[dict[str, Any]]:
+    named = _named(facts.tables, block["outlines"], figures)
+    return [{"title": title, "rows": rows} for title, rows in named.values()]
+
+
+def _text(key: str) -> Callable[[Measured, Block, Figures], Any]:
+    return lambda facts, block, figures: markup(block[key], figures)
+
+
+KINDS: dict[str, Callable[[Measured, Block, Figures], Any]] = {
+    **{key: _text(key) for key in ("heading", "title", "text", "note")},
+    **{key: _films(key) for key in ("films", "pictures")},
+    "table": _table, "matrix": _matrix, "plots": _plots, "overlay": _overlay, "outlines": _outlines,
+}  # fmt: skip
