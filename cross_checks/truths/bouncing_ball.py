@@ -12,10 +12,10 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy.integrate import quad
-from scipy.special import lambertw
+from scipy.optimize import brentq
 
 from cross_checks.certify.mechanisms.unilateral import Line, Unilateral, line_motion
+from cross_checks.certify.numerics.quadrature import integral
 from cross_checks.truth import NoTruth, Truth
 from mbs_ref.scene import Scene
 from mbs_ref.scene.contact import (
@@ -37,6 +37,7 @@ class Impact:
     restitution: float  # -
     penetration: float  # m, largest
     duration: float  # s
+    doubt: float = 0.0  # s, how well the duration is known
 
 
 def impact(law: Any, mass: float, speed: float) -> Impact:
@@ -92,28 +93,34 @@ def _power(stiffness: float, damping: float, exponent: float, mass: float, speed
     power = exponent + 1.0
     if big == 0.0:
         deepest = (0.5 * power * mass * speed**2 / stiffness) ** (1.0 / power)
-        half, _ = quad(lambda s: 2.0 * s / math.sqrt(1.0 - (1.0 - s * s) ** power), 0.0, 1.0, epsabs=1e-14)
-        return Impact(1.0, deepest, 2.0 * deepest / speed * half)
-    e = (1.0 + float(lambertw(-(1.0 + big) * math.exp(-(1.0 + big))).real)) / big
+        half, doubt = integral(lambda s: 2.0 * s / math.sqrt(-math.expm1(power * math.log1p(-s * s))), 0.0, 1.0)
+        return Impact(1.0, deepest, 2.0 * deepest / speed * half, 2.0 * deepest / speed * doubt)
+    lag = _lag(big)  # D (1 + e) = ln((1 + D)/(1 - D e)) is lag(D) = lag(-D e)
+    e = float(brentq(lambda e: _lag(-e * big) / lag - 1.0, 0.0, min(1.0, (1.0 - 1e-16) / big), xtol=1e-300, rtol=1e-15))
     scale = power * mass * stiffness / damping**2
-    deepest = (scale * (big - math.log1p(big))) ** (1.0 / power)
     # dt = -m dv / F along the phase curve, over d' from v0 to -e v0; the ends are integrable
-    return Impact(e, deepest, _duration(damping, exponent, mass, e, scale, big))
+    return Impact(e, (scale * lag) ** (1.0 / power), *_duration(damping, exponent, mass, e, scale, big))
 
 
-def _duration(c, n, m, e, scale, big) -> float:
-    def between(start: float, sign: float, span: float) -> float:
+def _lag(x: float) -> float:
+    """Return x - ln(1 + x), whose two terms cancel where x is small."""
+    return sum((-x) ** k / k for k in range(2, 24)) if abs(x) < 0.1 else x - math.log1p(x)
+
+
+def _duration(c, n, m, e, scale, big) -> tuple[float, float]:
+    def between(start: float, sign: float, span: float) -> tuple[float, float]:
         """Integrate m dv / F from u = start over `span`, in distances from the end, where d = 0."""
 
         def slowness(w: float) -> float:  # delta = w^(n+1) takes the singularity of d^-n away
             delta = w ** (n + 1.0)
-            bracket = sign * delta + math.log1p(-sign * delta / (1.0 + start))
+            bracket = sign * delta * start / (1.0 + start) - _lag(-sign * delta / (1.0 + start))
             depth = (scale * bracket) ** (1.0 / (n + 1.0))
             return (n + 1.0) * w**n * m / (depth**n * c * (1.0 + start - sign * delta))
 
-        return quad(slowness, 0.0, span ** (1.0 / (n + 1.0)), epsabs=1e-14, epsrel=1e-11)[0]
+        return integral(slowness, 0.0, span ** (1.0 / (n + 1.0)))
 
-    return between(big, 1.0, big) + between(-e * big, -1.0, e * big)
+    (into, first), (out, second) = between(big, 1.0, big), between(-e * big, -1.0, e * big)
+    return into + out, first + second
 
 
 def solve(scene: Scene, times: np.ndarray) -> Truth | NoTruth:
@@ -137,7 +144,7 @@ def solve(scene: Scene, times: np.ndarray) -> Truth | NoTruth:
     position = np.zeros((len(times), 1, 2))
     position[:, 0, 1] = y + contact.radius
     how = "closed form of the free impact; the duration of a power law by quadrature"
-    uncertainty = ROUNDOFF if _is_linear(contact.law) else 1e-11
+    uncertainty = ROUNDOFF + speed * rebound.doubt
     return Truth(position, np.full((len(times), 1), ball.angle), uncertainty, "exact", how)
 
 

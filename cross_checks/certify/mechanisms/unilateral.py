@@ -12,7 +12,8 @@ import numpy as np
 from scipy.linalg import expm
 from scipy.optimize import root_scalar
 
-from cross_checks.certify.numerics.extrapolation import NoConvergenceError
+from cross_checks.certify.numerics.time_limit import check_time
+from cross_checks.truth import NoConvergenceError
 
 OPEN, CLOSED, LIFTED = range(3)
 MOST_EVENTS = 5_000
@@ -83,6 +84,7 @@ class _Walk:
         result, events = np.empty((len(times), self.n)), 0
         for place, asked in enumerate(times):
             while True:
+                check_time(t)
                 instant, here = self._until(t, z, float(asked))
                 if instant is None:
                     break
@@ -140,6 +142,7 @@ class _Walk:
         before, now = self.seen[1:] if self.seen and self.seen[0] == t else (0.0, z)
         step, ahead = expm(self._generator() * look), [now]
         while before < end - t:
+            check_time(t + before)
             for _ in range(TOGETHER):
                 ahead.append(step @ ahead[-1])
             broken = np.any(self._guards(np.array(ahead[1:])) < 0.0, axis=(1, 2))
