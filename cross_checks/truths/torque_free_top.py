@@ -76,7 +76,10 @@ def _rates(moments: np.ndarray, omega: np.ndarray) -> Rates:
 def _orientations(
     moments: np.ndarray, omega: np.ndarray, start: np.ndarray, times: np.ndarray
 ) -> tuple[np.ndarray, float]:
-    """Return theta (n_t, 4) and the error of its quadrature, rad: the momentum and the cn axis, known in the body and in the world, fix the orientation."""
+    """Return theta (n_t, 4) and the error of its quadrature, rad.
+
+    The momentum and the cn axis, known in the body and in the world, fix the orientation.
+    """
     rates = _rates(moments, omega)
     axis = rates.place[0]
     others = [k for k in range(3) if k != axis]

@@ -46,7 +46,10 @@ class Loads:
 
 
 def loads_of(scene: Scene, free: list[str]) -> Loads:
-    """Gather what acts on the named bodies; every other body is taken as fixed. OutsideDomainError names what is not known."""
+    """Gather what acts on the named bodies; every other body is taken as fixed.
+
+    OutsideDomainError names the parts of other kinds.
+    """
     kinds = Force | SpringDamper | PointBushing | TorsionSpring
     strange = [x.name for x in scene.loads if not isinstance(x, kinds) or (isinstance(x, Force) and x.frame != "world")]
     strange += [c.name for c in scene.contacts if not _is_known(scene, free, c)]

@@ -109,7 +109,16 @@ class _Walk:
         return a
 
     def _at(self, z: np.ndarray, after: float) -> np.ndarray:
+        if self._flies:
+            n, fall, ahead = self.n, self.line.force / self.line.mass * after, z.copy()
+            ahead[:n] += (z[n : 2 * n] + 0.5 * fall) * after
+            ahead[n : 2 * n] += fall
+            return ahead
         return expm(self._generator() * after) @ z
+
+    @property
+    def _flies(self) -> bool:
+        return CLOSED not in self.modes and LIFTED not in self.modes
 
     def _gap(self, k: int, z: np.ndarray) -> float:
         return float(self.rows[k] @ z[: self.n] - self.offset[k])
@@ -134,7 +143,7 @@ class _Walk:
         """Return the first event in (t, end] and the state there, or None."""
         if end <= t:
             return None, z
-        if CLOSED not in self.modes and LIFTED not in self.modes:
+        if self._flies:
             (after, self.broken), self.which = self._flight(z), 0
             return (t + after, self._at(z, after)) if t + after <= end else (None, z)
         fastest = float(np.max(np.abs(np.linalg.eigvals(self._generator()[:-1, :-1]))))

@@ -72,8 +72,10 @@ def of_poses(times: np.ndarray, h: float, asked: np.ndarray, poses: Poses, uncer
     return Rates(velocity, spin, first)
 
 
-def _slopes(poses: list[Poses], h: float, stencils: tuple[np.ndarray, ...]) -> tuple[np.ndarray, np.ndarray, float, float]:
-    """Return velocity and angular velocity by the first stencil, and how far the others are off at most (m/s, rad/s)."""
+def _slopes(
+    poses: list[Poses], h: float, stencils: tuple[np.ndarray, ...]
+) -> tuple[np.ndarray, np.ndarray, float, float]:
+    """Return velocity and angular velocity by the first stencil, and the largest differences by the others."""
     slopes = [[np.tensordot(weights, values, 1) / h for weights in stencils]
               for values in (np.array([one[0] for one in poses]), _turns([one[1] for one in poses]))]  # fmt: skip
     doubts = [max(float(np.max(np.abs(first - one), initial=0.0)) for one in others) for first, *others in slopes]

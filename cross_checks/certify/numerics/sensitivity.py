@@ -11,8 +11,10 @@ SAMPLED = 40  # times, of thousands
 DOUBLE_EPS = float(np.finfo(float).eps)
 
 
-def rounding_error(motion: Callable[[np.ndarray, np.ndarray], np.ndarray], data: np.ndarray, times: np.ndarray) -> float:
-    """Return how far `motion(data, times)` changes where each of `data` (n,) changes by one rounding in double precision.
+def rounding_error(
+    motion: Callable[[np.ndarray, np.ndarray], np.ndarray], data: np.ndarray, times: np.ndarray
+) -> float:
+    """Return how far `motion(data, times)` changes where each of `data` (n,) changes by one rounding of a double.
 
     It is taken at some SAMPLED of the times, the last included, and NaN where a change of the data leaves the domain
     of the closed form.
