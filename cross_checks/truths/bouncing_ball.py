@@ -16,7 +16,7 @@ from scipy.optimize import brentq
 
 from cross_checks.certify.mechanisms.unilateral import Line, Unilateral, line_motion
 from cross_checks.certify.numerics.quadrature import integral
-from cross_checks.truth import NoTruth, Truth
+from cross_checks.truth import NoTruth, OutsideDomainError, Truth
 from mbs_ref.scene import Scene
 from mbs_ref.scene.contact import (
     FloresLaw,
@@ -130,22 +130,30 @@ def solve(scene: Scene, times: np.ndarray) -> Truth | NoTruth:
     if scene.gravity[1] != 0.0:
         return _under_gravity(scene, times)
     speed, height = -ball.velocity[1], ball.position[1] - contact.radius
-    touch = height / speed if speed > 0.0 else math.inf
+    if speed == 0.0:
+        return _motion(scene, np.full_like(times, ball.position[1]), ROUNDOFF, "rest: nothing acts on the ball")
+    touch = height / speed
     rebound = impact(contact.law, ball.mass, speed)
+    if contact.thickness is not None and rebound.penetration > contact.thickness:
+        raise OutsideDomainError(f"the ball passes through the plate: it would sink {rebound.penetration:.3g} m")
     clear = touch + rebound.duration
     inside = (times > touch) & (times < clear)
     if np.any(inside) and not _swings(contact.law, ball.mass):
         return NoTruth("the closed form gives the motion before and after contact; an asked time lies inside")
-    y = np.where(times <= touch, height - speed * times, rebound.restitution * speed * (times - clear))
+    y = np.where(times <= touch, height - speed * times, rebound.restitution * speed * (times - min(clear, times[-1])))
     if isinstance(contact.law, SpringDamperLaw) and contact.law.release == "force":
         y = np.where(times <= touch, y, y - _left_inside(contact.law, ball.mass, speed, rebound))
     if np.any(inside):
         y[inside] = -_depth(contact.law, ball.mass, speed, times[inside] - touch)
-    position = np.zeros((len(times), 1, 2))
-    position[:, 0, 1] = y + contact.radius
     how = "closed form of the free impact; the duration of a power law by quadrature"
-    uncertainty = ROUNDOFF + speed * rebound.doubt
-    return Truth(position, np.full((len(times), 1), ball.angle), uncertainty, "exact", how)
+    return _motion(scene, y + contact.radius, ROUNDOFF + speed * rebound.doubt, how)
+
+
+def _motion(scene: Scene, height: np.ndarray, uncertainty: float, how: str) -> Truth:
+    """Return the truth of a ball that does not turn, its centre at `height` (n_t,), m."""
+    ball: Any = scene.bodies[0]
+    place = np.stack((np.zeros_like(height), height), axis=1)[:, None]
+    return Truth(place, np.full((len(height), 1), ball.angle), uncertainty, "exact", how)
 
 
 def _under_gravity(scene: Scene, times: np.ndarray) -> Truth | NoTruth:
@@ -164,8 +172,7 @@ def _under_gravity(scene: Scene, times: np.ndarray) -> Truth | NoTruth:
         Line(mass, weight, np.array([ball.position[1]]), np.array([ball.velocity[1]]), (floor,)), times
     )
     how = "flights and damped oscillations, matrix exponentials between instants found to roundoff"
-    place = np.stack((np.zeros_like(y), y), axis=2)
-    return Truth(place, np.full_like(y, ball.angle), uncertainty, "exact", how)
+    return _motion(scene, y[:, 0], uncertainty, how)
 
 
 def _swings(law: Any, mass: float) -> bool:

@@ -40,15 +40,16 @@ ESTIMATES = 30.0  # ... and of the run's own estimate: a difference above both i
 SLOW_S = 10.0  # s of processor time for one truth
 MOST_STEPS, MOST_EVENTS = 100_000, 20_000  # for one run
 ENDED = ("success", "stop-event")
+KINDS = ("compared", "two methods", "no truth", "refused", "wrong", "traceback", "no result")
+FAULTS = ("wrong", "traceback", "no result")
 Row = dict[str, Any]
 
 
 class Outcome(NamedTuple):
-    """What became of one variant."""
+    """What became of one variant: without a truth it is "two methods", or "no truth" where the second fails."""
 
-    kind: Literal["compared", "two methods", "refused", "wrong", "traceback", "no result"]
+    kind: Literal["compared", "two methods", "no truth", "refused", "wrong", "traceback", "no result"]
     message: str = ""
-    has_truth: bool = False
     truth_s: float = 0.0
 
 
@@ -109,7 +110,8 @@ def pairwise(choices: dict[str, list[Any]]) -> list[Row]:
             return rows
         row = dict(next(iter(missing)))
         for key in names:
-            gains = [sum(frozenset((item, (key, k))) in missing for item in row.items()) for k in range(len(choices[key]))]
+            pairs = [[frozenset((item, (key, k))) for item in row.items()] for k in range(len(choices[key]))]
+            gains = [sum(pair in missing for pair in some) for some in pairs]
             row.setdefault(key, int(np.argmax(gains)))
 
 
@@ -134,7 +136,7 @@ def outcome(name: str, parameters: Row, t_end: float | None = None) -> Outcome:
         spent = time.thread_time() - began
         if isinstance(truth, Truth):
             sizes = largest(from_truth(scene, run, truth).sizes, -2) / units_of(scales_of(scene))
-            return _judged(run, sizes, truth.how, True, spent)
+            return _judged(run, sizes, "compared", truth.how, spent)
         if truth.kind == "defect":
             return Outcome("traceback", truth.reason)
         return _by_two_methods(scene, run, t_end, spent, truth.reason)
@@ -146,8 +148,8 @@ def _by_two_methods(scene: Scene, run: Trajectory, t_end: float | None, spent: f
     other = next((one for one in METHODS if one != run.method), METHODS[0])
     second = _run(scene, other, OTHER_RTOL, t_end)
     if str(second.status) not in ENDED or len(second.times) != len(run.times):
-        return Outcome("two methods", f"{other} has {second.status}: {second.message}; {reason}", False, spent)
-    return _judged(second, relative(scene, run, second), f"two methods; {reason}", False, spent)
+        return Outcome("no truth", f"{other} has {second.status}: {second.message}; {reason}", spent)
+    return _judged(second, relative(scene, run, second), "two methods", reason, spent)
 
 
 def _run(scene: Scene, method: str | None, rtol: float, t_end: float | None) -> Trajectory:
@@ -156,12 +158,11 @@ def _run(scene: Scene, method: str | None, rtol: float, t_end: float | None) -> 
     return simulate(scene, more)
 
 
-def _judged(run: Trajectory, sizes: np.ndarray, how: str, has_truth: bool, spent: float) -> Outcome:
+def _judged(run: Trajectory, sizes: np.ndarray, kind: Any, how: str, spent: float) -> Outcome:
     worst = float(np.nanmax(sizes, initial=0.0))
     stated = np.inf if run.estimate is None else run.estimate.value
-    wrong = worst > max(WRONG, ESTIMATES * stated)
-    kind = "wrong" if wrong else "compared" if has_truth else "two methods"
-    return Outcome(kind, f"{worst:.1e} off, estimate {stated:.1e}; {how}", has_truth, spent)
+    is_wrong = worst > max(WRONG, ESTIMATES * stated)
+    return Outcome("wrong" if is_wrong else kind, f"{worst:.1e} off, estimate {stated:.1e}; {how}", spent)
 
 
 def main() -> None:
@@ -175,12 +176,12 @@ def main() -> None:
     counts: Counter[str] = Counter()
     for name, row in variants(given.scene)[k - 1 :: n]:
         found = outcome(name, row, given.t_end)
-        counts.update([found.kind, *(["without truth"] if found.kind == "two methods" else [])])
-        counts["slow truths"] += found.truth_s >= SLOW_S
-        if found.kind in ("wrong", "traceback", "no result") or found.truth_s >= SLOW_S:
+        counts[found.kind] += 1
+        counts["slow truth"] += found.truth_s >= SLOW_S
+        if found.kind in FAULTS or found.truth_s >= SLOW_S:
             print(f"{found.kind}: {scenes.label(name, row)}: {found.message} ({found.truth_s:.1f} s)", flush=True)
-    total = counts.total() - counts["without truth"] - counts["slow truths"]
-    print(f"{total} variants; " + ", ".join(f"{kind}: {count}" for kind, count in sorted(counts.items())))
+    total = counts.total() - counts["slow truth"]
+    print(f"{total} variants; " + ", ".join(f"{kind}: {counts[kind]}" for kind in (*KINDS, "slow truth")))
 
 
 if __name__ == "__main__":

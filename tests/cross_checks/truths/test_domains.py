@@ -32,7 +32,7 @@ def test_rates_on_a_driven_seat_are_the_slopes_of_its_positions():
     assert found.velocity is not None
     slope = (found.position[3] - found.position[1]) / (2.0 * H)
     np.testing.assert_allclose(found.velocity[2], slope, atol=1e-5)
-    assert slope[:, 0].max() > 0.2  # m/s: the seat moves
+    assert np.abs(slope[:, 0]).max() > 0.2  # m/s: the seat moves
 
 
 @pytest.mark.parametrize("name", ["bouncing_ball", "bouncing_sphere"])
@@ -72,7 +72,9 @@ def test_a_quadrature_finds_a_peak_that_its_first_pieces_miss_and_bounds_its_err
 
 
 def test_the_rounding_of_every_datum_counts():
-    error = rounding_error(lambda data, t: data[0] * np.exp(data[1] * t), np.longdouble([1.0, 20.0]), np.array([0.0, 1.0]))
+    error = rounding_error(
+        lambda data, t: data[0] * np.exp(data[1] * t), np.longdouble([1.0, 20.0]), np.array([0.0, 1.0])
+    )
     assert error == pytest.approx(DOUBLE_EPS * 21.0 * np.exp(20.0), rel=1e-6)
 
 
