@@ -166,7 +166,7 @@ def _judged(run: Trajectory, sizes: np.ndarray, kind: Any, how: str, spent: floa
 
 
 def main() -> None:
-    """Run a part of the covering set and print its counts."""
+    """Run a part of the covering set, print its counts, and exit with 1 where a variant is wrong or has a traceback."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--part", default="1/1", help="k/n: every n-th variant from the k-th on")
     parser.add_argument("--scene", choices=scenes.names())
@@ -182,6 +182,7 @@ def main() -> None:
             print(f"{found.kind}: {scenes.label(name, row)}: {found.message} ({found.truth_s:.1f} s)", flush=True)
     total = counts.total() - counts["slow truth"]
     print(f"{total} variants; " + ", ".join(f"{kind}: {counts[kind]}" for kind in (*KINDS, "slow truth")))
+    raise SystemExit(1 if counts["wrong"] or counts["traceback"] else 0)
 
 
 if __name__ == "__main__":
