@@ -33,7 +33,19 @@ class Truth:
 
 @dataclass(frozen=True)
 class NoTruth:
-    """Why there is nothing to compare with; "one-package" where a single package runs the scene."""
+    """Why there is nothing to compare with.
+
+    The kind is "one-package" where a single package runs the scene, and "defect" where the computation of a truth
+    raises an exception that it does not document.
+    """
 
     reason: str
-    kind: Literal["none", "one-package"] = "none"
+    kind: Literal["none", "one-package", "defect"] = "none"
+
+
+class NoConvergenceError(ArithmeticError):
+    """The computation of a truth does not reach its tolerance, or not within its limit of processor time."""
+
+
+class OutsideDomainError(ValueError):
+    """The equations of a truth do not hold at these parameters."""

@@ -63,6 +63,12 @@ def agreed(agreement: Agreement, how: str) -> Truth:
     )  # fmt: skip
 
 
+def carried(relative: Agreement, displacement: np.ndarray, velocity: np.ndarray) -> Agreement:
+    """Return in world axes an agreement in a frame that is displaced (n_t, d) m and moves at (n_t, d) m/s."""
+    place, rate = relative.position + displacement[:, None], relative.velocity + velocity[:, None]
+    return replace(relative, position=place, velocity=rate)
+
+
 def agree(
     first: Formulation,
     second: Formulation,

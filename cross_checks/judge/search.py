@@ -248,7 +248,7 @@ class Search:
         confirmed = False
         while True:
             judged = self.judgement()
-            if judged.verdict in SILENT and not confirmed:
+            if judged.verdict in SILENT and self.good and not confirmed:
                 confirmed = True
                 finer = self.subject.typed(self.good[-1].knob / FINER[self.subject.kind])
                 if finer not in self.points and self._is_able(finer, BEYOND):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 import json
+import math
 import pkgutil
 from collections.abc import Callable
 from dataclasses import replace
@@ -16,12 +17,14 @@ from cross_checks.certify import kept_poses
 from cross_checks.certify.agreement import LARGEST_UNCERTAINTY
 from cross_checks.certify.kept_poses import physics_of
 from cross_checks.certify.numerics import rates
-from cross_checks.certify.numerics.extrapolation import NoConvergenceError
-from cross_checks.truth import NoTruth, Truth
+from cross_checks.certify.numerics.time_limit import time_limit
+from cross_checks.truth import NoConvergenceError, NoTruth, OutsideDomainError, Truth
 from mbs_ref import scenes
 from mbs_ref.scene import Scene
 from mbs_ref.scene.scales import scales_of
 
+EPS = float(np.finfo(float).eps)
+LIMIT_S = 60.0  # s of processor time for one truth; those that `certify` stores have no limit
 CERTIFICATES = Path(__file__).parents[1] / "certificates" / "kept"
 
 
@@ -40,7 +43,8 @@ def seek_truth(scene: Scene, times: np.ndarray, *, afresh: bool = False) -> Trut
     """Return the truth, or the reason for having none. Answers are kept in memory.
 
     A truth belongs to physics, not to a name: a scene file with the bodies, joints and loads of a library's scene has
-    its truth. A costly one is read from the disk where it was kept, unless it is to be made `afresh`.
+    its truth. A costly one is read from the disk where it was kept, unless it is to be made `afresh`: without the
+    limit of LIMIT_S, beyond which there is no truth. It raises nothing: whatever fails is a reason.
     """
     asked = np.asarray(times, dtype=float)
     kept = None if afresh else kept_poses.find(scene, asked)
@@ -52,7 +56,8 @@ def seek_truth(scene: Scene, times: np.ndarray, *, afresh: bool = False) -> Trut
     twin = library_twin(scene)
     if twin is None:
         return NoTruth(f"no truth is known of the physics of {scene.name}")
-    return _solved(twin.name, tuple(sorted(twin.parameters.items())), tuple(asked.tolist()))
+    with time_limit(math.inf if afresh else LIMIT_S):
+        return _solved(twin.name, tuple(sorted(twin.parameters.items())), tuple(asked.tolist()), afresh)
 
 
 def library_twin(scene: Scene) -> Scene | None:
@@ -102,7 +107,8 @@ def _certified() -> list[tuple[str, tuple]]:
 
 
 @lru_cache(maxsize=64)
-def _solved(name: str, parameters: tuple, times: tuple[float, ...]) -> Truth | NoTruth:
+def _solved(name: str, parameters: tuple, times: tuple[float, ...], afresh: bool) -> Truth | NoTruth:
+    """Return the truth or the reason for having none; one computed without a limit of time is kept apart."""
     solver = importlib.import_module(f"{__name__}.{name}")
     scene, asked = scenes.make(name, **dict(parameters)), np.array(times)
     try:
@@ -111,23 +117,36 @@ def _solved(name: str, parameters: tuple, times: tuple[float, ...]) -> Truth | N
             truth = _with_rates(solver.solve, scene, asked, truth)
     except NoConvergenceError as error:
         return NoTruth(f"the truth does not converge: {error}")
+    except OutsideDomainError as error:
+        return NoTruth(str(error))
+    except Exception as error:
+        return NoTruth(f"the computation of the truth ends with {type(error).__name__}: {error}", "defect")
+    return truth if isinstance(truth, NoTruth) else _with_rounding(scene, truth)
+
+
+def _with_rounding(scene: Scene, truth: Truth) -> Truth | NoTruth:
+    """Return a truth no better known than its largest coordinate is rounded; NoTruth where it is not known enough."""
+    size = float(np.max(np.abs(truth.position), where=np.isfinite(truth.position), initial=0.0))
+    uncertainty = np.fmax(truth.uncertainty, EPS * size) if np.isfinite(truth.uncertainty) else np.inf
     largest = LARGEST_UNCERTAINTY * scales_of(scene).length
-    if isinstance(truth, Truth) and not truth.uncertainty <= largest:
-        known_to, limit = f"{truth.uncertainty:.1e} m", f"{largest:.0e} m"
+    if not uncertainty <= largest:
+        known_to, limit = f"{uncertainty:.1e} m", f"{largest:.0e} m"
         return NoTruth(f"the truth is uncertain by {known_to}, more than {limit}: the motion is too sensitive")
-    return truth
+    return replace(truth, uncertainty=float(uncertainty))
 
 
 def _with_rates(solve: Callable, scene: Scene, times: np.ndarray, truth: Truth) -> Truth:
     """Return the truth with velocities from differences of its poses around every time, where it has such poses."""
     if len(times) < 2 or np.isnan(truth.position).any():
         return truth
-    asked, h = rates.stencil_times(times, scales_of(scene).time)
+    scales = scales_of(scene)
+    asked, h = rates.stencil_times(times, scales.time)
     try:
         around = solve(scene, asked)
-    except NoConvergenceError:
+    except (NoConvergenceError, OutsideDomainError):
         return truth
     if isinstance(around, NoTruth):
         return truth
-    velocity, spin, doubt = rates.of_poses(times, h, asked, around.position, around.orientation, around.uncertainty)
+    poses = around.position, around.orientation
+    velocity, spin, doubt = rates.of_poses(times, h, asked, poses, around.uncertainty, scales)
     return replace(truth, velocity=velocity, angular_velocity=spin, rate_uncertainty=doubt)

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
-from cross_checks.certify.agreement import agree, converged
+from cross_checks.certify.agreement import agree, carried, converged
 from cross_checks.certify.mechanisms.hinged_tree import formulations
 from cross_checks.truth import NoTruth, Truth
 from mbs_ref import scenes
@@ -30,15 +28,14 @@ def crash_truth(scene: Scene, times: np.ndarray) -> Truth | NoTruth:
         return NoTruth("the truth's own forces know no contacts of moving bodies with one another")
     fixed = scenes.make(scene.name, **(scene.parameters | {"seat": "fixed"}))
     agreement = agree(*formulations(fixed), times, extended=False, rk_tolerance=RK_TOLERANCE)
-    position = agreement.position.copy()
-    position[:, :, 0] += _seat_motion(scene, times)[:, None]
     ways = "Lagrange's by DOP853", "Hamilton's equations in body angles by extrapolation from event to event"
-    return converged(replace(agreement, position=position), *ways)
+    return converged(carried(agreement, *_seat_motion(scene, times)), *ways)
 
 
-def _seat_motion(scene: Scene, times: np.ndarray) -> np.ndarray:
-    """Where a driven seat is, (n_t,) m from its place at t = 0; all its parts are driven alike."""
-    for joint in scene.joints:
-        if isinstance(joint, CoordinateDrive) and joint.coordinate == "x":
-            return motion(joint.motion, joint.level, np.asarray(times))[0]
-    return np.zeros(len(times))
+def _seat_motion(scene: Scene, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return how far a driven seat is from its place at t = 0 (n_t, 2), m, and its velocity; all its parts alike."""
+    drives = (joint for joint in scene.joints if isinstance(joint, CoordinateDrive) and joint.coordinate == "x")
+    drive = next(drives, None)
+    along = np.zeros((2, len(times))) if drive is None else motion(drive.motion, drive.level, np.asarray(times))
+    way, speed = (np.outer(part, (1.0, 0.0)) for part in along)
+    return way, speed

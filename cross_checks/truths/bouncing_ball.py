@@ -12,11 +12,11 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy.integrate import quad
-from scipy.special import lambertw
+from scipy.optimize import brentq
 
 from cross_checks.certify.mechanisms.unilateral import Line, Unilateral, line_motion
-from cross_checks.truth import NoTruth, Truth
+from cross_checks.certify.numerics.quadrature import integral
+from cross_checks.truth import NoTruth, OutsideDomainError, Truth
 from mbs_ref.scene import Scene
 from mbs_ref.scene.contact import (
     FloresLaw,
@@ -37,6 +37,7 @@ class Impact:
     restitution: float  # -
     penetration: float  # m, largest
     duration: float  # s
+    doubt: float = 0.0  # s, how well the duration is known
 
 
 def impact(law: Any, mass: float, speed: float) -> Impact:
@@ -92,28 +93,34 @@ def _power(stiffness: float, damping: float, exponent: float, mass: float, speed
     power = exponent + 1.0
     if big == 0.0:
         deepest = (0.5 * power * mass * speed**2 / stiffness) ** (1.0 / power)
-        half, _ = quad(lambda s: 2.0 * s / math.sqrt(1.0 - (1.0 - s * s) ** power), 0.0, 1.0, epsabs=1e-14)
-        return Impact(1.0, deepest, 2.0 * deepest / speed * half)
-    e = (1.0 + float(lambertw(-(1.0 + big) * math.exp(-(1.0 + big))).real)) / big
+        half, doubt = integral(lambda s: 2.0 * s / math.sqrt(-math.expm1(power * math.log1p(-s * s))), 0.0, 1.0)
+        return Impact(1.0, deepest, 2.0 * deepest / speed * half, 2.0 * deepest / speed * doubt)
+    lag = _lag(big)  # D (1 + e) = ln((1 + D)/(1 - D e)) is lag(D) = lag(-D e)
+    e = float(brentq(lambda e: _lag(-e * big) / lag - 1.0, 0.0, min(1.0, (1.0 - 1e-16) / big), xtol=1e-300, rtol=1e-15))
     scale = power * mass * stiffness / damping**2
-    deepest = (scale * (big - math.log1p(big))) ** (1.0 / power)
     # dt = -m dv / F along the phase curve, over d' from v0 to -e v0; the ends are integrable
-    return Impact(e, deepest, _duration(damping, exponent, mass, e, scale, big))
+    return Impact(e, (scale * lag) ** (1.0 / power), *_duration(damping, exponent, mass, e, scale, big))
 
 
-def _duration(c, n, m, e, scale, big) -> float:
-    def between(start: float, sign: float, span: float) -> float:
+def _lag(x: float) -> float:
+    """Return x - ln(1 + x), whose two terms cancel where x is small."""
+    return sum((-x) ** k / k for k in range(2, 24)) if abs(x) < 0.1 else x - math.log1p(x)
+
+
+def _duration(c, n, m, e, scale, big) -> tuple[float, float]:
+    def between(start: float, sign: float, span: float) -> tuple[float, float]:
         """Integrate m dv / F from u = start over `span`, in distances from the end, where d = 0."""
 
         def slowness(w: float) -> float:  # delta = w^(n+1) takes the singularity of d^-n away
             delta = w ** (n + 1.0)
-            bracket = sign * delta + math.log1p(-sign * delta / (1.0 + start))
+            bracket = sign * delta * start / (1.0 + start) - _lag(-sign * delta / (1.0 + start))
             depth = (scale * bracket) ** (1.0 / (n + 1.0))
             return (n + 1.0) * w**n * m / (depth**n * c * (1.0 + start - sign * delta))
 
-        return quad(slowness, 0.0, span ** (1.0 / (n + 1.0)), epsabs=1e-14, epsrel=1e-11)[0]
+        return integral(slowness, 0.0, span ** (1.0 / (n + 1.0)))
 
-    return between(big, 1.0, big) + between(-e * big, -1.0, e * big)
+    (into, first), (out, second) = between(big, 1.0, big), between(-e * big, -1.0, e * big)
+    return into + out, first + second
 
 
 def solve(scene: Scene, times: np.ndarray) -> Truth | NoTruth:
@@ -123,22 +130,30 @@ def solve(scene: Scene, times: np.ndarray) -> Truth | NoTruth:
     if scene.gravity[1] != 0.0:
         return _under_gravity(scene, times)
     speed, height = -ball.velocity[1], ball.position[1] - contact.radius
-    touch = height / speed if speed > 0.0 else math.inf
+    if speed == 0.0:
+        return _motion(scene, np.full_like(times, ball.position[1]), ROUNDOFF, "rest: nothing acts on the ball")
+    touch = height / speed
     rebound = impact(contact.law, ball.mass, speed)
+    if contact.thickness is not None and rebound.penetration > contact.thickness:
+        raise OutsideDomainError(f"the ball passes through the plate: it would sink {rebound.penetration:.3g} m")
     clear = touch + rebound.duration
     inside = (times > touch) & (times < clear)
     if np.any(inside) and not _swings(contact.law, ball.mass):
         return NoTruth("the closed form gives the motion before and after contact; an asked time lies inside")
-    y = np.where(times <= touch, height - speed * times, rebound.restitution * speed * (times - clear))
+    y = np.where(times <= touch, height - speed * times, rebound.restitution * speed * (times - min(clear, times[-1])))
     if isinstance(contact.law, SpringDamperLaw) and contact.law.release == "force":
         y = np.where(times <= touch, y, y - _left_inside(contact.law, ball.mass, speed, rebound))
     if np.any(inside):
         y[inside] = -_depth(contact.law, ball.mass, speed, times[inside] - touch)
-    position = np.zeros((len(times), 1, 2))
-    position[:, 0, 1] = y + contact.radius
     how = "closed form of the free impact; the duration of a power law by quadrature"
-    uncertainty = ROUNDOFF if _is_linear(contact.law) else 1e-11
-    return Truth(position, np.full((len(times), 1), ball.angle), uncertainty, "exact", how)
+    return _motion(scene, y + contact.radius, ROUNDOFF + speed * rebound.doubt, how)
+
+
+def _motion(scene: Scene, height: np.ndarray, uncertainty: float, how: str) -> Truth:
+    """Return the truth of a ball that does not turn, its centre at `height` (n_t,), m."""
+    ball: Any = scene.bodies[0]
+    place = np.stack((np.zeros_like(height), height), axis=1)[:, None]
+    return Truth(place, np.full((len(height), 1), ball.angle), uncertainty, "exact", how)
 
 
 def _under_gravity(scene: Scene, times: np.ndarray) -> Truth | NoTruth:
@@ -157,8 +172,7 @@ def _under_gravity(scene: Scene, times: np.ndarray) -> Truth | NoTruth:
         Line(mass, weight, np.array([ball.position[1]]), np.array([ball.velocity[1]]), (floor,)), times
     )
     how = "flights and damped oscillations, matrix exponentials between instants found to roundoff"
-    place = np.stack((np.zeros_like(y), y), axis=2)
-    return Truth(place, np.full_like(y, ball.angle), uncertainty, "exact", how)
+    return _motion(scene, y[:, 0], uncertainty, how)
 
 
 def _swings(law: Any, mass: float) -> bool:

@@ -7,15 +7,15 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy.integrate import quad
 from scipy.optimize import brentq
 
-from cross_checks.truth import NoTruth, Truth
+from cross_checks.certify.numerics.quadrature import integral
+from cross_checks.truth import NoTruth, OutsideDomainError, Truth
 from mbs_ref.scene import Scene
 from mbs_ref.scene.contact import RigidLaw, SpringDamperLaw
 from mbs_ref.scenes.colliding_spheres import RADIUS_A, RADIUS_B, RUN_UP, line_of_centres
 
-QUADRATURE = 1e-11  # m, of duration and angle times the speeds at hand
+ROUNDOFF = 1e-14  # m, of elementary functions at these magnitudes
 
 
 @dataclass(frozen=True)
@@ -26,6 +26,7 @@ class Encounter:
     angle: float  # rad, the line of centres turns by this
     normal: float  # m/s, rate of the distance after
     tangential: float  # m/s, r phi' after
+    doubt: tuple[float, float] = (0.0, 0.0)  # s and rad, how well duration and angle are known
 
 
 def encounter(law: Any, reduced: float, normal: float, tangential: float) -> Encounter | NoTruth:
@@ -44,6 +45,8 @@ def _central(omega2: float, normal: float, tangential: float) -> Encounter:
     def square(r: float) -> float:
         return normal**2 + tangential**2 * (1.0 - (reach / r) ** 2) - omega2 * (reach - r) ** 2
 
+    if square(1e-6 * reach) >= 0.0:
+        raise OutsideDomainError("the spheres are so soft that their centres meet: the contact does not stop them")
     least: Any = brentq(square, 1e-6 * reach, reach * (1.0 - 1e-15), xtol=1e-17, rtol=np.float64(1e-15))
     span = reach - least
 
@@ -52,16 +55,17 @@ def _central(omega2: float, normal: float, tangential: float) -> Encounter:
         curved = tangential**2 * reach**2 * (r + least) / (r * least) ** 2
         return curved + omega2 * (2.0 * reach - r - least)
 
-    def over(weight) -> float:
-        """Integrate weight dr / r' there and back, r = least + span s^2."""
+    def over(weight) -> tuple[float, float]:
+        """Return with its error bound the integral of weight dr / r' there and back, r = least + span s^2."""
 
         def density(s: float) -> float:
             r = least + span * s * s
             return 4.0 * math.sqrt(span) * weight(r) / math.sqrt(slope(r))
 
-        return quad(density, 0.0, 1.0, epsabs=1e-15, epsrel=1e-13)[0]
+        return integral(density, 0.0, 1.0)
 
-    return Encounter(over(lambda r: 1.0), over(lambda r: reach * tangential / r**2), normal, tangential)
+    (duration, late), (angle, aside) = over(lambda r: 1.0), over(lambda r: reach * tangential / r**2)
+    return Encounter(duration, angle, normal, tangential, (late, aside))
 
 
 def solve(scene: Scene, times: np.ndarray) -> Truth | NoTruth:
@@ -93,6 +97,7 @@ def solve(scene: Scene, times: np.ndarray) -> Truth | NoTruth:
     middle = (1.0 - share) * (np.array(a.position) + along * times[:, None])
     position = np.stack((middle + share * apart, middle - (1.0 - share) * apart), axis=1)
     still = np.tile([1.0, 0.0, 0.0, 0.0], (len(times), 2, 1))
-    uncertainty = 1e-14 if collision.duration == 0.0 else QUADRATURE
+    late, turned = collision.doubt
+    uncertainty = ROUNDOFF + speed * late + turned * float(np.max(np.abs(after), initial=0.0))
     how = "impulse along the line of centres, or its motion by quadrature"
     return Truth(position, still, uncertainty, "exact", how)

@@ -6,6 +6,7 @@ import numpy as np
 
 from cross_checks.certify.numerics.elliptic import amplitude, quarter_period
 from cross_checks.certify.numerics.quadrature import running_integral
+from cross_checks.certify.numerics.sensitivity import DOUBLE_EPS, rounding_error
 from cross_checks.truth import Truth
 from mbs_ref.scene import Scene
 from mbs_ref.scene.euler_parameters import from_axis_angle, product
@@ -24,23 +25,27 @@ def solve(scene: Scene, times: np.ndarray) -> Truth:
     given = scene.parameters
     spin, tilt, gravity = (float(given[key]) for key in ("spin", "tilt", "gravity"))
     grid = times.astype(np.longdouble)
+    data = np.array([spin, tilt, gravity], dtype=np.longdouble)
     if given["motion"] == "steady":
         rate = np.longdouble(steady_precession(spin, tilt, gravity))
         theta, phi = np.full(len(times), np.longdouble(tilt)), rate * grid
         psi = (spin - rate * np.cos(theta)) * grid
+        error = DOUBLE_EPS * (abs(float(rate)) + abs(spin)) * float(times[-1])
     else:
-        theta, phi, psi = _nutation(np.longdouble(spin), np.longdouble(tilt), np.longdouble(gravity), grid)
+        *angles, error = _nutation(data, grid)
+        theta, phi, psi = angles
+        error += rounding_error(lambda near, few: np.stack(_nutation(near, few)[:3]), data, grid)
     full = 2 * np.arctan2(np.longdouble(0), np.longdouble(-1))
     phi, psi = np.remainder(phi, full).astype(float), np.remainder(psi, full).astype(float)
     turned = product(product(from_axis_angle(Z, phi), from_axis_angle(Y, theta.astype(float))), from_axis_angle(Z, psi))
     axis = np.stack([np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)], axis=1).astype(float)
-    uncertainty = 1e-15 + 5e-16 * spin * float(times[-1])
-    return Truth(ARM * axis[:, None], turned[:, None], uncertainty, "exact",
-                 "elliptic functions by the arithmetic-geometric mean, quadrature in extended precision")  # fmt: skip
+    how = "elliptic functions by the arithmetic-geometric mean, quadrature in extended precision"
+    return Truth(ARM * axis[:, None], turned[:, None], 1e-15 + error, "exact", how)
 
 
-def _nutation(spin, tilt, gravity, times: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return the three Euler angles (z, y, z), each (n_t,)."""
+def _nutation(data: np.ndarray, times: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, float]:
+    """Return the three Euler angles (z, y, z), each (n_t,), and the error of their quadrature, rad."""
+    spin, tilt, gravity = data
     about_pivot = TRANSVERSE + ARM_MASS * np.longdouble(ARM) ** 2
     beta, a = 2 * ARM_MASS * gravity * ARM / about_pivot, AXIAL * spin / about_pivot
     u0 = np.cos(tilt)
@@ -57,6 +62,6 @@ def _nutation(spin, tilt, gravity, times: np.ndarray) -> tuple[np.ndarray, np.nd
         return a * (u0 - u) / (1 - u**2)
 
     piece = float(quarter / p) / 8
-    phi = running_integral(precession, times, piece)
-    psi = spin * times - running_integral(lambda t: precession(t) * height(t), times, piece)
-    return np.arccos(height(times)), phi, psi
+    phi, error = running_integral(precession, times, piece)
+    back, more = running_integral(lambda t: precession(t) * height(t), times, piece)
+    return np.arccos(height(times)), phi, spin * times - back, error + more

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from cross_checks.truth import NoTruth, Truth
+from cross_checks.truths.incline import require_both_corners
 from mbs_ref.scene import Scene
 
 ROUNDOFF = 1e-13  # m
@@ -14,6 +15,7 @@ ROUNDOFF = 1e-13  # m
 
 def solve(scene: Scene, times: np.ndarray) -> Truth | NoTruth:
     """x = v t - mu g t^2 / 2 until t = v / (mu g)."""
+    require_both_corners(scene)
     block: Any = scene.bodies[0]
     friction: Any = scene.contacts[0].friction
     slowing = friction.coefficient * -scene.gravity[1]

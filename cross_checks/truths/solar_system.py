@@ -19,7 +19,11 @@ def solve(scene: Scene, times: np.ndarray) -> Truth | NoTruth:
         return converge(scene, times)
     points = {**scene.parameters, "formulation": "point", "spin": False}
     truth = seek_truth(scenes.make(scene.name, **points), times)  # which may be known already
-    return truth if isinstance(truth, NoTruth) else replace(truth, orientation=_turned(scene, times))
+    if isinstance(truth, NoTruth):
+        return truth
+    spins = [body.angular_velocity for body in scene.bodies if isinstance(body, SpatialBody)]
+    spinning = np.broadcast_to(spins, truth.position.shape)
+    return replace(truth, orientation=_turned(scene, times), angular_velocity=spinning)
 
 
 def _turned(scene: Scene, times: np.ndarray) -> np.ndarray:

@@ -8,14 +8,13 @@ from typing import Any
 import numpy as np
 
 from cross_checks.certify.numerics.elliptic import amplitude, argument, quarter_period
-from cross_checks.certify.numerics.extrapolation import NoConvergenceError
 from cross_checks.certify.numerics.quadrature import periodic_integral
-from cross_checks.truth import Truth
+from cross_checks.certify.numerics.sensitivity import rounding_error
+from cross_checks.truth import NoConvergenceError, Truth
 from mbs_ref.scene import Scene
 from mbs_ref.scene.euler_parameters import rotation_matrices
 
 CLOSEST = 1e-9  # of 1 - m: closer to the separatrix rounded data decide the motion
-NUDGE = 1e-10  # of the start's rates, to measure how the motion magnifies rounded data
 
 
 def solve(scene: Scene, times: np.ndarray) -> Truth:
@@ -24,12 +23,12 @@ def solve(scene: Scene, times: np.ndarray) -> Truth:
     moments = np.array(body.inertia[:3], dtype=np.longdouble)
     start = rotation_matrices(body.orientation)
     omega = start.T @ np.array(body.angular_velocity)
-    theta = _orientations(moments, omega.astype(np.longdouble), start, times)
-    nudged = _orientations(moments, omega.astype(np.longdouble) * (1 + NUDGE * np.array([1, -1, 1])), start, times)
-    sensitivity = float(np.max(np.abs(theta - nudged))) / NUDGE
+    omega = omega.astype(np.longdouble)
+    theta, error = _orientations(moments, omega, start, times)
+    error += 2.0 * rounding_error(lambda near, few: _orientations(moments, near, start, few)[0], omega, times)
     position = np.zeros((len(times), 1, 3))
     return Truth(
-        position + np.array(body.position), theta[:, None].astype(float), 4.6e-16 * (1.0 + sensitivity), "exact",
+        position + np.array(body.position), theta[:, None].astype(float), 4.6e-16 + error, "exact",
         "Jacobi elliptic functions by the arithmetic-geometric mean, precession by quadrature, extended precision",
     )  # fmt: skip
 
@@ -74,8 +73,13 @@ def _rates(moments: np.ndarray, omega: np.ndarray) -> Rates:
     return Rates(place, size, m, speed, argument(np.arctan2(s, c), m))
 
 
-def _orientations(moments: np.ndarray, omega: np.ndarray, start: np.ndarray, times: np.ndarray) -> np.ndarray:
-    """Return theta (n_t, 4): the momentum and the cn axis, known in the body and in the world, fix the orientation."""
+def _orientations(
+    moments: np.ndarray, omega: np.ndarray, start: np.ndarray, times: np.ndarray
+) -> tuple[np.ndarray, float]:
+    """Return theta (n_t, 4) and the error of its quadrature, rad.
+
+    The momentum and the cn axis, known in the body and in the world, fix the orientation.
+    """
     rates = _rates(moments, omega)
     axis = rates.place[0]
     others = [k for k in range(3) if k != axis]
@@ -90,7 +94,7 @@ def _orientations(moments: np.ndarray, omega: np.ndarray, start: np.ndarray, tim
     size = np.sqrt(np.sum((moments * omega) ** 2))
     period = 4 * quarter_period(rates.m) / rates.speed
     piece = min(float(period), 2 * np.pi / float(size / moments.min())) / 8
-    turned = periodic_integral(precession, times.astype(np.longdouble), piece, period)
+    turned, error = periodic_integral(precession, times.astype(np.longdouble), piece, period)
     up = start @ (moments * omega) / size  # the momentum in the world
     e = np.zeros(3, dtype=np.longdouble)
     e[axis] = 1
@@ -101,7 +105,7 @@ def _orientations(moments: np.ndarray, omega: np.ndarray, start: np.ndarray, tim
     for body_momentum, angle in zip(momentum(times.astype(np.longdouble)), turned, strict=True):
         direction = across * np.cos(angle) + _cross(up, across) * np.sin(angle)
         result.append(_parameters(_triad(up, direction) @ _triad(body_momentum / size, e).T))
-    return np.array(result)
+    return np.array(result), error
 
 
 def _cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:

@@ -13,7 +13,7 @@ far the run is off the constraints is measured: the companion may share it.
 
 A companion that takes no more steps, or hardly differs, shows that the tolerance does not govern the steps that err
 most: another is made, tighter by two decades more. Where the finer companion does not end, a coarser one is made: its
-errors are the larger ones, and d is their size.
+errors are the larger ones, and d is their size. Where this does not end either, one by another method is made.
 """
 
 from __future__ import annotations
@@ -38,6 +38,7 @@ DECADE = 10.0  # between the tolerances of the two
 TIGHTEST = 1e-13  # relative tolerance of a companion: some hundred EPS, beyond which roundoff decides
 LEAST = 1e-3  # of the tolerance: less than a step errs that it governs
 MORE_STEPS = 4  # times those allowed for a finer companion: the square root of ten at order 2, rounded up
+OTHER = "lsodar"  # where the default method is the one that fails
 ENDED = frozenset({Status.SUCCESS, Status.STOP_EVENT})
 
 
@@ -63,6 +64,7 @@ class _Companion(NamedTuple):
     options: Options
     refine: int  # parts of each step
     factor: float  # the estimate over the difference of the two
+    method: str | None = None  # another than the run's
 
 
 class _Compared(NamedTuple):
@@ -154,6 +156,8 @@ def _all_compared(system: System, plan: Plan, seen: _Seen, made: Beside | None) 
         found.append(_compared(system, plan, seen, _tighter(plan, DECADE**2 * _decades(plan))))
     if not found[-1].has_ended and found[-1].status is not Status.INTERRUPTED:
         found.append(_compared(system, plan, seen, _coarser(plan)))
+        if not any(one.has_ended or one.status is Status.INTERRUPTED for one in found):
+            found.append(_compared(system, plan, seen, _otherwise(plan)))
     return found
 
 
@@ -187,6 +191,20 @@ def _coarser(plan: Plan) -> _Companion:
     return _Companion(f"{DECADE:g} times the tolerance", loose, 1, SAFETY)
 
 
+def _otherwise(plan: Plan) -> _Companion:
+    """Return a companion by another method, which fails elsewhere; SAFETY covers errors of the same size."""
+    method = DEFAULT if plan.integrator.name != DEFAULT else OTHER
+    return _Companion(f"{method} instead of {plan.integrator.name}", _adaptive(plan), 1, SAFETY, method)
+
+
+def _adaptive(plan: Plan) -> Options:
+    """Return options of a method with error control: the run's tolerances, or the default ones in place of a step."""
+    options = plan.options._replace(project=True, step=0.0)
+    if not plan.options.step:
+        return options
+    return options._replace(rtol=DEFAULT_TOLERANCE, atol=DEFAULT_TOLERANCE * ABSOLUTE * plan.options.units)
+
+
 def _richardson(smaller: float) -> float:
     return SAFETY * smaller / (smaller - 1.0)
 
@@ -194,7 +212,7 @@ def _richardson(smaller: float) -> float:
 def _compared(system: System, plan: Plan, seen: _Seen, companion: _Companion, made: Beside | None = None) -> _Compared:
     """Make the companion, unless it has been made, and hold the run against it."""
     run, scales = seen.run, system.scales
-    own = replace(plan, options=companion.options)
+    own = replace(plan, options=companion.options, integrator=integrators()[companion.method or plan.integrator.name])
     made = made or _beside(system, seen, _made(system, own, run.states[0], run.times, companion.refine))
     other, gaps, sizes = made
     # what rounding does to rates moves bodies by the same share of the way that they go
@@ -257,10 +275,7 @@ def _opening(system: System, plan: Plan, run: Run) -> tuple[np.ndarray, np.ndarr
     """
     grid = plan.options.step * np.arange(1, FEWEST + 1)
     times = np.union1d(run.times, grid[grid <= run.times[-1]])[: FEWEST + 1]  # outputs end steps, too
-    options = plan.options._replace(
-        step=0.0, rtol=DEFAULT_TOLERANCE, atol=DEFAULT_TOLERANCE * ABSOLUTE * plan.options.units, project=True,
-        max_steps=int(run.counts.rhs_calls),
-    )  # fmt: skip
+    options = _adaptive(plan)._replace(max_steps=int(run.counts.rhs_calls))
     fine = replace(plan, integrator=integrators()[DEFAULT], options=options, baumgarte_gain=0.0)
     first, second = (_made(system, one, run.states[0], times) for one in (plan, fine))
     gaps, sizes = _apart(system, times, system.poses(first.states), second.states)

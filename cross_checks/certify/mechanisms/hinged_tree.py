@@ -20,6 +20,7 @@ from cross_checks.certify.mechanisms.hinged_tree_loads import (
     planar,
 )
 from cross_checks.certify.mechanisms.rod_chain import factor_and_solve
+from cross_checks.truth import OutsideDomainError
 from mbs_ref.kernels.jit import strict_jit
 from mbs_ref.scene import GROUND, Revolute, Scene, Weld
 
@@ -34,7 +35,7 @@ class Tree(NamedTuple):
 
 
 def formulations(scene: Scene) -> tuple[Formulation, Formulation]:
-    """Return Lagrange's and Hamilton's equations; ValueError where the mechanism is of another kind."""
+    """Return Lagrange's and Hamilton's equations; OutsideDomainError where the mechanism is of another kind."""
     fixed = {GROUND, *(j.body_b for j in scene.joints if isinstance(j, Weld) and j.body_a == GROUND)}
     free = [body.name for body in scene.bodies if body.name not in fixed]
     tree, loads = _tree(scene, free, _hinges(scene, free)), loads_of(scene, free)
@@ -54,7 +55,7 @@ def _hinges(scene: Scene, free: list[str]) -> dict[str, Revolute]:
                 carrying[other] = joint
                 reached.append(other)
     if len(reached) < len(free) or len(hinges) != len(free) - 1 or len(hinges) + len(welds) < len(scene.joints):
-        raise ValueError(f"{scene.name!r} is no free tree of hinged bodies")
+        raise OutsideDomainError(f"{scene.name!r} is no free tree of hinged bodies")
     return carrying
 
 

@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from cross_checks.engine.prescribed import factor
+from cross_checks.truth import OutsideDomainError
 from mbs_ref.kernels.jit import strict_jit
 from mbs_ref.scene import Force, PlanarBody, PointBushing, Scene, SpringDamper, TorsionSpring
 from mbs_ref.scene.contact import CircleOnLine, ProgressiveLaw, SpringDamperLaw
@@ -45,12 +46,15 @@ class Loads:
 
 
 def loads_of(scene: Scene, free: list[str]) -> Loads:
-    """Gather what acts on the named bodies; every other body is taken as fixed. ValueError names what is not known."""
+    """Gather what acts on the named bodies; every other body is taken as fixed.
+
+    OutsideDomainError names the parts of other kinds.
+    """
     kinds = Force | SpringDamper | PointBushing | TorsionSpring
     strange = [x.name for x in scene.loads if not isinstance(x, kinds) or (isinstance(x, Force) and x.frame != "world")]
     strange += [c.name for c in scene.contacts if not _is_known(scene, free, c)]
     if strange:
-        raise ValueError(f"{scene.name!r} has parts of a kind not known here: {', '.join(strange[:8])}")
+        raise OutsideDomainError(f"{scene.name!r} has parts of a kind not known here: {', '.join(strange[:8])}")
     pushes = [x for x in scene.loads if isinstance(x, Force) and x.body in free]
     signals = list({repr(x.factor): x.factor for x in pushes}.values())
     of_time = [factor(signal) for signal in signals]
@@ -84,10 +88,10 @@ def _pairs(rows: list[tuple]) -> Pairs:
 
 
 def planar(scene: Scene, name: str) -> PlanarBody:
-    """Return a body that has an angle; ValueError where it has none."""
+    """Return a body that has an angle; OutsideDomainError where it has none."""
     body = scene.bodies[scene.body_index(name)]
     if not isinstance(body, PlanarBody):
-        raise ValueError(f"body {name!r} is a {body.type}; only planar bodies are known here")
+        raise OutsideDomainError(f"body {name!r} is a {body.type}; only planar bodies are known here")
     return body
 
 

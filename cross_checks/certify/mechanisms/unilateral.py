@@ -12,7 +12,8 @@ import numpy as np
 from scipy.linalg import expm
 from scipy.optimize import root_scalar
 
-from cross_checks.certify.numerics.extrapolation import NoConvergenceError
+from cross_checks.certify.numerics.time_limit import check_time
+from cross_checks.truth import NoConvergenceError
 
 OPEN, CLOSED, LIFTED = range(3)
 MOST_EVENTS = 5_000
@@ -83,6 +84,7 @@ class _Walk:
         result, events = np.empty((len(times), self.n)), 0
         for place, asked in enumerate(times):
             while True:
+                check_time(t)
                 instant, here = self._until(t, z, float(asked))
                 if instant is None:
                     break
@@ -107,7 +109,16 @@ class _Walk:
         return a
 
     def _at(self, z: np.ndarray, after: float) -> np.ndarray:
+        if self._flies:
+            n, fall, ahead = self.n, self.line.force / self.line.mass * after, z.copy()
+            ahead[:n] += (z[n : 2 * n] + 0.5 * fall) * after
+            ahead[n : 2 * n] += fall
+            return ahead
         return expm(self._generator() * after) @ z
+
+    @property
+    def _flies(self) -> bool:
+        return CLOSED not in self.modes and LIFTED not in self.modes
 
     def _gap(self, k: int, z: np.ndarray) -> float:
         return float(self.rows[k] @ z[: self.n] - self.offset[k])
@@ -132,7 +143,7 @@ class _Walk:
         """Return the first event in (t, end] and the state there, or None."""
         if end <= t:
             return None, z
-        if CLOSED not in self.modes and LIFTED not in self.modes:
+        if self._flies:
             (after, self.broken), self.which = self._flight(z), 0
             return (t + after, self._at(z, after)) if t + after <= end else (None, z)
         fastest = float(np.max(np.abs(np.linalg.eigvals(self._generator()[:-1, :-1]))))
@@ -140,6 +151,7 @@ class _Walk:
         before, now = self.seen[1:] if self.seen and self.seen[0] == t else (0.0, z)
         step, ahead = expm(self._generator() * look), [now]
         while before < end - t:
+            check_time(t + before)
             for _ in range(TOGETHER):
                 ahead.append(step @ ahead[-1])
             broken = np.any(self._guards(np.array(ahead[1:])) < 0.0, axis=(1, 2))

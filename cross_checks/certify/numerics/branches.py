@@ -7,7 +7,9 @@ from functools import partial
 
 import numpy as np
 
-from cross_checks.certify.numerics.extrapolation import EASY, SMALLEST_STEP, NoConvergenceError, attempt
+from cross_checks.certify.numerics.extrapolation import EASY, SMALLEST_STEP, attempt
+from cross_checks.certify.numerics.time_limit import check_time
+from cross_checks.truth import NoConvergenceError
 
 FIRST_STEP = 1e-3  # s
 RESOLUTION = 1e-15  # s, to which a change of branch is located
@@ -29,6 +31,7 @@ def extrapolate_branches(
     on = switches(t, y) > 0.0
     for k, goal in enumerate(times[1:], start=1):
         while t < goal:
+            check_time(t)
             whole = step >= goal - t
             h = goal - t if whole else step
             slope = partial(frozen, on=on)

@@ -7,7 +7,8 @@ from functools import lru_cache
 
 import numpy as np
 
-from cross_checks.certify.numerics.extrapolation import NoConvergenceError
+from cross_checks.certify.numerics.time_limit import check_time
+from cross_checks.truth import NoConvergenceError
 
 STAGES = 14
 MOST_SWEEPS = 60
@@ -31,6 +32,7 @@ def collocate(
     t, step = np.longdouble(times[0]), np.longdouble(0.05)
     for k, goal in enumerate(times[1:].astype(np.longdouble), start=1):
         while t < goal:
+            check_time(t)
             h = min(step, goal - t)
             stages, force, last = _attempt(acceleration, t, place, rate, h, tolerance)
             factor = min(2.0, 0.9 * (tolerance / max(last, 1e-30)) ** (1 / STAGES))

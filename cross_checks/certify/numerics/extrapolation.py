@@ -6,13 +6,12 @@ from collections.abc import Callable
 
 import numpy as np
 
+from cross_checks.certify.numerics.time_limit import check_time
+from cross_checks.truth import NoConvergenceError
+
 COLUMNS = 11  # order 22 at most
 EASY = 7  # converged this early, the next step may be longer
 SMALLEST_STEP = 1e-9  # s
-
-
-class NoConvergenceError(ArithmeticError):
-    """The extrapolation cannot reach its tolerance."""
 
 
 def extrapolate(derivative: Callable, start: np.ndarray, times: np.ndarray, tolerance: float) -> np.ndarray:
@@ -26,6 +25,7 @@ def extrapolate(derivative: Callable, start: np.ndarray, times: np.ndarray, tole
     t, step = start.dtype.type(times[0]), start.dtype.type(0.05)
     for k, goal in enumerate(times[1:].astype(start.dtype), start=1):
         while t < goal:
+            check_time(t)
             whole = step >= goal - t
             h = goal - t if whole else step
             y_next, columns = attempt(derivative, t, y, h, tolerance)

@@ -1,56 +1,82 @@
-"""Integrals of smooth rates over long times, by Gauss-Legendre pieces in extended precision."""
+"""Integrals whose error is proven by refinement: running ones in extended precision, single ones in double."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 
 import numpy as np
+from scipy.integrate import quad
 
-from cross_checks.certify.numerics.extrapolation import NoConvergenceError
+from cross_checks.certify.numerics.time_limit import check_time
+from cross_checks.truth import NoConvergenceError
 
 NODES = 24  # a piece; a sixteenth of a period needs fewer
 MOST_PIECES = 200_000
+TOLERANCE = 1e-17  # of a piece's integral between its value and that of its halves: some hundred roundoffs
 
 
-def running_integral(rate: Callable[[np.ndarray], np.ndarray], times: np.ndarray, piece: float) -> np.ndarray:
-    """Return the integral of rate from 0 to each of `times` (s, increasing, >= 0); pieces are `piece` s or shorter.
+def running_integral(
+    rate: Callable[[np.ndarray], np.ndarray], times: np.ndarray, piece: float, tolerance: float = TOLERANCE
+) -> tuple[np.ndarray, float]:
+    """Return the integral of rate from 0 to each of `times` (s, increasing, >= 0), and a bound on its error.
 
-    Nodes are double-precision Gauss-Legendre ones polished in extended precision. NoConvergenceError where
-    there would be too many pieces.
+    Pieces start `piece` s long or shorter. A piece is halved until the sum of its halves differs from it by no more
+    than `tolerance`; the bound is the sum of these differences. Raises NoConvergenceError where there are too many.
     """
-    total = float(times[-1])
-    if total / piece > MOST_PIECES:
-        raise NoConvergenceError(f"{total / piece:.3g} pieces are too many for the quadrature; at most {MOST_PIECES}")
-    edges = [np.longdouble(0)]
-    owner: list[int] = []
-    for k, end in enumerate(times):
-        start = edges[-1]
-        count = int(np.ceil(float(end - start) / piece))
-        owner += [k] * count
-        edges += [start + (np.longdouble(end) - start) * j / count for j in range(1, count + 1)]
-    if not owner:
-        return np.zeros(len(times), dtype=np.longdouble)
+    ends = np.concatenate(([np.longdouble(0)], times))
+    counts = np.ceil((np.diff(ends) / piece).astype(float))
+    if not counts.sum() <= MOST_PIECES:
+        raise NoConvergenceError(f"{counts.sum():.3g} pieces are too many for the quadrature; at most {MOST_PIECES}")
+    owner = np.repeat(np.arange(len(times)), counts.astype(int))
+    within = np.arange(len(owner)) - np.repeat(np.cumsum(counts) - counts, counts.astype(int))
+    width = (np.diff(ends) / np.fmax(counts, 1.0))[owner]
+    lower = ends[owner] + within * width
+    upper = np.where(within + 1 == counts[owner], ends[owner + 1], lower + width)
+    whole, sums, doubt, spent = _gauss(rate, lower, upper), np.zeros(len(times), ends.dtype), 0.0, 0
+    while len(owner):
+        check_time(float(lower[0]))
+        spent += len(owner)
+        if spent > MOST_PIECES:
+            raise NoConvergenceError(f"the quadrature does not converge near t = {float(lower[0]):.6g} s")
+        middle = (lower + upper) / 2
+        left, right = _gauss(rate, lower, middle), _gauss(rate, middle, upper)
+        gap = np.abs(left + right - whole)
+        coarse = ~(gap <= tolerance)
+        np.add.at(sums, owner[~coarse], (left + right)[~coarse])
+        doubt += float(gap[~coarse].sum())
+        lower, upper = (np.concatenate((a[coarse], b[coarse])) for a, b in ((lower, middle), (middle, upper)))
+        whole, owner = np.concatenate((left[coarse], right[coarse])), np.tile(owner[coarse], 2)
+    return np.cumsum(sums), doubt
+
+
+def _gauss(rate: Callable[[np.ndarray], np.ndarray], lower: np.ndarray, upper: np.ndarray) -> np.ndarray:
+    """Return the Gauss-Legendre sum of each piece; the double-precision nodes are polished in extended precision."""
     x, w = _legendre()
-    lower, upper = np.array(edges[:-1]), np.array(edges[1:])
     nodes = (lower + upper)[:, None] / 2 + (upper - lower)[:, None] / 2 * x
-    pieces = (rate(nodes.ravel()).reshape(nodes.shape) @ w) * (upper - lower) / 2
-    sums = np.zeros(len(times), dtype=np.longdouble)
-    np.add.at(sums, owner, pieces)
-    return np.cumsum(sums)
+    return (rate(nodes.ravel()).reshape(nodes.shape) @ w) * (upper - lower) / 2
 
 
 def periodic_integral(
     rate: Callable[[np.ndarray], np.ndarray], times: np.ndarray, piece: float, period: np.longdouble
-) -> np.ndarray:
-    """Return the running integral of a rate of known period (s): whole periods count, the rest is integrated."""
+) -> tuple[np.ndarray, float]:
+    """Return the running integral of a rate of known period (s), and its error: whole periods count once each."""
     turns = np.floor(times / period)
     if turns[-1] == 0:
         return running_integral(rate, times, piece)
     left = times - turns * period
     order = np.argsort(left)
     partial = np.empty_like(left)
-    partial[order] = running_integral(rate, left[order], piece)
-    return turns * running_integral(rate, np.array([period]), piece)[0] + partial
+    partial[order], rest = running_integral(rate, left[order], piece)
+    whole, once = running_integral(rate, np.array([period]), piece)
+    return turns * whole[0] + partial, rest + float(turns[-1]) * once
+
+
+def integral(density: Callable[[float], float], start: float, end: float) -> tuple[float, float]:
+    """Return an integral in double precision and QUADPACK's bound on its error. Raises NoConvergenceError."""
+    value, doubt, _, *trouble = quad(density, start, end, epsabs=1e-15, epsrel=1e-13, full_output=1)
+    if not np.isfinite(value) or (trouble and not doubt <= 1e-9 * abs(value)):
+        raise NoConvergenceError(f"the quadrature does not converge: {trouble[0] if trouble else value}")
+    return value, doubt
 
 
 def _legendre() -> tuple[np.ndarray, np.ndarray]:

@@ -7,7 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from cross_checks.certify.numerics.extrapolation import NoConvergenceError
+from cross_checks.certify.numerics.time_limit import check_time
+from cross_checks.truth import NoConvergenceError
 
 
 def runge_kutta(derivative: Callable, start: np.ndarray, times: np.ndarray, tolerance: float) -> np.ndarray:
@@ -28,6 +29,7 @@ def step_through(solver_type: Any, derivative: Callable, start: np.ndarray, time
             derivative, times[k - 1], states[k - 1], times[k], rtol=tolerance, atol=tolerance, first_step=first
         )
         while solver.status == "running":
+            check_time(solver.t)
             message = solver.step()
             if solver.status == "failed":
                 raise NoConvergenceError(f"{solver_type.__name__} stops at t = {solver.t:.6g} s: {message}")

@@ -8,8 +8,8 @@ from scipy.integrate import solve_ivp
 
 from cross_checks.certify.agreement import Formulation, agree
 from cross_checks.certify.mechanisms.rod_chain import solve
-from cross_checks.certify.numerics.extrapolation import NoConvergenceError, extrapolate
-from cross_checks.truth import NoTruth, Truth
+from cross_checks.certify.numerics.extrapolation import extrapolate
+from cross_checks.truth import NoConvergenceError, NoTruth, Truth
 from cross_checks.truths import known, seek_truth, truth_for
 from mbs_ref import observables as judge
 from mbs_ref import scenes

@@ -285,3 +285,11 @@ def test_a_tolerance_at_roundoff_is_compared_with_a_coarser_one():
 def test_what_two_runs_differ_by_is_extrapolated_to_the_error_of_the_coarser(order, factor):
     """e = C h^p of a step h and its half: the coarser errs by 2^p / (2^p - 1) of their difference (Richardson)."""
     assert _richardson(2.0**order) == pytest.approx(SAFETY * factor)
+
+
+def test_where_both_companions_fail_another_method_is_the_witness():
+    """Radau's iteration fails where the sphere stops sliding, at some tolerances and not at others."""
+    path = simulate(scenes.make("rolling_sphere"), Settings(method="radau", rtol=1e-8))
+    assert path.ok, path.message
+    assert "dop853 instead of radau" in of(path).how
+    assert of(path).value < 1e-7
