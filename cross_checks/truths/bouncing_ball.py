@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy.optimize import brentq
+from scipy.optimize import root_scalar
 
 from cross_checks.certify.mechanisms.unilateral import Line, Unilateral, line_motion
 from cross_checks.certify.numerics.quadrature import integral
@@ -27,6 +27,7 @@ from mbs_ref.scene.contact import (
     SpringDamperLaw,
 )
 
+CREEPING = 10.0  # -ln(1 - e D): beyond, the end of the contact is a creep whose duration doubles do not resolve
 ROUNDOFF = 1e-14  # m, of elementary functions at these magnitudes
 
 
@@ -95,32 +96,41 @@ def _power(stiffness: float, damping: float, exponent: float, mass: float, speed
         deepest = (0.5 * power * mass * speed**2 / stiffness) ** (1.0 / power)
         half, doubt = integral(lambda s: 2.0 * s / math.sqrt(-math.expm1(power * math.log1p(-s * s))), 0.0, 1.0)
         return Impact(1.0, deepest, 2.0 * deepest / speed * half, 2.0 * deepest / speed * doubt)
-    lag = _lag(big)  # D (1 + e) = ln((1 + D)/(1 - D e)) is lag(D) = lag(-D e)
-    e = float(brentq(lambda e: _lag(-e * big) / lag - 1.0, 0.0, min(1.0, (1.0 - 1e-16) / big), xtol=1e-300, rtol=1e-15))
+    lag = _lag(big)  # D (1 + e) = ln((1 + D)/(1 - D e)) is lag(D) = lag(-D e), solved for w = -ln(1 - D e)
+
+    def late(w: float) -> float:
+        return _lag(math.expm1(-w), -w) / lag - 1.0
+
+    w = float(root_scalar(late, bracket=(0.0, lag + 1.0), xtol=1e-300, rtol=1e-15).root)
+    e = -math.expm1(-w) / big
     scale = power * mass * stiffness / damping**2
     # dt = -m dv / F along the phase curve, over d' from v0 to -e v0; the ends are integrable
-    return Impact(e, (scale * lag) ** (1.0 / power), *_duration(damping, exponent, mass, e, scale, big))
+    return Impact(e, (scale * lag) ** (1.0 / power), *_duration(damping, exponent, mass, w, scale, big))
 
 
-def _lag(x: float) -> float:
-    """Return x - ln(1 + x), whose two terms cancel where x is small."""
-    return sum((-x) ** k / k for k in range(2, 24)) if abs(x) < 0.1 else x - math.log1p(x)
+def _lag(x: float, logarithm: float | None = None) -> float:
+    """Return x - ln(1 + x), whose two terms cancel where x is small; the logarithm may be known."""
+    if abs(x) < 0.1:
+        return sum((-x) ** k / k for k in range(2, 24))
+    return x - (math.log1p(x) if logarithm is None else logarithm)
 
 
-def _duration(c, n, m, e, scale, big) -> tuple[float, float]:
-    def between(start: float, sign: float, span: float) -> tuple[float, float]:
-        """Integrate m dv / F from u = start over `span`, in distances from the end, where d = 0."""
+def _duration(c, n, m, w, scale, big) -> tuple[float, float]:
+    def between(start: float, rest: float, sign: float, span: float) -> tuple[float, float]:
+        """Integrate m dv / F from u = start = rest - 1 over `span`, in distances from the end, where d = 0."""
 
-        def slowness(w: float) -> float:  # delta = w^(n+1) takes the singularity of d^-n away
-            delta = w ** (n + 1.0)
-            bracket = sign * delta * start / (1.0 + start) - _lag(-sign * delta / (1.0 + start))
-            depth = (scale * bracket) ** (1.0 / (n + 1.0))
-            return (n + 1.0) * w**n * m / (depth**n * c * (1.0 + start - sign * delta))
+        def slowness(x: float) -> float:  # delta = x^(n+1) takes the singularity of d^-n away
+            delta = sign * x ** (n + 1.0)
+            depth = (scale * (delta * start / rest - _lag(-delta / rest))) ** (1.0 / (n + 1.0))
+            return (n + 1.0) * x**n * m / (depth**n * c * (rest - delta))
 
         return integral(slowness, 0.0, span ** (1.0 / (n + 1.0)))
 
-    (into, first), (out, second) = between(big, 1.0, big), between(-e * big, -1.0, e * big)
-    return into + out, first + second
+    if w > CREEPING:
+        return math.inf, math.inf
+    out = math.expm1(-w)  # u at release, -e D
+    (into, first), (away, second) = between(big, 1.0 + big, 1.0, big), between(out, math.exp(-w), -1.0, -out)
+    return into + away, first + second
 
 
 def solve(scene: Scene, times: np.ndarray) -> Truth | NoTruth:

@@ -32,7 +32,7 @@ def collocate(
     t, step = np.longdouble(times[0]), np.longdouble(0.05)
     for k, goal in enumerate(times[1:].astype(np.longdouble), start=1):
         while t < goal:
-            check_time(t)
+            check_time(float(t))
             h = min(step, goal - t)
             stages, force, last = _attempt(acceleration, t, place, rate, h, tolerance)
             factor = min(2.0, 0.9 * (tolerance / max(last, 1e-30)) ** (1 / STAGES))

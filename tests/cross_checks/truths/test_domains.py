@@ -134,6 +134,13 @@ def test_the_restitution_of_a_slight_damping_is_known():
     assert found.duration == pytest.approx(elastic.duration, rel=1e-8)
 
 
+def test_the_restitution_of_a_strong_damping_is_known():
+    """e D tends to 1 from below: the release is at the speed at which the force vanishes."""
+    found = impact(HuntCrossleyLaw(stiffness=1e6, damping=1e8, exponent=1.5), 1.0, 1.0)
+    assert found.restitution == pytest.approx(0.01, rel=1e-12)
+    assert found.doubt == np.inf  # the duration is not known
+
+
 def test_no_truth_is_better_known_than_its_coordinates_are_rounded():
     found = truth_of("incline", [0.0, 3e3], angle=0.5)
     assert found.uncertainty >= DOUBLE_EPS * np.abs(found.position).max() > 1e-13
