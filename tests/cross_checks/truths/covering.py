@@ -108,7 +108,7 @@ def pairwise(choices: dict[str, list[Any]]) -> list[Row]:
             missing.pop(frozenset(pair), None)
         if not missing:
             return rows
-        row = dict(next(iter(missing)))
+        row = dict(sorted(next(iter(missing))))  # a set has no order of its own
         for key in names:
             pairs = [[frozenset((item, (key, k))) for item in row.items()] for k in range(len(choices[key]))]
             gains = [sum(pair in missing for pair in some) for some in pairs]
