@@ -98,9 +98,9 @@ def timed(engine: Engine, question: Asked, settings: Settings, times: np.ndarray
 
 def _row(method: Method, question: Asked, good: list[Run], shown: Posterior | None) -> Row:
     best = min(good, key=lambda run: run.error, default=None)
-    is_steady = method.kind == "fixed" and question.is_smooth and shown is not None
+    order = shown.observed_order if shown and method.kind == "fixed" and question.is_smooth else None
     error, loop = (best.error, best.path.timing.loop_s) if best else (None, None)
-    return Row(method.name, question.scene.name, shown.observed_order if is_steady else None, method.order, error, loop)
+    return Row(method.name, question.scene.name, order, method.order, error, loop)
 
 
 def _shown(method: Method, question: Asked, good: list[Run]) -> Posterior | None:

@@ -44,8 +44,11 @@ class Tried:
     gaps: dict[tuple[float, float], float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        self.kind, self.duration, self.outputs = self.method.kind, self.scene.duration, SAMPLES - 1
-        self.local_order = self.method.local_order
+        self.kind: str = self.method.kind
+        self.duration, self.outputs, self.local_order = self.scene.duration, SAMPLES - 1, self.method.local_order
+        self.promised = self._promised()
+        # p of a step; of a tolerance that over the power which its estimate follows
+        self.expected = (self.method.order or 5) / self.local_order if self.kind == "adaptive" else self.promised
         self.coarsest = coarsest(self.method, self.scene)
         self.finest = TIGHTEST if self.kind == "adaptive" else self.duration / self.most_steps
         self.why_no_truth = self.truth.reason if isinstance(self.truth, NoTruth) else ""
@@ -56,19 +59,11 @@ class Tried:
         """The settings that were run, coarse to fine."""
         return self.search.knobs
 
-    @property
-    def expected(self) -> float:
-        """The order of the error in the setting: p of a step; of a tolerance that over the power its estimate follows.
+    def _promised(self) -> float:
+        """Return the order that a verdict may ask for: of a tolerance p / (p + 1), which controls the local error.
 
         It is 1 where forces jump between the steps of a method that locates no events.
         """
-        if self.kind == "adaptive":
-            return (self.method.order or 5) / self.local_order
-        return self.promised
-
-    @property
-    def promised(self) -> float:
-        """The order that a verdict may ask for: of a tolerance p / (p + 1), which controls the local error."""
         p = float(self.method.order or (5 if self.kind == "adaptive" else 1))
         if self.kind == "adaptive":
             return p / (p + 1.0)

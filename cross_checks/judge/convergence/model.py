@@ -19,6 +19,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 from scipy.special import logsumexp
@@ -111,6 +112,11 @@ def posterior(ladder: Ladder) -> Posterior:
     growth = np.maximum(levels.steps, 1)
     sizes = [factor * levels.rounding * growth ** (power - 1.0) for factor, power in ROUNDINGS]
     return _mixed(levels, [_evidence(replace(levels, rounding=size)) for size in sizes])
+
+
+def _log_sum(logs: Any, axis: int | tuple[int, ...] | None = None) -> np.ndarray:
+    """Return the log of a sum of exponentials."""
+    return np.asarray(logsumexp(logs, axis=axis))
 
 
 def density(value: np.ndarray, centre: np.ndarray, width: np.ndarray | float) -> np.ndarray:
@@ -287,7 +293,7 @@ def _evidence(ladder: Ladder) -> _Evidence:
         "plateau": data.plateau(data.n) if data.n > 1 else -np.log(SPAN),
     }  # fmt: skip
     logs = {name: float(value + np.log(PRIORS[name])) for name, value in logs.items()}
-    total = float(logsumexp(list(logs.values())))
+    total = float(_log_sum(list(logs.values())))
     law = np.exp(logs["right"] - total) * law_right + np.exp(logs["limit"] - total) * law_limit
     return _Evidence(total, logs, data.orders, law, distance, level)
 
@@ -319,11 +325,11 @@ def _limit(data: _Data) -> tuple[float, np.ndarray, np.ndarray]:
     gaps[..., :-1] = data.gaps_by_law + others
     tails = np.cumsum(gaps[..., ::-1], axis=-1)[..., ::-1]
     starts = np.array([data.late(first) for first in range(n)])
-    weight = logsumexp(data.prior[..., None] + tails + starts, axis=(2, 3))  # (p, b)
-    by_distance = logsumexp(weight, axis=0)[:, None] + last - np.log(len(DISTANCES))
-    total = float(logsumexp(by_distance))
-    law = np.exp(weight + (logsumexp(last, axis=1) - np.log(len(DISTANCES)))[None, :] - total)
-    return total, law, np.exp(logsumexp(by_distance, axis=0) - total)
+    weight = _log_sum(data.prior[..., None] + tails + starts, axis=(2, 3))  # (p, b)
+    by_distance = _log_sum(weight, axis=0)[:, None] + last - np.log(len(DISTANCES))
+    total = float(_log_sum(by_distance))
+    law = np.exp(weight + (_log_sum(last, axis=1) - np.log(len(DISTANCES)))[None, :] - total)
+    return total, law, np.exp(_log_sum(by_distance, axis=0) - total)
 
 
 def _stalled(data: _Data) -> tuple[float, np.ndarray]:
@@ -341,10 +347,10 @@ def _stalled(data: _Data) -> tuple[float, np.ndarray]:
     tails = np.cumsum(per_run[..., ::-1], axis=-1)[..., ::-1]
     prior = np.log(np.array([0.7, 0.2, 0.1]))[:, None] - np.log(len(widths)) - np.log(len(LEVELS))
     heads = np.cumsum(data.by_law[..., :-1] + data.gaps_by_errors, axis=-1)
-    before = [0.0] + [float(logsumexp(data.prior + heads[..., k])) for k in range(n - 1)]
+    before = [0.0] + [float(_log_sum(data.prior + heads[..., k])) for k in range(n - 1)]
     start = np.array(before) - np.log(n)
-    logs = logsumexp(tails + prior[..., None] + start, axis=(1, 2, 3))
-    total = float(logsumexp(logs))
+    logs = _log_sum(tails + prior[..., None] + start, axis=(1, 2, 3))
+    total = float(_log_sum(logs))
     return total, np.exp(logs - total)
 
 
@@ -357,8 +363,8 @@ def _lost(data: _Data) -> float:
             continue
         law = data.by_law[..., :before].sum(axis=-1) + data.gaps_by_errors[..., : before - 1].sum(axis=-1)
         rest = float(data.across[before - 1 :].sum()) - count * np.log(SPAN) - count * np.log(2.0)
-        logs.append(float(logsumexp(data.prior + law)) + rest)
-    return float(logsumexp(logs)) if logs else -np.inf
+        logs.append(float(_log_sum(data.prior + law)) + rest)
+    return float(_log_sum(logs)) if logs else -np.inf
 
 
 def _without_truth(data: _Data) -> _Evidence:
@@ -368,27 +374,27 @@ def _without_truth(data: _Data) -> _Evidence:
     right, law = _summed(data.prior + gaps.sum(axis=-1))
     apart = density(data.log_gap, LEVELS[:, None], 0.35).sum(axis=-1) - np.log(len(LEVELS))
     logs = {name: -np.inf for name in PRIORS}
-    logs |= {"right": right + np.log(PRIORS["right"]), "stalled": float(logsumexp(apart)) + np.log(PRIORS["stalled"])}
-    total = float(logsumexp(list(logs.values())))
-    level = np.exp(apart - logsumexp(apart))
+    logs |= {"right": right + np.log(PRIORS["right"]), "stalled": float(_log_sum(apart)) + np.log(PRIORS["stalled"])}
+    total = float(_log_sum(list(logs.values())))
+    level = np.exp(apart - _log_sum(apart))
     return _Evidence(total, logs, data.orders, law, np.full(len(DISTANCES), 1.0 / len(DISTANCES)), level)
 
 
 def _summed(logs: np.ndarray) -> tuple[float, np.ndarray]:
     """Return the log of a sum over the grid, and the probabilities of order and amplitude (p, b)."""
-    total = float(logsumexp(logs))
-    return total, np.exp(logsumexp(logs, axis=tuple(range(2, logs.ndim))) - total)
+    total = float(_log_sum(logs))
+    return total, np.exp(_log_sum(logs, axis=tuple(range(2, logs.ndim))) - total)
 
 
 def _mixed(ladder: Ladder, parts: list[_Evidence]) -> Posterior:
-    share = np.exp([part.total for part in parts] - logsumexp([part.total for part in parts]))
+    share = np.exp([part.total for part in parts] - _log_sum([part.total for part in parts]))
     weights = {
         name: float(sum(s * np.exp(part.logs[name] - part.total) for s, part in zip(share, parts, strict=True)))
         for name in PRIORS
     }
 
     def mixed(name: str) -> np.ndarray:
-        return sum(s * getattr(part, name) for s, part in zip(share, parts, strict=True))
+        return np.sum([s * getattr(part, name) for s, part in zip(share, parts, strict=True)], axis=0)
 
     law, distance, level = mixed("law"), mixed("distance"), mixed("level")
     return Posterior(ladder, weights, parts[0].orders, law / law.sum(), distance / distance.sum(), level / level.sum())

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import html
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -58,14 +59,17 @@ def _axis(title: str, log: bool) -> dict[str, Any]:
     return shown | ({"type": "log", "exponentformat": "power", "dtick": 1} if log else {"type": "-"})
 
 
+type Values = Sequence[float | None]  # None is a gap
+
+
 def add_series(
-    figure: Figure, engine: str, method: str, style: Style, x: list[float], y: list[float], **more: Any
+    figure: Figure, engine: str, method: str, style: Style, x: Values, y: Values, **more: Any
 ) -> None:
     """Add one method's line with markers, grouped under its engine in the legend."""
     mode = more.pop("mode", "lines+markers")
     figure.add_scatter(
         x=x,
-        y=[max(abs(value), FLOOR) for value in y],
+        y=[None if value is None else max(abs(value), FLOOR) for value in y],
         mode=mode,
         name=html.escape(method),
         meta={"engine": engine},

@@ -58,7 +58,7 @@ def loaded_top() -> Scene:
     """Return a top with a spring, a bushing, a torque in its own axes, and a pulse that ends within the run."""
     scene = scenes.make("heavy_top", spin=5.0)  # a bushing knows no more than half a turn
     top = scene.bodies[0]
-    above = (top.position[0], top.position[1], top.position[2] + 0.3)
+    above = (top.position[0], top.position[1], top.position[2] + 0.3)  # type: ignore[misc]
     loads = (
         SpringDamper(name="spring", body_a="ground", body_b=top.name, point_a=(0.4, 0.1, 0.2), point_b=above,
                      stiffness=30.0, damping=0.2),

@@ -21,7 +21,7 @@ def parallelograms(loops: int, faster: float = 1.0) -> Scene:
     scene = scenes.make("n_four_bar", loops=loops, gravity=G * faster**2)
     bodies = tuple(
         body.model_copy(update={
-            "velocity": tuple(faster * v for v in body.velocity), "angular_velocity": faster * body.angular_velocity,
+            "velocity": tuple(faster * v for v in body.velocity), "angular_velocity": faster * body.angular_velocity,  # type: ignore[operator]
         })
         for body in scene.bodies
     )  # fmt: skip

@@ -57,8 +57,8 @@ def ratios(data: ReportData, target: float) -> dict[str, list[float]]:
         times = {e: min(r.times["loop_s"] for r in alone if (r.engine, r.method, r.settings) in own)
                  for e in OFFERED if (own := [key for key in keys if key[0] == e])}  # fmt: skip
         least = min((time for engine, time in times.items() if engine != OURS), default=None)
-        for engine in times if least else ():
-            found[engine].append(times[engine] / least)
+        for engine in times if least is not None else ():
+            found[engine].append(times[engine] / (least or 1.0))
     return found
 
 

@@ -89,7 +89,7 @@ class Crooked(type(engines.get("mbs_ref"))):  # type: ignore[misc]
 
 def test_a_solver_with_a_direction_or_a_favourite_name_is_seen():
     scene = scenes.make("spring_pendulum")
-    found = {each.symmetry: each for each in violations(Crooked(), scene, Settings(t_end=0.5, **STEP))}
+    found = {each.symmetry: each for each in violations(Crooked(), scene, Settings(t_end=0.5, **STEP))}  # type: ignore[abstract]
     assert {name for name, each in found.items() if each.is_broken} >= {"turned", "mirrored", "other units", "renamed"}
     assert not found["shifted"].is_broken
     assert found["renamed"].size == pytest.approx(1e-3 * np.sqrt(2.0), rel=1e-3)
@@ -111,7 +111,7 @@ class Slanted(type(engines.get("mbs_ref"))):  # type: ignore[misc]
 @pytest.mark.parametrize(("of_step", "for_good", "broken"), [(1.0, 0.0, False), (0.0, 1e-3, True)])
 def test_who_turns_back_takes_the_velocities_errors_along(of_step, for_good, broken):
     scene = scenes.make("spring_pendulum")
-    found = violations(Slanted(of_step, for_good), scene, Settings(t_end=0.5, **STEP))
+    found = violations(Slanted(of_step, for_good), scene, Settings(t_end=0.5, **STEP))  # type: ignore[abstract]
     (back,) = (each for each in found if each.symmetry == BACK)
     assert back.size > 1e-5
     assert back.exceeds_error == broken
