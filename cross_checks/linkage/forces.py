@@ -147,12 +147,12 @@ class Applied:
         """Return force (N) and torque about the centre of mass (N m), (n_bodies, 6), world axes."""
         self.system.set_mode_time(t)
         evaluate = planar_wrenches if self.planar else spatial_wrenches
-        return evaluate(self.system.model, self.system.work, self.core, t, motion)
+        return evaluate(*self.system.own_handles, self.core, t, motion)
 
     def in_plane(self, t: float, pose: np.ndarray, rate: np.ndarray) -> np.ndarray:
         """Return the forces (n_bodies, 3) of planar poses and velocities (n_bodies, 3): N, N, N m."""
         self.system.set_mode_time(t)
-        return planar_forces(self.system.model, self.system.work, self.core, t, pose, rate)
+        return planar_forces(*self.system.own_handles, self.core, t, pose, rate)
 
     def of_parameters(self, t: float, pose: np.ndarray, rate: np.ndarray) -> np.ndarray:
         """Return the generalized forces (n_bodies, 7) of places and Euler parameters and their rates: N, N m."""
@@ -167,7 +167,7 @@ class Applied:
         """Return the generalized forces (n_v,) of the linkage's coordinates and rates (see `motion_of`)."""
         self.system.set_mode_time(t)
         evaluate = planar_generalized if self.planar else spatial_generalized
-        return evaluate(self.system.model, self.system.work, self.core, self.tree, t, q, v)
+        return evaluate(*self.system.own_handles, self.core, self.tree, t, q, v)
 
 
 def applied(linkage: Linkage) -> Applied | None:
