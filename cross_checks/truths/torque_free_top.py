@@ -58,7 +58,10 @@ def _rates(moments: np.ndarray, omega: np.ndarray) -> Rates:
     low, middle, high = (int(k) for k in np.argsort(moments, kind="stable"))
     place = (low, middle, high) if momentum2 > energy2 * moments[middle] else (high, middle, low)
     i1, i2, i3 = (moments[k] for k in place)
-    lack, excess = energy2 * i3 - momentum2, momentum2 - energy2 * i1
+    roundoff = 64 * np.finfo(np.longdouble).eps * momentum2  # a difference below is that of a steady spin
+    lack, excess = (
+        gap if abs(gap) > roundoff else np.longdouble(0) for gap in (energy2 * i3 - momentum2, momentum2 - energy2 * i1)
+    )
     squares = np.array([lack / (i1 * (i3 - i1)), lack / (i2 * (i3 - i2)), excess / (i3 * (i3 - i1))])
     size = np.sqrt(squares)
     speed, m = np.sqrt((i3 - i2) * excess / (i1 * i2 * i3)), (i2 - i1) * lack / ((i3 - i2) * excess)

@@ -142,7 +142,7 @@ def test_what_a_script_prints_is_a_file_that_judge_reads_without_a_map():
         ("drake", "bouncing_ball", "contact 'floor' (circle_on_line)"),
         ("exudyn", "bouncing_ball", "contact 'floor' (circle_on_line)"),
         ("exudyn", "driven_pendulum", "drive 'drive' calls Python"),
-        ("mujoco", "bouncing_ball", "release = 'force'"),
+        ("mujoco", "bouncing_ball", "contact 'floor'"),
         ("mujoco", "kepler", "part type 'newton'"),
     ],
 )
