@@ -33,11 +33,13 @@ def sweep(
     """
     asked = questions([scene], _offered(engines, methods))
     found: dict[Question, list[Record]] = {}
+    settled: set[Question] = set()  # answered by the settled truth; what a rougher one answered counts no more
     for patient in (worth is None, True):
         for answer in answers(runs, asked, targets, progress, patient):
             found[answer.question] = _records(answer)
+            settled |= {answer.question} if answer.is_settled else set()
             seen([record for question in asked for record in found.get(question, [])])
-        records = [record for question in asked for record in found.get(question, [])]
+        records = [record for question in asked if question in settled for record in found[question]]
         chosen = [id(record) for record in (records if worth is None else worth(records))]
         if patient or chosen:
             break
