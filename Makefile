@@ -63,8 +63,9 @@ test: kernels  ## the tests that finish in minutes
 report: venv  ## the main job: run the comparison and write reports/out/
 	$(BIN)/mbs-ref report
 
-lint: venv  ## ruff and pyright
+lint: venv  ## ruff's rules and layout, and pyright
 	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
 	$(BIN)/pyright
 
 # Every step runs, whatever became of those before; the exit code printed is that of the first that failed. A night that

@@ -124,18 +124,30 @@ class Trajectory:
     events: int = 0  # contact events located
     method_switches: int | None = None  # changes between families such as Adams and BDF, where the method tells
     timing: Timing = field(default_factory=Timing)
-    reactions: dict[str, np.ndarray] = field(default_factory=dict)  # joint -> (n_t, 3): force on body_b at the joint point (N, N, world) and torque (N m)
-    contacts: dict[str, np.ndarray] = field(default_factory=dict)  # contact -> (n_t, 5), in space (n_t, 7): depth (m), force on body_a (N, world), its point (m)
-    event_times: np.ndarray | None = None  # (n_events, 2) time s and index in event_names, where the engine locates events
+    reactions: dict[str, np.ndarray] = field(
+        default_factory=dict
+    )  # joint -> (n_t, 3): force on body_b at the joint point (N, N, world) and torque (N m)
+    contacts: dict[str, np.ndarray] = field(
+        default_factory=dict
+    )  # contact -> (n_t, 5), in space (n_t, 7): depth (m), force on body_a (N, world), its point (m)
+    event_times: np.ndarray | None = (
+        None  # (n_events, 2) time s and index in event_names, where the engine locates events
+    )
     event_names: tuple[str, ...] = ()  # contacts, then tension-only springs, then declared events
     method: str = ""  # that made the run, where the engine tells
     reason: str = ""  # why that one, where the engine was left to choose
     step_compliance: np.ndarray | None = None  # (n_samples, 2) time s, max |C| over the steps since the last sample
-    used: dict[str, float] = field(default_factory=dict)  # settings the run had, defaults included: step (s), or rtol, and atol of lengths (m); samples; of ours also carried_share, by DOP853
+    used: dict[str, float] = field(
+        default_factory=dict
+    )  # settings the run had, defaults included: step (s), or rtol, and atol of lengths (m); samples; of ours also carried_share, by DOP853
     notes: tuple[str, ...] = ()  # what the user should know: corrections applied, redundant rows, warnings
     estimate: Estimate | None = None  # of the error; None where it is switched off, where the run failed, and elsewhere
-    cut_steps: int = 0  # of ours: steps that an output ended before accuracy asked for it; outputs = 'dense' spares them
-    unreported: bool = False  # the engine itself said nothing: the failure in `status` was found by looking at its numbers
+    cut_steps: int = (
+        0  # of ours: steps that an output ended before accuracy asked for it; outputs = 'dense' spares them
+    )
+    unreported: bool = (
+        False  # the engine itself said nothing: the failure in `status` was found by looking at its numbers
+    )
 
     @property
     def ok(self) -> bool:

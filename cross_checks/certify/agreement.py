@@ -96,8 +96,10 @@ def agree(
         given = (DOUBLE_EPS * sensitivity, rates[0][asked], rates[1][asked], doubt)
         return Agreement(coarse[0][asked], coarse[1][asked], float("nan"), sensitivity, *given)
     start = second.start.astype(kind)
-    solved = _extrapolated(second, start, grid, tolerance) if second_by is None else second_by(
-        second.derivative, start, grid, tolerance
+    solved = (
+        _extrapolated(second, start, grid, tolerance)
+        if second_by is None
+        else second_by(second.derivative, start, grid, tolerance)
     )
     fine = _poses(second, grid, solved)
     difference = _gap(fine, coarse)

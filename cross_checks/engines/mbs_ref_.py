@@ -88,8 +88,15 @@ def _method(entry: Integrator) -> Method:
     """An integrator of either kind is listed as the adaptive one it is by default."""
     kind = "fixed" if entry.kind == "fixed" else "adaptive"
     return Method(
-        entry.name, kind, entry.order, entry.description, entry.ladder, entry.requires,
-        locates_events=entry.locates_events, stability=entry.stability, wrong_limit=entry.weakness,
+        entry.name,
+        kind,
+        entry.order,
+        entry.description,
+        entry.ladder,
+        entry.requires,
+        locates_events=entry.locates_events,
+        stability=entry.stability,
+        wrong_limit=entry.weakness,
         weak_on=frozenset({"constrained"}) if entry.weakness else frozenset(),
         embedded=entry.embedded,
     )

@@ -70,9 +70,7 @@ def judged(
     return cell_of(tried, results), tuple(tried.records[knob] for knob in tried.knobs)
 
 
-def refusal_of(
-    scene: Scene, engine: str, method: Method | None, targets: Sequence[float] = TARGETS
-) -> Cell | None:
+def refusal_of(scene: Scene, engine: str, method: Method | None, targets: Sequence[float] = TARGETS) -> Cell | None:
     """Return the cell of a method that cannot run the scene, with every reason; None where it can."""
     name, reason = refused(scene, engine, method)
     if not reason:

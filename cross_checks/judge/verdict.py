@@ -49,9 +49,7 @@ class Judgement(NamedTuple):
     odds: float | None = None  # None where no probability is involved
 
 
-def judge(
-    points: Sequence[Point], shown: Posterior | None, promised: float = 1.0, why_no_truth: str = ""
-) -> Judgement:
+def judge(points: Sequence[Point], shown: Posterior | None, promised: float = 1.0, why_no_truth: str = "") -> Judgement:
     """Return the verdict on runs from coarse to fine; `shown` is the posterior of those that succeeded.
 
     `promised` is the order that the method must show to be called converging: less than half of it is too little.

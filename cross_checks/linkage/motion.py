@@ -156,9 +156,7 @@ def project(tree, motion, axes, wrench):
     return generalized
 
 
-def poses_of(
-    linkage: Linkage, motions: Iterable[Motion]
-) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+def poses_of(linkage: Linkage, motions: Iterable[Motion]) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Return world poses and velocities of the scene's dimension over time; particles have no orientation."""
     motion = Motion(*(np.array(part) for part in zip(*motions, strict=True)))
     rigid = linkage.rigid

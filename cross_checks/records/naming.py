@@ -30,7 +30,10 @@ def run_name(scene: Scene, engine: Engine, settings: Settings, times: np.ndarray
         "physics": physics_of(scene),
         "times": hashlib.sha256(np.ascontiguousarray(times, dtype=float).tobytes()).hexdigest(),
         "engine": [
-            engine.name, engine.version(), code_of(type(engine).__module__), code_of(Engine.__module__),
+            engine.name,
+            engine.version(),
+            code_of(type(engine).__module__),
+            code_of(Engine.__module__),
             *filter(None, [engine.made_of]),
         ],
         "settings": settings.model_dump(mode="json", exclude_none=True),

@@ -171,5 +171,3 @@ def is_increasing(times: np.ndarray) -> int | None:
     """Return the first row whose time is not above the one before; None where all are."""
     back = np.flatnonzero(np.diff(times) <= 0.0)
     return int(back[0]) + 1 if len(back) else None
-
-

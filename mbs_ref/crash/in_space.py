@@ -11,17 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from mbs_ref.scene import (
-    Bushing,
-    Force,
-    PlanarBody,
-    Scene,
-    SpatialBody,
-    Spherical,
-    SpringDamper,
-    TorsionSpring,
-    Weld,
-)
+from mbs_ref.scene import Bushing, Force, PlanarBody, Scene, SpatialBody, Spherical, SpringDamper, TorsionSpring, Weld
 from mbs_ref.scene.contact import CircleOnCircle, CircleOnLine, SphereOnPlane, SphereOnSphere
 
 Z = (0.0, 0.0, 1.0)  # to the right of who sits facing x, with y upwards

@@ -70,14 +70,8 @@ _RIGID: dict[str, dict[str, Callable[..., Any]]] = {  # of bodies and joints, in
         "apply_contacts": contact_forces.rigid_apply_contacts,
         "fill_contact_rows": contact_rows.rigid_fill_contact_rows,
     },
-    LOOPS: {
-        "factor": dynamics.rigid_factor,
-        "solve": dynamics.rigid_solve,
-    },
-    OPEN: {
-        "factor": dynamics.rigid_factor_open,
-        "solve": dynamics.rigid_solve_open,
-    },
+    LOOPS: {"factor": dynamics.rigid_factor, "solve": dynamics.rigid_solve},
+    OPEN: {"factor": dynamics.rigid_factor_open, "solve": dynamics.rigid_solve_open},
     FORM: {
         "multipliers": dynamics.rigid_multipliers,
         "position_count": descriptor.rigid_position_count,
@@ -88,9 +82,7 @@ _RIGID: dict[str, dict[str, Callable[..., Any]]] = {  # of bodies and joints, in
         "defect_of": descriptor.rigid_defect_of,
         "gamma_of": descriptor.rigid_gamma_of,
     },
-    REPORT: {
-        "contact_forces": contact_events.rigid_contact_forces,
-    },
+    REPORT: {"contact_forces": contact_events.rigid_contact_forces},
 }
 HANDLES: dict[str, tuple[type, type]] = {  # core -> what its own code takes a model and a scratch for
     "planar": (PlanarModel, PlanarWork),
@@ -103,11 +95,7 @@ HANDLES: dict[str, tuple[type, type]] = {  # core -> what its own code takes a m
 ANSWERS: dict[str, dict[str, dict[str, Callable[..., Any]]]] = {
     "planar": {
         **_RIGID,
-        MOTION: {
-            **_RIGID[MOTION],
-            "derivative": planar.planar_derivative,
-            "tangent": planar.planar_tangent,
-        },
+        MOTION: {**_RIGID[MOTION], "derivative": planar.planar_derivative, "tangent": planar.planar_tangent},
         FORM: {
             **_RIGID[FORM],
             "times_mass": planar.planar_times_mass,
@@ -117,15 +105,8 @@ ANSWERS: dict[str, dict[str, dict[str, Callable[..., Any]]]] = {
     },
     "spatial": {
         **_RIGID,
-        MOTION: {
-            **_RIGID[MOTION],
-            "derivative": spatial.spatial_derivative,
-            "tangent": spatial.spatial_tangent,
-        },
-        EVENTS: {
-            **_RIGID[EVENTS],
-            "fill_deflection_rates": spatial_grips.spatial_fill_deflection_rates,
-        },
+        MOTION: {**_RIGID[MOTION], "derivative": spatial.spatial_derivative, "tangent": spatial.spatial_tangent},
+        EVENTS: {**_RIGID[EVENTS], "fill_deflection_rates": spatial_grips.spatial_fill_deflection_rates},
         FORM: {
             **_RIGID[FORM],
             "times_mass": spatial_form.spatial_times_mass,
@@ -154,16 +135,9 @@ ANSWERS: dict[str, dict[str, dict[str, Callable[..., Any]]]] = {
         EVENTS: PASSED_ON,
     },
     "particles": {
-        MOTION: {
-            **NO_ROWS,
-            "derivative": particles.particle_derivative,
-        },
-        FORM: {
-            "multipliers": particles.particle_multipliers,
-        },
-        REPORT: {
-            "contact_forces": _no_forces,
-        },
+        MOTION: {**NO_ROWS, "derivative": particles.particle_derivative},
+        FORM: {"multipliers": particles.particle_multipliers},
+        REPORT: {"contact_forces": _no_forces},
     },
 }
 

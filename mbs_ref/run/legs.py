@@ -9,13 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from mbs_ref.cores.system import System
-from mbs_ref.integrators.loop.leg import (
-    FEWEST,
-    Leg,
-    Options,
-    Progress,
-    progress,
-)
+from mbs_ref.integrators.loop.leg import FEWEST, Leg, Options, Progress, progress
 from mbs_ref.run.diagnosis import culprit, deeper_cause
 from mbs_ref.run.interrupts import Interrupts
 from mbs_ref.run.plan import ON_GRID, Plan

@@ -152,13 +152,7 @@ class ConstraintLaw(Law):
 
 
 ContactLaw = Annotated[
-    SpringDamperLaw
-    | ProgressiveLaw
-    | HuntCrossleyLaw
-    | LankaraniNikraveshLaw
-    | FloresLaw
-    | RigidLaw
-    | ConstraintLaw,
+    SpringDamperLaw | ProgressiveLaw | HuntCrossleyLaw | LankaraniNikraveshLaw | FloresLaw | RigidLaw | ConstraintLaw,
     Field(discriminator="type"),
 ]
 

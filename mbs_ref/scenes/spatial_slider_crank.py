@@ -17,11 +17,7 @@ PIVOT = np.array([0.0, 0.1, 0.12])  # m, Haug's mechanism: the crank's bearing, 
 
 
 def build(
-    *,
-    crank_length: Positive = 0.08,
-    rod_length: Positive = 0.3,
-    crank_speed: float = 6.0,
-    gravity: Positive = 9.81,
+    *, crank_length: Positive = 0.08, rod_length: Positive = 0.3, crank_speed: float = 6.0, gravity: Positive = 9.81
 ) -> Scene:
     """Turn a crank in the y-z plane that drives a slider along x through a rod.
 

@@ -92,4 +92,3 @@ def _jacobian(system: System, t: float, y: np.ndarray) -> np.ndarray:
 def may_be_stiff(scene: Scene) -> bool:
     """Return whether the scene has parts that can be stiff at all."""
     return bool(scene.contacts) or any(isinstance(x, SpringDamper | TorsionSpring | UserForce) for x in scene.loads)
-

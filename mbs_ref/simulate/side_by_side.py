@@ -97,9 +97,7 @@ def _side_by_side(cases: list[Case]) -> list[list[Trajectory]]:
 
 def _begun(case: Case) -> Begun:
     system, settings = case.system, case.plan.settings
-    found = [
-        or_stopped(system.scene, lambda y=y: consistent_start(system.redundant, y, settings)) for y in case.told
-    ]
+    found = [or_stopped(system.scene, lambda y=y: consistent_start(system.redundant, y, settings)) for y in case.told]
     said = {k: one for k, one in enumerate(found) if not isinstance(one, Trajectory)}
     halted = {k: one for k, one in enumerate(found) if isinstance(one, Trajectory)}
     return Begun(Bunch(system, case.plan, system.all_reduced(case.told[[*said]])), said, halted)

@@ -24,7 +24,12 @@ from reports.reproduce import command
 
 TIMES = ("build_s", "first_call_s", "loop_s", "loop_median_s", "loop_most_s", "loop_runs")
 VERDICTS = {
-    "engine": "engine", "method": "method", "verdict": "word", "code": "code", "error": "error", "setting": "setting",
+    "engine": "engine",
+    "method": "method",
+    "verdict": "word",
+    "code": "code",
+    "error": "error",
+    "setting": "setting",
     "why": "reason",
 }  # column -> key of a cell's view
 PRICES = ("within", "engine", "method", "setting", "error", "loop time", "over the cheapest")

@@ -33,9 +33,7 @@ def finished(scene: Scene, settings: Settings = FINE) -> Trajectory:
     return path
 
 
-def with_test(
-    scene: Scene, settings: Settings, tested: bool = True
-) -> tuple[Trajectory, Trajectory, float | None]:
+def with_test(scene: Scene, settings: Settings, tested: bool = True) -> tuple[Trajectory, Trajectory, float | None]:
     """Return the run, the run that the papers' test |C| < h may stop, and the error (m); None where the run stopped.
 
     Without the test, or where it stops nothing, both runs are one.
@@ -57,9 +55,7 @@ def largest_gap(path: Trajectory) -> float:
     return 0.0 if path.step_compliance is None else float(np.max(path.step_compliance[:, 1]))
 
 
-def forces(
-    name: str, scene: Scene, times: np.ndarray, values: np.ndarray, bodies: Sequence[str]
-) -> dict[str, Curves]:
+def forces(name: str, scene: Scene, times: np.ndarray, values: np.ndarray, bodies: Sequence[str]) -> dict[str, Curves]:
     """Return generalized forces (n_t, n_bodies, 3) of some bodies over time, a plot for each component."""
     return {
         f"{name}: {part}": curves(

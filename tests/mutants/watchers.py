@@ -20,8 +20,12 @@ CRASH = ("tests/mbs_ref/crash/test_against_injury_vectors.py", "tests/mbs_ref/cr
 SELF_CHECKS = ("tests/mbs_ref/self_checks/test_ambiguous_start.py", "tests/mbs_ref/run", "tests/mbs_ref/self_checks",
                "tests/mbs_ref/cores/test_spatial.py")  # fmt: skip
 TRUTHS = ("tests/cross_checks/truths",)
-ENGINES = ("tests/cross_checks/engines", "tests/cross_checks/engine", "tests/cross_checks/linkage",
-           "tests/cross_checks/conformance/symmetry")
+ENGINES = (
+    "tests/cross_checks/engines",
+    "tests/cross_checks/engine",
+    "tests/cross_checks/linkage",
+    "tests/cross_checks/conformance/symmetry",
+)
 JUDGE = ("tests/cross_checks/judge", "tests/cross_checks/records", "tests/cross_checks/truths/test_sky_truths.py")
 
 # the longest prefix of a defect's file decides
@@ -55,8 +59,10 @@ WATCHERS: dict[str, tuple[str, ...]] = {
     "cross_checks/judge": JUDGE,
     "cross_checks/metrics": ("tests/cross_checks/metrics", *JUDGE, "tests/cross_checks/engines"),
     "cross_checks/metrics/contact_figures": ("tests/cross_checks/truths/test_contact_truths.py", *JUDGE),
-    "cross_checks/conformance": ("tests/cross_checks/conformance/test_clocks.py",
-                                 "tests/cross_checks/conformance/test_conformance.py"),
+    "cross_checks/conformance": (
+        "tests/cross_checks/conformance/test_clocks.py",
+        "tests/cross_checks/conformance/test_conformance.py",
+    ),
     "cross_checks/conformance/symmetry": ("tests/cross_checks/conformance/symmetry",),
 }
 

@@ -7,10 +7,7 @@ from typing import Any
 import numpy as np
 from pydrake.math import RigidTransform, RotationMatrix  # pyright: ignore[reportMissingImports]
 from pydrake.multibody import tree as parts  # pyright: ignore[reportMissingImports]
-from pydrake.multibody.plant import (  # pyright: ignore[reportMissingImports]
-    DiscreteContactApproximation,
-    MultibodyPlant,
-)
+from pydrake.multibody.plant import DiscreteContactApproximation, MultibodyPlant  # pyright: ignore[reportMissingImports]
 
 from cross_checks.linkage.links import Closure, Link, Linkage
 from cross_checks.linkage.tree import FIXED

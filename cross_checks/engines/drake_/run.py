@@ -9,10 +9,7 @@ from typing import Any
 import numpy as np
 from pydrake.common.value import Value  # pyright: ignore[reportMissingImports]
 from pydrake.multibody.math import SpatialForce  # pyright: ignore[reportMissingImports]
-from pydrake.multibody.plant import (  # pyright: ignore[reportMissingImports]
-    ExternallyAppliedSpatialForce,
-    MultibodyPlant,
-)
+from pydrake.multibody.plant import ExternallyAppliedSpatialForce, MultibodyPlant  # pyright: ignore[reportMissingImports]
 from pydrake.systems.analysis import ResetIntegratorFromFlags, Simulator  # pyright: ignore[reportMissingImports]
 from pydrake.systems.framework import DiagramBuilder, LeafSystem  # pyright: ignore[reportMissingImports]
 

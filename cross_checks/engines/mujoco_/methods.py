@@ -33,8 +33,16 @@ STEP_SOFT = "loop closures and rods in space are springs whose time constant is 
 
 def _methods() -> tuple[Method, ...]:
     plain = [
-        Method(n, "fixed", p, text, LADDER, stability=exponential(p), wrong_limit=SOFT,
-               weak_on=frozenset({"closed-loop", "rod-in-space", "friction"}))
+        Method(
+            n,
+            "fixed",
+            p,
+            text,
+            LADDER,
+            stability=exponential(p),
+            wrong_limit=SOFT,
+            weak_on=frozenset({"closed-loop", "rod-in-space", "friction"}),
+        )
         for n, (_, p, text) in INTEGRATORS.items()
     ]  # what is implicit bears more, but shared forces are explicit in all
     tight = [

@@ -14,10 +14,26 @@ NO_GAINS = "_no_gains"
 SHRINK = "in loops, steps that shrink towards a singular pose end on it, where the proximal solve loses the energy"
 DRIFT = "without gains nothing holds the loop once a singular pose has let it slip"
 METHODS = (
-    Method("dop853", "adaptive", 8, "SciPy DOP853, driven from Python, Baumgarte gains in loops", RTOLS,
-           wrong_limit=SHRINK, weak_on=frozenset({"closed-loop"}), driven_from_python=True, embedded=7),
-    Method("rk4", "fixed", 4, "Runge-Kutta 4, driven from Python, Baumgarte gains in loops", STEPS,
-           stability=exponential(4), driven_from_python=True),
+    Method(
+        "dop853",
+        "adaptive",
+        8,
+        "SciPy DOP853, driven from Python, Baumgarte gains in loops",
+        RTOLS,
+        wrong_limit=SHRINK,
+        weak_on=frozenset({"closed-loop"}),
+        driven_from_python=True,
+        embedded=7,
+    ),
+    Method(
+        "rk4",
+        "fixed",
+        4,
+        "Runge-Kutta 4, driven from Python, Baumgarte gains in loops",
+        STEPS,
+        stability=exponential(4),
+        driven_from_python=True,
+    ),
     Method(
         "rk4" + NO_GAINS,
         "fixed",

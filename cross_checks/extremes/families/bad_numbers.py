@@ -94,9 +94,7 @@ def _user(kind: float) -> Case:
 
     sound = rod_chain("rod_with_user_law", (0.0,), (1.0,))
     scene = Scene.model_validate(sound.model_copy(update={"loads": (UserForce(name="law", function=law),)}))
-    return Case(
-        scene, grid(1.0, 1e-2, 11), measures.positions(_exact_rod), step=1e-2, rtol=RTOL, must_stop=kind > 0.0
-    )
+    return Case(scene, grid(1.0, 1e-2, 11), measures.positions(_exact_rod), step=1e-2, rtol=RTOL, must_stop=kind > 0.0)
 
 
 EXTREMES = (

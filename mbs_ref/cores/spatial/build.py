@@ -143,8 +143,7 @@ def build_spatial(scene: Scene) -> tuple[arrays.SpatialGroups, dict[int, Place]]
     groups = arrays.SpatialGroups(
         bodies=_bodies(build),
         slots=arrays.Slots(
-            body=np.array(build.slot_bodies, dtype=np.int64).reshape(-1, 2),
-            count=ints(build.slot_rows),
+            body=np.array(build.slot_bodies, dtype=np.int64).reshape(-1, 2), count=ints(build.slot_rows)
         ),
         loops=build.loops(),
         **rows,

@@ -26,9 +26,7 @@ INTEGRATORS = (
         needs_positions=True,
     ),
     _integrator(
-        name="dassl_index1",
-        description="DASSL (SUNDIALS IDA) on the index-1 form: drifts",
-        advance=ida(INDEX_1),
+        name="dassl_index1", description="DASSL (SUNDIALS IDA) on the index-1 form: drifts", advance=ida(INDEX_1)
     ),
     _integrator(
         name="dassl_index2",

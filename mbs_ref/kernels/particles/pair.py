@@ -55,9 +55,7 @@ def _apart(builder, delta, i, j, gap):
 
 
 def _root(builder, value):
-    root = cgutils.get_or_insert_function(
-        builder.module, ir.FunctionType(_VECTOR, [_VECTOR]), f"llvm.sqrt.v{LANES}f64"
-    )
+    root = cgutils.get_or_insert_function(builder.module, ir.FunctionType(_VECTOR, [_VECTOR]), f"llvm.sqrt.v{LANES}f64")
     return builder.call(root, [value])
 
 

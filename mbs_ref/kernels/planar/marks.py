@@ -38,10 +38,7 @@ def gap_between(kin, a, b, arm_a, arm_b):
 def rate_between(kin, a, b, arm_a, arm_b):
     """Return r_b' - r_a' (m/s) of two marks given by their arms."""
     va, vb = kin.motion[a], kin.motion[b]
-    return (
-        vb[0] - arm_b[1] * vb[2] - va[0] + arm_a[1] * va[2],
-        vb[1] + arm_b[0] * vb[2] - va[1] - arm_a[0] * va[2],
-    )
+    return (vb[0] - arm_b[1] * vb[2] - va[0] + arm_a[1] * va[2], vb[1] + arm_b[0] * vb[2] - va[1] - arm_a[0] * va[2])
 
 
 @bare

@@ -21,15 +21,7 @@ from mbs_ref.kernels.contact.laws import (
     ROOTS_EACH,
     normal_force,
 )
-from mbs_ref.kernels.contact.modes import (
-    FRICTION,
-    IMPACT,
-    TOUCH,
-    close,
-    is_broken,
-    next_mode,
-    normal_roots,
-)
+from mbs_ref.kernels.contact.modes import FRICTION, IMPACT, TOUCH, close, is_broken, next_mode, normal_roots
 from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.rigid import geometry as core
 from mbs_ref.kernels.rigid.contact_forces import find_near, is_behind, is_touching

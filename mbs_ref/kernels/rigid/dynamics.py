@@ -51,6 +51,7 @@ def refinements(pivot):
         steps += 1
     return steps
 
+
 @jit
 def rigid_factor(model, work):
     """Factor the augmented matrix at the Jacobians in `work`."""

@@ -71,6 +71,7 @@ def start_watches(model, work):
         above, speed = _watched(watches, work, k)
         modes.mode[first + k] = 1 if above > 0.0 or (above == 0.0 and speed < 0.0) else -1
 
+
 @jit
 def rigid_root_count(model):
     """Return the number of event functions; 0 in the plain mode."""

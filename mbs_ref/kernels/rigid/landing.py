@@ -11,11 +11,7 @@ from __future__ import annotations
 import numpy as np
 
 from mbs_ref.kernels.border.questions import accelerate, project
-from mbs_ref.kernels.contact.laws import (
-    MODE_CLOSED,
-    MODE_OPEN,
-    ROOTS_EACH,
-)
+from mbs_ref.kernels.contact.laws import MODE_CLOSED, MODE_OPEN, ROOTS_EACH
 from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.rigid import geometry as core
 from mbs_ref.kernels.rigid.model import (

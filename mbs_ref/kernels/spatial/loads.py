@@ -8,13 +8,7 @@ from __future__ import annotations
 import numpy as np
 
 from mbs_ref.kernels.jit import bare, jit
-from mbs_ref.kernels.rigid.model import (
-    bodies_of,
-    forces_of,
-    kinematics_of,
-    torsion_springs_of,
-    world_of,
-)
+from mbs_ref.kernels.rigid.model import bodies_of, forces_of, kinematics_of, torsion_springs_of, world_of
 from mbs_ref.kernels.spatial.marks import push, separation, twist
 from mbs_ref.kernels.spatial.model import attraction_of, bushings_of, gradients_of
 from mbs_ref.kernels.spatial.vectors import (

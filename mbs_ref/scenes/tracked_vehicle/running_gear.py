@@ -8,14 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from mbs_ref.scene import Joint, Load, PlanarBody, Revolute, TorsionSpring
-from mbs_ref.scenes.tracked_vehicle.numbers import (
-    APOTHEM,
-    AXLE_HEIGHT,
-    DATA,
-    HEIGHT,
-    PITCH_RADIUS,
-    ROLLER_RADIUS,
-)
+from mbs_ref.scenes.tracked_vehicle.numbers import APOTHEM, AXLE_HEIGHT, DATA, HEIGHT, PITCH_RADIUS, ROLLER_RADIUS
 
 Point = tuple[float, float]
 BAR = DATA["suspension"]

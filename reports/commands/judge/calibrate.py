@@ -20,8 +20,12 @@ MOST_ABOVE = 10.0  # median of estimate over error
 @click.option("-n", "count", type=click.IntRange(min=1), default=500, show_default=True, help="Random runs.")
 @click.option("--first", type=click.IntRange(min=0), default=0, show_default=True, help="The first run's seed.")
 @click.option("--shard", metavar="I/N", default="1/1", help="Only part I of N of the runs, for batch systems.")
-@click.option("--keep", type=click.Path(dir_okay=False, path_type=Path), metavar="FILE",
-              help="Lines of JSON to add each run to, and to take those from that are there already.")
+@click.option(
+    "--keep",
+    type=click.Path(dir_okay=False, path_type=Path),
+    metavar="FILE",
+    help="Lines of JSON to add each run to, and to take those from that are there already.",
+)
 @survey.table_file("calibration")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON: the table, and every run.")
 def command(count: int, first: int, shard: str, keep: Path | None, target: Path | None, as_json: bool) -> None:

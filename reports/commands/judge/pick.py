@@ -100,9 +100,7 @@ def command(
         _check(again, bounds)
 
 
-def _swept(
-    scene: Scene, chosen: tuple[str, ...], store: str | None, bounds: Bounds, as_json: bool
-) -> list[Record]:
+def _swept(scene: Scene, chosen: tuple[str, ...], store: str | None, bounds: Bounds, as_json: bool) -> list[Record]:
     """Return the runs to choose among; where the sweep is interrupted, print the best of those so far."""
 
     def best(records: Sequence[Record]) -> str:

@@ -62,9 +62,7 @@ def _axis(title: str, log: bool) -> dict[str, Any]:
 type Values = Sequence[float | None]  # None is a gap
 
 
-def add_series(
-    figure: Figure, engine: str, method: str, style: Style, x: Values, y: Values, **more: Any
-) -> None:
+def add_series(figure: Figure, engine: str, method: str, style: Style, x: Values, y: Values, **more: Any) -> None:
     """Add one method's line with markers, grouped under its engine in the legend."""
     mode = more.pop("mode", "lines+markers")
     figure.add_scatter(

@@ -229,9 +229,7 @@ def peers(runs: Runs, scene: Scene, names: Sequence[str] | None = None) -> list[
     return found
 
 
-def peer(
-    runs: Runs, scene: Scene, engine: str, method: Method, truth: Truth | NoTruth, ours: Trajectory
-) -> Row:
+def peer(runs: Runs, scene: Scene, engine: str, method: Method, truth: Truth | NoTruth, ours: Trajectory) -> Row:
     """Judge one method; its joint forces are compared with ours at the setting that speaks for it."""
     tried, answers = search(runs, scene, engine, method, truth, PEER_TARGETS[method.kind])
     cell = cell_of(tried, answers)

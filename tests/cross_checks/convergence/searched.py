@@ -1,6 +1,6 @@
 """A synthetic method as the search sees it, and the classifier that calibrates the convergence model.
 
-    python -m tests.cross_checks.convergence.searched calibration --seeds 0 2000
+python -m tests.cross_checks.convergence.searched calibration --seeds 0 2000
 """
 
 from __future__ import annotations

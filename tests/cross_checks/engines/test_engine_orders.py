@@ -14,13 +14,15 @@ STEPS = {1: (1e-3, 5e-4), 2: (5e-3, 2.5e-3), 4: (1e-2, 5e-3), 6: (2.5e-2, 1.25e-
 FIXED = [
     (name, method)
     for name, method in every_method()
-    if engine(name).method(method).kind == "fixed" and not method.endswith(("_tight", "_gains"))
+    if engine(name).method(method).kind == "fixed"
+    and not method.endswith(("_tight", "_gains"))
     and not engine(name).method_refusals(scenes.make("double_pendulum"), engine(name).method(method))
 ]
 ADAPTIVE = [
     (name, method)
     for name, method in every_method()
-    if engine(name).method(method).kind == "adaptive" and method != "dassl_index3"  # see test_integrators
+    if engine(name).method(method).kind == "adaptive"
+    and method != "dassl_index3"  # see test_integrators
     and not engine(name).method_refusals(scenes.make("double_pendulum"), engine(name).method(method))
 ]
 LOOPS = [("pinocchio", "rk4"), ("exudyn", "generalized_alpha"), ("exudyn", "trapezoidal")]

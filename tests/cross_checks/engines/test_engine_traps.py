@@ -30,9 +30,7 @@ STIFF = Scene(
 def spinning(rate: float) -> Scene:
     """Two hinged rods at a rate (rad/s) that no step of a millisecond resolves."""
     rods = tuple(
-        PlanarBody(
-            name=name, mass=1.0, inertia=0.1, position=(x, 0.0), velocity=(0.0, 0.5 * rate), angular_velocity=w
-        )
+        PlanarBody(name=name, mass=1.0, inertia=0.1, position=(x, 0.0), velocity=(0.0, 0.5 * rate), angular_velocity=w)
         for name, x, w in (("near", 0.5, rate), ("far", 1.5, -rate))
     )
     pins = (

@@ -198,11 +198,7 @@ REAL = {
     "ur_description/urdf/ur5_robot.urdf": {},
     "panda_description/urdf/panda.urdf": {"panda_finger_joint2": "locked", "panda_joint2": 0.4, "panda_joint4": -1.0},
     "anymal_b_simple_description/robots/anymal.urdf": {"base": "free", "LF_KFE.rate": 2.0, "RH_HAA.rate": -1.0},
-    "talos_data/robots/talos_reduced.urdf": {
-        "ignore": "friction",
-        "arm_left_2_joint": 0.5,
-        "leg_right_4_joint": 1.0,
-    },
+    "talos_data/robots/talos_reduced.urdf": {"ignore": "friction", "arm_left_2_joint": 0.5, "leg_right_4_joint": 1.0},
 }
 
 

@@ -46,7 +46,10 @@ def branched_tree() -> Scene:
                 name="hook_x", body="hook", point=(0.3, -0.9), direction=(1, 0), motion=Harmonic(amplitude=0.2, omega=5)
             ),
             PointDrive(
-                name="hook_y", body="hook", point=(0.3, -0.9), direction=(0.3, 1),
+                name="hook_y",
+                body="hook",
+                point=(0.3, -0.9),
+                direction=(0.3, 1),
                 motion=Harmonic(amplitude=0.1, omega=7),
             ),
         ),

@@ -100,9 +100,7 @@ def test_a_chain_hangs_from_its_own_weight(links):
 
     bodies = tuple(PlanarBody(name=f"b{k}", mass=1.0, inertia=1 / 12, position=(0, -k - 0.5)) for k in range(links))
     names = ["ground", *(b.name for b in bodies)]
-    joints = tuple(
-        Revolute(name=f"j{k}", body_a=names[k], body_b=names[k + 1], point=(0, -k)) for k in range(links)
-    )
+    joints = tuple(Revolute(name=f"j{k}", body_a=names[k], body_b=names[k + 1], point=(0, -k)) for k in range(links))
     system = PlanarSystem(Scene(name="hanging", gravity=(0.0, -9.81), bodies=bodies, joints=joints))
     reactions = system.reactions(0.0, system.initial_state())
     for k in range(links):

@@ -52,10 +52,7 @@ def test_nothing_passes_through_anything(name, impact):
 
 @pytest.mark.parametrize(
     ("name", "impact", "pair"),
-    [
-        (NAMES[0], "rear", "hand in seat_back"),
-        pytest.param(NAMES[1], "front", "head in thigh", marks=pytest.mark.slow),
-    ],
+    [(NAMES[0], "rear", "hand in seat_back"), pytest.param(NAMES[1], "front", "head in thigh", marks=pytest.mark.slow)],
 )
 def test_the_bare_models_pass_through_seat_and_thighs(name, impact, pair):
     """So a check that sees nothing here would see nothing there."""

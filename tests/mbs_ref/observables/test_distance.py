@@ -70,9 +70,13 @@ def test_distances_are_lengths_and_angles_sample_by_sample_and_body_by_body(dime
     for k in range(N_T - 2):
         one, other = first.orientation[k, 1], second.orientation[k, 1]
         spins = np.atleast_1d(first.angular_velocity[k, 1]), np.atleast_1d(second.angular_velocity[k, 1])
-        angle = math.acos(math.cos(one - other)) if dimension == 2 else (
-            Rotation.from_quat(one, scalar_first=True) * Rotation.from_quat(other, scalar_first=True).inv()
-        ).magnitude()
+        angle = (
+            math.acos(math.cos(one - other))
+            if dimension == 2
+            else (
+                Rotation.from_quat(one, scalar_first=True) * Rotation.from_quat(other, scalar_first=True).inv()
+            ).magnitude()
+        )
         assert found[k, 1, 1] == pytest.approx(angle, abs=1e-7)
         assert found[k, 1, 3] == pytest.approx(math.dist(*spins))
     assert np.isnan(found[:, 0, 1::2]).all()  # a particle has no orientation

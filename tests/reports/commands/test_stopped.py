@@ -48,11 +48,7 @@ WORDS = {"check": ["check", "pendulum", "--json"], "pick": ["pick", "pendulum", 
 
 @pytest.mark.parametrize(
     ("command", "stop", "words"),
-    [
-        ("check", signal.SIGTERM, "agrees"),
-        ("check", signal.SIGHUP, "agrees"),
-        ("pick", signal.SIGINT, "second step="),
-    ],
+    [("check", signal.SIGTERM, "agrees"), ("check", signal.SIGHUP, "agrees"), ("pick", signal.SIGINT, "second step=")],
 )
 def test_what_is_known_is_printed(tmp_path, command, stop, words):
     adapter = tmp_path / "halting_.py"

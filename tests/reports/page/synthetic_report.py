@@ -149,6 +149,4 @@ def report_data() -> ReportData:
     ]  # fmt: skip
     capabilities.append(Capability("drake", False, f"engine 'drake' needs the package 'pydrake' {HOSTILE}"))
     environment = {"made": "2026-01-02 03:04 UTC", "python": "3.12.1", "processor": HOSTILE, "exudyn": "1.2.3"}
-    return ReportData(
-        tuple(cells), tuple(records), tuple(capabilities), environment, extremes=_extremes()
-    )
+    return ReportData(tuple(cells), tuple(records), tuple(capabilities), environment, extremes=_extremes())

@@ -191,9 +191,9 @@ def test_markdown_shows_every_cell_and_is_escaped(folder, data):
 def test_every_record_and_every_cell_has_its_command(data, sources):
     for scene in data.scenes:
         source = sources[scene_file(scene)]
-        assert source.count("data-command=\"mbs-ref simulate") >= len(data.of_scene(scene))
+        assert source.count('data-command="mbs-ref simulate') >= len(data.of_scene(scene))
         ran = [cell for cell in data.cells if cell.label == scene and cell.verdict != "cannot"]
-        assert source.count("data-command=\"mbs-ref rerun") == len(ran)
+        assert source.count('data-command="mbs-ref rerun') == len(ran)
 
 
 def test_hover_text_is_escaped(read):

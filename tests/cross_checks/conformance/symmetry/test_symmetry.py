@@ -51,7 +51,7 @@ KNOWN: dict[tuple[str, str, str], set[str]] = {
     ("rebound", "saba", "outer_solar_system"): {"reordered"},
 }
 STOPS = {  # runs that the engine does not finish at this step or tolerance
-    ("exudyn", "tree_dopri5", "bouncing_ball"),  # one of its runs does not come back
+    ("exudyn", "tree_dopri5", "bouncing_ball")  # one of its runs does not come back
 }
 
 
