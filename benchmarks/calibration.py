@@ -21,11 +21,11 @@ from cross_checks.truth import MARGIN
 from mbs_ref import scenes
 from mbs_ref.integrators import integrators
 from mbs_ref.observables.distance import largest, relative
-from mbs_ref.run.plan import make_plan
 from mbs_ref.scene import Scene
 from mbs_ref.scene.units import free_fall_time, tolerance_unit
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
+from mbs_ref.simulate.plan import make_plan
 from mbs_ref.trajectory import Trajectory
 
 TIGHT = {"dop853": 1e-13, "lsodar": 1e-12}  # relative tolerances of the two runs that are the truth

@@ -1,4 +1,4 @@
-"""How a run is made: method, step or tolerances, stabilization. One vocabulary for every engine."""
+"""Settings of a run: method, step or tolerances, stabilization, outputs. All engines share them."""
 
 from __future__ import annotations
 
@@ -15,24 +15,22 @@ Stabilization = Literal["none", "baumgarte", "projection"]
 class Settings(Part):
     """Method and accuracy of a run. Give a step for fixed-step methods, rtol and atol for adaptive ones."""
 
-    method: str | None = None  # the engine's default unless given; mbs_ref chooses where it is 'auto'
+    method: str | None = None  # the engine's default unless given; with 'auto' mbs_ref chooses
     step: Positive | None = None  # s
     rtol: Positive | None = None
     atol: Positive | None = None  # m, rad, m/s, rad/s; unless given, rtol times a tenth of the scene's scale of each
     stabilization: Stabilization | None = None  # the engine's default unless given
-    coordinates: Coordinates = "cartesian"  # of bodies, with constraint rows; or of a tree's joints, without
+    coordinates: Coordinates = "cartesian"  # of bodies, with constraint rows; or of a tree's joints, without rows
     baumgarte_gain: Positive = 20.0  # 1/s, critically damped: C'' + 2 g C' + g^2 C = 0
     t_end: Positive | None = None  # s, the scene's duration unless given
-    samples: int = Field(default=101, ge=2, le=1_000_000)  # output times, evenly spaced from 0 to t_end
+    samples: int = Field(default=101, ge=2, le=1_000_000)  # number of output times, evenly spaced from 0 to t_end
     outputs: Literal["landed", "dense"] = "landed"  # steps end at output times, or the method interpolates there
     max_steps: int = Field(default=50_000_000, ge=1)
     stop_on_compliance: bool = False  # the papers' test |C(q, t)| < h ends the run
-    # touch-down, lift-off, slip, slack: roots found, or forces merely clipped; the method's own way unless given
+    # touch-down, lift-off, slip, slack: located as roots, or forces merely clipped; the method's default unless given
     events: Literal["located", "none"] | None = None
-    max_events: int = Field(default=1_000_000, ge=1)  # located in one run
-    refuse_unstable: bool = True  # an explicit fixed step that the linearised motion cannot bear does not run
-    estimate: Literal["on", "off"] = "on"  # of the error, by a second run after the timed loop
-    ambiguous: Literal["stop", "continue"] = "stop"  # a start at rest in a singular pose, where branches meet
+    refuse_unstable: bool = True  # refuse an explicit fixed step that is unstable for the linearised motion
+    estimate: Literal["on", "off"] = "on"  # of the error, by a second run outside of the timing
     project_initial: bool = False  # repair inconsistent initial conditions and report the correction
     reactions: bool = True  # evaluate joint reactions at the output times, after the timed loop
     initial_tolerance: NonNegative = 1e-9  # m or rad (m/s, rad/s), largest inconsistency accepted at t = 0

@@ -1,8 +1,8 @@
-"""What every engine returns: world poses and velocities at the asked times, and how the run ended."""
+"""The result of every engine: world poses and velocities at the output times, and how the run ended."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from typing import Any
 
@@ -10,25 +10,27 @@ import numpy as np
 
 from mbs_ref.display import facts
 
+POSES = ("position", "orientation", "velocity", "angular_velocity")
+
 
 class Status(StrEnum):
-    """How a run ended. Only SUCCESS vouches for every asked time."""
+    """How a run ended. Only SUCCESS guarantees samples at every output time."""
 
     SUCCESS = "success"
-    NON_FINITE = "non-finite"  # NaN or infinity arose
+    NON_FINITE = "non-finite"  # NaN or infinity occurred
     STEP_TOO_SMALL = "step-too-small"  # t + h == t, or the error test could not be met
     TOO_MANY_STEPS = "too-many-steps"
-    COMPLIANCE = "compliance"  # the papers' test |C| < h failed and was asked to stop
+    COMPLIANCE = "compliance"  # the papers' test |C| < h failed, and the settings end the run there
     PROJECTION = "projection"  # the constraints could not be restored
     INCONSISTENT = "inconsistent"  # initial conditions break a constraint
     NOT_CONVERGED = "not-converged"  # an implicit step's iteration failed
     SINGULAR = "singular"  # a singular pose where the branch of the motion is ambiguous
-    UNRESOLVED = "unresolved"  # by the run's own estimate no output after the start has a digit that holds
+    UNRESOLVED = "unresolved"  # by the run's own error estimate no output after the start has a correct digit
     COLLISION = "collision"  # two bodies came closer than the sum of their radii
-    ENDLESS_EVENTS = "endless-events"  # contact events accumulate: endless bouncing (Zeno), or more than allowed
+    ENDLESS_EVENTS = "endless-events"  # contact events accumulate: endless bouncing (Zeno), or more than the limit
     STOP_EVENT = "stop-event"  # an event that the scene declares ended the run; its state is the last sample
     REFUSED = "refused"  # stopped before the first step, with the reason
-    RESET = "reset"  # the engine restarted or skipped time behind the caller's back
+    RESET = "reset"  # the engine restarted, or skipped time, without reporting it
     INTERRUPTED = "interrupted"
     ENGINE_ERROR = "engine-error"  # the engine reported failure
 
@@ -42,27 +44,27 @@ class Timing:
     loop_s: float = 0.0
 
 
-SEEN = 0.01  # of the motion's size: an error beyond is seen with the naked eye
-DIGIT = 0.1  # of the motion's size: an error beyond leaves not one digit, and is another motion
-PROMISED = 100.0  # times the tolerance, which bounds the error of one step alone: more than that is said
+VISIBLE = 0.01  # error over the motion's size from which a plot shows it
+NO_DIGIT = 0.1  # error over the motion's size from which no digit is correct
+NOTABLE = 100.0  # error over the tolerance from which a note reports it; the tolerance bounds single steps
 
 
 @dataclass(frozen=True)
 class Estimate:
-    """How far a run may be off, by its own account, in the quantity by which truths judge errors.
+    """Estimated global error of a run, in the measure by which truths judge errors.
 
-    That is the largest over bodies of position, orientation, velocity and angular velocity, each over the scene's own
-    scales (mbs_ref.scene.scales). Digits are counted by poses alone: rates jump where bodies hit.
+    A component is the largest error over bodies of position, orientation, velocity or angular velocity, divided by
+    the scene's scales (mbs_ref.scene.scales). Only poses decide which digits are correct: rates jump at impacts.
     """
 
     times: np.ndarray  # (n_t,) s
-    components: np.ndarray  # (n_t, 4) of position, orientation and their rates; infinite where nothing vouches for them
-    how: str  # one sentence
-    size: float  # how far the motion goes in position or orientation
+    components: np.ndarray  # (n_t, 4) of position, orientation and their rates; infinite where there is no estimate
+    how: str  # how it was estimated, one sentence
+    size: float  # largest displacement or turn of the motion
     tolerance: float  # rtol times the largest coordinate
     cost_s: float  # s of wall time, outside of `timing`
-    length: float = 1.0  # m, the scene's, which positions count in
-    time: float = 1.0  # s
+    length: float = 1.0  # m, the scene's length scale
+    time: float = 1.0  # s, the scene's time scale
 
     @property
     def over_time(self) -> np.ndarray:
@@ -81,23 +83,28 @@ class Estimate:
 
     @property
     def holds_until(self) -> float | None:
-        """The last output (s) whose pose may be off by less than SEEN of the motion, or the tolerance; None: the end."""
-        beyond = np.flatnonzero(self.poses > max(SEEN * self.size, self.tolerance))
+        """The last output time (s) before the pose error exceeds VISIBLE of the motion; None if it never does."""
+        beyond = np.flatnonzero(self.poses > max(VISIBLE * self.size, self.tolerance))
         return float(self.times[max(beyond[0] - 1, 0)]) if len(beyond) else None
 
     @property
     def is_void(self) -> bool:
-        """Whether already the first output after the start may have no digit."""
-        return bool(np.any(self.poses[1:2] > max(DIGIT * self.size, self.tolerance)))
+        """Whether the first output after the start may have no correct digit."""
+        return bool(np.any(self.poses[1:2] > max(NO_DIGIT * self.size, self.tolerance)))
 
     def remark(self) -> str:
-        """Return a sentence where the estimate is more than was asked for, or nothing."""
+        """Return a sentence if the estimate far exceeds the tolerance, else nothing."""
         if self.holds_until is not None:
-            return (f"the digits hold until t = {self.holds_until:.6g} s: beyond, poses may be off by more than {SEEN:g} "
-                    f"of the motion, by up to {self.poses[-1] / self.size:.2g} of it")  # fmt: skip
-        if self.poses[-1] > PROMISED * self.tolerance:
-            return (f"poses may be off by {self.poses[-1]:.2g} of the scene, more than {PROMISED:g} times the relative "
-                    f"tolerance, which is {self.tolerance:.2g} here")  # fmt: skip
+            largest = self.poses[-1] / self.size
+            return (
+                f"the digits hold until t = {self.holds_until:.6g} s: later the error of poses may exceed {VISIBLE:g} "
+                f"of the motion's size; at the end it may be {largest:.2g} of it"
+            )
+        if self.poses[-1] > NOTABLE * self.tolerance:
+            return (
+                f"the error of poses may be {self.poses[-1]:.2g} of the scene's size, more than {NOTABLE:g} times the "
+                f"relative tolerance, which is {self.tolerance:.2g} here"
+            )
         return ""
 
     def to_dict(self) -> dict[str, Any]:
@@ -107,9 +114,17 @@ class Estimate:
                 "motion_size": self.size, "cost_s": self.cost_s, "length": self.length, "time": self.time}  # fmt: skip
 
 
+def pose_shapes(n_bodies: int, dimension: int) -> tuple[tuple[int, ...], ...]:
+    """Return the shapes of position, orientation, velocity and angular velocity of all bodies at one time."""
+    vectors = (n_bodies, dimension)
+    return (
+        (vectors, (n_bodies,), vectors, (n_bodies,)) if dimension == 2 else (vectors, (n_bodies, 4), vectors, vectors)
+    )
+
+
 @dataclass(frozen=True)
 class Trajectory:
-    """World poses and velocities; n_t is the number of times reached, in the scene's body order."""
+    """World poses and velocities in the scene's body order; n_t is the number of output times that were reached."""
 
     times: np.ndarray  # (n_t,) s
     position: np.ndarray  # (n_t, n_bodies, dimension) m, centre of mass
@@ -122,39 +137,36 @@ class Trajectory:
     rejected_steps: int = 0
     rhs_calls: int = 0
     events: int = 0  # contact events located
-    method_switches: int | None = None  # changes between families such as Adams and BDF, where the method tells
+    method_switches: int | None = None  # changes between families such as Adams and BDF, where the method reports it
     timing: Timing = field(default_factory=Timing)
-    reactions: dict[str, np.ndarray] = field(
-        default_factory=dict
-    )  # joint -> (n_t, 3): force on body_b at the joint point (N, N, world) and torque (N m)
-    contacts: dict[str, np.ndarray] = field(
-        default_factory=dict
-    )  # contact -> (n_t, 5), in space (n_t, 7): depth (m), force on body_a (N, world), its point (m)
-    event_times: np.ndarray | None = (
-        None  # (n_events, 2) time s and index in event_names, where the engine locates events
-    )
+    # joint -> (n_t, 3), in space (n_t, 6): force on body_b at the joint point (N, world axes) and torque (N m)
+    reactions: dict[str, np.ndarray] = field(default_factory=dict)
+    # contact -> (n_t, 5), in space (n_t, 7): depth (m), force on body_a (N, world axes), its point (m)
+    contacts: dict[str, np.ndarray] = field(default_factory=dict)
+    event_times: np.ndarray | None = None  # (n_events, 2) time (s), index in event_names; None if none are located
     event_names: tuple[str, ...] = ()  # contacts, then tension-only springs, then declared events
-    method: str = ""  # that made the run, where the engine tells
-    reason: str = ""  # why that one, where the engine was left to choose
+    method: str = ""  # of the run, where the engine reports it
+    reason: str = ""  # why this method, where the engine chose it
     step_compliance: np.ndarray | None = None  # (n_samples, 2) time s, max |C| over the steps since the last sample
-    used: dict[str, float] = field(
-        default_factory=dict
-    )  # settings the run had, defaults included: step (s), or rtol, and atol of lengths (m); samples; of ours also carried_share, by DOP853
-    notes: tuple[str, ...] = ()  # what the user should know: corrections applied, redundant rows, warnings
-    estimate: Estimate | None = None  # of the error; None where it is switched off, where the run failed, and elsewhere
-    cut_steps: int = (
-        0  # of ours: steps that an output ended before accuracy asked for it; outputs = 'dense' spares them
-    )
-    unreported: bool = (
-        False  # the engine itself said nothing: the failure in `status` was found by looking at its numbers
-    )
+    # settings in use, defaults included: step (s), or rtol, and atol of lengths (m); samples; mbs_ref's carried_share
+    used: dict[str, float] = field(default_factory=dict)
+    notes: tuple[str, ...] = ()  # corrections applied, redundant rows, warnings
+    estimate: Estimate | None = None  # of the error; None if switched off, if the run failed, and for other engines
+    cut_steps: int = 0  # mbs_ref alone: steps that an output time shortened; outputs = 'dense' avoids them
+    unreported: bool = False  # the engine reported no failure: `status` was detected from its numbers
+
+    @classmethod
+    def empty(cls, n_bodies: int, dimension: int, status: Status, message: str) -> Trajectory:
+        """Return a trajectory without samples: of a run that did not start."""
+        parts = (np.zeros((0, *shape)) for shape in pose_shapes(n_bodies, dimension))
+        return cls(np.zeros(0), *parts, status=status, message=message)
 
     @property
     def ok(self) -> bool:
         return self.status is Status.SUCCESS
 
     def _repr_html_(self) -> str:
-        """Return what a notebook shows: how the run ended, and what it cost."""
+        """Return the table that a notebook shows: how the run ended, and its cost."""
         bodies = self.position.shape[1] if self.position.ndim > 1 else 0
         estimate, reached = self.estimate, "nothing"
         if len(self.times):
@@ -170,15 +182,8 @@ class Trajectory:
 
     def upto(self, count: int) -> Trajectory:
         """Return the first `count` samples."""
-        from dataclasses import replace
-
-        return replace(
-            self,
-            times=self.times[:count],
-            position=self.position[:count],
-            orientation=self.orientation[:count],
-            velocity=self.velocity[:count],
-            angular_velocity=self.angular_velocity[:count],
-            reactions={name: value[:count] for name, value in self.reactions.items()},
-            contacts={name: value[:count] for name, value in self.contacts.items()},
-        )
+        samples = {name: getattr(self, name)[:count] for name in ("times", *POSES)}
+        forces = {
+            of: {name: value[:count] for name, value in getattr(self, of).items()} for of in ("reactions", "contacts")
+        }
+        return replace(self, **samples, **forces)

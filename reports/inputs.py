@@ -22,8 +22,8 @@ from mbs_ref.scene import Scene
 from mbs_ref.scene import messages as problems
 from mbs_ref.scene.scales import scales_of
 from mbs_ref.scene.toml import SceneFileError, read_scene
-from mbs_ref.self_checks import kept_rates
 from mbs_ref.settings import Settings
+from mbs_ref.simulate.start.consistent import fitted_rates
 from reports.terminal.exit_codes import EngineAbsent
 
 ENGINES = click.option(
@@ -83,7 +83,7 @@ def _keeping(made: Scene, kept: Sequence[str]) -> Scene:
     if not kept:
         return made
     try:
-        return kept_rates.keeping(made, kept, Settings().initial_tolerance)
+        return fitted_rates(made, kept, Settings().initial_tolerance)
     except ValueError as error:
         raise click.UsageError(str(error)) from error
 

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from mbs_ref.atomic_file import write_atomic
-from mbs_ref.simulate.ensemble import Ensemble
+from mbs_ref.simulate.many.ensemble import Ensemble
 from mbs_ref.trajectory import Trajectory
 
 

@@ -11,8 +11,8 @@ from mbs_ref.cores.choice import compile_scene
 from mbs_ref.scene import Scene
 from mbs_ref.scene.joints import Drive
 from mbs_ref.scene.scales import scales_of
-from mbs_ref.self_checks.consistent_start import rank_at_start
-from mbs_ref.self_checks.stiffness import stiffness_at_start
+from mbs_ref.simulate.linearised.stiffness import stiffness_at_start
+from mbs_ref.simulate.start.consistent import rank_at_start
 
 FEW = 60  # bodies up to which the motion is linearised
 

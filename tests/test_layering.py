@@ -28,7 +28,7 @@ WATCHED = ENGINES | EPHEMERIDES | {"sundials4py"}
 ROOMS = {
     "mbs_ref": (
         "atomic_file display kernels", "trajectory", "scene", "settings ephemeris cores observables",
-        "integrators crash", "run scenes", "self_checks", "simulate",
+        "integrators crash", "scenes simulate",
     ),
     "cross_checks": (
         "isolation truth", "engine", "linkage", "certify engines", "mechanisms truths",

@@ -12,11 +12,7 @@ from mbs_ref.trajectory import Status, Trajectory
 
 def stopped(scene: Scene, status: Status, message: str) -> Trajectory:
     """Return a trajectory without samples."""
-    n, d = len(scene.bodies), scene.dimension
-    turn = (0, n) if d == 2 else (0, n, 4)
-    spin = (0, n) if d == 2 else (0, n, 3)
-    empty = np.zeros((0, n, d))
-    return Trajectory(np.zeros(0), empty, np.zeros(turn), empty, np.zeros(spin), status, message)
+    return Trajectory.empty(len(scene.bodies), scene.dimension, status, message)
 
 
 @dataclass(frozen=True)

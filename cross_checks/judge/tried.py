@@ -19,7 +19,7 @@ from cross_checks.truth import NoTruth, Truth
 from mbs_ref.scene import Scene
 from mbs_ref.scene.traits import is_smooth
 from mbs_ref.scene.units import free_fall_time
-from mbs_ref.self_checks.stiffness import may_be_stiff, stiffness_at_start
+from mbs_ref.simulate.linearised.stiffness import may_be_stiff, stiffness_at_start
 from mbs_ref.trajectory import Trajectory
 
 FIRST_RTOL, FIRST_STEP = 1e-5, 5e-3  # where the search begins; steps in free-fall times

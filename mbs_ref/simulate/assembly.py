@@ -1,4 +1,4 @@
-"""A Trajectory of a run: poses, reactions, counts, notes and the estimate of its error; without samples if refused."""
+"""Assemble the Trajectory of a run: poses, reactions, counts, notes and the estimate of its error."""
 
 from __future__ import annotations
 
@@ -10,38 +10,41 @@ from typing import NamedTuple
 import numpy as np
 
 from mbs_ref.cores.system import Poses, System
-from mbs_ref.run.legs import Run
-from mbs_ref.run.many import stopped
-from mbs_ref.run.plan import Plan
 from mbs_ref.scene import Scene
-from mbs_ref.self_checks.consistent_start import InconsistentScene
-from mbs_ref.self_checks.error_estimate import ENDED, Beside, estimated
-from mbs_ref.self_checks.rank_watch import singular_passage
-from mbs_ref.self_checks.soundness import UnsoundScene
+from mbs_ref.simulate.error_estimate import ENDED, Companion, estimated
+from mbs_ref.simulate.legs import Run
+from mbs_ref.simulate.plan import Plan
+from mbs_ref.simulate.rank_watch import singular_passage
+from mbs_ref.simulate.start.consistent import InconsistentScene
+from mbs_ref.simulate.start.soundness import UnsoundScene
 from mbs_ref.trajectory import Status, Timing, Trajectory
 
 
 class Samples(NamedTuple):
-    """What the states of a run say."""
+    """Poses and reactions at the outputs of a run."""
 
     poses: Poses
     reactions: dict[str, np.ndarray]
 
 
 def sampled(system: System, plan: Plan, runs: list[Run]) -> list[Samples]:
-    """Return what the states of each run say, asked of all of them at once: of scenes without events."""
+    """Return the samples of each run, evaluated for all runs at once; several runs need a scene without events."""
     if not runs:
         return []
     times, states = np.concatenate([run.times for run in runs]), np.concatenate([run.states for run in runs])
-    poses, reactions = system.poses(states), _reactions(system, plan, times, states)
+    poses, reactions = system.poses(states), {}
+    if plan.settings.reactions:
+        system.set_baumgarte(0.0)
+        reactions = system.reactions_over(times, states)
     ends = np.cumsum([0, *(len(run.times) for run in runs)]).tolist()
     own = [slice(*pair) for pair in itertools.pairwise(ends)]
     return [Samples(Poses(*(part[at] for part in poses)), {n: part[at] for n, part in reactions.items()}) for at in own]
 
 
 def trajectory(system: System, plan: Plan, run: Run, notes: list[str], timing: Timing, samples: Samples) -> Trajectory:
+    """Return the trajectory of a run, without an estimate of its error."""
     times, states, counts = run.times, run.states, run.counts
-    contacts = system.contact_forces(times, states) if system.scene.contacts and plan.settings.reactions else {}
+    chosen = (f"method auto is {plan.integrator.name}: {plan.reason}",) if plan.reason else ()
     return Trajectory(
         times=times,
         **samples.poses._asdict(),
@@ -55,11 +58,11 @@ def trajectory(system: System, plan: Plan, run: Run, notes: list[str], timing: T
         method_switches=counts.switches if plan.integrator.switches else None,
         timing=timing,
         step_compliance=np.column_stack((times, run.compliance)),
-        notes=(*_chosen(plan), *notes, *_other_ways(plan, run), *singular_passage(system, times, states)),
+        notes=(*chosen, *notes, *_other_methods(plan, run), *singular_passage(system, times, states)),
         method=plan.integrator.name,
         reason=plan.reason,
         used=_used(plan, run),
-        contacts=contacts,
+        contacts=system.contact_forces(times, states) if system.scene.contacts and plan.settings.reactions else {},
         event_times=system.contact_events() if system.event_sources else None,
         event_names=system.event_sources,
         reactions=samples.reactions,
@@ -67,9 +70,9 @@ def trajectory(system: System, plan: Plan, run: Run, notes: list[str], timing: T
 
 
 def with_estimate(
-    system: System, plan: Plan, run: Run, path: Trajectory, companion: Beside | None = None
+    system: System, plan: Plan, run: Run, path: Trajectory, companion: Companion | None = None
 ) -> Trajectory:
-    """Add the estimate of its error to a run that ended well, and say what it is worth."""
+    """Return the trajectory of a run that ended well with the estimate of its error, and a note if it is large."""
     if run.status not in ENDED or plan.settings.estimate == "off":
         return path
     estimate = estimated(system, plan, run, Poses.of(path), companion)
@@ -82,13 +85,8 @@ def with_estimate(
     return replace(path, estimate=estimate, notes=(*path.notes, remark) if remark else path.notes)
 
 
-def _chosen(plan: Plan) -> tuple[str, ...]:
-    """Say which method ran and why, where that was left to us."""
-    return (f"method auto is {plan.integrator.name}: {plan.reason}",) if plan.reason else ()
-
-
-def _other_ways(plan: Plan, run: Run) -> tuple[str, ...]:
-    """Say how often the method changed its family, and for what share of the time another went on in its place."""
+def _other_methods(plan: Plan, run: Run) -> tuple[str, ...]:
+    """Return notes on changes of the method's family, and on the share of the time that DOP853 integrated."""
     name, families, share = plan.integrator.name, plan.integrator.switches, run.carried_share
     changed = (f"{name} changed {run.counts.switches} times between {families}",) if families else ()
     carried = (f"DOP853 carried {name} past singular poses, for {share:.2g} of the time",) if share else ()
@@ -96,7 +94,7 @@ def _other_ways(plan: Plan, run: Run) -> tuple[str, ...]:
 
 
 def _used(plan: Plan, run: Run) -> dict[str, float]:
-    """Return the settings that the run had, defaults included, and what share of the time another method made."""
+    """Return the settings in use, defaults included, and the share of the time that another method integrated."""
     options = plan.options
     accuracy = {"step": options.step} if options.step else {"rtol": options.rtol, "atol": float(options.atol[0])}
     restored = {"projection_tolerance": options.projection_tolerance} if options.project else {}
@@ -105,22 +103,16 @@ def _used(plan: Plan, run: Run) -> dict[str, float]:
     return accuracy | restored | damped | carried | {"samples": len(plan.times)}
 
 
-def _reactions(system: System, plan: Plan, times: np.ndarray, states: np.ndarray) -> dict[str, np.ndarray]:
-    """Evaluate joint reactions at the output times."""
-    if not plan.settings.reactions:
-        return {}
-    system.set_baumgarte(0.0)
-    return system.reactions_over(times, states)
+def empty(scene: Scene, status: Status, message: str) -> Trajectory:
+    """Return the trajectory of a run that did not start."""
+    return Trajectory.empty(len(scene.bodies), scene.dimension, status, message)
 
 
-def or_stopped[T](scene: Scene, make: Callable[[], T], refusal: type[ValueError] = UnsoundScene) -> T | Trajectory:
-    """Return what is made, or a trajectory that ended before it began.
-
-    It is `inconsistent` where the start breaks a constraint, and `refused` by such errors; others are raised.
-    """
+def or_empty[T](scene: Scene, make: Callable[[], T], refusal: type[ValueError] = UnsoundScene) -> T | Trajectory:
+    """Return make(), or a trajectory without samples: `inconsistent` for InconsistentScene, `refused` for `refusal`."""
     try:
         return make()
     except InconsistentScene as error:
-        return stopped(scene, Status.INCONSISTENT, str(error))
+        return empty(scene, Status.INCONSISTENT, str(error))
     except refusal as error:
-        return stopped(scene, Status.REFUSED, str(error))
+        return empty(scene, Status.REFUSED, str(error))

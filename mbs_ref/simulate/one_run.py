@@ -10,19 +10,19 @@ from mbs_ref.cores.choice import compile_scene
 from mbs_ref.cores.system import Poses, System
 from mbs_ref.integrators import DEFAULT
 from mbs_ref.integrators.loop.leg import progress
-from mbs_ref.run.legs import Run, finite_part, run_legs
-from mbs_ref.run.many import check_starts
-from mbs_ref.run.method_choice import choose_plan, without
-from mbs_ref.run.plan import Plan
 from mbs_ref.scene import Scene
-from mbs_ref.self_checks.consistent_start import consistent_start, rank_at_start, redundancy, unstable_step
-from mbs_ref.self_checks.first_steps import after_first_steps
-from mbs_ref.self_checks.soundness import ambiguous_start, require_sound
 from mbs_ref.settings import Settings
-from mbs_ref.simulate.assembly import sampled, trajectory, with_estimate
+from mbs_ref.simulate.assembly import empty, sampled, trajectory, with_estimate
+from mbs_ref.simulate.legs import Run, finite_part, run_legs, start_run
+from mbs_ref.simulate.linearised.stiffness import unstable_step
+from mbs_ref.simulate.method.choice import choose_plan, without
+from mbs_ref.simulate.method.first_steps import after_first_steps
+from mbs_ref.simulate.plan import Plan
+from mbs_ref.simulate.start.consistent import consistent_start, rank_at_start, redundancy
+from mbs_ref.simulate.start.soundness import ambiguous_start, check_starts, require_sound
 from mbs_ref.trajectory import Status, Timing, Trajectory
 
-BROKEN_DOWN = frozenset({Status.NOT_CONVERGED, Status.NON_FINITE, Status.STEP_TOO_SMALL})  # a method, not the scene
+BROKEN_DOWN = frozenset({Status.NOT_CONVERGED, Status.NON_FINITE, Status.STEP_TOO_SMALL})  # the method failed
 
 
 def simulate(
@@ -30,19 +30,18 @@ def simulate(
 ) -> Trajectory:
     """Integrate a scene with the in-house solver.
 
-    `times` (n_t,) in s start at 0 and increase; without them an even grid follows from the settings, on
-    multiples of the step for fixed-step methods. `start` are poses and velocities at t = 0 (one sample of each) in
-    place of the scene's own; joints stay where the scene has them on the bodies. Raises ValueError for settings or a
-    start that make no sense, UnsoundScene for parts that make none and InconsistentScene where the initial conditions
-    break a constraint (unless they are to be projected). Everything later is a status with a sentence; Ctrl-C keeps
-    what was computed.
+    `times` (n_t,) in s start at 0 and increase; without them the settings define an even grid, of multiples of the step
+    for fixed-step methods. `start` replaces the scene's own poses and velocities at t = 0 (one sample of each); joints
+    stay where the scene has them on the bodies. Raises ValueError for contradictory settings or an invalid start,
+    UnsoundScene for invalid parts, and InconsistentScene if the initial conditions violate a constraint (unless
+    `project_initial` is set). Every later failure is a status with a message; Ctrl-C returns the samples so far.
 
-    A run that ends well is made again with half of its step, or a tenth of its tolerances: what the two differ by
-    estimates the error (self_checks/error_estimate.py). It is `unresolved` where no output after the start has a digit
-    that holds. The second run's time is outside of `timing`; estimate = 'off' leaves it out.
+    A run that ends well is repeated with half of its step or a tenth of its tolerances, to estimate its error
+    (simulate/error_estimate.py). Its status is `unresolved` if no output after the start has a correct digit. The
+    second run is outside of `timing`; estimate = 'off' omits it.
 
-    method = 'auto' leaves the method to what the scene contains and to what its first steps tell; the trajectory says
-    which it was and why. Where a method so chosen breaks down, the default makes the run again.
+    With method = 'auto' the scene's parts and the first steps determine the method; the trajectory states it and the
+    reason. If the chosen method fails, the default method repeats the run.
     """
     if start is not None:
         check_starts(scene, start, count=1)
@@ -61,30 +60,29 @@ def compiled(scene: Scene, settings: Settings, times: np.ndarray | None) -> tupl
 
 
 def simulated(system: System, plan: Plan, y: np.ndarray, build_s: float = 0.0, warm: bool = False) -> Trajectory:
-    """Return what `simulate` does from a state y of `system.redundant`; `warm` where this plan has been run before."""
-    began, settings = time.perf_counter(), plan.settings
+    """Return the run from a state y of `system.redundant`, as `simulate` does; `warm` if this plan has run before."""
+    began, scene = time.perf_counter(), system.scene
     system.set_mode_time(0.0)
     system.set_baumgarte(0.0)
-    repairs = consistent_start(system.redundant, y, settings)
+    repairs = consistent_start(system.redundant, y, plan.settings)
     y = system.reduced(y)
     rank = rank_at_start(system, y)
     notes = [*plan.notes, *repairs, *redundancy(system, rank)]
-    if rank is not None and rank < system.n_constraints and settings.ambiguous == "stop":
+    if rank is not None and rank < system.n_constraints:
         branches = ambiguous_start(system, y, rank)
         if branches:
-            return _refused(system, branches, Status.SINGULAR)
-    system.set_baumgarte(plan.baumgarte_gain)
-    system.start_contacts(0.0, y, settings.events != "none")
+            return empty(scene, Status.SINGULAR, branches)
+    start_run(system, plan, y)
     plan = after_first_steps(system, plan, y)
     refusal = unstable_step(system, plan, y)
     if refusal:
-        return _refused(system, refusal)
+        return empty(scene, Status.REFUSED, refusal)
     if not warm:
         _first_call(system, plan, y)
     ready = time.perf_counter()
     run = _run(system, plan, y.copy())
     if plan.reason and run.status in BROKEN_DOWN and plan.integrator.name != DEFAULT:
-        plan, system = without(system.scene, plan, run.message), system.twin()
+        plan, system = without(scene, plan, run.message), system.twin()
         run = _run(system, plan, y)
     timing = Timing(build_s=build_s, first_call_s=ready - began, loop_s=run.loop_s)
     path = trajectory(system, plan, run, notes, timing, sampled(system, plan, [run])[0])
@@ -92,20 +90,13 @@ def simulated(system: System, plan: Plan, y: np.ndarray, build_s: float = 0.0, w
 
 
 def _run(system: System, plan: Plan, y: np.ndarray) -> Run:
-    """Make the run from y, which is left where it ends."""
-    system.set_mode_time(0.0)
-    system.set_baumgarte(plan.baumgarte_gain)
-    system.start_contacts(0.0, y, plan.settings.events != "none")
+    """Return the run from y, which is overwritten by the state where it ends."""
+    start_run(system, plan, y)
     return finite_part(system, run_legs(system, plan, y))
 
 
-def _refused(system: System, reason: str, status: Status = Status.REFUSED) -> Trajectory:
-    none = system.poses(np.zeros((0, len(system.initial_state()))))
-    return Trajectory(times=np.zeros(0), **none._asdict(), status=status, message=reason)
-
-
 def _first_call(system: System, plan: Plan, y: np.ndarray) -> None:
-    """Make one tiny leg on a copy: it compiles the method, or loads it from the cache, outside the timed loop."""
+    """Integrate a tiny leg on a copy: it compiles the method, or loads it from the cache, outside the timed loop."""
     span = min(1e-9, plan.times[1])
     with np.errstate(all="ignore"):
         options = plan.options._replace(max_steps=2)

@@ -11,7 +11,7 @@ import plotly.graph_objects as go
 from cross_checks.records.record import Record
 from cross_checks.records.store import Run
 from mbs_ref.scene import Scene
-from mbs_ref.simulate.ensemble import Ensemble
+from mbs_ref.simulate.many.ensemble import Ensemble
 from mbs_ref.trajectory import Trajectory
 from reports.drawing.plots import history
 from reports.drawing.plots.bands import bands

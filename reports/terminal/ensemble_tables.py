@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 from rich.table import Table
 
-from mbs_ref.simulate.ensemble import Ensemble, Statistics, coordinates
+from mbs_ref.simulate.many.ensemble import Ensemble, Statistics, coordinates
 from reports.terminal.console import number, table
 
 MOST_ROWS = 60

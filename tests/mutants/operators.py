@@ -21,7 +21,7 @@ DRAWN = {
     "mbs_ref/kernels/rigid": 20, "mbs_ref/kernels/contact": 6, "mbs_ref/kernels/algebra": 6,
     "mbs_ref/integrators/loop": 14, "mbs_ref/integrators/stages": 8, "mbs_ref/integrators/methods": 10,
     "mbs_ref/crash/injury.py": 12, "mbs_ref/crash/results.py": 8, "mbs_ref/observables": 20,
-    "mbs_ref/self_checks": 10, "cross_checks/metrics": 10, "cross_checks/judge": 8, "cross_checks/engine": 12,
+    "mbs_ref/simulate": 10, "cross_checks/metrics": 10, "cross_checks/judge": 8, "cross_checks/engine": 12,
     "cross_checks/engines": 14, "cross_checks/certify": 16, "cross_checks/truths": 14,
     "cross_checks/conformance/symmetry": 6,
 }  # fmt: skip

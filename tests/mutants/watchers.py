@@ -13,12 +13,12 @@ PLANE = (*ALONE, "tests/mbs_ref/kernels", "tests/mbs_ref/cores/test_planar.py",
 SPACE = (*ALONE, "tests/mbs_ref/kernels", "tests/mbs_ref/cores/test_spatial.py",
          "tests/mbs_ref/cores/test_random_scenes.py")  # fmt: skip
 RUNS = ("tests/mbs_ref/integrators/test_parts_alone.py", "tests/mbs_ref/integrators/test_radau_alone.py",
-        "tests/mbs_ref/integrators", "tests/mbs_ref/run", "tests/mbs_ref/kernels/contact",
+        "tests/mbs_ref/integrators", "tests/mbs_ref/simulate", "tests/mbs_ref/kernels/contact",
         "tests/mbs_ref/cores")  # fmt: skip
 CRASH = ("tests/mbs_ref/crash/test_against_injury_vectors.py", "tests/mbs_ref/crash/test_measures_alone.py",
          "tests/mbs_ref/crash", "tests/reports/studies/test_android_page.py")  # fmt: skip
-SELF_CHECKS = ("tests/mbs_ref/self_checks/test_ambiguous_start.py", "tests/mbs_ref/run", "tests/mbs_ref/self_checks",
-               "tests/mbs_ref/cores/test_spatial.py")  # fmt: skip
+SIMULATE = ("tests/mbs_ref/simulate/start/test_ambiguous_start.py", "tests/mbs_ref/simulate",
+            "tests/mbs_ref/cores/test_spatial.py")  # fmt: skip
 TRUTHS = ("tests/cross_checks/truths",)
 ENGINES = (
     "tests/cross_checks/engines",
@@ -42,9 +42,9 @@ WATCHERS: dict[str, tuple[str, ...]] = {
     "mbs_ref/integrators": RUNS,
     "mbs_ref/crash": CRASH,
     "mbs_ref/observables": ("tests/mbs_ref/observables", *CRASH, *CONTACT, "tests/mbs_ref/cores"),
-    "mbs_ref/self_checks": SELF_CHECKS,
-    "mbs_ref/simulate/ensemble": ("tests/mbs_ref/simulate/ensemble",),
-    "mbs_ref/self_checks/stiffness": ("tests/mbs_ref/kernels/contact/test_contact.py", *SELF_CHECKS),
+    "mbs_ref/simulate": SIMULATE,
+    "mbs_ref/simulate/many/ensemble": ("tests/mbs_ref/simulate/many/ensemble",),
+    "mbs_ref/simulate/linearised/stiffness": ("tests/mbs_ref/kernels/contact/test_contact.py", *SIMULATE),
     "cross_checks": ("tests/cross_checks",),
     "cross_checks/certify": TRUTHS,
     "cross_checks/certify/numerics/collocation": SKY[::-2],

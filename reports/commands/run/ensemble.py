@@ -9,8 +9,8 @@ import click
 import numpy as np
 
 from mbs_ref.atomic_file import write_atomic
-from mbs_ref.simulate import ensemble as ensembles
-from mbs_ref.simulate.ensemble import Design, Ensemble, Law, Source, Variants
+from mbs_ref.simulate.many import ensemble as ensembles
+from mbs_ref.simulate.many.ensemble import Design, Ensemble, Law, Source, Variants
 from reports import inputs
 from reports.poses_file import ENSEMBLE_FORMATS, write_ensemble
 from reports.scene_summary import summary

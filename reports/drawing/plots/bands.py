@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import html
 
-from mbs_ref.simulate.ensemble import Coordinate, Ensemble, Statistics, coordinates, statistics
+from mbs_ref.simulate.many.ensemble import Coordinate, Ensemble, Statistics, coordinates, statistics
 from reports.drawing.plots.figure import Figure, new_figure
 from reports.drawing.plots.palette import COLOURS
 

@@ -25,9 +25,9 @@ from mbs_ref.integrators import integrators
 from mbs_ref.observables import constraint_residual
 from mbs_ref.observables.distance import distances
 from mbs_ref.scene import Scene
-from mbs_ref.self_checks.stiffness import stiffness_at_start
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
+from mbs_ref.simulate.linearised.stiffness import stiffness_at_start
 from mbs_ref.trajectory import Status, Trajectory
 from reports.drawing.numbers import ABSENT, in_words, order_of, setting, short
 from reports.facts.curves import Curves, Measured, Row, Value, curves, plain
@@ -162,9 +162,8 @@ def add_stable(measured: Measured, scene: Scene) -> None:
     limits = {name: _finite(float(found.step_limit(m.stability))) for name, m in integrators().items() if m.stability}
     beyond = BEYOND[scene.name]
     refused = Settings(method="rk4", step=beyond, samples=26, reactions=False)
-    most = {"max_steps": MOST_STEPS, "max_events": MOST_STEPS}
     forced = simulate(scene, refused.model_copy(
-        update={"stabilization": "none", "estimate": "off", "refuse_unstable": False, **most}
+        update={"stabilization": "none", "estimate": "off", "refuse_unstable": False, "max_steps": MOST_STEPS}
     ))  # fmt: skip
     rules = {"1/omega": found.oscillation_rule, "m/c": found.damping_rule}
     known = ", ".join(f"{name} = {short(value)} s" for name, value in rules.items() if np.isfinite(value))

@@ -38,7 +38,7 @@ METHODS = ("dop853", "lsodar")
 WRONG = 1e-5  # of the scene's scales ...
 ESTIMATES = 30.0  # ... and of the run's own estimate: a difference above both is an error of one of the two
 SLOW_S = 10.0  # s of processor time for one truth
-MOST_STEPS, MOST_EVENTS = 100_000, 20_000  # for one run
+MOST_STEPS = 100_000  # for one run
 ENDED = ("success", "stop-event")
 KINDS = ("compared", "two methods", "no truth", "refused", "wrong", "traceback", "no result")
 FAULTS = ("wrong", "traceback", "no result")
@@ -154,7 +154,7 @@ def _by_two_methods(scene: Scene, run: Trajectory, t_end: float | None, spent: f
 
 def _run(scene: Scene, method: str | None, rtol: float, t_end: float | None) -> Trajectory:
     end = None if t_end is None else min(t_end, scene.duration)
-    more = Settings(method=method, rtol=rtol, t_end=end, samples=21, max_steps=MOST_STEPS, max_events=MOST_EVENTS)
+    more = Settings(method=method, rtol=rtol, t_end=end, samples=21, max_steps=MOST_STEPS)
     return simulate(scene, more)
 
 

@@ -9,9 +9,9 @@ from mbs_ref import scenes
 from mbs_ref.cores.choice import compile_scene
 from mbs_ref.cores.relative.system import RelativeSystem
 from mbs_ref.scene import PlanarBody, PointMass, Prismatic, Revolute, Scene, SpatialBody, Spherical, SpringDamper, Weld
-from mbs_ref.self_checks.consistent_start import InconsistentScene
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
+from mbs_ref.simulate.start.consistent import InconsistentScene
 
 SAME = 1e-10  # m, rad: of motions at tolerances of 1e-12
 ROUNDOFF = 1e-9  # relative, of accelerations of some hundred at general states
@@ -211,7 +211,7 @@ def test_what_is_no_tree_of_known_joints_is_refused(name, told):
 
 
 def test_methods_on_the_rows_are_refused():
-    with pytest.raises(ValueError, match="is made for planar, spatial scenes"):
+    with pytest.raises(ValueError, match="is for planar, spatial scenes"):
         simulate(scenes.make("pendulum"), Settings(method="radau", coordinates="relative"))
     with pytest.raises(ValueError, match="they have no rows"):
         simulate(scenes.make("pendulum"), Settings(coordinates="relative", stabilization="baumgarte"))

@@ -9,10 +9,10 @@ import pytest
 from scipy.special import ellipj
 
 from mbs_ref import scenes
-from mbs_ref.run.lanes import why_not_in_lanes
 from mbs_ref.scene import GROUND, PointMass, Scene, SpringDamper
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
+from mbs_ref.simulate.many.lanes import why_not_in_lanes
 
 DENSE = Settings(outputs="dense", estimate="off", reactions=False)
 G, LENGTH, REST = 9.81, 2.0, 5.0

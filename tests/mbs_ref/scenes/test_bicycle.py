@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from mbs_ref import observables, scenes
-from mbs_ref.self_checks.steady_motion import steady_motion_at_start
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
+from mbs_ref.simulate.linearised.steady_motion import steady_motion_at_start
 from mbs_ref.trajectory import Status
 
 PRINTED = 1e-11  # 1/s, the bound; the table has 14 decimals

@@ -14,8 +14,8 @@ from mbs_ref import scenes
 from mbs_ref.scene import PointMass, Scene
 from mbs_ref.scene.toml import write_scene
 from mbs_ref.settings import Settings
-from mbs_ref.simulate import ensemble as ensembles
-from mbs_ref.simulate.ensemble import runs
+from mbs_ref.simulate.many import ensemble as ensembles
+from mbs_ref.simulate.many.ensemble import runs
 from reports.cli import main
 from reports.drawing.plots.bands import bands
 

@@ -16,9 +16,9 @@ from mbs_ref.observables import energy_balance, momentum_drift
 from mbs_ref.scene import PlanarBody, Scene
 from mbs_ref.scene.contact import CircleOnLine, ProgressiveLaw, RigidLaw, SpringDamperLaw
 from mbs_ref.scene.toml import dumps, loads
-from mbs_ref.self_checks.stiffness import stiffness
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
+from mbs_ref.simulate.linearised.stiffness import stiffness
 from mbs_ref.trajectory import Status
 
 FINE = Settings(method="dop853", rtol=1e-12)

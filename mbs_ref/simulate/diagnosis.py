@@ -1,0 +1,94 @@
+"""Identify the joints or springs that stopped a run, from its last finite state."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from mbs_ref.cores.system import System
+from mbs_ref.observables.attachment import Motion
+from mbs_ref.observables.springs import bushing_strain, twist_of
+from mbs_ref.scene import Bushing, TorsionSpring
+from mbs_ref.trajectory import Status, Trajectory
+
+NEAR_SINGULAR = 1e-3  # smallest singular value of the scaled C_q below which joints are always named
+MAX_ROWS = 600  # a dense SVD of more takes seconds
+SHARE = 0.5  # of the largest component of the weakest direction: joints with less are not named
+MOST_NAMED = 4
+NEARLY_TURNED = 2.5  # rad; springs in space stop the run at 3 rad
+CLOSED = frozenset({Status.SINGULAR, Status.PROJECTION})  # a loop that cannot be closed
+
+
+def culprit(system: System, t: float, y: np.ndarray) -> str:
+    """Return a clause on the body with the largest acceleration and the joint with the largest violation at (t, y)."""
+    scene, half = system.scene, system.n_positions
+    with np.errstate(all="ignore"):
+        rate = np.abs(system.derivative(t, y)[half:])
+        gaps = {name: float(np.max(np.abs(pair[0]), initial=0.0)) for name, pair in system.residuals(t, y).items()}
+    fastest = int(np.argmax(np.where(np.isnan(rate), np.inf, rate)))
+    body = scene.bodies[min(fastest // max(1, len(rate) // len(scene.bodies)), len(scene.bodies) - 1)].name
+    words = f"; body {body!r} has the largest acceleration there ({rate[fastest]:.3g} m/s^2 or rad/s^2)"
+    if gaps:
+        joint = max(gaps, key=lambda name: np.inf if np.isnan(gaps[name]) else gaps[name])
+        words += f", and joint {joint!r} has the largest violation ({gaps[joint]:.3g} m or rad)"
+    return words
+
+
+def deeper_cause(system: System, status: Status, t: float, y: np.ndarray) -> str:
+    """Return a clause on joints near rank loss, or on springs near the limit of their angle; or nothing."""
+    if not np.isfinite(y).all():
+        return ""
+    with np.errstate(all="ignore"):
+        springs, joints = _turned_springs(system, t, y), _weak_joints(system, status, t, y)
+    return joints + springs if status in CLOSED else springs or joints
+
+
+def weakest_joints(system: System, t: float, y: np.ndarray) -> tuple[float, list[str]]:
+    """Return the smallest singular value of the scaled C_q without permanent redundancy, and the joints of its rows."""
+    joints, independent = system.row_joints(), independent_rows(system)
+    if not independent:
+        return 1.0, []
+    rows, values, _ = np.linalg.svd(system.scaled_jacobian(t, y), full_matrices=False)
+    part = np.abs(rows[:, independent - 1])
+    named = [joints[k] for k in np.argsort(-part) if part[k] > SHARE * part.max()]
+    return float(values[independent - 1]), list(dict.fromkeys(named))[:MOST_NAMED]
+
+
+def independent_rows(system: System) -> int:
+    """Return the number of independent joint rows at the start; 0 for more than MAX_ROWS."""
+    if not 0 < len(system.row_joints()) <= MAX_ROWS:
+        return 0
+    return int(np.linalg.matrix_rank(system.scaled_jacobian(0.0, system.initial_state()), tol=1e-9))
+
+
+def smallest_singular_value(system: System, t: float, y: np.ndarray, independent: int) -> float:
+    """Return the singular value of the scaled C_q whose number is `independent`."""
+    return float(np.linalg.svd(system.scaled_jacobian(t, y), compute_uv=False)[independent - 1])
+
+
+def _weak_joints(system: System, status: Status, t: float, y: np.ndarray) -> str:
+    if system.n_closure_rows == 0:
+        return ""
+    smallest, names = weakest_joints(system, t, y)
+    if not names or (smallest > NEAR_SINGULAR and status not in CLOSED):
+        return ""
+    return f"; joint {_listed(names)} is nearest to rank loss (smallest singular value of C_q {smallest:.2g})"
+
+
+def _turned_springs(system: System, t: float, y: np.ndarray) -> str:
+    loads = [load for load in system.scene.loads if isinstance(load, TorsionSpring | Bushing)]
+    if system.scene.dimension == 2 or not loads:
+        return ""
+    motion = Motion(system.scene, Trajectory(np.array([t]), *system.poses(y[None])))
+    turned = {load.name: _turn(motion, load) for load in loads}
+    names = [name for name, angle in turned.items() if abs(angle) > NEARLY_TURNED]
+    return f"; load {_listed(names)} has turned by {turned[names[0]]:.3g} rad and cannot count turns" if names else ""
+
+
+def _turn(motion: Motion, load: TorsionSpring | Bushing) -> float:
+    if isinstance(load, Bushing):
+        return float(np.linalg.norm(bushing_strain(motion, load)[0][0, 3:]))
+    return float(twist_of(motion, load)[0][0]) + (load.rest_angle or 0.0)
+
+
+def _listed(names: list[str]) -> str:
+    return ", ".join(repr(name) for name in names)

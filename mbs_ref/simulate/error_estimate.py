@@ -1,0 +1,288 @@
+"""Estimate the global error of a run by Richardson extrapolation from a second, more accurate run, the companion.
+
+Sources: Richardson (1911); P. J. Roache, J. Fluids Eng. 116 (1994) 405. The companion uses half of a fixed step, or a
+tenth of the tolerances. If its errors are k times smaller, the two runs differ by d = e (1 - 1/k), so the run's error
+is e = d k / (k - 1) (Hairer, Norsett, Wanner I, eq. II.4.4). k is 2^p at order p, 2 where impacts and kinks reduce the
+order to 1, and 10 if errors are proportional to the tolerance (ibid., sec. II.4). The companion's rounding error is
+added to d, since no refinement removes it. Two runs cannot confirm asymptotic convergence, so the estimate is
+multiplied by SAFETY. An error can pass through zero by chance, so the estimate is the running maximum over time.
+
+Proportionality to the tolerance requires a constant order. For methods of variable order the companion's tolerance is
+two decades tighter, and the estimate is at least that tolerance. For methods that accept steps with an error beyond the
+tolerance, it is tighter by the same factor. The violation of the constraints is measured, since both runs may share it.
+
+If the companion takes no more steps, or the difference is negligible, the tolerance does not control the steps with the
+largest errors; a third run is then two decades tighter. If a companion does not reach the end, a coarser one replaces
+it, whose errors are the larger ones, so that d bounds them. If that fails too, another method is used.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from mbs_ref.cores.system import Poses, System
+from mbs_ref.integrators import DEFAULT, integrators
+from mbs_ref.integrators.loop.leg import FEWEST, Options
+from mbs_ref.observables.distance import coordinate_size, motion_size, relative
+from mbs_ref.simulate.legs import EPS, Run, run_legs, start_run
+from mbs_ref.simulate.plan import ABSOLUTE, DEFAULT_TOLERANCE, Plan
+from mbs_ref.trajectory import Estimate, Status
+
+SAFETY = 3.0  # multiplies the estimate: Roache's grid convergence index for two runs
+DECADE = 10.0  # tolerance over the companion's
+TIGHTEST = 1e-13  # smallest rtol of a companion: some hundred EPS, below which roundoff dominates
+MIN_TOLERANCE_RATIO = 1e-3  # smallest error of a step that the tolerance controls, over the tolerance
+MORE_STEPS = 4  # max_steps of a finer companion over the run's: sqrt(10) at order 2, rounded up
+SECOND_METHOD = "lsodar"  # companion if the default method itself fails
+ENDED = frozenset({Status.SUCCESS, Status.STOP_EVENT})
+
+
+class RunWithPoses(NamedTuple):
+    """A run and its poses at the outputs."""
+
+    run: Run
+    poses: Poses
+
+
+class Companion(NamedTuple):
+    """A companion run and its distance from the run."""
+
+    run: Run
+    gaps: np.ndarray  # (n, 4) at the outputs that both reached, over the scene's scales
+    sizes: np.ndarray  # (4,) how far the two motions go
+
+
+class _Request(NamedTuple):
+    """How a companion is computed."""
+
+    share: str  # of the run's step or tolerance
+    options: Options
+    refine: int  # divides each step
+    factor: float  # estimate over the difference of the two runs
+    method: str | None = None  # if not the run's
+
+
+class _Comparison(NamedTuple):
+    """The estimate from one companion."""
+
+    bounds: np.ndarray  # (n, 4), the estimate at the outputs that both reached
+    sizes: np.ndarray  # (4,), how far the two motions go
+    is_alike: bool  # took no more steps despite a tighter tolerance
+    is_uninformative: bool  # took no more steps, or hardly differs, despite a tighter tolerance
+    status: Status
+    how: str
+
+    @property
+    def has_ended(self) -> bool:
+        return self.status in ENDED
+
+
+def companion_plan(system: System, plan: Plan) -> tuple[Plan, int]:
+    """Return the plan of the first companion and the `refine` of `run_legs`."""
+    first = _first(system, plan)
+    return replace(plan, options=first.options._replace(stop_on_compliance=False)), first.refine
+
+
+def all_companions(system: System, poses: list[Poses], runs: list[Run], others: list[Run]) -> list[Companion]:
+    """Return the first companions `others` of some runs with their distances; runs of one length are vectorised."""
+    result: dict[int, Companion] = {}
+    lengths = [(len(run.times), len(other.times)) for run, other in zip(runs, others, strict=True)]
+    for length in set(lengths):
+        places = [k for k, own in enumerate(lengths) if own == length]
+        first = Poses(*(np.stack(parts) for parts in zip(*(poses[k] for k in places), strict=True)))
+        gaps, sizes = _distance(system, runs[places[0]].times, first, np.stack([others[k].states for k in places]))
+        result |= {k: Companion(others[k], gaps[place], sizes[place]) for place, k in enumerate(places)}
+    return [result[k] for k in range(len(runs))]
+
+
+def estimated(
+    system: System, plan: Plan, run: Run, poses: Poses | None = None, companion: Companion | None = None
+) -> Estimate | None:
+    """Return the estimated error of a run at its output times; None if Ctrl-C ended a companion.
+
+    `poses` of the run and the first `companion` (by `companion_plan`) are computed unless given.
+    """
+    began, scales, own = time.perf_counter(), system.scales, RunWithPoses(run, poses or system.poses(run.states))
+    compared = _comparisons(system, plan, own, companion)
+    if any(one.status is Status.INTERRUPTED for one in compared):
+        return None
+    opening, went = _opening(system, plan, run) if plan.options.step else (np.zeros(4), np.zeros(4))
+    reached = max(len(one.bounds) for one in compared)
+    scale = coordinate_size(scales, own.poses.position)
+    least = np.fmax(SAFETY * opening, _least(plan, run, compared) * scale)
+    bounds = SAFETY * _off_constraints(system, plan, own) + least
+    for one in compared:
+        count = len(one.bounds)
+        bounds[:count] = np.fmax(bounds[:count], one.bounds)
+    bounds[0], bounds[reached:] = 0.0, np.inf
+    return Estimate(
+        times=run.times, components=np.maximum.accumulate(bounds), how="; ".join(one.how for one in compared),
+        size=float(np.max([sizes[:2] for sizes in (went, *(one.sizes for one in compared))])),
+        tolerance=(plan.settings.rtol or DEFAULT_TOLERANCE) * scale, cost_s=time.perf_counter() - began,
+        length=scales.length, time=scales.time,
+    )  # fmt: skip
+
+
+def _least(plan: Plan, run: Run, compared: list[_Comparison]) -> float:
+    """Return the smallest relative error of a run: rounding, and a step's share where no tolerance has an effect."""
+    roundoff = SAFETY * _roundoff(run)
+    if plan.integrator.varies_order:
+        return roundoff + plan.options.rtol / _tolerance_ratio(plan)
+    return roundoff + (plan.options.rtol * MIN_TOLERANCE_RATIO if all(one.is_alike for one in compared) else 0.0)
+
+
+def _roundoff(run: Run) -> float:
+    """Return the relative rounding error of coordinates: a random walk (D. Brouwer, Astron. J. 46 (1937) 149)."""
+    return EPS * math.sqrt(run.counts.steps)
+
+
+def _tolerance_ratio(plan: Plan) -> float:
+    """Return the run's tolerance over the companion's."""
+    return DECADE**2 if plan.integrator.varies_order else DECADE * plan.integrator.slack
+
+
+def _comparisons(system: System, plan: Plan, own: RunWithPoses, first: Companion | None) -> list[_Comparison]:
+    """Return the comparisons with the companions that are needed: one as a rule, which may be computed already."""
+    compared = [_compared(system, plan, own, _first(system, plan), first)]
+    if compared[0].is_uninformative:
+        compared.append(_compared(system, plan, own, _tighter(plan, DECADE**2 * _tolerance_ratio(plan))))
+    if not compared[-1].has_ended and compared[-1].status is not Status.INTERRUPTED:
+        compared.append(_compared(system, plan, own, _coarser(plan)))
+        if not any(one.has_ended or one.status is Status.INTERRUPTED for one in compared):
+            compared.append(_compared(system, plan, own, _by_another_method(plan)))
+    return compared
+
+
+def _first(system: System, plan: Plan) -> _Request:
+    return _half(system, plan) if plan.options.step else _tighter(plan, _tolerance_ratio(plan))
+
+
+def _half(system: System, plan: Plan) -> _Request:
+    order = 1 if system.scene.contacts or system.scene.events else plan.integrator.order
+    options = plan.options._replace(max_steps=2 * plan.options.max_steps)
+    return _Request("half of the step", options, 2, _richardson(2.0**order))
+
+
+def _tighter(plan: Plan, factor: float) -> _Request:
+    """Request a tolerance tighter by a factor, or the coarser one if roundoff forbids a tighter one."""
+    options = plan.options
+    if options.rtol / DECADE < TIGHTEST:
+        return _coarser(plan)
+    smaller = min(factor, options.rtol / TIGHTEST)
+    tight = options._replace(
+        rtol=options.rtol / smaller, atol=options.atol / smaller, max_steps=MORE_STEPS * options.max_steps
+    )
+    return _Request(f"1/{smaller:g} of the tolerance", tight, 2, _richardson(smaller))
+
+
+def _coarser(plan: Plan) -> _Request:
+    options = plan.options
+    if options.step:
+        return _Request("twice the step", options._replace(step=2.0 * options.step), 1, SAFETY)
+    loose = options._replace(rtol=DECADE * options.rtol, atol=DECADE * options.atol)
+    return _Request(f"{DECADE:g} times the tolerance", loose, 1, SAFETY)
+
+
+def _by_another_method(plan: Plan) -> _Request:
+    """Request a method that fails elsewhere; SAFETY covers errors of the same size."""
+    method = DEFAULT if plan.integrator.name != DEFAULT else SECOND_METHOD
+    return _Request(f"{method} instead of {plan.integrator.name}", _adaptive(plan), 1, SAFETY, method)
+
+
+def _adaptive(plan: Plan) -> Options:
+    """Return options of a method with error control: the run's tolerances, or the default ones in place of a step."""
+    options = plan.options._replace(project=True, step=0.0)
+    if not plan.options.step:
+        return options
+    return options._replace(rtol=DEFAULT_TOLERANCE, atol=DEFAULT_TOLERANCE * ABSOLUTE * plan.options.units)
+
+
+def _richardson(smaller: float) -> float:
+    return SAFETY * smaller / (smaller - 1.0)
+
+
+def _compared(
+    system: System, plan: Plan, own: RunWithPoses, request: _Request, other: Companion | None = None
+) -> _Comparison:
+    """Compare the run with a companion, which is computed unless given."""
+    run, scales = own.run, system.scales
+    if other is None:
+        name = request.method or plan.integrator.name
+        again = replace(plan, options=request.options, integrator=integrators()[name])
+        second = _rerun(system, again, run.states[0], run.times, request.refine)
+        other = Companion(second, *_distance(system, run.times, own.poses, second.states))
+    _, gaps, sizes = other
+    # rounding of rates moves bodies by the same share of their path
+    path = np.fmax(1.0, np.max(sizes[2:]) * run.times[: len(gaps), None] / scales.time)
+    difference = request.factor * (gaps + _roundoff(other.run) * path)
+    ended = other.run.status in ENDED
+    tighter = request.options.rtol < plan.options.rtol
+    is_alike = ended and tighter and bool(other.run.counts.steps <= run.counts.steps)
+    negligible = ended and tighter and bool(np.max(gaps) < MIN_TOLERANCE_RATIO * plan.options.rtol)
+    return _Comparison(
+        # two points within a distance of the start are at most twice that distance apart
+        bounds=np.fmax(gaps, np.minimum(difference, 2.0 * sizes)), sizes=sizes,
+        is_alike=is_alike, is_uninformative=is_alike or negligible, status=other.run.status,
+        how=f"{request.factor:.3g} times the difference from a run with {request.share}"
+            + ("" if ended else f", which did not end: {other.run.message}"),
+    )  # fmt: skip
+
+
+def _distance(system: System, times: np.ndarray, path: Poses, others: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the distances of runs (..., n, 4) over their common outputs, and how far they go (..., 4).
+
+    `path` holds one run or several, (n_runs, n_t, ...), and `others` the states of their companions.
+    """
+    lead = others.shape[:-2]
+    count = min(len(times), others.shape[-2])
+    common = (slice(None),) * len(lead) + (slice(count),)
+    poses = system.poses(others[common].reshape(-1, others.shape[-1]))
+    first = Poses(*(part[common] for part in path))
+    second = Poses(*(part.reshape(*lead, count, *part.shape[1:]) for part in poses))
+    sizes = [motion_size(system.scene, system.scales, one, times[:count]) for one in (first, second)]
+    return _gaps(system, first, second), np.maximum(*sizes)
+
+
+def _gaps(system: System, first: Poses, second: Poses) -> np.ndarray:
+    """Return distances (..., n, 4), infinite where not finite; orientations of particles count as 0."""
+    gaps = relative(system.scene, first, second, np.inf, system.scales)
+    return np.where(np.isnan(gaps), 0.0, gaps)
+
+
+def _off_constraints(system: System, plan: Plan, own: RunWithPoses) -> np.ndarray:
+    """Return the distance (n_t, 4) of the outputs from the nearest poses and rates that satisfy the constraints."""
+    run = own.run
+    if system.keeps_itself:
+        return np.zeros((len(run.times), 4))
+    other, near = system.beside(), run.states.copy()
+    for t, y in zip(run.times, near, strict=True):
+        other.set_mode_time(float(t))
+        other.project(float(t), y, plan.options.projection_tolerance)
+    return _gaps(system, own.poses, system.poses(near))
+
+
+def _opening(system: System, plan: Plan, run: Run) -> tuple[np.ndarray, np.ndarray]:
+    """Return the error of the FEWEST first fixed steps (4,) against DOP853, and how far these go (4,).
+
+    A method that damps motions too fast for its step ends at the same place with half of the step.
+    """
+    grid = plan.options.step * np.arange(1, FEWEST + 1)
+    times = np.union1d(run.times, grid[grid <= run.times[-1]])[: FEWEST + 1]  # outputs end steps, too
+    options = _adaptive(plan)._replace(max_steps=int(run.counts.rhs_calls))
+    fine = replace(plan, integrator=integrators()[DEFAULT], options=options, baumgarte_gain=0.0)
+    first, second = (_rerun(system, one, run.states[0], times) for one in (plan, fine))
+    gaps, sizes = _distance(system, times, system.poses(first.states), second.states)
+    return np.max(gaps, axis=0), sizes
+
+
+def _rerun(system: System, plan: Plan, start: np.ndarray, times: np.ndarray, refine: int = 1) -> Run:
+    """Run a plan over other output times, on a system of its own."""
+    other, y = system.beside(), start.copy()
+    start_run(other, plan, y)
+    again = replace(plan, times=times, options=plan.options._replace(stop_on_compliance=False))
+    return run_legs(other, again, y, refine=refine)

@@ -1,0 +1,108 @@
+"""Stiffness of the linearised motion, and the largest stable step of an explicit method.
+
+Fox 2001 uses eigenvalues of the leading system and a stability constant. His rules, h below 1/omega = sqrt(m/k) and
+m/c, are reported beside the eigenvalues of the linearised motion.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from mbs_ref.cores.choice import compile_scene
+from mbs_ref.cores.system import System
+from mbs_ref.scene import Scene, SpringDamper, TorsionSpring, UserForce
+from mbs_ref.simulate.plan import Plan
+
+LARGEST = 250  # bodies; the eigenvalues of more take longer than most runs
+DIFFERENCE = 1e-7  # m, rad, m/s, rad/s: half a step of the central differences
+GROWTH = 1.05  # factor per step beyond which a decaying or steady motion counts as unstable
+UNSTABLE = 1e-3  # of the largest |lambda|: a larger real part belongs to a motion that grows by itself
+_SCAN = 400  # trial steps, geometrically spaced
+
+
+@dataclass(frozen=True)
+class Stiffness:
+    """Eigenvalues of the linearised motion at one time."""
+
+    eigenvalues: np.ndarray  # (n,) complex, 1/s, of the closed contacts, springs and joints together
+    open_contacts: np.ndarray  # (k,) complex, 1/s, of each open contact alone as if it closed
+    oscillation_rule: float  # s, the papers' smallest 1/omega = sqrt(m/k) over contacts; inf without
+    damping_rule: float  # s, the papers' smallest m/c over contacts; inf without
+
+    @property
+    def modes(self) -> np.ndarray:
+        """All eigenvalues for which a step must be stable."""
+        return np.concatenate((self.eigenvalues, self.open_contacts))
+
+    @property
+    def fastest(self) -> float:
+        """The largest |lambda|, 1/s."""
+        return float(np.max(np.abs(self.modes), initial=0.0))
+
+    @property
+    def fastest_decay(self) -> float:
+        """The largest decay rate, 1/s."""
+        return float(np.max(-np.real(self.modes), initial=0.0))
+
+    def step_limit(self, stability: tuple[float, ...]) -> float:
+        """Return the largest step (s) for a stability polynomial, lowest power first; inf where nothing is fast."""
+        fast = self.modes[np.real(self.modes) <= UNSTABLE * self.fastest]
+        fast = fast[np.abs(fast) > 1e-2 * self.fastest]
+        if not len(fast):
+            return np.inf
+        steps = np.geomspace(1e-3, 50.0, _SCAN)[:, None] / np.max(np.abs(fast))
+        grows = np.any(np.abs(np.polynomial.polynomial.polyval(steps * fast, stability)) > GROWTH, axis=1)
+        return float(steps[max(int(np.argmax(grows)) - 1, 0), 0]) if grows.any() else np.inf
+
+
+def stiffness(system: System, t: float, y: np.ndarray) -> Stiffness:
+    """Linearise the motion at (t, y) in the current contact modes; contacts must have been started."""
+    oscillators = system.contact_oscillators(t, y)
+    kw, cw = oscillators[:, 0], oscillators[:, 1]
+    root = np.sqrt(0.25 * cw.astype(complex) ** 2 - kw)
+    local = np.concatenate((-0.5 * cw + root, -0.5 * cw - root))
+    return Stiffness(
+        eigenvalues=np.linalg.eigvals(_jacobian(system, t, y)) if len(y) <= 6 * LARGEST else np.zeros(0, complex),
+        open_contacts=local,
+        oscillation_rule=1.0 / np.sqrt(np.max(kw, initial=0.0)) if np.any(kw > 0.0) else np.inf,
+        damping_rule=1.0 / np.max(cw, initial=0.0) if np.any(cw > 0.0) else np.inf,
+    )
+
+
+def stiffness_at_start(scene: Scene) -> Stiffness:
+    """Linearise a scene's motion at t = 0."""
+    system = compile_scene(scene)
+    y = system.initial_state()
+    system.set_mode_time(0.0)
+    system.start_contacts(0.0, y, True)
+    return stiffness(system, 0.0, y)
+
+
+def _jacobian(system: System, t: float, y: np.ndarray) -> np.ndarray:
+    """Return the derivative of dy/dt by central differences."""
+    shifts = DIFFERENCE * np.eye(len(y))
+    columns = [system.derivative(t, y + shift) - system.derivative(t, y - shift) for shift in shifts]
+    return np.array(columns).T / (2.0 * DIFFERENCE)
+
+
+def unstable_step(system: System, plan: Plan, y: np.ndarray) -> str:
+    """Return why an explicit fixed step is unstable at the start, or nothing."""
+    step = plan.options.step
+    if not (step and plan.integrator.stability and plan.settings.refuse_unstable and may_be_stiff(system.scene)):
+        return ""
+    stiff = stiffness(system, 0.0, y)
+    limit = stiff.step_limit(plan.integrator.stability)
+    if step <= limit:
+        return ""
+    return (
+        f"step = {step:g} s is beyond what {plan.integrator.name} can bear: the fastest motion has |lambda| = "
+        f"{stiff.fastest:.4g} 1/s and needs a step of at most {limit:.3g} s; use a smaller step, an implicit or "
+        "adaptive method, or refuse_unstable = False"
+    )
+
+
+def may_be_stiff(scene: Scene) -> bool:
+    """Return whether the scene has parts that can be stiff at all."""
+    return bool(scene.contacts) or any(isinstance(x, SpringDamper | TorsionSpring | UserForce) for x in scene.loads)

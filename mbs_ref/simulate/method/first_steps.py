@@ -1,0 +1,132 @@
+"""Decide from the first steps whether a motion is stiff, so that an implicit method needs less work.
+
+A motion is stiff if stability limits the steps of an explicit method more than accuracy does. Power iteration gives the
+largest |lambda| of the linearised motion (B. P. Sommeijer, L. F. Shampine, J. G. Verwer, J. Comput. Appl. Math. 88
+(1998) 315, sec. 3.2). If the number of stable steps far exceeds the number of outputs, the default method starts. As
+long as stability limits its steps (Hairer and Wanner, Solving Ordinary Differential Equations II, sec. IV.2), the
+implicit method takes some steps from the same state: these grow as fast motions decay. Work is counted, not timed, so
+that the choice is reproducible.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from mbs_ref.cores.system import System
+from mbs_ref.integrators import STIFF, integrators
+from mbs_ref.integrators.loop.leg import Integrator, progress
+from mbs_ref.simulate.method.choice import AUTO, plan_by
+from mbs_ref.simulate.plan import Plan
+from mbs_ref.trajectory import Status
+
+POWERS = 12  # power iterations
+NUDGE = 1e-6  # of the state's units: difference step of the linearisation
+TRIALS = (0.02, 0.05, 0.1)  # shares of the run after which the implicit method is tried
+FEWEST = 10  # least number of the default's steps before a trial
+PROBE = 6  # steps of the implicit method to settle, each up to eight times the last, and again to measure its work
+LIMITED = 0.5  # of the stable step: a shorter step is limited by accuracy
+EVALUATION = 50  # multiplications of dy/dt for each entry of the state, measured over the library
+WORTH = 5e6  # multiplications, some milliseconds: a shorter run costs no more than this decision
+FACTORS = 10.0 / 3.0  # times n^3: multiplications to factor a real and a complex matrix of order n
+
+
+class _Trial:
+    """A method that has integrated up to some time."""
+
+    def __init__(self, system: System, plan: Plan, t: float, y: np.ndarray) -> None:
+        self.system, self.plan, self.run, self.y, self.before = system, plan, progress(t), y.copy(), (0, 0)
+
+    def advance(self, until: float, steps: int) -> bool:
+        """Integrate up to a time (s), in at most `steps` steps; return whether that succeeded."""
+        self.before = int(self.run.steps), int(self.run.rhs_calls)
+        options = self.plan.options._replace(max_steps=int(self.run.steps) + steps)
+        times = np.array([float(self.run.t), until])
+        self.system.start_contacts(float(self.run.t), self.y, self.plan.settings.events != "none")
+        with np.errstate(all="ignore"):
+            leg = self.plan.integrator.advance(self.system, options, self.run, self.y, times)
+        return leg.status in (Status.SUCCESS, Status.TOO_MANY_STEPS)
+
+    def cost(self, longest: float) -> float:
+        """Return multiplications per simulated second, from the last steps; a step is at most `longest` (s)."""
+        n, steps = len(self.y), max(1, int(self.run.steps) - self.before[0])
+        factored = 0.0 if self.plan.integrator.stability else FACTORS * n**3
+        work = EVALUATION * n * (int(self.run.rhs_calls) - self.before[1]) / steps + factored
+        return work / min(float(self.run.h), longest)
+
+
+def after_first_steps(system: System, plan: Plan, y: np.ndarray) -> Plan:
+    """Return the implicit method's plan if the method is "auto" and the first steps show that it is cheaper.
+
+    The contacts' modes must be started again afterwards.
+    """
+    loaded = system.scene.loads or system.scene.contacts
+    if plan.settings.method != AUTO or plan.options.step or not plan.integrator.stability or not loaded:
+        return plan
+    span, allowed = float(plan.times[-1]), stable_step(system, plan, y)
+    bounded = span / allowed  # steps
+    if bounded <= 2 * len(plan.times) or bounded * plan.integrator.order * EVALUATION * len(y) < WORTH:
+        return plan
+    implicit = _implicit(system, plan)
+    return plan if implicit is None else _tried(system, plan, implicit, y, allowed)
+
+
+def _tried(system: System, plan: Plan, implicit: Plan, y: np.ndarray, allowed: float) -> Plan:
+    """Return the cheaper plan after some first steps; `allowed` (s) is the largest stable step."""
+    span, gap = float(plan.times[-1]), float(plan.times[-1]) / (len(plan.times) - 1)
+    smooth = min([span, *(t for t in system.scene.breakpoints() if t > 0.0)])
+    explicit = _Trial(system, plan, 0.0, y)
+    for share in TRIALS:
+        until, enough = min(share * span, smooth), max(FEWEST, int(2.0 * share * span / allowed))
+        if explicit.run.t >= until or not explicit.advance(until, enough) or explicit.run.h < LIMITED * allowed:
+            return plan
+        now = float(explicit.run.t)
+        other = _Trial(system, implicit, now, explicit.y)
+        settled = all(other.advance(part * (smooth - now) + now, PROBE) for part in (0.25, 0.5))
+        if settled and other.cost(gap) < explicit.cost(gap):
+            return replace(implicit, reason=(
+                f"stiff: stability limits the steps of {plan.integrator.name} to {explicit.run.h:.2g} s, and this one "
+                f"takes {other.run.h:.2g} s after t = {now:.2g} s"
+            ))  # fmt: skip
+    return plan
+
+
+def stable_step(system: System, plan: Plan, y: np.ndarray) -> float:
+    """Return the largest stable step (s) of the explicit method, with the largest |lambda| at y taken as negative."""
+    fastest = largest_eigenvalue(system, plan.options.units, y)
+    return stability_radius(plan.integrator) / fastest if fastest > 0.0 else np.inf
+
+
+def stability_radius(integrator: Integrator) -> float:
+    """Return the least |z| on the negative axis where |R(z)| passes 1."""
+    radii = np.linspace(0.05, 50.0, 1000)
+    grows = np.abs(np.polynomial.polynomial.polyval(-radii, integrator.stability)) > 1.0
+    return float(radii[max(int(np.argmax(grows)) - 1, 0)])
+
+
+def largest_eigenvalue(system: System, units: np.ndarray, y: np.ndarray) -> float:
+    """Return an estimate of the largest |lambda| (1/s) of dy/dt at t = 0: the growth over the last half of the powers.
+
+    For complex pairs the growth oscillates, hence the mean.
+    """
+    f = system.derivative(0.0, y) / units
+    direction = np.random.default_rng(0).standard_normal(len(y))
+    growth = []
+    for _ in range(POWERS):
+        length = float(np.linalg.norm(direction))
+        if not 0.0 < length < np.inf:
+            return 0.0
+        nudge = NUDGE / length
+        direction = (system.derivative(0.0, y + nudge * direction * units) / units - f) / nudge
+        growth.append(float(np.linalg.norm(direction)) / length)
+    late = np.array(growth[POWERS // 2 :])
+    return float(np.exp(np.mean(np.log(late)))) if np.all((late > 0.0) & (late < np.inf)) else 0.0
+
+
+def _implicit(system: System, plan: Plan) -> Plan | None:
+    """Return the implicit method's plan; None if it cannot run the scene with these settings."""
+    try:
+        return plan_by(system.scene, plan.settings, plan.times, integrators()[STIFF], "")
+    except ValueError:
+        return None

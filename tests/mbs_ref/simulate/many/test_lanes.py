@@ -1,0 +1,175 @@
+"""Starts of one scene in vector lanes: the steps of runs alone, whatever runs beside them, and a sentence where not."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from mbs_ref import scenes
+from mbs_ref.cores.system import Poses
+from mbs_ref.kernels.algebra.lanes import WIDTH
+from mbs_ref.settings import Settings
+from mbs_ref.simulate import simulate, simulate_scenes, simulate_starts
+from mbs_ref.simulate.many.lanes import NOTE, why_not_in_lanes
+from mbs_ref.trajectory import Status
+from tests.mbs_ref.cores.test_relative import planar_tree
+
+ROUNDOFF = 1e-11  # relative: of motions of some radians, over which the last digit grows
+SHORT = Settings(t_end=0.3, samples=4, rtol=1e-7, coordinates="relative")
+COUNT = 2 * WIDTH + 3
+# s, of a rod that falls from the horizontal: it swings as a point at 2/3 m, and this is the period of one at 1 m,
+PERIOD = 2.3678419475762373 * np.sqrt(2.0 / 3.0)  # by elliptic functions
+
+
+def chain():
+    return scenes.make("pendulum_chain", links=3)
+
+
+def bare_tree():
+    return planar_tree().model_copy(update={"loads": ()})
+
+
+def poses(path):
+    return Poses(path.position, path.orientation, path.velocity, path.angular_velocity)
+
+
+def some(all_of, places):
+    return Poses(*(part[places] for part in all_of))
+
+
+@pytest.fixture(scope="module", params=[chain, bare_tree])
+def scene(request):
+    return request.param()
+
+
+@pytest.fixture(scope="module")
+def starts(scene):
+    return poses(simulate(scene, Settings(t_end=1.0, samples=COUNT, rtol=1e-11, estimate="off", reactions=False)))
+
+
+def assert_close(path, alone):
+    for name in ("status", "message", "steps", "rejected_steps", "cut_steps", "events", "method", "used"):
+        assert getattr(path, name) == getattr(alone, name)
+    assert path.notes == (NOTE, *alone.notes)
+    assert path.step_compliance is not None
+    assert np.array_equal(path.step_compliance, alone.step_compliance)
+    for part, other in zip(poses(path), poses(alone), strict=True):
+        assert np.max(np.abs(part - other)) < ROUNDOFF * max(1.0, float(np.max(np.abs(other))))
+    assert path.estimate is not None
+    assert path.estimate.how == alone.estimate.how
+    assert path.estimate.components == pytest.approx(alone.estimate.components, rel=0.1, abs=ROUNDOFF)
+    assert path.reactions.keys() == alone.reactions.keys()
+    forces, others = (np.array([*one.reactions.values()]) for one in (path, alone))
+    assert np.max(np.abs(forces - others)) < ROUNDOFF * np.max(np.abs(others))
+
+
+def test_runs_in_lanes_take_the_steps_of_runs_alone(scene, starts):
+    for k, path in enumerate(simulate_starts(scene, starts, SHORT, threads=2, lanes=True)):
+        assert_close(path, simulate(scene, SHORT, start=some(starts, slice(k, k + 1))))
+
+
+def test_a_run_does_not_depend_on_those_beside_it(scene, starts):
+    lean = SHORT.model_copy(update={"estimate": "off", "reactions": False})
+    every = simulate_starts(scene, starts, lean, threads=1, lanes=True)
+    places = [COUNT - 1, 4, 0]
+    few = simulate_starts(scene, some(starts, places), lean, threads=2, lanes=True)
+    for k, path in zip(places, few, strict=True):
+        for part, other in zip(poses(path), poses(every[k]), strict=True):
+            assert np.array_equal(part, other)
+
+
+def test_a_pendulum_is_back_after_the_period_of_elliptic_functions():
+    scene = scenes.make("pendulum_chain", links=1)
+    start = some(poses(simulate(scene, SHORT)), slice(0, 1))
+    path = simulate_starts(scene, start, Settings(rtol=1e-9, t_end=2.0 * PERIOD, samples=3), lanes=True)[0]
+    assert NOTE in path.notes
+    assert path.estimate is not None
+    error = np.linalg.norm(path.velocity[-1] - path.velocity[0])  # m/s: an error in place is of second order
+    assert 0.0 < error < 1e-6
+    assert error < path.estimate.value * path.estimate.length / path.estimate.time
+
+
+def test_errors_fall_with_the_tolerance():
+    scene = chain()
+    start = some(poses(simulate(scene, SHORT)), slice(0, 1))
+    ends = [simulate_starts(scene, start, Settings(rtol=rtol, samples=2, estimate="off"), lanes=True)[0].position[-1]
+            for rtol in (1e-4, 1e-6, 1e-8, 1e-12)]  # fmt: skip
+    errors = [np.max(np.abs(end - ends[-1])) for end in ends[:-1]]
+    assert errors[0] > 10.0 * errors[1] > 100.0 * errors[2] > 0.0
+
+
+REFUSED = {
+    "slider_crank": (Settings(), "closes a loop"),
+    "bouncing_ball": (Settings(), "gravity alone"),
+    "spatial_chain": (Settings(), "spatial"),
+    "kepler": (Settings(), ""),
+    "pendulum": (Settings(step=1e-2, method="rk4"), "dop853 with tolerances"),
+}
+
+
+@pytest.mark.parametrize("name", REFUSED)
+def test_what_lanes_cannot_is_as_without_them_and_says_why(name):
+    settings, why = REFUSED[name]
+    scene, settings = scenes.make(name), settings.model_copy(update={"t_end": 0.1, "samples": 3, "estimate": "off"})
+    assert why in why_not_in_lanes(scene, settings)
+    start = some(poses(simulate(scene, settings)), slice(0, 1))
+    with_lanes, without = (simulate_starts(scene, start, settings, lanes=lanes)[0] for lanes in (True, False))
+    assert np.array_equal(with_lanes.position, without.position)
+    assert with_lanes.notes != without.notes
+    assert any(why in note and note.startswith("not in lanes: ") for note in with_lanes.notes)
+
+
+def test_a_run_that_ends_early_says_so_and_leaves_the_others_alone():
+    scene = scenes.make("pendulum_chain", links=2)
+    starts = poses(simulate(scene, SHORT))
+    starts.position[1] += 0.1
+    starts.velocity[2, 1] += 1e-3
+    paths = simulate_starts(scene, starts, SHORT, lanes=True)
+    assert [path.status for path in paths] == [Status.SUCCESS, Status.INCONSISTENT, Status.INCONSISTENT, Status.SUCCESS]
+    few = SHORT.model_copy(update={"max_steps": 3})
+    path = simulate_starts(scene, some(starts, slice(0, 1)), few, lanes=True)[0]
+    alone = simulate(scene, few, start=some(starts, slice(0, 1)))
+    assert (path.status, path.message) == (alone.status, alone.message) == (Status.TOO_MANY_STEPS, alone.message)
+    assert len(path.times) == len(alone.times)
+
+
+def test_no_starts_give_no_runs():
+    scene = chain()
+    none = some(poses(simulate(scene, SHORT)), slice(0, 0))
+    assert simulate_starts(scene, none, SHORT, lanes=True) == []
+
+
+def heavier(scene, share, gravity):
+    """Return a scene with other masses, inertias and gravity."""
+    changes = [{"mass": share * body.mass, "inertia": share**1.5 * body.inertia} for body in scene.bodies]
+    bodies = [body.model_copy(update=change) for body, change in zip(scene.bodies, changes, strict=True)]
+    return scene.model_copy(update={"bodies": tuple(bodies), "gravity": (0.3 * share, -gravity)})
+
+
+def test_scenes_of_one_build_take_the_steps_of_scenes_alone():
+    """Some of another build and duration lie between them, and one that breaks a constraint."""
+    many = [heavier(scenes.make("pendulum_chain", links=3), 0.5 + 0.1 * k, 3.0 + k) for k in range(COUNT)]
+    many += [bare_tree(), scenes.make("pendulum_chain", links=2), scenes.make("bouncing_ball"), many[0]]
+    many[4] = many[4].model_copy(update={"duration": 7.0})
+    torn = many[5].bodies[0].model_copy(update={"velocity": (1.0, 0.0)})
+    many[5] = many[5].model_copy(update={"bodies": (torn, *many[5].bodies[1:])})
+    settings = SHORT.model_copy(update={"t_end": None})
+    paths = simulate_scenes(many, settings, threads=2, lanes=True)
+    assert paths[5].status is Status.INCONSISTENT
+    assert [k for k, path in enumerate(paths) if NOTE not in path.notes] == [5, COUNT + 2]
+    for k, path in enumerate(paths):
+        if NOTE in path.notes:
+            assert_close(path, simulate(many[k], settings))
+    for part, other in zip(poses(paths[0]), poses(paths[-1]), strict=True):
+        assert np.array_equal(part, other)
+
+
+def test_each_pendulum_is_back_after_the_periods_of_its_own_gravity():
+    """At k^2 times the gravity the period is a k-th: all of them are back at once, after k swings."""
+    swings = range(1, WIDTH + 3)
+    scene = scenes.make("pendulum_chain", links=1, gravity=9.81)
+    many = [scene.model_copy(update={"gravity": (0.0, -9.81 * k**2)}) for k in swings]
+    settings = Settings(rtol=1e-10, t_end=PERIOD, samples=2, estimate="off")
+    for k, path in zip(swings, simulate_scenes(many, settings, lanes=True), strict=True):
+        assert NOTE in path.notes
+        assert 0.0 < np.linalg.norm(path.velocity[-1] - path.velocity[0]) < 1e-7 * k
