@@ -8,7 +8,7 @@ from cross_checks.truth import NoTruth, Truth
 from cross_checks.truths import bouncing_ball
 from mbs_ref import scenes
 from mbs_ref.scene import Scene
-from mbs_ref.scenes.bouncing_sphere import floor_normal
+from mbs_ref.scenes.bouncing import floor_normal
 
 
 def solve(scene: Scene, times: np.ndarray) -> Truth | NoTruth:

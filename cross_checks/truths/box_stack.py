@@ -9,7 +9,7 @@ import numpy as np
 from cross_checks.certify.mechanisms.unilateral import Line, Unilateral, line_motion
 from cross_checks.truth import Truth
 from mbs_ref.scene import Scene
-from mbs_ref.scenes.box_stack import HEIGHT
+from mbs_ref.scenes.stacks import BOX_HEIGHT as HEIGHT
 
 
 def solve(scene: Scene, times: np.ndarray) -> Truth:

@@ -13,7 +13,7 @@ from cross_checks.certify.numerics.quadrature import integral
 from cross_checks.truth import NoTruth, OutsideDomainError, Truth
 from mbs_ref.scene import Scene
 from mbs_ref.scene.contact import RigidLaw, SpringDamperLaw
-from mbs_ref.scenes.colliding_spheres import RADIUS_A, RADIUS_B, RUN_UP, line_of_centres
+from mbs_ref.scenes.collisions import RADIUS_A, RADIUS_B, RUN_UP, line_of_centres
 
 ROUNDOFF = 1e-14  # m, of elementary functions at these magnitudes
 

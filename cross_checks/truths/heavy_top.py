@@ -10,7 +10,9 @@ from cross_checks.certify.numerics.sensitivity import DOUBLE_EPS, rounding_error
 from cross_checks.truth import Truth
 from mbs_ref.scene import Scene
 from mbs_ref.scene.euler_parameters import from_axis_angle, product
-from mbs_ref.scenes.heavy_top import ARM, ARM_MASS, AXIAL, TRANSVERSE, steady_precession
+from mbs_ref.scenes.tops import ARM, ARM_MASS, steady_precession
+from mbs_ref.scenes.tops import TOP_AXIAL as AXIAL
+from mbs_ref.scenes.tops import TOP_TRANSVERSE as TRANSVERSE
 
 Z, Y = (0.0, 0.0, 1.0), (0.0, 1.0, 0.0)
 

@@ -10,7 +10,7 @@ from cross_checks.certify.numerics.extrapolation import extrapolate
 from cross_checks.truth import NoTruth, Truth
 from mbs_ref.scene import Scene
 from mbs_ref.scene.euler_parameters import from_axis_angle, parameter_matrix, product
-from mbs_ref.scenes.rolling_sphere import RADIUS
+from mbs_ref.scenes.rolling import RADIUS
 
 UP = np.array([0.0, 0.0, 1.0])
 UNCERTAINTY = 1e-13  # m, of elementary functions and of the extrapolated orientation

@@ -10,7 +10,7 @@ from cross_checks.certify.numerics import jet
 from cross_checks.certify.numerics.jet import Jet
 from cross_checks.truth import Truth
 from mbs_ref.scene import Scene, Universal
-from mbs_ref.scenes.spatial_slider_crank import PIVOT
+from mbs_ref.scenes.slider_cranks import PIVOT
 
 
 def solve(scene: Scene, times: np.ndarray) -> Truth:

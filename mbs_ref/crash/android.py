@@ -6,12 +6,13 @@ centre of mass; angles of contact surfaces and belts follow from the two seat bo
 
 from __future__ import annotations
 
+import inspect
 import json
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from importlib.resources import files
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, get_type_hints
 
 from pydantic import Field
 
@@ -41,23 +42,23 @@ TABLE_POINTS = 41  # of the pulse as a breakpoint table
 PAPER = "Fox 1999 (the mechanism, forces and pulse); parameters and their origin in mbs_ref/crash/data/{}.json"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Crash:
-    """What may be chosen about a crash; see the scenes android_simplified and android_vertebral."""
+    """The parameters of a crash: those of the scenes android_simplified and android_vertebral."""
 
-    peak_force: float  # N
-    speed_change_km_h: float
-    impact: Literal["front", "rear"]
-    mass: float  # kg
-    belts: bool
-    belt_stiffness: float  # times the sourced stiffness and damping
-    law: Literal["progressive", "spring_damper", "constraint"]
-    seat: Literal["fixed", "driven"]
-    pulse: Literal["half_sine", "table"]
-    lift: float  # m
-    stops: bool
-    body_contacts: bool
-    head_restraint: Literal["integral", "separate", "none"]
+    peak_force: Annotated[float, Field(ge=500.0, le=100_000.0)] = 15_000.0  # N
+    speed_change_km_h: Annotated[float, Field(gt=0.0, le=200.0)] = 50.0
+    impact: Literal["front", "rear"] = "front"
+    mass: Annotated[float, Field(ge=50.0, le=100.0)] = 75.0  # kg
+    belts: bool = True
+    belt_stiffness: NonNegative = 1.0  # times the sourced stiffness and damping
+    law: Literal["progressive", "spring_damper", "constraint"] = "progressive"
+    seat: Literal["fixed", "driven"] = "fixed"
+    pulse: Literal["half_sine", "table"] = "half_sine"
+    lift: Annotated[float, Field(ge=0.0, le=1.0)] = 0.0  # m
+    stops: bool = False
+    body_contacts: bool = False
+    head_restraint: Literal["integral", "separate", "none"] = "integral"
 
     @property
     def pulse_duration(self) -> float:
@@ -78,32 +79,15 @@ body_contacts of head, chin, chest, arms and shanks with thighs, chest and seat,
 head_restraint that is part of the seat back (integral, the paper's), separate at a gap behind the head, or none."""
 
 
-def scene_builder(name: str, summary: str | None, description: str) -> Callable[..., Scene]:
-    """Return the `build` of the scene with the android of mbs_ref/crash/data/<name>.json."""
+def scene_builder(module: str, name: str, summary: str, description: str) -> Callable[..., Scene]:
+    """Return the builder of the scene with the android of mbs_ref/crash/data/<name>.json, as a function of a module."""
 
-    def build(
-        *,
-        peak_force: Annotated[float, Field(ge=500.0, le=100_000.0)] = 15_000.0,
-        speed_change_km_h: Annotated[float, Field(gt=0.0, le=200.0)] = 50.0,
-        impact: Literal["front", "rear"] = "front",
-        mass: Annotated[float, Field(ge=50.0, le=100.0)] = 75.0,
-        belts: bool = True,
-        belt_stiffness: NonNegative = 1.0,
-        law: Literal["progressive", "spring_damper", "constraint"] = "progressive",
-        seat: Literal["fixed", "driven"] = "fixed",
-        pulse: Literal["half_sine", "table"] = "half_sine",
-        lift: Annotated[float, Field(ge=0.0, le=1.0)] = 0.0,
-        stops: bool = False,
-        body_contacts: bool = False,
-        head_restraint: Literal["integral", "separate", "none"] = "integral",
-    ) -> Scene:
-        crash = Crash(
-            peak_force, speed_change_km_h, impact, mass, belts, belt_stiffness, law, seat, pulse, lift, stops,
-            body_contacts, head_restraint,
-        )  # fmt: skip
-        return android(name, description, crash)
+    def build(**parameters: Any) -> Scene:
+        return android(name, description, Crash(**parameters))
 
-    build.__doc__ = f"{summary}\n\n{PARAMETERS}"
+    build.__module__, build.__doc__ = module, f"{summary}\n\n{PARAMETERS}"
+    build.__signature__ = inspect.signature(Crash)  # type: ignore[attr-defined]
+    build.__annotations__ = {**get_type_hints(Crash, include_extras=True), "return": Scene}
     return build
 
 

@@ -1,4 +1,4 @@
-"""The scenes that come with the project: one file each, found by listing this folder."""
+"""The scenes of the project: the public functions of this folder's modules that return a Scene."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ Parameter = float | int | str | bool
 
 @dataclass(frozen=True)
 class SceneInfo:
-    """What a scene is about and what may be chosen."""
+    """The summary and the parameters of a scene."""
 
     name: str
     summary: str  # first line of the builder's docstring
@@ -30,24 +30,35 @@ class SceneInfo:
 
 def names() -> list[str]:
     """Return the names of every scene, sorted."""
-    return list(_listed())
+    return sorted(_builders())
 
 
 @cache
-def _listed() -> tuple[str, ...]:
-    return tuple(sorted(module.name for module in pkgutil.iter_modules(__path__)))
+def _builders() -> dict[str, Callable[..., Scene]]:
+    """Return the builder of every scene."""
+    modules = [importlib.import_module(f"{__name__}.{module.name}") for module in pkgutil.iter_modules(__path__)]
+    return {
+        name: item
+        for module in modules
+        for name, item in vars(module).items()
+        if getattr(item, "__module__", "") == module.__name__ and name[0] != "_" and _returns_scene(item)
+    }
+
+
+def _returns_scene(item: object) -> bool:
+    return inspect.isfunction(item) and item.__annotations__.get("return") in (Scene, "Scene")
 
 
 @cache
 def describe(name: str) -> SceneInfo:
-    """Return the scene's summary and parameters; ValueError where there is no such scene."""
+    """Return the scene's summary and parameters; ValueError for an unknown scene."""
     builder = _builder(name)
     defaults = {p.name: p.default for p in inspect.signature(builder).parameters.values()}
     return SceneInfo(name, (inspect.getdoc(builder) or "").splitlines()[0], defaults)
 
 
 def make(name: str, **parameters: Any) -> Scene:
-    """Build a scene; ValueError names a parameter that is unknown or out of range, and what is allowed."""
+    """Build a scene; ValueError names an unknown or invalid parameter, and the allowed ones."""
     builder = _builder(name)
     try:
         chosen = _parameter_model(builder)(**parameters).model_dump()
@@ -57,28 +68,27 @@ def make(name: str, **parameters: Any) -> Scene:
 
 
 def label(name: str, parameters: dict[str, Any]) -> str:
-    """Return a scene's name with its counts and whatever else was chosen, as the command line takes them."""
+    """Return a scene's name, counts and other non-default parameters, in the syntax of the command line."""
     counts = {key: value for key, value in parameters.items() if type(value) is int}
     return " ".join([name, *(f"{key}={value}" for key, value in (counts | chosen(name, parameters)).items())])
 
 
 def chosen(name: str, parameters: dict[str, Any]) -> dict[str, Any]:
-    """Return the parameters that differ from the scene's defaults; all of a scene that is not one of these."""
-    defaults = describe(name).parameters if name in _listed() else {}
+    """Return the parameters that differ from the defaults; all of them for other scenes than these."""
+    defaults = describe(name).parameters if name in _builders() else {}
     return {key: value for key, value in parameters.items() if defaults.get(key) != value}
 
 
 def _builder(name: str) -> Callable[..., Scene]:
-    known = names()
-    if name not in known:
-        close = difflib.get_close_matches(name, known, n=1, cutoff=0.4)
+    if name not in _builders():
+        close = difflib.get_close_matches(name, names(), n=1, cutoff=0.4)
         hint = f"; did you mean {close[0]!r}?" if close else "."
-        raise ValueError(f"scene = {name!r} is unknown{hint} The scenes are {', '.join(known)}")
-    return importlib.import_module(f"{__name__}.{name}").build
+        raise ValueError(f"scene = {name!r} is unknown{hint} The scenes are {', '.join(names())}")
+    return _builders()[name]
 
 
 def _parameter_model(builder: Callable[..., Scene]) -> type[BaseModel]:
-    """The builder's signature as a checked model: its annotations are the ranges."""
+    """Return the builder's signature as a pydantic model, whose annotations are the ranges."""
     hints = typing.get_type_hints(builder, include_extras=True)
     parameters = inspect.signature(builder).parameters.values()
     fields: dict[str, Any] = {p.name: (hints[p.name], p.default) for p in parameters}
@@ -86,7 +96,7 @@ def _parameter_model(builder: Callable[..., Scene]) -> type[BaseModel]:
 
 
 def _sentence(scene: str, item: Any) -> str:
-    """Say in one line what is wrong with one parameter of a scene."""
+    """Return a sentence on one invalid parameter of a scene."""
     name = ".".join(str(part) for part in item["loc"])
     if item["type"] == "extra_forbidden":
         allowed = describe(scene).parameters

@@ -27,7 +27,7 @@ START = {  # rad: beta, Theta, gamma, Phi, delta, Omega, epsilon of the source
 AHEAD = {"K1": 0.0, "K2": math.pi, "K3": -math.pi / 2, "K4": -math.pi / 2, "K5": 0.0, "K6": 0.0, "K7": -math.pi / 2}
 
 
-def build() -> Scene:
+def andrews() -> Scene:
     """Squeeze: a constant torque drives the crank from rest against a stiff spring (IFToMM A03, Andrews' mechanism).
 
     Angles of K1 to K7 are beta, beta + Theta, gamma, Phi + delta, delta, Omega + epsilon and epsilon of the source.
@@ -58,7 +58,6 @@ def build() -> Scene:
         source="IFToMM benchmark library, A03; Hairer and Wanner, Solving Ordinary Differential Equations II (1996), "
         "sec. VII.7; Mazzia and Magherini, Test Set for Initial Value Problem Solvers, release 2.4 (2008), andrews",
         duration=0.03,
-        gravity=(0.0, 0.0),
         bodies=bodies,
         joints=tuple(Revolute(name=n, body_a=a, body_b=b, point=point) for n, a, b, point in pins),
         loads=(

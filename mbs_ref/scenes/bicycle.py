@@ -23,7 +23,7 @@ FORK_INERTIA = (0.05892, 0.06, 0.00708, 0.0, 0.00756, 0.0)  # kg m^2, front fram
 FRAME_CENTRE, FORK_CENTRE = (0.3, 0.0, 0.9), (0.9, 0.0, 0.7)  # m, from the rear contact
 
 
-def build(*, speed: NonNegative = 4.6, roll_rate: Annotated[float, Field(ge=-2.0, le=2.0)] = 0.5) -> Scene:
+def bicycle(*, speed: NonNegative = 4.6, roll_rate: Annotated[float, Field(ge=-2.0, le=2.0)] = 0.5) -> Scene:
     """Push an upright bicycle that runs straight on, and let it balance itself.
 
     speed (m/s, forward), roll_rate (rad/s, to the right, about the line through both contacts). Without a roll rate it

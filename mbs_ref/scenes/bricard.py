@@ -18,7 +18,7 @@ CORNERS = ((0, 0, 0), (1, 0, 0), (1, -1, 0), (1, -1, 1), (0, -1, 1), (0, 0, 1)) 
 AXES = ((0, 1, 0), (0, 0, 1), (1, 0, 0), (0, 1, 0), (0, 0, 1), (1, 0, 0))  # of the hinge at each corner
 
 
-def build(*, gravity: Positive = 9.81) -> Scene:
+def bricard(*, gravity: Positive = 9.81) -> Scene:
     """Let five rods on six hinges fall round an edge of a cube (IFToMM A04): one freedom where Gruebler counts none.
 
     gravity (m/s^2, along -y).

@@ -20,7 +20,7 @@ MASS = 5e-4  # kg, of each end: M epsilon^2 / 2 of the source with M = 10, epsil
 AMPLITUDE, OMEGA = 0.1, 10.0  # m, rad/s, of the right wheel on its road
 
 
-def build() -> Scene:
+def car_axis() -> Scene:
     """Drive an axis on two springs: one wheel rolls flat, the other over waves (IVP test set, problem car axis).
 
     The source's first constraint keeps the left end square above the left wheel: here a slide on the massless line

@@ -20,7 +20,7 @@ OFFSET = 0.05  # m, from the axis to the rods' hinges and to the springs' ends o
 SPIN = 2.0 * math.pi  # rad/s
 
 
-def build(
+def flyball_governor(
     *,
     stiffness: NonNegative = STIFFNESS,
     damping: NonNegative = DAMPING,

@@ -30,7 +30,7 @@ RING_RADIUS = 44.0 * 149_597_870_700.0  # m: Park et al. 2021, sec. 2
 ECLIPTIC_POLE = (0.0, -0.397777155931914, 0.917482062069182)  # of J2000, ICRF
 
 
-def build(
+def solar_system(
     *, days: Positive = 360.0, start: Annotated[str, Field(pattern=r"^\d{4}-\d\d-\d\d$")] = "1998-01-01",
     model: Model = "full", formulation: Formulation = "point", spin: bool = False,
 ) -> Scene:  # fmt: skip
@@ -58,7 +58,6 @@ def build(
         description=f"{len(names)} bodies from {start} 0 h TDB over {days:g} days, physics: {model}.",
         source=ephemeris.excerpt()["source"],
         duration=days * DAY_S,
-        gravity=(0.0, 0.0, 0.0),
         bodies=tuple(
             _body(name, gms[name] / G_SI, tuple(p.tolist()), tuple(v.tolist()), formulation, spin)
             for name, (p, v) in states.items()

@@ -12,7 +12,7 @@ from cross_checks.extremes.extreme import Axis, Case, Extreme, grid
 from cross_checks.extremes.parts import LENGTH, ROD_RATE, rod_chain
 from cross_checks.truths import kepler as orbit
 from mbs_ref.scene import Force, PlanarBody, Scene, UserForce
-from mbs_ref.scenes.kepler import build as kepler
+from mbs_ref.scenes.orbits import kepler as kepler
 
 FAMILY = "bad numbers"
 STEP, RTOL = 1e-3, 1e-8

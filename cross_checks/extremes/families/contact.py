@@ -12,7 +12,7 @@ from cross_checks.truths import bouncing_ball
 from mbs_ref import scenes
 from mbs_ref.scene import PlanarBody, Scene
 from mbs_ref.scene.contact import CircleOnCircle, CircleOnLine, SpringDamperLaw
-from mbs_ref.scenes.incline import build as incline
+from mbs_ref.scenes.blocks import incline as incline
 
 FAMILY = "contact"
 STEP, RTOL = 1e-3, 1e-8

@@ -9,7 +9,7 @@ from cross_checks.extremes.extreme import Axis, Case, Extreme, decades, grid
 from cross_checks.truths import kepler as truth
 from mbs_ref.scene import PointMass, Scene
 from mbs_ref.scene.celestial import Newton
-from mbs_ref.scenes.kepler import build as kepler
+from mbs_ref.scenes.orbits import kepler as kepler
 
 FAMILY = "orbits"
 TURN = 2.0 * math.pi  # s, of a = 1 m about 1 m^3/s^2

@@ -14,8 +14,8 @@ from cross_checks.truths import n_four_bar
 from mbs_ref import scenes
 from mbs_ref.scene import GROUND, CoordinateDrive, PlanarBody, Prismatic, Revolute, Scene
 from mbs_ref.scene.signals import Constant
-from mbs_ref.scenes.slider_crank import build as slider_crank
-from mbs_ref.scenes.slider_crank import crank_rod_slider
+from mbs_ref.scenes.slider_cranks import crank_rod_slider
+from mbs_ref.scenes.slider_cranks import slider_crank as slider_crank
 
 FAMILY = "singular poses"
 STEP, RTOL = 1e-3, 1e-8

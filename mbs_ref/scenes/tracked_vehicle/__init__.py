@@ -30,7 +30,7 @@ FEET = (-0.25, 0.25)  # of the pitch: where a link's two round feet are
 SLIDING = "Without friction at idler and rollers nothing turns them: the track slides under them."
 
 
-def build(
+def tracked_vehicle(
     *,
     links: Annotated[int, Field(ge=20, le=2000, multiple_of=2)] = 30,
     rollers: Annotated[int, Field(ge=0, le=100)] = 3,

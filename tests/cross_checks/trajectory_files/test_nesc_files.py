@@ -24,7 +24,7 @@ from cross_checks.truth import NoTruth, Truth
 from cross_checks.truths import seek_truth, truth_for
 from mbs_ref import scenes
 from mbs_ref.scene import Scene
-from mbs_ref.scenes.nesc_dropped_sphere import SPIN
+from mbs_ref.scenes.nesc import SPIN
 
 ASKED = 1e-7
 FOOT = 0.3048  # m

@@ -10,8 +10,8 @@ from cross_checks.truth import Truth
 from cross_checks.truths import truth_for
 from mbs_ref import scenes
 from mbs_ref.scene import Scene
-from mbs_ref.scenes.nesc_dropped_sphere import FOOT, SPIN
-from mbs_ref.scenes.nesc_sphere_in_air import R_EARTH
+from mbs_ref.scenes.nesc import FOOT, SPIN
+from mbs_ref.scenes.nesc import R_MEAN as R_EARTH
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
 from mbs_ref.trajectory import Trajectory

@@ -15,7 +15,7 @@ from mbs_ref.observables.energy import energy_balance
 from mbs_ref.scene import PointMass, Scene, SpatialBody
 from mbs_ref.scene.celestial import GravityGradient, Newton
 from mbs_ref.scene.euler_parameters import rotation_matrices
-from mbs_ref.scenes.satellite import GM_EARTH
+from mbs_ref.scenes.satellites import GM_EARTH
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
 

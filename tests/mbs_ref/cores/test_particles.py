@@ -17,7 +17,7 @@ from mbs_ref.observables import energy_balance, momentum_drift
 from mbs_ref.scene import PointMass, Scene
 from mbs_ref.scene.celestial import AU_M, G_SI, LunarFigure, Newton, Oblateness, Relativity
 from mbs_ref.scene.toml import dumps, loads
-from mbs_ref.scenes import satellite
+from mbs_ref.scenes import satellites as satellite
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
 from mbs_ref.trajectory import Status

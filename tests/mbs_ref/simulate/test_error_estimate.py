@@ -15,8 +15,8 @@ from mbs_ref.scene import GROUND, Force, PlanarBody, PointMass, Prismatic, Scene
 from mbs_ref.scene.celestial import Newton, Oblateness
 from mbs_ref.scene.scales import scales_of
 from mbs_ref.scene.signals import HalfSine
-from mbs_ref.scenes.incline import build as incline
-from mbs_ref.scenes.kepler import build as orbit
+from mbs_ref.scenes.blocks import incline as incline
+from mbs_ref.scenes.orbits import kepler as orbit
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
 from mbs_ref.simulate.error_estimate import SAFETY, _richardson

@@ -6,7 +6,7 @@ import pytest
 
 from mbs_ref import scenes
 from mbs_ref.scene import Scene
-from mbs_ref.scenes.slider_crank import build as slider_crank
+from mbs_ref.scenes.slider_cranks import slider_crank as slider_crank
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
 

@@ -24,7 +24,7 @@ from mbs_ref.scene.contact import (
     StickSlip,
 )
 from mbs_ref.scene.toml import dumps, loads
-from mbs_ref.scenes.bouncing_sphere import floor_normal
+from mbs_ref.scenes.bouncing import floor_normal
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
 from mbs_ref.trajectory import Status, Trajectory

@@ -1,4 +1,4 @@
-"""A block on an incline: it stays below the angle of friction and slides above it."""
+"""A block on rough ground: resting on an incline, sliding to rest, and rocking from edge to edge."""
 
 from __future__ import annotations
 
@@ -6,16 +6,15 @@ import math
 from typing import Annotated
 
 from pydantic import Field
-from scipy.optimize import root_scalar
 
 from mbs_ref.scene import PlanarBody, Scene
 from mbs_ref.scene.base.part import NonNegative, Positive
-from mbs_ref.scene.contact import CircleOnLine, Friction, SpringDamperLaw, StickSlip
+from mbs_ref.scene.contact import CircleOnLine, Friction, RegularisedCoulomb, SpringDamperLaw, StickSlip
 
 LENGTH, HEIGHT = 0.4, 0.1  # m
 
 
-def build(
+def incline(
     *,
     angle: Annotated[float, Field(ge=0.0, lt=1.5)] = 0.17453292519943295,
     friction: NonNegative = 0.3,
@@ -31,7 +30,7 @@ def build(
     """
     grip = StickSlip(coefficient=friction, stiffness=stiffness, damping=damping)
     pull = min(math.tan(angle), friction)
-    return resting_block(
+    return _resting_block(
         name="incline", description="A block laid on an incline.", angle=angle, speed=0.0, friction=grip, mass=mass,
         height=HEIGHT, stiffness=stiffness, damping=damping, gravity=gravity, pull=pull,
     )  # fmt: skip
@@ -43,6 +42,8 @@ def _tilt(height: float, sink: float, pull: float) -> float:
     With x, y of a corner from the centre and its force proportional to its depth: sum (x + pull y) depth = 0.
     """
 
+    from scipy.optimize import root_scalar  # takes long to import
+
     def moment(tilt: float) -> float:
         c, s = math.cos(tilt), math.sin(tilt)
         left, right = 0.5 * (sink + LENGTH * s), 0.5 * (sink - LENGTH * s)
@@ -53,7 +54,7 @@ def _tilt(height: float, sink: float, pull: float) -> float:
     return float(root_scalar(moment, bracket=(-0.1, 0.1), xtol=1e-18, rtol=1e-15).root) if height else 0.0
 
 
-def resting_block(
+def _resting_block(
     *, name: str, description: str, angle: float, speed: float, friction: Friction, mass: float, height: float,
     stiffness: float, damping: float, gravity: float, pull: float,
 ) -> Scene:  # fmt: skip
@@ -86,5 +87,76 @@ def resting_block(
                 point_2=(1.0, 0.0), law=law, friction=friction,
             )
             for side, corner in zip(("left", "right"), corners, strict=True)
+        ),
+    )  # fmt: skip
+
+
+def sliding_block(
+    *,
+    friction: NonNegative = 0.3,
+    speed: Positive = 2.0,
+    mass: Positive = 2.0,
+    height: NonNegative = 0.0,
+    stiffness: Positive = 1e5,
+    damping: NonNegative = 400.0,
+    gravity: Positive = 9.81,
+) -> Scene:
+    """Slide a block to rest: it stops after v^2 / (2 mu g) and stays.
+
+    friction (mu), speed (m/s), mass (kg), height (m), contact stiffness (N/m) and damping (N s/m) of each
+    corner, gravity (m/s^2). It starts on its sunk, tilted corners, so that nothing rocks while it slides; a
+    slab without height does not tilt, and its motion is known exactly.
+    """
+    grip = StickSlip(coefficient=friction, stiffness=stiffness, damping=damping)
+    return _resting_block(
+        name="sliding_block", description="A block thrown along rough ground stops and stays.", angle=0.0, speed=speed,
+        friction=grip, mass=mass, height=height, stiffness=stiffness, damping=damping, gravity=gravity, pull=friction,
+    )  # fmt: skip
+
+
+SLENDER_WIDTH, SLENDER_HEIGHT = 0.2, 0.8  # m
+
+
+def rocking_block(
+    *,
+    tilt: Annotated[float, Field(gt=0.0, lt=0.2)] = 0.1,
+    mass: Positive = 10.0,
+    stiffness: Positive = 1e6,
+    damping: NonNegative = 2000.0,
+    friction: NonNegative = 0.8,
+    gravity: Positive = 9.81,
+) -> Scene:
+    """Rock a block between its two lower edges.
+
+    tilt at the start (rad; below the angle of balance, atan(1/4)), mass (kg), contact stiffness (N/m) and
+    damping (N s/m) of each edge, friction (mu), gravity (m/s^2).
+    """
+    c, s = math.cos(tilt), math.sin(tilt)
+    sink = mass * gravity / stiffness
+
+    def world(x: float, y: float) -> tuple[float, float]:
+        """Return a point given from the lower left edge, on which the block stands."""
+        return c * x - s * y, s * x + c * y - sink
+
+    law = SpringDamperLaw(stiffness=stiffness, damping=damping, release="force")
+    grip = RegularisedCoulomb(coefficient=friction, speed=0.01) if friction else None
+    return Scene(
+        name="rocking_block",
+        description="A slender block rocks from edge to edge.",
+        source="G. W. Housner, Bull. Seism. Soc. Am. 53 (1963) 403",
+        duration=2.0,
+        gravity=(0.0, -gravity),
+        bodies=(
+            PlanarBody(
+                name="block", mass=mass, inertia=mass * (SLENDER_WIDTH**2 + SLENDER_HEIGHT**2) / 12.0,
+                position=world(0.5 * SLENDER_WIDTH, 0.5 * SLENDER_HEIGHT), angle=tilt,
+            ),
+        ),
+        contacts=tuple(
+            CircleOnLine(
+                name=f"edge.{side}", body_a="block", center=world(x, 0.0), radius=0.0, point_1=(-1.0, 0.0),
+                point_2=(1.0, 0.0), law=law, friction=grip,
+            )
+            for side, x in (("left", 0.0), ("right", SLENDER_WIDTH))
         ),
     )  # fmt: skip

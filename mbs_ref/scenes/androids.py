@@ -1,4 +1,4 @@
-"""The simplified android of the papers in space, 13 bodies, in a crash that may be oblique (Fox 1999, future work)."""
+"""The androids of the papers in a crash: simplified and vertebral in the plane, and the simplified one in space."""
 
 from __future__ import annotations
 
@@ -7,14 +7,27 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
+from mbs_ref.crash.android import scene_builder
 from mbs_ref.crash.in_space import in_space
 from mbs_ref.scene import Scene
-from mbs_ref.scenes import android_simplified
 
+android_simplified = scene_builder(
+    __name__,
+    "android_simplified",
+    "The simplified android of the papers, 13 planar bodies, in a crash.",
+    "13 bodies: 11 parts of a person joined by 10 revolutes, seat base and seat back.",
+)
+android_vertebral = scene_builder(
+    __name__,
+    "android_vertebral",
+    "The vertebral android of the papers, 48 planar bodies, in a crash: stiff.",
+    "48 bodies: every vertebra, the ribs and the shoulder of a person, joined by 45 revolutes, "
+    "seat base and seat back.",
+)
 BREADTH = 0.5  # m, of cushions and of the pair of limbs that a part stands for: an estimate
 
 
-def build(
+def android_spatial(
     *,
     oblique: Annotated[float, Field(ge=-45.0, le=45.0)] = 15.0,
     peak_force: Annotated[float, Field(ge=500.0, le=100_000.0)] = 15_000.0,
@@ -38,7 +51,7 @@ def build(
     """
     if impact == "rear" and not stops:
         raise ValueError("impact = 'rear' needs stops = true: without them the arms turn by more than 3 rad")
-    planar = android_simplified.build(
+    planar = android_simplified(
         peak_force=peak_force, speed_change_km_h=speed_change_km_h, impact=impact, mass=mass, belts=belts, law=law,
         stops=stops, body_contacts=body_contacts, head_restraint=head_restraint,
     )  # fmt: skip

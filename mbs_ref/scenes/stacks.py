@@ -1,0 +1,196 @@
+"""Bodies in contact under gravity: stacks in the plane and in space, and grains that fall into a box."""
+
+from __future__ import annotations
+
+import itertools
+from typing import Annotated, Any
+
+import numpy as np
+from pydantic import Field
+
+from mbs_ref.scene import GROUND, PlanarBody, Scene, SpatialBody
+from mbs_ref.scene.base.part import NonNegative, Positive
+from mbs_ref.scene.contact import (
+    CircleOnCircle,
+    CircleOnLine,
+    Contact,
+    ProgressiveLaw,
+    SphereOnPlane,
+    SphereOnSphere,
+    SpringDamperLaw,
+)
+from mbs_ref.scene.inertia import block, sphere
+
+BOX_WIDTH, BOX_HEIGHT = 0.4, 0.2  # m
+
+
+def box_stack(
+    *,
+    boxes: Annotated[int, Field(ge=1, le=200)] = 3,
+    mass: Positive = 1.0,
+    ratio: Positive = 1.0,
+    stiffness: Positive = 1e6,
+    damping: NonNegative = 1000.0,
+    gravity: Positive = 9.81,
+) -> Scene:
+    """Stack boxes, each `ratio` times as heavy as the one below; they sink by their weight over the stiffness.
+
+    boxes, mass of the lowest (kg), ratio (1e4 with 2 boxes is heavy on light), contact stiffness (N/m) and
+    damping (N s/m) of each of the two corners, gravity (m/s^2). They start just touching.
+    """
+    law = SpringDamperLaw(stiffness=stiffness, damping=damping, release="force")
+    masses = [mass * ratio**k for k in range(boxes)]
+    return Scene(
+        name="box_stack",
+        description=f"{boxes} boxes stacked without friction, each {ratio:g} times as heavy as the one below.",
+        source="Textbook statics",
+        duration=1.0,
+        gravity=(0.0, -gravity),
+        bodies=tuple(
+            PlanarBody(
+                name=f"box{k}", mass=m, inertia=m * (BOX_WIDTH**2 + BOX_HEIGHT**2) / 12.0,
+                position=(0.0, (k + 0.5) * BOX_HEIGHT)
+            )
+            for k, m in enumerate(masses)
+        ),
+        contacts=tuple(_box_corner(k, side, law) for k in range(boxes) for side in (0, 1)),
+    )  # fmt: skip
+
+
+def _box_corner(k: int, side: int, law: SpringDamperLaw) -> CircleOnLine:
+    return CircleOnLine(
+        name=f"corner{k}.{side}", body_a=f"box{k}", center=((side - 0.5) * BOX_WIDTH, k * BOX_HEIGHT), radius=0.0,
+        body_b=GROUND if k == 0 else f"box{k - 1}",
+        point_1=(-BOX_WIDTH, k * BOX_HEIGHT), point_2=(BOX_WIDTH, k * BOX_HEIGHT),
+        extent="line" if k == 0 else "segment", law=law,
+    )  # fmt: skip
+
+
+LENGTH, WIDTH, HEIGHT = 0.4, 0.3, 0.2  # m
+
+
+def block_stack(
+    *,
+    blocks: Annotated[int, Field(ge=1, le=50)] = 3,
+    mass: Positive = 1.0,
+    ratio: Positive = 1.0,
+    stiffness: Positive = 1e6,
+    damping: NonNegative = 1000.0,
+    gravity: Positive = 9.81,
+) -> Scene:
+    """Stack blocks, each `ratio` times as heavy as the one below; they sink by their weight over the stiffness.
+
+    blocks, mass of the lowest (kg), ratio (1e4 with 2 blocks is heavy on light), contact stiffness (N/m) and
+    damping (N s/m) of each of the four corners, gravity (m/s^2). They start just touching.
+    """
+    law = SpringDamperLaw(stiffness=stiffness, damping=damping, release="force")
+    return Scene(
+        name="block_stack",
+        description=f"{blocks} blocks stacked without friction, each {ratio:g} times as heavy as the one below.",
+        source="Textbook statics",
+        duration=1.0,
+        gravity=(0.0, 0.0, -gravity),
+        bodies=tuple(_block(k, mass * ratio**k) for k in range(blocks)),
+        contacts=tuple(
+            _block_corner(k, x, y, law) for k in range(blocks) for x, y in itertools.product((-1, 1), (-1, 1))
+        ),
+    )  # fmt: skip
+
+
+def _block(k: int, mass: float) -> SpatialBody:
+    inertia = block(mass, LENGTH, WIDTH, HEIGHT)
+    return SpatialBody(name=f"block{k}", mass=mass, inertia=inertia, position=(0.0, 0.0, (k + 0.5) * HEIGHT))
+
+
+def _block_corner(k: int, x: int, y: int, law: SpringDamperLaw) -> SphereOnPlane:
+    on_block = {"extent": "rectangle", "size": (2 * LENGTH, 2 * WIDTH), "edge": (1.0, 0.0, 0.0), "thickness": HEIGHT}
+    return SphereOnPlane(
+        name=f"corner{k}.{(x + 1) // 2}{(y + 1) // 2}", body_a=f"block{k}", radius=0.0,
+        center=(0.5 * x * LENGTH, 0.5 * y * WIDTH, k * HEIGHT), body_b=GROUND if k == 0 else f"block{k - 1}",
+        point=(0.0, 0.0, k * HEIGHT), normal=(0.0, 0.0, 1.0), law=law, **({} if k == 0 else on_block),
+    )  # fmt: skip
+
+
+GRAIN_RADIUS = 0.05  # m
+SPACING = 2.2 * GRAIN_RADIUS  # m
+STAGGER = 0.3 * GRAIN_RADIUS  # m, layers are shifted by up to this: a regular lattice is a coincidence
+CLEARANCE = 0.5 * GRAIN_RADIUS  # m, to walls and floor at t = 0
+
+
+def granular_column(
+    *,
+    grains: Annotated[int, Field(ge=2, le=300)] = 20,
+    across: Annotated[int, Field(ge=1, le=50)] = 4,
+    space: bool = False,
+    stiffness: Positive = 1e5,
+    damping: NonNegative = 1e5,
+    mass: Positive = 0.1,
+    gravity: Positive = 9.81,
+) -> Scene:
+    """Drop grains into a box: discs, or with `space` spheres, without friction.
+
+    grains, how many across, whether in space; stiffness (N/m) and damping (N s/m^2) of the progressive law, mass
+    of a grain (kg), gravity (m/s^2).
+    """
+    law = ProgressiveLaw(stiffness=stiffness, damping=damping)
+    dimension = 3 if space else 2
+    centers = [_grain_place(k, across, dimension) for k in range(grains)]
+    kind = _spheres if space else _discs
+    bodies, pairs = kind(centers, mass, law)
+    walls = list(_walls(len(centers), centers, across * SPACING + CLEARANCE, law, dimension))
+    return Scene(
+        name="granular_column",
+        description=f"{grains} grains fall into a box; {len(pairs) + len(walls)} pairs may touch.",
+        source="Cundall and Strack, Geotechnique 29 (1979) 47",
+        duration=0.5,
+        gravity=tuple([0.0] * (dimension - 1) + [-gravity]),
+        bodies=tuple(bodies),
+        contacts=(*walls, *pairs),
+    )
+
+
+def _grain_place(k: int, across: int, dimension: int) -> tuple[float, ...]:
+    """Return the centre of grain k at t = 0, the last coordinate upwards."""
+    layer, within = divmod(k, across ** (dimension - 1))
+    cell = np.array([*reversed(np.unravel_index(within, (across,) * (dimension - 1))), layer], dtype=float)
+    shift = STAGGER * np.sin(2.4 * layer + np.arange(dimension - 1))
+    low = CLEARANCE + GRAIN_RADIUS + STAGGER
+    return tuple((SPACING * cell + low + np.append(shift, -STAGGER)).tolist())
+
+
+def _discs(centers: list, mass: float, law: ProgressiveLaw) -> tuple[list[Any], list[Contact]]:
+    inertia = 0.5 * mass * GRAIN_RADIUS**2
+    bodies = [PlanarBody(name=f"g{k}", mass=mass, inertia=inertia, position=c) for k, c in enumerate(centers)]
+    pairs: list[Contact] = [
+        CircleOnCircle(name=f"g{i}.g{j}", body_a=f"g{i}", center_a=centers[i], radius_a=GRAIN_RADIUS, body_b=f"g{j}",
+                       center_b=centers[j], radius_b=GRAIN_RADIUS, law=law)
+        for i, j in itertools.combinations(range(len(centers)), 2)
+    ]  # fmt: skip
+    return bodies, pairs
+
+
+def _spheres(centers: list, mass: float, law: ProgressiveLaw) -> tuple[list[Any], list[Contact]]:
+    inertia = sphere(mass, GRAIN_RADIUS)
+    bodies = [SpatialBody(name=f"g{k}", mass=mass, inertia=inertia, position=c) for k, c in enumerate(centers)]
+    pairs: list[Contact] = [
+        SphereOnSphere(name=f"g{i}.g{j}", body_a=f"g{i}", center_a=centers[i], radius_a=GRAIN_RADIUS, body_b=f"g{j}",
+                       center_b=centers[j], radius_b=GRAIN_RADIUS, law=law)
+        for i, j in itertools.combinations(range(len(centers)), 2)
+    ]  # fmt: skip
+    return bodies, pairs
+
+
+def _walls(grains: int, centers: list, width: float, law: ProgressiveLaw, dimension: int):
+    """Yield the floor and the walls under every grain."""
+    for axis, side in [(dimension - 1, 0), *itertools.product(range(dimension - 1), (0, 1))]:
+        normal, point = np.zeros(dimension), np.zeros(dimension)
+        normal[axis], point[axis] = 1.0 - 2.0 * side, side * (width + 2.0 * STAGGER)
+        for k in range(grains):
+            name = f"wall{axis}{side}.g{k}"
+            shared = {"name": name, "body_a": f"g{k}", "center": centers[k], "radius": GRAIN_RADIUS, "law": law}
+            if dimension == 3:
+                ends: dict[str, Any] = {"point": tuple(point), "normal": tuple(normal)}
+                yield SphereOnPlane(**shared, **ends)
+            else:
+                along = np.array([normal[1], -normal[0]])  # the free side is on its left
+                yield CircleOnLine(**shared, point_1=tuple(point), point_2=tuple(point + along))
