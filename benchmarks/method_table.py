@@ -22,7 +22,7 @@ from mbs_ref.observables.distance import largest, relative
 from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
-from mbs_ref.simulate.method.choice import AUTO
+from mbs_ref.simulate.method_choice import AUTO
 from mbs_ref.trajectory import Trajectory
 
 ASKED = (1e-4, 1e-6, 1e-8, 1e-10)  # rtol

@@ -18,7 +18,7 @@ from mbs_ref.scene.traits import NO_DEFLECTIONS, NO_SLIP, PART_TYPES, deflecting
 from mbs_ref.scene.units import is_celestial
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import InconsistentScene, simulate
-from mbs_ref.simulate.method.choice import AUTO
+from mbs_ref.simulate.method_choice import AUTO
 from mbs_ref.simulate.start.soundness import UnsoundScene
 from mbs_ref.trajectory import Status, Trajectory
 

@@ -7,17 +7,15 @@ centre of mass; angles of contact surfaces and belts follow from the two seat bo
 from __future__ import annotations
 
 import inspect
-import json
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from importlib.resources import files
 from typing import Annotated, Any, Literal, get_type_hints
 
 from pydantic import Field
 
 from mbs_ref.crash.body_contacts import body_contacts
-from mbs_ref.crash.places import Places, Point
+from mbs_ref.crash.places import Places, Point, read_data
 from mbs_ref.crash.stops import joint_stops
 from mbs_ref.scene import (
     GROUND,
@@ -106,11 +104,6 @@ def android(name: str, description: str, crash: Crash) -> Scene:
         loads=(*model.torsion_springs(), *model.bushings(), *model.belts(), *model.crash_forces(), *model.stops()),
         contacts=(*model.seat_contacts(), *model.floor_contacts(), *model.body_contacts()),
     )
-
-
-def read_data(name: str) -> dict[str, Any]:
-    """Return mbs_ref/crash/data/<name>.json."""
-    return json.loads((files("mbs_ref.crash") / "data" / f"{name}.json").read_text(encoding="utf-8"))
 
 
 def _consequences(crash: Crash) -> list[str]:

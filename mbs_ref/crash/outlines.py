@@ -12,8 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from mbs_ref.crash.android import read_data
-from mbs_ref.crash.places import Places
+from mbs_ref.crash.places import Places, read_data
 from mbs_ref.observables.attachment import Motion
 
 LEGS, ARMS = ("thigh", "lower_leg", "foot"), ("upper_arm", "lower_arm", "hand")

@@ -1,11 +1,18 @@
-"""Where the parts of an android and its seat are at t = 0: points in body axes turned into world points."""
+"""The data of an android and its seat, and the places of their parts at t = 0."""
 
 from __future__ import annotations
 
+import json
 import math
+from importlib.resources import files
 from typing import Any
 
 Point = tuple[float, float]
+
+
+def read_data(name: str) -> dict[str, Any]:
+    """Return mbs_ref/crash/data/<name>.json."""
+    return json.loads((files("mbs_ref.crash") / "data" / f"{name}.json").read_text(encoding="utf-8"))
 
 
 class Places:

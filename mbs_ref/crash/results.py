@@ -1,4 +1,4 @@
-"""What a crash did to an android: forces, excursions, accelerations, injury measures, works."""
+"""Results of an android's crash: forces, excursions, accelerations, injury measures, works."""
 
 from __future__ import annotations
 
@@ -7,12 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.integrate import cumulative_simpson
 
+from mbs_ref.cores.planar.system import PlanarSystem
 from mbs_ref.crash import injury
-from mbs_ref.crash.body_forces import BodyForces, body_forces
 from mbs_ref.crash.stops import STOP, stop_load, tension
 from mbs_ref.observables.attachment import Motion
 from mbs_ref.observables.energy import kinetic_energy, potential_energy
-from mbs_ref.observables.powers import LOADS
+from mbs_ref.observables.powers import LOADS, contact_power
 from mbs_ref.observables.signal_values import values
 from mbs_ref.observables.springs import twist_of
 from mbs_ref.scene import Force, PointBushing, Revolute, Scene, SpringDamper, TorsionSpring
@@ -24,6 +24,34 @@ AGE = 45.0  # years, assumed for TTI, which adds 1.4 a year; the measure is made
 STERNUM, SPINE = "costal_4_5", "T7"  # the tip of rib 4 lies in front of T7: between them the chest's depth is read
 ONE_NEWTON_METRE = 1.0  # N m; a smaller torque has no sign worth the name
 CERVICAL = ("C1", "C2", "C3", "C4", "C5", "C6")
+
+
+@dataclass(frozen=True)
+class BodyForces:
+    """Per body along a motion: N, N, N m, in the scene's body order."""
+
+    external: np.ndarray  # (n_t, n_bodies, 3) Q_e: gravity, loads, contacts
+    constraint: np.ndarray  # (n_t, n_bodies, 3) Q_c = -C_q^T lambda
+    acceleration: np.ndarray  # (n_t, n_bodies, 3) m/s^2, m/s^2, rad/s^2
+
+
+def body_forces(scene: Scene, trajectory: Trajectory) -> BodyForces:
+    """Evaluate Q_e, and Q_c = M qdd - Q_e, at every sample of any engine's planar motion.
+
+    Contact forces follow from the state alone: their laws must need no located events.
+    """
+    system = PlanarSystem(scene)
+    q = np.concatenate((trajectory.position, trajectory.orientation[:, :, None]), axis=2)
+    v = np.concatenate((trajectory.velocity, trajectory.angular_velocity[:, :, None]), axis=2)
+    system.start_contacts(0.0, np.concatenate((q[0].ravel(), v[0].ravel())), located=False)
+    external, acceleration = np.zeros_like(q), np.zeros_like(q)
+    for k, t in enumerate(trajectory.times):
+        system.set_mode_time(t)
+        external[k] = system.applied_forces(t, q[k], v[k])
+        dy = system.derivative(t, np.concatenate((q[k].ravel(), v[k].ravel())))
+        acceleration[k] = dy[q[k].size :].reshape(-1, 3)
+    constraint = system.mass_matrix().reshape(-1, 3) * acceleration - external
+    return BodyForces(external, constraint, acceleration)
 
 
 @dataclass(frozen=True)
@@ -159,9 +187,7 @@ def _powers(motion: Motion) -> dict[str, np.ndarray]:
         kind = "joint stops" if load.name.startswith(STOP) else kinds[type(load)]
         power[kind] += LOADS[type(load)](motion, load)
     for contact in motion.scene.contacts:
-        force = motion.trajectory.contacts[contact.name]
-        slip = motion.rate_at(contact.body_a, force[:, 3:5]) - motion.rate_at(contact.body_b, force[:, 3:5])
-        power["contacts"] += np.sum(force[:, 1:3] * slip, axis=1)
+        power["contacts"] += contact_power(motion, contact)
     return power
 
 

@@ -8,15 +8,6 @@ from mbs_ref.observables.energy import EnergyBalance, energy_balance, kinetic_en
 from mbs_ref.observables.momentum import angular_momentum, linear_momentum, momentum_drift
 
 __all__ = [
-    "EnergyBalance",
-    "Rows",
-    "angular_momentum",
-    "constraint_rate",
-    "constraint_residual",
-    "energy_balance",
-    "kinetic_energy",
-    "linear_momentum",
-    "momentum_drift",
-    "potential_energy",
-    "rows",
-]
+    "EnergyBalance", "Rows", "angular_momentum", "constraint_rate", "constraint_residual", "energy_balance",
+    "kinetic_energy", "linear_momentum", "momentum_drift", "potential_energy", "rows",
+]  # fmt: skip

@@ -8,6 +8,7 @@ import numpy as np
 
 from mbs_ref.scene import Scene
 from mbs_ref.scene.celestial import Newton
+from mbs_ref.scene.units import attraction
 from mbs_ref.trajectory import Trajectory
 
 
@@ -22,9 +23,9 @@ def is_attracted(scene: Scene) -> bool:
 
 
 def not_newtonian(scene: Scene) -> str:
-    """Return why no energy balance is drawn."""
+    """Return why there is no energy balance."""
     others = ", ".join(load.type for load in scene.loads if load.type not in ("newton", "epoch"))
-    return f"the judge draws the balance of Newton's attraction alone, and here act also {others}"
+    return f"the energy balance supports Newton's attraction alone, and {others} act here, too"
 
 
 def energy(scene: Scene, trajectory: Trajectory) -> np.ndarray:
@@ -32,7 +33,7 @@ def energy(scene: Scene, trajectory: Trajectory) -> np.ndarray:
 
     With gm in place of masses the sum is G times the energy; a scene's masses fix G (its heaviest body's gm / m).
     """
-    gm = np.array(_gm(scene), dtype=np.longdouble)
+    gm = np.array(attraction(scene), dtype=np.longdouble)
     x, v = (part.astype(np.longdouble) for part in (trajectory.position, trajectory.velocity))
     constant = _constant(scene, gm)
     weight = np.where(gm > 0.0, gm, constant * np.array([body.mass for body in scene.bodies], dtype=np.longdouble))
@@ -52,8 +53,8 @@ def drift(scene: Scene, trajectory: Trajectory) -> np.ndarray:
 
 
 def momentum_drift(scene: Scene, trajectory: Trajectory) -> np.ndarray | None:
-    """Return the largest drift of momentum, kg m/s and kg m^2/s, (n_t,); None where it is not kept."""
-    gm = np.array(_gm(scene), dtype=np.longdouble)
+    """Return the largest drift of momentum, kg m/s and kg m^2/s, (n_t,); None where it is not conserved."""
+    gm = np.array(attraction(scene), dtype=np.longdouble)
     if not is_newtonian(scene) or np.any(gm == 0.0) or any(scene.gravity):
         return None
     mass = gm / _constant(scene, gm)
@@ -61,11 +62,6 @@ def momentum_drift(scene: Scene, trajectory: Trajectory) -> np.ndarray | None:
     linear, angular = np.einsum("k,tkd->td", mass, v), np.einsum("k,tkd->td", mass, np.cross(x, v))
     moved = [np.max(np.abs(part - part[0]), axis=1) for part in (linear, angular)]
     return np.maximum(*moved).astype(float)
-
-
-def _gm(scene: Scene) -> tuple[float, ...]:
-    newton = [load for load in scene.loads if isinstance(load, Newton)]
-    return newton[0].gm if newton else (0.0,) * len(scene.bodies)
 
 
 def _constant(scene: Scene, gm: np.ndarray) -> np.longdouble:

@@ -1,15 +1,207 @@
-"""Constraint residuals C(q, t) and their rates, joint by joint, from world poses and velocities."""
+"""Constraint residuals C(q, t) of every joint and their rates, from world poses and velocities.
+
+They follow from the definition of a joint, not from its rows in the solver (mbs_ref/scene/base/rows.py), so that
+a joint with wrong rows is detected. Residuals are lengths (m), angles (rad) or sines of angles.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
-from mbs_ref.observables.attachment import Motion
-from mbs_ref.observables.joint_rows import RESIDUALS, norm_row
-from mbs_ref.scene import Scene, SpatialBody
+from mbs_ref.observables.attachment import PERP, Motion, perpendiculars
+from mbs_ref.observables.signal_values import motion as prescribed
+from mbs_ref.scene import Scene, SpatialBody, joints
+from mbs_ref.scene.euler_parameters import floats, from_axis_angle, product, rotation_matrices
 from mbs_ref.trajectory import Trajectory
+
+Row = tuple[np.ndarray, np.ndarray]  # residual and rate, each (n_t,)
+RATE_STEP = 1e-3  # m or rad of the motion: truncation h^4 and roundoff eps / h of a rate are alike, 1e-12 of size one
+Vectors = tuple[np.ndarray, np.ndarray]  # a moving vector and its rate, each (n_t, dimension)
+
+
+def norm_row(theta: np.ndarray) -> Row:
+    """theta^T theta - 1 = 0 (Fox 1999, appendix); poses carry no parameter rates, so its rate is not judged."""
+    return np.sum(theta**2, axis=1) - 1.0, np.zeros(len(theta))
+
+
+def unit(vector) -> np.ndarray:
+    """Return the vector at length one."""
+    return floats(vector) / np.linalg.norm(floats(vector))
+
+
+def wrapped(angle: np.ndarray) -> np.ndarray:
+    """Return the angle in [-pi, pi]: a full turn is no violation."""
+    return np.remainder(angle + np.pi, 2.0 * np.pi) - np.pi
+
+
+def _dot(first: Vectors, second: Vectors) -> Row:
+    """Return the product of two moving vectors, and its rate."""
+    (e, e_rate), (f, f_rate) = first, second
+    return np.sum(e * f, axis=1), np.sum(e_rate * f + e * f_rate, axis=1)
+
+
+def _separation(motion: Motion, joint, point_a, point_b) -> Vectors:
+    (a, a_rate), (b, b_rate) = motion.point(joint.body_a, point_a), motion.point(joint.body_b, point_b)
+    return b - a, b_rate - a_rate
+
+
+def coincidence(motion: Motion, joint) -> list[Row]:
+    """p_b - p_a = 0 (Fox 1999 eq 5)."""
+    gap, rate = _separation(motion, joint, joint.point, joint.point)
+    return [(gap[:, k], rate[:, k]) for k in range(gap.shape[1])]
+
+
+def parallel(motion: Motion, joint, axis) -> list[Row]:
+    """The axis in b stays across two normals in a."""
+    there = motion.direction(joint.body_b, unit(axis))
+    return [_dot(motion.direction(joint.body_a, normal), there) for normal in perpendiculars(axis)]
+
+
+def across(motion: Motion, joint, normals) -> list[Row]:
+    """n . (p_b - p_a) = 0 with normals n fixed in a."""
+    gap = _separation(motion, joint, joint.point, joint.point)
+    return [_dot(motion.direction(joint.body_a, normal), gap) for normal in normals]
+
+
+def no_turning(motion: Motion, joint) -> list[Row]:
+    """In the plane the relative angle; in space x . y = y . z = z . x = 0 of axes in a and in b, one frame at t = 0."""
+    if motion.scene.dimension == 2:
+        turned = motion.angle(joint.body_b) - motion.angle(joint.body_a)
+        return [(wrapped(turned), motion.spin(joint.body_b) - motion.spin(joint.body_a))]
+    here, there = ([motion.direction(body, e) for e in np.eye(3)] for body in (joint.body_a, joint.body_b))
+    return [_dot(here[k], there[(k + 1) % 3]) for k in range(3)]
+
+
+def _revolute(motion: Motion, joint: joints.Revolute) -> list[Row]:
+    kept = [] if joint.axis is None else parallel(motion, joint, joint.axis)
+    return [*coincidence(motion, joint), *kept]
+
+
+def _universal(motion: Motion, joint: joints.Universal) -> list[Row]:
+    first, second = unit(joint.axis_a), unit(joint.axis_b)
+    product = _dot(motion.direction(joint.body_a, first), motion.direction(joint.body_b, second))
+    return [*coincidence(motion, joint), product]
+
+
+def _prismatic(motion: Motion, joint: joints.Prismatic) -> list[Row]:
+    plane = motion.scene.dimension == 2
+    normals = [PERP @ unit(joint.axis)] if plane else perpendiculars(joint.axis)
+    return [*across(motion, joint, normals), *no_turning(motion, joint)]
+
+
+def _distance(motion: Motion, joint: joints.Distance) -> list[Row]:
+    """|p_b - p_a| - l = 0, in metres."""
+    gap, rate = _separation(motion, joint, joint.point_a, joint.point_b)
+    length = np.linalg.norm(gap, axis=1)
+    initial = float(np.linalg.norm(np.subtract(joint.point_b, joint.point_a)))
+    along = np.divide(gap, length[:, None], out=np.zeros_like(gap), where=length[:, None] > 0.0)
+    return [(length - (initial if joint.length is None else joint.length), np.sum(along * rate, axis=1))]
+
+
+def _rotation_drive(motion: Motion, joint: joints.RotationDrive) -> list[Row]:
+    asked, asked_rate = prescribed(joint.motion, joint.level, motion.times)
+    angle, rate = motion.angle_about(joint.body_a, joint.body_b, joint.axis)
+    return [(wrapped(angle - asked), rate - asked_rate)]
+
+
+def _rolling_wheel(motion: Motion, joint: joints.RollingWheel) -> list[Row]:
+    """The lowest point of the rim is at the plane's height, and the wheel's matter there is at rest.
+
+    The wheel's plane cuts the ground's along a x n; of the rim the point across that line is the lowest.
+    """
+    normal = unit(joint.normal)
+    axis, (centre, _) = motion.direction(joint.body, unit(joint.axis))[0], motion.point(joint.body, joint.point)
+    level = np.cross(axis, normal)
+    lowest = centre + joint.radius * np.cross(axis, level / np.linalg.norm(level, axis=1, keepdims=True))
+    at_first = np.add(joint.point, joint.radius * np.cross(unit(joint.axis), unit(np.cross(joint.axis, normal))))
+    slip = motion.rate_at(joint.body, lowest)
+    along = [(np.zeros(len(slip)), slip @ edge) for edge in perpendiculars(normal)]
+    return [*along, ((lowest - at_first) @ normal, slip @ normal)]
+
+
+def _coordinate_drive(motion: Motion, joint: joints.CoordinateDrive) -> list[Row]:
+    asked, asked_rate = prescribed(joint.motion, joint.level, motion.times)
+    if joint.coordinate == "angle":
+        return [(wrapped(motion.angle(joint.body) - asked), motion.spin(joint.body) - asked_rate)]
+    k, axis = motion.scene.body_index(joint.body), "xyz".index(joint.coordinate)
+    moved = motion.trajectory.position[:, k, axis] - motion.scene.bodies[k].position[axis]
+    return [(moved - asked, motion.trajectory.velocity[:, k, axis] - asked_rate)]
+
+
+def _point_drive(motion: Motion, joint: joints.PointDrive) -> list[Row]:
+    asked, asked_rate = prescribed(joint.motion, joint.level, motion.times)
+    place, rate = motion.point(joint.body, joint.point)
+    along = unit(joint.direction)
+    return [((place - np.asarray(joint.point)) @ along - asked, rate @ along - asked_rate)]
+
+
+def _user_constraint(motion: Motion, joint: joints.UserConstraint) -> list[Row]:
+    """C itself at the poses; its rate by differences of fourth order along the velocities."""
+    formula = joint.formula()
+
+    def value(k: int, ahead: float) -> float:
+        return float(formula(float(motion.times[k]) + ahead, *_places(motion, joint, k, ahead)))
+
+    rate = []
+    for k in range(len(motion.times)):
+        step = RATE_STEP / max(1.0, *(float(np.abs(x[k]).max()) for x in _rates(motion, joint)))
+        near = {s: value(k, s * step) for s in (-2, -1, 1, 2)}
+        rate.append((8.0 * (near[1] - near[-1]) - (near[2] - near[-2])) / (12.0 * step))
+    return [(np.array([value(k, 0.0) for k in range(len(motion.times))]), np.array(rate))]
+
+
+def _rates(motion: Motion, joint) -> list[np.ndarray]:
+    """Return the rates (n_t, ...) of both ends."""
+    indices = [motion.scene.body_index(end) for end in joint.ends]
+    path = motion.trajectory
+    return [part[:, k].reshape(len(motion.times), -1) for k in indices if k >= 0
+            for part in (path.velocity, path.angular_velocity)]  # fmt: skip
+
+
+def _places(motion: Motion, joint, k: int, ahead: float):
+    """Return both ends' places at sample k, moved on for `ahead` (s) at the velocities there."""
+    return [_place(motion, end, joint.mark(f"body_{'ab'[side]}"), k, ahead) for side, end in enumerate(joint.ends)]
+
+
+def _place(motion: Motion, body: str, mark, k: int, ahead: float):
+    scene, path, index = motion.scene, motion.trajectory, motion.scene.body_index(body)
+    planar = scene.dimension == 2
+    if index < 0:
+        origin = (0.0,) * scene.dimension if mark is None else mark
+        return joints.PlanarPlace(*origin, 0.0) if planar else joints.SpatialPlace(*origin, 1.0, 0.0, 0.0, 0.0)
+    start: Any = scene.bodies[index]
+    arm = np.zeros(scene.dimension) if mark is None else np.subtract(mark, start.position)
+    centre = path.position[k, index] + ahead * path.velocity[k, index]
+    spin, turned = path.angular_velocity[k, index], path.orientation[k, index]
+    if planar:
+        now = turned + ahead * spin
+        since = now - getattr(start, "angle", 0.0)
+        return joints.PlanarPlace(*(centre + np.cos(since) * arm + np.sin(since) * (PERP @ arm)), now)
+    speed = np.linalg.norm(spin)
+    now = turned if speed == 0.0 else product(from_axis_angle(spin, ahead * speed), turned)
+    first = rotation_matrices(getattr(start, "orientation", (1.0, 0.0, 0.0, 0.0)))
+    return joints.SpatialPlace(*(centre + rotation_matrices(now) @ first.T @ arm), *now)
+
+
+RESIDUALS: dict[type[joints.JointPart], Callable[[Motion, Any], list[Row]]] = {
+    joints.Revolute: _revolute,
+    joints.Spherical: coincidence,
+    joints.Universal: _universal,
+    joints.Cylindrical: lambda m, j: [*across(m, j, perpendiculars(j.axis)), *parallel(m, j, j.axis)],
+    joints.Prismatic: _prismatic,
+    joints.Weld: lambda m, j: [*coincidence(m, j), *no_turning(m, j)],
+    joints.Distance: _distance,
+    joints.RollingWheel: _rolling_wheel,
+    joints.PointOnPlane: lambda m, j: across(m, j, [unit(j.normal)]),
+    joints.RotationDrive: _rotation_drive,
+    joints.CoordinateDrive: _coordinate_drive,
+    joints.PointDrive: _point_drive,
+    joints.UserConstraint: _user_constraint,
+}
 
 
 @dataclass(frozen=True)

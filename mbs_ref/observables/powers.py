@@ -1,4 +1,4 @@
-"""Power of what is not conservative: dampers, time-dependent loads, user forces, drives."""
+"""Power of parts that are not conservative: dampers, time-dependent loads, user forces, drives."""
 
 from __future__ import annotations
 
@@ -27,15 +27,15 @@ from mbs_ref.scene.contact import Contact
 
 
 def powers(motion: Motion, is_conservative: Callable) -> np.ndarray | None:
-    """Return the power (n_t,), W, of all that has no potential; None where there is nothing of the kind."""
+    """Return the power (n_t,), W, of all parts without a potential; None if there are none."""
     terms = [LOADS[type(load)](motion, load) for load in motion.scene.loads if _works(load, is_conservative)]
     terms += [DRIVES[type(j)](motion, j) for j in motion.scene.joints if type(j) in DRIVES]
-    terms += [_contact(motion, contact) for contact in motion.scene.contacts]
+    terms += [contact_power(motion, contact) for contact in motion.scene.contacts]
     return np.sum(terms, axis=0) if terms else None
 
 
-def _contact(motion: Motion, contact: Contact) -> np.ndarray:
-    """The power of a contact's force on both bodies, at the point where it acts."""
+def contact_power(motion: Motion, contact: Contact) -> np.ndarray:
+    """Return the power (n_t,), W, of a contact's force on both bodies, at the point where it acts."""
     force, place = np.split(motion.trajectory.contacts[contact.name][:, 1:], 2, axis=1)
     slip = motion.rate_at(contact.body_a, place) - motion.rate_at(contact.body_b, place)
     return np.sum(force * slip, axis=1)
@@ -49,7 +49,7 @@ def _works(load, is_conservative: Callable) -> bool:
 def _damper(motion: Motion, load: SpringDamper) -> np.ndarray:
     _, stretch, rate = length_of(motion, load)
     force = load.damping * rate
-    if load.tension_only:  # what is left of the total pull, which is never a push, after the elastic part
+    if load.tension_only:  # the total pull, which is never a push, less the elastic part
         elastic = load.stiffness * np.maximum(stretch, 0.0)
         force = np.where(stretch > 0.0, np.maximum(elastic + force, 0.0) - elastic, 0.0)
     return -force * rate

@@ -111,4 +111,16 @@ def _require_inertia(inertia: tuple[float, ...]) -> None:
         raise ValueError(f"{moments}; no body has one that exceeds the sum of the others")
 
 
+def sphere_inertia(mass: float, radius: float) -> Inertia:
+    """Return the inertia of a uniform sphere: 2/5 m r^2 about every axis."""
+    moment = 0.4 * mass * radius**2
+    return moment, moment, moment, 0.0, 0.0, 0.0
+
+
+def block_inertia(mass: float, a: float, b: float, c: float) -> Inertia:
+    """Return the inertia of a uniform block with the sides a, b, c (m) along x, y, z."""
+    share = mass / 12.0
+    return share * (b * b + c * c), share * (a * a + c * c), share * (a * a + b * b), 0.0, 0.0, 0.0
+
+
 Body = Annotated[PlanarBody | SpatialBody | PointMass, Field(discriminator="type")]

@@ -1,7 +1,7 @@
 """Contact parts of a scene: what touches what, by which law, with which friction.
 
-The penetration d is positive inside; d' is its rate. Every law is a type of its own and names the rule
-by which it lets go, and gives its numbers as the solver's kernels take them. Points are world points at t = 0.
+The penetration d is positive inside; d' is its rate. Every law is a type of its own, states its
+release rule, and returns the numbers of the solver's kernels. Points are world points at t = 0.
 """
 
 from __future__ import annotations
@@ -30,27 +30,27 @@ class LawNumbers(NamedTuple):
     impact_damping: float = 0.0  # -
     slowest: float = 1.0  # m/s, v0 is taken no smaller
     restitution: float = 0.0  # -, of an impulse
-    release: Literal["gap", "force", "rigid", "constraint"] = "gap"  # where it lets go
+    release: Literal["gap", "force", "rigid", "constraint"] = "gap"  # rule by which the contact opens
 
 
 class Law(Part):
     """A contact law."""
 
     IMPULSIVE: ClassVar[bool] = False  # acts at touch-down, in an instant
-    HOLDS: ClassVar[bool] = False  # stands for a constraint while contact lasts
+    HOLDS: ClassVar[bool] = False  # replaces the force by a constraint while contact lasts
     NEEDS_IMPACT_SPEED: ClassVar[bool] = False
 
     type: Any
 
     def numbers(self) -> LawNumbers:
-        """Return what stands in the solver's arrays."""
+        """Return the numbers in the solver's arrays."""
         raise NotImplementedError(f"{type(self).__name__} names no numbers")
 
 
 class SpringDamperLaw(Law):
     """F = k d + c d' (Fox 1999 eq 18, Fox 2001 eq 28): jumps by c v0 at touch-down.
 
-    release "gap" lets go at d = 0 and pulls shortly before; "force" lets go where F = 0 and never pulls.
+    With release "gap" it opens at d = 0 and pulls shortly before; with "force" it opens at F = 0 and never pulls.
     """
 
     type: Literal["spring_damper_law"] = "spring_damper_law"
@@ -63,7 +63,7 @@ class SpringDamperLaw(Law):
 
 
 class ProgressiveLaw(Law):
-    """F = k d + c d d' (Fox 1999 eq 33, Fox 2001 eq 34): continuous with a kink; lets go at d = 0, where F = 0."""
+    """F = k d + c d d' (Fox 1999 eq 33, Fox 2001 eq 34): continuous with a kink; opens at d = 0, where F = 0."""
 
     type: Literal["progressive_law"] = "progressive_law"
     stiffness: Positive  # N/m
@@ -74,7 +74,7 @@ class ProgressiveLaw(Law):
 
 
 class HuntCrossleyLaw(Law):
-    """F = d^n (k + c d') (Hunt and Crossley 1975); lets go at d = 0, where F = 0."""
+    """F = d^n (k + c d') (Hunt and Crossley 1975); opens at d = 0, where F = 0."""
 
     type: Literal["hunt_crossley_law"] = "hunt_crossley_law"
     stiffness: Positive  # N/m^n
@@ -88,7 +88,7 @@ class HuntCrossleyLaw(Law):
 class LankaraniNikraveshLaw(Law):
     """F = k d^n (1 + 3 (1 - e^2)/4 d'/v0), v0 the speed at touch-down (Lankarani and Nikravesh 1990).
 
-    Lets go at d = 0, where F = 0. e is nominal: the law returns another restitution.
+    Opens at d = 0, where F = 0. e is nominal: the actual restitution differs.
     """
 
     NEEDS_IMPACT_SPEED: ClassVar[bool] = True
@@ -97,7 +97,7 @@ class LankaraniNikraveshLaw(Law):
     stiffness: Positive  # N/m^n
     restitution: Restitution
     exponent: Annotated[float, Field(ge=1.0, le=10.0)] = 1.5
-    slowest: Positive = 1e-3  # m/s, v0 is taken no smaller: a contact made at rest has no impact speed
+    slowest: Positive = 1e-3  # m/s, v0 is taken no smaller: a contact that starts at rest has no impact speed
 
     def numbers(self) -> LawNumbers:
         factor = 0.75 * (1.0 - self.restitution**2)
@@ -107,7 +107,7 @@ class LankaraniNikraveshLaw(Law):
 class FloresLaw(Law):
     """F = k d^n (1 + 8 (1 - e)/(5 e) d'/v0), v0 the speed at touch-down (Flores et al. 2011).
 
-    Lets go at d = 0, where F = 0. e is nominal: the law returns another restitution.
+    Opens at d = 0, where F = 0. e is nominal: the actual restitution differs.
     """
 
     NEEDS_IMPACT_SPEED: ClassVar[bool] = True
@@ -138,7 +138,7 @@ class RigidLaw(Law):
 class ConstraintLaw(Law):
     """No penetration and no rebound: while contact lasts the constraint gap = 0 stands for the force.
 
-    The papers' other cure (Fox 2001). At touch-down an impulse takes the approach speed away (restitution 0);
+    The papers' other cure (Fox 2001). At touch-down an impulse removes the approach speed (restitution 0);
     the contact opens where the multiplier would pull. For circles and spheres alone, without friction.
     """
 
@@ -239,11 +239,6 @@ class ContactPart(Attached):
         return "and carries circles without friction only; use a rigid body" if self.friction or shaped else ""
 
 
-def _require_radius(radius_a: float, radius_b: float) -> None:
-    if radius_a + radius_b == 0.0:
-        raise ValueError("radius_a and radius_b are both 0; one must be positive")
-
-
 class CircleOnLine(ContactPart):
     """A circle on one body against a straight surface on another or on ground; a radius of 0 is a corner.
 
@@ -273,13 +268,9 @@ class CircleOnLine(ContactPart):
         return self
 
 
-class CircleOnCircle(ContactPart):
-    """Two discs that touch from outside."""
+class RoundPair(ContactPart):
+    """Two round shapes that touch from outside."""
 
-    DIMENSIONS: ClassVar[tuple[int, ...]] = (2,)
-    COUNTERPART: ClassVar[str] = "sphere_on_sphere"
-
-    type: Literal["circle_on_circle"] = "circle_on_circle"
     body_a: EndName
     center_a: Point  # m, world, t = 0
     radius_a: NonNegative  # m
@@ -290,8 +281,27 @@ class CircleOnCircle(ContactPart):
 
     @model_validator(mode="after")
     def _check(self) -> Self:
-        _require_radius(self.radius_a, self.radius_b)
+        if self.radius_a + self.radius_b == 0.0:
+            raise ValueError("radius_a and radius_b are both 0; one must be positive")
         return self
+
+
+class CircleOnCircle(RoundPair):
+    """Two discs that touch from outside."""
+
+    DIMENSIONS: ClassVar[tuple[int, ...]] = (2,)
+    COUNTERPART: ClassVar[str] = "sphere_on_sphere"
+
+    type: Literal["circle_on_circle"] = "circle_on_circle"
+
+
+class SphereOnSphere(RoundPair):
+    """Two spheres that touch from outside (space)."""
+
+    DIMENSIONS: ClassVar[tuple[int, ...]] = (3,)
+    COUNTERPART: ClassVar[str] = "circle_on_circle"
+
+    type: Literal["sphere_on_sphere"] = "sphere_on_sphere"
 
 
 class PinOnSprocket(ContactPart):
@@ -358,27 +368,6 @@ class SphereOnPlane(ContactPart):
                 raise ValueError(f"edge = {self.edge} must be perpendicular to normal = {self.normal}")
         if self.extent == "capped" and self.friction is not None and self.friction.STICKS:
             raise ValueError("extent = 'capped' turns the tangent plane at its edges; stick_slip needs a flat surface")
-        return self
-
-
-class SphereOnSphere(ContactPart):
-    """Two spheres that touch from outside (space)."""
-
-    DIMENSIONS: ClassVar[tuple[int, ...]] = (3,)
-    COUNTERPART: ClassVar[str] = "circle_on_circle"
-
-    type: Literal["sphere_on_sphere"] = "sphere_on_sphere"
-    body_a: EndName
-    center_a: Point3  # m, world, t = 0
-    radius_a: NonNegative  # m
-    body_b: EndName
-    center_b: Point3  # m, world, t = 0
-    radius_b: NonNegative  # m
-    friction: RegularisedCoulomb | None = None
-
-    @model_validator(mode="after")
-    def _check(self) -> Self:
-        _require_radius(self.radius_a, self.radius_b)
         return self
 
 

@@ -7,8 +7,8 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from mbs_ref.scene.base.attached import NO_ORIENTATION, Attached
-from mbs_ref.scene.base.part import BodyName, EndName, Point
+from mbs_ref.scene.base.attached import NO_ORIENTATION, Attached, AttachedPair
+from mbs_ref.scene.base.part import BodyName, Point
 
 Crossing = Literal["either", "rising", "falling"]
 Action = Literal["record", "stop"]
@@ -35,12 +35,10 @@ class CoordinateEvent(Attached):
         return NO_ORIENTATION if self.coordinate == "angle" else ""
 
 
-class DistanceEvent(Attached):
+class DistanceEvent(AttachedPair):
     """The distance between two marks crosses a value."""
 
     type: Literal["distance_event"] = "distance_event"
-    body_a: EndName
-    body_b: EndName
     point_a: Point  # m, world, t = 0
     point_b: Point  # m, world, t = 0
     value: Annotated[float, Field(gt=0.0)]  # m

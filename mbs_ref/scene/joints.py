@@ -35,14 +35,21 @@ FLAT = 1e-6  # sine of the angle between a wheel's axis and the normal below whi
 
 
 class JointPart(Attached):
-    """A joint: it is made of elementary rows, and everything that solves it asks for these."""
+    """A joint, made of elementary constraint rows; solvers use these alone."""
 
     def rows(self, dimension: int) -> list[Row]:
-        """Return its rows in the plane (2) or in space (3); ask where `complaints` finds nothing."""
+        """Return its rows in the plane (2) or in space (3); valid if `complaints` yields nothing."""
         raise NotImplementedError(f"{type(self).__name__} names no rows")
 
     def refuses_particle(self, end: str, dimension: int) -> str:
         return NO_ORIENTATION if any(row.TURNS for row in self.rows(dimension)) else ""
+
+
+class PairJoint(JointPart):
+    """A joint between two bodies, or a body and ground."""
+
+    body_a: EndName
+    body_b: EndName
 
 
 class Drive(JointPart):
@@ -53,22 +60,20 @@ class Drive(JointPart):
 
 
 def axis_complaints(kind: str, axis: tuple[float, ...] | None, dimension: int) -> Iterator[str]:
-    """Yield what is wrong with the axis of a part that turns about the normal in the plane."""
+    """Yield complaints about the axis of a part that turns about the normal in the plane."""
     if dimension == 3 and axis is None:
         yield f"a {kind} in space needs an axis"
     if dimension == 2 and axis is not None:
         yield f"axis = {axis}: in the plane a {kind} turns about the normal; leave the axis out"
 
 
-class Revolute(JointPart):
+class Revolute(PairJoint):
     """Two bodies share a point (planar: 2 rows); in space also an axis through it (5 rows)."""
 
     type: Literal["revolute"] = "revolute"
-    body_a: EndName
-    body_b: EndName
     point: Point  # m, world, t = 0
     point_b: Point | None = None  # m, where body b's mark is at t = 0 when the loop is still open
-    axis: Direction | None = None  # direction, world, t = 0; in space alone, and there it must be given
+    axis: Direction | None = None  # direction, world, t = 0; required in space, forbidden in the plane
 
     def complaints(self, dimension: int) -> Iterator[str]:
         yield from axis_complaints(self.type, self.axis, dimension)
@@ -78,29 +83,25 @@ class Revolute(JointPart):
         return [shared] if self.axis is None else [shared, *parallel(self.axis)]
 
 
-class Spherical(JointPart):
+class Spherical(PairJoint):
     """Two bodies share a point (space: 3 rows)."""
 
     DIMENSIONS: ClassVar[tuple[int, ...]] = (3,)
     COUNTERPART: ClassVar[str] = "revolute"
 
     type: Literal["spherical"] = "spherical"
-    body_a: EndName
-    body_b: EndName
     point: Point3  # m, world, t = 0
 
     def rows(self, dimension: int) -> list[Row]:
         return [SharedPoint(self.point, self.point)]
 
 
-class Universal(JointPart):
+class Universal(PairJoint):
     """Two bodies share a point, and an axis of one stays perpendicular to an axis of the other (4 rows)."""
 
     DIMENSIONS: ClassVar[tuple[int, ...]] = (3,)
 
     type: Literal["universal"] = "universal"
-    body_a: EndName
-    body_b: EndName
     point: Point3  # m, world, t = 0
     axis_a: Direction3  # direction fixed in body a, world, t = 0
     axis_b: Direction3  # direction fixed in body b, world, t = 0; perpendicular to axis_a
@@ -114,14 +115,12 @@ class Universal(JointPart):
         return [SharedPoint(self.point, self.point), Product(unit(self.axis_a), unit(self.axis_b))]
 
 
-class Cylindrical(JointPart):
+class Cylindrical(PairJoint):
     """Body b slides along an axis fixed in body a and turns about it (space: 4 rows)."""
 
     DIMENSIONS: ClassVar[tuple[int, ...]] = (3,)
 
     type: Literal["cylindrical"] = "cylindrical"
-    body_a: EndName
-    body_b: EndName
     point: Point3  # m, world, t = 0
     axis: Direction3  # direction, world, t = 0
 
@@ -129,14 +128,12 @@ class Cylindrical(JointPart):
         return [*along(self.point, self.axis), *parallel(self.axis)]
 
 
-class PointOnPlane(JointPart):
+class PointOnPlane(PairJoint):
     """A point of body b stays on a plane fixed in body a (space: 1 row)."""
 
     DIMENSIONS: ClassVar[tuple[int, ...]] = (3,)
 
     type: Literal["point_on_plane"] = "point_on_plane"
-    body_a: EndName
-    body_b: EndName
     point: Point3  # m, world, t = 0
     normal: Direction3  # direction, world, t = 0
 
@@ -144,12 +141,10 @@ class PointOnPlane(JointPart):
         return [OnPlane(self.point, self.point, unit(self.normal))]
 
 
-class Prismatic(JointPart):
+class Prismatic(PairJoint):
     """Body b slides along an axis fixed in body a without turning (planar: 2 rows; space: 5)."""
 
     type: Literal["prismatic"] = "prismatic"
-    body_a: EndName
-    body_b: EndName
     point: Point  # m, world, t = 0
     axis: Direction  # world, t = 0
 
@@ -157,12 +152,10 @@ class Prismatic(JointPart):
         return [*along(self.point, self.axis), *same_orientation(dimension)]
 
 
-class Weld(JointPart):
+class Weld(PairJoint):
     """No relative motion (planar: 3 rows; space: 6)."""
 
     type: Literal["weld"] = "weld"
-    body_a: EndName
-    body_b: EndName
     point: Point  # m, world, t = 0
     point_b: Point | None = None  # m, where body b's mark is at t = 0 when the loop is still open
 
@@ -171,12 +164,10 @@ class Weld(JointPart):
         return [shared, *same_orientation(dimension)]
 
 
-class Distance(JointPart):
+class Distance(PairJoint):
     """A massless rod between two points (1 row); its length is their distance at t = 0 unless given."""
 
     type: Literal["distance"] = "distance"
-    body_a: EndName
-    body_b: EndName
     point_a: Point  # m, world, t = 0
     point_b: Point  # m, world, t = 0
     length: Positive | None = None  # m
@@ -276,7 +267,7 @@ PlanarPlace = namedtuple("PlanarPlace", COORDINATES[2])
 SpatialPlace = namedtuple("SpatialPlace", COORDINATES[3])
 
 
-class UserConstraint(JointPart):
+class UserConstraint(PairJoint):
     """C(t, a, b) = 0 of the user's own, between two bodies or a body and ground (1 row).
 
     a and b have x, y (and z in space), m: where the point is that is at point_a and point_b at t = 0, the centre of
@@ -287,8 +278,6 @@ class UserConstraint(JointPart):
     """
 
     type: Literal["user_constraint"] = "user_constraint"
-    body_a: EndName
-    body_b: EndName
     point_a: Point | None = None  # m, world, t = 0
     point_b: Point | None = None  # m, world, t = 0
     expression: str | None = None

@@ -7,13 +7,12 @@ from typing import Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import Field, SkipValidation, model_validator
 
-from mbs_ref.scene.base.attached import Attached
+from mbs_ref.scene.base.attached import Attached, AttachedPair
 from mbs_ref.scene.base.directions import require_perpendicular
 from mbs_ref.scene.base.part import (
     BodyName,
     Direction,
     Direction3,
-    EndName,
     NonNegative,
     Point,
     Point3,
@@ -64,12 +63,10 @@ class TorqueVector(Attached):
     factor: Signal = Constant()
 
 
-class SpringDamper(Attached):
+class SpringDamper(AttachedPair):
     """A point-to-point spring and damper: F = k (l - l0) + c dl/dt, optionally in tension only."""
 
     type: Literal["spring_damper"] = "spring_damper"
-    body_a: EndName
-    body_b: EndName
     point_a: Point  # m, world, t = 0
     point_b: Point  # m, world, t = 0
     stiffness: NonNegative  # N/m
@@ -78,7 +75,7 @@ class SpringDamper(Attached):
     tension_only: bool = False  # slack below the rest length, and never pushing
 
 
-class TorsionSpring(Attached):
+class TorsionSpring(AttachedPair):
     """A rotational spring and damper on the relative angle of two bodies.
 
     In space the angle is that of body b about `axis`, fixed in body a, counted from t = 0; it goes with a
@@ -88,18 +85,16 @@ class TorsionSpring(Attached):
     TURNS: ClassVar[bool] = True
 
     type: Literal["torsion_spring"] = "torsion_spring"
-    body_a: EndName
-    body_b: EndName
     stiffness: NonNegative  # N m/rad
     damping: NonNegative = 0.0  # N m s/rad
     rest_angle: float | None = None  # rad, of b relative to a; the initial one unless given
-    axis: Direction | None = None  # direction, world, t = 0; in space alone, and there it must be given
+    axis: Direction | None = None  # direction, world, t = 0; required in space, forbidden in the plane
 
     def complaints(self, dimension: int) -> Iterator[str]:
         yield from axis_complaints(self.type, self.axis, dimension)
 
 
-class Bushing(Attached):
+class Bushing(AttachedPair):
     """Six springs and dampers between two bodies at a point, along axes fixed in body a (space).
 
     Stiffness and damping are for the offset along x, y, z and the rotation vector about x, y, z of the
@@ -110,8 +105,6 @@ class Bushing(Attached):
     TURNS: ClassVar[bool] = True
 
     type: Literal["bushing"] = "bushing"
-    body_a: EndName
-    body_b: EndName
     point: Point3  # m, world, t = 0
     stiffness: SixNonNegative  # N/m, N m/rad
     damping: SixNonNegative = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)  # N s/m, N m s/rad
@@ -124,7 +117,7 @@ class Bushing(Attached):
         return self
 
 
-class PointBushing(Attached):
+class PointBushing(AttachedPair):
     """An isotropic spring and damper between two marks that coincide at t = 0: F = k e + c de/dt, e their gap (plane).
 
     Both forces act at body b's mark, so no couple is left over: momentum is kept, and the damper only takes energy.
@@ -134,8 +127,6 @@ class PointBushing(Attached):
     DIMENSIONS: ClassVar[tuple[int, ...]] = (2,)
 
     type: Literal["point_bushing"] = "point_bushing"
-    body_a: EndName
-    body_b: EndName
     point: Point  # m, world, t = 0
     stiffness: NonNegative  # N/m
     damping: NonNegative = 0.0  # N s/m
@@ -149,7 +140,7 @@ class UserForce(Attached):
 
     q, v and the result have shape (n_bodies, 3) in the scene's body order: m, m, rad; N, N, N m. In space
     q is (n_bodies, 7): m and Euler parameters, v and the result (n_bodies, 6): m/s, rad/s; N, N m, world axes,
-    about the centre of mass. A Python function is slow and is reported as such. It does not write to TOML.
+    about the centre of mass. A Python function is slow, and cannot be written to TOML.
     """
 
     type: Literal["user_force"] = "user_force"

@@ -10,6 +10,7 @@ from pydantic import Field
 
 from mbs_ref.scene import PlanarBody, Scene, SpatialBody
 from mbs_ref.scene.base.part import NonNegative, Positive
+from mbs_ref.scene.bodies import sphere_inertia
 from mbs_ref.scene.contact import (
     CircleOnLine,
     ContactLaw,
@@ -21,7 +22,6 @@ from mbs_ref.scene.contact import (
     SphereOnPlane,
     SpringDamperLaw,
 )
-from mbs_ref.scene.inertia import sphere
 
 Law = Literal[
     "spring_damper", "spring_damper_force", "progressive", "hunt_crossley", "lankarani_nikravesh", "flores", "rigid"
@@ -121,7 +121,7 @@ def bouncing_sphere(
         gravity=tuple((-gravity * normal).tolist()),
         bodies=(
             SpatialBody(
-                name="ball", mass=mass, inertia=sphere(mass, RADIUS), position=center,
+                name="ball", mass=mass, inertia=sphere_inertia(mass, RADIUS), position=center,
                 velocity=tuple((-speed * normal).tolist()),
             ),
         ),

@@ -10,8 +10,8 @@ from pydantic import Field
 
 from mbs_ref.scene import PlanarBody, Scene, SpatialBody
 from mbs_ref.scene.base.part import NonNegative, Positive
+from mbs_ref.scene.bodies import sphere_inertia
 from mbs_ref.scene.contact import CircleOnCircle, ContactLaw, RigidLaw, SphereOnSphere, SpringDamperLaw
-from mbs_ref.scene.inertia import sphere
 
 RADIUS = 0.05  # m
 CRADLE_RUN_UP = 0.0234567  # m, no whole number of steps, so that no engine meets the floor of a step at touch-down
@@ -112,4 +112,4 @@ def line_of_centres(obliquity: float, azimuth: float) -> np.ndarray:
 
 
 def _sphere(name: str, mass: float, radius: float, position, velocity) -> SpatialBody:
-    return SpatialBody(name=name, mass=mass, inertia=sphere(mass, radius), position=position, velocity=velocity)
+    return SpatialBody(name=name, mass=mass, inertia=sphere_inertia(mass, radius), position=position, velocity=velocity)

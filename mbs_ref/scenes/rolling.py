@@ -7,8 +7,8 @@ from typing import Literal
 
 from mbs_ref.scene import PlanarBody, Scene, SpatialBody
 from mbs_ref.scene.base.part import NonNegative, Positive
+from mbs_ref.scene.bodies import sphere_inertia
 from mbs_ref.scene.contact import CircleOnLine, SphereOnPlane, SpringDamperLaw, StickSlip
-from mbs_ref.scene.inertia import sphere
 
 RADIUS = 0.1  # m
 
@@ -79,7 +79,7 @@ def rolling_sphere(
         gravity=(0.0, 0.0, -gravity),
         bodies=(
             SpatialBody(
-                name="ball", mass=mass, inertia=sphere(mass, RADIUS), position=center,
+                name="ball", mass=mass, inertia=sphere_inertia(mass, RADIUS), position=center,
                 velocity=(speed * c, speed * s, 0.0), angular_velocity=(spin * c, spin * s, 0.0),
             ),
         ),

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import datetime
-from typing import Annotated, Any, Literal
+import math
+from typing import Annotated, Any, Literal, NamedTuple
 
 import numpy as np
 from pydantic import Field
 
 from mbs_ref import ephemeris
-from mbs_ref.ephemeris.rotation import ROTATIONS
 from mbs_ref.scene import PointMass, Scene, SpatialBody
 from mbs_ref.scene.base.part import Positive
 from mbs_ref.scene.celestial import DAY_S, G_SI, Epoch, LunarFigure, Newton, Oblateness, Relativity, Ring, Tide
@@ -28,6 +28,38 @@ EARTH_SPIN = 7.292115e-5  # rad/s, IERS Conventions 2010, table 1.2
 RING_GM = 36 * 5.5227699716988214e-13 * 149_597_870_700.0**3 / DAY_S**2  # m^3/s^2: DE440 constants MA8201-MA8236
 RING_RADIUS = 44.0 * 149_597_870_700.0  # m: Park et al. 2021, sec. 2
 ECLIPTIC_POLE = (0.0, -0.397777155931914, 0.917482062069182)  # of J2000, ICRF
+
+
+class Rotation(NamedTuple):
+    """A body's mean radius (km), the ICRF direction of its pole (deg) and its rate (deg/day)."""
+
+    radius_km: float
+    ascension_deg: float
+    declination_deg: float
+    rate_deg_day: float
+
+    @property
+    def angular_velocity(self) -> tuple[float, float, float]:
+        """The rate along the pole, rad/s, ICRF axes."""
+        rate = math.radians(self.rate_deg_day) / DAY_S
+        a, d = math.radians(self.ascension_deg), math.radians(self.declination_deg)
+        return rate * math.cos(d) * math.cos(a), rate * math.cos(d) * math.sin(a), rate * math.sin(d)
+
+
+# Archinal et al., Celest. Mech. Dyn. Astr. 109 (2011) 101, tables 1, 2, 4 and 5, at J2000
+ROTATIONS = {
+    "sun": Rotation(696_000.0, 286.13, 63.87, 14.1844),
+    "mercury": Rotation(2439.7, 281.0097, 61.4143, 6.1385025),
+    "venus": Rotation(6051.8, 272.76, 67.16, -1.4813688),
+    "earth": Rotation(6371.0084, 0.0, 90.0, 360.9856235),
+    "moon": Rotation(1737.4, 269.9949, 66.5392, 13.17635815),
+    "mars": Rotation(3389.5, 317.68143, 52.8865, 350.89198226),
+    "jupiter": Rotation(69_911.0, 268.056595, 64.495303, 870.536),
+    "saturn": Rotation(58_232.0, 40.589, 83.537, 810.7939024),
+    "uranus": Rotation(25_362.0, 257.311, -15.175, -501.1600928),
+    "neptune": Rotation(24_622.0, 299.36, 43.46, 536.3128492),
+    "pluto": Rotation(1195.0, 132.993, -6.163, 56.3625225),
+}
 
 
 def solar_system(

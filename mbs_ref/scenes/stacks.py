@@ -10,6 +10,7 @@ from pydantic import Field
 
 from mbs_ref.scene import GROUND, PlanarBody, Scene, SpatialBody
 from mbs_ref.scene.base.part import NonNegative, Positive
+from mbs_ref.scene.bodies import block_inertia, sphere_inertia
 from mbs_ref.scene.contact import (
     CircleOnCircle,
     CircleOnLine,
@@ -19,7 +20,6 @@ from mbs_ref.scene.contact import (
     SphereOnSphere,
     SpringDamperLaw,
 )
-from mbs_ref.scene.inertia import block, sphere
 
 BOX_WIDTH, BOX_HEIGHT = 0.4, 0.2  # m
 
@@ -98,7 +98,7 @@ def block_stack(
 
 
 def _block(k: int, mass: float) -> SpatialBody:
-    inertia = block(mass, LENGTH, WIDTH, HEIGHT)
+    inertia = block_inertia(mass, LENGTH, WIDTH, HEIGHT)
     return SpatialBody(name=f"block{k}", mass=mass, inertia=inertia, position=(0.0, 0.0, (k + 0.5) * HEIGHT))
 
 
@@ -170,7 +170,7 @@ def _discs(centers: list, mass: float, law: ProgressiveLaw) -> tuple[list[Any], 
 
 
 def _spheres(centers: list, mass: float, law: ProgressiveLaw) -> tuple[list[Any], list[Contact]]:
-    inertia = sphere(mass, GRAIN_RADIUS)
+    inertia = sphere_inertia(mass, GRAIN_RADIUS)
     bodies = [SpatialBody(name=f"g{k}", mass=mass, inertia=inertia, position=c) for k, c in enumerate(centers)]
     pairs: list[Contact] = [
         SphereOnSphere(name=f"g{i}.g{j}", body_a=f"g{i}", center_a=centers[i], radius_a=GRAIN_RADIUS, body_b=f"g{j}",

@@ -11,10 +11,10 @@ import numpy as np
 
 from mbs_ref.cores.system import Poses, System
 from mbs_ref.scene import Scene
+from mbs_ref.simulate.diagnosis import singular_passage
 from mbs_ref.simulate.error_estimate import ENDED, Companion, estimated
 from mbs_ref.simulate.legs import Run
 from mbs_ref.simulate.plan import Plan
-from mbs_ref.simulate.rank_watch import singular_passage
 from mbs_ref.simulate.start.consistent import InconsistentScene
 from mbs_ref.simulate.start.soundness import UnsoundScene
 from mbs_ref.trajectory import Status, Timing, Trajectory
@@ -43,19 +43,15 @@ def sampled(system: System, plan: Plan, runs: list[Run]) -> list[Samples]:
 
 def trajectory(system: System, plan: Plan, run: Run, notes: list[str], timing: Timing, samples: Samples) -> Trajectory:
     """Return the trajectory of a run, without an estimate of its error."""
-    times, states, counts = run.times, run.states, run.counts
+    times, states = run.times, run.states
     chosen = (f"method auto is {plan.integrator.name}: {plan.reason}",) if plan.reason else ()
     return Trajectory(
         times=times,
         **samples.poses._asdict(),
         status=run.status,
         message=run.message,
-        steps=counts.steps,
-        rejected_steps=counts.rejected_steps,
-        cut_steps=counts.cut_steps,
-        rhs_calls=counts.rhs_calls,
-        events=counts.events,
-        method_switches=counts.switches if plan.integrator.switches else None,
+        **{name: count for name, count in run.counts._asdict().items() if name != "switches"},
+        method_switches=run.counts.switches if plan.integrator.switches else None,
         timing=timing,
         step_compliance=np.column_stack((times, run.compliance)),
         notes=(*chosen, *notes, *_other_methods(plan, run), *singular_passage(system, times, states)),

@@ -1,4 +1,7 @@
-"""Identify the joints or springs that stopped a run, from its last finite state."""
+"""Identify the joints or springs that stopped a run, and detect a passage close to a singular pose.
+
+The output samples are examined after the run. A passage between two samples is detected only as far as they show it.
+"""
 
 from __future__ import annotations
 
@@ -16,6 +19,10 @@ SHARE = 0.5  # of the largest component of the weakest direction: joints with le
 MOST_NAMED = 4
 NEARLY_TURNED = 2.5  # rad; springs in space stop the run at 3 rad
 CLOSED = frozenset({Status.SINGULAR, Status.PROJECTION})  # a loop that cannot be closed
+NEAR = 0.05  # of the smallest singular value at the start: roundoff in reactions is 20 times what it was there
+SUSPECT = 0.05  # relative closure pivot below which singular values are computed; pivots scale as their squares
+MAX_SAMPLES = 200  # evenly spaced samples that are examined, one right-hand side each
+MAX_CLOSE = 5  # samples with the smallest pivots, whose singular values are computed
 
 
 def culprit(system: System, t: float, y: np.ndarray) -> str:
@@ -92,3 +99,36 @@ def _turn(motion: Motion, load: TorsionSpring | Bushing) -> float:
 
 def _listed(names: list[str]) -> str:
     return ", ".join(repr(name) for name in names)
+
+
+def singular_passage(system: System, times: np.ndarray, states: np.ndarray) -> tuple[str, ...]:
+    """Return a note on the sample (n_t of them) where C_q is nearest to rank loss, or nothing."""
+    if system.n_closure_rows == 0 or not len(times):
+        return ()
+    examined = np.unique(np.linspace(0, len(times) - 1, MAX_SAMPLES).round().astype(int))
+    pivots = np.array([_pivot(system, float(times[k]), states[k]) for k in examined])
+    close = [examined[k] for k in np.argsort(pivots)[:MAX_CLOSE] if pivots[k] < SUSPECT]
+    independent = independent_rows(system) if close else 0
+    if not independent:
+        return ()
+    values = [smallest_singular_value(system, float(times[k]), states[k], independent) for k in close]
+    smallest, place = min(zip(values, close, strict=True))
+    start = smallest_singular_value(system, 0.0, states[0], independent)
+    if smallest > NEAR * start:
+        return ()
+    t = float(times[place])
+    _, joints = weakest_joints(system, t, states[place])
+    names = ", ".join(repr(name) for name in joints)
+    return (
+        f"the run passes close to a singular pose at t = {t:.6g} s: the smallest singular value of C_q is "
+        f"{smallest:.2g} there and {start:.2g} at the start, from joint {names}; branches may meet there",
+    )
+
+
+def _pivot(system: System, t: float, y: np.ndarray) -> float:
+    """Return the smallest accepted closure pivot (relative) of the contact modes at t."""
+    system.set_mode_time(t)
+    system.recall_modes(t)
+    with np.errstate(all="ignore"):
+        system.derivative(t, y)
+    return system.regularity()

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from functools import cache
 from typing import Any, ClassVar
 
-from mbs_ref.scene.base.part import Name, Part, Role, fields_of
+from mbs_ref.scene.base.part import EndName, Name, Part, Role, fields_of
 from mbs_ref.scene.bodies import GROUND
 from mbs_ref.scene.signals import AnySignal
 
@@ -20,9 +20,9 @@ def _signal_fields(kind: type[Part]) -> tuple[str, ...]:
 
 
 class Attached(Part):
-    """A named part that acts on bodies. What its kind is stands in the class and is asked everywhere else."""
+    """A named part that acts on bodies. Class attributes state the properties of its kind."""
 
-    DIMENSIONS: ClassVar[tuple[int, ...]] = (2, 3)  # of the scenes it may stand in
+    DIMENSIONS: ClassVar[tuple[int, ...]] = (2, 3)  # of the scenes that may contain it
     COUNTERPART: ClassVar[str] = ""  # the type that does the same in the other dimension
     TURNS: ClassVar[bool] = False  # whether it acts on its bodies' orientation
 
@@ -32,7 +32,7 @@ class Attached(Part):
     @property
     def ends(self) -> tuple[str, str]:
         """The two bodies it acts between; one that has a single body acts from ground."""
-        fields = vars(self)  # quicker to ask than hasattr, which a model answers by an exception
+        fields = vars(self)  # quicker than hasattr, for which a model raises an exception
         return (fields["body_a"], fields["body_b"]) if "body_a" in fields else (GROUND, fields.get("body", GROUND))
 
     @property
@@ -41,7 +41,7 @@ class Attached(Part):
         return [getattr(self, field) for field in _signal_fields(type(self))]
 
     def mark(self, end: str) -> tuple[float, ...] | None:
-        """Return the world point (m, t = 0) where it holds the body named in the field `end`, if it has one."""
+        """Return the world point (m, t = 0) of its attachment to the body named in the field `end`, if it has one."""
         fields, side = vars(self), end.removeprefix("body")
         for name in ("point" + side, "center" + side, "point", "center"):
             mark = fields.get(name)
@@ -56,9 +56,16 @@ class Attached(Part):
                 yield field, getattr(self, field)
 
     def complaints(self, dimension: int) -> Iterator[str]:
-        """Yield what makes no sense in a scene of this dimension, beyond `DIMENSIONS` and the vectors' lengths."""
+        """Yield what is invalid in a scene of this dimension, beyond `DIMENSIONS` and the vectors' lengths."""
         yield from ()
 
     def refuses_particle(self, end: str, dimension: int) -> str:
         """Return why the body named in the field `end` may not be a point mass; empty where it may."""
         return NO_ORIENTATION if self.TURNS else ""
+
+
+class AttachedPair(Attached):
+    """A part between two bodies, or a body and ground."""
+
+    body_a: EndName
+    body_b: EndName

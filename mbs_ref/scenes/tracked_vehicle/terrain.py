@@ -6,7 +6,6 @@ surface with a solid end. So they may touch one foot at once, as ground and kerb
 
 from __future__ import annotations
 
-import math
 from typing import Literal
 
 from mbs_ref.scene import GROUND
@@ -45,14 +44,3 @@ def _obstacle(name: str, center: tuple[float, float], ground: Kind, height: floa
     return CircleOnLine(
         name=name, center=center, radius=RADIUS, body_b=GROUND, point_1=ends[0], point_2=ends[1], extent=extent, **body
     )
-
-
-def profile(x: float, ground: Kind, height: float, front: float) -> float:
-    """Return the ground's height (m) at x (m): what a picture shows."""
-    s = x - front - AHEAD
-    if ground == "bump" and 0.0 < s < 2.0 * BUMP_HALF_WIDTH:
-        radius = (BUMP_HALF_WIDTH**2 + height**2) / (2.0 * height)
-        return height - radius + math.sqrt(radius**2 - (s - BUMP_HALF_WIDTH) ** 2)
-    if ground == "slope":
-        return max(0.0, s * height / SLOPE_RUN)
-    return height if ground == "step" and s > 0.0 else 0.0

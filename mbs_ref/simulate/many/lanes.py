@@ -1,16 +1,19 @@
-"""Integrate several runs at once in vector lanes: the scenes and settings that allow it, and the runs."""
+"""Integrate several runs at once in vector lanes: of one scene from many starts, or of scenes with one structure."""
 
 from __future__ import annotations
 
 import itertools
+import threading
 import time
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 
 from mbs_ref.cores.relative.layout import no_tree
 from mbs_ref.cores.relative.system import RelativePlanarSystem
+from mbs_ref.cores.system import Poses
 from mbs_ref.integrators import DEFAULT
 from mbs_ref.integrators.loop.lanes import Runs, advance_in_lanes, propose_all, runs_from, side_by_side
 from mbs_ref.integrators.loop.leg import DONE
@@ -20,9 +23,14 @@ from mbs_ref.kernels.relative.lanes import build_of, figures_of
 from mbs_ref.scene import Scene
 from mbs_ref.scene.units import is_celestial
 from mbs_ref.settings import Settings
+from mbs_ref.simulate.assembly import or_empty, sampled, trajectory, with_estimate
+from mbs_ref.simulate.error_estimate import all_companions, companion_plan
 from mbs_ref.simulate.legs import Counts, Run, planned_legs, reached, run_legs
+from mbs_ref.simulate.many.threads import pieces, shared
+from mbs_ref.simulate.one_run import compiled
 from mbs_ref.simulate.plan import Plan
-from mbs_ref.trajectory import Status
+from mbs_ref.simulate.start.consistent import consistent_start
+from mbs_ref.trajectory import Status, Timing, Trajectory
 
 NOTE = f"integrated in {WIDTH} lanes, in relative coordinates"
 
@@ -112,3 +120,109 @@ def _complete(plan: Plan, runs: Runs, k: int, states: np.ndarray, loop_s: float)
     steps, rejected, cut, calls = (int(count[k]) for count in (runs.steps, runs.rejected, runs.cut, runs.rhs_calls))
     counts = Counts(steps, rejected, cut, calls, 0, 0)
     return Run(plan.times, states, np.zeros(len(states)), counts, Status.SUCCESS, reached(plan), loop_s, 0.0)
+
+
+class Case(NamedTuple):
+    """A scene and the states from which it starts."""
+
+    system: RelativePlanarSystem
+    plan: Plan
+    starts: np.ndarray  # (n, n_redundant) states of the redundant system
+    build_s: float
+
+
+class CheckedCase(NamedTuple):
+    """A case whose starts have been checked."""
+
+    bunch: Bunch  # the consistent starts
+    notes: dict[int, list[str]]  # on the corrections of these
+    inconsistent: dict[int, Trajectory]  # in place of the others
+
+
+def starts_in_lanes(
+    scene: Scene, starts: Poses, settings: Settings, times: np.ndarray | None, threads: int
+) -> list[Trajectory]:
+    """Return the trajectory from each of n starts (n, n_bodies, ...), in the scene's relative coordinates."""
+    first = _case(scene, settings, times)
+    states, of_thread = first.system.redundant.states_of(starts), threading.local()
+
+    def piece(part: slice) -> list[Trajectory]:
+        if not hasattr(of_thread, "system"):
+            of_thread.system = first.system.twin()
+        return _side_by_side([first._replace(system=of_thread.system, starts=states[part].copy())])[0]
+
+    work = pieces(len(states), threads, len(first.plan.times) * states.shape[1])
+    return [path for paths in shared(piece, work, threads, alone=0) for path in paths]
+
+
+def scenes_in_lanes(
+    scenes: list[Scene], settings: Settings, times: np.ndarray | None, threads: int
+) -> list[Trajectory]:
+    """Return the trajectory of each scene from its own start, in relative coordinates."""
+
+    def piece(part: slice) -> list[Trajectory]:
+        cases = [or_empty(scene, lambda scene=scene: _case(scene, settings, times)) for scene in scenes[part]]
+        paths = iter(_side_by_side([case for case in cases if isinstance(case, Case)]))
+        return [next(paths)[0] if isinstance(case, Case) else case for case in cases]
+
+    outputs = settings.samples if times is None else len(times)
+    size = outputs * max((6 * len(scene.bodies) for scene in scenes), default=1)
+    work = pieces(len(scenes), threads, size)
+    return [path for paths in shared(piece, work, threads, alone=0) for path in paths]
+
+
+def _case(scene: Scene, settings: Settings, times: np.ndarray | None) -> Case:
+    """Return a scene with its own start."""
+    plan, system, build_s = compiled(scene, settings.model_copy(update={"coordinates": "relative"}), times)
+    assert isinstance(system, RelativePlanarSystem)
+    return Case(system, replace(plan, notes=(*plan.notes, NOTE)), system.redundant.initial_state()[None], build_s)
+
+
+def _side_by_side(cases: list[Case]) -> list[list[Trajectory]]:
+    """Return the trajectories of each case, as `simulated` computes them."""
+    began = time.perf_counter()
+    checked = [_checked(case) for case in cases]
+    bunches = [one.bunch for one in checked]
+    for bunch in bunches[:1]:  # compiles, outside of the timing
+        runs_in_lanes([bunch._replace(starts=bunch.starts[:0])])
+    ready = (time.perf_counter() - began) / max(1, sum(len(case.starts) for case in cases))
+    runs = _runs(bunches)
+    others: list[list[Run]] | list[None] = [None] * len(bunches)
+    if bunches and bunches[0].plan.settings.estimate == "on":
+        finer = [companion_plan(bunch.system, bunch.plan) for bunch in bunches]
+        again = [bunch._replace(plan=plan) for bunch, (plan, _) in zip(bunches, finer, strict=True)]
+        others = _runs(again, refine=finer[0][1])
+    times = [Timing(build_s=case.build_s, first_call_s=ready, loop_s=0.0) for case in cases]
+    return [_trajectories(*one) for one in zip(checked, times, runs, others, strict=True)]
+
+
+def _checked(case: Case) -> CheckedCase:
+    system, settings, scene = case.system, case.plan.settings, case.system.scene
+    checks = [or_empty(scene, lambda y=y: consistent_start(system.redundant, y, settings)) for y in case.starts]
+    notes = {k: one for k, one in enumerate(checks) if not isinstance(one, Trajectory)}
+    inconsistent = {k: one for k, one in enumerate(checks) if isinstance(one, Trajectory)}
+    return CheckedCase(Bunch(system, case.plan, system.all_reduced(case.starts[[*notes]])), notes, inconsistent)
+
+
+def _runs(bunches: list[Bunch], refine: int = 1) -> list[list[Run]]:
+    """Return the runs of each bunch; bunches with the same key share lanes."""
+    groups: dict[bytes, list[int]] = {}
+    for k, bunch in enumerate(bunches):
+        groups.setdefault(alike(bunch), []).append(k)
+    runs: dict[int, list[Run]] = {}
+    for places in groups.values():
+        runs |= zip(places, runs_in_lanes([bunches[k] for k in places], refine), strict=True)
+    return [runs[k] for k in range(len(bunches))]
+
+
+def _trajectories(checked: CheckedCase, timing: Timing, runs: list[Run], others: list[Run] | None) -> list[Trajectory]:
+    """Return the trajectories of a case, in the order of its starts."""
+    (system, plan, _), paths = checked.bunch, dict(checked.inconsistent)
+    samples = sampled(system, plan, runs)
+    poses = [sample.poses for sample in samples]
+    companions = [None] * len(runs) if others is None else all_companions(system, poses, runs, others)
+    for (k, notes), run, companion, sample in zip(checked.notes.items(), runs, companions, samples, strict=True):
+        spent = replace(timing, loop_s=run.loop_s)
+        path = trajectory(system, plan, run, [*plan.notes, *notes], spent, sample)
+        paths[k] = with_estimate(system, plan, run, path, companion)
+    return [paths[k] for k in range(len(paths))]

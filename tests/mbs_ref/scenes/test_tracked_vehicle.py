@@ -13,13 +13,24 @@ from mbs_ref.observables.contact_gap import rolling_slip
 from mbs_ref.scene import CoordinateDrive, PlanarBody, Revolute, Scene
 from mbs_ref.scene.signals import Constant
 from mbs_ref.scenes.tracked_vehicle.numbers import DATA
-from mbs_ref.scenes.tracked_vehicle.terrain import foot, profile
+from mbs_ref.scenes.tracked_vehicle.terrain import AHEAD, BUMP_HALF_WIDTH, SLOPE_RUN, foot
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
 
 MU = 0.4  # between wheel and link, from the scene's data
 rolls = 0.02  # of the link's speed
 WHEELS = ("idler", "roller1", "roller2", "roller3")
+
+
+def profile(x: float, ground: str, height: float, front: float) -> float:
+    """Return the ground's height (m) at x (m)."""
+    s = x - front - AHEAD
+    if ground == "bump" and 0.0 < s < 2.0 * BUMP_HALF_WIDTH:
+        radius = (BUMP_HALF_WIDTH**2 + height**2) / (2.0 * height)
+        return height - radius + math.sqrt(radius**2 - (s - BUMP_HALF_WIDTH) ** 2)
+    if ground == "slope":
+        return max(0.0, s * height / SLOPE_RUN)
+    return height if ground == "step" and s > 0.0 else 0.0
 
 
 def drive(t_end: float, **parameters):

@@ -73,7 +73,7 @@ def test_a_file_has_numbers_and_no_parameters(tmp_path):
     [((), "nothing is varied"), (("--vary", "lenth=1..2"), "did you mean 'length'"),
      (("--vary", "bob.mas=1..2"), "did you mean 'mass'"), (("--vary", "length"), "must be WHAT=LAW"),
      (("--vary", "length=2..1"), "from 2 to 1 is no range"), (("--vary", "length=long"), "is no law; allowed: LOW"),
-     (("--vary", "length=1..2", "-n", "0"), "n = 0"), (("--vary", "length=1:2:3", "-n", "9"), "nothing is drawn"),
+     (("--vary", "length=1..2", "-n", "0"), "n = 0"), (("--vary", "length=1:2:3", "-n", "9"), "no law is random"),
      (("--vary", "length=1..2", "--vary", "length=1..2"), "given twice"),
      (("--vary", "length=1..2", "-o", "x.txt"), "allowed: .npz, .csv, .parquet"),
      (("--vary", "length=1..2", "--method", "rk5"), "rk5"), (("--vary", "length=1..2", "--samples", "1"), "samples"),

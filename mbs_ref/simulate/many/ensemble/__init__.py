@@ -1,8 +1,7 @@
 """Many runs of one scene with uncertain inputs, or inputs on a grid: Monte Carlo and parameter sweeps."""
 
 from mbs_ref.simulate.many.ensemble.account import account, to_dict
-from mbs_ref.simulate.many.ensemble.design import Design, design
-from mbs_ref.simulate.many.ensemble.laws import NOTATION, Grid, Law, Normal, Uniform, read_law
+from mbs_ref.simulate.many.ensemble.design import NOTATION, Design, Grid, Law, Normal, Uniform, design, read_law
 from mbs_ref.simulate.many.ensemble.runs import Ensemble, run_ensemble
 from mbs_ref.simulate.many.ensemble.statistics import (
     Coordinate,

@@ -1,4 +1,9 @@
-"""Decide from the first steps whether a motion is stiff, so that an implicit method needs less work.
+"""method = "auto": the method of a run, chosen from the scene's parts, with the reason.
+
+A method that runs on one core alone exploits its structure and is chosen there. All other runs start with the default,
+and their first steps decide whether a stiff method is cheaper (`after_first_steps`). Loops, trees and many
+outputs have no effect on the choice: for no scene of the library do they make another method the cheapest at equal
+error (`python -m benchmarks.method_table`).
 
 A motion is stiff if stability limits the steps of an explicit method more than accuracy does. Power iteration gives the
 largest |lambda| of the linearised motion (B. P. Sommeijer, L. F. Shampine, J. G. Verwer, J. Comput. Appl. Math. 88
@@ -14,13 +19,16 @@ from dataclasses import replace
 
 import numpy as np
 
+from mbs_ref.cores.choice import core_name
 from mbs_ref.cores.system import System
-from mbs_ref.integrators import STIFF, integrators
+from mbs_ref.integrators import DEFAULT, STIFF, integrators
 from mbs_ref.integrators.loop.leg import Integrator, progress
-from mbs_ref.simulate.method.choice import AUTO, plan_by
-from mbs_ref.simulate.plan import Plan
+from mbs_ref.scene import Scene
+from mbs_ref.settings import Settings
+from mbs_ref.simulate.plan import DEFAULT_TOLERANCE, Plan, make_plan
 from mbs_ref.trajectory import Status
 
+AUTO = "auto"
 POWERS = 12  # power iterations
 NUDGE = 1e-6  # of the state's units: difference step of the linearisation
 TRIALS = (0.02, 0.05, 0.1)  # shares of the run after which the implicit method is tried
@@ -30,6 +38,45 @@ LIMITED = 0.5  # of the stable step: a shorter step is limited by accuracy
 EVALUATION = 50  # multiplications of dy/dt for each entry of the state, measured over the library
 WORTH = 5e6  # multiplications, some milliseconds: a shorter run costs no more than this decision
 FACTORS = 10.0 / 3.0  # times n^3: multiplications to factor a real and a complex matrix of order n
+
+
+def choose_plan(scene: Scene, settings: Settings, times: np.ndarray | None) -> Plan:
+    """Return the plan of a run whose method may be "auto"."""
+    if settings.method != AUTO:
+        return make_plan(scene, settings, times)
+    plain = _default(scene, settings, times, "the default")
+    core = core_name(scene, settings.coordinates)
+    special = [entry for entry in integrators().values() if entry.cores == (core,)]
+    if plain.options.step:
+        return replace(plain, reason="the default, because a step is given")
+    if not special:
+        return plain
+    try:
+        return plan_by(scene, settings, times, special[0], f"specific to {core}")
+    except ValueError as error:  # the settings request a feature that it lacks
+        return replace(plain, reason=f"the default, because {error}")
+
+
+def plan_by(scene: Scene, settings: Settings, times: np.ndarray | None, integrator: Integrator, reason: str) -> Plan:
+    """Return the plan of a chosen method at the requested tolerance.
+
+    A method that accepts steps with an error of `slack` times the tolerance receives a tolerance tighter by as much.
+    """
+    rtol = (settings.rtol or DEFAULT_TOLERANCE) / integrator.slack
+    atol = settings.atol and settings.atol / integrator.slack
+    own = settings.model_copy(update={"method": integrator.name, "rtol": rtol, "atol": atol})
+    return replace(make_plan(scene, own, times), settings=settings, reason=reason)
+
+
+def without(scene: Scene, plan: Plan, why: str) -> Plan:
+    """Return the default method's plan for a run in which the chosen method failed."""
+    reason = f"the default, because {plan.integrator.name} failed: {why}"
+    return _default(scene, plan.settings, plan.times, reason)
+
+
+def _default(scene: Scene, settings: Settings, times: np.ndarray | None, reason: str) -> Plan:
+    plain = make_plan(scene, settings.model_copy(update={"method": DEFAULT}), times)
+    return replace(plain, settings=settings, reason=reason)
 
 
 class _Trial:
