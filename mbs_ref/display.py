@@ -1,4 +1,4 @@
-"""What a notebook shows of our objects: small tables in HTML, escaped, which any theme colours."""
+"""Tables of objects for notebooks: short, escaped HTML without colours of its own."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ LEFT = ' style="text-align:left"'
 
 def facts(title: str, rows: Iterable[tuple[str, Any]]) -> str:
     """Return a table of names and values; an empty value leaves its row out."""
-    told = [(name, value) for name, value in rows if value not in (None, "", ())]
-    return listing(title, (), [(name, value) for name, value in told], most=len(told))
+    filled = [(name, value) for name, value in rows if value not in (None, "", ())]
+    return listing(title, (), [(name, value) for name, value in filled], most=len(filled))
 
 
 def listing(title: str, head: Sequence[str], rows: Sequence[Sequence[Any]], most: int = MOST_ROWS) -> str:

@@ -231,7 +231,7 @@ class _Model:
         return [*contacts, *([self._head_restraint()] if self.crash.head_restraint == "separate" else [])]
 
     def _head_restraint(self) -> Contact:
-        """A pad on the seat back's own plane, as far behind the head as its gap says."""
+        """A pad parallel to the seat back, at its gap behind the head."""
         first, second = self.places.seat_surface("seat_back")
         across, along = (second[k] - first[k] for k in (0, 1))
         length = math.hypot(across, along)
@@ -275,12 +275,12 @@ def _law(entry: dict[str, Any], law: str) -> ContactLaw:
 
 
 def _pulse(crash: Crash, peak: float) -> Signal:
-    """The pulse with the given peak; the table keeps the impulse of the half sine."""
+    """The pulse with the given peak; the table has the impulse of the half sine."""
     duration = crash.pulse_duration
     if crash.pulse == "half_sine":
         return HalfSine(peak=peak, duration=duration)
     n = TABLE_POINTS - 1
     sines = [0.0 if k in (0, n) else math.sin(math.pi * k / n) for k in range(TABLE_POINTS)]
-    kept = 2.0 / math.pi * n / sum(sines)
+    factor = 2.0 / math.pi * n / sum(sines)  # preserves the impulse
     times = tuple(duration * k / n for k in range(TABLE_POINTS))
-    return Table(times=times, values=tuple(kept * peak * s for s in sines))
+    return Table(times=times, values=tuple(factor * peak * s for s in sines))

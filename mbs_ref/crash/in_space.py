@@ -1,7 +1,7 @@
 """The simplified android in space: the planar one's parts with balls for hinges, and a pulse that may come obliquely.
 
-Every number of the planar model is kept, so that a crash along x moves in the plane as it does there. What space needs
-besides is estimated: moments of inertia about the other axes, and the torques that bring a joint back into the plane.
+Every number of the planar model is unchanged, so that a crash along x moves in the plane as it does there. Further data
+are estimates: moments of inertia about the other axes, and the torques that bring a joint back into the plane.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ APART = {"thigh": 0.09, "lower_leg": 0.09, "foot": 0.09, "upper_arm": 0.19, "low
 def in_space(planar: Scene, name: str, description: str, oblique: float, breadth: float = 0.0) -> Scene:
     """Return a planar android's scene in space, its pulse turned by `oblique` (rad) from x towards z.
 
-    `breadth` (m, along z) is that of surfaces with ends, of which the plane says nothing; with 0 they are refused.
+    `breadth` (m, along z) is that of surfaces with ends, which the planar scene does not define; with 0 they are refused.
     """
     angle = {body.name: body.angle for body in planar.bodies if isinstance(body, PlanarBody)}
     place: dict[str, Any] = {joint.name: joint for joint in planar.joints}

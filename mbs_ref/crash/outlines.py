@@ -1,7 +1,6 @@
 """The outlines of an android's parts, and how deep they are in one another, in the seat and in the floor.
 
-Judged from the motion alone, whatever contacts the scene has: a bare model passes through itself, and this says by how
-much. Depths count beyond what cushion, sole or flesh gives way by, which the data declare.
+They follow from the motion alone, whatever contacts the scene has: a bare model passes through itself. Depths count beyond what cushion, sole or flesh gives way by, which the data declare.
 """
 
 from __future__ import annotations
@@ -49,16 +48,16 @@ def excesses(motion: Motion) -> dict[str, np.ndarray]:
     """Return (n_t,) m for each pair that may meet: how much deeper it is than what is soft there may be pressed in."""
     shapes = {capsule.body: capsule for capsule in outlines(motion.scene.name)}
     soft = read_data("believable")["depths"]
-    found = {
+    depths = {
         f"{one} in {other}": _overlap(motion, shapes[one], shapes[other]) - soft["flesh"]
         for one, other in IN_ONE_PLANE if {one, other} <= shapes.keys()
     }  # fmt: skip
     for part, seat in product(SEATED, ("seat_base", "seat_back")):
-        found[f"{part} in {seat}"] = _in_cushion(motion, shapes[part], seat, soft) - soft[seat]
+        depths[f"{part} in {seat}"] = _in_cushion(motion, shapes[part], seat, soft) - soft[seat]
     for part in (*LEGS, *ARMS):
         ends = [motion.point(part, end)[0][:, 1] for end in shapes[part].ends]
-        found[f"{part} in floor"] = shapes[part].radius - np.min(ends, axis=0) - soft["floor"]
-    return found
+        depths[f"{part} in floor"] = shapes[part].radius - np.min(ends, axis=0) - soft["floor"]
+    return depths
 
 
 def _overlap(motion: Motion, one: Capsule, other: Capsule) -> np.ndarray:

@@ -56,7 +56,7 @@ def body_forces(scene: Scene, trajectory: Trajectory) -> BodyForces:
 
 @dataclass(frozen=True)
 class CrashResults:
-    """Histories over (n_t,) samples, and the measures made of them."""
+    """Histories over (n_t,) samples, and the measures computed from them."""
 
     forces: BodyForces
     seat_force: np.ndarray  # (n_t,) N, sum of the seat's contact forces
@@ -208,7 +208,7 @@ def _head_and_neck(times: np.ndarray, head: np.ndarray, axial: np.ndarray, nij: 
 def _thorax_measures(
     motion: Motion, thorax: np.ndarray, rib: np.ndarray, t12: np.ndarray, chest: np.ndarray | None
 ) -> dict[str, float]:
-    """Return what is said of the thorax; without a chest that gives way there is no viscous criterion."""
+    """Return the measures of the thorax; the viscous criterion needs a deformable chest."""
     mass = sum(b.mass for b in motion.scene.bodies if not b.name.startswith("seat"))
     figures = {
         "thorax 3 ms clip, g": injury.clip(motion.times, thorax),

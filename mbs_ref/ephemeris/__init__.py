@@ -26,7 +26,7 @@ BODIES = tuple(_CHAIN)
 
 
 class EphemerisError(ValueError):
-    """A date that no ephemeris at hand covers; says what would."""
+    """A date that no available ephemeris covers; the message names one that does."""
 
 
 @cache

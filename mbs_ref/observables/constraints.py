@@ -77,8 +77,8 @@ def no_turning(motion: Motion, joint) -> list[Row]:
 
 
 def _revolute(motion: Motion, joint: joints.Revolute) -> list[Row]:
-    kept = [] if joint.axis is None else parallel(motion, joint, joint.axis)
-    return [*coincidence(motion, joint), *kept]
+    turning = [] if joint.axis is None else parallel(motion, joint, joint.axis)
+    return [*coincidence(motion, joint), *turning]
 
 
 def _universal(motion: Motion, joint: joints.Universal) -> list[Row]:
@@ -103,9 +103,9 @@ def _distance(motion: Motion, joint: joints.Distance) -> list[Row]:
 
 
 def _rotation_drive(motion: Motion, joint: joints.RotationDrive) -> list[Row]:
-    asked, asked_rate = prescribed(joint.motion, joint.level, motion.times)
+    prescribed_value, motion_rate = prescribed(joint.motion, joint.level, motion.times)
     angle, rate = motion.angle_about(joint.body_a, joint.body_b, joint.axis)
-    return [(wrapped(angle - asked), rate - asked_rate)]
+    return [(wrapped(angle - prescribed_value), rate - motion_rate)]
 
 
 def _rolling_wheel(motion: Motion, joint: joints.RollingWheel) -> list[Row]:
@@ -124,19 +124,19 @@ def _rolling_wheel(motion: Motion, joint: joints.RollingWheel) -> list[Row]:
 
 
 def _coordinate_drive(motion: Motion, joint: joints.CoordinateDrive) -> list[Row]:
-    asked, asked_rate = prescribed(joint.motion, joint.level, motion.times)
+    prescribed_value, motion_rate = prescribed(joint.motion, joint.level, motion.times)
     if joint.coordinate == "angle":
-        return [(wrapped(motion.angle(joint.body) - asked), motion.spin(joint.body) - asked_rate)]
+        return [(wrapped(motion.angle(joint.body) - prescribed_value), motion.spin(joint.body) - motion_rate)]
     k, axis = motion.scene.body_index(joint.body), "xyz".index(joint.coordinate)
     moved = motion.trajectory.position[:, k, axis] - motion.scene.bodies[k].position[axis]
-    return [(moved - asked, motion.trajectory.velocity[:, k, axis] - asked_rate)]
+    return [(moved - prescribed_value, motion.trajectory.velocity[:, k, axis] - motion_rate)]
 
 
 def _point_drive(motion: Motion, joint: joints.PointDrive) -> list[Row]:
-    asked, asked_rate = prescribed(joint.motion, joint.level, motion.times)
+    prescribed_value, motion_rate = prescribed(joint.motion, joint.level, motion.times)
     place, rate = motion.point(joint.body, joint.point)
     along = unit(joint.direction)
-    return [((place - np.asarray(joint.point)) @ along - asked, rate @ along - asked_rate)]
+    return [((place - np.asarray(joint.point)) @ along - prescribed_value, rate @ along - motion_rate)]
 
 
 def _user_constraint(motion: Motion, joint: joints.UserConstraint) -> list[Row]:

@@ -115,7 +115,7 @@ def _attracted(scene: Scene, trajectory: Trajectory) -> EnergyBalance:
     """Free rigid bodies under Newton's attraction: orbits and spins keep their energies apart."""
     others = [load.name for load in scene.loads if load.type not in ("newton", "epoch", "gravity_gradient")]
     if scene.joints or others:
-        reason = "the judge draws the balance of attracting bodies without joints or other loads alone"
+        reason = "the energy balance supports attracting bodies without joints or other loads alone"
         return EnergyBalance(np.zeros(len(trajectory.times)), None, None, 0.0, reason)
     spin, motion = _spatial_rotation(scene, trajectory), Motion(scene, trajectory)
     for load in scene.loads:
@@ -132,7 +132,7 @@ def _undefined(scene: Scene, trajectory: Trajectory) -> str:
         return f"energy is not conserved: {', '.join(missing)} does work, and the engine reports no reaction there"
     driving = [j.name for j in scene.joints if isinstance(j, UserConstraint) and j.depends_on_time]
     if driving:
-        return f"{', '.join(driving)} may move in time and do work, which its reaction alone does not tell"
+        return f"{', '.join(driving)} may move in time and do work, which does not follow from its reaction"
     silent = [c.name for c in scene.contacts if c.name not in trajectory.contacts]
     if silent:
         return f"contact {', '.join(silent[:4])} does work, and the engine reports no force there"
@@ -155,7 +155,7 @@ def _struck(scene: Scene, trajectory: Trajectory) -> list[str]:
 
 
 def _is_smooth(scene: Scene, trajectory: Trajectory) -> bool:
-    """Return whether the engine vouches that no contact event lies inside the run."""
+    """Return whether no contact event lies inside the run; False if the engine locates none."""
     events = trajectory.event_times
     if not scene.contacts:
         return True

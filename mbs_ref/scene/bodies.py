@@ -27,7 +27,7 @@ class PlanarBody(Part):
 
     @property
     def gyration_radius(self) -> float:
-        """The radius of gyration, m: how large the body is, as far as dynamics can tell."""
+        """The radius of gyration, m."""
         return math.sqrt(self.inertia / self.mass)
 
 
@@ -46,7 +46,7 @@ class PointMass(Part):
         return 0.0
 
 
-LARGEST_NORM_GAP = 1e-9  # of theta^T theta from 1: data with fewer digits are a mistake, or say so
+LARGEST_NORM_GAP = 1e-9  # largest |theta^T theta - 1|: data with fewer digits are refused
 SMALLEST_INERTIA_RATIO = 1e-9  # of the principal moments: below, double precision cannot hold the small one
 
 

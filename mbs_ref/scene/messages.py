@@ -1,4 +1,4 @@
-"""One clear sentence for each thing that validation refuses: where, the value, and what is allowed."""
+"""One sentence for each error of validation: the place, the value, and the allowed ones."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ from typing import Any, get_args
 from pydantic import BaseModel, ValidationError
 
 LONGEST_VALUE = 60  # characters of a refused value, a name or a key that are shown
-MOST_PROBLEMS = 100  # told at once; a file of megabytes may hold millions
+MAX_PROBLEMS = 100  # reported at once; a file of megabytes may have millions
 
-# Pydantic's words, said in ours. A template may use the error's context, e.g. {gt}.
+# Sentences for pydantic's errors. A template may use the error's context, e.g. {gt}.
 SENTENCES = {
     "missing": "is missing",
     "finite_number": "must be a finite number",
@@ -54,11 +54,11 @@ def suggest(name: str, allowed: Iterable[str]) -> str:
 
 
 def problems(error: ValidationError, model: type[BaseModel], data: Any) -> list[Problem]:
-    """Return what is wrong with `data`, which failed to become a `model`, each place once; MOST_PROBLEMS at most."""
+    """Return what is wrong with `data`, which failed to become a `model`, each place once; MAX_PROBLEMS at most."""
     details = error.errors(include_url=False, include_input=False)
-    told = islice((p for detail in details for p in _translate(detail, model, data)), MOST_PROBLEMS)
-    once = list({(p.path, p.message): p for p in told}.values())
-    if len(details) > MOST_PROBLEMS:
+    reported = islice((p for detail in details for p in _translate(detail, model, data)), MAX_PROBLEMS)
+    once = list({(p.path, p.message): p for p in reported}.values())
+    if len(details) > MAX_PROBLEMS:
         once.append(Problem("", "", "", f"and more of {len(details)} mistakes in all"))
     return once
 
@@ -72,7 +72,7 @@ def _translate(detail: Any, model: type[BaseModel], data: Any) -> list[Problem]:
     path, part, models, here, is_scalar_union = _locate(detail["loc"], model, data)
     kind, context = detail["type"], dict(detail.get("ctx", {}))
     if kind == "too_short" and isinstance(here, list | tuple) and len(here) != context["actual_length"]:
-        return []  # only because its items were refused, which is told already
+        return []  # its items are reported already
     if kind == "value_error":  # our own validators: one line each, already sentences
         return [Problem(path, part, "", line) for line in str(context["error"]).splitlines()]
     if kind == "extra_forbidden":
@@ -92,7 +92,7 @@ def _translate(detail: Any, model: type[BaseModel], data: Any) -> list[Problem]:
 def _locate(loc: tuple[int | str, ...], model: type[BaseModel], data: Any) -> tuple[str, str, list[Any], Any, bool]:
     """Walk to a place: its path without union tags, the part's name, the models allowed, the value.
 
-    The flag tells of a place inside a union of plain values, whose members each complain.
+    The flag marks a place inside a union of plain values, each of whose members reports an error.
     """
     path, part, models, here = "", "", [model], data
     for key in loc:

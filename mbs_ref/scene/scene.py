@@ -23,7 +23,7 @@ MOST_COMPLAINTS = 100  # about one scene at once: each may list the bodies, and 
 
 
 class _OfBodies(NamedTuple):
-    """What is often asked of a scene's bodies."""
+    """Derived data of a scene's bodies."""
 
     bodies: tuple[Body, ...]
     dimension: int
@@ -36,7 +36,7 @@ class Scene(Part):
     name: Name
     description: str = ""
     source: str = ""  # where the data come from
-    duration: Positive = 1.0  # s, how long a run lasts unless told otherwise
+    duration: Positive = 1.0  # s, simulated time unless the settings give another
     gravity: Vector = (0.0, 0.0)  # m/s^2; in space, too, none unless given
     bodies: tuple[Body, ...] = Field(min_length=1, max_length=100_000)
     joints: tuple[Joint, ...] = ()
@@ -50,16 +50,16 @@ class Scene(Part):
         if "gravity" not in self.model_fields_set:
             vars(self)["gravity"] = (0.0,) * self.dimension
         attached = {"joints": self.joints, "loads": self.loads, "contacts": self.contacts, "events": self.events}
-        told = list(islice(complaints(self.dimension, self.gravity, self.bodies, attached), MOST_COMPLAINTS))
-        if len(told) == MOST_COMPLAINTS:
-            told.append("and perhaps more: no further complaints were looked for")
-        if told:
-            raise ValueError("\n".join(told))
+        errors = list(islice(complaints(self.dimension, self.gravity, self.bodies, attached), MOST_COMPLAINTS))
+        if len(errors) == MOST_COMPLAINTS:
+            errors.append("and perhaps more: the search ended here")
+        if errors:
+            raise ValueError("\n".join(errors))
         return self
 
     @property
     def dimension(self) -> int:
-        """2 in the plane, 3 in space: what the bodies are made of."""
+        """2 in the plane, 3 in space."""
         return self._of_bodies.dimension
 
     @property
@@ -72,26 +72,26 @@ class Scene(Part):
 
     @property
     def _of_bodies(self) -> _OfBodies:
-        """What is kept while the bodies are the same tuple: a copy may have others."""
-        kept: dict[str, Any] = vars(self)
-        found: _OfBodies | None = kept.get("_kept_of_bodies")
-        if found is None or found.bodies is not self.bodies:
+        """The derived data, cached while `bodies` is the same tuple; a copy may have another."""
+        cache: dict[str, Any] = vars(self)
+        data: _OfBodies | None = cache.get("_cached_of_bodies")
+        if data is None or data.bodies is not self.bodies:
             places = {body.name: k for k, body in enumerate(self.bodies)}
-            found = _OfBodies(self.bodies, max(len(body.position) for body in self.bodies), places)
-            kept["_kept_of_bodies"] = found
-        return found
+            data = _OfBodies(self.bodies, max(len(body.position) for body in self.bodies), places)
+            cache["_cached_of_bodies"] = data
+        return data
 
     def _repr_html_(self) -> str:
-        """Return what a notebook shows: what the scene is made of."""
+        """Return the table that a notebook shows."""
         parts = (*self.bodies, *self.joints, *self.loads, *self.contacts, *self.events)
         kinds = Counter(part.type.replace("_", " ") for part in parts)
         made_of = ", ".join(f"{count} {kind}" for kind, count in kinds.items())
-        told = facts(self.name, [
+        table = facts(self.name, [
             ("about", self.description), ("source", self.source), ("made of", made_of), ("gravity, m/s²", self.gravity),
             ("duration, s", self.duration), ("parameters", self.parameters),
         ])  # fmt: skip
         rows = [(body.name, body.mass, body.position) for body in self.bodies]
-        return told + listing("Bodies", ("name", "mass, kg", "centre of mass at t = 0, m"), rows)
+        return table + listing("Bodies", ("name", "mass, kg", "centre of mass at t = 0, m"), rows)
 
     def breakpoints(self) -> list[float]:
         """Return the sorted times (s) at which a declared signal may be non-smooth."""
@@ -102,7 +102,7 @@ class Scene(Part):
 def with_rates(scene: Scene, rates: np.ndarray) -> Scene:
     """Return the scene with its bodies' velocities and angular velocities, 3 a body in the plane and 6 in space.
 
-    `rates` are in m/s and rad/s, one body after the other; those that would turn a point mass are left out.
+    `rates` are in m/s and rad/s, one body after the other; those that would turn a point mass are ignored.
     """
     bodies = []
     for body, own in zip(scene.bodies, rates.reshape(len(scene.bodies), -1), strict=True):

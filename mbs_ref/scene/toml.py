@@ -1,4 +1,4 @@
-"""Scenes as TOML files: read, write, and say exactly what is wrong. A scene file is data; nothing in it runs."""
+"""Read and write scenes as TOML files, and report every error. A scene file is data; nothing in it runs."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def read_scene(path: str | Path) -> Scene:
 
 
 def loads(text: str, file: str = "scene") -> Scene:
-    """Return the scene in a TOML text; `file` is the name that errors give it."""
+    """Return the scene in a TOML text; errors refer to it as `file`."""
     try:
         data = _tuples(tomllib.loads(text))
     except RecursionError as error:
@@ -85,7 +85,7 @@ def dumps(scene: Scene, file: str = "scene") -> str:
 
 
 def _plain(part: Part) -> dict[str, Any]:
-    """Return the fields that differ from their defaults; the type always, because it tells parts apart."""
+    """Return the fields that differ from their defaults; the type always, because it distinguishes parts."""
     result: dict[str, Any] = {}
     for name, field in type(part).model_fields.items():
         value = getattr(part, name)

@@ -1,4 +1,4 @@
-"""What a scene is, computed from its parts: engines refuse by these, solvers pay by these."""
+"""Traits of a scene, computed from its parts; engines and methods refuse scenes by them."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ ALL_TRAITS = {
 NO_DEFLECTIONS = "where contacts stick in space, their deflections are states that this method does not carry"
 
 
-NO_SLIP = "where a wheel rolls, no C = 0 on positions says how it moves, and this method asks for one"
+NO_SLIP = "a rolling wheel has constraints on velocities alone, and this method needs C = 0 on positions"
 
 
 PART_TYPES: tuple[str, ...] = tuple(

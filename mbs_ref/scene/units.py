@@ -1,4 +1,4 @@
-"""Which scenes are made of free particles, and their natural units."""
+"""Scenes of free particles: detection, and their natural units."""
 
 from __future__ import annotations
 

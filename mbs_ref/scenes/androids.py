@@ -47,7 +47,7 @@ def android_spatial(
     head_restraint as in the plane, stops about the plane's axis alone. At oblique = 0 it moves as the planar android
     does. Left and right limbs are one body each; inertias about x and y and the breadth of limbs and cushions are
     estimates. From the rear with stops alone: without them the arms turn by more than the 3 rad that a spring in space
-    can tell.
+    can measure.
     """
     if impact == "rear" and not stops:
         raise ValueError("impact = 'rear' needs stops = true: without them the arms turn by more than 3 rad")

@@ -67,7 +67,7 @@ def rolling_sphere(
 
     friction (mu), speed (m/s) and its heading (rad, from x), spin (rad/s, about the direction of travel, which
     bends the path: a masse shot), mass (kg), contact stiffness (N/m) and damping (N s/m) and
-    where it lets go (it never does), gravity (m/s^2).
+    its release rule (it never opens), gravity (m/s^2).
     """
     center = (0.0, 0.0, RADIUS - mass * gravity / stiffness)
     c, s = math.cos(heading), math.sin(heading)

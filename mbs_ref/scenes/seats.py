@@ -77,7 +77,7 @@ def ball_on_moving_seat(
     seat_mass: Positive = 3.0,
     spin: float = 0.2,
 ) -> Scene:
-    """Throw a ball on a free, turning seat with round ends; momentum is kept to roundoff.
+    """Throw a ball on a free, turning seat with round ends; momentum is conserved to roundoff.
 
     contact law, stiffness (N/m), damping (N s/m, or N s/m^2 if progressive), friction (mu), where the ball
     starts along the seat (m, from its middle; the seat ends at 0.5), mass (kg) and spin (rad/s) of the seat.

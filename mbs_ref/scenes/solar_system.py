@@ -1,4 +1,4 @@
-"""The Sun, eight planets, the Moon and Pluto, with as much physics as is asked for."""
+"""The Sun, eight planets, the Moon and Pluto, with selectable physics."""
 
 from __future__ import annotations
 

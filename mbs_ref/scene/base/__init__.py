@@ -1,1 +1,1 @@
-"""What every part of a scene is: its fields, what it is made of, and how parts are checked together."""
+"""Common to all parts of a scene: fields, constraint rows, and the checks of parts against each other."""

@@ -1,6 +1,6 @@
-"""What joints are made of: elementary constraint rows between two bodies a and b.
+"""Elementary constraint rows between two bodies a and b, of which joints consist.
 
-Points (m) and unit vectors are the world's at t = 0; each is carried by the body its name says. Source of the spatial
+Points (m) and unit vectors are the world's at t = 0; each is fixed in the body of its name. Source of the spatial
 rows: Haug, Computer Aided Kinematics and Dynamics of Mechanical Systems (1989), sec. 9.4.
 """
 

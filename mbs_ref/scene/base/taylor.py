@@ -1,4 +1,4 @@
-"""Numbers that carry their derivatives: what a user's own constraint is evaluated with.
+"""Numbers with their derivatives, which evaluate a user's own constraint.
 
 f(s) = value + first s + second s^2 / 2 along a motion, and first derivatives along further directions. Rounding aside
 the derivatives are exact. Source: Griewank and Walther, Evaluating Derivatives (2nd ed., 2008), table 13.2.
@@ -34,7 +34,7 @@ class Taylor(NDArrayOperatorsMixin):
         result = self._answer(ufunc, inputs)
         if out is None:
             return result
-        out[0][...] = result  # as np.cross asks
+        out[0][...] = result  # as np.cross requires
         return out[0]
 
     def _answer(self, ufunc: np.ufunc, inputs: tuple[Any, ...]) -> Any:
@@ -164,4 +164,4 @@ def _method(name: str) -> Callable[[Taylor], Taylor]:
 
 
 for _name in ("sin", "cos", "tan", "arcsin", "arccos", "arctan", "sinh", "cosh", "tanh", "exp", "log", "sqrt"):
-    setattr(Taylor, _name, _method(_name))  # NumPy asks the elements of an array of objects
+    setattr(Taylor, _name, _method(_name))  # NumPy calls these methods of an object array's elements

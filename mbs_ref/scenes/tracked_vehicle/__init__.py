@@ -82,8 +82,8 @@ def tracked_vehicle(
 def _description(links: int, rollers: int, rub: float, suspension: bool, ground: str, height: float) -> str:
     arms = ", on trailing arms with torsion bars," if suspension else ""
     where = "flat ground" if ground == "flat" else f"ground with a {ground} of {height:g} m"
-    told = f"Chassis, sprocket, idler, {rollers} rollers{arms} and {links} links on {where}."
-    return told if rub else f"{told} {SLIDING}"
+    words = f"Chassis, sprocket, idler, {rollers} rollers{arms} and {links} links on {where}."
+    return words if rub else f"{words} {SLIDING}"
 
 
 def _pins(links: int) -> np.ndarray:
