@@ -24,7 +24,7 @@ APART = {"thigh": 0.09, "lower_leg": 0.09, "foot": 0.09, "upper_arm": 0.19, "low
 def in_space(planar: Scene, name: str, description: str, oblique: float, breadth: float = 0.0) -> Scene:
     """Return a planar android's scene in space, its pulse turned by `oblique` (rad) from x towards z.
 
-    `breadth` (m, along z) is that of surfaces with ends, which the planar scene does not define; with 0 they are refused.
+    `breadth` (m, along z) is that of surfaces with ends, undefined in the plane; with 0 they are refused.
     """
     angle = {body.name: body.angle for body in planar.bodies if isinstance(body, PlanarBody)}
     place: dict[str, Any] = {joint.name: joint for joint in planar.joints}

@@ -1,6 +1,7 @@
 """The outlines of an android's parts, and how deep they are in one another, in the seat and in the floor.
 
-They follow from the motion alone, whatever contacts the scene has: a bare model passes through itself. Depths count beyond what cushion, sole or flesh gives way by, which the data declare.
+They follow from the motion alone, whatever contacts the scene has: a bare model passes through itself. Depths exclude
+the compression of cushions, soles and flesh, which the data state.
 """
 
 from __future__ import annotations

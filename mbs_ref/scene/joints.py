@@ -186,8 +186,8 @@ class Distance(PairJoint):
 class RollingWheel(JointPart):
     """A knife-edged wheel rolls on a plane of ground without slipping (space: 3 rows, two of them on velocities alone).
 
-    The plane touches the rim's lowest point at t = 0. The two rows along the plane are nonholonomic: they constrain how the
-    wheel moves and not where it is. The wheel may lean, and stays on the plane whatever the force.
+    The plane touches the rim's lowest point at t = 0. The two rows along the plane are nonholonomic: they constrain
+    how the wheel moves, not where it is. The wheel may lean, and stays on the plane whatever the force.
     """
 
     DIMENSIONS: ClassVar[tuple[int, ...]] = (3,)

@@ -120,7 +120,7 @@ class Bushing(AttachedPair):
 class PointBushing(AttachedPair):
     """An isotropic spring and damper between two marks that coincide at t = 0: F = k e + c de/dt, e their gap (plane).
 
-    Both forces act at body b's mark, so there is no residual couple: momentum is conserved, and the damper only dissipates.
+    Both forces act at body b's mark, so there is no couple: momentum is conserved, and the damper only dissipates.
     Body a bears their arm, so it may not be a point mass.
     """
 
