@@ -227,7 +227,7 @@ def test_a_spread_below_the_integration_error_is_said_not_to_be_shown():
     assert not not_shown(fine, statistics(fine))
     blind = ensemble(OSCILLATOR, {"bob.velocity.x": "1+-0.1"}, 8, estimate="off")
     assert np.isnan(integration_error(blind)).all()
-    assert any("not known" in one for one in account(blind, statistics(blind)))
+    assert any("spread is unknown" in one for one in account(blind, statistics(blind)))
 
 
 def test_a_motion_that_is_lost_in_chaos_shows_no_spread_of_turns_either():
