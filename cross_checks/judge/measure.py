@@ -15,7 +15,7 @@ from cross_checks.metrics.metric import Absent, Judged, figures
 from cross_checks.metrics.significant_figures import significant_figures
 from cross_checks.metrics.state_error import known_to
 from cross_checks.records.record import Error
-from cross_checks.truth import Truth
+from cross_checks.truths.truth import Truth
 from mbs_ref.observables.distance import NAMES, largest, units_of
 from mbs_ref.scene import Scene
 from mbs_ref.trajectory import Trajectory

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from cross_checks.metrics.state_error import Errors, from_truth
-from cross_checks.truth import NoTruth, Truth
+from cross_checks.truths.truth import NoTruth, Truth
 from mbs_ref.scene import Scene
 from mbs_ref.scene.scales import Scales, scales_of
 from mbs_ref.trajectory import Trajectory

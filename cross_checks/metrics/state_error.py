@@ -6,8 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cross_checks.truth import MARGIN, Truth
 from cross_checks.truths import truth_for
+from cross_checks.truths.truth import MARGIN, Truth
 from mbs_ref.observables.distance import Motion, distances, farthest
 from mbs_ref.scene import Scene
 from mbs_ref.scene.scales import scales_of

@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 
 from cross_checks import truths
-from cross_checks.certify.kept_poses import physics_of
 from cross_checks.engine import Engine
+from cross_checks.truths.stored_poses import physics_of
 from mbs_ref.kernels.jit import source_digest, sources_of
 from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings

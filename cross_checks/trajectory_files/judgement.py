@@ -16,7 +16,7 @@ from cross_checks.metrics.state_error import from_truth
 from cross_checks.records.record import Error
 from cross_checks.trajectory_files.columns import FileError
 from cross_checks.trajectory_files.told_motion import Told
-from cross_checks.truth import NoTruth, Truth
+from cross_checks.truths.truth import NoTruth, Truth
 from mbs_ref.observables.distance import NAMES, UNITS, largest, units_of
 from mbs_ref.scene import Scene
 from mbs_ref.scene.scales import scales_of

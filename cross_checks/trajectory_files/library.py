@@ -17,7 +17,7 @@ from cross_checks.trajectory_files.mistakes import suspicions
 from cross_checks.trajectory_files.mistakes.case import Case, TruthAt
 from cross_checks.trajectory_files.reading import Read, read_motion
 from cross_checks.trajectory_files.truth_at import truth_at
-from cross_checks.truth import Truth
+from cross_checks.truths.truth import Truth
 from mbs_ref.scene import Scene
 from mbs_ref.trajectory import Trajectory
 

@@ -10,7 +10,7 @@ import numpy as np
 from cross_checks.judge.consensus import working_truth
 from cross_checks.judge.runs import Runs
 from cross_checks.trajectory_files.mistakes.case import TruthAt
-from cross_checks.truth import NoTruth, Truth
+from cross_checks.truths.truth import NoTruth, Truth
 from mbs_ref.scene import Scene
 
 

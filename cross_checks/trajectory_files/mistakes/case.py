@@ -11,7 +11,7 @@ from cross_checks.judge.measure import error_of
 from cross_checks.metrics.metric import Judged
 from cross_checks.trajectory_files.column_map import ColumnMap
 from cross_checks.trajectory_files.columns import Columns
-from cross_checks.truth import NoTruth, Truth
+from cross_checks.truths.truth import NoTruth, Truth
 from mbs_ref.scene import Scene
 from mbs_ref.scene.scales import scales_of
 from mbs_ref.trajectory import Trajectory

@@ -9,7 +9,7 @@ import numpy as np
 
 from cross_checks.trajectory_files.judgement import samples_at
 from cross_checks.trajectory_files.mistakes.case import Case
-from cross_checks.truth import NoTruth
+from cross_checks.truths.truth import NoTruth
 from mbs_ref.observables.distance import turn_between
 
 FITS = 8  # corrections by Gauss and Newton; each squares what is left

@@ -17,8 +17,8 @@ from cross_checks.trajectory_files.mistakes import suspicions
 from cross_checks.trajectory_files.mistakes.case import Case
 from cross_checks.trajectory_files.reading import read_motion
 from cross_checks.trajectory_files.told_motion import told_motion
-from cross_checks.truth import Truth
 from cross_checks.truths import truth_for
+from cross_checks.truths.truth import Truth
 from mbs_ref import scenes
 from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings

@@ -20,8 +20,8 @@ from cross_checks.trajectory_files.columns import Columns, FileError
 from cross_checks.trajectory_files.mistakes import suspicions
 from cross_checks.trajectory_files.mistakes.case import Case
 from cross_checks.trajectory_files.told_motion import told_motion
-from cross_checks.truth import NoTruth, Truth
 from cross_checks.truths import seek_truth, truth_for
+from cross_checks.truths.truth import NoTruth, Truth
 from mbs_ref import scenes
 from mbs_ref.scene import Scene
 from mbs_ref.scenes.nesc_dropped_sphere import SPIN
