@@ -143,11 +143,11 @@ def _reader(file: str) -> Callable[..., Any]:
     """Return what reads a robot file; its parser is that of an engine, which must be installed."""
     if file.endswith(".urdf"):
         engine("pinocchio")
-        from cross_checks.robots.pinocchio_.urdf import read_urdf
+        from cross_checks.robots.pinocchio_ import read_urdf
 
         return read_urdf
     engine("mujoco")
-    from cross_checks.robots.mujoco_.mjcf import read_mjcf
+    from cross_checks.robots.mujoco_ import read_mjcf
 
     return read_mjcf
 

@@ -13,8 +13,8 @@ import heyoka  # pyright: ignore[reportMissingImports]  # an optional extra
 import numpy as np
 
 from cross_checks.engine import Engine, Method, Poses, Refusal
+from cross_checks.engine.celestial import of_particles
 from cross_checks.engine.outcome import End, Loop
-from cross_checks.engine.particles import of_particles
 from cross_checks.engine.plan import Plan
 from mbs_ref.cores.choice import compile_scene
 from mbs_ref.scene import Scene

@@ -12,8 +12,8 @@ import numpy as np
 import rebound
 
 from cross_checks.engine import Engine, Method, Poses, Refusal
+from cross_checks.engine.celestial import of_particles
 from cross_checks.engine.outcome import End, Loop
-from cross_checks.engine.particles import of_particles
 from cross_checks.engine.plan import Plan
 from mbs_ref.cores.choice import compile_scene
 from mbs_ref.scene import Scene

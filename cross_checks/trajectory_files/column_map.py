@@ -9,7 +9,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError
 
-from cross_checks.trajectory_files import units
+from cross_checks.trajectory_files import columns as units
 from cross_checks.trajectory_files.columns import PLANE, SPACE, STATE, FileError
 
 AXIS = re.compile(r"-?[xyz]")

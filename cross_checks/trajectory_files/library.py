@@ -12,11 +12,10 @@ import numpy as np
 from cross_checks.judge.runs import Runs
 from cross_checks.records.store import Store, default_path
 from cross_checks.trajectory_files.columns import OWN
-from cross_checks.trajectory_files.judgement import Judgement, judgement
+from cross_checks.trajectory_files.judgement import Judgement, judgement, truth_at
 from cross_checks.trajectory_files.mistakes import suspicions
 from cross_checks.trajectory_files.mistakes.case import Case, TruthAt
-from cross_checks.trajectory_files.reading import Read, read_motion
-from cross_checks.trajectory_files.truth_at import truth_at
+from cross_checks.trajectory_files.motion import Read, read_motion
 from cross_checks.truths.truth import Truth
 from mbs_ref.scene import Scene
 from mbs_ref.trajectory import Trajectory

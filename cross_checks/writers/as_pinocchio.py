@@ -21,7 +21,7 @@ def write_pinocchio(scene: Scene, settings: Settings) -> str:
     Raises NotWritable where the adapter's force code acts.
     """
     get("pinocchio")  # raises EngineMissing before the adapter's modules are imported
-    from cross_checks.engines.pinocchio_.dynamics import PROXIMAL
+    from cross_checks.engines.pinocchio_.loop import PROXIMAL
 
     job = job_of(scene, settings, "pinocchio")
     mechanism = job.built.mechanism

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from cross_checks.writers.literals import literal
+from cross_checks.writers.script import literal
 
 KINDS = ("Node", "Object", "Marker", "Load", "Sensor")  # in this order, items refer only to earlier ones
 NAMED = "UserFunction"  # in the names of fields that hold Python functions, as {"function": ..., "type": ...}

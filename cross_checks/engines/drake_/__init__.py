@@ -13,9 +13,8 @@ from cross_checks.engine import Engine, Method, Poses, Refusal
 from cross_checks.engine.outcome import Loop, stopped
 from cross_checks.engine.plan import Plan
 from cross_checks.engines.drake_.build import plant_of, tied_to_ground
-from cross_checks.engines.drake_.methods import METHODS, SAP, WORLD
 from cross_checks.engines.drake_.reader import Reader
-from cross_checks.engines.drake_.run import Simulated, advance, is_discrete, simulated
+from cross_checks.engines.drake_.run import METHODS, SAP, WORLD, Simulated, advance, is_discrete, simulated
 from cross_checks.isolation.parent import Isolated, Lost
 from cross_checks.linkage.forces import PARTS, SHARED, Applied, applied, contact_refusals, read
 from cross_checks.linkage.links import Linkage, closure_refusals, linkage_of

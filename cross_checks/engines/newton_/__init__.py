@@ -27,8 +27,7 @@ from cross_checks.engine import Engine, Method, Poses, Refusal
 from cross_checks.engine.method import SINGLE
 from cross_checks.engine.outcome import End, Loop
 from cross_checks.engine.plan import Plan
-from cross_checks.engines.newton_.model import DEVICE, model_of
-from cross_checks.engines.newton_.reader import Reader, row_of
+from cross_checks.engines.newton_.model import DEVICE, Reader, model_of, row_of
 from cross_checks.linkage.forces import MECHANISM, read
 from cross_checks.linkage.links import Linkage, closure_refusals, linkage_of
 from cross_checks.linkage.motion import poses_of

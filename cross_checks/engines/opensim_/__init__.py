@@ -13,9 +13,18 @@ from cross_checks.engine import Engine, Method, Poses, Refusal
 from cross_checks.engine.outcome import End, Loop
 from cross_checks.engine.plan import Plan
 from cross_checks.engines.opensim_.build import model_of
-from cross_checks.engines.opensim_.counts import LEVEL, Counts, counted
-from cross_checks.engines.opensim_.methods import ENDLESS, FIXED, INTEGRATORS, METHODS, SHORTEST
-from cross_checks.engines.opensim_.reader import Reader, values
+from cross_checks.engines.opensim_.reader import (
+    ENDLESS,
+    FIXED,
+    INTEGRATORS,
+    LEVEL,
+    METHODS,
+    SHORTEST,
+    Counts,
+    Reader,
+    counted,
+    values,
+)
 from cross_checks.linkage.forces import MECHANISM, read
 from cross_checks.linkage.links import Linkage, closure_refusals, linkage_of
 from cross_checks.linkage.motion import poses_of

@@ -11,7 +11,7 @@ import numpy as np
 import pinocchio as pin
 
 from cross_checks.engines.pinocchio_.build import Mechanism
-from cross_checks.engines.pinocchio_.dynamics import RightHandSide
+from cross_checks.engines.pinocchio_.loop import RightHandSide
 from cross_checks.linkage.motion import Motion
 from cross_checks.linkage.reactions import about, tree_reactions
 

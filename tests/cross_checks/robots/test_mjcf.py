@@ -16,7 +16,7 @@ from reports.cli import main
 mujoco = pytest.importorskip("mujoco")
 
 from cross_checks import engines  # noqa: E402
-from cross_checks.robots.mujoco_.mjcf import read_mjcf  # noqa: E402
+from cross_checks.robots.mujoco_ import read_mjcf  # noqa: E402
 from cross_checks.robots.robot import RobotError  # noqa: E402
 
 CRANE = Path(__file__).parents[2] / "data" / "crane.xml"

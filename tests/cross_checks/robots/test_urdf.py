@@ -20,7 +20,7 @@ from reports.cli import main
 pinocchio = pytest.importorskip("pinocchio")
 
 from cross_checks import engines  # noqa: E402
-from cross_checks.robots.pinocchio_.urdf import RobotError, read_urdf  # noqa: E402
+from cross_checks.robots.pinocchio_ import RobotError, read_urdf  # noqa: E402
 from mbs_ref.observables.distance import largest, relative  # noqa: E402
 
 ROBOT = Path(__file__).parents[2] / "data" / "two_links_and_a_slider.urdf"

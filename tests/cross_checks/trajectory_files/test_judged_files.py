@@ -15,8 +15,7 @@ from cross_checks.trajectory_files.columns import Columns, FileError, read_colum
 from cross_checks.trajectory_files.judgement import as_truth, judgement
 from cross_checks.trajectory_files.mistakes import suspicions
 from cross_checks.trajectory_files.mistakes.case import Case
-from cross_checks.trajectory_files.reading import read_motion
-from cross_checks.trajectory_files.told_motion import told_motion
+from cross_checks.trajectory_files.motion import read_motion, told_motion
 from cross_checks.truths import truth_for
 from cross_checks.truths.truth import Truth
 from mbs_ref import scenes

@@ -19,7 +19,7 @@ from cross_checks.trajectory_files.column_map import ColumnMap
 from cross_checks.trajectory_files.columns import Columns, FileError
 from cross_checks.trajectory_files.mistakes import suspicions
 from cross_checks.trajectory_files.mistakes.case import Case
-from cross_checks.trajectory_files.told_motion import told_motion
+from cross_checks.trajectory_files.motion import told_motion
 from cross_checks.truths import seek_truth, truth_for
 from cross_checks.truths.truth import NoTruth, Truth
 from mbs_ref import scenes

@@ -18,7 +18,7 @@ from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
-from cross_checks.metrics.state_error import from_truth
+from cross_checks.metrics.metric import from_truth
 from cross_checks.truths import seek_truth
 from cross_checks.truths.truth import Truth, time_limit
 from mbs_ref import scenes

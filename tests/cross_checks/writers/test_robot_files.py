@@ -48,7 +48,7 @@ def crane() -> Scene:
 
 def read_again(text: str, folder: Path) -> Scene:
     """Return the scene of a written URDF file, at the start that its remarks tell."""
-    from cross_checks.robots.pinocchio_.urdf import read_urdf
+    from cross_checks.robots.pinocchio_ import read_urdf
 
     (folder / "written.urdf").write_text(text)
     rates = re.findall(r"the rate of joint (\S+) is (\S+) -->", text)
@@ -97,7 +97,7 @@ def test_all_that_urdf_has_not_is_named_at_once():
 def test_mjcf_has_all_digits_and_reads_back_as_the_mechanism(tmp_path):
     """A loop of six hinges at rest: a file's keyframe is no start of ours."""
     solver, scene = engine("mujoco"), scenes.make("bricard")
-    from cross_checks.robots.mujoco_.mjcf import read_mjcf
+    from cross_checks.robots.mujoco_ import read_mjcf
 
     text = writers.write(scene, "mjcf", RUN)
     assert max(len(number) for number in re.findall(r"[\d.]+", text)) > 15

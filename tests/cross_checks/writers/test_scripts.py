@@ -104,7 +104,7 @@ def test_every_kind_of_scene_and_method_as_a_script(name, scene, chosen, tmp_pat
 @pytest.mark.parametrize("name", ["exudyn", "mujoco", "pinocchio", "drake"])
 def test_a_robot_as_a_script(name, tmp_path):
     engine("pinocchio")
-    from cross_checks.robots.pinocchio_.urdf import read_urdf
+    from cross_checks.robots.pinocchio_ import read_urdf
 
     robot = read_urdf(DATA / "two_links_and_a_slider.urdf").scene
     assert_alike(engine(name), robot.model_copy(update={"loads": ()}), Settings(t_end=0.3, samples=4), tmp_path)

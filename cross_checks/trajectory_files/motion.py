@@ -1,15 +1,17 @@
-"""The motion that a file tells, in the scene's own units and axes; what it does not tell is NaN."""
+"""The motion that a file or arrays describe, by the map of their columns."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from cross_checks.trajectory_files import units
-from cross_checks.trajectory_files.column_map import AngularVelocity, Body, ColumnMap, Orientation
-from cross_checks.trajectory_files.columns import STATE, Columns, FileError, is_increasing
+from cross_checks.trajectory_files import columns as units
+from cross_checks.trajectory_files.column_map import AngularVelocity, Body, ColumnMap, Orientation, own_map, read_map
+from cross_checks.trajectory_files.columns import STATE, Columns, FileError, columns_of, is_increasing, read_columns
 from mbs_ref.scene import PointMass, Scene
 from mbs_ref.scene.messages import suggest
 from mbs_ref.trajectory import Trajectory
@@ -203,3 +205,30 @@ class _Reader:
         if orientation is None:
             raise FileError(f"{place}.axes = 'body' needs the orientation, which the file does not tell")
         return Rotation.from_quat(orientation, scalar_first=True).apply(spin)
+
+
+class Read(NamedTuple):
+    """What a file holds, what was stated of it, and the motion."""
+
+    columns: Columns
+    stated: ColumnMap
+    told: Told
+
+
+def read_motion(source: Path | Mapping[str, np.ndarray], scene: Scene, map_path: Path | None = None) -> Read:
+    """Read a trajectory of a scene from a file or arrays; only columns named as by `mbs-ref simulate -o` need no map.
+
+    Raises FileError.
+    """
+    stated = None if map_path is None else read_map(map_path)
+    if isinstance(source, Path):
+        columns = read_columns(source, "," if stated is None else stated.delimiter)
+    else:
+        columns = columns_of(source)
+    stated = stated or own_map(list(columns.values), list(scene.body_names))
+    if stated is None:
+        raise FileError(
+            f"{columns.path}: its columns are not those that mbs-ref writes of {scene.name}; state what they mean by "
+            f"--map MAP.toml, which --write-map MAP.toml begins for you"
+        )
+    return Read(columns, stated, told_motion(scene, columns, stated))

@@ -1,4 +1,7 @@
-"""A robot in a URDF file as a scene: read by Pinocchio's own parser, with what is assumed said and the rest refused."""
+"""A robot in a URDF file as a scene, read by Pinocchio's own parser; and Pinocchio's dynamics of a file."""
+
+# It is installed under a prefix that only the interpreter knows.
+# pyright: reportMissingImports=false
 
 from __future__ import annotations
 
@@ -10,6 +13,7 @@ from xml.etree import ElementTree
 import numpy as np
 import pinocchio  # pyright: ignore[reportMissingImports]
 
+from cross_checks.robots.parity import Dynamics, Unreadable, Values
 from cross_checks.robots.robot import (
     LOCKED,
     RATE,
@@ -213,3 +217,29 @@ class _Posed:
         column = jacobian[:, self.model.joints[i].idx_v]
         local = column[:3] if self.elements[self.model.names[i]].kind in SLIDING else column[3:]
         return three(np.array(self.data.oMi[i].rotation) @ local)
+
+
+def by_pinocchio(path: Path, q: Values, v: Values) -> Dynamics:
+    """Return what Pinocchio says; the other joints stay neutral."""
+    read = pinocchio.buildModelFromUrdf if path.suffix == ".urdf" else pinocchio.buildModelFromMJCF
+    try:
+        model = read(str(path))
+    except (ValueError, RuntimeError) as error:
+        raise Unreadable(str(error).strip().splitlines()[0]) from error
+    model = model[0] if isinstance(model, tuple) else model
+    unknown = [name for name in q if not model.existJointName(name)]
+    if unknown:
+        raise Unreadable(f"it has no joint {', '.join(unknown)}")
+    data = model.createData()
+    index = [model.joints[model.getJointId(name)].idx_v for name in q]
+    turned, rates = np.zeros((2, model.nv))
+    turned[index], rates[index] = list(q.values()), list(v.values())
+    places = pinocchio.integrate(model, pinocchio.neutral(model), turned)
+    upper = np.triu(pinocchio.crba(model, data, places))
+    mass = upper + np.triu(upper, 1).T
+    gravity = pinocchio.computeGeneralizedGravity(model, data, places).copy()
+    bias = pinocchio.nonLinearEffects(model, data, places, rates).copy()
+    return Dynamics(mass[np.ix_(index, index)], gravity[index], bias[index])
+
+
+READER = by_pinocchio

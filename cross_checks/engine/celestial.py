@@ -1,14 +1,23 @@
-"""Satellites as programs for spacecraft know them: a planet at rest in the origin, and what flies about it."""
+"""Particles and satellites in the terms of programs for celestial bodies."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator
 
+import numpy as np
+
 from mbs_ref.cores.choice import compile_scene
 from mbs_ref.scene import Scene
 from mbs_ref.scene.celestial import Drag, Oblateness, RadiationPressure, ThirdBody
 from mbs_ref.scene.units import attraction
+
+
+def of_particles(position: np.ndarray, velocity: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Return poses of particles in space from positions and velocities, each (n_t, n_bodies, 3): they never turn."""
+    turn = np.zeros((*position.shape[:2], 4))
+    turn[:, :, 0] = 1.0
+    return position, turn, velocity, np.zeros_like(velocity)
 
 
 def planet_of(scene: Scene) -> int:
