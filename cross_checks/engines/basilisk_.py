@@ -12,7 +12,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from importlib.metadata import version
 from typing import Any, ClassVar
 
 import Basilisk  # noqa: F401 - its absence means engine-missing
@@ -73,13 +72,9 @@ class BasiliskEngine(Engine):
 
     name: ClassVar[str] = "basilisk"
     package: ClassVar[str] = "Basilisk"
+    distribution: ClassVar[str] = "bsk"
+    method_table: ClassVar[tuple[Method, ...]] = METHODS
     part_types: ClassVar[frozenset[str]] = frozenset({"point_mass", "newton", "epoch", "oblateness", "drag"})
-
-    def methods(self) -> tuple[Method, ...]:
-        return METHODS
-
-    def version(self) -> str:
-        return version("bsk")
 
     def topology_refusals(self, scene: Scene) -> list[Refusal]:
         if not is_celestial(scene):

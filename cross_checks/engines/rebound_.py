@@ -39,13 +39,8 @@ class Rebound(Engine):
 
     name: ClassVar[str] = "rebound"
     package: ClassVar[str] = "rebound"
+    method_table: ClassVar[tuple[Method, ...]] = METHODS
     part_types: ClassVar[frozenset[str]] = frozenset({"point_mass", "newton", "epoch", "relativity", "oblateness"})
-
-    def methods(self) -> tuple[Method, ...]:
-        return METHODS
-
-    def version(self) -> str:
-        return rebound.__version__
 
     def topology_refusals(self, scene: Scene) -> list[Refusal]:
         if not is_celestial(scene):

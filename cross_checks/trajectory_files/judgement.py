@@ -3,20 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import product
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from cross_checks import metrics
-from cross_checks.judge.consensus import working_truth
 from cross_checks.judge.measure import gaps_as_none, measure
-from cross_checks.judge.runs import Runs
 from cross_checks.metrics.metric import Judged, from_truth
 from cross_checks.records.record import Error
 from cross_checks.trajectory_files.columns import FileError
-from cross_checks.trajectory_files.mistakes.case import TruthAt
 from cross_checks.trajectory_files.motion import Told
 from cross_checks.truths.truth import NoTruth, Truth
 from mbs_ref.observables.distance import NAMES, UNITS, largest, units_of
@@ -131,25 +128,3 @@ def samples_at(path: Trajectory, rows: np.ndarray) -> Trajectory:
     return Trajectory(
         path.times[rows], path.position[rows], path.orientation[rows], path.velocity[rows], path.angular_velocity[rows]
     )
-
-
-def truth_at(runs: Runs, scene: Scene) -> TruthAt:
-    """Return what gives the truth at any times (s, increasing, from 0 to the scene's duration).
-
-    Where none is certified, it is what unlike engines agree on at those times.
-    """
-
-    def at(times: np.ndarray) -> Truth | NoTruth:
-        known = runs.truth(scene, times)
-        if isinstance(known, Truth):
-            return known
-        asked = np.union1d(0.0, times)  # a run begins at 0
-        agreed = working_truth(replace(runs, times=asked), scene, known.reason)
-        return _rows(agreed, np.isin(asked, times)) if isinstance(agreed, Truth) else agreed
-
-    return at
-
-
-def _rows(truth: Truth, rows: np.ndarray) -> Truth:
-    arrays: dict[str, Any] = {name: value[rows] for name, value in vars(truth).items() if isinstance(value, np.ndarray)}
-    return replace(truth, **arrays)

@@ -92,7 +92,7 @@ class _Reader:
     """Reads one body's parts into the scene's axes."""
 
     def __init__(self, columns: Columns, stated: ColumnMap, dimension: int, body: str, times: np.ndarray) -> None:
-        self.columns, self.dimension, self.body = columns, dimension, body
+        self.columns, self.dimension, self.body, self.planar = columns, dimension, body, dimension == 2
         axes = stated.world.axes[:dimension]
         if len(axes) < dimension:
             raise FileError(f"world.axes = {list(axes)} has {len(axes)} axes; the scene has {dimension}")
@@ -125,7 +125,7 @@ class _Reader:
         spin, turned = np.array(self.world.spin), self.world.turned
         if not spin.any() and turned is None:
             return None
-        if self.dimension == 2:
+        if self.planar:
             raise FileError("world.spin and world.turned are for scenes in space")
         turning = Rotation.from_rotvec(times[:, None] * spin)
         if turned is None:
@@ -156,7 +156,7 @@ class _Reader:
 
     def _orientation(self, part: Orientation) -> np.ndarray:
         place = f"bodies.{self.body}.orientation"
-        if (part.convention == "angle") != (self.dimension == 2):
+        if (part.convention == "angle") != self.planar:
             told = f"does not fit a scene in {self.dimension} dimensions"
             raise FileError(f"{place}.convention = {part.convention!r} {told}")
         if part.convention == "angle":
@@ -195,7 +195,7 @@ class _Reader:
 
     def _spin(self, part: AngularVelocity, orientation: np.ndarray | None) -> np.ndarray:
         place, scale = f"bodies.{self.body}.angular_velocity", units.factor("angular velocity", part.unit)
-        if self.dimension == 2:
+        if self.planar:
             return self._numbers(part, "angular_velocity", 1)[:, 0] * scale
         spin = self._numbers(part, "angular_velocity", 3) * scale
         if part.axes == "world":

@@ -49,7 +49,7 @@ def write_drake(scene: Scene, settings: Settings) -> str:
         closures=[row for closure in linkage.closures for row in _closure(linkage, closure)],
         anchored=any(FIXED in (closure.a, closure.b) for closure in linkage.closures),
         discrete=method == SAP, integrator=method.removesuffix(FIXED_STEP),
-        turns=turns_of(scene) if scene.dimension == 2 else None,
+        turns=turns_of(scene),
         start=[body.orientation if isinstance(body, SpatialBody) else None for body in scene.bodies],
     )  # fmt: skip
 

@@ -13,7 +13,7 @@ from mbs_ref.settings import Settings
 def write_mujoco(scene: Scene, settings: Settings) -> str:
     """Return the script: the model as MJCF with all its digits, and the loop in C."""
     job = mujoco_job(scene, settings)
-    turns = turns_of(scene) if scene.dimension == 2 else None
+    turns = turns_of(scene)
     start = linkage_of(scene).theta.tolist()
     return script(job, "mujoco and numpy", model=mjcf_of(job), turns=turns, start=start)
 

@@ -31,7 +31,7 @@ def write_pinocchio(scene: Scene, settings: Settings) -> str:
     return script(
         job, needs, joints=list(_joints(mechanism.model)), constraints=list(_constraints(mechanism)),
         gravity=mechanism.model.gravity.linear, start=job.built.start, placements=list(_placements(job)),
-        turns=turns_of(scene) if scene.dimension == 2 else None, proximal=PROXIMAL,
+        turns=turns_of(scene), proximal=PROXIMAL,
     )  # fmt: skip
 
 

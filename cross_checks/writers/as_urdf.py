@@ -89,16 +89,16 @@ def _dampers(linkage: Linkage) -> dict[str, tuple[Any, float]]:
         for load in linkage.scene.loads:
             ends = {getattr(load, "body_a", ""), getattr(load, "body_b", "")}
             if ends == {link.name, names[link.parent]}:
-                damping = _damping(load, link, linkage.scene.dimension == 2)
+                damping = _damping(load, link)
                 if damping is not None:
                     found[link.name] = (load, damping)
     return found
 
 
-def _damping(load: Any, link: Link, planar: bool) -> float | None:
+def _damping(load: Any, link: Link) -> float | None:
     """Return what a load damps of a link's hinge or slide; None where it does anything else."""
     if isinstance(load, TorsionSpring) and link.kind == "revolute" and not load.stiffness:
-        axis = link.axes[0] if planar else np.asarray(load.axis) / np.linalg.norm(np.asarray(load.axis))
+        axis = link.axes[0] if load.axis is None else np.asarray(load.axis) / np.linalg.norm(load.axis)
         return load.damping if np.abs(np.cross(axis, link.axes[0])).max() < ALONG else None
     if isinstance(load, Bushing) and link.kind == "prismatic" and not any(load.stiffness) and not any(load.damping[1:]):
         axis = np.asarray(load.x_axis) / np.linalg.norm(load.x_axis)

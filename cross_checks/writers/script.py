@@ -53,8 +53,10 @@ def counts_text(counts: tuple[int, ...]) -> str:
     return literal(list(counts))
 
 
-PLANAR = ["x", "y", "angle", "vx", "vy", "rate"]
-SPATIAL = ["x", "y", "z", "e0", "e1", "e2", "e3", "vx", "vy", "vz", "wx", "wy", "wz"]
+COLUMNS = {
+    2: ["x", "y", "angle", "vx", "vy", "rate"],
+    3: ["x", "y", "z", "e0", "e1", "e2", "e3", "vx", "vy", "vz", "wx", "wy", "wz"],
+}  # of a body, by dimension
 
 
 @cache
@@ -73,11 +75,10 @@ def template(name: str) -> Template:
 def script(job: Job, needs: str, **tables: Any) -> str:
     """Return the script of the engine's template; `needs` names the packages it runs with."""
     scene, plan = job.scene, job.plan
-    planar = scene.dimension == 2
     return (
         template(f"{job.engine.name}.py.j2")
         .render(
-            job=job, plan=plan, needs=needs, planar=planar, columns=PLANAR if planar else SPATIAL,
+            job=job, plan=plan, needs=needs, planar=is_planar(scene), columns=COLUMNS[scene.dimension],
             bodies=scene.body_names, times=times_text(plan.times),
             counts=counts_text(plan.counts) if plan.counts else "",
             literal=literal, rows=rows, **tables,
@@ -85,8 +86,14 @@ def script(job: Job, needs: str, **tables: Any) -> str:
     )  # fmt: skip
 
 
-def turns_of(scene: Scene) -> list[tuple[float, list[int]]]:
-    """Return each planar body's angle at t = 0 (rad), and the coordinates of the linkage that turn it."""
+def is_planar(scene: Scene) -> bool:
+    return scene.dimension == 2
+
+
+def turns_of(scene: Scene) -> list[tuple[float, list[int]]] | None:
+    """Return each planar body's angle at t = 0 (rad), and the linkage's coordinates that turn it; None in space."""
+    if not is_planar(scene):
+        return None
     linkage = linkage_of(scene)
     each = zip(linkage.angle, linkage.turns, strict=True)
     return [(float(angle), np.flatnonzero(row).tolist()) for angle, row in each]

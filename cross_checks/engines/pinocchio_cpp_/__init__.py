@@ -15,7 +15,6 @@ from cross_checks.engines.pinocchio_ import Built, Pinocchio
 from cross_checks.engines.pinocchio_.methods import RTOLS, STEPS
 from cross_checks.engines.pinocchio_cpp_.compiler import described, obstacle
 from cross_checks.engines.pinocchio_cpp_.native import Tree
-from cross_checks.linkage.forces import MECHANISM
 from mbs_ref.scene import Scene
 from mbs_ref.scene.traits import traits
 
@@ -38,10 +37,8 @@ class PinocchioCpp(Pinocchio):
 
     name: ClassVar[str] = "pinocchio_cpp"
     package: ClassVar[str] = "pinocchio"
-    part_types: ClassVar[frozenset[str]] = MECHANISM
-
-    def methods(self) -> tuple[Method, ...]:
-        return METHODS
+    method_table: ClassVar[tuple[Method, ...]] = METHODS
+    takes_loads: ClassVar[bool] = False
 
     def version(self) -> str:
         return described()

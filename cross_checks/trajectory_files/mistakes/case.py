@@ -38,6 +38,10 @@ class Case:
         return np.inf if error is None else error.value
 
     @property
+    def planar(self) -> bool:
+        return self.scene.dimension == 2
+
+    @property
     def length(self) -> float:
         """The scene's, m."""
         return scales_of(self.scene).length

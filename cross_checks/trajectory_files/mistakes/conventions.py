@@ -96,7 +96,7 @@ def _lateness(case: Case) -> float | None:
     speed = truth.velocity if truth.velocity is not None else np.gradient(truth.position, path.times, axis=0)
     gaps.append((path.position - truth.position).ravel() / length)
     rates.append(speed.ravel() / length)
-    turn = turn_between(path.orientation, truth.orientation, case.scene.dimension == 3)
+    turn = turn_between(path.orientation, truth.orientation, not case.planar)
     if truth.angular_velocity is not None and turn is not None:
         gaps.append(turn.ravel())
         rates.append(truth.angular_velocity.ravel())

@@ -37,7 +37,7 @@ def turned_world(case: Case) -> Iterator[tuple[str, Case]]:
 def _fitted_turn(case: Case) -> Rotation | None:
     """Return the rotation from the file's world to the scene's, by poses; None where the file tells too little."""
     path, truth = case.path, case.truth
-    if case.scene.dimension == 3:
+    if not case.planar:
         rows = ~np.isnan(path.orientation).any(axis=2)
         if rows.any() and truth.orientation.ndim == 3:
             between = product(truth.orientation[rows], conjugate(path.orientation[rows]))
@@ -46,7 +46,7 @@ def _fitted_turn(case: Case) -> Rotation | None:
     if np.count_nonzero(told) < 2:
         return None
     ours, theirs = (_in_space(values[told] - values[told].mean(axis=0)) for values in (path.position, truth.position))
-    if case.scene.dimension == 2:
+    if case.planar:
         cross = float(np.sum(ours[:, 0] * theirs[:, 1] - ours[:, 1] * theirs[:, 0]))
         return Rotation.from_rotvec([0.0, 0.0, np.arctan2(cross, float(np.sum(ours * theirs)))])
     return Rotation.align_vectors(theirs, ours)[0]
@@ -69,7 +69,7 @@ def turning_world(case: Case) -> Iterator[tuple[str, Case]]:
 
     Fitted by Gauss and Newton on orientations, else on positions.
     """
-    if case.scene.dimension != 3:
+    if case.planar:
         return
     spin, path = np.zeros(3), case.path
     for _ in range(FITS):
@@ -122,7 +122,7 @@ def turned_bodies(case: Case) -> Iterator[tuple[str, Case]]:
         told = ~np.isnan(orientation[:, k].reshape(len(orientation), -1)).any(axis=1)
         if not told.any():
             continue
-        if case.scene.dimension == 2:
+        if case.planar:
             gap = case.truth.orientation[told, k] - orientation[told, k]
             turn = float(np.arctan2(np.sin(gap).mean(), np.cos(gap).mean()))
             orientation[:, k] += turn

@@ -57,8 +57,8 @@ def command(
     that was left out. Exit code 1 where it is off by more than --error, 5 where there is no truth to judge it.
     """
     from cross_checks.trajectory_files.columns import FileError
-    from cross_checks.trajectory_files.judgement import as_truth, judgement, truth_at
-    from cross_checks.trajectory_files.library import judged
+    from cross_checks.trajectory_files.judgement import as_truth, judgement
+    from cross_checks.trajectory_files.library import judged, truth_at
     from cross_checks.trajectory_files.motion import read_motion
 
     chosen = inputs.comparable(scene, parameters, kept)
