@@ -30,6 +30,7 @@ from Basilisk.utilities import SimulationBaseClass
 
 from cross_checks.engine import Engine, Method, Poses, Refusal, exponential
 from cross_checks.engine.celestial import no_satellites, normalized_zonals, of_particles, planet_of
+from cross_checks.engine.method import RTOLS
 from cross_checks.engine.outcome import End, Loop
 from cross_checks.engine.plan import Plan
 from mbs_ref.scene import Scene
@@ -37,7 +38,6 @@ from mbs_ref.scene.celestial import Drag, Oblateness
 from mbs_ref.scene.units import attraction, is_celestial
 
 STEPS = (4e-2, 2e-2, 1e-2, 5e-3, 2.5e-3)  # s; in free-fall times where a scene counts in these
-RTOLS = (1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
 SECOND = 1_000_000_000  # ns, of its clock
 SPAN = 1e6  # s of its clock that an adaptive run lasts: outputs are on it to 1e-15 of the run
 HELD = "rk4_held_air"

@@ -8,10 +8,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-import dartpy  # pyright: ignore[reportMissingImports]  # an optional extra
+import dartpy  # an optional extra
 import numpy as np
 
 from cross_checks.engine import Method, Refusal
+from cross_checks.engine.method import STEPS
 from cross_checks.engine.outcome import End, Loop
 from cross_checks.engine.plan import Plan
 from cross_checks.linkage.engine import LinkageEngine
@@ -20,7 +21,6 @@ from cross_checks.linkage.links import Closure, Link, Linkage, linkage_of
 from cross_checks.linkage.tree import FIXED
 from mbs_ref.scene import Scene
 
-STEPS = (2e-2, 1e-2, 5e-3, 2.5e-3, 1e-3, 5e-4, 2.5e-4, 1e-4)  # s
 LOOPS = {"error_reduction": 0.01, "force_mixing": 1e-9, "largest_correction": 10.0}  # DART's defaults, pinned; m/s
 EULER, OWN_HINGE = "symplectic_euler", "symplectic_euler_own_hinge"
 OPENS = "RevoluteJointConstraint lets loops turn out of their hinges where the axes are not z (seen in 6.20.3)"

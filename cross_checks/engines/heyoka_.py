@@ -8,7 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-import heyoka  # pyright: ignore[reportMissingImports]  # an optional extra
+import heyoka  # an optional extra
 import numpy as np
 
 from cross_checks.engine import Engine, Method, Poses, Refusal

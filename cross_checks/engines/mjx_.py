@@ -12,10 +12,10 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 # the first, for its absence is what says that the extra is not installed
-import mujoco.mjx as mjx  # pyright: ignore[reportMissingImports]
+import mujoco.mjx as mjx
 
 # isort: split
-import jax  # pyright: ignore[reportMissingImports]
+import jax
 import mujoco
 import numpy as np
 

@@ -13,6 +13,7 @@ import rebound
 
 from cross_checks.engine import Engine, Method, Poses, Refusal
 from cross_checks.engine.celestial import of_particles
+from cross_checks.engine.method import RTOLS
 from cross_checks.engine.outcome import End, Loop
 from cross_checks.engine.plan import Plan
 from mbs_ref.cores.choice import compile_scene
@@ -23,7 +24,6 @@ from mbs_ref.trajectory import Status
 
 STEPS = (4e-2, 2e-2, 1e-2, 5e-3, 2.5e-3)  # s; WHFast and SABA, in time units of the Kepler scene
 EPSILONS = (1e-3, 1e-5, 1e-7, 1e-9)  # IAS15's own measure; its default 1e-9 is machine precision
-RTOLS = (1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
 START = 1e-3  # of the shortest free-fall time: the first step of the adaptive methods
 VELOCITY_BLIND = frozenset({"whfast", "saba"})
 METHODS = (

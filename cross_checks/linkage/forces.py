@@ -142,7 +142,14 @@ class Applied:
         places[:, bodies.scene_index] = bodies.q, bodies.v
         gyroscopic = getattr(kinematics, "inertia", np.zeros((0, 6))), getattr(kinematics, "omega", np.zeros((0, 3)))
         self.core = Core(
-            linkage.angle, linkage.theta, linkage.rigid, bodies.scene_index, kinematics.force, *places, *gyroscopic
+            linkage.angle,
+            linkage.theta,
+            linkage.rigid,
+            bodies.scene_index,
+            kinematics.force,
+            places[0],
+            places[1],
+            *gyroscopic,
         )
 
     def wrenches(self, t: float, motion: Motion) -> np.ndarray:

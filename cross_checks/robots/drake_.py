@@ -6,8 +6,8 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 import numpy as np
-from pydrake.multibody.parsing import Parser  # pyright: ignore[reportMissingImports]
-from pydrake.multibody.plant import MultibodyPlant  # pyright: ignore[reportMissingImports]
+from pydrake.multibody.parsing import Parser
+from pydrake.multibody.plant import MultibodyPlant
 
 from cross_checks.robots.parity import Dynamics, Unreadable, Values
 

@@ -1,8 +1,5 @@
 """A robot in a URDF file as a scene, read by Pinocchio's own parser; and Pinocchio's dynamics of a file."""
 
-# It is installed under a prefix that only the interpreter knows.
-# pyright: reportMissingImports=false
-
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
@@ -11,7 +8,7 @@ from typing import Any, NamedTuple
 from xml.etree import ElementTree
 
 import numpy as np
-import pinocchio  # pyright: ignore[reportMissingImports]
+import pinocchio
 
 from cross_checks.robots.parity import Dynamics, Unreadable, Values
 from cross_checks.robots.robot import (

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
-from pydrake.multibody.plant import MultibodyPlant  # pyright: ignore[reportMissingImports]  # an optional extra
+from pydrake.multibody.plant import MultibodyPlant  # an optional extra
 
 from cross_checks.engine import Engine, Method, Refusal
 from cross_checks.engine.outcome import Loop, stopped

@@ -7,27 +7,25 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from pydrake.common.value import Value  # pyright: ignore[reportMissingImports]
-from pydrake.multibody.math import SpatialForce  # pyright: ignore[reportMissingImports]
-from pydrake.multibody.plant import ExternallyAppliedSpatialForce, MultibodyPlant  # pyright: ignore[reportMissingImports]
-from pydrake.systems.analysis import ResetIntegratorFromFlags, Simulator  # pyright: ignore[reportMissingImports]
-from pydrake.systems.framework import DiagramBuilder, LeafSystem  # pyright: ignore[reportMissingImports]
+from pydrake.common.value import Value
+from pydrake.multibody.math import SpatialForce
+from pydrake.multibody.plant import ExternallyAppliedSpatialForce, MultibodyPlant
+from pydrake.systems.analysis import ResetIntegratorFromFlags, Simulator
+from pydrake.systems.framework import DiagramBuilder, LeafSystem
 
-from cross_checks.engine import Method, exponential
+from cross_checks.engine.method import RTOLS, STEPS, Method, exponential, fixed
 from cross_checks.engine.outcome import End, Loop
 from cross_checks.engine.plan import Plan
 from cross_checks.engines.drake_.reader import Reader
 from mbs_ref.trajectory import Status
 
 FIXED, SAP, WORLD, CENIC = "_fixed", "sap", "sap_world", "cenic"
-STEPS = (2e-2, 1e-2, 5e-3, 2.5e-3, 1e-3, 5e-4, 2.5e-4, 1e-4)  # s
-ACCURACIES = (1e-4, 1e-6, 1e-8, 1e-10, 1e-12)  # of Drake's error control
 TREES = frozenset({"closed-loop", "rod-in-space"})  # Drake has constraints in discrete time alone
 DIES = "tied to the world body itself, constraints of discrete time end the process (SIGSEGV, seen in 1.58.0)"
 
 
 def _continuous(name: str, order: int, text: str, embedded: int | None = None) -> Method:
-    return Method(name, "adaptive", order, text, ACCURACIES, excludes=TREES, embedded=embedded)
+    return Method(name, "adaptive", order, text, RTOLS, excludes=TREES, embedded=embedded)
 
 
 def _stepped(name: str, order: int, text: str) -> Method:
@@ -41,16 +39,8 @@ METHODS = (
     _stepped("runge_kutta3", 3, "Runge-Kutta 3 at a fixed step"),
     _stepped("runge_kutta2", 2, "Runge-Kutta 2 at a fixed step"),
     Method(SAP, "fixed", 1, "discrete time: symplectic Euler, constraints by SAP", STEPS),
-    Method(
-        WORLD,
-        "fixed",
-        1,
-        "the same, loops to ground closed at Drake's own world body",
-        STEPS,
-        wrong_limit=DIES,
-        weak_on=TREES,
-    ),
-    Method(CENIC, "adaptive", 1, "CENIC: SAP's convex step under error control", ACCURACIES[:3]),
+    fixed(WORLD, 1, "the same, loops to ground closed at Drake's own world body", wrong_limit=DIES, weak_on=TREES),
+    Method(CENIC, "adaptive", 1, "CENIC: SAP's convex step under error control", RTOLS[:3]),
 )
 
 

@@ -7,9 +7,6 @@ Not yet taught: MuJoCo-Warp, which Newton's extra `sim` brings; XPBD, whose stat
 which makes velocities of differences of positions over a step, so that rounding grows as steps shrink (seen in 1.8.0).
 """
 
-# The extra has no type information here.
-# pyright: reportMissingImports=false
-
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -24,7 +21,7 @@ import warp
 from numba.core.event import trigger_event
 
 from cross_checks.engine import Method
-from cross_checks.engine.method import SINGLE
+from cross_checks.engine.method import SINGLE, STEPS
 from cross_checks.engine.outcome import End, Loop
 from cross_checks.engine.plan import Plan
 from cross_checks.engines.newton_.model import DEVICE, Reader, model_of, row_of
@@ -32,7 +29,6 @@ from cross_checks.linkage.engine import LinkageEngine
 from cross_checks.linkage.links import Linkage, linkage_of
 from mbs_ref.scene import Scene
 
-STEPS = (2e-2, 1e-2, 5e-3, 2.5e-3, 1e-3, 5e-4, 2.5e-4, 1e-4)  # s
 FEATHERSTONE = "featherstone"
 FLOAT32 = "Newton computes in single precision: n steps leave up to 6e-8 n of rounding"
 METHODS = (

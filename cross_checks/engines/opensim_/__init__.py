@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
-import opensim  # pyright: ignore[reportMissingImports]  # an optional extra
+import opensim  # an optional extra
 
 from cross_checks.engine import Method, Refusal
 from cross_checks.engine.outcome import End, Loop

@@ -11,13 +11,11 @@ from contextlib import contextmanager
 from typing import Any, NamedTuple
 
 import numpy as np
-import opensim  # pyright: ignore[reportMissingImports]
+import opensim
 
-from cross_checks.engine import Method
+from cross_checks.engine.method import RTOLS, STEPS, Method
 from cross_checks.linkage.links import Linkage
 
-ACCURACIES = (1e-4, 1e-6, 1e-8, 1e-10, 1e-12)  # of Simbody's error control
-STEPS = (2e-2, 1e-2, 5e-3, 2.5e-3, 1e-3, 5e-4, 2.5e-4, 1e-4)  # s
 FIXED = "_fixed"
 SHORTEST = 2e-8  # of a run: no step is shorter, whatever its error, for 5e7 steps are the most that a run may take
 ENDLESS = "cpodes"  # in loops: no limit on steps ends it (seen in 4.6 on spatial_n_four_bar at 1e-8)
@@ -29,11 +27,11 @@ INTEGRATORS = {
     "cpodes": "CPodes",
 }
 METHODS = (
-    Method("rk_merson", "adaptive", 4, "OpenSim's default: Runge-Kutta-Merson", ACCURACIES, embedded=3),
-    Method("rk_feldberg", "adaptive", 5, "Runge-Kutta-Fehlberg", ACCURACIES),
-    Method("rk3", "adaptive", 3, "Runge-Kutta 3 with an embedded estimate", ACCURACIES, embedded=2),
-    Method("verlet", "adaptive", 2, "velocity Verlet", ACCURACIES[:4]),
-    Method("cpodes", "adaptive", None, "CPODES: variable-order BDF", ACCURACIES),
+    Method("rk_merson", "adaptive", 4, "OpenSim's default: Runge-Kutta-Merson", RTOLS, embedded=3),
+    Method("rk_feldberg", "adaptive", 5, "Runge-Kutta-Fehlberg", RTOLS),
+    Method("rk3", "adaptive", 3, "Runge-Kutta 3 with an embedded estimate", RTOLS, embedded=2),
+    Method("verlet", "adaptive", 2, "velocity Verlet", RTOLS[:4]),
+    Method("cpodes", "adaptive", None, "CPODES: variable-order BDF", RTOLS),
     Method("rk_merson" + FIXED, "fixed", 4, "Runge-Kutta-Merson at a fixed step", STEPS),
 )
 

@@ -1,8 +1,5 @@
 """Pinocchio: ABA in trees, proximal constraint dynamics in loops, driven from Python by RK4 or DOP853."""
 
-# It is installed under a prefix that only the interpreter knows.
-# pyright: reportMissingImports=false
-
 from __future__ import annotations
 
 from dataclasses import dataclass

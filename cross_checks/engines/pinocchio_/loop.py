@@ -1,8 +1,5 @@
 """Accelerations by Pinocchio, and Runge-Kutta methods of order 4 and 8 around them."""
 
-# It is installed under a prefix that only the interpreter knows.
-# pyright: reportMissingImports=false
-
 from __future__ import annotations
 
 from collections.abc import Callable

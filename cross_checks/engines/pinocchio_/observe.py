@@ -1,8 +1,5 @@
 """Pinocchio's own motion and reactions."""
 
-# It is installed under a prefix that only the interpreter knows.
-# pyright: reportMissingImports=false
-
 from __future__ import annotations
 
 from collections.abc import Iterator
