@@ -19,14 +19,14 @@ from mbs_ref.trajectory import Trajectory
 UNIT = 1e-3  # Euler parameters further from a norm of one than this are something else
 
 
-class Told(NamedTuple):
+class DescribedMotion(NamedTuple):
     """A file's motion, and what the file leaves out."""
 
     path: Trajectory
-    untold: tuple[str, ...]  # sentences
+    missing: tuple[str, ...]  # sentences
 
 
-def told_motion(scene: Scene, columns: Columns, stated: ColumnMap) -> Told:
+def described_motion(scene: Scene, columns: Columns, stated: ColumnMap) -> DescribedMotion:
     """Return what a file tells of a scene's motion.
 
     Raises FileError: a body or column that does not exist, times that do not increase or leave the scene's duration, a
@@ -49,19 +49,19 @@ def told_motion(scene: Scene, columns: Columns, stated: ColumnMap) -> Told:
         for part, values in _Reader(columns, stated, d, name, times).read(body).items():
             state[part][:, k] = values
     path = Trajectory(times, state["position"], state["orientation"], state["velocity"], state["angular_velocity"])
-    return Told(path, _untold(scene, stated))
+    return DescribedMotion(path, _missing(scene, stated))
 
 
-def _untold(scene: Scene, stated: ColumnMap) -> tuple[str, ...]:
+def _missing(scene: Scene, stated: ColumnMap) -> tuple[str, ...]:
     sentences = []
     for body in scene.bodies:
         told = stated.bodies.get(body.name)
-        left_out = list(STATE) if told is None else told.untold
+        left_out = list(STATE) if told is None else told.missing
         if isinstance(body, PointMass):  # has neither orientation nor spin
             left_out = [part for part in left_out if part in ("position", "velocity")]
         if left_out:
             what = "anything" if told is None else ", ".join(left_out)
-            sentences.append(f"the file does not tell {what} of {body.name}")
+            sentences.append(f"the file does not state {what} of {body.name}")
     return tuple(sentences)
 
 
@@ -143,9 +143,11 @@ class _Reader:
             return 0.0
         place = f"bodies.{self.body}.velocity"
         if self.world.turned is not None:
-            raise FileError(f"{place}: how fast a world turns that a column turns is not told; leave the velocity out")
+            raise FileError(
+                f"{place}: the angular velocity of a frame whose angle is a column is unknown; remove `velocity`"
+            )
         if position is None:
-            raise FileError(f"{place} in a world that turns needs the position, which the file does not tell")
+            raise FileError(f"{place} in a world that turns needs the position, which the file does not state")
         return np.cross(self.world.spin, position - self.origin)
 
     def _numbers(self, part: Any, what: str, count: int) -> np.ndarray:
@@ -203,7 +205,7 @@ class _Reader:
         if part.axes is None:
             raise FileError(f"{place}.axes is missing; allowed: world, body")
         if orientation is None:
-            raise FileError(f"{place}.axes = 'body' needs the orientation, which the file does not tell")
+            raise FileError(f"{place}.axes = 'body' needs the orientation, which the file does not state")
         return Rotation.from_quat(orientation, scalar_first=True).apply(spin)
 
 
@@ -212,7 +214,7 @@ class Read(NamedTuple):
 
     columns: Columns
     stated: ColumnMap
-    told: Told
+    told: DescribedMotion
 
 
 def read_motion(source: Path | Mapping[str, np.ndarray], scene: Scene, map_path: Path | None = None) -> Read:
@@ -231,4 +233,4 @@ def read_motion(source: Path | Mapping[str, np.ndarray], scene: Scene, map_path:
             f"{columns.path}: its columns are not those that mbs-ref writes of {scene.name}; state what they mean by "
             f"--map MAP.toml, which --write-map MAP.toml begins for you"
         )
-    return Read(columns, stated, told_motion(scene, columns, stated))
+    return Read(columns, stated, described_motion(scene, columns, stated))

@@ -47,7 +47,7 @@ class Case:
         return scales_of(self.scene).length
 
     @property
-    def told_turns(self) -> bool:
+    def comparable_turns(self) -> bool:
         """Whether both sides count orientations alike; a truth of particles has none."""
         return self.truth.orientation.ndim == self.path.orientation.ndim
 

@@ -12,7 +12,7 @@ from cross_checks.trajectory_files import columns as units
 from cross_checks.trajectory_files.columns import STATE, FileError
 from cross_checks.trajectory_files.judgement import samples_at
 from cross_checks.trajectory_files.mistakes.case import Case
-from cross_checks.trajectory_files.motion import told_motion
+from cross_checks.trajectory_files.motion import described_motion
 from cross_checks.truths.truth import NoTruth
 from mbs_ref.observables.distance import turn_between
 
@@ -36,7 +36,7 @@ def _read(case: Case, part: str, change: dict[str, Any]) -> Case | None:
     bodies = {name: _changed(body, part, change) for name, body in case.stated.bodies.items()}
     stated = case.stated.model_copy(update={"bodies": bodies})
     try:
-        path = told_motion(case.scene, case.columns, stated).path
+        path = described_motion(case.scene, case.columns, stated).path
     except (FileError, ValueError):
         return None
     if len(path.times) != len(case.path.times):  # samples were dropped where a lag was taken off

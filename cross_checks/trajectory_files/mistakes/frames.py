@@ -87,7 +87,7 @@ def turning_world(case: Case) -> Iterator[tuple[str, Case]]:
 def _spin_left(case: Case) -> np.ndarray | None:
     """Return the spin (3,), rad/s, that brings the file's motion nearer to the truth; None where nothing is told."""
     path, truth, t = case.path, case.truth, case.path.times
-    if case.told_turns and not np.isnan(path.orientation).all():
+    if case.comparable_turns and not np.isnan(path.orientation).all():
         turns = rotation_vector(product(truth.orientation, conjugate(path.orientation)))
         known = ~np.isnan(turns).any(axis=2)
         weight = np.broadcast_to(t[:, None], known.shape)[known]
@@ -115,7 +115,7 @@ def _turned_along(path: Trajectory, spin: np.ndarray) -> Trajectory:
 
 def turned_bodies(case: Case) -> Iterator[tuple[str, Case]]:
     """Yield a constant rotation between the file's body axes and the scene's."""
-    if not case.told_turns:
+    if not case.comparable_turns:
         return
     words, orientation = [], case.path.orientation.copy()
     for k, body in enumerate(case.scene.bodies):
@@ -149,7 +149,7 @@ def _axis(turn: Rotation) -> str:
 def other_points(case: Case) -> Iterator[tuple[str, Case]]:
     """Yield points fixed in the bodies, other than the centres of mass, whose positions the file tells."""
     words, position, velocity = [], case.path.position.copy(), case.path.velocity.copy()
-    if not case.told_turns:
+    if not case.comparable_turns:
         return
     for k, body in enumerate(case.scene.bodies):
         turn = _matrices(case.truth.orientation[:, k])

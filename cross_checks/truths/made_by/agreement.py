@@ -71,23 +71,23 @@ def agree(
     rk_tolerance: float = RK_TOLERANCE,
     second_by: Callable | None = None,
 ) -> Agreement:
-    """Solve `first` by DOP853 and `second` by extrapolation (in extended precision if asked); compare world points.
+    """Solve `first` by DOP853 and `second` by extrapolation, in extended precision if so requested; compare poses.
 
     Where forces set in or let go, DOP853 is left to find it by its error control and extrapolation locates it.
     `second_by` names another solver where extrapolation does not suit, as for stiff motions.
     The uncertainty is the difference plus the roundoff of double data magnified by the motion; where the
     latter alone exceeds LARGEST_UNCERTAINTY the second run is spared.
     """
-    grid, asked = _grid(times, (*first.breakpoints, *second.breakpoints))
+    grid, rows = _grid(times, (*first.breakpoints, *second.breakpoints))
     kind = np.longdouble if extended else float
     tolerance = 64 * float(np.finfo(kind).eps)
     states = runge_kutta(first.derivative, first.start, grid, rk_tolerance)
     coarse, rates = _poses(first, grid, states), _rates(first, grid, states)
     sensitivity = _sensitivity(first, grid, coarse, rk_tolerance)
     if DOUBLE_EPS * sensitivity > LARGEST_UNCERTAINTY:
-        doubt = np.full(len(asked), np.inf)
-        given = (DOUBLE_EPS * sensitivity, rates[0][asked], rates[1][asked], doubt)
-        return Agreement(coarse[0][asked], coarse[1][asked], float("nan"), sensitivity, *given)
+        doubt = np.full(len(rows), np.inf)
+        given = (DOUBLE_EPS * sensitivity, rates[0][rows], rates[1][rows], doubt)
+        return Agreement(coarse[0][rows], coarse[1][rows], float("nan"), sensitivity, *given)
     start = second.start.astype(kind)
     solved = (
         _extrapolated(second, start, grid, tolerance)
@@ -100,8 +100,8 @@ def agree(
     best = _rates(second, grid, solved)
     apart = unmasked_distances(Partial(None, None, *best[:2]), Partial(None, None, *rates[:2]), best[1].ndim == 3)
     doubt = best[2] + apart[..., 2:].max(axis=(1, 2)) + DOUBLE_EPS * max(1.0, sensitivity)
-    given = (best[0][asked], best[1][asked], doubt[asked])
-    return Agreement(fine[0][asked], fine[1][asked], difference, sensitivity, uncertainty, *given)
+    given = (best[0][rows], best[1][rows], doubt[rows])
+    return Agreement(fine[0][rows], fine[1][rows], difference, sensitivity, uncertainty, *given)
 
 
 def _extrapolated(formulation: Formulation, start: np.ndarray, grid: np.ndarray, tolerance: float) -> np.ndarray:
@@ -111,7 +111,7 @@ def _extrapolated(formulation: Formulation, start: np.ndarray, grid: np.ndarray,
 
 
 def _grid(times: np.ndarray, breakpoints: tuple[float, ...]) -> tuple[np.ndarray, np.ndarray]:
-    """Return the times to stop at, from 0 on, and which of them were asked for."""
+    """Return the times to stop at, from 0 on, and the indices of `times` in them."""
     times = np.asarray(times, dtype=float)
     inner = [t for t in breakpoints if 0.0 < t < times[-1]]
     grid = np.unique(np.concatenate(([0.0], times, inner)))

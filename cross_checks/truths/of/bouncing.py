@@ -151,7 +151,7 @@ def bouncing_ball(scene: Scene, times: np.ndarray) -> Truth | NoTruth:
     clear = touch + rebound.duration
     inside = (times > touch) & (times < clear)
     if np.any(inside) and not _swings(contact.law, ball.mass):
-        return NoTruth("the closed form gives the motion before and after contact; an asked time lies inside")
+        return NoTruth("the closed form gives the motion before and after contact; a requested time lies inside")
     y = np.where(times <= touch, height - speed * times, rebound.restitution * speed * (times - min(clear, times[-1])))
     if isinstance(contact.law, SpringDamperLaw) and contact.law.release == "force":
         y = np.where(times <= touch, y, y - _left_inside(contact.law, ball.mass, speed, rebound))

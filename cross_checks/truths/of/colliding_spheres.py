@@ -84,7 +84,7 @@ def colliding_spheres(scene: Scene, times: np.ndarray) -> Truth | NoTruth:
     touch = RUN_UP / speed
     clear = touch + collision.duration
     if np.any((times > touch) & (times < clear)):
-        return NoTruth("the closed form gives the motion before and after contact; an asked time lies inside")
+        return NoTruth("the closed form gives the motion before and after contact; a requested time lies inside")
     reach = RADIUS_A + RADIUS_B
     # from b to a: -line at touch-down, moving towards `aside` while it turns
     c, s = math.cos(collision.angle), math.sin(collision.angle)

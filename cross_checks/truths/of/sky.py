@@ -65,7 +65,9 @@ PUBLISHED_TO = 1e-13  # m: all but the last digit or two are confirmed by two me
 def pleiades(scene: Scene, times: np.ndarray) -> Truth | NoTruth:
     """Return the published end and, before it, a converged solution that ends there."""
     if times[-1] != END:
-        return NoTruth(f"the Pleiades are published at t = {END:g} s alone, and the last time asked is {times[-1]:g} s")
+        return NoTruth(
+            f"the Pleiades are published at t = {END:g} s alone, and the last requested time is {times[-1]:g} s"
+        )
     truth = converge(scene, times)
     if isinstance(truth, NoTruth):
         return truth

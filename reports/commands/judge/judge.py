@@ -124,7 +124,7 @@ def _show(found: Judgement) -> None:
     for name, metric in metrics.every().items():
         if found.measures.get(name) is not None:
             facts.add_row(metric.label, amount(found.measures[name], metric.unit))
-    for sentence in (*found.untold, *found.notes):
+    for sentence in (*found.missing, *found.notes):
         facts.add_row("note", sentence)
     show(facts)
     listing = table("\nErrors", "body", "component", "largest", "of the scene", "at t, s", "at the end")

@@ -100,17 +100,17 @@ class _Walk:
             if contact.restitution is None and self._gap(k, z) <= 0.0:
                 self.modes[k] = CLOSED
         result, events = np.empty((len(times), self.n)), 0
-        for place, asked in enumerate(times):
+        for place, goal in enumerate(times):
             while True:
                 check_time(t)
-                instant, here = self._until(t, z, float(asked))
+                instant, here = self._until(t, z, float(goal))
                 if instant is None:
                     break
                 t, z = instant, self._switch(here)
                 events += 1
                 if events > MOST_EVENTS:
-                    raise NoConvergenceError(f"more than {MOST_EVENTS} contact events before t = {asked:g} s")
-            result[place] = self._at(z, asked - t)[: self.n]
+                    raise NoConvergenceError(f"more than {MOST_EVENTS} contact events before t = {goal:g} s")
+            result[place] = self._at(z, goal - t)[: self.n]
         return result
 
     def _generator(self) -> np.ndarray:
