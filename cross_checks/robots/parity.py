@@ -181,7 +181,7 @@ def by_us(path: Path, q: Values, v: Values) -> Dynamics:
 def _read_of(path: Path) -> tuple[Callable[..., Any], tuple[str, ...]]:
     """Return our reader of the format, and what it can be told to leave out: none of it is part of these figures."""
     urdf = ElementTree.parse(path).getroot().tag == "robot"
-    module, name = ("pinocchio_.urdf", "read_urdf") if urdf else ("mujoco_.mjcf", "read_mjcf")
+    module, name = ("pinocchio_", "read_urdf") if urdf else ("mujoco_", "read_mjcf")
     try:
         found = import_module(f"{robots.__name__}.{module}")
     except ModuleNotFoundError as error:
