@@ -1,8 +1,5 @@
 """Exudyn: redundant coordinates with implicit methods, or minimal coordinates (KinematicTree) with explicit ones."""
 
-# Its items take their arguments by names that type checkers cannot see.
-# pyright: reportCallIssue=false, reportArgumentType=false, reportAttributeAccessIssue=false
-
 from __future__ import annotations
 
 from dataclasses import dataclass, field

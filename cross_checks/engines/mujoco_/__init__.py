@@ -1,8 +1,5 @@
 """MuJoCo: joints in a tree are exact minimal coordinates; loop closures are always soft constraints."""
 
-# Its names live in a compiled module.
-# pyright: reportAttributeAccessIssue=false
-
 from __future__ import annotations
 
 from dataclasses import dataclass

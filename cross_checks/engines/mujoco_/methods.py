@@ -1,8 +1,5 @@
 """MuJoCo's methods, with every option pinned."""
 
-# Its names live in a compiled module.
-# pyright: reportAttributeAccessIssue=false
-
 from __future__ import annotations
 
 import mujoco

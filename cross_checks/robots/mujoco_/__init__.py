@@ -1,8 +1,5 @@
 """A robot in an MJCF file as a scene, read by MuJoCo's own parser; and MuJoCo's dynamics of a file."""
 
-# Its names live in a compiled module.
-# pyright: reportAttributeAccessIssue=false
-
 from __future__ import annotations
 
 from collections.abc import Mapping

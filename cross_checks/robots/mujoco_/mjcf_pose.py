@@ -1,8 +1,5 @@
 """The bodies, joints and forces of an MJCF model at the start, as parts of a scene."""
 
-# Its names live in a compiled module.
-# pyright: reportAttributeAccessIssue=false
-
 from __future__ import annotations
 
 from collections.abc import Iterator
