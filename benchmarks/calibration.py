@@ -17,7 +17,7 @@ import numpy as np
 from cross_checks.mechanisms.random_scenes import random_scene
 from cross_checks.records import lines
 from cross_checks.records.naming import code_of
-from cross_checks.truth import MARGIN
+from cross_checks.truths.truth import MARGIN
 from mbs_ref import scenes
 from mbs_ref.integrators import integrators
 from mbs_ref.observables.distance import largest, relative

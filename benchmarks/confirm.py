@@ -16,7 +16,7 @@ from cross_checks.judge.cell import truth_of
 from cross_checks.judge.one_run import evaluate, without_run
 from cross_checks.judge.runs import Runs
 from cross_checks.records.record import Record
-from cross_checks.truth import NoTruth, Truth
+from cross_checks.truths.truth import NoTruth, Truth
 from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings
 

@@ -1,7 +1,6 @@
 from benchmarks.pick import pick as pick
 from benchmarks.sweep import sweep as sweep
 from cross_checks.engine import Engine as Engine
-from cross_checks.engines.writers import write as write
 from cross_checks.judge.library import check as check
 from cross_checks.judge.library import run as run
 from cross_checks.judge.runs import Runs as Runs

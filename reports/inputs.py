@@ -119,7 +119,7 @@ def run_options[C: Callable[..., Any]](command: C) -> C:
 
 def _robot(file: str, parameters: Sequence[str]) -> Scene:
     """Return the scene of a robot, and say on stderr what was assumed."""
-    from cross_checks.engine.robot import RobotError, driven, read_start
+    from cross_checks.robots.robot import RobotError, driven, read_start
 
     path = Path(file)
     if not path.is_file():
@@ -143,11 +143,11 @@ def _reader(file: str) -> Callable[..., Any]:
     """Return what reads a robot file; its parser is that of an engine, which must be installed."""
     if file.endswith(".urdf"):
         engine("pinocchio")
-        from cross_checks.engines.pinocchio_.urdf import read_urdf
+        from cross_checks.robots.pinocchio_ import read_urdf
 
         return read_urdf
     engine("mujoco")
-    from cross_checks.engines.mujoco_.mjcf import read_mjcf
+    from cross_checks.robots.mujoco_ import read_mjcf
 
     return read_mjcf
 

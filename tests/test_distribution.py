@@ -38,7 +38,7 @@ def test_a_distribution_installs_and_simulates_in_a_clean_environment(kind, tmp_
     name = run(sys.executable, "-c", call, cwd=tree).split()[-1]
     if kind == "wheel":
         held = zipfile.ZipFile(tmp_path / name).namelist()
-        assert "cross_checks/certificates/kept/pendulum.json" in held
+        assert "cross_checks/truths/data/certificates/pendulum.json" in held
         assert not [file for file in held if file.startswith("tests/")]
     home = tmp_path / "clean"
     venv.create(home, with_pip=True)

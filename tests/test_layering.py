@@ -31,8 +31,8 @@ ROOMS = {
         "integrators crash", "scenes simulate",
     ),
     "cross_checks": (
-        "isolation truth", "engine", "linkage", "certify engines", "mechanisms truths",
-        "ephemerides", "metrics", "records", "judge", "certificates conformance extremes trajectory_files",
+        "isolation", "engine", "linkage truths", "engines robots", "mechanisms writers",
+        "ephemerides", "metrics", "records", "judge", "certify conformance extremes trajectory_files",
     ),
     "benchmarks": (
         "calibration event_work pick repeatability timing", "loop_times", "confirm sweep",
@@ -46,7 +46,7 @@ ROOMS = {
     ),
 }  # fmt: skip
 MOST_ROOMS = 16  # files and folders of code at one level
-LISTS = ("mbs_ref/scenes", "cross_checks/truths", "cross_checks/extremes/families")  # one file for each of many things
+LISTS = ("mbs_ref/scenes", "cross_checks/extremes/families")  # one file for each of many things
 FILES = sorted(path for layer in LAYERS for path in (ROOT / layer).rglob("*.py"))
 CODE = [path for path in FILES if path.relative_to(ROOT).parts[0] != "tests"]
 
@@ -86,7 +86,7 @@ def packages(path: Path) -> set[str]:
 
 def in_adapter(path: Path) -> bool:
     """Tell whether a file is an adapter <name>_.py, or part of an adapter's package <name>_."""
-    for adapters in (ROOT / "cross_checks" / "engines", ROOT / "cross_checks" / "ephemerides"):
+    for adapters in (ROOT / "cross_checks" / folder for folder in ("engines", "ephemerides", "robots")):
         if path.is_relative_to(adapters):
             top = path.relative_to(adapters).parts[0].removesuffix(".py")
             return top.endswith("_") and not top.startswith("_")

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from cross_checks.conformance.questions import Asked
-from cross_checks.truth import Truth
+from cross_checks.truths.truth import Truth
 from mbs_ref.observables import constraint_residual, energy_balance, kinetic_energy
 from mbs_ref.observables.distance import farthest
 from mbs_ref.scene import PlanarBody, Scene, SpatialBody

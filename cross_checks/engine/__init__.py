@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import warnings
-from abc import ABC, abstractmethod
 from collections.abc import Sequence
+from importlib.metadata import version
 from time import perf_counter
 from typing import Any, ClassVar
 
@@ -23,12 +23,13 @@ type Poses = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]  # position, 
 DRIVEN = "driven from Python"
 
 
-class Engine(ABC):
+class Engine:
     """A solver behind one contract. An implementer's duties:
 
     1. `name` is unique, lower case; `package` is the import name whose absence means engine-missing.
     2. Import the package inside the methods or at the top of this one file, nowhere else.
-    3. `methods()` lists every method with its documented order; the first is the default.
+    3. `method_table` lists every method with its documented order; the first is the default. An engine whose methods
+       are known at run time alone overrides `methods()`, one that is no installed distribution `version()`.
     4. `part_types` names the scene parts translated (their `type` fields); everything else is refused.
     5. `refusals()` adds what depends on topology (see `traits`); it gives every reason at once.
     6. `build()` returns the engine's model of the scene, at t = 0 and ready to go.
@@ -48,19 +49,21 @@ class Engine(ABC):
 
     name: ClassVar[str]
     package: ClassVar[str]
+    distribution: ClassVar[str] = ""  # whose version is the engine's; the package unless given
+    method_table: ClassVar[tuple[Method, ...]] = ()
     part_types: ClassVar[frozenset[str]]
     as_shipped: ClassVar[Settings | None] = None  # what it does where its user chooses nothing, if that can be said
     unasked: ClassVar[str | None] = None  # the method of one run by a user who names none; the first unless given
     made_of: str = ""  # a digest of its adapter, where that is imported in another environment
     checks_start: ClassVar[bool] = False  # refuses inconsistent initial states by itself; else the suite looks for it
 
-    @abstractmethod
     def methods(self) -> tuple[Method, ...]:
         """Return the methods, the default first."""
+        return self.method_table
 
-    @abstractmethod
     def version(self) -> str:
         """Return the engine's version."""
+        return version(self.distribution or self.package)
 
     def topology_refusals(self, scene: Scene) -> list[Refusal]:
         """Return the reasons that follow from the scene's traits rather than its part types."""
@@ -70,7 +73,7 @@ class Engine(ABC):
         """Return the engine's model of the scene at t = 0."""
         raise NotImplementedError(f"{self.name} must offer build, advance and poses, or a run of its own")
 
-    def first_call(self, model: Any, plan: Plan) -> None:  # noqa: B027 - most engines have nothing to do
+    def first_call(self, model: Any, plan: Plan) -> None:
         """Do what takes time only once, and leave the model at t = 0."""
 
     def advance(self, model: Any, plan: Plan) -> Any:

@@ -8,8 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from mbs_ref.observables import rows
-from mbs_ref.scene import PlanarBody, Revolute, Scene, SpatialBody, Weld
+from mbs_ref.scene import Revolute, Scene, Weld
 from mbs_ref.trajectory import Trajectory
+
+# By dimension: the name of a body's orientation, and the orientation and angular velocity of a particle.
+TURNING = {2: ("angle", 0.0, 0.0), 3: ("orientation", (1.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0))}
 
 
 @dataclass(frozen=True)
@@ -23,22 +26,11 @@ class Gap:
 
 def initial_sample(scene: Scene) -> Trajectory:
     """Return the scene's own initial state as a trajectory of one sample."""
-    if scene.dimension == 3:
-        return _spatial_sample(scene)
-    turning = [(b.angle, b.angular_velocity) if isinstance(b, PlanarBody) else (0.0, 0.0) for b in scene.bodies]
-    angle, rate = np.array(turning, dtype=float).T
-    position = np.array([body.position for body in scene.bodies], dtype=float)
-    velocity = np.array([body.velocity for body in scene.bodies], dtype=float)
-    return Trajectory(np.zeros(1), position[None], angle[None], velocity[None], rate[None])
-
-
-def _spatial_sample(scene: Scene) -> Trajectory:
-    still = ((1.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0))  # a particle's
-    turning = [(b.orientation, b.angular_velocity) if isinstance(b, SpatialBody) else still for b in scene.bodies]
-    theta, omega = (np.array(part, dtype=float)[None] for part in zip(*turning, strict=True))
-    position = np.array([body.position for body in scene.bodies], dtype=float)
-    velocity = np.array([body.velocity for body in scene.bodies], dtype=float)
-    return Trajectory(np.zeros(1), position[None], theta, velocity[None], omega)
+    orientation, level, still = TURNING[scene.dimension]
+    names = ("position", ()), (orientation, level), ("velocity", ()), ("angular_velocity", still)
+    parts = [[getattr(body, name, default) for body in scene.bodies] for name, default in names]
+    position, turn, velocity, spin = (np.array(part, dtype=float)[None] for part in parts)
+    return Trajectory(np.zeros(1), position, turn, velocity, spin)
 
 
 def worst_gap(scene: Scene) -> Gap | None:

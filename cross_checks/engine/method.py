@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import factorial
-from typing import Literal
+from typing import Any, Literal
 
 from mbs_ref.scene import Scene
 from mbs_ref.scene.traits import traits
 
+STEPS = (2e-2, 1e-2, 5e-3, 2.5e-3, 1e-3, 5e-4, 2.5e-4, 1e-4)  # s, that a sweep of a fixed-step method tries
+RTOLS = (1e-4, 1e-6, 1e-8, 1e-10, 1e-12)  # that a sweep of an adaptive method tries
+LOOPS = frozenset({"closed-loop"})
 DOUBLE, SINGLE = 2.0**-53, 2.0**-24  # unit roundoff of IEEE 754 arithmetic
 
 
@@ -47,6 +50,16 @@ class Method:
     def excused(self, scene: Scene) -> str:
         """Return why the method is known to go wrong on this very scene; empty where it is not."""
         return self.wrong_limit if self.weak_on & traits(scene) else ""
+
+
+def fixed(name: str, order: int | None, text: str, ladder: tuple[float, ...] = STEPS, **more: Any) -> Method:
+    """Return a fixed-step method; `more` are other fields of Method."""
+    return Method(name, "fixed", order, text, ladder, **more)
+
+
+def adaptive(name: str, order: int | None, text: str, ladder: tuple[float, ...] = RTOLS, **more: Any) -> Method:
+    """Return an adaptive method; `more` are other fields of Method."""
+    return Method(name, "adaptive", order, text, ladder, **more)
 
 
 def exponential(order: int) -> tuple[float, ...]:

@@ -12,7 +12,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from importlib.metadata import version
 from typing import Any, ClassVar
 
 import Basilisk  # noqa: F401 - its absence means engine-missing
@@ -30,16 +29,15 @@ from Basilisk.simulation import (
 from Basilisk.utilities import SimulationBaseClass
 
 from cross_checks.engine import Engine, Method, Poses, Refusal, exponential
+from cross_checks.engine.celestial import no_satellites, normalized_zonals, of_particles, planet_of
+from cross_checks.engine.method import RTOLS
 from cross_checks.engine.outcome import End, Loop
-from cross_checks.engine.particles import of_particles
 from cross_checks.engine.plan import Plan
-from cross_checks.engine.satellites import no_satellites, normalized_zonals, planet_of
 from mbs_ref.scene import Scene
 from mbs_ref.scene.celestial import Drag, Oblateness
 from mbs_ref.scene.units import attraction, is_celestial
 
 STEPS = (4e-2, 2e-2, 1e-2, 5e-3, 2.5e-3)  # s; in free-fall times where a scene counts in these
-RTOLS = (1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
 SECOND = 1_000_000_000  # ns, of its clock
 SPAN = 1e6  # s of its clock that an adaptive run lasts: outputs are on it to 1e-15 of the run
 HELD = "rk4_held_air"
@@ -74,13 +72,9 @@ class BasiliskEngine(Engine):
 
     name: ClassVar[str] = "basilisk"
     package: ClassVar[str] = "Basilisk"
+    distribution: ClassVar[str] = "bsk"
+    method_table: ClassVar[tuple[Method, ...]] = METHODS
     part_types: ClassVar[frozenset[str]] = frozenset({"point_mass", "newton", "epoch", "oblateness", "drag"})
-
-    def methods(self) -> tuple[Method, ...]:
-        return METHODS
-
-    def version(self) -> str:
-        return version("bsk")
 
     def topology_refusals(self, scene: Scene) -> list[Refusal]:
         if not is_celestial(scene):

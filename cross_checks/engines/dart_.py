@@ -6,22 +6,21 @@ The distribution is `dartpy`; the name `dart` belongs to another project.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from importlib.metadata import version
 from typing import Any, ClassVar
 
-import dartpy  # pyright: ignore[reportMissingImports]  # an optional extra
+import dartpy  # an optional extra
 import numpy as np
 
-from cross_checks.engine import Engine, Method, Poses, Refusal
+from cross_checks.engine import Method, Refusal
+from cross_checks.engine.method import STEPS
 from cross_checks.engine.outcome import End, Loop
 from cross_checks.engine.plan import Plan
-from cross_checks.linkage.forces import PARTS, SHARED, Applied, applied, contact_refusals, read
-from cross_checks.linkage.links import Closure, Link, Linkage, closure_refusals, linkage_of
-from cross_checks.linkage.motion import poses_of
+from cross_checks.linkage.engine import LinkageEngine
+from cross_checks.linkage.forces import Applied, applied, read
+from cross_checks.linkage.links import Closure, Link, Linkage, linkage_of
 from cross_checks.linkage.tree import FIXED
 from mbs_ref.scene import Scene
 
-STEPS = (2e-2, 1e-2, 5e-3, 2.5e-3, 1e-3, 5e-4, 2.5e-4, 1e-4)  # s
 LOOPS = {"error_reduction": 0.01, "force_mixing": 1e-9, "largest_correction": 10.0}  # DART's defaults, pinned; m/s
 EULER, OWN_HINGE = "symplectic_euler", "symplectic_euler_own_hinge"
 OPENS = "RevoluteJointConstraint lets loops turn out of their hinges where the axes are not z (seen in 6.20.3)"
@@ -42,21 +41,14 @@ class Built:
     applied: Applied | None
 
 
-class Dart(Engine):
+class Dart(LinkageEngine):
     """DART's world, stepped from Python: it has no loop of its own."""
 
     name: ClassVar[str] = "dart"
     package: ClassVar[str] = "dartpy"
-    part_types: ClassVar[frozenset[str]] = PARTS - {"cylindrical"}
-
-    def methods(self) -> tuple[Method, ...]:
-        return METHODS
-
-    def version(self) -> str:
-        return version("dartpy")
-
-    def topology_refusals(self, scene: Scene) -> list[Refusal]:
-        return closure_refusals("dart", scene, {"point", "hinge", "weld"}) + contact_refusals(scene)
+    method_table: ClassVar[tuple[Method, ...]] = METHODS
+    lacks: ClassVar[frozenset[str]] = frozenset({"cylindrical"})
+    closes: ClassVar[frozenset[str]] = frozenset({"point", "hinge", "weld"})
 
     def method_refusals(self, scene: Scene, method: Method) -> list[Refusal]:
         reasons = super().method_refusals(scene, method)
@@ -98,12 +90,6 @@ class Dart(Engine):
                 steps += 1
             states[k] = reader.state()
         return Loop(states, End(len(states)), steps, steps)
-
-    def poses(self, model: Built, plan: Plan, states: np.ndarray) -> Poses:
-        return poses_of(model.linkage, (read(model.linkage, model.reader, state) for state in states))
-
-    def notes(self, model: Built, plan: Plan) -> tuple[str, ...]:
-        return (SHARED,) if model.applied else ()
 
 
 ENGINE = Dart

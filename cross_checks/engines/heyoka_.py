@@ -6,15 +6,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from importlib.metadata import version
 from typing import Any, ClassVar
 
-import heyoka  # pyright: ignore[reportMissingImports]  # an optional extra
+import heyoka  # an optional extra
 import numpy as np
 
 from cross_checks.engine import Engine, Method, Poses, Refusal
+from cross_checks.engine.celestial import of_particles
 from cross_checks.engine.outcome import End, Loop
-from cross_checks.engine.particles import of_particles
 from cross_checks.engine.plan import Plan
 from mbs_ref.cores.choice import compile_scene
 from mbs_ref.scene import Scene
@@ -44,13 +43,8 @@ class Heyoka(Engine):
 
     name: ClassVar[str] = "heyoka"
     package: ClassVar[str] = "heyoka"
+    method_table: ClassVar[tuple[Method, ...]] = METHODS
     part_types: ClassVar[frozenset[str]] = frozenset({"point_mass", "newton", "epoch", "oblateness"})
-
-    def methods(self) -> tuple[Method, ...]:
-        return METHODS
-
-    def version(self) -> str:
-        return version("heyoka")
 
     def topology_refusals(self, scene: Scene) -> list[Refusal]:
         if not is_celestial(scene):

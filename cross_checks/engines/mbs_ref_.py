@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from importlib.metadata import version
 from importlib.util import find_spec
 from typing import ClassVar
 
@@ -30,15 +29,13 @@ class MbsRef(Engine):
 
     name: ClassVar[str] = "mbs_ref"
     package: ClassVar[str] = "mbs_ref"
+    distribution: ClassVar[str] = "mbs-ref"
     checks_start: ClassVar[bool] = True
     unasked: ClassVar[str | None] = AUTO
     part_types: ClassVar[frozenset[str]] = frozenset(PART_TYPES)
 
     def methods(self) -> tuple[Method, ...]:
         return tuple(_method(entry) for entry in integrators().values())
-
-    def version(self) -> str:
-        return version("mbs-ref")
 
     def topology_refusals(self, scene: Scene) -> list[Refusal]:
         if is_celestial(scene):

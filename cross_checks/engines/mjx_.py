@@ -9,27 +9,27 @@ The model is MuJoCo's own, compiled by the adapter of MuJoCo; MJX takes it over 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from importlib.metadata import version
 from typing import Any, ClassVar
 
 # the first, for its absence is what says that the extra is not installed
-import mujoco.mjx as mjx  # pyright: ignore[reportMissingImports]
+import mujoco.mjx as mjx
 
 # isort: split
-import jax  # pyright: ignore[reportMissingImports]
+import jax
 import mujoco
 import numpy as np
 
-from cross_checks.engine import Engine, Method, Poses, Refusal
+from cross_checks.engine import Method, Poses, Refusal
 from cross_checks.engine.outcome import End, Loop
 from cross_checks.engine.plan import Plan
-from cross_checks.engines.mujoco_ import CLOSING, MuJoCo
+from cross_checks.engines.mujoco_ import MuJoCo
 from cross_checks.engines.mujoco_.build import compile_links
 from cross_checks.engines.mujoco_.forces import own_refusals
 from cross_checks.engines.mujoco_.methods import METHODS as OF_MUJOCO
 from cross_checks.engines.mujoco_.methods import STOCK, TIGHT
 from cross_checks.engines.mujoco_.observe import Observer
 from cross_checks.engines.mujoco_.run import at_start
+from cross_checks.linkage.engine import LinkageEngine
 from cross_checks.linkage.links import Linkage, closure_refusals, linkage_of
 from cross_checks.linkage.motion import poses_of
 from mbs_ref.scene import Scene
@@ -63,26 +63,25 @@ class Built:
     model: mujoco.MjModel
     copy: Any
     start: Any
+    applied: None = None  # MuJoCo's own elements act
 
 
-class Mjx(Engine):
+class Mjx(LinkageEngine):
     """MJX in double precision, each interval between output times one compiled call."""
 
     name: ClassVar[str] = "mjx"
     package: ClassVar[str] = "mujoco.mjx"
-    part_types: ClassVar[frozenset[str]] = MuJoCo.part_types - {
-        "bushing", "point_bushing", "user_force", "circle_on_line", "circle_on_circle", "pin_on_sprocket",
-        "progressive_law", "hunt_crossley_law", "regularised_coulomb",
-    }  # fmt: skip
-
-    def methods(self) -> tuple[Method, ...]:
-        return METHODS
-
-    def version(self) -> str:
-        return version("mujoco-mjx")
+    distribution: ClassVar[str] = "mujoco-mjx"
+    method_table: ClassVar[tuple[Method, ...]] = METHODS
+    extra: ClassVar[frozenset[str]] = MuJoCo.extra
+    lacks: ClassVar[frozenset[str]] = frozenset(
+        {"bushing", "point_bushing", "user_force", "circle_on_line", "circle_on_circle", "pin_on_sprocket"}
+        | {"progressive_law", "hunt_crossley_law", "regularised_coulomb"}
+    )
+    closes: ClassVar[frozenset[str]] = MuJoCo.closes
 
     def topology_refusals(self, scene: Scene) -> list[Refusal]:
-        found = closure_refusals("mujoco", scene, CLOSING) + own_refusals(linkage_of(scene))
+        found = closure_refusals(self.name, scene, self.closes) + own_refusals(linkage_of(scene))
         if scene.dimension == 2 and scene.contacts:
             found.append(Refusal(GUESSED, permanent=True))
         return [Refusal(r.reason.replace("mujoco", "mjx"), r.permanent) for r in found]

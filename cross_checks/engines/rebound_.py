@@ -12,8 +12,9 @@ import numpy as np
 import rebound
 
 from cross_checks.engine import Engine, Method, Poses, Refusal
+from cross_checks.engine.celestial import of_particles
+from cross_checks.engine.method import RTOLS
 from cross_checks.engine.outcome import End, Loop
-from cross_checks.engine.particles import of_particles
 from cross_checks.engine.plan import Plan
 from mbs_ref.cores.choice import compile_scene
 from mbs_ref.scene import Scene
@@ -23,7 +24,6 @@ from mbs_ref.trajectory import Status
 
 STEPS = (4e-2, 2e-2, 1e-2, 5e-3, 2.5e-3)  # s; WHFast and SABA, in time units of the Kepler scene
 EPSILONS = (1e-3, 1e-5, 1e-7, 1e-9)  # IAS15's own measure; its default 1e-9 is machine precision
-RTOLS = (1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
 START = 1e-3  # of the shortest free-fall time: the first step of the adaptive methods
 VELOCITY_BLIND = frozenset({"whfast", "saba"})
 METHODS = (
@@ -39,13 +39,8 @@ class Rebound(Engine):
 
     name: ClassVar[str] = "rebound"
     package: ClassVar[str] = "rebound"
+    method_table: ClassVar[tuple[Method, ...]] = METHODS
     part_types: ClassVar[frozenset[str]] = frozenset({"point_mass", "newton", "epoch", "relativity", "oblateness"})
-
-    def methods(self) -> tuple[Method, ...]:
-        return METHODS
-
-    def version(self) -> str:
-        return rebound.__version__
 
     def topology_refusals(self, scene: Scene) -> list[Refusal]:
         if not is_celestial(scene):

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from cross_checks.certify.numerics.elliptic import amplitude, quarter_period
+from cross_checks.truths.made_by.numerics.closed_forms import amplitude, quarter_period
 
 
 def swing(times: np.ndarray, rate: float, start: float) -> np.ndarray:

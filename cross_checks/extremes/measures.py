@@ -7,8 +7,8 @@ from collections.abc import Callable
 import numpy as np
 
 from cross_checks.extremes.extreme import Measure
-from cross_checks.metrics.compliance import compliance
-from cross_checks.truth import NoTruth, Truth
+from cross_checks.metrics.drifts import compliance
+from cross_checks.truths.truth import NoTruth, Truth
 from mbs_ref import observables
 from mbs_ref.observables.distance import Partial, farthest, largest, point_distances
 from mbs_ref.scene import Scene

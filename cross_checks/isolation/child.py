@@ -10,9 +10,8 @@ import sys
 from multiprocessing.connection import Connection, Pipe
 from typing import Any
 
-from cross_checks.isolation.compilation import told
 from cross_checks.isolation.environments import INSIDE
-from cross_checks.isolation.messages import COMPILED, COMPILING, NOTES, receive, send
+from cross_checks.isolation.messages import COMPILED, COMPILING, NOTES, compiling_reported, receive, send
 
 STOPS = [signal.Signals[name] for name in ("SIGINT", "SIGTERM", "SIGHUP") if name in signal.Signals.__members__]
 SET_PARENT_DEATH_SIGNAL = 1  # prctl(2)
@@ -67,7 +66,7 @@ def _copied(pipe: Connection, function: Any, arguments: tuple[Any, ...]) -> None
 
 def _answer(pipe: Connection, function: Any, arguments: tuple[Any, ...]) -> tuple[bool, Any]:
     try:
-        with told(lambda: send(pipe, COMPILING), lambda: send(pipe, COMPILED)):
+        with compiling_reported(lambda: send(pipe, COMPILING), lambda: send(pipe, COMPILED)):
             return True, function(*arguments)
     except Exception as error:  # raised again where the call came from
         return False, error

@@ -16,9 +16,8 @@ from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Any, Self
 
-from cross_checks.isolation.messages import NOTES, receive, send
+from cross_checks.isolation.messages import NOTES, Relay, receive, send
 from cross_checks.isolation.patience import Patience, moment
-from cross_checks.isolation.relay import Relay
 
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 ONE_THREAD = dict.fromkeys(THREADS, "1")
@@ -178,7 +177,7 @@ class Isolated:
             self._copy = receive(self._pipe) if apart else None
             patience = Patience(timeout, moment(self._copy or self._child.pid))
             while (message := self._heard()) in (None, *NOTES):
-                relay.hear(message)
+                relay.receive(message)
                 used = resident(self._copy or self._child.pid)
                 peak = max(peak, used)
                 if used > self.memory:

@@ -20,7 +20,7 @@ from cross_checks.judge.consensus import ENOUGH, Consensus, Request
 from cross_checks.judge.runs import Runs
 from cross_checks.judge.vocabulary import Cell
 from cross_checks.records.record import Record
-from cross_checks.truth import MARGIN, NoTruth, Truth
+from cross_checks.truths.truth import MARGIN, NoTruth, Truth
 from mbs_ref.scene import Scene
 
 USEFUL = 1e-3 / MARGIN  # of the scene: a truth that is known so well shows which methods are within 1e-3

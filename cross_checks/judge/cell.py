@@ -16,7 +16,7 @@ from cross_checks.judge.tried import Tried, search
 from cross_checks.judge.verdict import Judgement
 from cross_checks.judge.vocabulary import SILENT, Cell, TargetResult, Verdict
 from cross_checks.records.record import Record
-from cross_checks.truth import NoTruth, Truth
+from cross_checks.truths.truth import NoTruth, Truth
 from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings
 

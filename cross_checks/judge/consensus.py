@@ -31,7 +31,7 @@ from cross_checks.judge.ladder import knob_of, label, settings_at
 from cross_checks.judge.runs import Runs, gap
 from cross_checks.judge.vocabulary import AGREEMENT
 from cross_checks.records.store import SAMPLES
-from cross_checks.truth import MARGIN, NoTruth, Truth
+from cross_checks.truths.truth import MARGIN, NoTruth, Truth
 from mbs_ref.scene import Scene
 from mbs_ref.scene.scales import scales_of
 from mbs_ref.settings import Settings

@@ -8,14 +8,12 @@ import numpy as np
 
 from cross_checks import metrics
 from cross_checks.ephemerides.observed import Observed, Unobserved, observe
-from cross_checks.metrics.compliance import worst_joint
-from cross_checks.metrics.component_errors import METRICS
 from cross_checks.metrics.contact_figures import contact_figures
-from cross_checks.metrics.metric import Absent, Judged, figures
-from cross_checks.metrics.significant_figures import significant_figures
-from cross_checks.metrics.state_error import known_to
+from cross_checks.metrics.drifts import worst_joint
+from cross_checks.metrics.errors import COMPONENTS, significant_figures
+from cross_checks.metrics.metric import Absent, Judged, figures, known_to
 from cross_checks.records.record import Error
-from cross_checks.truth import Truth
+from cross_checks.truths.truth import Truth
 from mbs_ref.observables.distance import NAMES, largest, units_of
 from mbs_ref.scene import Scene
 from mbs_ref.trajectory import Trajectory
@@ -50,7 +48,7 @@ def _measured(judged: Judged) -> dict[str, Any]:
 
 def component_errors(judged: Judged) -> dict[str, dict[str, Any]]:
     """Return `measures` and `bounds` of the components of the error, each in its own unit."""
-    return figures({metric.name: metric.curve(judged) for metric in METRICS})
+    return figures({metric.name: metric.curve(judged) for metric in COMPONENTS})
 
 
 def error_of(judged: Judged) -> tuple[Error | None, list[float | None] | None]:

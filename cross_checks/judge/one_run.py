@@ -16,8 +16,8 @@ from cross_checks.engine import Engine, output_times
 from cross_checks.judge.measure import measure
 from cross_checks.metrics.metric import Judged
 from cross_checks.records.record import CANNOT, MISSING, Record
-from cross_checks.truth import NoTruth, Truth
 from cross_checks.truths import seek_truth
+from cross_checks.truths.truth import NoTruth, Truth
 from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings
 from mbs_ref.trajectory import Status, Trajectory

@@ -16,8 +16,8 @@ from cross_checks.metrics.metric import Judged
 from cross_checks.records.naming import run_name, truth_name
 from cross_checks.records.record import Record
 from cross_checks.records.store import Run, Store
-from cross_checks.truth import NoTruth, Truth
 from cross_checks.truths import seek_truth
+from cross_checks.truths.truth import NoTruth, Truth
 from mbs_ref.observables.distance import largest, relative
 from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings

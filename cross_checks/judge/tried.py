@@ -15,7 +15,7 @@ from cross_checks.judge.search import Search
 from cross_checks.judge.verdict import Judgement, Point
 from cross_checks.judge.vocabulary import REFUSED, WRONG, Answer, TargetResult
 from cross_checks.records.record import Record
-from cross_checks.truth import NoTruth, Truth
+from cross_checks.truths.truth import NoTruth, Truth
 from mbs_ref.scene import Scene
 from mbs_ref.scene.traits import is_smooth
 from mbs_ref.scene.units import free_fall_time

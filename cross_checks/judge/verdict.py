@@ -11,7 +11,7 @@ import numpy as np
 from cross_checks.judge.convergence.ladder import Ladder
 from cross_checks.judge.convergence.model import Posterior, posterior
 from cross_checks.judge.vocabulary import AGREEMENT, REFUSED, Verdict
-from cross_checks.truth import MARGIN
+from cross_checks.truths.truth import MARGIN
 
 CALIBRATED = 3e-4  # smallest odds that the calibration on 10 000 ladders supports (3/n without a failure)
 FAILING = 0.95  # odds of a failure from which a method is classified as wrong

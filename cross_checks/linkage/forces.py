@@ -123,31 +123,39 @@ def spatial_generalized(model, work, core, tree, t, q, v):
     return project(tree, motion, axes, spatial_wrenches(model, work, core, t, motion))
 
 
+WRENCHES = {2: planar_wrenches, 3: spatial_wrenches}  # by dimension
+GENERALIZED = {2: planar_generalized, 3: spatial_generalized}
+
+
 class Applied:
     """Forces and torques of all loads, contacts and gravity on the bodies of a linkage."""
 
     def __init__(self, linkage: Linkage) -> None:
         self.tree = arrays_of(linkage)
-        self.planar = linkage.scene.dimension == 2
+        dimension = linkage.scene.dimension
+        self.evaluate, self.project = WRENCHES[dimension], GENERALIZED[dimension]
         self.system: Any = compile_scene(linkage.scene)
         start = self.system.initial_state()
         self.system.start_contacts(0.0, start, located=False)
         bodies, kinematics = self.system.groups.bodies, self.system.scratch.kinematics
-        in_space = np.zeros((2, 1), dtype=np.int64), np.zeros((0, 6)), np.zeros((0, 3))
-        if not self.planar:
-            places = np.full((2, len(linkage.links) + 1), len(start))
-            places[:, bodies.scene_index] = bodies.q, bodies.v
-            in_space = places, kinematics.inertia, kinematics.omega
-        places, *gyroscopic = in_space
+        places = np.full((2, len(linkage.links) + 1), len(start))
+        places[:, bodies.scene_index] = bodies.q, bodies.v
+        gyroscopic = getattr(kinematics, "inertia", np.zeros((0, 6))), getattr(kinematics, "omega", np.zeros((0, 3)))
         self.core = Core(
-            linkage.angle, linkage.theta, linkage.rigid, bodies.scene_index, kinematics.force, *places, *gyroscopic
+            linkage.angle,
+            linkage.theta,
+            linkage.rigid,
+            bodies.scene_index,
+            kinematics.force,
+            places[0],
+            places[1],
+            *gyroscopic,
         )
 
     def wrenches(self, t: float, motion: Motion) -> np.ndarray:
         """Return force (N) and torque about the centre of mass (N m), (n_bodies, 6), world axes."""
         self.system.set_mode_time(t)
-        evaluate = planar_wrenches if self.planar else spatial_wrenches
-        return evaluate(*self.system.own_handles, self.core, t, motion)
+        return self.evaluate(*self.system.own_handles, self.core, t, motion)
 
     def in_plane(self, t: float, pose: np.ndarray, rate: np.ndarray) -> np.ndarray:
         """Return the forces (n_bodies, 3) of planar poses and velocities (n_bodies, 3): N, N, N m."""
@@ -166,8 +174,7 @@ class Applied:
     def generalized(self, t: float, q: np.ndarray, v: np.ndarray) -> np.ndarray:
         """Return the generalized forces (n_v,) of the linkage's coordinates and rates (see `motion_of`)."""
         self.system.set_mode_time(t)
-        evaluate = planar_generalized if self.planar else spatial_generalized
-        return evaluate(*self.system.own_handles, self.core, self.tree, t, q, v)
+        return self.project(*self.system.own_handles, self.core, self.tree, t, q, v)
 
 
 def applied(linkage: Linkage) -> Applied | None:

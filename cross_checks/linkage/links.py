@@ -6,7 +6,7 @@ turn about z and slide in x and y; a body gets the same moment of inertia about 
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -30,6 +30,7 @@ from mbs_ref.scene.euler_parameters import rotation_matrices
 
 ALONE = np.array([1.0, 0.0, 0.0, 0.0])  # Euler parameters of no turn
 Z = np.array([0.0, 0.0, 1.0])
+FREE_KIND = {2: "planar", 3: "free"}  # of a body without a joint, by dimension
 
 
 @dataclass(frozen=True)
@@ -171,8 +172,8 @@ def rest_length(load: SpringDamper) -> float:
 
 def rest_turn(scene: Scene, load: TorsionSpring) -> float:
     """Return by how much (rad) body b has turned in body a since t = 0 where the spring is relaxed."""
-    if load.rest_angle is None or scene.dimension == 3:
-        return load.rest_angle or 0.0
+    if load.rest_angle is None:
+        return 0.0
     angles = [*(getattr(body, "angle", 0.0) for body in scene.bodies), 0.0]
     return load.rest_angle - (angles[scene.body_index(load.body_b)] - angles[scene.body_index(load.body_a)])
 
@@ -185,8 +186,8 @@ def linkage_of(scene: Scene) -> Linkage:
     return Linkage(scene, links, tuple(_closure(scene, joint) for joint in rest))
 
 
-def closure_refusals(engine: str, scene: Scene, known: set[str]) -> list[Refusal]:
-    """Return which joints close a loop in a way that the engine is not taught."""
+def closure_refusals(engine: str, scene: Scene, known: Collection[str]) -> list[Refusal]:
+    """Return which joints close a loop in a way that the engine does not represent."""
     sentence = "joint {!r} closes a loop as {}, which {} is not yet taught"
     closed = (_closure(scene, joint) for joint in spanning_tree(scene)[1])
     return [Refusal(sentence.format(c.name, c.kind, engine), False) for c in closed if c.kind not in known]
@@ -219,14 +220,14 @@ def _kind(scene: Scene, edge: Edge) -> tuple[str, np.ndarray]:
     joint, body = edge.joint, scene.bodies[edge.body]
     particle = isinstance(body, PointMass)
     if joint is None:
-        return ("planar" if scene.dimension == 2 else "free"), np.zeros((0, 3))
+        return FREE_KIND[scene.dimension], np.zeros((0, 3))
     if isinstance(joint, Universal):
         on_b = body.name == joint.body_b
         axes = [joint.axis_a, joint.axis_b] if on_b else [joint.axis_b, joint.axis_a]
         return "universal", np.array([_unit(axis) for axis in axes])
     if joint.type == "spherical":
         return ("weld" if particle else "ball"), np.zeros((0, 3))
-    if scene.dimension == 2 and isinstance(joint, Revolute | Distance):
+    if isinstance(joint, Revolute | Distance) and getattr(joint, "axis", None) is None:  # about z, in the plane
         pinned = particle and isinstance(joint, Revolute)
         return ("weld", np.zeros((0, 3))) if pinned else ("revolute", Z[None])
     count = {"cylindrical": 2, "revolute": 1, "prismatic": 1}.get(joint.type, 0)
@@ -276,7 +277,7 @@ def _closure(scene: Scene, joint: Holding) -> Closure:
         length = joint.length or float(np.linalg.norm(np.subtract(joint.point_b, joint.point_a)))
         return Closure(joint.name, "rod", a, b, lifted(joint.point_a), lifted(joint.point_b), np.zeros(3), length)
     point = lifted(joint.point)
-    shared = "hinge" if isinstance(joint, Revolute) and scene.dimension == 3 else "point"
+    shared = "point" if getattr(joint, "axis", None) is None else "hinge"  # planar hinges share a point
     kind = {"revolute": shared, "spherical": "point"}.get(joint.type, joint.type)
     return Closure(joint.name, kind, a, b, point, point, _unit(getattr(joint, "axis", None)), 0.0)
 

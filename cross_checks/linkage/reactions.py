@@ -10,7 +10,8 @@ from cross_checks.linkage.links import Linkage, Z, lifted
 from mbs_ref.scene import GROUND
 from mbs_ref.scene.euler_parameters import conjugate, from_axis_angle, product, rotation_matrices
 
-IN_PLANE = (0, 1, 5)  # of force and torque in space: force in x and y, torque about z
+# What a trajectory holds of force and torque in space, by dimension; in the plane force in x and y, torque about z.
+COMPONENTS = {2: [0, 1, 5], 3: [0, 1, 2, 3, 4, 5]}
 
 
 def tree_reactions(linkage: Linkage, poses: tuple[np.ndarray, ...], wrench: np.ndarray) -> dict[str, np.ndarray]:
@@ -30,8 +31,7 @@ def tree_reactions(linkage: Linkage, poses: tuple[np.ndarray, ...], wrench: np.n
 def about(linkage: Linkage, poses: tuple[np.ndarray, ...], joint, wrench: np.ndarray) -> np.ndarray:
     """Return force and torque about a joint's mark of a wrench (n_t, 6) about the world's origin: (n_t, 3 or 6)."""
     moved = wrench[:, 3:] - np.cross(_mark(linkage, poses, joint), wrench[:, :3])
-    reaction = np.concatenate((wrench[:, :3], moved), axis=1)
-    return reaction[:, IN_PLANE] if linkage.scene.dimension == 2 else reaction
+    return np.concatenate((wrench[:, :3], moved), axis=1)[:, COMPONENTS[linkage.scene.dimension]]
 
 
 def _mark(linkage: Linkage, poses: tuple[np.ndarray, ...], joint) -> np.ndarray:

@@ -55,6 +55,10 @@ class Solution:
     redundant: int  # rows
 
 
+# By dimension: the angular velocity and orientation of a particle, and the name of a body's orientation.
+AT_REST = {2: (0.0, 0.0, "angle"), 3: ((0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0), "orientation")}
+
+
 @dataclass(frozen=True)
 class Moment:
     """A scene at one pose, with its velocities."""
@@ -76,12 +80,15 @@ class Moment:
     def start(scene: Scene) -> Moment:
         """Return the scene at t = 0."""
         bodies: list[Any] = list(scene.bodies)
-        plane = scene.dimension == 2
-        still, level = (0.0, 0.0) if plane else ((0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0))
-        turn = [getattr(b, "angle" if plane else "orientation", level) for b in bodies]
+        still, level, name = AT_REST[scene.dimension]
+        turn = [getattr(b, name, level) for b in bodies]
         spin = np.array([getattr(b, "angular_velocity", still) for b in bodies]).reshape(len(bodies), -1)
         rate = np.concatenate((np.array([b.velocity for b in bodies]), spin), axis=1)
         return Moment(scene, 0.0, np.array([b.position for b in bodies]), np.array(turn), rate)
+
+    @property
+    def planar(self) -> bool:
+        return self.orientation.ndim == 1
 
     @cached_property
     def used(self) -> np.ndarray:
@@ -111,7 +118,7 @@ class Moment:
         full[self.used] = step
         position = self.position + full[:, : self.scene.dimension]
         turns = full[:, self.scene.dimension :]
-        if self.scene.dimension == 2:
+        if self.planar:
             return replace(self, position=position, orientation=self.orientation + turns[:, 0])
         orientation = _turned(self.orientation, turns, np.ones(1))[0]
         return replace(self, position=position, orientation=orientation)
@@ -125,7 +132,7 @@ class Moment:
         dimension = self.scene.dimension
         linear, angular = rates[:, :, :dimension], rates[:, :, dimension:]
         position = self.position + steps[:, None, None] * course[:, :, :dimension]
-        if dimension == 2:
+        if self.planar:
             orientation = self.orientation + steps[:, None] * course[:, :, 2]
             return Motion(self.scene, Trajectory(times, position, orientation, linear, angular[:, :, 0]))
         orientation = _turned(self.orientation, course[0, :, 3:], steps)

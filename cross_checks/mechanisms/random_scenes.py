@@ -52,7 +52,7 @@ def random_scene(seed: int, dimension: int | None = None, most: int = MOST_BODIE
     rng = np.random.default_rng([seed, 7])
     dimension = dimension or int(rng.integers(2, 4))
     count = round(math.exp(rng.uniform(0.0, math.log(most))))
-    maker = _Plane(rng, count) if dimension == 2 else _Space(rng, count)
+    maker = {2: _Plane, 3: _Space}[dimension](rng, count)
     maker.grow()
     maker.load()
     return consistent(maker.scene(f"random_{seed}"))

@@ -1,19 +1,64 @@
-"""What a metric is: one number of a run, with its name, its unit and the curve that it is the largest value of."""
+"""What a metric is: a named number of a run with a unit and a curve; and the differences of a run from its truth."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from cross_checks.metrics.state_error import Errors, from_truth
-from cross_checks.truth import NoTruth, Truth
+from cross_checks.truths import truth_for
+from cross_checks.truths.truth import MARGIN, NoTruth, Truth
+from mbs_ref.observables.distance import Motion, distances, farthest
 from mbs_ref.scene import Scene
 from mbs_ref.scene.scales import Scales, scales_of
 from mbs_ref.trajectory import Trajectory
+
+
+class Errors(NamedTuple):
+    """Differences from a truth at each common sample, each (n_t, n_bodies, 4): m, rad, m/s, rad/s."""
+
+    sizes: np.ndarray  # NaN where the truth lacks the quantity, or MARGIN times its uncertainty exceeds the difference
+    bounds: np.ndarray  # what such an unknown size is at most: the difference and the uncertainty; NaN elsewhere
+    counted: np.ndarray  # sizes of rates, and all differences of poses: their uncertainty is stated beside the total
+
+
+def from_truth(scene: Scene, path: Motion, truth: Truth) -> Errors:
+    """Return how far a run is from the truth."""
+    apart = distances(scene, path, truth)
+    doubt = _uncertainty(scene, truth, len(apart))
+    sizes = np.where(apart >= MARGIN * doubt, apart, np.nan)
+    unknown = np.isnan(sizes) & np.isfinite(doubt)
+    counted = np.concatenate((apart[..., :2], sizes[..., 2:]), axis=-1)
+    return Errors(sizes, np.where(unknown, apart + doubt, np.nan), counted)
+
+
+def off_truth(scene: Scene, path: Trajectory) -> list[float] | None:
+    """Return the largest distances of a run from the scene's truth: m, rad, m/s, rad/s; NaN where unknown.
+
+    None without a truth, and for a run that stops early.
+    """
+    truth = truth_for(scene, path.times) if path.ok else None
+    return None if truth is None else farthest(scene, path, truth)
+
+
+def known_to(scene: Scene, truth: Truth) -> float:
+    """Return how well poses of a truth are known, in the measure of the error: the worse of places and turns."""
+    return float(np.max(_uncertainty(scene, truth, 1)[..., :2] / (scales_of(scene).length, 1.0)))
+
+
+def _uncertainty(scene: Scene, truth: Truth, n: int) -> np.ndarray:
+    """Return how well a truth is known at its first n samples (n, 1, 4): m, rad, m/s, rad/s.
+
+    Unless given, that of orientations is the angle of its `uncertainty` at the least radius of gyration.
+    """
+    length = scales_of(scene).length
+    arm = min((body.gyration_radius for body in scene.bodies if body.gyration_radius > 0.0), default=length)
+    turn = truth.uncertainty / arm if truth.turn_uncertainty is None else truth.turn_uncertainty
+    rate = np.inf if truth.rate_uncertainty is None else truth.rate_uncertainty[:n]
+    return np.stack(np.broadcast_arrays(truth.uncertainty, turn, rate, rate), axis=-1).reshape(-1, 1, 4)
 
 
 @dataclass(frozen=True)
@@ -56,7 +101,7 @@ class Metric:
     plotted: bool = False  # its curve is kept for the plots
 
 
-def largest(curve: np.ndarray | Absent) -> float | None:
+def largest_value(curve: np.ndarray | Absent) -> float | None:
     """Return the largest value; None where it is not finite or there is none."""
     if isinstance(curve, Absent) or not curve.size:
         return None
@@ -68,6 +113,6 @@ def figures(curves: dict[str, np.ndarray | Absent]) -> dict[str, dict[str, Any]]
     """Return `measures` and `bounds` of a record: every figure, and what unknown ones are at most."""
     below = {name: curve.below for name, curve in curves.items() if isinstance(curve, Absent)}
     return {
-        "measures": {name: largest(curve) for name, curve in curves.items()},
+        "measures": {name: largest_value(curve) for name, curve in curves.items()},
         "bounds": {name: bound for name, bound in below.items() if bound is not None},
     }

@@ -7,14 +7,14 @@ import importlib
 import json
 import pkgutil
 from functools import cache
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from cross_checks import truths
-from cross_checks.certify.kept_poses import physics_of
 from cross_checks.engine import Engine
+from cross_checks.truths import of
+from cross_checks.truths.stored_poses import physics_of
 from mbs_ref.kernels.jit import source_digest, sources_of
 from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings
@@ -44,8 +44,7 @@ def run_name(scene: Scene, engine: Engine, settings: Settings, times: np.ndarray
 
 def truth_name(scene: Scene, times: np.ndarray) -> str:
     """Return the key of a truth: the scene's physics, the times, and the code of the truths of the library."""
-    files = sorted((Path(truths.__file__).parent).glob("*.py"))
-    code = [source_digest(f"{truths.__name__}.{file.stem}") for file in files if file.stem != "__init__"]
+    code = [source_digest(name) for name in sorted(_modules_in(of.__name__))]
     return digest_of([physics_of(scene), np.asarray(times, dtype=float).tolist(), code, source_digest(truths.__name__)])
 
 

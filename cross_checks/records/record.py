@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
-from cross_checks.truth import MARGIN
+from cross_checks.truths.truth import MARGIN
 from mbs_ref import scenes
 from mbs_ref.display import facts
 from mbs_ref.settings import Settings

@@ -9,7 +9,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError
 
-from cross_checks.trajectory_files import units
+from cross_checks.trajectory_files import columns as units
 from cross_checks.trajectory_files.columns import PLANE, SPACE, STATE, FileError
 
 AXIS = re.compile(r"-?[xyz]")
@@ -108,8 +108,8 @@ class Body(Stated):
     angular_velocity: AngularVelocity | None = None
 
     @property
-    def untold(self) -> list[str]:
-        """Which parts the file does not tell."""
+    def missing(self) -> list[str]:
+        """Which parts the file does not state."""
         return [part.replace("_", " ") for part in STATE if getattr(self, part) is None]
 
 
@@ -173,7 +173,7 @@ def blank_map(columns: list[str], bodies: list[str], dimension: int) -> str:
     if dimension == 2:
         turn, spin = 'columns = ["angle?"]\nconvention = "angle"\nunit = "rad"', 'columns = ["rate?"]\nunit = "rad/s"'
     head = [
-        "# What the columns mean. Leave out what the file does not tell; check every unit and convention.",
+        "# What the columns mean. Leave out what the file does not state; check every unit and convention.",
         f"# The file's columns: {', '.join(columns)}",
         f"# Conventions of an orientation: {CONVENTIONS}",
         '[time]\ncolumn = "t?"\nunit = "s"\n',

@@ -11,12 +11,11 @@ import numpy as np
 
 from cross_checks import metrics
 from cross_checks.judge.measure import gaps_as_none, measure
-from cross_checks.metrics.metric import Judged
-from cross_checks.metrics.state_error import from_truth
+from cross_checks.metrics.metric import Judged, from_truth
 from cross_checks.records.record import Error
 from cross_checks.trajectory_files.columns import FileError
-from cross_checks.trajectory_files.told_motion import Told
-from cross_checks.truth import NoTruth, Truth
+from cross_checks.trajectory_files.motion import DescribedMotion
+from cross_checks.truths.truth import NoTruth, Truth
 from mbs_ref.observables.distance import NAMES, UNITS, largest, units_of
 from mbs_ref.scene import Scene
 from mbs_ref.scene.scales import scales_of
@@ -49,7 +48,7 @@ class Judgement:
     error: Error | None
     parts: tuple[Part, ...]
     measures: dict[str, float | None]  # compliance, drifts: the file's own consistency
-    untold: tuple[str, ...]
+    missing: tuple[str, ...]
     notes: tuple[str, ...]
     curves: dict[str, list[float | None]]  # t (s) and each component's error over time, of the scene
     suspicions: tuple[str, ...] = ()  # mistakes that would explain the error
@@ -60,7 +59,7 @@ class Judgement:
         return {**vars(self), "error": error, "parts": [part._asdict() for part in self.parts]}
 
 
-def judgement(scene: Scene, told: Told, truth: Truth | NoTruth, asked: float) -> Judgement:
+def judgement(scene: Scene, told: DescribedMotion, truth: Truth | NoTruth, asked: float) -> Judgement:
     """Return the verdict on a motion: it agrees where no told component is off by more than `asked` of the scene."""
     figures = measure(Judged(scene, told.path, truth))
     verdict, reason = _verdict(figures["error"], truth, asked)
@@ -68,7 +67,7 @@ def judgement(scene: Scene, told: Told, truth: Truth | NoTruth, asked: float) ->
     parts = tuple(_parts(scene, told.path, truth)) if isinstance(truth, Truth) else ()
     curves = _curves(scene, told.path, truth) if isinstance(truth, Truth) else {}
     return Judgement(
-        scene.name, verdict, reason, asked, figures["error"], parts, own, told.untold, figures["notes"], curves
+        scene.name, verdict, reason, asked, figures["error"], parts, own, told.missing, figures["notes"], curves
     )
 
 
@@ -86,11 +85,11 @@ def _verdict(error: Error | None, truth: Truth | NoTruth, asked: float) -> tuple
     if error is None:
         return "not-judged", "the error is not finite"
     if error.value <= asked:
-        return "agrees", f"off by {error.value:.2g} of the scene at most; asked was {asked:g}"
+        return "agrees", f"off by {error.value:.2g} of the scene at most; the limit is {asked:g}"
     if not error.is_judged:
         known = f"known to {error.uncertainty:.1e} of the scene"
         return "not-judged", f"the truth, {known}, judges no error below {error.floor:.1e}"
-    return "departs", f"off by {error.value:.3g} of the scene in {error.worst}; asked was {asked:g}"
+    return "departs", f"off by {error.value:.3g} of the scene in {error.worst}; the limit is {asked:g}"
 
 
 def _parts(scene: Scene, path: Trajectory, truth: Truth) -> Iterator[Part]:
@@ -106,7 +105,7 @@ def _parts(scene: Scene, path: Trajectory, truth: Truth) -> Iterator[Part]:
         yield part._replace(largest=worst, relative=worst / units[c], at=float(path.times[row]), final=final)
 
 
-def as_truth(scene: Scene, first: Told, second: Told, name: str) -> tuple[Told, Truth]:
+def as_truth(scene: Scene, first: DescribedMotion, second: DescribedMotion, name: str) -> tuple[DescribedMotion, Truth]:
     """Return a file's motion at the times that both files have, and the other's as what to hold it against.
 
     FileError where the two have no time in common but the start.
@@ -121,7 +120,7 @@ def as_truth(scene: Scene, first: Told, second: Told, name: str) -> tuple[Told, 
     how = f"{name}, at the {len(ours.times)} times that both files have"
     truth = Truth(theirs.position, theirs.orientation, 0.0, "published", how, velocity=theirs.velocity,
                   angular_velocity=theirs.angular_velocity, rate_uncertainty=np.zeros(len(ours.times)))  # fmt: skip
-    return Told(ours, (*first.untold, *(f"{sentence} ({name})" for sentence in second.untold))), truth
+    return DescribedMotion(ours, (*first.missing, *(f"{sentence} ({name})" for sentence in second.missing))), truth
 
 
 def samples_at(path: Trajectory, rows: np.ndarray) -> Trajectory:

@@ -9,15 +9,15 @@ from typing import Any
 
 import numpy as np
 
+from cross_checks.judge.consensus import working_truth
 from cross_checks.judge.runs import Runs
 from cross_checks.records.store import Store, default_path
 from cross_checks.trajectory_files.columns import OWN
 from cross_checks.trajectory_files.judgement import Judgement, judgement
 from cross_checks.trajectory_files.mistakes import suspicions
 from cross_checks.trajectory_files.mistakes.case import Case, TruthAt
-from cross_checks.trajectory_files.reading import Read, read_motion
-from cross_checks.trajectory_files.truth_at import truth_at
-from cross_checks.truth import Truth
+from cross_checks.trajectory_files.motion import Read, read_motion
+from cross_checks.truths.truth import NoTruth, Truth
 from mbs_ref.scene import Scene
 from mbs_ref.trajectory import Trajectory
 
@@ -57,3 +57,25 @@ def _source(motion: Any, scene: Scene) -> Path | dict[str, np.ndarray]:
     if isinstance(motion, Trajectory):
         return {"bodies": np.array(scene.body_names), **{name: getattr(motion, name) for name in OWN - {"bodies"}}}
     return {str(name): np.asarray(motion[name]) for name in getattr(motion, "columns", motion)}
+
+
+def truth_at(runs: Runs, scene: Scene) -> TruthAt:
+    """Return a function of times (s, increasing, from 0 to the scene's duration) that returns the truth.
+
+    Where none is certified, it is a consensus of unlike engines at those times.
+    """
+
+    def at(times: np.ndarray) -> Truth | NoTruth:
+        known = runs.truth(scene, times)
+        if isinstance(known, Truth):
+            return known
+        requested = np.union1d(0.0, times)  # a run begins at 0
+        consensus = working_truth(replace(runs, times=requested), scene, known.reason)
+        return _rows(consensus, np.isin(requested, times)) if isinstance(consensus, Truth) else consensus
+
+    return at
+
+
+def _rows(truth: Truth, rows: np.ndarray) -> Truth:
+    arrays: dict[str, Any] = {name: value[rows] for name, value in vars(truth).items() if isinstance(value, np.ndarray)}
+    return replace(truth, **arrays)

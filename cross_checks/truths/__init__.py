@@ -1,36 +1,40 @@
-"""What is right, and how well that is known: one file a scene, found by listing this folder."""
+"""Reference solutions with stated uncertainties, computed by the families of `of` or read from `data`."""
 
 from __future__ import annotations
 
-import importlib
-import json
 import math
 import pkgutil
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cache, lru_cache
-from pathlib import Path
+from importlib import import_module
 
 import numpy as np
 
-from cross_checks.certify import kept_poses
-from cross_checks.certify.agreement import LARGEST_UNCERTAINTY
-from cross_checks.certify.kept_poses import physics_of
-from cross_checks.certify.numerics import rates
-from cross_checks.certify.numerics.time_limit import time_limit
-from cross_checks.truth import NoConvergenceError, NoTruth, OutsideDomainError, Truth
+from cross_checks.truths import certificate, of, stored_poses
+from cross_checks.truths.made_by.agreement import LARGEST_UNCERTAINTY
+from cross_checks.truths.made_by.numerics import rates
+from cross_checks.truths.stored_poses import physics_of
+from cross_checks.truths.truth import NoConvergenceError, NoTruth, OutsideDomainError, Truth, time_limit
 from mbs_ref import scenes
 from mbs_ref.scene import Scene
 from mbs_ref.scene.scales import scales_of
 
 EPS = float(np.finfo(float).eps)
 LIMIT_S = 60.0  # s of processor time for one truth; those that `certify` stores have no limit
-CERTIFICATES = Path(__file__).parents[1] / "certificates" / "kept"
+Solver = Callable[[Scene, np.ndarray], Truth | NoTruth]  # the scene and times (s)
+
+
+@cache
+def _solvers() -> dict[str, Solver]:
+    """Return, by the name of the scene, what computes its truth."""
+    modules = [import_module(f"{of.__name__}.{info.name}") for info in pkgutil.iter_modules(of.__path__)]
+    return {name: solver for module in modules for name, solver in module.TRUTHS.items()}
 
 
 def known() -> list[str]:
     """Return the names of the scenes that have a truth."""
-    return sorted(module.name for module in pkgutil.iter_modules(__path__))
+    return sorted(_solvers())
 
 
 def truth_for(scene: Scene, times: np.ndarray) -> Truth | None:
@@ -40,24 +44,21 @@ def truth_for(scene: Scene, times: np.ndarray) -> Truth | None:
 
 
 def seek_truth(scene: Scene, times: np.ndarray, *, afresh: bool = False) -> Truth | NoTruth:
-    """Return the truth, or the reason for having none. Answers are kept in memory.
+    """Return the truth, or the reason for having none. Results are cached in memory.
 
     A truth belongs to physics, not to a name: a scene file with the bodies, joints and loads of a library's scene has
-    its truth. A costly one is read from the disk where it was kept, unless it is to be made `afresh`: without the
-    limit of LIMIT_S, beyond which there is no truth. It raises nothing: whatever fails is a reason.
+    its truth. A stored truth is read from the disk, unless it is to be computed `afresh`. The limit of LIMIT_S then
+    does not apply; otherwise there is no truth beyond it. It raises nothing: whatever fails is a reason.
     """
-    asked = np.asarray(times, dtype=float)
-    kept = None if afresh else kept_poses.find(scene, asked)
-    if kept is not None:
-        return Truth(
-            kept.position, kept.orientation, kept.uncertainty, "converged", kept.how, kept.difference, True,
-            kept.velocity, kept.angular_velocity, kept.rate_uncertainty,
-        )  # fmt: skip
+    requested = np.asarray(times, dtype=float)
+    stored = None if afresh else stored_poses.load(scene, requested)
+    if stored is not None:
+        return stored
     twin = library_twin(scene)
     if twin is None:
         return NoTruth(f"no truth is known of the physics of {scene.name}")
     with time_limit(math.inf if afresh else LIMIT_S):
-        return _solved(twin.name, tuple(sorted(twin.parameters.items())), tuple(asked.tolist()), afresh)
+        return _solved(twin.name, tuple(sorted(twin.parameters.items())), tuple(requested.tolist()), afresh)
 
 
 def library_twin(scene: Scene) -> Scene | None:
@@ -78,7 +79,7 @@ def is_unchanged(scene: Scene) -> bool:
 
 
 def _same(first: Scene, second: Scene) -> bool:
-    return all(getattr(first, part) == getattr(second, part) for part in kept_poses.PHYSICS)
+    return all(getattr(first, part) == getattr(second, part) for part in stored_poses.PHYSICS)
 
 
 @lru_cache(maxsize=256)
@@ -93,28 +94,22 @@ def _made(name: str, parameters: tuple) -> Scene | None:
 def _library() -> dict[str, tuple[str, tuple]]:
     """Return name and parameters by physics of every scene with a truth: as it stands, and as certified."""
     library = {}
-    for name, parameters in (*((name, ()) for name in known()), *_certified()):
+    certified = ((one.scene, tuple(sorted(one.parameters.items()))) for one in certificate.every())
+    for name, parameters in (*((name, ()) for name in known()), *certified):
         made = _made(name, parameters)
         if made is not None:
             library.setdefault(physics_of(made), (name, tuple(sorted(made.parameters.items()))))
     return library
 
 
-def _certified() -> list[tuple[str, tuple]]:
-    """Return name and parameters of every certificate kept."""
-    read = (json.loads(file.read_text()) for file in sorted(CERTIFICATES.glob("*.json")))
-    return [(one["scene"], tuple(sorted(one["parameters"].items()))) for one in read]
-
-
 @lru_cache(maxsize=64)
 def _solved(name: str, parameters: tuple, times: tuple[float, ...], afresh: bool) -> Truth | NoTruth:
-    """Return the truth or the reason for having none; one computed without a limit of time is kept apart."""
-    solver = importlib.import_module(f"{__name__}.{name}")
-    scene, asked = scenes.make(name, **dict(parameters)), np.array(times)
+    """Return the truth or the reason for having none; one computed without a limit of time is cached separately."""
+    solve, scene, requested = _solvers()[name], scenes.make(name, **dict(parameters)), np.array(times)
     try:
-        truth = solver.solve(scene, asked)
+        truth = solve(scene, requested)
         if isinstance(truth, Truth) and truth.velocity is None:
-            truth = _with_rates(solver.solve, scene, asked, truth)
+            truth = _with_rates(solve, scene, requested, truth)
     except NoConvergenceError as error:
         return NoTruth(f"the truth does not converge: {error}")
     except OutsideDomainError as error:
@@ -135,18 +130,18 @@ def _with_rounding(scene: Scene, truth: Truth) -> Truth | NoTruth:
     return replace(truth, uncertainty=float(uncertainty))
 
 
-def _with_rates(solve: Callable, scene: Scene, times: np.ndarray, truth: Truth) -> Truth:
+def _with_rates(solve: Solver, scene: Scene, times: np.ndarray, truth: Truth) -> Truth:
     """Return the truth with velocities from differences of its poses around every time, where it has such poses."""
     if len(times) < 2 or np.isnan(truth.position).any():
         return truth
     scales = scales_of(scene)
-    asked, h = rates.stencil_times(times, scales.time)
+    stencil, h = rates.stencil_times(times, scales.time)
     try:
-        around = solve(scene, asked)
+        around = solve(scene, stencil)
     except (NoConvergenceError, OutsideDomainError):
         return truth
     if isinstance(around, NoTruth):
         return truth
     poses = around.position, around.orientation
-    velocity, spin, doubt = rates.of_poses(times, h, asked, poses, around.uncertainty, scales)
+    velocity, spin, doubt = rates.of_poses(times, h, stencil, poses, around.uncertainty, scales)
     return replace(truth, velocity=velocity, angular_velocity=spin, rate_uncertainty=doubt)

@@ -8,7 +8,6 @@ from functools import cache
 from typing import Any
 
 from cross_checks import engines as registry
-from cross_checks.certify.kept_poses import physics_of
 from cross_checks.isolation.parent import Isolated
 from cross_checks.isolation.workers import TIMEOUT
 from cross_checks.judge.answers import Answer, Question, answers
@@ -19,6 +18,7 @@ from cross_checks.judge.vocabulary import Cell
 from cross_checks.records.naming import code_of, digest_of, truth_name
 from cross_checks.records.record import Record
 from cross_checks.records.store import Store
+from cross_checks.truths.stored_poses import physics_of
 from mbs_ref import scenes
 from mbs_ref.scene import Scene
 from reports.facts.kept import keep, recall

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cross_checks.certificates import certificate
-from cross_checks.metrics.state_error import known_to
-from cross_checks.truth import MARGIN, NoTruth, Truth
+from cross_checks.metrics.metric import known_to
+from cross_checks.truths import certificate
+from cross_checks.truths.truth import MARGIN, NoTruth, Truth
 from mbs_ref.observables.distance import Partial, farthest
 from mbs_ref.scene import Scene
 from mbs_ref.scene.scales import scales_of

@@ -10,7 +10,7 @@ from typing import Any
 
 from benchmarks.loop_times import is_busy
 from cross_checks import metrics
-from cross_checks.metrics import component_errors
+from cross_checks.metrics.errors import COMPONENTS
 from cross_checks.records.record import Record
 from reports.drawing.numbers import ABSENT, setting
 from reports.facts.kept import adapter
@@ -81,7 +81,7 @@ def csv_row(record: Record) -> dict[str, Any]:
         "truth_uncertainty": error.uncertainty if error else None,
         "truth": error.truth if error else None,
         **{f"{name} [{unit}]": record.measure(name) for name, unit in units.items()},
-        **{f"{error.name} below [{error.unit}]": record.bounds.get(error.name) for error in component_errors.METRICS},
+        **{f"{error.name} below [{error.unit}]": record.bounds.get(error.name) for error in COMPONENTS},
         **{phase: record.times.get(phase) for phase in TIMES},
         "busy": is_busy(record),
         "command": command(record),

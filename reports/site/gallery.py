@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Collection
 from pathlib import Path
 
-from cross_checks.certificates.certificate import stored
 from cross_checks.judge.capabilities import Capability, capabilities
 from cross_checks.judge.runs import Runs
+from cross_checks.truths.certificate import stored
 from mbs_ref import scenes
 from mbs_ref.scene import Scene
 from mbs_ref.scene.traits import traits

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
-from cross_checks.certificates.certificate import Certificate, every
 from cross_checks.judge.capabilities import Capability, capabilities
+from cross_checks.truths.certificate import Certificate, every
 from mbs_ref.scene.traits import PART_TYPES
 
 ABSENT = "-"

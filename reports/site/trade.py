@@ -10,7 +10,7 @@ from cross_checks.judge.consensus import LEVELS
 from cross_checks.judge.runs import Runs
 from cross_checks.judge.tried import search
 from cross_checks.records.record import Record
-from cross_checks.truth import NoTruth, Truth
+from cross_checks.truths.truth import NoTruth, Truth
 from mbs_ref.scene import Scene
 from reports.drawing.figures import work_precision
 from reports.facts.cheapest import usable

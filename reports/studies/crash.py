@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from cross_checks.judge import ladder
-from cross_checks.metrics.state_error import off_truth
+from cross_checks.metrics.metric import off_truth
 from mbs_ref.crash.outlines import excesses
 from mbs_ref.crash.results import CrashResults, sign_changes
 from mbs_ref.observables.attachment import Motion

@@ -97,7 +97,7 @@ def awaited(what: str) -> Iterator[None]:
 @contextmanager
 def compiling() -> Iterator[None]:
     """Say on stderr, once, that the solver is being compiled: it would look as if it hung."""
-    from cross_checks.isolation.compilation import told
+    from cross_checks.isolation.messages import compiling_reported
 
     said: list[bool] = []
 
@@ -106,7 +106,7 @@ def compiling() -> Iterator[None]:
             said.append(True)
             click.echo("compiling the solver, once on this machine: a minute or two ...", err=True)
 
-    with told(begins, lambda: None):
+    with compiling_reported(begins, lambda: None):
         yield
 
 

@@ -3,23 +3,21 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from importlib.metadata import version
 from typing import ClassVar
 
 import numpy as np
-from pydrake.multibody.plant import MultibodyPlant  # pyright: ignore[reportMissingImports]  # an optional extra
+from pydrake.multibody.plant import MultibodyPlant  # an optional extra
 
-from cross_checks.engine import Engine, Method, Poses, Refusal
+from cross_checks.engine import Engine, Method, Refusal
 from cross_checks.engine.outcome import Loop, stopped
 from cross_checks.engine.plan import Plan
 from cross_checks.engines.drake_.build import plant_of, tied_to_ground
-from cross_checks.engines.drake_.methods import METHODS, SAP, WORLD
 from cross_checks.engines.drake_.reader import Reader
-from cross_checks.engines.drake_.run import Simulated, advance, is_discrete, simulated
+from cross_checks.engines.drake_.run import METHODS, SAP, WORLD, Simulated, advance, is_discrete, simulated
 from cross_checks.isolation.parent import Isolated, Lost
-from cross_checks.linkage.forces import PARTS, SHARED, Applied, applied, contact_refusals, read
-from cross_checks.linkage.links import Linkage, closure_refusals, linkage_of
-from cross_checks.linkage.motion import poses_of
+from cross_checks.linkage.engine import LinkageEngine
+from cross_checks.linkage.forces import Applied, applied, read
+from cross_checks.linkage.links import Linkage, linkage_of
 from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings
 from mbs_ref.trajectory import Status, Trajectory
@@ -38,21 +36,15 @@ class Built:
     simulated: Simulated
 
 
-class Drake(Engine):
+class Drake(LinkageEngine):
     """Drake's MultibodyPlant under its own simulator."""
 
     name: ClassVar[str] = "drake"
     package: ClassVar[str] = "pydrake"
-    part_types: ClassVar[frozenset[str]] = PARTS - {"cylindrical"}
-
-    def methods(self) -> tuple[Method, ...]:
-        return METHODS
-
-    def version(self) -> str:
-        return version("drake")
-
-    def topology_refusals(self, scene: Scene) -> list[Refusal]:
-        return closure_refusals("drake", scene, {"point", "hinge", "weld", "rod"}) + contact_refusals(scene)
+    distribution: ClassVar[str] = "drake"
+    method_table: ClassVar[tuple[Method, ...]] = METHODS
+    lacks: ClassVar[frozenset[str]] = frozenset({"cylindrical"})
+    closes: ClassVar[frozenset[str]] = frozenset({"point", "hinge", "weld", "rod"})
 
     def method_refusals(self, scene: Scene, method: Method) -> list[Refusal]:
         reasons = super().method_refusals(scene, method)
@@ -92,11 +84,8 @@ class Drake(Engine):
     def advance(self, model: Built, plan: Plan) -> Loop:
         return advance(model.simulated, model.plant, plan)
 
-    def poses(self, model: Built, plan: Plan, states: np.ndarray) -> Poses:
-        return poses_of(model.linkage, (read(model.linkage, model.reader, state) for state in states))
-
     def notes(self, model: Built, plan: Plan) -> tuple[str, ...]:
-        shared = (SHARED,) if model.applied else ()
+        shared = super().notes(model, plan)
         return (*shared, ANCHORED) if plan.method.name == SAP and tied_to_ground(model.linkage) else shared
 
 

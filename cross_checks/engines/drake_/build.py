@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from pydrake.math import RigidTransform, RotationMatrix  # pyright: ignore[reportMissingImports]
-from pydrake.multibody import tree as parts  # pyright: ignore[reportMissingImports]
-from pydrake.multibody.plant import DiscreteContactApproximation, MultibodyPlant  # pyright: ignore[reportMissingImports]
+from pydrake.math import RigidTransform, RotationMatrix
+from pydrake.multibody import tree as parts
+from pydrake.multibody.plant import DiscreteContactApproximation, MultibodyPlant
 
 from cross_checks.linkage.links import Closure, Link, Linkage
 from cross_checks.linkage.tree import FIXED

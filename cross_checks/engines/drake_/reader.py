@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from pydrake.multibody.plant import MultibodyPlant  # pyright: ignore[reportMissingImports]
+from pydrake.multibody.plant import MultibodyPlant
 
 from cross_checks.linkage.links import Linkage
 

@@ -1,4 +1,4 @@
-"""Drake's simulator, and the loads it asks Python for."""
+"""Drake's methods and simulator, and the loads that it requests from Python."""
 
 from __future__ import annotations
 
@@ -7,17 +7,42 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from pydrake.common.value import Value  # pyright: ignore[reportMissingImports]
-from pydrake.multibody.math import SpatialForce  # pyright: ignore[reportMissingImports]
-from pydrake.multibody.plant import ExternallyAppliedSpatialForce, MultibodyPlant  # pyright: ignore[reportMissingImports]
-from pydrake.systems.analysis import ResetIntegratorFromFlags, Simulator  # pyright: ignore[reportMissingImports]
-from pydrake.systems.framework import DiagramBuilder, LeafSystem  # pyright: ignore[reportMissingImports]
+from pydrake.common.value import Value
+from pydrake.multibody.math import SpatialForce
+from pydrake.multibody.plant import ExternallyAppliedSpatialForce, MultibodyPlant
+from pydrake.systems.analysis import ResetIntegratorFromFlags, Simulator
+from pydrake.systems.framework import DiagramBuilder, LeafSystem
 
+from cross_checks.engine.method import RTOLS, STEPS, Method, exponential, fixed
 from cross_checks.engine.outcome import End, Loop
 from cross_checks.engine.plan import Plan
-from cross_checks.engines.drake_.methods import FIXED, SAP, WORLD
 from cross_checks.engines.drake_.reader import Reader
 from mbs_ref.trajectory import Status
+
+FIXED, SAP, WORLD, CENIC = "_fixed", "sap", "sap_world", "cenic"
+TREES = frozenset({"closed-loop", "rod-in-space"})  # Drake has constraints in discrete time alone
+DIES = "tied to the world body itself, constraints of discrete time end the process (SIGSEGV, seen in 1.58.0)"
+
+
+def _continuous(name: str, order: int, text: str, embedded: int | None = None) -> Method:
+    return Method(name, "adaptive", order, text, RTOLS, excludes=TREES, embedded=embedded)
+
+
+def _stepped(name: str, order: int, text: str) -> Method:
+    return Method(name + FIXED, "fixed", order, text, STEPS, excludes=TREES, stability=exponential(order))
+
+
+METHODS = (
+    _continuous("runge_kutta3", 3, "Drake's default: Runge-Kutta 3 with an embedded estimate", 2),
+    _continuous("runge_kutta5", 5, "Runge-Kutta 5 with an embedded estimate (Dormand-Prince)", 4),
+    _continuous("radau3", 3, "Radau IIA of two stages"),
+    _stepped("runge_kutta3", 3, "Runge-Kutta 3 at a fixed step"),
+    _stepped("runge_kutta2", 2, "Runge-Kutta 2 at a fixed step"),
+    Method(SAP, "fixed", 1, "discrete time: symplectic Euler, constraints by SAP", STEPS),
+    fixed(WORLD, 1, "the same, loops to ground closed at Drake's own world body", wrong_limit=DIES, weak_on=TREES),
+    Method(CENIC, "adaptive", 1, "CENIC: SAP's convex step under error control", RTOLS[:3]),
+)
+
 
 Wrenches = Callable[[float, np.ndarray], np.ndarray]
 

@@ -1,8 +1,5 @@
 """Exudyn: redundant coordinates with implicit methods, or minimal coordinates (KinematicTree) with explicit ones."""
 
-# Its items take their arguments by names that type checkers cannot see.
-# pyright: reportCallIssue=false, reportArgumentType=false, reportAttributeAccessIssue=false
-
 from __future__ import annotations
 
 from dataclasses import dataclass, field
@@ -51,14 +48,9 @@ class Exudyn(Engine):
 
     name: ClassVar[str] = "exudyn"
     package: ClassVar[str] = "exudyn"
+    method_table: ClassVar[tuple[Method, ...]] = METHODS
     as_shipped: ClassVar[Settings | None] = Settings(method="generalized_alpha", step=1e-2)
     part_types: ClassVar[frozenset[str]] = PARTS | {"coordinate_drive", "stick_slip"}
-
-    def methods(self) -> tuple[Method, ...]:
-        return METHODS
-
-    def version(self) -> str:
-        return exu.__version__
 
     def method_refusals(self, scene: Scene, method: Method) -> list[Refusal]:
         reasons = super().method_refusals(scene, method)

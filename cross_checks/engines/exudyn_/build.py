@@ -1,8 +1,5 @@
 """A scene as an Exudyn system in redundant coordinates: in the plane, in Euler parameters or in rotation vectors."""
 
-# Its items take their arguments by names that type checkers cannot see.
-# pyright: reportCallIssue=false, reportArgumentType=false, reportAttributeAccessIssue=false
-
 from __future__ import annotations
 
 import exudyn as exu

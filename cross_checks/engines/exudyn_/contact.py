@@ -3,9 +3,6 @@
 Friction acts on the undeformed surface that a sphere has sunk into: nearer to its centre than ours by the depth.
 """
 
-# Its items take their arguments by names that type checkers cannot see.
-# pyright: reportCallIssue=false, reportArgumentType=false, reportAttributeAccessIssue=false
-
 from __future__ import annotations
 
 from typing import Any

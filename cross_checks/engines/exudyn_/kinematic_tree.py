@@ -1,8 +1,5 @@
 """A scene in minimal coordinates: an Exudyn KinematicTree of slides and turns."""
 
-# Its items take their arguments by names that type checkers cannot see.
-# pyright: reportCallIssue=false, reportArgumentType=false, reportAttributeAccessIssue=false
-
 from __future__ import annotations
 
 from dataclasses import dataclass, field

@@ -1,8 +1,5 @@
 """An Exudyn system in redundant coordinates: a node for each body, markers on it, and sensors that read it."""
 
-# Its items take their arguments by names that type checkers cannot see.
-# pyright: reportCallIssue=false, reportArgumentType=false, reportAttributeAccessIssue=false
-
 from __future__ import annotations
 
 from dataclasses import dataclass, field

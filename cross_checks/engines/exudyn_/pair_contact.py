@@ -3,9 +3,6 @@
 F = k d + c d' until d = 0; whether a pair touches is settled once a step, so the method is of order 1.
 """
 
-# Its items take their arguments by names that type checkers cannot see.
-# pyright: reportCallIssue=false, reportArgumentType=false, reportAttributeAccessIssue=false
-
 from __future__ import annotations
 
 import exudyn as exu

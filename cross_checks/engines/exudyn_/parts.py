@@ -1,8 +1,5 @@
 """Joints and loads in redundant coordinates."""
 
-# Its items take their arguments by names that type checkers cannot see.
-# pyright: reportCallIssue=false, reportArgumentType=false, reportAttributeAccessIssue=false
-
 from __future__ import annotations
 
 import exudyn as exu

@@ -1,8 +1,5 @@
 """MuJoCo: joints in a tree are exact minimal coordinates; loop closures are always soft constraints."""
 
-# Its names live in a compiled module.
-# pyright: reportAttributeAccessIssue=false
-
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -11,7 +8,7 @@ from typing import ClassVar
 import mujoco
 import numpy as np
 
-from cross_checks.engine import Engine, Method, Poses, Refusal
+from cross_checks.engine import Method, Poses, Refusal
 from cross_checks.engine.outcome import Loop, end_of
 from cross_checks.engine.plan import Plan
 from cross_checks.engines.mujoco_.build import compile_links
@@ -19,14 +16,13 @@ from cross_checks.engines.mujoco_.forces import Callback, force_refusals, passiv
 from cross_checks.engines.mujoco_.methods import METHODS, STOCK, TIGHT
 from cross_checks.engines.mujoco_.observe import Observer
 from cross_checks.engines.mujoco_.run import Left, advance, at_start, clock_end
-from cross_checks.linkage.forces import PARTS, SHARED
+from cross_checks.linkage.engine import LinkageEngine
+from cross_checks.linkage.forces import SHARED
 from cross_checks.linkage.links import Linkage, closure_refusals, linkage_of
 from cross_checks.linkage.motion import poses_of
 from cross_checks.linkage.reactions import tree_reactions
 from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings
-
-CLOSING = {"point", "hinge", "weld", "rod"}
 
 
 @dataclass(frozen=True)
@@ -39,22 +35,18 @@ class Built:
     act: Callback | None
 
 
-class MuJoCo(Engine):
+class MuJoCo(LinkageEngine):
     """MuJoCo through MjSpec, every option pinned, the loop in C."""
 
     name: ClassVar[str] = "mujoco"
     package: ClassVar[str] = "mujoco"
+    method_table: ClassVar[tuple[Method, ...]] = METHODS
     as_shipped: ClassVar[Settings | None] = Settings(method="euler", step=2e-3)
-    part_types: ClassVar[frozenset[str]] = PARTS | {"stick_slip"}
-
-    def methods(self) -> tuple[Method, ...]:
-        return METHODS
-
-    def version(self) -> str:
-        return mujoco.__version__
+    extra: ClassVar[frozenset[str]] = frozenset({"stick_slip"})
+    closes: ClassVar[frozenset[str]] = frozenset({"point", "hinge", "weld", "rod"})
 
     def topology_refusals(self, scene: Scene) -> list[Refusal]:
-        return closure_refusals("mujoco", scene, CLOSING) + force_refusals(linkage_of(scene))
+        return closure_refusals(self.name, scene, self.closes) + force_refusals(linkage_of(scene))
 
     def method_refusals(self, scene: Scene, method: Method) -> list[Refusal]:
         reasons = super().method_refusals(scene, method)

@@ -1,8 +1,5 @@
 """A scene as a MuJoCo model: every body's frame is its joint's, along the world's axes at t = 0."""
 
-# Its names live in a compiled module.
-# pyright: reportAttributeAccessIssue=false
-
 from __future__ import annotations
 
 import mujoco

@@ -4,9 +4,6 @@ Friction is MuJoCo's own: an elliptic cone whose projection raises the normal fo
 that a thrown sphere hops. It acts between the surfaces, half the penetration nearer to the centre than ours.
 """
 
-# Its names live in a compiled module.
-# pyright: reportAttributeAccessIssue=false
-
 from __future__ import annotations
 
 import math

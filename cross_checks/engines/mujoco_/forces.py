@@ -1,8 +1,5 @@
 """Loads and contacts that MuJoCo's own elements cannot be, applied by the shared force code at every stage."""
 
-# Its names live in a compiled module.
-# pyright: reportAttributeAccessIssue=false
-
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator

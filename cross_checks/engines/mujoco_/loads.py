@@ -1,8 +1,5 @@
 """Loads as MuJoCo's own tendons, joint springs and actuators without control."""
 
-# Its names live in a compiled module.
-# pyright: reportAttributeAccessIssue=false
-
 from __future__ import annotations
 
 from collections.abc import Iterable

@@ -1,14 +1,11 @@
 """MuJoCo's methods, with every option pinned."""
 
-# Its names live in a compiled module.
-# pyright: reportAttributeAccessIssue=false
-
 from __future__ import annotations
 
 import mujoco
 import numpy as np
 
-from cross_checks.engine import Method, exponential
+from cross_checks.engine.method import Method, exponential, fixed
 from cross_checks.engine.plan import Plan
 from mbs_ref.scene import Scene
 
@@ -18,7 +15,6 @@ INTEGRATORS = {
     "implicit": (mujoco.mjtIntegrator.mjINT_IMPLICIT, 1, "implicit in velocity, with Coriolis terms"),
     "implicitfast": (mujoco.mjtIntegrator.mjINT_IMPLICITFAST, 1, "implicit in velocity, without Coriolis terms"),
 }
-LADDER = (2e-2, 1e-2, 5e-3, 2.5e-3, 1e-3, 5e-4, 2.5e-4, 1e-4)  # s
 DEFAULT_SOLREF = (0.02, 1.0)  # s, damping ratio: MuJoCo's default, pinned
 TIGHT = "_tight"
 STOCK = "_stock_contact"
@@ -28,29 +24,19 @@ SOFT = (
     "the energy of a loop is lost at every step; "
     "friction raises the normal force of a contact that slides"
 )
+SOFTENED = frozenset({"closed-loop", "rod-in-space", "friction"})
 STEP_SOFT = "loop closures and rods in space are springs whose time constant is two steps"
 
 
 def _methods() -> tuple[Method, ...]:
     plain = [
-        Method(
-            n,
-            "fixed",
-            p,
-            text,
-            LADDER,
-            stability=exponential(p),
-            wrong_limit=SOFT,
-            weak_on=frozenset({"closed-loop", "rod-in-space", "friction"}),
-        )
+        fixed(n, p, text, stability=exponential(p), wrong_limit=SOFT, weak_on=SOFTENED)
         for n, (_, p, text) in INTEGRATORS.items()
     ]  # what is implicit bears more, but shared forces are explicit in all
     tight = [
-        Method(m.name + TIGHT, "fixed", None, f"{m.description}; {STEP_SOFT}", LADDER)
-        for m in plain
-        if m.name in ("rk4", "implicitfast")
+        fixed(m.name + TIGHT, None, f"{m.description}; {STEP_SOFT}") for m in plain if m.name in ("rk4", "implicitfast")
     ]
-    stock = Method("rk4" + STOCK, "fixed", None, "explicit Runge-Kutta 4; MuJoCo's default contacts", LADDER,
+    stock = fixed("rk4" + STOCK, None, "explicit Runge-Kutta 4; MuJoCo's default contacts",
                    wrong_limit="contacts have MuJoCo's default stiffness and damping, not the scene's",
                    weak_on=frozenset({"contact"}))  # fmt: skip
     return (*plain, *tight, stock)

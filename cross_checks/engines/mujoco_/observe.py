@@ -1,8 +1,5 @@
 """MuJoCo's own motion and wrenches."""
 
-# Its names live in a compiled module.
-# pyright: reportAttributeAccessIssue=false
-
 from __future__ import annotations
 
 from collections.abc import Iterator

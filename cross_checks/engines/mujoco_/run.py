@@ -1,8 +1,5 @@
 """MuJoCo's loop, and its silent resets."""
 
-# Its names live in a compiled module.
-# pyright: reportAttributeAccessIssue=false
-
 from __future__ import annotations
 
 from dataclasses import dataclass

@@ -7,15 +7,12 @@ Not yet taught: MuJoCo-Warp, which Newton's extra `sim` brings; XPBD, whose stat
 which makes velocities of differences of positions over a step, so that rounding grows as steps shrink (seen in 1.8.0).
 """
 
-# The extra has no type information here.
-# pyright: reportMissingImports=false
-
 from __future__ import annotations
 
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from cross_checks.engines.newton_.warp_set_up import VERSION
+import cross_checks.engines.newton_.warp_set_up  # noqa: F401 - sets Warp up before Newton imports it
 
 # isort: split
 import newton
@@ -23,18 +20,15 @@ import numpy as np
 import warp
 from numba.core.event import trigger_event
 
-from cross_checks.engine import Engine, Method, Poses, Refusal
-from cross_checks.engine.method import SINGLE
+from cross_checks.engine import Method
+from cross_checks.engine.method import SINGLE, STEPS
 from cross_checks.engine.outcome import End, Loop
 from cross_checks.engine.plan import Plan
-from cross_checks.engines.newton_.model import DEVICE, model_of
-from cross_checks.engines.newton_.reader import Reader, row_of
-from cross_checks.linkage.forces import MECHANISM, read
-from cross_checks.linkage.links import Linkage, closure_refusals, linkage_of
-from cross_checks.linkage.motion import poses_of
+from cross_checks.engines.newton_.model import DEVICE, Reader, model_of, row_of
+from cross_checks.linkage.engine import LinkageEngine
+from cross_checks.linkage.links import Linkage, linkage_of
 from mbs_ref.scene import Scene
 
-STEPS = (2e-2, 1e-2, 5e-3, 2.5e-3, 1e-3, 5e-4, 2.5e-4, 1e-4)  # s
 FEATHERSTONE = "featherstone"
 FLOAT32 = "Newton computes in single precision: n steps leave up to 6e-8 n of rounding"
 METHODS = (
@@ -53,24 +47,17 @@ class Built:
     model: Any
     solver: Any
     states: tuple[Any, Any]
+    reader: Reader
     steps: tuple[Any, ...] = ()
 
 
-class Newton(Engine):
+class Newton(LinkageEngine):
     """Newton's solvers of articulated bodies, without contact."""
 
     name: ClassVar[str] = "newton"
     package: ClassVar[str] = "newton"
-    part_types: ClassVar[frozenset[str]] = MECHANISM
-
-    def methods(self) -> tuple[Method, ...]:
-        return METHODS
-
-    def version(self) -> str:
-        return VERSION
-
-    def topology_refusals(self, scene: Scene) -> list[Refusal]:
-        return closure_refusals("newton", scene, set())
+    method_table: ClassVar[tuple[Method, ...]] = METHODS
+    takes_loads: ClassVar[bool] = False
 
     def build(self, scene: Scene, plan: Plan) -> Built:
         linkage = linkage_of(scene)
@@ -78,7 +65,7 @@ class Newton(Engine):
         with trigger_event("numba:compile"):  # who waits for a run is told that it compiles
             model = model_of(linkage)
             solver = getattr(newton.solvers, kind)(model, **options)
-            built = Built(linkage, model, solver, (model.state(), model.state()))
+            built = Built(linkage, model, solver, (model.state(), model.state()), Reader(linkage, model))
             _to_start(built)
         return built
 
@@ -106,10 +93,6 @@ class Newton(Engine):
                 done += 1
             states[k] = row_of(model.states[done % 2])
         return Loop(states, End(len(states)), done, done)
-
-    def poses(self, model: Built, plan: Plan, states: np.ndarray) -> Poses:
-        reader = Reader(model.linkage, model.model)
-        return poses_of(model.linkage, (read(model.linkage, reader, state) for state in states))
 
     def notes(self, model: Built, plan: Plan) -> tuple[str, ...]:
         return (FLOAT32,)

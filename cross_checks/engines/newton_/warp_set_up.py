@@ -1,8 +1,5 @@
 """Warp as Newton's kernels are to be compiled here; Newton's modules take that over when they are imported."""
 
-# The extra has no type information here.
-# pyright: reportMissingImports=false
-
 from __future__ import annotations
 
 from importlib.metadata import version

@@ -3,22 +3,29 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from importlib.metadata import version
 from typing import Any, ClassVar
 
 import numpy as np
-import opensim  # pyright: ignore[reportMissingImports]  # an optional extra
+import opensim  # an optional extra
 
-from cross_checks.engine import Engine, Method, Poses, Refusal
+from cross_checks.engine import Method, Refusal
 from cross_checks.engine.outcome import End, Loop
 from cross_checks.engine.plan import Plan
 from cross_checks.engines.opensim_.build import model_of
-from cross_checks.engines.opensim_.counts import LEVEL, Counts, counted
-from cross_checks.engines.opensim_.methods import ENDLESS, FIXED, INTEGRATORS, METHODS, SHORTEST
-from cross_checks.engines.opensim_.reader import Reader, values
-from cross_checks.linkage.forces import MECHANISM, read
-from cross_checks.linkage.links import Linkage, closure_refusals, linkage_of
-from cross_checks.linkage.motion import poses_of
+from cross_checks.engines.opensim_.reader import (
+    ENDLESS,
+    FIXED,
+    INTEGRATORS,
+    LEVEL,
+    METHODS,
+    SHORTEST,
+    Counts,
+    Reader,
+    counted,
+    values,
+)
+from cross_checks.linkage.engine import LinkageEngine
+from cross_checks.linkage.links import Linkage, linkage_of
 from mbs_ref.scene import Scene, SpringDamper
 from mbs_ref.scene.traits import traits
 from mbs_ref.trajectory import Status
@@ -35,20 +42,19 @@ class Built:
     manager: Any
     start: Any
     reader: Reader
+    applied: None = None  # OpenSim's own springs act
 
 
-class OpenSim(Engine):
+class OpenSim(LinkageEngine):
     """OpenSim's Manager over Simbody."""
 
     name: ClassVar[str] = "opensim"
     package: ClassVar[str] = "opensim"
-    part_types: ClassVar[frozenset[str]] = MECHANISM - {"cylindrical"} | {"spring_damper"}
-
-    def methods(self) -> tuple[Method, ...]:
-        return METHODS
-
-    def version(self) -> str:
-        return version("opensim")
+    method_table: ClassVar[tuple[Method, ...]] = METHODS
+    takes_loads: ClassVar[bool] = False
+    lacks: ClassVar[frozenset[str]] = frozenset({"cylindrical"})
+    extra: ClassVar[frozenset[str]] = frozenset({"spring_damper"})
+    closes: ClassVar[frozenset[str]] = frozenset({"point", "hinge", "weld", "rod"})
 
     def topology_refusals(self, scene: Scene) -> list[Refusal]:
         reasons = [
@@ -56,8 +62,7 @@ class OpenSim(Engine):
             for load in scene.loads
             if isinstance(load, SpringDamper) and (load.damping or load.tension_only)
         ]
-        loops = closure_refusals("opensim", scene, {"point", "hinge", "weld", "rod"})
-        return loops + [Refusal(reason, permanent=False) for reason in reasons]
+        return super().topology_refusals(scene) + [Refusal(reason, permanent=False) for reason in reasons]
 
     def method_refusals(self, scene: Scene, method: Method) -> list[Refusal]:
         reasons = super().method_refusals(scene, method)
@@ -109,9 +114,6 @@ class OpenSim(Engine):
             reason = f"max_steps = {plan.max_steps} were used up: {counts.steps} steps"
             return Loop(states, End(len(states), Status.TOO_MANY_STEPS, reason), *counts)
         return Loop(states, End(len(states)), *counts)
-
-    def poses(self, model: Built, plan: Plan, states: np.ndarray) -> Poses:
-        return poses_of(model.linkage, (read(model.linkage, model.reader, state) for state in states))
 
 
 ENGINE = OpenSim

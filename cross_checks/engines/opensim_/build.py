@@ -6,7 +6,7 @@ import math
 from typing import Any
 
 import numpy as np
-import opensim  # pyright: ignore[reportMissingImports]
+import opensim
 
 from cross_checks.linkage.links import Closure, Link, Linkage, rest_length
 from cross_checks.linkage.tree import FIXED

@@ -1,13 +1,39 @@
-"""What a state of an OpenSim model says of the links."""
+"""States and step counts of an OpenSim model, and Simbody's integrators as OpenSim offers them."""
 
 from __future__ import annotations
 
-from typing import Any
+import ctypes
+import os
+import re
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any, NamedTuple
 
 import numpy as np
-import opensim  # pyright: ignore[reportMissingImports]
+import opensim
 
+from cross_checks.engine.method import RTOLS, STEPS, Method
 from cross_checks.linkage.links import Linkage
+
+FIXED = "_fixed"
+SHORTEST = 2e-8  # of a run: no step is shorter, whatever its error, for 5e7 steps are the most that a run may take
+ENDLESS = "cpodes"  # in loops: no limit on steps ends it (seen in 4.6 on spatial_n_four_bar at 1e-8)
+INTEGRATORS = {
+    "rk_merson": "RungeKuttaMerson",
+    "rk_feldberg": "RungeKuttaFeldberg",
+    "rk3": "RungeKutta3",
+    "verlet": "Verlet",
+    "cpodes": "CPodes",
+}
+METHODS = (
+    Method("rk_merson", "adaptive", 4, "OpenSim's default: Runge-Kutta-Merson", RTOLS, embedded=3),
+    Method("rk_feldberg", "adaptive", 5, "Runge-Kutta-Fehlberg", RTOLS),
+    Method("rk3", "adaptive", 3, "Runge-Kutta 3 with an embedded estimate", RTOLS, embedded=2),
+    Method("verlet", "adaptive", 2, "velocity Verlet", RTOLS[:4]),
+    Method("cpodes", "adaptive", None, "CPODES: variable-order BDF", RTOLS),
+    Method("rk_merson" + FIXED, "fixed", 4, "Runge-Kutta-Merson at a fixed step", STEPS),
+)
 
 
 def values(state: Any) -> np.ndarray:
@@ -48,3 +74,58 @@ class Reader:
         centre = np.array([place.p().to_numpy() for place in placed]) + arm
         speed = np.array([velocity.get(1).to_numpy() for velocity in moving]) + np.cross(omega, arm)
         return turn, centre, speed, omega
+
+
+LEVEL = "Error"  # of what OpenSim prints otherwise
+
+
+class Counts(NamedTuple):
+    """Of all integrations since the manager was initialized; zeros where the log does not tell."""
+
+    steps: int = 0
+    rhs_calls: int = 0
+    rejected_steps: int = 0
+
+
+def counted(manager: Any, t: float) -> tuple[Any, Counts]:
+    """Integrate to time t (s); return the state, and what was counted since the manager was initialized.
+
+    What OpenSim prints beside its log is kept from standard output.
+    """
+    sink = opensim.StringLogSink()
+    opensim.Logger.removeFileSink()
+    opensim.Logger.addSink(sink)
+    with _unprinted():
+        opensim.Logger.setLevelString("Info")
+        try:
+            state = manager.integrate(t)
+        finally:
+            opensim.Logger.setLevelString(LEVEL)
+            opensim.Logger.removeSink(sink)
+    return state, _read(sink.getString())
+
+
+def _read(log: str) -> Counts:
+    steps = re.search(r"steps taken / attempted: (\d+) / (\d+)", log)
+    calls = re.search(r"number of realizations: (\d+)", log)
+    if steps is None or calls is None:
+        return Counts()
+    taken, attempted = map(int, steps.groups())
+    return Counts(taken, int(calls[1]), attempted - taken)
+
+
+@contextmanager
+def _unprinted() -> Iterator[None]:
+    """Send what the process prints to nowhere, native code's prints among it."""
+    flush = ctypes.CDLL(None).fflush
+    sys.stdout.flush()
+    flush(None)
+    kept, nowhere = os.dup(1), os.open(os.devnull, os.O_WRONLY)
+    os.dup2(nowhere, 1)
+    os.close(nowhere)
+    try:
+        yield
+    finally:
+        flush(None)
+        os.dup2(kept, 1)
+        os.close(kept)

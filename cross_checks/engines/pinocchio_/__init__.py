@@ -1,8 +1,5 @@
 """Pinocchio: ABA in trees, proximal constraint dynamics in loops, driven from Python by RK4 or DOP853."""
 
-# It is installed under a prefix that only the interpreter knows.
-# pyright: reportMissingImports=false
-
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -11,16 +8,16 @@ from typing import Any, ClassVar
 import numpy as np
 import pinocchio as pin
 
-from cross_checks.engine import Engine, Method, Poses, Refusal
+from cross_checks.engine import Method, Poses, Refusal
 from cross_checks.engine.outcome import Loop
 from cross_checks.engine.plan import Plan
 from cross_checks.engines.pinocchio_.build import Mechanism, mechanism_of
-from cross_checks.engines.pinocchio_.dynamics import RightHandSide, right_hand_side
-from cross_checks.engines.pinocchio_.loop import advance_adaptive, advance_fixed
+from cross_checks.engines.pinocchio_.loop import RightHandSide, advance_adaptive, advance_fixed, right_hand_side
 from cross_checks.engines.pinocchio_.methods import GAINS, METHODS, NO_GAINS
 from cross_checks.engines.pinocchio_.observe import motions_of, reactions_of
-from cross_checks.linkage.forces import PARTS, SHARED, contact_refusals
-from cross_checks.linkage.links import closure_refusals, linkage_of
+from cross_checks.linkage.engine import LinkageEngine
+from cross_checks.linkage.forces import SHARED
+from cross_checks.linkage.links import linkage_of
 from cross_checks.linkage.motion import poses_of
 from mbs_ref.scene import Scene
 
@@ -39,26 +36,22 @@ class Built:
     breakpoints: list[float]  # s
 
 
-class Pinocchio(Engine):
+class Pinocchio(LinkageEngine):
     """Pinocchio's forward dynamics under Runge-Kutta methods."""
 
     name: ClassVar[str] = "pinocchio"
     package: ClassVar[str] = "pinocchio"
-    part_types: ClassVar[frozenset[str]] = PARTS
-
-    def methods(self) -> tuple[Method, ...]:
-        return METHODS
-
-    def version(self) -> str:
-        return pin.__version__
+    distribution: ClassVar[str] = "pin"
+    method_table: ClassVar[tuple[Method, ...]] = METHODS
+    closes: ClassVar[frozenset[str]] = frozenset({"point", "hinge", "weld"})
 
     def topology_refusals(self, scene: Scene) -> list[Refusal]:
-        reasons = closure_refusals("pinocchio", scene, {"point", "hinge", "weld"})
+        reasons = super().topology_refusals(scene)
         size = len(linkage_of(scene).rates)
         if DATA_BYTES * float(size) ** 3 > MOST_BYTES:
             needs = DATA_BYTES * float(size) ** 3 / 1e9
             reasons.append(Refusal(f"pinocchio's data take {needs:.1f} GB for {size} coordinates", True))
-        return reasons + contact_refusals(scene)
+        return reasons
 
     def build(self, scene: Scene, plan: Plan) -> Built:
         linkage = linkage_of(scene)

@@ -3,9 +3,6 @@
 Every joint's frame stands along the world's axes at t = 0, where all coordinates are neutral.
 """
 
-# It is installed under a prefix that only the interpreter knows.
-# pyright: reportMissingImports=false
-
 from __future__ import annotations
 
 from collections.abc import Iterable

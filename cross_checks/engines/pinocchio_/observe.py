@@ -1,8 +1,5 @@
 """Pinocchio's own motion and reactions."""
 
-# It is installed under a prefix that only the interpreter knows.
-# pyright: reportMissingImports=false
-
 from __future__ import annotations
 
 from collections.abc import Iterator
@@ -11,7 +8,7 @@ import numpy as np
 import pinocchio as pin
 
 from cross_checks.engines.pinocchio_.build import Mechanism
-from cross_checks.engines.pinocchio_.dynamics import RightHandSide
+from cross_checks.engines.pinocchio_.loop import RightHandSide
 from cross_checks.linkage.motion import Motion
 from cross_checks.linkage.reactions import about, tree_reactions
 

@@ -1,21 +1,17 @@
 """Pinocchio as its users drive it: a loop in C++ over its own headers, for trees that gravity alone moves."""
 
-# It is installed under a prefix that only the interpreter knows.
-# pyright: reportMissingImports=false
-
 from __future__ import annotations
 
 from dataclasses import dataclass
 from typing import ClassVar
 
 from cross_checks.engine import Method, Refusal, exponential
+from cross_checks.engine.method import RTOLS, STEPS
 from cross_checks.engine.outcome import Loop
 from cross_checks.engine.plan import Plan
 from cross_checks.engines.pinocchio_ import Built, Pinocchio
-from cross_checks.engines.pinocchio_.methods import RTOLS, STEPS
 from cross_checks.engines.pinocchio_cpp_.compiler import described, obstacle
 from cross_checks.engines.pinocchio_cpp_.native import Tree
-from cross_checks.linkage.forces import MECHANISM
 from mbs_ref.scene import Scene
 from mbs_ref.scene.traits import traits
 
@@ -38,10 +34,8 @@ class PinocchioCpp(Pinocchio):
 
     name: ClassVar[str] = "pinocchio_cpp"
     package: ClassVar[str] = "pinocchio"
-    part_types: ClassVar[frozenset[str]] = MECHANISM
-
-    def methods(self) -> tuple[Method, ...]:
-        return METHODS
+    method_table: ClassVar[tuple[Method, ...]] = METHODS
+    takes_loads: ClassVar[bool] = False
 
     def version(self) -> str:
         return described()

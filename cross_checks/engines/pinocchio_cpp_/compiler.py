@@ -3,9 +3,6 @@
 It is kept in the cache folder under a digest of its source, the compiler, the flags and Pinocchio's version.
 """
 
-# It is installed under a prefix that only the interpreter knows.
-# pyright: reportMissingImports=false
-
 from __future__ import annotations
 
 import hashlib

@@ -1,8 +1,5 @@
 """A Pinocchio model handed to the C++ program, joint by joint, and its loops there."""
 
-# It is installed under a prefix that only the interpreter knows.
-# pyright: reportMissingImports=false
-
 from __future__ import annotations
 
 import ctypes

@@ -10,7 +10,7 @@ from cross_checks.extremes import measures
 from cross_checks.extremes.exact import swing
 from cross_checks.extremes.extreme import Axis, Case, Extreme, grid
 from cross_checks.extremes.parts import LENGTH, ROD_RATE, rod_chain
-from cross_checks.truths import kepler as orbit
+from cross_checks.truths.of import sky
 from mbs_ref.scene import Force, PlanarBody, Scene, UserForce
 from mbs_ref.scenes.orbits import kepler as kepler
 
@@ -56,7 +56,7 @@ def _orbit(kind: float) -> Case:
     scene = sound.model_copy(update={"bodies": (center, moved)})
     step = 2.0 * math.pi / 200.0
     return Case(
-        scene, grid(200.0 * step, step, 11), measures.truth(orbit.solve), step=step, rtol=1e-10,
+        scene, grid(200.0 * step, step, 11), measures.truth(sky.kepler), step=step, rtol=1e-10,
         must_stop=not math.isfinite(speed), unchecked=True,
     )  # fmt: skip
 

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from cross_checks.certify.mechanisms.rod_chain import Rods, lagrange
-from cross_checks.certify.numerics.runge_kutta import runge_kutta
 from cross_checks.extremes import measures
 from cross_checks.extremes.extreme import Axis, Case, Extreme, grid
 from cross_checks.extremes.parts import rod_chain
+from cross_checks.truths.made_by.mechanisms.rod_chain import Rods, lagrange
+from cross_checks.truths.made_by.numerics.scipy_solvers import runge_kutta
 from mbs_ref.observables.distance import Partial, farthest
 from mbs_ref.scene import Scene
 from mbs_ref.trajectory import Trajectory

@@ -8,7 +8,7 @@ import numpy as np
 
 from cross_checks.extremes import measures
 from cross_checks.extremes.extreme import Axis, Case, Extreme, Measure, decades, grid
-from cross_checks.truths import bouncing_ball
+from cross_checks.truths.of import bouncing
 from mbs_ref import scenes
 from mbs_ref.scene import PlanarBody, Scene
 from mbs_ref.scene.contact import CircleOnCircle, CircleOnLine, SpringDamperLaw
@@ -25,7 +25,7 @@ def _ball(**parameters) -> Scene:
 
 def _hard(stiffness: float) -> Case:
     return Case(
-        _ball(stiffness=stiffness), grid(0.4, STEP), measures.truth(bouncing_ball.solve, 0.1), step=STEP, rtol=RTOL
+        _ball(stiffness=stiffness), grid(0.4, STEP), measures.truth(bouncing.bouncing_ball, 0.1), step=STEP, rtol=RTOL
     )
 
 
@@ -35,7 +35,7 @@ THICK, HEIGHT = 0.01, 0.2  # m
 def _plate(speed: float) -> Case:
     stiffness = (2.0 * speed / THICK) ** 2  # N/m: the ball goes half-way into the plate
     scene = _ball(stiffness=stiffness, speed=speed, height=HEIGHT, plate=THICK)
-    return Case(scene, grid(1.0, STEP), measures.truth(bouncing_ball.solve, speed), step=STEP, rtol=RTOL)
+    return Case(scene, grid(1.0, STEP), measures.truth(bouncing.bouncing_ball, speed), step=STEP, rtol=RTOL)
 
 
 def _deep(depth: float) -> Case:

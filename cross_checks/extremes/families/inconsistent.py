@@ -9,7 +9,7 @@ import numpy as np
 from cross_checks.extremes import measures
 from cross_checks.extremes.extreme import Axis, Case, Extreme, decades, grid
 from cross_checks.extremes.parts import rod_chain
-from cross_checks.truths import torque_free_top
+from cross_checks.truths.of import tops
 from mbs_ref import scenes
 from mbs_ref.scene import GROUND, Distance, PointMass, Scene
 
@@ -48,7 +48,7 @@ def _norm(gap: float) -> Case:
     top: Any = sound.bodies[0]
     stretched = tuple((np.array(top.orientation) * (1.0 + gap)).tolist())
     scene: Scene = sound.model_copy(update={"bodies": (top.model_copy(update={"orientation": stretched}),)})
-    solve = torque_free_top.solve
+    solve = tops.torque_free_top
     exact = measures.truth(lambda _, times: solve(sound, times))
     return Case(scene, grid(0.6, STEP, 11), exact, step=STEP, rtol=RTOL, may_stop=gap > TINY)
 

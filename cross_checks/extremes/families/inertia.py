@@ -10,7 +10,7 @@ from cross_checks.extremes import measures
 from cross_checks.extremes.exact import swing
 from cross_checks.extremes.extreme import Axis, Case, Extreme, decades, grid
 from cross_checks.extremes.parts import GRAVITY, INERTIA, LENGTH, rod, tip
-from cross_checks.truths import torque_free_top
+from cross_checks.truths.of import tops
 from mbs_ref import scenes
 from mbs_ref.scene import GROUND, PlanarBody, Revolute, Scene
 
@@ -25,7 +25,7 @@ def _needle(ratio: float) -> Case:
         inertia_1=ratio, inertia_2=1.0, inertia_3=1.0 + 0.5 * ratio,
     )  # fmt: skip
     # thinner needles turn so fast about themselves that the truth's quadrature has too many pieces for a quick look
-    measure = measures.truth(torque_free_top.solve) if ratio >= THINNEST else measures.invariants()
+    measure = measures.truth(tops.torque_free_top) if ratio >= THINNEST else measures.invariants()
     return Case(scene, grid(1.256, STEP), measure, step=STEP, rtol=RTOL)
 
 

@@ -6,7 +6,7 @@ import math
 
 from cross_checks.extremes import measures
 from cross_checks.extremes.extreme import Axis, Case, Extreme, decades, grid
-from cross_checks.truths import kepler as truth
+from cross_checks.truths.of import sky
 from mbs_ref.scene import PointMass, Scene
 from mbs_ref.scene.celestial import Newton
 from mbs_ref.scenes.orbits import kepler as kepler
@@ -20,7 +20,7 @@ def _eccentric(gap: float) -> Case:
     """1 - e = gap, two orbits in 1000 steps; at 0 the bodies start in one place."""
     step = TURN / 500.0
     scene = kepler(eccentricity=1.0 - gap, orbits=2.0) if gap else _coincident()
-    measure = measures.truth(truth.solve) if gap else measures.unjudged
+    measure = measures.truth(sky.kepler) if gap else measures.unjudged
     return Case(scene, grid(1000.0 * step, step, 9), measure, step=step, rtol=1e-10, must_stop=not gap)
 
 
@@ -44,7 +44,7 @@ def _plunge(sideways: float) -> Case:
 def _many(orbits: float) -> Case:
     step = TURN / 200.0
     return Case(
-        kepler(eccentricity=0.2, orbits=orbits), grid(200.0 * orbits * step, step, 5), measures.truth(truth.solve),
+        kepler(eccentricity=0.2, orbits=orbits), grid(200.0 * orbits * step, step, 5), measures.truth(sky.kepler),
         step=step, rtol=1e-12, max_steps=300_000_000,
     )  # fmt: skip
 

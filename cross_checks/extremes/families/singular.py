@@ -10,7 +10,7 @@ from cross_checks.extremes import measures
 from cross_checks.extremes.exact import swing
 from cross_checks.extremes.extreme import Axis, Case, Extreme, decades, grid
 from cross_checks.extremes.parts import GRAVITY, INERTIA, LENGTH, rod, tip
-from cross_checks.truths import n_four_bar
+from cross_checks.truths.of import loops
 from mbs_ref import scenes
 from mbs_ref.scene import GROUND, CoordinateDrive, PlanarBody, Prismatic, Revolute, Scene
 from mbs_ref.scene.signals import Constant
@@ -23,7 +23,7 @@ STEP, RTOL = 1e-3, 1e-8
 
 def _loops(count: float) -> Case:
     scene = scenes.make("n_four_bar", loops=round(count))
-    return Case(scene, grid(2.0, STEP), measures.truth(n_four_bar.solve), step=STEP, rtol=RTOL)
+    return Case(scene, grid(2.0, STEP), measures.truth(loops.n_four_bar), step=STEP, rtol=RTOL)
 
 
 def _near_flat(gap: float) -> Case:

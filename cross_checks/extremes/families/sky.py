@@ -9,10 +9,10 @@ from functools import lru_cache
 
 import numpy as np
 
-from cross_checks.certify.sky.particles import converge
 from cross_checks.extremes import measures
 from cross_checks.extremes.extreme import Axis, Case, Extreme, grid
-from cross_checks.truth import NoTruth, Truth
+from cross_checks.truths.made_by.sky.particles import converge
+from cross_checks.truths.truth import NoTruth, Truth
 from mbs_ref import scenes
 from mbs_ref.scene import PointMass, Scene
 from mbs_ref.scene.celestial import DAY_S

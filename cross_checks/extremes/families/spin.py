@@ -9,7 +9,7 @@ import numpy as np
 from cross_checks.extremes import measures
 from cross_checks.extremes.extreme import Axis, Case, Extreme, decades, grid
 from cross_checks.extremes.parts import LENGTH, rod
-from cross_checks.truths import heavy_top, torque_free_top
+from cross_checks.truths.of import tops
 from mbs_ref import scenes
 from mbs_ref.scene import GROUND, Revolute, Scene
 
@@ -20,12 +20,12 @@ TIME = 0.1  # s
 
 def _free(spin: float) -> Case:
     scene = scenes.make("torque_free_top", spin=spin, axis=3, tilt=0.1, turns=TIME * spin / (2.0 * math.pi))
-    return Case(scene, grid(TIME, STEP), measures.truth(torque_free_top.solve), step=STEP, rtol=RTOL)
+    return Case(scene, grid(TIME, STEP), measures.truth(tops.torque_free_top), step=STEP, rtol=RTOL)
 
 
 def _top(spin: float) -> Case:
     scene = scenes.make("heavy_top", motion="steady", spin=spin)
-    return Case(scene, grid(TIME, STEP), measures.truth(heavy_top.solve, 0.3), step=STEP, rtol=RTOL)
+    return Case(scene, grid(TIME, STEP), measures.truth(tops.heavy_top, 0.3), step=STEP, rtol=RTOL)
 
 
 def _rotor(spin: float) -> Case:
@@ -46,7 +46,7 @@ def _drift(turns: float) -> Case:
     scene = scenes.make("torque_free_top", spin=spin, axis=3, tilt=0.1, turns=turns)
     step = 2.0 * math.pi / (100.0 * spin)
     return Case(
-        scene, grid(100.0 * turns * step, step, 11), measures.truth(torque_free_top.solve), step=step, rtol=1e-10,
+        scene, grid(100.0 * turns * step, step, 11), measures.truth(tops.torque_free_top), step=step, rtol=1e-10,
         max_steps=2_000_000,
     )  # fmt: skip
 

@@ -9,7 +9,7 @@ import numpy as np
 from cross_checks.extremes import measures
 from cross_checks.extremes.exact import half_sine_push
 from cross_checks.extremes.extreme import Axis, Case, Extreme, decades, grid
-from cross_checks.truths import pendulum as truth
+from cross_checks.truths.of import pendulums
 from mbs_ref import scenes
 from mbs_ref.scene import Force, PlanarBody, Scene
 from mbs_ref.scene.signals import HalfSine
@@ -21,7 +21,7 @@ GRAVITY = 9.81  # m/s^2
 
 def _large(step: float) -> Case:
     times = grid(max(SWING_TIME, 4.0 * step), step)
-    return Case(scenes.make("pendulum"), times, measures.truth(truth.solve), step=step)
+    return Case(scenes.make("pendulum"), times, measures.truth(pendulums.pendulum), step=step)
 
 
 def _tiny(step: float) -> Case:
@@ -33,7 +33,7 @@ def _tiny(step: float) -> Case:
 
 
 def _many(step: float) -> Case:
-    return Case(scenes.make("pendulum"), grid(1.0, step, 3), measures.truth(truth.solve), step=step)
+    return Case(scenes.make("pendulum"), grid(1.0, step, 3), measures.truth(pendulums.pendulum), step=step)
 
 
 PULSE, PUSH = 1e-3, 1e3  # s, m/s^2

@@ -6,7 +6,7 @@ import math
 
 from cross_checks.extremes import measures
 from cross_checks.extremes.extreme import Axis, Case, Extreme, decades, grid
-from cross_checks.truths import kepler, n_four_bar, pendulum
+from cross_checks.truths.of import loops, pendulums, sky
 from mbs_ref import scenes
 
 FAMILY = "tolerances"
@@ -15,15 +15,15 @@ LOOSE = Axis("rtol", "", decades(1e-6, 1e-2))
 
 
 def _pendulum(rtol: float) -> Case:
-    return Case(scenes.make("pendulum"), grid(5.0), measures.truth(pendulum.solve), rtol=rtol)
+    return Case(scenes.make("pendulum"), grid(5.0), measures.truth(pendulums.pendulum), rtol=rtol)
 
 
 def _orbit(rtol: float) -> Case:
-    return Case(scenes.make("kepler", orbits=3.0), grid(6.0 * math.pi), measures.truth(kepler.solve), rtol=rtol)
+    return Case(scenes.make("kepler", orbits=3.0), grid(6.0 * math.pi), measures.truth(sky.kepler), rtol=rtol)
 
 
 def _loop(rtol: float) -> Case:
-    return Case(scenes.make("n_four_bar", loops=1), grid(3.0), measures.truth(n_four_bar.solve), rtol=rtol)
+    return Case(scenes.make("n_four_bar", loops=1), grid(3.0), measures.truth(loops.n_four_bar), rtol=rtol)
 
 
 EXTREMES = (

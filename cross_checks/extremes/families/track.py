@@ -14,7 +14,7 @@ import numpy as np
 
 from cross_checks.extremes import measures
 from cross_checks.extremes.extreme import Axis, Case, Extreme, Measure, grid
-from cross_checks.metrics.compliance import compliance
+from cross_checks.metrics.drifts import compliance
 from mbs_ref import scenes
 from mbs_ref.observables import kinetic_energy
 from mbs_ref.scene import PlanarBody, Scene, SpringDamper

@@ -12,10 +12,8 @@ from collections.abc import Iterator
 import numpy as np
 
 from cross_checks.trajectory_files.mistakes.case import Case
-from cross_checks.trajectory_files.mistakes.clock import lag
-from cross_checks.trajectory_files.mistakes.conventions import other_conventions
-from cross_checks.trajectory_files.mistakes.frames import turned_bodies, turned_world, turning_world
-from cross_checks.trajectory_files.mistakes.points import other_points
+from cross_checks.trajectory_files.mistakes.conventions import lag, other_conventions
+from cross_checks.trajectory_files.mistakes.frames import other_points, turned_bodies, turned_world, turning_world
 from cross_checks.trajectory_files.mistakes.terms import left_out
 
 KINDS = (other_conventions, turned_world, turning_world, turned_bodies, other_points, lag, left_out)

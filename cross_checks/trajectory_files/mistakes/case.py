@@ -11,7 +11,7 @@ from cross_checks.judge.measure import error_of
 from cross_checks.metrics.metric import Judged
 from cross_checks.trajectory_files.column_map import ColumnMap
 from cross_checks.trajectory_files.columns import Columns
-from cross_checks.truth import NoTruth, Truth
+from cross_checks.truths.truth import NoTruth, Truth
 from mbs_ref.scene import Scene
 from mbs_ref.scene.scales import scales_of
 from mbs_ref.trajectory import Trajectory
@@ -38,12 +38,16 @@ class Case:
         return np.inf if error is None else error.value
 
     @property
+    def planar(self) -> bool:
+        return self.scene.dimension == 2
+
+    @property
     def length(self) -> float:
         """The scene's, m."""
         return scales_of(self.scene).length
 
     @property
-    def told_turns(self) -> bool:
+    def comparable_turns(self) -> bool:
         """Whether both sides count orientations alike; a truth of particles has none."""
         return self.truth.orientation.ndim == self.path.orientation.ndim
 

@@ -37,7 +37,7 @@ def turned_world(case: Case) -> Iterator[tuple[str, Case]]:
 def _fitted_turn(case: Case) -> Rotation | None:
     """Return the rotation from the file's world to the scene's, by poses; None where the file tells too little."""
     path, truth = case.path, case.truth
-    if case.scene.dimension == 3:
+    if not case.planar:
         rows = ~np.isnan(path.orientation).any(axis=2)
         if rows.any() and truth.orientation.ndim == 3:
             between = product(truth.orientation[rows], conjugate(path.orientation[rows]))
@@ -46,7 +46,7 @@ def _fitted_turn(case: Case) -> Rotation | None:
     if np.count_nonzero(told) < 2:
         return None
     ours, theirs = (_in_space(values[told] - values[told].mean(axis=0)) for values in (path.position, truth.position))
-    if case.scene.dimension == 2:
+    if case.planar:
         cross = float(np.sum(ours[:, 0] * theirs[:, 1] - ours[:, 1] * theirs[:, 0]))
         return Rotation.from_rotvec([0.0, 0.0, np.arctan2(cross, float(np.sum(ours * theirs)))])
     return Rotation.align_vectors(theirs, ours)[0]
@@ -69,7 +69,7 @@ def turning_world(case: Case) -> Iterator[tuple[str, Case]]:
 
     Fitted by Gauss and Newton on orientations, else on positions.
     """
-    if case.scene.dimension != 3:
+    if case.planar:
         return
     spin, path = np.zeros(3), case.path
     for _ in range(FITS):
@@ -87,7 +87,7 @@ def turning_world(case: Case) -> Iterator[tuple[str, Case]]:
 def _spin_left(case: Case) -> np.ndarray | None:
     """Return the spin (3,), rad/s, that brings the file's motion nearer to the truth; None where nothing is told."""
     path, truth, t = case.path, case.truth, case.path.times
-    if case.told_turns and not np.isnan(path.orientation).all():
+    if case.comparable_turns and not np.isnan(path.orientation).all():
         turns = rotation_vector(product(truth.orientation, conjugate(path.orientation)))
         known = ~np.isnan(turns).any(axis=2)
         weight = np.broadcast_to(t[:, None], known.shape)[known]
@@ -115,14 +115,14 @@ def _turned_along(path: Trajectory, spin: np.ndarray) -> Trajectory:
 
 def turned_bodies(case: Case) -> Iterator[tuple[str, Case]]:
     """Yield a constant rotation between the file's body axes and the scene's."""
-    if not case.told_turns:
+    if not case.comparable_turns:
         return
     words, orientation = [], case.path.orientation.copy()
     for k, body in enumerate(case.scene.bodies):
         told = ~np.isnan(orientation[:, k].reshape(len(orientation), -1)).any(axis=1)
         if not told.any():
             continue
-        if case.scene.dimension == 2:
+        if case.planar:
             gap = case.truth.orientation[told, k] - orientation[told, k]
             turn = float(np.arctan2(np.sin(gap).mean(), np.cos(gap).mean()))
             orientation[:, k] += turn
@@ -144,3 +144,38 @@ def _in_space(vectors: np.ndarray) -> np.ndarray:
 
 def _axis(turn: Rotation) -> str:
     return vector(turn.as_rotvec() / turn.magnitude())
+
+
+def other_points(case: Case) -> Iterator[tuple[str, Case]]:
+    """Yield points fixed in the bodies, other than the centres of mass, whose positions the file tells."""
+    words, position, velocity = [], case.path.position.copy(), case.path.velocity.copy()
+    if not case.comparable_turns:
+        return
+    for k, body in enumerate(case.scene.bodies):
+        turn = _matrices(case.truth.orientation[:, k])
+        gap = position[:, k] - case.truth.position[:, k]
+        if np.isnan(gap).any() or not np.isfinite(turn).all():
+            continue
+        arm = np.mean(np.einsum("nji,nj->ni", turn, gap), axis=0)  # in body axes
+        if np.linalg.norm(arm) <= NONE * case.length:
+            continue
+        away = turn @ arm
+        position[:, k] -= away
+        if case.truth.angular_velocity is not None:
+            velocity[:, k] -= _crossed(case.truth.angular_velocity[:, k], away)
+        words.append(f"{body.name} at {vector(arm)} m in body axes")
+    if words:
+        both = (replace(case.path, position=position), replace(case.path, position=position, velocity=velocity))
+        for path in both:  # velocities may be of the centre of mass all the same
+            yield f"positions are not of the centre of mass, but of {', '.join(words)}", replace(case, path=path)
+
+
+def _crossed(spin: np.ndarray, arm: np.ndarray) -> np.ndarray:
+    return spin[:, None] * np.column_stack([-arm[:, 1], arm[:, 0]]) if spin.ndim == 1 else np.cross(spin, arm)
+
+
+def _matrices(orientation: np.ndarray) -> np.ndarray:
+    if orientation.ndim == 2:
+        return Rotation.from_quat(orientation, scalar_first=True).as_matrix()
+    c, s = np.cos(orientation), np.sin(orientation)
+    return np.stack([np.stack([c, -s], axis=-1), np.stack([s, c], axis=-1)], axis=-2)

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from cross_checks.trajectory_files.mistakes.case import Case, TruthAt
-from cross_checks.truth import NoTruth, Truth
+from cross_checks.truths.truth import NoTruth, Truth
 from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate

@@ -7,10 +7,10 @@ from typing import Any
 
 import click
 
-from cross_checks.certificates import certificate
-from cross_checks.certificates.certificate import Certificate
-from cross_checks.truth import NoTruth
-from cross_checks.truths import known
+from cross_checks.certify import certify, store_poses
+from cross_checks.truths import certificate, known
+from cross_checks.truths.certificate import Certificate
+from cross_checks.truths.truth import NoTruth
 from mbs_ref import scenes
 from mbs_ref.scene import Scene
 from reports import inputs
@@ -54,8 +54,8 @@ def _every() -> list[Scene]:
 
 def _examined(scene: Scene, write: bool) -> dict[str, Any]:
     if write:
-        certificate.keep_poses(scene)
-    fresh, before = certificate.certify(scene, confirm=write), certificate.stored(scene)
+        store_poses(scene)
+    fresh, before = certify(scene, confirm=write), certificate.stored(scene)
     row: dict[str, Any] = {"file": certificate.file_name(scene)}
     if isinstance(fresh, NoTruth):
         return row | {"verdict": "no truth", "reason": fresh.reason}

@@ -9,7 +9,7 @@ import click
 from cross_checks.judge.answers import Answer, Question, answers, questions
 from cross_checks.judge.cell import tasks
 from cross_checks.judge.vocabulary import Cell, Refused, refusals
-from cross_checks.truth import Truth
+from cross_checks.truths.truth import Truth
 from mbs_ref import scenes
 from reports import inputs
 from reports.terminal.asking import STORE, asked_runs, telling

@@ -58,9 +58,8 @@ def command(
     """
     from cross_checks.trajectory_files.columns import FileError
     from cross_checks.trajectory_files.judgement import as_truth, judgement
-    from cross_checks.trajectory_files.library import judged
-    from cross_checks.trajectory_files.reading import read_motion
-    from cross_checks.trajectory_files.truth_at import truth_at
+    from cross_checks.trajectory_files.library import judged, truth_at
+    from cross_checks.trajectory_files.motion import read_motion
 
     chosen = inputs.comparable(scene, parameters, kept)
     if t_end is not None:
@@ -125,7 +124,7 @@ def _show(found: Judgement) -> None:
     for name, metric in metrics.every().items():
         if found.measures.get(name) is not None:
             facts.add_row(metric.label, amount(found.measures[name], metric.unit))
-    for sentence in (*found.untold, *found.notes):
+    for sentence in (*found.missing, *found.notes):
         facts.add_row("note", sentence)
     show(facts)
     listing = table("\nErrors", "body", "component", "largest", "of the scene", "at t, s", "at the end")

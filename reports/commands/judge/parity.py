@@ -6,8 +6,8 @@ from pathlib import Path
 
 import click
 
-from cross_checks.engine.robot import RobotError
-from cross_checks.engines.parity import Difference, Dynamics, Parity, parity
+from cross_checks.robots.parity import Difference, Dynamics, Parity, parity
+from cross_checks.robots.robot import RobotError
 from reports.terminal.console import echo_json, number, show, table
 from reports.terminal.exit_codes import Failed, NothingSelected
 

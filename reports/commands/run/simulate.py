@@ -9,7 +9,7 @@ import click
 from rich.table import Table
 
 from cross_checks import metrics
-from cross_checks.metrics import component_errors
+from cross_checks.metrics.errors import COMPONENTS
 from cross_checks.metrics.metric import Metric
 from cross_checks.records.record import Record
 from cross_checks.records.store import Run, Store
@@ -140,7 +140,7 @@ def _show_error(record: Record, notes: tuple[str, ...]) -> None:
         facts.add_row("error", f"{off} ({error.worst})")
         known = f"{number(error.uncertainty)} of the scene, whose length is {number(error.length)} m"
         facts.add_row("truth", f"{error.truth}, known to {known}")
-    _add_figures(facts, record, component_errors.METRICS)
+    _add_figures(facts, record, COMPONENTS)
     for note in notes:
         facts.add_row("note", note)
     if error is None:

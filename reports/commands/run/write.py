@@ -7,7 +7,8 @@ from typing import Any
 
 import click
 
-from cross_checks.engines import EngineMissing, writers
+from cross_checks import writers
+from cross_checks.engines import EngineMissing
 from mbs_ref.atomic_file import write_atomic
 from reports import inputs
 from reports.terminal.exit_codes import EngineAbsent, Failed

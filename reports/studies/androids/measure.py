@@ -16,10 +16,10 @@ from cross_checks.judge.cell import cell_of
 from cross_checks.judge.one_run import judged_run
 from cross_checks.judge.runs import Runs
 from cross_checks.judge.tried import search
-from cross_checks.metrics.state_error import off_truth
+from cross_checks.metrics.metric import off_truth
 from cross_checks.records.store import Store, default_path
-from cross_checks.truth import NoTruth, Truth
 from cross_checks.truths import truth_for
+from cross_checks.truths.truth import NoTruth, Truth
 from mbs_ref import scenes
 from mbs_ref.integrators import integrators
 from mbs_ref.observables import constraint_residual

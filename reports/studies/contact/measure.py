@@ -9,7 +9,7 @@ import numpy as np
 from benchmarks.event_work import Balance, balance
 from cross_checks import engines
 from cross_checks.judge.one_run import judged_run
-from cross_checks.truths.bouncing_ball import impact
+from cross_checks.truths.of.bouncing import impact
 from mbs_ref import scenes
 from mbs_ref.observables.distance import farthest
 from mbs_ref.scene import Scene

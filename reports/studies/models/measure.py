@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from cross_checks.judge.one_run import evaluate
-from cross_checks.metrics.state_error import off_truth
-from cross_checks.truth import NoTruth
+from cross_checks.metrics.metric import off_truth
+from cross_checks.truths.truth import NoTruth
 from mbs_ref import scenes
 from mbs_ref.crash.outlines import excesses
 from mbs_ref.crash.results import crash_results

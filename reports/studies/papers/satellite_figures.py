@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from cross_checks.metrics.state_error import off_truth
+from cross_checks.metrics.metric import off_truth
 from mbs_ref import scenes
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from cross_checks.judge.one_run import evaluate
-from cross_checks.truth import NoTruth
+from cross_checks.truths.truth import NoTruth
 from mbs_ref import scenes
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate

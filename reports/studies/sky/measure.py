@@ -10,7 +10,7 @@ from benchmarks.timing import interval
 from cross_checks import engines, ephemerides
 from cross_checks.judge.one_run import evaluate
 from cross_checks.records.record import Record
-from cross_checks.truth import NoTruth
+from cross_checks.truths.truth import NoTruth
 from mbs_ref import scenes
 from mbs_ref.observables import energy_balance
 from mbs_ref.observables.distance import distances

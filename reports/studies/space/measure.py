@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from cross_checks.metrics.state_error import off_truth
+from cross_checks.metrics.metric import off_truth
 from mbs_ref import observables, scenes
 from mbs_ref.scene import PointMass, Scene, SpatialBody
 from mbs_ref.settings import Settings

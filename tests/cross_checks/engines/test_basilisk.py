@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from cross_checks.engine.satellites import no_satellites, normalized_zonals, planet_of
+from cross_checks.engine.celestial import no_satellites, normalized_zonals, planet_of
 from mbs_ref import scenes
 from mbs_ref.scene import Scene
 from mbs_ref.scene.celestial import Oblateness

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from cross_checks import engines
-from cross_checks.truth import Truth
 from cross_checks.truths import seek_truth
+from cross_checks.truths.truth import Truth
 from mbs_ref import scenes
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate

@@ -7,8 +7,8 @@ import pytest
 
 from cross_checks import engines
 from cross_checks.judge.one_run import evaluate
-from cross_checks.truth import Truth
 from cross_checks.truths import seek_truth
+from cross_checks.truths.truth import Truth
 from mbs_ref import scenes
 from mbs_ref.observables.distance import farthest
 from mbs_ref.scene import GROUND, PointMass, Revolute, Scene, SpatialBody, Spherical, TorsionSpring

@@ -7,14 +7,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from cross_checks.certify.sky.particles import converge
 from cross_checks.extremes import cell, every, named
 from cross_checks.extremes.cell import made_of
 from cross_checks.extremes.extreme import Axis, Case, Extreme, grid
 from cross_checks.extremes.judge import Fate, Point, judge, lost
 from cross_checks.extremes.run import run_point
 from cross_checks.extremes.search import bisect, last_handled, scan
-from cross_checks.truth import Truth
+from cross_checks.truths.made_by.sky.particles import converge
+from cross_checks.truths.truth import Truth
 from mbs_ref import scenes
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate

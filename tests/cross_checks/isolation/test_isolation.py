@@ -10,7 +10,8 @@ from pathlib import Path
 import numba
 import pytest
 
-from cross_checks.isolation import compilation, patience
+from cross_checks.isolation import patience
+from cross_checks.isolation.messages import compiling_reported
 from cross_checks.isolation.parent import Cancelled, Isolated, Lost
 from tests.cross_checks.isolation import troubles
 
@@ -79,7 +80,7 @@ def test_a_real_compilation_is_told_once_whatever_it_calls():
     inner = numba.njit(lambda x: x + 1.0)
     outer = numba.njit(lambda x: 2.0 * inner(x))
     told = []
-    with compilation.told(lambda: told.append("begins"), lambda: told.append("ends")):
+    with compiling_reported(lambda: told.append("begins"), lambda: told.append("ends")):
         assert outer(1.0) == 4.0
         assert outer(2.0) == 6.0
     assert told == ["begins", "ends"]

@@ -23,7 +23,7 @@ from cross_checks.judge.search import WINDOW
 from cross_checks.judge.tried import search
 from cross_checks.records.record import Record
 from cross_checks.records.store import Store, default_path
-from cross_checks.truth import NoTruth, Truth
+from cross_checks.truths.truth import NoTruth, Truth
 from mbs_ref import scenes
 from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings

@@ -18,8 +18,8 @@ from cross_checks.judge.consensus import Pair
 from cross_checks.judge.runs import Runs
 from cross_checks.judge.vocabulary import Verdict
 from cross_checks.records.store import Store
-from cross_checks.truth import NoTruth
 from cross_checks.truths import truth_for
+from cross_checks.truths.truth import NoTruth
 from mbs_ref import scenes
 from mbs_ref.scene.toml import read_scene
 

@@ -13,7 +13,7 @@ from cross_checks.judge.answers import check
 from cross_checks.judge.cell import judge_method, judged, truth_of
 from cross_checks.judge.runs import Runs
 from cross_checks.judge.vocabulary import Verdict
-from cross_checks.metrics.state_error import from_truth
+from cross_checks.metrics.metric import from_truth
 from cross_checks.records.store import Store
 from cross_checks.truths import seek_truth
 from mbs_ref import scenes

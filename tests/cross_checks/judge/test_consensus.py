@@ -19,12 +19,11 @@ from cross_checks.judge.measure import error_of
 from cross_checks.judge.runs import Runs
 from cross_checks.judge.tried import search
 from cross_checks.judge.vocabulary import Verdict
-from cross_checks.metrics.metric import Judged
-from cross_checks.metrics.state_error import known_to
+from cross_checks.metrics.metric import Judged, known_to
 from cross_checks.records.record import Record
 from cross_checks.records.store import Run
-from cross_checks.truth import NoTruth, Truth
 from cross_checks.truths import truth_for
+from cross_checks.truths.truth import NoTruth, Truth
 from mbs_ref import scenes
 from mbs_ref.scene.bodies import PlanarBody
 from mbs_ref.trajectory import Trajectory

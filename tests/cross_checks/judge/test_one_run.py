@@ -10,7 +10,7 @@ import pytest
 from cross_checks.engine import Method
 from cross_checks.judge.ladder import STEPS, rungs
 from cross_checks.judge.one_run import evaluate
-from cross_checks.truth import NoTruth
+from cross_checks.truths.truth import NoTruth
 from mbs_ref import scenes
 from mbs_ref.scene.events import CoordinateEvent
 from mbs_ref.scene.units import free_fall_time

@@ -18,7 +18,7 @@ from cross_checks.judge.tried import Tried, first_knob, search
 from cross_checks.judge.vocabulary import Verdict
 from cross_checks.records.record import Record
 from cross_checks.records.store import Run
-from cross_checks.truth import NoTruth, Truth
+from cross_checks.truths.truth import NoTruth, Truth
 from mbs_ref import scenes
 from mbs_ref.scene.scales import scales_of
 from mbs_ref.trajectory import Trajectory

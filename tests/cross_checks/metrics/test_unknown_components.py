@@ -11,9 +11,8 @@ import pytest
 from click.testing import CliRunner
 
 from cross_checks.judge.measure import error_of, measure
-from cross_checks.metrics.metric import Judged
-from cross_checks.metrics.state_error import from_truth, known_to
-from cross_checks.truth import MARGIN, Truth
+from cross_checks.metrics.metric import Judged, from_truth, known_to
+from cross_checks.truths.truth import MARGIN, Truth
 from mbs_ref.scene import PlanarBody, PointMass, Scene
 from mbs_ref.scene.scales import scales_of
 from mbs_ref.trajectory import Status, Trajectory

@@ -15,10 +15,9 @@ from cross_checks.trajectory_files.columns import Columns, FileError, read_colum
 from cross_checks.trajectory_files.judgement import as_truth, judgement
 from cross_checks.trajectory_files.mistakes import suspicions
 from cross_checks.trajectory_files.mistakes.case import Case
-from cross_checks.trajectory_files.reading import read_motion
-from cross_checks.trajectory_files.told_motion import told_motion
-from cross_checks.truth import Truth
+from cross_checks.trajectory_files.motion import described_motion, read_motion
 from cross_checks.truths import truth_for
+from cross_checks.truths.truth import Truth
 from mbs_ref import scenes
 from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings
@@ -54,7 +53,7 @@ def told_by(scene: Scene, columns: dict[str, np.ndarray], body: dict, world: dic
         "time": {"column": "t", "unit": "s"}, "bodies": {scene.body_names[0]: body}, "world": world or {},
     })  # fmt: skip
     table = Columns(Path("tool.csv"), columns)
-    path = told_motion(scene, table, stated).path
+    path = described_motion(scene, table, stated).path
     return Case(scene, table, stated, path, at(scene)(path.times), at(scene))
 
 
@@ -81,7 +80,7 @@ def test_a_file_of_simulate_judges_to_what_simulate_said(scene, suffix, tmp_path
     for part in ("times", "position", "velocity", "angular_velocity"):
         np.testing.assert_array_equal(getattr(read.told.path, part), getattr(path, part))
     np.testing.assert_allclose(read.told.path.orientation, path.orientation, rtol=0.0, atol=4e-16)
-    assert not read.told.untold
+    assert not read.told.missing
     found = judgement(scene, read.told, at(scene)(path.times), ASKED)
     assert found.verdict == "agrees"
     assert found.error is not None
@@ -226,7 +225,7 @@ def test_a_term_that_was_left_out_is_named():
         columns, name = plane_columns(path), scene.body_names[0]
         stated = ColumnMap.model_validate({"time": {"column": "t", "unit": "s"}, "bodies": {name: PLANE}})
         table = Columns(Path("tool.csv"), columns)
-        told = told_motion(scene, table, stated)
+        told = described_motion(scene, table, stated)
         case = Case(scene, table, stated, told.path, truth, lambda times: truth_for(scene, times))
         sentences = suspicions(case, ASKED)
         assert expected in sentences[0]
@@ -235,9 +234,9 @@ def test_a_term_that_was_left_out_is_named():
 def test_what_the_file_does_not_tell_is_said_and_not_counted():
     columns = plane_columns(right("pendulum_chain"))
     case = told_by(PENDULUM, columns, {"position": PLANE["position"]})
-    told = told_motion(PENDULUM, case.columns, case.stated)
+    told = described_motion(PENDULUM, case.columns, case.stated)
     name = PENDULUM.body_names[0]
-    assert told.untold == (f"the file does not tell orientation, velocity, angular velocity of {name}",)
+    assert told.missing == (f"the file does not state orientation, velocity, angular velocity of {name}",)
     found = judgement(PENDULUM, told, case.truth, ASKED)
     assert found.verdict == "agrees"
     assert [part.below is None for part in found.parts] == [False, True, True, True]

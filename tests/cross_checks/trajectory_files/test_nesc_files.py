@@ -19,9 +19,9 @@ from cross_checks.trajectory_files.column_map import ColumnMap
 from cross_checks.trajectory_files.columns import Columns, FileError
 from cross_checks.trajectory_files.mistakes import suspicions
 from cross_checks.trajectory_files.mistakes.case import Case
-from cross_checks.trajectory_files.told_motion import told_motion
-from cross_checks.truth import NoTruth, Truth
+from cross_checks.trajectory_files.motion import described_motion
 from cross_checks.truths import seek_truth, truth_for
+from cross_checks.truths.truth import NoTruth, Truth
 from mbs_ref import scenes
 from mbs_ref.scene import Scene
 from mbs_ref.scenes.nesc import SPIN
@@ -53,7 +53,7 @@ def true(scene: Scene, times: np.ndarray = TIMES) -> Truth:
 
 def case_of(scene: Scene, columns: dict[str, np.ndarray], stated: dict[str, Any]) -> Case:
     table, read = Columns(Path("sim.csv"), columns), ColumnMap.model_validate(stated)
-    path = told_motion(scene, table, read).path
+    path = described_motion(scene, table, read).path
 
     def again(times: np.ndarray) -> Truth | NoTruth:
         return seek_truth(scene, times)

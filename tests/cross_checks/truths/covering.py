@@ -18,10 +18,9 @@ from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
-from cross_checks.certify.numerics.time_limit import time_limit
-from cross_checks.metrics.state_error import from_truth
-from cross_checks.truth import Truth
+from cross_checks.metrics.metric import from_truth
 from cross_checks.truths import seek_truth
+from cross_checks.truths.truth import Truth, time_limit
 from mbs_ref import scenes
 from mbs_ref.observables.distance import largest, relative, units_of
 from mbs_ref.scene import Scene

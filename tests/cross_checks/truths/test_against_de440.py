@@ -8,8 +8,8 @@ import pytest
 from cross_checks import engines
 from cross_checks.ephemerides.observed import Observed, observe
 from cross_checks.judge.one_run import evaluate
-from cross_checks.metrics.significant_figures import significant_figures
-from cross_checks.truth import NoTruth
+from cross_checks.metrics.errors import significant_figures
+from cross_checks.truths.truth import NoTruth
 from mbs_ref import scenes
 from mbs_ref.settings import Settings
 

@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 from scipy.special import ellipj, ellipk
 
-from cross_checks.certify.numerics.elliptic import amplitude, quarter_period
-from cross_checks.certify.numerics.extrapolation import extrapolate
-from cross_checks.truth import Truth
 from cross_checks.truths import known, truth_for
+from cross_checks.truths.made_by.numerics.closed_forms import amplitude, quarter_period
+from cross_checks.truths.made_by.numerics.extrapolation import extrapolate
+from cross_checks.truths.truth import Truth
 from mbs_ref import scenes
 
 quoted_to = 1e-13  # m, the digits of A01 that hold

@@ -8,10 +8,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from cross_checks.certify.sky.air import NoAirError
-from cross_checks.certify.sky.air import standard_density as of_the_truth
-from cross_checks.truth import NoTruth
 from cross_checks.truths import seek_truth
+from cross_checks.truths.made_by.sky.satellites import NoAirError
+from cross_checks.truths.made_by.sky.satellites import standard_density as of_the_truth
+from cross_checks.truths.truth import NoTruth
 from mbs_ref import scenes
 from mbs_ref.kernels.particles.atmosphere import BASE, PRESSURE, standard_density
 from mbs_ref.settings import Settings

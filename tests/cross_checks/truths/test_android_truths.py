@@ -5,12 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from cross_checks.certificates import certificate
-from cross_checks.certify import kept_poses
-from cross_checks.certify.kept_poses import KeptPoses
 from cross_checks.judge import ladder
-from cross_checks.truth import Truth
-from cross_checks.truths import seek_truth
+from cross_checks.truths import certificate, seek_truth, stored_poses
+from cross_checks.truths.truth import Truth
 from mbs_ref import scenes
 from mbs_ref.observables import constraint_residual
 from mbs_ref.settings import Settings
@@ -68,20 +65,23 @@ def test_head_and_hip_converge_by_two_unlike_integrators(name, impact):
 def test_what_is_kept_on_disk_is_a_certified_truth_of_scenes_as_they_are():
     """A changed scene has another name there, so that nothing stale is read; `mbs-ref certify` makes them again."""
     certified_scenes = [scenes.make(kept.scene, **kept.parameters) for kept in certificate.every()]
-    known = {kept_poses.file_of(scene) for scene in certified_scenes}
-    files = set(kept_poses.FOLDER.glob("*.npz"))
+    known = {stored_poses.file_of(scene) for scene in certified_scenes}
+    files = set(stored_poses.FOLDER.glob("*.npz"))
     assert files <= known
-    assert {kept_poses.file_of(scenes.make("android_vertebral", impact=impact)) for impact in IMPACTS} <= files
+    assert {stored_poses.file_of(scenes.make("android_vertebral", impact=impact)) for impact in IMPACTS} <= files
 
 
 def test_poses_survive_the_disk_and_a_changed_scene_finds_none(tmp_path):
     scene = scenes.make("android_simplified")
     times, still = np.array([0.0, 0.1, 0.2]), np.zeros((3, 13, 2))
     arrays = (still, still[..., 0], still, still[..., 0], times)
-    kept_poses.keep(scene, KeptPoses(times, *arrays, 1e-12, 2e-12, "made up"), tmp_path)
-    found = kept_poses.find(scene, times[[0, 2]], tmp_path)
+    position, orientation, *rates = arrays
+    truth = Truth(position, orientation, 1e-12, "converged", "made up", 2e-12, True, *rates)
+    stored_poses.save(scene, times, truth, tmp_path)
+    found = stored_poses.load(scene, times[[0, 2]], tmp_path)
     assert found is not None
-    assert found.times.tolist() == [0.0, 0.2]
+    assert found.is_costly
+    assert found.rate_uncertainty.tolist() == [0.0, 0.2]
     assert (found.uncertainty, found.difference, found.how) == (1e-12, 2e-12, "made up")
-    assert kept_poses.find(scene, np.array([0.0, 0.15]), tmp_path) is None
-    assert kept_poses.find(scenes.make("android_simplified", mass=80.0), times, tmp_path) is None
+    assert stored_poses.load(scene, np.array([0.0, 0.15]), tmp_path) is None
+    assert stored_poses.load(scenes.make("android_simplified", mass=80.0), times, tmp_path) is None

@@ -6,11 +6,12 @@ from dataclasses import replace
 
 import pytest
 
-from cross_checks.certificates import certificate
-from cross_checks.certificates.certificate import Certificate, certify, departure, holds, read, stored, write
+from cross_checks.certify import certify
 from cross_checks.judge.vocabulary import AGREEMENT
 from cross_checks.records.record import Error
-from cross_checks.truth import NoTruth
+from cross_checks.truths import certificate
+from cross_checks.truths.certificate import Certificate, departure, holds, read, stored, write
+from cross_checks.truths.truth import NoTruth
 from mbs_ref import scenes
 from mbs_ref.scene.units import unit_length
 

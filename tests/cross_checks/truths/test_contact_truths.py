@@ -10,9 +10,9 @@ import pytest
 from cross_checks import engines
 from cross_checks.judge.one_run import judged_run
 from cross_checks.metrics.contact_figures import contact_figures
-from cross_checks.truth import NoTruth, Truth
 from cross_checks.truths import seek_truth
-from cross_checks.truths.bouncing_ball import impact
+from cross_checks.truths.of.bouncing import impact
+from cross_checks.truths.truth import NoTruth, Truth
 from mbs_ref import scenes
 from mbs_ref.scene.contact import HuntCrossleyLaw
 from mbs_ref.scene.events import CoordinateEvent

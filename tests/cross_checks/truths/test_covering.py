@@ -40,7 +40,7 @@ def test_a_variant_meets_its_truth(name, parameters):
 
 
 def test_a_wrong_truth_is_detected(monkeypatch):
-    monkeypatch.setattr("cross_checks.truths.rolling_disc.ROUNDOFF", 1e-12)
+    monkeypatch.setattr("cross_checks.truths.of.sliding.DISC_ROUNDOFF", 1e-12)
     monkeypatch.setattr("tests.cross_checks.truths.covering.WRONG", -1.0)
     monkeypatch.setattr("tests.cross_checks.truths.covering.ESTIMATES", -1.0)
     assert outcome("rolling_disc", {}).kind == "wrong"

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from cross_checks import truths
-from cross_checks.certify.numerics import quadrature, rates
-from cross_checks.certify.numerics.quadrature import integral, running_integral
-from cross_checks.certify.numerics.sensitivity import DOUBLE_EPS, rounding_error
-from cross_checks.truth import NoConvergenceError, NoTruth, Truth
 from cross_checks.truths import seek_truth
-from cross_checks.truths.bouncing_ball import impact
+from cross_checks.truths.made_by.numerics import quadrature, rates
+from cross_checks.truths.made_by.numerics.closed_forms import DOUBLE_EPS, rounding_error
+from cross_checks.truths.made_by.numerics.quadrature import integral, running_integral
+from cross_checks.truths.of.bouncing import impact
+from cross_checks.truths.truth import NoConvergenceError, NoTruth, Truth
 from mbs_ref import scenes
 from mbs_ref.scene.contact import HuntCrossleyLaw
 from mbs_ref.scene.scales import Scales
@@ -114,7 +114,7 @@ def test_an_unexpected_exception_and_the_time_limit_are_reasons(monkeypatch):
         raise ZeroDivisionError("a mistake")
 
     times = np.linspace(0.0, 0.7, 5)
-    monkeypatch.setattr("cross_checks.truths.pendulum.solve", broken)
+    monkeypatch.setattr("cross_checks.truths.of.pendulums.solve", broken)
     found = seek_truth(scenes.make("pendulum"), times)
     assert isinstance(found, NoTruth)
     assert found.kind == "defect"

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from cross_checks.judge.ladder import SAMPLES
-from cross_checks.truth import Truth
 from cross_checks.truths import truth_for
+from cross_checks.truths.truth import Truth
 from mbs_ref import scenes
 from mbs_ref.scene import Scene
 from mbs_ref.scenes.nesc import FOOT, SPIN

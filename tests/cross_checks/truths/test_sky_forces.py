@@ -6,10 +6,9 @@ import erfa
 import numpy as np
 import pytest
 
-from cross_checks.certify.sky import directions
-from cross_checks.certify.sky.field import FIELDS, acceleration
-from cross_checks.certify.sky.particles import start
-from cross_checks.certify.sky.satellites import visible_share
+from cross_checks.truths.made_by.sky import directions
+from cross_checks.truths.made_by.sky.particles import FIELDS, acceleration, start
+from cross_checks.truths.made_by.sky.satellites import visible_share
 from mbs_ref.cores.choice import compile_scene
 from mbs_ref.scene import PointMass, Scene
 from mbs_ref.scene.celestial import (

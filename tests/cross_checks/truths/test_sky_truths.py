@@ -9,14 +9,14 @@ import numpy as np
 import pytest
 
 import cross_checks
-from cross_checks.certify.sky import particles
-from cross_checks.certify.sky.particles import converge
 from cross_checks.judge.cell import judge_method, truth_of
 from cross_checks.judge.one_run import evaluate
 from cross_checks.judge.runs import Runs
 from cross_checks.judge.vocabulary import Verdict
-from cross_checks.truth import NoTruth, Truth
 from cross_checks.truths import seek_truth
+from cross_checks.truths.made_by.sky import particles
+from cross_checks.truths.made_by.sky.particles import converge
+from cross_checks.truths.truth import NoTruth, Truth
 from mbs_ref import scenes
 from mbs_ref.integrators import integrators
 from mbs_ref.scene import PointMass, Scene

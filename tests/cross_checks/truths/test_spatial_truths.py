@@ -5,10 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from cross_checks.certify.mechanisms.spherical_tree import hamilton, newton_euler, spherical_tree
-from cross_checks.certify.numerics.quadrature import periodic_integral
-from cross_checks.truth import Truth
-from cross_checks.truths import seek_truth, torque_free_top
+from cross_checks.truths import seek_truth
+from cross_checks.truths.made_by.mechanisms.spherical_tree import hamilton, newton_euler, spherical_tree
+from cross_checks.truths.made_by.numerics.quadrature import periodic_integral
+from cross_checks.truths.of import tops
+from cross_checks.truths.truth import Truth
 from mbs_ref import scenes
 from mbs_ref.observables.distance import farthest
 from mbs_ref.settings import Settings
@@ -64,6 +65,6 @@ def test_whole_periods_of_a_rate_are_counted_not_integrated():
 
 def test_a_free_top_is_known_after_ten_thousand_turns():
     scene = scenes.make("torque_free_top", spin=10.0, axis=3, tilt=0.1, turns=10_000.0)
-    found = torque_free_top.solve(scene, np.linspace(0.0, 2000.0 * np.pi, 11))
+    found = tops.torque_free_top(scene, np.linspace(0.0, 2000.0 * np.pi, 11))
     assert found.uncertainty < 1e-10
     assert np.max(np.abs(np.linalg.norm(found.orientation, axis=2) - 1.0)) < 1e-15

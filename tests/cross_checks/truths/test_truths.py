@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from cross_checks.certify.agreement import Formulation, agree
-from cross_checks.certify.mechanisms.rod_chain import solve
-from cross_checks.certify.numerics.extrapolation import extrapolate
-from cross_checks.truth import NoConvergenceError, NoTruth, Truth
 from cross_checks.truths import known, seek_truth, truth_for
+from cross_checks.truths.made_by.agreement import Formulation, agree
+from cross_checks.truths.made_by.mechanisms.rod_chain import solve
+from cross_checks.truths.made_by.numerics.extrapolation import extrapolate
+from cross_checks.truths.truth import NoConvergenceError, NoTruth, Truth
 from mbs_ref import observables as judge
 from mbs_ref import scenes
 from mbs_ref.scene import Scene

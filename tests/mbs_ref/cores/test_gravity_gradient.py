@@ -7,8 +7,8 @@ import math
 import numpy as np
 import pytest
 
-from cross_checks.certify.numerics.elliptic import amplitude, quarter_period
 from cross_checks.truths import seek_truth
+from cross_checks.truths.made_by.numerics.closed_forms import amplitude, quarter_period
 from mbs_ref import scenes
 from mbs_ref.cores.choice import compile_scene
 from mbs_ref.observables.energy import energy_balance

@@ -27,8 +27,8 @@ from cross_checks.judge import runs as judged_runs
 from cross_checks.judge.answers import Answer
 from cross_checks.judge.vocabulary import Cell, Verdict
 from cross_checks.records.record import Error, Record
-from cross_checks.truth import NoTruth
 from cross_checks.truths import seek_truth
+from cross_checks.truths.truth import NoTruth
 from mbs_ref import scenes
 from mbs_ref.scene.toml import write_scene
 from mbs_ref.trajectory import Trajectory

@@ -67,7 +67,7 @@ def test_a_tools_file_is_read_by_its_map_and_judged_with_a_plot(own_file, tmp_pa
     right, wrong = as_a_tool_writes(own_file), None
     done = run(str(right), "pendulum", "--map", str(stated), "--plot", str(tmp_path / "error.html"))
     assert done.exit_code == 0, done.output
-    assert "does not tell velocity" in done.output
+    assert "does not state velocity" in done.output
     assert "plotly" in (tmp_path / "error.html").read_text()
     wrong = as_a_tool_writes(own_file, drift=1e-3)
     done = run(str(wrong), "pendulum", "--map", str(stated))

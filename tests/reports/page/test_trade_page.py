@@ -6,8 +6,8 @@ from dataclasses import replace
 
 from cross_checks.judge.bounds import TARGETS
 from cross_checks.judge.ladder import grid
-from cross_checks.truth import Truth
 from cross_checks.truths import seek_truth
+from cross_checks.truths.truth import Truth
 from mbs_ref import scenes
 from reports.facts.report_data import ReportData
 from reports.facts.truth_facts import TruthFacts, truth_facts

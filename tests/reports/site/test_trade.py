@@ -6,7 +6,7 @@ import pytest
 
 from cross_checks.judge.runs import Runs
 from cross_checks.records.store import Store
-from cross_checks.truth import NoTruth, Truth
+from cross_checks.truths.truth import NoTruth, Truth
 from mbs_ref import scenes
 from reports.site import gallery, trade
 

@@ -8,9 +8,9 @@ import math
 import numpy as np
 import pytest
 
-from cross_checks.truth import Truth
 from cross_checks.truths import seek_truth
-from cross_checks.truths.ball_on_driven_seat import Flight, Shaker, flights
+from cross_checks.truths.of.seats import Flight, Shaker, flights
+from cross_checks.truths.truth import Truth
 from mbs_ref import scenes
 from mbs_ref.cores.choice import compile_scene
 from mbs_ref.integrators.loop.events import AT_NEW, RATE_NEW, event_tables, settle

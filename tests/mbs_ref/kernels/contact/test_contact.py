@@ -7,9 +7,9 @@ import math
 import numpy as np
 import pytest
 
-from cross_checks.truth import Truth
 from cross_checks.truths import seek_truth
-from cross_checks.truths.bouncing_ball import impact
+from cross_checks.truths.of.bouncing import impact
+from cross_checks.truths.truth import Truth
 from mbs_ref import scenes
 from mbs_ref.cores.choice import compile_scene
 from mbs_ref.observables import energy_balance, momentum_drift

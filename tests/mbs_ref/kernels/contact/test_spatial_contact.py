@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from cross_checks.truth import Truth
 from cross_checks.truths import seek_truth
-from cross_checks.truths.bouncing_ball import impact
-from cross_checks.truths.rolling_sphere import stop_of_slip
+from cross_checks.truths.of.bouncing import impact
+from cross_checks.truths.of.sliding import stop_of_slip
+from cross_checks.truths.truth import Truth
 from mbs_ref import scenes
 from mbs_ref.observables import energy_balance, momentum_drift
 from mbs_ref.scene import Scene, SpatialBody

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from cross_checks.truths.ball_on_driven_seat import Shaker, flights
+from cross_checks.truths.of.seats import Shaker, flights
 from mbs_ref.observables.energy import kinetic_energy
 from mbs_ref.scene import PointDrive, PointMass, Prismatic, Scene, SpatialBody, SpringDamper
 from mbs_ref.scene.contact import ConstraintLaw, SphereOnPlane, SphereOnSphere

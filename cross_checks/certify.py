@@ -1,0 +1,69 @@
+"""Certificates of truths, computed afresh and confirmed by the reference solver."""
+
+from __future__ import annotations
+
+import math
+import platform
+from datetime import UTC, datetime
+from importlib.metadata import version
+from pathlib import Path
+
+import numpy as np
+
+from cross_checks import engines
+from cross_checks.judge import ladder
+from cross_checks.judge.one_run import evaluate
+from cross_checks.truths import seek_truth, stored_poses
+from cross_checks.truths.certificate import Certificate
+from cross_checks.truths.truth import NoTruth, Truth
+from mbs_ref.scene import Scene
+
+PACKAGES = ("numpy", "scipy")  # whose versions may matter; extended precision is the processor's
+
+
+def certify(scene: Scene, confirm: bool = True) -> Certificate | NoTruth:
+    """Compute the scene's truth afresh on the grid of judged runs and return its certificate, or why it has none."""
+    times = ladder.grid(scene)
+    truth = seek_truth(scene, times, afresh=True)
+    if isinstance(truth, NoTruth):
+        return truth
+    by, to = _confirmation(scene) if confirm else ("", None)
+    return Certificate(
+        scene.name, dict(scene.parameters), float(times[-1]), len(times), truth.kind, truth.how, truth.uncertainty,
+        truth.difference, _end(scene, truth), by, to, datetime.now(UTC).strftime("%Y-%m-%d"), _versions(),
+    )  # fmt: skip
+
+
+def store_poses(scene: Scene) -> Path | None:
+    """Compute the scene's truth afresh and store its poses where it is costly; return their file."""
+    times = ladder.grid(scene)
+    truth = seek_truth(scene, times, afresh=True)
+    return stored_poses.save(scene, times, truth) if isinstance(truth, Truth) and truth.is_costly else None
+
+
+def _confirmation(scene: Scene) -> tuple[str, float | None]:
+    """Run the reference solver at its finest: it shares the scene's data with the truth, and no code of motion."""
+    solver = engines.get("mbs_ref")
+    fit = [method for method in solver.methods() if not solver.method_refusals(scene, method)]
+    if solver.refusals(scene) or not fit:
+        return "the reference solver does not run it", None
+    finest = ladder.rungs(fit[0], scene)[-1]
+    record = evaluate(scene, solver.name, finest, ladder.grid(scene))
+    by = f"{solver.name} {fit[0].name} {ladder.label(finest)}"
+    if record.error is None:
+        return f"{by} does not finish: {record.message}", None
+    return by, record.at_most("position_error")
+
+
+def _end(scene: Scene, truth: Truth) -> dict[str, list[float | None]]:
+    places = truth.position[-1].tolist()
+    return {
+        name: [x if math.isfinite(x) else None for x in place]
+        for name, place in zip(scene.body_names, places, strict=True)
+    }
+
+
+def _versions() -> dict[str, str]:
+    digits = np.finfo(np.longdouble).precision
+    versions = {name: version(name) for name in PACKAGES}
+    return {"python": platform.python_version(), **versions, "extended precision": f"{digits} digits"}

@@ -1,0 +1,62 @@
+"""Particles and satellites in the terms of programs for celestial bodies."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+
+from mbs_ref.cores.choice import compile_scene
+from mbs_ref.scene import Scene
+from mbs_ref.scene.celestial import Drag, Oblateness, RadiationPressure, ThirdBody
+from mbs_ref.scene.units import attraction
+
+
+def of_particles(position: np.ndarray, velocity: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Return poses of particles in space from positions and velocities, each (n_t, n_bodies, 3): they never turn."""
+    turn = np.zeros((*position.shape[:2], 4))
+    turn[:, :, 0] = 1.0
+    return position, turn, velocity, np.zeros_like(velocity)
+
+
+def planet_of(scene: Scene) -> int:
+    """Return the index of the body that attracts; the first of all where none does."""
+    gm = attraction(scene)
+    return max(range(len(gm)), key=gm.__getitem__)
+
+
+def no_satellites(scene: Scene) -> Iterator[str]:
+    """Yield why the scene is not one planet at rest with bodies that attract nothing, one reason a part."""
+    gm = attraction(scene)
+    planet = scene.bodies[planet_of(scene)]
+    attracting = [body.name for body, each in zip(scene.bodies, gm, strict=True) if each > 0.0]
+    if len(attracting) > 1:
+        yield f"{', '.join(attracting)} attract: here one planet attracts, and satellites attract nothing"
+    elif any((*planet.position, *planet.velocity)):
+        yield f"{planet.name!r} is at {planet.position} and moves by {planet.velocity}; it must rest in the origin"
+    if any(scene.gravity):
+        yield f"gravity = {scene.gravity}: no uniform field acts between satellites and planet"
+    for load in scene.loads:
+        yield from _of_load(load, planet.name)
+    try:
+        compile_scene(scene)  # coincident bodies would give NaN
+    except ValueError as error:
+        yield str(error)
+
+
+def _of_load(load: object, planet: str) -> Iterator[str]:
+    if isinstance(load, Oblateness):
+        if load.body != planet:
+            yield f"oblateness {load.name!r}: {load.body!r} does not attract"
+        if load.pole != "fixed" or load.axis != (0.0, 0.0, 1.0):
+            yield f"oblateness {load.name!r}: the planet's pole must be the fixed z axis"
+    if isinstance(load, Drag) and load.planet != planet:
+        yield f"drag {load.name!r}: {load.planet!r} is not the planet"
+    if isinstance(load, ThirdBody | RadiationPressure):
+        yield f"{load.type} {load.name!r}: the places of Sun and Moon would be messages, held through a step"
+
+
+def normalized_zonals(zonal: tuple[float, ...]) -> list[float]:
+    """Return the fully normalized C_n0 of n = 0, 1, 2, ...: -J_n / sqrt(2 n + 1) (Vallado 2013, eq 8-22)."""
+    return [1.0, 0.0, *(-j / math.sqrt(2 * n + 1) for n, j in enumerate(zonal, start=2))]

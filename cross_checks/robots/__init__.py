@@ -1,0 +1,1 @@
+"""Robot files as scenes, one adapter for each parser, and the comparison of what the parsers read."""

@@ -1,0 +1,160 @@
+"""The bodies, joints and forces of an MJCF model at the start, as parts of a scene."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import cached_property
+from itertools import combinations
+from typing import Any
+
+import mujoco
+import numpy as np
+
+from cross_checks.robots.robot import LOCKED, RATE, Axis, own_forces, plain, six, three
+from mbs_ref.scene import GROUND, Cylindrical, Prismatic, Revolute, SpatialBody, Spherical, Universal, Weld
+from mbs_ref.scene.euler_parameters import from_matrix
+
+SAME = 1e-9  # m, of directions 1: two joints' points and axes are one, or square to each other
+TAKEN = (
+    "taken are one, two hinges that cross at right angles, three that cross, a slide along a hinge; "
+    f"-p JOINT={LOCKED} holds one still"
+)
+SPREAD = 1e-6  # three hinges whose axes span less than this have lost a freedom
+FREE, BALL, SLIDE, HINGE = (int(kind) for kind in (
+    mujoco.mjtJoint.mjJNT_FREE, mujoco.mjtJoint.mjJNT_BALL, mujoco.mjtJoint.mjJNT_SLIDE, mujoco.mjtJoint.mjJNT_HINGE,
+))  # fmt: skip
+CONNECT, WELD = int(mujoco.mjtEq.mjEQ_CONNECT), int(mujoco.mjtEq.mjEQ_WELD)
+
+type Pair = Revolute | Prismatic | Spherical | Universal | Cylindrical
+
+
+class Posed:
+    """The model's bodies at the start. Bodies without joints are parts of those that carry them."""
+
+    def __init__(self, model: Any, start: dict[str, float], ignored: list[str]) -> None:
+        self.model, self.data, self.ignored = model, mujoco.MjData(model), ignored
+        for name, value in start.items():
+            joint = model.joint(name.removesuffix(RATE))
+            if name.endswith(RATE):
+                self.data.qvel[joint.dofadr[0]] = value
+            else:
+                self.data.qpos[joint.qposadr[0]] = value
+        mujoco.mj_forward(model, self.data)
+        self.moving = [b for b in range(1, model.nbody) if model.body_weldid[b] == b]
+
+    def name(self, body: int) -> str:
+        """Return the name of what carries a body."""
+        carrier = int(self.model.body_weldid[body])
+        return GROUND if carrier == 0 else plain(self.model.body(carrier).name or f"body_{carrier}")
+
+    def parts(self, body: int) -> list[int]:
+        return [b for b in range(1, self.model.nbody) if self.model.body_weldid[b] == body]
+
+    def body(self, body: int) -> SpatialBody:
+        """Return a moving body with all that is welded to it; its body axes are MuJoCo's."""
+        model, data, own = self.model, self.data, self.parts(body)
+        mass = float(model.body_mass[own].sum())
+        centre = (model.body_mass[own, None] * data.xipos[own]).sum(axis=0) / mass
+        inertia = np.zeros((3, 3))
+        for part in own:
+            turn, arm = data.ximat[part].reshape(3, 3), data.xipos[part] - centre
+            inertia += turn @ np.diag(model.body_inertia[part]) @ turn.T
+            inertia += model.body_mass[part] * (arm @ arm * np.eye(3) - np.outer(arm, arm))
+        axes = data.xmat[body].reshape(3, 3)
+        inertia = axes.T @ inertia @ axes
+        linear, angular = np.zeros((3, model.nv)), np.zeros((3, model.nv))
+        mujoco.mj_jac(model, data, linear, angular, centre, body)
+        return SpatialBody(
+            name=self.name(body), mass=mass, inertia=six(0.5 * (inertia + inertia.T)), position=three(centre),
+            orientation=tuple(from_matrix(axes).tolist()), velocity=three(linear @ data.qvel),
+            angular_velocity=three(angular @ data.qvel),
+        )  # fmt: skip
+
+    # --- joints ---------------------------------------------------------------------------------------
+
+    def joints_of(self, body: int) -> list[int]:
+        first = int(self.model.body_jntadr[body])
+        return list(range(first, first + int(self.model.body_jntnum[body])))
+
+    def axis(self, j: int) -> Axis:
+        body = int(self.model.jnt_bodyid[j])
+        ends = self.name(int(self.model.body_parentid[body])), self.name(body)
+        return Axis(plain(self.model.joint(j).name or f"joint_{j}"), *ends, three(self.data.xanchor[j]),
+                    three(self.data.xaxis[j]), self.model.jnt_type[j] == SLIDE)  # fmt: skip
+
+    @cached_property
+    def carried_by(self) -> dict[int, Pair | str | None]:
+        """Return the joint that carries each moving body, None where it is free, or why a scene has none such."""
+        return {body: self._between(body) for body in self.moving}
+
+    def _between(self, body: int) -> Pair | str | None:
+        listed = self.joints_of(body)
+        kinds, axes = [int(self.model.jnt_type[j]) for j in listed], [self.axis(j) for j in listed]
+        if kinds == [FREE]:
+            return None
+        ends: dict[str, Any] = {"name": axes[0].joint, "body_a": axes[0].body_a, "body_b": axes[0].body_b}
+        point, along = axes[-1].point, [np.array(axis.along) for axis in axes]
+        together = all(np.abs(np.subtract(axis.point, point)).max() < SAME for axis in axes)
+        square = all(abs(a @ b) < SAME for a, b in combinations(along, 2))
+        match kinds:
+            case [kind] if kind == BALL:
+                return Spherical(**ends, point=point)
+            case [kind] if kind == SLIDE:
+                return Prismatic(**ends, point=point, axis=three(along[0]))
+            case [kind] if kind == HINGE:
+                return Revolute(**ends, point=point, axis=three(along[0]))
+            case [a, b] if a == b == HINGE and together and square:
+                return Universal(**ends, point=point, axis_a=three(along[0]), axis_b=three(along[1]))
+            case [a, b, c] if a == b == c == HINGE and together and abs(np.linalg.det(along)) > SPREAD:
+                return Spherical(**ends, point=point)
+            case [a, b] if {a, b} == {SLIDE, HINGE} and np.abs(np.cross(along[0], along[1])).max() < SAME:
+                return Cylindrical(**ends, point=point, axis=three(along[0]))
+        told = ", ".join(f"{axis.joint!r} {'slides' if axis.slides else 'turns'}" for axis in axes)
+        return f"body {self.name(body)!r} has joints that no joint of a scene makes together ({told}): {TAKEN}"
+
+    def joints(self) -> Iterator[Pair]:
+        yield from (pair for pair in self.carried_by.values() if pair is not None and not isinstance(pair, str))
+
+    def closures(self) -> Iterator[Spherical | Weld]:
+        """Yield what equality constraints close."""
+        for e, (a, b), places in self.equalities():
+            ends: dict[str, Any] = {
+                "name": plain(self.model.equality(e).name or f"closure_{e}"),
+                "body_a": self.name(a),
+                "body_b": self.name(b),
+            }
+            part = Spherical if self.model.eq_type[e] == CONNECT else Weld
+            yield part(**ends, point=three(places[0]))
+
+    def equalities(self) -> Iterator[tuple[int, tuple[int, int], tuple[np.ndarray, np.ndarray]]]:
+        model, data = self.model, self.data
+        for e in range(model.neq):
+            if model.eq_type[e] in (CONNECT, WELD) and data.eq_active[e]:
+                pair = int(model.eq_obj1id[e]), int(model.eq_obj2id[e])
+                marks = (model.eq_data[e, :3], model.eq_data[e, 3:6])
+                marks = (
+                    marks if model.eq_type[e] == CONNECT else marks[::-1]
+                )  # MuJoCo keeps a weld's the other way round
+                at = [data.xpos[b] + data.xmat[b].reshape(3, 3) @ mark for b, mark in zip(pair, marks, strict=True)]
+                yield e, pair, (at[0], at[1])
+
+    # --- forces ---------------------------------------------------------------------------------------
+
+    def loads(self) -> Iterator[Any]:
+        for j in self.single():
+            stiffness, damping = self._own(j)
+            at = int(self.model.jnt_qposadr[j])
+            yield from own_forces(
+                self.axis(j), stiffness, damping, float(self.model.qpos_spring[at] - self.data.qpos[at])
+            )
+
+    def single(self) -> list[int]:
+        """Return the hinges and slides that carry a body alone."""
+        model = self.model
+        plain = [j for j in range(model.njnt) if model.jnt_type[j] in (SLIDE, HINGE)]
+        return [j for j in plain if len(self.joints_of(model.jnt_bodyid[j])) == 1]
+
+    def _own(self, j: int) -> tuple[float, float]:
+        """Return stiffness and damping of a joint that are taken."""
+        stiffness = 0.0 if "springs" in self.ignored else float(self.model.jnt_stiffness[j])
+        return stiffness, 0.0 if "damping" in self.ignored else float(self.model.dof_damping[self.model.jnt_dofadr[j]])

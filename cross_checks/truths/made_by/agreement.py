@@ -1,0 +1,144 @@
+"""A converged truth: two formulations, two integrators, two precisions; the difference is the error bar."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from cross_checks.truths.made_by.numerics.extrapolation import extrapolate, extrapolate_branches
+from cross_checks.truths.made_by.numerics.rates import along
+from cross_checks.truths.made_by.numerics.scipy_solvers import runge_kutta
+from cross_checks.truths.truth import Truth
+from mbs_ref.observables.distance import Partial, unmasked_distances
+
+NUDGE = 1e-10  # of the start, to measure how the motion magnifies an error
+LARGEST_UNCERTAINTY = 1e-8  # m; a truth known less well ranks nobody, and is not worth its computation
+RK_TOLERANCE = 3e-14  # the tightest DOP853 takes in double precision
+ARM = 1.0  # m, at which differences of orientation in space count; the scenes' bodies are no larger
+DOUBLE_EPS = float(np.finfo(float).eps)
+
+
+@dataclass(frozen=True)
+class Formulation:
+    """Equations of motion in some coordinates y."""
+
+    derivative: Callable  # (t, y) -> dy/dt in y's precision
+    start: np.ndarray  # (n,) y at t = 0
+    poses: Callable  # (t, y) -> position (n_bodies, dimension) m, angle (n_bodies,) rad or theta (n_bodies, 4)
+    frozen: Callable | None = None  # (t, y, on) -> dy/dt where forces set in or let go: in the branches `on`
+    switches: Callable | None = None  # (t, y) -> (n_switches,): on where positive
+    breakpoints: tuple[float, ...] = ()  # s, where the derivative is not smooth in time
+
+
+@dataclass(frozen=True)
+class Agreement:
+    """World poses, and how well they are known."""
+
+    position: np.ndarray  # (n_t, n_bodies, dimension) m
+    angle: np.ndarray  # (n_t, n_bodies) rad, or (n_t, n_bodies, 4) Euler parameters
+    difference: float  # m, largest between the two runs; NaN where the second was spared
+    sensitivity: float  # m of pose per unit of error at the start
+    uncertainty: float  # m
+    velocity: np.ndarray  # (n_t, n_bodies, dimension) m/s
+    angular_velocity: np.ndarray  # (n_t, n_bodies) or (n_t, n_bodies, 3) rad/s
+    rate_uncertainty: np.ndarray  # (n_t,) m/s and rad/s
+
+
+def converged(agreement: Agreement, first: str, second: str, *, is_costly: bool = False) -> Truth:
+    """Return the truth that two computations agree on; `first` and `second` name their equations and methods."""
+    gap, growth = agreement.difference, agreement.sensitivity
+    return Truth(
+        agreement.position, agreement.angle, agreement.uncertainty, "converged",
+        f"{second}; {first} differ by {gap:.1e} m; a start error grows {growth:.1e}-fold", gap, is_costly,
+        agreement.velocity, agreement.angular_velocity, agreement.rate_uncertainty,
+    )  # fmt: skip
+
+
+def carried(relative: Agreement, displacement: np.ndarray, velocity: np.ndarray) -> Agreement:
+    """Return in world axes an agreement in a frame that is displaced (n_t, d) m and moves at (n_t, d) m/s."""
+    place, rate = relative.position + displacement[:, None], relative.velocity + velocity[:, None]
+    return replace(relative, position=place, velocity=rate)
+
+
+def agree(
+    first: Formulation,
+    second: Formulation,
+    times: np.ndarray,
+    *,
+    extended: bool,
+    rk_tolerance: float = RK_TOLERANCE,
+    second_by: Callable | None = None,
+) -> Agreement:
+    """Solve `first` by DOP853 and `second` by extrapolation, in extended precision if so requested; compare poses.
+
+    Where forces set in or let go, DOP853 is left to find it by its error control and extrapolation locates it.
+    `second_by` names another solver where extrapolation does not suit, as for stiff motions.
+    The uncertainty is the difference plus the roundoff of double data magnified by the motion; where the
+    latter alone exceeds LARGEST_UNCERTAINTY the second run is spared.
+    """
+    grid, rows = _grid(times, (*first.breakpoints, *second.breakpoints))
+    kind = np.longdouble if extended else float
+    tolerance = 64 * float(np.finfo(kind).eps)
+    states = runge_kutta(first.derivative, first.start, grid, rk_tolerance)
+    coarse, rates = _poses(first, grid, states), _rates(first, grid, states)
+    sensitivity = _sensitivity(first, grid, coarse, rk_tolerance)
+    if DOUBLE_EPS * sensitivity > LARGEST_UNCERTAINTY:
+        doubt = np.full(len(rows), np.inf)
+        given = (DOUBLE_EPS * sensitivity, rates[0][rows], rates[1][rows], doubt)
+        return Agreement(coarse[0][rows], coarse[1][rows], float("nan"), sensitivity, *given)
+    start = second.start.astype(kind)
+    solved = (
+        _extrapolated(second, start, grid, tolerance)
+        if second_by is None
+        else second_by(second.derivative, start, grid, tolerance)
+    )
+    fine = _poses(second, grid, solved)
+    difference = _gap(fine, coarse)
+    uncertainty = difference + DOUBLE_EPS * max(1.0, sensitivity)
+    best = _rates(second, grid, solved)
+    apart = unmasked_distances(Partial(None, None, *best[:2]), Partial(None, None, *rates[:2]), best[1].ndim == 3)
+    doubt = best[2] + apart[..., 2:].max(axis=(1, 2)) + DOUBLE_EPS * max(1.0, sensitivity)
+    given = (best[0][rows], best[1][rows], doubt[rows])
+    return Agreement(fine[0][rows], fine[1][rows], difference, sensitivity, uncertainty, *given)
+
+
+def _extrapolated(formulation: Formulation, start: np.ndarray, grid: np.ndarray, tolerance: float) -> np.ndarray:
+    if formulation.frozen is None or formulation.switches is None:
+        return extrapolate(formulation.derivative, start, grid, tolerance)
+    return extrapolate_branches(formulation.frozen, formulation.switches, start, grid)
+
+
+def _grid(times: np.ndarray, breakpoints: tuple[float, ...]) -> tuple[np.ndarray, np.ndarray]:
+    """Return the times to stop at, from 0 on, and the indices of `times` in them."""
+    times = np.asarray(times, dtype=float)
+    inner = [t for t in breakpoints if 0.0 < t < times[-1]]
+    grid = np.unique(np.concatenate(([0.0], times, inner)))
+    return grid, np.searchsorted(grid, times)
+
+
+def _poses(formulation: Formulation, times: np.ndarray, states: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    poses = [formulation.poses(t, y) for t, y in zip(times, states, strict=True)]
+    return tuple(np.array(part, dtype=float) for part in zip(*poses, strict=True))  # type: ignore[return-value]
+
+
+def _rates(
+    formulation: Formulation, times: np.ndarray, states: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return velocities, angular velocities and how well they are known (n_t,) at every time."""
+    rates = [along(formulation.derivative, formulation.poses, t, y) for t, y in zip(times, states, strict=True)]
+    return tuple(np.array(part) for part in zip(*rates, strict=True))  # type: ignore[return-value]
+
+
+def _gap(first: tuple[np.ndarray, np.ndarray], second: tuple[np.ndarray, np.ndarray]) -> float:
+    """Return the largest distance between centres, and in space between points ARM away from them."""
+    sizes = unmasked_distances(Partial(*first), Partial(*second), first[1].ndim == 3)
+    return float(np.max(sizes[..., :2] * ((1.0, ARM) if first[1].ndim == 3 else (1.0, 0.0))))
+
+
+def _sensitivity(formulation: Formulation, times: np.ndarray, poses: tuple, tolerance: float) -> float:
+    """Nudge the start at random and see how far the motion moves away."""
+    signs = np.random.default_rng(0).choice([-1.0, 1.0], size=len(formulation.start))
+    states = runge_kutta(formulation.derivative, formulation.start + NUDGE * signs, times, tolerance)
+    return _gap(_poses(formulation, times, states), poses) / NUDGE

@@ -1,0 +1,82 @@
+"""A conservative mechanism of one freedom: Lagrange's and Hamilton's equations in the coordinate that it leaves."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from cross_checks.truths.made_by.agreement import Agreement, Formulation, agree
+from cross_checks.truths.made_by.numerics import jet
+from cross_checks.truths.made_by.numerics.jet import Jet
+from mbs_ref.scene import Scene, SpatialBody, symmetric
+from mbs_ref.scene.euler_parameters import from_matrix
+
+
+@dataclass(frozen=True)
+class OneFreedom:
+    """Where every body is as a function of one coordinate s; kinetic energy is J(s) s'^2 / 2."""
+
+    poses: Callable[[Jet], tuple[Jet, Jet]]  # s -> centres (n, 3) m and axes (n, 3, 3), as jets
+    mass: np.ndarray  # (n,) kg
+    inertia: np.ndarray  # (n, 3, 3) kg m^2 about the centres, body axes
+    gravity: np.ndarray  # (3,) m/s^2
+    start: Any  # s at t = 0, in any precision
+    rate: Any  # s' at t = 0
+    stored: Callable[[Jet], Jet] = lambda s: s * 0  # s -> the potential of all forces but weight, J
+
+    def at(self, s):
+        """Return J, J' / 2, V and V' at s."""
+        place, axes = self.poses(jet.parameter(s))
+        back = np.swapaxes(axes.value, 1, 2)
+        spin, more = _axial(back @ axes.first), _axial(back @ axes.second)
+        momentum = np.einsum("kij,kj->ki", self.inertia, spin)
+        size = np.sum(self.mass[:, None] * place.first**2) + np.sum(spin * momentum)
+        half_slope = np.sum(self.mass[:, None] * place.first * place.second) + np.sum(more * momentum)
+        weight, stored = self.mass[:, None] * self.gravity, self.stored(jet.parameter(s))
+        height, pull = -np.sum(place.value * weight), -np.sum(place.first * weight)
+        return size, half_slope, height + stored.value, pull + stored.first
+
+    def world(self, s) -> tuple[np.ndarray, np.ndarray]:
+        """Return centres (n, 3) and Euler parameters (n, 4)."""
+        place, axes = self.poses(jet.parameter(s))
+        return place.value, np.array([from_matrix(a) for a in axes.value])
+
+
+def _axial(matrices):
+    """Return the vectors of the skew parts."""
+    skew = (matrices - np.swapaxes(matrices, 1, 2)) / 2
+    return np.stack([skew[:, 2, 1], skew[:, 0, 2], skew[:, 1, 0]], axis=1)
+
+
+def lagrange(given: OneFreedom) -> Formulation:
+    """J s'' + J' s'^2 / 2 + V' = 0 with the slopes by the rules of differentiation."""
+
+    def derivative(t, y):
+        size, half_slope, _, pull = given.at(y[0])
+        return np.array([y[1], -(half_slope * y[1] ** 2 + pull) / size])
+
+    return Formulation(derivative, np.array([given.start, given.rate]), lambda t, y: given.world(y[0]))
+
+
+def hamilton(given: OneFreedom) -> Formulation:
+    """p = J s', p' = J' s'^2 / 2 - V', with J' and V' by a complex step: exact to rounding."""
+    tiny = np.clongdouble(1e-30j)
+
+    def derivative(t, y):
+        size, _, height, _ = given.at(y[0] + tiny)
+        turning = y[1] / size.real
+        return np.array([turning, (0.5 * size.imag * turning**2 - height.imag) / tiny.imag])
+
+    start = np.array([given.start, given.at(given.start)[0] * given.rate])
+    return Formulation(derivative, start, lambda t, y: given.world(y[0]))
+
+
+def agree_on(scene: Scene, poses: Callable[[Jet], tuple[Jet, Jet]], start: Any, rate: Any, times) -> Agreement:
+    """Solve both ways the motion of a scene whose bodies, in its order, are where `poses` says."""
+    mass = np.array([body.mass for body in scene.bodies])
+    inertia = np.array([symmetric(body.inertia) for body in scene.bodies if isinstance(body, SpatialBody)])
+    given = OneFreedom(poses, mass, inertia, np.array(scene.gravity), start, rate)
+    return agree(lagrange(given), hamilton(given), times, extended=True)

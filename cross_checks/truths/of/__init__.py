@@ -1,0 +1,1 @@
+"""The truths by families of systems, found by listing this folder: each file lists its own in TRUTHS."""

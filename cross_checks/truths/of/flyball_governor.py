@@ -1,0 +1,131 @@
+"""The stiff flyball governor in slider height and arm angle: the angular momentum gives the turn."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from cross_checks.truths.made_by.agreement import Formulation, agree, converged
+from cross_checks.truths.made_by.numerics.scipy_solvers import radau
+from cross_checks.truths.truth import Truth
+from mbs_ref.scene import Scene, SpatialBody
+from mbs_ref.scene.euler_parameters import from_axis_angle, product
+from mbs_ref.scenes.flyball_governor import DROOP, LENGTH, OFFSET, REST, SLIDER_HEIGHT
+
+HALF = 0.5 * LENGTH  # m, from the hinge to the coupler
+
+
+def flyball_governor(scene: Scene, times: np.ndarray) -> Truth:
+    """Turned by half a turn the governor is itself: both arms droop alike. Two unlike sets of coordinates."""
+    governor = _governor(scene)
+    agreement = agree(_heights(governor), _lengths(governor), times, extended=False, second_by=radau)
+    return converged(
+        agreement, "Lagrange's in slider height and arm angle by DOP853",
+        "Hamilton's equations in coupler length and arm angle by Radau IIA", is_costly=True,
+    )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Governor:
+    """Shaft, slider, arms with their balls, and couplers; a is the arms' droop below the horizontal."""
+
+    arm: float  # kg
+    reach: float  # m, from the hinge to the arm's centre
+    axial: float  # kg m^2
+    across: float  # kg m^2, about the centre
+    still: float  # kg m^2, shaft and slider about the vertical
+    slider: float  # kg
+    stiffness: float  # N/m
+    damping: float  # N s/m
+    spin: float  # rad/s at t = 0
+    gravity: float  # m/s^2
+
+    @property
+    def swing(self) -> float:
+        """Inertia of both arms about their hinges, kg m^2."""
+        return 2.0 * (self.arm * self.reach**2 + self.across)
+
+    def vertical(self, a: float) -> tuple[float, float]:
+        """Return the whole's inertia about the vertical and its slope by a."""
+        c, s, out = np.cos(a), np.sin(a), OFFSET + self.reach * np.cos(a)
+        size = self.still + 2.0 * (self.arm * out**2 + self.axial * s**2 + self.across * c**2)
+        return size, 4.0 * (-self.arm * out * self.reach * s + (self.axial - self.across) * s * c)
+
+    @property
+    def momentum(self) -> float:
+        return self.spin * self.vertical(DROOP)[0]
+
+    def turning(self, a: float) -> float:
+        return self.momentum / self.vertical(a)[0]
+
+    def fling(self, a: float) -> float:
+        """Return what the turn and gravity do on the arms, N m."""
+        return 0.5 * self.turning(a) ** 2 * self.vertical(a)[1] + 2.0 * self.arm * self.gravity * self.reach * np.cos(a)
+
+    def poses(self, z: float, a: float, psi: float) -> tuple[np.ndarray, np.ndarray]:
+        """Return centres (4, 3) and Euler parameters (4, 4) of shaft, slider, left and right arm."""
+        turned = from_axis_angle((0.0, 0.0, 1.0), psi)
+        out, up = OFFSET + self.reach * np.cos(a), LENGTH - self.reach * np.sin(a)
+        where = np.array([np.cos(psi), np.sin(psi), 0.0])
+        top = np.array([0.0, 0.0, 1.0])
+        arms = [product(turned, from_axis_angle((0.0, 1.0, 0.0), angle)) for angle in (np.pi - a, a)]
+        places = [0.5 * LENGTH * top, z * top, -out * where + up * top, out * where + up * top]
+        return np.array(places), np.array([turned, turned, *arms])
+
+
+def _governor(scene: Scene) -> Governor:
+    shaft, slider, arm = (body for body in scene.bodies[:3] if isinstance(body, SpatialBody))
+    given = {key: float(scene.parameters[key]) for key in ("stiffness", "damping", "spin", "gravity")}
+    reach = float(np.hypot(abs(arm.position[0]) - OFFSET, LENGTH - arm.position[2]))
+    still = shaft.inertia[2] + slider.inertia[2]
+    return Governor(arm.mass, reach, arm.inertia[0], arm.inertia[1], still, slider.mass, **given)
+
+
+def _heights(g: Governor) -> Formulation:
+    """y = (z, a, z', a', psi), forces on the slider and moments on the arms."""
+
+    def derivative(t, y):
+        z, a, dz, da, _ = y
+        run, rise = HALF * np.cos(a), LENGTH - HALF * np.sin(a) - z  # of a coupler, from slider to arm
+        length = np.hypot(run, rise)
+        by_a, by_z = (-run * HALF * np.sin(a) - rise * HALF * np.cos(a)) / length, -rise / length
+        pull = 2.0 * (g.stiffness * (length - REST) + g.damping * (by_a * da + by_z * dz))
+        ddz, dda = -g.gravity - pull * by_z / g.slider, (g.fling(a) - pull * by_a) / g.swing
+        return np.array([dz, da, ddz, dda, g.turning(a)])
+
+    return Formulation(
+        derivative, np.array([SLIDER_HEIGHT, DROOP, 0.0, 0.0, 0.0]), lambda t, y: g.poses(y[0], y[1], y[4])
+    )
+
+
+def _lengths(g: Governor) -> Formulation:
+    """y = (l, a, p_l, p_a, psi): z = LENGTH - HALF sin(a) - sqrt(l^2 - HALF^2 cos(a)^2)."""
+
+    def height(length, a):
+        rise = np.sqrt(length**2 - (HALF * np.cos(a)) ** 2)
+        by_a = -HALF * np.cos(a) - HALF**2 * np.cos(a) * np.sin(a) / rise
+        return LENGTH - HALF * np.sin(a) - rise, -length / rise, by_a, rise
+
+    def derivative(t, y):
+        length, a, p, q, _ = y
+        _, u, w, rise = height(length, a)  # z' = u l' + w a'
+        speed = p / (g.slider * u)  # of the slider
+        da = (q - w * p / u) / g.swing
+        dl = (speed - w * da) / u
+        cs = HALF**2 * np.cos(a) * np.sin(a)
+        du = -dl / rise + length * (length * dl + cs * da) / rise**3
+        slope = HALF * np.sin(a) - HALF**2 * np.cos(2.0 * a) / rise
+        dw = slope * da + cs * (length * dl + cs * da) / rise**3
+        # d/dt(m z' u) = m z' u' - dV/dl - coupler; d/dt(m z' w + I a') = m z' w' - dV/da + the arms'
+        push = g.slider * speed
+        dp = push * du - g.slider * g.gravity * u - 2.0 * (g.stiffness * (length - REST) + g.damping * dl)
+        dq = push * dw - g.slider * g.gravity * w + g.fling(a)
+        return np.array([dl, da, dp, dq, g.turning(a)])
+
+    return Formulation(
+        derivative, np.array([REST, DROOP, 0.0, 0.0, 0.0]), lambda t, y: g.poses(height(y[0], y[1])[0], y[1], y[4])
+    )
+
+
+TRUTHS = {"flyball_governor": flyball_governor}

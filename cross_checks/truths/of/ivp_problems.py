@@ -1,0 +1,193 @@
+"""Truths of two problems of the IVP test set: Andrews' squeezer and the car axis."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from cross_checks.truths.made_by.agreement import Formulation, agree, converged
+from cross_checks.truths.made_by.mechanisms.one_freedom import OneFreedom, hamilton, lagrange
+from cross_checks.truths.made_by.numerics import jet
+from cross_checks.truths.made_by.numerics.jet import Jet
+from cross_checks.truths.truth import Truth
+from mbs_ref.scene import Scene
+from mbs_ref.scenes import andrews as given
+from mbs_ref.scenes.car_axis import AMPLITUDE, HEIGHT, LENGTH, MASS, OMEGA
+
+
+def andrews(scene: Scene, times: np.ndarray) -> Truth:
+    """Lagrange's and Hamilton's equations in beta; neither knows a constraint or a multiplier."""
+    mass = np.array([body.mass for body in scene.bodies])
+    inertia = np.zeros((len(mass), 3, 3))
+    inertia[:, 2, 2] = [getattr(body, "inertia", 0.0) for body in scene.bodies]
+    free = OneFreedom(
+        _squeezer_poses, mass, inertia, np.zeros(3), np.longdouble(given.START["beta"]), np.longdouble(0), _stored
+    )
+    found = agree(lagrange(free), hamilton(free), times, extended=True)
+    how = "Hamilton's equations in the crank angle, loops closed by circles, by extrapolation in extended precision"
+    truth = converged(found, "Lagrange's by DOP853", how)
+    angle = 2.0 * np.arctan2(truth.orientation[..., 3], truth.orientation[..., 0])
+    spin = None if truth.angular_velocity is None else truth.angular_velocity[..., 2]
+    velocity = None if truth.velocity is None else truth.velocity[..., :2]
+    flat = replace(truth, position=truth.position[..., :2], orientation=angle, velocity=velocity)
+    return replace(flat, angular_velocity=spin, is_costly=True)
+
+
+def _squeezer_poses(beta: Jet) -> tuple[Jet, Jet]:
+    """Return the centres (7, 3) and axes (7, 3, 3) of K1 to K7."""
+    legs = _legs(beta)
+    centres, axes = [], []
+    for (name, (ahead, left)), (root, along) in zip(given.CENTRES.items(), legs, strict=True):
+        centres.append(_in_space(root + along * ahead + _left(along) * left))
+        axes.append(_axes(_turned(along, -given.AHEAD[name])))
+    return jet.stack(centres), jet.stack(axes)
+
+
+def _legs(beta: Jet) -> list[tuple[Jet, Jet]]:
+    """Return the first joint (2,) m and the unit vector (2,) to the second joint of K1 to K7."""
+    origin, a, b = (jet.lift(np.array(point)) for point in ((0.0, 0.0), given.A, given.B))
+    crank = jet.stack([jet.cos(beta), jet.sin(beta)])
+    pin = crank * given.RR
+    apex = _apex(pin, b, given.D, given.SS, 1)
+    upper, lower = _apex(a, apex, given.ZT, given.E, 1), _apex(a, apex, given.U, given.ZF, -1)
+    second = ((pin, apex, given.D), (b, apex, given.SS), (upper, apex, given.E), (a, upper, given.ZT),
+              (lower, apex, given.ZF), (a, lower, given.U))  # fmt: skip
+    return [(origin, crank), *((root, (end - root) * (1.0 / length)) for root, end, length in second)]
+
+
+def _apex(first: Jet, second: Jet, r: float, s: float, side: int) -> Jet:
+    """Return the point at distance r from the first and s from the second; side 1: left of the way between them."""
+    between = second - first
+    square = _dot(between, between)
+    ahead = (square + (r * r - s * s)) * 0.5  # times the distance
+    height = jet.sqrt(square * (r * r) - ahead * ahead)
+    return first + (between * ahead + _left(between) * height * side) * jet.reciprocal(square)
+
+
+def _stored(beta: Jet) -> Jet:
+    """Return the energy of the spring less the work of the motor, J."""
+    root, along = _legs(beta)[2]
+    hook = root + along * given.HOOK[0] + _left(along) * given.HOOK[1]
+    reach = hook - jet.lift(np.array(given.C))
+    stretch = jet.sqrt(_dot(reach, reach)) - given.REST
+    return stretch * stretch * (0.5 * given.STIFFNESS) - beta * given.DRIVE
+
+
+def _dot(a: Jet, b: Jet) -> Jet:
+    return a[0] * b[0] + a[1] * b[1]
+
+
+def _left(a: Jet) -> Jet:
+    return jet.stack([-a[1], a[0]])
+
+
+def _turned(a: Jet, angle: float) -> Jet:
+    """Return a vector turned by a multiple of a right angle, exactly."""
+    for _ in range(round(angle / (np.pi / 2)) % 4):
+        a = _left(a)
+    return a
+
+
+def _in_space(a: Jet) -> Jet:
+    return jet.stack([a[0], a[1], a[0] * 0])
+
+
+def _axes(along: Jet) -> Jet:
+    c, s, zero = along[0], along[1], along[0] * 0
+    one = zero + 1
+    rows = ([c, -s, zero], [s, c, zero], [zero, zero, one])
+    return jet.stack([jet.stack(row) for row in rows])
+
+
+def car_axis(scene: Scene, times: np.ndarray) -> Truth:
+    """Newton's law along the slide and across the axis; index one with both constraints differentiated by hand."""
+    found = agree(_with_multipliers(), _minimal(), times, extended=True)
+    return converged(
+        found, "the source's coordinates with multipliers by DOP853",
+        "Newton's law along the slide and across the axis by extrapolation in extended precision", is_costly=True,
+    )  # fmt: skip
+
+
+class Road(NamedTuple):
+    """The right wheel and its first two derivatives, (2,) m."""
+
+    place: np.ndarray
+    velocity: np.ndarray
+    acceleration: np.ndarray
+
+
+def _road(t) -> Road:
+    """The wheel stays LENGTH from the origin while its height is AMPLITUDE sin(OMEGA t)."""
+    y, dy = AMPLITUDE * np.sin(OMEGA * t), AMPLITUDE * OMEGA * np.cos(OMEGA * t)
+    ddy = -(OMEGA**2) * y
+    x = np.sqrt(LENGTH**2 - y * y)
+    dx = -y * dy / x
+    ddx = -(dy * dy + y * ddy + dx * dx) / x
+    return Road(np.array([x, y]), np.array([dx, dy]), np.array([ddx, ddy]))
+
+
+def _across(v: np.ndarray) -> np.ndarray:
+    return np.array([-v[1], v[0]])
+
+
+def _forces(left: np.ndarray, right: np.ndarray, wheel: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return springs and weight on both ends, N."""
+    reach = right - wheel
+    weight = np.array([0.0, -MASS])
+    pulls = [(HEIGHT / np.sqrt(arm @ arm) - 1.0) * arm for arm in (left, reach)]
+    return pulls[0] + weight, pulls[1] + weight
+
+
+def _minimal() -> Formulation:
+    """s: how far up the slide the left end is, in units of LENGTH; alpha: the axis' angle."""
+
+    def ends(t, y):
+        road, along = _road(t), np.array([np.cos(y[1]), np.sin(y[1])])
+        left = y[0] * _across(road.place)
+        return road, along, left, left + LENGTH * along
+
+    def derivative(t, y):
+        road, along, left, right = ends(t, y)
+        up, over = _across(road.place), _across(along)
+        known = 2.0 * y[2] * _across(road.velocity) + y[0] * _across(road.acceleration)  # of both accelerations
+        swing = -LENGTH * y[3] ** 2 * along
+        first, second = _forces(left, right, road.place)
+        total, end = (first + second) / MASS - 2.0 * known - swing, second / MASS - known - swing
+        a, b, c, d = 2.0 * (up @ up), LENGTH * (up @ over), up @ over, LENGTH
+        e, f = up @ total, over @ end
+        det = a * d - b * c
+        return np.array([y[2], y[3], (e * d - b * f) / det, (a * f - e * c) / det])
+
+    def poses(t, y):
+        road, _, left, right = ends(t, y)
+        tilt = np.arctan2(road.place[1], road.place[0])
+        return np.stack([road.place, left, right]), np.array([tilt, tilt, 0.0 * tilt])
+
+    return Formulation(derivative, np.array([HEIGHT / LENGTH, 0.0, 0.0, 0.0]), poses)
+
+
+def _with_multipliers() -> Formulation:
+    """Left and right end, four coordinates and their rates; 0 = left . wheel and |left - right| = LENGTH."""
+
+    def derivative(t, y):
+        road, left, right, v_left, v_right = _road(t), y[:2], y[2:4], y[4:6], y[6:]
+        first, second = _forces(left, right, road.place)
+        between, closing = left - right, v_left - v_right
+        rows = np.array([np.concatenate([road.place, np.zeros(2)]), np.concatenate([between, -between])])
+        due = -np.array([2.0 * v_left @ road.velocity + left @ road.acceleration, closing @ closing])
+        free = np.concatenate([first, second]) / MASS
+        pull = np.linalg.solve((rows @ rows.T).astype(float), (due - rows @ free).astype(float))
+        return np.concatenate([v_left, v_right, free + rows.T @ pull])
+
+    def poses(t, y):
+        road = _road(t)
+        tilt = np.arctan2(road.place[1], road.place[0])
+        return np.stack([road.place, y[:2], y[2:4]]), np.array([tilt, tilt, 0.0 * tilt])
+
+    lean = -HEIGHT * AMPLITUDE * OMEGA / LENGTH
+    return Formulation(derivative, np.array([0.0, HEIGHT, LENGTH, HEIGHT, lean, 0.0, lean, 0.0]), poses)
+
+
+TRUTHS = {"andrews": andrews, "car_axis": car_axis}

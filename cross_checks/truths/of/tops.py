@@ -1,0 +1,204 @@
+"""Truths of tops: Euler's and Lagrange's, in Jacobi's elliptic functions."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from cross_checks.truths.made_by.numerics.closed_forms import (
+    DOUBLE_EPS,
+    amplitude,
+    argument,
+    quarter_period,
+    rounding_error,
+)
+from cross_checks.truths.made_by.numerics.quadrature import periodic_integral, running_integral
+from cross_checks.truths.truth import NoConvergenceError, Truth
+from mbs_ref.scene import Scene
+from mbs_ref.scene.euler_parameters import from_axis_angle, product, rotation_matrices
+from mbs_ref.scenes.tops import ARM, ARM_MASS, steady_precession
+from mbs_ref.scenes.tops import TOP_AXIAL as AXIAL
+from mbs_ref.scenes.tops import TOP_TRANSVERSE as TRANSVERSE
+
+Z, Y = (0.0, 0.0, 1.0), (0.0, 1.0, 0.0)
+
+
+def heavy_top(scene: Scene, times: np.ndarray) -> Truth:
+    """u = cos(theta): u'^2 = beta (u0 - u)(1 - u^2) - a^2 (u0 - u)^2 from rest at u0 (Goldstein sec. 5-7).
+
+    With u1 < u0 < u3 its roots, u = u1 + (u0 - u1) sn^2(K + p t), p = sqrt(beta (u3 - u1)) / 2; precession
+    phi' = a (u0 - u) / (1 - u^2) and spin psi' = omega_3 - phi' u by quadrature. Steady: phi' is
+    a root of its quadratic.
+    """
+    given = scene.parameters
+    spin, tilt, gravity = (float(given[key]) for key in ("spin", "tilt", "gravity"))
+    grid = times.astype(np.longdouble)
+    data = np.array([spin, tilt, gravity], dtype=np.longdouble)
+    if given["motion"] == "steady":
+        rate = np.longdouble(steady_precession(spin, tilt, gravity))
+        theta, phi = np.full(len(times), np.longdouble(tilt)), rate * grid
+        psi = (spin - rate * np.cos(theta)) * grid
+        error = DOUBLE_EPS * (abs(float(rate)) + abs(spin)) * float(times[-1])
+    else:
+        *angles, error = _nutation(data, grid)
+        theta, phi, psi = angles
+        error += rounding_error(lambda near, few: np.stack(_nutation(near, few)[:3]), data, grid)
+    full = 2 * np.arctan2(np.longdouble(0), np.longdouble(-1))
+    phi, psi = np.remainder(phi, full).astype(float), np.remainder(psi, full).astype(float)
+    turned = product(product(from_axis_angle(Z, phi), from_axis_angle(Y, theta.astype(float))), from_axis_angle(Z, psi))
+    axis = np.stack([np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)], axis=1).astype(float)
+    how = "elliptic functions by the arithmetic-geometric mean, quadrature in extended precision"
+    return Truth(ARM * axis[:, None], turned[:, None], 1e-15 + error, "exact", how)
+
+
+def _nutation(data: np.ndarray, times: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, float]:
+    """Return the three Euler angles (z, y, z), each (n_t,), and the error of their quadrature, rad."""
+    spin, tilt, gravity = data
+    about_pivot = TRANSVERSE + ARM_MASS * np.longdouble(ARM) ** 2
+    beta, a = 2 * ARM_MASS * gravity * ARM / about_pivot, AXIAL * spin / about_pivot
+    u0 = np.cos(tilt)
+    root = np.sqrt(a**4 - 4 * beta * (a**2 * u0 - beta))
+    u1, u3 = 2 * (a**2 * u0 - beta) / (a**2 + root), (a**2 + root) / (2 * beta)
+    m, p = (u0 - u1) / (u3 - u1), np.sqrt(beta * (u3 - u1)) / 2
+    quarter = quarter_period(m)
+
+    def height(t):
+        return u1 + (u0 - u1) * np.sin(amplitude(quarter + p * t, m)) ** 2
+
+    def precession(t):
+        u = height(t)
+        return a * (u0 - u) / (1 - u**2)
+
+    piece = float(quarter / p) / 8
+    phi, error = running_integral(precession, times, piece)
+    back, more = running_integral(lambda t: precession(t) * height(t), times, piece)
+    return np.arccos(height(times)), phi, spin * times - back, error + more
+
+
+CLOSEST = 1e-9  # of 1 - m: closer to the separatrix rounded data decide the motion
+
+
+def torque_free_top(scene: Scene, times: np.ndarray) -> Truth:
+    """Body rates by Landau and Lifshitz, sec. 37; the precession of one axis about the momentum by quadrature."""
+    body: Any = scene.bodies[0]
+    moments = np.array(body.inertia[:3], dtype=np.longdouble)
+    start = rotation_matrices(body.orientation)
+    omega = start.T @ np.array(body.angular_velocity)
+    omega = omega.astype(np.longdouble)
+    theta, error = _orientations(moments, omega, start, times)
+    error += 2.0 * rounding_error(lambda near, few: _orientations(moments, near, start, few)[0], omega, times)
+    position = np.zeros((len(times), 1, 3))
+    return Truth(
+        position + np.array(body.position), theta[:, None].astype(float), 4.6e-16 + error, "exact",
+        "Jacobi elliptic functions by the arithmetic-geometric mean, precession by quadrature, extended precision",
+    )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Rates:
+    """The body rates: cn, sn and dn of an argument linear in time, by body axis."""
+
+    place: tuple[int, int, int]  # body axes of cn, sn, dn
+    size: np.ndarray  # (3,) signed amplitudes of cn, sn, dn, rad/s
+    m: Any
+    speed: Any  # 1/s
+    offset: Any
+
+    def at(self, t: np.ndarray) -> np.ndarray:
+        """Return omega (n_t, 3), rad/s, in body axes."""
+        phi = amplitude(self.offset + self.speed * t, self.m)
+        values = np.stack([np.cos(phi), np.sin(phi), np.sqrt(1 - self.m * np.sin(phi) ** 2)], axis=1) * self.size
+        result = np.empty_like(values)
+        result[:, list(self.place)] = values
+        return result
+
+
+def _rates(moments: np.ndarray, omega: np.ndarray) -> Rates:
+    """Landau and Lifshitz (37.8) to (37.10) with the axes ordered so that the momentum circles the dn axis."""
+    energy2, momentum2 = np.sum(moments * omega**2), np.sum((moments * omega) ** 2)
+    low, middle, high = (int(k) for k in np.argsort(moments, kind="stable"))
+    place = (low, middle, high) if momentum2 > energy2 * moments[middle] else (high, middle, low)
+    i1, i2, i3 = (moments[k] for k in place)
+    roundoff = 64 * np.finfo(np.longdouble).eps * momentum2  # a difference below is that of a steady spin
+    lack, excess = (
+        gap if abs(gap) > roundoff else np.longdouble(0) for gap in (energy2 * i3 - momentum2, momentum2 - energy2 * i1)
+    )
+    squares = np.array([lack / (i1 * (i3 - i1)), lack / (i2 * (i3 - i2)), excess / (i3 * (i3 - i1))])
+    size = np.sqrt(squares)
+    speed, m = np.sqrt((i3 - i2) * excess / (i1 * i2 * i3)), (i2 - i1) * lack / ((i3 - i2) * excess)
+    mirrored = -1 if (low, middle, high) in ((0, 2, 1), (2, 1, 0), (1, 0, 2)) else 1  # left-handed axes run backwards
+    down = np.sign(omega[place[2]])
+    size = size * np.array([1, mirrored * down, down])
+    if not 1 - m > CLOSEST:
+        raise NoConvergenceError("the spin about the intermediate axis is on the separatrix: no period, no way to tell")
+    if lack == 0:  # steady about the dn axis
+        return Rates(place, size, m, speed, np.longdouble(0))
+    c, s = omega[place[0]] / size[0], omega[place[1]] / size[1]
+    return Rates(place, size, m, speed, argument(np.arctan2(s, c), m))
+
+
+def _orientations(
+    moments: np.ndarray, omega: np.ndarray, start: np.ndarray, times: np.ndarray
+) -> tuple[np.ndarray, float]:
+    """Return theta (n_t, 4) and the error of its quadrature, rad.
+
+    The momentum and the cn axis, known in the body and in the world, fix the orientation.
+    """
+    rates = _rates(moments, omega)
+    axis = rates.place[0]
+    others = [k for k in range(3) if k != axis]
+
+    def momentum(t: np.ndarray) -> np.ndarray:
+        return rates.at(t) * moments
+
+    def precession(t: np.ndarray) -> np.ndarray:
+        rate, part = rates.at(t)[:, others], momentum(t)[:, others]
+        return size * np.sum(rate * part, axis=1) / np.sum(part**2, axis=1)
+
+    size = np.sqrt(np.sum((moments * omega) ** 2))
+    period = 4 * quarter_period(rates.m) / rates.speed
+    piece = min(float(period), 2 * np.pi / float(size / moments.min())) / 8
+    turned, error = periodic_integral(precession, times.astype(np.longdouble), piece, period)
+    up = start @ (moments * omega) / size  # the momentum in the world
+    e = np.zeros(3, dtype=np.longdouble)
+    e[axis] = 1
+    seen = start @ e
+    across = seen - up * (up @ seen)
+    across = across / np.sqrt(across @ across)
+    result = []
+    for body_momentum, angle in zip(momentum(times.astype(np.longdouble)), turned, strict=True):
+        direction = across * np.cos(angle) + _cross(up, across) * np.sin(angle)
+        result.append(_parameters(_triad(up, direction) @ _triad(body_momentum / size, e).T))
+    return np.array(result), error
+
+
+def _cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    return np.array([a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]])
+
+
+def _triad(first: np.ndarray, second: np.ndarray) -> np.ndarray:
+    """Columns: first, second made perpendicular, and their product."""
+    first = first / np.sqrt(first @ first)
+    second = second - first * (first @ second)
+    second = second / np.sqrt(second @ second)
+    return np.stack([first, second, _cross(first, second)], axis=1)
+
+
+def _parameters(m: np.ndarray) -> np.ndarray:
+    """Euler parameters by the largest one (Shepperd 1978), in the matrix's precision."""
+    trace = m[0, 0] + m[1, 1] + m[2, 2]
+    k = int(np.argmax([trace, m[0, 0], m[1, 1], m[2, 2]]))
+    if k == 0:
+        theta = np.array([1 + trace, m[2, 1] - m[1, 2], m[0, 2] - m[2, 0], m[1, 0] - m[0, 1]])
+    else:
+        i, j, n = k - 1, k % 3, (k + 1) % 3
+        theta = np.zeros(4, dtype=m.dtype)
+        theta[0] = m[n, j] - m[j, n]
+        theta[1 + i], theta[1 + j], theta[1 + n] = 1 + m[i, i] - m[j, j] - m[n, n], m[j, i] + m[i, j], m[n, i] + m[i, n]
+    theta = theta / np.sqrt(theta @ theta)
+    return -theta if theta[0] < 0 else theta
+
+
+TRUTHS = {"heavy_top": heavy_top, "torque_free_top": torque_free_top, "nesc_tumbling_brick": torque_free_top}

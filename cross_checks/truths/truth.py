@@ -1,0 +1,80 @@
+"""Reference solutions with a stated uncertainty, the reasons for having none, and the limit of their computation."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+MARGIN = 30.0  # a truth this many times better known than an error judges it
+
+
+@dataclass(frozen=True)
+class Truth:
+    """World poses of every body at the requested times, and their rates where they are known.
+
+    A truth "agreed" comes from two packages. One of "one-package" comes from two methods of a single package: errors
+    from it are shown, but it confirms no method and calls none wrong.
+    """
+
+    position: np.ndarray  # (n_t, n_bodies, dimension) m, centres of mass
+    orientation: np.ndarray  # (n_t, n_bodies) rad; in space (n_t, n_bodies, 4) Euler parameters
+    uncertainty: float  # m, of every world point at every time
+    kind: Literal["exact", "published", "converged", "agreed", "one-package"]
+    how: str  # one sentence
+    difference: float | None = None  # m, between two unlike ways to it; None where it was found in one
+    is_costly: bool = False  # takes so long to make that `mbs-ref certify --write` keeps its poses
+    velocity: np.ndarray | None = None  # (n_t, n_bodies, dimension) m/s
+    angular_velocity: np.ndarray | None = None  # (n_t, n_bodies) or (n_t, n_bodies, 3) rad/s, world axes
+    rate_uncertainty: np.ndarray | None = None  # (n_t,) m/s and rad/s; inf where the rates are not known
+    turn_uncertainty: float | None = None  # rad; unless given, the angle that `uncertainty` of a near point makes
+
+
+def unturned(position: np.ndarray) -> np.ndarray:
+    """Return the Euler parameters (n_t, n_bodies, 4) of bodies that do not turn, of positions (n_t, n_bodies, d)."""
+    return np.tile([1.0, 0.0, 0.0, 0.0], (*position.shape[:2], 1))
+
+
+@dataclass(frozen=True)
+class NoTruth:
+    """Why there is nothing to compare with.
+
+    The kind is "one-package" where a single package runs the scene, and "defect" where the computation of a truth
+    raises an exception that it does not document.
+    """
+
+    reason: str
+    kind: Literal["none", "one-package", "defect"] = "none"
+
+
+class NoConvergenceError(ArithmeticError):
+    """The computation of a truth does not reach its tolerance, or not within its limit of processor time."""
+
+
+class OutsideDomainError(ValueError):
+    """The equations of a truth do not hold at these parameters."""
+
+
+_deadline: ContextVar[float] = ContextVar("deadline", default=math.inf)  # s of the thread's processor time
+
+
+@contextmanager
+def time_limit(seconds: float) -> Iterator[None]:
+    """Limit the computation inside to so much processor time (s); an outer limit that ends earlier holds."""
+    token = _deadline.set(min(_deadline.get(), time.thread_time() + seconds))
+    try:
+        yield
+    finally:
+        _deadline.reset(token)
+
+
+def check_time(t: float) -> None:
+    """Raise NoConvergenceError with the time reached, t (s) of the motion, where the limit is exceeded."""
+    if time.thread_time() > _deadline.get():
+        raise NoConvergenceError(f"the limit of processor time ends the computation at t = {float(t):.6g} s")

@@ -1,0 +1,55 @@
+"""Scenes in the forms of the field: robot files, and scripts that run in one engine alone.
+
+Each file here but `form.py` and what scripts share is one form, found by listing. What is written is taken from the
+model that the engine's adapter has built, so that no writer can drift from its adapter.
+"""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from functools import cache
+from importlib import import_module
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from cross_checks.writers.form import Form, Job, NotWritable
+from mbs_ref.scene import Scene
+from mbs_ref.settings import Settings
+
+__all__ = ["Form", "Job", "NotWritable", "forms", "write"]
+SCRIPT = ".py"  # the suffix of forms that run
+
+
+@cache
+def forms() -> dict[str, Form]:
+    """Return the forms by name."""
+    files = sorted(path.stem for path in Path(__file__).parent.glob("as_*.py"))
+    listed = [import_module(f"{__name__}.{stem}").FORM for stem in files]
+    return {form.name: form for form in listed}
+
+
+def write(scene: Scene, form: str, settings: Settings | None = None) -> str:
+    """Return the scene as text; `settings` state how a script runs it. A script is run once to its end.
+
+    Raises ValueError for an unknown form, NotWritable for a script that stops or naming each element that the form
+    cannot represent, EngineMissing where the engine whose model is written is not installed.
+    """
+    known = forms()
+    if form not in known:
+        raise ValueError(f"form = {form!r} is unknown; allowed: {', '.join(known)}")
+    text = known[form].write(scene, settings or Settings())
+    if known[form].suffix == SCRIPT:
+        _run_once(text, f"{scene.name} cannot be written as {form}: its script stops")
+    return text
+
+
+def _run_once(text: str, failure: str) -> None:
+    """Raise NotWritable, with the last line of the errors, unless the script runs to its end."""
+    with TemporaryDirectory() as folder:
+        file = Path(folder) / "script.py"
+        file.write_text(text)
+        done = subprocess.run([sys.executable, file], cwd=folder, capture_output=True, text=True, check=False)
+    if done.returncode:
+        lines = done.stderr.strip().splitlines() or [f"exit code {done.returncode}"]
+        raise NotWritable(f"{failure}: {lines[-1]}")
