@@ -14,7 +14,6 @@ from mbs_ref import scenes
 from mbs_ref.scene import GROUND, Distance, PointMass, Scene
 
 FAMILY = "inconsistent starts"
-STEP, RTOL = 1e-3, 1e-8
 TINY = 1e-11  # m, m/s: a smaller gap is roundoff, and nobody should stop
 TOLERABLE = 1e-8  # m, m/s: a smaller gap changes nothing that anybody could measure here
 GAPS = Axis("gap", "m", decades(1e-14, 1.0, 2.0))
@@ -39,7 +38,7 @@ def _speed(gap: float) -> Case:
 
 def _case(scene: Scene, gap: float) -> Case:
     stops = {"must_stop": gap > TOLERABLE, "may_stop": gap > TINY}
-    return Case(scene, grid(0.5, STEP, 11), measures.invariants(), step=STEP, rtol=RTOL, unchecked=True, **stops)
+    return Case(scene, grid(0.5, samples=11), measures.invariants, unchecked=True, **stops)
 
 
 def _norm(gap: float) -> Case:
@@ -50,7 +49,7 @@ def _norm(gap: float) -> Case:
     scene: Scene = sound.model_copy(update={"bodies": (top.model_copy(update={"orientation": stretched}),)})
     solve = torque_free_top.solve
     exact = measures.truth(lambda _, times: solve(sound, times))
-    return Case(scene, grid(0.6, STEP, 11), exact, step=STEP, rtol=RTOL, may_stop=gap > TINY)
+    return Case(scene, grid(0.6, samples=11), exact, may_stop=gap > TINY)
 
 
 EXTREMES = (
