@@ -133,7 +133,9 @@ def facts_of(method: Method, scene: Scene, duration: float, uncertainty: float) 
     """Return a ladder's facts: the error that is typical at a setting before any run, of a documented order."""
     is_fixed = method.kind == "fixed"
     where = duration / TYPICAL_STEPS if is_fixed else TYPICAL_RTOL
-    typical = -DECADES_PER_ORDER * min(method.order or 5, MOST_ORDER) if is_fixed else math.log10(TYPICAL * TYPICAL_RTOL)
+    typical = (
+        -DECADES_PER_ORDER * min(method.order or 5, MOST_ORDER) if is_fixed else math.log10(TYPICAL * TYPICAL_RTOL)
+    )
     return {"kind": method.kind, "order": expected_order(method, scene), "reference": where, "typical": typical,
             "uncertainty": uncertainty}  # fmt: skip
 

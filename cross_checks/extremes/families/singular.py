@@ -61,10 +61,6 @@ def _near_flat(gap: float) -> Case:
     return _parallelogram("near_flat", 2, 1.0, 0.5 * math.pi - gap, 0.8, may_stop=not gap)
 
 
-def _loops(count: float) -> Case:
-    return Case(scenes.make("n_four_bar", loops=round(count)), grid(2.0), measures.truth(n_four_bar.solve))
-
-
 def _dead_centre(excess: float) -> Case:
     """The rod is longer than the crank by `excess`: at 90 degrees the rod whips from side to side."""
     scene = slider_crank(crank_length=0.5, rod_length=0.5 + excess)
@@ -101,10 +97,6 @@ def _driven(length: float) -> Scene:
     return Scene(name="driven_lock", gravity=(0.0, -GRAVITY), bodies=bodies, joints=joints)
 
 
-def _bricard(duration: float) -> Case:
-    return Case(scenes.make("bricard"), grid(duration, 2e-3), measures.invariants, step=2e-3)
-
-
 EXTREMES = (
     Extreme("repeated-pins", "redundancy", "A rod swings on one hinge that is modelled many times over.",
             Axis("hinges", "", (1.0, 2.0, 4.0, 8.0, 16.0, 32.0)), _pins),
@@ -113,7 +105,8 @@ EXTREMES = (
             lambda count: _parallelogram("many_cranks", round(count), float(round(count)), 1.0, 2.0)),
     Extreme("n-four-bar", "singular poses",
             "Parallelogram loops in a row fall through their flat pose, where branches cross.",
-            Axis("loops", "", (1.0, 2.0, 4.0, 8.0, 16.0), full=(32.0, 64.0)), _loops),
+            Axis("loops", "", (1.0, 2.0, 4.0, 8.0, 16.0), full=(32.0, 64.0)),
+            lambda n: Case(scenes.make("n_four_bar", loops=round(n)), grid(2.0), measures.truth(n_four_bar.solve))),
     Extreme("near-flat-start", "singular poses",
             "A parallelogram released at rest ever closer to flat, and flat at last.",
             Axis("angle to flat", "rad", (*decades(1e-1, 1e-15, 2.0), 0.0)), _near_flat),
@@ -123,5 +116,6 @@ EXTREMES = (
     Extreme("driven-lock", "singular poses", "A motor turns a crank further than the rod reaches: the mechanism locks.",
             Axis("lack of the rod", "", (0.0, 1e-3, 1e-2, 1e-1, 0.3)), _lock),
     Extreme("bricard", "singular poses", "Bricard's overconstrained loop for ever longer; energy and joints.",
-            Axis("duration", "s", (0.2, 1.0, 2.0, 5.0), full=(10.0, 30.0)), _bricard),
+            Axis("duration", "s", (0.2, 1.0, 2.0, 5.0), full=(10.0, 30.0)),
+            lambda t_end: Case(scenes.make("bricard"), grid(t_end, 2e-3), measures.invariants, 2e-3)),
 )  # fmt: skip

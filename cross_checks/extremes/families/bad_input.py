@@ -1,4 +1,7 @@
-"""Numbers that are none: a negative, zero, NaN or infinite mass; a start at NaN; overflow and NaN on the way."""
+"""Input that is no input: numbers that are none, overflow on the way, and starts that break their own joints.
+
+A start breaks a joint by a wrong place or speed; Euler parameters with a norm other than 1 are no rotation.
+"""
 
 from __future__ import annotations
 
@@ -8,10 +11,12 @@ from typing import Any
 import numpy as np
 
 from cross_checks.extremes import measures
-from cross_checks.extremes.extreme import Axis, Case, Extreme, grid, kinds
+from cross_checks.extremes.extreme import Axis, Case, Extreme, decades, grid, kinds
 from cross_checks.extremes.parts import LENGTH, ROD_RATE, hanging, rod_chain, sled, swing
 from cross_checks.truths import kepler as orbit
-from mbs_ref.scene import Scene, UserForce
+from cross_checks.truths import torque_free_top
+from mbs_ref import scenes
+from mbs_ref.scene import GROUND, Distance, PointMass, Scene, UserForce
 from mbs_ref.scenes.kepler import build as kepler
 
 FAMILY = "bad numbers"
@@ -20,6 +25,9 @@ SPEEDS = (0.0, math.nan, math.inf)  # m/s
 FORCES = (1.0, 1e50, 1e100, 1e150, 1e200, 1e300, 1.7e308)  # N
 KINDS = ("sound", "NaN from 0.5 s on", "infinite from 0.5 s on", "raises at 0.5 s")
 SWITCH = 0.5  # s
+TINY = 1e-11  # m, m/s: a smaller gap is roundoff, and nobody should stop
+TOLERABLE = 1e-8  # m, m/s: a smaller gap changes nothing that anybody could measure here
+GAPS = decades(1e-14, 1.0, 2.0)
 SWING = measures.positions(lambda times: hanging(swing(times, ROD_RATE, 0.5 * math.pi), 0.5 * LENGTH))
 
 
@@ -78,6 +86,38 @@ def _user(kind: float) -> Case:
     return Case(scene, grid(1.0, 1e-2, 11), SWING, 1e-2, must_stop=kind > 0.0)
 
 
+def _place(gap: float) -> Case:
+    """A bob that hangs `gap` beyond the end of its rod."""
+    start = (-1.0 - gap, 0.0)
+    bob = PointMass(name="bob", mass=1.0, position=start, velocity=(0.0, 0.0))
+    rod = Distance(name="rod", body_a=GROUND, body_b="bob", point_a=(0.0, 0.0), point_b=start, length=1.0)
+    return _broken(Scene(name="broken_pendulum", gravity=(0.0, -9.81), bodies=(bob,), joints=(rod,)), gap)
+
+
+def _moving(gap: float) -> Case:
+    """A second rod that moves away from its hinge."""
+    sound = rod_chain("broken_chain", (0.0, 0.5), (1.0, 1.0))
+    first, second = sound.bodies
+    moved = second.model_copy(update={"velocity": (0.6 * gap, 0.8 * gap)})
+    return _broken(sound.model_copy(update={"bodies": (first, moved)}), gap)
+
+
+def _broken(scene: Scene, gap: float) -> Case:
+    stops = {"must_stop": gap > TOLERABLE, "may_stop": gap > TINY}
+    return Case(scene, grid(0.5, samples=11), measures.invariants, unchecked=True, **stops)
+
+
+def _norm(gap: float) -> Case:
+    """Refusing is right, and so is the motion of the rotation that normalising leaves."""
+    sound = scenes.make("torque_free_top", turns=1.0, axis=3)
+    top: Any = sound.bodies[0]
+    stretched = tuple((np.array(top.orientation) * (1.0 + gap)).tolist())
+    scene: Scene = sound.model_copy(update={"bodies": (top.model_copy(update={"orientation": stretched}),)})
+    solve = torque_free_top.solve
+    exact = measures.truth(lambda _, times: solve(sound, times))
+    return Case(scene, grid(0.6, samples=11), exact, may_stop=gap > TINY)
+
+
 EXTREMES = (
     Extreme("any-mass", FAMILY, "A swinging rod of any mass, sensible or not, past the checks of scenes.",
             kinds("mass", "kg", tuple(f"{mass:g} kg" for mass in MASSES)), _mass),
@@ -88,4 +128,10 @@ EXTREMES = (
     Extreme("overflow", FAMILY, "A constant force until the place overflows.", Axis("force", "N", FORCES), _overflow),
     Extreme("user-law", FAMILY, "A user's force law that breaks in the middle of a run.", kinds("law", "", KINDS),
             _user),
+    Extreme("wrong-place", "inconsistent starts", "A pendulum bob starts away from the end of its rod.",
+            Axis("gap", "m", GAPS), _place),
+    Extreme("wrong-speed", "inconsistent starts", "The second rod of a chain starts with a speed its hinge forbids.",
+            Axis("gap", "m/s", GAPS), _moving),
+    Extreme("wrong-norm", "inconsistent starts", "Euler parameters whose norm is not 1, past the checks of scenes.",
+            Axis("norm - 1", "", GAPS), _norm),
 )  # fmt: skip
