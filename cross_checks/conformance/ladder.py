@@ -104,6 +104,8 @@ class _Rungs:
         if len(known) < len(self.runs):
             return ""
         errors = [size(curve) for curve in known]
+        if errors[-1] <= floor:
+            return ""
         gaps = [[size(one - other) for other in known] for one in known]
         return _sentence(what, self.posterior(errors, gaps), errors, floor)
 
