@@ -31,6 +31,7 @@ from mbs_ref.observables.distance import NAMES, largest, relative, units_of
 from mbs_ref.scene.scales import scales_of
 
 MORE = 7  # halvings of the finest step while no run resolves the motion
+LIKELY = 0.5  # odds from which a failure to converge is a finding; FAILING where forces jump, and errors scatter
 GOOD = 1e-8  # of the scene: a deviation that need not shrink any more ...
 SLOPE = 1e-5  # ... and of the largest rate, where slopes are differences of samples
 AT_START = 1e-9  # of the scene: how exactly the first sample is the scene's initial state ...
@@ -73,6 +74,10 @@ class _Rungs:
     question: Question
     runs: tuple[Called, ...]
 
+    @property
+    def bar(self) -> float:
+        return LIKELY if self.question.is_smooth else FAILING
+
     @cached_property
     def errors(self) -> list[float]:
         """How far each run is from the truth, over the scene's scales."""
@@ -107,7 +112,7 @@ class _Rungs:
         if errors[-1] <= floor:
             return ""
         gaps = [[size(one - other) for other in known] for one in known]
-        return _sentence(what, self.posterior(errors, gaps), errors, floor)
+        return _sentence(what, self.posterior(errors, gaps), errors, floor, self.bar)
 
     def row(self) -> Row:
         """Return the figures of the best run; the order of fixed steps on smooth scenes."""
@@ -121,7 +126,7 @@ class _Rungs:
 def _refined(engine: Engine, rising: _Rungs) -> _Rungs:
     """Add runs with ever half the step while none resolves the motion and convergence is open."""
     for _ in range(MORE):
-        is_open = rising.shown is None or _failing(rising.shown, RESOLVED)[1] < FAILING
+        is_open = rising.shown is None or _failing(rising.shown, RESOLVED)[1] < rising.bar
         if rising.errors[-1] < RESOLVED or not is_open:
             break
         last = rising.runs[-1].settings
@@ -143,10 +148,10 @@ def _failing(shown: Posterior, floor: float) -> tuple[str, float]:
     return "converge to another limit" if limit > stall else "do not fall", limit + stall
 
 
-def _sentence(what: str, shown: Posterior | None, errors: Sequence[float], floor: float) -> str:
+def _sentence(what: str, shown: Posterior | None, errors: Sequence[float], floor: float, bar: float) -> str:
     how, odds = ("", 0.0) if shown is None else _failing(shown, floor)
     listed = " ".join(f"{error:.1e}" for error in errors)
-    return f"{what} {listed}, coarse to fine, {how}, with odds of {odds:.2g}" if odds >= FAILING else ""
+    return f"{what} {listed}, coarse to fine, {how}, with odds of {odds:.2g}" if odds >= bar else ""
 
 
 def _always(rising: _Rungs) -> Iterator[tuple[str, str]]:
@@ -171,7 +176,7 @@ def _excusable(rising: _Rungs) -> Iterator[tuple[str, str]]:
     scene, paths, last = rising.question.scene, [run.path for run in rising.runs], rising.runs[-1]
     enough = max(GOOD, rising.method.rounding(last.path.steps))
     floor = max(enough, 100.0 * known_to(scene, rising.question.truth))
-    yield "truth", _sentence("errors", rising.shown, rising.errors, floor)
+    yield "truth", _sentence("errors", rising.shown, rising.errors, floor, rising.bar)
     energy = [figures.energy_drift(scene, path) for path in paths]
     yield "energy", rising.deviation("energy is lost or won:", energy, enough)
     joints = [figures.joint_gaps(scene, path) for path in paths]
