@@ -8,10 +8,10 @@ from time import perf_counter, process_time
 import numpy as np
 
 from cross_checks import engines
-from cross_checks.conformance.wrapped import Wrapped
-from cross_checks.engine import Engine
+from cross_checks.engine import Engine, Method, Refusal
 from cross_checks.engine.outcome import stopped
 from cross_checks.isolation.parent import Caller, Lost
+from cross_checks.judge.ladder import label
 from cross_checks.judge.one_run import ENGINE_FAILURES
 from mbs_ref.scene import Scene, UserForce
 from mbs_ref.settings import Settings
@@ -24,9 +24,37 @@ TIMEOUT = 60.0  # s that one run may compute or sleep
 class Called:
     """One run and the clocks of the call."""
 
+    settings: Settings
     path: Trajectory
     wall_s: float = 0.0
-    cpu_s: float = 0.0
+    cpu_s: float = 0.0  # of all threads
+
+    @property
+    def setting(self) -> str:
+        return label(self.settings)
+
+
+class Wrapped(Engine):
+    """Another engine under its own name; what is not overridden is the inner one's."""
+
+    def __init__(self, inner: Engine) -> None:
+        self.inner = inner
+        self.name, self.package, self.part_types = inner.name, inner.package, inner.part_types  # type: ignore[misc]
+
+    def methods(self) -> tuple[Method, ...]:
+        return self.inner.methods()
+
+    def version(self) -> str:
+        return self.inner.version()
+
+    def refusals(self, scene: Scene) -> list[Refusal]:
+        return self.inner.refusals(scene)
+
+    def method_refusals(self, scene: Scene, method: Method) -> list[Refusal]:
+        return self.inner.method_refusals(scene, method)
+
+    def run(self, scene: Scene, settings: Settings, times: np.ndarray | None = None) -> Trajectory:
+        return self.inner.run(scene, settings, times)
 
 
 class Apart(Wrapped):
@@ -46,13 +74,12 @@ class Apart(Wrapped):
             return _call(self.inner, scene, settings, times)
         place = (settings.method or "", scene.name)
         if place in self.lost:
-            return _lost(scene, f"not tried: before, {self.lost[place]}")
+            return _lost(scene, settings, f"not tried: before, {self.lost[place]}")
         try:
             return self.ask(_call_by_name, self.name, scene, settings, times)
         except Lost as loss:
-            setting = f"step = {settings.step:g} s" if settings.step else f"rtol = {settings.rtol:g}"
-            self.lost[place] = f"{setting}: {loss}"
-            return _lost(scene, str(loss))
+            self.lost[place] = f"{label(settings)}: {loss}"
+            return _lost(scene, settings, str(loss))
 
 
 def called(engine: Engine, scene: Scene, settings: Settings, times: np.ndarray | None) -> Called:
@@ -70,8 +97,8 @@ def _call(engine: Engine, scene: Scene, settings: Settings, times: np.ndarray | 
         path = engine.run(scene, settings, times)
     except ENGINE_FAILURES as error:
         path = stopped(scene, Status.ENGINE_ERROR, f"{type(error).__name__}: {error}")
-    return Called(path, perf_counter() - wall, process_time() - cpu)
+    return Called(settings, path, perf_counter() - wall, process_time() - cpu)
 
 
-def _lost(scene: Scene, why: str) -> Called:
-    return Called(replace(stopped(scene, Status.ENGINE_ERROR, why), unreported=True))
+def _lost(scene: Scene, settings: Settings, why: str) -> Called:
+    return Called(settings, replace(stopped(scene, Status.ENGINE_ERROR, why), unreported=True))

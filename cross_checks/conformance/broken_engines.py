@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from time import process_time
+from typing import Any
 
 import numpy as np
 
+from cross_checks.conformance.apart import Wrapped
 from cross_checks.conformance.finding import Report
-from cross_checks.conformance.wrapped import Wrapped
 from cross_checks.engine import Engine, Method
 from cross_checks.engine.outcome import stopped
 from mbs_ref.scene import Cylindrical, PlanarBody, Prismatic, Scene, SpatialBody, TorqueVector, UserForce, Weld
@@ -54,32 +56,45 @@ class Broken(Wrapped):
 
 def mistakes() -> tuple[Mistake, ...]:
     """Return every mistake."""
+
+    def changes(name: str, make: Callable[[Scene], dict[str, Any]]) -> Mistake:
+        return Mistake(name, change=lambda scene: scene.model_copy(update=make(scene)))
+
+    def spoils(name: str, make: Callable[[Trajectory], dict[str, Any]]) -> Mistake:
+        return Mistake(name, spoil=lambda scene, path: replace(path, **make(path)))
+
+    def clocks(name: str, make: Callable[[float], float]) -> Mistake:
+        return spoils(name, lambda p: {"timing": replace(p.timing, loop_s=make(p.timing.loop_s))})
+
     return (
-        Mistake("dropped joint", change=lambda s: s.model_copy(update={"joints": s.joints[:-1]})),
-        Mistake("inertia about another point", change=lambda s: _bodies(s, _moved_inertia)),
-        Mistake("inertia in wrong axes", change=lambda s: _bodies(s, _turned_inertia)),
-        Mistake("gravity off by a thousandth", change=lambda s: s.model_copy(update={"gravity": _scaled(s.gravity)})),
-        Mistake("hidden damping", change=_damped),
+        changes("dropped joint", lambda s: {"joints": s.joints[:-1]}),
+        changes("inertia about another point", lambda s: _bodies(s, _moved_inertia)),
+        changes("inertia in wrong axes", lambda s: _bodies(s, _turned_inertia)),
+        changes("gravity off by a thousandth", lambda s: {"gravity": tuple(1.001 * part for part in s.gravity)}),
+        changes("hidden damping", _damped),
+        changes("sliders that do not slide", _stuck),
+        changes("torques in wrong axes", _torques_in_world),
+        changes("bodies that pass through each other", lambda s: {"contacts": ()}),
+        changes("contacts without loss", _lossless),
         Mistake("one step late", run=_late),
         Mistake("lost order", run=_of_first_order),
-        Mistake("state restarted half-way", run=_restarted),
-        Mistake("sliders that do not slide", change=_stuck),
-        Mistake("torques in wrong axes", change=_torques_in_world),
+        Mistake("state restarted half-way", spoil=_restarted),
         Mistake("stopped by every weld", run=_dead_on_welds),
-        Mistake("single precision", spoil=_in_single),
-        Mistake("velocities of the other sign", spoil=lambda s, p: replace(p, velocity=-p.velocity)),
-        Mistake("velocities times 1.01", spoil=lambda s, p: replace(p, velocity=1.01 * p.velocity)),
-        Mistake("velocities zero but the first", spoil=lambda s, p: replace(p, velocity=_first_alone(p.velocity))),
-        Mistake("velocities one sample late", spoil=lambda s, p: replace(p, velocity=_shifted(p.velocity))),
-        Mistake("angular velocities zero but the first",
-                spoil=lambda s, p: replace(p, angular_velocity=_first_alone(p.angular_velocity))),
+        Mistake("bodies swapped", spoil=_swapped),
         Mistake("angular velocities in body axes", spoil=_body_rates),
-        Mistake("bodies swapped", spoil=lambda s, p: _ordered(p, [1, 0, *range(2, len(s.bodies))])),
         Mistake("orientations of the other sign", spoil=_turned_back),
         Mistake("angles wrong, positions right", spoil=_angles_off),
-        Mistake("a clock that lies", spoil=lambda s, p: _clocked(p, 1e-6 * p.timing.loop_s)),
-        Mistake("a clock beyond the call", spoil=lambda s, p: _clocked(p, 3600.0)),
-        Mistake("samples at other times", spoil=lambda s, p: replace(p, times=p.times * (1.0 + 1e-6))),
+        Mistake("a clock that counts two fifths", run=_slow_clock),
+        spoils("single precision", lambda p: {"position": _single(p.position), "velocity": _single(p.velocity)}),
+        spoils("velocities of the other sign", lambda p: {"velocity": -p.velocity}),
+        spoils("velocities times 1.01", lambda p: {"velocity": 1.01 * p.velocity}),
+        spoils("velocities zero but the first", lambda p: {"velocity": _first_alone(p.velocity)}),
+        spoils("velocities one sample late", lambda p: {"velocity": p.velocity[[0, *range(len(p.times) - 1)]]}),
+        spoils("angular velocities zero but the first",
+               lambda p: {"angular_velocity": _first_alone(p.angular_velocity)}),
+        clocks("a clock that lies", lambda loop_s: 1e-6 * loop_s),
+        clocks("a clock beyond the call", lambda loop_s: 3600.0),
+        spoils("samples at other times", lambda p: {"times": p.times * (1.0 + 1e-6)}),
     )  # fmt: skip
 
 
@@ -100,8 +115,8 @@ def self_test(good: Engine, examine: Callable[[Engine, str], Report]) -> Iterato
         yield Caught(mistake.name, mistake.name != "none", questions)
 
 
-def _bodies(scene: Scene, change: Callable) -> Scene:
-    return scene.model_copy(update={"bodies": tuple(change(body) for body in scene.bodies)})
+def _bodies(scene: Scene, change: Callable) -> dict[str, Any]:
+    return {"bodies": tuple(change(body) for body in scene.bodies)}
 
 
 def _moved_inertia(body):
@@ -119,39 +134,38 @@ def _turned_inertia(body):
     return body.model_copy(update={"inertia": (zz, xx, yy, xz, yz, xy)})
 
 
-def _scaled(gravity: tuple[float, ...]) -> tuple[float, ...]:
-    return tuple(1.001 * part for part in gravity)
-
-
-def _damped(scene: Scene) -> Scene:
-    if scene.dimension == 3:
-        return scene
+def _damped(scene: Scene) -> dict[str, Any]:
     drag = UserForce(name="hidden", function=lambda t, q, v: -0.01 * v)
-    return scene.model_copy(update={"loads": (*scene.loads, drag)})
+    return {} if scene.dimension == 3 else {"loads": (*scene.loads, drag)}
 
 
-def _stuck(scene: Scene) -> Scene:
+def _stuck(scene: Scene) -> dict[str, Any]:
     """Weld what a joint in space would let slide."""
     sliders = Prismatic | Cylindrical if scene.dimension == 3 else ()
-    joints = [
+    return {"joints": tuple(
         Weld(name=j.name, body_a=j.body_a, body_b=j.body_b, point=j.point) if isinstance(j, sliders) else j
         for j in scene.joints
-    ]
-    return scene.model_copy(update={"joints": tuple(joints)})
+    )}  # fmt: skip
 
 
-def _torques_in_world(scene: Scene) -> Scene:
+def _torques_in_world(scene: Scene) -> dict[str, Any]:
     """Leave a torque where it began instead of turning it with its body."""
-    turned = [load.model_copy(update={"frame": "world"}) if isinstance(load, TorqueVector) else load
-              for load in scene.loads]  # fmt: skip
-    return scene.model_copy(update={"loads": tuple(turned)})
+    return {"loads": tuple(
+        load.model_copy(update={"frame": "world"}) if isinstance(load, TorqueVector) else load for load in scene.loads
+    )}  # fmt: skip
+
+
+def _lossless(scene: Scene) -> dict[str, Any]:
+    """Take damping and restitution below 1 out of every contact."""
+    laws = [contact.law.model_copy(update={"damping": 0.0, "restitution": 1.0}) for contact in scene.contacts]
+    contacts = zip(scene.contacts, laws, strict=True)
+    return {"contacts": tuple(contact.model_copy(update={"law": law}) for contact, law in contacts)}
 
 
 def _dead_on_welds(good: Engine, scene: Scene, settings: Settings, times: np.ndarray) -> Trajectory:
-    """Blow up, aloud, wherever a weld is."""
-    path = good.run(scene, settings, times)
+    """Blow up, with a message, wherever a weld is."""
     if not any(isinstance(joint, Weld) for joint in scene.joints):
-        return path
+        return good.run(scene, settings, times)
     return stopped(scene, Status.NON_FINITE, "NaN arose before the first sample")
 
 
@@ -172,45 +186,35 @@ def _of_first_order(good: Engine, scene: Scene, settings: Settings, times: np.nd
     return good.run(scene, settings.model_copy(update={"method": "euler", "step": settings.step / 4}), times)
 
 
-def _restarted(good: Engine, scene: Scene, settings: Settings, times: np.ndarray) -> Trajectory:
-    path, half = good.run(scene, settings, times), len(times) // 2
-    return path if not path.ok else _ordered_in_time(path, [*range(half), *range(len(times) - half)])
+def _slow_clock(good: Engine, scene: Scene, settings: Settings, times: np.ndarray) -> Trajectory:
+    """Report two fifths of the processor time of the call."""
+    began = process_time()
+    path = good.run(scene, settings, times)
+    return replace(path, timing=replace(path.timing, loop_s=0.4 * (process_time() - began)))
 
 
-def _ordered_in_time(path: Trajectory, samples: list[int]) -> Trajectory:
+def _taken(path: Trajectory, index: Any) -> Trajectory:
     parts = ("position", "orientation", "velocity", "angular_velocity")
-    return replace(path, **{part: getattr(path, part)[samples] for part in parts})
+    return replace(path, **{part: getattr(path, part)[index] for part in parts})
 
 
-def _ordered(path: Trajectory, bodies: list[int]) -> Trajectory:
-    if path.position.shape[1] == 1:
-        return path
-    parts = ("position", "orientation", "velocity", "angular_velocity")
-    return replace(path, **{part: getattr(path, part)[:, bodies] for part in parts})
+def _restarted(scene: Scene, path: Trajectory) -> Trajectory:
+    half = len(path.times) // 2
+    return _taken(path, [*range(half), *range(len(path.times) - half)])
 
 
-def _in_single(scene: Scene, path: Trajectory) -> Trajectory:
+def _swapped(scene: Scene, path: Trajectory) -> Trajectory:
+    n = len(scene.bodies)
+    return path if n == 1 else _taken(path, np.s_[:, [1, 0, *range(2, n)]])
+
+
+def _single(exact: np.ndarray) -> np.ndarray:
     """Round what comes back; the start stays exact, as a number that was read in would."""
-    rounded = {}
-    for part in ("position", "velocity"):
-        exact = getattr(path, part)
-        rounded[part] = exact.astype(np.float32).astype(float)
-        rounded[part][0] = exact[0]
-    return replace(path, **rounded)
-
-
-def _clocked(path: Trajectory, loop_s: float) -> Trajectory:
-    return replace(path, timing=replace(path.timing, loop_s=loop_s))
+    return np.concatenate((exact[:1], exact[1:].astype(np.float32).astype(float)))
 
 
 def _first_alone(values: np.ndarray) -> np.ndarray:
-    spoiled = np.zeros_like(values)
-    spoiled[0] = values[0]
-    return spoiled
-
-
-def _shifted(values: np.ndarray) -> np.ndarray:
-    return np.concatenate((values[:1], values[:-1]))
+    return np.concatenate((values[:1], np.zeros_like(values[1:])))
 
 
 def _body_rates(scene: Scene, path: Trajectory) -> Trajectory:
@@ -221,16 +225,15 @@ def _body_rates(scene: Scene, path: Trajectory) -> Trajectory:
 
 
 def _turned_back(scene: Scene, path: Trajectory) -> Trajectory:
-    if scene.dimension == 2:
-        return replace(path, orientation=2.0 * path.orientation[:1] - path.orientation)
-    return replace(path, orientation=conjugate(path.orientation))
+    start = path.orientation[:1]
+    return replace(
+        path, orientation=2.0 * start - path.orientation if scene.dimension == 2 else conjugate(path.orientation)
+    )
 
 
 def _angles_off(scene: Scene, path: Trajectory) -> Trajectory:
-    """Turn a hundredth too far, and say so in the angular velocity."""
+    """Turn a hundredth too far, in the angular velocity too."""
     if scene.dimension == 3:
         return path
-    start = path.orientation[:1]
-    return replace(
-        path, orientation=start + 1.01 * (path.orientation - start), angular_velocity=1.01 * path.angular_velocity
-    )
+    turned = path.orientation + 0.01 * (path.orientation - path.orientation[:1])
+    return replace(path, orientation=turned, angular_velocity=1.01 * path.angular_velocity)

@@ -8,9 +8,10 @@ from statistics import median
 import numpy as np
 
 from cross_checks.conformance.apart import Apart, called
+from cross_checks.conformance.clock import uncounted_work
 from cross_checks.conformance.finding import Finding, Report, Row, verdict
-from cross_checks.conformance.ladder import ORDER_OFF, climb
-from cross_checks.conformance.questions import Asked, impossible, open_pendulum, questions, rungs, takes, unasked
+from cross_checks.conformance.ladder import climb
+from cross_checks.conformance.questions import Question, impossible, open_pendulum, questions, rungs, takes, uncovered
 from cross_checks.engine import Engine
 from cross_checks.engine.method import Method
 from mbs_ref.settings import Settings
@@ -19,19 +20,22 @@ from mbs_ref.trajectory import Status
 ENGINE_WIDE = ""  # the method or scene of what concerns the whole engine
 QUESTIONS = (
     "identity", "something runs", "refusals", "unknown method", "inconsistent start", "hopeless step", "comes back",
-    "runs", "asked times", "start", "velocities", "clock", "truth", "energy", "joints", "same end", "order",
+    "runs", "asked times", "start", "velocities", "clock", "truth", "energy", "joints", "contact", "same end", "order",
 )  # fmt: skip
+ORDER_OFF = 0.35  # how far an observed order may be from the documented one
 Progress = Callable[[str], None]
 
 
 def examine(engine: Engine, name: str, progress: Progress = lambda text: None) -> Report:
     """Ask everything of the engine that is known by `name`."""
-    asked = questions(engine)
-    findings, rows = [*_whole(engine, name, asked)], []
+    questioned = questions(engine)
+    findings, rows = [*_whole(engine, name, questioned)], []
     for method in engine.methods():
-        mine = [question for question in asked if takes(engine, method, question.scene)]
+        mine = [question for question in questioned if takes(engine, method, question.scene)]
         if mine:
             findings.append(_hopeless(engine, method, mine[0]))
+            clock = uncounted_work(engine, mine[0], rungs(method, mine[0].times)[0])
+            findings.append(verdict("clock", method.name, mine[0].scene.name, clock))
         for question in mine:
             progress(f"{question.scene.name} by {method.name}")
             of_scene, row = climb(engine, method, question)
@@ -40,23 +44,23 @@ def examine(engine: Engine, name: str, progress: Progress = lambda text: None) -
         strong = {question.scene.name for question in mine if not method.excused(question.scene)}
         findings += _order(method, [row for row in rows if row.method == method.name and row.scene in strong])
         findings += _lost(engine, method, mine)
-    findings += [_runs(engine, question, rows) for question in asked]
-    return Report(engine.name, engine.version(), tuple(findings), tuple(rows), unasked(engine, asked))
+    findings += [_runs(engine, question, rows) for question in questioned]
+    return Report(engine.name, engine.version(), tuple(findings), tuple(rows), uncovered(engine, questioned))
 
 
-def _whole(engine: Engine, name: str, asked: list[Asked]) -> Iterator[Finding]:
+def _whole(engine: Engine, name: str, questioned: list[Question]) -> Iterator[Finding]:
     def finding(question: str, wrong: str) -> Finding:
         return verdict(question, ENGINE_WIDE, ENGINE_WIDE, wrong)
 
     yield finding("identity", _identity(engine, name))
-    yield finding("something runs", "" if asked else "it refuses every scene with a known truth")
+    yield finding("something runs", "" if questioned else "it refuses every scene with a known truth")
     yield finding("refusals", _refusal(engine))
-    if asked:
-        yield finding("unknown method", _unknown_method(engine, asked[0]))
+    if questioned:
+        yield finding("unknown method", _unknown_method(engine, questioned[0]))
     yield finding("inconsistent start", _inconsistent(engine))
 
 
-def _runs(engine: Engine, question: Asked, rows: list[Row]) -> Finding:
+def _runs(engine: Engine, question: Question, rows: list[Row]) -> Finding:
     """Judge whether one of the methods at least ends a run of a scene that the engine takes."""
     scene = question.scene
     ended = any(row.scene == scene.name and row.error is not None for row in rows)
@@ -95,7 +99,7 @@ def _refusal(engine: Engine) -> str:
     return f"the refusal leaves out: {missing}" if missing else ""
 
 
-def _unknown_method(engine: Engine, question: Asked) -> str:
+def _unknown_method(engine: Engine, question: Question) -> str:
     try:
         engine.run(question.scene, Settings(method="no_such_method"))
     except ValueError as error:
@@ -113,7 +117,7 @@ def _inconsistent(engine: Engine) -> str:
     return "" if named else "a velocity along the rod is accepted or changed without a word"
 
 
-def _hopeless(engine: Engine, method: Method, question: Asked) -> Finding:
+def _hopeless(engine: Engine, method: Method, question: Question) -> Finding:
     """Absurd accuracy must end in a status, a refusal or finite poses; a NaN or a lost clock is not success."""
     scene, times = question.scene, np.array([0.0, 0.5, 1.0]) * question.scene.duration
     half = scene.duration / 2
@@ -131,10 +135,10 @@ def _hopeless(engine: Engine, method: Method, question: Asked) -> Finding:
     return verdict("hopeless step", method.name, scene.name, wrong)
 
 
-def _lost(engine: Engine, method: Method, asked: list[Asked]) -> list[Finding]:
+def _lost(engine: Engine, method: Method, questioned: list[Question]) -> list[Finding]:
     """Judge whether every run came back, in time and with its process alive."""
     lost = engine.lost if isinstance(engine, Apart) else {}
-    names = [question.scene.name for question in asked]
+    names = [question.scene.name for question in questioned]
     return [verdict("comes back", method.name, name, lost.get((method.name, name), "")) for name in names]
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import asdict, dataclass
 from typing import Any, Literal
 
@@ -41,7 +40,7 @@ class Report:
     version: str
     findings: tuple[Finding, ...]
     rows: tuple[Row, ...]
-    unasked: tuple[str, ...] = ()  # types of parts that it declares and no scene here has
+    uncovered: tuple[str, ...] = ()  # types of parts that it declares and no scene here has
 
     def of(self, outcome: Outcome) -> tuple[Finding, ...]:
         return tuple(f for f in self.findings if f.outcome == outcome)
@@ -60,9 +59,3 @@ def verdict(question: str, method: str, scene: str, wrong: str, *, seen: str = "
     if not wrong:
         return Finding(question, method, scene, "passed", seen)
     return Finding(question, method, scene, "excused" if excuse else "failed", wrong, excuse)
-
-
-def failures(findings: Iterable[Finding], question: str) -> list[str]:
-    """Return a line for each failure of one question."""
-    wrong = [f for f in findings if f.question == question and f.outcome == "failed"]
-    return [f"{f.scene} by {f.method}: {f.detail}" for f in wrong]

@@ -22,7 +22,7 @@ def name_of(engine: str) -> str:
 def load(engine: str) -> Engine:
     """Return the engine of an adapter file or of that name. NoEngine says what is wrong; EngineMissing as `get`."""
     if engine.endswith(".py"):
-        _announce(Path(engine))
+        announce(Path(engine))
     try:
         made = engines.get(name_of(engine))
     except (ValueError, AttributeError, TypeError) as error:
@@ -32,7 +32,7 @@ def load(engine: str) -> Engine:
     return _named(made, engine)
 
 
-def _announce(file: Path) -> None:
+def announce(file: Path) -> None:
     """Make the adapter file known to this process and its children."""
     if not file.is_file():
         raise NoEngine(f"{file}: there is no such file")

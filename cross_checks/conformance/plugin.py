@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-import os
 from pathlib import Path
 
 import pytest
-
-ADAPTERS = "MBS_REF_ADAPTERS"  # as in cross_checks.engines, which is not imported by every pytest on the machine
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -22,10 +19,12 @@ def pytest_configure(config: pytest.Config) -> None:
     file = config.getoption("--mbs-adapter")
     if file is None:
         return
-    if not Path(file).is_file():
-        raise pytest.UsageError(f"--mbs-adapter {file}: there is no such file")
-    listed = [path for path in os.environ.get(ADAPTERS, "").split(os.pathsep) if path]
-    os.environ[ADAPTERS] = os.pathsep.join([*listed, str(Path(file).resolve())])
+    from cross_checks.conformance.loading import NoEngine, announce
+
+    try:
+        announce(Path(file))
+    except NoEngine as error:
+        raise pytest.UsageError(f"--mbs-adapter {error}") from None
 
 
 @pytest.fixture(scope="session")

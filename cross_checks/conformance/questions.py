@@ -1,4 +1,4 @@
-"""What an engine is asked: scenes short enough to be quick, each with a truth, and the settings of each run."""
+"""What an engine must answer: scenes short enough to be quick, each with a truth, and the settings of each run."""
 
 from __future__ import annotations
 
@@ -30,8 +30,8 @@ RTOLS = (1e-4, 1e-6, 1e-8, 1e-10)
 
 
 @dataclass(frozen=True)
-class Asked:
-    """A scene, the times asked for and its truth there."""
+class Question:
+    """A scene, the times requested and its truth there."""
 
     scene: Scene
     times: np.ndarray  # (n_t,) s
@@ -43,12 +43,12 @@ class Asked:
 
 
 @cache
-def asked(name: str) -> Asked | None:
+def question_of(name: str) -> Question | None:
     """Return the question that a scene is; None where no truth is known at its times."""
     scene = scenes.make(name)
     times = np.linspace(0.0, SPANS.get(name, scene.duration), SAMPLES)
     truth = truth_for(scene, times)
-    return None if truth is None else Asked(scene, times, truth)
+    return None if truth is None else Question(scene, times, truth)
 
 
 def takes(engine: Engine, method: Method, scene: Scene) -> bool:
@@ -56,7 +56,7 @@ def takes(engine: Engine, method: Method, scene: Scene) -> bool:
     return not engine.refusals(scene) and not engine.method_refusals(scene, method)
 
 
-def questions(engine: Engine) -> list[Asked]:
+def questions(engine: Engine) -> list[Question]:
     """Return the scenes that some method takes, and small ones for the parts that it declares and those lack.
 
     It is one of the costlier scenes where it takes none of the quick ones.
@@ -64,12 +64,12 @@ def questions(engine: Engine) -> list[Asked]:
     quick = [name for name in SPANS if _is_taken(engine, scenes.make(name))]
     costlier = (name for name in known() if name in scenes.names() and name not in SPANS)
     others = (name for name in costlier if _is_taken(engine, scenes.make(name)))
-    found = [asked(name) for name in quick or [*islice(others, 1)]]
-    there = [question for question in found if question is not None]
+    of_library = [question_of(name) for name in quick or [*islice(others, 1)]]
+    there = [question for question in of_library if question is not None]
     return there + list(_probing(engine, there))
 
 
-def _probing(engine: Engine, there: list[Asked]) -> Iterator[Asked]:
+def _probing(engine: Engine, there: list[Question]) -> Iterator[Question]:
     met = {(kind, question.scene.dimension) for question in there for kind in part_types(question.scene)}
     for (kind, dimension), scene in probes().items():
         if kind in engine.part_types and (kind, dimension) not in met and _is_taken(engine, scene):
@@ -77,14 +77,14 @@ def _probing(engine: Engine, there: list[Asked]) -> Iterator[Asked]:
 
 
 @cache
-def _probe(kind: str, dimension: int) -> Asked:
+def _probe(kind: str, dimension: int) -> Question:
     scene = probes()[kind, dimension]
-    times = np.linspace(0.0, scene.duration, SAMPLES)
-    return Asked(scene, times, probe_truth(scene, times))
+    times, name = np.linspace(0.0, scene.duration, SAMPLES), f"{kind}_in_{'plane' if dimension == 2 else 'space'}"
+    return Question(scene.model_copy(update={"name": name}), times, probe_truth(scene, times))
 
 
-def unasked(engine: Engine, questions: list[Asked]) -> tuple[str, ...]:
-    """Return the types of parts that an engine declares and no scene has that it is asked."""
+def uncovered(engine: Engine, questions: list[Question]) -> tuple[str, ...]:
+    """Return the types of parts that an engine declares and no question covers."""
     return tuple(sorted(engine.part_types.difference(*(part_types(question.scene) for question in questions))))
 
 
@@ -96,7 +96,7 @@ def rungs(method: Method, times: np.ndarray, *, jumps: bool = False) -> list[Set
     """Return the settings of the runs, coarse to fine.
 
     Where forces jump, an adaptive method that locates no events cannot meet a tight tolerance (Exudyn's DOPRI5 does
-    not come back from 1e-8), and is asked for the loose ones alone.
+    not come back from 1e-8), and has the loose ones alone.
     """
     if method.kind == "fixed":
         steps = [float(times[-1]) / n for n in STEPS]

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import asdict, dataclass
+from itertools import takewhile
 from pathlib import Path
 from typing import Any
 
-from cross_checks.extremes.judge import Fate, Point
-from cross_checks.extremes.search import broken, fate_of, last_handled
+from cross_checks.extremes.fate import Fate, Point
 from cross_checks.records import lines as record_file
 
 
@@ -20,7 +20,7 @@ class Cell:
     family: str
     engine: str
     method: str
-    full: bool  # every value of the axis, or a quick bisection
+    full: bool  # the whole axis searched finely, or a quick look at its listed values
     fate: Fate  # the worst that happened
     last: float | None  # most extreme value up to which all went right
     points: tuple[Point, ...]
@@ -33,8 +33,7 @@ class Cell:
     @property
     def first_failure(self) -> str:
         """What comes beyond `last`; empty where all went right."""
-        k = broken(self.points)
-        return "" if k is None else self.points[k].reason
+        return next((point.reason for point in self.points if not point.handled), "")
 
     def to_dict(self) -> dict[str, Any]:
         """Return plain data for JSON."""
@@ -43,10 +42,16 @@ class Cell:
 
 def made_of(extreme: str, family: str, engine: str, method: str, full: bool, points: Iterable[Point]) -> Cell:
     """Return the cell of the points, mild first."""
-    kept = tuple(points)
-    failures = [point for point in kept if not point.handled]
-    reason = next((point.reason for point in failures if point.fate is fate_of(failures)), "")
-    return Cell(extreme, family, engine, method, full, fate_of(kept), last_handled(kept), kept, reason)
+    every = tuple(points)
+    handled = tuple(takewhile(lambda point: point.handled, every))
+    failures = [point for point in every if not point.handled]
+    reason = next((point.reason for point in failures if point.fate is _worst(failures)), "")
+    last = handled[-1].value if handled else None
+    return Cell(extreme, family, engine, method, full, _worst(every), last, every, reason)
+
+
+def _worst(points: Sequence[Point]) -> Fate:
+    return next(fate for fate in Fate if any(point.fate is fate for point in points))
 
 
 def from_dict(data: Any) -> Cell:

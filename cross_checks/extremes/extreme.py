@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -13,12 +14,19 @@ from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings
 from mbs_ref.trajectory import Trajectory
 
-GOOD = 1e-3  # of the motion's size: as good as the eye can tell
-WRONG = 0.1  # of the motion's size: another motion
-MAX_STEPS = 1_000_000  # what a run of a second of wall time may need; more is work without end
+STEP, RTOL = 1e-3, 1e-8  # s and relative: the settings of a run, unless an axis changes them
+MAX_STEPS = 1_000_000  # of a run: several times what a second of wall time allows
 UNCHECKED = 1e9  # m, m/s: an inconsistency that the suite's own check lets pass, so that the engine's answer shows
 
-Measure = Callable[[Scene, Trajectory], float]  # error in units of the motion's size: 1 is all of it
+
+class Measured(NamedTuple):
+    """The error of a run in units of the motion's size, 1 being all of it, and the truth's uncertainty."""
+
+    error: float
+    uncertainty: float = 0.0
+
+
+Measure = Callable[[Scene, Trajectory], Measured]
 
 
 @dataclass(frozen=True)
@@ -36,6 +44,11 @@ class Axis:
         return self.labels[int(value)] if self.labels else f"{value:.6g}"
 
 
+def kinds(name: str, unit: str, labels: tuple[str, ...]) -> Axis:
+    """Return an axis of kinds without an order between them."""
+    return Axis(name, unit, tuple(float(k) for k in range(len(labels))), labels)
+
+
 @dataclass(frozen=True)
 class Case:
     """One place on the axis, ready to run."""
@@ -43,8 +56,8 @@ class Case:
     scene: Scene
     times: np.ndarray  # (n_t,) s, output times: multiples of the step
     measure: Measure
-    step: float | None = None  # s; None where fixed-step methods have no say
-    rtol: float | None = None  # None where adaptive methods have no say
+    step: float | None = STEP  # s; None where the axis does not concern fixed-step methods
+    rtol: float | None = RTOL  # None where the axis does not concern adaptive methods
     must_stop: bool = False  # there is no right answer but a refusal
     may_stop: bool = False  # a refusal is as right as an answer
     unchecked: bool = False  # let an inconsistent start pass to engines that do not look by themselves
@@ -60,8 +73,6 @@ class Extreme:
     title: str  # one sentence: what happens, and why it is hard
     axis: Axis
     case: Callable[[float], Case]
-    good: float = GOOD  # error that still counts as survived
-    wrong: float = WRONG  # error beyond which a success is a lie
 
     def values(self, full: bool = False) -> tuple[float, ...]:
         """Return the axis, mild first."""
@@ -81,10 +92,8 @@ def settings_for(case: Case, method: Method) -> Settings:
     return Settings(rtol=case.rtol, atol=case.rtol, **common)
 
 
-def grid(t_end: float, step: float | None = None, samples: int = 21) -> np.ndarray:
-    """Return output times from 0 to t_end (s), even, or as even as multiples of the step allow."""
-    if step is None:
-        return np.linspace(0.0, t_end, samples)
+def grid(t_end: float, step: float = STEP, samples: int = 21) -> np.ndarray:
+    """Return output times from 0 to t_end (s), as even as multiples of the step allow."""
     whole = max(1, round(t_end / step))
     return np.unique(np.linspace(0, whole, min(samples, whole + 1)).round()) * step
 

@@ -10,11 +10,10 @@ from typing import Any
 
 from cross_checks import engines as registry
 from cross_checks.engine import Engine, Method, output_times
-from cross_checks.extremes import named
+from cross_checks.extremes import boundary, named
 from cross_checks.extremes.cell import Cell, made_of
 from cross_checks.extremes.extreme import UNCHECKED, Extreme, settings_for
-from cross_checks.extremes.judge import Fate, Point, judge, lost
-from cross_checks.extremes.search import bisect, scan
+from cross_checks.extremes.fate import Fate, Point, judge
 from cross_checks.isolation.parent import Isolated, Lost
 from cross_checks.isolation.workers import each
 from cross_checks.judge.one_run import checked_run
@@ -25,7 +24,6 @@ FIRST = 60.0  # s for the mildest value of a cell, which loads what the others n
 LOADING = 30.0  # s for a new child, which has everything to load
 PATIENCE = {False: 2.0, True: 60.0}  # s for any other run, by `full`
 MEMORY = 2 * 2**30  # bytes of one child
-REFINE = 3  # halvings between two listed values in the full set
 
 Progress = Callable[[int, int, str], None]
 Task = tuple[str, str, Extreme]  # engine, method (empty where the engine is not installed), extreme
@@ -40,14 +38,14 @@ def run_point(extreme_name: str, value: float, engine_name: str, method_name: st
     if case.unchecked and not engine.checks_start:
         settings = settings.model_copy(update={"initial_tolerance": UNCHECKED})
     run = checked_run(engine, case.scene, settings, output_times(case.scene, settings, case.times))
-    point = judge(extreme, case, value, run)
+    point = judge(case, method, value, run)
     return replace(point, seconds=time.perf_counter() - began)
 
 
 def cannot(extreme: Extreme, engine: Engine, method: Method) -> str:
     """Return why a method has no say on an axis, or nothing."""
     if not extreme.takes(method):
-        return "its steps are not its own choice" if method.kind == "adaptive" else "it has no tolerance"
+        return "the axis is about fixed steps" if method.kind == "adaptive" else "it has no tolerance"
     scene = extreme.case(extreme.axis.values[0]).scene
     reasons = [*engine.refusals(scene), *engine.method_refusals(scene, method)]
     return "; ".join(dict.fromkeys(refusal.reason for refusal in reasons))
@@ -60,34 +58,23 @@ def cell_of(extreme: Extreme, engine: Engine, method: Method, full: bool, call: 
         return Cell(extreme.name, extreme.family, engine.name, method.name, full, Fate.CANNOT, None, (), why)
 
     def probe(value: float) -> Point:
-        mildest = value == extreme.axis.values[0]  # loads what all others need, which run in copies of that process
-        call.timeout = FIRST if mildest else PATIENCE[full] + (LOADING if call.fresh else 0.0)
-        make, began = (call if mildest else call.apart), time.perf_counter()
+        is_mildest = (
+            value == extreme.axis.values[0]
+        )  # it loads what all others need, which run in copies of its process
+        call.timeout = FIRST if is_mildest else PATIENCE[full] + (LOADING if call.fresh else 0.0)
+        make, began = (call if is_mildest else call.apart), time.perf_counter()
         try:
             return make(run_point, extreme.name, value, engine.name, method.name)
         except Lost as error:
-            return replace(lost(value, error.status, str(error)), seconds=time.perf_counter() - began)
+            seconds = time.perf_counter() - began
+            return Point(value, Fate.STOPPED, 0.0, False, None, error.status, str(error), seconds)
 
     values = extreme.values(full)
-    kinds = bool(extreme.axis.labels)
-    points = scan(values, probe, 0 if kinds else REFINE) if full or kinds else bisect(values, probe)
+    points = [probe(value) for value in values] if extreme.axis.labels else boundary.search(values, probe, full)
     return made_of(extreme.name, extreme.family, engine.name, method.name, full, points)
 
 
-def tasks(extremes: Sequence[Extreme], engines: Collection[str], full: bool) -> list[Task]:
-    """Return every extreme with every method, those of a method together; a few methods only unless `full`."""
-    found: list[Task] = []
-    for name in engines:
-        try:
-            offered = [method.name for method in registry.get(name).methods()]
-        except registry.EngineMissing:
-            offered = [""]
-        chosen = [method for method in offered if full or not method or method in QUICK.get(name, offered)]
-        found += [(name, method, extreme) for method in chosen for extreme in extremes]
-    return found
-
-
-# The methods a quick look takes; an engine without an entry is taken whole.
+# The methods of a quick look; an engine without an entry is taken whole.
 QUICK = {
     "mbs_ref": ("dop853", "rk4", "radau", "gauss", "generalized_alpha", "lsodar"),
     "exudyn": ("generalized_alpha", "contact_rk44", "tree_dopri5", "tree_rk44"),
@@ -103,6 +90,19 @@ QUICK = {
 }
 
 
+def tasks(extremes: Sequence[Extreme], engines: Collection[str], full: bool) -> list[Task]:
+    """Return every extreme with every method, those of a method together; a few methods only unless `full`."""
+    listed: list[Task] = []
+    for name in engines:
+        try:
+            offered = [method.name for method in registry.get(name).methods()]
+        except registry.EngineMissing:
+            offered = [""]
+        chosen = [method for method in offered if full or not method or method in QUICK.get(name, offered)]
+        listed += [(name, method, extreme) for method in chosen for extreme in extremes]
+    return listed
+
+
 def matrix(
     extremes: Sequence[Extreme],
     engines: Collection[str],
@@ -114,10 +114,10 @@ def matrix(
 ) -> Iterator[Cell]:
     """Yield every cell as soon as it is known; those of `known` are not run again."""
     before = {cell.key for cell in known}
-    asked = [task for task in tasks(extremes, engines, full) if (task[2].name, *task[:2], full) not in before]
-    for done, (_, cell) in enumerate(each(asked, partial(_cell, full), children, memory=MEMORY), 1):
+    wanted = [task for task in tasks(extremes, engines, full) if (task[2].name, *task[:2], full) not in before]
+    for done, (_, cell) in enumerate(each(wanted, partial(_cell, full), children, memory=MEMORY), 1):
         if progress is not None:
-            progress(done, len(asked), f"{cell.engine} {cell.method} {cell.extreme}")
+            progress(done, len(wanted), f"{cell.engine} {cell.method} {cell.extreme}")
         yield cell
 
 

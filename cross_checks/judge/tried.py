@@ -46,9 +46,8 @@ class Tried:
     def __post_init__(self) -> None:
         self.kind: str = self.method.kind
         self.duration, self.outputs, self.local_order = self.scene.duration, SAMPLES - 1, self.method.local_order
-        self.promised = self._promised()
-        # p of a step; of a tolerance that over the power which its estimate follows
-        self.expected = (self.method.order or 5) / self.local_order if self.kind == "adaptive" else self.promised
+        self.promised = promised_order(self.method, self.scene)
+        self.expected = expected_order(self.method, self.scene)
         self.coarsest = coarsest(self.method, self.scene)
         self.finest = TIGHTEST if self.kind == "adaptive" else self.duration / self.most_steps
         self.why_no_truth = self.truth.reason if isinstance(self.truth, NoTruth) else ""
@@ -58,16 +57,6 @@ class Tried:
     def knobs(self) -> list[float]:
         """The settings that were run, coarse to fine."""
         return self.search.knobs
-
-    def _promised(self) -> float:
-        """Return the order that a verdict may ask for: of a tolerance p / (p + 1), which controls the local error.
-
-        It is 1 where forces jump between the steps of a method that locates no events.
-        """
-        p = float(self.method.order or (5 if self.kind == "adaptive" else 1))
-        if self.kind == "adaptive":
-            return p / (p + 1.0)
-        return p if self.method.locates_events or is_smooth(self.scene) else min(p, 1.0)
 
     @property
     def uncertainty(self) -> float | None:
@@ -98,8 +87,7 @@ class Tried:
 
     def facts(self) -> dict:
         """Return what the ladder of this method states beside its runs."""
-        order, known = self.method.order or 5, self.uncertainty or 0.0
-        return facts_of(self.kind, order, self.expected, self.duration, known)
+        return facts_of(self.method, self.scene, self.duration, self.uncertainty or 0.0)
 
     def reference(self, knob: float) -> float | None:
         """Return the error of a method of that order or more at the same setting, of another package."""
@@ -125,12 +113,31 @@ class Tried:
         return self.records[(agreeing or good)[-1].knob] if good else None
 
 
-def facts_of(kind: str, order: int, expected: float, duration: float, uncertainty: float) -> dict:
+def promised_order(method: Method, scene: Scene) -> float:
+    """Return the order that a verdict may ask for: of a tolerance p / (p + 1), which controls the local error.
+
+    It is 1 where forces jump between the steps of a method that locates no events.
+    """
+    p = float(method.order or (5 if method.kind == "adaptive" else 1))
+    if method.kind == "adaptive":
+        return p / (p + 1.0)
+    return p if method.locates_events or is_smooth(scene) else min(p, 1.0)
+
+
+def expected_order(method: Method, scene: Scene) -> float:
+    """Return p of a step; of a tolerance p over the power of the step that its estimate follows."""
+    return (method.order or 5) / method.local_order if method.kind == "adaptive" else promised_order(method, scene)
+
+
+def facts_of(method: Method, scene: Scene, duration: float, uncertainty: float) -> dict:
     """Return a ladder's facts: the error that is typical at a setting before any run, of a documented order."""
-    is_fixed = kind == "fixed"
+    is_fixed = method.kind == "fixed"
     where = duration / TYPICAL_STEPS if is_fixed else TYPICAL_RTOL
-    typical = -DECADES_PER_ORDER * min(order, MOST_ORDER) if is_fixed else math.log10(TYPICAL * TYPICAL_RTOL)
-    return {"kind": kind, "order": expected, "reference": where, "typical": typical, "uncertainty": uncertainty}
+    typical = (
+        -DECADES_PER_ORDER * min(method.order or 5, MOST_ORDER) if is_fixed else math.log10(TYPICAL * TYPICAL_RTOL)
+    )
+    return {"kind": method.kind, "order": expected_order(method, scene), "reference": where, "typical": typical,
+            "uncertainty": uncertainty}  # fmt: skip
 
 
 def _alike(scene: Scene, engine: str, method: Method):

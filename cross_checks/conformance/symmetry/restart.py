@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
+from cross_checks.conformance.figures import axes
 from mbs_ref.scene import Scene
-from mbs_ref.scene.euler_parameters import rotation_matrices
 from mbs_ref.trajectory import Trajectory
 
 OF_B = frozenset({"point_b", "center_b", "point_1", "point_2", "axle", "axis_b"})
@@ -91,14 +91,7 @@ def _moved(scene: Scene, run: Trajectory, body: str, value: np.ndarray, is_point
     if body == "ground":
         return tuple(value.tolist())
     k = scene.body_index(body)
-    before, after = (_axes(run.orientation[j, k]) for j in (0, -1))
+    before, after = axes(scene, run.orientation[[0, -1], k])
     if not is_point:
         return tuple((after @ before.T @ value).tolist())
     return tuple((run.position[-1, k] + after @ before.T @ (value - run.position[0, k])).tolist())
-
-
-def _axes(orientation: np.ndarray) -> np.ndarray:
-    if np.ndim(orientation):
-        return rotation_matrices(orientation)
-    c, s = math.cos(orientation), math.sin(orientation)
-    return np.array([[c, -s], [s, c]])

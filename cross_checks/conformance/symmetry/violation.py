@@ -3,24 +3,30 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass, replace
+from functools import partial
+from typing import Any
 
 import numpy as np
 
+from cross_checks import engines
+from cross_checks.conformance.cases import Case
 from cross_checks.conformance.symmetry import placement as place
 from cross_checks.conformance.symmetry import restart
 from cross_checks.conformance.symmetry.placement import Placement, image, moved
 from cross_checks.engine import Engine
+from cross_checks.isolation.parent import Isolated, Lost
+from cross_checks.truths.truth import MARGIN
 from mbs_ref.observables.distance import Motion, Partial, point_distances
 from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings
 from mbs_ref.trajectory import Trajectory
 
 NUDGE = 2.0**-46  # of the scene's size: some roundings of a step's arithmetic
-MARGIN = 30.0  # times what roundoff and the method's own tolerance may do: beyond, a symmetry is broken
 SAMPLES = 5
 RTOL = 1e-8  # of an adaptive method that is told none
 BACK = "there and back"
+PATIENCE = 300.0  # s of one case: some twelve runs
 
 
 class NotRunError(RuntimeError):
@@ -57,20 +63,16 @@ def violations(engine: Engine, scene: Scene, settings: Settings) -> list[Violati
     error, rate_error = _gap(scene, finer, plain)
     # a way back starts from velocities, which may be worse than positions
     carried = error + plain.times[-1] * rate_error
-    violations = []
-    for name, measure in SYMMETRIES.items():
-        size = _measured(measure, engine, scene, settings, plain)
-        is_known = not isinstance(size, str)
+
+    def violation(name: str) -> Violation:
         own = carried if name == BACK else error
-        violations.append(Violation(name, size if is_known else None, noise, own, "" if is_known else size))
-    return violations
+        try:
+            size = SYMMETRIES[name](engine, scene, settings, plain)
+        except NotRunError as stop:
+            size = str(stop)
+        return Violation(name, None, noise, own, size) if isinstance(size, str) else Violation(name, size, noise, own)
 
-
-def _measured(measure, engine, scene, settings, plain) -> float | str:
-    try:
-        return measure(engine, scene, settings, plain)
-    except NotRunError as error:
-        return str(error)
+    return [violation(name) for name in SYMMETRIES]
 
 
 def _finer(engine: Engine, scene: Scene, settings: Settings, plain: Trajectory) -> Trajectory:
@@ -130,56 +132,35 @@ def _seen(make: Callable[[Scene], Placement], *, needs_step: bool = False) -> Ca
     return measure
 
 
-def _in_space(scene: Scene, flip: bool = False) -> np.ndarray:
-    """Return an orthogonal matrix that keeps no axis, and mirrors space if asked."""
+def _placed(scene: Scene, flip: bool | None = None, **changes: Any) -> Placement:
+    """Return space as it is, or turned to leave no axis in place (flip False), or mirrored as well (True)."""
     d = len(scene.gravity)
-    c, s = np.cos(0.7), np.sin(0.7)
-    turn = np.array([[c, -s], [s, c]]) if d == 2 else np.array([[2, -1, 2], [2, 2, -1], [-1, 2, 2]]) / 3.0
-    return turn @ np.diag([1.0] * (d - 1) + [-1.0 if flip else 1.0])
-
-
-def _turned(scene: Scene) -> Placement:
-    return Placement(_in_space(scene), np.zeros(len(scene.gravity)))
-
-
-def _mirrored(scene: Scene) -> Placement:
-    return Placement(_in_space(scene, flip=True), np.zeros(len(scene.gravity)))
+    matrix = np.eye(d)
+    if flip is not None:
+        c, s = np.cos(0.7), np.sin(0.7)
+        turn = np.array([[c, -s], [s, c]]) if d == 2 else np.array([[2, -1, 2], [2, 2, -1], [-1, 2, 2]]) / 3.0
+        matrix = turn @ np.diag([1.0] * (d - 1) + [-1.0 if flip else 1.0])
+    return replace(Placement(matrix, np.zeros(d)), **changes)
 
 
 def _shifted(scene: Scene) -> Placement:
-    d = len(scene.gravity)
     size = max(1.0, max(abs(x) for body in scene.bodies for x in body.position))
-    return Placement(np.eye(d), size * np.array([0.5, -0.25, 0.125])[:d])
-
-
-def _other_units(scene: Scene) -> Placement:
-    """Powers of two, which leave no rounding."""
-    d = len(scene.gravity)
-    return Placement(np.eye(d), np.zeros(d), mass=2.0**7, length=2.0**5, time=2.0**3)
-
-
-def _other_mass_and_length(scene: Scene) -> Placement:
-    d = len(scene.gravity)
-    return Placement(np.eye(d), np.zeros(d), mass=2.0**7, length=2.0**5)
+    return _placed(scene, shift=size * np.array([0.5, -0.25, 0.125])[: len(scene.gravity)])
 
 
 def _reordered(scene: Scene) -> Placement:
     """The first body's gravity may be singled out: it stays first where it is."""
-    d, n = len(scene.gravity), len(scene.bodies)
     keep = int(any(getattr(load, "form", "") == "central" for load in scene.loads))
-    return Placement(np.eye(d), np.zeros(d), order=(*range(keep), *reversed(range(keep, n))))
+    return _placed(scene, order=(*range(keep), *reversed(range(keep, len(scene.bodies)))))
 
 
 def _renamed(scene: Scene) -> Placement:
-    d = len(scene.gravity)
-    names = {name: f"z{k}" for k, name in enumerate(reversed(scene.body_names))}
-    return Placement(np.eye(d), np.zeros(d), names=names)
+    return _placed(scene, names={name: f"z{k}" for k, name in enumerate(reversed(scene.body_names))})
 
 
 def _cut(engine: Engine, scene: Scene, settings: Settings, plain: Trajectory) -> float | str:
     """Stop half way and start anew from there."""
-    reason = restart.obstacle(scene, back=False)
-    if reason:
+    if reason := restart.obstacle(scene, back=False):
         return reason
     half = len(plain.times) // 2
     first = _run(engine, scene, settings, plain.times[: half + 1])
@@ -190,21 +171,60 @@ def _cut(engine: Engine, scene: Scene, settings: Settings, plain: Trajectory) ->
 
 def _there_and_back(engine: Engine, scene: Scene, settings: Settings, plain: Trajectory) -> float | str:
     """Turn all velocities round at the end: twice the method's error is left, where nothing is lost."""
-    reason = restart.obstacle(scene, back=True)
-    if reason:
+    if reason := restart.obstacle(scene, back=True):
         return reason
     back = _run(engine, restart.continued(scene, plain, back=True), settings, plain.times)
     return float(_gap(scene, back, Partial(plain.position[::-1], plain.orientation[::-1]))[0])
 
 
 SYMMETRIES: dict[str, Callable[[Engine, Scene, Settings, Trajectory], float | str]] = {
-    "turned": _seen(_turned),
-    "mirrored": _seen(_mirrored),
+    "turned": _seen(partial(_placed, flip=False)),
+    "mirrored": _seen(partial(_placed, flip=True)),
     "shifted": _seen(_shifted),
-    "other units": _seen(_other_units, needs_step=True),
-    "other mass and length": _seen(_other_mass_and_length),
+    # powers of two leave no rounding
+    "other units": _seen(partial(_placed, mass=2.0**7, length=2.0**5, time=2.0**3), needs_step=True),
+    "other mass and length": _seen(partial(_placed, mass=2.0**7, length=2.0**5)),
     "reordered": _seen(_reordered),
     "renamed": _seen(_renamed),
     "cut in two": _cut,
     BACK: _there_and_back,
 }
+
+
+def facts(case: Case) -> dict[str, Any]:
+    """Return how many symmetries could be judged, those broken beyond roundoff, and why there is none."""
+    try:
+        found = violations(engines.get(case.engine), case.built(), case.settings)
+    except NotRunError as error:
+        return _told(case, stopped=str(error))
+    broken = [asdict(one) | {"exceeds_error": one.exceeds_error} for one in found if one.is_broken]
+    return _told(case, judged=sum(one.size is not None for one in found), broken=broken)
+
+
+def isolated(case: Case, call: Isolated) -> dict[str, Any]:
+    """Return the facts of a case that is run in a child process, which may not come back."""
+    call.timeout = PATIENCE
+    try:
+        return call(facts, case)
+    except Lost as error:
+        return _told(case, stopped=f"{error.status}: {error}")
+
+
+def _told(case: Case, *, judged: int = 0, broken: list[dict[str, Any]] | None = None, stopped: str = "") -> dict:
+    return {"engine": case.engine, "method": case.method, "scene": case.scene, "parameters": case.parameters,
+            "setting": case.setting, "judged": judged, "broken": broken or [], "stopped": stopped}  # fmt: skip
+
+
+def by_method(found: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """Return a row for each engine and method: cases run, symmetries judged, and what is broken beyond what."""
+    rows = []
+    for engine, method in dict.fromkeys((one["engine"], one["method"]) for one in found):
+        mine = [one for one in found if (one["engine"], one["method"]) == (engine, method)]
+        broken = [each for one in mine for each in one["broken"]]
+        rows.append({
+            "engine": engine, "method": method, "cases": len(mine),
+            "stopped": sum(bool(one["stopped"]) for one in mine),
+            "judged": sum(one["judged"] for one in mine), "broken": len(broken),
+            "beyond_error": sum(each["exceeds_error"] for each in broken),
+        })  # fmt: skip
+    return rows

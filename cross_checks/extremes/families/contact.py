@@ -8,6 +8,7 @@ import numpy as np
 
 from cross_checks.extremes import measures
 from cross_checks.extremes.extreme import Axis, Case, Extreme, Measure, decades, grid
+from cross_checks.extremes.parts import GRAVITY
 from cross_checks.truths.of import bouncing
 from mbs_ref import scenes
 from mbs_ref.scene import PlanarBody, Scene
@@ -15,27 +16,19 @@ from mbs_ref.scene.contact import CircleOnCircle, CircleOnLine, SpringDamperLaw
 from mbs_ref.scenes.blocks import incline as incline
 
 FAMILY = "contact"
-STEP, RTOL = 1e-3, 1e-8
-GRAVITY = 9.81  # m/s^2
+THICK, HEIGHT = 0.01, 0.2  # m
+RADIUS = 0.1  # m
+FRICTION = 0.3
 
 
 def _ball(**parameters) -> Scene:
     return scenes.make("bouncing_ball", law="spring_damper_force", damping=0.0, **parameters)
 
 
-def _hard(stiffness: float) -> Case:
-    return Case(
-        _ball(stiffness=stiffness), grid(0.4, STEP), measures.truth(bouncing.bouncing_ball, 0.1), step=STEP, rtol=RTOL
-    )
-
-
-THICK, HEIGHT = 0.01, 0.2  # m
-
-
 def _plate(speed: float) -> Case:
     stiffness = (2.0 * speed / THICK) ** 2  # N/m: the ball goes half-way into the plate
     scene = _ball(stiffness=stiffness, speed=speed, height=HEIGHT, plate=THICK)
-    return Case(scene, grid(1.0, STEP), measures.truth(bouncing.bouncing_ball, speed), step=STEP, rtol=RTOL)
+    return Case(scene, grid(1.0), measures.truth(bouncing.bouncing_ball, speed))
 
 
 def _deep(depth: float) -> Case:
@@ -54,13 +47,10 @@ def _deep(depth: float) -> Case:
     def exact(times: np.ndarray) -> np.ndarray:
         phase = rate * times
         y = np.where(phase < 0.5 * math.pi, -np.cos(np.minimum(phase, 0.5 * math.pi)), phase - 0.5 * math.pi)
-        return np.stack([0.0 * y, radius + depth * y], axis=1)[:, None]
+        return measures.in_plane(0.0, radius + depth * y)
 
     size = depth * rate * 0.1  # m, how far it flies
-    return Case(scene, grid(0.1, STEP), measures.positions(exact, size), step=STEP, rtol=RTOL)
-
-
-RADIUS = 0.1  # m
+    return Case(scene, grid(0.1), measures.positions(exact, size))
 
 
 def _stack(ratio: float) -> Case:
@@ -80,10 +70,13 @@ def _stack(ratio: float) -> Case:
                            center_b=(0.0, high), radius_b=RADIUS, law=law)  # fmt: skip
     scene = Scene(name="heavy_on_light", gravity=(0.0, -GRAVITY), bodies=bodies, contacts=(floor, touch))
 
-    def exact(times: np.ndarray) -> np.ndarray:
-        return np.tile(np.array([[0.0, low], [0.0, high]]), (len(times), 1, 1))
+    return Case(scene, grid(0.5), _resting(scene, RADIUS))
 
-    return Case(scene, grid(0.5, STEP), measures.positions(exact, RADIUS), step=STEP, rtol=RTOL)
+
+def _resting(scene: Scene, size: float = 1.0) -> Measure:
+    """Judge that every body stays; `size` in m."""
+    start = np.array([body.position for body in scene.bodies])
+    return measures.positions(lambda times: np.tile(start, (len(times), 1, 1)), size)
 
 
 def _zeno(restitution: float) -> Case:
@@ -92,7 +85,7 @@ def _zeno(restitution: float) -> Case:
     scene = scenes.make(
         "bouncing_ball", law="rigid", restitution=restitution, height=height, speed=0.0, gravity=GRAVITY, duration=3.0
     )
-    return Case(scene, grid(3.0, STEP), _bounces(restitution, height), step=STEP, rtol=RTOL)
+    return Case(scene, grid(3.0), _bounces(restitution, height))
 
 
 def _bounces(e: float, height: float) -> Measure:
@@ -107,37 +100,27 @@ def _bounces(e: float, height: float) -> Measure:
         since = t - start
         return speed * since - 0.5 * GRAVITY * since * since if speed > 1e-12 else 0.0
 
-    def exact(times: np.ndarray) -> np.ndarray:
-        return np.array([[[0.0, 0.05 + place(float(t))]] for t in times])
-
-    return measures.positions(exact, height)
-
-
-FRICTION = 0.3
+    return measures.positions(lambda times: np.array([[[0.0, 0.05 + place(float(t))]] for t in times]), height)
 
 
 def _grip(margin: float) -> Case:
     """tan(angle) = mu (1 - margin): it stays, but for the give of the sticking spring."""
     scene = incline(angle=math.atan(FRICTION * (1.0 - margin)), friction=FRICTION)
-    start = np.array(scene.bodies[0].position)
-
-    def exact(times: np.ndarray) -> np.ndarray:
-        return np.tile(start, (len(times), 1, 1))
-
-    return Case(scene, grid(1.0, STEP), measures.positions(exact, 1.0), step=STEP, rtol=RTOL)
+    return Case(scene, grid(1.0), _resting(scene))
 
 
 EXTREMES = (
     Extreme("hard-floor", FAMILY, "A ball at 1 m/s bounces once off an ever stiffer floor without loss.",
-            Axis("stiffness", "N/m", decades(1e3, 1e13, 2.0)), _hard, good=1e-2),
+            Axis("stiffness", "N/m", decades(1e3, 1e13, 2.0)),
+            lambda stiffness: Case(_ball(stiffness=stiffness), grid(0.4), measures.truth(bouncing.bouncing_ball, 0.1))),
     Extreme("tunnelling", FAMILY, "An ever faster ball hits a plate 1 cm thick: in one step it may be through.",
-            Axis("speed", "m/s", decades(1.0, 1e5)), _plate, good=1e-2),
+            Axis("speed", "m/s", decades(1.0, 1e5)), _plate),
     Extreme("deep-start", FAMILY, "A ball starts inside the floor: the spring throws it out.",
-            Axis("penetration", "m", decades(1e-6, 1e2, 2.0)), _deep, good=1e-2),
+            Axis("penetration", "m", decades(1e-6, 1e2, 2.0)), _deep),
     Extreme("heavy-on-light", FAMILY, "A heavy ball rests on a light one, in equilibrium from the start.",
-            Axis("mass ratio", "", decades(1.0, 1e8)), _stack, good=1e-2),
+            Axis("mass ratio", "", decades(1.0, 1e8)), _stack),
     Extreme("zeno", FAMILY, "A rigid bounce that loses ever more: infinitely many bounces end within the 3 s.",
-            Axis("restitution", "", (0.9, 0.8, 0.7, 0.5, 0.3, 0.1, 0.01)), _zeno, good=1e-2),
+            Axis("restitution", "", (0.9, 0.8, 0.7, 0.5, 0.3, 0.1, 0.01)), _zeno),
     Extreme("stick-slip-edge", FAMILY, "A block on an incline ever closer to the angle of friction; it should stay.",
             Axis("margin", "", decades(1e-1, 1e-13, 2.0)), _grip),
 )  # fmt: skip

@@ -76,8 +76,8 @@ def _lines(report: Report) -> Iterable[str]:
         yield f"  {method} declares: {excuse}"
     for finding in report.of("failed"):
         yield f"FAILED: {finding.question}: {finding.scene} {finding.method}: {finding.detail}"
-    if report.unasked:
-        yield f"declared, and in no scene that is asked here: {', '.join(report.unasked)}"
+    if report.uncovered:
+        yield f"declared, and in no scene that is asked here: {', '.join(report.uncovered)}"
     counts = {outcome: len(report.of(outcome)) for outcome in ("passed", "excused", "failed")}
     yield ", ".join(f"{count} {outcome}" for outcome, count in counts.items())
 

@@ -7,7 +7,7 @@ from contextlib import ExitStack
 import click
 
 from cross_checks.extremes.cell import Cell
-from cross_checks.extremes.judge import Fate
+from cross_checks.extremes.fate import Fate
 from cross_checks.records import lines as record_file
 from reports import inputs
 from reports.terminal.console import echo_json, number, progress, show, table

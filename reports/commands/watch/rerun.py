@@ -8,7 +8,7 @@ import click
 
 from cross_checks import engines
 from cross_checks.extremes import every, named
-from cross_checks.extremes.judge import Fate
+from cross_checks.extremes.fate import Fate
 from cross_checks.extremes.run import cell_of
 from cross_checks.isolation.parent import Isolated
 from cross_checks.judge.cell import judge_method, truth_of

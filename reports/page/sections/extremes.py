@@ -9,7 +9,9 @@ from typing import Any
 from cross_checks.extremes import every
 from cross_checks.extremes.cell import Cell
 from cross_checks.extremes.extreme import Extreme
-from cross_checks.extremes.judge import Fate
+from cross_checks.extremes.fate import Fate
+from cross_checks.judge.bounds import TARGETS
+from cross_checks.judge.verdict import RESOLVED
 from cross_checks.judge.vocabulary import OURS
 from reports.drawing.plots.fates import chart, tick
 from reports.drawing.section import Section
@@ -34,7 +36,8 @@ def context(data: ReportData) -> dict[str, Any]:
         "table": [_table_row(extreme, found[extreme.name], columns) for extreme in shown],
         "tally": [_tally(engine, method, cells) for engine, method in columns],
         "silent": _silent(cells),
-        "full": any(cell.full for cell in cells),
+        "good": f"{TARGETS[0]:g}",
+        "wrong": f"{RESOLVED:g}",
     }
 
 
@@ -44,8 +47,6 @@ def _extreme(extreme: Extreme, cells: list[Cell]) -> dict[str, Any]:
         "title": extreme.title,
         "chart": chart(cells, extreme.axis),
         "advice": [_advice(extreme, engine, list(own)) for engine, own in _by_engine(cells)],
-        "good": f"{extreme.good:g}",
-        "wrong": f"{extreme.wrong:g}",
     }
 
 
@@ -106,7 +107,7 @@ def _tally(engine: str, method: str, cells: list[Cell]) -> dict[str, Any]:
 
 
 def _silent(cells: list[Cell]) -> list[dict[str, str]]:
-    """Return the failures an engine did not mention at all and our checks caught, the first of each cell."""
+    """Return the failures that an engine does not report and our checks detect, the first of each cell."""
     found = []
     for cell in cells:
         point = next((p for p in cell.points if p.caught), None)

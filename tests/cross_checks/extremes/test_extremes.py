@@ -1,18 +1,19 @@
-"""The judge on made-up runs, the bisection, the file of cells, and real cells."""
+"""The fate of made-up runs, the search of the boundary, the file of cells, and real cells."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from cross_checks.extremes import cell, every, named
+from cross_checks.engine import Method
+from cross_checks.extremes import boundary, cell, every, named
 from cross_checks.extremes.cell import made_of
-from cross_checks.extremes.extreme import Axis, Case, Extreme, grid
-from cross_checks.extremes.judge import Fate, Point, judge, lost
+from cross_checks.extremes.extreme import Case, Measured, grid
+from cross_checks.extremes.fate import Fate, Point, judge
 from cross_checks.extremes.run import run_point
-from cross_checks.extremes.search import bisect, last_handled, scan
 from cross_checks.truths.made_by.sky.particles import converge
 from cross_checks.truths.truth import Truth
 from mbs_ref import scenes
@@ -23,9 +24,12 @@ from mbs_ref.trajectory import Estimate, Status, Trajectory
 SCENE = scenes.make("pendulum")
 
 
-def made(error: float = 0.0, must_stop: bool = False, rtol: float | None = None) -> tuple[Extreme, Case]:
-    case = Case(SCENE, grid(1.0), lambda scene, path: error, step=0.1, rtol=rtol, must_stop=must_stop)
-    return Extreme("made-up", "made up", "A test.", Axis("x", "", (1.0,)), lambda value: case), case
+RK4 = Method("rk4", "fixed", 4, "made up")
+
+
+def fate_of(run: Trajectory, error: float = 0.0, uncertainty: float = 0.0, must_stop: bool = False) -> Point:
+    case = Case(SCENE, grid(1.0, 0.1), lambda scene, path: Measured(error, uncertainty), step=0.1, must_stop=must_stop)
+    return judge(case, RK4, 1.0, run)
 
 
 def path(status: Status = Status.SUCCESS, message: str = "", unreported: bool = False) -> Trajectory:
@@ -43,19 +47,27 @@ def admitting(error: float) -> Trajectory:
 
 
 @pytest.mark.parametrize(
-    ("error", "rtol", "fate"),
+    ("error", "uncertainty", "fate", "odds"),
     [
-        (1e-4, None, Fate.SURVIVED),
-        (1e-2, None, Fate.DEGRADED),
-        (0.2, None, Fate.SILENTLY_WRONG),
-        (np.nan, None, Fate.SILENTLY_WRONG),
-        (np.inf, 1e-2, Fate.SILENTLY_WRONG),
-        (0.2, 1e-2, Fate.SILENTLY_WRONG),  # a tolerance of 1e-2 promises little, but not another motion
-        (0.2, 1e-8, Fate.SILENTLY_WRONG),
+        (0.0, 0.0, Fate.SURVIVED, 1.0),
+        (1e-4, 0.0, Fate.SURVIVED, 1.0),
+        (1e-2, 0.0, Fate.DEGRADED, 0.0),
+        (0.3, 0.0, Fate.SILENTLY_WRONG, 0.0),
+        (np.nan, 0.0, Fate.SILENTLY_WRONG, 0.0),
+        (np.inf, 0.0, Fate.SILENTLY_WRONG, 0.0),
+        (1e-4, 1e-3, Fate.SURVIVED, 1.0),  # below the truth's uncertainty
     ],
 )
-def test_a_success_is_judged_by_its_error(error, rtol, fate):
-    assert judge(*made(error, rtol=rtol), 1.0, path()).fate is fate
+def test_a_success_is_judged_by_its_error(error, uncertainty, fate, odds):
+    point = fate_of(path(), error, uncertainty)
+    assert point.fate is fate
+    assert point.odds == pytest.approx(odds, abs=0.02)
+
+
+def test_an_error_near_the_bar_is_handled_with_even_odds():
+    odds = [fate_of(path(), error).odds for error in (0.7e-3, 0.9e-3, 1e-3, 1.1e-3, 1.5e-3)]
+    assert odds == sorted(odds, reverse=True)
+    assert 0.2 < odds[2] < 0.8
 
 
 @pytest.mark.parametrize(
@@ -68,29 +80,29 @@ def test_a_success_is_judged_by_its_error(error, rtol, fate):
     ],
 )
 def test_a_success_that_says_itself_that_it_is_another_motion_is_not_silent(error, said, fate):
-    point = judge(*made(error), 1.0, admitting(said))
+    point = fate_of(admitting(said), error)
     assert point.fate is fate
     assert point.handled is (fate is Fate.SURVIVED)
-    assert ("it says so: the digits hold until" in point.reason) is (fate is Fate.DEGRADED)
+    assert ("it states so: the digits hold until" in point.reason) is (fate is Fate.DEGRADED)
 
 
 def test_to_say_so_is_right_where_nothing_but_a_refusal_is():
-    assert judge(*made(must_stop=True), 1.0, admitting(0.05)).fate is Fate.SILENTLY_WRONG
-    point = judge(*made(must_stop=True), 1.0, admitting(0.3))
-    assert (point.fate, point.handled, point.said_fine) == (Fate.DEGRADED, True, False)
+    assert fate_of(admitting(0.05), must_stop=True).fate is Fate.SILENTLY_WRONG
+    point = fate_of(admitting(0.3), must_stop=True)
+    assert (point.fate, point.handled, point.is_silent) == (Fate.DEGRADED, True, False)
 
 
 def test_a_stop_with_a_reason_is_no_lie_and_is_right_where_nothing_else_is():
     stopped = path(Status.NOT_CONVERGED, "Newton gave up at t = 0.5 s")
-    assert not judge(*made(), 1.0, stopped).handled
-    point = judge(*made(must_stop=True), 1.0, stopped)
-    assert (point.fate, point.handled, point.said_fine) == (Fate.STOPPED, True, False)
+    assert not fate_of(stopped).handled
+    point = fate_of(stopped, must_stop=True)
+    assert (point.fate, point.handled, point.is_silent) == (Fate.STOPPED, True, False)
     assert "Newton" in point.reason
 
 
 def test_success_without_a_right_answer_is_silently_wrong():
-    point = judge(*made(must_stop=True), 1.0, path())
-    assert (point.fate, point.said_fine, point.caught) == (Fate.SILENTLY_WRONG, True, False)
+    point = fate_of(path(), must_stop=True)
+    assert (point.fate, point.is_silent, point.caught) == (Fate.SILENTLY_WRONG, True, False)
 
 
 @pytest.mark.parametrize(
@@ -101,51 +113,74 @@ def test_success_without_a_right_answer_is_silently_wrong():
     ],
 )
 def test_what_our_checks_find_and_the_engine_does_not_say_is_caught_and_silently_wrong(found):
-    point = judge(*made(), 1.0, found)
-    assert (point.fate, point.said_fine, point.caught) == (Fate.SILENTLY_WRONG, True, True)
-    assert "as if all were well" in point.reason
+    point = fate_of(found)
+    assert (point.fate, point.is_silent, point.caught) == (Fate.SILENTLY_WRONG, True, True)
+    assert "without a word" in point.reason
 
 
 def test_an_engine_that_reports_its_nan_has_stopped():
-    assert judge(*made(), 1.0, path(Status.NON_FINITE, "it said so")).fate is Fate.STOPPED
+    assert fate_of(path(Status.NON_FINITE, "it said so")).fate is Fate.STOPPED
 
 
 def point_at(value: float, handled: bool) -> Point:
-    fate = Fate.SURVIVED if handled else Fate.STOPPED
-    return Point(value, fate, handled, handled, None, "", "")
+    return Point(value, Fate.SURVIVED if handled else Fate.STOPPED, float(handled), handled, None, "", "")
+
+
+def sought(values: list[float], is_handled: Callable[[float], bool], full: bool = False) -> cell.Cell:
+    calls: list[float] = []
+
+    def probe(value: float) -> Point:
+        calls.append(value)
+        return point_at(value, is_handled(value))
+
+    found = made_of("a", "b", "e", "m", full, boundary.search(values, probe, full))
+    assert sorted(calls) == [point.value for point in found.points]
+    return found
+
+
+VALUES = [10.0**k for k in range(11)]
 
 
 @pytest.mark.parametrize("edge", range(12))
-def test_bisection_finds_the_last_handled_value_in_few_runs(edge):
-    values = [10.0**k for k in range(11)]
-    calls = []
-
-    def probe(value):
-        calls.append(value)
-        return point_at(value, values.index(value) < edge)
-
-    points = bisect(values, probe)
-    assert last_handled(points) == (values[edge - 1] if edge else None)
-    assert len(calls) == len(set(calls)) <= 6
-    assert [p.value for p in points] == sorted(p.value for p in points)
+def test_the_last_handled_value_is_found_in_few_runs(edge):
+    found = sought(VALUES, lambda value: value < 0.5 * 10.0**edge)
+    assert found.last == (VALUES[edge - 1] if edge else None)
+    assert len(found.points) <= 6
 
 
-def test_a_scan_halves_the_gap_geometrically():
-    points = scan((1.0, 100.0, 1e4), lambda v: point_at(v, v < 2000.0), 3)
-    assert last_handled(points) == pytest.approx(1778.0, rel=1e-3)
-    assert len(points) == 6
+@pytest.mark.parametrize("edge", range(1, 11))
+def test_a_full_search_narrows_the_boundary_between_listed_values(edge):
+    found = sought(VALUES, lambda value: value < 0.5 * 10.0**edge, full=True)
+    assert found.last is not None
+    assert 0.5 * 10.0 ** (edge - 0.125) <= found.last < 0.5 * 10.0**edge
+    assert len(found.points) <= 12
 
 
-def test_a_scan_halves_values_whose_product_overflows():
-    points = scan((1e160, 1e300), lambda v: point_at(v, v < 1e200), 1)
-    assert points[1].value == pytest.approx(1e230)
+@pytest.mark.parametrize("bad", range(1, 10))
+def test_a_full_search_detects_a_failure_in_the_middle_of_the_axis(bad):
+    found = sought(VALUES, lambda value: not 10.0**bad <= value < 10.0 ** (bad + 1), full=True)
+    assert found.last is not None
+    assert 10.0 ** (bad - 1) <= found.last < 10.0**bad
+    assert found.points[-1].handled
+    assert len(found.points) <= 15
+
+
+def test_values_whose_product_overflows_or_is_zero_are_refined():
+    fine = boundary.refined([1e160, 1e300])
+    assert fine[4] == pytest.approx(1e230)
+    assert (len(fine), fine[-1]) == (9, 1e300)
+    assert boundary.refined([1.0, 0.0]) == [1.0, 0.0]
+
+
+def test_an_axis_of_one_value_is_one_run():
+    assert len(sought([1.0], lambda value: True).points) == 1
 
 
 def test_a_cell_is_explained_by_the_first_of_its_worst_failures():
     """And not by a milder one before it; that comes where all is right no more."""
 
     def failed(value: float, fate: Fate, reason: str, handled: bool = False) -> Point:
-        return Point(value, fate, handled, True, None, "", reason)
+        return Point(value, fate, float(handled), True, None, "", reason)
 
     grows = [point_at(1.0, True), failed(2.0, Fate.STOPPED, "it died"), failed(3.0, Fate.SILENTLY_WRONG, "NaN"),
              failed(4.0, Fate.SILENTLY_WRONG, "another motion")]  # fmt: skip
@@ -156,7 +191,7 @@ def test_a_cell_is_explained_by_the_first_of_its_worst_failures():
 
 
 def test_cells_survive_the_file_and_a_corrupt_line_costs_only_itself(tmp_path):
-    one = made_of("a", "b", "e", "m", False, [point_at(1.0, True), lost(2.0, "timeout", "gave no answer")])
+    one = made_of("a", "b", "e", "m", False, [point_at(1.0, True), point_at(2.0, False)])
     target = tmp_path / "cells.jsonl"
     cell.append(target, one)
     with target.open("a") as file:
@@ -207,7 +242,7 @@ def test_an_answer_can_be_judged_everywhere_on_the_axis(extreme):
     for value in extreme.values(full=True):
         case = extreme.case(value)
         if not case.must_stop:
-            assert case.measure(case.scene, standing(case)) >= 0.0, value
+            assert case.measure(case.scene, standing(case)).error >= 0.0, value
 
 
 def test_mujoco_resets_on_a_stiff_spring_and_is_caught():
@@ -219,7 +254,7 @@ def test_mujoco_resets_on_a_stiff_spring_and_is_caught():
 
 def test_the_reference_solver_refuses_the_same_spring_at_that_step():
     point = run_point("stiff-spring-quiet", 1e10, "mbs_ref", "rk4")
-    assert (point.fate, point.said_fine) == (Fate.STOPPED, False)
+    assert (point.fate, point.is_silent) == (Fate.STOPPED, False)
     assert "step" in point.reason
 
 
@@ -246,10 +281,10 @@ def test_the_sky_is_judged_by_how_far_its_bodies_go():
     """Half an orbit later the satellite is across the Earth; nothing else moves."""
     case = named("satellite-step").case(10.0)
     start = np.array(case.scene.bodies[1].position)
-    assert case.measure(case.scene, standing(case)) == pytest.approx(1.0)
+    assert case.measure(case.scene, standing(case)).error == pytest.approx(1.0)
     moved = standing(case)
     moved.position[-1, 1] += 1e-3 * np.linalg.norm(start)
-    assert case.measure(case.scene, moved) == pytest.approx(1.0, rel=1e-2)
+    assert case.measure(case.scene, moved).error == pytest.approx(1.0, rel=1e-2)
 
 
 def test_an_orbit_in_too_few_steps_says_how_far_it_is_off():

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from cross_checks.extremes.cell import Cell as ExtremeCell
 from cross_checks.extremes.cell import made_of
-from cross_checks.extremes.judge import Fate, Point
+from cross_checks.extremes.fate import Fate, Point
 from cross_checks.judge.bounds import TARGETS
 from cross_checks.judge.capabilities import Ability, Capability
 from cross_checks.judge.vocabulary import Cell, TargetResult, Verdict
@@ -115,7 +115,8 @@ def _extremes() -> tuple[ExtremeCell, ...]:
 
     def point(value: float, fate: Fate, status: str = "success", reason: str = "") -> Point:
         fine = fate is not Fate.STOPPED
-        return Point(value, fate, fate is Fate.SURVIVED, fine, 1e-4 if status == "success" else None, status, reason)
+        odds, error = float(fate is Fate.SURVIVED), 1e-4 if status == "success" else None
+        return Point(value, fate, odds, fine, error, status, reason)
 
     fell = [point(1e2, Fate.SURVIVED), point(1e14, Fate.SILENTLY_WRONG, "reset", f"it went on {HOSTILE}")]
     ours = [point(1e2, Fate.SURVIVED), point(1e6, Fate.DEGRADED), point(1e14, Fate.STOPPED, "refused", HOSTILE)]

@@ -6,7 +6,7 @@ import pytest
 
 from cross_checks.extremes import cell
 from cross_checks.extremes.extreme import Axis
-from cross_checks.extremes.judge import Fate
+from cross_checks.extremes.fate import Fate
 from cross_checks.records.store import Store
 from reports.drawing.plots.fates import LEFT, WIDTH, place
 from reports.gather import extreme_cells

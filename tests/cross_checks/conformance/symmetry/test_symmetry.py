@@ -9,9 +9,8 @@ import pytest
 
 from cross_checks import engines
 from cross_checks.conformance.cases import cases
-from cross_checks.conformance.symmetry import survey
 from cross_checks.conformance.symmetry.placement import Placement, image
-from cross_checks.conformance.symmetry.violation import BACK, SYMMETRIES, NotRunError, Violation, violations
+from cross_checks.conformance.symmetry.violation import BACK, SYMMETRIES, NotRunError, Violation, isolated, violations
 from cross_checks.isolation.parent import Isolated
 from mbs_ref import scenes
 from mbs_ref.scene import Scene
@@ -150,6 +149,6 @@ def child():
 def test_every_engine_breaks_what_it_is_known_to_break(case, child):
     """Beyond its own error, that is: methods that carry accelerations, or turn by parameters, break some within it."""
     key = (case.engine, case.method, case.scene)
-    found = survey.isolated(case, child)
+    found = isolated(case, child)
     assert bool(found["stopped"]) == (key in STOPS), found
     assert {each["symmetry"] for each in found["broken"] if each["exceeds_error"]} == KNOWN.get(key, set()), found

@@ -1,0 +1,136 @@
+"""Input that is no input: numbers that are none, overflow on the way, and starts that break their own joints.
+
+A start breaks a joint by a wrong place or speed; Euler parameters with a norm other than 1 are no rotation.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from cross_checks.extremes import measures
+from cross_checks.extremes.extreme import Axis, Case, Extreme, decades, grid, kinds
+from cross_checks.extremes.parts import LENGTH, ROD_RATE, hanging, rod_chain, sled, swing
+from cross_checks.truths.of import sky, tops
+from mbs_ref import scenes
+from mbs_ref.scene import GROUND, Distance, PointMass, Scene, UserForce
+from mbs_ref.scenes.orbits import kepler as kepler
+
+FAMILY = "bad numbers"
+MASSES = (1.0, 1e-30, 1e30, 0.0, -1.0, math.nan, math.inf)  # kg
+SPEEDS = (0.0, math.nan, math.inf)  # m/s
+FORCES = (1.0, 1e50, 1e100, 1e150, 1e200, 1e300, 1.7e308)  # N
+KINDS = ("sound", "NaN from 0.5 s on", "infinite from 0.5 s on", "raises at 0.5 s")
+SWITCH = 0.5  # s
+TINY = 1e-11  # m, m/s: a smaller gap is roundoff, and nobody should stop
+TOLERABLE = 1e-8  # m, m/s: a smaller gap changes nothing that anybody could measure here
+GAPS = decades(1e-14, 1.0, 2.0)
+SWING = measures.positions(lambda times: hanging(swing(times, ROD_RATE, 0.5 * math.pi), 0.5 * LENGTH))
+
+
+def _rod(name: str, **changes: Any) -> Scene:
+    """Return a rod that is released level, with changes of its body that no scene would accept."""
+    sound = rod_chain(name, (0.0,), (1.0,))
+    return sound.model_copy(update={"bodies": (sound.bodies[0].model_copy(update=changes),)})
+
+
+def _mass(kind: float) -> Case:
+    """A swinging rod's motion does not depend on its mass, if it has one."""
+    mass = MASSES[int(kind)]
+    scene = _rod("rod_of_any_mass", mass=mass, inertia=mass / 12.0)
+    return Case(scene, grid(1.0, samples=11), SWING, must_stop=not (math.isfinite(mass) and mass > 0.0))
+
+
+def _start(kind: float) -> Case:
+    speed = SPEEDS[int(kind)]
+    scene = _rod("rod_of_any_speed", velocity=(0.0, 0.5 * speed), angular_velocity=speed)
+    return Case(scene, grid(1.0, samples=11), SWING, must_stop=not math.isfinite(speed), unchecked=True)
+
+
+def _orbit(kind: float) -> Case:
+    """A planet's speed that is no number: N-body codes carry it along without a word."""
+    speed = SPEEDS[int(kind)]
+    sound = kepler(eccentricity=0.2, orbits=1.0)
+    center, planet = sound.bodies
+    moved = planet.model_copy(update={"velocity": (speed, *planet.velocity[1:])}) if speed else planet
+    scene = sound.model_copy(update={"bodies": (center, moved)})
+    step = 2.0 * math.pi / 200.0
+    return Case(
+        scene, grid(200.0 * step, step, 11), measures.truth(sky.kepler), step, 1e-10,
+        must_stop=not math.isfinite(speed), unchecked=True,
+    )  # fmt: skip
+
+
+def _overflow(force: float) -> Case:
+    """x = F t^2 / 2 m with 1 kg, in 10 s; beyond 1.8e308 m there is no number for it."""
+    is_sound = force < 3e306
+    exact = measures.positions(
+        lambda times: measures.in_plane(force * (0.5 * times**2), 0.0), 50.0 * force if is_sound else 1.0
+    )
+    return Case(sled("overflow", force), grid(10.0, 1e-2), exact, 1e-2, must_stop=not is_sound)
+
+
+def _user(kind: float) -> Case:
+    bad = (0.0, math.nan, math.inf, None)[int(kind)]
+
+    def law(t, q, v):
+        if t > SWITCH and bad is None:
+            raise ZeroDivisionError("the user's law divided by zero")
+        return np.full((1, 3), bad if t > SWITCH else 0.0)
+
+    sound = _rod("rod_with_user_law")
+    scene = Scene.model_validate(sound.model_copy(update={"loads": (UserForce(name="law", function=law),)}))
+    return Case(scene, grid(1.0, 1e-2, 11), SWING, 1e-2, must_stop=kind > 0.0)
+
+
+def _place(gap: float) -> Case:
+    """A bob that hangs `gap` beyond the end of its rod."""
+    start = (-1.0 - gap, 0.0)
+    bob = PointMass(name="bob", mass=1.0, position=start, velocity=(0.0, 0.0))
+    rod = Distance(name="rod", body_a=GROUND, body_b="bob", point_a=(0.0, 0.0), point_b=start, length=1.0)
+    return _broken(Scene(name="broken_pendulum", gravity=(0.0, -9.81), bodies=(bob,), joints=(rod,)), gap)
+
+
+def _moving(gap: float) -> Case:
+    """A second rod that moves away from its hinge."""
+    sound = rod_chain("broken_chain", (0.0, 0.5), (1.0, 1.0))
+    first, second = sound.bodies
+    moved = second.model_copy(update={"velocity": (0.6 * gap, 0.8 * gap)})
+    return _broken(sound.model_copy(update={"bodies": (first, moved)}), gap)
+
+
+def _broken(scene: Scene, gap: float) -> Case:
+    stops = {"must_stop": gap > TOLERABLE, "may_stop": gap > TINY}
+    return Case(scene, grid(0.5, samples=11), measures.invariants, unchecked=True, **stops)
+
+
+def _norm(gap: float) -> Case:
+    """Refusing is right, and so is the motion of the rotation that normalising leaves."""
+    sound = scenes.make("torque_free_top", turns=1.0, axis=3)
+    top: Any = sound.bodies[0]
+    stretched = tuple((np.array(top.orientation) * (1.0 + gap)).tolist())
+    scene: Scene = sound.model_copy(update={"bodies": (top.model_copy(update={"orientation": stretched}),)})
+    solve = tops.torque_free_top
+    exact = measures.truth(lambda _, times: solve(sound, times))
+    return Case(scene, grid(0.6, samples=11), exact, may_stop=gap > TINY)
+
+
+EXTREMES = (
+    Extreme("any-mass", FAMILY, "A swinging rod of any mass, sensible or not, past the checks of scenes.",
+            kinds("mass", "kg", tuple(f"{mass:g} kg" for mass in MASSES)), _mass),
+    Extreme("any-start", FAMILY, "A swinging rod whose speed at the start is not a number.",
+            kinds("speed", "rad/s", tuple(f"{speed:g} rad/s" for speed in SPEEDS)), _start),
+    Extreme("any-orbit", FAMILY, "A planet whose speed at the start is not a number.",
+            kinds("speed", "m/s", ("as it should be", "nan m/s", "inf m/s")), _orbit),
+    Extreme("overflow", FAMILY, "A constant force until the place overflows.", Axis("force", "N", FORCES), _overflow),
+    Extreme("user-law", FAMILY, "A user's force law that breaks in the middle of a run.", kinds("law", "", KINDS),
+            _user),
+    Extreme("wrong-place", "inconsistent starts", "A pendulum bob starts away from the end of its rod.",
+            Axis("gap", "m", GAPS), _place),
+    Extreme("wrong-speed", "inconsistent starts", "The second rod of a chain starts with a speed its hinge forbids.",
+            Axis("gap", "m/s", GAPS), _moving),
+    Extreme("wrong-norm", "inconsistent starts", "Euler parameters whose norm is not 1, past the checks of scenes.",
+            Axis("norm - 1", "", GAPS), _norm),
+)  # fmt: skip
