@@ -13,7 +13,8 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.pick import cost, pick, setting
+from cross_checks.prices.pick import pick, setting
+from cross_checks.records.cost import loop_time
 from cross_checks.records.record import Record
 
 COLUMNS = ("job", "made", "commit_id", "machine", "series", "value", "unit", "verdict", "error")
@@ -148,7 +149,7 @@ def from_records(
         if best is not None and best.error is not None:
             series = f"loop {label} {engine} within {error:g} m"
             told = setting(best)
-            entries.append(Entry(job, made, commit_id, machine, series, cost(best), "s", told, best.error.bound))
+            entries.append(Entry(job, made, commit_id, machine, series, loop_time(best), "s", told, best.error.bound))
     return entries
 
 

@@ -12,8 +12,8 @@ from pathlib import Path
 import click
 
 from reports import commands
-from reports.terminal import exit_codes
-from reports.terminal.exit_codes import Incomplete
+from reports.terminal import console as exit_codes
+from reports.terminal.console import Incomplete
 
 
 class Commands(click.Group):

@@ -8,7 +8,6 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from benchmarks.loop_times import timed_all
 from cross_checks import engines
 from cross_checks.extremes import named
 from cross_checks.extremes.cell import Cell as ExtremeCell
@@ -17,15 +16,24 @@ from cross_checks.extremes.run import matrix
 from cross_checks.judge.answers import questions
 from cross_checks.judge.capabilities import Capability, capabilities
 from cross_checks.judge.cell import tasks
+from cross_checks.prices.timing import timed_all
 from cross_checks.records.naming import code_of, digest_of
 from cross_checks.records.store import Store
 from mbs_ref import scenes
 from mbs_ref.scene import Scene
-from reports.facts.accuracy import Stored, settled_answers, stored_answers, truth_key
 from reports.facts.cheapest import contenders
 from reports.facts.compiling import compile_kernels
 from reports.facts.environment import environment
-from reports.facts.kept import engine_versions, keep, recall, remembered
+from reports.facts.kept import (
+    Stored,
+    engine_versions,
+    keep,
+    recall,
+    remembered,
+    settled_answers,
+    stored_answers,
+    truth_key,
+)
 from reports.facts.report_data import ReportData
 from reports.facts.truth_facts import TruthFacts, truth_facts
 from reports.studies.measuring import Progress, measure_all, measured

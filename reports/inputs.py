@@ -24,7 +24,7 @@ from mbs_ref.scene.scales import scales_of
 from mbs_ref.scene.toml import SceneFileError, read_scene
 from mbs_ref.self_checks import kept_rates
 from mbs_ref.settings import Settings
-from reports.terminal.exit_codes import EngineAbsent
+from reports.terminal.console import EngineAbsent
 
 ENGINES = click.option(
     "--engine", "chosen", multiple=True, metavar="E|FILE.py",

@@ -32,16 +32,11 @@ ROOMS = {
     ),
     "cross_checks": (
         "isolation truth", "engine", "linkage", "certify engines", "mechanisms truths",
-        "ephemerides", "metrics", "records", "judge", "certificates conformance extremes trajectory_files",
+        "ephemerides", "metrics", "records", "judge", "certificates conformance extremes prices trajectory_files",
     ),
-    "benchmarks": (
-        "calibration event_work pick repeatability timing", "loop_times", "confirm sweep",
-        "history trees",
-        "record_changes", "suites",
-    ),
+    "benchmarks": ("calibration record_changes", "history trees", "suites"),
     "reports": (
-        "film poses_file reproduce scene_summary terminal", "inputs run_plot",
-        "sweeping", "facts", "drawing", "studies", "gather", "page site",
+        "film poses_file scene_summary terminal", "inputs", "asking facts", "studies", "gather", "page", "site",
         "commands", "cli",
     ),
 }  # fmt: skip

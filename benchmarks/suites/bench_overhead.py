@@ -6,9 +6,9 @@ import time
 
 import numpy as np
 
-from benchmarks.timing import Sample, compare
 from cross_checks import engines
 from cross_checks.judge import ladder
+from cross_checks.prices.timing import Sample, compare
 from mbs_ref import scenes
 from mbs_ref.cores.choice import compile_scene
 from mbs_ref.integrators import integrators

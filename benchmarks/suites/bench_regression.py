@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from benchmarks.timing import Pace
 from benchmarks.trees.regression import Finding, regressions
 from benchmarks.trees.slowed import HERE, calibrate, case_named, copy_tree
+from cross_checks.prices.timing import Pace
 
 CASE = case_named("pendulum_chain links=10 mbs_ref dop853")
 TIMES = 10

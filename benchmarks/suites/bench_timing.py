@@ -6,7 +6,7 @@ import time
 
 import numpy as np
 
-from benchmarks.timing import Pace, Sample, compare
+from cross_checks.prices.timing import Pace, Sample, compare
 from mbs_ref.kernels.jit import jit
 
 IDENTICAL, SLOWED = 40, 20  # comparisons

@@ -1,4 +1,4 @@
-"""Lines over a common axis, and films of a motion, as plain data that a page can draw without computing anything."""
+"""Lines over a common axis and films of a motion, as plain data, and the plots that they make."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from cross_checks.records.plots.plot import COLOURS, DASHES, FLOOR, Figure, new_figure, to_data
 from mbs_ref.scene import Scene
 from mbs_ref.trajectory import Trajectory
 from reports.film.files import filmstrip, gif
@@ -70,3 +71,29 @@ def film(scene: Scene, path: Trajectory, every: int) -> Film:
     fields = ("times", "position", "orientation", "velocity", "angular_velocity")
     few = replace(path, **{name: getattr(path, name)[::every] for name in fields})
     return Film(*(base64.b64encode(picture).decode() for picture in (gif(scene, few), filmstrip(scene, few))))
+
+
+HEIGHT = 360  # pixels
+
+
+def histories(curves: Curves) -> dict[str, Any]:
+    """Return a figure's data with a line for each name."""
+    return overlay({"": curves})
+
+
+def overlay(curves: Mapping[str, Curves]) -> dict[str, Any]:
+    """Return the data of one figure with the lines of all curves, on the axes of the first."""
+    first = next(iter(curves.values()))
+    figure = new_figure(first.x_label, first.y_label, x_log=first.x_log, y_log=first.log, height=HEIGHT)
+    lines = [(title, name, c, line) for title, c in curves.items() for name, line in c.lines.items()]
+    for k, (title, name, c, line) in enumerate(lines):
+        shown = [max(abs(value), FLOOR) for value in line] if c.log else line
+        label = name if not title else title if len(c.lines) == 1 else f"{title}: {name}"
+        add_line(figure, k, label, c.x, shown, c.marks)
+    return to_data(figure)
+
+
+def add_line(figure: Figure, k: int, name: str, x, y, mode: str = "lines") -> None:
+    """Add the k-th line of a plot."""
+    style = {"color": COLOURS[k % len(COLOURS)], "dash": DASHES[k // len(COLOURS) % len(DASHES)], "width": 2}
+    figure.add_scatter(x=list(x), y=list(y), mode=mode, name=name, line=style)

@@ -9,8 +9,8 @@ from datetime import UTC, datetime
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
-from benchmarks.loop_times import processor
 from cross_checks import engines
+from cross_checks.prices.timing import processor
 
 PACKAGES = ("mbs-ref", "numpy", "scipy", "numba", "pydantic", "plotly")
 

@@ -111,3 +111,29 @@ def _key(record: Record) -> tuple[Any, ...]:
 
 def _unique(names: Iterable[str]) -> list[str]:
     return list(dict.fromkeys(names))
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One sentence with its title and tone (good | fair | bad | plain)."""
+
+    tone: str
+    title: str
+    text: str
+
+
+def nothing(data: ReportData) -> Iterable[Finding]:
+    """Find nothing."""
+    return ()
+
+
+@dataclass(frozen=True)
+class Section:
+    """A titled part of the page. `context` makes the template's variables from the data."""
+
+    name: str  # the anchor
+    title: str
+    lead: str  # one sentence in plain words
+    context: Callable[[ReportData], dict[str, Any]]
+    findings: Callable[[ReportData], Iterable[Finding]] = nothing  # what the first screen should tell of it
+    template: str = ""  # where it is not <name>.html

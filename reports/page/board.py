@@ -10,9 +10,9 @@ from typing import Any
 
 from cross_checks.judge.bounds import TARGETS
 from cross_checks.judge.vocabulary import OURS, WRONG, Cell
-from reports.drawing.numbers import short
+from cross_checks.records.numbers import short
+from reports.facts.cheapest import standings
 from reports.facts.report_data import ReportData
-from reports.facts.standings import standings
 from reports.page.render import templates
 from reports.page.sections.matrix import view
 from reports.page.sections.prices import inside, price_table

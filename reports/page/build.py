@@ -1,13 +1,19 @@
-"""Make the report: ask the store, make what it lacks, render and write."""
+"""Build the report: query the store, compute what is missing, render and write the files; each whole or not at all."""
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from time import monotonic
 
 from cross_checks.records.store import Store, default_path
-from reports.page.publish import publish, read_data
+from mbs_ref.atomic_file import write_atomic
+from reports.facts.kept import adapter
+from reports.facts.report_data import ReportData
+from reports.page.files import csv_table, jsonl, markdown
+from reports.page.render import INDEX, render
 from reports.studies.measuring import Progress
+from reports.studies.study import every
 
 PATIENCE = 10.0  # s after which a page of what there is is worth the time to write it
 EXTREMES = "extremes*.jsonl"  # beside the page: what `mbs-ref extremes -o` kept, whole or in parts
@@ -39,3 +45,32 @@ def render_again(out_dir: Path) -> tuple[Path, str]:
     """Render the data that the last report left, and simulate nothing. FileNotFoundError where there are none."""
     data = read_data(out_dir)
     return publish(data, out_dir), data.incomplete
+
+
+DATA = "report.json"
+
+
+def publish(data: ReportData, out_dir: Path) -> Path:
+    """Write the pages and, beside them, the data as JSON, CSV and Markdown; return the path of the first page."""
+    contents = {
+        DATA: adapter(ReportData).dump_json(data),
+        "records.jsonl": jsonl(data.records),
+        "records.csv": csv_table(data.records).encode(),
+        "report.md": markdown(data).encode(),
+    }
+    out_dir.mkdir(parents=True, exist_ok=True)
+    for name, content in (contents | render(data)).items():
+        write_atomic(out_dir / name, content)
+    return out_dir / INDEX
+
+
+def read_data(out_dir: Path) -> ReportData:
+    """Return the data that a report left. FileNotFoundError where there are none; ValueError where they do not fit."""
+    return data_of((out_dir / DATA).read_bytes())
+
+
+def data_of(content: bytes) -> ReportData:
+    """Return report data from JSON, each study's facts as its own type; ValueError where they do not fit."""
+    data = adapter(ReportData).validate_json(content)
+    kinds = {name: adapter(study.facts) for name, study in every().items() if name in data.studies}
+    return replace(data, studies={name: kind.validate_python(data.studies[name]) for name, kind in kinds.items()})

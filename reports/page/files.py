@@ -8,11 +8,11 @@ import json
 from collections.abc import Iterable
 from typing import Any
 
-from benchmarks.loop_times import is_busy
 from cross_checks import metrics
 from cross_checks.metrics import component_errors
+from cross_checks.records.cost import is_busy
+from cross_checks.records.numbers import ABSENT, setting
 from cross_checks.records.record import Record
-from reports.drawing.numbers import ABSENT, setting
 from reports.facts.kept import adapter
 from reports.facts.report_data import ReportData
 from reports.page.advice import Advice, advice
@@ -20,7 +20,7 @@ from reports.page.findings import findings
 from reports.page.sections.decisions import told
 from reports.page.sections.matrix import view
 from reports.page.sections.prices import price_table
-from reports.reproduce import command
+from reports.page.slug import command
 
 TIMES = ("build_s", "first_call_s", "loop_s", "loop_median_s", "loop_most_s", "loop_runs")
 VERDICTS = {

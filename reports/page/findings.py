@@ -5,13 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from cross_checks.judge.vocabulary import OURS, WRONG, Cell, Verdict
+from cross_checks.records.cost import known_error, loop_time, usable
+from cross_checks.records.numbers import count, duration, joules, metres, of_scene, setting, short
 from cross_checks.records.record import Record
 from mbs_ref.trajectory import Status
-from reports.drawing.numbers import count, duration, joules, metres, of_scene, setting, short
-from reports.drawing.section import Finding, Section
-from reports.facts.cheapest import entries, known_error, loop_time, usable
-from reports.facts.report_data import ReportData
-from reports.facts.standings import MIDDLE, standing_of
+from reports.facts.cheapest import MIDDLE, entries, standing_of
+from reports.facts.report_data import Finding, ReportData, Section
 from reports.studies.study import every, section
 
 CAUGHT = (Status.NON_FINITE, Status.RESET)  # what engines do without saying so

@@ -28,13 +28,10 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from reports.drawing.numbers import ABSENT
-from reports.drawing.placeholders import figure, filled, markup
-from reports.drawing.plots.histories import overlay
-from reports.drawing.section import Finding
-from reports.facts.curves import Measured
-from reports.facts.report_data import ReportData
-from reports.studies.claims import Claim, Criterion, holds
+from cross_checks.records.numbers import ABSENT
+from reports.facts.curves import Measured, overlay
+from reports.facts.report_data import Finding, ReportData
+from reports.studies.claims import Claim, Criterion, figure, filled, holds, markup
 
 Block = dict[str, Any]
 Figures = Mapping[str, Any]

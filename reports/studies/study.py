@@ -12,8 +12,8 @@ from importlib.resources import files
 from typing import Any
 
 from reports import studies
-from reports.drawing.section import Section
 from reports.facts.curves import Measured
+from reports.facts.report_data import Section
 from reports.studies.document import Document
 
 

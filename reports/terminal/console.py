@@ -1,4 +1,4 @@
-"""Printing: JSON that never holds a NaN, numbers for people, and progress on stderr."""
+"""Printing: JSON without NaN, numbers and tables for people, progress on stderr; and the exit codes of `mbs-ref`."""
 
 from __future__ import annotations
 
@@ -138,3 +138,38 @@ def _plain(value: Any) -> Any:
     if isinstance(value, list | tuple | set | frozenset):
         return [_plain(item) for item in value]
     return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+class Failed(click.ClickException):
+    """A validation or regression failed."""
+
+    exit_code = 1
+
+
+class EngineAbsent(click.ClickException):
+    """An engine that was asked for by name is not installed."""
+
+    exit_code = 3
+
+
+class Incomplete(click.ClickException):
+    """The work was cut short; what was computed is kept."""
+
+    exit_code = 4
+
+
+class NothingSelected(click.ClickException):
+    """No scene, engine, method or setting fits what was asked."""
+
+    exit_code = 5
+
+
+TABLE = """\b
+Exit codes:
+  0  all is well
+  1  a validation failed: a run did not succeed, a cell is wrong
+  2  usage: unknown name, bad value, bad scene file
+  3  an engine that was asked for is not installed
+  4  incomplete: interrupted; what was computed is kept
+  5  nothing was selected
+"""

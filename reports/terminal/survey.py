@@ -10,8 +10,7 @@ from typing import Any
 import click
 
 from mbs_ref.atomic_file import write_atomic
-from reports.terminal.console import echo_json
-from reports.terminal.exit_codes import NothingSelected
+from reports.terminal.console import NothingSelected, echo_json
 
 ONLY = click.option("--only", metavar="TEXT", help="Only cases whose engine, method and scene hold this.")
 

@@ -6,13 +6,13 @@ from dataclasses import replace
 
 import pytest
 
-from benchmarks import confirm
-from benchmarks.pick import Bounds, pick, told
-from benchmarks.sweep import sweep
-from benchmarks.timing import Comparison, Pace
 from cross_checks import engines
 from cross_checks.judge.cell import truth_of
 from cross_checks.judge.runs import Runs
+from cross_checks.prices import confirm
+from cross_checks.prices.pick import Bounds, pick, told
+from cross_checks.prices.sweep import sweep
+from cross_checks.prices.timing import Comparison, Pace
 from mbs_ref import scenes
 from mbs_ref.settings import Settings
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
+from reports.asking import telling
 from reports.terminal import console
-from reports.terminal.asking import telling
 from reports.terminal.console import Lines
 
 

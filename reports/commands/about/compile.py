@@ -6,7 +6,7 @@ import click
 
 from cross_checks.records.store import Store
 from mbs_ref.kernels.jit import cache_folder
-from reports.terminal.asking import STORE, store_path
+from reports.asking import STORE, store_path
 from reports.terminal.console import awaited, progress
 
 

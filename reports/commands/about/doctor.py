@@ -14,8 +14,7 @@ from cross_checks import engines
 from cross_checks.isolation.environments import home_of
 from mbs_ref.kernels.jit import cache_folder
 from reports import inputs
-from reports.terminal.console import echo_json, number, show, table
-from reports.terminal.exit_codes import Failed
+from reports.terminal.console import Failed, echo_json, number, show, table
 
 PACKAGES = ("mbs-ref", "numpy", "scipy", "numba", "llvmlite", "pydantic")
 LARGEST_ERROR = 1e-6  # m, of a pendulum at rtol 1e-9 against its exact motion: two digits of room

@@ -15,8 +15,7 @@ from cross_checks import engines
 from cross_checks.isolation import environments
 from cross_checks.judge.capabilities import Capability, capabilities
 from mbs_ref.scene.traits import PART_TYPES
-from reports.terminal.console import echo_json, show, table
-from reports.terminal.exit_codes import Failed
+from reports.terminal.console import Failed, echo_json, show, table
 
 LACKS = re.compile(r"not yet taught the part type '?(\w+)")
 

@@ -14,8 +14,7 @@ from cross_checks.truths import known
 from mbs_ref import scenes
 from mbs_ref.scene import Scene
 from reports import inputs
-from reports.terminal.console import echo_json, number, progress, show, table
-from reports.terminal.exit_codes import Failed, NothingSelected
+from reports.terminal.console import Failed, NothingSelected, echo_json, number, progress, show, table
 
 
 @click.command(name="certify")

@@ -12,9 +12,8 @@ from cross_checks.judge.vocabulary import Cell, Refused, refusals
 from cross_checks.truth import Truth
 from mbs_ref import scenes
 from reports import inputs
-from reports.terminal.asking import STORE, asked_runs, telling
-from reports.terminal.console import echo_json, number, progress, show, table
-from reports.terminal.exit_codes import Failed, Incomplete, NothingSelected
+from reports.asking import STORE, asked_runs, telling
+from reports.terminal.console import Failed, Incomplete, NothingSelected, echo_json, number, progress, show, table
 
 MOST_REASONS = 5  # told where nothing runs
 

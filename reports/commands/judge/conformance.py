@@ -11,7 +11,7 @@ import click
 
 from cross_checks.conformance.finding import Report
 from reports import inputs
-from reports.terminal.exit_codes import Failed
+from reports.terminal.console import Failed
 
 COLUMNS = f"{'scene':<26} {'method':<22} {'order':>6} {'asked':>6} {'error':>9} {'loop':>10}"
 

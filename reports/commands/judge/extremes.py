@@ -10,8 +10,7 @@ from cross_checks.extremes.cell import Cell
 from cross_checks.extremes.judge import Fate
 from cross_checks.records import lines as record_file
 from reports import inputs
-from reports.terminal.console import echo_json, number, progress, show, table
-from reports.terminal.exit_codes import Failed, Incomplete, NothingSelected
+from reports.terminal.console import Failed, Incomplete, NothingSelected, echo_json, number, progress, show, table
 
 
 @click.command(name="extremes")

@@ -7,14 +7,13 @@ from pathlib import Path
 import click
 
 from cross_checks import metrics
+from cross_checks.records.plots.plot import FLOOR, new_figure
 from cross_checks.trajectory_files.judgement import Judgement
 from mbs_ref.atomic_file import write_atomic
 from mbs_ref.scene import Scene
 from reports import inputs
-from reports.drawing.plots.figure import FLOOR, new_figure
-from reports.terminal.asking import STORE, asked_runs
-from reports.terminal.console import amount, awaited, echo_json, number, show, table
-from reports.terminal.exit_codes import Failed, NothingSelected
+from reports.asking import STORE, asked_runs
+from reports.terminal.console import Failed, NothingSelected, amount, awaited, echo_json, number, show, table
 
 
 @click.command(name="judge")

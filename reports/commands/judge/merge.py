@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 
 from cross_checks.records.store import Store, default_path
-from reports.terminal.asking import STORE
+from reports.asking import STORE
 
 FILE = click.Path(exists=True, dir_okay=False, path_type=Path)
 

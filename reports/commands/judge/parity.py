@@ -8,8 +8,7 @@ import click
 
 from cross_checks.engine.robot import RobotError
 from cross_checks.engines.parity import Difference, Dynamics, Parity, parity
-from reports.terminal.console import echo_json, number, show, table
-from reports.terminal.exit_codes import Failed, NothingSelected
+from reports.terminal.console import Failed, NothingSelected, echo_json, number, show, table
 
 
 @click.command(name="parity")

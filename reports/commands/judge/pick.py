@@ -9,22 +9,21 @@ from typing import Any
 
 import click
 
-from benchmarks import confirm, pick
-from benchmarks.pick import Bounds, Choice
 from benchmarks.record_changes import BY_MACHINE
-from benchmarks.timing import BUSY_NOTE, Comparison
 from cross_checks.conformance.loading import name_of
 from cross_checks.isolation.parent import Lost
 from cross_checks.judge.cell import truth_of
+from cross_checks.prices import confirm, pick
+from cross_checks.prices.pick import Bounds, Choice
+from cross_checks.prices.timing import Comparison
 from cross_checks.records import lines as record_file
+from cross_checks.records.cost import BUSY_NOTE
 from cross_checks.records.record import Record
 from mbs_ref.scene import Scene
 from reports import inputs
-from reports.reproduce import command as reproduce
-from reports.sweeping import Interrupted, sweep_records
-from reports.terminal.asking import STORE, asked_runs, isolated
-from reports.terminal.console import echo_json
-from reports.terminal.exit_codes import Failed, Incomplete, NothingSelected
+from reports.asking import STORE, Interrupted, asked_runs, isolated, sweep_records
+from reports.page.slug import command as reproduce
+from reports.terminal.console import Failed, Incomplete, NothingSelected, echo_json
 
 PATIENCE = 600.0  # s for a run that is known to finish: loading compiled code on a busy machine may take minutes
 FILE = click.Path(exists=True, dir_okay=False, path_type=Path)

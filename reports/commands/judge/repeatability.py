@@ -9,8 +9,7 @@ import click
 
 from reports import inputs
 from reports.terminal import survey
-from reports.terminal.console import progress, show, table
-from reports.terminal.exit_codes import Failed, Incomplete
+from reports.terminal.console import Failed, Incomplete, progress, show, table
 
 SAME_MACHINE = ("at once", "another process", "another order")  # what our own solver must repeat to the last bit
 
@@ -26,7 +25,7 @@ def command(chosen: tuple[str, ...], only: str | None, target: Path | None, as_j
     Every method of every engine. Exit code 1 where runs of the reference solver with one thread differ; what two
     threads change is told, as other engines' differences are.
     """
-    from benchmarks import repeatability
+    from cross_checks.conformance import repeatability
     from cross_checks.conformance.cases import cases
 
     asked = survey.named(cases(inputs.engine_names(chosen), repeatability.BLAS), only)

@@ -9,10 +9,8 @@ import click
 from cross_checks.records.record import Record
 from mbs_ref.atomic_file import write_atomic
 from reports import inputs
-from reports.sweeping import sweep_records
-from reports.terminal.asking import STORE
-from reports.terminal.console import echo_json, number, show, table
-from reports.terminal.exit_codes import NothingSelected
+from reports.asking import STORE, sweep_records
+from reports.terminal.console import NothingSelected, echo_json, number, show, table
 
 
 @click.command(name="sweep")
@@ -66,7 +64,7 @@ def command(
 
 
 def _draw(records: list[Record], target: Path) -> None:
-    from reports.drawing.figures import work_precision
+    from cross_checks.records.figures import work_precision
 
     try:
         page = work_precision(records).to_html(include_plotlyjs=True)

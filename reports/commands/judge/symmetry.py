@@ -9,8 +9,7 @@ import click
 
 from reports import inputs
 from reports.terminal import survey
-from reports.terminal.console import progress, show, table
-from reports.terminal.exit_codes import Failed, Incomplete
+from reports.terminal.console import Failed, Incomplete, progress, show, table
 
 
 @click.command(name="symmetry")

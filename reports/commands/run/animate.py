@@ -12,8 +12,7 @@ from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings
 from mbs_ref.trajectory import Trajectory
 from reports import inputs
-from reports.terminal.console import progress
-from reports.terminal.exit_codes import EngineAbsent, Failed
+from reports.terminal.console import EngineAbsent, Failed, progress
 
 
 @click.command(name="animate")

@@ -10,8 +10,7 @@ import click
 from mbs_ref import scenes
 from mbs_ref.scene.toml import SceneFileError, write_scene
 from reports import inputs
-from reports.terminal.console import echo_json, show, table
-from reports.terminal.exit_codes import Failed
+from reports.terminal.console import Failed, echo_json, show, table
 
 FOLDER = click.Path(file_okay=False, path_type=Path)
 

@@ -10,7 +10,7 @@ import click
 from cross_checks.engines import EngineMissing, writers
 from mbs_ref.atomic_file import write_atomic
 from reports import inputs
-from reports.terminal.exit_codes import EngineAbsent, Failed
+from reports.terminal.console import EngineAbsent, Failed
 
 
 @click.command(name="write")

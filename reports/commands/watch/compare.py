@@ -12,8 +12,7 @@ import click
 
 from cross_checks.records import lines as record_file
 from cross_checks.records.record import Record
-from reports.terminal.console import echo_json, number, progress, show, table
-from reports.terminal.exit_codes import Failed, Incomplete, NothingSelected
+from reports.terminal.console import Failed, Incomplete, NothingSelected, echo_json, number, progress, show, table
 
 
 @click.command(name="compare")

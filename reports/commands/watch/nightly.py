@@ -20,12 +20,11 @@ from benchmarks.trees import regression
 from benchmarks.trees.regression import Finding
 from cross_checks.records import lines as record_file
 from mbs_ref import scenes
+from reports.asking import sweep_records
 from reports.commands.watch.compare import tree
-from reports.drawing.plots.trend import write_trends
+from reports.commands.watch.history import write_trends
 from reports.facts.environment import environment
-from reports.sweeping import sweep_records
-from reports.terminal.console import progress
-from reports.terminal.exit_codes import Failed, Incomplete, NothingSelected
+from reports.terminal.console import Failed, Incomplete, NothingSelected, progress
 
 FILE = click.Path(dir_okay=False, path_type=Path)
 FOLDER = click.Path(file_okay=False, path_type=Path)

@@ -8,8 +8,7 @@ from pathlib import Path
 
 import click
 
-from reports.terminal.console import progress
-from reports.terminal.exit_codes import Incomplete, NothingSelected
+from reports.terminal.console import Incomplete, NothingSelected, progress
 
 FOLDER = click.Path(file_okay=False, path_type=Path)
 

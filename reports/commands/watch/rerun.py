@@ -14,13 +14,12 @@ from cross_checks.isolation.parent import Isolated
 from cross_checks.judge.cell import judge_method, truth_of
 from cross_checks.judge.runs import Runs
 from cross_checks.judge.vocabulary import Cell
+from cross_checks.records.numbers import setting
 from cross_checks.records.store import Store
 from reports import inputs
-from reports.drawing.numbers import setting
+from reports.asking import isolated
 from reports.studies.measuring import measure, measured
-from reports.terminal.asking import isolated
-from reports.terminal.console import echo_json, number, show, table
-from reports.terminal.exit_codes import Failed
+from reports.terminal.console import Failed, echo_json, number, show, table
 
 
 @click.command(name="rerun")

@@ -10,17 +10,16 @@ from pathlib import Path
 import click
 
 from cross_checks.judge.vocabulary import Refused, refusals
+from cross_checks.records.cost import known_error, loop_time, usable
 from mbs_ref.scene.messages import suggest
-from reports.facts.cheapest import known_error, loop_time, usable
 from reports.facts.report_data import ReportData
 from reports.page.advice import advice
+from reports.page.build import read_data
 from reports.page.files import PRICES, VERDICTS, price_row
-from reports.page.publish import read_data
 from reports.page.sections.decisions import told
 from reports.page.sections.matrix import view
 from reports.page.sections.prices import cannot, price_table
-from reports.terminal.console import echo_json, show, table
-from reports.terminal.exit_codes import NothingSelected
+from reports.terminal.console import NothingSelected, echo_json, show, table
 from reports.terminal.text_plot import text_plot
 
 FOLDER = click.Path(file_okay=False, path_type=Path)

@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
+from cross_checks.records.plots.plot import new_figure, to_data
 from mbs_ref.scene.celestial import AU_M
-from reports.drawing.plots.figure import new_figure, to_data
 
 OBLIQUITY = np.radians(84_381.406 / 3600.0)  # of the ecliptic of J2000, IAU 2006
 Places = dict[str, tuple[tuple[float, float, float], ...]]

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from reports.drawing.plots.figure import new_figure, to_data
-from reports.drawing.plots.palette import COLOURS, DASHES
+from cross_checks.records.plots.plot import COLOURS, DASHES, new_figure, to_data
 
 
 def sky_ladder(levels: list[str], figures: list[dict[str, float]]) -> dict[str, Any]:

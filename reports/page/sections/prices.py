@@ -4,17 +4,14 @@ from __future__ import annotations
 
 from typing import Any
 
-from benchmarks.loop_times import is_busy, is_timed
 from cross_checks.judge.bounds import TARGETS
 from cross_checks.judge.vocabulary import ANSWERS, OURS
-from reports.drawing.numbers import duration, metres, setting, short
-from reports.drawing.plots.work_precision import work_precision
-from reports.drawing.section import Section
-from reports.facts.cheapest import Entry, entries, known_error, loop_time, usable
-from reports.facts.report_data import ReportData
-from reports.facts.standings import over_cheapest
-from reports.facts.timed_loop import INSIDE
-from reports.reproduce import command
+from cross_checks.records.cost import is_busy, is_timed, known_error, loop_time, usable
+from cross_checks.records.numbers import duration, metres, setting, short
+from cross_checks.records.plots.of_runs import work_precision
+from reports.facts.cheapest import INSIDE, Entry, entries, over_cheapest
+from reports.facts.report_data import ReportData, Section
+from reports.page.slug import command
 
 LEAD = (
     "The cheapest setting of each engine that comes within the target error, over the scene's own scales. Our own "

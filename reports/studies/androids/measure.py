@@ -17,6 +17,7 @@ from cross_checks.judge.one_run import judged_run
 from cross_checks.judge.runs import Runs
 from cross_checks.judge.tried import search
 from cross_checks.metrics.state_error import off_truth
+from cross_checks.records.numbers import ABSENT, in_words, order_of, setting, short
 from cross_checks.records.store import Store, default_path
 from cross_checks.truth import NoTruth, Truth
 from cross_checks.truths import truth_for
@@ -29,7 +30,6 @@ from mbs_ref.self_checks.stiffness import stiffness_at_start
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
 from mbs_ref.trajectory import Status, Trajectory
-from reports.drawing.numbers import ABSENT, in_words, order_of, setting, short
 from reports.facts.curves import Curves, Measured, Row, Value, curves, plain
 from reports.studies.crash import IMPACTS, NAMES, SIMPLIFIED, VERTEBRAL, with_test
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from reports.drawing.numbers import duration, short
+from cross_checks.records.numbers import duration, short
 from reports.facts.curves import Row
 
 

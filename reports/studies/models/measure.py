@@ -10,6 +10,7 @@ import numpy as np
 
 from cross_checks.judge.one_run import evaluate
 from cross_checks.metrics.state_error import off_truth
+from cross_checks.prices.timing import least_times
 from cross_checks.truth import NoTruth
 from mbs_ref import scenes
 from mbs_ref.crash.outlines import excesses
@@ -23,7 +24,6 @@ from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
 from mbs_ref.trajectory import Trajectory
 from reports.facts.curves import Measured
-from reports.facts.turns import least_times
 from reports.studies.models.choice import Ladder, Rung
 
 OBSERVED = NoTruth("held against where the bodies really were")

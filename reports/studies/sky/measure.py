@@ -6,9 +6,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from benchmarks.timing import interval
 from cross_checks import engines, ephemerides
 from cross_checks.judge.one_run import evaluate
+from cross_checks.prices.timing import interval
 from cross_checks.records.record import Record
 from cross_checks.truth import NoTruth
 from mbs_ref import scenes

@@ -6,12 +6,11 @@ from collections.abc import Iterator
 from itertools import pairwise
 from typing import Any
 
+from cross_checks.records.numbers import duration, metres
 from cross_checks.records.record import Record
-from reports.drawing.numbers import duration, metres
 from reports.drawing.plots.orbits import inner_orbits, outer_orbits
 from reports.drawing.plots.sky_ladder import sky_ladder
-from reports.drawing.section import Finding, Section
-from reports.facts.report_data import ReportData
+from reports.facts.report_data import Finding, ReportData, Section
 from reports.studies.sky.facts import Race, SkyFacts
 
 LEAD = (

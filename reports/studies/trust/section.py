@@ -7,8 +7,7 @@ from functools import cache
 from importlib.resources import files
 from typing import Any
 
-from reports.drawing.section import Section
-from reports.facts.report_data import ReportData
+from reports.facts.report_data import ReportData, Section
 
 LEAD = (
     "Every run of mbs_ref estimates its own error. Random runs, of random mechanisms and of every scene, with random "

@@ -8,11 +8,11 @@ from dataclasses import replace
 import pytest
 from click.testing import CliRunner
 
-from benchmarks import confirm
-from benchmarks.timing import Comparison, Pace
 from benchmarks.trees import regression
 from benchmarks.trees.regression import Case, Finding
 from cross_checks.isolation.parent import Lost
+from cross_checks.prices import confirm
+from cross_checks.prices.timing import Comparison, Pace
 from cross_checks.records import lines as record_file
 from cross_checks.records.record import Error, Record
 from mbs_ref import scenes

@@ -8,9 +8,8 @@ from cross_checks.extremes import cell
 from cross_checks.extremes.extreme import Axis
 from cross_checks.extremes.judge import Fate
 from cross_checks.records.store import Store
-from reports.drawing.plots.fates import LEFT, WIDTH, place
 from reports.gather import extreme_cells
-from reports.page.sections.extremes import context
+from reports.page.sections.extremes import LEFT, WIDTH, context, place
 from tests.reports.page.synthetic_report import report_data
 
 

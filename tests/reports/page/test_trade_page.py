@@ -11,8 +11,8 @@ from cross_checks.truths import seek_truth
 from mbs_ref import scenes
 from reports.facts.report_data import ReportData
 from reports.facts.truth_facts import TruthFacts, truth_facts
-from reports.page.publish import publish
-from reports.page.sections import truths
+from reports.page.build import publish
+from reports.page.sections import method as truths
 from reports.page.sections.profiles import context
 from tests.reports.page.synthetic_report import report_data
 

@@ -7,8 +7,7 @@ from dataclasses import replace
 import pytest
 
 from reports.facts.curves import Curves, Measured
-from reports.page.pages import pages
-from reports.page.render import render
+from reports.page.render import pages, render
 from reports.studies.claims import Claim
 from reports.studies.papers.formulations import SINGULAR, euler_angles, multipliers
 from reports.studies.study import document, measurement

@@ -6,15 +6,14 @@ from dataclasses import replace
 
 import numpy as np
 
-from benchmarks.loop_times import sample
-from benchmarks.pick import Choice, setting
-from benchmarks.timing import Comparison, Pace, compare
 from cross_checks import engines
 from cross_checks.isolation.parent import Caller, Lost, direct
 from cross_checks.judge import ladder
 from cross_checks.judge.cell import truth_of
 from cross_checks.judge.one_run import evaluate, without_run
 from cross_checks.judge.runs import Runs
+from cross_checks.prices.pick import Choice, setting
+from cross_checks.prices.timing import Comparison, Pace, compare, sample
 from cross_checks.records.record import Record
 from cross_checks.truth import NoTruth, Truth
 from mbs_ref.scene import Scene

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import html
 
+from cross_checks.records.plots.plot import COLOURS, Figure, new_figure
 from mbs_ref.simulate.ensemble import Coordinate, Ensemble, Statistics, coordinates, statistics
-from reports.drawing.plots.figure import Figure, new_figure
-from reports.drawing.plots.palette import COLOURS
 
 HEIGHT = 300  # pixels of one coordinate
 GAP = 0.06  # of the height, between two

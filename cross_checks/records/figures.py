@@ -8,15 +8,15 @@ from typing import Any
 import numpy as np
 import plotly.graph_objects as go
 
+from cross_checks.records.plots import of_runs as history
+from cross_checks.records.plots.bands import bands
+from cross_checks.records.plots.of_runs import work_precision as work_precision_data
+from cross_checks.records.plots.plot import new_figure, to_data
 from cross_checks.records.record import Record
 from cross_checks.records.store import Run
 from mbs_ref.scene import Scene
 from mbs_ref.simulate.ensemble import Ensemble
 from mbs_ref.trajectory import Trajectory
-from reports.drawing.plots import history
-from reports.drawing.plots.bands import bands
-from reports.drawing.plots.figure import new_figure, to_data
-from reports.drawing.plots.work_precision import work_precision as work_precision_data
 
 AXES = "xyz"
 

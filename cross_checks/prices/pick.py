@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
 from cross_checks.judge.vocabulary import OURS
+from cross_checks.records.cost import floor, known_error, loop_time, usable
 from cross_checks.records.record import Record
 from mbs_ref.display import facts
 
@@ -71,28 +72,27 @@ def pick(
     """
     bounds = Bounds(error, compliance, budget)
     listed = list(records)
-    measured = [r for r in listed if _is_measured(r)]
+    measured = [r for r in listed if usable(r)]
     if not measured:
         return Choice(None, None, None, _why_nothing(listed))
     _check_one_scene(measured)
-    floor = max((r.error.floor for r in measured if r.error), default=0.0)
-    if error < floor:
-        return Choice(None, None, None, f"the truth of this scene judges no error below {floor:.1e} of it")
+    if error < (resolved := floor(measured)):
+        return Choice(None, None, None, f"the truth of this scene resolves no error below {resolved:.1e} of it")
     reached = [r for r in measured if bounds.met_by(r)]
-    affordable = sorted((r for r in reached if budget is None or cost(r) <= budget), key=cost)
+    affordable = sorted((r for r in reached if budget is None or loop_time(r) <= budget), key=loop_time)
     if not affordable:
         return Choice(None, None, None, _why_none(measured, reached, bounds))
     best = affordable[0]
     second = _runner_up(best, affordable)
-    margin = None if second is None else cost(second) / cost(best)
-    limit = _limit([r for r in measured if cost(r) < cost(best)], bounds)
+    margin = None if second is None else loop_time(second) / loop_time(best)
+    limit = _limit([r for r in measured if loop_time(r) < loop_time(best)], bounds)
     return Choice(best, second, margin, " ".join((_why(best, second, margin), _why_not_cheaper(limit))), limit)
 
 
 def contenders(records: Iterable[Record], bounds: Bounds) -> list[Record]:
     """Return the runs that may prove the cheapest within the bounds once they are timed alone."""
-    reached = [record for record in records if _is_measured(record) and bounds.met_by(record)]
-    return [record for record in reached if cost(record) <= RIVAL * min(map(cost, reached))]
+    reached = [record for record in records if usable(record) and bounds.met_by(record)]
+    return [record for record in reached if loop_time(record) <= RIVAL * min(map(loop_time, reached))]
 
 
 def basis(records: Iterable[Record]) -> str:
@@ -109,11 +109,7 @@ def told(record: Record) -> str:
     how = f"{record.engine} as it comes ({setting(record).removeprefix(record.engine).strip()})"
     if record.status != "success":
         return f"{how} ends with {record.status}: {record.message}"
-    return f"{how}: {_length(record)} in {cost(record) * 1e3:.3g} ms"
-
-
-def _is_measured(record: Record) -> bool:
-    return record.status == "success" and record.error is not None and record.times.get("loop_s", 0.0) > 0.0
+    return f"{how}: {_length(record)} in {loop_time(record) * 1e3:.3g} ms"
 
 
 def _check_one_scene(records: Sequence[Record]) -> None:
@@ -122,20 +118,11 @@ def _check_one_scene(records: Sequence[Record]) -> None:
         raise ValueError(f"the records are of {len(scenes)} scenes; choose among those of one")
 
 
-def _error(record: Record) -> float:
-    return float("inf") if record.error is None else record.error.bound
-
-
 def _length(record: Record) -> str:
     """Say an error as a share of the scene and as a length."""
     if record.error is None:
         return "no known error"
     return f"{record.error.bound:.1e} of the scene ({record.error.bound * record.error.length:.1e} m)"
-
-
-def cost(record: Record) -> float:
-    """Return the loop time, s."""
-    return record.times["loop_s"]
 
 
 def _gap(record: Record) -> float:
@@ -147,7 +134,7 @@ def _limit(cheaper: Sequence[Record], bounds: Bounds) -> Limit | None:
     """Name the bound that a cheaper setting misses alone, the joints' first: loosening it keeps the error."""
     rules: tuple[tuple[str, Callable[[Record], bool], Callable[[Record], float]], ...] = (
         ("compliance", bounds.error_ok, _gap),
-        ("error", bounds.compliance_ok, _error),
+        ("error", bounds.compliance_ok, known_error),
     )
     for bound, other_ok, distance in rules:
         near = min((r for r in cheaper if other_ok(r)), key=distance, default=None)
@@ -171,16 +158,16 @@ def _runner_up(best: Record, affordable: Sequence[Record]) -> Record | None:
 
 def _why(best: Record, second: Record | None, margin: float | None) -> str:
     whose = ", this project's own solver," if best.engine == OURS else ""
-    text = f"{setting(best)}{whose} reaches {_length(best)} in {1e3 * cost(best):.3g} ms"
+    text = f"{setting(best)}{whose} reaches {_length(best)} in {1e3 * loop_time(best):.3g} ms"
     if second is None or margin is None:
         return f"{text}; no other engine or method reaches it."
-    return f"{text}, {margin:.3g} times cheaper than {setting(second)} ({1e3 * cost(second):.3g} ms)."
+    return f"{text}, {margin:.3g} times cheaper than {setting(second)} ({1e3 * loop_time(second):.3g} ms)."
 
 
 def _why_not_cheaper(limit: Limit | None) -> str:
     if limit is None:
         return "No cheaper setting misses only one of the bounds."
-    near, price = limit.cheaper, f"{1e3 * cost(limit.cheaper):.3g} ms"
+    near, price = limit.cheaper, f"{1e3 * loop_time(limit.cheaper):.3g} ms"
     if limit.bound == "error":
         return f"The error limits it: for {price} the nearest is {setting(near)} with {_length(near)}."
     return f"The compliance limits it: for {price} {setting(near)} opens the joints by {_gap(near):.1e}."
@@ -197,12 +184,12 @@ def _why_nothing(records: Sequence[Record]) -> str:
 
 def _why_none(measured: Sequence[Record], reached: Sequence[Record], bounds: Bounds) -> str:
     if reached and bounds.budget is not None:
-        cheapest = min(reached, key=cost)
-        price = f"{1e3 * cost(cheapest):.3g} ms"
+        cheapest = min(reached, key=loop_time)
+        price = f"{1e3 * loop_time(cheapest):.3g} ms"
         return f"none within {1e3 * bounds.budget:.3g} ms; the cheapest is {setting(cheapest)} at {price}"
     close = [r for r in measured if bounds.error_ok(r)]
     if close and bounds.compliance is not None:
         count, tight = len(close), bounds.compliance
         return f"{count} settings reach {bounds.error:.1e}, but none keeps the constraints within {tight:.1e}"
-    nearest = min(measured, key=_error)
+    nearest = min(measured, key=known_error)
     return f"none reached {bounds.error:.1e} of the scene; the nearest is {setting(nearest)} with {_length(nearest)}"

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterator, Sequence
 
-from benchmarks.loop_times import timed
 from cross_checks import engines as registry
 from cross_checks.engine import Method
 from cross_checks.judge.answers import Answer, Progress, Question, answers, questions
 from cross_checks.judge.cell import tasks
 from cross_checks.judge.one_run import without_run
 from cross_checks.judge.runs import Runs
+from cross_checks.prices.timing import timed
 from cross_checks.records.record import Record
 from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings
