@@ -36,7 +36,7 @@ from reports.facts.kept import (
 )
 from reports.facts.report_data import ReportData
 from reports.facts.truth_facts import TruthFacts, truth_facts
-from reports.studies.measuring import Progress, measure_all, measured
+from reports.studies.study import Progress, every, measure_all, stored
 
 SCENES: tuple[tuple[str, dict[str, Any]], ...] = (
     ("pendulum", {}),
@@ -72,7 +72,7 @@ def gather(
     """
     report = progress or _silent
     chosen = chosen_scenes(quick)
-    data = ReportData((), (), environment=environment(), quick=quick)
+    data = ReportData((), (), environment=environment(), quick=quick, studies=stored())
     stages = STAGES[:-1] if quick else STAGES
     for (_, stage), (following, _) in zip(stages, (*stages[1:], ("", None)), strict=True):
         data = stage(store, chosen, data, report, extremes_files, again)
@@ -180,8 +180,8 @@ def extreme_cells(store: Store, kept: Sequence[Path], quick: bool, report: Progr
 def _studied(store: Store, chosen: dict[str, Scene], data: ReportData, report: Progress, *_: Any) -> ReportData:
     """Add the studies; one that fails costs its own page only."""
     told: list[str] = []
-    found: dict[str, Any] = {}
-    with _interruptible(told, lambda: f"{len(found)} of {len(measured())} studies"):
+    found = dict(data.studies)
+    with _interruptible(told, lambda: f"{len(found)} of {len(every())} studies"):
         told += measure_all(store, found, (engine_versions(), _adapters()), report)
     return replace(data, studies=found, incomplete="; ".join(told))
 

@@ -9,13 +9,14 @@ from typing import Any
 
 import numpy as np
 
-from cross_checks.records.plots.plot import COLOURS, DASHES, FLOOR, Figure, new_figure, to_data
+from cross_checks.records.plots.plot import COLOURS, DASHES, FLOOR, new_figure, to_data
 from mbs_ref.scene import Scene
 from mbs_ref.trajectory import Trajectory
 from reports.film.files import filmstrip, gif
 
 MOST_POINTS = 201  # of a line
 DIGITS = 6
+HEIGHT = 360  # pixels of a plot
 
 Value = int | float | str | None
 Row = Mapping[str, Value]  # of a table, by column
@@ -25,13 +26,14 @@ Row = Mapping[str, Value]  # of a table, by column
 class Curves:
     """What a small plot shows; every line has the x of all."""
 
-    x: tuple[float, ...]
-    lines: dict[str, tuple[float, ...]]
+    x: tuple[float | str, ...]
+    lines: dict[str, tuple[float | None, ...]]  # None is a gap
     y_label: str
     x_label: str = "t, s"
     log: bool = False
     x_log: bool = False
     marks: str = "lines"  # lines | markers | lines+markers
+    equal: bool = False  # whether both axes have one scale
 
 
 @dataclass(frozen=True)
@@ -73,27 +75,16 @@ def film(scene: Scene, path: Trajectory, every: int) -> Film:
     return Film(*(base64.b64encode(picture).decode() for picture in (gif(scene, few), filmstrip(scene, few))))
 
 
-HEIGHT = 360  # pixels
-
-
-def histories(curves: Curves) -> dict[str, Any]:
-    """Return a figure's data with a line for each name."""
-    return overlay({"": curves})
-
-
 def overlay(curves: Mapping[str, Curves]) -> dict[str, Any]:
     """Return the data of one figure with the lines of all curves, on the axes of the first."""
     first = next(iter(curves.values()))
     figure = new_figure(first.x_label, first.y_label, x_log=first.x_log, y_log=first.log, height=HEIGHT)
+    if first.equal:
+        figure.update_yaxes(scaleanchor="x")
     lines = [(title, name, c, line) for title, c in curves.items() for name, line in c.lines.items()]
     for k, (title, name, c, line) in enumerate(lines):
-        shown = [max(abs(value), FLOOR) for value in line] if c.log else line
+        shown = [None if value is None else max(abs(value), FLOOR) if c.log else value for value in line]
         label = name if not title else title if len(c.lines) == 1 else f"{title}: {name}"
-        add_line(figure, k, label, c.x, shown, c.marks)
+        style = {"color": COLOURS[k % len(COLOURS)], "dash": DASHES[k // len(COLOURS) % len(DASHES)], "width": 2}
+        figure.add_scatter(x=list(c.x), y=shown, mode=c.marks, name=label, line=style)
     return to_data(figure)
-
-
-def add_line(figure: Figure, k: int, name: str, x, y, mode: str = "lines") -> None:
-    """Add the k-th line of a plot."""
-    style = {"color": COLOURS[k % len(COLOURS)], "dash": DASHES[k // len(COLOURS) % len(DASHES)], "width": 2}
-    figure.add_scatter(x=list(x), y=list(y), mode=mode, name=name, line=style)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 from time import monotonic
 
@@ -12,8 +11,7 @@ from reports.facts.kept import adapter
 from reports.facts.report_data import ReportData
 from reports.page.files import csv_table, jsonl, markdown
 from reports.page.render import INDEX, render
-from reports.studies.measuring import Progress
-from reports.studies.study import every
+from reports.studies.study import Progress
 
 PATIENCE = 10.0  # s after which a page of what there is is worth the time to write it
 EXTREMES = "extremes*.jsonl"  # beside the page: what `mbs-ref extremes -o` kept, whole or in parts
@@ -70,7 +68,5 @@ def read_data(out_dir: Path) -> ReportData:
 
 
 def data_of(content: bytes) -> ReportData:
-    """Return report data from JSON, each study's facts as its own type; ValueError where they do not fit."""
-    data = adapter(ReportData).validate_json(content)
-    kinds = {name: adapter(study.facts) for name, study in every().items() if name in data.studies}
-    return replace(data, studies={name: kind.validate_python(data.studies[name]) for name, kind in kinds.items()})
+    """Return report data from JSON; ValueError where they do not fit."""
+    return adapter(ReportData).validate_json(content)

@@ -11,7 +11,7 @@ from cross_checks.records.record import Record
 from mbs_ref.trajectory import Status
 from reports.facts.cheapest import MIDDLE, entries, standing_of
 from reports.facts.report_data import Finding, ReportData, Section
-from reports.studies.study import every, section
+from reports.studies.study import every
 
 CAUGHT = (Status.NON_FINITE, Status.RESET)  # what engines do without saying so
 ORDER_SLACK = 0.5  # an observed order lower than documented by more than this is worth a sentence
@@ -23,7 +23,7 @@ MOST = 8  # findings of one rule shown
 
 def findings(data: ReportData) -> list[Finding]:
     """Return every finding, the most alarming rule first."""
-    rules = (*RULES, *(section(name).findings for name in every()))
+    rules = (*RULES, *(study.findings for study in every().values()))
     return [finding for rule in rules for finding in list(rule(data))[:MOST]]
 
 

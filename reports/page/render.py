@@ -21,7 +21,7 @@ from reports.facts.report_data import ReportData, Section
 from reports.page import findings
 from reports.page.sections import decisions, extremes, matrix, method, plots, prices, profiles, records
 from reports.page.slug import engine_file, scene_file, slug
-from reports.studies.study import every, section
+from reports.studies.study import every
 
 TEMPLATES = Path(__file__).parent / "templates"
 STUDIES = Path(studies.__file__).parent
@@ -112,8 +112,8 @@ def pages(data: ReportData) -> list[Page]:
 
 def _studies(data: ReportData) -> Iterator[Page]:
     """Yield a page for each file that studies name."""
-    for (file, title), names in groupby(every(), lambda name: (every()[name].page, every()[name].title)):
-        yield Page(file, title, data, tuple(section(name) for name in names), "study")
+    for (file, title), shared in groupby(every().values(), lambda study: (study.page, study.title)):
+        yield Page(file, title, data, tuple(study.section for study in shared), "study")
 
 
 SCENE = (prices.SECTION, matrix.SECTION, *plots.SECTIONS, method.TRUTHS, records.SECTION)

@@ -18,7 +18,8 @@ from cross_checks.records.numbers import setting
 from cross_checks.records.store import Store
 from reports import inputs
 from reports.asking import isolated
-from reports.studies.measuring import measure, measured
+from reports.studies.study import every as studies
+from reports.studies.study import measure
 from reports.terminal.console import Failed, echo_json, number, show, table
 
 
@@ -33,11 +34,11 @@ def command(cell: str, as_json: bool) -> None:
     STUDY measures a study: mbs-ref rerun space. Exit code 1 where the method is wrong.
     """
     parts = cell.split("/")
-    if cell in measured():
+    if cell in studies():
         echo_json(asdict(measure(cell)))
     elif len(parts) != 3:
         raise click.UsageError(f"cell {cell!r} must be SCENE[,NAME=VALUE...]/ENGINE/METHOD, EXTREME/ENGINE/METHOD or "
-                               f"one of {', '.join(measured())}")  # fmt: skip
+                               f"one of {', '.join(studies())}")  # fmt: skip
     elif parts[0] in {extreme.name for extreme in every()}:
         _extreme(*parts)
     else:
