@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from cross_checks.isolation import workers
 from cross_checks.isolation.child import STOPS
 from cross_checks.isolation.parent import MEMORY, TIMEOUT, Isolated, direct
 from cross_checks.judge.runs import Runs
@@ -29,6 +30,8 @@ FIRST = 20.0  # s until the best answer so far is printed; then again whenever t
 STORE = click.option(
     "--store", metavar="FILE.sqlite", help="The store of runs.  [default: MBS_REF_STORE, or one in the cache folder]"
 )
+
+SCHEDULER = click.option("--scheduler", metavar="tcp://HOST:PORT", help="Run on the workers of a dask cluster.")
 
 
 def store_path(named: str | None) -> Path:
@@ -68,6 +71,16 @@ def isolated(
     except ModuleNotFoundError as error:
         raise Failed(f"the package {error.name} is not installed (pip install mbs-ref[cluster])") from error
     return Remote(*limits, scheduler=scheduler)
+
+
+@contextmanager
+def cluster(scheduler: str | None) -> Iterator[Isolated | None]:
+    """Yield what makes calls on the workers of a dask cluster; None without one."""
+    if scheduler is None:
+        yield None
+    else:
+        with isolated((), workers.TIMEOUT, scheduler=scheduler) as call:
+            yield call  # type: ignore[misc] - no scene has a Python function
 
 
 @contextmanager
@@ -125,6 +138,7 @@ def sweep_records(
     memory_mib: float | None = None,
     *,
     store: str | None = None,
+    scheduler: str | None = None,
     errors: tuple[float, ...] = (),
     best: Callable[[Sequence[Record]], str] = lambda records: "",
     worth: Worth | None = None,
@@ -142,7 +156,7 @@ def sweep_records(
     so_far: list[Record] = []
     with ExitStack() as stack:
         report = telling(stack.enter_context(progress(f"sweep {scene.name}")), lambda: best(so_far))
-        runs = stack.enter_context(asked_runs([scene], store, timeout, memory_mib))
+        runs = stack.enter_context(asked_runs([scene], store, timeout, memory_mib, scheduler))
         written = {key_of(record) for record in begun(stack, target)}
         try:
             for record in sweep(

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterator, Sequence
+from contextlib import nullcontext
 
 from cross_checks import engines as registry
 from cross_checks.engine import Method
+from cross_checks.isolation.parent import Isolated
 from cross_checks.judge.answers import Answer, Progress, Question, answers, questions
 from cross_checks.judge.cell import tasks
 from cross_checks.judge.one_run import without_run
@@ -26,7 +28,8 @@ def sweep(
 ) -> Iterator[Record]:  # fmt: skip
     """Yield every run of every method's search for the targets, judged and timed, coarse to fine.
 
-    Runs are made on all processors, where `runs` makes them in processes of their own, and then timed one at a time.
+    Runs are made on all processors, or on those of a cluster, where `runs` makes them in processes of their own, and
+    then timed one at a time on this machine.
     `seen` receives all runs so far, not timed yet. With `worth` only those are timed that it returns, and slow methods
     are left out where it returns any. Without a certified truth, errors are from what engines agree on. ValueError
     where an engine or a method is unknown.
@@ -43,9 +46,10 @@ def sweep(
         chosen = [id(record) for record in (records if worth is None else worth(records))]
         if patient or chosen:
             break
-    for number, record in enumerate(records):
-        progress(number, len(records), f"timing {record.engine} {record.method}")
-        yield timed(runs.store, runs.call, scene, record) if id(record) in chosen else record
+    with runs.call.here() if isinstance(runs.call, Isolated) else nullcontext(runs.call) as call:
+        for number, record in enumerate(records):
+            progress(number, len(records), f"timing {record.engine} {record.method}")
+            yield timed(runs.store, call, scene, record) if id(record) in chosen else record
 
 
 def _offered(engines: Collection[str] | None, methods: Collection[str] | None) -> list[tuple[str, Method | None]]:

@@ -98,9 +98,11 @@ def stored_answers(store: Store, asked: list[Question]) -> dict[Question, Stored
     return {question: answer for question, answer in held.items() if answer is not None}
 
 
-def settled_answers(store: Store, asked: list[Question], report: Report) -> Iterator[Answer]:
+def settled_answers(
+    store: Store, asked: list[Question], report: Report, call: Isolated | None = None
+) -> Iterator[Answer]:
     """Yield the settled answer to every question; the store keeps those in which the machine had no part."""
-    for answer in answers(Runs(store, Isolated(TIMEOUT)), asked, progress=report):
+    for answer in answers(Runs(store, call or Isolated(TIMEOUT)), asked, progress=report):
         if answer.is_settled:
             if not any(record.status in PASSING for record in answer.records):
                 keep(store, _question_key(answer.question), Stored, Stored(answer.cell, answer.records))

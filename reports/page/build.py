@@ -2,40 +2,29 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 from time import monotonic
 
-from cross_checks.records.store import Store, default_path
 from mbs_ref.atomic_file import write_atomic
 from reports.facts.kept import adapter
 from reports.facts.report_data import ReportData
 from reports.page.files import csv_table, jsonl, markdown
 from reports.page.render import INDEX, render
-from reports.studies.study import Progress
 
 PATIENCE = 10.0  # s after which a page of what there is is worth the time to write it
-EXTREMES = "extremes*.jsonl"  # beside the page: what `mbs-ref extremes -o` kept, whole or in parts
 
 
-def write_report(
-    out_dir: Path, quick: bool = False, progress: Progress | None = None, again: bool = False
-) -> tuple[Path, str]:
-    """Bring the default scenes' runs up to date on every engine and write the report.
+def write_report(out_dir: Path, stages: Iterator[ReportData]) -> tuple[Path, str]:
+    """Write the pages of the last stage; where stages take long, also what there is before the next one begins.
 
-    Return the path of index.html, and why it is incomplete or nothing. `quick` runs fewer scenes; `again` times what
-    is ranked anew. What EXTREMES holds there is shown, else a few extremes are run. `progress` is called with
-    (done, total, what comes next). Where a stage takes long, the pages show what there is before the next one begins.
+    Return the path of index.html, and why it is incomplete or nothing.
     """
-    from reports.gather import gather  # the solver and the engines, which rendering alone does not ask
-
     shown = monotonic()
-    with Store(default_path()) as store:
-        for data in gather(store, quick, progress, sorted(out_dir.glob(EXTREMES)), again):
-            if monotonic() > shown + PATIENCE:
-                publish(data, out_dir)
-                from reports.gather import gather  # the solver and the engines, which rendering alone does not ask
-
-    shown = monotonic()
+    for data in stages:
+        if monotonic() > shown + PATIENCE:
+            publish(data, out_dir)
+            shown = monotonic()
     return publish(data, out_dir), data.incomplete
 
 

@@ -12,7 +12,7 @@ from cross_checks.judge.vocabulary import Cell, Refused, refusals
 from cross_checks.truth import Truth
 from mbs_ref import scenes
 from reports import inputs
-from reports.asking import STORE, asked_runs, telling
+from reports.asking import SCHEDULER, STORE, asked_runs, telling
 from reports.terminal.console import Failed, Incomplete, NothingSelected, echo_json, number, progress, show, table
 
 MOST_REASONS = 5  # told where nothing runs
@@ -23,7 +23,7 @@ MOST_REASONS = 5  # told where nothing runs
 @inputs.PARAMETERS
 @inputs.KEEP
 @inputs.ENGINES
-@click.option("--scheduler", metavar="tcp://HOST:PORT", help="Run on the workers of a dask cluster.")
+@SCHEDULER
 @click.option("--shard", metavar="I/N", default="1/1", help="Only part I of N of the cells, for batch systems.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON: a list of cells.")
 @STORE

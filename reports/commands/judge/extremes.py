@@ -10,6 +10,7 @@ from cross_checks.extremes.cell import Cell
 from cross_checks.extremes.judge import Fate
 from cross_checks.records import lines as record_file
 from reports import inputs
+from reports.asking import SCHEDULER, cluster
 from reports.terminal.console import Failed, Incomplete, NothingSelected, echo_json, number, progress, show, table
 
 
@@ -18,10 +19,17 @@ from reports.terminal.console import Failed, Incomplete, NothingSelected, echo_j
 @click.option("--only", metavar="TEXT", help="Only extremes whose name or family holds this.")
 @inputs.ENGINES
 @click.option("--shard", metavar="I/N", default="1/1", help="Only part I of N of the extremes, for batch systems.")
+@SCHEDULER
 @click.option("--json", "as_json", is_flag=True, help="Print JSON lines, one a cell.")
 @click.option("-o", "output", metavar="FILE.jsonl", help="Keep the cells in a file; what it holds already is not run.")
 def command(
-    full: bool, only: str | None, chosen: tuple[str, ...], shard: str, as_json: bool, output: str | None
+    full: bool,
+    only: str | None,
+    chosen: tuple[str, ...],
+    shard: str,
+    scheduler: str | None,
+    as_json: bool,
+    output: str | None,
 ) -> None:
     """Drive scenes to the edge, and find where each engine's methods stop, degrade, or go wrong without a word.
 
@@ -41,6 +49,7 @@ def command(
     found: list[Cell] = []
     with ExitStack() as stack:
         report = stack.enter_context(progress("extremes"))
+        call = stack.enter_context(cluster(scheduler))
         if target is not None:
             try:
                 stack.enter_context(record_file.exclusive(target))
@@ -50,7 +59,7 @@ def command(
             for problem in problems:
                 click.echo(problem, err=True)
         try:
-            for one in run.matrix(extremes, names, full=full, known=tuple(found), progress=report):
+            for one in run.matrix(extremes, names, full=full, known=tuple(found), progress=report, call=call):
                 if target is not None:
                     cell.append(target, one)
                 found.append(one)

@@ -9,7 +9,7 @@ import click
 from cross_checks.records.record import Record
 from mbs_ref.atomic_file import write_atomic
 from reports import inputs
-from reports.asking import STORE, sweep_records
+from reports.asking import SCHEDULER, STORE, sweep_records
 from reports.terminal.console import NothingSelected, echo_json, number, show, table
 
 
@@ -24,6 +24,7 @@ from reports.terminal.console import NothingSelected, echo_json, number, show, t
 @click.option("--plot", metavar="FILE.html", help="Draw error against the time of the loop, as a page.")
 @click.option("--timeout", type=float, callback=inputs.positive, help="Longest time a run computes, s.  [default: 120]")
 @click.option("--memory", type=float, callback=inputs.positive, help="Most memory of one run, MiB.  [default: 4096]")
+@SCHEDULER
 @STORE
 def command(
     scene: str,
@@ -36,6 +37,7 @@ def command(
     plot: str | None,
     timeout: float | None,
     memory: float | None,
+    scheduler: str | None,
     store: str | None,
 ) -> None:
     """Measure work against precision on SCENE: the settings that meet each decade of error, timed alone.
@@ -48,7 +50,7 @@ def command(
     columns = target if target is not None and target.suffix == ".parquet" else None
     lines = target if columns is None else None
     made = inputs.comparable(scene, parameters, kept)
-    records = sweep_records(made, chosen, methods, lines, timeout, memory, store=store)
+    records = sweep_records(made, chosen, methods, lines, timeout, memory, store=store, scheduler=scheduler)
     if not records:
         raise NothingSelected("no engine and method to sweep")
     if columns is not None:

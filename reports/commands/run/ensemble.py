@@ -14,8 +14,10 @@ from mbs_ref.atomic_file import write_atomic
 from mbs_ref.simulate import ensemble as ensembles
 from mbs_ref.simulate.ensemble import Design, Ensemble, Law, Source, Statistics, Variants, coordinates
 from reports import inputs
+from reports.asking import SCHEDULER, cluster
 from reports.poses_file import ENSEMBLE_FORMATS, write_ensemble
 from reports.scene_summary import summary
+from reports.shared_ensemble import shared_ensemble
 from reports.terminal.console import Failed, Incomplete, compiling, echo_json, number, progress, show, table
 
 
@@ -27,6 +29,7 @@ from reports.terminal.console import Failed, Incomplete, compiling, echo_json, n
 @click.option("--seed", type=int, default=0, show_default=True, metavar="N", help="Of the samples.")
 @inputs.run_options
 @click.option("--threads", type=click.IntRange(1), metavar="N", help="Runs at once; one a processor unless given.")
+@SCHEDULER
 @click.option("--json", "as_json", is_flag=True, help="Print inputs, ends and statistics over time as JSON.")
 @click.option("-o", "output", metavar="FILE", help="Write inputs and samples to a .npz, .csv or .parquet file.")
 @click.option("--plot", metavar="FILE.html", help="Draw how the motion spreads over time, as a page.")
@@ -37,6 +40,7 @@ def command(
     count: int | None,
     seed: int,
     threads: int | None,
+    scheduler: str | None,
     as_json: bool,
     output: str | None,
     plot: str | None,
@@ -65,8 +69,15 @@ def command(
         variants, design = _planned(Source(base, inputs.rebuilder(scene, base)), varied, kept, count, seed)
         if not as_json:
             click.echo(summary(base).sentence())
-        with progress(f"ensemble {base.name}") as report:
-            made = ensembles.run_ensemble(variants, design, chosen, threads, lambda done, all_: report(done, all_, ""))
+        with progress(f"ensemble {base.name}") as report, cluster(scheduler) as call:
+
+            def shown(done: int, total: int) -> None:
+                report(done, total, "")
+
+            if call is None:
+                made = ensembles.run_ensemble(variants, design, chosen, threads, shown)
+            else:
+                made = shared_ensemble(variants, design, chosen, call, shown)
     except ValueError as error:
         raise click.UsageError(str(error)) from error
     _write(made, target, drawn, output, plot)

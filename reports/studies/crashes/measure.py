@@ -43,7 +43,7 @@ def add_crash(measured: Measured, scene: Scene, path: Trajectory) -> None:
         name = f"impact from the {scene.parameters['impact']}: {name}"
         lines = curves(path.times, {f"{own['bodies']} bodies": values}, unit)
         held = measured.curves.get(name, lines)
-        measured.curves[name] = replace(lines, lines=held.lines | lines.lines)
+        measured.curves[name] = replace(lines, lines={**held.lines, **lines.lines})
     if found.cervical_torques:
         measured.tables[f"whiplash: {label}"] = _whiplash(path, found)
         measured.curves[f"whiplash: {label}"] = curves(path.times, found.cervical_torques, "N m")

@@ -10,7 +10,7 @@ from reports.facts.curves import Curves, Measured
 from reports.page.render import pages, render
 from reports.studies.claims import Claim
 from reports.studies.papers.formulations import SINGULAR, euler_angles, multipliers
-from reports.studies.study import every
+from reports.studies.study import every, measure
 from tests.reports.page.synthetic_report import report_data
 
 HALF_ORDER = 0.5
