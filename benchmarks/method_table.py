@@ -12,9 +12,11 @@ import sys
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
+from cross_checks.prices.timing import interleaved
 from mbs_ref import scenes
 from mbs_ref.cores.choice import core_name
 from mbs_ref.integrators import DEFAULT, integrators
@@ -31,7 +33,7 @@ TIGHT = 1e-13
 ROUNDOFF = 1e-12  # of the scene: below no error tells one run from another
 LOST = 1e-2  # of the scene: where the default at 1e-11 is so far from the tight run, no truth is known
 SLOW = 2.0  # s, a call that is not repeated
-TURNS = 7
+TURNS = 3
 METHODS = ("dop853", "radau", "lsodar", "gauss")  # adaptive ones on every scene or on particles
 
 
@@ -55,7 +57,7 @@ def rows(name: str) -> Iterator[Row]:
     if not tight.ok or _error(scene, _run(scene, DEFAULT, 1e-11), tight) > LOST:
         return
     fixed = sorted(
-        (_cost(scene, method, rtol), method, rtol, _error(scene, path, tight))
+        (_in_turns(scene, (method, rtol))[0], method, rtol, _error(scene, path, tight))
         for method in METHODS if _runs(scene, method)
         for rtol in TRIED if (path := _run(scene, method, rtol)).ok
     )  # fmt: skip
@@ -80,25 +82,17 @@ def _run(scene: Scene, method: str, rtol: float) -> Trajectory:
 
 
 def _cost(scene: Scene, method: str, rtol: float) -> float:
-    """Return the CPU time (s) of a call, the least of three where it is short."""
-    times: list[float] = []
-    while len(times) < 3 and sum(times) < SLOW:
-        began = time.process_time()
-        _run(scene, method, rtol)
-        times.append(time.process_time() - began)
-    return min(times)
+    """Return the CPU time (s) of a call."""
+    began = time.process_time()
+    _run(scene, method, rtol)
+    return time.process_time() - began
 
 
 def _in_turns(scene: Scene, *choices: tuple[str, float]) -> list[float]:
-    costs: list[list[float]] = [[] for _ in choices]
-    for _ in range(TURNS):
-        for kept, (method, rtol) in zip(costs, choices, strict=True):
-            began = time.process_time()
-            _run(scene, method, rtol)
-            kept.append(time.process_time() - began)
-        if sum(map(sum, costs)) > 2 * SLOW:
-            break
-    return [min(kept) for kept in costs]
+    """Return the least CPU time (s) of each choice's calls, in interleaved turns; a slow one takes few."""
+    calls = [partial(_cost, scene, *choice) for choice in choices]
+    first = [min(times) for times in interleaved(calls, 1)]
+    return [min(times) for times in interleaved(calls, TURNS if sum(first) < SLOW else 1)]
 
 
 def _error(scene: Scene, path: Trajectory, tight: Trajectory) -> float:

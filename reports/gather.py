@@ -25,17 +25,8 @@ from mbs_ref import scenes
 from mbs_ref.scene import Scene
 from reports.facts.cheapest import contenders
 from reports.facts.compiling import compile_kernels
-from reports.facts.environment import environment
-from reports.facts.kept import (
-    Stored,
-    engine_versions,
-    keep,
-    recall,
-    remembered,
-    settled_answers,
-    stored_answers,
-    truth_key,
-)
+from reports.facts.environment import engine_versions, environment
+from reports.facts.kept import Stored, keep, recall, remembered, settled_answers, stored_answers, truth_key
 from reports.facts.report_data import ReportData
 from reports.facts.truth_facts import TruthFacts, truth_facts
 from reports.studies.study import Progress, every, measure_all, stored

@@ -7,12 +7,13 @@ from __future__ import annotations
 
 import argparse
 import json
-import random
 import statistics
+from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
 from benchmarks.trees.tree import Tree
+from cross_checks.prices.timing import interleaved
 
 ROUNDS = 15  # pairs, each in an order of its own
 SECONDS = 0.02  # of processor time a measurement
@@ -36,11 +37,8 @@ class Pair(NamedTuple):
 
 def paired(old: Tree, new: Tree, scene: str, parameters: dict[str, Any]) -> Pair:
     """Measure one scene in both trees, in turns."""
-    shuffled, times = random.Random(0), ([], [])
-    for _ in range(ROUNDS):
-        for which in shuffled.sample((0, 1), 2):
-            tree = (old, new)[which]
-            times[which].append(tree.rate(scene=scene, parameters=parameters, seconds=SECONDS))
+    runs = [partial(tree.rate, scene=scene, parameters=parameters, seconds=SECONDS) for tree in (old, new)]
+    times = interleaved(runs, ROUNDS)
     ratios = [after / before for before, after in zip(*times, strict=True)]
     return Pair(scene, parameters, min(times[0]), min(times[1]), statistics.median(ratios))
 

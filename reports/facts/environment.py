@@ -6,6 +6,7 @@ import os
 import platform
 import subprocess
 from datetime import UTC, datetime
+from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
@@ -24,8 +25,8 @@ def environment() -> dict[str, str]:
         "processors": str(os.cpu_count()),
         "system": platform.platform(),
         "python": platform.python_version(),
-        **{name: _version(name) for name in PACKAGES},
-        **{f"engine {name}": _engine(name) for name in engines.names()},
+        **{name: package_version(name) for name in PACKAGES},
+        **{f"engine {name}": version for name, version in engine_versions()},
     }
 
 
@@ -38,11 +39,18 @@ def _commit() -> str:
     return found.stdout.strip() or "unknown: not a git checkout"
 
 
-def _version(package: str) -> str:
+def package_version(package: str) -> str:
+    """Return the version of an installed package, or that there is none."""
     try:
         return version(package)
     except PackageNotFoundError:
         return "not installed as a package"
+
+
+@cache
+def engine_versions() -> tuple[tuple[str, str], ...]:
+    """Return every engine with its version, or why it is missing."""
+    return tuple((name, _engine(name)) for name in engines.names())
 
 
 def _engine(name: str) -> str:

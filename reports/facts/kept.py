@@ -10,7 +10,6 @@ from typing import Any
 
 from pydantic import TypeAdapter
 
-from cross_checks import engines
 from cross_checks import engines as registry
 from cross_checks.certify.kept_poses import physics_of
 from cross_checks.isolation.parent import Isolated
@@ -51,19 +50,6 @@ def remembered[Fact](store: Store, key: str, kind: type[Fact], make: Callable[[]
     """Return what is kept under a key, else what `make` returns, which is kept."""
     held = recall(store, key, kind)
     return keep(store, key, kind, make()) if held is None else held
-
-
-@cache
-def engine_versions() -> tuple[tuple[str, str], ...]:
-    """Return every engine with its version, or why it is missing: facts that several engines make hang on them."""
-    return tuple((name, _version(name)) for name in engines.names())
-
-
-def _version(name: str) -> str:
-    try:
-        return engines.get(name).version()
-    except engines.EngineMissing as error:
-        return f"missing: {error}"
 
 
 JUDGING = "cross_checks.judge.cell"  # whose changes make cells anew

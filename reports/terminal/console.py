@@ -7,7 +7,7 @@ import math
 import sys
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
@@ -45,6 +45,14 @@ def table(title: str, *columns: str) -> Table:
     for column in columns:
         result.add_column(column, overflow="fold")
     return result
+
+
+def show_table(title: str, columns: Iterable[str], rows: Iterable[Iterable[object]]) -> None:
+    """Print a table of texts on stdout."""
+    listing = table(title, *columns)
+    for row in rows:
+        listing.add_row(*map(str, row))
+    show(listing)
 
 
 def show(what: Any) -> None:

@@ -5,15 +5,14 @@ from __future__ import annotations
 import math
 import os
 import platform
-from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 
 import click
 
-from cross_checks import engines
 from cross_checks.isolation.environments import home_of
 from mbs_ref.kernels.jit import cache_folder
 from reports import inputs
+from reports.facts.environment import engine_versions, package_version
 from reports.terminal.console import Failed, echo_json, number, show, table
 
 PACKAGES = ("mbs-ref", "numpy", "scipy", "numba", "llvmlite", "pydantic")
@@ -28,8 +27,8 @@ def command(as_json: bool) -> None:
     found: dict[str, Any] = {
         "python": platform.python_version(),
         "machine": f"{platform.system()} {platform.machine()}, {os.cpu_count()} processors",
-        "packages": {name: _version(name) for name in PACKAGES},
-        "engines": {name: _engine_state(name) for name in engines.names()},
+        "packages": {name: package_version(name) for name in PACKAGES},
+        "engines": {name: _with_home(name, version) for name, version in engine_versions()},
         "numba_cache": {"folder": str(cache), "writable": os.access(cache, os.W_OK)},
         "sanity": _sanity(),
     }
@@ -41,19 +40,9 @@ def command(as_json: bool) -> None:
         raise Failed(f"the pendulum came out wrong: {found['sanity']['message']}")
 
 
-def _version(package: str) -> str:
-    try:
-        return version(package)
-    except PackageNotFoundError:
-        return "missing"
-
-
-def _engine_state(name: str) -> str:
+def _with_home(name: str, version: str) -> str:
     home = home_of(name)
-    try:
-        return engines.get(name).version() + (f", in its environment {home}" if home else "")
-    except engines.EngineMissing as error:
-        return f"missing: {error}"
+    return f"{version}, in its environment {home}" if home and not version.startswith("missing") else version
 
 
 def _sanity() -> dict[str, Any]:

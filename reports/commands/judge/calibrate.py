@@ -9,7 +9,7 @@ import click
 
 from reports import inputs
 from reports.terminal import survey
-from reports.terminal.console import Failed, Incomplete, NothingSelected, echo_json, number, progress, show, table
+from reports.terminal.console import Failed, Incomplete, NothingSelected, echo_json, number, progress, show_table
 
 MOST_BELOW = 0.01  # share of the judged runs whose error may be above the estimate
 MOST_ABOVE = 10.0  # median of estimate over error
@@ -73,19 +73,14 @@ def _judge(row: dict[str, Any]) -> None:
 
 def _show(rows: list[dict[str, Any]]) -> None:
     over = ("1 % have less", "median", "90 % have less")
-    listing = table("Estimate over error", "method", "runs", "judged", "above their estimate", *over, "cost, loops")
-    for row in rows:
-        keys = ("overestimate_1", "overestimate_median", "overestimate_90", "cost_median")
-        listing.add_row(row["method"], str(row["runs"]), str(row["judged"]), str(row["below"]),
-                        *(number(row[key]) for key in keys))  # fmt: skip
-    show(listing)
+    words = ("method", "runs", "judged", "below")
+    keys = ("overestimate_1", "overestimate_median", "overestimate_90", "cost_median")
+    shown = ([*(row[word] for word in words), *(number(row[key]) for key in keys)] for row in rows)
+    show_table("Estimate over error", (*words[:3], "above their estimate", *over, "cost, loops"), shown)
 
 
 def _show_below(found: list[Any]) -> None:
     if not found:
         return
-    listing = table("\nAbove their estimate", "seed", "scene", "method", "setting", "error", "estimate")
-    for one in found:
-        figures = number(one.error), number(one.estimate)
-        listing.add_row(str(one.seed), one.scene, one.method, one.setting, *figures)
-    show(listing)
+    rows = ((o.seed, o.scene, o.method, o.setting, number(o.error), number(o.estimate)) for o in found)
+    show_table("\nAbove their estimate", ("seed", "scene", "method", "setting", "error", "estimate"), rows)

@@ -14,7 +14,7 @@ from cross_checks.truths import known
 from mbs_ref import scenes
 from mbs_ref.scene import Scene
 from reports import inputs
-from reports.terminal.console import Failed, NothingSelected, echo_json, number, progress, show, table
+from reports.terminal.console import Failed, NothingSelected, echo_json, number, progress, show_table
 
 
 @click.command(name="certify")
@@ -73,11 +73,9 @@ def _verdict(before: Certificate | None, fresh: Certificate) -> dict[str, Any]:
 
 def _show(rows: list[dict[str, Any]]) -> None:
     lengths = ("known to, m", "judges from, m", "two ways, m", "departs by, m")
-    listing = table("", "truth", "verdict", "kind", *lengths)
+    shown = []
     for row in rows:
-        if row["verdict"] == "no truth":
-            listing.add_row(row["file"].removesuffix(".json"), f"no truth: {row['reason']}")
-            continue
-        figures = (number(row[key]) for key in ("uncertainty", "judges_from", "difference", "departs_by"))
-        listing.add_row(row["file"].removesuffix(".json"), row["verdict"], row["kind"], *figures)
-    show(listing)
+        figures = (number(row.get(key)) for key in ("uncertainty", "judges_from", "difference", "departs_by"))
+        known = (f"no truth: {row['reason']}",) if "reason" in row else (row["verdict"], row["kind"], *figures)
+        shown.append((row["file"].removesuffix(".json"), *known))
+    show_table("", ("truth", "verdict", "kind", *lengths), shown)

@@ -13,7 +13,7 @@ from cross_checks.truth import Truth
 from mbs_ref import scenes
 from reports import inputs
 from reports.asking import SCHEDULER, STORE, asked_runs, telling
-from reports.terminal.console import Failed, Incomplete, NothingSelected, echo_json, number, progress, show, table
+from reports.terminal.console import Failed, Incomplete, NothingSelected, echo_json, number, progress, show_table
 
 MOST_REASONS = 5  # told where nothing runs
 
@@ -85,15 +85,13 @@ def _best(known: Iterable[Answer]) -> str:
 
 
 def _show(cells: list[Cell]) -> None:
-    listing = table("", "scene", "engine", "method", "verdict", "error", "compliance", "order", "reason")
-    for cell in cells:
-        if cell.is_refused:
-            continue
+    rows = []
+    for cell in [cell for cell in cells if not cell.is_refused]:
         figures = (number(value) for value in (cell.error, cell.compliance, cell.order))
         exemption = f" (documented: {cell.exemption})" if cell.exemption else ""
         verdict = f"{cell.verdict} {cell.code}"
-        listing.add_row(cell.label, cell.engine, cell.method, verdict, *figures, f"{cell.reason}{exemption}")
-    show(listing)
+        rows.append((cell.label, cell.engine, cell.method, verdict, *figures, f"{cell.reason}{exemption}"))
+    show_table("", ("scene", "engine", "method", "verdict", "error", "compliance", "order", "reason"), rows)
     _show_refusals(cells)
     kinds = sorted({cell.truth for cell in cells if cell.truth})
     if kinds:
@@ -103,19 +101,14 @@ def _show(cells: list[Cell]) -> None:
 
 def _show_refusals(cells: list[Cell]) -> None:
     """List the engines that cannot run a scene by their reasons."""
-    listing = table("\nRefused", *Refused._fields)
-    for row in refusals(cells):
-        listing.add_row(*row)
-    if listing.row_count:
-        show(listing)
+    if refused := refusals(cells):
+        show_table("\nRefused", Refused._fields, refused)
 
 
 def _show_contact(cells: list[Cell]) -> None:
     """List what contact did in the run that speaks for each cell."""
     if not cells:
         return
-    listing = table("\nContact", "scene", "engine", "method", "figures")
-    for cell in cells:
-        figures = "; ".join(f"{name} {number(value)}" for name, value in cell.contact.items())
-        listing.add_row(cell.label, cell.engine, cell.method, figures)
-    show(listing)
+    figures = ("; ".join(f"{name} {number(value)}" for name, value in cell.contact.items()) for cell in cells)
+    rows = ((cell.label, cell.engine, cell.method, text) for cell, text in zip(cells, figures, strict=True))
+    show_table("\nContact", ("scene", "engine", "method", "figures"), rows)

@@ -11,7 +11,7 @@ from cross_checks.extremes.judge import Fate
 from cross_checks.records import lines as record_file
 from reports import inputs
 from reports.asking import SCHEDULER, cluster
-from reports.terminal.console import Failed, Incomplete, NothingSelected, echo_json, number, progress, show, table
+from reports.terminal.console import Failed, Incomplete, NothingSelected, echo_json, number, progress, show_table
 
 
 @click.command(name="extremes")
@@ -80,13 +80,13 @@ def command(
 def _show(cells: list[Cell]) -> None:
     from cross_checks.extremes import named
 
-    listing = table("", "extreme", "engine", "method", "fate", "all right up to", "what came first beyond")
+    rows = []
     asked = [c for c in cells if c.fate is not Fate.CANNOT]
     for one in sorted(asked, key=lambda c: (c.family, c.extreme, c.engine != "mbs_ref", c.engine, c.method)):
         axis = named(one.extreme).axis
         last = "-" if one.last is None else f"{axis.name} {axis.label(one.last)} {'' if axis.labels else axis.unit}"
-        listing.add_row(one.extreme, one.engine, one.method, one.fate, last.strip(), one.reason[:90])
-    show(listing)
+        rows.append((one.extreme, one.engine, one.method, one.fate, last.strip(), one.reason[:90]))
+    show_table("", ("extreme", "engine", "method", "fate", "all right up to", "what came first beyond"), rows)
     counts = {fate: sum(c.fate is fate for c in cells) for fate in Fate}
     caught = sum(point.caught for c in cells for point in c.points)
     click.echo(", ".join(f"{fate} {count}" for fate, count in counts.items()))

@@ -13,7 +13,17 @@ from mbs_ref.atomic_file import write_atomic
 from mbs_ref.scene import Scene
 from reports import inputs
 from reports.asking import STORE, asked_runs
-from reports.terminal.console import Failed, NothingSelected, amount, awaited, echo_json, number, show, table
+from reports.terminal.console import (
+    Failed,
+    NothingSelected,
+    amount,
+    awaited,
+    echo_json,
+    number,
+    show,
+    show_table,
+    table,
+)
 
 
 @click.command(name="judge")
@@ -127,11 +137,11 @@ def _show(found: Judgement) -> None:
     for sentence in (*found.untold, *found.notes):
         facts.add_row("note", sentence)
     show(facts)
-    listing = table("\nErrors", "body", "component", "largest", "of the scene", "at t, s", "at the end")
+    rows = []
     for part in found.parts:
         size = amount(part.largest, part.unit, part.below) or "unknown"
-        listing.add_row(part.body, part.component, size, *map(number, (part.relative, part.at, part.final)))
-    show(listing)
+        rows.append((part.body, part.component, size, *map(number, (part.relative, part.at, part.final))))
+    show_table("\nErrors", ("body", "component", "largest", "of the scene", "at t, s", "at the end"), rows)
 
 
 def _draw(found: Judgement, target: Path) -> None:

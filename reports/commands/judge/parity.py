@@ -8,7 +8,7 @@ import click
 
 from cross_checks.engine.robot import RobotError
 from cross_checks.engines.parity import Difference, Dynamics, Parity, parity
-from reports.terminal.console import Failed, NothingSelected, echo_json, number, show, table
+from reports.terminal.console import Failed, NothingSelected, echo_json, number, show_table
 
 
 @click.command(name="parity")
@@ -37,14 +37,13 @@ def command(file: Path, poses: int, seed: int, as_json: bool) -> None:
 
 
 def _show(found: Parity) -> None:
-    listing = table("", "reader", "mass matrix", "gravity", "bias")
+    rows: list[tuple[str, ...]] = []
     for name in found.read:
         apart = found.apart.get(name)
         figures = [number(apart.get(quantity)) for quantity in Dynamics._fields] if apart else ["compared with"]
-        listing.add_row(name, *figures)
-    for name, why in found.refused.items():
-        listing.add_row(name, f"refuses: {why}")
-    show(listing)
+        rows.append((name, *figures))
+    rows += [(name, f"refuses: {why}") for name, why in found.refused.items()]
+    show_table("", ("reader", "mass matrix", "gravity", "bias"), rows)
     click.echo(f"{len(found.joints)} joints: {', '.join(found.joints)}. Differences are over the largest entry.")
 
 

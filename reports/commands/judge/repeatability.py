@@ -9,7 +9,7 @@ import click
 
 from reports import inputs
 from reports.terminal import survey
-from reports.terminal.console import Failed, Incomplete, progress, show, table
+from reports.terminal.console import Failed, Incomplete, progress, show_table
 
 SAME_MACHINE = ("at once", "another process", "another order")  # what our own solver must repeat to the last bit
 
@@ -44,10 +44,10 @@ def command(chosen: tuple[str, ...], only: str | None, target: Path | None, as_j
 def _show(facts: dict[str, Any]) -> None:
     rows = facts["methods"]
     ways = [each["way"] for each in rows[0]["ways"]]
-    listing = table("Runs with other bits, and by how much of the largest value", "engine", "method", "runs", *ways)
+    head, shown = ("engine", "method", "runs"), []
     for row in rows:
-        listing.add_row(row["engine"], row["method"], str(row["runs"]), *(_told(each) for each in row["ways"]))
-    show(listing)
+        shown.append([*(row[name] for name in head), *map(_told, row["ways"])])
+    show_table("Runs with other bits, and by how much of the largest value", (*head, *ways), shown)
 
 
 def _told(each: dict[str, Any]) -> str:

@@ -6,11 +6,12 @@ from pathlib import Path
 
 import click
 
+from cross_checks.records.numbers import setting
 from cross_checks.records.record import Record
 from mbs_ref.atomic_file import write_atomic
 from reports import inputs
 from reports.asking import SCHEDULER, STORE, sweep_records
-from reports.terminal.console import NothingSelected, echo_json, number, show, table
+from reports.terminal.console import NothingSelected, echo_json, number, show_table
 
 
 @click.command(name="sweep")
@@ -76,11 +77,13 @@ def _draw(records: list[Record], target: Path) -> None:
 
 
 def _show(records: list[Record]) -> None:
-    listing = table("", "engine", "method", "setting", "status", "error", "compliance", "loop, s")
+    rows = []
     for record in records:
-        keys = [key for key in ("step", "rtol") if record.settings.get(key) is not None]
-        setting = " ".join(f"{key} {record.settings[key]:g}" for key in keys)
-        error = number(record.error.value if record.error else None)
-        figures = (error, number(record.measure("compliance_position")), number(record.times.get("loop_s")))
-        listing.add_row(record.engine, record.method, setting, record.status, *figures)
-    show(listing)
+        figures = (
+            record.error and record.error.value,
+            record.measure("compliance_position"),
+            record.times.get("loop_s"),
+        )
+        how = setting({key: record.settings.get(key) for key in ("step", "rtol")})
+        rows.append((record.engine, record.method, how, record.status, *map(number, figures)))
+    show_table("", ("engine", "method", "setting", "status", "error", "compliance", "loop, s"), rows)

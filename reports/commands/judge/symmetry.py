@@ -9,7 +9,7 @@ import click
 
 from reports import inputs
 from reports.terminal import survey
-from reports.terminal.console import Failed, Incomplete, progress, show, table
+from reports.terminal.console import Failed, Incomplete, progress, show_table
 
 
 @click.command(name="symmetry")
@@ -45,17 +45,13 @@ def command(chosen: tuple[str, ...], only: str | None, target: Path | None, as_j
 
 def _show(facts: dict[str, Any]) -> None:
     words = ("engine", "method", "scenes", "not finished", "judged", "beyond roundoff", "beyond its error")
-    listing = table("Symmetries", *words)
-    for row in facts["methods"]:
-        figures = ("cases", "stopped", "judged", "broken", "beyond_error")
-        listing.add_row(row["engine"], row["method"], *(str(row[key]) for key in figures))
-    show(listing)
+    keys = ("engine", "method", "cases", "stopped", "judged", "broken", "beyond_error")
+    show_table("Symmetries", words, ([row[key] for key in keys] for row in facts["methods"]))
     words = ("engine", "method", "scene", "symmetry", "by, m", "roundoff, m", "error, m")
-    listing = table("\nBroken beyond roundoff", *words)
+    rows = []
     for one in facts["cases"]:
+        about = (one["engine"], one["method"], one["scene"])
         for each in one["broken"]:
-            sizes = (f"{each[key]:.1e}" for key in ("size", "noise", "error"))
-            listing.add_row(one["engine"], one["method"], one["scene"], each["symmetry"], *sizes)
-        if one["stopped"]:
-            listing.add_row(one["engine"], one["method"], one["scene"], one["stopped"], "", "", "")
-    show(listing)
+            rows.append((*about, each["symmetry"], *(f"{each[key]:.1e}" for key in ("size", "noise", "error"))))
+        rows += [(*about, one["stopped"])] if one["stopped"] else []
+    show_table("\nBroken beyond roundoff", words, rows)

@@ -15,7 +15,7 @@ from mbs_ref.simulate import ensemble as ensembles
 from mbs_ref.simulate.ensemble import Design, Ensemble, Law, Source, Statistics, Variants, coordinates
 from reports import inputs
 from reports.asking import SCHEDULER, cluster
-from reports.poses_file import ENSEMBLE_FORMATS, write_ensemble
+from reports.poses_file import FORMATS, write_ensemble
 from reports.scene_summary import summary
 from reports.shared_ensemble import shared_ensemble
 from reports.terminal.console import Failed, Incomplete, compiling, echo_json, number, progress, show, table
@@ -62,7 +62,7 @@ def command(
     Random laws are sampled by a Latin hypercube, the same one for the same seed.
     """
     click.get_current_context().with_resource(compiling())
-    target, drawn = inputs.output(output, tuple(ENSEMBLE_FORMATS)), inputs.output(plot, (".html",))
+    target, drawn = inputs.output(output, tuple(FORMATS)), inputs.output(plot, (".html",))
     base = inputs.scene(scene, parameters)
     chosen = inputs.settings(**options)
     try:

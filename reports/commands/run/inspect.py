@@ -13,7 +13,7 @@ from mbs_ref.self_checks.steady_motion import SteadyMotion, steady_motion_at_sta
 from mbs_ref.self_checks.stiffness import Stiffness, stiffness_at_start
 from reports import inputs
 from reports.scene_summary import summary
-from reports.terminal.console import compiling, echo_json, number, show, table
+from reports.terminal.console import compiling, echo_json, number, show_table
 
 SHOWN = 6  # eigenvalues
 
@@ -49,11 +49,8 @@ def command(scene: str, parameters: tuple[str, ...], kept: tuple[str, ...], as_j
     if as_json:
         echo_json(result)
         return
-    shown = table(f"{chosen.name} at t = 0", "quantity", "value")
-    for name, value in result.items():
-        if chosen.contacts or not name.startswith("rule_"):  # the papers' rules are for contacts
-            shown.add_row(name, _cell(value))
-    show(shown)
+    rows = ((name, _cell(value)) for name, value in result.items() if chosen.contacts or not name.startswith("rule_"))
+    show_table(f"{chosen.name} at t = 0", ("quantity", "value"), rows)  # the papers' rules are for contacts
 
 
 def _dominant(found: Stiffness) -> list[complex]:

@@ -10,7 +10,7 @@ import click
 from mbs_ref import scenes
 from mbs_ref.scene.toml import SceneFileError, write_scene
 from reports import inputs
-from reports.terminal.console import Failed, echo_json, show, table
+from reports.terminal.console import Failed, echo_json, show_table
 
 FOLDER = click.Path(file_okay=False, path_type=Path)
 
@@ -31,10 +31,8 @@ def command(names: tuple[str, ...], parameters: tuple[str, ...], as_json: bool, 
     if as_json:
         echo_json([asdict(info) for info in found])
         return
-    listing = table("", "scene", "parameters (default)", "about")
-    for info in found:
-        listing.add_row(info.name, " ".join(f"{k}={v}" for k, v in info.parameters.items()), info.summary)
-    show(listing)
+    rows = ((one.name, " ".join(f"{k}={v}" for k, v in one.parameters.items()), one.summary) for one in found)
+    show_table("", ("scene", "parameters (default)", "about"), rows)
 
 
 def _described(name: str):

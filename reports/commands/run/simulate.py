@@ -30,6 +30,7 @@ from reports.terminal.console import (
     echo_json,
     number,
     show,
+    show_table,
     table,
 )
 from reports.terminal.text_plot import text_plot
@@ -44,7 +45,7 @@ from reports.terminal.text_plot import text_plot
 @click.option("--no-truth", is_flag=True, help="Hold the result against no truth: the first may take a minute to make.")
 @click.option("--json", "as_json", is_flag=True, help="Print the whole record as JSON.")
 @click.option("--plot", is_flag=True, help="Draw the last body's path and the error over time, in characters.")
-@click.option("-o", "output", metavar="FILE", help="Write times and poses to a .npz or .csv file.")
+@click.option("-o", "output", metavar="FILE", help="Write times and poses to a .npz, .csv or .parquet file.")
 @STORE
 def command(
     scene: str,
@@ -138,7 +139,7 @@ def _show(record: Record) -> None:
     for note in record.notes:
         facts.add_row("note", note)
     show(facts)
-    show(_final(record))
+    _show_final(record)
 
 
 def _show_error(record: Record, notes: tuple[str, ...]) -> None:
@@ -170,12 +171,11 @@ def _estimate(estimate: dict[str, Any]) -> str:
     return f"{value}: {estimate['how']}; it took {number(estimate['cost_s'])} s"
 
 
-def _final(record: Record):
-    listing = table("\nAt the end", "body", "position, m", "angle or orientation", "velocity, m/s")
-    for body, state in record.final.items():
-        pose = state.get("angle", state.get("orientation"))
-        listing.add_row(body, _digits(state.get("position")), _digits(pose), _digits(state.get("velocity")))
-    return listing
+def _show_final(record: Record) -> None:
+    states = record.final.items()
+    poses = ((body, s.get("position"), s.get("angle", s.get("orientation")), s.get("velocity")) for body, s in states)
+    head = ("body", "position, m", "angle or orientation", "velocity, m/s")
+    show_table("\nAt the end", head, ((body, *map(_digits, values)) for body, *values in poses))
 
 
 def _digits(value: Any) -> str:

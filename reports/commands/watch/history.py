@@ -13,7 +13,7 @@ from benchmarks.history import Entry
 from cross_checks.records.plots.plot import new_figure
 from mbs_ref.atomic_file import write_atomic
 from reports import inputs
-from reports.terminal.console import NothingSelected, echo_json, number, show, table
+from reports.terminal.console import NothingSelected, echo_json, number, show_table
 
 FILE = click.Path(exists=True, dir_okay=False, path_type=Path)
 
@@ -40,11 +40,11 @@ def command(file: Path, text: str, as_json: bool, output: str | None) -> None:
     if as_json:
         echo_json({name: _facts(entries, changes[name]) for name, entries in found.items()})
         return
-    listing = table("", "series", "jobs", "last", "unit", "verdict", "changed at")
+    rows = []
     for name, entries in found.items():
         last, when = entries[-1], ", ".join(entries[k].made for k in changes[name])
-        listing.add_row(name, str(len(entries)), number(last.value), last.unit, last.verdict, when or "never")
-    show(listing)
+        rows.append((name, len(entries), number(last.value), last.unit, last.verdict, when or "never"))
+    show_table("", ("series", "jobs", "last", "unit", "verdict", "changed at"), rows)
 
 
 def _facts(entries: list[Entry], changes: list[int]) -> dict[str, Any]:

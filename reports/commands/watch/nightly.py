@@ -6,8 +6,6 @@ import json
 import platform
 import shutil
 import uuid
-from collections.abc import Sequence
-from contextlib import ExitStack
 from datetime import UTC, datetime
 from pathlib import Path
 
@@ -17,14 +15,13 @@ from benchmarks import history, record_changes
 from benchmarks.history import Entry
 from benchmarks.record_changes import Move
 from benchmarks.trees import regression
-from benchmarks.trees.regression import Finding
 from cross_checks.records import lines as record_file
 from mbs_ref import scenes
 from reports.asking import sweep_records
-from reports.commands.watch.compare import tree
+from reports.commands.watch.compare import end, findings_of
 from reports.commands.watch.history import write_trends
 from reports.facts.environment import environment
-from reports.terminal.console import Failed, Incomplete, NothingSelected, progress
+from reports.terminal.console import NothingSelected
 
 FILE = click.Path(dir_okay=False, path_type=Path)
 FOLDER = click.Path(file_okay=False, path_type=Path)
@@ -56,7 +53,9 @@ def command(baseline: str, bench: Path | None, file: Path, sweeps: Path | None, 
         raise NothingSelected(f"--only {only!r} is in the name of no case: {names}")
     facts = environment()
     where = (uuid.uuid4().hex, datetime.now(UTC).isoformat(timespec="seconds"), facts["commit"], platform.node())
-    findings = _regressions(baseline, cases)
+    findings = findings_of("nightly", baseline, ".", cases)
+    for finding in findings:
+        click.echo(f"{finding.case}: {finding.verdict}: {finding.sentence}")
     entries = [Entry(*where, f"ratio {f.case}", f.timing.ratio, "1", f.verdict, f.error) for f in findings if f.timing]
     if bench is not None:
         entries += history.from_benchmarks(json.loads(bench.read_text()), *where)
@@ -69,20 +68,7 @@ def command(baseline: str, bench: Path | None, file: Path, sweeps: Path | None, 
     worse = [change for change in changes if change.move is Move.WORSE]
     for change in worse:
         click.echo(f"{change.run}: worse than last night: {change.sentence}")
-    _end(findings, worse)
-
-
-def _regressions(baseline: str, cases: Sequence[regression.Case]) -> list[Finding]:
-    with ExitStack() as stack:
-        trees = [stack.enter_context(tree(name)) for name in (baseline, ".")]
-        report = stack.enter_context(progress("nightly"))
-        try:
-            findings = list(regression.regressions(trees[0], trees[1], cases, report))
-        except ValueError as error:
-            raise click.UsageError(str(error)) from error
-    for finding in findings:
-        click.echo(f"{finding.case}: {finding.verdict}: {finding.sentence}")
-    return findings
+    end(findings, len(worse))
 
 
 def _sweep(folder: Path, only: str, where: Where) -> tuple[list[Entry], list[record_changes.Change]]:
@@ -116,15 +102,3 @@ def _tell_history(file: Path, trends: Path | None) -> None:
     if trends is not None:
         changes = {name: history.change_points([e.value for e in entries]) for name, entries in found.items()}
         write_trends(found, changes, trends)
-
-
-def _end(findings: list[Finding], worse: list[record_changes.Change]) -> None:
-    """Exit with what the night found."""
-    verdict = regression.overall(findings)
-    if verdict == "slower" or worse:
-        slow = "slower than the baseline: " + ", ".join(f.case for f in findings if f.verdict == "slower")
-        told = [slow] * (verdict == "slower") + [f"{len(worse)} runs worse than last night"] * bool(worse)
-        raise Failed("; ".join(told))
-    if verdict in (regression.NOT_MEASURED, "inconclusive"):
-        named = ", ".join(f.case for f in findings if f.verdict == verdict)
-        raise Incomplete(f"{verdict}: {named}")

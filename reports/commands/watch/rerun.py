@@ -20,7 +20,7 @@ from reports import inputs
 from reports.asking import isolated
 from reports.studies.study import every as studies
 from reports.studies.study import measure
-from reports.terminal.console import Failed, echo_json, number, show, table
+from reports.terminal.console import Failed, echo_json, number, show_table
 
 
 @click.command(name="rerun")
@@ -75,13 +75,11 @@ def _judge(cell: str, as_json: bool) -> None:
 
 def _tables(found: Cell) -> None:
     title = f"{found.label} {found.engine} {found.method}: {found.verdict} {found.code}, {found.reason}"
-    listing = table(title, "setting", "status", "error")
-    for run in found.runs:
-        listing.add_row(run["setting"], run["status"], number(run["error"]))
-    show(listing)
-    targets = table("\nTargets", "target", "answer", "setting or reason", "loop, s")
+    runs = ((run["setting"], run["status"], number(run["error"])) for run in found.runs)
+    show_table(title, ("setting", "status", "error"), runs)
+    rows = []
     for result in found.targets:
         run = result.record
         how = result.reason if run is None else setting(run.settings)
-        targets.add_row(f"{result.target:g}", result.answer, how, number(run and run.times.get("loop_s")))
-    show(targets)
+        rows.append((f"{result.target:g}", result.answer, how, number(run and run.times.get("loop_s"))))
+    show_table("\nTargets", ("target", "answer", "setting or reason", "loop, s"), rows)

@@ -19,7 +19,7 @@ from reports.page.files import PRICES, VERDICTS, price_row
 from reports.page.sections.decisions import told
 from reports.page.sections.matrix import view
 from reports.page.sections.prices import cannot, price_table
-from reports.terminal.console import NothingSelected, echo_json, show, table
+from reports.terminal.console import NothingSelected, echo_json, show_table
 from reports.terminal.text_plot import text_plot
 
 FOLDER = click.Path(file_okay=False, path_type=Path)
@@ -81,31 +81,20 @@ def price_plot(data: ReportData) -> str:
 
 def print_report(data: ReportData) -> None:
     """Print what the first screen says, then every scene."""
-    listing = table(told(data), "engine", "use", "reaches", "wrong with success reported", "pace")
-    for line in advice(data):
-        listing.add_row(line.engine, line.use, line.reach, "; ".join(line.silent) or "nothing seen", line.pace or "-")
-    show(listing)
+    head = ("engine", "use", "reaches", "wrong with success reported", "pace")
+    rows = ((a.engine, a.use, a.reach, "; ".join(a.silent) or "nothing seen", a.pace or "-") for a in advice(data))
+    show_table(told(data), head, rows)
     for label in data.scenes:
         _print(data.only(scene=label), label, as_csv=False, as_json=False)
 
 
 def _tables(data: ReportData, label: str, prices: list[list[str]]) -> None:
-    listing = table(f"{label}: cost at equal error, over the scene's own scales", *PRICES)
-    never = cannot(price_table(data, label))
-    for row in prices:
-        if row[1] not in never:  # said once, below
-            listing.add_row(*row)
-    show(listing)
+    never = cannot(price_table(data, label))  # shown once, below
+    title = f"{label}: cost at equal error, over the scene's own scales"
+    show_table(title, PRICES, (row for row in prices if row[1] not in never))
     plot = price_plot(data)
     if plot:
         click.echo(f"\n{plot}")
-    verdicts = table("\nVerdicts", *VERDICTS)
-    for cell in data.cells:
-        if not cell.is_refused:
-            seen = view(cell)
-            verdicts.add_row(*(seen[key] for key in VERDICTS.values()))
-    show(verdicts)
-    out = table("\nRefused", *Refused._fields)
-    for row in refusals(data.cells):
-        out.add_row(*row)
-    show(out)
+    views = [view(cell) for cell in data.cells if not cell.is_refused]
+    show_table("\nVerdicts", VERDICTS, ([one[key] for key in VERDICTS.values()] for one in views))
+    show_table("\nRefused", Refused._fields, refusals(data.cells))

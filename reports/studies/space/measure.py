@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-import random
+from functools import partial
 from typing import Any
 
 import numpy as np
 
 from cross_checks.metrics.state_error import off_truth
+from cross_checks.prices.timing import interleaved
 from mbs_ref import observables, scenes
 from mbs_ref.scene import PointMass, Scene, SpatialBody
 from mbs_ref.settings import Settings
@@ -80,10 +81,6 @@ def _falling(rigid: bool) -> Scene:
 
 def _cost_ratio() -> float:
     settings = Settings(method="rk4", step=1e-4, t_end=0.2, samples=2, stabilization="none", estimate="off")
-    pair = {rigid: _falling(rigid) for rigid in (True, False)}
-    times: dict[bool, list[float]] = {True: [], False: []}
-    order = random.Random(0)
-    for _ in range(PAIRS):
-        for rigid in order.sample((True, False), 2):
-            times[rigid].append(simulate(pair[rigid], settings).timing.loop_s)
-    return min(times[True]) / min(times[False])
+    runs = interleaved([partial(simulate, _falling(rigid), settings) for rigid in (True, False)], PAIRS)
+    rigid, particles = (min(path.timing.loop_s for path in paths) for paths in runs)
+    return rigid / particles
