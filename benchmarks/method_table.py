@@ -42,7 +42,7 @@ class Row:
     """One scene at one tolerance."""
 
     scene: str
-    asked: float  # rtol
+    wanted: float  # rtol
     chosen: str
     error: float  # of the scene, the largest of positions and orientations
     best: str  # method and rtol
@@ -61,15 +61,15 @@ def rows(name: str) -> Iterator[Row]:
         for method in METHODS if _runs(scene, method)
         for rtol in TRIED if (path := _run(scene, method, rtol)).ok
     )  # fmt: skip
-    for asked in ASKED:
-        path = _run(scene, AUTO, asked)
+    for wanted in ASKED:
+        path = _run(scene, AUTO, wanted)
         error = _error(scene, path, tight)
         fitting = [one for one in fixed if one[3] <= max(error, ROUNDOFF)]
         if not fitting:
             continue
         _, method, rtol, _ = fitting[0]
-        own, best = _in_turns(scene, (AUTO, asked), (method, rtol))
-        yield Row(name, asked, path.method, error, f"{method} {rtol:g}", own, own / best)
+        own, best = _in_turns(scene, (AUTO, wanted), (method, rtol))
+        yield Row(name, wanted, path.method, error, f"{method} {rtol:g}", own, own / best)
 
 
 def _runs(scene: Scene, method: str) -> bool:
@@ -100,14 +100,14 @@ def _error(scene: Scene, path: Trajectory, tight: Trajectory) -> float:
 
 
 def main(names: list[str]) -> None:
-    found = []
+    result = []
     for name in names or scenes.names():
         for row in rows(name):
-            found.append(row)
-            print(f"{row.scene:22s} {row.asked:6g}  {row.chosen:7s} error {row.error:8.1e}  "
+            result.append(row)
+            print(f"{row.scene:22s} {row.wanted:6g}  {row.chosen:7s} error {row.error:8.1e}  "
                   f"{row.cost_s * 1e3:9.2f} ms  {row.ratio:5.2f} of {row.best}", flush=True)  # fmt: skip
-    ratios = np.sort([row.ratio for row in found])
-    print(f"{len(found)} rows: median {np.median(ratios):.2f}, {np.mean(ratios <= 1.3):.0%} at most 1.3, "
+    ratios = np.sort([row.ratio for row in result])
+    print(f"{len(result)} rows: median {np.median(ratios):.2f}, {np.mean(ratios <= 1.3):.0%} at most 1.3, "
           f"largest {ratios[-1]:.2f}")  # fmt: skip
 
 

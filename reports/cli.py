@@ -48,8 +48,8 @@ class Commands(click.Group):
 @cache
 def _modules() -> dict[str, str]:
     """Return the module of every command by its name; they lie in folders by what they are about."""
-    found = pkgutil.walk_packages(commands.__path__, f"{commands.__name__}.")
-    return {info.name.rpartition(".")[2]: info.name for info in found if not info.ispkg}
+    result = pkgutil.walk_packages(commands.__path__, f"{commands.__name__}.")
+    return {info.name.rpartition(".")[2]: info.name for info in result if not info.ispkg}
 
 
 def _help_of(module: str) -> str:

@@ -26,8 +26,8 @@ from mbs_ref.scene import Scene
 from reports.facts.cheapest import contenders
 from reports.facts.compiling import compile_kernels
 from reports.facts.environment import engine_versions, environment
-from reports.facts.kept import Stored, keep, recall, remembered, settled_answers, stored_answers, truth_key
 from reports.facts.report_data import ReportData
+from reports.facts.stored import Stored, keep, recall, remembered, settled_answers, stored_answers, truth_key
 from reports.facts.truth_facts import TruthFacts, truth_facts
 from reports.studies.study import Progress, every, measure_all, stored
 
@@ -59,8 +59,8 @@ INTERRUPTED = "interrupted"
 
 def chosen_scenes(quick: bool = False) -> dict[str, Scene]:
     """Return the scenes of the report by their labels."""
-    made = [scenes.make(name, **parameters) for name, parameters in (QUICK if quick else SCENES)]
-    return {scenes.label(scene.name, scene.parameters): scene for scene in made}
+    built = [scenes.make(name, **parameters) for name, parameters in (QUICK if quick else SCENES)]
+    return {scenes.label(scene.name, scene.parameters): scene for scene in built}
 
 
 @dataclass(frozen=True)
@@ -101,30 +101,30 @@ class Gathering:
 
     def judged(self, data: ReportData) -> ReportData:
         """Judge every method on every scene; unfinished ones are left out after Ctrl-C."""
-        asked = questions(list(chosen_scenes(self.quick).values()), tasks(engines.names()))
-        found = stored_answers(self.store, asked)
-        missing = [question for question in asked if question not in found]
+        wanted = questions(list(chosen_scenes(self.quick).values()), tasks(engines.names()))
+        result = stored_answers(self.store, wanted)
+        missing = [question for question in wanted if question not in result]
         reasons: list[str] = []
         truths: dict[str, TruthFacts] = {}
-        with _interruptible(reasons, lambda: f"{len(found)} of {len(asked)} cells"):
+        with _interruptible(reasons, lambda: f"{len(result)} of {len(wanted)} cells"):
             if missing:
                 compile_kernels(self.store, self.report)
                 for answer in settled_answers(self.store, missing, self.report, self.call):
                     if answer.truth is not None and answer.cell.label not in truths:
                         truths[answer.cell.label] = truth_facts(answer.cell.label, answer.question.scene, answer.truth)
                         keep(self.store, truth_key(answer.question.scene), TruthFacts, truths[answer.cell.label])
-                    found[answer.question] = Stored(answer.cell, answer.records)
-        there = [found[question] for question in asked if question in found]
+                    result[answer.question] = Stored(answer.cell, answer.records)
+        there = [result[question] for question in wanted if question in result]
         records = tuple(record for answer in there for record in answer.records)
         return replace(data, cells=tuple(one.cell for one in there), records=records, incomplete="; ".join(reasons))
 
     def timed(self, data: ReportData) -> ReportData:
         """Time what is ranked, alone."""
         reasons: list[str] = []
-        found: dict[int, Any] = {}
+        result: dict[int, Any] = {}
         with _interruptible(reasons, lambda: "the accuracy runs, before all was timed"):
-            found = timed_all(self.store, contenders(data), self.report, self.again)
-        records = tuple(found.get(id(record), record) for record in data.records)
+            result = timed_all(self.store, contenders(data), self.report, self.again)
+        records = tuple(result.get(id(record), record) for record in data.records)
         return replace(data, records=records, incomplete="; ".join(reasons))
 
     def beyond(self, data: ReportData) -> ReportData:
@@ -150,16 +150,16 @@ class Gathering:
             return ()
         few, kind = [named(name) for name in FEW_EXTREMES], tuple[ExtremeCell, ...]
         key = digest_of(["extremes", list(FEW_EXTREMES), *_dependencies(), code_of("cross_checks.extremes.run")])
-        made = partial(matrix, few, engines.names(), progress=self.report, call=self.call)
-        return remembered(self.store, key, kind, lambda: tuple(made()))  # type: ignore[type-var]
+        built = partial(matrix, few, engines.names(), progress=self.report, call=self.call)
+        return remembered(self.store, key, kind, lambda: tuple(built()))  # type: ignore[type-var]
 
     def studied(self, data: ReportData) -> ReportData:
         """Add the studies; one that fails costs its own page only."""
         reasons: list[str] = []
-        found = dict(data.studies)
-        with _interruptible(reasons, lambda: f"{len(found)} of {len(every())} studies"):
-            reasons += measure_all(self.store, found, _dependencies(), self.report)
-        return replace(data, studies=found, incomplete="; ".join(reasons))
+        result = dict(data.studies)
+        with _interruptible(reasons, lambda: f"{len(result)} of {len(every())} studies"):
+            reasons += measure_all(self.store, result, _dependencies(), self.report)
+        return replace(data, studies=result, incomplete="; ".join(reasons))
 
 
 STAGES: tuple[tuple[str, Callable[[Gathering, ReportData], ReportData]], ...] = (  # each with what a page waits for

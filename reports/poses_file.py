@@ -27,9 +27,9 @@ def write_poses(trajectory: Trajectory, bodies: list[str], path: Path) -> None:
 
 def write_ensemble(ensemble: Ensemble, path: Path) -> None:
     """Write the inputs, the end and the samples of every run."""
-    made, count, design = len(ensemble.statuses), len(ensemble.times), ensemble.design
+    built, count, design = len(ensemble.statuses), len(ensemble.times), ensemble.design
     status = np.array([str(status) for status in ensemble.statuses])
-    values = design.values[:made]  # (n_runs, n_inputs)
+    values = design.values[:built]  # (n_runs, n_inputs)
     arrays = {
         "bodies": np.array(ensemble.scene.body_names), "inputs": np.array(design.names),
         "laws": np.array([str(law) for law in design.laws.values()]), "values": values, "status": status,
@@ -38,9 +38,9 @@ def write_ensemble(ensemble: Ensemble, path: Path) -> None:
         "errors": ensemble.errors,  # (n_runs, n_t, 2) m and rad, estimated
     }  # fmt: skip
     inputs = {f"vary {name}": np.repeat(own, count) for name, own in zip(design.names, values.T, strict=True)}
-    about = {"run": np.repeat(np.arange(made), count), **inputs, "status": np.repeat(status.astype(object), count)}
-    rows = Poses(*(part.reshape(made * count, *part.shape[2:]) for part in ensemble.samples))
-    _write(path, arrays, about | {"t": np.tile(ensemble.times, made), **_columns(ensemble.scene.body_names, rows)})
+    about = {"run": np.repeat(np.arange(built), count), **inputs, "status": np.repeat(status.astype(object), count)}
+    rows = Poses(*(part.reshape(built * count, *part.shape[2:]) for part in ensemble.samples))
+    _write(path, arrays, about | {"t": np.tile(ensemble.times, built), **_columns(ensemble.scene.body_names, rows)})
 
 
 def _columns(bodies: Sequence[str], poses: Poses) -> Columns:

@@ -44,18 +44,18 @@ def shared_ensemble(
     """Return the ensemble; after Ctrl-C the runs of the first parts that are complete."""
     edges = np.linspace(0, design.n_runs, min(design.n_runs, PORTIONS * call.processors) + 1).astype(int).tolist()
     parts = [Part(design.laws, design.count, design.seed, *ends) for ends in pairwise(edges)]
-    began, found, marks = time.perf_counter(), {}, []
+    began, result, marks = time.perf_counter(), {}, []
     try:
-        for part, made in each(parts, partial(_made, variants, settings), call=call):
-            found[part.first] = made
-            marks.append((sum(len(one.statuses) for one in found.values()), time.perf_counter() - began))
+        for part, built in each(parts, partial(_made, variants, settings), call=call):
+            result[part.first] = built
+            marks.append((sum(len(one.statuses) for one in result.values()), time.perf_counter() - began))
             report(marks[-1][0], design.n_runs)
     except KeyboardInterrupt:
         pass
-    whole = [part for k, part in enumerate(parts) if all(one.first in found for one in parts[: k + 1])]
+    whole = [part for k, part in enumerate(parts) if all(one.first in result for one in parts[: k + 1])]
     if not whole:
         raise KeyboardInterrupt
-    return joined(design, [found[part.first] for part in whole], tuple(marks))
+    return joined(design, [result[part.first] for part in whole], tuple(marks))
 
 
 def _made(variants: Variants, settings: Settings, call: Caller, part: Part) -> Ensemble:

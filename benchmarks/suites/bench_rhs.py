@@ -116,11 +116,11 @@ def test_right_hand_side(benchmark, kernel):
 def test_growth_is_linear(benchmark, name):
     """Exponents of the processor time a right-hand side, from interleaved minima."""
     sizes, parameter = GROWING[name]
-    made = {size: scenes.make(name, **{parameter: size}) for size in sizes}
-    runs = [partial(_processor_time, loop(scene)) for scene in made.values()]
+    built = {size: scenes.make(name, **{parameter: size}) for size in sizes}
+    runs = [partial(_processor_time, loop(scene)) for scene in built.values()]
     times = benchmark.pedantic(interleaved, args=(runs, ROUNDS), rounds=1, warmup_rounds=1)
     best = {size: min(own) for size, own in zip(sizes, times, strict=True)}
-    per_body = {size: best[size] / CALLS / len(scene.bodies) * 1e9 for size, scene in made.items()}
+    per_body = {size: best[size] / CALLS / len(scene.bodies) * 1e9 for size, scene in built.items()}
     exponents = {f"exponent_{a}_{b}": math.log(best[b] / best[a], b / a) for a, b in itertools.combinations(sizes, 2)}
     benchmark.extra_info |= exponents | {"ns_per_body": per_body}
     print(f"\n{name}: ns a body { ({k: round(v) for k, v in per_body.items()}) }", exponents)

@@ -56,7 +56,7 @@ def test_false_alarms_and_found_slowdowns(benchmark):
     alarms = sum(pace in (Pace.SLOWER, Pace.FASTER) for pace in paces["same"])
     hits = paces["slower"].count(Pace.SLOWER)
     benchmark.extra_info |= {"false_alarms": f"{alarms}/{IDENTICAL}", "found": f"{hits}/{SLOWED}"}
-    print(f"false alarms {alarms} of {IDENTICAL}, +10 % found {hits} of {SLOWED}")
+    print(f"false alarms {alarms} of {IDENTICAL}, +10 % detected {hits} of {SLOWED}")
     assert alarms < 0.05 * IDENTICAL
     assert hits >= 0.9 * SLOWED
 
@@ -71,7 +71,7 @@ def verdicts(folder: Path) -> list[Finding]:
     return [finding for seed in range(TIMES) for finding in regressions(HERE, folder, [CASE], seed=seed)]
 
 
-def told(benchmark, findings: list[Finding], **facts: float) -> Counter[str]:
+def counts_of(benchmark, findings: list[Finding], **facts: float) -> Counter[str]:
     counts = Counter(str(finding.verdict) for finding in findings)
     benchmark.extra_info |= {"verdicts": dict(counts), **facts}
     for finding in findings:
@@ -87,7 +87,7 @@ def copy(tmp_path) -> Path:
 def test_an_unchanged_copy_is_called_same(benchmark, copy):
     findings: list[Finding] = []
     benchmark.pedantic(lambda: findings.extend(verdicts(copy)), rounds=1)
-    assert told(benchmark, findings)[Pace.SAME] == TIMES
+    assert counts_of(benchmark, findings)[Pace.SAME] == TIMES
 
 
 def test_a_slowed_kernel_is_called_slower(benchmark, copy):
@@ -95,7 +95,7 @@ def test_a_slowed_kernel_is_called_slower(benchmark, copy):
     print(f"slowed by {share:.1%} with {turns} square roots a right-hand side")
     findings: list[Finding] = []
     benchmark.pedantic(lambda: findings.extend(verdicts(copy)), rounds=1)
-    assert told(benchmark, findings, share=share)[Pace.SLOWER] == TIMES
+    assert counts_of(benchmark, findings, share=share)[Pace.SLOWER] == TIMES
 
 
 LARGEST = 1.02  # times the bare loop

@@ -49,16 +49,16 @@ def main() -> None:
     parser.add_argument("old", type=Path)
     parser.add_argument("new", type=Path)
     parser.add_argument("-o", "--output", type=Path, help="JSON file for the figures")
-    asked = parser.parse_args()
-    found = []
-    with Tree(asked.old) as old, Tree(asked.new) as new:
+    wanted = parser.parse_args()
+    result = []
+    with Tree(wanted.old) as old, Tree(wanted.new) as new:
         for scene, parameters in CASES:
             pair = paired(old, new, scene, parameters)
-            found.append(pair._asdict())
+            result.append(pair._asdict())
             print(f"{scene} {parameters}: {pair.old_ns_per_body:.0f} -> {pair.new_ns_per_body:.0f} ns a body, "
                   f"new / old {pair.ratio:.3g}", flush=True)  # fmt: skip
-    if asked.output is not None:
-        asked.output.write_text(json.dumps(found, indent=1) + "\n")
+    if wanted.output is not None:
+        wanted.output.write_text(json.dumps(result, indent=1) + "\n")
 
 
 if __name__ == "__main__":

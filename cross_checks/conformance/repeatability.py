@@ -35,12 +35,12 @@ def twice(case: Case) -> tuple[Outcome, Outcome]:
 def measured(cases: Iterable[Case], report: Progress | None = None) -> list[dict[str, Any]]:
     """Return for each case by how much a run differs each way: 0.0 are the same bits. One engine after the other."""
     every = list(cases)
-    found = []
+    result = []
     for name in dict.fromkeys(case.engine for case in every):
         if report:
-            report(len(found), len(every), name)
-        found += _of_engine([case for case in every if case.engine == name])
-    return found
+            report(len(result), len(every), name)
+        result += _of_engine([case for case in every if case.engine == name])
+    return result
 
 
 def _of_engine(cases: list[Case]) -> list[dict[str, Any]]:
@@ -54,21 +54,21 @@ def _of_engine(cases: list[Case]) -> list[dict[str, Any]]:
     rows = []
     for case in cases:
         plain, again = (first[case.name],) * 2 if isinstance(first[case.name], str) else first[case.name]
-        runs = {"at once": again} | {way: made[case.name] for way, made in others.items()}
+        runs = {"at once": again} | {way: created[case.name] for way, created in others.items()}
         rows.append(_row(case, plain, runs))
     return rows
 
 
 def _made(cases: list[Case], function: Callable[[Case], Any], threads: int = 1) -> dict[str, Any]:
     """Return what the function gives for every case, one after the other in one process; its words where it is lost."""
-    found = {}
+    result = {}
     with Isolated(timeout=PATIENCE, threads=threads) as call:
         for case in cases:
             try:
-                found[case.name] = call(function, case)
+                result[case.name] = call(function, case)
             except Lost as error:
-                found[case.name] = f"{error.status}: {error}"
-    return found
+                result[case.name] = f"{error.status}: {error}"
+    return result
 
 
 def _row(case: Case, plain: Outcome, runs: dict[str, Outcome]) -> dict[str, Any]:
@@ -95,18 +95,18 @@ def _relative(one: np.ndarray, other: np.ndarray) -> float:
     return float(np.max(np.abs(one - other), initial=0.0)) / size if size > 0.0 else 0.0
 
 
-def by_method(found: list[dict[str, Any]]) -> list[dict[str, Any]]:
+def by_method(result: list[dict[str, Any]]) -> list[dict[str, Any]]:
     """Return a row for each engine and method: runs, and for each way how many differ and by how much at most."""
     rows = []
-    for engine, method in dict.fromkeys((one["engine"], one["method"]) for one in found):
-        mine = [one for one in found if (one["engine"], one["method"]) == (engine, method) and not one["stopped"]]
+    for engine, method in dict.fromkeys((one["engine"], one["method"]) for one in result):
+        mine = [one for one in result if (one["engine"], one["method"]) == (engine, method) and not one["stopped"]]
         rows.append({"engine": engine, "method": method, "runs": len(mine),
                      "ways": [_way(way, mine) for way in WAYS]})  # fmt: skip
     return rows
 
 
-def _way(way: str, found: list[dict[str, Any]]) -> dict[str, Any]:
-    sizes = [one["differs"][way] for one in found]
+def _way(way: str, result: list[dict[str, Any]]) -> dict[str, Any]:
+    sizes = [one["differs"][way] for one in result]
     known = [size for size in sizes if size is not None]
     return {"way": way, "differ": sum(size != 0.0 for size in sizes), "largest": max(known, default=None),
             "other_end": sizes.count(None)}  # fmt: skip

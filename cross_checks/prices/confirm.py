@@ -51,8 +51,8 @@ def settled(choice: Choice, comparison: Comparison) -> Choice:
         first, second, ratio = second, first, 1.0 / ratio
     interval = f"{comparison.ratio:.3g} [{comparison.low:.3g}, {comparison.high:.3g}]"
     blocks = f"{WORDS[comparison.pace]} {comparison.blocks} interleaved blocks"
-    told = f"{blocks}: {setting(choice.runner_up)} takes {interval} times as long as {setting(choice.best)}."
-    sentence = f"{choice.sentence} {told}"
+    text = f"{blocks}: {setting(choice.runner_up)} takes {interval} times as long as {setting(choice.best)}."
+    sentence = f"{choice.sentence} {text}"
     return replace(choice, best=first, runner_up=second, margin=ratio, sentence=sentence)
 
 

@@ -104,7 +104,7 @@ def basis(records: Iterable[Record]) -> str:
     return f"Errors are from a truth known to {best.uncertainty:.1e} of the scene: {best.truth}."
 
 
-def told(record: Record) -> str:
+def shipped(record: Record) -> str:
     """Return one sentence of what an engine does as it comes."""
     how = f"{record.engine} as it comes ({setting(record).removeprefix(record.engine).strip()})"
     if record.status != "success":
@@ -175,11 +175,11 @@ def _why_not_cheaper(limit: Limit | None) -> str:
 
 def _why_nothing(records: Sequence[Record]) -> str:
     """Say why no run was measured: an answer of each engine, the shortest that one of its methods gave."""
-    told: dict[str, str] = {}
+    words: dict[str, str] = {}
     for record in records:
         if record.status != "success" and record.message:
-            told[record.engine] = min(told.get(record.engine, record.message), record.message, key=len)
-    return "; ".join(["no run with a known error was measured", *(f"{name}: {why}" for name, why in told.items())])
+            words[record.engine] = min(words.get(record.engine, record.message), record.message, key=len)
+    return "; ".join(["no run with a known error was measured", *(f"{name}: {why}" for name, why in words.items())])
 
 
 def _why_none(measured: Sequence[Record], reached: Sequence[Record], bounds: Bounds) -> str:

@@ -34,15 +34,15 @@ def sweep(
     are left out where it returns any. Without a certified truth, errors are from what engines agree on. ValueError
     where an engine or a method is unknown.
     """
-    asked = questions([scene], _offered(engines, methods))
-    found: dict[Question, list[Record]] = {}
+    wanted = questions([scene], _offered(engines, methods))
+    result: dict[Question, list[Record]] = {}
     settled: set[Question] = set()  # answered by the settled truth; what a rougher one answered counts no more
     for patient in (worth is None, True):
-        for answer in answers(runs, asked, targets, progress, patient):
-            found[answer.question] = _records(answer)
+        for answer in answers(runs, wanted, targets, progress, patient):
+            result[answer.question] = _records(answer)
             settled |= {answer.question} if answer.is_settled else set()
-            seen([record for question in asked for record in found.get(question, [])])
-        records = [record for question in asked if question in settled for record in found[question]]
+            seen([record for question in wanted for record in result.get(question, [])])
+        records = [record for question in wanted if question in settled for record in result[question]]
         chosen = [id(record) for record in (records if worth is None else worth(records))]
         if patient or chosen:
             break

@@ -155,13 +155,13 @@ def timed_all(store: Store, records: Iterable[Record], report: Report, again: bo
     """Return each record, by its id, with its loop times; measured where the store holds none, or `again`."""
     scene_of = cache(lambda name, parameters: scenes.make(name, **dict(parameters)))
     placed = [(record, scene_of(record.scene, tuple(sorted(record.parameters.items())))) for record in records]
-    found = {} if again else {id(record): stored_times(store, scene, record) for record, scene in placed}
-    missing = [(record, scene) for record, scene in placed if found.get(id(record)) is None]
+    result = {} if again else {id(record): stored_times(store, scene, record) for record, scene in placed}
+    missing = [(record, scene) for record, scene in placed if result.get(id(record)) is None]
     with Isolated() as call:
         for done, (record, scene) in enumerate(missing):
             report(done, len(missing), f"timing {record.scene} {record.engine} {record.method}")
-            found[id(record)] = measured(store, call, scene, record)
-    return {key: record for key, record in found.items() if record is not None}
+            result[id(record)] = measured(store, call, scene, record)
+    return {key: record for key, record in result.items() if record is not None}
 
 
 def timed(store: Store, call: Caller, scene: Scene, record: Record) -> Record:

@@ -62,10 +62,10 @@ def curves(x: np.ndarray, lines: Mapping[str, np.ndarray], y_label: str, log: bo
 
 def plain(values: Any) -> tuple[float, ...]:
     """Return rounded floats; ValueError where one is not finite."""
-    found = np.asarray(values, dtype=float)
-    if not np.all(np.isfinite(found)):
+    result = np.asarray(values, dtype=float)
+    if not np.all(np.isfinite(result)):
         raise ValueError("a curve holds a value that is not finite")
-    return tuple(float(f"{value:.{DIGITS}g}") for value in found)
+    return tuple(float(f"{value:.{DIGITS}g}") for value in result)
 
 
 def film(scene: Scene, path: Trajectory, every: int) -> Film:

@@ -31,12 +31,12 @@ def environment() -> dict[str, str]:
 
 
 def _commit() -> str:
-    asked = ["git", "-C", str(Path(__file__).parent), "describe", "--always", "--dirty"]
+    wanted = ["git", "-C", str(Path(__file__).parent), "describe", "--always", "--dirty"]
     try:
-        found = subprocess.run(asked, capture_output=True, text=True, check=False)
+        result = subprocess.run(wanted, capture_output=True, text=True, check=False)
     except FileNotFoundError:
         return "unknown: no git here"
-    return found.stdout.strip() or "unknown: not a git checkout"
+    return result.stdout.strip() or "unknown: not a git checkout"
 
 
 def package_version(package: str) -> str:

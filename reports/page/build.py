@@ -7,8 +7,8 @@ from pathlib import Path
 from time import monotonic
 
 from mbs_ref.atomic_file import write_atomic
-from reports.facts.kept import adapter
 from reports.facts.report_data import ReportData
+from reports.facts.stored import adapter
 from reports.page.files import csv_table, jsonl, markdown
 from reports.page.render import INDEX, render
 

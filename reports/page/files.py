@@ -13,11 +13,11 @@ from cross_checks.metrics import component_errors
 from cross_checks.records.cost import is_busy
 from cross_checks.records.numbers import ABSENT, setting
 from cross_checks.records.record import Record
-from reports.facts.kept import adapter
 from reports.facts.report_data import ReportData
+from reports.facts.stored import adapter
 from reports.page.advice import Advice, advice
 from reports.page.findings import findings
-from reports.page.sections.decisions import told
+from reports.page.sections.decisions import counted
 from reports.page.sections.matrix import view
 from reports.page.sections.prices import price_table
 from reports.page.slug import command
@@ -90,7 +90,7 @@ def csv_row(record: Record) -> dict[str, Any]:
 
 def markdown(data: ReportData) -> str:
     """Return the report's tables and sentences as Markdown."""
-    parts = ["# mbs-ref: validation and benchmark report", told(data), "## Engines"]
+    parts = ["# mbs-ref: validation and benchmark report", counted(data), "## Engines"]
     parts += [f"- **{_plain(line.engine)}**: {_plain(_advice(line))}" for line in advice(data)]
     parts += ["## Cost at equal error", *(price_text(data, scene) for scene in data.scenes)]
     parts += ["## Verdicts", *(verdict_text(data, scene) for scene in data.scenes)]

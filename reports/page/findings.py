@@ -78,8 +78,8 @@ def perfect_but_wrong(data: ReportData) -> Iterator[Finding]:
         text = f"Joints closed within {metres(CLOSED_JOINTS)}, and yet the motion is wrong: {_listed(closed)}."
         yield Finding("fair", "Closed joints do not prove a right answer", text)
     if conserving:
-        text = f"Energy kept within {joules(CONSERVED)}, and yet the motion is wrong: {_listed(conserving)}."
-        yield Finding("fair", "Kept energy does not prove a right answer", text)
+        text = f"Energy conserved within {joules(CONSERVED)}, and yet the motion is wrong: {_listed(conserving)}."
+        yield Finding("fair", "Conserved energy does not prove a right answer", text)
 
 
 def _finest(data: ReportData) -> list[Record]:
@@ -105,8 +105,8 @@ def _listed(records: list[Record]) -> str:
 
 def fastest(data: ReportData) -> Iterator[Finding]:
     """Which of the other engines is cheapest on how many scenes, by what margin, and how our own solver compares."""
-    found = {s: [e.best for e in entries(data, s, MIDDLE) if e.best and e.engine != OURS] for s in data.scenes}
-    reached = {scene: bests for scene, bests in found.items() if bests}
+    result = {s: [e.best for e in entries(data, s, MIDDLE) if e.best and e.engine != OURS] for s in data.scenes}
+    reached = {scene: bests for scene, bests in result.items() if bests}
     for engine in dict.fromkeys(bests[0].engine for bests in reached.values()):
         won = {scene: bests for scene, bests in reached.items() if bests[0].engine == engine}
         margins = [loop_time(bests[1]) / loop_time(bests[0]) for bests in won.values() if len(bests) > 1]

@@ -55,9 +55,9 @@ def templates() -> Environment:
 def render(data: ReportData) -> dict[str, bytes]:
     """Return every file of the report by its name. Text from the data is escaped; only the report's own scripts run."""
     images, listed = Images(), pages(data)
-    made = {page.file: _page(page, listed, data, images).encode() for page in listed}
+    built = {page.file: _page(page, listed, data, images).encode() for page in listed}
     shared = {name: (TEMPLATES / name).read_bytes() for name in SHARED}
-    return made | shared | {"plotly.js": get_plotlyjs().encode()} | images.files
+    return built | shared | {"plotly.js": get_plotlyjs().encode()} | images.files
 
 
 def _page(page: Page, listed: list[Page], data: ReportData, images: Images) -> str:

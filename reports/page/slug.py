@@ -18,8 +18,8 @@ LONGEST = 80
 def slug(text: str) -> str:
     """Return a file name without markup; two texts that differ in what was dropped differ by a digest."""
     plain = re.sub(r"[^\w.+=-]+", "-", text).strip("-")[:LONGEST]
-    kept = plain.replace("-", " ") == text
-    return plain if kept else f"{plain}-{hashlib.sha256(text.encode()).hexdigest()[:8]}"
+    stored = plain.replace("-", " ") == text
+    return plain if stored else f"{plain}-{hashlib.sha256(text.encode()).hexdigest()[:8]}"
 
 
 def scene_file(label: str) -> str:
@@ -30,7 +30,7 @@ def engine_file(name: str) -> str:
     return f"engine-{slug(name)}.html"
 
 
-def command(record: Record, scene: str = "", kept: Sequence[str] = ()) -> str:
+def command(record: Record, scene: str = "", stored: Sequence[str] = ()) -> str:
     """Return the mbs-ref command that runs what the record holds, of a `scene` that was named so: perhaps by a file.
 
     `kept` are the initial velocities that it keeps.
@@ -39,7 +39,7 @@ def command(record: Record, scene: str = "", kept: Sequence[str] = ()) -> str:
     parameters = {} if scene.endswith(".toml") else scenes.chosen(record.scene, record.parameters)
     for name, value in parameters.items():
         words += ["-p", f"{name}={value}"]
-    for rate in kept:
+    for rate in stored:
         words += ["--keep", rate]
     options = {"method": record.method or None, **{key: record.settings.get(key) for key in ("step", "rtol", "atol")}}
     for name, value in options.items():

@@ -9,7 +9,7 @@ from collections.abc import Callable, Collection
 from pathlib import Path
 
 from mbs_ref import scenes
-from reports.asking import asked_runs
+from reports.query import open_runs
 from reports.site.gallery import gallery
 from reports.site.tables import capability_page, truth_page
 
@@ -36,7 +36,7 @@ def write_sources(target: Path, say: Callable[[str], None], only: Collection[str
     pictures = target / "gallery"
     pictures.mkdir()
     shown = scenes.names() if only is None else only
-    with asked_runs([], str(target.with_suffix(".sqlite")), PATIENCE) as runs:
+    with open_runs([], str(target.with_suffix(".sqlite")), PATIENCE) as runs:
         (target / "gallery.md").write_text(gallery(runs, shown, pictures, say), encoding="utf-8")
 
 

@@ -54,7 +54,7 @@ def gallery(runs: Runs, names: Collection[str], pictures: Path, say: Callable[[s
 
 def _entry(runs: Runs, scene: Scene, able: Collection[Capability], pictures: Path) -> str:
     known = stored(scene)
-    truth = "made when it is first asked for" if known is None else f"{known.kind}, known to {known.uncertainty:.1e} m"
+    truth = "computed at its first use" if known is None else f"{known.kind}, known to {known.uncertainty:.1e} m"
     rows = [
         ["made of", summary(scene).sentence()],
         ["traits", ", ".join(sorted(traits(scene))) or "none"],
@@ -71,7 +71,7 @@ def _trade(runs: Runs, scene: Scene, pictures: Path) -> str:
     """Write the work-precision plot; return what leads to it, or the sentence why there is none."""
     target = pictures / f"{scene.name}-work-precision.html"
     missing = write_trade(runs, scene, target)
-    again = f"`mbs-ref sweep {scene.name} --plot {scene.name}.html` asks without a bound"
+    again = f"`mbs-ref sweep {scene.name} --plot {scene.name}.html` searches without a bound"
     return f"not shown: {missing}; {again}" if missing else f"[work-precision plot](gallery/{target.name})"
 
 
@@ -101,7 +101,7 @@ def write_trade(runs: Runs, scene: Scene, target: Path) -> str:
 
 
 def entrants() -> list[str]:
-    """Return the engines that are asked."""
+    """Return the engines whose runs are plotted."""
     return engines.names()
 
 

@@ -22,7 +22,7 @@ from cross_checks.records.naming import code_of, digest_of
 from cross_checks.records.store import Store
 from reports import studies
 from reports.facts.curves import Measured
-from reports.facts.kept import keep, recall
+from reports.facts.stored import keep, recall
 from reports.studies.document import Document
 
 Progress = Callable[[int, int, str], None]  # done, total, what comes next
@@ -35,8 +35,8 @@ def every() -> dict[str, Document]:
     """Return every study's document by its folder's name, in the order of the pages."""
     names = [module.name for module in pkgutil.iter_modules(studies.__path__) if module.ispkg]
     texts = {name: (files("reports.studies") / name / "study.toml").read_text(encoding="utf-8") for name in names}
-    found = {name: Document(name, **tomllib.loads(text)) for name, text in texts.items()}
-    return dict(sorted(found.items(), key=lambda item: (item[1].page, item[1].place)))
+    result = {name: Document(name, **tomllib.loads(text)) for name, text in texts.items()}
+    return dict(sorted(result.items(), key=lambda item: (item[1].page, item[1].place)))
 
 
 def stored() -> dict[str, Measured]:
@@ -60,25 +60,25 @@ def parts(name: str) -> list[Any]:
     return list(module.parts()) if hasattr(module, "parts") else []
 
 
-def measure_all(store: Store, found: dict[str, Measured], depends: Any, report: Progress) -> list[str]:
+def measure_all(store: Store, result: dict[str, Measured], depends: Any, report: Progress) -> list[str]:
     """Add to `found` the facts of every study, stored or measured on all cores; return what failed and why.
 
     Facts are measured again where their code changes or what they depend on: the engines and their adapters.
     """
     listed = every()
     keys = {name: digest_of(["study", name, depends, code_of(f"reports.studies.{name}.measure")]) for name in listed}
-    for name in listed.keys() - found.keys():
+    for name in listed.keys() - result.keys():
         if (held := recall(store, keys[name], Measured)) is not None:
-            found[name] = held
-    missing, failed = [name for name in listed if name not in found], []
+            result[name] = held
+    missing, failed = [name for name in listed if name not in result], []
     _ahead(missing, report)
     together, alone = ([name for name in missing if listed[name].alone is apart] for apart in (False, True))
     for name, facts in chain(each(together, _measured, timeout=LONGEST), each(alone, _measured, 1, LONGEST)):
         if isinstance(facts, str):
             failed.append(f"section {name}: {facts}")
         else:
-            found[name] = keep(store, keys[name], Measured, facts)
-        report(len(found) + len(failed), len(listed), f"study of {name}")
+            result[name] = keep(store, keys[name], Measured, facts)
+        report(len(result) + len(failed), len(listed), f"study of {name}")
     return failed
 
 

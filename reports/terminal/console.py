@@ -107,11 +107,11 @@ def compiling() -> Iterator[None]:
     """Say on stderr, once, that the solver is being compiled: it would look as if it hung."""
     from cross_checks.isolation.compilation import told
 
-    said: list[bool] = []
+    stated: list[bool] = []
 
     def begins() -> None:
-        if not said:
-            said.append(True)
+        if not stated:
+            stated.append(True)
             click.echo("compiling the solver, once on this machine: a minute or two ...", err=True)
 
     with told(begins, lambda: None):
@@ -155,19 +155,19 @@ class Failed(click.ClickException):
 
 
 class EngineAbsent(click.ClickException):
-    """An engine that was asked for by name is not installed."""
+    """An engine that was requested by name is not installed."""
 
     exit_code = 3
 
 
 class Incomplete(click.ClickException):
-    """The work was cut short; what was computed is kept."""
+    """The work was interrupted; what was computed is stored."""
 
     exit_code = 4
 
 
 class NothingSelected(click.ClickException):
-    """No scene, engine, method or setting fits what was asked."""
+    """No scene, engine, method or setting fits the request."""
 
     exit_code = 5
 
@@ -177,7 +177,7 @@ Exit codes:
   0  all is well
   1  a validation failed: a run did not succeed, a cell is wrong
   2  usage: unknown name, bad value, bad scene file
-  3  an engine that was asked for is not installed
-  4  incomplete: interrupted; what was computed is kept
+  3  a requested engine is not installed
+  4  incomplete: interrupted; what was computed is stored
   5  nothing was selected
 """

@@ -24,13 +24,13 @@ def bands(ensemble: Ensemble) -> Figure:
         domain = [low + (GAP if row + 1 < len(kinds) else 0.0), low + 1.0 / len(kinds)]
         figure.layout[_axis("yaxis", row)] = first | {"title": {"text": f"{name}, {unit}"}, "domain": domain}
     figure.layout["xaxis"] |= {"anchor": _axis("y", len(kinds) - 1)}
-    points = [(found, at) for found, at in zip(statistics(ensemble), _points(ensemble), strict=True) if found]
-    order = [(found, at, body) for body in ensemble.scene.body_names for found, at in points]
-    for k, (found, at, body) in enumerate(order):
+    points = [(result, at) for result, at in zip(statistics(ensemble), _points(ensemble), strict=True) if result]
+    order = [(result, at, body) for body in ensemble.scene.body_names for result, at in points]
+    for k, (result, at, body) in enumerate(order):
         for column, one in enumerate(named):
             if one.body == body:
                 row = kinds.index((one.name, one.unit))
-                _add(figure, k, row, f"{body} {at}".rstrip(), found, column, ensemble.times.tolist(), one)
+                _add(figure, k, row, f"{body} {at}".rstrip(), result, column, ensemble.times.tolist(), one)
     return figure
 
 
@@ -46,14 +46,14 @@ def _points(ensemble: Ensemble) -> list[str]:
 
 
 def _add(
-    figure: Figure, k: int, row: int, name: str, found: Statistics, column: int, times: list[float], one: Coordinate
+    figure: Figure, k: int, row: int, name: str, result: Statistics, column: int, times: list[float], one: Coordinate
 ) -> None:
     """Add a median with the band about it; where a single run was made, its line alone."""
     colour = COLOURS[k % len(COLOURS)]
-    low, median, high = found.quantiles[:, :, column].tolist()
+    low, median, high = result.quantiles[:, :, column].tolist()
     common = {"legendgroup": name, "yaxis": _axis("y", row), "name": html.escape(name),
               "visible": True if k < SHOWN else "legendonly"}  # fmt: skip
-    if found.count > 1:
+    if result.count > 1:
         figure.add_scatter(
             x=times + times[::-1], y=high + low[::-1], mode="lines", fill="toself", fillcolor=f"{colour}33",
             line={"width": 0}, hoverinfo="skip", showlegend=False, **common,

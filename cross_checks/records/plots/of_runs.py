@@ -80,12 +80,12 @@ def work_precision(records: list[Record]) -> dict[str, Any]:
 
 def frontier(records: list[Record]) -> list[Record]:
     """Return the runs that no other beats both in time and in error, the cheapest first."""
-    found: list[Record] = []
+    result: list[Record] = []
     for record in sorted(filter(usable, records), key=loop_time):
         assert record.error is not None
-        if not found or record.error.value < found[-1].error.value:  # type: ignore[union-attr]
-            found.append(record)
-    return found
+        if not result or record.error.value < result[-1].error.value:  # type: ignore[union-attr]
+            result.append(record)
+    return result
 
 
 def _add(figure: Figure, engine: str, method: str, style: Style, records: list[Record], **more: Any) -> None:

@@ -24,7 +24,7 @@ LARGEST_ERROR = 1e-6  # m, of a pendulum at rtol 1e-9 against its exact motion: 
 def command(as_json: bool) -> None:
     """Show versions, engines and the compiler's cache, and simulate a pendulum against its exact motion."""
     cache = cache_folder()
-    found: dict[str, Any] = {
+    result: dict[str, Any] = {
         "python": platform.python_version(),
         "machine": f"{platform.system()} {platform.machine()}, {os.cpu_count()} processors",
         "packages": {name: package_version(name) for name in PACKAGES},
@@ -33,11 +33,11 @@ def command(as_json: bool) -> None:
         "sanity": _sanity(),
     }
     if as_json:
-        echo_json(found)
+        echo_json(result)
     else:
-        _show(found)
-    if not found["sanity"]["ok"]:
-        raise Failed(f"the pendulum came out wrong: {found['sanity']['message']}")
+        _show(result)
+    if not result["sanity"]["ok"]:
+        raise Failed(f"the pendulum came out wrong: {result['sanity']['message']}")
 
 
 def _with_home(name: str, version: str) -> str:
@@ -53,15 +53,15 @@ def _sanity() -> dict[str, Any]:
     return {"ok": record.status == "success" and error < LARGEST_ERROR, "error": error, "message": record.message}
 
 
-def _show(found: dict[str, Any]) -> None:
+def _show(result: dict[str, Any]) -> None:
     listing = table("", "", "")
-    listing.add_row("Python", f"{found['python']}, {found['machine']}")
+    listing.add_row("Python", f"{result['python']}, {result['machine']}")
     for kind in ("packages", "engines"):
-        for name, state in found[kind].items():
+        for name, state in result[kind].items():
             listing.add_row(name, state)
-    cache = found["numba_cache"]
+    cache = result["numba_cache"]
     trouble = "" if cache["writable"] else " (not writable: every start compiles anew)"
     listing.add_row("compiled kernels", f"{cache['folder']}{trouble}")
-    sanity = found["sanity"]
+    sanity = result["sanity"]
     listing.add_row("pendulum", f"{'right' if sanity['ok'] else 'WRONG'}, error {number(sanity['error'])} m")
     show(listing)

@@ -23,39 +23,40 @@ MOST_ABOVE = 10.0  # median of estimate over error
     "--keep",
     type=click.Path(dir_okay=False, path_type=Path),
     metavar="FILE",
-    help="Lines of JSON to add each run to, and to take those from that are there already.",
+    help="File of JSON lines: runs that it holds are not repeated, new ones are added.",
 )
 @survey.table_file("calibration")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON: the table, and every run.")
 def command(count: int, first: int, shard: str, keep: Path | None, target: Path | None, as_json: bool) -> None:
-    """Hold the error estimates of random runs against far tighter ones: random mechanisms, scenes, methods, settings.
+    """Compare the error estimates of random runs with the errors that more accurate runs show.
 
-    Exit code 1 where more than 1 % of the judged runs err by more than they say, or where the median run says more
-    than ten times its error. With --keep an interrupted calibration goes on where it stopped.
+    Mechanisms, scenes, methods and settings are random. Exit code 1 where more than 1 % of the judged runs have an
+    error above the estimate, or where the median estimate is more than ten times the error. With --keep an interrupted
+    calibration resumes.
     """
     from benchmarks import calibration
 
     seeds = inputs.shard(list(range(first, first + count)), shard)
     if not seeds:
         raise NothingSelected(f"part {shard} of these runs is empty")
-    known = calibration.kept(keep) if keep else {}
-    found = [known[seed] for seed in seeds if seed in known]
+    known = calibration.stored(keep) if keep else {}
+    result = [known[seed] for seed in seeds if seed in known]
     try:
         with progress("calibrate") as report:
             for seed in [seed for seed in seeds if seed not in known]:
-                report(len(found), len(seeds), f"seed {seed}")
-                found.append(calibration.trial(seed))
+                report(len(result), len(seeds), f"seed {seed}")
+                result.append(calibration.trial(seed))
                 if keep:
-                    calibration.keep(keep, found[-1])
+                    calibration.keep(keep, result[-1])
     except KeyboardInterrupt:
-        raise Incomplete(f"interrupted after {len(found)} runs") from None
-    rows, below = calibration.table(found), [one for one in found if one.is_below]
+        raise Incomplete(f"interrupted after {len(result)} runs") from None
+    rows, below = calibration.table(result), [one for one in result if one.is_below]
     if target:
-        told = [calibration.to_dict(one) for one in below]
-        facts = {"first": first, "runs": len(found), "table": rows, "below": told}
+        text = [calibration.to_dict(one) for one in below]
+        facts = {"first": first, "runs": len(result), "table": rows, "below": text}
         survey.write_table(facts, target)
     if as_json:
-        echo_json({"table": rows, "runs": [calibration.to_dict(one) for one in found]})
+        echo_json({"table": rows, "runs": [calibration.to_dict(one) for one in result]})
     else:
         _show(rows)
         _show_below(below)
@@ -66,9 +67,9 @@ def _judge(row: dict[str, Any]) -> None:
     if not row["judged"]:
         raise NothingSelected("no run could be judged")
     if row["share_below"] > MOST_BELOW:
-        raise Failed(f"{row['below']} of {row['judged']} runs err by more than they say")
+        raise Failed(f"{row['below']} of {row['judged']} runs have an error above their estimate")
     if row["overestimate_median"] is not None and row["overestimate_median"] > MOST_ABOVE:
-        raise Failed(f"the median run says {row['overestimate_median']:.3g} times its error")
+        raise Failed(f"the median estimate is {row['overestimate_median']:.3g} times the error")
 
 
 def _show(rows: list[dict[str, Any]]) -> None:
@@ -79,8 +80,8 @@ def _show(rows: list[dict[str, Any]]) -> None:
     show_table("Estimate over error", (*words[:3], "above their estimate", *over, "cost, loops"), shown)
 
 
-def _show_below(found: list[Any]) -> None:
-    if not found:
+def _show_below(result: list[Any]) -> None:
+    if not result:
         return
-    rows = ((o.seed, o.scene, o.method, o.setting, number(o.error), number(o.estimate)) for o in found)
+    rows = ((o.seed, o.scene, o.method, o.setting, number(o.error), number(o.estimate)) for o in result)
     show_table("\nAbove their estimate", ("seed", "scene", "method", "setting", "error", "estimate"), rows)

@@ -12,7 +12,7 @@ from cross_checks.judge.vocabulary import Cell, Refused, refusals
 from cross_checks.truth import Truth
 from mbs_ref import scenes
 from reports import inputs
-from reports.asking import SCHEDULER, STORE, asked_runs, telling
+from reports.query import SCHEDULER, STORE, open_runs, reporting
 from reports.terminal.console import Failed, Incomplete, NothingSelected, echo_json, number, progress, show_table
 
 MOST_REASONS = 5  # told where nothing runs
@@ -28,30 +28,30 @@ MOST_REASONS = 5  # told where nothing runs
 @click.option("--json", "as_json", is_flag=True, help="Print JSON: a list of cells.")
 @STORE
 def command(
-    scene: tuple[str, ...], parameters: tuple[str, ...], kept: tuple[str, ...], chosen: tuple[str, ...],
+    scene: tuple[str, ...], parameters: tuple[str, ...], keep_rates: tuple[str, ...], chosen: tuple[str, ...],
     scheduler: str | None, shard: str, as_json: bool, store: str | None,
 ) -> None:  # fmt: skip
     """Compare engines with each other and with the truth, on every SCENE or on those named.
 
-    Where no truth is certified, engines are held against what unlike ones agree on; answers are provisional until that
-    is known well enough. Runs are made once and kept in a store, on all processors, each in a process of its own: one
+    Where no truth is certified, unlike engines compute a consensus truth; answers are provisional until that is
+    accurate enough. Runs are stored and never repeated; they use all processors, each in a process of its own: one
     that hangs, crashes or eats memory costs its own cell. Any signal ends the command with what is known so far.
     Exit code 1 where a method is wrong where it does not declare that it is known to be.
     """
-    for option, given in (("-p", parameters), ("--keep", kept)):
+    for option, given in (("-p", parameters), ("--keep", keep_rates)):
         if given and len(scene) != 1:
             raise click.UsageError(f"{option} {given[0]} needs exactly one SCENE; {len(scene)} are named")
-    selected = [inputs.comparable(name, parameters, kept) for name in scene or scenes.names()]
-    asked = inputs.shard(questions(selected, tasks(inputs.engine_names(chosen))), shard)
+    selected = [inputs.comparable(name, parameters, keep_rates) for name in scene or scenes.names()]
+    wanted = inputs.shard(questions(selected, tasks(inputs.engine_names(chosen))), shard)
     known: dict[Question, Answer] = {}
     interrupted = False
     try:
-        with progress("check") as report, asked_runs(selected, store, scheduler=scheduler) as runs:
-            for answer in answers(runs, asked, progress=telling(report, lambda: _best(known.values()))):
+        with progress("check") as report, open_runs(selected, store, scheduler=scheduler) as runs:
+            for answer in answers(runs, wanted, progress=reporting(report, lambda: _best(known.values()))):
                 known[answer.question] = answer
     except KeyboardInterrupt:
         interrupted = True
-    best = [known[question] for question in asked if question in known]
+    best = [known[question] for question in wanted if question in known]
     cells = [answer.cell for answer in best]
     if as_json:
         echo_json([answer.cell.to_dict() | {"settled": answer.is_settled} for answer in best])
@@ -59,11 +59,11 @@ def command(
         _show(cells)
     if interrupted:
         settled = sum(answer.is_settled for answer in best)
-        raise Incomplete(f"interrupted after {settled} of {len(asked)} cells. {_best(best)}")
+        raise Incomplete(f"interrupted after {settled} of {len(wanted)} cells. {_best(best)}")
     if not any(not cell.is_refused for cell in cells):
         why = {f"{cell.scene} by {cell.engine}": cell.reason for cell in reversed(cells)}  # an engine's first method
-        told = [f"{where}: {reason}" for where, reason in reversed(why.items())]
-        raise NothingSelected(f"no engine runs any of the scenes. {'. '.join(told[:MOST_REASONS])}")
+        sentence = [f"{where}: {reason}" for where, reason in reversed(why.items())]
+        raise NothingSelected(f"no engine runs any of the scenes. {'. '.join(sentence[:MOST_REASONS])}")
     wrong = [cell for cell in cells if cell.is_wrong]
     if wrong:
         named = ", ".join(f"{cell.scene}/{cell.engine}/{cell.method}: {cell.verdict}" for cell in wrong)

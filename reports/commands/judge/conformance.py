@@ -96,13 +96,13 @@ def _self_test() -> None:
     from cross_checks.conformance.broken_engines import self_test
     from cross_checks.conformance.examine import examine
 
-    false, caught, asked = (), 0, 0
-    for found in self_test(engines.get("mbs_ref"), examine):
-        click.echo(f"{found.mistake:<40} {', '.join(found.by) or 'nothing noticed'}")
-        if not found.applies:
-            false = found.by
+    false, caught, wanted = (), 0, 0
+    for result in self_test(engines.get("mbs_ref"), examine):
+        click.echo(f"{result.mistake:<40} {', '.join(result.by) or 'nothing noticed'}")
+        if not result.applies:
+            false = result.by
             continue
-        asked, caught = asked + 1, caught + bool(set(found.by) - set(false))
-    click.echo(f"{caught} of {asked} mistakes noticed, {len(false)} false alarms")
-    if false or caught < asked:
-        raise Failed("the examination misses mistakes, or finds some that are none")
+        wanted, caught = wanted + 1, caught + bool(set(result.by) - set(false))
+    click.echo(f"{caught} of {wanted} mistakes noticed, {len(false)} false alarms")
+    if false or caught < wanted:
+        raise Failed("the examination misses mistakes, or reports some that are none")

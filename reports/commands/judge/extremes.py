@@ -10,18 +10,20 @@ from cross_checks.extremes.cell import Cell
 from cross_checks.extremes.judge import Fate
 from cross_checks.records import lines as record_file
 from reports import inputs
-from reports.asking import SCHEDULER, cluster
+from reports.query import SCHEDULER, cluster
 from reports.terminal.console import Failed, Incomplete, NothingSelected, echo_json, number, progress, show_table
 
 
 @click.command(name="extremes")
-@click.option("--full", is_flag=True, help="Every method and value, with patience: for nights.")
+@click.option("--full", is_flag=True, help="Every method and value, with long time limits.")
 @click.option("--only", metavar="TEXT", help="Only extremes whose name or family holds this.")
 @inputs.ENGINES
 @click.option("--shard", metavar="I/N", default="1/1", help="Only part I of N of the extremes, for batch systems.")
 @SCHEDULER
 @click.option("--json", "as_json", is_flag=True, help="Print JSON lines, one a cell.")
-@click.option("-o", "output", metavar="FILE.jsonl", help="Keep the cells in a file; what it holds already is not run.")
+@click.option(
+    "-o", "output", metavar="FILE.jsonl", help="Add the cells to a file; those that it holds are not run again."
+)
 def command(
     full: bool,
     only: str | None,
@@ -31,7 +33,7 @@ def command(
     as_json: bool,
     output: str | None,
 ) -> None:
-    """Drive scenes to the edge, and find where each engine's methods stop, degrade, or go wrong without a word.
+    """Drive scenes to the edge, and show where each engine's methods stop, degrade, or are silently wrong.
 
     Every run has a process of its own; two run at a time. Exit code 1 where the reference solver is
     silently wrong anywhere; other engines' failures are findings.
@@ -46,7 +48,7 @@ def command(
     if not extremes:
         raise NothingSelected(f"part {shard} of these extremes is empty")
     target = inputs.output(output, (".jsonl",))
-    found: list[Cell] = []
+    result: list[Cell] = []
     with ExitStack() as stack:
         report = stack.enter_context(progress("extremes"))
         call = stack.enter_context(cluster(scheduler))
@@ -55,18 +57,18 @@ def command(
                 stack.enter_context(record_file.exclusive(target))
             except record_file.Busy as error:
                 raise Failed(str(error)) from error
-            found, problems = cell.read(target)
+            result, problems = cell.read(target)
             for problem in problems:
                 click.echo(problem, err=True)
         try:
-            for one in run.matrix(extremes, names, full=full, known=tuple(found), progress=report, call=call):
+            for one in run.matrix(extremes, names, full=full, known=tuple(result), progress=report, call=call):
                 if target is not None:
                     cell.append(target, one)
-                found.append(one)
+                result.append(one)
         except KeyboardInterrupt:
-            raise Incomplete(f"interrupted after {len(found)} cells") from None
+            raise Incomplete(f"interrupted after {len(result)} cells") from None
     names = {e.name for e in extremes}
-    shown = [c for c in found if c.extreme in names and c.full == full and (not chosen or c.engine in chosen)]
+    shown = [c for c in result if c.extreme in names and c.full == full and (not chosen or c.engine in chosen)]
     for one in shown if as_json else ():
         echo_json(one.to_dict(), indent=None)
     if not as_json:
@@ -81,8 +83,8 @@ def _show(cells: list[Cell]) -> None:
     from cross_checks.extremes import named
 
     rows = []
-    asked = [c for c in cells if c.fate is not Fate.CANNOT]
-    for one in sorted(asked, key=lambda c: (c.family, c.extreme, c.engine != "mbs_ref", c.engine, c.method)):
+    wanted = [c for c in cells if c.fate is not Fate.CANNOT]
+    for one in sorted(wanted, key=lambda c: (c.family, c.extreme, c.engine != "mbs_ref", c.engine, c.method)):
         axis = named(one.extreme).axis
         last = "-" if one.last is None else f"{axis.name} {axis.label(one.last)} {'' if axis.labels else axis.unit}"
         rows.append((one.extreme, one.engine, one.method, one.fate, last.strip(), one.reason[:90]))
@@ -90,4 +92,4 @@ def _show(cells: list[Cell]) -> None:
     counts = {fate: sum(c.fate is fate for c in cells) for fate in Fate}
     caught = sum(point.caught for c in cells for point in c.points)
     click.echo(", ".join(f"{fate} {count}" for fate, count in counts.items()))
-    click.echo(f"runs of which the engine itself said nothing and our checks caught the failure: {number(caught)}")
+    click.echo(f"failures that the engine did not report and our checks detected: {number(caught)}")

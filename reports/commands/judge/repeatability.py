@@ -20,23 +20,23 @@ SAME_MACHINE = ("at once", "another process", "another order")  # what our own s
 @survey.table_file("repeatability")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 def command(chosen: tuple[str, ...], only: str | None, target: Path | None, as_json: bool) -> None:
-    """Make runs twice, in another process, in the opposite order, and with two threads; compare their bits.
+    """Repeat runs at once, in another process, in the opposite order and with two threads; compare their bits.
 
-    Every method of every engine. Exit code 1 where runs of the reference solver with one thread differ; what two
-    threads change is told, as other engines' differences are.
+    Every method of every engine. Exit code 1 where runs of the reference solver with one thread differ; other
+    differences are listed.
     """
     from cross_checks.conformance import repeatability
     from cross_checks.conformance.cases import cases
 
-    asked = survey.named(cases(inputs.engine_names(chosen), repeatability.BLAS), only)
+    wanted = survey.named(cases(inputs.engine_names(chosen), repeatability.BLAS), only)
     try:
         with progress("repeatability") as report:
-            found = repeatability.measured(asked, report)
+            result = repeatability.measured(wanted, report)
     except KeyboardInterrupt:
         raise Incomplete("interrupted") from None
-    facts = {"methods": repeatability.by_method(found), "runs": found}
-    survey.tell(facts, target, as_json, _show)
-    ours = [one for one in found if one["engine"] == "mbs_ref" and any(one["differs"].get(x) for x in SAME_MACHINE)]
+    facts = {"methods": repeatability.by_method(result), "runs": result}
+    survey.answer(facts, target, as_json, _show)
+    ours = [one for one in result if one["engine"] == "mbs_ref" and any(one["differs"].get(x) for x in SAME_MACHINE)]
     if ours:
         raise Failed("mbs_ref gives other bits: " + ", ".join(f"{one['method']} on {one['scene']}" for one in ours))
 

@@ -10,7 +10,7 @@ from cross_checks.records.numbers import setting
 from cross_checks.records.record import Record
 from mbs_ref.atomic_file import write_atomic
 from reports import inputs
-from reports.asking import SCHEDULER, STORE, sweep_records
+from reports.query import SCHEDULER, STORE, sweep_records
 from reports.terminal.console import NothingSelected, echo_json, number, show_table
 
 
@@ -21,7 +21,7 @@ from reports.terminal.console import NothingSelected, echo_json, number, show_ta
 @inputs.ENGINES
 @click.option("--method", "methods", multiple=True, metavar="M", help="Only this method; repeatable.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON lines, one a run.")
-@click.option("-o", "output", metavar="FILE.jsonl|.parquet", help="Keep the runs in a file, as lines or as a table.")
+@click.option("-o", "output", metavar="FILE.jsonl|.parquet", help="Write the runs to a file, as lines or as a table.")
 @click.option("--plot", metavar="FILE.html", help="Draw error against the time of the loop, as a page.")
 @click.option("--timeout", type=float, callback=inputs.positive, help="Longest time a run computes, s.  [default: 120]")
 @click.option("--memory", type=float, callback=inputs.positive, help="Most memory of one run, MiB.  [default: 4096]")
@@ -30,7 +30,7 @@ from reports.terminal.console import NothingSelected, echo_json, number, show_ta
 def command(
     scene: str,
     parameters: tuple[str, ...],
-    kept: tuple[str, ...],
+    keep_rates: tuple[str, ...],
     chosen: tuple[str, ...],
     methods: tuple[str, ...],
     as_json: bool,
@@ -50,8 +50,8 @@ def command(
     drawn = inputs.output(plot, (".html",))
     columns = target if target is not None and target.suffix == ".parquet" else None
     lines = target if columns is None else None
-    made = inputs.comparable(scene, parameters, kept)
-    records = sweep_records(made, chosen, methods, lines, timeout, memory, store=store, scheduler=scheduler)
+    built = inputs.comparable(scene, parameters, keep_rates)
+    records = sweep_records(built, chosen, methods, lines, timeout, memory, store=store, scheduler=scheduler)
     if not records:
         raise NothingSelected("no engine and method to sweep")
     if columns is not None:

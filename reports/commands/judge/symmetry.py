@@ -27,18 +27,18 @@ def command(chosen: tuple[str, ...], only: str | None, target: Path | None, as_j
     from cross_checks.conformance.symmetry.survey import by_method, isolated
     from cross_checks.isolation.parent import Isolated
 
-    asked = survey.named(cases(inputs.engine_names(chosen)), only)
-    found: list[dict[str, Any]] = []
+    wanted = survey.named(cases(inputs.engine_names(chosen)), only)
+    result: list[dict[str, Any]] = []
     try:
         with progress("symmetry") as report, Isolated() as call:
-            for case in asked:
-                report(len(found), len(asked), case.name)
-                found.append(isolated(case, call))
+            for case in wanted:
+                report(len(result), len(wanted), case.name)
+                result.append(isolated(case, call))
     except KeyboardInterrupt:
-        raise Incomplete(f"interrupted after {len(found)} cases") from None
-    facts = {"methods": by_method(found), "cases": found}
-    survey.tell(facts, target, as_json, _show)
-    ours = [one for one in found if one["engine"] == "mbs_ref" and any(x["exceeds_error"] for x in one["broken"])]
+        raise Incomplete(f"interrupted after {len(result)} cases") from None
+    facts = {"methods": by_method(result), "cases": result}
+    survey.answer(facts, target, as_json, _show)
+    ours = [one for one in result if one["engine"] == "mbs_ref" and any(x["exceeds_error"] for x in one["broken"])]
     if ours:
         raise Failed("mbs_ref breaks a symmetry: " + ", ".join(f"{one['method']} on {one['scene']}" for one in ours))
 

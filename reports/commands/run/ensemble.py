@@ -14,8 +14,8 @@ from mbs_ref.atomic_file import write_atomic
 from mbs_ref.simulate import ensemble as ensembles
 from mbs_ref.simulate.ensemble import Design, Ensemble, Law, Source, Statistics, Variants, coordinates
 from reports import inputs
-from reports.asking import SCHEDULER, cluster
 from reports.poses_file import FORMATS, write_ensemble
+from reports.query import SCHEDULER, cluster
 from reports.scene_summary import summary
 from reports.shared_ensemble import shared_ensemble
 from reports.terminal.console import Failed, Incomplete, compiling, echo_json, number, progress, show, table
@@ -44,7 +44,7 @@ def command(
     as_json: bool,
     output: str | None,
     plot: str | None,
-    kept: tuple[str, ...],
+    keep_rates: tuple[str, ...],
     **options: Any,
 ) -> None:
     """Run SCENE many times, with numbers that are uncertain or go over a grid.
@@ -66,7 +66,7 @@ def command(
     base = inputs.scene(scene, parameters)
     chosen = inputs.settings(**options)
     try:
-        variants, design = _planned(Source(base, inputs.rebuilder(scene, base)), varied, kept, count, seed)
+        variants, design = _planned(Source(base, inputs.rebuilder(scene, base)), varied, keep_rates, count, seed)
         if not as_json:
             click.echo(summary(base).sentence())
         with progress(f"ensemble {base.name}") as report, cluster(scheduler) as call:
@@ -75,24 +75,24 @@ def command(
                 report(done, total, "")
 
             if call is None:
-                made = ensembles.run_ensemble(variants, design, chosen, threads, shown)
+                built = ensembles.run_ensemble(variants, design, chosen, threads, shown)
             else:
-                made = shared_ensemble(variants, design, chosen, call, shown)
+                built = shared_ensemble(variants, design, chosen, call, shown)
     except ValueError as error:
         raise click.UsageError(str(error)) from error
-    _write(made, target, drawn, output, plot)
+    _write(built, target, drawn, output, plot)
     if as_json:
-        echo_json(ensembles.to_dict(made))
+        echo_json(ensembles.to_dict(built))
     else:
-        _show(made)
-    if not made.is_complete:
-        raise Incomplete(f"interrupted after {len(made.statuses)} of {design.n_runs} runs")
-    if np.isnan(made.reached).all():
-        raise Failed(f"no run ended well; the first: {made.statuses[0]}: {made.messages[0]}")
+        _show(built)
+    if not built.is_complete:
+        raise Incomplete(f"interrupted after {len(built.statuses)} of {design.n_runs} runs")
+    if np.isnan(built.reached).all():
+        raise Failed(f"no run ended well; the first: {built.statuses[0]}: {built.messages[0]}")
 
 
 def _planned(
-    source: Source, varied: tuple[str, ...], kept: tuple[str, ...], count: int | None, seed: int
+    source: Source, varied: tuple[str, ...], keep_rates: tuple[str, ...], count: int | None, seed: int
 ) -> tuple[Variants, Design]:
     """Return what is varied and by which values; ValueError says what cannot be."""
     if not varied:
@@ -110,49 +110,49 @@ def _planned(
             laws[name] = ensembles.read_law(law, targets[-1].own)
         except ValueError as error:
             raise ValueError(f"--vary {words}: {error}") from error
-    return Variants(source, targets, kept), ensembles.design(laws, count, seed)
+    return Variants(source, targets, keep_rates), ensembles.design(laws, count, seed)
 
 
-def _write(made: Ensemble, target: Path | None, drawn: Path | None, output: str | None, plot: str | None) -> None:
+def _write(built: Ensemble, target: Path | None, drawn: Path | None, output: str | None, plot: str | None) -> None:
     try:
         if target is not None:
-            write_ensemble(made, target)
+            write_ensemble(built, target)
         if drawn is not None:
             from cross_checks.records.plots.bands import bands
 
-            write_atomic(drawn, bands(made).to_html().encode())
+            write_atomic(drawn, bands(built).to_html().encode())
     except OSError as error:
         raise Failed(f"{output or plot}: cannot be written: {error.strerror}") from error
 
 
-def _show(made: Ensemble) -> None:
-    found = ensembles.statistics(made)
-    for name, law in made.design.laws.items():
+def _show(built: Ensemble) -> None:
+    result = ensembles.statistics(built)
+    for name, law in built.design.laws.items():
         click.echo(f"{name}: {law}")
-    if made.ended_well.any():
-        listing, more = end_table(made, found)
+    if built.ended_well.any():
+        listing, more = end_table(built, result)
         show(listing)
         if more:
             click.echo(f"and {more} rows more: --json, -o and --plot have them")
         click.echo()
-    for sentence in ensembles.account(made, found):
+    for sentence in ensembles.account(built, result):
         click.echo(sentence)
-    click.echo(f"{number(made.runs_per_s)} runs/s, {number(made.wall_s)} s in all, error estimates included")
+    click.echo(f"{number(built.runs_per_s)} runs/s, {number(built.wall_s)} s in all, error estimates included")
 
 
 MOST_ROWS = 60
 
 
-def end_table(ensemble: Ensemble, found: list[Statistics | None]) -> tuple[Table, int]:
+def end_table(ensemble: Ensemble, result: list[Statistics | None]) -> tuple[Table, int]:
     """Return the figures at the end, and how many rows of them there is no room for."""
     title = f"\nAt t = {ensemble.times[-1]:g} s"
     grids = tuple(ensemble.design.grids)
     if ensemble.design.is_random:
         columns = ("mean", "std. error", "std. deviation", "std. error", "5 %", "median", "95 %", "smallest", "largest")
-        rows = list(_spreads(ensemble, found))
+        rows = list(_spreads(ensemble, result))
         listing = table(title, *grids, "body", "", *columns)
     else:
-        rows = list(_ends(ensemble, found))
+        rows = list(_ends(ensemble, result))
         listing = table(title, *grids, "body", *(("x, m", "y, m", "z, m")[: ensemble.scene.dimension]),
                         *(["angle, rad"] if ensemble.scene.dimension == 2 else []))  # fmt: skip
     for row in rows[:MOST_ROWS]:
@@ -160,9 +160,9 @@ def end_table(ensemble: Ensemble, found: list[Statistics | None]) -> tuple[Table
     return listing, max(0, len(rows) - MOST_ROWS)
 
 
-def _spreads(ensemble: Ensemble, found: list[Statistics | None]) -> Iterator[tuple[str, ...]]:
+def _spreads(ensemble: Ensemble, result: list[Statistics | None]) -> Iterator[tuple[str, ...]]:
     """Yield a row a point of the grids and coordinate."""
-    for at, one in _points(ensemble, found):
+    for at, one in _points(ensemble, result):
         if one is None:
             yield *at, "no run ended well"
             continue
@@ -177,9 +177,9 @@ def _spreads(ensemble: Ensemble, found: list[Statistics | None]) -> Iterator[tup
             )  # fmt: skip
 
 
-def _ends(ensemble: Ensemble, found: list[Statistics | None]) -> Iterator[tuple[str, ...]]:
+def _ends(ensemble: Ensemble, result: list[Statistics | None]) -> Iterator[tuple[str, ...]]:
     """Yield a row a point of the grids and body, of a single run each."""
-    for (at, one), status in zip(_points(ensemble, found), ensemble.statuses, strict=False):
+    for (at, one), status in zip(_points(ensemble, result), ensemble.statuses, strict=False):
         if one is None:
             yield *at, str(status)
             continue
@@ -189,8 +189,8 @@ def _ends(ensemble: Ensemble, found: list[Statistics | None]) -> Iterator[tuple[
         yield from ((*at, body, *values) for body, values in ends.items())
 
 
-def _points(ensemble: Ensemble, found: list[Statistics | None]) -> Iterator[tuple[list[str], Statistics | None]]:
-    for at, one in zip(ensemble.design.points, found, strict=True):
+def _points(ensemble: Ensemble, result: list[Statistics | None]) -> Iterator[tuple[list[str], Statistics | None]]:
+    for at, one in zip(ensemble.design.points, result, strict=True):
         yield [f"{value:.6g}" for value in at], one
 
 

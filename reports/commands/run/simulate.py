@@ -17,8 +17,8 @@ from cross_checks.records.store import Run, Store
 from mbs_ref.scene import Scene
 from mbs_ref.trajectory import Trajectory
 from reports import inputs
-from reports.asking import STORE, store_path
 from reports.poses_file import FORMATS, write_poses
+from reports.query import STORE, store_path
 from reports.scene_summary import summary
 from reports.terminal.console import (
     EngineAbsent,
@@ -39,10 +39,10 @@ from reports.terminal.text_plot import text_plot
 @click.command(name="simulate")
 @click.argument("scene", metavar="SCENE|FILE.toml")
 @inputs.PARAMETERS
-@click.option("--engine", default="mbs_ref", show_default=True, help="Who integrates.")
+@click.option("--engine", default="mbs_ref", show_default=True, help="Engine that integrates.")
 @inputs.run_options
 @click.option("--stop-on-compliance", is_flag=True, help="End the run where |C(q, t)| < step fails (the papers' test).")
-@click.option("--no-truth", is_flag=True, help="Hold the result against no truth: the first may take a minute to make.")
+@click.option("--no-truth", is_flag=True, help="Compare with no truth: computing the first may take a minute.")
 @click.option("--json", "as_json", is_flag=True, help="Print the whole record as JSON.")
 @click.option("--plot", is_flag=True, help="Draw the last body's path and the error over time, in characters.")
 @click.option("-o", "output", metavar="FILE", help="Write times and poses to a .npz, .csv or .parquet file.")
@@ -57,16 +57,16 @@ def command(
     no_truth: bool,
     store: str | None,
     plot: bool,
-    kept: tuple[str, ...],
+    keep_rates: tuple[str, ...],
     **options: Any,
 ) -> None:
     """Simulate SCENE and judge the result against its truth.
 
-    The result is printed at once, then its error. A truth is made once and kept in the store.
+    The result is printed at once, then its error. A truth is computed once and stored.
     """
     click.get_current_context().with_resource(compiling())
     target = inputs.output(output, tuple(FORMATS))
-    chosen_scene = inputs.scene(scene, parameters, kept)
+    chosen_scene = inputs.scene(scene, parameters, keep_rates)
     chosen = inputs.settings(method=method, **options)
     solver = inputs.engine(engine)
     chosen = chosen.model_copy(update={"method": inputs.method(solver, method or solver.unasked)})
@@ -86,10 +86,10 @@ def command(
     if not as_json:
         _show(record)
     if trajectory is not None and not no_truth and record.status in ("success", "stop-event"):
-        told = len(record.notes)
+        text = len(record.notes)
         record = _judged(chosen_scene, record, trajectory, store)
         if not as_json:
-            _show_error(record, record.notes[told:])
+            _show_error(record, record.notes[text:])
     if as_json:
         echo_json(record.to_dict())
     if trajectory is not None and not as_json:
@@ -106,8 +106,8 @@ def _judged(scene: Scene, record: Record, path: Trajectory, store: str | None) -
     """Return the record with its error from the scene's truth, which the store keeps."""
     from cross_checks.judge.runs import Runs, against
 
-    with Store(store_path(store)) as kept, awaited(f"seeking a truth of {scene.name}, once: --no-truth leaves it out"):
-        truth = Runs(kept).truth(scene, path.times)
+    with Store(store_path(store)) as opened, awaited(f"computing the truth of {scene.name}, once: --no-truth omits it"):
+        truth = Runs(opened).truth(scene, path.times)
     return against(scene, Run(record, path), truth)
 
 
@@ -156,7 +156,7 @@ def _show_error(record: Record, notes: tuple[str, ...]) -> None:
     for note in notes:
         facts.add_row("note", note)
     if error is None:
-        facts.add_row("next", "mbs-ref check makes a truth of what unlike engines agree on, and judges by it")
+        facts.add_row("next", "mbs-ref check computes a consensus truth from unlike engines, and judges by it")
     show(facts)
 
 
@@ -167,7 +167,7 @@ def _add_figures(facts: Table, record: Record, listed: Iterable[Metric]) -> None
 
 
 def _estimate(estimate: dict[str, Any]) -> str:
-    value = "beyond all measure" if estimate["value"] is None else f"{number(estimate['value'])} {estimate['unit']}"
+    value = "not bounded" if estimate["value"] is None else f"{number(estimate['value'])} {estimate['unit']}"
     return f"{value}: {estimate['how']}; it took {number(estimate['cost_s'])} s"
 
 

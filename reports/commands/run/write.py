@@ -27,7 +27,7 @@ from reports.terminal.console import EngineAbsent, Failed
 @inputs.KEEP
 @click.option("-o", "output", metavar="FILE", help="Where to write; stdout unless given.")
 def command(
-    scene: str, form: str, parameters: tuple[str, ...], kept: tuple[str, ...], output: str | None, **options: Any
+    scene: str, form: str, parameters: tuple[str, ...], keep_rates: tuple[str, ...], output: str | None, **options: Any
 ) -> None:
     """Write SCENE as a file that runs without mbs-ref.
 
@@ -35,7 +35,7 @@ def command(
     to roundoff, and is run once to its end before it is written. What the form cannot represent is refused by name.
     """
     target = None if output is None else inputs.output(output, (_form(form).suffix,))
-    chosen = inputs.scene(scene, parameters, kept)
+    chosen = inputs.scene(scene, parameters, keep_rates)
     text = _written(chosen, form, inputs.settings(**options))
     if target is None:
         click.echo(text, nl=False)

@@ -98,22 +98,22 @@ def _compare_files(files: list[Path], only: str, as_json: bool) -> None:
     if len(files) != 2:
         raise click.UsageError("A and B must be two trees, or two files of records")
     before, after = (_records(file) for file in files)
-    found = [change for change in record_changes.changes(before, after) if only in change.run]
-    if not found:
+    result = [change for change in record_changes.changes(before, after) if only in change.run]
+    if not result:
         raise NothingSelected(f"{files[0]} and {files[1]} share no run{f' named {only!r}' if only else ''}")
-    verdict, ratio = record_changes.overall(found), record_changes.median_ratio(found)
+    verdict, ratio = record_changes.overall(result), record_changes.median_ratio(result)
     left, right = record_changes.alone(before, after)
     if as_json:
         facts = {"verdict": verdict, "median_time_ratio": ratio, "only_in_a": left, "only_in_b": right}
-        echo_json(facts | {"runs": [change.to_dict() for change in found]})
+        echo_json(facts | {"runs": [change.to_dict() for change in result]})
     else:
-        changed = [(c.run, c.move, c.sentence, number(c.ratio)) for c in found if c.move is not Move.SAME]
+        changed = [(c.run, c.move, c.sentence, number(c.ratio)) for c in result if c.move is not Move.SAME]
         show_table("", ("run", "verdict", "", "loop, B/A"), changed)
-        counts = ", ".join(f"{sum(c.move is move for c in found)} {move}" for move in Move)
-        click.echo(f"{len(found)} runs in both: {counts}. {left} only in A, {right} only in B.")
-        click.echo(f"The median run of B took {number(ratio)} times A's loop time; times of two jobs decide nothing.")
+        counts = ", ".join(f"{sum(c.move is move for c in result)} {move}" for move in Move)
+        click.echo(f"{len(result)} runs in both: {counts}. {left} only in A, {right} only in B.")
+        click.echo(f"The median ratio of loop times, B/A, is {number(ratio)}; times of two jobs decide nothing.")
     if verdict is Move.WORSE:
-        raise Failed(f"worse: {sum(c.move is Move.WORSE for c in found)} of {len(found)} runs")
+        raise Failed(f"worse: {sum(c.move is Move.WORSE for c in result)} of {len(result)} runs")
     if verdict is Move.NOT_MEASURED:
         raise Incomplete("some runs could not be compared")
 

@@ -29,19 +29,19 @@ def command(file: Path, text: str, as_json: bool, output: str | None) -> None:
     database, problems = history.index(file)
     for problem in problems:
         click.echo(problem, err=True)
-    found = history.series(database, text)
-    if not found:
+    result = history.series(database, text)
+    if not result:
         raise NothingSelected(f"no series in {file} holds {text!r}")
-    changes = {name: history.change_points([e.value for e in entries]) for name, entries in found.items()}
+    changes = {name: history.change_points([e.value for e in entries]) for name, entries in result.items()}
     if target is not None:
         from reports.commands.watch.history import write_trends
 
-        write_trends(found, changes, target)
+        write_trends(result, changes, target)
     if as_json:
-        echo_json({name: _facts(entries, changes[name]) for name, entries in found.items()})
+        echo_json({name: _facts(entries, changes[name]) for name, entries in result.items()})
         return
     rows = []
-    for name, entries in found.items():
+    for name, entries in result.items():
         last, when = entries[-1], ", ".join(entries[k].made for k in changes[name])
         rows.append((name, len(entries), number(last.value), last.unit, last.verdict, when or "never"))
     show_table("", ("series", "jobs", "last", "unit", "verdict", "changed at"), rows)
@@ -70,9 +70,9 @@ def _figure(series: dict[str, list[Entry]], changes: dict[str, list[int]], title
     figure = new_figure("time of the job, UTC", title, x_log=False, y_log=y_log)
     for name, entries in series.items():
         x, y = [e.made for e in entries], [e.value for e in entries]
-        told = [html.escape(f"{e.commit_id} {e.verdict}".strip()) for e in entries]
+        sentence = [html.escape(f"{e.commit_id} {e.verdict}".strip()) for e in entries]
         hover = "%{y:.4g}, %{x}<br>%{text}"
-        figure.add_scatter(x=x, y=y, mode="lines+markers", name=html.escape(name), text=told, hovertemplate=hover)
+        figure.add_scatter(x=x, y=y, mode="lines+markers", name=html.escape(name), text=sentence, hovertemplate=hover)
         marked = changes[name]
         figure.add_scatter(
             x=[x[k] for k in marked], y=[y[k] for k in marked], mode="markers", showlegend=False,

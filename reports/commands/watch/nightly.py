@@ -17,10 +17,10 @@ from benchmarks.record_changes import Move
 from benchmarks.trees import regression
 from cross_checks.records import lines as record_file
 from mbs_ref import scenes
-from reports.asking import sweep_records
 from reports.commands.watch.compare import end, findings_of
 from reports.commands.watch.history import write_trends
 from reports.facts.environment import environment
+from reports.query import sweep_records
 from reports.terminal.console import NothingSelected
 
 FILE = click.Path(dir_okay=False, path_type=Path)
@@ -38,11 +38,13 @@ Where = tuple[str, str, str, str]  # job, made, commit, machine
 @click.option("--baseline", default="HEAD~1", show_default=True, help="A folder or git revision to compare with.")
 @click.option("--bench", type=FILE, help="A pytest-benchmark JSON file to add to the history.")
 @click.option("--file", type=FILE, default="reports/out/history.jsonl", show_default=True, help="The history.")
-@click.option("--sweeps", type=FOLDER, help="Sweep the default scenes into this folder; the last are kept beside it.")
+@click.option(
+    "--sweeps", type=FOLDER, help="Sweep the default scenes into this folder; the previous sweep is moved beside it."
+)
 @click.option("--trends", type=FILE, help="Draw the history to this HTML file.")
 @click.option("--only", metavar="TEXT", default="", help="Only the cases and scenes whose name holds this.")
 def command(baseline: str, bench: Path | None, file: Path, sweeps: Path | None, trends: Path | None, only: str) -> None:
-    """Time this tree against the baseline, append to the history, and say whether it became slower or worse.
+    """Time this tree against the baseline, append to the history, and report whether it became slower or less accurate.
 
     Exit code 1 where it is slower, or a sweep less accurate than last night's; 4 where something could not
     be measured or stayed inconclusive, and nothing is slower.
@@ -64,7 +66,7 @@ def command(baseline: str, bench: Path | None, file: Path, sweeps: Path | None, 
         swept, changes = _sweep(sweeps, only, where)
         entries += swept
     history.append(file, entries)
-    _tell_history(file, trends)
+    _report_history(file, trends)
     worse = [change for change in changes if change.move is Move.WORSE]
     for change in worse:
         click.echo(f"{change.run}: worse than last night: {change.sentence}")
@@ -78,8 +80,8 @@ def _sweep(folder: Path, only: str, where: Where) -> tuple[list[Entry], list[rec
         shutil.rmtree(before, ignore_errors=True)
         folder.rename(before)
     entries, changes = [], []
-    made = [scenes.make(name, **parameters) for name, parameters in SWEPT]
-    for scene in made:
+    built = [scenes.make(name, **parameters) for name, parameters in SWEPT]
+    for scene in built:
         label = scenes.label(scene.name, scene.parameters)
         if only not in label:
             continue
@@ -91,14 +93,14 @@ def _sweep(folder: Path, only: str, where: Where) -> tuple[list[Entry], list[rec
     return entries, changes
 
 
-def _tell_history(file: Path, trends: Path | None) -> None:
+def _report_history(file: Path, trends: Path | None) -> None:
     """Say which series reached a new level these nights, and draw them all."""
     database, problems = history.index(file)
     for problem in problems:
         click.echo(problem, err=True)
-    found = history.series(database)
-    for name, entry in history.new_levels(found).items():
+    result = history.series(database)
+    for name, entry in history.new_levels(result).items():
         click.echo(f"{name}: a new level since {entry.made} ({entry.commit_id}): {entry.value:.4g} {entry.unit}")
     if trends is not None:
-        changes = {name: history.change_points([e.value for e in entries]) for name, entries in found.items()}
-        write_trends(found, changes, trends)
+        changes = {name: history.change_points([e.value for e in entries]) for name, entries in result.items()}
+        write_trends(result, changes, trends)

@@ -9,7 +9,7 @@ from pathlib import Path
 import click
 
 from cross_checks.records.store import Store, default_path
-from reports.asking import SCHEDULER, cluster
+from reports.query import SCHEDULER, cluster
 from reports.terminal.console import Incomplete, NothingSelected, progress
 
 EXTREMES = "extremes*.jsonl"  # beside the page: what `mbs-ref extremes -o` wrote, whole or in parts
@@ -20,7 +20,7 @@ FOLDER = click.Path(file_okay=False, path_type=Path)
 @click.option("--open", "open_it", is_flag=True, help="Open the page in a browser.")
 @click.option("--quick", is_flag=True, help="Few scenes, for a first look.")
 @click.option("--render", "render_only", is_flag=True, help="Render the data of the last report; simulate nothing.")
-@click.option("--retime", is_flag=True, help="Time anew what is ranked, though the store holds times of it.")
+@click.option("--retime", is_flag=True, help="Time again what is ranked, even where the store holds times.")
 @click.option("--text", is_flag=True, help="Print advice, prices, verdicts and small plots, too.")
 @SCHEDULER
 @click.option("-o", "folder", default="reports/out", show_default=True, type=FOLDER)
@@ -39,7 +39,9 @@ def command(
         try:
             page, incomplete = render_again(folder)
         except (FileNotFoundError, ValueError) as error:
-            raise NothingSelected(f"{folder} holds no data to render; make them by mbs-ref report ({error})") from error
+            raise NothingSelected(
+                f"{folder} holds no data to render; compute them by mbs-ref report ({error})"
+            ) from error
     else:
         from reports.gather import Gathering  # the solver and the engines, which rendering alone does not need
 

@@ -16,7 +16,7 @@ from reports.facts.report_data import ReportData
 from reports.page.advice import advice
 from reports.page.build import read_data
 from reports.page.files import PRICES, VERDICTS, price_row
-from reports.page.sections.decisions import told
+from reports.page.sections.decisions import counted
 from reports.page.sections.matrix import view
 from reports.page.sections.prices import cannot, price_table
 from reports.terminal.console import NothingSelected, echo_json, show_table
@@ -31,7 +31,7 @@ FOLDER = click.Path(file_okay=False, path_type=Path)
 @click.option("--json", "as_json", is_flag=True, help="Print JSON: cells and prices.")
 @click.option("-o", "folder", default="reports/out", show_default=True, type=FOLDER, help="Where the report is.")
 def command(scene: tuple[str, ...], as_csv: bool, as_json: bool, folder: Path) -> None:
-    """Print what the last report says of SCENE: cost at equal error, and the verdict on every method.
+    """Print the last report's results on SCENE: cost at equal error, and the verdict on every method.
 
     A scene with parameters is named as the page names it: mbs-ref show pendulum_chain links=10
     """
@@ -45,15 +45,17 @@ def last_report(folder: Path) -> ReportData:
     try:
         return read_data(folder)
     except (FileNotFoundError, ValueError) as error:
-        raise NothingSelected(f"{folder} holds no report; make one by mbs-ref report") from error
+        raise NothingSelected(f"{folder} holds no report; mbs-ref report writes one") from error
 
 
-def _chosen(data: ReportData, asked: str) -> list[str]:
-    found = [label for label in data.scenes if asked in (label, label.split()[0])] if asked else data.scenes
-    if not found:
+def _chosen(data: ReportData, wanted: str) -> list[str]:
+    result = [label for label in data.scenes if wanted in (label, label.split()[0])] if wanted else data.scenes
+    if not result:
         listing = ", ".join(data.scenes)
-        raise click.UsageError(f"scene {asked!r} is not in the report{suggest(asked, data.scenes)}; it holds {listing}")
-    return found
+        raise click.UsageError(
+            f"scene {wanted!r} is not in the report{suggest(wanted, data.scenes)}; it holds {listing}"
+        )
+    return result
 
 
 def _print(data: ReportData, label: str, as_csv: bool, as_json: bool) -> None:
@@ -82,8 +84,8 @@ def price_plot(data: ReportData) -> str:
 def print_report(data: ReportData) -> None:
     """Print what the first screen says, then every scene."""
     head = ("engine", "use", "reaches", "wrong with success reported", "pace")
-    rows = ((a.engine, a.use, a.reach, "; ".join(a.silent) or "nothing seen", a.pace or "-") for a in advice(data))
-    show_table(told(data), head, rows)
+    rows = ((a.engine, a.use, a.reach, "; ".join(a.silent) or "none", a.pace or "-") for a in advice(data))
+    show_table(counted(data), head, rows)
     for label in data.scenes:
         _print(data.only(scene=label), label, as_csv=False, as_json=False)
 

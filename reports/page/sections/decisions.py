@@ -25,11 +25,11 @@ def context(data: ReportData) -> dict[str, Any]:
     absent = [line.engine for line in lines if line.missing] if len(lines) > 1 else []
     return {
         "advice": [line for line in lines if line.engine not in absent], "absent": absent,
-        "files": {name: engine_file(name) for name in data.engines}, "told": told(data),
+        "files": {name: engine_file(name) for name in data.engines}, "told": counted(data),
     }  # fmt: skip
 
 
-def told(data: ReportData) -> str:
+def counted(data: ReportData) -> str:
     """Say how many cells there are, and what became of them."""
     if not data.cells:
         return "No validation was run: this page holds no cells."
@@ -52,23 +52,23 @@ def scenes_context(data: ReportData) -> dict[str, Any]:
 
 
 def _cells(data: ReportData, scene: str) -> list[dict[str, Any]]:
-    found = []
+    result = []
     for target in TARGETS:
         listed = entries(data, scene, target)
         rivals = [entry for entry in listed if entry.engine != OURS]
         ours = next((entry for entry in listed if entry.engine == OURS), None)
         best = next((entry for entry in rivals if entry.best), None)
         reached = sum(entry.best is not None for entry in rivals)
-        found.append(
+        result.append(
             {"best": answer_of(best) if best else _missed(rivals), "ours": answer_of(ours), "reached": reached}
         )
-    return found
+    return result
 
 
 def answer_of(entry: Entry | None) -> str:
     """Return an engine's answer in a few words."""
     if entry is None:
-        return "not asked"
+        return "not run"
     if entry.best is None:
         return ANSWERS[entry.answer][0]
     return f"{entry.engine} {entry.method}, {duration(loop_time(entry.best))}"

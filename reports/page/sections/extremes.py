@@ -24,17 +24,17 @@ TONES = {Fate.SURVIVED: "good", Fate.STOPPED: "plain", Fate.DEGRADED: "fair", Fa
 
 def context(data: ReportData) -> dict[str, Any]:
     cells = sorted(data.extremes, key=lambda c: (c.engine != OURS, c.engine, c.method))
-    found = {extreme.name: [c for c in cells if c.extreme == extreme.name] for extreme in every()}
-    shown = [extreme for extreme in every() if any(c.points for c in found[extreme.name])]
+    result = {extreme.name: [c for c in cells if c.extreme == extreme.name] for extreme in every()}
+    shown = [extreme for extreme in every() if any(c.points for c in result[extreme.name])]
     families = [
-        {"name": family, "extremes": [_extreme(e, found[e.name]) for e in group]}
+        {"name": family, "extremes": [_extreme(e, result[e.name]) for e in group]}
         for family, group in groupby(shown, key=lambda e: e.family)
     ]
     columns = list(dict.fromkeys((c.engine, c.method) for c in cells if c.points))
     return {
         "families": families,
         "columns": columns,
-        "table": [_table_row(extreme, found[extreme.name], columns) for extreme in shown],
+        "table": [_table_row(extreme, result[extreme.name], columns) for extreme in shown],
         "tally": [_tally(engine, method, cells) for engine, method in columns],
         "silent": _silent(cells),
         "full": any(cell.full for cell in cells),
@@ -110,13 +110,13 @@ def _tally(engine: str, method: str, cells: list[Cell]) -> dict[str, Any]:
 
 def _silent(cells: list[Cell]) -> list[dict[str, str]]:
     """Return the failures an engine did not mention at all and our checks caught, the first of each cell."""
-    found = []
+    result = []
     for cell in cells:
         point = next((p for p in cell.points if p.caught), None)
         if point is not None:
-            found.append({"engine": cell.engine, "method": cell.method, "extreme": cell.extreme,
+            result.append({"engine": cell.engine, "method": cell.method, "extreme": cell.extreme,
                           "status": point.status, "reason": point.reason})  # fmt: skip
-    return found
+    return result
 
 
 SECTION = Section("extremes", "Extremes", LEAD, context)
@@ -136,11 +136,11 @@ class Mark:
 
 def chart(cells: list[Cell], axis: Axis) -> dict[str, Any] | None:
     """Return what the template draws; the axis shows the listed values, mild to extreme, evenly."""
-    asked = [cell for cell in cells if cell.points]
-    if not asked:
+    wanted = [cell for cell in cells if cell.points]
+    if not wanted:
         return None
-    values = _values(asked, axis)
-    rows = [_chart_row(cell, k, axis, values) for k, cell in enumerate(asked)]
+    values = _values(wanted, axis)
+    rows = [_chart_row(cell, k, axis, values) for k, cell in enumerate(wanted)]
     height = TOP + ROW * len(rows)
     ticks = [{"x": place(value, values), "label": tick(axis, value)} for value in values]
     unit = f" ({axis.unit})" if axis.unit and not axis.labels else ""

@@ -63,8 +63,8 @@ ENVIRONMENT = Section("environment", "Environment", ENVIRONMENT_LEAD, environmen
 
 
 TRUTHS_LEAD = (
-    "What the errors are measured from. A truth judges no error that is less than 30 times larger than its own "
-    "uncertainty. Certified truths are kept with the project; mbs-ref certify makes one again."
+    "What the errors are measured from. An error below 30 times the truth's uncertainty is not "
+    "resolved. Certified truths are stored with the project; mbs-ref certify recomputes one."
 )
 
 

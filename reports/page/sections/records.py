@@ -10,7 +10,7 @@ from reports.facts.report_data import ReportData, Section
 from reports.page.slug import command
 
 LEAD = (
-    "Every run behind the plots. Copy a row's command to make it again. Times are of one run made beside others, "
+    "Every run behind the plots. Copy a row's command to repeat it. Times are of one run beside others, "
     "except where a setting is ranked: those were timed alone."
 )
 

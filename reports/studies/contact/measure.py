@@ -201,5 +201,5 @@ def _edges(scene: Scene, path: Trajectory, longest: float) -> np.ndarray:
     events = np.zeros(0) if path.event_times is None else path.event_times[:, 0]
     cuts = np.concatenate((events, scene.breakpoints(), np.linspace(0.0, end, int(np.ceil(end / longest)) + 1)))
     cuts = np.unique(cuts[(cuts > APART) & (cuts < end - APART)])
-    kept = cuts[np.concatenate(([True], np.diff(cuts) > APART))] if len(cuts) else cuts
-    return np.concatenate(([0.0], kept, [end]))
+    stored = cuts[np.concatenate(([True], np.diff(cuts) > APART))] if len(cuts) else cuts
+    return np.concatenate(([0.0], stored, [end]))

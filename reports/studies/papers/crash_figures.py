@@ -39,24 +39,24 @@ METHODS: dict[str, tuple[tuple[str, dict[str, Any]], ...]] = {
 
 def measure_crash() -> Measured:
     """Run both androids from the front, and what the claims name beside what the studies of the crashes measure."""
-    made = {kind: scenes.make(f"android_{kind}") for kind in SHOWN}
-    paths = {kind: finished(scene) for kind, scene in made.items()}
-    results = {kind: crash_results(made[kind], paths[kind]).forces for kind in made}
+    built = {kind: scenes.make(f"android_{kind}") for kind in SHOWN}
+    paths = {kind: finished(scene) for kind, scene in built.items()}
+    results = {kind: crash_results(built[kind], paths[kind]).forces for kind in built}
     figures: dict[str, Value] = {}
-    for kind, scene in made.items():
+    for kind, scene in built.items():
         figures |= _believable(kind)
         for method, more in METHODS[kind]:
             figures |= method_figures(scene, method, more)
-    figures["vertebral.rk4.refusal"] = simulate(made["vertebral"], Settings(method="rk4", step=1e-4)).message
-    figures |= _constraints(made["simplified"]) | _in_space(made["simplified"])
+    figures["vertebral.rk4.refusal"] = simulate(built["vertebral"], Settings(method="rk4", step=1e-4)).message
+    figures |= _constraints(built["simplified"]) | _in_space(built["simplified"])
     films = {
-        "Fig. 1": _film("simplified", 15_500.0), "Fig. 2": film(made["vertebral"], paths["vertebral"], 5),
+        "Fig. 1": _film("simplified", 15_500.0), "Fig. 2": film(built["vertebral"], paths["vertebral"], 5),
         "Fig. 2, joints that stop and parts that touch": _film("vertebral", 15_000.0, **BELIEVABLE),
     }  # fmt: skip
     drawn = {}
     for name, (kind, field, caption) in FIGURES.items():
         values = getattr(results[kind], field)
-        drawn |= forces(f"{name}, {caption}", made[kind], paths[kind].times, values, SHOWN[kind])
+        drawn |= forces(f"{name}, {caption}", built[kind], paths[kind].times, values, SHOWN[kind])
     return Measured(figures, {}, drawn, films)
 
 
@@ -97,10 +97,10 @@ def _believable(kind: str) -> dict[str, Value]:
         figures[f"{kind}.{impact}.believable_deepest"] = deepest(scene, finished(scene))
     for restraint in ("integral", "separate", "none"):
         scene = scenes.make(f"android_{kind}", impact="rear", head_restraint=restraint, **BELIEVABLE)
-        found = crash_results(scene, finished(scene))
-        figures[f"{kind}.rear.{restraint}.HIC36"] = found.measures["HIC36"]
-        figures[f"{kind}.rear.{restraint}.Nij"] = found.measures["Nij"]
-        figures[f"{kind}.rear.{restraint}.neck_least"] = float(found.neck_moment.min())
+        result = crash_results(scene, finished(scene))
+        figures[f"{kind}.rear.{restraint}.HIC36"] = result.measures["HIC36"]
+        figures[f"{kind}.rear.{restraint}.Nij"] = result.measures["Nij"]
+        figures[f"{kind}.rear.{restraint}.neck_least"] = float(result.neck_moment.min())
     return figures
 
 
@@ -132,8 +132,8 @@ RUN = Settings(rtol=1e-7, samples=MOMENTS + 1, estimate="off", reactions=False)
 
 def outline_pictures() -> dict[str, tuple[Row, ...]]:
     """Return the crashes in which bare and believable models differ: the lines to draw at each time."""
-    made = {title: scenes.make(f"android_{kind}", **more) for title, (kind, more) in DRAWN.items()}
-    return {f"outlines: {title}": _moments(scene) for title, scene in made.items()}
+    built = {title: scenes.make(f"android_{kind}", **more) for title, (kind, more) in DRAWN.items()}
+    return {f"outlines: {title}": _moments(scene) for title, scene in built.items()}
 
 
 def _moments(scene: Scene) -> tuple[Row, ...]:

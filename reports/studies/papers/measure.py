@@ -37,8 +37,8 @@ def _indices() -> dict[str, Value]:
     figures: dict[str, Value] = {}
     for method in INDICES:
         path = simulate(scenes.make("slider_crank"), Settings(method=method, rtol=1e-4, stabilization="none"))
-        kept = path.step_compliance
-        figures[f"{method}.compliance"] = float(kept[:, 1].max()) if path.ok and kept is not None else path.message
+        stored = path.step_compliance
+        figures[f"{method}.compliance"] = float(stored[:, 1].max()) if path.ok and stored is not None else path.message
     return figures
 
 
@@ -69,7 +69,7 @@ def satellites() -> dict[str, float | str]:
 
 DAYS = (200.0, 360.0)
 DAY = 86_400.0  # s
-OBSERVED = NoTruth("held against where the bodies really were")
+OBSERVED = NoTruth("compared with where the bodies really were")
 METHODS: tuple[tuple[str, dict[str, Any]], ...] = (
     ("euler", {"step": 0.1 * DAY}), ("rk4", {"step": DAY}), ("lsodar", {"rtol": 1e-9}), ("dop853", {"rtol": 1e-12}),
 )  # fmt: skip

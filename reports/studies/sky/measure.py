@@ -119,8 +119,8 @@ def add_splitting(measured: Measured) -> None:
 def formulations() -> list[Record]:
     """Return Newton's gravity among point masses, and among rigid bodies with Euler parameters, still or turning."""
     kinds = ({}, {"formulation": "euler_parameters"}, {"formulation": "euler_parameters", "spin": True})
-    made = [scenes.make("solar_system", model="newton", days=days, **kind) for days in DAYS for kind in kinds]
-    return [_observed(scene, "mbs_ref", RIGID) for scene in made]
+    built = [scenes.make("solar_system", model="newton", days=days, **kind) for days in DAYS for kind in kinds]
+    return [_observed(scene, "mbs_ref", RIGID) for scene in built]
 
 
 def add_formulations(measured: Measured, records: Sequence[Record]) -> None:
@@ -154,15 +154,15 @@ def races() -> list[tuple[str, str, list[Row]]]:
     """Return the races against the rivals that are installed: rival, ours, and a row for each scene."""
     decades = [scenes.make("solar_system", model="newton", days=DECADE, start=date) for date in DATES]
     satellites = [scenes.make("satellite", orbit=orbit, days=ORBIT_DAYS) for orbit in ORBITS]
-    found = []
-    for name, settings, made in (("rebound", IAS15, decades), ("heyoka", TAYLOR, satellites)):
+    result = []
+    for name, settings, built in (("rebound", IAS15, decades), ("heyoka", TAYLOR, satellites)):
         try:
             engines.get(name)
         except engines.EngineMissing:
             continue
-        laps = [_lap(name, settings, scene) for scene in made]
-        found.append((f"{name} {settings.method}", f"mbs_ref {FINE.method}", laps))
-    return found
+        laps = [_lap(name, settings, scene) for scene in built]
+        result.append((f"{name} {settings.method}", f"mbs_ref {FINE.method}", laps))
+    return result
 
 
 def add_race(measured: Measured, rival: str, ours: str, laps: Sequence[Row]) -> None:
@@ -178,7 +178,7 @@ def _lap(rival: str, theirs: Settings, scene: Scene) -> Row:
     """Run both in randomly interleaved turns on one scene; the ratio is the rival's loop time over ours."""
     runs = [partial(engines.get(name).run, scene, how) for name, how in (("mbs_ref", FINE), (rival, theirs))]
     paths = [run() for run in runs]  # compiles
-    ours, other = (min(path.timing.loop_s for path in made) for made in interleaved(runs, PAIRS))
+    ours, other = (min(path.timing.loop_s for path in built) for built in interleaved(runs, PAIRS))
     shown = scene.parameters.get("orbit", scene.parameters.get("start"))
     return {"scene": f"{scene.name} {shown}", "ratio": other / ours, "apart": _apart(scene, *paths)}
 

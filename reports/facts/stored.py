@@ -38,12 +38,12 @@ def recall[Fact](store: Store, key: str, kind: type[Fact]) -> Fact | None:
     return None if held is None else adapter(kind).validate_python(held[0]["facts"])
 
 
-def keep[Fact](store: Store, key: str, kind: type[Fact], found: Fact) -> Fact:
+def keep[Fact](store: Store, key: str, kind: type[Fact], result: Fact) -> Fact:
     """Keep facts under a key; ValueError where they hold NaN or infinity."""
-    plain = adapter(kind).dump_python(found, mode="json")
+    plain = adapter(kind).dump_python(result, mode="json")
     json.dumps(plain, allow_nan=False)
     store.keep_arrays(key, {"facts": plain}, {})
-    return found
+    return result
 
 
 def remembered[Fact](store: Store, key: str, kind: type[Fact], make: Callable[[], Fact]) -> Fact:
@@ -78,17 +78,17 @@ def _physics(scene: Scene) -> list[str]:
     return [scenes.label(scene.name, scene.parameters), physics_of(scene), truth_name(scene, grid(scene))]
 
 
-def stored_answers(store: Store, asked: list[Question]) -> dict[Question, Stored]:
+def stored_answers(store: Store, wanted: list[Question]) -> dict[Question, Stored]:
     """Return the answers that the store holds."""
-    held = {question: recall(store, _question_key(question), Stored) for question in asked}
+    held = {question: recall(store, _question_key(question), Stored) for question in wanted}
     return {question: answer for question, answer in held.items() if answer is not None}
 
 
 def settled_answers(
-    store: Store, asked: list[Question], report: Report, call: Isolated | None = None
+    store: Store, wanted: list[Question], report: Report, call: Isolated | None = None
 ) -> Iterator[Answer]:
     """Yield the settled answer to every question; the store keeps those in which the machine had no part."""
-    for answer in answers(Runs(store, call or Isolated(TIMEOUT)), asked, progress=report):
+    for answer in answers(Runs(store, call or Isolated(TIMEOUT)), wanted, progress=report):
         if answer.is_settled:
             if not any(record.status in PASSING for record in answer.records):
                 keep(store, _question_key(answer.question), Stored, Stored(answer.cell, answer.records))

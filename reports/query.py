@@ -40,7 +40,7 @@ def store_path(named: str | None) -> Path:
 
 
 @contextmanager
-def asked_runs(
+def open_runs(
     scenes: Iterable[Scene], store: str | None = None, timeout: float | None = None, memory_mib: float | None = None,
     scheduler: str | None = None,
 ) -> Iterator[Runs]:  # fmt: skip
@@ -49,8 +49,8 @@ def asked_runs(
     A user's Python function cannot travel to another process: scenes that have one run in this process. A signal that
     ends the process raises KeyboardInterrupt meanwhile, as Ctrl-C does.
     """
-    with stoppable(), Store(store_path(store)) as kept, isolated(scenes, timeout, memory_mib, scheduler) as call:
-        yield Runs(kept, call)
+    with stoppable(), Store(store_path(store)) as stored, isolated(scenes, timeout, memory_mib, scheduler) as call:
+        yield Runs(stored, call)
 
 
 def isolated(
@@ -100,7 +100,7 @@ def stoppable() -> Iterator[None]:
             signal.signal(one, handler)
 
 
-def telling(report: Report, best: Callable[[], str]) -> Report:
+def reporting(report: Report, best: Callable[[], str]) -> Report:
     """Return a report that also prints the best answer so far on stderr: after FIRST s, then at twice that, and so on.
 
     Nothing where the answer is empty.
@@ -155,8 +155,8 @@ def sweep_records(
     records: list[Record] = []
     so_far: list[Record] = []
     with ExitStack() as stack:
-        report = telling(stack.enter_context(progress(f"sweep {scene.name}")), lambda: best(so_far))
-        runs = stack.enter_context(asked_runs([scene], store, timeout, memory_mib, scheduler))
+        report = reporting(stack.enter_context(progress(f"sweep {scene.name}")), lambda: best(so_far))
+        runs = stack.enter_context(open_runs([scene], store, timeout, memory_mib, scheduler))
         written = {key_of(record) for record in begun(stack, target)}
         try:
             for record in sweep(
