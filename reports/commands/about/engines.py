@@ -53,7 +53,7 @@ def command(context: click.Context, as_json: bool) -> None:
     "--with", "more", multiple=True, metavar="REQUIREMENT", help="Further requirement that pip installs; repeatable."
 )
 def install(name: str, into: Path | None, over: bool, more: tuple[str, ...]) -> None:
-    """Create an environment of its own for engine NAME, in which all its runs are then made.
+    """Create an environment of its own for engine NAME, in which it runs from then on.
 
     An existing environment of NAME is replaced. The file MBS_REF_ENVIRONMENTS lists the environments.
     """

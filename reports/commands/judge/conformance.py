@@ -32,7 +32,7 @@ def command(engine: str, file: Path | None, badge: Path | None, timeout: float |
 
     ADAPTER.py holds a subclass of cross_checks.engine.Engine and the line ENGINE = <that class>. Errors are relative
     to each scene's size (in rad for orientations); a failure that the method declares as its weakness is named and
-    does not count. Every run is made in a process of its own: one that hangs or dies is named, and the rest goes on.
+    does not count. Every run has a process of its own: one that hangs or dies is named, and the others continue.
     """
     from cross_checks.conformance.apart import TIMEOUT, Apart
     from cross_checks.conformance.examine import examine
