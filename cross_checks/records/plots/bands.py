@@ -9,7 +9,7 @@ from mbs_ref.simulate.ensemble import Coordinate, Ensemble, Statistics, coordina
 
 HEIGHT = 300  # pixels of one coordinate
 GAP = 0.06  # of the height, between two
-SHOWN = 4  # lines that are drawn until others are asked for in the legend
+SHOWN = 4  # lines that are drawn until others are chosen in the legend
 
 
 def bands(ensemble: Ensemble) -> Figure:
@@ -48,7 +48,7 @@ def _points(ensemble: Ensemble) -> list[str]:
 def _add(
     figure: Figure, k: int, row: int, name: str, result: Statistics, column: int, times: list[float], one: Coordinate
 ) -> None:
-    """Add a median with the band about it; where a single run was made, its line alone."""
+    """Add a median with the band about it; of a single run, its line alone."""
     colour = COLOURS[k % len(COLOURS)]
     low, median, high = result.quantiles[:, :, column].tolist()
     common = {"legendgroup": name, "yaxis": _axis("y", row), "name": html.escape(name),

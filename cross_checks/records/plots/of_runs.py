@@ -119,7 +119,7 @@ def _truth_band(figure: Figure, records: list[Record]) -> None:
         {"type": "rect", "xref": "paper", "x0": 0, "x1": 1, "y0": low * 1e-3, "y1": known, **grey}
     ]
     figure.layout["annotations"] = [
-        {"text": f"the truth judges no error below {short(known)}", "xref": "paper", "x": 0.01, "y": math.log10(known),
+        {"text": f"errors below {short(known)} cannot be resolved", "xref": "paper", "x": 0.01, "y": math.log10(known),
          "yanchor": "top", "xanchor": "left", "showarrow": False, "font": {"size": 12}}
     ]  # fmt: skip
     figure.update_yaxes(range=[math.log10(low), math.log10(high)])

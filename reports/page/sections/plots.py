@@ -57,7 +57,7 @@ SECTIONS = (
 
 
 STRAIGHT = 0.1  # of the scene; lines bend above it, where a mechanism's own size limits the error
-AXES = {"step": "step h, s", "rtol": "relative tolerance asked"}
+AXES = {"step": "step h, s", "rtol": "relative tolerance"}
 
 
 def convergence(records: list[Record], over: str, orders: dict[tuple[str, str], int]) -> dict[str, Any] | None:

@@ -84,7 +84,7 @@ def test_pick_refuses_what_the_truth_cannot_judge(tmp_path):
     unsure = replace(RECORD, error=replace(RECORD.error, uncertainty=1e-9))
     done = run("pick", "pendulum", "--error", "2e-8", "--records", file_of(tmp_path, "r.jsonl", unsure))
     assert done.exit_code == 5
-    assert "judges no error below 3.0e-08 of it" in done.stderr
+    assert "resolves no error below 3.0e-08 of it" in done.stderr
 
 
 def test_compare_files(tmp_path):
