@@ -24,12 +24,13 @@ from mbs_ref.scene.scales import scales_of
 from mbs_ref.scene.toml import SceneFileError, read_scene
 from mbs_ref.self_checks import kept_rates
 from mbs_ref.settings import Settings
-from reports.terminal.console import EngineAbsent
+from reports.terminal.console import EngineAbsent, NothingSelected
 
 ENGINES = click.option(
     "--engine", "chosen", multiple=True, metavar="E|FILE.py",
     help="Only this engine, by name or by its adapter file; repeatable.",
 )  # fmt: skip
+SHARD = click.option("--shard", metavar="I/N", default="1/1", help="Only part I of N, for batch systems.")
 ROBOTS = (".urdf", ".xml")  # suffixes of their files
 SECONDS = {"": 1.0, "s": 1.0, "ms": 1e-3, "us": 1e-6, "min": 60.0}  # s, in a duration's unit
 
@@ -199,12 +200,14 @@ def seconds(text: str) -> float:
 
 
 def shard[T](items: Sequence[T], text: str) -> list[T]:
-    """Return part I of N, written as I/N; the parts are disjoint and together everything."""
+    """Return part I of N, written as I/N; the parts are disjoint and together everything. NothingSelected if empty."""
     part = re.fullmatch(r"(\d+)/(\d+)", text)
     index, count = (int(part[1]), int(part[2])) if part else (0, 0)
     if not 1 <= index <= count:
         raise click.UsageError(f"shard = {text} must be I/N with 1 <= I <= N")
-    return list(items[index - 1 :: count])
+    if not (chosen := list(items[index - 1 :: count])):
+        raise NothingSelected(f"part {text} of {len(items)} is empty")
+    return chosen
 
 
 def positive(_context: click.Context, option: click.Parameter, value: float | None) -> float | None:

@@ -23,7 +23,7 @@ from cross_checks.records.store import Store, default_path
 from mbs_ref.scene import Scene
 from mbs_ref.scene.traits import python_parts
 from reports import inputs
-from reports.terminal.console import Failed, Incomplete, Report, finite_record, progress
+from reports.terminal.console import Failed, Incomplete, Report, complain, finite_record, progress
 
 FIRST = 20.0  # s until the best answer so far is printed; then again whenever that time has doubled
 
@@ -157,7 +157,7 @@ def sweep_records(
     with ExitStack() as stack:
         report = reporting(stack.enter_context(progress(f"sweep {scene.name}")), lambda: best(so_far))
         runs = stack.enter_context(open_runs([scene], store, timeout, memory_mib, scheduler))
-        written = {key_of(record) for record in begun(stack, target)}
+        written = {key_of(record) for record in begun(stack, target, lines.read)}
         try:
             for record in sweep(
                 runs, scene, names, list(methods) or None, report, errors or DECADES,
@@ -174,17 +174,18 @@ def sweep_records(
     return records
 
 
-def begun(stack: ExitStack, target: Path | None) -> list[Record]:
-    """Return what interrupted work left in the file, and keep others from writing it."""
+def begun[Item](
+    stack: ExitStack, target: Path | None, read: Callable[[Path], tuple[list[Item], list[str]]]
+) -> list[Item]:
+    """Return what a file holds, which others cannot write until the stack is closed; nothing without a file."""
     if target is None:
         return []
     try:
         stack.enter_context(lines.exclusive(target))
     except lines.Busy as error:
         raise Failed(str(error)) from error
-    records, problems = lines.read(target)
-    for problem in problems:
-        click.echo(problem, err=True)
+    records, problems = read(target)
+    complain(problems)
     if records:
         click.echo(f"{target} holds {len(records)} records already; what is missing is added", err=True)
     return records

@@ -11,13 +11,12 @@ from time import process_time
 import numpy as np
 import pytest
 
+from benchmarks.trees.worker import right_hand_sides
 from cross_checks.prices.timing import interleaved
 from mbs_ref import scenes
 from mbs_ref.cores.choice import compile_scene
 from mbs_ref.cores.planar.system import PlanarSystem
 from mbs_ref.cores.spatial.system import SpatialSystem
-from mbs_ref.kernels.border import questions
-from mbs_ref.kernels.jit import jit
 from mbs_ref.scene import Scene
 from mbs_ref.scene.celestial import Newton
 from mbs_ref.scene.euler_parameters import rotation_matrices
@@ -30,20 +29,11 @@ LINEAR = 1.1  # largest exponent from the fewest to the most: 1 is linear
 SOLVED = 1e-9  # m/s^2 or rad/s^2: what roundoff leaves of accelerations of some ten, over chains of a thousand
 
 
-@jit
-def repeat(model, work, y, dy, count):
-    for _ in range(count):
-        questions.derivative(model, work, 0.0, y, dy)
-
-
 def loop(scene: Scene):
     """Return a function that evaluates CALLS right-hand sides."""
-    system = compile_scene(scene)
-    system.set_mode_time(0.0)
-    y = system.initial_state()
-    dy = y.copy()
-    repeat(system.model, system.work, y, dy, 1)
-    return lambda system=system: repeat(system.model, system.work, y, dy, CALLS)
+    run, _ = right_hand_sides(scene)
+    run(1)  # compile
+    return partial(run, CALLS)
 
 
 def chain(links: int) -> Scene:

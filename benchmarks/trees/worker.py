@@ -68,7 +68,7 @@ def rate(scene: str, parameters: dict[str, Any], seconds: float) -> dict[str, fl
     from mbs_ref import scenes
 
     if (scene, str(parameters)) not in _rated:
-        _rated[scene, str(parameters)] = _right_hand_sides(scenes.make(scene, **parameters))
+        _rated[scene, str(parameters)] = right_hand_sides(scenes.make(scene, **parameters))
     run, bodies = _rated[scene, str(parameters)]
     count, spent = 1, 0.0
     while spent < 0.1 * seconds:
@@ -85,7 +85,7 @@ def rate(scene: str, parameters: dict[str, Any], seconds: float) -> dict[str, fl
 _rated: dict[tuple[str, str], Any] = {}
 
 
-def _right_hand_sides(scene: Any) -> tuple[Any, int]:
+def right_hand_sides(scene: Any) -> tuple[Any, int]:
     """Return a function of how many right-hand sides to evaluate at the start, and the number of bodies."""
     from mbs_ref.cores.choice import compile_scene
     from mbs_ref.kernels.border import questions

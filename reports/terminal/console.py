@@ -91,6 +91,30 @@ def progress(title: str) -> Iterator[Report]:
         yield report
 
 
+def complain(problems: Iterable[str]) -> None:
+    """Print sentences on stderr."""
+    for problem in problems:
+        click.echo(problem, err=True)
+
+
+@contextmanager
+def writing(what: object) -> Iterator[None]:
+    """Raise Failed where a file cannot be written."""
+    try:
+        yield
+    except OSError as error:
+        raise Failed(f"{what}: cannot be written: {error.strerror}") from error
+
+
+@contextmanager
+def interruptible(done: Callable[[], str]) -> Iterator[None]:
+    """Raise Incomplete on Ctrl-C, with what is done."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        raise Incomplete(f"interrupted after {done()}") from None
+
+
 @contextmanager
 def awaited(what: str) -> Iterator[None]:
     """Say on stderr what is awaited, once it has taken longer than PAUSE."""

@@ -9,7 +9,7 @@ import click
 
 from reports import inputs
 from reports.terminal import survey
-from reports.terminal.console import Failed, Incomplete, NothingSelected, echo_json, number, progress, show_table
+from reports.terminal.console import Failed, NothingSelected, echo_json, interruptible, number, progress, show_table
 
 MOST_BELOW = 0.01  # share of the judged runs whose error may be above the estimate
 MOST_ABOVE = 10.0  # median of estimate over error
@@ -18,7 +18,7 @@ MOST_ABOVE = 10.0  # median of estimate over error
 @click.command(name="calibrate")
 @click.option("-n", "count", type=click.IntRange(min=1), default=500, show_default=True, help="Random runs.")
 @click.option("--first", type=click.IntRange(min=0), default=0, show_default=True, help="The first run's seed.")
-@click.option("--shard", metavar="I/N", default="1/1", help="Only part I of N of the runs, for batch systems.")
+@inputs.SHARD
 @click.option(
     "--keep",
     type=click.Path(dir_okay=False, path_type=Path),
@@ -37,19 +37,14 @@ def command(count: int, first: int, shard: str, keep: Path | None, target: Path 
     from benchmarks import calibration
 
     seeds = inputs.shard(list(range(first, first + count)), shard)
-    if not seeds:
-        raise NothingSelected(f"part {shard} of these runs is empty")
     known = calibration.stored(keep) if keep else {}
     result = [known[seed] for seed in seeds if seed in known]
-    try:
-        with progress("calibrate") as report:
-            for seed in [seed for seed in seeds if seed not in known]:
-                report(len(result), len(seeds), f"seed {seed}")
-                result.append(calibration.trial(seed))
-                if keep:
-                    calibration.keep(keep, result[-1])
-    except KeyboardInterrupt:
-        raise Incomplete(f"interrupted after {len(result)} runs") from None
+    with interruptible(lambda: f"{len(result)} runs"), progress("calibrate") as report:
+        for seed in [seed for seed in seeds if seed not in known]:
+            report(len(result), len(seeds), f"seed {seed}")
+            result.append(calibration.trial(seed))
+            if keep:
+                calibration.keep(keep, result[-1])
     rows, below = calibration.table(result), [one for one in result if one.is_below]
     if target:
         text = [calibration.to_dict(one) for one in below]

@@ -24,7 +24,7 @@ MOST_REASONS = 5  # told where nothing runs
 @inputs.KEEP
 @inputs.ENGINES
 @SCHEDULER
-@click.option("--shard", metavar="I/N", default="1/1", help="Only part I of N of the cells, for batch systems.")
+@inputs.SHARD
 @click.option("--json", "as_json", is_flag=True, help="Print JSON: a list of cells.")
 @STORE
 def command(

@@ -8,17 +8,16 @@ import click
 
 from cross_checks.extremes.cell import Cell
 from cross_checks.extremes.judge import Fate
-from cross_checks.records import lines as record_file
 from reports import inputs
-from reports.query import SCHEDULER, cluster
-from reports.terminal.console import Failed, Incomplete, NothingSelected, echo_json, number, progress, show_table
+from reports.query import SCHEDULER, begun, cluster
+from reports.terminal.console import Failed, NothingSelected, echo_json, interruptible, number, progress, show_table
 
 
 @click.command(name="extremes")
 @click.option("--full", is_flag=True, help="Every method and value, with long time limits.")
 @click.option("--only", metavar="TEXT", help="Only extremes whose name or family holds this.")
 @inputs.ENGINES
-@click.option("--shard", metavar="I/N", default="1/1", help="Only part I of N of the extremes, for batch systems.")
+@inputs.SHARD
 @SCHEDULER
 @click.option("--json", "as_json", is_flag=True, help="Print JSON lines, one a cell.")
 @click.option(
@@ -45,28 +44,16 @@ def command(
     if not extremes:
         raise NothingSelected(f"no extreme is named like {only!r}; there are {', '.join(e.name for e in every())}")
     extremes = inputs.shard(extremes, shard)
-    if not extremes:
-        raise NothingSelected(f"part {shard} of these extremes is empty")
     target = inputs.output(output, (".jsonl",))
-    result: list[Cell] = []
     with ExitStack() as stack:
         report = stack.enter_context(progress("extremes"))
         call = stack.enter_context(cluster(scheduler))
-        if target is not None:
-            try:
-                stack.enter_context(record_file.exclusive(target))
-            except record_file.Busy as error:
-                raise Failed(str(error)) from error
-            result, problems = cell.read(target)
-            for problem in problems:
-                click.echo(problem, err=True)
-        try:
-            for one in run.matrix(extremes, names, full=full, known=tuple(result), progress=report, call=call):
-                if target is not None:
-                    cell.append(target, one)
-                result.append(one)
-        except KeyboardInterrupt:
-            raise Incomplete(f"interrupted after {len(result)} cells") from None
+        result = begun(stack, target, cell.read)
+        stack.enter_context(interruptible(lambda: f"{len(result)} cells"))
+        for one in run.matrix(extremes, names, full=full, known=tuple(result), progress=report, call=call):
+            if target is not None:
+                cell.append(target, one)
+            result.append(one)
     names = {e.name for e in extremes}
     shown = [c for c in result if c.extreme in names and c.full == full and (not chosen or c.engine in chosen)]
     for one in shown if as_json else ():

@@ -23,7 +23,7 @@ from mbs_ref.scene import Scene
 from reports import inputs
 from reports.page.slug import command as reproduce
 from reports.query import STORE, Interrupted, isolated, open_runs, sweep_records
-from reports.terminal.console import Failed, Incomplete, NothingSelected, echo_json
+from reports.terminal.console import Failed, Incomplete, NothingSelected, complain, echo_json
 
 PATIENCE = 600.0  # s for a run that is known to finish: loading compiled code on a busy machine may take minutes
 FILE = click.Path(exists=True, dir_okay=False, path_type=Path)
@@ -140,8 +140,7 @@ def _pick_model(scene: str, parameters: tuple[str, ...], error: str, as_json: bo
 def _of_scene(file: Path, scene: Scene, chosen: tuple[str, ...]) -> list[Record]:
     """Return the file's records of this very scene, and of the engines chosen."""
     records, problems = record_file.read(file)
-    for problem in problems:
-        click.echo(problem, err=True)
+    complain(problems)
     own = [r for r in records if (r.scene, r.parameters) == (scene.name, scene.parameters)]
     if not own:
         raise NothingSelected(f"{file} holds no record of {scene.name} with these parameters")

@@ -9,7 +9,7 @@ import click
 
 from reports import inputs
 from reports.terminal import survey
-from reports.terminal.console import Failed, Incomplete, progress, show_table
+from reports.terminal.console import Failed, progress, show_table
 
 SAME_MACHINE = ("at once", "another process", "another order")  # what our own solver must repeat to the last bit
 
@@ -29,11 +29,8 @@ def command(chosen: tuple[str, ...], only: str | None, target: Path | None, as_j
     from cross_checks.conformance.cases import cases
 
     wanted = survey.named(cases(inputs.engine_names(chosen), repeatability.BLAS), only)
-    try:
-        with progress("repeatability") as report:
-            result = repeatability.measured(wanted, report)
-    except KeyboardInterrupt:
-        raise Incomplete("interrupted") from None
+    with progress("repeatability") as report:
+        result = repeatability.measured(wanted, report)
     facts = {"methods": repeatability.by_method(result), "runs": result}
     survey.answer(facts, target, as_json, _show)
     ours = [one for one in result if one["engine"] == "mbs_ref" and any(one["differs"].get(x) for x in SAME_MACHINE)]

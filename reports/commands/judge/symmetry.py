@@ -9,7 +9,7 @@ import click
 
 from reports import inputs
 from reports.terminal import survey
-from reports.terminal.console import Failed, Incomplete, progress, show_table
+from reports.terminal.console import Failed, interruptible, progress, show_table
 
 
 @click.command(name="symmetry")
@@ -29,13 +29,10 @@ def command(chosen: tuple[str, ...], only: str | None, target: Path | None, as_j
 
     wanted = survey.named(cases(inputs.engine_names(chosen)), only)
     result: list[dict[str, Any]] = []
-    try:
-        with progress("symmetry") as report, Isolated() as call:
-            for case in wanted:
-                report(len(result), len(wanted), case.name)
-                result.append(isolated(case, call))
-    except KeyboardInterrupt:
-        raise Incomplete(f"interrupted after {len(result)} cases") from None
+    with interruptible(lambda: f"{len(result)} cases"), progress("symmetry") as report, Isolated() as call:
+        for case in wanted:
+            report(len(result), len(wanted), case.name)
+            result.append(isolated(case, call))
     facts = {"methods": by_method(result), "cases": result}
     survey.answer(facts, target, as_json, _show)
     ours = [one for one in result if one["engine"] == "mbs_ref" and any(x["exceeds_error"] for x in one["broken"])]

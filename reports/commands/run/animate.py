@@ -12,7 +12,7 @@ from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings
 from mbs_ref.trajectory import Trajectory
 from reports import inputs
-from reports.terminal.console import EngineAbsent, Failed, progress
+from reports.terminal.console import EngineAbsent, Failed, progress, writing
 
 
 @click.command(name="animate")
@@ -65,10 +65,8 @@ def command(
             pictures[Path(target).with_suffix(".html")] = as_page(built.name, film, first.times[: len(film)], seconds)
         pictures[Path(target).with_suffix(".png")] = filmstrip(built, first, strip)
     for file, content in pictures.items():
-        try:
+        with writing(file):
             write_atomic(file, content)
-        except OSError as error:
-            raise Failed(f"{file} cannot be written: {error.strerror}") from error
         click.echo(str(file))
     short = [f"{name}: {path.message}" for name, path in runs.items() if not path.ok]
     if short:

@@ -18,7 +18,7 @@ from reports.poses_file import FORMATS, write_ensemble
 from reports.query import SCHEDULER, cluster
 from reports.scene_summary import summary
 from reports.shared_ensemble import shared_ensemble
-from reports.terminal.console import Failed, Incomplete, compiling, echo_json, number, progress, show, table
+from reports.terminal.console import Failed, Incomplete, compiling, echo_json, number, progress, show, table, writing
 
 
 @click.command(name="ensemble")
@@ -114,15 +114,13 @@ def _planned(
 
 
 def _write(built: Ensemble, target: Path | None, drawn: Path | None, output: str | None, plot: str | None) -> None:
-    try:
+    with writing(output or plot):
         if target is not None:
             write_ensemble(built, target)
         if drawn is not None:
             from cross_checks.records.plots.bands import bands
 
             write_atomic(drawn, bands(built).to_html().encode())
-    except OSError as error:
-        raise Failed(f"{output or plot}: cannot be written: {error.strerror}") from error
 
 
 def _show(built: Ensemble) -> None:

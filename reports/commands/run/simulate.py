@@ -32,6 +32,7 @@ from reports.terminal.console import (
     show,
     show_table,
     table,
+    writing,
 )
 from reports.terminal.text_plot import text_plot
 
@@ -77,12 +78,10 @@ def command(
     from cross_checks.judge import one_run as compare
     from cross_checks.judge.runs import UNTOLD
 
-    try:
-        record, trajectory = compare.judged_run(chosen_scene, solver.name, chosen, truth=UNTOLD)
-        if target is not None and trajectory is not None and record.status in ("success", "interrupted"):
+    record, trajectory = compare.judged_run(chosen_scene, solver.name, chosen, truth=UNTOLD)
+    if target is not None and trajectory is not None and record.status in ("success", "interrupted"):
+        with writing(f"-o {output}"):
             write_poses(trajectory, chosen_scene.body_names, target)
-    except OSError as error:
-        raise Failed(f"-o {output}: cannot be written: {error.strerror}") from error
     if not as_json:
         _show(record)
     if trajectory is not None and not no_truth and record.status in ("success", "stop-event"):

@@ -10,7 +10,7 @@ import click
 from cross_checks.engines import EngineMissing, writers
 from mbs_ref.atomic_file import write_atomic
 from reports import inputs
-from reports.terminal.console import EngineAbsent, Failed
+from reports.terminal.console import EngineAbsent, Failed, writing
 
 
 @click.command(name="write")
@@ -40,10 +40,8 @@ def command(
     if target is None:
         click.echo(text, nl=False)
         return
-    try:
+    with writing(f"-o {output}"):
         write_atomic(Path(target), text.encode())
-    except OSError as error:
-        raise Failed(f"-o {output}: cannot be written: {error.strerror}") from error
     click.echo(target)
 
 

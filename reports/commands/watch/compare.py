@@ -13,7 +13,16 @@ import click
 
 from cross_checks.records import lines as record_file
 from cross_checks.records.record import Record
-from reports.terminal.console import Failed, Incomplete, NothingSelected, echo_json, number, progress, show_table
+from reports.terminal.console import (
+    Failed,
+    Incomplete,
+    NothingSelected,
+    complain,
+    echo_json,
+    number,
+    progress,
+    show_table,
+)
 
 if TYPE_CHECKING:
     from benchmarks.trees.regression import Case, Finding
@@ -122,8 +131,7 @@ def _records(file: Path) -> list[Record]:
     if not file.is_file():
         raise click.UsageError(f"{file}: there is no such file")
     records, problems = record_file.read(file)
-    for problem in problems:
-        click.echo(problem, err=True)
+    complain(problems)
     return records
 
 

@@ -13,7 +13,7 @@ from benchmarks.history import Entry
 from cross_checks.records.plots.plot import new_figure
 from mbs_ref.atomic_file import write_atomic
 from reports import inputs
-from reports.terminal.console import NothingSelected, echo_json, number, show_table
+from reports.terminal.console import NothingSelected, complain, echo_json, number, show_table
 
 FILE = click.Path(exists=True, dir_okay=False, path_type=Path)
 
@@ -27,8 +27,7 @@ def command(file: Path, text: str, as_json: bool, output: str | None) -> None:
     """Show every series over time with its change points."""
     target = inputs.output(output, (".html",))
     database, problems = history.index(file)
-    for problem in problems:
-        click.echo(problem, err=True)
+    complain(problems)
     result = history.series(database, text)
     if not result:
         raise NothingSelected(f"no series in {file} holds {text!r}")

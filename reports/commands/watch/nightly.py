@@ -21,7 +21,7 @@ from reports.commands.watch.compare import end, findings_of
 from reports.commands.watch.history import write_trends
 from reports.facts.environment import environment
 from reports.query import sweep_records
-from reports.terminal.console import NothingSelected
+from reports.terminal.console import NothingSelected, complain
 
 FILE = click.Path(dir_okay=False, path_type=Path)
 FOLDER = click.Path(file_okay=False, path_type=Path)
@@ -96,8 +96,7 @@ def _sweep(folder: Path, only: str, where: Where) -> tuple[list[Entry], list[rec
 def _report_history(file: Path, trends: Path | None) -> None:
     """Say which series reached a new level these nights, and draw them all."""
     database, problems = history.index(file)
-    for problem in problems:
-        click.echo(problem, err=True)
+    complain(problems)
     result = history.series(database)
     for name, entry in history.new_levels(result).items():
         click.echo(f"{name}: a new level since {entry.made} ({entry.commit_id}): {entry.value:.4g} {entry.unit}")

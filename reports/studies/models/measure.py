@@ -8,12 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from cross_checks.judge.one_run import evaluate
 from cross_checks.metrics.state_error import off_truth
 from cross_checks.prices.timing import least_times
-from cross_checks.truth import NoTruth
 from mbs_ref import scenes
-from mbs_ref.crash.outlines import excesses
 from mbs_ref.crash.results import crash_results
 from mbs_ref.observables.attachment import Motion
 from mbs_ref.observables.contact_gap import rolling_slip
@@ -24,9 +21,10 @@ from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
 from mbs_ref.trajectory import Trajectory
 from reports.facts.curves import Measured
+from reports.studies.crash import deepest
 from reports.studies.models.choice import Ladder, Rung
+from reports.studies.sky.measure import observed
 
-OBSERVED = NoTruth("compared with where the bodies really were")
 Model = tuple[str, Scene, Settings]
 # what is shown of a rung, and its accuracy, from its path and that of the last one
 Told = Callable[[Scene, Trajectory, Trajectory], tuple[dict[str, float], float | None]]
@@ -68,7 +66,7 @@ def planets() -> Ladder:
 
 
 def _figures(scene: Scene) -> float:
-    return min(evaluate(scene, "mbs_ref", SKY, truth=OBSERVED).figures.values())
+    return min(observed(scene, "mbs_ref", SKY).figures.values())
 
 
 def satellites() -> Ladder:
@@ -156,11 +154,10 @@ def androids() -> Ladder:
 
     def text(scene: Scene, path: Trajectory, fullest: Trajectory) -> tuple[dict[str, float], float | None]:
         result = crash_results(scene, path)
-        through = max(float(depth.max()) for depth in excesses(Motion(scene, path)).values())
         return {
             "HIC36": result.measures["HIC36"], "Nij": result.measures["Nij"],
             "head's travel, m": (travel := float(np.abs(result.head_excursion[:, 0]).max())),
-            "passes through, m": max(through, 0.0),
+            "passes through, m": max(deepest(scene, path), 0.0),
         }, _digits(travel, _travel(fullest, models[-1][1]))  # fmt: skip
 
     note = "From the front, 50 km/h. No truth says which is right: the others are compared with the last rung."

@@ -7,9 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from cross_checks.judge.one_run import evaluate
 from cross_checks.metrics.state_error import off_truth
-from cross_checks.truth import NoTruth
 from mbs_ref import scenes
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
@@ -18,6 +16,7 @@ from reports.studies.papers.coordinates import coordinates
 from reports.studies.papers.crash_figures import measure_crash, outline_pictures
 from reports.studies.papers.formulations import euler_angles, multipliers
 from reports.studies.papers.track_figures import measure_track
+from reports.studies.sky.measure import observed
 
 TILTS = (0.1, 1e-3, 1e-8)  # rad, by which an axis misses the pole
 INDICES = ("dassl_index1", "dassl_index2", "dassl", "dassl_index3")
@@ -69,7 +68,6 @@ def satellites() -> dict[str, float | str]:
 
 DAYS = (200.0, 360.0)
 DAY = 86_400.0  # s
-OBSERVED = NoTruth("compared with where the bodies really were")
 METHODS: tuple[tuple[str, dict[str, Any]], ...] = (
     ("euler", {"step": 0.1 * DAY}), ("rk4", {"step": DAY}), ("lsodar", {"rtol": 1e-9}), ("dop853", {"rtol": 1e-12}),
 )  # fmt: skip
@@ -94,5 +92,5 @@ def measure_sky() -> dict[str, float | str]:
 
 
 def _figures(model: str, days: float, settings: Settings) -> float | str:
-    record = evaluate(scenes.make("solar_system", model=model, days=days), "mbs_ref", settings, truth=OBSERVED)
+    record = observed(scenes.make("solar_system", model=model, days=days), "mbs_ref", settings)
     return min(record.figures.values()) if record.status == "success" else record.message

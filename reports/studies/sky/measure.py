@@ -53,7 +53,7 @@ HIDDEN = ("sun", "moon")  # the Sun is the origin; the Moon would hide behind th
 def measure() -> Measured:
     """Run everything; half a minute with compiled code at hand."""
     measured = Measured()
-    add_levels(measured, [_observed(scenes.make("solar_system", model=level), "mbs_ref", FINE) for level in LEVELS])
+    add_levels(measured, [observed(scenes.make("solar_system", model=level), "mbs_ref", FINE) for level in LEVELS])
     add_formulations(measured, formulations())
     measured.tables["figures: Other ephemerides at the same time"] = tuple(
         {"name": EPHEMERIDES[name]} | figures for name, figures in spread().items()
@@ -107,7 +107,7 @@ def _gains(before: Record, after: Record) -> list[str]:
 def add_splitting(measured: Measured) -> None:
     """Add the relative energy error of a year of WHFast, and the Moon's figures; nothing without rebound."""
     scene = scenes.make("solar_system", model="newton")
-    record = _observed(scene, "rebound", COARSE_SPLITTING)
+    record = observed(scene, "rebound", COARSE_SPLITTING)
     if record.status != "success":
         return
     balance = energy_balance(scene, engines.get("rebound").run(scene, COARSE_SPLITTING))
@@ -120,7 +120,7 @@ def formulations() -> list[Record]:
     """Return Newton's gravity among point masses, and among rigid bodies with Euler parameters, still or turning."""
     kinds = ({}, {"formulation": "euler_parameters"}, {"formulation": "euler_parameters", "spin": True})
     built = [scenes.make("solar_system", model="newton", days=days, **kind) for days in DAYS for kind in kinds]
-    return [_observed(scene, "mbs_ref", RIGID) for scene in built]
+    return [observed(scene, "mbs_ref", RIGID) for scene in built]
 
 
 def add_formulations(measured: Measured, records: Sequence[Record]) -> None:
@@ -139,8 +139,8 @@ def _formulation(record: Record) -> Row:
     }  # fmt: skip
 
 
-def _observed(scene: Scene, engine: str, settings: Settings) -> Record:
-    """Run without the truth of the scene's own equations, which takes minutes to compute and is not shown."""
+def observed(scene: Scene, engine: str, settings: Settings) -> Record:
+    """Run and compare with an ephemeris; the truth of the scene's own equations takes minutes and is not shown."""
     return evaluate(scene, engine, settings, truth=OBSERVED)
 
 
