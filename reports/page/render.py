@@ -43,13 +43,25 @@ class Images:
 @cache
 def templates() -> Environment:
     """Return the templates, whose compiled form is kept beside the kernels' where that folder can be written."""
-    templates = Environment(loader=FileSystemLoader((TEMPLATES, STUDIES)), autoescape=True, undefined=StrictUndefined)
+    templates = Environment(
+        loader=FileSystemLoader((TEMPLATES, STUDIES)), autoescape=_is_page, undefined=StrictUndefined
+    )
+    templates.filters["plain"] = plain
     templates.globals |= {"style_of": style_of, "slug": slug}
     folder = cache_folder().parent / "templates"
     with suppress(OSError):
         folder.mkdir(parents=True, exist_ok=True)
         templates.bytecode_cache = FileSystemBytecodeCache(str(folder))
     return templates
+
+
+def _is_page(name: str | None) -> bool:
+    return name is not None and name.endswith(".html")
+
+
+def plain(text: object) -> str:
+    """Return text from records that Markdown does not take for markup."""
+    return str(text).replace("&", "&amp;").replace("<", "&lt;").replace("|", "\\|").replace("\n", " ")
 
 
 def render(data: ReportData) -> dict[str, bytes]:

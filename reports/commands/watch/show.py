@@ -15,7 +15,7 @@ from mbs_ref.scene.messages import suggest
 from reports.facts.report_data import ReportData
 from reports.page.advice import advice
 from reports.page.build import read_data
-from reports.page.files import PRICES, VERDICTS, price_row
+from reports.page.files import PRICES, VERDICTS, price_rows
 from reports.page.sections.decisions import counted
 from reports.page.sections.matrix import view
 from reports.page.sections.prices import cannot, price_table
@@ -59,7 +59,7 @@ def _chosen(data: ReportData, wanted: str) -> list[str]:
 
 
 def _print(data: ReportData, label: str, as_csv: bool, as_json: bool) -> None:
-    prices = [price_row(block["target"], row) for block in price_table(data, label) for row in block["rows"]]
+    prices = price_rows(data, label)
     if as_json:
         rows = [dict(zip(PRICES, row, strict=True)) for row in prices]
         echo_json({"scene": label, "cells": [cell.to_dict() for cell in data.cells], "prices": rows})
