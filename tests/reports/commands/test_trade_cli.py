@@ -8,7 +8,7 @@ from dataclasses import replace
 import pytest
 from click.testing import CliRunner
 
-from benchmarks.trees import regression
+from benchmarks.trees import regression, slowed
 from benchmarks.trees.regression import Case, Finding
 from cross_checks.isolation.parent import Lost
 from cross_checks.prices import confirm
@@ -173,3 +173,12 @@ def test_a_sweep_that_became_less_accurate_fails_the_night(night):
     done = run(*night["words"])
     assert done.exit_code == 1
     assert "worse than last night" in done.output
+
+
+@pytest.mark.parametrize(("percent", "sentence"), [("15", "B takes 15.0% longer"), ("0", "B takes 0.0% longer")])
+def test_a_version_is_compared_with_a_copy_that_is_slower_by_a_known_share(night, monkeypatch, percent, sentence):
+    monkeypatch.setattr(slowed, "copy_tree", lambda folder: folder)
+    monkeypatch.setattr(slowed, "calibrate", lambda folder, case, share: (7, share))
+    done = run("compare", ".", "--slowed", percent, "--only", "rk4")
+    assert done.exit_code == 0, done.output
+    assert sentence in done.stderr
