@@ -36,7 +36,7 @@ from reports.terminal.console import (
 @click.option("--against", metavar="OTHER", help="Compare FILE with this file, not with the scene's truth.")
 @click.option("--against-map", metavar="MAP.toml", help="The map of OTHER; --map unless given.")
 @click.option(
-    "--error", "asked", default="1e-6", show_default=True, metavar="E",
+    "--error", "wanted", default="1e-6", show_default=True, metavar="E",
     help="What counts as agreement: a share of the scene, or a length as 1mm.",
 )  # fmt: skip
 @click.option("--t-end", type=float, metavar="T", callback=inputs.positive, help="Duration, s; the scene's own.")
