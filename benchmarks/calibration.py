@@ -78,10 +78,10 @@ def trials(seeds: Iterable[int]) -> Iterator[Trial]:
         yield trial(seed)
 
 
-def kept(file: Path) -> dict[int, Trial]:
+def stored(file: Path) -> dict[int, Trial]:
     """Return the trials in a file by their seeds; those that other sources made are left out."""
-    found = lines.read_data(file, _from_dict)[0] if file.is_file() else []
-    return {one.seed: one for one in found if one.code == _code()}
+    result = lines.read_data(file, _from_dict)[0] if file.is_file() else []
+    return {one.seed: one for one in result if one.code == _code()}
 
 
 def keep(file: Path, one: Trial) -> None:
@@ -170,20 +170,20 @@ def _gap(scene: Scene, first: Trajectory, second: Trajectory) -> float:
     return float(min(largest(relative(scene, first, second, np.inf)), 1e300))
 
 
-def table(found: Iterable[Trial]) -> list[dict[str, Any]]:
+def table(result: Iterable[Trial]) -> list[dict[str, Any]]:
     """Return a row a method and one for all: runs judged, those below their error, and how far above the others are."""
-    every = list(found)
+    every = list(result)
     methods = sorted({one.method for one in every})
     return [_row("all", every), *(_row(name, [one for one in every if one.method == name]) for name in methods)]
 
 
-def _row(name: str, found: list[Trial]) -> dict[str, Any]:
-    decided = [one for one in found if one.is_decided]
-    over = [one.overestimate for one in found if one.overestimate is not None]
-    costs = [one.cost for one in found if one.cost is not None]
+def _row(name: str, result: list[Trial]) -> dict[str, Any]:
+    decided = [one for one in result if one.is_decided]
+    over = [one.overestimate for one in result if one.overestimate is not None]
+    costs = [one.cost for one in result if one.cost is not None]
     low, median, high = np.percentile(over, (1, 50, 90)).tolist() if over else (None, None, None)
     return {
-        "method": name, "runs": len(found), "with_estimate": len(costs), "judged": len(decided),
+        "method": name, "runs": len(result), "with_estimate": len(costs), "judged": len(decided),
         "below": sum(one.is_below for one in decided),
         "share_below": sum(one.is_below for one in decided) / len(decided) if decided else None,
         "overestimate_1": low, "overestimate_median": median, "overestimate_90": high,

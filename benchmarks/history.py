@@ -13,7 +13,8 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.pick import cost, pick, setting
+from cross_checks.prices.pick import pick, setting
+from cross_checks.records.cost import loop_time
 from cross_checks.records.record import Record
 
 COLUMNS = ("job", "made", "commit_id", "machine", "series", "value", "unit", "verdict", "error")
@@ -83,10 +84,10 @@ def index(path: Path) -> tuple[Path, list[str]]:
 
 def series(database: Path, name_contains: str = "") -> dict[str, list[Entry]]:
     """Return every series whose name holds the text, each in the order of time."""
-    asked = f"SELECT {', '.join(COLUMNS)} FROM entries WHERE instr(series, ?) ORDER BY series, made"
+    wanted = f"SELECT {', '.join(COLUMNS)} FROM entries WHERE instr(series, ?) ORDER BY series, made"
     series: dict[str, list[Entry]] = {}
     with closing(sqlite3.connect(database)) as connection:
-        for row in connection.execute(asked, (name_contains,)):
+        for row in connection.execute(wanted, (name_contains,)):
             entry = Entry(*row)
             series.setdefault(entry.series, []).append(entry)
     return series
@@ -130,10 +131,10 @@ def from_benchmarks(data: dict[str, Any], job: str, made: str, commit_id: str, m
     """Return the entries of a pytest-benchmark file, with loop time and accuracy where a suite tells one of each."""
     entries = []
     for item in data["benchmarks"]:
-        told = item["extra_info"]
-        loop = told.get("loop_s")
+        text = item["extra_info"]
+        loop = text.get("loop_s")
         seconds = float(loop if isinstance(loop, int | float) else item["stats"]["min"])
-        accuracy = next((told[key] for key in ACCURACIES if key in told), None)
+        accuracy = next((text[key] for key in ACCURACIES if key in text), None)
         entries.append(Entry(job, made, commit_id, machine, f"bench {item['name']}", seconds, "s", "", accuracy))
     return entries
 
@@ -147,8 +148,8 @@ def from_records(
         best = pick([record for record in records if record.engine == engine], error).best
         if best is not None and best.error is not None:
             series = f"loop {label} {engine} within {error:g} m"
-            told = setting(best)
-            entries.append(Entry(job, made, commit_id, machine, series, cost(best), "s", told, best.error.bound))
+            text = setting(best)
+            entries.append(Entry(job, made, commit_id, machine, series, loop_time(best), "s", text, best.error.bound))
     return entries
 
 

@@ -12,9 +12,11 @@ import sys
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
+from cross_checks.prices.timing import interleaved
 from mbs_ref import scenes
 from mbs_ref.cores.choice import core_name
 from mbs_ref.integrators import DEFAULT, integrators
@@ -31,7 +33,7 @@ TIGHT = 1e-13
 ROUNDOFF = 1e-12  # of the scene: below no error tells one run from another
 LOST = 1e-2  # of the scene: where the default at 1e-11 is so far from the tight run, no truth is known
 SLOW = 2.0  # s, a call that is not repeated
-TURNS = 7
+TURNS = 3
 METHODS = ("dop853", "radau", "lsodar", "gauss")  # adaptive ones on every scene or on particles
 
 
@@ -40,7 +42,7 @@ class Row:
     """One scene at one tolerance."""
 
     scene: str
-    asked: float  # rtol
+    wanted: float  # rtol
     chosen: str
     error: float  # of the scene, the largest of positions and orientations
     best: str  # method and rtol
@@ -55,19 +57,19 @@ def rows(name: str) -> Iterator[Row]:
     if not tight.ok or _error(scene, _run(scene, DEFAULT, 1e-11), tight) > LOST:
         return
     fixed = sorted(
-        (_cost(scene, method, rtol), method, rtol, _error(scene, path, tight))
+        (_in_turns(scene, (method, rtol))[0], method, rtol, _error(scene, path, tight))
         for method in METHODS if _runs(scene, method)
         for rtol in TRIED if (path := _run(scene, method, rtol)).ok
     )  # fmt: skip
-    for asked in ASKED:
-        path = _run(scene, AUTO, asked)
+    for wanted in ASKED:
+        path = _run(scene, AUTO, wanted)
         error = _error(scene, path, tight)
         fitting = [one for one in fixed if one[3] <= max(error, ROUNDOFF)]
         if not fitting:
             continue
         _, method, rtol, _ = fitting[0]
-        own, best = _in_turns(scene, (AUTO, asked), (method, rtol))
-        yield Row(name, asked, path.method, error, f"{method} {rtol:g}", own, own / best)
+        own, best = _in_turns(scene, (AUTO, wanted), (method, rtol))
+        yield Row(name, wanted, path.method, error, f"{method} {rtol:g}", own, own / best)
 
 
 def _runs(scene: Scene, method: str) -> bool:
@@ -80,25 +82,17 @@ def _run(scene: Scene, method: str, rtol: float) -> Trajectory:
 
 
 def _cost(scene: Scene, method: str, rtol: float) -> float:
-    """Return the CPU time (s) of a call, the least of three where it is short."""
-    times: list[float] = []
-    while len(times) < 3 and sum(times) < SLOW:
-        began = time.process_time()
-        _run(scene, method, rtol)
-        times.append(time.process_time() - began)
-    return min(times)
+    """Return the CPU time (s) of a call."""
+    began = time.process_time()
+    _run(scene, method, rtol)
+    return time.process_time() - began
 
 
 def _in_turns(scene: Scene, *choices: tuple[str, float]) -> list[float]:
-    costs: list[list[float]] = [[] for _ in choices]
-    for _ in range(TURNS):
-        for kept, (method, rtol) in zip(costs, choices, strict=True):
-            began = time.process_time()
-            _run(scene, method, rtol)
-            kept.append(time.process_time() - began)
-        if sum(map(sum, costs)) > 2 * SLOW:
-            break
-    return [min(kept) for kept in costs]
+    """Return the least CPU time (s) of each choice's calls, in interleaved turns; a slow one takes few."""
+    calls = [partial(_cost, scene, *choice) for choice in choices]
+    first = [min(times) for times in interleaved(calls, 1)]
+    return [min(times) for times in interleaved(calls, TURNS if sum(first) < SLOW else 1)]
 
 
 def _error(scene: Scene, path: Trajectory, tight: Trajectory) -> float:
@@ -106,14 +100,14 @@ def _error(scene: Scene, path: Trajectory, tight: Trajectory) -> float:
 
 
 def main(names: list[str]) -> None:
-    found = []
+    result = []
     for name in names or scenes.names():
         for row in rows(name):
-            found.append(row)
-            print(f"{row.scene:22s} {row.asked:6g}  {row.chosen:7s} error {row.error:8.1e}  "
+            result.append(row)
+            print(f"{row.scene:22s} {row.wanted:6g}  {row.chosen:7s} error {row.error:8.1e}  "
                   f"{row.cost_s * 1e3:9.2f} ms  {row.ratio:5.2f} of {row.best}", flush=True)  # fmt: skip
-    ratios = np.sort([row.ratio for row in found])
-    print(f"{len(found)} rows: median {np.median(ratios):.2f}, {np.mean(ratios <= 1.3):.0%} at most 1.3, "
+    ratios = np.sort([row.ratio for row in result])
+    print(f"{len(result)} rows: median {np.median(ratios):.2f}, {np.mean(ratios <= 1.3):.0%} at most 1.3, "
           f"largest {ratios[-1]:.2f}")  # fmt: skip
 
 

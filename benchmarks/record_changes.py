@@ -87,12 +87,12 @@ def _judge(old: Record, new: Record) -> tuple[Move, str]:
 
 
 def _by_status(old: Record, new: Record) -> tuple[Move, str]:
-    told = f"{old.status}, then {new.status}: {new.message}".rstrip(": ")
+    text = f"{old.status}, then {new.status}: {new.message}".rstrip(": ")
     if {old.status, new.status} & BY_MACHINE:
-        return Move.NOT_MEASURED, told
+        return Move.NOT_MEASURED, text
     if new.status == "success":
-        return Move.BETTER, told
-    return (Move.WORSE if old.status == "success" else Move.SAME), told
+        return Move.BETTER, text
+    return (Move.WORSE if old.status == "success" else Move.SAME), text
 
 
 def _by_error(old: Record, new: Record) -> tuple[Move, str]:
@@ -111,7 +111,7 @@ def _by_gap(old: Record, new: Record) -> tuple[Move, str]:
 
 
 def _grown(what: str, old: float, new: float, floor: float, unit: str) -> tuple[Move, str]:
-    told = f"{what} {old:.2e}, then {new:.2e} {unit}"
+    text = f"{what} {old:.2e}, then {new:.2e} {unit}"
     if max(old, new) <= floor or max(old, new) <= FACTOR * min(old, new):
-        return Move.SAME, told
-    return (Move.WORSE if new > old else Move.BETTER), told
+        return Move.SAME, text
+    return (Move.WORSE if new > old else Move.BETTER), text

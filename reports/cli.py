@@ -12,8 +12,8 @@ from pathlib import Path
 import click
 
 from reports import commands
-from reports.terminal import exit_codes
-from reports.terminal.exit_codes import Incomplete
+from reports.terminal import console as exit_codes
+from reports.terminal.console import Incomplete
 
 
 class Commands(click.Group):
@@ -48,8 +48,8 @@ class Commands(click.Group):
 @cache
 def _modules() -> dict[str, str]:
     """Return the module of every command by its name; they lie in folders by what they are about."""
-    found = pkgutil.walk_packages(commands.__path__, f"{commands.__name__}.")
-    return {info.name.rpartition(".")[2]: info.name for info in found if not info.ispkg}
+    result = pkgutil.walk_packages(commands.__path__, f"{commands.__name__}.")
+    return {info.name.rpartition(".")[2]: info.name for info in result if not info.ispkg}
 
 
 def _help_of(module: str) -> str:

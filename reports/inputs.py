@@ -24,40 +24,41 @@ from mbs_ref.scene.scales import scales_of
 from mbs_ref.scene.toml import SceneFileError, read_scene
 from mbs_ref.settings import Settings
 from mbs_ref.simulate.start.consistent import fitted_rates
-from reports.terminal.exit_codes import EngineAbsent
+from reports.terminal.console import EngineAbsent, NothingSelected
 
 ENGINES = click.option(
     "--engine", "chosen", multiple=True, metavar="E|FILE.py",
     help="Only this engine, by name or by its adapter file; repeatable.",
 )  # fmt: skip
+SHARD = click.option("--shard", metavar="I/N", default="1/1", help="Only part I of N, for batch systems.")
 ROBOTS = (".urdf", ".xml")  # suffixes of their files
 SECONDS = {"": 1.0, "s": 1.0, "ms": 1e-3, "us": 1e-6, "min": 60.0}  # s, in a duration's unit
 
 
-def scene(name_or_file: str, parameters: Sequence[str] = (), kept: Sequence[str] = ()) -> Scene:
+def scene(name_or_file: str, parameters: Sequence[str] = (), keep_rates: Sequence[str] = ()) -> Scene:
     """Return the scene of that name, or in that TOML, URDF or MJCF (.xml) file.
 
-    Initial velocities that `kept` names stay, and the others are made to fit the joints.
+    Initial velocities that `keep_rates` names stay, and the others are made to fit the joints.
     """
-    return _keeping(_read(name_or_file, parameters), kept)
+    return _keeping(_read(name_or_file, parameters), keep_rates)
 
 
-def comparable(name_or_file: str, parameters: Sequence[str] = (), kept: Sequence[str] = ()) -> Scene:
+def comparable(name_or_file: str, parameters: Sequence[str] = (), keep_rates: Sequence[str] = ()) -> Scene:
     """Return a scene that engines can be held against one another on: one whose start its own joints allow."""
-    made = scene(name_or_file, parameters, kept)
-    broken = broken_start(made, Settings().initial_tolerance)
+    built = scene(name_or_file, parameters, keep_rates)
+    broken = broken_start(built, Settings().initial_tolerance)
     if broken:
-        remedy = "mend the scene, or keep some velocities and let the others follow (--keep)"
-        raise click.UsageError(f"{name_or_file}: {broken}, which no engine can mend for all: {remedy}")
-    return made
+        remedy = "repair the scene, or fix some velocities and compute the others (--keep)"
+        raise click.UsageError(f"{name_or_file}: {broken}, which engines would repair differently: {remedy}")
+    return built
 
 
 def _read(name_or_file: str, parameters: Sequence[str]) -> Scene:
     if name_or_file.endswith(ROBOTS):
         return _robot(name_or_file, parameters)
     if Path(name_or_file).is_file() and not name_or_file.endswith(".toml"):
-        told = "a scene file ends in .toml, a robot in .urdf, or in .xml where it is MJCF"
-        raise click.UsageError(f"{name_or_file}: what it is follows from its name: {told}")
+        stated = "a scene file ends in .toml, a robot in .urdf, or in .xml where it is MJCF"
+        raise click.UsageError(f"{name_or_file}: the suffix decides the format: {stated}")
     try:
         if name_or_file.endswith(".toml"):
             if parameters:
@@ -79,22 +80,22 @@ def _with_parameters(name: str, parameters: dict[str, Any], **changed: Any) -> S
     return scenes.make(name, **{**parameters, **changed})
 
 
-def _keeping(made: Scene, kept: Sequence[str]) -> Scene:
-    if not kept:
-        return made
+def _keeping(built: Scene, keep_rates: Sequence[str]) -> Scene:
+    if not keep_rates:
+        return built
     try:
-        return fitted_rates(made, kept, Settings().initial_tolerance)
+        return fitted_rates(built, keep_rates, Settings().initial_tolerance)
     except ValueError as error:
         raise click.UsageError(str(error)) from error
 
 
 PARAMETERS = click.option("-p", "parameters", multiple=True, metavar="NAME=VALUE",
                           help="A parameter of the scene; repeatable.")  # fmt: skip
-KEEP = click.option("--keep", "kept", multiple=True, metavar="BODY.velocity|BODY.angular_velocity",
-                    help="Keep this initial velocity and make the others fit the joints; repeatable.")  # fmt: skip
+KEEP = click.option("--keep", "keep_rates", multiple=True, metavar="BODY.velocity|BODY.angular_velocity",
+                    help="Fix this initial velocity and compute the others from the joints; repeatable.")  # fmt: skip
 
 RUN = (
-    click.option("--method", help="How; unless given, mbs_ref chooses (auto) and says why."),
+    click.option("--method", help="Method of integration; by default mbs_ref chooses (auto) and states why."),
     click.option("--step", type=float, metavar="H", help="Step of a fixed-step method, s."),
     click.option("--rtol", type=float, metavar="R", help="Relative tolerance of an adaptive method."),
     click.option("--atol", type=float, metavar="A", help="Absolute tolerance; follows the scene unless given."),
@@ -105,7 +106,9 @@ RUN = (
     click.option("--outputs", type=click.Choice(["landed", "dense"]), help="End steps there, or interpolate."),
     click.option("--events", type=click.Choice(["located", "none"]), help="Locate contact events, or clip forces."),
     click.option("--estimate", type=click.Choice(["on", "off"]), help="Whether a second run estimates the error; on."),
-    click.option("--project-initial", is_flag=True, help="Repair inconsistent initial conditions and say by how much."),
+    click.option(
+        "--project-initial", is_flag=True, help="Project inconsistent initial conditions and report by how much."
+    ),
     KEEP,
 )  # of the settings of a run
 
@@ -129,14 +132,14 @@ def _robot(file: str, parameters: Sequence[str]) -> Scene:
     given = _parameters(parameters)
     start = Path(str(given.pop("start"))) if "start" in given else None
     try:
-        asked, drives = read_start(start) if start is not None else ({}, {})
-        robot = _reader(file)(path, asked | given)
-        made = robot.scene if start is None else driven(robot.scene, drives, start)
+        wanted, drives = read_start(start) if start is not None else ({}, {})
+        robot = _reader(file)(path, wanted | given)
+        built = robot.scene if start is None else driven(robot.scene, drives, start)
     except (RobotError, ValueError) as error:
         raise click.UsageError(str(error)) from error
     for sentence in robot.assumed:
         click.echo(f"{file}: assumed: {sentence}", err=True)
-    return made
+    return built
 
 
 def _reader(file: str) -> Callable[..., Any]:
@@ -187,22 +190,24 @@ def method(solver: Engine, name: str | None) -> str:
 
 def seconds(text: str) -> float:
     """Return a duration such as 50ms in seconds."""
-    found = re.fullmatch(r"([0-9.]+(?:e[+-]?[0-9]+)?)\s*([a-z]*)", text)
-    if not found or found[2] not in SECONDS:
+    results = re.fullmatch(r"([0-9.]+(?:e[+-]?[0-9]+)?)\s*([a-z]*)", text)
+    if not results or results[2] not in SECONDS:
         raise click.UsageError(f"budget = {text!r} is no duration; allowed: a number and one of s, ms, us, min")
-    value = _number(found[1])
+    value = _number(results[1])
     if not isinstance(value, int | float) or not value > 0:
         raise click.UsageError(f"budget = {text!r} must be greater than 0")
-    return value * SECONDS[found[2]]
+    return value * SECONDS[results[2]]
 
 
 def shard[T](items: Sequence[T], text: str) -> list[T]:
-    """Return part I of N, written as I/N; the parts are disjoint and together everything."""
+    """Return part I of N, written as I/N; the parts are disjoint and together everything. NothingSelected if empty."""
     part = re.fullmatch(r"(\d+)/(\d+)", text)
     index, count = (int(part[1]), int(part[2])) if part else (0, 0)
     if not 1 <= index <= count:
         raise click.UsageError(f"shard = {text} must be I/N with 1 <= I <= N")
-    return list(items[index - 1 :: count])
+    if not (chosen := list(items[index - 1 :: count])):
+        raise NothingSelected(f"part {text} of {len(items)} is empty")
+    return chosen
 
 
 def positive(_context: click.Context, option: click.Parameter, value: float | None) -> float | None:
@@ -262,12 +267,12 @@ LENGTHS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "nm": 1e-9, "km": 1e3}
 
 def relative_error(text: str, scene: Scene) -> float:
     """Return an error over the scene's scales: a bare number as it is, a length such as 1mm over the scene's length."""
-    found = re.fullmatch(r"\s*([-+0-9.eE]+?)\s*([a-z]*)\s*", text)
+    results = re.fullmatch(r"\s*([-+0-9.eE]+?)\s*([a-z]*)\s*", text)
     try:
-        value = float(found.group(1)) if found else math.nan
+        value = float(results.group(1)) if results else math.nan
     except ValueError:
         value = math.nan
-    unit = found.group(2) if found else ""
+    unit = results.group(2) if results else ""
     if not value > 0.0 or not math.isfinite(value) or (unit and unit not in LENGTHS):
         allowed = f"a positive number of the scene's scales, or a length in {', '.join(LENGTHS)}, as 1mm"
         raise click.UsageError(f"--error {text!r} is not understood; give {allowed}")

@@ -6,6 +6,8 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
 
 from mbs_ref.cores.choice import compile_scene
 from mbs_ref.scene import Scene
@@ -78,14 +80,8 @@ def _links(scene: Scene) -> list[tuple[str, str]]:
 def _groups(scene: Scene, with_ground: bool) -> int:
     """Return the number of groups that joints connect."""
     names = [*scene.body_names, *(["ground"] if with_ground else [])]
-    parent = {name: name for name in names}
-
-    def root(name: str) -> str:
-        while parent[name] != name:
-            name = parent[name]
-        return name
-
-    for one, other in _links(scene):
-        if one in parent and other in parent:
-            parent[root(one)] = root(other)
-    return len({root(name) for name in names})
+    index = {name: k for k, name in enumerate(names)}
+    pairs = [(index[one], index[other]) for one, other in _links(scene) if one in index and other in index]
+    rows, columns = np.array(pairs, dtype=int).reshape(-1, 2).T
+    graph = coo_array((np.ones(len(pairs)), (rows, columns)), shape=(len(names), len(names)))
+    return int(connected_components(graph, directed=False)[0])

@@ -16,9 +16,9 @@ import yaml
 
 from mbs_ref.scene.toml import loads
 from reports.cli import main
-from reports.site import trade
+from reports.site import gallery as trade
+from reports.site.__main__ import write_sources
 from reports.site.notebooks import executed, page
-from reports.site.write import write_sources
 
 ROOT = Path(__file__).parents[1]
 PAGES = sorted([*(ROOT / "docs").glob("*.md"), ROOT / "README.md", ROOT / "CONTRIBUTING.md"])

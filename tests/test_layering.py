@@ -32,17 +32,12 @@ ROOMS = {
     ),
     "cross_checks": (
         "isolation", "engine", "linkage truths", "engines robots", "mechanisms writers",
-        "ephemerides", "metrics", "records", "judge", "certify conformance extremes trajectory_files",
+        "ephemerides", "metrics", "records", "judge", "certify conformance extremes prices trajectory_files",
     ),
-    "benchmarks": (
-        "calibration event_work pick repeatability timing", "loop_times", "confirm sweep",
-        "history trees",
-        "record_changes", "suites",
-    ),
+    "benchmarks": ("calibration record_changes", "history trees", "suites"),
     "reports": (
-        "film poses_file reproduce scene_summary terminal", "inputs run_plot",
-        "sweeping", "facts", "drawing", "studies", "gather", "page site",
-        "commands", "cli",
+        "film poses_file scene_summary shared_ensemble terminal", "inputs", "query facts", "studies", "gather",
+        "page", "site", "commands", "cli",
     ),
 }  # fmt: skip
 MOST_ROOMS = 16  # files and folders of code at one level

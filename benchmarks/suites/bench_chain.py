@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import pytest
 
-from benchmarks.pick import pick, setting
-from benchmarks.sweep import sweep
 from cross_checks import engines
 from cross_checks.isolation.parent import Isolated
 from cross_checks.judge import ladder
 from cross_checks.judge.runs import Runs
+from cross_checks.prices.pick import pick, setting
+from cross_checks.prices.sweep import sweep
 from mbs_ref import scenes
 from mbs_ref.settings import Settings
 

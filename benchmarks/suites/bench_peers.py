@@ -74,7 +74,7 @@ def is_tree(scene: Scene) -> bool:
 
 def entrants(scene: Scene, peers: tuple[tuple[str, str], ...], truth: np.ndarray) -> dict[str, Timed]:
     """Return who reaches the error, by name."""
-    found, lean = {}, {"estimate": "off", "reactions": False, "samples": len(TIMES)}
+    result, lean = {}, {"estimate": "off", "reactions": False, "samples": len(TIMES)}
     for engine, name in ((OURS, "dop853"), *peers):
         if engine not in engines.names():
             continue
@@ -86,8 +86,8 @@ def entrants(scene: Scene, peers: tuple[tuple[str, str], ...], truth: np.ndarray
             own = [one.model_copy(update={**lean, "coordinates": coordinates}) for one in settings(method)]
             run = cheapest(engine, scene, own, truth)
             if run is not None:
-                found[f"{engine} {name} {coordinates}"] = run
-    return found
+                result[f"{engine} {name} {coordinates}"] = run
+    return result
 
 
 @pytest.mark.parametrize("case", CASES)

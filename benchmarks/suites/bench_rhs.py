@@ -4,39 +4,36 @@ from __future__ import annotations
 
 import itertools
 import math
-from timeit import timeit
+from collections.abc import Callable
+from functools import partial
+from time import process_time
 
 import numpy as np
 import pytest
 
+from benchmarks.trees.worker import right_hand_sides
+from cross_checks.prices.timing import interleaved
 from mbs_ref import scenes
 from mbs_ref.cores.choice import compile_scene
 from mbs_ref.cores.planar.system import PlanarSystem
 from mbs_ref.cores.spatial.system import SpatialSystem
-from mbs_ref.kernels.border import questions
-from mbs_ref.kernels.jit import jit
 from mbs_ref.scene import Scene
 from mbs_ref.scene.celestial import Newton
 from mbs_ref.scene.euler_parameters import rotation_matrices
 
 CALLS = 200  # of the right-hand side inside compiled code, so that no Python call is timed
+ROUNDS = 30  # of interleaved runs
+LOOPS = ((20, 100, 400, 1000), "loops")
+GROWING = {"pendulum_chain": ((100, 1000), "links"), "n_four_bar": LOOPS, "spatial_n_four_bar": LOOPS}
+LINEAR = 1.1  # largest exponent from the fewest to the most: 1 is linear
 SOLVED = 1e-9  # m/s^2 or rad/s^2: what roundoff leaves of accelerations of some ten, over chains of a thousand
-
-
-@jit
-def repeat(model, work, y, dy, count):
-    for _ in range(count):
-        questions.derivative(model, work, 0.0, y, dy)
 
 
 def loop(scene: Scene):
     """Return a function that evaluates CALLS right-hand sides."""
-    system = compile_scene(scene)
-    system.set_mode_time(0.0)
-    y = system.initial_state()
-    dy = y.copy()
-    repeat(system.model, system.work, y, dy, 1)
-    return lambda system=system: repeat(system.model, system.work, y, dy, CALLS)
+    run, _ = right_hand_sides(scene)
+    run(1)  # compile
+    return partial(run, CALLS)
 
 
 def chain(links: int) -> Scene:
@@ -105,18 +102,22 @@ def test_right_hand_side(benchmark, kernel):
     assert left < SOLVED
 
 
-def test_growth_is_linear(benchmark):
-    """Exponent of the time from 100 to 1000 bodies, from interleaved minima."""
-    loops = {links: loop(chain(links)) for links in (100, 1000)}
-    best = dict.fromkeys(loops, math.inf)
-
-    def measure():
-        for links, run in loops.items():
-            best[links] = min(best[links], timeit(run, number=1))
-
-    benchmark.pedantic(measure, rounds=50, warmup_rounds=2)
-    (few, short), (many, long) = best.items()
-    exponents = {f"exponent_{a}_{b}": math.log(best[b] / best[a], b / a) for a, b in itertools.pairwise(best)}
-    per_body = {few: short / CALLS / few * 1e9, many: long / CALLS / many * 1e9}
+@pytest.mark.parametrize("name", GROWING)
+def test_growth_is_linear(benchmark, name):
+    """Exponents of the processor time a right-hand side, from interleaved minima."""
+    sizes, parameter = GROWING[name]
+    built = {size: scenes.make(name, **{parameter: size}) for size in sizes}
+    runs = [partial(_processor_time, loop(scene)) for scene in built.values()]
+    times = benchmark.pedantic(interleaved, args=(runs, ROUNDS), rounds=1, warmup_rounds=1)
+    best = {size: min(own) for size, own in zip(sizes, times, strict=True)}
+    per_body = {size: best[size] / CALLS / len(scene.bodies) * 1e9 for size, scene in built.items()}
+    exponents = {f"exponent_{a}_{b}": math.log(best[b] / best[a], b / a) for a, b in itertools.combinations(sizes, 2)}
     benchmark.extra_info |= exponents | {"ns_per_body": per_body}
-    assert exponents["exponent_100_1000"] <= 1.1
+    print(f"\n{name}: ns a body { ({k: round(v) for k, v in per_body.items()}) }", exponents)
+    assert exponents[f"exponent_{sizes[0]}_{sizes[-1]}"] <= LINEAR
+
+
+def _processor_time(run: Callable[[], None]) -> float:
+    began = process_time()
+    run()
+    return process_time() - began

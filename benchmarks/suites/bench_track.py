@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from functools import partial
+
+from cross_checks.prices.timing import interleaved
 from mbs_ref import scenes
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
@@ -15,16 +18,10 @@ HELD = 3.0  # largest ratio of wheels held on the links by constraints (Fox 2001
 
 def in_turns(benchmark, settings: Settings, *parameters: dict) -> list[float]:
     """Return the least time (s) of the loop for each choice of the scene's parameters."""
-    times: list[list[float]] = [[] for _ in parameters]
-
-    def turns():
-        for kept, chosen in zip(times, parameters, strict=True):
-            run = simulate(scenes.make("tracked_vehicle", **chosen), settings)
-            assert run.ok, run.message
-            kept.append(run.timing.loop_s)
-
-    benchmark.pedantic(turns, rounds=ROUNDS, warmup_rounds=1)
-    return [min(kept) for kept in times]
+    runs = [partial(simulate, scenes.make("tracked_vehicle", **chosen), settings) for chosen in parameters]
+    paths = benchmark.pedantic(interleaved, args=(runs, ROUNDS), rounds=1, warmup_rounds=1)
+    assert all(path.ok for built in paths for path in built)
+    return [min(path.timing.loop_s for path in built) for built in paths]
 
 
 def test_the_cost_of_a_track_grows_linearly(benchmark):

@@ -7,8 +7,8 @@ from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from benchmarks.timing import Comparison, Pace, compare
 from benchmarks.trees.tree import Tree
+from cross_checks.prices.timing import Comparison, Pace, compare
 
 NOT_MEASURED = "not measured"
 MOST_PAIRS = 3  # of processes, to confirm that one tree is faster

@@ -7,12 +7,13 @@ from __future__ import annotations
 
 import argparse
 import json
-import random
 import statistics
+from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
 from benchmarks.trees.tree import Tree
+from cross_checks.prices.timing import interleaved
 
 ROUNDS = 15  # pairs, each in an order of its own
 SECONDS = 0.02  # of processor time a measurement
@@ -36,11 +37,8 @@ class Pair(NamedTuple):
 
 def paired(old: Tree, new: Tree, scene: str, parameters: dict[str, Any]) -> Pair:
     """Measure one scene in both trees, in turns."""
-    shuffled, times = random.Random(0), ([], [])
-    for _ in range(ROUNDS):
-        for which in shuffled.sample((0, 1), 2):
-            tree = (old, new)[which]
-            times[which].append(tree.rate(scene=scene, parameters=parameters, seconds=SECONDS))
+    runs = [partial(tree.rate, scene=scene, parameters=parameters, seconds=SECONDS) for tree in (old, new)]
+    times = interleaved(runs, ROUNDS)
     ratios = [after / before for before, after in zip(*times, strict=True)]
     return Pair(scene, parameters, min(times[0]), min(times[1]), statistics.median(ratios))
 
@@ -51,16 +49,16 @@ def main() -> None:
     parser.add_argument("old", type=Path)
     parser.add_argument("new", type=Path)
     parser.add_argument("-o", "--output", type=Path, help="JSON file for the figures")
-    asked = parser.parse_args()
-    found = []
-    with Tree(asked.old) as old, Tree(asked.new) as new:
+    wanted = parser.parse_args()
+    result = []
+    with Tree(wanted.old) as old, Tree(wanted.new) as new:
         for scene, parameters in CASES:
             pair = paired(old, new, scene, parameters)
-            found.append(pair._asdict())
+            result.append(pair._asdict())
             print(f"{scene} {parameters}: {pair.old_ns_per_body:.0f} -> {pair.new_ns_per_body:.0f} ns a body, "
                   f"new / old {pair.ratio:.3g}", flush=True)  # fmt: skip
-    if asked.output is not None:
-        asked.output.write_text(json.dumps(found, indent=1) + "\n")
+    if wanted.output is not None:
+        wanted.output.write_text(json.dumps(result, indent=1) + "\n")
 
 
 if __name__ == "__main__":

@@ -1,20 +1,18 @@
-"""Copies of the source tree: unchanged, or with a kernel slowed by a known share, to try the regression verdicts on.
+"""Copies of the source tree, unchanged or with a kernel slowed by a known share, to test the regression verdicts:
 
-python -m benchmarks.trees.slowed FOLDER --percent 15 --only "links=10 mbs_ref dop853"
-mbs-ref compare . FOLDER --only "links=10 mbs_ref dop853"
+mbs-ref compare . --slowed 15 --only "links=10 mbs_ref dop853"
 """
 
 from __future__ import annotations
 
 import ast
-import random
 import shutil
+from functools import partial
 from pathlib import Path
 
-import click
-
-from benchmarks.trees.regression import CASES, Case, cheapest
+from benchmarks.trees.regression import Case, cheapest
 from benchmarks.trees.tree import Tree
+from cross_checks.prices.timing import interleaved
 
 HERE = Path(__file__).parents[2]
 PACKAGES = ("mbs_ref", "cross_checks", "benchmarks")
@@ -70,41 +68,8 @@ def excess(before: Tree, after: Tree, case: Case) -> float:
     settings = cheapest(before.climb(**case.what, method=case.method), case.error)
     if settings is None:
         raise ValueError(f"no setting of {case.name} reaches {case.error:g} m")
-    order, loops = random.Random(0), {before: [], after: []}
-    for tree in (before, after):
-        tree.time(**case.what, settings=settings)  # compile
-    for _ in range(RUNS):
-        for tree in order.sample((before, after), 2):
-            loops[tree].append(tree.time(**case.what, settings=settings).loop_s)
-    return min(loops[after]) / min(loops[before]) - 1.0
-
-
-def case_named(text: str) -> Case:
-    """Return the one case whose name holds the text; ValueError where it is none or several."""
-    fitting = [case for case in CASES if text in case.name]
-    if len(fitting) != 1:
-        names = ", ".join(case.name for case in CASES)
-        raise ValueError(f"case = {text!r} fits {len(fitting)} cases; give one of: {names}")
-    return fitting[0]
-
-
-@click.command()
-@click.argument("folder", type=click.Path(exists=False, path_type=Path))
-@click.option("--percent", type=click.FloatRange(0.0, 1000.0), default=15.0, show_default=True, help="0: unchanged.")
-@click.option("--only", default="links=10 mbs_ref dop853", show_default=True, help="The case it is calibrated on.")
-def main(folder: Path, percent: float, only: str) -> None:
-    """Make a copy of this tree in FOLDER whose planar kernel is PERCENT slower on one case."""
-    try:
-        case = case_named(only)
-    except ValueError as error:
-        raise click.UsageError(str(error)) from error
-    copy_tree(folder)
-    if percent == 0.0:
-        click.echo(f"{folder}: an unchanged copy")
-        return
-    turns, measured = calibrate(folder, case, percent / 100.0)
-    click.echo(f"{folder}: {case.name} takes {measured:.1%} longer, {turns} square roots a right-hand side")
-
-
-if __name__ == "__main__":
-    main()
+    runs = [partial(tree.time, **case.what, settings=settings) for tree in (before, after)]
+    for run in runs:
+        run()  # compile
+    old, new = (min(sample.loop_s for sample in samples) for samples in interleaved(runs, RUNS))
+    return new / old - 1.0

@@ -9,9 +9,9 @@ import sys
 from pathlib import Path
 from typing import Any, Self
 
-from benchmarks.timing import Sample
 from benchmarks.trees import worker as tree_worker
 from cross_checks.isolation.parent import ONE_THREAD
+from cross_checks.prices.timing import Sample
 
 
 class Tree:

@@ -21,8 +21,8 @@ def main() -> None:
 
     _say(answers, {"tree": os.path.dirname(os.path.dirname(os.path.abspath(mbs_ref.__path__[0] + "/x")))})
     for line in sys.stdin:
-        asked = json.loads(line)
-        _say(answers, {"climb": climb, "time": timed, "rate": rate}[asked.pop("do")](**asked))
+        wanted = json.loads(line)
+        _say(answers, {"climb": climb, "time": timed, "rate": rate}[wanted.pop("do")](**wanted))
 
 
 def _say(answers: TextIO, data: Any) -> None:
@@ -37,13 +37,13 @@ def climb(scene: str, parameters: dict[str, Any], engine: str, method: str) -> l
     from cross_checks.judge.one_run import evaluate
     from mbs_ref import scenes
 
-    made = scenes.make(scene, **parameters)
+    built = scenes.make(scene, **parameters)
     runs = []
-    for settings in ladder.rungs(engines.get(engine).method(method), made):
-        record = evaluate(made, engine, settings, ladder.grid(made))
+    for settings in ladder.rungs(engines.get(engine).method(method), built):
+        record = evaluate(built, engine, settings, ladder.grid(built))
         error = None if record.error is None else record.error.value + record.error.uncertainty
-        loop_s, kept = record.times.get("loop_s"), record.settings
-        runs.append({"settings": kept, "status": record.status, "error": error, "loop_s": loop_s})
+        loop_s, stored = record.times.get("loop_s"), record.settings
+        runs.append({"settings": stored, "status": record.status, "error": error, "loop_s": loop_s})
         if (loop_s or 0.0) > 1.0:
             break
     return runs
@@ -56,10 +56,10 @@ def timed(scene: str, parameters: dict[str, Any], engine: str, settings: dict[st
     from mbs_ref import scenes
     from mbs_ref.settings import Settings
 
-    made = scenes.make(scene, **parameters)
-    chosen, times = Settings(**settings), ladder.grid(made)
+    built = scenes.make(scene, **parameters)
+    chosen, times = Settings(**settings), ladder.grid(built)
     wall, cpu = time.perf_counter(), time.process_time()
-    loop_s = engines.get(engine).run(made, chosen, times).timing.loop_s
+    loop_s = engines.get(engine).run(built, chosen, times).timing.loop_s
     return {"loop_s": loop_s, "cpu_share": (time.process_time() - cpu) / (time.perf_counter() - wall)}
 
 
@@ -68,7 +68,7 @@ def rate(scene: str, parameters: dict[str, Any], seconds: float) -> dict[str, fl
     from mbs_ref import scenes
 
     if (scene, str(parameters)) not in _rated:
-        _rated[scene, str(parameters)] = _right_hand_sides(scenes.make(scene, **parameters))
+        _rated[scene, str(parameters)] = right_hand_sides(scenes.make(scene, **parameters))
     run, bodies = _rated[scene, str(parameters)]
     count, spent = 1, 0.0
     while spent < 0.1 * seconds:
@@ -85,7 +85,7 @@ def rate(scene: str, parameters: dict[str, Any], seconds: float) -> dict[str, fl
 _rated: dict[tuple[str, str], Any] = {}
 
 
-def _right_hand_sides(scene: Any) -> tuple[Any, int]:
+def right_hand_sides(scene: Any) -> tuple[Any, int]:
     """Return a function of how many right-hand sides to evaluate at the start, and the number of bodies."""
     from mbs_ref.cores.choice import compile_scene
     from mbs_ref.kernels.border import questions

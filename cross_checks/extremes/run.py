@@ -111,11 +111,14 @@ def matrix(
     known: Collection[Cell] = (),
     progress: Progress | None = None,
     children: int = CHILDREN,
+    call: Isolated | None = None,
 ) -> Iterator[Cell]:
-    """Yield every cell as soon as it is known; those of `known` are not run again."""
+    """Yield every cell as soon as it is known; those of `known` are not run again. `call` is a cluster's caller."""
     before = {cell.key for cell in known}
     wanted = [task for task in tasks(extremes, engines, full) if (task[2].name, *task[:2], full) not in before]
-    for done, (_, cell) in enumerate(each(wanted, partial(_cell, full), children, memory=MEMORY), 1):
+    for done, (_, cell) in enumerate(
+        each(wanted, partial(_cell, full), 0 if call else children, memory=MEMORY, call=call), 1
+    ):
         if progress is not None:
             progress(done, len(wanted), f"{cell.engine} {cell.method} {cell.extreme}")
         yield cell

@@ -115,6 +115,10 @@ class Isolated:
         """How many calls can be made side by side: as many as this process may use processors."""
         return len(os.sched_getaffinity(0))
 
+    def here(self) -> Isolated:
+        """Return a caller of the same limits on this machine."""
+        return self
+
     def alike(self) -> Isolated:
         """Return another caller of the same limits, with a child of its own."""
         return Isolated(self.timeout, self.memory, self.threads, self.python, self.variables)

@@ -42,6 +42,10 @@ class Remote(Isolated):
         """How many calls the cluster can make side by side."""
         return max(1, sum(dict(self.client.nthreads()).values()))  # type: ignore[call-overload] - no coroutine
 
+    def here(self) -> Isolated:
+        """Return a caller of the same limits on this machine."""
+        return Isolated(self.timeout, self.memory)
+
     def alike(self) -> Remote:
         """Return another caller on the same cluster."""
         return Remote(self.timeout, self.memory, scheduler=self.scheduler, _client=self.client, _is_alike=True)

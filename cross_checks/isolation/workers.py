@@ -175,10 +175,13 @@ def _made(worker: _Worker, task: _Task) -> Any:
 
 def each[Task, Result](
     tasks: Sequence[Task], work: Callable[[Caller, Task], Result], workers: int = 0, timeout: float = TIMEOUT,
-    memory: int = MEMORY,
+    memory: int = MEMORY, call: Isolated | None = None,
 ) -> Iterator[tuple[Task, Result]]:  # fmt: skip
-    """Yield every task with what `work` returns for it, as soon as it is known, from a Pool without first tries."""
-    with Pool[Task, Result](Isolated(timeout, memory), workers) as pool:
+    """Yield every task with what `work` returns for it, as soon as it is known, from a Pool without first tries.
+
+    Calls are made by callers alike `call`, unless given in processes of this machine.
+    """
+    with Pool[Task, Result](call or Isolated(timeout, memory), workers) as pool:
         for task in tasks:
             pool.add(task, partial(_on, work, task))
         yield from pool  # type: ignore[misc]

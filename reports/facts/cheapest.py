@@ -1,14 +1,17 @@
-"""Cost at equal error: each engine's cheapest run at a target."""
+"""Cost at equal error: each engine's cheapest run at a target, and the ranks, factors and performance
+profiles of engines over all scenes.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
+from statistics import median
 
 from cross_checks.judge.bounds import TARGETS
-from cross_checks.judge.vocabulary import ANSWERS, Answer, Cell
+from cross_checks.judge.vocabulary import ANSWERS, OURS, Answer, Cell
+from cross_checks.records.cost import loop_time
 from cross_checks.records.record import Record
-from mbs_ref.trajectory import Status
 from reports.facts.report_data import ReportData
 
 NEAR = 1.5  # times the cheapest first run: settings that near are timed, too, since first runs are noisy
@@ -23,27 +26,6 @@ class Entry:
     best: Record | None = None  # its cheapest run, where it reached the target
     reason: str = ""
     method: str = ""
-
-
-def usable(record: Record) -> bool:
-    """Return whether the run finished and was measured against a truth."""
-    return record.status == Status.SUCCESS and record.error is not None and record.times.get("loop_s") is not None
-
-
-def known_error(record: Record) -> float:
-    """Return the error with the truth's uncertainty added, as `mbs-ref pick` counts it."""
-    assert record.error is not None
-    return record.error.bound
-
-
-def floor(records: Iterable[Record]) -> float:
-    """Return the smallest error that the records' truth judges."""
-    return max((r.error.floor for r in records if r.error), default=0.0)
-
-
-def loop_time(record: Record) -> float:
-    """Return the loop time (s) by which runs are ranked."""
-    return record.times.get("loop_s", float("inf"))
 
 
 def reaching(data: ReportData, scene: str, engine: str, target: float) -> list[Record]:
@@ -88,14 +70,78 @@ def near(runs: Sequence[Record]) -> list[Record]:
     return [run for run in runs if loop_time(run) <= NEAR * loop_time(runs[0])]
 
 
-def best_of_engines(records: Sequence[Record], target: float = 1e-6) -> list[Record]:
-    """Return one record for each engine: its cheapest within `target`, else its most accurate, else its last."""
+INSIDE = {
+    "mbs_ref": "compiled loop; the check of the start, and the error estimate of a judged run, lie outside",
+    "exudyn": "its own C++ loop, one call a run for a fixed step, with modified Newton; "
+    "forces that it lacks come through Python callbacks inside the loop",
+    "mujoco": "mj_step in C, called from Python once an output, where its warnings are read; "
+    "forces that it lacks come through callbacks inside the loop",
+    "pinocchio": "its C++ dynamics called from Python at every stage: the calls are inside the loop; "
+    "only breakpoints restart its adaptive method",
+    "pinocchio_cpp": "its C++ dynamics in a C++ loop of ours, compiled here against the headers of its wheel; "
+    "one call a run",
+    "rebound": "its own C loop; additional forces are compiled",
+    "drake": "Simulator.AdvanceTo in C++, called from Python once an output; "
+    "forces that it lacks come through a Python system inside the loop",
+    "dart": "World.step in C++, called from Python once a step, as its users do",
+    "mjx": "one compiled call an output; compiling it, which takes seconds, is counted as the first call",
+    "opensim": "Manager.integrate in C++, called from Python once an output",
+    "basilisk": "fixed steps by its scheduler in C++; adaptive ones by one call of the spacecraft an output",
+    "newton": "a recorded step, replayed by Warp in C++, called from Python once a step; "
+    "compiling and recording it are counted as the first call",
+    "heyoka": "its own compiled loop; compiling the Taylor series is counted as building the model",
+}
 
-    def preference(record: Record) -> tuple[int, float]:
-        if not usable(record):
-            return (2, 0.0)
-        error = known_error(record)
-        return (0, loop_time(record)) if error <= target else (1, error)
 
-    names = dict.fromkeys(r.engine for r in records)
-    return [min((r for r in reversed(records) if r.engine == name), key=preference) for name in names]
+MIDDLE = 1e-6  # over the scene's scales: the target at which engines are compared in words
+
+
+@dataclass(frozen=True)
+class Standing:
+    """An engine at one target, each engine at its cheapest setting. Our own solver is ranked nowhere."""
+
+    engine: str
+    reached: int  # scenes
+    cheapest: int  # scenes on which it is the cheapest ranked engine
+    factors: dict[str, float]  # scene -> its loop time over that of the cheapest ranked engine
+    problems: int  # scenes on which some ranked engine reaches the target
+
+    @property
+    def median(self) -> float | None:
+        """The median of the factors; None without any."""
+        return median(self.factors.values()) if self.factors else None
+
+    def share(self, tau: float) -> float:
+        """Return rho(tau): the share of problems solved within tau times the best time (Dolan & More 2002, eq 1)."""
+        return sum(factor <= tau for factor in self.factors.values()) / self.problems
+
+
+def over_cheapest(listed: list[Entry]) -> dict[str, float]:
+    """Return each engine's loop time over that of the cheapest ranked engine, by engine; empty where none is ranked."""
+    times = {entry.engine: loop_time(entry.best) for entry in listed if entry.best is not None}
+    least = min((time for engine, time in times.items() if engine != OURS), default=None)
+    return {} if least is None else {engine: time / least for engine, time in times.items()}
+
+
+def standings(data: ReportData, target: float) -> list[Standing]:
+    """Return the ranked engines that reach the target somewhere, the most often cheapest first; then ours."""
+    return data.once(("standings", target), lambda: _standings(data, target))
+
+
+def _standings(data: ReportData, target: float) -> list[Standing]:
+    listed = {scene: entries(data, scene, target) for scene in data.scenes}
+    factors = {scene: over_cheapest(own) for scene, own in listed.items()}
+    first = [min((f, e) for e, f in own.items() if e != OURS)[1] for own in factors.values() if own]
+
+    def standing(engine: str) -> Standing:
+        reached = sum(e.engine == engine and e.best is not None for own in listed.values() for e in own)
+        own = {scene: ratios[engine] for scene, ratios in factors.items() if engine in ratios}
+        return Standing(engine, reached, first.count(engine), own, len(first))
+
+    every = [one for engine in data.engines if (one := standing(engine)).reached or engine == OURS]
+    return sorted(every, key=lambda one: (one.engine == OURS, -one.cheapest, -one.reached, one.median or float("inf")))
+
+
+def standing_of(data: ReportData, engine: str, target: float) -> Standing | None:
+    """Return an engine's standing; None where it reaches the target nowhere."""
+    return next((one for one in standings(data, target) if one.engine == engine), None)

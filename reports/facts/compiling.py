@@ -15,7 +15,7 @@ from mbs_ref.kernels.jit import cache_folder
 from mbs_ref.scene.traits import Coordinates
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate_scenes
-from reports.facts.kept import keep, recall
+from reports.facts.stored import keep, recall
 
 
 class Core(NamedTuple):
@@ -50,11 +50,11 @@ def compile_kernels(store: Store, report: Report, lanes: bool = False) -> None:
     With `lanes` runs side by side, too.
     """
     keys = {core: _key(core) for core in ([*CORES, LANES] if lanes else CORES)}
-    asked = [core for core, key in keys.items() if not (recall(store, key, bool) and cache_folder().is_dir())]
-    if asked:
-        report(0, len(asked), f"compiling {', '.join(asked)}: a minute, once for each change of the solver")
-    for done, (core, _) in enumerate(each(asked, _compile), 1):
-        report(done, len(asked), f"compiled {core}")
+    wanted = [core for core, key in keys.items() if not (recall(store, key, bool) and cache_folder().is_dir())]
+    if wanted:
+        report(0, len(wanted), f"compiling {', '.join(wanted)}: a minute, once for each change of the solver")
+    for done, (core, _) in enumerate(each(wanted, _compile), 1):
+        report(done, len(wanted), f"compiled {core}")
         keep(store, keys[core], bool, True)
 
 
@@ -71,16 +71,16 @@ def _compile(call: Caller, core: str) -> None:
 
 def run_in_lanes() -> None:
     """Run the first hundredth of a tree as a batch does."""
-    made = scenes.make("double_pendulum")
-    simulate_scenes([made], _settings("dop853", "adaptive", made.duration, "relative"), lanes=True)
+    built = scenes.make("double_pendulum")
+    simulate_scenes([built], _settings("dop853", "adaptive", built.duration, "relative"), lanes=True)
 
 
 def run_methods(scene: str, coordinates: Coordinates, every_method: bool) -> None:
     """Run the first hundredth of a scene by the default method, or by every method that takes it."""
-    made, solver = scenes.make(scene), engines.get(SOLVER)
+    built, solver = scenes.make(scene), engines.get(SOLVER)
     for method in solver.methods() if every_method else (solver.method(None),):
-        if not solver.method_refusals(made, method):
-            solver.run(made, _settings(method.name, method.kind, made.duration, coordinates))
+        if not solver.method_refusals(built, method):
+            solver.run(built, _settings(method.name, method.kind, built.duration, coordinates))
 
 
 def _settings(method: str, kind: str, duration: float, coordinates: Coordinates) -> Settings:

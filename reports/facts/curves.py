@@ -1,20 +1,22 @@
-"""Lines over a common axis, and films of a motion, as plain data that a page can draw without computing anything."""
+"""Lines over a common axis and films of a motion, as plain data, and the plots that they make."""
 
 from __future__ import annotations
 
 import base64
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 
+from cross_checks.records.plots.plot import COLOURS, DASHES, FLOOR, new_figure, to_data
 from mbs_ref.scene import Scene
 from mbs_ref.trajectory import Trajectory
 from reports.film.files import filmstrip, gif
 
 MOST_POINTS = 201  # of a line
 DIGITS = 6
+HEIGHT = 360  # pixels of a plot
 
 Value = int | float | str | None
 Row = Mapping[str, Value]  # of a table, by column
@@ -24,13 +26,14 @@ Row = Mapping[str, Value]  # of a table, by column
 class Curves:
     """What a small plot shows; every line has the x of all."""
 
-    x: tuple[float, ...]
-    lines: dict[str, tuple[float, ...]]
+    x: tuple[float | str, ...]
+    lines: Mapping[str, Sequence[float | None]]  # None is a gap
     y_label: str
     x_label: str = "t, s"
     log: bool = False
     x_log: bool = False
     marks: str = "lines"  # lines | markers | lines+markers
+    equal: bool = False  # whether both axes have one scale
 
 
 @dataclass(frozen=True)
@@ -59,10 +62,10 @@ def curves(x: np.ndarray, lines: Mapping[str, np.ndarray], y_label: str, log: bo
 
 def plain(values: Any) -> tuple[float, ...]:
     """Return rounded floats; ValueError where one is not finite."""
-    found = np.asarray(values, dtype=float)
-    if not np.all(np.isfinite(found)):
+    result = np.asarray(values, dtype=float)
+    if not np.all(np.isfinite(result)):
         raise ValueError("a curve holds a value that is not finite")
-    return tuple(float(f"{value:.{DIGITS}g}") for value in found)
+    return tuple(float(f"{value:.{DIGITS}g}") for value in result)
 
 
 def film(scene: Scene, path: Trajectory, every: int) -> Film:
@@ -70,3 +73,18 @@ def film(scene: Scene, path: Trajectory, every: int) -> Film:
     fields = ("times", "position", "orientation", "velocity", "angular_velocity")
     few = replace(path, **{name: getattr(path, name)[::every] for name in fields})
     return Film(*(base64.b64encode(picture).decode() for picture in (gif(scene, few), filmstrip(scene, few))))
+
+
+def overlay(curves: Mapping[str, Curves]) -> dict[str, Any]:
+    """Return the data of one figure with the lines of all curves, on the axes of the first."""
+    first = next(iter(curves.values()))
+    figure = new_figure(first.x_label, first.y_label, x_log=first.x_log, y_log=first.log, height=HEIGHT)
+    if first.equal:
+        figure.update_yaxes(scaleanchor="x")
+    lines = [(title, name, c, line) for title, c in curves.items() for name, line in c.lines.items()]
+    for k, (title, name, c, line) in enumerate(lines):
+        shown = [None if value is None else max(abs(value), FLOOR) if c.log else value for value in line]
+        label = name if not title else title if len(c.lines) == 1 else f"{title}: {name}"
+        style = {"color": COLOURS[k % len(COLOURS)], "dash": DASHES[k // len(COLOURS) % len(DASHES)], "width": 2}
+        figure.add_scatter(x=list(c.x), y=shown, mode=c.marks, name=label, line=style)
+    return to_data(figure)

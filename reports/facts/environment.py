@@ -6,11 +6,12 @@ import os
 import platform
 import subprocess
 from datetime import UTC, datetime
+from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
-from benchmarks.loop_times import processor
 from cross_checks import engines
+from cross_checks.prices.timing import processor
 
 PACKAGES = ("mbs-ref", "numpy", "scipy", "numba", "pydantic", "plotly")
 
@@ -24,25 +25,32 @@ def environment() -> dict[str, str]:
         "processors": str(os.cpu_count()),
         "system": platform.platform(),
         "python": platform.python_version(),
-        **{name: _version(name) for name in PACKAGES},
-        **{f"engine {name}": _engine(name) for name in engines.names()},
+        **{name: package_version(name) for name in PACKAGES},
+        **{f"engine {name}": version for name, version in engine_versions()},
     }
 
 
 def _commit() -> str:
-    asked = ["git", "-C", str(Path(__file__).parent), "describe", "--always", "--dirty"]
+    wanted = ["git", "-C", str(Path(__file__).parent), "describe", "--always", "--dirty"]
     try:
-        found = subprocess.run(asked, capture_output=True, text=True, check=False)
+        result = subprocess.run(wanted, capture_output=True, text=True, check=False)
     except FileNotFoundError:
         return "unknown: no git here"
-    return found.stdout.strip() or "unknown: not a git checkout"
+    return result.stdout.strip() or "unknown: not a git checkout"
 
 
-def _version(package: str) -> str:
+def package_version(package: str) -> str:
+    """Return the version of an installed package, or that there is none."""
     try:
         return version(package)
     except PackageNotFoundError:
         return "not installed as a package"
+
+
+@cache
+def engine_versions() -> tuple[tuple[str, str], ...]:
+    """Return every engine with its version, or why it is missing."""
+    return tuple((name, _engine(name)) for name in engines.names())
 
 
 def _engine(name: str) -> str:

@@ -14,6 +14,7 @@ from cross_checks.extremes.cell import Cell as ExtremeCell
 from cross_checks.judge.capabilities import Capability
 from cross_checks.judge.vocabulary import OURS, Cell, Verdict
 from cross_checks.records.record import Record
+from reports.facts.curves import Measured
 from reports.facts.truth_facts import TruthFacts
 
 
@@ -29,16 +30,12 @@ class ReportData:
     incomplete: str = ""  # why it holds less than requested; empty where it holds all
     truths: tuple[TruthFacts, ...] = ()  # what the errors are measured from
     extremes: tuple[ExtremeCell, ...] = ()  # read from a file beside the page, or a few cells
-    studies: dict[str, Any] = field(default_factory=dict)  # facts by the study's name; none in a quick report
+    studies: dict[str, Measured] = field(default_factory=dict)  # by name; in a quick report those that run nothing
 
     @property
     def absence(self) -> str:
         """Return why a section that is not there is not."""
         return "The full report measures this; a quick one does not." if self.quick else f"Missing: {self.incomplete}."
-
-    def study[Facts](self, kind: type[Facts]) -> Facts | None:
-        """Return the facts of a kind; None where that study is not there."""
-        return next((facts for facts in self.studies.values() if isinstance(facts, kind)), None)
 
     @cached_property
     def scenes(self) -> list[str]:
@@ -111,3 +108,29 @@ def _key(record: Record) -> tuple[Any, ...]:
 
 def _unique(names: Iterable[str]) -> list[str]:
     return list(dict.fromkeys(names))
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One sentence with its title and tone (good | fair | bad | plain)."""
+
+    tone: str
+    title: str
+    text: str
+
+
+def nothing(data: ReportData) -> Iterable[Finding]:
+    """Find nothing."""
+    return ()
+
+
+@dataclass(frozen=True)
+class Section:
+    """A titled part of the page. `context` makes the template's variables from the data."""
+
+    name: str  # the anchor
+    title: str
+    lead: str  # one sentence in plain words
+    context: Callable[[ReportData], dict[str, Any]]
+    findings: Callable[[ReportData], Iterable[Finding]] = nothing  # what the first screen should tell of it
+    template: str = ""  # where it is not <name>.html

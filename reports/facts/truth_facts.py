@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -36,12 +36,16 @@ def truth_facts(label: str, scene: Scene, truth: Truth | NoTruth) -> TruthFacts:
     """Return the facts of one labelled scene."""
     if isinstance(truth, NoTruth):
         return TruthFacts(label, none=truth.reason)
-    kept = certificate.stored(scene)
-    return TruthFacts(
+    certified = certificate.stored(scene)
+    facts = TruthFacts(
         label, "", truth.kind, truth.how, truth.uncertainty, MARGIN * known_to(scene, truth), truth.difference,
-        scales_of(scene).length, "" if kept is None else kept.made, "" if kept is None else kept.confirmed_by,
-        None if kept is None else kept.confirmed_to,
-        None if kept is None else _departure(scene, truth, kept.end),
+        scales_of(scene).length,
+    )  # fmt: skip
+    if certified is None:
+        return facts
+    return replace(
+        facts, certified=certified.made, confirmed_by=certified.confirmed_by, confirmed_to=certified.confirmed_to,
+        departs_by=_departure(scene, truth, certified.end),
     )  # fmt: skip
 
 

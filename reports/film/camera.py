@@ -76,10 +76,10 @@ class Camera:
     def _scale(self, pen: ImageDraw.ImageDraw) -> None:
         """Draw a bar of a round length below."""
         wide, high = self.size
-        length, told = round_length(LONGEST_BAR * wide / self.scale)
+        length, sentence = round_length(LONGEST_BAR * wide / self.scale)
         y, end = high - 6, wide - 8
         pen.line((end - length * self.scale, y, end, y), fill=SURFACE, width=1)
-        pen.text((end, y - 2), told, fill=SURFACE, anchor="rb")
+        pen.text((end, y - 2), sentence, fill=SURFACE, anchor="rb")
 
 
 def round_length(most: float) -> tuple[float, str]:

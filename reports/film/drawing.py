@@ -60,12 +60,12 @@ def _marks(part) -> list[tuple[str, tuple[float, ...]]]:
     if isinstance(part, CoordinateDrive):
         return []
     shared = getattr(part, "point", None)
-    found = []
+    result = []
     for body, mark in (("body_a", "point_a"), ("body_b", "point_b"), ("body", "point")):
         name, place = getattr(part, body, None), getattr(part, mark, None) or shared
         if name is not None and place is not None:
-            found.append((name, place))
-    return found
+            result.append((name, place))
+    return result
 
 
 def _contacts(motion: Motion) -> tuple[list[np.ndarray], list[tuple[np.ndarray, float]]]:
@@ -100,15 +100,15 @@ def _turning(motion: Motion) -> list[np.ndarray]:
     scene, turned = motion.scene, motion.trajectory.orientation
     if scene.dimension == 3:
         return []
-    found: dict[tuple, np.ndarray] = {}
+    result: dict[tuple, np.ndarray] = {}
     for contact in scene.contacts:
         for body, center, radius in _rounds(contact):
             k = scene.body_index(body) if body != GROUND else -1
             if k >= 0 and np.ptp(turned[:, k]) > np.pi:
                 rim = (center[0] + radius, center[1])
                 ends = [motion.point(body, end)[0] for end in (center, rim)]
-                found[body, center, radius] = np.stack(ends, axis=1)
-    return list(found.values())
+                result[body, center, radius] = np.stack(ends, axis=1)
+    return list(result.values())
 
 
 def _rounds(contact) -> list[tuple[str, tuple[float, ...], float]]:

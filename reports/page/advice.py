@@ -7,11 +7,10 @@ from dataclasses import dataclass
 
 from cross_checks.judge.bounds import MOST_STEPS, TARGETS
 from cross_checks.judge.vocabulary import OURS, SILENT, Cell, Verdict
+from cross_checks.records.numbers import count, of_scene, short
 from cross_checks.records.record import Record
-from reports.drawing.numbers import count, of_scene, short
-from reports.facts.cheapest import entries, reaching
+from reports.facts.cheapest import MIDDLE, entries, reaching, standing_of
 from reports.facts.report_data import ReportData
-from reports.facts.standings import MIDDLE, standing_of
 
 
 @dataclass(frozen=True)

@@ -1,37 +1,30 @@
-"""Make the report: ask the store, make what it lacks, render and write."""
+"""Build the report: query the store, compute what is missing, render and write the files; each whole or not at all."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 from time import monotonic
 
-from cross_checks.records.store import Store, default_path
-from reports.page.publish import publish, read_data
-from reports.studies.measuring import Progress
+from mbs_ref.atomic_file import write_atomic
+from reports.facts.report_data import ReportData
+from reports.facts.stored import adapter
+from reports.page.files import csv_table, jsonl, markdown
+from reports.page.render import INDEX, render
 
 PATIENCE = 10.0  # s after which a page of what there is is worth the time to write it
-EXTREMES = "extremes*.jsonl"  # beside the page: what `mbs-ref extremes -o` kept, whole or in parts
 
 
-def write_report(
-    out_dir: Path, quick: bool = False, progress: Progress | None = None, again: bool = False
-) -> tuple[Path, str]:
-    """Bring the default scenes' runs up to date on every engine and write the report.
+def write_report(out_dir: Path, stages: Iterator[ReportData]) -> tuple[Path, str]:
+    """Write the pages of the last stage; where stages take long, also what there is before the next one begins.
 
-    Return the path of index.html, and why it is incomplete or nothing. `quick` runs fewer scenes; `again` times what
-    is ranked anew. What EXTREMES holds there is shown, else a few extremes are run. `progress` is called with
-    (done, total, what comes next). Where a stage takes long, the pages show what there is before the next one begins.
+    Return the path of index.html, and why it is incomplete or nothing.
     """
-    from reports.gather import gather  # the solver and the engines, which rendering alone does not ask
-
     shown = monotonic()
-    with Store(default_path()) as store:
-        for data in gather(store, quick, progress, sorted(out_dir.glob(EXTREMES)), again):
-            if monotonic() > shown + PATIENCE:
-                publish(data, out_dir)
-                from reports.gather import gather  # the solver and the engines, which rendering alone does not ask
-
-    shown = monotonic()
+    for data in stages:
+        if monotonic() > shown + PATIENCE:
+            publish(data, out_dir)
+            shown = monotonic()
     return publish(data, out_dir), data.incomplete
 
 
@@ -39,3 +32,30 @@ def render_again(out_dir: Path) -> tuple[Path, str]:
     """Render the data that the last report left, and simulate nothing. FileNotFoundError where there are none."""
     data = read_data(out_dir)
     return publish(data, out_dir), data.incomplete
+
+
+DATA = "report.json"
+
+
+def publish(data: ReportData, out_dir: Path) -> Path:
+    """Write the pages and, beside them, the data as JSON, CSV and Markdown; return the path of the first page."""
+    contents = {
+        DATA: adapter(ReportData).dump_json(data),
+        "records.jsonl": jsonl(data.records),
+        "records.csv": csv_table(data.records).encode(),
+        "report.md": markdown(data).encode(),
+    }
+    out_dir.mkdir(parents=True, exist_ok=True)
+    for name, content in (contents | render(data)).items():
+        write_atomic(out_dir / name, content)
+    return out_dir / INDEX
+
+
+def read_data(out_dir: Path) -> ReportData:
+    """Return the data that a report left. FileNotFoundError where there are none; ValueError where they do not fit."""
+    return data_of((out_dir / DATA).read_bytes())
+
+
+def data_of(content: bytes) -> ReportData:
+    """Return report data from JSON; ValueError where they do not fit."""
+    return adapter(ReportData).validate_json(content)

@@ -8,19 +8,20 @@ import json
 from collections.abc import Iterable
 from typing import Any
 
-from benchmarks.loop_times import is_busy
 from cross_checks import metrics
 from cross_checks.metrics.errors import COMPONENTS
+from cross_checks.records.cost import is_busy
+from cross_checks.records.numbers import ABSENT, setting
 from cross_checks.records.record import Record
-from reports.drawing.numbers import ABSENT, setting
-from reports.facts.kept import adapter
 from reports.facts.report_data import ReportData
-from reports.page.advice import Advice, advice
+from reports.facts.stored import adapter
+from reports.page.advice import advice
 from reports.page.findings import findings
-from reports.page.sections.decisions import told
+from reports.page.render import templates
+from reports.page.sections.decisions import counted
 from reports.page.sections.matrix import view
 from reports.page.sections.prices import price_table
-from reports.reproduce import command
+from reports.page.slug import command
 
 TIMES = ("build_s", "first_call_s", "loop_s", "loop_median_s", "loop_most_s", "loop_runs")
 VERDICTS = {
@@ -90,25 +91,19 @@ def csv_row(record: Record) -> dict[str, Any]:
 
 def markdown(data: ReportData) -> str:
     """Return the report's tables and sentences as Markdown."""
-    parts = ["# mbs-ref: validation and benchmark report", told(data), "## Engines"]
-    parts += [f"- **{_plain(line.engine)}**: {_plain(_advice(line))}" for line in advice(data)]
-    parts += ["## Cost at equal error", *(price_text(data, scene) for scene in data.scenes)]
-    parts += ["## Verdicts", *(verdict_text(data, scene) for scene in data.scenes)]
-    parts += ["## Findings", *(f"- **{_plain(f.title)}.** {_plain(f.text)}" for f in findings(data))]
-    parts += ["## Environment", _table(["what", "value"], [[k, v] for k, v in data.environment.items()])]
-    return "\n\n".join(parts) + "\n"
+    views = {scene: [view(cell) for cell in data.cells if cell.label == scene] for scene in data.scenes}
+    context = {
+        "counted": counted(data), "advice": advice(data), "findings": findings(data), "environment": data.environment,
+        "prices": {scene: price_rows(data, scene) for scene in data.scenes}, "price_head": PRICES,
+        "verdicts": {scene: [[one[key] for key in VERDICTS.values()] for one in own] for scene, own in views.items()},
+        "verdict_head": VERDICTS,
+    }  # fmt: skip
+    return templates().get_template("report.md").render(context) + "\n"
 
 
-def _advice(line: Advice) -> str:
-    silent = f"Wrong with success reported: {'; '.join(line.silent)}." if line.silent else ""
-    pace = f"{line.pace}." if line.pace else ""
-    return " ".join(part for part in (line.use, line.reach, silent, line.limit, pace) if part)
-
-
-def price_text(data: ReportData, scene: str) -> str:
-    """Return a scene's cost at equal error as a Markdown table."""
-    body = [price_row(block["target"], row) for block in price_table(data, scene) for row in block["rows"]]
-    return f"### {_plain(scene)}\n\n" + _table(list(PRICES), body)
+def price_rows(data: ReportData, scene: str) -> list[list[str]]:
+    """Return the rows of cost at equal error on a scene."""
+    return [price_row(block["target"], row) for block in price_table(data, scene) for row in block["rows"]]
 
 
 def price_row(target: str, row: dict[str, Any]) -> list[str]:
@@ -116,20 +111,3 @@ def price_row(target: str, row: dict[str, Any]) -> list[str]:
     if row["missed"]:
         return [target, row["engine"], row["missed"], *[ABSENT] * 4]
     return [target, row["engine"], row["method"], row["setting"], row["error"], row["time"], row["factor"]]
-
-
-def verdict_text(data: ReportData, scene: str) -> str:
-    """Return a scene's verdicts as a Markdown table."""
-    cells = [view(cell) for cell in data.cells if cell.label == scene]
-    body = [[str(c[key]) for key in VERDICTS.values()] for c in cells]
-    return f"### {_plain(scene)}\n\n" + _table(list(VERDICTS), body)
-
-
-def _table(head: list[str], body: list[list[str]]) -> str:
-    table = [head, ["---"] * len(head), *body]
-    return "\n".join("| " + " | ".join(_plain(text) for text in row) + " |" for row in table)
-
-
-def _plain(text: str) -> str:
-    """Keep text from records from becoming markup."""
-    return str(text).replace("&", "&amp;").replace("<", "&lt;").replace("|", "\\|").replace("\n", " ")

@@ -5,14 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from cross_checks.judge.vocabulary import OURS, WRONG, Cell, Verdict
+from cross_checks.records.cost import known_error, loop_time, usable
+from cross_checks.records.numbers import count, duration, joules, metres, of_scene, setting, short
 from cross_checks.records.record import Record
 from mbs_ref.trajectory import Status
-from reports.drawing.numbers import count, duration, joules, metres, of_scene, setting, short
-from reports.drawing.section import Finding, Section
-from reports.facts.cheapest import entries, known_error, loop_time, usable
-from reports.facts.report_data import ReportData
-from reports.facts.standings import MIDDLE, standing_of
-from reports.studies.study import every, section
+from reports.facts.cheapest import MIDDLE, entries, standing_of
+from reports.facts.report_data import Finding, ReportData, Section
+from reports.studies.study import every
 
 CAUGHT = (Status.NON_FINITE, Status.RESET)  # what engines do without saying so
 ORDER_SLACK = 0.5  # an observed order lower than documented by more than this is worth a sentence
@@ -24,7 +23,7 @@ MOST = 8  # findings of one rule shown
 
 def findings(data: ReportData) -> list[Finding]:
     """Return every finding, the most alarming rule first."""
-    rules = (*RULES, *(section(name).findings for name in every()))
+    rules = (*RULES, *(study.findings for study in every().values()))
     return [finding for rule in rules for finding in list(rule(data))[:MOST]]
 
 
@@ -79,8 +78,8 @@ def perfect_but_wrong(data: ReportData) -> Iterator[Finding]:
         text = f"Joints closed within {metres(CLOSED_JOINTS)}, and yet the motion is wrong: {_listed(closed)}."
         yield Finding("fair", "Closed joints do not prove a right answer", text)
     if conserving:
-        text = f"Energy kept within {joules(CONSERVED)}, and yet the motion is wrong: {_listed(conserving)}."
-        yield Finding("fair", "Kept energy does not prove a right answer", text)
+        text = f"Energy conserved within {joules(CONSERVED)}, and yet the motion is wrong: {_listed(conserving)}."
+        yield Finding("fair", "Conserved energy does not prove a right answer", text)
 
 
 def _finest(data: ReportData) -> list[Record]:
@@ -106,8 +105,8 @@ def _listed(records: list[Record]) -> str:
 
 def fastest(data: ReportData) -> Iterator[Finding]:
     """Which of the other engines is cheapest on how many scenes, by what margin, and how our own solver compares."""
-    found = {s: [e.best for e in entries(data, s, MIDDLE) if e.best and e.engine != OURS] for s in data.scenes}
-    reached = {scene: bests for scene, bests in found.items() if bests}
+    result = {s: [e.best for e in entries(data, s, MIDDLE) if e.best and e.engine != OURS] for s in data.scenes}
+    reached = {scene: bests for scene, bests in result.items() if bests}
     for engine in dict.fromkeys(bests[0].engine for bests in reached.values()):
         won = {scene: bests for scene, bests in reached.items() if bests[0].engine == engine}
         margins = [loop_time(bests[1]) / loop_time(bests[0]) for bests in won.values() if len(bests) > 1]

@@ -3,22 +3,25 @@
 from __future__ import annotations
 
 import base64
+from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cache
+from itertools import groupby
 from pathlib import Path
 
 from jinja2 import Environment, FileSystemBytecodeCache, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 from plotly.offline import get_plotlyjs
 
+from cross_checks.records.plots.plot import style_of
 from mbs_ref.kernels.jit import cache_folder
 from reports import studies
-from reports.drawing.plots.palette import style_of
-from reports.drawing.section import Section
-from reports.facts.report_data import ReportData
-from reports.page.pages import Page, pages
-from reports.page.slug import slug
+from reports.facts.report_data import ReportData, Section
+from reports.page import findings
+from reports.page.sections import decisions, extremes, matrix, method, plots, prices, profiles, records
+from reports.page.slug import engine_file, scene_file, slug
+from reports.studies.study import every
 
 TEMPLATES = Path(__file__).parent / "templates"
 STUDIES = Path(studies.__file__).parent
@@ -40,7 +43,10 @@ class Images:
 @cache
 def templates() -> Environment:
     """Return the templates, whose compiled form is kept beside the kernels' where that folder can be written."""
-    templates = Environment(loader=FileSystemLoader((TEMPLATES, STUDIES)), autoescape=True, undefined=StrictUndefined)
+    templates = Environment(
+        loader=FileSystemLoader((TEMPLATES, STUDIES)), autoescape=_is_page, undefined=StrictUndefined
+    )
+    templates.filters["plain"] = plain
     templates.globals |= {"style_of": style_of, "slug": slug}
     folder = cache_folder().parent / "templates"
     with suppress(OSError):
@@ -49,12 +55,21 @@ def templates() -> Environment:
     return templates
 
 
+def _is_page(name: str | None) -> bool:
+    return name is not None and name.endswith(".html")
+
+
+def plain(text: object) -> str:
+    """Return text from records that Markdown does not take for markup."""
+    return str(text).replace("&", "&amp;").replace("<", "&lt;").replace("|", "\\|").replace("\n", " ")
+
+
 def render(data: ReportData) -> dict[str, bytes]:
     """Return every file of the report by its name. Text from the data is escaped; only the report's own scripts run."""
     images, listed = Images(), pages(data)
-    made = {page.file: _page(page, listed, data, images).encode() for page in listed}
+    built = {page.file: _page(page, listed, data, images).encode() for page in listed}
     shared = {name: (TEMPLATES / name).read_bytes() for name in SHARED}
-    return made | shared | {"plotly.js": get_plotlyjs().encode()} | images.files
+    return built | shared | {"plotly.js": get_plotlyjs().encode()} | images.files
 
 
 def _page(page: Page, listed: list[Page], data: ReportData, images: Images) -> str:
@@ -75,3 +90,43 @@ def _page(page: Page, listed: list[Page], data: ReportData, images: Images) -> s
             stamp=data.environment.get("made", ""),
         )
     )
+
+
+INDEX = "index.html"
+WRONG, ALL_SCENES, METHOD, CAN = "findings.html", "profiles.html", "method.html", "capabilities.html"
+
+
+@dataclass(frozen=True)
+class Page:
+    """A file of the report. `data` is what concerns it."""
+
+    file: str
+    title: str
+    data: ReportData
+    sections: tuple[Section, ...]
+    kind: str  # index | scene | engine | study | more: where its link stands
+
+
+def pages(data: ReportData) -> list[Page]:
+    """Return every page, the first screen first."""
+    return [
+        Page(INDEX, "mbs-ref report", data, (decisions.SECTION, decisions.SCENES), "index"),
+        *(Page(scene_file(name), name, data.only(scene=name), SCENE, "scene") for name in data.scenes),
+        *(Page(engine_file(name), name, data.only(engine=name), ENGINE, "engine") for name in data.engines),
+        Page("extremes.html", "Extremes", data, (extremes.SECTION,), "study"),
+        *_studies(data),
+        Page(WRONG, "What went wrong", data, (findings.SECTION,), "more"),
+        Page(ALL_SCENES, "All scenes at once", data, (profiles.SECTION,), "more"),
+        Page(CAN, "What each engine can model", data, (matrix.CAPABILITIES,), "more"),
+        Page(METHOD, "How it is judged and timed", data, (method.SECTION, method.TRUTHS, method.ENVIRONMENT), "more"),
+    ]
+
+
+def _studies(data: ReportData) -> Iterator[Page]:
+    """Yield a page for each file that studies name."""
+    for (file, title), shared in groupby(every().values(), lambda study: (study.page, study.title)):
+        yield Page(file, title, data, tuple(study.section for study in shared), "study")
+
+
+SCENE = (prices.SECTION, matrix.SECTION, *plots.SECTIONS, method.TRUTHS, records.SECTION)
+ENGINE = (decisions.SECTION, matrix.SECTION, extremes.SECTION, matrix.CAPABILITIES)

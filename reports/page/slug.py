@@ -1,9 +1,16 @@
-"""Names of the report's files."""
+"""Names of the report's files, and the command line that repeats a record's run."""
 
 from __future__ import annotations
 
 import hashlib
 import re
+import shlex
+from collections.abc import Sequence
+
+from cross_checks import engines
+from cross_checks.judge.ladder import SAMPLES
+from cross_checks.records.record import Record
+from mbs_ref import scenes
 
 LONGEST = 80
 
@@ -11,8 +18,8 @@ LONGEST = 80
 def slug(text: str) -> str:
     """Return a file name without markup; two texts that differ in what was dropped differ by a digest."""
     plain = re.sub(r"[^\w.+=-]+", "-", text).strip("-")[:LONGEST]
-    kept = plain.replace("-", " ") == text
-    return plain if kept else f"{plain}-{hashlib.sha256(text.encode()).hexdigest()[:8]}"
+    stored = plain.replace("-", " ") == text
+    return plain if stored else f"{plain}-{hashlib.sha256(text.encode()).hexdigest()[:8]}"
 
 
 def scene_file(label: str) -> str:
@@ -21,3 +28,21 @@ def scene_file(label: str) -> str:
 
 def engine_file(name: str) -> str:
     return f"engine-{slug(name)}.html"
+
+
+def command(record: Record, scene: str = "", stored: Sequence[str] = ()) -> str:
+    """Return the mbs-ref command that runs what the record holds, of a `scene` that was named so: perhaps by a file.
+
+    `kept` are the initial velocities that it keeps.
+    """
+    words = ["mbs-ref", "simulate", scene or record.scene, "--engine", engines.called(record.engine)]
+    parameters = {} if scene.endswith(".toml") else scenes.chosen(record.scene, record.parameters)
+    for name, value in parameters.items():
+        words += ["-p", f"{name}={value}"]
+    for rate in stored:
+        words += ["--keep", rate]
+    options = {"method": record.method or None, **{key: record.settings.get(key) for key in ("step", "rtol", "atol")}}
+    for name, value in options.items():
+        if value is not None:
+            words += [f"--{name}", str(value)]
+    return shlex.join([*words, "--samples", str(SAMPLES)])

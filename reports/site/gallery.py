@@ -5,9 +5,17 @@ from __future__ import annotations
 from collections.abc import Callable, Collection
 from pathlib import Path
 
+from cross_checks import engines
 from cross_checks.judge.capabilities import Capability, capabilities
+from cross_checks.judge.cell import refused, truth_of
+from cross_checks.judge.consensus import LEVELS
 from cross_checks.judge.runs import Runs
+from cross_checks.judge.tried import search
+from cross_checks.records.cost import usable
+from cross_checks.records.figures import work_precision
+from cross_checks.records.record import Record
 from cross_checks.truths.certificate import stored
+from cross_checks.truths.truth import NoTruth, Truth
 from mbs_ref import scenes
 from mbs_ref.scene import Scene
 from mbs_ref.scene.traits import traits
@@ -16,8 +24,15 @@ from mbs_ref.simulate import simulate
 from reports.film.files import as_gif, as_page, beside
 from reports.scene_summary import summary
 from reports.site.tables import table, who_can
-from reports.site.trade import BOUNDS, write_trade
 
+TARGETS = (1e-3, 1e-6)  # over the scene's scales
+WORK = 50_000  # steps times bodies that a run of a plot may take
+TRUTH_WORK = 300_000  # the same of a run that stands for a truth where none is certified
+SCRIPT = "directory"  # plotly's script stands once beside the plots
+BOUNDS = (
+    f"A plot tries for errors of {TARGETS[0]:g} and {TARGETS[1]:g} with each engine's own choice of method, in runs of "
+    f"at most {WORK:,} steps times bodies; `mbs-ref sweep NAME --plot NAME.html` draws every method without that bound."
+)
 PICTURES = 40  # of a film
 SECONDS = 4.0  # that it plays for
 MOST_BODIES = 120  # of a scene that is filmed: others take minutes
@@ -39,7 +54,7 @@ def gallery(runs: Runs, names: Collection[str], pictures: Path, say: Callable[[s
 
 def _entry(runs: Runs, scene: Scene, able: Collection[Capability], pictures: Path) -> str:
     known = stored(scene)
-    truth = "made when it is first asked for" if known is None else f"{known.kind}, known to {known.uncertainty:.1e} m"
+    truth = "computed at its first use" if known is None else f"{known.kind}, known to {known.uncertainty:.1e} m"
     rows = [
         ["made of", summary(scene).sentence()],
         ["traits", ", ".join(sorted(traits(scene))) or "none"],
@@ -56,7 +71,7 @@ def _trade(runs: Runs, scene: Scene, pictures: Path) -> str:
     """Write the work-precision plot; return what leads to it, or the sentence why there is none."""
     target = pictures / f"{scene.name}-work-precision.html"
     missing = write_trade(runs, scene, target)
-    again = f"`mbs-ref sweep {scene.name} --plot {scene.name}.html` asks without a bound"
+    again = f"`mbs-ref sweep {scene.name} --plot {scene.name}.html` searches without a bound"
     return f"not shown: {missing}; {again}" if missing else f"[work-precision plot](gallery/{target.name})"
 
 
@@ -71,3 +86,41 @@ def _film(scene: Scene, pictures: Path) -> str:
     target.write_bytes(as_gif(film, SECONDS))
     target.with_suffix(".html").write_bytes(as_page(scene.name, film, path.times, SECONDS))
     return f"![{scene.name} in motion](gallery/{target.name})\n\n[Go through it](gallery/{scene.name}.html)"
+
+
+def write_trade(runs: Runs, scene: Scene, target: Path) -> str:
+    """Write the plot of every installed engine's own choice of method; return an empty text, or why there is none."""
+    truth = _plot_truth(runs, scene)
+    if isinstance(truth, NoTruth):
+        return truth.reason
+    records = [record for name in entrants() for record in _searched(runs, scene, name, truth)]
+    if not any(usable(record) for record in records):
+        return "no engine's own choice of method reaches the end"
+    work_precision(records).write_html(target, include_plotlyjs=SCRIPT)
+    return ""
+
+
+def entrants() -> list[str]:
+    """Return the engines whose runs are plotted."""
+    return engines.names()
+
+
+def _plot_truth(runs: Runs, scene: Scene) -> Truth | NoTruth:
+    """Return the certified truth, or what engines agree on where their finest runs are within the bound on work."""
+    truth, steps, bodies = runs.truth(scene), round(1.0 / min(LEVELS[1]["fixed"])), len(scene.bodies)
+    if not isinstance(truth, NoTruth) or steps * bodies <= TRUTH_WORK:
+        return truth_of(runs, scene)
+    price = f"{steps:,} steps of {bodies} bodies a run, more than {TRUTH_WORK:,} of both"
+    return NoTruth(f"{truth.reason}, and what engines agree on would take {price}")
+
+
+def _searched(runs: Runs, scene: Scene, name: str, truth: Truth) -> list[Record]:
+    """Return the runs that the search makes with an engine's default method; none where it is missing or refuses."""
+    try:
+        method = engines.get(name).method(None)
+    except engines.EngineMissing:
+        return []
+    if refused(scene, name, method)[1]:
+        return []
+    most = max(1, WORK // len(scene.bodies))
+    return list(search(runs, scene, name, method, truth, TARGETS, most)[0].records.values())

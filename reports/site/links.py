@@ -87,12 +87,12 @@ def _trouble(root: Path, pages: dict[Path, Page], file: Path, link: str) -> str:
 
 def main(folder: Path) -> int:
     """Print what is broken; return the exit code."""
-    found = list(broken(folder))
-    for sentence in found:
+    result = list(broken(folder))
+    for sentence in result:
         print(sentence, file=sys.stderr)
     pages = len(list(folder.rglob("*.html")))
-    print(f"{pages} pages, {len(found)} broken links", file=sys.stderr)
-    return 1 if found or not pages else 0
+    print(f"{pages} pages, {len(result)} broken links", file=sys.stderr)
+    return 1 if result or not pages else 0
 
 
 if __name__ == "__main__":

@@ -25,9 +25,9 @@ def executed(notebook: Path) -> Any:
     from nbclient import NotebookClient  # pyright: ignore[reportMissingImports]
 
     os.environ["PLOTLY_RENDERER"] = "plotly_mimetype"  # of the kernel, which inherits it
-    told = nbformat.read(notebook, as_version=4)
-    NotebookClient(told, timeout=LIMIT, kernel_name="python3").execute(cwd=str(notebook.parent))
-    return told
+    sentence = nbformat.read(notebook, as_version=4)
+    NotebookClient(sentence, timeout=LIMIT, kernel_name="python3").execute(cwd=str(notebook.parent))
+    return sentence
 
 
 def page(notebook: Any, name: str) -> str:

@@ -19,16 +19,16 @@ def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
 
 def capability_page() -> str:
     """Return which parts and scenes every installed engine takes, and why not where it refuses."""
-    found = [one for one in capabilities() if one.installed]
+    result = [one for one in capabilities() if one.installed]
     missing = [one for one in capabilities() if not one.installed]
-    names = [one.engine for one in found]
-    parts = ([f"`{kind}`", *("yes" if one.parts.get(kind) else ABSENT for one in found)] for kind in PART_TYPES)
-    scenes = sorted({scene for one in found for scene in one.scenes})
-    runs = ([f"`{scene}`", *("yes" if not one.scenes[scene] else ABSENT for one in found)] for scene in scenes)
-    methods = ([one.engine, one.version, ", ".join(method.name for method in one.methods)] for one in found)
+    names = [one.engine for one in result]
+    parts = ([f"`{kind}`", *("yes" if one.parts.get(kind) else ABSENT for one in result)] for kind in PART_TYPES)
+    scenes = sorted({scene for one in result for scene in one.scenes})
+    runs = ([f"`{scene}`", *("yes" if not one.scenes[scene] else ABSENT for one in result)] for scene in scenes)
+    methods = ([one.engine, one.version, ", ".join(method.name for method in one.methods)] for one in result)
     return "\n".join(
         [
-            "# What each engine can", "Asked of the adapters when these pages were made.\n",
+            "# What each engine can", "Derived from the adapters when these pages were built.\n",
             "## Engines and methods", table(["engine", "version", "methods"], methods),
             *(f"- `{one.engine}`: {one.reason}" for one in missing), "",
             "## Parts", table(["part", *names], parts), "## Scenes as they come", table(["scene", *names], runs),
@@ -37,9 +37,9 @@ def capability_page() -> str:
     )  # fmt: skip
 
 
-def who_can(scene: str, found: Iterable[Capability]) -> str:
+def who_can(scene: str, result: Iterable[Capability]) -> str:
     """Return the engines that run a scene."""
-    return ", ".join(one.engine for one in found if one.installed and not one.scenes.get(scene, ("unknown",)))
+    return ", ".join(one.engine for one in result if one.installed and not one.scenes.get(scene, ("unknown",)))
 
 
 def truth_page() -> str:
@@ -47,8 +47,8 @@ def truth_page() -> str:
     rows = ([_label(one), one.kind, f"{one.uncertainty:.1e}", _confirmed(one), one.how] for one in every())
     head = ["scene", "kind", "known to, m", "our solver within, m", "how"]
     return (
-        "# Truths and how well they are known\n\nCertificates that the tree keeps; `mbs-ref certify SCENE` makes one "
-        "again and exits with 1 where it differs. Scenes without one get their truth when it is first asked for.\n\n"
+        "# Truths and how well they are known\n\nCertificates of the tree; `mbs-ref certify SCENE` computes one "
+        "again and exits with 1 where it differs. Scenes without one get their truth at its first use.\n\n"
         + table(head, rows)
     )
 

@@ -65,34 +65,34 @@ def forces(name: str, scene: Scene, times: np.ndarray, values: np.ndarray, bodie
     }  # fmt: skip
 
 
-def imbalance(found: CrashResults) -> np.ndarray:
+def imbalance(result: CrashResults) -> np.ndarray:
     """Return the energy (J) less the start's and all works (n_t,)."""
-    return found.energy - found.energy[0] - np.sum(list(found.works.values()), axis=0)
+    return result.energy - result.energy[0] - np.sum(list(result.works.values()), axis=0)
 
 
-def figures(scene: Scene, path: Trajectory, found: CrashResults) -> dict[str, Value]:
+def figures(scene: Scene, path: Trajectory, result: CrashResults) -> dict[str, Value]:
     """Return the figures of a crash, without the names of android and impact."""
-    pull = found.forces.constraint[:, scene.body_index("head"), 0]
+    pull = result.forces.constraint[:, scene.body_index("head"), 0]
     return {
         "bodies": len(scene.bodies), "rhs_calls": int(path.rhs_calls), "loop_s": float(path.timing.loop_s),
         "compliance": largest_gap(path),
-        "imbalance": float(np.max(np.abs(imbalance(found))) / np.max(np.abs(found.works["pulse"]))),
-        "seat_force": float(found.seat_force.max()), "belt_force": float(found.belt_force.max()),
-        "head_excursion": float(np.abs(found.head_excursion[:, 0]).max()),
-        "head_reach": float(found.head_excursion[np.argmax(np.abs(found.head_excursion[:, 0])), 0]),
-        "hip_excursion": float(np.abs(found.hip_excursion[:, 0]).max()),
+        "imbalance": float(np.max(np.abs(imbalance(result))) / np.max(np.abs(result.works["pulse"]))),
+        "seat_force": float(result.seat_force.max()), "belt_force": float(result.belt_force.max()),
+        "head_excursion": float(np.abs(result.head_excursion[:, 0]).max()),
+        "head_reach": float(result.head_excursion[np.argmax(np.abs(result.head_excursion[:, 0])), 0]),
+        "hip_excursion": float(np.abs(result.hip_excursion[:, 0]).max()),
         "head_pull_most": float(pull.max()), "head_pull_least": float(pull.min()),
-        "largest_constraint_force": float(np.abs(found.forces.constraint[:, :, :2]).max()),
-        "deepest": deepest(scene, path), "seats_imbalance": _seats_imbalance(scene, found),
-        **{name: float(value) for name, value in found.measures.items()},
-        **_head_contact(scene, path), **_neck(path, found),
+        "largest_constraint_force": float(np.abs(result.forces.constraint[:, :, :2]).max()),
+        "deepest": deepest(scene, path), "seats_imbalance": _seats_imbalance(scene, result),
+        **{name: float(value) for name, value in result.measures.items()},
+        **_head_contact(scene, path), **_neck(path, result),
     }  # fmt: skip
 
 
-def _seats_imbalance(scene: Scene, found: CrashResults) -> float:
+def _seats_imbalance(scene: Scene, result: CrashResults) -> float:
     """Return the largest Q_e + Q_c (N, N m) of the two seat bodies, which do not move."""
     seats = [scene.body_index(name) for name in ("seat_base", "seat_back")]
-    return float(np.abs(found.forces.external[:, seats] + found.forces.constraint[:, seats]).max())
+    return float(np.abs(result.forces.external[:, seats] + result.forces.constraint[:, seats]).max())
 
 
 def _head_contact(scene: Scene, path: Trajectory) -> dict[str, Value]:
@@ -104,9 +104,9 @@ def _head_contact(scene: Scene, path: Trajectory) -> dict[str, Value]:
     return {"head_leaves": left, "head_back": float(again[0]) if len(again) else "never"}
 
 
-def _neck(path: Trajectory, found: CrashResults) -> dict[str, Value]:
+def _neck(path: Trajectory, result: CrashResults) -> dict[str, Value]:
     """Return how the cervical torques (N m) change sign; nothing where none does."""
-    torques = found.cervical_torques
+    torques = result.cervical_torques
     changed = [float(t) for torque in torques.values() for t in sign_changes(path.times, torque)[:1]]
     if not changed:
         return {}

@@ -28,13 +28,10 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from reports.drawing.numbers import ABSENT
-from reports.drawing.placeholders import figure, filled, markup
-from reports.drawing.plots.histories import overlay
-from reports.drawing.section import Finding
-from reports.facts.curves import Measured
-from reports.facts.report_data import ReportData
-from reports.studies.claims import Claim, Criterion, holds
+from cross_checks.records.numbers import ABSENT
+from reports.facts.curves import Measured, overlay
+from reports.facts.report_data import Finding, ReportData, Section
+from reports.studies.claims import Claim, Criterion, figure, filled, holds, markup
 
 Block = dict[str, Any]
 Figures = Mapping[str, Any]
@@ -53,8 +50,14 @@ class Document:
     blocks: list[Block]
     place: int = 0  # on a shared page; the lowest stands first
     alone: bool = False  # it measures times, so that nothing else may run meanwhile
+    stored: bool = False  # it presents tables of the source tree, for which nothing is run
     claim: list[dict[str, Any]] = field(default_factory=list)
     finding: list[dict[str, Any]] = field(default_factory=list)
+
+    @property
+    def section(self) -> Section:
+        """The section that presents the study."""
+        return Section(self.name, self.heading, self.lead, self.context, self.findings, "document.html")
 
     def context(self, data: ReportData) -> dict[str, Any]:
         """Return what the template shows: nothing where the study was not measured."""
@@ -100,8 +103,7 @@ def _entries(facts: Measured, block: Block) -> Any:
 
 def _figures(data: ReportData) -> Figures:
     """Return the figures of all studies by name: a study may name those of another."""
-    measured = [facts for facts in data.studies.values() if isinstance(facts, Measured)]
-    return {name: value for facts in measured for name, value in facts.figures.items()}
+    return {name: value for facts in data.studies.values() for name, value in facts.figures.items()}
 
 
 def _criteria(entry: dict[str, Any], key: str) -> tuple[Criterion, ...]:

@@ -1,4 +1,4 @@
-"""Printing: JSON that never holds a NaN, numbers for people, and progress on stderr."""
+"""Printing: JSON without NaN, numbers and tables for people, progress on stderr; and the exit codes of `mbs-ref`."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import math
 import sys
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
@@ -47,6 +47,14 @@ def table(title: str, *columns: str) -> Table:
     return result
 
 
+def show_table(title: str, columns: Iterable[str], rows: Iterable[Iterable[object]]) -> None:
+    """Print a table of texts on stdout."""
+    listing = table(title, *columns)
+    for row in rows:
+        listing.add_row(*map(str, row))
+    show(listing)
+
+
 def show(what: Any) -> None:
     """Print something for a person on stdout."""
     width = None if sys.stdout.isatty() else 160
@@ -83,6 +91,30 @@ def progress(title: str) -> Iterator[Report]:
         yield report
 
 
+def complain(problems: Iterable[str]) -> None:
+    """Print sentences on stderr."""
+    for problem in problems:
+        click.echo(problem, err=True)
+
+
+@contextmanager
+def writing(what: object) -> Iterator[None]:
+    """Raise Failed where a file cannot be written."""
+    try:
+        yield
+    except OSError as error:
+        raise Failed(f"{what}: cannot be written: {error.strerror}") from error
+
+
+@contextmanager
+def interruptible(done: Callable[[], str]) -> Iterator[None]:
+    """Raise Incomplete on Ctrl-C, with what is done."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        raise Incomplete(f"interrupted after {done()}") from None
+
+
 @contextmanager
 def awaited(what: str) -> Iterator[None]:
     """Say on stderr what is awaited, once it has taken longer than PAUSE."""
@@ -99,11 +131,11 @@ def compiling() -> Iterator[None]:
     """Say on stderr, once, that the solver is being compiled: it would look as if it hung."""
     from cross_checks.isolation.messages import compiling_reported
 
-    said: list[bool] = []
+    stated: list[bool] = []
 
     def begins() -> None:
-        if not said:
-            said.append(True)
+        if not stated:
+            stated.append(True)
             click.echo("compiling the solver, once on this machine: a minute or two ...", err=True)
 
     with compiling_reported(begins, lambda: None):
@@ -138,3 +170,38 @@ def _plain(value: Any) -> Any:
     if isinstance(value, list | tuple | set | frozenset):
         return [_plain(item) for item in value]
     return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+class Failed(click.ClickException):
+    """A validation or regression failed."""
+
+    exit_code = 1
+
+
+class EngineAbsent(click.ClickException):
+    """An engine that was requested by name is not installed."""
+
+    exit_code = 3
+
+
+class Incomplete(click.ClickException):
+    """The work was interrupted; what was computed is stored."""
+
+    exit_code = 4
+
+
+class NothingSelected(click.ClickException):
+    """No scene, engine, method or setting fits the request."""
+
+    exit_code = 5
+
+
+TABLE = """\b
+Exit codes:
+  0  all is well
+  1  a validation failed: a run did not succeed, a cell is wrong
+  2  usage: unknown name, bad value, bad scene file
+  3  a requested engine is not installed
+  4  incomplete: interrupted; what was computed is stored
+  5  nothing was selected
+"""

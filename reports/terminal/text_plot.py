@@ -38,8 +38,8 @@ def _on_axes(x: ArrayLike, y: ArrayLike, log_x: bool, log_y: bool) -> np.ndarray
     """Return the points (n, 2) that can be drawn, in the axes' own measure."""
     with np.errstate(divide="ignore", invalid="ignore"):
         columns = [np.log10(v) if log else np.asarray(v, float) for v, log in ((x, log_x), (y, log_y))]
-    found = np.column_stack(columns)
-    return found[np.all(np.isfinite(found), axis=1)]
+    result = np.column_stack(columns)
+    return result[np.all(np.isfinite(result), axis=1)]
 
 
 def _marks(number: int) -> str:

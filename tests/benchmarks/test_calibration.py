@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import pytest
 
-from benchmarks.calibration import Trial, keep, kept, table, trial, trials
+from benchmarks.calibration import Trial, keep, stored, table, trial, trials
 
 
 def made(error: float | None, estimate: float | None, uncertainty: float = 0.0, method: str = "m") -> Trial:
@@ -46,7 +46,7 @@ def test_what_other_sources_made_is_not_taken_for_kept(tmp_path):
     file, one = tmp_path / "runs.jsonl", trial(3)
     keep(file, one)
     keep(file, replace(one, seed=4, code="of older sources"))
-    assert kept(file) == {3: one}
+    assert stored(file) == {3: one}
 
 
 @pytest.mark.slow

@@ -6,13 +6,13 @@ from dataclasses import replace
 
 import pytest
 
-from benchmarks import confirm
-from benchmarks.pick import Bounds, pick, told
-from benchmarks.sweep import sweep
-from benchmarks.timing import Comparison, Pace
 from cross_checks import engines
 from cross_checks.judge.cell import truth_of
 from cross_checks.judge.runs import Runs
+from cross_checks.prices import confirm
+from cross_checks.prices.pick import Bounds, pick, shipped
+from cross_checks.prices.sweep import sweep
+from cross_checks.prices.timing import Comparison, Pace
 from mbs_ref import scenes
 from mbs_ref.settings import Settings
 
@@ -72,4 +72,4 @@ def test_an_engine_as_it_comes_is_held_against_the_truth_at_its_own_steps(swing,
     assert record.status == "success"
     assert record.settings["step"] == 0.03
     assert record.error is not None
-    assert told(record).startswith("swing as it comes (second step=0.03): ")
+    assert shipped(record).startswith("swing as it comes (second step=0.03): ")

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from benchmarks.event_work import balance
 from mbs_ref import scenes
 from mbs_ref.settings import Settings
+from reports.studies.contact.measure import balance
 
 
 def test_the_balance_closes_over_bounces_that_lose_energy():

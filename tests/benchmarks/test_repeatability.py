@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from benchmarks import repeatability
-from benchmarks.repeatability import by_method, difference
+from cross_checks.conformance import repeatability
 from cross_checks.conformance.cases import cases
+from cross_checks.conformance.repeatability import by_method, difference
 
 
 def motion(value: float) -> dict[str, np.ndarray]:

@@ -8,10 +8,10 @@ from dataclasses import replace
 import pytest
 from click.testing import CliRunner
 
-from benchmarks.pick import pick
-from benchmarks.sweep import sweep
 from cross_checks.judge.runs import Runs
 from cross_checks.judge.vocabulary import OURS
+from cross_checks.prices.pick import pick
+from cross_checks.prices.sweep import sweep
 from mbs_ref import scenes
 from reports.cli import main
 

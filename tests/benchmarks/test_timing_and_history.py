@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from benchmarks.history import Entry, append, change_points, from_benchmarks, index, series
-from benchmarks.timing import Pace, Sample, compare, with_loops
 from benchmarks.trees.regression import Finding, cheapest, confirmed, overall
+from cross_checks.prices.timing import Pace, Sample, compare, with_loops
 from cross_checks.records.lines import Busy, exclusive
 from cross_checks.records.record import Record
 

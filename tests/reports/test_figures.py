@@ -8,8 +8,8 @@ import pytest
 
 import cross_checks
 import mbs_ref
+from cross_checks.records import figures
 from mbs_ref.simulate.many import ensemble as ensembles
-from reports.drawing import figures
 
 PENDULUM, TOP = mbs_ref.scenes.make("pendulum"), mbs_ref.scenes.make("heavy_top")
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
+from reports.query import reporting
 from reports.terminal import console
-from reports.terminal.asking import telling
 from reports.terminal.console import Lines
 
 
@@ -28,7 +28,7 @@ def test_a_line_every_few_seconds_with_the_time_so_far(clock, capsys):
 
 def test_the_best_so_far_is_printed_once_it_is_known_and_when_its_time_has_doubled(clock, capsys):
     best = [""]
-    report = telling(lambda *_: None, lambda: best[0])
+    report = reporting(lambda *_: None, lambda: best[0])
     for now, text in ((19.0, "early"), (20.0, ""), (21.0, "first"), (41.0, "again"), (42.0, "second"), (83.0, "late")):
         clock[0], best[0] = now, text
         report(0, 1)

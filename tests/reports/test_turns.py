@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from reports.facts.turns import ENOUGH, ROUNDS, least_times
+from cross_checks.prices.timing import ENOUGH, ROUNDS, least_times
 
 
 def test_short_runs_take_every_turn_and_long_ones_one():

@@ -6,7 +6,7 @@ import click
 
 from cross_checks.records.store import Store
 from mbs_ref.kernels.jit import cache_folder
-from reports.terminal.asking import STORE, store_path
+from reports.query import STORE, store_path
 from reports.terminal.console import awaited, progress
 
 
@@ -17,6 +17,6 @@ def command(store: str | None) -> None:
     from reports.facts.compiling import compile_kernels
 
     what = "compiling the solver for plane, space and particles side by side: a minute or two, once a change"
-    with Store(store_path(store)) as kept, awaited(what), progress("compile") as report:
-        compile_kernels(kept, report, lanes=True)
+    with Store(store_path(store)) as stored, awaited(what), progress("compile") as report:
+        compile_kernels(stored, report, lanes=True)
     click.echo(f"the solver is compiled, in {cache_folder()}")

@@ -5,17 +5,15 @@ from __future__ import annotations
 import math
 import os
 import platform
-from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 
 import click
 
-from cross_checks import engines
 from cross_checks.isolation.environments import home_of
 from mbs_ref.kernels.jit import cache_folder
 from reports import inputs
-from reports.terminal.console import echo_json, number, show, table
-from reports.terminal.exit_codes import Failed
+from reports.facts.environment import engine_versions, package_version
+from reports.terminal.console import Failed, echo_json, number, show, table
 
 PACKAGES = ("mbs-ref", "numpy", "scipy", "numba", "llvmlite", "pydantic")
 LARGEST_ERROR = 1e-6  # m, of a pendulum at rtol 1e-9 against its exact motion: two digits of room
@@ -26,35 +24,25 @@ LARGEST_ERROR = 1e-6  # m, of a pendulum at rtol 1e-9 against its exact motion: 
 def command(as_json: bool) -> None:
     """Show versions, engines and the compiler's cache, and simulate a pendulum against its exact motion."""
     cache = cache_folder()
-    found: dict[str, Any] = {
+    result: dict[str, Any] = {
         "python": platform.python_version(),
         "machine": f"{platform.system()} {platform.machine()}, {os.cpu_count()} processors",
-        "packages": {name: _version(name) for name in PACKAGES},
-        "engines": {name: _engine_state(name) for name in engines.names()},
+        "packages": {name: package_version(name) for name in PACKAGES},
+        "engines": {name: _with_home(name, version) for name, version in engine_versions()},
         "numba_cache": {"folder": str(cache), "writable": os.access(cache, os.W_OK)},
         "sanity": _sanity(),
     }
     if as_json:
-        echo_json(found)
+        echo_json(result)
     else:
-        _show(found)
-    if not found["sanity"]["ok"]:
-        raise Failed(f"the pendulum came out wrong: {found['sanity']['message']}")
+        _show(result)
+    if not result["sanity"]["ok"]:
+        raise Failed(f"the pendulum came out wrong: {result['sanity']['message']}")
 
 
-def _version(package: str) -> str:
-    try:
-        return version(package)
-    except PackageNotFoundError:
-        return "missing"
-
-
-def _engine_state(name: str) -> str:
+def _with_home(name: str, version: str) -> str:
     home = home_of(name)
-    try:
-        return engines.get(name).version() + (f", in its environment {home}" if home else "")
-    except engines.EngineMissing as error:
-        return f"missing: {error}"
+    return f"{version}, in its environment {home}" if home and not version.startswith("missing") else version
 
 
 def _sanity() -> dict[str, Any]:
@@ -65,15 +53,15 @@ def _sanity() -> dict[str, Any]:
     return {"ok": record.status == "success" and error < LARGEST_ERROR, "error": error, "message": record.message}
 
 
-def _show(found: dict[str, Any]) -> None:
+def _show(result: dict[str, Any]) -> None:
     listing = table("", "", "")
-    listing.add_row("Python", f"{found['python']}, {found['machine']}")
+    listing.add_row("Python", f"{result['python']}, {result['machine']}")
     for kind in ("packages", "engines"):
-        for name, state in found[kind].items():
+        for name, state in result[kind].items():
             listing.add_row(name, state)
-    cache = found["numba_cache"]
+    cache = result["numba_cache"]
     trouble = "" if cache["writable"] else " (not writable: every start compiles anew)"
     listing.add_row("compiled kernels", f"{cache['folder']}{trouble}")
-    sanity = found["sanity"]
+    sanity = result["sanity"]
     listing.add_row("pendulum", f"{'right' if sanity['ok'] else 'WRONG'}, error {number(sanity['error'])} m")
     show(listing)

@@ -15,8 +15,7 @@ from cross_checks import engines
 from cross_checks.isolation import environments
 from cross_checks.judge.capabilities import Capability, capabilities
 from mbs_ref.scene.traits import PART_TYPES
-from reports.terminal.console import echo_json, show, table
-from reports.terminal.exit_codes import Failed
+from reports.terminal.console import Failed, echo_json, show, table
 
 LACKS = re.compile(r"not yet taught the part type '?(\w+)")
 
@@ -31,28 +30,32 @@ OF_ALL = "engines"  # the extra of the engines that are usual
 def command(context: click.Context, as_json: bool) -> None:
     """List the engines, their methods, and what each can model.
 
-    An engine whose packages do not go with those installed here lives in an environment of its own: `install` makes it.
+    An engine whose packages conflict with those installed here has an environment of its own: `install` creates it.
     """
     if context.invoked_subcommand is not None:
         return
-    found = capabilities()
+    result = capabilities()
     if as_json:
-        echo_json([asdict(item) for item in found])
+        echo_json([asdict(item) for item in result])
         return
-    show(_methods(found))
-    show(_parts(found))
-    show(_scenes(found))
+    show(_methods(result))
+    show(_parts(result))
+    show(_scenes(result))
 
 
 @command.command()
 @click.argument("name")
-@click.option("--into", metavar="FOLDER", type=click.Path(file_okay=False, path_type=Path), help="Where it is made.")
-@click.option("--over", is_flag=True, help="See the packages here below its own: only what differs is installed.")
-@click.option("--with", "more", multiple=True, metavar="REQUIREMENT", help="What pip installs besides; repeatable.")
+@click.option(
+    "--into", metavar="FOLDER", type=click.Path(file_okay=False, path_type=Path), help="Folder of the environment."
+)
+@click.option("--over", is_flag=True, help="Use the packages installed here, too: only what differs is installed.")
+@click.option(
+    "--with", "more", multiple=True, metavar="REQUIREMENT", help="Further requirement that pip installs; repeatable."
+)
 def install(name: str, into: Path | None, over: bool, more: tuple[str, ...]) -> None:
-    """Make an environment of its own for engine NAME; all its runs go there from then on.
+    """Create an environment of its own for engine NAME, in which it runs from then on.
 
-    An environment that NAME has already is made anew. MBS_REF_ENVIRONMENTS says where environments are noted.
+    An existing environment of NAME is replaced. The file MBS_REF_ENVIRONMENTS lists the environments.
     """
     if name not in engines.names() or name == "mbs_ref":
         allowed = ", ".join(each for each in engines.names() if each != "mbs_ref")
@@ -66,11 +69,11 @@ def install(name: str, into: Path | None, over: bool, more: tuple[str, ...]) -> 
     except environments.NotMade as error:
         raise Failed(str(error)) from error
     try:
-        found = engines.get(name).version()
+        result = engines.get(name).version()
     except engines.EngineMissing as error:
         environments.forget(name)
         raise Failed(f"{error}; what else it needs can be named by --with") from error
-    click.echo(f"{name} {found} lives in {home}")
+    click.echo(f"{name} {result} lives in {home}")
 
 
 @command.command()
@@ -97,14 +100,14 @@ def _requirements(name: str) -> list[str]:
         extras = metadata("mbs-ref").get_all("Provides-Extra") or []
     except PackageNotFoundError:
         return []
-    found = [match for line in requires("mbs-ref") or [] if (match := EXTRA.match(line))]
+    result = [match for line in requires("mbs-ref") or [] if (match := EXTRA.match(line))]
     wanted = name if name in extras else OF_ALL if engines.is_ours(name) else ""
-    return [match["what"].strip() for match in found if match["extra"] == wanted]
+    return [match["what"].strip() for match in result if match["extra"] == wanted]
 
 
-def _methods(found: Sequence[Capability]):
+def _methods(result: Sequence[Capability]):
     listing = table("Engines", "engine", "version", "method", "kind", "order", "about")
-    for item in found:
+    for item in result:
         if not item.installed:
             listing.add_row(item.engine, "missing", "", "", "", item.reason)
         for k, method in enumerate(item.methods):
@@ -113,16 +116,16 @@ def _methods(found: Sequence[Capability]):
     return listing
 
 
-def _parts(found: Sequence[Capability]):
-    here = [item for item in found if item.installed]
+def _parts(result: Sequence[Capability]):
+    here = [item for item in result if item.installed]
     listing = table("\nParts of a scene", "part", *(item.engine for item in here))
     for kind in PART_TYPES:
         listing.add_row(kind, *("yes" if item.parts[kind] else "not yet" for item in here))
     return listing
 
 
-def _scenes(found: Sequence[Capability]):
-    here = [item for item in found if item.installed]
+def _scenes(result: Sequence[Capability]):
+    here = [item for item in result if item.installed]
     listing = table("\nScenes", "scene", *(item.engine for item in here))
     for scene in here[0].scenes if here else ():
         listing.add_row(scene, *(summary(list(item.scenes[scene])) or "runs" for item in here))
@@ -131,13 +134,13 @@ def _scenes(found: Sequence[Capability]):
 
 def summary(reasons: list[str]) -> str:
     """Return the part types that are lacking, and of other reasons the most frequent with its count."""
-    lacking = list(dict.fromkeys(found[1] for reason in reasons if (found := LACKS.search(reason))))
+    lacking = list(dict.fromkeys(result[1] for reason in reasons if (result := LACKS.search(reason))))
     counts = Counter(_kind(reason) for reason in reasons if not LACKS.search(reason))
-    told = [f"lacks {', '.join(lacking)}"] if lacking else []
+    text = [f"lacks {', '.join(lacking)}"] if lacking else []
     if not lacking:
-        told += [f"{kind} ({count} times)" if count > 1 else kind for kind, count in counts.most_common(1)]
+        text += [f"{kind} ({count} times)" if count > 1 else kind for kind, count in counts.most_common(1)]
     more = len(counts) - (0 if lacking else 1)
-    return "; ".join([*told, f"{more} more" if more == 1 else f"{more} others"] if more > 0 and told else told)
+    return "; ".join([*text, f"{more} more" if more == 1 else f"{more} others"] if more > 0 and text else text)
 
 
 def _kind(reason: str) -> str:

@@ -9,8 +9,7 @@ import click
 
 from reports import inputs
 from reports.terminal import survey
-from reports.terminal.console import echo_json, number, progress, show, table
-from reports.terminal.exit_codes import Failed, Incomplete, NothingSelected
+from reports.terminal.console import Failed, NothingSelected, echo_json, interruptible, number, progress, show_table
 
 MOST_BELOW = 0.01  # share of the judged runs whose error may be above the estimate
 MOST_ABOVE = 10.0  # median of estimate over error
@@ -19,44 +18,40 @@ MOST_ABOVE = 10.0  # median of estimate over error
 @click.command(name="calibrate")
 @click.option("-n", "count", type=click.IntRange(min=1), default=500, show_default=True, help="Random runs.")
 @click.option("--first", type=click.IntRange(min=0), default=0, show_default=True, help="The first run's seed.")
-@click.option("--shard", metavar="I/N", default="1/1", help="Only part I of N of the runs, for batch systems.")
+@inputs.SHARD
 @click.option(
     "--keep",
     type=click.Path(dir_okay=False, path_type=Path),
     metavar="FILE",
-    help="Lines of JSON to add each run to, and to take those from that are there already.",
+    help="File of JSON lines: runs that it holds are not repeated, new ones are added.",
 )
 @survey.table_file("calibration")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON: the table, and every run.")
 def command(count: int, first: int, shard: str, keep: Path | None, target: Path | None, as_json: bool) -> None:
-    """Hold the error estimates of random runs against far tighter ones: random mechanisms, scenes, methods, settings.
+    """Compare the error estimates of random runs with the errors that more accurate runs show.
 
-    Exit code 1 where more than 1 % of the judged runs err by more than they say, or where the median run says more
-    than ten times its error. With --keep an interrupted calibration goes on where it stopped.
+    Mechanisms, scenes, methods and settings are random. Exit code 1 where more than 1 % of the judged runs have an
+    error above the estimate, or where the median estimate is more than ten times the error. With --keep an interrupted
+    calibration resumes.
     """
     from benchmarks import calibration
 
     seeds = inputs.shard(list(range(first, first + count)), shard)
-    if not seeds:
-        raise NothingSelected(f"part {shard} of these runs is empty")
-    known = calibration.kept(keep) if keep else {}
-    found = [known[seed] for seed in seeds if seed in known]
-    try:
-        with progress("calibrate") as report:
-            for seed in [seed for seed in seeds if seed not in known]:
-                report(len(found), len(seeds), f"seed {seed}")
-                found.append(calibration.trial(seed))
-                if keep:
-                    calibration.keep(keep, found[-1])
-    except KeyboardInterrupt:
-        raise Incomplete(f"interrupted after {len(found)} runs") from None
-    rows, below = calibration.table(found), [one for one in found if one.is_below]
+    known = calibration.stored(keep) if keep else {}
+    result = [known[seed] for seed in seeds if seed in known]
+    with interruptible(lambda: f"{len(result)} runs"), progress("calibrate") as report:
+        for seed in [seed for seed in seeds if seed not in known]:
+            report(len(result), len(seeds), f"seed {seed}")
+            result.append(calibration.trial(seed))
+            if keep:
+                calibration.keep(keep, result[-1])
+    rows, below = calibration.table(result), [one for one in result if one.is_below]
     if target:
-        told = [calibration.to_dict(one) for one in below]
-        facts = {"first": first, "runs": len(found), "table": rows, "below": told}
+        text = [calibration.to_dict(one) for one in below]
+        facts = {"first": first, "runs": len(result), "table": rows, "below": text}
         survey.write_table(facts, target)
     if as_json:
-        echo_json({"table": rows, "runs": [calibration.to_dict(one) for one in found]})
+        echo_json({"table": rows, "runs": [calibration.to_dict(one) for one in result]})
     else:
         _show(rows)
         _show_below(below)
@@ -67,26 +62,21 @@ def _judge(row: dict[str, Any]) -> None:
     if not row["judged"]:
         raise NothingSelected("no run could be judged")
     if row["share_below"] > MOST_BELOW:
-        raise Failed(f"{row['below']} of {row['judged']} runs err by more than they say")
+        raise Failed(f"{row['below']} of {row['judged']} runs have an error above their estimate")
     if row["overestimate_median"] is not None and row["overestimate_median"] > MOST_ABOVE:
-        raise Failed(f"the median run says {row['overestimate_median']:.3g} times its error")
+        raise Failed(f"the median estimate is {row['overestimate_median']:.3g} times the error")
 
 
 def _show(rows: list[dict[str, Any]]) -> None:
     over = ("1 % have less", "median", "90 % have less")
-    listing = table("Estimate over error", "method", "runs", "judged", "above their estimate", *over, "cost, loops")
-    for row in rows:
-        keys = ("overestimate_1", "overestimate_median", "overestimate_90", "cost_median")
-        listing.add_row(row["method"], str(row["runs"]), str(row["judged"]), str(row["below"]),
-                        *(number(row[key]) for key in keys))  # fmt: skip
-    show(listing)
+    words = ("method", "runs", "judged", "below")
+    keys = ("overestimate_1", "overestimate_median", "overestimate_90", "cost_median")
+    shown = ([*(row[word] for word in words), *(number(row[key]) for key in keys)] for row in rows)
+    show_table("Estimate over error", (*words[:3], "above their estimate", *over, "cost, loops"), shown)
 
 
-def _show_below(found: list[Any]) -> None:
-    if not found:
+def _show_below(result: list[Any]) -> None:
+    if not result:
         return
-    listing = table("\nAbove their estimate", "seed", "scene", "method", "setting", "error", "estimate")
-    for one in found:
-        figures = number(one.error), number(one.estimate)
-        listing.add_row(str(one.seed), one.scene, one.method, one.setting, *figures)
-    show(listing)
+    rows = ((o.seed, o.scene, o.method, o.setting, number(o.error), number(o.estimate)) for o in result)
+    show_table("\nAbove their estimate", ("seed", "scene", "method", "setting", "error", "estimate"), rows)

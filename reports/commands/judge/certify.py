@@ -14,32 +14,31 @@ from cross_checks.truths.truth import NoTruth
 from mbs_ref import scenes
 from mbs_ref.scene import Scene
 from reports import inputs
-from reports.terminal.console import echo_json, number, progress, show, table
-from reports.terminal.exit_codes import Failed, NothingSelected
+from reports.terminal.console import Failed, NothingSelected, echo_json, number, progress, show_table
 
 
 @click.command(name="certify")
 @click.argument("scene", required=False)
 @inputs.PARAMETERS
-@click.option("--write", is_flag=True, help="Keep the certificates that were made, in place of the stored ones.")
+@click.option("--write", is_flag=True, help="Write the new certificates in place of the stored ones.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON: a list of truths.")
 def command(scene: str | None, parameters: tuple[str, ...], write: bool, as_json: bool) -> None:
-    """Make the truth of SCENE again, or of every scene that has a certificate, and compare.
+    """Compute the truth of SCENE, or of every scene that has a certificate, and compare it with the certificate.
 
-    Exit code 1 where a truth departs from its certificate by more than both claim to know.
+    Exit code 1 where they differ by more than their uncertainties.
     """
     chosen = _every() if scene is None else [inputs.scene(scene, parameters)]
     rows = []
     with progress("certify") as report:
-        for done, made in enumerate(chosen):
-            report(done, len(chosen), made.name)
-            rows.append(_examined(made, write))
+        for done, built in enumerate(chosen):
+            report(done, len(chosen), built.name)
+            rows.append(_examined(built, write))
     if as_json:
         echo_json(rows)
     else:
         _show(rows)
     if all(row["verdict"] == "no truth" for row in rows):
-        raise NothingSelected("no truth is known of what was asked")
+        raise NothingSelected("no truth is known of the scenes requested")
     departed = [row["file"] for row in rows if row["verdict"] == "departs"]
     if departed:
         raise Failed(f"truths depart from their certificates: {', '.join(departed)}")
@@ -47,9 +46,9 @@ def command(scene: str | None, parameters: tuple[str, ...], write: bool, as_json
 
 def _every() -> list[Scene]:
     """Return the scenes of all certificates, and all others with a truth, with their default parameters."""
-    kept = [scenes.make(found.scene, **found.parameters) for found in certificate.every()]
+    certified = [scenes.make(result.scene, **result.parameters) for result in certificate.every()]
     plain = [scenes.make(name) for name in known() if name in scenes.names()]
-    return list({certificate.file_name(scene): scene for scene in (*kept, *plain)}.values())
+    return list({certificate.file_name(scene): scene for scene in (*certified, *plain)}.values())
 
 
 def _examined(scene: Scene, write: bool) -> dict[str, Any]:
@@ -74,11 +73,9 @@ def _verdict(before: Certificate | None, fresh: Certificate) -> dict[str, Any]:
 
 def _show(rows: list[dict[str, Any]]) -> None:
     lengths = ("known to, m", "judges from, m", "two ways, m", "departs by, m")
-    listing = table("", "truth", "verdict", "kind", *lengths)
+    shown = []
     for row in rows:
-        if row["verdict"] == "no truth":
-            listing.add_row(row["file"].removesuffix(".json"), f"no truth: {row['reason']}")
-            continue
-        figures = (number(row[key]) for key in ("uncertainty", "judges_from", "difference", "departs_by"))
-        listing.add_row(row["file"].removesuffix(".json"), row["verdict"], row["kind"], *figures)
-    show(listing)
+        figures = (number(row.get(key)) for key in ("uncertainty", "judges_from", "difference", "departs_by"))
+        known = (f"no truth: {row['reason']}",) if "reason" in row else (row["verdict"], row["kind"], *figures)
+        shown.append((row["file"].removesuffix(".json"), *known))
+    show_table("", ("truth", "verdict", "kind", *lengths), shown)

@@ -12,9 +12,8 @@ from cross_checks.judge.vocabulary import Cell, Refused, refusals
 from cross_checks.truths.truth import Truth
 from mbs_ref import scenes
 from reports import inputs
-from reports.terminal.asking import STORE, asked_runs, telling
-from reports.terminal.console import echo_json, number, progress, show, table
-from reports.terminal.exit_codes import Failed, Incomplete, NothingSelected
+from reports.query import SCHEDULER, STORE, open_runs, reporting
+from reports.terminal.console import Failed, Incomplete, NothingSelected, echo_json, number, progress, show_table
 
 MOST_REASONS = 5  # told where nothing runs
 
@@ -24,35 +23,35 @@ MOST_REASONS = 5  # told where nothing runs
 @inputs.PARAMETERS
 @inputs.KEEP
 @inputs.ENGINES
-@click.option("--scheduler", metavar="tcp://HOST:PORT", help="Run on the workers of a dask cluster.")
-@click.option("--shard", metavar="I/N", default="1/1", help="Only part I of N of the cells, for batch systems.")
+@SCHEDULER
+@inputs.SHARD
 @click.option("--json", "as_json", is_flag=True, help="Print JSON: a list of cells.")
 @STORE
 def command(
-    scene: tuple[str, ...], parameters: tuple[str, ...], kept: tuple[str, ...], chosen: tuple[str, ...],
+    scene: tuple[str, ...], parameters: tuple[str, ...], keep_rates: tuple[str, ...], chosen: tuple[str, ...],
     scheduler: str | None, shard: str, as_json: bool, store: str | None,
 ) -> None:  # fmt: skip
     """Compare engines with each other and with the truth, on every SCENE or on those named.
 
-    Where no truth is certified, engines are held against what unlike ones agree on; answers are provisional until that
-    is known well enough. Runs are made once and kept in a store, on all processors, each in a process of its own: one
+    Where no truth is certified, unlike engines compute a consensus truth; answers are provisional until that is
+    accurate enough. Runs are stored and never repeated; they use all processors, each in a process of its own: one
     that hangs, crashes or eats memory costs its own cell. Any signal ends the command with what is known so far.
     Exit code 1 where a method is wrong where it does not declare that it is known to be.
     """
-    for option, given in (("-p", parameters), ("--keep", kept)):
+    for option, given in (("-p", parameters), ("--keep", keep_rates)):
         if given and len(scene) != 1:
             raise click.UsageError(f"{option} {given[0]} needs exactly one SCENE; {len(scene)} are named")
-    selected = [inputs.comparable(name, parameters, kept) for name in scene or scenes.names()]
-    asked = inputs.shard(questions(selected, tasks(inputs.engine_names(chosen))), shard)
+    selected = [inputs.comparable(name, parameters, keep_rates) for name in scene or scenes.names()]
+    wanted = inputs.shard(questions(selected, tasks(inputs.engine_names(chosen))), shard)
     known: dict[Question, Answer] = {}
     interrupted = False
     try:
-        with progress("check") as report, asked_runs(selected, store, scheduler=scheduler) as runs:
-            for answer in answers(runs, asked, progress=telling(report, lambda: _best(known.values()))):
+        with progress("check") as report, open_runs(selected, store, scheduler=scheduler) as runs:
+            for answer in answers(runs, wanted, progress=reporting(report, lambda: _best(known.values()))):
                 known[answer.question] = answer
     except KeyboardInterrupt:
         interrupted = True
-    best = [known[question] for question in asked if question in known]
+    best = [known[question] for question in wanted if question in known]
     cells = [answer.cell for answer in best]
     if as_json:
         echo_json([answer.cell.to_dict() | {"settled": answer.is_settled} for answer in best])
@@ -60,11 +59,11 @@ def command(
         _show(cells)
     if interrupted:
         settled = sum(answer.is_settled for answer in best)
-        raise Incomplete(f"interrupted after {settled} of {len(asked)} cells. {_best(best)}")
+        raise Incomplete(f"interrupted after {settled} of {len(wanted)} cells. {_best(best)}")
     if not any(not cell.is_refused for cell in cells):
         why = {f"{cell.scene} by {cell.engine}": cell.reason for cell in reversed(cells)}  # an engine's first method
-        told = [f"{where}: {reason}" for where, reason in reversed(why.items())]
-        raise NothingSelected(f"no engine runs any of the scenes. {'. '.join(told[:MOST_REASONS])}")
+        sentence = [f"{where}: {reason}" for where, reason in reversed(why.items())]
+        raise NothingSelected(f"no engine runs any of the scenes. {'. '.join(sentence[:MOST_REASONS])}")
     wrong = [cell for cell in cells if cell.is_wrong]
     if wrong:
         named = ", ".join(f"{cell.scene}/{cell.engine}/{cell.method}: {cell.verdict}" for cell in wrong)
@@ -86,15 +85,13 @@ def _best(known: Iterable[Answer]) -> str:
 
 
 def _show(cells: list[Cell]) -> None:
-    listing = table("", "scene", "engine", "method", "verdict", "error", "compliance", "order", "reason")
-    for cell in cells:
-        if cell.is_refused:
-            continue
+    rows = []
+    for cell in [cell for cell in cells if not cell.is_refused]:
         figures = (number(value) for value in (cell.error, cell.compliance, cell.order))
         exemption = f" (documented: {cell.exemption})" if cell.exemption else ""
         verdict = f"{cell.verdict} {cell.code}"
-        listing.add_row(cell.label, cell.engine, cell.method, verdict, *figures, f"{cell.reason}{exemption}")
-    show(listing)
+        rows.append((cell.label, cell.engine, cell.method, verdict, *figures, f"{cell.reason}{exemption}"))
+    show_table("", ("scene", "engine", "method", "verdict", "error", "compliance", "order", "reason"), rows)
     _show_refusals(cells)
     kinds = sorted({cell.truth for cell in cells if cell.truth})
     if kinds:
@@ -104,19 +101,14 @@ def _show(cells: list[Cell]) -> None:
 
 def _show_refusals(cells: list[Cell]) -> None:
     """List the engines that cannot run a scene by their reasons."""
-    listing = table("\nRefused", *Refused._fields)
-    for row in refusals(cells):
-        listing.add_row(*row)
-    if listing.row_count:
-        show(listing)
+    if refused := refusals(cells):
+        show_table("\nRefused", Refused._fields, refused)
 
 
 def _show_contact(cells: list[Cell]) -> None:
     """List what contact did in the run that speaks for each cell."""
     if not cells:
         return
-    listing = table("\nContact", "scene", "engine", "method", "figures")
-    for cell in cells:
-        figures = "; ".join(f"{name} {number(value)}" for name, value in cell.contact.items())
-        listing.add_row(cell.label, cell.engine, cell.method, figures)
-    show(listing)
+    figures = ("; ".join(f"{name} {number(value)}" for name, value in cell.contact.items()) for cell in cells)
+    rows = ((cell.label, cell.engine, cell.method, text) for cell, text in zip(cells, figures, strict=True))
+    show_table("\nContact", ("scene", "engine", "method", "figures"), rows)

@@ -11,7 +11,7 @@ import click
 
 from cross_checks.conformance.finding import Report
 from reports import inputs
-from reports.terminal.exit_codes import Failed
+from reports.terminal.console import Failed
 
 COLUMNS = f"{'scene':<26} {'method':<22} {'order':>6} {'asked':>6} {'error':>9} {'loop':>10}"
 
@@ -32,7 +32,7 @@ def command(engine: str, file: Path | None, badge: Path | None, timeout: float |
 
     ADAPTER.py holds a subclass of cross_checks.engine.Engine and the line ENGINE = <that class>. Errors are relative
     to each scene's size (in rad for orientations); a failure that the method declares as its weakness is named and
-    does not count. Every run is made in a process of its own: one that hangs or dies is named, and the rest goes on.
+    does not count. Every run has a process of its own: one that hangs or dies is named, and the others continue.
     """
     from cross_checks.conformance.apart import TIMEOUT, Apart
     from cross_checks.conformance.examine import examine
@@ -96,13 +96,13 @@ def _self_test() -> None:
     from cross_checks.conformance.broken_engines import self_test
     from cross_checks.conformance.examine import examine
 
-    false, caught, asked = (), 0, 0
-    for found in self_test(engines.get("mbs_ref"), examine):
-        click.echo(f"{found.mistake:<40} {', '.join(found.by) or 'nothing noticed'}")
-        if not found.applies:
-            false = found.by
+    false, caught, wanted = (), 0, 0
+    for result in self_test(engines.get("mbs_ref"), examine):
+        click.echo(f"{result.mistake:<40} {', '.join(result.by) or 'nothing noticed'}")
+        if not result.applies:
+            false = result.by
             continue
-        asked, caught = asked + 1, caught + bool(set(found.by) - set(false))
-    click.echo(f"{caught} of {asked} mistakes noticed, {len(false)} false alarms")
-    if false or caught < asked:
-        raise Failed("the examination misses mistakes, or finds some that are none")
+        wanted, caught = wanted + 1, caught + bool(set(result.by) - set(false))
+    click.echo(f"{caught} of {wanted} mistakes noticed, {len(false)} false alarms")
+    if false or caught < wanted:
+        raise Failed("the examination misses mistakes, or reports some that are none")

@@ -8,23 +8,31 @@ import click
 
 from cross_checks.extremes.cell import Cell
 from cross_checks.extremes.fate import Fate
-from cross_checks.records import lines as record_file
 from reports import inputs
-from reports.terminal.console import echo_json, number, progress, show, table
-from reports.terminal.exit_codes import Failed, Incomplete, NothingSelected
+from reports.query import SCHEDULER, begun, cluster
+from reports.terminal.console import Failed, NothingSelected, echo_json, interruptible, number, progress, show_table
 
 
 @click.command(name="extremes")
-@click.option("--full", is_flag=True, help="Every method and value, with patience: for nights.")
+@click.option("--full", is_flag=True, help="Every method and value, with long time limits.")
 @click.option("--only", metavar="TEXT", help="Only extremes whose name or family holds this.")
 @inputs.ENGINES
-@click.option("--shard", metavar="I/N", default="1/1", help="Only part I of N of the extremes, for batch systems.")
+@inputs.SHARD
+@SCHEDULER
 @click.option("--json", "as_json", is_flag=True, help="Print JSON lines, one a cell.")
-@click.option("-o", "output", metavar="FILE.jsonl", help="Keep the cells in a file; what it holds already is not run.")
+@click.option(
+    "-o", "output", metavar="FILE.jsonl", help="Add the cells to a file; those that it holds are not run again."
+)
 def command(
-    full: bool, only: str | None, chosen: tuple[str, ...], shard: str, as_json: bool, output: str | None
+    full: bool,
+    only: str | None,
+    chosen: tuple[str, ...],
+    shard: str,
+    scheduler: str | None,
+    as_json: bool,
+    output: str | None,
 ) -> None:
-    """Drive scenes to the edge, and find where each engine's methods stop, degrade, or go wrong without a word.
+    """Drive scenes to the edge, and show where each engine's methods stop, degrade, or are silently wrong.
 
     Every run has a process of its own; two run at a time. Exit code 1 where the reference solver is
     silently wrong anywhere; other engines' failures are findings.
@@ -36,29 +44,18 @@ def command(
     if not extremes:
         raise NothingSelected(f"no extreme is named like {only!r}; there are {', '.join(e.name for e in every())}")
     extremes = inputs.shard(extremes, shard)
-    if not extremes:
-        raise NothingSelected(f"part {shard} of these extremes is empty")
     target = inputs.output(output, (".jsonl",))
-    found: list[Cell] = []
     with ExitStack() as stack:
         report = stack.enter_context(progress("extremes"))
-        if target is not None:
-            try:
-                stack.enter_context(record_file.exclusive(target))
-            except record_file.Busy as error:
-                raise Failed(str(error)) from error
-            found, problems = cell.read(target)
-            for problem in problems:
-                click.echo(problem, err=True)
-        try:
-            for one in run.matrix(extremes, names, full=full, known=tuple(found), progress=report):
-                if target is not None:
-                    cell.append(target, one)
-                found.append(one)
-        except KeyboardInterrupt:
-            raise Incomplete(f"interrupted after {len(found)} cells") from None
+        call = stack.enter_context(cluster(scheduler))
+        result = begun(stack, target, cell.read)
+        stack.enter_context(interruptible(lambda: f"{len(result)} cells"))
+        for one in run.matrix(extremes, names, full=full, known=tuple(result), progress=report, call=call):
+            if target is not None:
+                cell.append(target, one)
+            result.append(one)
     names = {e.name for e in extremes}
-    shown = [c for c in found if c.extreme in names and c.full == full and (not chosen or c.engine in chosen)]
+    shown = [c for c in result if c.extreme in names and c.full == full and (not chosen or c.engine in chosen)]
     for one in shown if as_json else ():
         echo_json(one.to_dict(), indent=None)
     if not as_json:
@@ -72,14 +69,14 @@ def command(
 def _show(cells: list[Cell]) -> None:
     from cross_checks.extremes import named
 
-    listing = table("", "extreme", "engine", "method", "fate", "all right up to", "what came first beyond")
-    asked = [c for c in cells if c.fate is not Fate.CANNOT]
-    for one in sorted(asked, key=lambda c: (c.family, c.extreme, c.engine != "mbs_ref", c.engine, c.method)):
+    rows = []
+    wanted = [c for c in cells if c.fate is not Fate.CANNOT]
+    for one in sorted(wanted, key=lambda c: (c.family, c.extreme, c.engine != "mbs_ref", c.engine, c.method)):
         axis = named(one.extreme).axis
         last = "-" if one.last is None else f"{axis.name} {axis.label(one.last)} {'' if axis.labels else axis.unit}"
-        listing.add_row(one.extreme, one.engine, one.method, one.fate, last.strip(), one.reason[:90])
-    show(listing)
+        rows.append((one.extreme, one.engine, one.method, one.fate, last.strip(), one.reason[:90]))
+    show_table("", ("extreme", "engine", "method", "fate", "all right up to", "what came first beyond"), rows)
     counts = {fate: sum(c.fate is fate for c in cells) for fate in Fate}
     caught = sum(point.caught for c in cells for point in c.points)
     click.echo(", ".join(f"{fate} {count}" for fate, count in counts.items()))
-    click.echo(f"runs of which the engine itself said nothing and our checks caught the failure: {number(caught)}")
+    click.echo(f"failures that the engine did not report and our checks detected: {number(caught)}")

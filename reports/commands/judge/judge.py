@@ -7,14 +7,23 @@ from pathlib import Path
 import click
 
 from cross_checks import metrics
+from cross_checks.records.plots.plot import FLOOR, new_figure
 from cross_checks.trajectory_files.judgement import Judgement
 from mbs_ref.atomic_file import write_atomic
 from mbs_ref.scene import Scene
 from reports import inputs
-from reports.drawing.plots.figure import FLOOR, new_figure
-from reports.terminal.asking import STORE, asked_runs
-from reports.terminal.console import amount, awaited, echo_json, number, show, table
-from reports.terminal.exit_codes import Failed, NothingSelected
+from reports.query import STORE, open_runs
+from reports.terminal.console import (
+    Failed,
+    NothingSelected,
+    amount,
+    awaited,
+    echo_json,
+    number,
+    show,
+    show_table,
+    table,
+)
 
 
 @click.command(name="judge")
@@ -24,10 +33,10 @@ from reports.terminal.exit_codes import Failed, NothingSelected
 @inputs.KEEP
 @click.option("--map", "map_file", metavar="MAP.toml", help="What the columns mean; files of simulate -o need none.")
 @click.option("--write-map", metavar="MAP.toml", help="Write a map to be filled in, and judge nothing.")
-@click.option("--against", metavar="OTHER", help="Hold FILE against this file, not against the scene's truth.")
+@click.option("--against", metavar="OTHER", help="Compare FILE with this file, not with the scene's truth.")
 @click.option("--against-map", metavar="MAP.toml", help="The map of OTHER; --map unless given.")
 @click.option(
-    "--error", "asked", default="1e-6", show_default=True, metavar="E",
+    "--error", "wanted", default="1e-6", show_default=True, metavar="E",
     help="What counts as agreement: a share of the scene, or a length as 1mm.",
 )  # fmt: skip
 @click.option("--t-end", type=float, metavar="T", callback=inputs.positive, help="Duration, s; the scene's own.")
@@ -38,12 +47,12 @@ def command(
     file: str,
     scene: str,
     parameters: tuple[str, ...],
-    kept: tuple[str, ...],
+    keep_rates: tuple[str, ...],
     map_file: str | None,
     write_map: str | None,
     against: str | None,
     against_map: str | None,
-    asked: str,
+    wanted: str,
     t_end: float | None,
     plot: str | None,
     as_json: bool,
@@ -61,27 +70,27 @@ def command(
     from cross_checks.trajectory_files.library import judged, truth_at
     from cross_checks.trajectory_files.motion import read_motion
 
-    chosen = inputs.comparable(scene, parameters, kept)
+    chosen = inputs.comparable(scene, parameters, keep_rates)
     if t_end is not None:
         chosen = chosen.model_copy(update={"duration": t_end})
-    limit = inputs.relative_error(asked, chosen)
+    limit = inputs.relative_error(wanted, chosen)
     drawing = inputs.output(plot, (".html",))
     try:
         if write_map is not None:
             return _begin_map(Path(file), chosen, write_map)
         read = read_motion(Path(file), chosen, _path(map_file))
-        with asked_runs([chosen], store) as runs:
+        with open_runs([chosen], store) as runs:
             if against is None:
                 with awaited(f"computing the truth of {chosen.name} at the times of {file}, once"):
-                    found = judged(chosen, read, truth_at(runs, chosen), limit)
+                    result = judged(chosen, read, truth_at(runs, chosen), limit)
             else:
                 other = read_motion(Path(against), chosen, _path(against_map or map_file))
-                found = judgement(chosen, *as_truth(chosen, read.told, other.told, Path(against).name), limit)
+                result = judgement(chosen, *as_truth(chosen, read.told, other.told, Path(against).name), limit)
     except FileError as error:
         raise click.UsageError(str(error)) from error
     if drawing is not None:
-        _draw(found, drawing)
-    _answer(found, as_json)
+        _draw(result, drawing)
+    _answer(result, as_json)
 
 
 def _path(name: str | None) -> Path | None:
@@ -101,43 +110,43 @@ def _begin_map(file: Path, scene: Scene, target: str) -> None:
     click.echo(f"{place} holds a map to be filled in for {len(names)} columns and {len(scene.bodies)} bodies", err=True)
 
 
-def _answer(found: Judgement, as_json: bool) -> None:
+def _answer(result: Judgement, as_json: bool) -> None:
     if as_json:
-        echo_json(found.to_dict())
+        echo_json(result.to_dict())
     else:
-        _show(found)
-    if found.verdict == "departs":
-        raise Failed(f"{found.verdict}: {found.reason}")
-    if found.verdict == "not-judged":
-        raise NothingSelected(f"not judged: {found.reason}")
+        _show(result)
+    if result.verdict == "departs":
+        raise Failed(f"{result.verdict}: {result.reason}")
+    if result.verdict == "not-judged":
+        raise NothingSelected(f"not judged: {result.reason}")
 
 
-def _show(found: Judgement) -> None:
-    facts = table(f"{found.scene}", "", "")
-    facts.add_row("verdict", f"{found.verdict}: {found.reason}")
-    if found.error is not None:
-        facts.add_row("held against", found.error.truth)
-        known = f"{number(found.error.uncertainty)} of the scene"
-        facts.add_row("known to", f"{known}; the scene's length is {number(found.error.length)} m")
-    for sentence in found.suspicions:
+def _show(result: Judgement) -> None:
+    facts = table(f"{result.scene}", "", "")
+    facts.add_row("verdict", f"{result.verdict}: {result.reason}")
+    if result.error is not None:
+        facts.add_row("compared with", result.error.truth)
+        known = f"{number(result.error.uncertainty)} of the scene"
+        facts.add_row("known to", f"{known}; the scene's length is {number(result.error.length)} m")
+    for sentence in result.suspicions:
         facts.add_row("suspicion", sentence)
     for name, metric in metrics.every().items():
-        if found.measures.get(name) is not None:
-            facts.add_row(metric.label, amount(found.measures[name], metric.unit))
-    for sentence in (*found.missing, *found.notes):
+        if result.measures.get(name) is not None:
+            facts.add_row(metric.label, amount(result.measures[name], metric.unit))
+    for sentence in (*result.missing, *result.notes):
         facts.add_row("note", sentence)
     show(facts)
-    listing = table("\nErrors", "body", "component", "largest", "of the scene", "at t, s", "at the end")
-    for part in found.parts:
+    rows = []
+    for part in result.parts:
         size = amount(part.largest, part.unit, part.below) or "unknown"
-        listing.add_row(part.body, part.component, size, *map(number, (part.relative, part.at, part.final)))
-    show(listing)
+        rows.append((part.body, part.component, size, *map(number, (part.relative, part.at, part.final))))
+    show_table("\nErrors", ("body", "component", "largest", "of the scene", "at t, s", "at the end"), rows)
 
 
-def _draw(found: Judgement, target: Path) -> None:
+def _draw(result: Judgement, target: Path) -> None:
     figure = new_figure("time, s", "error over the scene's scales", x_log=False)
-    times = found.curves.get("t", [])
-    for name, curve in found.curves.items():
+    times = result.curves.get("t", [])
+    for name, curve in result.curves.items():
         if name != "t" and any(curve):
             sizes = [None if value is None else max(value, FLOOR) for value in curve]
             figure.add_scatter(x=times, y=sizes, name=name, mode="lines+markers")

@@ -8,8 +8,7 @@ import click
 
 from cross_checks.robots.parity import Difference, Dynamics, Parity, parity
 from cross_checks.robots.robot import RobotError
-from reports.terminal.console import echo_json, number, show, table
-from reports.terminal.exit_codes import Failed, NothingSelected
+from reports.terminal.console import Failed, NothingSelected, echo_json, number, show_table
 
 
 @click.command(name="parity")
@@ -24,29 +23,28 @@ def command(file: Path, poses: int, seed: int, as_json: bool) -> None:
     do.
     """
     try:
-        found = parity(file, poses, seed)
+        result = parity(file, poses, seed)
     except RobotError as error:
         raise click.UsageError(str(error)) from error
     if as_json:
-        echo_json(found._asdict() | {"differences": [one._asdict() for one in found.differences]})
+        echo_json(result._asdict() | {"differences": [one._asdict() for one in result.differences]})
     else:
-        _show(found)
-    if len(found.read) < 2:
+        _show(result)
+    if len(result.read) < 2:
         raise NothingSelected(f"fewer than two readers read {file}")
-    if found.differences:
-        raise Failed(f"readers see different robots: {'; '.join(map(_sentence, found.differences))}")
+    if result.differences:
+        raise Failed(f"readers see different robots: {'; '.join(map(_sentence, result.differences))}")
 
 
-def _show(found: Parity) -> None:
-    listing = table("", "reader", "mass matrix", "gravity", "bias")
-    for name in found.read:
-        apart = found.apart.get(name)
+def _show(result: Parity) -> None:
+    rows: list[tuple[str, ...]] = []
+    for name in result.read:
+        apart = result.apart.get(name)
         figures = [number(apart.get(quantity)) for quantity in Dynamics._fields] if apart else ["compared with"]
-        listing.add_row(name, *figures)
-    for name, why in found.refused.items():
-        listing.add_row(name, f"refuses: {why}")
-    show(listing)
-    click.echo(f"{len(found.joints)} joints: {', '.join(found.joints)}. Differences are over the largest entry.")
+        rows.append((name, *figures))
+    rows += [(name, f"refuses: {why}") for name, why in result.refused.items()]
+    show_table("", ("reader", "mass matrix", "gravity", "bias"), rows)
+    click.echo(f"{len(result.joints)} joints: {', '.join(result.joints)}. Differences are over the largest entry.")
 
 
 def _sentence(one: Difference) -> str:

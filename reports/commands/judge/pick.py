@@ -9,22 +9,21 @@ from typing import Any
 
 import click
 
-from benchmarks import confirm, pick
-from benchmarks.pick import Bounds, Choice
 from benchmarks.record_changes import BY_MACHINE
-from benchmarks.timing import BUSY_NOTE, Comparison
 from cross_checks.conformance.loading import name_of
 from cross_checks.isolation.parent import Lost
 from cross_checks.judge.cell import truth_of
+from cross_checks.prices import confirm, pick
+from cross_checks.prices.pick import Bounds, Choice
+from cross_checks.prices.timing import Comparison
 from cross_checks.records import lines as record_file
+from cross_checks.records.cost import BUSY_NOTE
 from cross_checks.records.record import Record
 from mbs_ref.scene import Scene
 from reports import inputs
-from reports.reproduce import command as reproduce
-from reports.sweeping import Interrupted, sweep_records
-from reports.terminal.asking import STORE, asked_runs, isolated
-from reports.terminal.console import echo_json
-from reports.terminal.exit_codes import Failed, Incomplete, NothingSelected
+from reports.page.slug import command as reproduce
+from reports.query import STORE, Interrupted, isolated, open_runs, sweep_records
+from reports.terminal.console import Failed, Incomplete, NothingSelected, complain, echo_json
 
 PATIENCE = 600.0  # s for a run that is known to finish: loading compiled code on a busy machine may take minutes
 FILE = click.Path(exists=True, dir_okay=False, path_type=Path)
@@ -54,7 +53,7 @@ FILE = click.Path(exists=True, dir_okay=False, path_type=Path)
 def command(
     scene: str,
     parameters: tuple[str, ...],
-    kept: tuple[str, ...],
+    keep_rates: tuple[str, ...],
     chosen: tuple[str, ...],
     error: str,
     compliance: float | None,
@@ -69,23 +68,23 @@ def command(
 ) -> None:
     """Name the cheapest engine, method and setting that reaches --error on SCENE.
 
-    Of engines that are named it is also said how far they are off as they come, where their user chooses nothing.
+    For each engine that --engine names, the error of its default settings is printed, too.
     """
     if models:
         _pick_model(scene, parameters, error, as_json)
         return
     limit = None if budget is None else inputs.seconds(budget)
-    made = inputs.comparable(scene, parameters, kept)
+    built = inputs.comparable(scene, parameters, keep_rates)
     if real_time:
-        limit = min(made.duration, limit or made.duration)
-    asked = inputs.relative_error(error, made)
-    bounds = Bounds(asked, compliance, limit)
-    found = _swept(made, chosen, store, bounds, as_json) if records is None else _of_scene(records, made, chosen)
-    _warn(found)
-    choice, duel = _confirmed(made, pick.pick(found, *astuple(bounds)), confirming)
-    again = _afresh(made, choice, store) if fresh else None
-    shipped = _as_shipped(made, chosen, store)
-    again_by = None if choice.best is None else reproduce(choice.best, scene, kept)
+        limit = min(built.duration, limit or built.duration)
+    wanted = inputs.relative_error(error, built)
+    bounds = Bounds(wanted, compliance, limit)
+    result = _swept(built, chosen, store, bounds, as_json) if records is None else _of_scene(records, built, chosen)
+    _warn(result)
+    choice, duel = _confirmed(built, pick.pick(result, *astuple(bounds)), confirming)
+    again = _afresh(built, choice, store) if fresh else None
+    shipped = _as_shipped(built, chosen, store)
+    again_by = None if choice.best is None else reproduce(choice.best, scene, keep_rates)
     if as_json:
         echo_json(_facts(choice, duel, again, again_by) | {"as_shipped": [asdict(one) for one in shipped]})
     if choice.best is None:
@@ -93,9 +92,9 @@ def command(
     if not as_json:
         click.echo(choice.sentence)
         click.echo(again_by)
-        click.echo(pick.basis(found), err=True)
+        click.echo(pick.basis(result), err=True)
         for one in shipped:
-            click.echo(pick.told(one))
+            click.echo(pick.shipped(one))
     if again is not None:
         _check(again, bounds)
 
@@ -141,8 +140,7 @@ def _pick_model(scene: str, parameters: tuple[str, ...], error: str, as_json: bo
 def _of_scene(file: Path, scene: Scene, chosen: tuple[str, ...]) -> list[Record]:
     """Return the file's records of this very scene, and of the engines chosen."""
     records, problems = record_file.read(file)
-    for problem in problems:
-        click.echo(problem, err=True)
+    complain(problems)
     own = [r for r in records if (r.scene, r.parameters) == (scene.name, scene.parameters)]
     if not own:
         raise NothingSelected(f"{file} holds no record of {scene.name} with these parameters")
@@ -157,10 +155,10 @@ def _warn(records: list[Record]) -> None:
         click.echo(f"{busy} of {len(records)} runs were timed on a busy machine: take care with the margin", err=True)
 
 
-def _confirmed(scene: Scene, choice: Choice, asked: bool | None) -> tuple[Choice, Comparison | None]:
+def _confirmed(scene: Scene, choice: Choice, wanted: bool | None) -> tuple[Choice, Comparison | None]:
     if choice.runner_up is None or choice.margin is None:
         return choice, None
-    if asked is False or (asked is None and choice.margin >= confirm.CLOSE):
+    if wanted is False or (wanted is None and choice.margin >= confirm.CLOSE):
         return choice, None
     try:
         with isolated([scene], PATIENCE) as call:
@@ -174,15 +172,15 @@ def _as_shipped(scene: Scene, chosen: tuple[str, ...], store: str | None) -> lis
     """Return the runs of the engines named as they come, without their curves."""
     if not chosen:
         return []
-    with asked_runs([scene], store, PATIENCE) as runs:
-        made = [confirm.as_shipped(runs, scene, name_of(one)) for one in chosen]
-    return [replace(record, history={}) for record in made if record is not None]
+    with open_runs([scene], store, PATIENCE) as runs:
+        built = [confirm.as_shipped(runs, scene, name_of(one)) for one in chosen]
+    return [replace(record, history={}) for record in built if record is not None]
 
 
 def _afresh(scene: Scene, choice: Choice, store: str | None) -> Record | None:
     if choice.best is None:
         return None
-    with asked_runs([scene], store, PATIENCE) as runs:
+    with open_runs([scene], store, PATIENCE) as runs:
         return confirm.afresh(scene, choice.best, truth_of(runs, scene), runs.call)
 
 
@@ -190,12 +188,12 @@ def _check(again: Record, bounds: Bounds) -> None:
     """Say what the setting did when it was run afresh."""
     reached = "no error" if again.error is None else f"{again.error.bound:.2e}"
     gap = again.measure("compliance_position")
-    told = f"run afresh: {again.status}, {reached}, joints open by {'nothing known' if gap is None else f'{gap:.2e}'}"
+    text = f"run afresh: {again.status}, {reached}, joints open by {'nothing known' if gap is None else f'{gap:.2e}'}"
     if again.status in BY_MACHINE:
-        raise Incomplete(f"{told}: {again.message}")
+        raise Incomplete(f"{text}: {again.message}")
     if not bounds.met_by(again):
-        raise Failed(f"{told}: not what was asked {again.message}".rstrip())
-    click.echo(f"{told}: as asked", err=True)
+        raise Failed(f"{text}: the bounds are not met {again.message}".rstrip())
+    click.echo(f"{text}: the bounds are met", err=True)
 
 
 def _facts(choice: Choice, duel: Comparison | None, again: Record | None, command: str | None) -> dict[str, Any]:

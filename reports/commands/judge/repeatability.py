@@ -9,8 +9,7 @@ import click
 
 from reports import inputs
 from reports.terminal import survey
-from reports.terminal.console import progress, show, table
-from reports.terminal.exit_codes import Failed, Incomplete
+from reports.terminal.console import Failed, progress, show_table
 
 SAME_MACHINE = ("at once", "another process", "another order")  # what our own solver must repeat to the last bit
 
@@ -21,23 +20,20 @@ SAME_MACHINE = ("at once", "another process", "another order")  # what our own s
 @survey.table_file("repeatability")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 def command(chosen: tuple[str, ...], only: str | None, target: Path | None, as_json: bool) -> None:
-    """Make runs twice, in another process, in the opposite order, and with two threads; compare their bits.
+    """Repeat runs at once, in another process, in the opposite order and with two threads; compare their bits.
 
-    Every method of every engine. Exit code 1 where runs of the reference solver with one thread differ; what two
-    threads change is told, as other engines' differences are.
+    Every method of every engine. Exit code 1 where runs of the reference solver with one thread differ; other
+    differences are listed.
     """
-    from benchmarks import repeatability
+    from cross_checks.conformance import repeatability
     from cross_checks.conformance.cases import cases
 
-    asked = survey.named(cases(inputs.engine_names(chosen), repeatability.BLAS), only)
-    try:
-        with progress("repeatability") as report:
-            found = repeatability.measured(asked, report)
-    except KeyboardInterrupt:
-        raise Incomplete("interrupted") from None
-    facts = {"methods": repeatability.by_method(found), "runs": found}
-    survey.tell(facts, target, as_json, _show)
-    ours = [one for one in found if one["engine"] == "mbs_ref" and any(one["differs"].get(x) for x in SAME_MACHINE)]
+    wanted = survey.named(cases(inputs.engine_names(chosen), repeatability.BLAS), only)
+    with progress("repeatability") as report:
+        result = repeatability.measured(wanted, report)
+    facts = {"methods": repeatability.by_method(result), "runs": result}
+    survey.answer(facts, target, as_json, _show)
+    ours = [one for one in result if one["engine"] == "mbs_ref" and any(one["differs"].get(x) for x in SAME_MACHINE)]
     if ours:
         raise Failed("mbs_ref gives other bits: " + ", ".join(f"{one['method']} on {one['scene']}" for one in ours))
 
@@ -45,10 +41,10 @@ def command(chosen: tuple[str, ...], only: str | None, target: Path | None, as_j
 def _show(facts: dict[str, Any]) -> None:
     rows = facts["methods"]
     ways = [each["way"] for each in rows[0]["ways"]]
-    listing = table("Runs with other bits, and by how much of the largest value", "engine", "method", "runs", *ways)
+    head, shown = ("engine", "method", "runs"), []
     for row in rows:
-        listing.add_row(row["engine"], row["method"], str(row["runs"]), *(_told(each) for each in row["ways"]))
-    show(listing)
+        shown.append([*(row[name] for name in head), *map(_told, row["ways"])])
+    show_table("Runs with other bits, and by how much of the largest value", (*head, *ways), shown)
 
 
 def _told(each: dict[str, Any]) -> str:

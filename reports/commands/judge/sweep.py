@@ -6,13 +6,12 @@ from pathlib import Path
 
 import click
 
+from cross_checks.records.numbers import setting
 from cross_checks.records.record import Record
 from mbs_ref.atomic_file import write_atomic
 from reports import inputs
-from reports.sweeping import sweep_records
-from reports.terminal.asking import STORE
-from reports.terminal.console import echo_json, number, show, table
-from reports.terminal.exit_codes import NothingSelected
+from reports.query import SCHEDULER, STORE, sweep_records
+from reports.terminal.console import NothingSelected, echo_json, number, show_table
 
 
 @click.command(name="sweep")
@@ -22,15 +21,16 @@ from reports.terminal.exit_codes import NothingSelected
 @inputs.ENGINES
 @click.option("--method", "methods", multiple=True, metavar="M", help="Only this method; repeatable.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON lines, one a run.")
-@click.option("-o", "output", metavar="FILE.jsonl|.parquet", help="Keep the runs in a file, as lines or as a table.")
+@click.option("-o", "output", metavar="FILE.jsonl|.parquet", help="Write the runs to a file, as lines or as a table.")
 @click.option("--plot", metavar="FILE.html", help="Draw error against the time of the loop, as a page.")
 @click.option("--timeout", type=float, callback=inputs.positive, help="Longest time a run computes, s.  [default: 120]")
 @click.option("--memory", type=float, callback=inputs.positive, help="Most memory of one run, MiB.  [default: 4096]")
+@SCHEDULER
 @STORE
 def command(
     scene: str,
     parameters: tuple[str, ...],
-    kept: tuple[str, ...],
+    keep_rates: tuple[str, ...],
     chosen: tuple[str, ...],
     methods: tuple[str, ...],
     as_json: bool,
@@ -38,6 +38,7 @@ def command(
     plot: str | None,
     timeout: float | None,
     memory: float | None,
+    scheduler: str | None,
     store: str | None,
 ) -> None:
     """Measure work against precision on SCENE: the settings that meet each decade of error, timed alone.
@@ -49,8 +50,8 @@ def command(
     drawn = inputs.output(plot, (".html",))
     columns = target if target is not None and target.suffix == ".parquet" else None
     lines = target if columns is None else None
-    made = inputs.comparable(scene, parameters, kept)
-    records = sweep_records(made, chosen, methods, lines, timeout, memory, store=store)
+    built = inputs.comparable(scene, parameters, keep_rates)
+    records = sweep_records(built, chosen, methods, lines, timeout, memory, store=store, scheduler=scheduler)
     if not records:
         raise NothingSelected("no engine and method to sweep")
     if columns is not None:
@@ -66,7 +67,7 @@ def command(
 
 
 def _draw(records: list[Record], target: Path) -> None:
-    from reports.drawing.figures import work_precision
+    from cross_checks.records.figures import work_precision
 
     try:
         page = work_precision(records).to_html(include_plotlyjs=True)
@@ -76,11 +77,13 @@ def _draw(records: list[Record], target: Path) -> None:
 
 
 def _show(records: list[Record]) -> None:
-    listing = table("", "engine", "method", "setting", "status", "error", "compliance", "loop, s")
+    rows = []
     for record in records:
-        keys = [key for key in ("step", "rtol") if record.settings.get(key) is not None]
-        setting = " ".join(f"{key} {record.settings[key]:g}" for key in keys)
-        error = number(record.error.value if record.error else None)
-        figures = (error, number(record.measure("compliance_position")), number(record.times.get("loop_s")))
-        listing.add_row(record.engine, record.method, setting, record.status, *figures)
-    show(listing)
+        figures = (
+            record.error and record.error.value,
+            record.measure("compliance_position"),
+            record.times.get("loop_s"),
+        )
+        how = setting({key: record.settings.get(key) for key in ("step", "rtol")})
+        rows.append((record.engine, record.method, how, record.status, *map(number, figures)))
+    show_table("", ("engine", "method", "setting", "status", "error", "compliance", "loop, s"), rows)

@@ -9,8 +9,7 @@ import click
 
 from reports import inputs
 from reports.terminal import survey
-from reports.terminal.console import progress, show, table
-from reports.terminal.exit_codes import Failed, Incomplete
+from reports.terminal.console import Failed, interruptible, progress, show_table
 
 
 @click.command(name="symmetry")
@@ -28,35 +27,28 @@ def command(chosen: tuple[str, ...], only: str | None, target: Path | None, as_j
     from cross_checks.conformance.symmetry.violation import by_method, isolated
     from cross_checks.isolation.parent import Isolated
 
-    asked = survey.named(cases(inputs.engine_names(chosen)), only)
-    found: list[dict[str, Any]] = []
-    try:
-        with progress("symmetry") as report, Isolated() as call:
-            for case in asked:
-                report(len(found), len(asked), case.name)
-                found.append(isolated(case, call))
-    except KeyboardInterrupt:
-        raise Incomplete(f"interrupted after {len(found)} cases") from None
-    facts = {"methods": by_method(found), "cases": found}
-    survey.tell(facts, target, as_json, _show)
-    ours = [one for one in found if one["engine"] == "mbs_ref" and any(x["exceeds_error"] for x in one["broken"])]
+    wanted = survey.named(cases(inputs.engine_names(chosen)), only)
+    result: list[dict[str, Any]] = []
+    with interruptible(lambda: f"{len(result)} cases"), progress("symmetry") as report, Isolated() as call:
+        for case in wanted:
+            report(len(result), len(wanted), case.name)
+            result.append(isolated(case, call))
+    facts = {"methods": by_method(result), "cases": result}
+    survey.answer(facts, target, as_json, _show)
+    ours = [one for one in result if one["engine"] == "mbs_ref" and any(x["exceeds_error"] for x in one["broken"])]
     if ours:
         raise Failed("mbs_ref breaks a symmetry: " + ", ".join(f"{one['method']} on {one['scene']}" for one in ours))
 
 
 def _show(facts: dict[str, Any]) -> None:
     words = ("engine", "method", "scenes", "not finished", "judged", "beyond roundoff", "beyond its error")
-    listing = table("Symmetries", *words)
-    for row in facts["methods"]:
-        figures = ("cases", "stopped", "judged", "broken", "beyond_error")
-        listing.add_row(row["engine"], row["method"], *(str(row[key]) for key in figures))
-    show(listing)
+    keys = ("engine", "method", "cases", "stopped", "judged", "broken", "beyond_error")
+    show_table("Symmetries", words, ([row[key] for key in keys] for row in facts["methods"]))
     words = ("engine", "method", "scene", "symmetry", "by, m", "roundoff, m", "error, m")
-    listing = table("\nBroken beyond roundoff", *words)
+    rows = []
     for one in facts["cases"]:
+        about = (one["engine"], one["method"], one["scene"])
         for each in one["broken"]:
-            sizes = (f"{each[key]:.1e}" for key in ("size", "noise", "error"))
-            listing.add_row(one["engine"], one["method"], one["scene"], each["symmetry"], *sizes)
-        if one["stopped"]:
-            listing.add_row(one["engine"], one["method"], one["scene"], one["stopped"], "", "", "")
-    show(listing)
+            rows.append((*about, each["symmetry"], *(f"{each[key]:.1e}" for key in ("size", "noise", "error"))))
+        rows += [(*about, one["stopped"])] if one["stopped"] else []
+    show_table("\nBroken beyond roundoff", words, rows)

@@ -12,8 +12,7 @@ from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings
 from mbs_ref.trajectory import Trajectory
 from reports import inputs
-from reports.terminal.console import progress
-from reports.terminal.exit_codes import EngineAbsent, Failed
+from reports.terminal.console import EngineAbsent, Failed, progress, writing
 
 
 @click.command(name="animate")
@@ -23,7 +22,7 @@ from reports.terminal.exit_codes import EngineAbsent, Failed
 @click.option("--frames", type=click.IntRange(2, 1000), default=81, show_default=True, help="Pictures in the GIF.")
 @click.option("--strip", type=click.IntRange(1, 64), default=8, show_default=True, help="Pictures in the filmstrip.")
 @click.option("--seconds", type=float, default=4.0, show_default=True, callback=inputs.positive, help="It plays for.")
-@click.option("--project-initial", is_flag=True, help="Repair inconsistent initial conditions.")
+@click.option("--project-initial", is_flag=True, help="Project inconsistent initial conditions.")
 @inputs.KEEP
 @inputs.ENGINES
 @click.option("--mp4", "video", is_flag=True, help="Write FILE.mp4 as well; needs the package av.")
@@ -31,15 +30,15 @@ from reports.terminal.exit_codes import EngineAbsent, Failed
 @click.option("-o", "output", metavar="FILE.gif", help="Where to; SCENE.gif unless given. The strip is FILE.png.")
 def command(
     scene: str, parameters: tuple[str, ...], t_end: float | None, frames: int, strip: int, seconds: float,
-    project_initial: bool, kept: tuple[str, ...], chosen: tuple[str, ...], video: bool, page: bool,
+    project_initial: bool, keep_rates: tuple[str, ...], chosen: tuple[str, ...], video: bool, page: bool,
     output: str | None,
 ) -> None:  # fmt: skip
     """Simulate SCENE and draw it: FILE.gif plays, FILE.png shows moments of the first run side by side.
 
     Several --engine are drawn beside each other at the same times, each by its default method.
     """
-    made = inputs.scene(scene, parameters, kept)
-    target = inputs.output(output or f"{made.name}.gif", (".gif",))
+    built = inputs.scene(scene, parameters, keep_rates)
+    target = inputs.output(output or f"{built.name}.gif", (".gif",))
     assert target is not None
     settings = inputs.settings(
         t_end=t_end, samples=frames, reactions=False, estimate="off", project_initial=project_initial
@@ -52,24 +51,22 @@ def command(
     except ImportError as error:
         raise EngineAbsent(str(error)) from error
 
-    with progress(f"animate {made.name}") as report:
+    with progress(f"animate {built.name}") as report:
         report(0, 3, "runs")
-        runs = {solver.name: _run(solver, made, settings) for solver in map(inputs.engine, chosen or ("mbs_ref",))}
+        runs = {solver.name: _run(solver, built, settings) for solver in map(inputs.engine, chosen or ("mbs_ref",))}
         report(1, 3, "is drawn, frame by frame")
-        film = beside(made, runs)
+        film = beside(built, runs)
         pictures = {Path(target): as_gif(film, seconds)}
         if library is not None:
             pictures[Path(target).with_suffix(".mp4")] = as_mp4(film, seconds, library)
         report(2, 3, "is drawn side by side")
         first = next(iter(runs.values()))
         if page:
-            pictures[Path(target).with_suffix(".html")] = as_page(made.name, film, first.times[: len(film)], seconds)
-        pictures[Path(target).with_suffix(".png")] = filmstrip(made, first, strip)
+            pictures[Path(target).with_suffix(".html")] = as_page(built.name, film, first.times[: len(film)], seconds)
+        pictures[Path(target).with_suffix(".png")] = filmstrip(built, first, strip)
     for file, content in pictures.items():
-        try:
+        with writing(file):
             write_atomic(file, content)
-        except OSError as error:
-            raise Failed(f"{file} cannot be written: {error.strerror}") from error
         click.echo(str(file))
     short = [f"{name}: {path.message}" for name, path in runs.items() if not path.ok]
     if short:

@@ -13,7 +13,7 @@ from mbs_ref.simulate.linearised.steady_motion import SteadyMotion, steady_motio
 from mbs_ref.simulate.linearised.stiffness import Stiffness, stiffness_at_start
 from reports import inputs
 from reports.scene_summary import summary
-from reports.terminal.console import compiling, echo_json, number, show, table
+from reports.terminal.console import compiling, echo_json, number, show_table
 
 SHOWN = 6  # eigenvalues
 
@@ -23,24 +23,24 @@ SHOWN = 6  # eigenvalues
 @inputs.PARAMETERS
 @inputs.KEEP
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
-def command(scene: str, parameters: tuple[str, ...], kept: tuple[str, ...], as_json: bool) -> None:
+def command(scene: str, parameters: tuple[str, ...], keep_rates: tuple[str, ...], as_json: bool) -> None:
     """Linearise a scene at its start: stiffness, the step each explicit method can bear, modes of a steady motion."""
     click.get_current_context().with_resource(compiling())
-    chosen = inputs.scene(scene, parameters, kept)
-    found = stiffness_at_start(chosen)
+    chosen = inputs.scene(scene, parameters, keep_rates)
+    results = stiffness_at_start(chosen)
     result: dict[str, Any] = {
         "scene": chosen.name,
         "summary": summary(chosen).sentence(),
         "traits": sorted(traits(chosen)),
         "breakpoints_s": chosen.breakpoints(),
         "contacts": len(chosen.contacts),
-        "fastest_1_s": found.fastest,
-        "fastest_decay_1_s": found.fastest_decay,
-        "eigenvalues_1_s": [[value.real, value.imag] for value in _dominant(found)],
-        "rule_1_over_omega_s": _finite(found.oscillation_rule),
-        "rule_m_over_c_s": _finite(found.damping_rule),
+        "fastest_1_s": results.fastest,
+        "fastest_decay_1_s": results.fastest_decay,
+        "eigenvalues_1_s": [[value.real, value.imag] for value in _dominant(results)],
+        "rule_1_over_omega_s": _finite(results.oscillation_rule),
+        "rule_m_over_c_s": _finite(results.damping_rule),
         "largest_step_s": {
-            name: _finite(found.step_limit(method.stability))
+            name: _finite(results.step_limit(method.stability))
             for name, method in integrators().items()
             if method.stability
         },
@@ -49,21 +49,18 @@ def command(scene: str, parameters: tuple[str, ...], kept: tuple[str, ...], as_j
     if as_json:
         echo_json(result)
         return
-    shown = table(f"{chosen.name} at t = 0", "quantity", "value")
-    for name, value in result.items():
-        if chosen.contacts or not name.startswith("rule_"):  # the papers' rules are for contacts
-            shown.add_row(name, _cell(value))
-    show(shown)
+    rows = ((name, _cell(value)) for name, value in result.items() if chosen.contacts or not name.startswith("rule_"))
+    show_table(f"{chosen.name} at t = 0", ("quantity", "value"), rows)  # the papers' rules are for contacts
 
 
-def _dominant(found: Stiffness) -> list[complex]:
-    modes = found.modes
+def _dominant(results: Stiffness) -> list[complex]:
+    modes = results.modes
     return [complex(value) for value in modes[np.argsort(-np.abs(modes))][:SHOWN]]
 
 
-def _modes(found: SteadyMotion) -> str | list[list[float]]:
+def _modes(results: SteadyMotion) -> str | list[list[float]]:
     """Return the eigenvalues about the motion at the start, or why there are none."""
-    return found.reason or [[value.real, value.imag] for value in found.eigenvalues.tolist()]
+    return results.reason or [[value.real, value.imag] for value in results.eigenvalues.tolist()]
 
 
 def _finite(value: float) -> float | None:
@@ -72,8 +69,8 @@ def _finite(value: float) -> float | None:
 
 def _eigenvalues(pairs: list[list[float]]) -> str:
     """Return real and imaginary parts as a reader writes them, conjugates and equals once."""
-    told = dict.fromkeys((number(real), number(abs(imaginary))) for real, imaginary in pairs)
-    return ", ".join(real if imaginary == "0" else f"{real} ± {imaginary}i" for real, imaginary in told)
+    text = dict.fromkeys((number(real), number(abs(imaginary))) for real, imaginary in pairs)
+    return ", ".join(real if imaginary == "0" else f"{real} ± {imaginary}i" for real, imaginary in text)
 
 
 def _cell(value: Any) -> str:

@@ -10,8 +10,7 @@ import click
 from mbs_ref import scenes
 from mbs_ref.scene.toml import SceneFileError, write_scene
 from reports import inputs
-from reports.terminal.console import echo_json, show, table
-from reports.terminal.exit_codes import Failed
+from reports.terminal.console import Failed, echo_json, show_table
 
 FOLDER = click.Path(file_okay=False, path_type=Path)
 
@@ -23,19 +22,17 @@ FOLDER = click.Path(file_okay=False, path_type=Path)
 @click.option("--files", "folder", type=FOLDER, help="Write the scenes into this folder as TOML files.")
 def command(names: tuple[str, ...], parameters: tuple[str, ...], as_json: bool, folder: Path | None) -> None:
     """List the scenes and their parameters, all or those named; --files writes them as files to start from."""
-    found = [_described(name) for name in names or scenes.names()]
+    result = [_described(name) for name in names or scenes.names()]
     if parameters and not (folder and len(names) == 1):
         raise click.UsageError("-p belongs to --files and the name of one scene")
     if folder is not None:
-        _write([info.name for info in found], parameters, folder)
+        _write([info.name for info in result], parameters, folder)
         return
     if as_json:
-        echo_json([asdict(info) for info in found])
+        echo_json([asdict(info) for info in result])
         return
-    listing = table("", "scene", "parameters (default)", "about")
-    for info in found:
-        listing.add_row(info.name, " ".join(f"{k}={v}" for k, v in info.parameters.items()), info.summary)
-    show(listing)
+    rows = ((one.name, " ".join(f"{k}={v}" for k, v in one.parameters.items()), one.summary) for one in result)
+    show_table("", ("scene", "parameters (default)", "about"), rows)
 
 
 def _described(name: str):

@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from typing import Any
 
 import click
+import numpy as np
 from rich.table import Table
 
 from cross_checks import metrics
@@ -17,23 +18,35 @@ from mbs_ref.scene import Scene
 from mbs_ref.trajectory import Trajectory
 from reports import inputs
 from reports.poses_file import FORMATS, write_poses
-from reports.run_plot import never_closed, run_plot
+from reports.query import STORE, store_path
 from reports.scene_summary import summary
-from reports.terminal.asking import STORE, store_path
-from reports.terminal.console import amount, awaited, compiling, echo_json, number, show, table
-from reports.terminal.exit_codes import EngineAbsent, Failed, Incomplete
+from reports.terminal.console import (
+    EngineAbsent,
+    Failed,
+    Incomplete,
+    amount,
+    awaited,
+    compiling,
+    echo_json,
+    number,
+    show,
+    show_table,
+    table,
+    writing,
+)
+from reports.terminal.text_plot import text_plot
 
 
 @click.command(name="simulate")
 @click.argument("scene", metavar="SCENE|FILE.toml")
 @inputs.PARAMETERS
-@click.option("--engine", default="mbs_ref", show_default=True, help="Who integrates.")
+@click.option("--engine", default="mbs_ref", show_default=True, help="Engine that integrates.")
 @inputs.run_options
 @click.option("--stop-on-compliance", is_flag=True, help="End the run where |C(q, t)| < step fails (the papers' test).")
-@click.option("--no-truth", is_flag=True, help="Hold the result against no truth: the first may take a minute to make.")
+@click.option("--no-truth", is_flag=True, help="Compare with no truth: computing the first may take a minute.")
 @click.option("--json", "as_json", is_flag=True, help="Print the whole record as JSON.")
 @click.option("--plot", is_flag=True, help="Draw the last body's path and the error over time, in characters.")
-@click.option("-o", "output", metavar="FILE", help="Write times and poses to a .npz or .csv file.")
+@click.option("-o", "output", metavar="FILE", help="Write times and poses to a .npz, .csv or .parquet file.")
 @STORE
 def command(
     scene: str,
@@ -45,16 +58,16 @@ def command(
     no_truth: bool,
     store: str | None,
     plot: bool,
-    kept: tuple[str, ...],
+    keep_rates: tuple[str, ...],
     **options: Any,
 ) -> None:
     """Simulate SCENE and judge the result against its truth.
 
-    The result is printed at once, then its error. A truth is made once and kept in the store.
+    The result is printed at once, then its error. A truth is computed once and stored.
     """
     click.get_current_context().with_resource(compiling())
     target = inputs.output(output, tuple(FORMATS))
-    chosen_scene = inputs.scene(scene, parameters, kept)
+    chosen_scene = inputs.scene(scene, parameters, keep_rates)
     chosen = inputs.settings(method=method, **options)
     solver = inputs.engine(engine)
     chosen = chosen.model_copy(update={"method": inputs.method(solver, method or solver.unasked)})
@@ -65,19 +78,17 @@ def command(
     from cross_checks.judge import one_run as compare
     from cross_checks.judge.runs import UNTOLD
 
-    try:
-        record, trajectory = compare.judged_run(chosen_scene, solver.name, chosen, truth=UNTOLD)
-        if target is not None and trajectory is not None and record.status in ("success", "interrupted"):
+    record, trajectory = compare.judged_run(chosen_scene, solver.name, chosen, truth=UNTOLD)
+    if target is not None and trajectory is not None and record.status in ("success", "interrupted"):
+        with writing(f"-o {output}"):
             write_poses(trajectory, chosen_scene.body_names, target)
-    except OSError as error:
-        raise Failed(f"-o {output}: cannot be written: {error.strerror}") from error
     if not as_json:
         _show(record)
     if trajectory is not None and not no_truth and record.status in ("success", "stop-event"):
-        told = len(record.notes)
+        text = len(record.notes)
         record = _judged(chosen_scene, record, trajectory, store)
         if not as_json:
-            _show_error(record, record.notes[told:])
+            _show_error(record, record.notes[text:])
     if as_json:
         echo_json(record.to_dict())
     if trajectory is not None and not as_json:
@@ -94,8 +105,8 @@ def _judged(scene: Scene, record: Record, path: Trajectory, store: str | None) -
     """Return the record with its error from the scene's truth, which the store keeps."""
     from cross_checks.judge.runs import Runs, against
 
-    with Store(store_path(store)) as kept, awaited(f"seeking a truth of {scene.name}, once: --no-truth leaves it out"):
-        truth = Runs(kept).truth(scene, path.times)
+    with Store(store_path(store)) as opened, awaited(f"computing the truth of {scene.name}, once: --no-truth omits it"):
+        truth = Runs(opened).truth(scene, path.times)
     return against(scene, Run(record, path), truth)
 
 
@@ -127,7 +138,7 @@ def _show(record: Record) -> None:
     for note in record.notes:
         facts.add_row("note", note)
     show(facts)
-    show(_final(record))
+    _show_final(record)
 
 
 def _show_error(record: Record, notes: tuple[str, ...]) -> None:
@@ -144,7 +155,7 @@ def _show_error(record: Record, notes: tuple[str, ...]) -> None:
     for note in notes:
         facts.add_row("note", note)
     if error is None:
-        facts.add_row("next", "mbs-ref check makes a truth of what unlike engines agree on, and judges by it")
+        facts.add_row("next", "mbs-ref check computes a consensus truth from unlike engines, and judges by it")
     show(facts)
 
 
@@ -155,19 +166,39 @@ def _add_figures(facts: Table, record: Record, listed: Iterable[Metric]) -> None
 
 
 def _estimate(estimate: dict[str, Any]) -> str:
-    value = "beyond all measure" if estimate["value"] is None else f"{number(estimate['value'])} {estimate['unit']}"
+    value = "not bounded" if estimate["value"] is None else f"{number(estimate['value'])} {estimate['unit']}"
     return f"{value}: {estimate['how']}; it took {number(estimate['cost_s'])} s"
 
 
-def _final(record: Record):
-    listing = table("\nAt the end", "body", "position, m", "angle or orientation", "velocity, m/s")
-    for body, state in record.final.items():
-        pose = state.get("angle", state.get("orientation"))
-        listing.add_row(body, _digits(state.get("position")), _digits(pose), _digits(state.get("velocity")))
-    return listing
+def _show_final(record: Record) -> None:
+    states = record.final.items()
+    poses = ((body, s.get("position"), s.get("angle", s.get("orientation")), s.get("velocity")) for body, s in states)
+    head = ("body", "position, m", "angle or orientation", "velocity, m/s")
+    show_table("\nAt the end", head, ((body, *map(_digits, values)) for body, *values in poses))
 
 
 def _digits(value: Any) -> str:
     if isinstance(value, list | tuple):
         return ", ".join(_digits(item) for item in value)
     return "-" if value is None else f"{value:.15g}"
+
+
+AXES = "xyz"
+
+
+def run_plot(scene: Scene, path: Trajectory, record: Record) -> str:
+    """Return the plots, one above the other."""
+    body = scene.body_names[-1]
+    places = {f"{AXES[k]} of {body}": (path.times, path.position[:, -1, k]) for k in range(path.position.shape[2])}
+    plots = [text_plot(places, "t, s", "position, m")]
+    error = np.array(record.history.get("error", []), dtype=float)
+    if len(error):
+        over_time = {"error": (path.times[1 : len(error)], error[1:])}  # which begins at 0 by construction
+        plots.append(text_plot(over_time, "t, s", "error over the scene's scales", log_y=True))
+    return "\n\n".join(plot for plot in plots if plot)
+
+
+def never_closed(path: Trajectory) -> list[str]:
+    """Return the contacts that are open at every output, and at no event: a floor on the wrong side is one of them."""
+    met = set() if path.event_times is None else {path.event_names[int(k)] for k in path.event_times[:, 1]}
+    return [name for name, history in path.contacts.items() if name not in met and not np.any(history[:, 0] > 0.0)]

@@ -11,7 +11,7 @@ from cross_checks import writers
 from cross_checks.engines import EngineMissing
 from mbs_ref.atomic_file import write_atomic
 from reports import inputs
-from reports.terminal.exit_codes import EngineAbsent, Failed
+from reports.terminal.console import EngineAbsent, Failed, writing
 
 
 @click.command(name="write")
@@ -28,7 +28,7 @@ from reports.terminal.exit_codes import EngineAbsent, Failed
 @inputs.KEEP
 @click.option("-o", "output", metavar="FILE", help="Where to write; stdout unless given.")
 def command(
-    scene: str, form: str, parameters: tuple[str, ...], kept: tuple[str, ...], output: str | None, **options: Any
+    scene: str, form: str, parameters: tuple[str, ...], keep_rates: tuple[str, ...], output: str | None, **options: Any
 ) -> None:
     """Write SCENE as a file that runs without mbs-ref.
 
@@ -36,15 +36,13 @@ def command(
     to roundoff, and is run once to its end before it is written. What the form cannot represent is refused by name.
     """
     target = None if output is None else inputs.output(output, (_form(form).suffix,))
-    chosen = inputs.scene(scene, parameters, kept)
+    chosen = inputs.scene(scene, parameters, keep_rates)
     text = _written(chosen, form, inputs.settings(**options))
     if target is None:
         click.echo(text, nl=False)
         return
-    try:
+    with writing(f"-o {output}"):
         write_atomic(Path(target), text.encode())
-    except OSError as error:
-        raise Failed(f"-o {output}: cannot be written: {error.strerror}") from error
     click.echo(target)
 
 

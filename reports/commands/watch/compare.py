@@ -4,24 +4,42 @@ from __future__ import annotations
 
 import subprocess
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
 from cross_checks.records import lines as record_file
 from cross_checks.records.record import Record
-from reports.terminal.console import echo_json, number, progress, show, table
-from reports.terminal.exit_codes import Failed, Incomplete, NothingSelected
+from reports.terminal.console import (
+    Failed,
+    Incomplete,
+    NothingSelected,
+    complain,
+    echo_json,
+    number,
+    progress,
+    show_table,
+)
+
+if TYPE_CHECKING:
+    from benchmarks.trees.regression import Case, Finding
 
 
 @click.command(name="compare")
 @click.argument("baseline", metavar="A")
 @click.argument("current", metavar="B", default=".")
 @click.option("--only", metavar="TEXT", default="", help="Only the cases whose name holds this.")
+@click.option(
+    "--slowed",
+    type=click.FloatRange(0.0, 1000.0),
+    metavar="PERCENT",
+    help="Take as B a copy of this tree whose planar kernel is slower on the first case.",
+)
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
-def command(baseline: str, current: str, only: str, as_json: bool) -> None:
+def command(baseline: str, current: str, only: str, slowed: float | None, as_json: bool) -> None:
     """Time version B against version A at equal error, in this one job; each a folder or a git revision.
 
     Where A and B are files of records (.jsonl), their accuracy is compared run by run; their times were
@@ -37,25 +55,49 @@ def command(baseline: str, current: str, only: str, as_json: bool) -> None:
     cases = [case for case in regression.CASES if only in case.name]
     if not cases:
         raise click.UsageError(f"--only {only!r} fits none of: {', '.join(c.name for c in regression.CASES)}")
-    with ExitStack() as stack:
-        trees = [stack.enter_context(tree(name)) for name in (baseline, current)]
-        report = stack.enter_context(progress("compare"))
-        try:
-            findings = list(regression.regressions(trees[0], trees[1], cases, report))
-        except ValueError as error:
-            raise click.UsageError(str(error)) from error
+    findings = findings_of("compare", baseline, current, cases, slowed)
     verdict = regression.overall(findings)
     if as_json:
         echo_json({"verdict": verdict, "cases": [finding.to_dict() for finding in findings]})
     else:
-        listing = table("", "case", "verdict", "")
-        for finding in findings:
-            listing.add_row(finding.case, finding.verdict, finding.sentence)
-        show(listing)
-    if verdict == "slower":
-        raise Failed(f"slower: {', '.join(f.case for f in findings if f.verdict == 'slower')}")
+        show_table("", ("case", "verdict", ""), ((f.case, f.verdict, f.sentence) for f in findings))
+    end(findings)
+
+
+def findings_of(
+    title: str, baseline: str, current: str, cases: Sequence[Case], slowed: float | None = None
+) -> list[Finding]:
+    """Return the verdicts on two trees, each a folder or a git revision; with `slowed` B is a copy of this tree."""
+    from benchmarks.trees import regression
+    from benchmarks.trees import slowed as copies
+
+    with ExitStack() as stack:
+        before = stack.enter_context(tree(baseline))
+        if slowed is None:
+            after = stack.enter_context(tree(current))
+        else:
+            after = copies.copy_tree(Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="mbs-ref-"))))
+            turns, share = copies.calibrate(after, cases[0], slowed / 100.0) if slowed > 0.0 else (0, 0.0)
+            sentence = f"B takes {share:.1%} longer on {cases[0].name}, by {turns} square roots a right-hand side"
+            click.echo(sentence, err=True)
+        report = stack.enter_context(progress(title))
+        try:
+            return list(regression.regressions(before, after, cases, report))
+        except ValueError as error:
+            raise click.UsageError(str(error)) from error
+
+
+def end(findings: Sequence[Finding], worse: int = 0) -> None:
+    """End the command with the exit code of the verdicts, and of so many runs that are less accurate than before."""
+    from benchmarks.trees import regression
+
+    verdict = regression.overall(findings)
+    named = ", ".join(finding.case for finding in findings if finding.verdict == verdict)
+    reasons = [f"slower: {named}"] * (verdict == "slower") + [f"{worse} runs worse than last night"] * bool(worse)
+    if reasons:
+        raise Failed("; ".join(reasons))
     if verdict in (regression.NOT_MEASURED, "inconclusive"):
-        raise Incomplete(f"{verdict}: {', '.join(f.case for f in findings if f.verdict == verdict)}")
+        raise Incomplete(f"{verdict}: {named}")
 
 
 def _compare_files(files: list[Path], only: str, as_json: bool) -> None:
@@ -65,25 +107,22 @@ def _compare_files(files: list[Path], only: str, as_json: bool) -> None:
     if len(files) != 2:
         raise click.UsageError("A and B must be two trees, or two files of records")
     before, after = (_records(file) for file in files)
-    found = [change for change in record_changes.changes(before, after) if only in change.run]
-    if not found:
+    result = [change for change in record_changes.changes(before, after) if only in change.run]
+    if not result:
         raise NothingSelected(f"{files[0]} and {files[1]} share no run{f' named {only!r}' if only else ''}")
-    verdict, ratio = record_changes.overall(found), record_changes.median_ratio(found)
+    verdict, ratio = record_changes.overall(result), record_changes.median_ratio(result)
     left, right = record_changes.alone(before, after)
     if as_json:
         facts = {"verdict": verdict, "median_time_ratio": ratio, "only_in_a": left, "only_in_b": right}
-        echo_json(facts | {"runs": [change.to_dict() for change in found]})
+        echo_json(facts | {"runs": [change.to_dict() for change in result]})
     else:
-        listing = table("", "run", "verdict", "", "loop, B/A")
-        for change in found:
-            if change.move is not Move.SAME:
-                listing.add_row(change.run, change.move, change.sentence, number(change.ratio))
-        show(listing)
-        counts = ", ".join(f"{sum(c.move is move for c in found)} {move}" for move in Move)
-        click.echo(f"{len(found)} runs in both: {counts}. {left} only in A, {right} only in B.")
-        click.echo(f"The median run of B took {number(ratio)} times A's loop time; times of two jobs decide nothing.")
+        changed = [(c.run, c.move, c.sentence, number(c.ratio)) for c in result if c.move is not Move.SAME]
+        show_table("", ("run", "verdict", "", "loop, B/A"), changed)
+        counts = ", ".join(f"{sum(c.move is move for c in result)} {move}" for move in Move)
+        click.echo(f"{len(result)} runs in both: {counts}. {left} only in A, {right} only in B.")
+        click.echo(f"The median ratio of loop times, B/A, is {number(ratio)}; times of two jobs decide nothing.")
     if verdict is Move.WORSE:
-        raise Failed(f"worse: {sum(c.move is Move.WORSE for c in found)} of {len(found)} runs")
+        raise Failed(f"worse: {sum(c.move is Move.WORSE for c in result)} of {len(result)} runs")
     if verdict is Move.NOT_MEASURED:
         raise Incomplete("some runs could not be compared")
 
@@ -92,8 +131,7 @@ def _records(file: Path) -> list[Record]:
     if not file.is_file():
         raise click.UsageError(f"{file}: there is no such file")
     records, problems = record_file.read(file)
-    for problem in problems:
-        click.echo(problem, err=True)
+    complain(problems)
     return records
 
 

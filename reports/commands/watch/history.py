@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import html
 from pathlib import Path
 from typing import Any
 
@@ -9,9 +10,10 @@ import click
 
 from benchmarks import history
 from benchmarks.history import Entry
+from cross_checks.records.plots.plot import new_figure
+from mbs_ref.atomic_file import write_atomic
 from reports import inputs
-from reports.terminal.console import echo_json, number, show, table
-from reports.terminal.exit_codes import NothingSelected
+from reports.terminal.console import NothingSelected, complain, echo_json, number, show_table
 
 FILE = click.Path(exists=True, dir_okay=False, path_type=Path)
 
@@ -25,25 +27,54 @@ def command(file: Path, text: str, as_json: bool, output: str | None) -> None:
     """Show every series over time with its change points."""
     target = inputs.output(output, (".html",))
     database, problems = history.index(file)
-    for problem in problems:
-        click.echo(problem, err=True)
-    found = history.series(database, text)
-    if not found:
+    complain(problems)
+    result = history.series(database, text)
+    if not result:
         raise NothingSelected(f"no series in {file} holds {text!r}")
-    changes = {name: history.change_points([e.value for e in entries]) for name, entries in found.items()}
+    changes = {name: history.change_points([e.value for e in entries]) for name, entries in result.items()}
     if target is not None:
-        from reports.drawing.plots.trend import write_trends
+        from reports.commands.watch.history import write_trends
 
-        write_trends(found, changes, target)
+        write_trends(result, changes, target)
     if as_json:
-        echo_json({name: _facts(entries, changes[name]) for name, entries in found.items()})
+        echo_json({name: _facts(entries, changes[name]) for name, entries in result.items()})
         return
-    listing = table("", "series", "jobs", "last", "unit", "verdict", "changed at")
-    for name, entries in found.items():
+    rows = []
+    for name, entries in result.items():
         last, when = entries[-1], ", ".join(entries[k].made for k in changes[name])
-        listing.add_row(name, str(len(entries)), number(last.value), last.unit, last.verdict, when or "never")
-    show(listing)
+        rows.append((name, len(entries), number(last.value), last.unit, last.verdict, when or "never"))
+    show_table("", ("series", "jobs", "last", "unit", "verdict", "changed at"), rows)
 
 
 def _facts(entries: list[Entry], changes: list[int]) -> dict[str, Any]:
     return {"values": [e.value for e in entries], "changes": [entries[k].made for k in changes]}
+
+
+TITLES = {"1": "ratio to the job's own baseline", "s": "time, s"}
+
+
+def write_trends(series: dict[str, list[Entry]], changes: dict[str, list[int]], target: Path) -> None:
+    """Write one page that works offline: a figure a unit, and a ring round the first value of each new level."""
+    units = list(dict.fromkeys(entries[0].unit for entries in series.values()))
+    parts = []
+    for unit in units:
+        own = {name: entries for name, entries in series.items() if entries[0].unit == unit}
+        figure = _figure(own, changes, TITLES.get(unit, unit), y_log=unit != "1")
+        parts.append(figure.to_html(full_html=False, include_plotlyjs=not parts))
+    page = f"<!doctype html><meta charset='utf-8'><title>mbs-ref: trends</title>{''.join(parts)}"
+    write_atomic(target, page.encode())
+
+
+def _figure(series: dict[str, list[Entry]], changes: dict[str, list[int]], title: str, y_log: bool):
+    figure = new_figure("time of the job, UTC", title, x_log=False, y_log=y_log)
+    for name, entries in series.items():
+        x, y = [e.made for e in entries], [e.value for e in entries]
+        sentence = [html.escape(f"{e.commit_id} {e.verdict}".strip()) for e in entries]
+        hover = "%{y:.4g}, %{x}<br>%{text}"
+        figure.add_scatter(x=x, y=y, mode="lines+markers", name=html.escape(name), text=sentence, hovertemplate=hover)
+        marked = changes[name]
+        figure.add_scatter(
+            x=[x[k] for k in marked], y=[y[k] for k in marked], mode="markers", showlegend=False,
+            marker={"symbol": "circle-open", "size": 16, "color": "#c0392b"}, hovertext="the level changed here",
+        )  # fmt: skip
+    return figure

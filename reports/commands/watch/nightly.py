@@ -6,8 +6,6 @@ import json
 import platform
 import shutil
 import uuid
-from collections.abc import Sequence
-from contextlib import ExitStack
 from datetime import UTC, datetime
 from pathlib import Path
 
@@ -17,15 +15,13 @@ from benchmarks import history, record_changes
 from benchmarks.history import Entry
 from benchmarks.record_changes import Move
 from benchmarks.trees import regression
-from benchmarks.trees.regression import Finding
 from cross_checks.records import lines as record_file
 from mbs_ref import scenes
-from reports.commands.watch.compare import tree
-from reports.drawing.plots.trend import write_trends
+from reports.commands.watch.compare import end, findings_of
+from reports.commands.watch.history import write_trends
 from reports.facts.environment import environment
-from reports.sweeping import sweep_records
-from reports.terminal.console import progress
-from reports.terminal.exit_codes import Failed, Incomplete, NothingSelected
+from reports.query import sweep_records
+from reports.terminal.console import NothingSelected, complain
 
 FILE = click.Path(dir_okay=False, path_type=Path)
 FOLDER = click.Path(file_okay=False, path_type=Path)
@@ -42,11 +38,13 @@ Where = tuple[str, str, str, str]  # job, made, commit, machine
 @click.option("--baseline", default="HEAD~1", show_default=True, help="A folder or git revision to compare with.")
 @click.option("--bench", type=FILE, help="A pytest-benchmark JSON file to add to the history.")
 @click.option("--file", type=FILE, default="reports/out/history.jsonl", show_default=True, help="The history.")
-@click.option("--sweeps", type=FOLDER, help="Sweep the default scenes into this folder; the last are kept beside it.")
+@click.option(
+    "--sweeps", type=FOLDER, help="Sweep the default scenes into this folder; the previous sweep is moved beside it."
+)
 @click.option("--trends", type=FILE, help="Draw the history to this HTML file.")
 @click.option("--only", metavar="TEXT", default="", help="Only the cases and scenes whose name holds this.")
 def command(baseline: str, bench: Path | None, file: Path, sweeps: Path | None, trends: Path | None, only: str) -> None:
-    """Time this tree against the baseline, append to the history, and say whether it became slower or worse.
+    """Time this tree against the baseline, append to the history, and report whether it became slower or less accurate.
 
     Exit code 1 where it is slower, or a sweep less accurate than last night's; 4 where something could not
     be measured or stayed inconclusive, and nothing is slower.
@@ -57,7 +55,9 @@ def command(baseline: str, bench: Path | None, file: Path, sweeps: Path | None, 
         raise NothingSelected(f"--only {only!r} is in the name of no case: {names}")
     facts = environment()
     where = (uuid.uuid4().hex, datetime.now(UTC).isoformat(timespec="seconds"), facts["commit"], platform.node())
-    findings = _regressions(baseline, cases)
+    findings = findings_of("nightly", baseline, ".", cases)
+    for finding in findings:
+        click.echo(f"{finding.case}: {finding.verdict}: {finding.sentence}")
     entries = [Entry(*where, f"ratio {f.case}", f.timing.ratio, "1", f.verdict, f.error) for f in findings if f.timing]
     if bench is not None:
         entries += history.from_benchmarks(json.loads(bench.read_text()), *where)
@@ -66,24 +66,11 @@ def command(baseline: str, bench: Path | None, file: Path, sweeps: Path | None, 
         swept, changes = _sweep(sweeps, only, where)
         entries += swept
     history.append(file, entries)
-    _tell_history(file, trends)
+    _report_history(file, trends)
     worse = [change for change in changes if change.move is Move.WORSE]
     for change in worse:
         click.echo(f"{change.run}: worse than last night: {change.sentence}")
-    _end(findings, worse)
-
-
-def _regressions(baseline: str, cases: Sequence[regression.Case]) -> list[Finding]:
-    with ExitStack() as stack:
-        trees = [stack.enter_context(tree(name)) for name in (baseline, ".")]
-        report = stack.enter_context(progress("nightly"))
-        try:
-            findings = list(regression.regressions(trees[0], trees[1], cases, report))
-        except ValueError as error:
-            raise click.UsageError(str(error)) from error
-    for finding in findings:
-        click.echo(f"{finding.case}: {finding.verdict}: {finding.sentence}")
-    return findings
+    end(findings, len(worse))
 
 
 def _sweep(folder: Path, only: str, where: Where) -> tuple[list[Entry], list[record_changes.Change]]:
@@ -93,8 +80,8 @@ def _sweep(folder: Path, only: str, where: Where) -> tuple[list[Entry], list[rec
         shutil.rmtree(before, ignore_errors=True)
         folder.rename(before)
     entries, changes = [], []
-    made = [scenes.make(name, **parameters) for name, parameters in SWEPT]
-    for scene in made:
+    built = [scenes.make(name, **parameters) for name, parameters in SWEPT]
+    for scene in built:
         label = scenes.label(scene.name, scene.parameters)
         if only not in label:
             continue
@@ -106,26 +93,13 @@ def _sweep(folder: Path, only: str, where: Where) -> tuple[list[Entry], list[rec
     return entries, changes
 
 
-def _tell_history(file: Path, trends: Path | None) -> None:
+def _report_history(file: Path, trends: Path | None) -> None:
     """Say which series reached a new level these nights, and draw them all."""
     database, problems = history.index(file)
-    for problem in problems:
-        click.echo(problem, err=True)
-    found = history.series(database)
-    for name, entry in history.new_levels(found).items():
+    complain(problems)
+    result = history.series(database)
+    for name, entry in history.new_levels(result).items():
         click.echo(f"{name}: a new level since {entry.made} ({entry.commit_id}): {entry.value:.4g} {entry.unit}")
     if trends is not None:
-        changes = {name: history.change_points([e.value for e in entries]) for name, entries in found.items()}
-        write_trends(found, changes, trends)
-
-
-def _end(findings: list[Finding], worse: list[record_changes.Change]) -> None:
-    """Exit with what the night found."""
-    verdict = regression.overall(findings)
-    if verdict == "slower" or worse:
-        slow = "slower than the baseline: " + ", ".join(f.case for f in findings if f.verdict == "slower")
-        told = [slow] * (verdict == "slower") + [f"{len(worse)} runs worse than last night"] * bool(worse)
-        raise Failed("; ".join(told))
-    if verdict in (regression.NOT_MEASURED, "inconclusive"):
-        named = ", ".join(f.case for f in findings if f.verdict == verdict)
-        raise Incomplete(f"{verdict}: {named}")
+        changes = {name: history.change_points([e.value for e in entries]) for name, entries in result.items()}
+        write_trends(result, changes, trends)

@@ -14,31 +14,31 @@ from cross_checks.isolation.parent import Isolated
 from cross_checks.judge.cell import judge_method, truth_of
 from cross_checks.judge.runs import Runs
 from cross_checks.judge.vocabulary import Cell
+from cross_checks.records.numbers import setting
 from cross_checks.records.store import Store
 from reports import inputs
-from reports.drawing.numbers import setting
-from reports.studies.measuring import measure, measured
-from reports.terminal.asking import isolated
-from reports.terminal.console import echo_json, number, show, table
-from reports.terminal.exit_codes import Failed
+from reports.query import isolated
+from reports.studies.study import every as studies
+from reports.studies.study import measure
+from reports.terminal.console import Failed, echo_json, number, show_table
 
 
 @click.command(name="rerun")
 @click.argument("cell", metavar="CELL")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 def command(cell: str, as_json: bool) -> None:
-    """Make a CELL of the report again; nothing is taken from the store or kept in it.
+    """Repeat a CELL of the report; the store is neither read nor written.
 
     SCENE[,NAME=VALUE...]/ENGINE/METHOD judges a method anew: mbs-ref rerun pendulum_chain,links=3/mujoco/rk4.
     EXTREME/ENGINE/METHOD drives it along an extreme's axis: mbs-ref rerun overflow/exudyn/trapezoidal.
     STUDY measures a study: mbs-ref rerun space. Exit code 1 where the method is wrong.
     """
     parts = cell.split("/")
-    if cell in measured():
+    if cell in studies():
         echo_json(asdict(measure(cell)))
     elif len(parts) != 3:
         raise click.UsageError(f"cell {cell!r} must be SCENE[,NAME=VALUE...]/ENGINE/METHOD, EXTREME/ENGINE/METHOD or "
-                               f"one of {', '.join(measured())}")  # fmt: skip
+                               f"one of {', '.join(studies())}")  # fmt: skip
     elif parts[0] in {extreme.name for extreme in every()}:
         _extreme(*parts)
     else:
@@ -50,10 +50,10 @@ def _extreme(name: str, engine: str, method: str) -> None:
     solver = inputs.engine(engine)
     chosen = solver.method(inputs.method(solver, method))
     with Isolated() as call:
-        found = cell_of(named(name), solver, chosen, False, call)
-    echo_json(found.to_dict())
-    if found.fate == Fate.SILENTLY_WRONG:
-        raise Failed(f"{name}/{engine}/{method}: {found.fate}")
+        results = cell_of(named(name), solver, chosen, False, call)
+    echo_json(results.to_dict())
+    if results.fate == Fate.SILENTLY_WRONG:
+        raise Failed(f"{name}/{engine}/{method}: {results.fate}")
 
 
 def _judge(cell: str, as_json: bool) -> None:
@@ -64,24 +64,22 @@ def _judge(cell: str, as_json: bool) -> None:
     chosen = engines.get(engine).method(inputs.method(solver, method))
     with isolated((scene,)) as call:
         runs = Runs(Store(), call)
-        found = judge_method(runs, scene, engine, chosen, truth_of(runs, scene))
+        results = judge_method(runs, scene, engine, chosen, truth_of(runs, scene))
     if as_json:
-        echo_json(found.to_dict())
+        echo_json(results.to_dict())
     else:
-        _tables(found)
-    if found.is_wrong:
-        raise Failed(f"{cell}: {found.verdict}")
+        _tables(results)
+    if results.is_wrong:
+        raise Failed(f"{cell}: {results.verdict}")
 
 
-def _tables(found: Cell) -> None:
-    title = f"{found.label} {found.engine} {found.method}: {found.verdict} {found.code}, {found.reason}"
-    listing = table(title, "setting", "status", "error")
-    for run in found.runs:
-        listing.add_row(run["setting"], run["status"], number(run["error"]))
-    show(listing)
-    targets = table("\nTargets", "target", "answer", "setting or reason", "loop, s")
-    for result in found.targets:
+def _tables(results: Cell) -> None:
+    title = f"{results.label} {results.engine} {results.method}: {results.verdict} {results.code}, {results.reason}"
+    runs = ((run["setting"], run["status"], number(run["error"])) for run in results.runs)
+    show_table(title, ("setting", "status", "error"), runs)
+    rows = []
+    for result in results.targets:
         run = result.record
         how = result.reason if run is None else setting(run.settings)
-        targets.add_row(f"{result.target:g}", result.answer, how, number(run and run.times.get("loop_s")))
-    show(targets)
+        rows.append((f"{result.target:g}", result.answer, how, number(run and run.times.get("loop_s"))))
+    show_table("\nTargets", ("target", "answer", "setting or reason", "loop, s"), rows)

@@ -10,17 +10,16 @@ from pathlib import Path
 import click
 
 from cross_checks.judge.vocabulary import Refused, refusals
+from cross_checks.records.cost import known_error, loop_time, usable
 from mbs_ref.scene.messages import suggest
-from reports.facts.cheapest import known_error, loop_time, usable
 from reports.facts.report_data import ReportData
 from reports.page.advice import advice
-from reports.page.files import PRICES, VERDICTS, price_row
-from reports.page.publish import read_data
-from reports.page.sections.decisions import told
+from reports.page.build import read_data
+from reports.page.files import PRICES, VERDICTS, price_rows
+from reports.page.sections.decisions import counted
 from reports.page.sections.matrix import view
 from reports.page.sections.prices import cannot, price_table
-from reports.terminal.console import echo_json, show, table
-from reports.terminal.exit_codes import NothingSelected
+from reports.terminal.console import NothingSelected, echo_json, show_table
 from reports.terminal.text_plot import text_plot
 
 FOLDER = click.Path(file_okay=False, path_type=Path)
@@ -32,7 +31,7 @@ FOLDER = click.Path(file_okay=False, path_type=Path)
 @click.option("--json", "as_json", is_flag=True, help="Print JSON: cells and prices.")
 @click.option("-o", "folder", default="reports/out", show_default=True, type=FOLDER, help="Where the report is.")
 def command(scene: tuple[str, ...], as_csv: bool, as_json: bool, folder: Path) -> None:
-    """Print what the last report says of SCENE: cost at equal error, and the verdict on every method.
+    """Print the last report's results on SCENE: cost at equal error, and the verdict on every method.
 
     A scene with parameters is named as the page names it: mbs-ref show pendulum_chain links=10
     """
@@ -46,19 +45,21 @@ def last_report(folder: Path) -> ReportData:
     try:
         return read_data(folder)
     except (FileNotFoundError, ValueError) as error:
-        raise NothingSelected(f"{folder} holds no report; make one by mbs-ref report") from error
+        raise NothingSelected(f"{folder} holds no report; mbs-ref report writes one") from error
 
 
-def _chosen(data: ReportData, asked: str) -> list[str]:
-    found = [label for label in data.scenes if asked in (label, label.split()[0])] if asked else data.scenes
-    if not found:
+def _chosen(data: ReportData, wanted: str) -> list[str]:
+    result = [label for label in data.scenes if wanted in (label, label.split()[0])] if wanted else data.scenes
+    if not result:
         listing = ", ".join(data.scenes)
-        raise click.UsageError(f"scene {asked!r} is not in the report{suggest(asked, data.scenes)}; it holds {listing}")
-    return found
+        raise click.UsageError(
+            f"scene {wanted!r} is not in the report{suggest(wanted, data.scenes)}; it holds {listing}"
+        )
+    return result
 
 
 def _print(data: ReportData, label: str, as_csv: bool, as_json: bool) -> None:
-    prices = [price_row(block["target"], row) for block in price_table(data, label) for row in block["rows"]]
+    prices = price_rows(data, label)
     if as_json:
         rows = [dict(zip(PRICES, row, strict=True)) for row in prices]
         echo_json({"scene": label, "cells": [cell.to_dict() for cell in data.cells], "prices": rows})
@@ -82,31 +83,20 @@ def price_plot(data: ReportData) -> str:
 
 def print_report(data: ReportData) -> None:
     """Print what the first screen says, then every scene."""
-    listing = table(told(data), "engine", "use", "reaches", "wrong with success reported", "pace")
-    for line in advice(data):
-        listing.add_row(line.engine, line.use, line.reach, "; ".join(line.silent) or "nothing seen", line.pace or "-")
-    show(listing)
+    head = ("engine", "use", "reaches", "wrong with success reported", "pace")
+    rows = ((a.engine, a.use, a.reach, "; ".join(a.silent) or "none", a.pace or "-") for a in advice(data))
+    show_table(counted(data), head, rows)
     for label in data.scenes:
         _print(data.only(scene=label), label, as_csv=False, as_json=False)
 
 
 def _tables(data: ReportData, label: str, prices: list[list[str]]) -> None:
-    listing = table(f"{label}: cost at equal error, over the scene's own scales", *PRICES)
-    never = cannot(price_table(data, label))
-    for row in prices:
-        if row[1] not in never:  # said once, below
-            listing.add_row(*row)
-    show(listing)
+    never = cannot(price_table(data, label))  # shown once, below
+    title = f"{label}: cost at equal error, over the scene's own scales"
+    show_table(title, PRICES, (row for row in prices if row[1] not in never))
     plot = price_plot(data)
     if plot:
         click.echo(f"\n{plot}")
-    verdicts = table("\nVerdicts", *VERDICTS)
-    for cell in data.cells:
-        if not cell.is_refused:
-            seen = view(cell)
-            verdicts.add_row(*(seen[key] for key in VERDICTS.values()))
-    show(verdicts)
-    out = table("\nRefused", *Refused._fields)
-    for row in refusals(data.cells):
-        out.add_row(*row)
-    show(out)
+    views = [view(cell) for cell in data.cells if not cell.is_refused]
+    show_table("\nVerdicts", VERDICTS, ([one[key] for key in VERDICTS.values()] for one in views))
+    show_table("\nRefused", Refused._fields, refusals(data.cells))

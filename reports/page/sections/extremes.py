@@ -2,20 +2,23 @@
 
 from __future__ import annotations
 
+import math
+from bisect import bisect_right
 from collections import Counter
+from dataclasses import dataclass
 from itertools import groupby
 from typing import Any
 
 from cross_checks.extremes import every
 from cross_checks.extremes.cell import Cell
-from cross_checks.extremes.extreme import Extreme
+from cross_checks.extremes.extreme import Axis, Extreme
 from cross_checks.extremes.fate import Fate
 from cross_checks.judge.bounds import TARGETS
 from cross_checks.judge.verdict import RESOLVED
 from cross_checks.judge.vocabulary import OURS
-from reports.drawing.plots.fates import chart, tick
-from reports.drawing.section import Section
-from reports.facts.report_data import ReportData
+from cross_checks.records.numbers import short
+from cross_checks.records.plots.plot import style_of
+from reports.facts.report_data import ReportData, Section
 
 LEAD = "Up to here you can trust an engine's method: scenes driven from mild to hopeless, and what became of each."
 TONES = {Fate.SURVIVED: "good", Fate.STOPPED: "plain", Fate.DEGRADED: "fair", Fate.SILENTLY_WRONG: "bad"}
@@ -23,17 +26,17 @@ TONES = {Fate.SURVIVED: "good", Fate.STOPPED: "plain", Fate.DEGRADED: "fair", Fa
 
 def context(data: ReportData) -> dict[str, Any]:
     cells = sorted(data.extremes, key=lambda c: (c.engine != OURS, c.engine, c.method))
-    found = {extreme.name: [c for c in cells if c.extreme == extreme.name] for extreme in every()}
-    shown = [extreme for extreme in every() if any(c.points for c in found[extreme.name])]
+    result = {extreme.name: [c for c in cells if c.extreme == extreme.name] for extreme in every()}
+    shown = [extreme for extreme in every() if any(c.points for c in result[extreme.name])]
     families = [
-        {"name": family, "extremes": [_extreme(e, found[e.name]) for e in group]}
+        {"name": family, "extremes": [_extreme(e, result[e.name]) for e in group]}
         for family, group in groupby(shown, key=lambda e: e.family)
     ]
     columns = list(dict.fromkeys((c.engine, c.method) for c in cells if c.points))
     return {
         "families": families,
         "columns": columns,
-        "table": [_table_row(extreme, found[extreme.name], columns) for extreme in shown],
+        "table": [_table_row(extreme, result[extreme.name], columns) for extreme in shown],
         "tally": [_tally(engine, method, cells) for engine, method in columns],
         "silent": _silent(cells),
         "good": f"{TARGETS[0]:g}",
@@ -107,14 +110,79 @@ def _tally(engine: str, method: str, cells: list[Cell]) -> dict[str, Any]:
 
 
 def _silent(cells: list[Cell]) -> list[dict[str, str]]:
-    """Return the failures that an engine does not report and our checks detect, the first of each cell."""
-    found = []
+    """Return the failures an engine did not mention at all and our checks caught, the first of each cell."""
+    result = []
     for cell in cells:
         point = next((p for p in cell.points if p.caught), None)
         if point is not None:
-            found.append({"engine": cell.engine, "method": cell.method, "extreme": cell.extreme,
+            result.append({"engine": cell.engine, "method": cell.method, "extreme": cell.extreme,
                           "status": point.status, "reason": point.reason})  # fmt: skip
-    return found
+    return result
 
 
 SECTION = Section("extremes", "Extremes", LEAD, context)
+
+
+LEFT, WIDTH, ROW, TOP, RIGHT = 250, 560, 19, 8, 34  # px: names, axis, row height, margins
+
+
+@dataclass(frozen=True)
+class Mark:
+    """One run."""
+
+    x: float
+    fate: str
+    text: str
+
+
+def chart(cells: list[Cell], axis: Axis) -> dict[str, Any] | None:
+    """Return what the template draws; the axis shows the listed values, mild to extreme, evenly."""
+    wanted = [cell for cell in cells if cell.points]
+    if not wanted:
+        return None
+    values = _values(wanted, axis)
+    rows = [_chart_row(cell, k, axis, values) for k, cell in enumerate(wanted)]
+    height = TOP + ROW * len(rows)
+    ticks = [{"x": place(value, values), "label": tick(axis, value)} for value in values]
+    unit = f" ({axis.unit})" if axis.unit and not axis.labels else ""
+    return {
+        "rows": rows, "ticks": ticks, "axis": f"{axis.name}{unit}", "left": LEFT, "right": LEFT + WIDTH,
+        "bottom": height, "height": height + 42, "width": LEFT + WIDTH + RIGHT, "row": ROW,
+    }  # fmt: skip
+
+
+def tick(axis: Axis, value: float) -> str:
+    """Return a value for an axis's tick."""
+    return axis.label(value) if axis.labels else short(value)
+
+
+def place(value: float, values: tuple[float, ...]) -> float:
+    """Return the x (px) of a value: listed ones stand evenly, others between by their logarithms."""
+    span = max(1, len(values) - 1)
+    return round(LEFT + WIDTH * _index(value, values) / span, 1)
+
+
+def _index(value: float, values: tuple[float, ...]) -> float:
+    if value in values:
+        return float(values.index(value))
+    rising = values[-1] > values[0]
+    ordered = values if rising else values[::-1]
+    k = min(max(bisect_right(ordered, value), 1), len(ordered) - 1)
+    low, high = ordered[k - 1], ordered[k]
+    share = math.log(value / low) / math.log(high / low) if low > 0.0 else (value - low) / (high - low)
+    return k - 1 + share if rising else len(values) - k - share
+
+
+def _values(cells: list[Cell], axis: Axis) -> tuple[float, ...]:
+    return axis.values + axis.full if any(cell.full for cell in cells) else axis.values
+
+
+def _chart_row(cell: Cell, k: int, axis: Axis, values: tuple[float, ...]) -> dict[str, Any]:
+    marks = [
+        Mark(place(p.value, values), str(p.fate), f"{axis.name} {axis.label(p.value)}: {p.fate}. {p.reason}")
+        for p in cell.points
+    ]
+    end = None if cell.last is None else place(cell.last, values)
+    y = TOP + ROW * k + ROW // 2
+    return {"engine": cell.engine, "method": cell.method, "y": y, "end": end, "marks": marks,
+            "colour": style_of(cell.engine).colour}  # fmt: skip

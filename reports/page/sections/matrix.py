@@ -1,13 +1,13 @@
-"""The validation matrix: every method of every engine against the truth of every scene."""
+"""The validation matrix, every method of every engine against every truth, and what each engine can model."""
 
 from __future__ import annotations
 
 from typing import Any
 
+from cross_checks.judge.capabilities import Ability
 from cross_checks.judge.vocabulary import ANSWERS, MEANINGS, Cell, TargetResult, refusals
-from reports.drawing.numbers import ABSENT, in_words, metres, of_scene, order_of, setting, short
-from reports.drawing.section import Section
-from reports.facts.report_data import ReportData
+from cross_checks.records.numbers import ABSENT, in_words, metres, of_scene, order_of, setting, short
+from reports.facts.report_data import ReportData, Section
 
 LEAD = (
     "What each method does on each scene it takes. Errors are over the scene's own scales: position over its length, "
@@ -52,3 +52,33 @@ def context(data: ReportData) -> dict[str, Any]:
 
 
 SECTION = Section("matrix", "Verdicts by method", LEAD, context)
+
+
+CAPABILITIES_LEAD = (
+    "Derived from the adapters: what each engine models, can never model by its nature, or does not translate yet."
+)
+WORDS = {"can": ("good", "can"), "some": ("fair", "some methods"), "not-yet": ("plain", "not yet"),
+         "never": ("bad", "never")}  # fmt: skip
+TITLES = {"parts": "Parts of a scene", "traits": "Traits of a scene"}
+
+
+def _view(known: bool | Ability | None) -> dict[str, str]:
+    if known is None:
+        return {"tone": "plain", "word": "not tested", "reason": "no scene shows this"}
+    ability = known if isinstance(known, Ability) else Ability("can" if known else "not-yet")
+    tone, word = WORDS[ability.answer]
+    return {"tone": tone, "word": word, "reason": ability.reason}
+
+
+def capabilities_context(data: ReportData) -> dict[str, Any]:
+    able = [one for one in data.capabilities if one.installed]
+    groups = []
+    for kind, title in TITLES.items():
+        names = list(dict.fromkeys(name for one in able for name in getattr(one, kind)))
+        rows = [{"name": name, "cells": [_view(getattr(one, kind).get(name)) for one in able]} for name in names]
+        groups.append({"title": title, "rows": rows})
+    absent = {one.engine: one.reason for one in data.capabilities if not one.installed}
+    return {"engines": [one.engine for one in able], "groups": groups, "absent": absent}
+
+
+CAPABILITIES = Section("capabilities", "Capabilities", CAPABILITIES_LEAD, capabilities_context)

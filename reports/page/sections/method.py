@@ -1,21 +1,22 @@
-"""How this report judges and times."""
+"""How this report judges and times, the truths that it measures errors from, and where it was made."""
 
 from __future__ import annotations
 
 from typing import Any
 
-from benchmarks import loop_times
-from benchmarks.loop_times import is_busy, is_timed
-from benchmarks.timing import BUSY
 from cross_checks.judge import search
 from cross_checks.judge.bounds import MOST_STEPS
 from cross_checks.judge.convergence import model
 from cross_checks.judge.convergence.calibration import calibration
 from cross_checks.judge.verdict import CALIBRATED, CONFIRMED, DOUBTFUL, FAILING, FALLING, NEAR_BEST, RESOLVED, ROUNDED
 from cross_checks.judge.vocabulary import AGREEMENT, MEANINGS
-from reports.drawing.section import Section
-from reports.facts.report_data import ReportData
-from reports.facts.timed_loop import INSIDE
+from cross_checks.prices import timing
+from cross_checks.prices.timing import BUSY
+from cross_checks.records.cost import is_busy, is_timed
+from cross_checks.records.numbers import ABSENT, metres, short
+from reports.facts.cheapest import INSIDE
+from reports.facts.report_data import ReportData, Section
+from reports.facts.truth_facts import TruthFacts
 
 LEAD = "How a verdict follows from the runs of a method, how often verdicts are right, and what a time holds."
 CONSTANTS = {
@@ -39,7 +40,7 @@ def context(data: ReportData) -> dict[str, Any]:
         "constants": CONSTANTS,
         "calibration": calibration(),
         "search": str(search.__doc__),
-        "rule": str(loop_times.__doc__),
+        "rule": str(timing.__doc__),
         "inside": {name: INSIDE[name] for name in data.engines if name in INSIDE},
         "ranked": len(ranked),
         "busy": sum(is_busy(record) for record in ranked),
@@ -49,3 +50,41 @@ def context(data: ReportData) -> dict[str, Any]:
 
 
 SECTION = Section("method", "How it is judged and timed", LEAD, context)
+
+
+ENVIRONMENT_LEAD = "Times compare only within one machine and one report; versions are those of the installed packages."
+
+
+def environment_context(data: ReportData) -> dict[str, Any]:
+    return {"environment": data.environment}
+
+
+ENVIRONMENT = Section("environment", "Environment", ENVIRONMENT_LEAD, environment_context)
+
+
+TRUTHS_LEAD = (
+    "What the errors are measured from. An error below 30 times the truth's uncertainty is not "
+    "resolved. Certified truths are stored with the project; mbs-ref certify recomputes one."
+)
+
+
+def truth_row(facts: TruthFacts) -> dict[str, Any]:
+    """Return a scene's line of the table."""
+    if facts.none:
+        return {"scene": facts.scene, "none": facts.none}
+    certified = facts.certified or "no certificate"
+    off = "" if facts.departs_by is None else f"off by {metres(facts.departs_by)}"
+    return {
+        "scene": facts.scene, "none": "", "kind": facts.kind, "how": facts.how,
+        "uncertainty": metres(facts.uncertainty),
+        "floor": short(facts.floor), "difference": metres(facts.difference), "length": metres(facts.length),
+        "confirmed": ABSENT if facts.confirmed_to is None else metres(facts.confirmed_to), "by": facts.confirmed_by,
+        "tone": "good" if facts.certified else "plain", "word": certified, "kept": off,
+    }  # fmt: skip
+
+
+def truths_context(data: ReportData) -> dict[str, Any]:
+    return {"rows": [truth_row(facts) for facts in data.truths]}
+
+
+TRUTHS = Section("truths", "Truths", TRUTHS_LEAD, truths_context)

@@ -4,17 +4,14 @@ from __future__ import annotations
 
 from typing import Any
 
-from benchmarks.loop_times import is_busy, is_timed
 from cross_checks.judge.bounds import TARGETS
 from cross_checks.judge.vocabulary import ANSWERS, OURS
-from reports.drawing.numbers import duration, metres, setting, short
-from reports.drawing.plots.work_precision import work_precision
-from reports.drawing.section import Section
-from reports.facts.cheapest import Entry, entries, known_error, loop_time, usable
-from reports.facts.report_data import ReportData
-from reports.facts.standings import over_cheapest
-from reports.facts.timed_loop import INSIDE
-from reports.reproduce import command
+from cross_checks.records.cost import is_busy, is_timed, known_error, loop_time, usable
+from cross_checks.records.numbers import duration, metres, setting, short
+from cross_checks.records.plots.of_runs import work_precision
+from reports.facts.cheapest import INSIDE, Entry, entries, over_cheapest
+from reports.facts.report_data import ReportData, Section
+from reports.page.slug import command
 
 LEAD = (
     "The cheapest setting of each engine that comes within the target error, over the scene's own scales. Our own "
@@ -28,9 +25,9 @@ def price_table(data: ReportData, scene: str) -> list[dict[str, Any]]:
 
 
 def _block(data: ReportData, scene: str, target: float) -> dict[str, Any]:
-    found = entries(data, scene, target)
-    factors = over_cheapest(found)
-    ordered = sorted(found, key=lambda entry: entry.engine == OURS)
+    result = entries(data, scene, target)
+    factors = over_cheapest(result)
+    ordered = sorted(result, key=lambda entry: entry.engine == OURS)
     return {"target": short(target), "rows": [_row(entry, factors.get(entry.engine)) for entry in ordered]}
 
 
@@ -49,9 +46,9 @@ def _row(entry: Entry, factor: float | None) -> dict[str, Any]:
     }
     record = entry.best
     if record is None or record.error is None:
-        told = f"{ANSWERS[entry.answer][0]}: {entry.reason or 'no reason was given'}"
+        text = f"{ANSWERS[entry.answer][0]}: {entry.reason or 'no reason was given'}"
         named = f" ({entry.method})" if entry.method and entry.answer != "cannot" else ""
-        return row | {"missed": told + named}
+        return row | {"missed": text + named}
     return row | {
         "missed": "",
         "method": record.method,
@@ -84,8 +81,8 @@ def spread(record) -> str:
         return "one run, beside others"
     times = record.times
     several = f"{duration(times['loop_s'])} to {duration(times['loop_most_s'])} in {times['loop_runs']:.0f} runs"
-    told = several if times["loop_runs"] > 1 else "one run"
-    return f"{told}; busy machine" if is_busy(record) else told
+    text = several if times["loop_runs"] > 1 else "one run"
+    return f"{text}; busy machine" if is_busy(record) else text
 
 
 def pick_rows(data: ReportData) -> list[dict[str, Any]]:

@@ -6,11 +6,10 @@ from typing import Any
 
 from cross_checks.judge.bounds import TARGETS
 from cross_checks.judge.vocabulary import OURS
-from reports.drawing.numbers import short
-from reports.drawing.plots.profiles import profile_plot
-from reports.drawing.section import Section
-from reports.facts.report_data import ReportData
-from reports.facts.standings import Standing, standings
+from cross_checks.records.numbers import short
+from cross_checks.records.plots.plot import add_series, lines, new_figure, style_of, to_data
+from reports.facts.cheapest import Standing, standings
+from reports.facts.report_data import ReportData, Section
 
 LEAD = (
     "Over all scenes at once, each engine at its cheapest setting: how often it is the cheapest (left edge), how often "
@@ -45,3 +44,27 @@ def context(data: ReportData) -> dict[str, Any]:
 
 
 SECTION = Section("profiles", "Performance profiles", LEAD, context)
+
+
+BEYOND = 2.0  # times the largest factor: where the axis ends
+MOST = 1e4  # times the best: nobody waits longer
+BEST = "cheapest setting"  # the name of an engine's one line
+
+
+def profile_plot(ranked: list[Standing]) -> dict[str, Any] | None:
+    """Return the figure of rho(tau): factor of the best time across, share of problems up; None without any."""
+    if not ranked:
+        return None
+    end = min(MOST, BEYOND * max(max(standing.factors.values()) for standing in ranked))
+    figure = new_figure("times the best loop time, tau", "share of the problems solved, rho", y_log=False)
+    for standing in ranked:
+        inner = [factor for factor in sorted(standing.factors.values()) if factor < end]
+        x = [1.0, *inner, end]
+        y = [standing.share(factor) for factor in x]
+        text = [lines(standing.engine, f"{share:.0%} within {factor:.3g} times the best") for factor, share in
+                zip(x, y, strict=True)]  # fmt: skip
+        add_series(figure, standing.engine, BEST, style_of(standing.engine), x, y, mode="lines", text=text,
+                   hovertemplate="%{text}<extra></extra>")  # fmt: skip
+        figure.data[-1]["line"] |= {"shape": "hv"}
+    figure.update_yaxes(range=[0.0, 1.05], tickformat=".0%")
+    return to_data(figure)

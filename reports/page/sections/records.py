@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from typing import Any
 
+from cross_checks.records.numbers import ABSENT, duration, joules, metres, of_scene, setting
 from cross_checks.records.record import Record
-from reports.drawing.numbers import ABSENT, duration, joules, metres, of_scene, setting
-from reports.drawing.section import Section
-from reports.facts.report_data import ReportData
-from reports.reproduce import command
+from reports.facts.report_data import ReportData, Section
+from reports.page.slug import command
 
 LEAD = (
-    "Every run behind the plots. Copy a row's command to make it again. Times are of one run made beside others, "
+    "Every run behind the plots. Copy a row's command to repeat it. Times are of one run beside others, "
     "except where a setting is ranked: those were timed alone."
 )
 

@@ -111,7 +111,7 @@ function answer() {
 
 function refusal({ why, near, floor, count }, bounds) {
   if (why === "nothing") return "No run of the engines shown finished on this scene.";
-  if (why === "floor") return `The truth of this scene judges no error below ${short(floor)}.`;
+  if (why === "floor") return `Errors below ${short(floor)} cannot be resolved: that is the uncertainty of this scene's truth. Request an error above it.`;
   if (why === "budget") return `None within ${short(bounds.ms)} ms; the cheapest is ${named(near)} at ${short(near.ms)} ms.`;
   if (why === "compliance") return `${count} settings reach the error, but none keeps the joints within ${short(bounds.compliance)} m; the nearest is ${named(near)} with ${short(near.compliance)} m.`;
   return `None reached this; the nearest is ${named(near)} with ${short(near.error)}.`;

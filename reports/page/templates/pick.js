@@ -3,7 +3,7 @@
 const within = (value, limit) => limit === null || (value !== null && value <= limit);
 const least = (rows, key) => rows.reduce((best, row) => (best === null || (row[key] ?? Infinity) < (best[key] ?? Infinity) ? row : best), null);
 
-// rows: {engine, method, error, floor, compliance, ms}; bounds: {error, compliance, ms}, null where nothing is asked
+// rows: {engine, method, error, floor, compliance, ms}; bounds: {error, compliance, ms}, null where there is no bound
 function choose(rows, bounds) {
   const floor = Math.max(0, ...rows.map((row) => row.floor));
   if (bounds.error !== null && bounds.error < floor) return { why: "floor", floor };

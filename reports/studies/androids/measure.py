@@ -17,6 +17,7 @@ from cross_checks.judge.one_run import judged_run
 from cross_checks.judge.runs import Runs
 from cross_checks.judge.tried import search
 from cross_checks.metrics.metric import off_truth
+from cross_checks.records.numbers import ABSENT, in_words, order_of, setting, short
 from cross_checks.records.store import Store, default_path
 from cross_checks.truths import truth_for
 from cross_checks.truths.truth import NoTruth, Truth
@@ -29,7 +30,6 @@ from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
 from mbs_ref.simulate.linearised.stiffness import stiffness_at_start
 from mbs_ref.trajectory import Status, Trajectory
-from reports.drawing.numbers import ABSENT, in_words, order_of, setting, short
 from reports.facts.curves import Curves, Measured, Row, Value, curves, plain
 from reports.studies.crash import IMPACTS, NAMES, SIMPLIFIED, VERTEBRAL, with_test
 
@@ -158,24 +158,24 @@ def lsodar_figures(rows: Sequence[Row]) -> dict[str, Value]:
 
 def add_stable(measured: Measured, scene: Scene) -> None:
     """Linearise the motion at the start, request a step that is too long, and take it all the same."""
-    found = stiffness_at_start(scene)
-    limits = {name: _finite(float(found.step_limit(m.stability))) for name, m in integrators().items() if m.stability}
+    result = stiffness_at_start(scene)
+    limits = {name: _finite(float(result.step_limit(m.stability))) for name, m in integrators().items() if m.stability}
     beyond = BEYOND[scene.name]
     refused = Settings(method="rk4", step=beyond, samples=26, reactions=False)
     forced = simulate(scene, refused.model_copy(
         update={"stabilization": "none", "estimate": "off", "refuse_unstable": False, "max_steps": MOST_STEPS}
     ))  # fmt: skip
-    rules = {"1/omega": found.oscillation_rule, "m/c": found.damping_rule}
+    rules = {"1/omega": result.oscillation_rule, "m/c": result.damping_rule}
     known = ", ".join(f"{name} = {short(value)} s" for name, value in rules.items() if np.isfinite(value))
     _add(measured, "stable", {
-        "android": scene.name, "decay": found.fastest_decay, "beyond": beyond,
+        "android": scene.name, "decay": result.fastest_decay, "beyond": beyond,
         "limits": ", ".join(f"{name} {short(limit)} s" for name, limit in limits.items()),
         "rules": f" The papers' rules: {known}." if known else "",
         "refusal": simulate(scene, refused).message, "forced": f"{forced.status}: {forced.message}",
     })  # fmt: skip
-    modes = {"eigenvalues": plain(np.imag(found.modes))}
+    modes = {"eigenvalues": plain(np.imag(result.modes))}
     measured.curves[f"eigenvalues: {scene.name}"] = Curves(
-        plain(np.real(found.modes)), modes, "imaginary part, 1/s", "real part, 1/s", marks="markers"
+        plain(np.real(result.modes)), modes, "imaginary part, 1/s", "real part, 1/s", marks="markers"
     )
 
 
@@ -213,7 +213,7 @@ def _fine(runs: Sequence[tuple[Settings, Trajectory]]) -> dict[str, Trajectory]:
 
 def peers(runs: Runs, scene: Scene, names: Sequence[str] | None = None) -> list[Row]:
     """Judge the methods of every other engine that can run the scene: all in the first crash, few in the others."""
-    found, crash = [], (scene.name, str(scene.parameters["impact"]))
+    result, crash = [], (scene.name, str(scene.parameters["impact"]))
     truth, ours = runs.truth(scene), simulate(scene, Settings(rtol=FINE, estimate="off"), ladder.grid(scene))
     for name in engines.names() if names is None else names:
         try:
@@ -224,8 +224,8 @@ def peers(runs: Runs, scene: Scene, names: Sequence[str] | None = None) -> list[
             continue
         able = [m for m in engine.methods() if not engine.method_refusals(scene, m)]
         shown = [m for m in able if crash not in SHOWN or (name, m.name) in SHOWN[crash]]
-        found += [peer(runs, scene, name, method, truth, ours) for method in shown]
-    return found
+        result += [peer(runs, scene, name, method, truth, ours) for method in shown]
+    return result
 
 
 def peer(runs: Runs, scene: Scene, engine: str, method: Method, truth: Truth | NoTruth, ours: Trajectory) -> Row:

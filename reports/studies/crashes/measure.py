@@ -30,40 +30,40 @@ def measure() -> Measured:
 
 def add_crash(measured: Measured, scene: Scene, path: Trajectory) -> None:
     """Add the figures, tables, curves and film of a run."""
-    found, label = crash_results(scene, path), f"{scene.name}, {scene.parameters['impact']}"
+    result, label = crash_results(scene, path), f"{scene.name}, {scene.parameters['impact']}"
     prefix = f"{scene.name.removeprefix('android_')}.{scene.parameters['impact']}"
-    own = figures(scene, path, found)
+    own = figures(scene, path, result)
     measured.figures.update({f"{prefix}.{name}": value for name, value in own.items()})
     measured.films[label] = film(scene, path, FILMED)
-    drawn = _plots(path, found)
+    drawn = _plots(path, result)
     for kind, field in KINDS.items():
-        drawn |= forces(kind, scene, path.times, getattr(found.forces, field), SHOWN[scene.name])
+        drawn |= forces(kind, scene, path.times, getattr(result.forces, field), SHOWN[scene.name])
     measured.curves.update({f"{label}: {name}": lines for name, lines in drawn.items()})
-    for name, (values, unit) in _compared(found).items():
+    for name, (values, unit) in _compared(result).items():
         name = f"impact from the {scene.parameters['impact']}: {name}"
         lines = curves(path.times, {f"{own['bodies']} bodies": values}, unit)
         held = measured.curves.get(name, lines)
-        measured.curves[name] = replace(lines, lines=held.lines | lines.lines)
-    if found.cervical_torques:
-        measured.tables[f"whiplash: {label}"] = _whiplash(path, found)
-        measured.curves[f"whiplash: {label}"] = curves(path.times, found.cervical_torques, "N m")
+        measured.curves[name] = replace(lines, lines={**held.lines, **lines.lines})
+    if result.cervical_torques:
+        measured.tables[f"whiplash: {label}"] = _whiplash(path, result)
+        measured.curves[f"whiplash: {label}"] = curves(path.times, result.cervical_torques, "N m")
 
 
-def _plots(path: Trajectory, found: CrashResults) -> dict[str, Curves]:
+def _plots(path: Trajectory, result: CrashResults) -> dict[str, Curves]:
     times = path.times
-    works = {f"work of {name}": work for name, work in found.works.items()}
-    balance = {"energy": found.energy - found.energy[0], **works, "energy less works": imbalance(found)}
+    works = {f"work of {name}": work for name, work in result.works.items()}
+    balance = {"energy": result.energy - result.energy[0], **works, "energy less works": imbalance(result)}
     places = {
         f"{name} {axis}": history[:, k]
-        for name, history in (("head", found.head_excursion), ("hip", found.hip_excursion))
+        for name, history in (("head", result.head_excursion), ("hip", result.hip_excursion))
         for k, axis in enumerate("xy")
     }
     plots = {
         "Energy balance": curves(times, balance, "J"),
         "Excursions in the vehicle": curves(times, places, "m"),
-        "Seat and belt forces": curves(times, {"seat": found.seat_force, "belts": found.belt_force}, "N"),
-        "Accelerations": curves(times, {"head": found.head_g, "thorax": found.thorax_g}, "g"),
-        "Neck": curves(times, {"axial force, kN": found.neck_axial / 1e3, "Nij": found.nij}, "kN, 1"),
+        "Seat and belt forces": curves(times, {"seat": result.seat_force, "belts": result.belt_force}, "N"),
+        "Accelerations": curves(times, {"head": result.head_g, "thorax": result.thorax_g}, "g"),
+        "Neck": curves(times, {"axial force, kN": result.neck_axial / 1e3, "Nij": result.nij}, "kN, 1"),
     }
     if path.step_compliance is not None:
         gap = {"largest |C| of the steps": path.step_compliance[1:, 1]}
@@ -71,20 +71,20 @@ def _plots(path: Trajectory, found: CrashResults) -> dict[str, Curves]:
     return plots
 
 
-def _compared(found: CrashResults) -> dict[str, tuple[np.ndarray, str]]:
+def _compared(result: CrashResults) -> dict[str, tuple[np.ndarray, str]]:
     """Return histories (n_t,) with their units, in which both androids are drawn."""
     return {
-        "Head along x": (found.head_excursion[:, 0], "m"), "Head acceleration": (found.head_g, "g"),
-        "Belt forces": (found.belt_force, "N"),
+        "Head along x": (result.head_excursion[:, 0], "m"), "Head acceleration": (result.head_g, "g"),
+        "Belt forces": (result.belt_force, "N"),
     }  # fmt: skip
 
 
-def _whiplash(path: Trajectory, found: CrashResults) -> tuple[Row, ...]:
+def _whiplash(path: Trajectory, result: CrashResults) -> tuple[Row, ...]:
     """Return for each vertebra the largest and least torque (N m) and when it changes sign."""
     return tuple(
         {
             "vertebra": name, "largest": float(torque.max()), "least": float(torque.min()),
             "changes": ", ".join(f"{t:.3f} s" for t in plain(sign_changes(path.times, torque))) or "never",
         }
-        for name, torque in found.cervical_torques.items()
+        for name, torque in result.cervical_torques.items()
     )  # fmt: skip

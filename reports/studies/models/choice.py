@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from reports.drawing.numbers import duration, short
+from cross_checks.records.numbers import duration, short
 from reports.facts.curves import Row
 
 
@@ -75,8 +75,8 @@ class ModelChoice:
 
 def choose(ladder: Ladder, error: float) -> ModelChoice:
     """Return the cheapest model of a ladder whose relative error is at most `error`."""
-    asked = -math.log10(error)
-    best = ladder.least(asked)
+    wanted = -math.log10(error)
+    best = ladder.least(wanted)
     if best is None:
         known = [rung for rung in ladder.rungs if rung.accuracy is not None]
         nearest = max(known, key=lambda rung: rung.accuracy or 0.0, default=None)
@@ -85,10 +85,10 @@ def choose(ladder: Ladder, error: float) -> ModelChoice:
     cheaper = [rung for rung in ladder.rungs if rung.loop_s < best.loop_s]
     lesser = max(cheaper, key=lambda rung: rung.accuracy or -math.inf, default=None)
     less = "" if lesser is None else f"; of the cheaper ones {lesser.name!r} comes closest with {_error(lesser)}"
-    told = f"{ladder.title}: {best.name!r} is enough for {error:.3g}: {_error(best)}, {duration(best.loop_s)}{less}."
+    text = f"{ladder.title}: {best.name!r} is enough for {error:.3g}: {_error(best)}, {duration(best.loop_s)}{less}."
     by = f" Errors are counted from {ladder.reference!r}, which is no truth." if ladder.reference else ""
-    return ModelChoice(error, ladder, best, lesser, told + by)
+    return ModelChoice(error, ladder, best, lesser, text + by)
 
 
 def _error(rung: Rung) -> str:
-    return "the model that the others are held against" if rung.accuracy is None else f"{10.0**-rung.accuracy:.2g}"
+    return "the model that the others are compared with" if rung.accuracy is None else f"{10.0**-rung.accuracy:.2g}"

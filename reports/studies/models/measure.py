@@ -8,11 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from cross_checks.judge.one_run import evaluate
 from cross_checks.metrics.metric import off_truth
-from cross_checks.truths.truth import NoTruth
+from cross_checks.prices.timing import least_times
 from mbs_ref import scenes
-from mbs_ref.crash.outlines import excesses
 from mbs_ref.crash.results import crash_results
 from mbs_ref.observables.attachment import Motion
 from mbs_ref.observables.contact_gap import rolling_slip
@@ -23,10 +21,10 @@ from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
 from mbs_ref.trajectory import Trajectory
 from reports.facts.curves import Measured
-from reports.facts.turns import least_times
+from reports.studies.crash import deepest
 from reports.studies.models.choice import Ladder, Rung
+from reports.studies.sky.measure import observed
 
-OBSERVED = NoTruth("held against where the bodies really were")
 Model = tuple[str, Scene, Settings]
 # what is shown of a rung, and its accuracy, from its path and that of the last one
 Told = Callable[[Scene, Trajectory, Trajectory], tuple[dict[str, float], float | None]]
@@ -50,12 +48,12 @@ def shown(ladders: Sequence[Ladder]) -> Measured:
     """Return the ladders as tables."""
     heads = tuple(
         {
-            "title": made.title, "note": f"{made.note} {made.method}." if made.method else made.note,
-            "cheapest": "; ".join(made.cheapest()) or None,
+            "title": built.title, "note": f"{built.note} {built.method}." if built.method else built.note,
+            "cheapest": "; ".join(built.cheapest()) or None,
         }
-        for made in ladders
+        for built in ladders
     )  # fmt: skip
-    return Measured(tables={"ladders": heads, **{f"ladder: {made.title}": made.rows() for made in ladders}})
+    return Measured(tables={"ladders": heads, **{f"ladder: {built.title}": built.rows() for built in ladders}})
 
 
 def planets() -> Ladder:
@@ -68,7 +66,7 @@ def planets() -> Ladder:
 
 
 def _figures(scene: Scene) -> float:
-    return min(evaluate(scene, "mbs_ref", SKY, truth=OBSERVED).figures.values())
+    return min(observed(scene, "mbs_ref", SKY).figures.values())
 
 
 def satellites() -> Ladder:
@@ -77,13 +75,13 @@ def satellites() -> Ladder:
     chosen = [("point mass Earth", {"j2": False}), *chosen]
     models = [(name, scenes.make("satellite", **more), ORBIT) for name, more in chosen]
 
-    def told(scene: Scene, path: Trajectory, fullest: Trajectory) -> tuple[dict[str, float], float | None]:
+    def text(scene: Scene, path: Trajectory, fullest: Trajectory) -> tuple[dict[str, float], float | None]:
         off = farthest(scene, path, fullest)[0]
         radius = float(np.linalg.norm(scene.bodies[1].position))
         return {"off the fullest model, m": off}, -np.log10(off / radius) if off > 0.0 else None
 
     note = "A day at 400 km; off is the distance from the last rung, which is no truth."
-    return ladder("A satellite's forces", note, "-log10 of off over the orbit's radius", models, told, by_last=True)
+    return ladder("A satellite's forces", note, "-log10 of off over the orbit's radius", models, text, by_last=True)
 
 
 def loops() -> Ladder:
@@ -97,8 +95,8 @@ ERROR = "-log10 of the error over the scene"
 
 def _from_truth(scene: Scene, path: Trajectory, _: Trajectory) -> tuple[dict[str, float], float | None]:
     off = off_truth(scene, path)
-    kept = 0.0 if path.step_compliance is None else float(path.step_compliance[:, 1].max())
-    shown = {"largest |C|, m": kept}
+    stored = 0.0 if path.step_compliance is None else float(path.step_compliance[:, 1].max())
+    shown = {"largest |C|, m": stored}
     return shown, None if off is None else float(-np.log10(max(off[0] / scales_of(scene).length, 1e-16)))
 
 
@@ -154,17 +152,16 @@ def androids() -> Ladder:
     )
     models = [(name, scenes.make(f"android_{kind}", **more), CRASH) for name, kind, more in chosen]
 
-    def told(scene: Scene, path: Trajectory, fullest: Trajectory) -> tuple[dict[str, float], float | None]:
-        found = crash_results(scene, path)
-        through = max(float(depth.max()) for depth in excesses(Motion(scene, path)).values())
+    def text(scene: Scene, path: Trajectory, fullest: Trajectory) -> tuple[dict[str, float], float | None]:
+        result = crash_results(scene, path)
         return {
-            "HIC36": found.measures["HIC36"], "Nij": found.measures["Nij"],
-            "head's travel, m": (travel := float(np.abs(found.head_excursion[:, 0]).max())),
-            "passes through, m": max(through, 0.0),
+            "HIC36": result.measures["HIC36"], "Nij": result.measures["Nij"],
+            "head's travel, m": (travel := float(np.abs(result.head_excursion[:, 0]).max())),
+            "passes through, m": max(deepest(scene, path), 0.0),
         }, _digits(travel, _travel(fullest, models[-1][1]))  # fmt: skip
 
-    note = "From the front, 50 km/h. No truth says which is right: the last rung is what the others are held against."
-    return ladder("Crash occupants", note, "-log10 of the head's travel, relative", models, told, by_last=True)
+    note = "From the front, 50 km/h. No truth says which is right: the others are compared with the last rung."
+    return ladder("Crash occupants", note, "-log10 of the head's travel, relative", models, text, by_last=True)
 
 
 def _travel(path: Trajectory, scene: Scene) -> float:
@@ -188,7 +185,7 @@ def tracks() -> Ladder:
     )
     models = [(name, scenes.make("tracked_vehicle", **more), DRIVE) for name, more in chosen]
 
-    def told(scene: Scene, path: Trajectory, fullest: Trajectory) -> tuple[dict[str, float], float | None]:
+    def text(scene: Scene, path: Trajectory, fullest: Trajectory) -> tuple[dict[str, float], float | None]:
         slip = np.abs(rolling_slip(Motion(scene, path), "roller2"))
         hull = scene.body_index("chassis")
         return {
@@ -199,9 +196,9 @@ def tracks() -> Ladder:
 
     note = (
         "1.6 s of driving, the first half second while the torque rises; the bump is half a metre ahead. "
-        "No truth says which is right: the last rung is what the others are held against."
+        "No truth says which is right: the others are compared with the last rung."
     )
-    return ladder("Tracked vehicle", note, "-log10 of the way, relative", models, told, by_last=True)
+    return ladder("Tracked vehicle", note, "-log10 of the way, relative", models, text, by_last=True)
 
 
 def _way(scene: Scene, path: Trajectory) -> float:
@@ -216,7 +213,7 @@ FAMILIES: dict[str, Callable[[], Ladder]] = {  # by the scenes that they are mad
 }  # fmt: skip
 
 
-def ladder(title: str, note: str, measured: str, models: Sequence[Model], told: Told, by_last: bool = False) -> Ladder:
+def ladder(title: str, note: str, measured: str, models: Sequence[Model], text: Told, by_last: bool = False) -> Ladder:
     """Run every model once for what it tells, and in randomly interleaved turns for its time.
 
     `by_last`: the last model is what the others are held against.
@@ -225,7 +222,7 @@ def ladder(title: str, note: str, measured: str, models: Sequence[Model], told: 
     again = [partial(_loop_time, scene, settings) for _, scene, settings in models]
     best, rungs = least_times(again, [path.timing.loop_s for path in paths], alone=True), []
     for (name, scene, _), path, seconds in zip(models, paths, best, strict=True):
-        shown, accuracy = told(scene, path, paths[-1])
+        shown, accuracy = text(scene, path, paths[-1])
         rungs.append(Rung(name, seconds, int(path.rhs_calls), shown, accuracy))
     reference = models[-1][0] if by_last else ""
     return Ladder(title, note, _method(models[0][2], models), measured, tuple(rungs), reference)

@@ -16,17 +16,18 @@ from cross_checks.judge.cell import judged, refused, tasks
 from cross_checks.judge.ladder import grid
 from cross_checks.judge.runs import Runs
 from cross_checks.judge.vocabulary import ANSWERS, OURS, Cell
+from cross_checks.prices.timing import least_times
+from cross_checks.records.cost import loop_time
+from cross_checks.records.numbers import setting
 from cross_checks.records.record import Record
 from cross_checks.records.store import Store, default_path
 from cross_checks.truths.truth import NoTruth, Truth
 from mbs_ref import scenes
 from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings
-from reports.drawing.numbers import setting
-from reports.facts.cheapest import Entry, entries, loop_time, near, reaching
+from reports.facts.cheapest import Entry, entries, near, reaching
 from reports.facts.curves import Measured, Row
 from reports.facts.report_data import ReportData
-from reports.facts.turns import least_times
 from reports.studies.pairs.sky_places import sky_places
 
 WORK = 200_000  # steps times bodies that a run may take: the papers' 4000 steps of the android of 48 bodies are within

@@ -6,7 +6,7 @@ from time import process_time
 
 import numpy as np
 
-from benchmarks.timing import Sample, compare
+from cross_checks.prices.timing import Sample, compare
 from mbs_ref import scenes
 from mbs_ref.cores.choice import compile_scene
 from mbs_ref.kernels.border.questions import derivative

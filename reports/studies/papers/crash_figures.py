@@ -7,13 +7,16 @@ from typing import Any
 import numpy as np
 
 from mbs_ref import scenes
+from mbs_ref.crash.outlines import outlines
 from mbs_ref.crash.results import crash_results
+from mbs_ref.observables.attachment import Motion
 from mbs_ref.observables.distance import Partial, farthest
 from mbs_ref.scene import Scene
+from mbs_ref.scene.contact import CircleOnLine
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
 from mbs_ref.trajectory import Status
-from reports.facts.curves import Film, Measured, Value, film
+from reports.facts.curves import Film, Measured, Row, Value, film
 from reports.studies.crash import BELIEVABLE, FINE, IMPACTS, deepest, finished, forces, largest_gap, with_test
 
 PICTURES = 9  # 0.025 s apart to 0.2 s
@@ -36,24 +39,24 @@ METHODS: dict[str, tuple[tuple[str, dict[str, Any]], ...]] = {
 
 def measure_crash() -> Measured:
     """Run both androids from the front, and what the claims name beside what the studies of the crashes measure."""
-    made = {kind: scenes.make(f"android_{kind}") for kind in SHOWN}
-    paths = {kind: finished(scene) for kind, scene in made.items()}
-    results = {kind: crash_results(made[kind], paths[kind]).forces for kind in made}
+    built = {kind: scenes.make(f"android_{kind}") for kind in SHOWN}
+    paths = {kind: finished(scene) for kind, scene in built.items()}
+    results = {kind: crash_results(built[kind], paths[kind]).forces for kind in built}
     figures: dict[str, Value] = {}
-    for kind, scene in made.items():
+    for kind, scene in built.items():
         figures |= _believable(kind)
         for method, more in METHODS[kind]:
             figures |= method_figures(scene, method, more)
-    figures["vertebral.rk4.refusal"] = simulate(made["vertebral"], Settings(method="rk4", step=1e-4)).message
-    figures |= _constraints(made["simplified"]) | _in_space(made["simplified"])
+    figures["vertebral.rk4.refusal"] = simulate(built["vertebral"], Settings(method="rk4", step=1e-4)).message
+    figures |= _constraints(built["simplified"]) | _in_space(built["simplified"])
     films = {
-        "Fig. 1": _film("simplified", 15_500.0), "Fig. 2": film(made["vertebral"], paths["vertebral"], 5),
+        "Fig. 1": _film("simplified", 15_500.0), "Fig. 2": film(built["vertebral"], paths["vertebral"], 5),
         "Fig. 2, joints that stop and parts that touch": _film("vertebral", 15_000.0, **BELIEVABLE),
     }  # fmt: skip
     drawn = {}
     for name, (kind, field, caption) in FIGURES.items():
         values = getattr(results[kind], field)
-        drawn |= forces(f"{name}, {caption}", made[kind], paths[kind].times, values, SHOWN[kind])
+        drawn |= forces(f"{name}, {caption}", built[kind], paths[kind].times, values, SHOWN[kind])
     return Measured(figures, {}, drawn, films)
 
 
@@ -94,10 +97,10 @@ def _believable(kind: str) -> dict[str, Value]:
         figures[f"{kind}.{impact}.believable_deepest"] = deepest(scene, finished(scene))
     for restraint in ("integral", "separate", "none"):
         scene = scenes.make(f"android_{kind}", impact="rear", head_restraint=restraint, **BELIEVABLE)
-        found = crash_results(scene, finished(scene))
-        figures[f"{kind}.rear.{restraint}.HIC36"] = found.measures["HIC36"]
-        figures[f"{kind}.rear.{restraint}.Nij"] = found.measures["Nij"]
-        figures[f"{kind}.rear.{restraint}.neck_least"] = float(found.neck_moment.min())
+        result = crash_results(scene, finished(scene))
+        figures[f"{kind}.rear.{restraint}.HIC36"] = result.measures["HIC36"]
+        figures[f"{kind}.rear.{restraint}.Nij"] = result.measures["Nij"]
+        figures[f"{kind}.rear.{restraint}.neck_least"] = float(result.neck_moment.min())
     return figures
 
 
@@ -112,3 +115,46 @@ def method_figures(scene: Scene, method: str, more: dict[str, Any]) -> dict[str,
         f"{name}.error": path.message if error is None else error,
         f"{name}.switches": float(path.method_switches or 0), f"{name}.steps": float(path.steps),
     }  # fmt: skip
+
+
+MOMENTS = 8  # 0.025 s apart
+ARMS = ("upper_arm", "lower_arm", "hand")
+DRAWN: dict[str, tuple[str, dict[str, Any]]] = {
+    "48 bodies, front, bare": ("vertebral", {}),
+    "48 bodies, front, stops and contacts": ("vertebral", BELIEVABLE),
+    "13 bodies, rear, bare": ("simplified", {"impact": "rear"}),
+    "13 bodies, rear, stops and contacts": ("simplified", {"impact": "rear", **BELIEVABLE}),
+    "13 bodies, rear, no head restraint": ("simplified", {"impact": "rear", "head_restraint": "none", **BELIEVABLE}),
+}
+# a shape: time (s), kind (body | arm | seat), both ends and the radius (m)
+RUN = Settings(rtol=1e-7, samples=MOMENTS + 1, estimate="off", reactions=False)
+
+
+def outline_pictures() -> dict[str, tuple[Row, ...]]:
+    """Return the crashes in which bare and believable models differ: the lines to draw at each time."""
+    built = {title: scenes.make(f"android_{kind}", **more) for title, (kind, more) in DRAWN.items()}
+    return {f"outlines: {title}": _moments(scene) for title, scene in built.items()}
+
+
+def _moments(scene: Scene) -> tuple[Row, ...]:
+    path = simulate(scene, RUN)
+    motion = Motion(scene, path)
+    shapes = outlines(scene.name)
+    ends = {shape.body: [motion.point(shape.body, end)[0] for end in shape.ends] for shape in shapes}
+    seats = {
+        part.body_b: [motion.point(part.body_b, end)[0] for end in (part.point_1, part.point_2)]
+        for part in scene.contacts
+        if isinstance(part, CircleOnLine) and part.body_b.startswith("seat") and ".restraint." not in part.name
+    }
+    shown: list[Row] = []
+    for k, time in enumerate(map(float, path.times[1:]), 1):
+        shown += [_line(time, "seat", p[k], q[k], 0.0) for p, q in seats.values()]
+        for shape in shapes:
+            start, end = (place[k] for place in ends[shape.body])
+            shown.append(_line(time, "arm" if shape.body in ARMS else "body", start, end, shape.radius))
+    return tuple(shown)
+
+
+def _line(time: float, kind: str, start: np.ndarray, end: np.ndarray, radius: float) -> Row:
+    (x1, y1), (x2, y2) = (tuple(round(float(x), 4) for x in place[:2]) for place in (start, end))
+    return {"time": time, "kind": kind, "x1": x1, "y1": y1, "x2": x2, "y2": y2, "radius": radius}

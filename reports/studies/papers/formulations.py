@@ -33,8 +33,8 @@ def multipliers() -> dict[str, float | str]:
     return figures
 
 
-def _worst(found: np.ndarray, exact: np.ndarray) -> float:
-    return float(np.abs(found - exact).max() / np.abs(exact).max())
+def _worst(result: np.ndarray, exact: np.ndarray) -> float:
+    return float(np.abs(result - exact).max() / np.abs(exact).max())
 
 
 def _rk4(h: float, count: int, precision: np.dtype) -> np.ndarray:

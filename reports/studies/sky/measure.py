@@ -2,25 +2,35 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import statistics
+from collections.abc import Mapping, Sequence
+from functools import partial
+from itertools import pairwise
 
 import numpy as np
 
-from benchmarks.timing import interval
 from cross_checks import engines, ephemerides
 from cross_checks.judge.one_run import evaluate
+from cross_checks.prices.timing import interleaved, interval
+from cross_checks.records.numbers import metres
 from cross_checks.records.record import Record
 from cross_checks.truths.truth import NoTruth
 from mbs_ref import scenes
 from mbs_ref.observables import energy_balance
 from mbs_ref.observables.distance import distances
 from mbs_ref.scene import Scene
+from mbs_ref.scene.celestial import AU_M
 from mbs_ref.scenes.solar_system import julian_date
 from mbs_ref.settings import Settings
 from mbs_ref.trajectory import Trajectory
-from reports.studies.sky.facts import Lap, Race, SkyFacts, Splitting
+from reports.facts.curves import Curves, Measured, Row, Value, plain
 
-LEVELS = ("lumped", "newton", "gr_sun", "gr", "j2", "asteroids", "full")
+LEVELS = {
+    "lumped": "Newton, Earth and Moon as one", "newton": "Newton", "gr_sun": "+ relativity of the Sun alone",
+    "gr": "+ relativity (EIH)", "j2": "+ J2 of Sun and Earth", "asteroids": "+ 16 asteroids",
+    "full": "+ Moon's figure and tide, Kuiper ring",
+}  # fmt: skip
+EPHEMERIDES = {"de421": "DE421 (2008)", "de405": "DE405 (1997)", "astropy_builtin": "astropy's builtin series"}
 FINE = Settings(method="gauss", rtol=1e-16, samples=2, estimate="off")
 COARSE_SPLITTING = Settings(method="whfast", step=86_400.0, samples=2)  # a day: the Moon is 27 steps a revolution
 RIGID = Settings(method="dop853", rtol=1e-12, samples=2, estimate="off")
@@ -33,96 +43,160 @@ TAYLOR = Settings(method="taylor", rtol=1e-15, samples=2)
 ORBITS = ("leo", "gps", "molniya")
 ORBIT_DAYS = 3.0
 PAIRS = 5  # interleaved runs of each on each scene, of which the fastest counts
-OBSERVED = NoTruth("held against where the bodies really were")
+OBSERVED = NoTruth("compared with where the bodies really were")
+GAIN = 0.3  # significant figures, a factor of two in distance: a smaller gain is not stated
+OBLIQUITY = np.radians(84_381.406 / 3600.0)  # of the ecliptic of J2000, IAU 2006
+INNER = ("mercury", "venus", "earth", "mars")
+HIDDEN = ("sun", "moon")  # the Sun is the origin; the Moon would hide behind the Earth
 
 
-def measure() -> SkyFacts:
+def measure() -> Measured:
     """Run everything; half a minute with compiled code at hand."""
+    measured = Measured()
+    add_levels(measured, [observed(scenes.make("solar_system", model=level), "mbs_ref", FINE) for level in LEVELS])
+    add_formulations(measured, formulations())
+    measured.tables["figures: Other ephemerides at the same time"] = tuple(
+        {"name": EPHEMERIDES[name]} | figures for name, figures in spread().items()
+    )
+    for race in races():
+        add_race(measured, *race)
+    add_splitting(measured)
     scene = scenes.make("solar_system", model="newton")
     year = engines.get("mbs_ref").run(scene, FINE.model_copy(update={"samples": 361}))
-    return SkyFacts(digits_ladder(), formulations(), spread(), races(), splitting(), _places(scene, year))
+    add_orbits(measured, {name: year.position[:, k] for k, name in enumerate(scene.body_names)})
+    return measured
 
 
-def _places(scene: Scene, path: Trajectory) -> dict[str, tuple[tuple[float, float, float], ...]]:
-    """Return every body's places (m), to what a drawing shows."""
-    return {
-        name: tuple(tuple(float(f"{x:.6g}") for x in place) for place in path.position[:, k])
-        for k, name in enumerate(scene.body_names)
-    }  # type: ignore[return-value]
+def add_levels(measured: Measured, records: Sequence[Record]) -> None:
+    """Add the significant figures of the solar system over 360 days at each level of physics."""
+    judged = [record for record in records if record.figures]
+    names = [LEVELS[str(record.parameters["model"])] for record in judged]
+    rows = ({"name": n, "worst": worst_planet(r)} | r.figures for n, r in zip(names, judged, strict=True))
+    measured.tables["figures: Physics in the model"] = tuple(rows)
+    bodies = dict.fromkeys(body for record in judged for body in record.figures)
+    lines = {body: tuple(record.figures.get(body) for record in judged) for body in bodies}
+    labels = "significant figures", "physics in the model"
+    measured.curves["Figures against physics"] = Curves(tuple(names), lines, *labels, marks="lines+markers")
+    gains = [gain for before, after in pairwise(_full_steps(judged)) for gain in _gains(before, after)]
+    if gains:
+        first, last = worst_planet(judged[0]), worst_planet(judged[-1])
+        measured.figures.update({"levels.gains": "; ".join(gains), "levels.first": first, "levels.last": last})
 
 
-def digits_ladder() -> tuple[Record, ...]:
-    """Return the solar system over 360 days at each level of physics."""
-    return tuple(_observed(scenes.make("solar_system", model=level), "mbs_ref", FINE) for level in LEVELS)
+def worst_planet(record: Record) -> float:
+    """Return the fewest figures of any planet."""
+    return min(value for name, value in record.figures.items() if name != "moon")
 
 
-def splitting() -> Splitting:
-    """Return what a year of WHFast keeps and what it loses."""
+def _full_steps(records: Sequence[Record]) -> list[Record]:
+    """Return the levels of which each contains the one before."""
+    return [record for record in records if record.parameters["model"] != "gr_sun"]
+
+
+def _gains(before: Record, after: Record) -> list[str]:
+    """Return which figures a level of physics improves."""
+    pairs = {"the worst planet": (worst_planet(before), worst_planet(after))}
+    if "moon" in before.figures and "moon" in after.figures:
+        pairs["the Moon"] = before.figures["moon"], after.figures["moon"]
+    model = after.parameters["model"]
+    return [
+        f"{model} takes {name} from {old:.1f} to {new:.1f}" for name, (old, new) in pairs.items() if new - old > GAIN
+    ]
+
+
+def add_splitting(measured: Measured) -> None:
+    """Add the relative energy error of a year of WHFast, and the Moon's figures; nothing without rebound."""
     scene = scenes.make("solar_system", model="newton")
-    record = _observed(scene, "rebound", COARSE_SPLITTING)
+    record = observed(scene, "rebound", COARSE_SPLITTING)
     if record.status != "success":
-        return Splitting(None, None)
-    path = engines.get("rebound").run(scene, COARSE_SPLITTING)
-    balance = energy_balance(scene, path)
+        return
+    balance = energy_balance(scene, engines.get("rebound").run(scene, COARSE_SPLITTING))
     assert balance.drift is not None
-    return Splitting(float(np.abs(balance.drift / balance.energy[0]).max()), record.figures["moon"])
+    energy = float(np.abs(balance.drift / balance.energy[0]).max())
+    measured.figures.update({"splitting.energy": energy, "splitting.moon": record.figures["moon"]})
 
 
-def formulations() -> tuple[Record, ...]:
+def formulations() -> list[Record]:
     """Return Newton's gravity among point masses, and among rigid bodies with Euler parameters, still or turning."""
     kinds = ({}, {"formulation": "euler_parameters"}, {"formulation": "euler_parameters", "spin": True})
-    made = [scenes.make("solar_system", model="newton", days=days, **kind) for days in DAYS for kind in kinds]
-    return tuple(_observed(scene, "mbs_ref", RIGID) for scene in made)
+    built = [scenes.make("solar_system", model="newton", days=days, **kind) for days in DAYS for kind in kinds]
+    return [observed(scene, "mbs_ref", RIGID) for scene in built]
 
 
-def _observed(scene: Scene, engine: str, settings: Settings) -> Record:
-    """Run without the truth of the scene's own equations, which takes minutes to make and is not shown."""
+def add_formulations(measured: Measured, records: Sequence[Record]) -> None:
+    """Add a row for each formulation."""
+    measured.tables["formulations"] = tuple(map(_formulation, records))
+
+
+def _formulation(record: Record) -> Row:
+    rigid = record.parameters["formulation"] == "euler_parameters"
+    name = "rigid bodies, Euler parameters" if rigid else "point masses"
+    return {
+        "days": record.parameters["days"], "model": name + (", turning" if record.parameters["spin"] else ""),
+        "worst": worst_planet(record), "moon": record.figures["moon"],
+        "norm": record.measure("compliance_position") if rigid else None,
+        "numbers": len(record.final) * (13 if rigid else 6), "steps": record.steps, "loop_s": record.times["loop_s"],
+    }  # fmt: skip
+
+
+def observed(scene: Scene, engine: str, settings: Settings) -> Record:
+    """Run and compare with an ephemeris; the truth of the scene's own equations takes minutes and is not shown."""
     return evaluate(scene, engine, settings, truth=OBSERVED)
 
 
 def spread() -> dict[str, dict[str, float]]:
     """Return the figures that other ephemerides share with DE440, after 360 days."""
     jd = julian_date(START) + DAYS[-1]
-    return {version: ephemerides.figures(version, jd) for version in ("de421", "de405", "astropy_builtin")}
+    return {version: ephemerides.figures(version, jd) for version in EPHEMERIDES}
 
 
-def races() -> tuple[Race, ...]:
-    """Return the races against the rivals that are installed."""
+def races() -> list[tuple[str, str, list[Row]]]:
+    """Return the races against the rivals that are installed: rival, ours, and a row for each scene."""
     decades = [scenes.make("solar_system", model="newton", days=DECADE, start=date) for date in DATES]
     satellites = [scenes.make("satellite", orbit=orbit, days=ORBIT_DAYS) for orbit in ORBITS]
-    entered = (("rebound", IAS15, decades), ("heyoka", TAYLOR, satellites))
-    found = []
-    for name, settings, made in entered:
+    result = []
+    for name, settings, built in (("rebound", IAS15, decades), ("heyoka", TAYLOR, satellites)):
         try:
             engines.get(name)
         except engines.EngineMissing:
             continue
-        found.append(race(name, settings, made))
-    return tuple(found)
+        laps = [_lap(name, settings, scene) for scene in built]
+        result.append((f"{name} {settings.method}", f"mbs_ref {FINE.method}", laps))
+    return result
 
 
-def race(rival: str, theirs: Settings, made: Sequence[Scene]) -> Race:
-    """Run both in randomly interleaved pairs on every scene."""
-    random = np.random.default_rng(0)
-    laps = tuple(_lap(rival, theirs, scene, random) for scene in made)
-    low, high = interval(np.array([lap.ratio for lap in laps]), random)
-    return Race(f"{rival} {theirs.method}", f"mbs_ref {FINE.method}", laps, low, high)
+def add_race(measured: Measured, rival: str, ours: str, laps: Sequence[Row]) -> None:
+    """Add a race: the median ratio of the loop times with its 95 % bootstrap interval, and its laps."""
+    ratios = np.array([lap["ratio"] for lap in laps], dtype=float)
+    low, high = interval(ratios, np.random.default_rng(0))
+    row: dict[str, Value] = {"rival": rival, "ours": ours, "ratio": statistics.median(ratios), "low": low, "high": high}
+    measured.tables["races"] = (*measured.tables.get("races", ()), row)
+    measured.tables[f"race: {rival}"] = tuple(laps)
 
 
-def _lap(rival: str, theirs: Settings, scene: Scene, random: np.random.Generator) -> Lap:
-    entrants = ((engines.get("mbs_ref"), FINE), (engines.get(rival), theirs))
-    paths = [engine.run(scene, settings) for engine, settings in entrants]  # warms up
-    best = [np.inf, np.inf]
-    for _ in range(PAIRS):
-        for k in random.permutation(2):
-            engine, settings = entrants[k]
-            best[k] = min(best[k], engine.run(scene, settings).timing.loop_s)
+def _lap(rival: str, theirs: Settings, scene: Scene) -> Row:
+    """Run both in randomly interleaved turns on one scene; the ratio is the rival's loop time over ours."""
+    runs = [partial(engines.get(name).run, scene, how) for name, how in (("mbs_ref", FINE), (rival, theirs))]
+    paths = [run() for run in runs]  # compiles
+    ours, other = (min(path.timing.loop_s for path in built) for built in interleaved(runs, PAIRS))
     shown = scene.parameters.get("orbit", scene.parameters.get("start"))
-    return Lap(f"{scene.name} {shown}", best[1] / best[0], _apart(scene, *paths))
+    return {"scene": f"{scene.name} {shown}", "ratio": other / ours, "apart": _apart(scene, *paths)}
 
 
-def _apart(scene: Scene, one: Trajectory, other: Trajectory) -> float | None:
+def _apart(scene: Scene, one: Trajectory, other: Trajectory) -> str:
     """Return the largest distance (m) between the two at the end."""
-    if not (one.ok and other.ok):
-        return None
-    return float(distances(scene, one, other)[-1, :, 0].max())
+    return metres(float(distances(scene, one, other)[-1, :, 0].max())) if one.ok and other.ok else "one did not finish"
+
+
+def add_orbits(measured: Measured, year: Mapping[str, np.ndarray]) -> None:
+    """Add the planets' paths in the ecliptic about the Sun, from barycentric places (n_t, 3), m, equatorial axes."""
+    labels = "y, au", "x, au"
+    for name, places in year.items():
+        seen = (np.asarray(places) - year["sun"]) / AU_M
+        y = np.cos(OBLIQUITY) * seen[:, 1] + np.sin(OBLIQUITY) * seen[:, 2]
+        if name not in HIDDEN:
+            group = "inner" if name in INNER else "outer"
+            path = Curves(plain(seen[:, 0].round(4)), {name: plain(y.round(4))}, *labels, equal=True)
+            measured.curves[f"{group} planets: {name}"] = path
+    for group in ("inner", "outer"):
+        measured.curves[f"{group} planets: sun"] = Curves((0.0,), {"sun": (0.0,)}, *labels, marks="markers", equal=True)

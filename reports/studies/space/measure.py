@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-import random
+from functools import partial
 from typing import Any
 
 import numpy as np
 
 from cross_checks.metrics.metric import off_truth
+from cross_checks.prices.timing import interleaved
 from mbs_ref import observables, scenes
 from mbs_ref.scene import PointMass, Scene, SpatialBody
 from mbs_ref.settings import Settings
@@ -25,8 +26,8 @@ def measure() -> Measured:
     return Measured(figures, {"norm": tuple(_norm_drift(half) for half in (0.05, 0.1, 0.2))})
 
 
-def _rk4(scene: Scene, step: float, kept: bool, samples: int = 2) -> Trajectory:
-    stabilization = "projection" if kept else "none"
+def _rk4(scene: Scene, step: float, stored: bool, samples: int = 2) -> Trajectory:
+    stabilization = "projection" if stored else "none"
     coarse: dict[str, Any] = {"samples": samples, "estimate": "off"}
     return simulate(scene, Settings(method="rk4", step=step, stabilization=stabilization, **coarse))
 
@@ -42,12 +43,12 @@ def _norm_drift(half: float) -> dict[str, Value]:
     spin = 10.0  # rad/s
     scene = scenes.make("torque_free_top", tilt=0.0, axis=3, spin=spin, turns=20.0)
     step = 2.0 * half / spin
-    free, kept = (_rk4(scene, step, kept) for kept in (False, True))
+    free, stored = (_rk4(scene, step, stored) for stored in (False, True))
     measured = 1.0 - float(np.linalg.norm(free.orientation[-1, 0]))
     formula = free.steps * half**6 / 144.0
     return {
         "half_angle": half, "steps": free.steps, "measured": measured, "formula": formula,
-        "free": _turned_away(scene, free), "normalised": _turned_away(scene, kept),
+        "free": _turned_away(scene, free), "normalised": _turned_away(scene, stored),
     }  # fmt: skip
 
 
@@ -56,7 +57,7 @@ def _long_steps() -> dict[str, Value]:
     spin, step = 1e4, 1e-3  # rad/s, s
     moments = {"inertia_1": 1.0, "inertia_2": 1.0, "inertia_3": 1.02}  # slow nutation: the rates stay resolved
     scene = scenes.make("torque_free_top", tilt=0.1, axis=3, spin=spin, turns=200.0, **moments)
-    path = _rk4(scene, step, kept=True, samples=21)
+    path = _rk4(scene, step, stored=True, samples=21)
     assert path.ok, path.message
     energy = observables.kinetic_energy(scene, path)
     return {
@@ -80,10 +81,6 @@ def _falling(rigid: bool) -> Scene:
 
 def _cost_ratio() -> float:
     settings = Settings(method="rk4", step=1e-4, t_end=0.2, samples=2, stabilization="none", estimate="off")
-    pair = {rigid: _falling(rigid) for rigid in (True, False)}
-    times: dict[bool, list[float]] = {True: [], False: []}
-    order = random.Random(0)
-    for _ in range(PAIRS):
-        for rigid in order.sample((True, False), 2):
-            times[rigid].append(simulate(pair[rigid], settings).timing.loop_s)
-    return min(times[True]) / min(times[False])
+    runs = interleaved([partial(simulate, _falling(rigid), settings) for rigid in (True, False)], PAIRS)
+    rigid, particles = (min(path.timing.loop_s for path in paths) for paths in runs)
+    return rigid / particles

@@ -346,6 +346,6 @@ def test_a_search_whose_first_step_would_cost_too_much_begins_at_the_bound():
     scene = scenes.make("kepler", eccentricity=0.9)  # ten orbits: the pericentre asks for steps beyond the bound
     method = engines.get("mbs_ref").method("rk4")
     assert first_knob(scene, method) < scene.duration / MOST_STEPS
-    tried, reached = search(Runs(), scene, "mbs_ref", method, NoTruth("not asked"))
+    tried, reached = search(Runs(), scene, "mbs_ref", method, NoTruth("not run"))
     assert tried.knobs
     assert {answer.answer for answer in reached} == {"unjudged"}

@@ -11,7 +11,7 @@ import pytest
 from cross_checks.judge.vocabulary import MEANINGS, REFUSED, WRONG, Cell, TargetResult, Verdict, refusals
 from cross_checks.records.record import Error, Record
 from cross_checks.records.store import Store
-from reports.facts.kept import keep, recall
+from reports.facts.stored import keep, recall
 
 REPORT = Path(__file__).parents[3] / "docs" / "report.md"
 RUN = Record("pendulum", {}, "quick", "rk4", {"step": 3.7e-3}, "success", error=Error(2.3e-7, "exact", 1e-13, 1e-7))

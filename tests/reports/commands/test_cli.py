@@ -17,15 +17,15 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from benchmarks import pick as picking
-from benchmarks import sweep as sweeps
-from benchmarks.pick import Choice
 from cross_checks import engines
 from cross_checks.engine import Engine, Method
 from cross_checks.judge import one_run as compare
 from cross_checks.judge import runs as judged_runs
 from cross_checks.judge.answers import Answer
 from cross_checks.judge.vocabulary import Cell, Verdict
+from cross_checks.prices import pick as picking
+from cross_checks.prices import sweep as sweeps
+from cross_checks.prices.pick import Choice
 from cross_checks.records.record import Error, Record
 from cross_checks.truths import seek_truth
 from cross_checks.truths.truth import NoTruth

@@ -10,6 +10,7 @@ import plotly.graph_objects as go
 import pytest
 from click.testing import CliRunner, Result
 
+from cross_checks.records.plots.bands import bands
 from mbs_ref import scenes
 from mbs_ref.scene import PointMass, Scene
 from mbs_ref.scene.toml import write_scene
@@ -17,7 +18,6 @@ from mbs_ref.settings import Settings
 from mbs_ref.simulate.many import ensemble as ensembles
 from mbs_ref.simulate.many.ensemble import runs
 from reports.cli import main
-from reports.drawing.plots.bands import bands
 
 QUICK = ("--t-end", "0.2", "--samples", "3", "--threads", "1")
 

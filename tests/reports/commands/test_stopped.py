@@ -38,7 +38,7 @@ ENGINE = Halting
 CHILD = """
 import signal
 signal.signal(signal.SIGHUP, signal.SIG_DFL)
-from reports.terminal import asking
+from reports import query as asking
 asking.FIRST = 0.0
 from reports.cli import main
 main()

@@ -8,11 +8,11 @@ from dataclasses import replace
 import pytest
 from click.testing import CliRunner
 
-from benchmarks import confirm
-from benchmarks.timing import Comparison, Pace
-from benchmarks.trees import regression
+from benchmarks.trees import regression, slowed
 from benchmarks.trees.regression import Case, Finding
 from cross_checks.isolation.parent import Lost
+from cross_checks.prices import confirm
+from cross_checks.prices.timing import Comparison, Pace
 from cross_checks.records import lines as record_file
 from cross_checks.records.record import Error, Record
 from mbs_ref import scenes
@@ -84,7 +84,7 @@ def test_pick_refuses_what_the_truth_cannot_judge(tmp_path):
     unsure = replace(RECORD, error=replace(RECORD.error, uncertainty=1e-9))
     done = run("pick", "pendulum", "--error", "2e-8", "--records", file_of(tmp_path, "r.jsonl", unsure))
     assert done.exit_code == 5
-    assert "judges no error below 3.0e-08 of it" in done.stderr
+    assert "resolves no error below 3.0e-08 of it" in done.stderr
 
 
 def test_compare_files(tmp_path):
@@ -173,3 +173,12 @@ def test_a_sweep_that_became_less_accurate_fails_the_night(night):
     done = run(*night["words"])
     assert done.exit_code == 1
     assert "worse than last night" in done.output
+
+
+@pytest.mark.parametrize(("percent", "sentence"), [("15", "B takes 15.0% longer"), ("0", "B takes 0.0% longer")])
+def test_a_version_is_compared_with_a_copy_that_is_slower_by_a_known_share(night, monkeypatch, percent, sentence):
+    monkeypatch.setattr(slowed, "copy_tree", lambda folder: folder)
+    monkeypatch.setattr(slowed, "calibrate", lambda folder, case, share: (7, share))
+    done = run("compare", ".", "--slowed", percent, "--only", "rk4")
+    assert done.exit_code == 0, done.output
+    assert sentence in done.stderr

@@ -12,10 +12,9 @@ from click.testing import CliRunner
 from cross_checks.judge.bounds import TARGETS
 from cross_checks.judge.vocabulary import OURS, WRONG
 from reports.cli import main
-from reports.facts.cheapest import entries
-from reports.facts.standings import standings
-from reports.page.board import board
-from reports.page.publish import publish
+from reports.commands.watch.board import board
+from reports.facts.cheapest import entries, standings
+from reports.page.build import publish
 from tests.reports.page.synthetic_report import report_data
 
 HOSTILE = "'\"></td><script>alert(1)</script>"

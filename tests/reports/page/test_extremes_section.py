@@ -8,9 +8,8 @@ from cross_checks.extremes import cell
 from cross_checks.extremes.extreme import Axis
 from cross_checks.extremes.fate import Fate
 from cross_checks.records.store import Store
-from reports.drawing.plots.fates import LEFT, WIDTH, place
-from reports.gather import extreme_cells
-from reports.page.sections.extremes import context
+from reports.gather import Gathering
+from reports.page.sections.extremes import LEFT, WIDTH, context, place
 from tests.reports.page.synthetic_report import report_data
 
 
@@ -57,5 +56,5 @@ def test_parts_kept_by_several_nights_are_shown_together_and_full_cells_before_q
     for each in (one("a", False), one("b", False)):
         cell.append(second, each)
     with Store(tmp_path / "runs.sqlite") as store:
-        found = extreme_cells(store, (first, second), False, lambda *_: None)
+        found = Gathering(store, files=(first, second)).extreme_cells()
     assert {c.extreme: c.reason for c in found} == {"a": "full", "b": "quick"}

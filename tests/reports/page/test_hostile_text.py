@@ -14,7 +14,7 @@ from cross_checks.records import lines as record_file
 from mbs_ref.scene.toml import SceneFileError, loads
 from mbs_ref.settings import Settings
 from reports.facts.report_data import ReportData
-from reports.page.publish import publish
+from reports.page.build import publish
 from tests.reports.page.synthetic_report import report_data
 
 HOSTILE = """'"></td></script><script>alert(1)</script><img src=x onerror=alert(2)>&lt;{{7*7}}|"""

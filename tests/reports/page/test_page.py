@@ -10,15 +10,14 @@ from html.parser import HTMLParser
 
 import pytest
 
+from cross_checks.records.numbers import duration, metres, setting, short
 from mbs_ref import scenes
-from reports.drawing.numbers import duration, metres, setting, short
 from reports.facts.report_data import ReportData
 from reports.page.advice import advice
-from reports.page.pages import pages
-from reports.page.publish import DATA, publish, read_data
+from reports.page.build import DATA, publish, read_data
+from reports.page.render import pages
 from reports.page.sections.prices import price_table
-from reports.page.slug import scene_file
-from reports.reproduce import command
+from reports.page.slug import command, scene_file
 from tests.reports.page.synthetic_report import HOSTILE, report_data
 
 LOADING = {"src", "href", "data", "poster", "action", "srcset"}  # attributes that make a browser fetch

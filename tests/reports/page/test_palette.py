@@ -5,7 +5,7 @@ from __future__ import annotations
 import random
 
 from cross_checks import engines
-from reports.drawing.plots.palette import COLOURS, style_of, styles
+from cross_checks.records.plots.plot import COLOURS, style_of, styles
 from reports.page.render import render
 from reports.page.sections.extremes import context as extremes
 from reports.page.sections.profiles import context as profiles

@@ -6,29 +6,29 @@ import os
 from math import sqrt
 
 from cross_checks.records.store import Store
+from reports.facts.curves import Measured
 from reports.facts.report_data import ReportData
 from reports.page.render import render
-from reports.studies import measuring
-from reports.studies.study import Study
+from reports.studies import study
 
-KINDS = {"space": float, "sky": float, "contact": int}
-STUDIES = {name: Study(f"{name}.html", name, kind) for name, kind in KINDS.items()}
+STUDIES = {name: study.every()[name] for name in ("space", "sky", "contact")}
+FOUND = Measured({"answer": 7})
 
 
 def test_a_study_that_raises_or_crashes_leaves_the_others(monkeypatch):
-    monkeypatch.setattr(measuring, "measured", lambda: STUDIES)
-    monkeypatch.setattr(measuring, "measure", made_up)
-    found: dict[str, object] = {}
+    monkeypatch.setattr(study, "every", lambda: STUDIES)
+    monkeypatch.setattr(study, "measure", made_up)
+    found: dict[str, Measured] = {}
     with Store() as store:
-        failed = measuring.measure_all(store, found, (), lambda done, total, what: None)
-        assert found == {"contact": 7}
-        assert sorted(told.partition(":")[0] for told in failed) == ["section sky", "section space"]
-        assert any("its process was ended" in told for told in failed)
+        failed = study.measure_all(store, found, (), lambda done, total, what: None)
+        assert found == {"contact": FOUND}
+        assert sorted(sentence.partition(":")[0] for sentence in failed) == ["section sky", "section space"]
+        assert any("its process was ended" in sentence for sentence in failed)
         found.clear()
-        monkeypatch.setattr(measuring, "measure", os.abort)
-        monkeypatch.setattr(measuring, "measured", lambda: {"contact": STUDIES["contact"]})
-        assert measuring.measure_all(store, found, (), lambda done, total, what: None) == []
-        assert found == {"contact": 7}, "what was measured is kept"
+        monkeypatch.setattr(study, "measure", os.abort)
+        monkeypatch.setattr(study, "every", lambda: {"contact": STUDIES["contact"]})
+        assert study.measure_all(store, found, (), lambda done, total, what: None) == []
+        assert found == {"contact": FOUND}, "what was measured is stored"
 
 
 def test_the_page_says_why_a_section_is_missing():
@@ -41,4 +41,4 @@ def made_up(name: str) -> object:
     """Importable by name, as a child process needs it."""
     if name == "sky":
         os.abort()
-    return sqrt(-1.0) if name == "space" else 7
+    return sqrt(-1.0) if name == "space" else FOUND

@@ -8,15 +8,15 @@ from statistics import median
 
 import pytest
 
-from benchmarks.timing import with_loops
 from cross_checks.judge.bounds import TARGETS
 from cross_checks.judge.vocabulary import OURS, Cell, TargetResult, Verdict
+from cross_checks.prices.timing import with_loops
+from cross_checks.records.numbers import short
 from cross_checks.records.record import Error, Record
-from reports.drawing.numbers import short
+from reports.commands.watch.board import board
+from reports.facts.cheapest import MIDDLE, standings
 from reports.facts.report_data import ReportData
-from reports.facts.standings import MIDDLE, standings
 from reports.page.advice import advice
-from reports.page.board import board
 from reports.page.sections.prices import price_table
 from reports.page.sections.profiles import context as profiles
 

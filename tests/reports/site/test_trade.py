@@ -8,7 +8,7 @@ from cross_checks.judge.runs import Runs
 from cross_checks.records.store import Store
 from cross_checks.truths.truth import NoTruth, Truth
 from mbs_ref import scenes
-from reports.site import gallery, trade
+from reports.site import gallery as trade
 
 
 @pytest.fixture
@@ -30,7 +30,7 @@ def test_no_run_of_a_plot_takes_more_steps_than_its_bodies_leave(runs, tmp_path,
 
 def test_a_scene_beyond_the_bound_says_so_and_names_the_command_that_draws_it(runs, tmp_path, monkeypatch):
     monkeypatch.setattr(trade, "truth_of", lambda *_: pytest.fail("engines were asked"))
-    told = gallery._trade(runs, scenes.make("tracked_vehicle"), tmp_path)
+    told = trade._trade(runs, scenes.make("tracked_vehicle"), tmp_path)
     assert "25,000 steps of 36 bodies a run, more than 300,000 of both" in told
     assert "`mbs-ref sweep tracked_vehicle --plot tracked_vehicle.html`" in told
 
@@ -38,8 +38,8 @@ def test_a_scene_beyond_the_bound_says_so_and_names_the_command_that_draws_it(ru
 def test_a_scene_within_the_bound_gets_what_engines_agree_on(runs, monkeypatch):
     scene, agreed = scenes.make("bicycle"), NoTruth("asked")
     monkeypatch.setattr(trade, "truth_of", lambda *_: agreed)
-    assert trade._truth(runs, scene) is agreed
+    assert trade._plot_truth(runs, scene) is agreed
 
 
 def test_a_certified_truth_is_taken_whatever_it_would_cost(runs):
-    assert isinstance(trade._truth(runs, scenes.make("android_vertebral")), Truth)
+    assert isinstance(trade._plot_truth(runs, scenes.make("android_vertebral")), Truth)

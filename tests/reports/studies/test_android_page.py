@@ -10,9 +10,9 @@ from mbs_ref import scenes
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
 from reports.facts.curves import Measured, curves
-from reports.facts.kept import adapter
 from reports.facts.report_data import ReportData
-from reports.page.publish import data_of
+from reports.facts.stored import adapter
+from reports.page.build import data_of
 from reports.page.render import render
 from reports.studies.androids import measure as androids
 from reports.studies.crash import SIMPLIFIED

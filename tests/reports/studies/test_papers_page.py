@@ -7,16 +7,14 @@ from dataclasses import replace
 import pytest
 
 from reports.facts.curves import Curves, Measured
-from reports.page.pages import pages
-from reports.page.render import render
+from reports.page.render import pages, render
 from reports.studies.claims import Claim
 from reports.studies.papers.formulations import SINGULAR, euler_angles, multipliers
-from reports.studies.study import document, measurement
+from reports.studies.study import every, measure
 from tests.reports.page.synthetic_report import report_data
 
 HALF_ORDER = 0.5
-PAPERS = document("papers")
-assert PAPERS is not None
+PAPERS = every()["papers"]
 CLAIMS = PAPERS.claims()
 
 
@@ -79,7 +77,7 @@ def test_eulers_angles_stop_at_the_pole_with_a_name():
 
 @pytest.mark.slow
 def test_every_figure_that_a_claim_names_is_measured():
-    figures = [measurement(name)().figures for name in ("papers", "crashes", "contact")]
+    figures = [measure(name).figures for name in ("papers", "crashes", "contact")]
     known = {name for own in figures for name in own}
     words = {"keeps", "fails", "success", "singular"}
     for claim in CLAIMS:

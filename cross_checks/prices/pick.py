@@ -1,0 +1,195 @@
+"""The cheapest measured setting that reaches an accuracy, and what keeps it from being cheaper."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+
+from cross_checks.judge.vocabulary import OURS
+from cross_checks.records.cost import floor, known_error, loop_time, usable
+from cross_checks.records.record import Record
+from mbs_ref.display import facts
+
+RIVAL = 5.0  # of the cheapest loop time: one that is measured beside other runs is off by less than this factor
+
+
+@dataclass(frozen=True)
+class Limit:
+    """The bound that rules the cheaper settings out, and the one of them that comes nearest to it."""
+
+    bound: str  # error | compliance
+    cheaper: Record
+
+
+@dataclass(frozen=True)
+class Choice:
+    """The recommendation, or the sentence why there is none."""
+
+    best: Record | None
+    runner_up: Record | None  # the cheapest of another engine; of another method where one engine alone reaches it
+    margin: float | None  # how many times cheaper the best is than the runner-up
+    sentence: str
+    limit: Limit | None = None  # None where nothing measured is cheaper, or only for failing both bounds
+
+    def _repr_html_(self) -> str:
+        return facts("Choice", [("answer", self.sentence)]) + ("" if self.best is None else self.best._repr_html_())
+
+
+@dataclass(frozen=True)
+class Bounds:
+    """What is asked: error (over the scene's scales), compliance (m, rad) and loop time (s)."""
+
+    error: float
+    compliance: float | None = None
+    budget: float | None = None
+
+    def __post_init__(self) -> None:
+        for name in ("error", "compliance", "budget"):
+            value = getattr(self, name)
+            if value is not None and not value > 0.0:
+                raise ValueError(f"{name} = {value} must be positive")
+
+    def error_ok(self, record: Record) -> bool:
+        return record.error is not None and record.error.bound <= self.error
+
+    def compliance_ok(self, record: Record) -> bool:
+        position = record.measure("compliance_position")
+        return self.compliance is None or (position is not None and position <= self.compliance)
+
+    def met_by(self, record: Record) -> bool:
+        """Whether the run finished with error and compliance within bounds, whatever its time."""
+        return record.status == "success" and self.error_ok(record) and self.compliance_ok(record)
+
+
+def pick(
+    records: Iterable[Record], error: float, compliance: float | None = None, budget: float | None = None
+) -> Choice:
+    """Return the cheapest measured setting with error (of the scene's scales), compliance (m, rad), loop (s) in bounds.
+
+    Only measured runs count, nothing is extrapolated, and the truth's uncertainty is added to the
+    error. Where the truth is not 30 times better known than the error asked, nobody is chosen.
+    ValueError where a bound is not positive or the records are of several scenes.
+    """
+    bounds = Bounds(error, compliance, budget)
+    listed = list(records)
+    measured = [r for r in listed if usable(r)]
+    if not measured:
+        return Choice(None, None, None, _why_nothing(listed))
+    _check_one_scene(measured)
+    if error < (resolved := floor(measured)):
+        return Choice(None, None, None, f"the truth of this scene resolves no error below {resolved:.1e} of it")
+    reached = [r for r in measured if bounds.met_by(r)]
+    affordable = sorted((r for r in reached if budget is None or loop_time(r) <= budget), key=loop_time)
+    if not affordable:
+        return Choice(None, None, None, _why_none(measured, reached, bounds))
+    best = affordable[0]
+    second = _runner_up(best, affordable)
+    margin = None if second is None else loop_time(second) / loop_time(best)
+    limit = _limit([r for r in measured if loop_time(r) < loop_time(best)], bounds)
+    return Choice(best, second, margin, " ".join((_why(best, second, margin), _why_not_cheaper(limit))), limit)
+
+
+def contenders(records: Iterable[Record], bounds: Bounds) -> list[Record]:
+    """Return the runs that may prove the cheapest within the bounds once they are timed alone."""
+    reached = [record for record in records if usable(record) and bounds.met_by(record)]
+    return [record for record in reached if loop_time(record) <= RIVAL * min(map(loop_time, reached))]
+
+
+def basis(records: Iterable[Record]) -> str:
+    """Return a sentence on what the errors of the records are from."""
+    errors = [record.error for record in records if record.error is not None]
+    if not errors:
+        return "No truth is known yet."
+    best = min(errors, key=lambda error: error.uncertainty)
+    return f"Errors are from a truth known to {best.uncertainty:.1e} of the scene: {best.truth}."
+
+
+def shipped(record: Record) -> str:
+    """Return one sentence of what an engine does as it comes."""
+    how = f"{record.engine} as it comes ({setting(record).removeprefix(record.engine).strip()})"
+    if record.status != "success":
+        return f"{how} ends with {record.status}: {record.message}"
+    return f"{how}: {_length(record)} in {loop_time(record) * 1e3:.3g} ms"
+
+
+def _check_one_scene(records: Sequence[Record]) -> None:
+    scenes = {(r.scene, tuple(sorted(r.parameters.items()))) for r in records}
+    if len(scenes) > 1:
+        raise ValueError(f"the records are of {len(scenes)} scenes; choose among those of one")
+
+
+def _length(record: Record) -> str:
+    """Say an error as a share of the scene and as a length."""
+    if record.error is None:
+        return "no known error"
+    return f"{record.error.bound:.1e} of the scene ({record.error.bound * record.error.length:.1e} m)"
+
+
+def _gap(record: Record) -> float:
+    position = record.measure("compliance_position")
+    return float("inf") if position is None else position
+
+
+def _limit(cheaper: Sequence[Record], bounds: Bounds) -> Limit | None:
+    """Name the bound that a cheaper setting misses alone, the joints' first: loosening it keeps the error."""
+    rules: tuple[tuple[str, Callable[[Record], bool], Callable[[Record], float]], ...] = (
+        ("compliance", bounds.error_ok, _gap),
+        ("error", bounds.compliance_ok, known_error),
+    )
+    for bound, other_ok, distance in rules:
+        near = min((r for r in cheaper if other_ok(r)), key=distance, default=None)
+        if near is not None:
+            return Limit(bound, near)
+    return None
+
+
+def setting(record: Record) -> str:
+    """Return engine, method and step or tolerance as a reader would say them."""
+    step, rtol = record.settings.get("step"), record.settings.get("rtol")
+    how = f"step={step:.6g}" if step is not None else f"rtol={rtol:.1g}" if rtol is not None else "its defaults"
+    return f"{record.engine} {record.method} {how}"
+
+
+def _runner_up(best: Record, affordable: Sequence[Record]) -> Record | None:
+    """Return the cheapest of another engine, else of another method."""
+    others = [r for r in affordable if r.engine != best.engine] or [r for r in affordable if r.method != best.method]
+    return next(iter(others), None)
+
+
+def _why(best: Record, second: Record | None, margin: float | None) -> str:
+    whose = ", this project's own solver," if best.engine == OURS else ""
+    text = f"{setting(best)}{whose} reaches {_length(best)} in {1e3 * loop_time(best):.3g} ms"
+    if second is None or margin is None:
+        return f"{text}; no other engine or method reaches it."
+    return f"{text}, {margin:.3g} times cheaper than {setting(second)} ({1e3 * loop_time(second):.3g} ms)."
+
+
+def _why_not_cheaper(limit: Limit | None) -> str:
+    if limit is None:
+        return "No cheaper setting misses only one of the bounds."
+    near, price = limit.cheaper, f"{1e3 * loop_time(limit.cheaper):.3g} ms"
+    if limit.bound == "error":
+        return f"The error limits it: for {price} the nearest is {setting(near)} with {_length(near)}."
+    return f"The compliance limits it: for {price} {setting(near)} opens the joints by {_gap(near):.1e}."
+
+
+def _why_nothing(records: Sequence[Record]) -> str:
+    """Say why no run was measured: an answer of each engine, the shortest that one of its methods gave."""
+    words: dict[str, str] = {}
+    for record in records:
+        if record.status != "success" and record.message:
+            words[record.engine] = min(words.get(record.engine, record.message), record.message, key=len)
+    return "; ".join(["no run with a known error was measured", *(f"{name}: {why}" for name, why in words.items())])
+
+
+def _why_none(measured: Sequence[Record], reached: Sequence[Record], bounds: Bounds) -> str:
+    if reached and bounds.budget is not None:
+        cheapest = min(reached, key=loop_time)
+        price = f"{1e3 * loop_time(cheapest):.3g} ms"
+        return f"none within {1e3 * bounds.budget:.3g} ms; the cheapest is {setting(cheapest)} at {price}"
+    close = [r for r in measured if bounds.error_ok(r)]
+    if close and bounds.compliance is not None:
+        count, tight = len(close), bounds.compliance
+        return f"{count} settings reach {bounds.error:.1e}, but none keeps the constraints within {tight:.1e}"
+    nearest = min(measured, key=known_error)
+    return f"none reached {bounds.error:.1e} of the scene; the nearest is {setting(nearest)} with {_length(nearest)}"

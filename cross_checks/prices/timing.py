@@ -1,0 +1,240 @@
+"""Loop times: of runs in randomly interleaved turns, of two things against each other, of runs alone on the machine.
+
+A setting is run again until the half-width of its interval is below 5 % of the median, three to five times: the rule
+of hyperfine, with a bound; a loop of more than ENOUGH seconds is run once. The store holds times by run and machine.
+Times measured while others used the machine are marked, and are replaced by those of an idle one.
+"""
+
+from __future__ import annotations
+
+import platform
+import time
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, replace
+from enum import StrEnum
+from functools import cache, partial
+from pathlib import Path
+from statistics import median
+from typing import NamedTuple
+
+import numpy as np
+
+from cross_checks import engines
+from cross_checks.isolation.parent import Caller, Isolated, Lost
+from cross_checks.judge.ladder import grid
+from cross_checks.records.cost import BUSY_NOTE
+from cross_checks.records.naming import run_name
+from cross_checks.records.record import Record
+from cross_checks.records.store import Store
+from mbs_ref import scenes
+from mbs_ref.scene import Scene
+from mbs_ref.settings import Settings
+
+PAIRS = 5  # runs of each in a block, of which the fastest counts
+FEWEST_BLOCKS, MOST_BLOCKS = 10, 40  # of a comparison
+LIMIT = 1.05  # a ratio of times within 1/LIMIT and LIMIT is the same
+RESAMPLES = 1000
+BUSY = 0.9  # of a processor: with less, a run shares the machine
+AGAIN = 3  # times a disturbed run is repeated
+FEWEST_RUNS, MOST_RUNS = 3, 5  # of a setting
+NARROW = 0.05  # of the median: half of the interval
+ENOUGH = 1.0  # s of loop time: a longer run is timed once, a scheduler's quanta are small beside it
+ROUNDS = 3  # turns, of which a run's least time counts
+CPU_FACTS = Path("/proc/cpuinfo")  # Linux; elsewhere the platform module knows
+SHARED = " while others used it"  # of a machine's name, under which times of a busy one are stored
+
+Report = Callable[[int, int, str], None]
+
+
+def interleaved[T](
+    runs: Sequence[Callable[[], T]], rounds: int, random: np.random.Generator | None = None
+) -> list[list[T]]:
+    """Return what each run returns in `rounds` turns; each turn has a random order of its own."""
+    random = random or np.random.default_rng(0)
+    results: list[list[T]] = [[] for _ in runs]
+    for _ in range(rounds):
+        for k in random.permutation(len(runs)):
+            results[k].append(runs[k]())
+    return results
+
+
+def least_times(runs: Sequence[Callable[[], float]], first: Sequence[float], alone: bool = False) -> list[float]:
+    """Return the least time (s) of each run, which returns its own, in interleaved turns.
+
+    `first` (s) are estimates of the times: a run of more than ENOUGH takes one turn. With `alone` they were measured
+    with the machine to themselves, and are the first turn.
+    """
+    best = list(first) if alone else [min(times) for times in interleaved(runs, 1)]
+    short = [k for k, seconds in enumerate(first) if seconds <= ENOUGH]
+    for k, times in zip(short, interleaved([runs[k] for k in short], ROUNDS - 1), strict=True):
+        best[k] = min(best[k], *times)
+    return best
+
+
+class Sample(NamedTuple):
+    """One timed run."""
+
+    loop_s: float
+    cpu_share: float = 1.0  # of a processor, while it ran
+
+
+class Pace(StrEnum):
+    FASTER = "faster"
+    SAME = "same"
+    SLOWER = "slower"
+    INCONCLUSIVE = "inconclusive"
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """How the second thing's time compares with the first's."""
+
+    pace: Pace
+    ratio: float  # median over blocks
+    low: float  # 95 % bootstrap interval of the median
+    high: float
+    blocks: int
+    disturbed: float  # share of runs that shared the machine, though they were made again
+
+
+def with_loops(record: Record, loops: Sequence[float], note: str = "") -> Record:
+    """Return the record with its loop times (s): the least, the median, the largest; `note` is added to its notes."""
+    times = {"loop_s": min(loops), "loop_median_s": median(loops), "loop_most_s": max(loops)}
+    notes = (*record.notes, note) if note else record.notes
+    return replace(record, times=record.times | times | {"loop_runs": float(len(loops))}, notes=notes)
+
+
+def compare(
+    first: Callable[[], Sample], second: Callable[[], Sample], seed: int = 0, limit: float = LIMIT
+) -> Comparison:
+    """Time both until the verdict is clear or MOST_BLOCKS are spent; ratios within 1/limit and limit are the same."""
+    random = np.random.default_rng(seed)
+    ratios: list[float] = []
+    disturbed = 0
+    while True:
+        block = interleaved([partial(_undisturbed, first), partial(_undisturbed, second)], PAIRS, random)
+        before, after = (min(sample.loop_s for sample in samples) for samples in block)
+        ratios.append(after / before)
+        disturbed += sum(sample.cpu_share < BUSY for samples in block for sample in samples)
+        if len(ratios) < FEWEST_BLOCKS:
+            continue
+        low, high = interval(np.array(ratios), random)
+        ratio = float(np.median(ratios))
+        pace = verdict(ratio, low, high, limit)
+        if pace is not Pace.INCONCLUSIVE or len(ratios) == MOST_BLOCKS:
+            share = disturbed / (2 * PAIRS * len(ratios))
+            return Comparison(pace, ratio, low, high, len(ratios), share)
+
+
+def verdict(ratio: float, low: float, high: float, limit: float = LIMIT) -> Pace:
+    """Faster or slower where the median is beyond the limit and the interval leaves out 1; same where all is within."""
+    if ratio > limit and low > 1.0:
+        return Pace.SLOWER
+    if ratio < 1.0 / limit and high < 1.0:
+        return Pace.FASTER
+    return Pace.SAME if high < limit and low > 1.0 / limit else Pace.INCONCLUSIVE
+
+
+def interval(ratios: np.ndarray, random: np.random.Generator) -> tuple[float, float]:
+    """Return the 95 % bootstrap interval of the median (Efron 1979, percentile method)."""
+    medians = np.median(random.choice(ratios, (RESAMPLES, len(ratios))), axis=1)
+    low, high = np.percentile(medians, [2.5, 97.5])
+    return float(low), float(high)
+
+
+def _undisturbed(run: Callable[[], Sample]) -> Sample:
+    sample = run()
+    for _ in range(AGAIN):
+        if sample.cpu_share >= BUSY:
+            break
+        sample = run()
+    return sample
+
+
+def timed_all(store: Store, records: Iterable[Record], report: Report, again: bool = False) -> dict[int, Record]:
+    """Return each record, by its id, with its loop times; measured where the store holds none, or `again`."""
+    scene_of = cache(lambda name, parameters: scenes.make(name, **dict(parameters)))
+    placed = [(record, scene_of(record.scene, tuple(sorted(record.parameters.items())))) for record in records]
+    result = {} if again else {id(record): stored_times(store, scene, record) for record, scene in placed}
+    missing = [(record, scene) for record, scene in placed if result.get(id(record)) is None]
+    with Isolated() as call:
+        for done, (record, scene) in enumerate(missing):
+            report(done, len(missing), f"timing {record.scene} {record.engine} {record.method}")
+            result[id(record)] = measured(store, call, scene, record)
+    return {key: record for key, record in result.items() if record is not None}
+
+
+def timed(store: Store, call: Caller, scene: Scene, record: Record) -> Record:
+    """Return the record of a successful run with loop times of an idle machine, measured where the store holds none."""
+    if record.status != "success":
+        return record
+    loops = store.timings(_key(scene, record), machine())
+    return with_loops(record, loops) if loops else measured(store, call, scene, record)
+
+
+def stored_times(store: Store, scene: Scene, record: Record) -> Record | None:
+    """Return the record with the times that the store holds of it on this machine; None where it holds none."""
+    key = _key(scene, record)
+    quiet = store.timings(key, machine())
+    loops = quiet or store.timings(key, machine() + SHARED)
+    return with_loops(record, loops, "" if quiet else BUSY_NOTE) if loops else None
+
+
+def measured(store: Store, call: Caller, scene: Scene, record: Record) -> Record:
+    """Return the record with its loop times, which the store keeps; with a note where no run came back."""
+    try:
+        loops, share = call(time_loops, scene, record.engine, Settings(**record.settings))
+    except (Lost, RuntimeError, ValueError, ArithmeticError) as error:
+        return replace(record, notes=(*record.notes, f"not timed: {error}"))
+    busy = share < BUSY
+    store.keep_timings(_key(scene, record), machine() + (SHARED if busy else ""), loops)
+    return with_loops(record, loops, BUSY_NOTE if busy else "")
+
+
+def time_loops(scene: Scene, engine: str, settings: Settings) -> tuple[list[float], float]:
+    """Return the loop times (s), and the share of a processor that the process got meanwhile; a first run warms up."""
+    first = sample(scene, engine, settings)
+    if first.loop_s > ENOUGH:  # warming up is a small part of it
+        return [first.loop_s], first.cpu_share
+    samples: list[Sample] = []
+    while not is_enough([one.loop_s for one in samples]):
+        samples.append(sample(scene, engine, settings))
+    return [one.loop_s for one in samples], float(np.mean([one.cpu_share for one in samples]))
+
+
+def sample(scene: Scene, engine: str, settings: Settings) -> Sample:
+    """Return the time (s) of a run's loop, and the share of a processor that the run got."""
+    solver, times = engines.get(engine), grid(scene)
+    wall, cpu = time.perf_counter(), time.process_time()
+    loop = float(solver.run(scene, settings, times).timing.loop_s)
+    return Sample(loop, (time.process_time() - cpu) / max(time.perf_counter() - wall, 1e-9))
+
+
+def is_enough(loops: list[float]) -> bool:
+    """Whether the interval is narrow, or the bound on runs or on time is met."""
+    if len(loops) < FEWEST_RUNS:
+        return False
+    return len(loops) >= MOST_RUNS or half_width(loops) < NARROW or sum(loops) > ENOUGH
+
+
+def half_width(loops: list[float]) -> float:
+    """Return half of the spread of the loop times over their median; 0 where nothing was measured."""
+    middle = float(np.median(loops))
+    return 0.0 if middle <= 0.0 else 0.5 * (max(loops) - min(loops)) / middle
+
+
+def processor() -> str:
+    """Return the processor's name."""
+    lines = CPU_FACTS.read_text().splitlines() if CPU_FACTS.exists() else []
+    models = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]
+    return next(iter(models), platform.processor() or platform.machine())
+
+
+@cache
+def machine() -> str:
+    """Return what times compare on: the computer and its processor."""
+    return f"{platform.node()} {processor()}"
+
+
+def _key(scene: Scene, record: Record) -> str:
+    return run_name(scene, engines.get(record.engine), Settings(**record.settings), grid(scene))

@@ -1,1 +1,0 @@
-"""What the pages are drawn with: plots, numbers in words, sections."""

@@ -1,0 +1,110 @@
+"""Facts and judged cells that the store of runs holds as JSON, by the dataclass that they fill."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, fields
+from functools import cache
+from typing import Any
+
+from pydantic import TypeAdapter
+
+from cross_checks import engines as registry
+from cross_checks.isolation.parent import Isolated
+from cross_checks.isolation.workers import TIMEOUT
+from cross_checks.judge.answers import Answer, Question, answers
+from cross_checks.judge.bounds import TARGETS
+from cross_checks.judge.ladder import grid
+from cross_checks.judge.runs import PASSING, Runs
+from cross_checks.judge.vocabulary import Cell
+from cross_checks.records.naming import code_of, digest_of, truth_name
+from cross_checks.records.record import Record
+from cross_checks.records.store import Store
+from cross_checks.truths.stored_poses import physics_of
+from mbs_ref import scenes
+from mbs_ref.scene import Scene
+
+
+@cache
+def adapter(kind: Any) -> TypeAdapter[Any]:
+    """Return what turns a dataclass into JSON and back."""
+    return TypeAdapter(kind)
+
+
+def recall[Fact](store: Store, key: str, kind: type[Fact]) -> Fact | None:
+    """Return what is kept under a key; None where nothing is."""
+    held = store.arrays(key)
+    return None if held is None else adapter(kind).validate_python(held[0]["facts"])
+
+
+def keep[Fact](store: Store, key: str, kind: type[Fact], result: Fact) -> Fact:
+    """Keep facts under a key; ValueError where they hold NaN or infinity."""
+    plain = adapter(kind).dump_python(result, mode="json")
+    json.dumps(plain, allow_nan=False)
+    store.keep_arrays(key, {"facts": plain}, {})
+    return result
+
+
+def remembered[Fact](store: Store, key: str, kind: type[Fact], make: Callable[[], Fact]) -> Fact:
+    """Return what is kept under a key, else what `make` returns, which is kept."""
+    held = recall(store, key, kind)
+    return keep(store, key, kind, make()) if held is None else held
+
+
+JUDGING = "cross_checks.judge.cell"  # whose changes make cells anew
+Report = Callable[[int, int, str], None]
+
+
+@dataclass(frozen=True)
+class Stored:
+    """A cell with the runs that it was judged from."""
+
+    cell: Cell
+    records: tuple[Record, ...] = ()
+
+
+def truth_key(scene: Scene) -> str:
+    """Return the key of the facts of a scene's truth."""
+    return digest_of(["truth facts", *_physics(scene), _judge(), code_of("reports.facts.truth_facts")])
+
+
+def _question_key(question: Question) -> str:
+    method = None if question.method is None else question.method.name
+    return digest_of(["cell", *_physics(question.scene), _engine_key(question.engine), method, _judge()])
+
+
+def _physics(scene: Scene) -> list[str]:
+    return [scenes.label(scene.name, scene.parameters), physics_of(scene), truth_name(scene, grid(scene))]
+
+
+def stored_answers(store: Store, wanted: list[Question]) -> dict[Question, Stored]:
+    """Return the answers that the store holds."""
+    held = {question: recall(store, _question_key(question), Stored) for question in wanted}
+    return {question: answer for question, answer in held.items() if answer is not None}
+
+
+def settled_answers(
+    store: Store, wanted: list[Question], report: Report, call: Isolated | None = None
+) -> Iterator[Answer]:
+    """Yield the settled answer to every question; the store keeps those in which the machine had no part."""
+    for answer in answers(Runs(store, call or Isolated(TIMEOUT)), wanted, progress=report):
+        if answer.is_settled:
+            if not any(record.status in PASSING for record in answer.records):
+                keep(store, _question_key(answer.question), Stored, Stored(answer.cell, answer.records))
+            yield answer
+
+
+@cache
+def _engine_key(name: str) -> list[str]:
+    try:
+        engine = registry.get(name)
+    except registry.EngineMissing as missing:
+        return [name, str(missing)]
+    return [name, engine.version(), code_of(type(engine).__module__)]
+
+
+@cache
+def _judge() -> list[Any]:
+    """Return what else an answer hangs on: the code that judges, the targets, and what a cell holds."""
+    return [code_of(JUDGING), list(TARGETS), [part.name for part in fields(Cell)]]
