@@ -32,7 +32,7 @@ ROOMS = {
     ),
     "cross_checks": (
         "isolation", "engine", "linkage truths", "engines robots", "mechanisms writers",
-        "ephemerides", "metrics", "records", "judge", "certify conformance extremes prices trajectory_files",
+        "ephemerides", "metrics", "records", "judge", "conformance extremes prices trajectory_files",
     ),
     "benchmarks": ("calibration record_changes", "history trees", "suites"),
     "reports": (

@@ -26,7 +26,7 @@ from cross_checks import engines
 from cross_checks.engine import Engine, Method
 from cross_checks.isolation.parent import Caller
 from cross_checks.isolation.workers import BRIEF, Late, Pool
-from cross_checks.judge.extrapolation import extrapolated
+from cross_checks.judge.convergence.extrapolation import extrapolated
 from cross_checks.judge.ladder import knob_of, label, settings_at
 from cross_checks.judge.runs import Runs, gap
 from cross_checks.judge.vocabulary import AGREEMENT

@@ -7,7 +7,7 @@ from typing import Any
 
 import click
 
-from cross_checks.certify import certify, store_poses
+from cross_checks.judge.certify import certify, store_poses
 from cross_checks.truths import certificate, known
 from cross_checks.truths.certificate import Certificate
 from cross_checks.truths.truth import NoTruth

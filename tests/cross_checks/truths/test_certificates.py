@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import pytest
 
-from cross_checks.certify import certify
+from cross_checks.judge.certify import certify
 from cross_checks.judge.vocabulary import AGREEMENT
 from cross_checks.records.record import Error
 from cross_checks.truths import certificate
