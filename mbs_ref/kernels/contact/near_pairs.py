@@ -52,7 +52,8 @@ def _has_moved(near):
             d = near.place[s, c] - near.last[s, c]
             step += d * d
             near.last[s, c] = near.place[s, c]
-        near.travel[s] = max(near.travel[s], np.sqrt(step))
+        if np.sqrt(step) > near.travel[s]:  # not where it was never looked at
+            near.travel[s] = np.sqrt(step)
         if not np.sqrt(since) + near.travel[s] <= 0.5 * near.skin[0]:
             moved = True
     return moved
