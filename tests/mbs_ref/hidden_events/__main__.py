@@ -25,22 +25,22 @@ class Way(NamedTuple):
     outputs: int
 
 
-def compare_one(found: Case, way: Way) -> Comparison:
+def compare_one(hidden: Case, way: Way) -> Comparison:
     """Return how one run differs from the truth; an input that the solver refuses is a verdict, too."""
     try:
-        run = simulate(found.scene, found.settings(way.method, way.outputs))
+        run = simulate(hidden.scene, hidden.settings(way.method, way.outputs))
     except ValueError as error:
         return Comparison("refused", message=str(error))
-    return compare(found, run, way.method)
+    return compare(hidden, run, way.method)
 
 
 def tally(families: list[str], seeds: range, ways: list[Way]) -> Iterator[tuple[str, int, Way, Comparison]]:
     """Yield family, seed, way and comparison of every run."""
     for family in families:
         for seed in seeds:
-            found = case(family, seed)
+            hidden = case(family, seed)
             for way in ways:
-                yield family, seed, way, compare_one(found, way)
+                yield family, seed, way, compare_one(hidden, way)
 
 
 def _line(family: str, way: Way, runs: list[tuple[int, Comparison]]) -> str:
@@ -61,13 +61,15 @@ def main() -> None:
     parser.add_argument("--methods", nargs="+", default=METHODS)
     parser.add_argument("--outputs", type=int, nargs="+", default=(2, 101, 20001))
     parser.add_argument("--family", nargs="+", choices=list(FAMILIES), default=list(FAMILIES))
-    parser.add_argument("--seeds-of", nargs="+", default=("missed", "invented"), help="verdicts whose seeds are printed")
+    parser.add_argument(
+        "--seeds-of", nargs="+", default=("missed", "invented"), help="verdicts whose seeds are printed"
+    )
     given = parser.parse_args()
     ways = [Way(method, outputs) for method in given.methods for outputs in given.outputs]
     results: dict[tuple[str, Way], list[tuple[int, Comparison]]] = defaultdict(list)
-    for family, seed, way, found in tally(given.family, range(*given.seeds), ways):
-        results[family, way].append((seed, found))
-        results["all", way].append((seed, found))
+    for family, seed, way, comparison in tally(given.family, range(*given.seeds), ways):
+        results[family, way].append((seed, comparison))
+        results["all", way].append((seed, comparison))
     print(f"{'family':<9} {'method':<18} {'output':>6} {'scenes':>6}", end="")
     print("".join(f"{name:>10}" for name in VERDICTS), "  error of times: median, largest; runs that failed")
     for (family, way), runs in sorted(results.items(), key=lambda item: (item[0][0] == "all", *item[0])):

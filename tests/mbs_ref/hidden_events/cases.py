@@ -18,7 +18,7 @@ from tests.mbs_ref.hidden_events.write_scene import Units, write_scene
 ADAPTIVE = ("dop853", "radau", "lsodar", "dassl", "dassl_index1", "dassl_index2", "dassl_index3")
 RESOLUTION = {"dop853": 1e-10, "radau": 1e-10}  # of the size: a run's own errors; closer calls are not judged
 LOOSE = 1e-7  # the same for multistep methods, whose error per step is larger at the same tolerance
-FIXED = 1e-4  # the same for fixed steps
+FIXED = 1e-6  # the same for fixed steps
 LATEST = 1e-10  # of the horizon: a time that is off by more is late, where a method's resolution is as fine
 MARGIN = 0.01  # of how far a time moves with the resolution: roundoff of a distance is as much smaller
 MOST_DRAWS = 200
@@ -64,9 +64,9 @@ def case(family: str, seed: int) -> Case:
         world = draw(family, rng, 2 + seed % 2)
         length, mass = log_uniform(rng, 1e-3, 1e3), log_uniform(rng, 1e-3, 1e3)
         time = max(log_uniform(rng, 1e-3, 1e2), length / 1e3)  # s; speeds to some 1e6 m/s
-        found = Case(family, seed, world, Units(length, time, mass))
-        if found.truth(min(RESOLUTION.values())) is not None:
-            return found
+        drawn = Case(family, seed, world, Units(length, time, mass))
+        if drawn.truth(min(RESOLUTION.values())) is not None:
+            return drawn
     raise ValueError(f"no decided draw of {family} at seed {seed}")
 
 
@@ -80,22 +80,22 @@ class Comparison:
     message: str = ""
 
 
-def compare(found: Case, run: Trajectory, method: str) -> Comparison:
+def compare(hidden: Case, run: Trajectory, method: str) -> Comparison:
     """Compare by name and time. The first difference decides: what follows it is another motion."""
     resolution = RESOLUTION.get(method, LOOSE if method in ADAPTIVE else FIXED)
-    exact = found.truth(resolution)
+    exact = hidden.truth(resolution)
     if exact is None:
         return Comparison("undecided")
     if run.status is not Status.SUCCESS:
         return Comparison(str(run.status), len(exact.events), message=run.message)
-    horizon = found.world.horizon
+    horizon = hidden.world.horizon
     differences: list[tuple[float, str]] = []
     errors: list[tuple[float, float, float]] = []  # time, error, allowed
-    for watch in found.world.watches:
+    for watch in hidden.world.watches:
         one = [k for k, event in enumerate(exact.events) if event.name == watch.name]
         times = np.array([exact.events[k].time for k in one])
         allowed = LATEST * horizon + MARGIN * exact.moved[one]
-        logged = _logged(run, watch) / found.units.time
+        logged = _logged(run, watch) / hidden.units.time
         missing, extra, pairs = _matched(times, logged, np.maximum(1e3 * resolution * horizon, 10.0 * exact.moved[one]))
         differences += [(times[k], "missed") for k in missing] + [(logged[k], "invented") for k in extra]
         errors += [(times[k], abs(logged[i] - times[k]), allowed[k]) for k, i in pairs]
@@ -119,7 +119,7 @@ def _matched(
     """Pair each exact time with the nearest free logged one within reach; return unpaired ones, and pairs."""
     free, pairs, missing = set(range(len(logged))), [], []
     for k, time in enumerate(times):
-        nearest = min(free, key=lambda i: abs(logged[i] - time), default=None)  # noqa: B023
+        nearest = min(free, key=lambda i: abs(logged[i] - time), default=None)
         if nearest is None or abs(logged[nearest] - time) > within[k]:
             missing.append(k)
         else:

@@ -172,8 +172,8 @@ def solve(world: World, shift: float = 0.0) -> list[Event]:
             continue
         signs = SIGNS[getattr(watch, "crossing", "either")]
         for segment in segments:
-            found = roots(gap(watch, world, segment.flights, shift), segment.start, segment.end)
-            events += [Event(watch.name, time) for time, sign in found if sign in signs]
+            crossings = roots(gap(watch, world, segment.flights, shift), segment.start, segment.end)
+            events += [Event(watch.name, time) for time, sign in crossings if sign in signs]
     if len(events) > MOST_EVENTS:
         raise Undecided("too many events")
     return sorted(events, key=lambda event: event.time)

@@ -77,7 +77,9 @@ def studs(rng: Rng, dimension: int) -> World:
     match rng.choice(["stone", "free", "plane"]):
         case "plane":
             normal = -_polar(1.0, angle)
-            contact = Contact("hit", arm, _ground(-normal * (reach + stud * (1.0 - depth))), stud, normal=normal, **_law(rng))
+            contact = Contact(
+                "hit", arm, _ground(-normal * (reach + stud * (1.0 - depth))), stud, normal=normal, **_law(rng)
+            )
             return World(dimension, (rotor,), (contact,))
         case "stone":
             height = rng.uniform(-0.3, 0.3) * (stud + stone) * (dimension - 2)
@@ -98,7 +100,9 @@ def bullets(rng: Rng, dimension: int) -> World:
     moved = _vector(rng, dimension, rng.uniform(0.0, 1.0))
     bodies, watches = [], []
     if kind == "sphere":
-        bodies.append(Body("target", mass, 0.4 * mass * size**2, NOTHING, moved, kind=rng.choice(["point", "free"]).item()))
+        bodies.append(
+            Body("target", mass, 0.4 * mass * size**2, NOTHING, moved, kind=rng.choice(["point", "free"]).item())
+        )
     for k in range(int(rng.integers(1, 4))):
         time, radius = rng.uniform(0.1, 0.9), log_uniform(rng, 1e-3, 0.05)
         direction = _vector(rng, dimension)
@@ -208,7 +212,9 @@ def doubles(rng: Rng, dimension: int) -> World:
             other = Body("other", 1.0, 1e-3, -velocity * (time + short) + beside, velocity, kind="point")
             law = _law(rng)
             watches = [
-                Contact(f"hit_{name}", Mark(name, NOTHING), _ground(direction * radius), radius, normal=-direction, **law)
+                Contact(
+                    f"hit_{name}", Mark(name, NOTHING), _ground(direction * radius), radius, normal=-direction, **law
+                )
                 for name in ("bullet", "other")
             ]
             return World(dimension, (body, other), tuple(watches))
@@ -284,7 +290,9 @@ def levels(rng: Rng, dimension: int) -> World:
             return World(dimension, (body,), (Level("level", "slider", 0, False, side * near * reach, crossing),))
         case "angle":
             body = Body("rotor", 1.0, 1.0, NOTHING, spin=spin * THIRD)
-            return World(dimension, (body,), (Level("level", "rotor", 3, False, spin * rng.uniform(-0.5, 1.2), crossing),))
+            return World(
+                dimension, (body,), (Level("level", "rotor", 3, False, spin * rng.uniform(-0.5, 1.2), crossing),)
+            )
         case "distance":
             spins = [spin, spin * rng.uniform(-1.0, 1.0)]
             apart = _polar(3.0 * reach, rng.uniform(0.0, 6.0))

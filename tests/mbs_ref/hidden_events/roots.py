@@ -52,7 +52,7 @@ def _refined(function: Bounded, brackets: list[tuple[float, float]]) -> list[tup
         return float(function(np.array([time]), np.zeros(1))[0][0])
 
     return [
-        (brentq(scalar, *bracket, xtol=1e-300, rtol=4.0 * np.finfo(float).eps), int(np.sign(after)))
+        (float(brentq(scalar, *bracket, xtol=1e-300, rtol=4.0 * np.finfo(float).eps)), int(np.sign(after)))  # type: ignore[arg-type]
         for bracket, before, after in zip(brackets, low, high, strict=True)
         if before * after < 0.0
     ]

@@ -18,7 +18,7 @@ THIRD = np.array([0.0, 0.0, 1.0])
 
 @dataclass(frozen=True)
 class Body:
-    """A body at t = 0, its axes along the world's. A driven body has x = place + amplitude sin(omega t + phase) alone."""
+    """A body at t = 0, axes along the world's; a driven one has x = place + amplitude sin(omega t + phase) alone."""
 
     name: str
     mass: float
