@@ -12,7 +12,7 @@ from mbs_ref.settings import Settings
 from mbs_ref.trajectory import Status, Trajectory
 from tests.mbs_ref.hidden_events.exact import Truth, Undecided, truth
 from tests.mbs_ref.hidden_events.families import FAMILIES, draw, log_uniform
-from tests.mbs_ref.hidden_events.world import Contact, Watch, World
+from tests.mbs_ref.hidden_events.world import Level, Watch, World
 from tests.mbs_ref.hidden_events.write_scene import Units, write_scene
 
 ADAPTIVE = ("dop853", "radau", "lsodar", "dassl", "dassl_index1", "dassl_index2", "dassl_index3")
@@ -22,7 +22,7 @@ FIXED = 1e-6  # the same for fixed steps
 LATEST = 1e-10  # of the horizon: a time that is off by more is late, where a method's resolution is as fine
 MARGIN = 0.01  # of how far a time moves with the resolution: roundoff of a distance is as much smaller
 MOST_DRAWS = 200
-STEP_ANGLE = 0.03  # rad, a fixed step turns no body by more
+STEP_ANGLE = 0.03  # rad, a fixed step turns no body by more, nor lasts more of the time that a spring holds
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,7 +53,8 @@ class Case:
         if method in ADAPTIVE:
             return Settings.model_validate(more | {"rtol": 1e-12})
         spins = [float(np.linalg.norm(body.spin)) for body in self.world.bodies]
-        step = min(self.world.horizon / 200.0, STEP_ANGLE / (max(spins) or 1.0))
+        holds = [watch.hold for watch in self.world.watches if not isinstance(watch, Level) and watch.hold]
+        step = min(self.world.horizon / 200.0, STEP_ANGLE / (max(spins) or 1.0), *(STEP_ANGLE * hold for hold in holds))
         return Settings.model_validate(more | {"step": step * self.units.time})
 
 
@@ -110,7 +111,7 @@ def _logged(run: Trajectory, watch: Watch) -> np.ndarray:
     """Return the times (s) of one event; a rigid contact logs the touch and then its release."""
     assert run.event_times is not None
     times = np.sort(run.event_times[run.event_times[:, 1] == run.event_names.index(watch.name), 0])
-    return times[::2] if isinstance(watch, Contact) and watch.restitution is not None else times
+    return times[::2] if watch.impulsive else times
 
 
 def _matched(

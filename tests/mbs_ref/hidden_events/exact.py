@@ -87,7 +87,8 @@ def gap(watch: Watch, world: World, flights: Flights, shift: float) -> Bounded:
     if isinstance(watch, Level):
         return _level(watch, next(body for body in world.bodies if body.name == watch.body), flights, shift)
     if isinstance(watch, Length):
-        return _distance(watch.a, watch.b, watch.value + shift, flights)
+        distance = _distance(watch.a, watch.b, watch.value + shift, flights)
+        return (lambda times, half: _turned_over(*distance(times, half))) if watch.acts else distance
     radius = watch.radius_a + watch.radius_b + shift
     if watch.normal is None:
         return _distance(watch.a, watch.b, radius, flights)
@@ -107,6 +108,10 @@ def _distance(a: Mark, b: Mark, value: float, flights: Flights) -> Bounded:
         return squared - value**2, 2.0 * np.einsum("ij,ij->i", apart, rate), 2.0 * (speed**2 + reach * most)
 
     return function
+
+
+def _turned_over(value: np.ndarray, slope: np.ndarray, bound: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    return -value, -slope, bound
 
 
 def _height(a: Mark, b: Mark, normal: np.ndarray, value: float, flights: Flights) -> Bounded:
@@ -140,7 +145,7 @@ class Segment:
     start: float
     end: float
     flights: Flights
-    impact: Contact | None
+    impact: Contact | Length | None
 
 
 def history(world: World, shift: float = 0.0) -> list[Segment]:
@@ -150,7 +155,7 @@ def history(world: World, shift: float = 0.0) -> list[Segment]:
     """
     flights, segments, now = take_off(world), list[Segment](), 0.0
     _require_apart(world, flights, shift)
-    solid = [watch for watch in world.watches if isinstance(watch, Contact) and watch.restitution is not None]
+    solid = [watch for watch in world.watches if not isinstance(watch, Level) and watch.acts]
     while True:
         departing = segments[-1].impact if segments else None
         contact, until = _next_impact(solid, world, flights, shift, now, departing)
@@ -159,16 +164,21 @@ def history(world: World, shift: float = 0.0) -> list[Segment]:
             return segments
         if len(segments) > MOST_EVENTS or until - now < 1e-9 * world.horizon:
             raise Undecided("too many events, or two at once")
-        flights = flights | _struck(contact, world, flights, until)
-        now = until
+        impulsive = isinstance(contact, Contact) and contact.impulsive
+        flights = flights | (_struck(contact, world, flights, until) if impulsive else _sprung(contact, flights, until))
+        now = until + contact.hold
+        if now > world.horizon:
+            raise Undecided("touches at the end")
 
 
 def solve(world: World, shift: float = 0.0) -> list[Event]:
     """Return the events up to the horizon in order of time; raises as `history`."""
     segments = history(world, shift)
-    events = [Event(segment.impact.name, segment.end) for segment in segments if segment.impact is not None]
+    impacts = [(segment.impact, segment.end) for segment in segments if segment.impact is not None]
+    events = [Event(impact.name, end) for impact, end in impacts]
+    events += [Event(impact.name, end + impact.hold) for impact, end in impacts if impact.hold > 0.0]
     for watch in world.watches:
-        if isinstance(watch, Contact) and watch.restitution is not None:
+        if watch.acts:
             continue
         signs = SIGNS[getattr(watch, "crossing", "either")]
         for segment in segments:
@@ -187,8 +197,13 @@ def _require_apart(world: World, flights: Flights, shift: float) -> None:
 
 
 def _next_impact(
-    solid: list[Contact], world: World, flights: Flights, shift: float, now: float, departing: Contact | None
-) -> tuple[Contact | None, float]:
+    solid: list[Contact | Length],
+    world: World,
+    flights: Flights,
+    shift: float,
+    now: float,
+    departing: Contact | Length | None,
+) -> tuple[Contact | Length | None, float]:
     """Return the contact that touches first after `now`, and when; None and the horizon where none does."""
     first, until = None, world.horizon
     for contact in solid:
@@ -201,7 +216,7 @@ def _next_impact(
             if times:
                 first, until = contact, times[0]
             start, part = end, 2.0 * part
-        if contact.edges:
+        if isinstance(contact, Contact) and contact.edges:
             _require_no_side_entry(contact, world, flights, shift, now, until)
     return first, until
 
@@ -216,12 +231,14 @@ def _parted(function: Bounded, now: float, end: float) -> float:
     return min(end, now + float(slope[0]) / bound) if bound > 0.0 else end
 
 
-def _apart(contact: Contact, flights: Flights, times: np.ndarray, order: int = 0) -> np.ndarray:
+def _apart(contact: Contact | Length, flights: Flights, times: np.ndarray, order: int = 0) -> np.ndarray:
     a, b = contact.a, contact.b
     return flights[a.body].point(a.arm, times, order) - flights[b.body].point(b.arm, times, order)
 
 
-def _within(contact: Contact, flights: Flights, time: float, shift: float) -> bool:
+def _within(contact: Contact | Length, flights: Flights, time: float, shift: float) -> bool:
+    if isinstance(contact, Length):
+        return True
     apart = _apart(contact, flights, np.array([time]))[0]
     return all(abs(float(edge @ apart)) < contact.half + shift for edge in contact.edges)
 
@@ -237,6 +254,19 @@ def _require_no_side_entry(
                 height = float(above(np.array([time]), np.zeros(1))[0][0])
                 if -(contact.thickness or np.inf) * 1.001 < height < 1e-6:
                     raise Undecided("enters a plate from its side")
+
+
+def _sprung(contact: Contact | Length, flights: Flights, time: float) -> Flights:
+    """Return the motion of body a after half a period: its speed along the normal is reversed."""
+    apart = _apart(contact, flights, np.array([time]))[0]
+    normal = getattr(contact, "normal", None)
+    normal = apart / np.linalg.norm(apart) if normal is None else normal
+    before = flights[contact.a.body]
+    along = float(normal @ before.velocity) * normal
+    place = before.point(NOTHING, np.array([time]))[0] + (before.velocity - along) * contact.hold
+    return {
+        contact.a.body: replace(before, start=time + contact.hold, place=place, velocity=before.velocity - 2.0 * along)
+    }
 
 
 def _struck(contact: Contact, world: World, flights: Flights, time: float) -> Flights:

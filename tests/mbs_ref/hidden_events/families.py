@@ -332,8 +332,34 @@ def valves(rng: Rng, dimension: int) -> World:
     return World(dimension, (rotor,), tuple(watches))
 
 
+def springs(rng: Rng, dimension: int) -> World:
+    """A mass flies between two stiff strings or two stiff planes: each contact lasts half a period."""
+    speed = log_uniform(rng, 1.0, 30.0)
+    along = _vector(rng, dimension)
+    velocity = speed * along
+    holds = [log_uniform(rng, 3e-4, 1e-2) for _ in range(2)]
+    mark = Mark("ball", NOTHING)
+    start = rng.uniform(0.2, 0.8)
+    if rng.random() < 0.5:
+        body = Body("ball", log_uniform(rng, 0.1, 10.0), 1e-3, start * along, velocity, kind="point")
+        # Each string is taut at its own end: the anchor is one length behind it.
+        strings = [
+            Length(f"hit{k}", mark, _ground(side * along), value, hold=holds[k])
+            for k, (side, value) in enumerate([(-0.5, 1.5), (1.5, 1.5)])
+        ]
+        return World(dimension, (body,), tuple(strings))
+    radius = log_uniform(rng, 1e-3, 0.05)
+    velocity = velocity + _perpendicular(rng, dimension, along) * rng.uniform(0.0, 1.0)
+    body = Body("ball", log_uniform(rng, 0.1, 10.0), 1e-3, start * along, velocity, kind="free")
+    planes = [
+        Contact(f"hit{k}", mark, _ground(place * along), radius, normal=side * along, hold=holds[k])
+        for k, (side, place) in enumerate([(-1.0, 1.0 + radius), (1.0, -radius)])
+    ]
+    return World(dimension, (body,), tuple(planes))
+
+
 FAMILIES: dict[str, Family] = {
-    each.__name__: each for each in (studs, bullets, grazing, doubles, turning, strings, levels, valves)
+    each.__name__: each for each in (studs, bullets, grazing, doubles, turning, strings, levels, valves, springs)
 }
 
 

@@ -6,6 +6,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 from scipy.optimize import minimize_scalar
 from scipy.spatial.transform import Rotation
 
@@ -14,6 +15,7 @@ from tests.mbs_ref.hidden_events.exact import SIGNS, Flight, Segment, gap, histo
 from tests.mbs_ref.hidden_events.families import FAMILIES
 from tests.mbs_ref.hidden_events.roots import Undecided, roots
 from tests.mbs_ref.hidden_events.world import Contact, Length, Level, Mark, Watch, World
+from tests.mbs_ref.hidden_events.write_scene import Units, write_scene
 
 SEEDS = range(6)
 PER_TURN, AT_LEAST = 200, 2000  # samples of a scan
@@ -81,7 +83,7 @@ def test_a_dense_scan_of_the_motion_has_the_same_events(family, seed):
     segments, events = history(world), solve(world)
     for watch in world.watches:
         exact = [event.time for event in events if event.name == watch.name]
-        if isinstance(watch, Contact) and watch.restitution is not None:
+        if not isinstance(watch, Level) and watch.acts:
             _require_solid(watch, world, segments)
             continue
         scanned = [time for segment in segments for time in _scanned(watch, world, segment)]
@@ -89,15 +91,16 @@ def test_a_dense_scan_of_the_motion_has_the_same_events(family, seed):
         assert np.allclose(scanned, exact, rtol=0.0, atol=world.horizon / AT_LEAST)
 
 
-def _require_solid(watch: Contact, world: World, segments: list[Segment]) -> None:
-    """A rigid contact touches at the ends of its own segments and nowhere else; a plate within its edges alone."""
+def _require_solid(watch: Contact | Length, world: World, segments: list[Segment]) -> None:
+    """A contact that acts touches at the ends of its own segments and nowhere else; a plate within its edges alone."""
     for segment in segments:
         inside = np.linspace(segment.start, segment.end, AT_LEAST)
-        if not watch.edges:
-            assert np.all(_excess(watch, world, segment, inside) > -1e-12)
+        if isinstance(watch, Length) or not watch.edges:
+            sign = -1.0 if isinstance(watch, Length) else 1.0
+            assert np.all(sign * _excess(watch, world, segment, inside) > -1e-12)
             ends = [segment.end] if segment.impact is watch else []
             assert all(abs(_excess(watch, world, segment, np.array([end]))[0]) < 1e-13 for end in ends)
-            return
+            continue
         apart = (_position(segment.flights[mark.body], mark.arm, inside) for mark in (watch.a, watch.b))
         sideways = np.max(np.abs(np.subtract(*apart) @ np.array(watch.edges).T), axis=1)
         deep = -_excess(watch, world, segment, inside)
@@ -129,7 +132,7 @@ def test_impulses_obey_restitution_and_take_the_energy_that_it_takes(family, see
     segments = history(world)
     for before, after in pairwise(segments):
         hit, at = before.impact, np.array([before.end])
-        assert hit is not None
+        assert isinstance(hit, Contact)
         apart = [before.flights[mark.body].point(mark.arm, at)[0] for mark in (hit.a, hit.b)]
         normal = hit.normal if hit.normal is not None else (apart[0] - apart[1]) / np.linalg.norm(apart[0] - apart[1])
         speeds = [float(normal @ _closing(hit, each.flights, at)) for each in (before, after)]
@@ -169,3 +172,24 @@ def test_the_bound_of_every_gap_holds():
                     np.abs(function(side, half)[1] - slope)
                     <= bound * half * (1.0 + 1e-9) + 1e-9 * (1.0 + np.abs(slope))
                 )
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_stiff_spring_holds_for_half_a_period(seed):
+    """Against the equation of motion, integrated in steps of a hundredth of the contact."""
+    drawn = case("springs", seed)
+    body, first = drawn.world.bodies[0], history(drawn.world)[0]
+    hit, at = first.impact, np.array([first.end])
+    assert hit is not None
+    apart = first.flights["ball"].point(hit.a.arm, at)[0] - hit.b.arm
+    inward = hit.normal if isinstance(hit, Contact) else -apart / np.linalg.norm(apart)
+    speed = float(inward @ body.velocity)
+    stiffness = write_scene("s", drawn.world, Units(1.0, 1.0, 1.0))
+    part = next(part for part in (*stiffness.contacts, *stiffness.loads) if part.name == hit.name)
+    k = part.law.stiffness if isinstance(hit, Contact) else part.stiffness
+    run = solve_ivp(
+        lambda _, y: (y[1], -k / body.mass * y[0]), (0.0, 1.5 * hit.hold), (0.0, speed), rtol=1e-10, atol=1e-12,
+        max_step=0.01 * hit.hold, events=lambda t, y: y[0] if t > 0.5 * hit.hold else -1.0,
+    )  # fmt: skip
+    assert run.t_events[0][-1] == pytest.approx(hit.hold, rel=1e-7)
+    assert run.y_events[0][-1][1] == pytest.approx(-speed, rel=1e-7)

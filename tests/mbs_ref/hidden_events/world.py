@@ -57,11 +57,26 @@ class Contact:
     edges: tuple[np.ndarray, ...] = ()
     half: float = 0.0
     thickness: float | None = None
+    hold: float = 0.0  # how long a stiff spring's contact lasts: half a period
+
+    @property
+    def impulsive(self) -> bool:
+        """Whether it acts in an instant."""
+        return self.restitution is not None
+
+    @property
+    def acts(self) -> bool:
+        """Whether it changes the motion."""
+        return self.impulsive or self.hold > 0.0
 
 
 @dataclass(frozen=True)
 class Length:
-    """The distance of two marks crosses a value: a string without noticeable force, or a declared event."""
+    """The distance of two marks crosses a value: a string, or a declared event.
+
+    Without `hold` a string's force is below roundoff. With it the body of mark a, a sphere without gravity, meets
+    ground along the line of both marks: half a period later it flies back.
+    """
 
     name: str
     a: Mark
@@ -69,6 +84,13 @@ class Length:
     value: float
     declared: bool = False
     crossing: Literal["either", "rising", "falling"] = "either"
+    hold: float = 0.0  # how long a stiff string is taut: half a period
+    impulsive = False
+
+    @property
+    def acts(self) -> bool:
+        """Whether it changes the motion."""
+        return self.hold > 0.0
 
 
 @dataclass(frozen=True)
@@ -81,6 +103,8 @@ class Level:
     rate: bool
     value: float
     crossing: Literal["either", "rising", "falling"] = "either"
+    impulsive = False
+    acts = False
 
 
 Watch = Contact | Length | Level

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeGuard
 
 import numpy as np
 
@@ -71,11 +71,17 @@ class _Writer:
             f"{name}_a": self.point(watch.a), f"{name}_b": self.point(watch.b),
         }  # fmt: skip
 
+    def stiffness(self, watch: Contact | Length) -> float:
+        """Return m (pi / hold)^2 of a stiff spring, N/m."""
+        masses = {body.name: body.mass for body in self.world.bodies}
+        stiffness = masses[watch.a.body] * (np.pi / watch.hold) ** 2 if watch.hold else WEAK
+        return stiffness * self.units.mass / self.units.time**2
+
     def contact(self, contact: Contact) -> dict[str, Any]:
         length = self.units.length
         law: dict[str, Any] = {"type": "rigid_law", "restitution": contact.restitution}
         if contact.restitution is None:
-            law = {"type": contact.law, "stiffness": WEAK * self.units.mass / self.units.time**2}
+            law = {"type": contact.law, "stiffness": self.stiffness(contact)}
         data = self.ends(contact, "center") | {"law": law}
         flat = self.world.dimension == 2
         if contact.normal is None:
@@ -97,7 +103,7 @@ class _Writer:
 
     def string(self, watch: Length) -> dict[str, Any]:
         return self.ends(watch, "point") | {
-            "type": "spring_damper", "stiffness": WEAK * self.units.mass / self.units.time**2,
+            "type": "spring_damper", "stiffness": self.stiffness(watch),
             "rest_length": watch.value * self.units.length, "tension_only": True,
         }  # fmt: skip
 
@@ -118,16 +124,15 @@ def write_scene(name: str, world: World, units: Units) -> Scene:
     """Return the scene, in SI units."""
     writer = _Writer(world, units)
 
-    def chosen(*kinds: type, declared: bool = False) -> list[Any]:
-        return [w for w in world.watches if isinstance(w, kinds) and getattr(w, "declared", True) == declared]
+    def declared(watch: Watch) -> TypeGuard[Length | Level]:
+        return isinstance(watch, Level) or (isinstance(watch, Length) and watch.declared)
 
-    contacts: list[Watch] = [watch for watch in world.watches if isinstance(watch, Contact)]
     return Scene.model_validate({
         "name": name, "duration": world.horizon * units.time,
         "gravity": writer.vector(world.gravity, units.length / units.time**2),
         "bodies": [writer.body(body) for body in world.bodies],
         "joints": [writer.joint(body) for body in world.bodies if body.kind in ("hinged", "driven")],
-        "contacts": [writer.contact(watch) for watch in contacts if isinstance(watch, Contact)],
-        "loads": [writer.string(watch) for watch in chosen(Length)],
-        "events": [writer.event(watch) for watch in chosen(Length, Level, declared=True)],
+        "contacts": [writer.contact(watch) for watch in world.watches if isinstance(watch, Contact)],
+        "loads": [writer.string(watch) for watch in world.watches if isinstance(watch, Length) and not watch.declared],
+        "events": [writer.event(watch) for watch in world.watches if declared(watch)],
     })  # fmt: skip
