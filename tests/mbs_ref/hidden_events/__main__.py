@@ -69,9 +69,10 @@ def main() -> None:
     results: dict[tuple[str, Way], list[tuple[int, Comparison]]] = defaultdict(list)
     for family, seed, way, comparison in tally(given.family, range(*given.seeds), ways):
         results[family, way].append((seed, comparison))
-        results["all", way].append((seed, comparison))
     print(f"{'family':<9} {'method':<18} {'output':>6} {'scenes':>6}", end="")
     print("".join(f"{name:>10}" for name in VERDICTS), "  error of times: median, largest; runs that failed")
+    if len(given.family) > 1:
+        results |= {("all", way): [run for family in given.family for run in results[family, way]] for way in ways}
     for (family, way), runs in sorted(results.items(), key=lambda item: (item[0][0] == "all", *item[0])):
         print(_line(family, way, runs))
         for verdict in () if family == "all" else given.seeds_of:

@@ -16,7 +16,7 @@ from tests.mbs_ref.hidden_events.world import Level, Watch, World
 from tests.mbs_ref.hidden_events.write_scene import Units, write_scene
 
 ADAPTIVE = ("dop853", "radau", "lsodar", "dassl", "dassl_index1", "dassl_index2", "dassl_index3")
-RESOLUTION = {"dop853": 1e-10, "radau": 1e-10}  # of the size: a run's own errors; closer calls are not judged
+RESOLUTION = {"dop853": 1e-10, "radau": 1e-10}  # of the extent: a run's own errors; closer calls are not judged
 LOOSE = 1e-7  # the same for multistep methods, whose error per step is larger at the same tolerance
 FIXED = 1e-6  # the same for fixed steps
 LATEST = 1e-10  # of the horizon: a time that is off by more is late, where a method's resolution is as fine
@@ -41,7 +41,7 @@ class Case:
 
     @lru_cache(maxsize=64)  # noqa: B019
     def truth(self, resolution: float) -> Truth | None:
-        """Return the events, or None where they depend on less than `resolution` of the size."""
+        """Return the events, or None where they depend on less than `resolution` of the extent."""
         try:
             return truth(self.world, resolution)
         except Undecided:

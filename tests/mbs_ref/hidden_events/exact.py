@@ -309,18 +309,18 @@ def _push(
 
 @dataclass(frozen=True)
 class Truth:
-    """The events, and how far each moves where every threshold moves by the resolution."""
+    """The events, and how far each moves where every threshold moves by the resolution of the world's extent."""
 
     events: list[Event]
     moved: np.ndarray  # (n_events,) s
 
 
 def truth(world: World, resolution: float) -> Truth:
-    """Return the events where they are the same with every threshold moved by +- `resolution` of the size.
+    """Return the events where they are the same with every threshold moved by +- `resolution` of the world's extent.
 
     Raises Undecided where they are not: a run with errors of that size cannot know.
     """
-    low, events, high = (solve(world, shift) for shift in (-resolution, 0.0, resolution))
+    low, events, high = (solve(world, sign * resolution * world.extent) for sign in (-1.0, 0.0, 1.0))
     if any(sorted(e.name for e in other) != sorted(e.name for e in events) for other in (low, high)):
         raise Undecided("which events occur depends on less than the resolution")
     if any(event.time > (1.0 - 1e-4) * world.horizon for event in (*low, *events, *high)):

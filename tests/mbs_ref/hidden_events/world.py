@@ -120,6 +120,14 @@ class World:
     gravity: np.ndarray = field(default_factory=lambda: NOTHING)
     horizon: float = 1.0
 
+    @property
+    def extent(self) -> float:
+        """The diagonal of the box around all bodies and marks at t = 0, at least 1: runs count their errors in it."""
+        places = {GROUND: NOTHING} | {body.name: body.place for body in self.bodies}
+        marks = [mark for watch in self.watches if not isinstance(watch, Level) for mark in (watch.a, watch.b)]
+        points = [body.place for body in self.bodies] + [places[mark.body] + mark.arm for mark in marks]
+        return max(1.0, float(np.linalg.norm(np.ptp(points, axis=0))))
+
     def placed(self, turn: np.ndarray, shift: np.ndarray) -> World:
         """Return the world turned by a rotation matrix (3, 3) and then moved; levels keep their axes."""
 
