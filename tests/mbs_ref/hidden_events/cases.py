@@ -21,6 +21,7 @@ LOOSE = 1e-7  # the same for multistep methods, whose error per step is larger a
 FIXED = 1e-6  # the same for fixed steps
 LATEST = 1e-10  # of the horizon: a time that is off by more is late, where a method's resolution is as fine
 MARGIN = 0.01  # of how far a time moves with the resolution: roundoff of a distance is as much smaller
+REACH = 0.1  # of the time between two events of one name: a logged time within is a late one, not another event
 MOST_DRAWS = 200
 STEP_ANGLE = 0.03  # rad, a fixed step turns no body by more, nor lasts more of the time that a spring holds
 
@@ -97,7 +98,9 @@ def compare(hidden: Case, run: Trajectory, method: str) -> Comparison:
         times = np.array([exact.events[k].time for k in one])
         allowed = LATEST * horizon + MARGIN * exact.moved[one]
         logged = _logged(run, watch) / hidden.units.time
-        missing, extra, pairs = _matched(times, logged, np.maximum(1e3 * resolution * horizon, 10.0 * exact.moved[one]))
+        reach = np.maximum(1e3 * resolution * horizon, 10.0 * exact.moved[one])
+        near = np.minimum(REACH * _spacing(times, horizon), 1e-4 * horizon)
+        missing, extra, pairs = _matched(times, logged, np.maximum(reach, near))
         differences += [(times[k], "missed") for k in missing] + [(logged[k], "invented") for k in extra]
         errors += [(times[k], abs(logged[i] - times[k]), allowed[k]) for k, i in pairs]
     until, verdict = min(differences, default=(np.inf, "good"))
@@ -112,6 +115,12 @@ def _logged(run: Trajectory, watch: Watch) -> np.ndarray:
     assert run.event_times is not None
     times = np.sort(run.event_times[run.event_times[:, 1] == run.event_names.index(watch.name), 0])
     return times[::2] if watch.impulsive else times
+
+
+def _spacing(times: np.ndarray, horizon: float) -> np.ndarray:
+    """Return how far each time is from the nearest other."""
+    apart = np.diff(times, prepend=-horizon, append=2.0 * horizon)
+    return np.minimum(apart[1:], apart[:-1])
 
 
 def _matched(

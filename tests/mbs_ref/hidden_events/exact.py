@@ -127,6 +127,7 @@ def _height(a: Mark, b: Mark, normal: np.ndarray, value: float, flights: Flights
 
 def _level(watch: Level, body: Body, flights: Flights, shift: float) -> Bounded:
     flight, order = flights[watch.body], int(watch.rate)
+    shift *= max(1.0, abs(watch.value)) if watch.rate else 1.0  # rates count in the largest of them
 
     def angle(times: np.ndarray, half: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         return flight.spin[2] * times - watch.value - shift, flight.spin[2] + 0.0 * times, 0.0 * half
