@@ -45,6 +45,7 @@ def near_pairs(sides: list[tuple[Ball, Ball | None]], dimension: int) -> NearPai
         body=np.array([body for body, _ in number], dtype=np.int64),
         center=np.array([center for _, center in number]),
         reach=np.array(list(reach.values())),
+        travel=np.zeros(len(reach)),
         place=places,
         built=places.copy(),
         last=places.copy(),

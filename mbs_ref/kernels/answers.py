@@ -60,6 +60,7 @@ _RIGID: dict[str, dict[str, Callable[..., Any]]] = {  # of bodies and joints, in
         "apply_loads": loads.rigid_apply_loads,
     },
     EVENTS: {
+        "position_count": descriptor.rigid_position_count,
         "root_count": events.rigid_root_count,
         "roots": events.rigid_roots,
         "transition": events.rigid_transition,
@@ -96,6 +97,7 @@ ANSWERS: dict[str, dict[str, dict[str, Callable[..., Any]]]] = {
     "planar": {
         **_RIGID,
         MOTION: {**_RIGID[MOTION], "derivative": planar.planar_derivative, "tangent": planar.planar_tangent},
+        EVENTS: {**_RIGID[EVENTS], "position_rate": planar.planar_position_rate},
         FORM: {
             **_RIGID[FORM],
             "times_mass": planar.planar_times_mass,
@@ -106,7 +108,11 @@ ANSWERS: dict[str, dict[str, dict[str, Callable[..., Any]]]] = {
     "spatial": {
         **_RIGID,
         MOTION: {**_RIGID[MOTION], "derivative": spatial.spatial_derivative, "tangent": spatial.spatial_tangent},
-        EVENTS: {**_RIGID[EVENTS], "fill_deflection_rates": spatial_grips.spatial_fill_deflection_rates},
+        EVENTS: {
+            **_RIGID[EVENTS],
+            "position_rate": spatial_form.spatial_position_rate,
+            "fill_deflection_rates": spatial_grips.spatial_fill_deflection_rates,
+        },
         FORM: {
             **_RIGID[FORM],
             "times_mass": spatial_form.spatial_times_mass,
@@ -121,7 +127,7 @@ ANSWERS: dict[str, dict[str, dict[str, Callable[..., Any]]]] = {
             "tell": relative_planar.tell_planar,
             "take_velocities": relative_planar.take_planar_velocities,
         },
-        EVENTS: PASSED_ON,
+        EVENTS: {**PASSED_ON, "position_rate": relative_planar.relative_planar_position_rate},
     },
     "relative_spatial": {
         MOTION: {
@@ -132,7 +138,7 @@ ANSWERS: dict[str, dict[str, dict[str, Callable[..., Any]]]] = {
             "compliance": relative_spatial.relative_spatial_compliance,
             "project": relative_spatial.relative_spatial_project,
         },
-        EVENTS: PASSED_ON,
+        EVENTS: {**PASSED_ON, "position_rate": relative_spatial.relative_spatial_position_rate},
     },
     "particles": {
         MOTION: {**NO_ROWS, "derivative": particles.particle_derivative},
@@ -181,9 +187,9 @@ def call_start_modes(model, work, t, y, located):
 
 
 @jit
-def call_roots(model, work, t, y, g, rate):
+def call_roots(model, work, t, y, duration, table):
     """Entry point from Python."""
-    ask.roots(model, work, t, y, g, rate)
+    return ask.roots(model, work, t, y, duration, table)
 
 
 @jit

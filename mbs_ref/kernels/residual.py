@@ -37,7 +37,6 @@ class Dae(NamedTuple):
     row: Annotated[Ints, "n_rows"]  # in its slot
     lam: Annotated[Floats, "n_slots", "rows"]  # scratch
     balance: Annotated[Floats, "n_rates"]  # scratch
-    event_rate: Annotated[Floats, "n_events"]  # scratch
     numbers_of: Annotated[Ints, 1]  # address of what returns the numbers of a solver's vector: double *(void *)
     evaluations: Annotated[Ints, 1]  # asked by a solver in C
 
@@ -110,7 +109,7 @@ def largest_balance(model, work, t, y, lam, balance):
     return np.abs(balance).max()
 
 
-# --- as C calls them: int (double t, vector x, vector x', vector F or double *g, void *data) -----------------------
+# --- as C calls them: int (double t, vector x, vector x', vector F, void *data) -----------------------
 
 
 @jit
@@ -133,22 +132,6 @@ def _residual_for_c(t, x, xp, out, data):
     return 0
 
 
-def _events_for_c(t, x, _xp, out, data):
-    """Write the event functions."""
-    dae = dae_of(Problem(data))
-    model = Model(dae.system[0])
-    y = _numbers(dae, x, ask.position_count(model) + dae.balance.shape[0])
-    ask.roots(model, Work(dae.system[1]), t, y, carray(out, dae.event_rate.shape[0]), dae.event_rate)
-    return 0
-
-
 def residual_for_c() -> int:
     """Return the address of the residual."""
     return address_for_c(_residual_for_c, types.intc(types.double, *(4 * [types.intp])))
-
-
-def events_for_c() -> int:
-    """Return the address of the event functions."""
-    return address_for_c(
-        _events_for_c, types.intc(types.double, types.intp, types.intp, types.CPointer(types.double), types.intp)
-    )

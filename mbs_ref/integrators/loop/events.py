@@ -1,8 +1,9 @@
 """Event location common to every compiled loop: shorten the step until it ends just past the first root.
 
-A loop takes a step in the frozen modes and asks `watch`. The answer is KEEP, RETRY with the step in
-search[H_NEXT], or EVENT: the step at hand ends at the event, on its far side. The same one-step method is
-repeated with shorter steps, so the located state carries the method's own order.
+A loop takes a step in the frozen modes and calls `watch`. It returns KEEP, RETRY with the step in search[H_NEXT], or
+EVENT: the step at hand ends at the event, on its far side. A step is kept where every event function is excluded
+inside it (mbs_ref.integrators.loop.exclusion). The same one-step method is repeated with shorter steps, so the located
+state has the method's own order.
 
 Root functions come in units of their own roundoff. One that is negative by less than that is at its root: the
 search aims between, at AIM, by the cubic through values and rates at both ends of its bracket, or regula falsi where
@@ -11,18 +12,21 @@ rates are unknown.
 
 from __future__ import annotations
 
+from typing import Any, NamedTuple
+
 import numpy as np
 
+from mbs_ref.integrators.loop.exclusion import BEYOND, FREEZE, first_open
 from mbs_ref.integrators.loop.leg import ENDLESS_EVENTS, RUNNING, STOP_EVENT
 from mbs_ref.kernels.border.questions import root_count, roots, transition
+from mbs_ref.kernels.contact.laws import RATE, VALUE
 from mbs_ref.kernels.contact.modes import STOP
 from mbs_ref.kernels.jit import jit
 
 KEEP, RETRY, EVENT = range(3)
 ACTIVE, H_LOW, H_HIGH, H_NEXT, SIDE, TRIES, WEIGHT_LOW, WEIGHT_HIGH = range(8)
 IDLE, BRACKETED, LOOKING = 0.0, 1.0, 2.0  # values of search[ACTIVE]
-AT_LOW, AT_HIGH, AT_NEW, RATE_LOW, RATE_HIGH, RATE_NEW = range(6)  # rows of the table of root functions
-BEYOND, AIM = -1.0, -0.5  # of a function: no nearer to its root than its roundoff, and in the middle of that
+AIM = -0.5  # of a function: in the middle of where it is no nearer to its root than its roundoff
 MOST_TRIES = 200
 ROUNDOFF = 4.0 * 2.220446049250313e-16  # of time: how closely an event is bracketed
 MOST_ROUNDS = 200  # mode changes at one instant before they count as endless
@@ -30,10 +34,25 @@ BISECT_EVERY = 4  # tries: the others interpolate, regula falsi with Illinois' w
 NEWTON = 6  # iterations for the root of a cubic, each doubling its digits
 
 
+class Tables(NamedTuple):
+    """The event functions, (4, n) each: at the start of a step or of a bracket, at the bracket's end, at the step's."""
+
+    low: Any
+    high: Any
+    new: Any
+
+
 @jit
 def event_tables(model):
-    """Return the search state and the table of root functions."""
-    return np.zeros(8), np.zeros((6, root_count(model)))
+    """Return the search state and the tables of event functions."""
+    n = root_count(model)
+    return np.zeros(8), Tables(np.zeros((4, n)), np.zeros((4, n)), np.zeros((4, n)))
+
+
+@jit
+def has_events(table):
+    """Return whether any function is watched."""
+    return table.low.shape[1] > 0
 
 
 @jit
@@ -41,15 +60,12 @@ def settle(model, work, t, y, table, run, most):
     """Change modes until all hold at (t, y); refresh the table. Return RUNNING, STOP_EVENT or ENDLESS_EVENTS."""
     scratch = np.empty_like(y)
     for _ in range(MOST_ROUNDS):
-        roots(model, work, t, y, table[AT_LOW], table[RATE_LOW])
-        broken = 0
-        for i in range(table.shape[1]):
-            if table[AT_LOW, i] < 0.0:
-                broken += 1
+        roots(model, work, t, y, 0.0, table.low)
+        broken = np.sum(table.low[VALUE] < 0.0)
         if broken == 0:
             return RUNNING
         run.events += broken
-        code, contact = transition(model, work, t, run.span, y, table[AT_LOW], scratch)
+        code, contact = transition(model, work, t, run.span, y, table.low[VALUE], scratch)
         run.event_source = contact
         if code == STOP:
             return STOP_EVENT
@@ -59,23 +75,10 @@ def settle(model, work, t, y, table, run, most):
 
 
 @jit
-def _dips(g0, r0, g1, r1, h):
-    """Return where in (0, 1) the tangents at both ends meet if that is BEYOND the root, else 1.
-
-    A function that bends upwards lies above its tangents: where they meet higher it has no root inside. So bends the
-    gap of bodies that push each other apart, and the larger of a gap and of an excess over open ends.
-    """
-    if not (r0 < 0.0 and r1 > 0.0):
-        return 1.0
-    s = (g1 - g0 - r1 * h) / ((r0 - r1) * h)
-    return s if 0.0 < s < 1.0 and g0 + r0 * h * s < BEYOND else 1.0
-
-
-@jit
 def _falls(search, table, i, h):
     """Return where in (0, 1) of a bracket of width h function i is at AIM, by all that is known of it at both ends."""
-    g0, r0 = table[AT_LOW, i] - AIM, table[RATE_LOW, i] * h
-    g1, r1 = table[AT_HIGH, i] - AIM, table[RATE_HIGH, i] * h
+    g0, r0 = table.low[VALUE, i] - AIM, table.low[RATE, i] * h
+    g1, r1 = table.high[VALUE, i] - AIM, table.high[RATE, i] * h
     weighed = search[WEIGHT_LOW] * g0
     falsi = weighed / (weighed - search[WEIGHT_HIGH] * g1)
     if r0 == 0.0 or r1 == 0.0:
@@ -96,8 +99,8 @@ def _propose(search, table):
     low = search[H_LOW]
     width = search[H_HIGH] - low
     share = 1.0
-    for i in range(table.shape[1]):
-        if table[AT_HIGH, i] < BEYOND:
+    for i in range(table.high.shape[1]):
+        if table.high[VALUE, i] < BEYOND:
             share = min(share, _falls(search, table, i, width))
     if int(search[TRIES]) % BISECT_EVERY == BISECT_EVERY - 1 or not 0.0 < share < 1.0:
         share = 0.5
@@ -114,8 +117,7 @@ def _open_bracket(search, table, h):
     search[WEIGHT_HIGH] = 1.0
     search[H_LOW] = 0.0
     search[H_HIGH] = h
-    _copy(table, AT_NEW, AT_HIGH)
-    _copy(table, RATE_NEW, RATE_HIGH)
+    table.high[:] = table.new
 
 
 @jit
@@ -128,45 +130,39 @@ def _tighten(search, table, h, broken):
     if search[SIDE] == side:
         search[still] *= 0.5
     search[SIDE] = side
-    _copy(table, AT_NEW, AT_HIGH if broken else AT_LOW)
-    _copy(table, RATE_NEW, RATE_HIGH if broken else RATE_LOW)
-
-
-@jit
-def _earliest_dip(table, h):
-    dip = 1.0
-    for i in range(table.shape[1]):
-        dip = min(dip, _dips(table[AT_LOW, i], table[RATE_LOW, i], table[AT_NEW, i], table[RATE_NEW, i], h))
-    return dip
+    if broken:
+        table.high[:] = table.new
+    else:
+        table.low[:] = table.new
 
 
 @jit
 def _keep(search, table):
     search[ACTIVE] = IDLE
-    _copy(table, AT_NEW, AT_LOW)
-    _copy(table, RATE_NEW, RATE_LOW)
+    table.low[:] = table.new
     return KEEP
 
 
 @jit
-def watch(model, work, t, h, y, search, table):
-    """Judge a step of size h from t that ended at y."""
-    roots(model, work, t + h, y, table[AT_NEW], table[RATE_NEW])
+def watch(model, work, t, h, ends, run, search, table):
+    """Judge a step of size h (s) from t between two ends."""
+    if roots(model, work, t + h, ends.y_new, h, table.new) and search[ACTIVE] != BRACKETED:
+        roots(model, work, t, ends.y, FREEZE, table.low)  # other pairs are near than at the start
     lowest = 0.0
-    for i in range(table.shape[1]):
-        lowest = np.minimum(lowest, table[AT_NEW, i])  # NaN too
+    for value in table.new[VALUE]:
+        lowest = np.minimum(lowest, value)  # NaN too
     broken = not lowest >= 0.0
     if search[ACTIVE] == BRACKETED:
         _tighten(search, table, h, broken)
-    elif broken:
-        _open_bracket(search, table, h)
     else:
-        dip = _earliest_dip(table, h)
-        if dip == 1.0 or h <= ROUNDOFF * abs(t):
+        end = first_open(model, work, t, h, ends, run, table.low, table.new)
+        if end < 1.0 and h * end > ROUNDOFF * abs(t) and t + h * end < t + h:
+            search[ACTIVE] = LOOKING
+            search[H_NEXT] = end * h
+            return RETRY
+        if not broken:
             return _keep(search, table)
-        search[ACTIVE] = LOOKING  # a function may have been negative inside; end the step there and see
-        search[H_NEXT] = dip * h
-        return RETRY
+        _open_bracket(search, table, h)
     search[TRIES] += 1.0
     if BEYOND <= lowest < 0.0:
         search[ACTIVE] = IDLE
@@ -180,9 +176,3 @@ def watch(model, work, t, h, y, search, table):
         return EVENT
     search[H_NEXT] = search[H_HIGH]
     return RETRY
-
-
-@jit
-def _copy(table, source, target):
-    for i in range(table.shape[1]):
-        table[target, i] = table[source, i]

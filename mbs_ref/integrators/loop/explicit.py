@@ -9,6 +9,7 @@ import numpy as np
 from mbs_ref.integrators.loop import leg
 from mbs_ref.integrators.loop import step as stepping
 from mbs_ref.integrators.loop.events import EVENT, RETRY, event_tables
+from mbs_ref.integrators.loop.exclusion import step_ends
 from mbs_ref.integrators.stages.explicit_stages import STAGE_ITERATIONS, Stages, error_norm, fill_between, fill_stages
 from mbs_ref.kernels.border.questions import derivative, project, regularity
 from mbs_ref.kernels.jit import jit, loop_jit
@@ -56,9 +57,9 @@ def resumed(h, natural):
 
 
 @jit
-def is_slope_known(adaptive, projects, searching, verdict):
-    """Return whether the last stage has evaluated dy/dt where the step ends: nothing has moved the state since."""
-    return adaptive and not projects and not searching and verdict != EVENT
+def is_slope_known(ends, verdict):
+    """Return whether dy/dt has been evaluated where the step ends, and nothing has moved the state since."""
+    return ends.known[1] == 1 and verdict != EVENT
 
 
 @loop_jit
@@ -74,6 +75,7 @@ def advance_explicit(model, work, tableau, options, run, y, outputs):
     rejected, avoided, pivot = False, 0, 1.0
     natural = 0.0  # s, step that accuracy allows while one is shortened to avoid a singular pose, else 0
     search, table = event_tables(model)
+    ends = step_ends(y, stages.slopes[0], stages.new, stages.slopes[last])
     budget = run.steps + options.chunk
     code = stepping.begin(model, work, run, y, stages.slopes[0], table, options.max_events)
     if code == leg.RUNNING and adaptive and run.h == 0.0:
@@ -104,7 +106,8 @@ def advance_explicit(model, work, tableau, options, run, y, outputs):
                 if attempt.t + run.h == attempt.t or run.h < stepping.SHORTEST * span:
                     return leg.STEP_TOO_SMALL if np.isfinite(error) else leg.NON_FINITE
                 continue
-        code, verdict = stepping.close_attempt(model, work, options, run, attempt, span, stages.new, search, table)
+        ends.known[0], ends.known[1] = 1, adaptive and not projects and not attempt.searching
+        code, verdict = stepping.close_attempt(model, work, options, run, attempt, span, ends, search, table)
         if verdict == stepping.WITHDRAWN:
             rejected, natural = True, 0.0
             continue
@@ -121,7 +124,7 @@ def advance_explicit(model, work, tableau, options, run, y, outputs):
         if not avoids:
             run.h, natural, avoided = resumed(run.h, natural), 0.0, 0
             code = stepping.accept(model, work, options, run, attempt, verdict, y, stages.new, table, outputs)
-            if code == leg.RUNNING and is_slope_known(adaptive, projects, attempt.searching, verdict):
+            if code == leg.RUNNING and is_slope_known(ends, verdict):
                 stages.slopes[0, :] = stages.slopes[last]
             elif code == leg.RUNNING:
                 derivative(model, work, attempt.t_new, y, stages.slopes[0])

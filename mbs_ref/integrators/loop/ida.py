@@ -5,6 +5,7 @@ Source: L. R. Petzold, A description of DASSL, 1982; A. C. Hindmarsh et al., ACM
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from ctypes import byref, c_double, c_void_p
 from typing import TYPE_CHECKING, Any
 
@@ -13,11 +14,11 @@ import numpy as np
 from mbs_ref.cores.jointed_system import JointedSystem
 from mbs_ref.integrators.loop.leg import Advance, Leg, Options, Progress
 from mbs_ref.integrators.loop.multistep import MultistepLeg
-from mbs_ref.integrators.loop.sundials import ONE_STEP, ROOT_RETURN, address_of, count_of, sundials
+from mbs_ref.integrators.loop.sundials import ONE_STEP, address_of, count_of, sundials
 from mbs_ref.kernels.answers import FORM
 from mbs_ref.kernels.border.groups import empty
 from mbs_ref.kernels.border.handles import make_handle
-from mbs_ref.kernels.residual import GGL, INDEX_2, Dae, DaeGroups, events_for_c, largest_balance, residual_for_c
+from mbs_ref.kernels.residual import GGL, INDEX_2, Dae, DaeGroups, largest_balance, residual_for_c
 from mbs_ref.trajectory import Status
 
 if TYPE_CHECKING:
@@ -42,12 +43,12 @@ STOPPED = {  # IDA's return values, in words
 }
 
 
-def as_dae(system: JointedSystem, form: int, kept: np.ndarray, proximal: float, n_events: int = 0) -> Dae:
+def as_dae(system: JointedSystem, form: int, kept: np.ndarray, proximal: float) -> Dae:
     """Return a system as a DAE of these of its rows, with proximal (s) times mu left in mu's rows."""
     rows = np.array([(slot, row) for _, slot, row in system.rows()], dtype=np.int64).reshape(-1, 2)[kept]
     slots, most = system.scratch.rows.multiplier.shape
     n_rates = len(system.initial_state()) - system.n_positions
-    dae = empty(Dae, n_rows=len(rows), n_slots=slots, rows=most, n_rates=n_rates, n_events=n_events)
+    dae = empty(Dae, n_rows=len(rows), n_slots=slots, rows=most, n_rates=n_rates)
     dae.system[:] = system.model.address, system.work.address
     dae.form[0] = form
     dae.softness[:] = proximal / _heaviest(system), proximal
@@ -88,15 +89,15 @@ class _Ida:
     """One IDA memory with everything it refers to kept alive."""
 
     def __init__(self, leg: MultistepLeg, form: int) -> None:
-        system, options, events, y, t0 = leg.system, leg.options, leg.events, leg.now, leg.t
+        system, options, y, t0 = leg.system, leg.options, leg.now, leg.t
         assert isinstance(system, JointedSystem)  # `cores` of the Integrator sees to it
         self.system, self.n_state, self.t = system, len(y), t0
         self.kept = system.independent_rows(t0, y)
-        self.dae = as_dae(system, form, self.kept, PROXIMAL * options.time, events.count)
+        self.dae = as_dae(system, form, self.kept, PROXIMAL * options.time)
         rows = len(self.kept)
         size = len(y) + (2 if form == GGL else 1) * rows
-        self.x, self.rate, self.differential, self.atol = (np.zeros(size) for _ in range(4))
-        self.objects = _Objects(size, (self.x, self.rate, self.differential, self.atol))
+        self.x, self.rate, self.differential, self.atol, self.between = (np.zeros(size) for _ in range(5))
+        self.objects = _Objects(size, (self.x, self.rate, self.differential, self.atol, self.between))
         self.library, self.memory = self.objects.library, self.objects.memory
         self.dae.numbers_of[0] = address_of(self.library, "N_VGetArrayPointer")
         self.handle = make_handle(DaeGroups(self.dae))
@@ -104,8 +105,8 @@ class _Ida:
         self._set_up(leg, y, t0)
 
     def _set_up(self, leg: MultistepLeg, y: np.ndarray, t0: float) -> None:
-        options, events, objects = leg.options, leg.events, self.objects
-        x, rate, differential, atol = objects.vectors
+        options, objects = leg.options, self.objects
+        x, rate, differential, atol, _ = objects.vectors
         self._call("IDAInit", residual_for_c(), t0, x, rate)
         self._call("IDASetUserData", self.handle.ctypes.data)
         self.atol[: len(y)] = options.atol
@@ -119,9 +120,6 @@ class _Ida:
         self._call("IDASetMaxNumSteps", options.max_steps)
         self._call("IDASetMaxStep", leg.longest)
         self._call("IDASetLinearSolver", objects.solver, objects.matrix)
-        if events.count:
-            self._call("IDARootInit", events.count, events_for_c())
-            self._call("IDASetNoInactiveRootWarn")
 
     def _start(self, y: np.ndarray, t0: float, rows: int) -> None:
         """Fill consistent x and x' and mark what is differential."""
@@ -161,8 +159,19 @@ class _Ida:
         self.t = t.value
         return flag
 
-    def state(self) -> np.ndarray:
+    @property
+    def y(self) -> np.ndarray:
+        """The state where the last step ended."""
         return self.x[: self.n_state].copy()
+
+    def dense_output(self) -> Callable[[float], np.ndarray]:
+        """Return the interpolant of the last step."""
+
+        def between(t: float) -> np.ndarray:
+            self._call("IDAGetDky", t, 0, self.objects.vectors[4])
+            return self.between[: self.n_state].copy()
+
+        return between
 
     def failed_error_tests(self) -> int:
         return count_of(self.library.IDAGetNumErrTestFails, self.memory)
@@ -206,12 +215,13 @@ def ida(form: int) -> Advance:
             if flag < 0:
                 _stop_failed(leg, flag)
                 break
-            arrived = leg.arrive(solver.t, solver.state(), solver.t - leg.t)
+            t, now = leg.events.locate(leg.t, leg.now, solver)
+            arrived = leg.arrive(t, now, solver.t - leg.t)
             if not (arrived and _passes_tests(leg, solver) and leg.keeps_pace()):
                 break
             if leg.t >= times[leg.reached]:
                 leg.record(leg.now)
-            if leg.jumps(event=flag == ROOT_RETURN):
+            if leg.jumps(leg.events.at_event):
                 solver.count(run)
                 solver = None
         if solver is not None:

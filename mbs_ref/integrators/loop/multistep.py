@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from mbs_ref.integrators.loop.crossing import is_near_singular, leap
-from mbs_ref.integrators.loop.events import AT_NEW, EVENT, H_NEXT, RATE_NEW, RETRY, event_tables, settle, watch
+from mbs_ref.integrators.loop.events import EVENT, H_NEXT, RETRY, event_tables, has_events, settle, watch
+from mbs_ref.integrators.loop.exclusion import step_ends
 from mbs_ref.integrators.loop.leg import (
     FEWEST,
     MESSAGES,
@@ -20,7 +21,6 @@ from mbs_ref.integrators.loop.leg import (
     Pace,
     Progress,
 )
-from mbs_ref.kernels import answers as core
 from mbs_ref.trajectory import Status
 
 if TYPE_CHECKING:
@@ -42,37 +42,32 @@ class ContactEvents:
     def __init__(self, system: System, options: Options, run: Progress) -> None:
         self.system, self.most, self.run = system, options.max_events, run
         self.search, self.table = event_tables(system.model)
-        self.count, self.at_event = self.table.shape[1], False
+        self.watched, self.at_event = bool(has_events(self.table)), False
 
     def settle(self, t: float, y: np.ndarray) -> int:
         """Change modes, and y at impacts, until all hold; return RUNNING, STOP_EVENT or ENDLESS_EVENTS."""
-        if not self.count:
+        if not self.watched:
             return RUNNING
         return settle(self.system.model, self.system.work, t, y, self.table, self.run, self.most)
 
-    def values(self, t: float, y: np.ndarray, out: np.ndarray) -> None:
-        """Fill `out` with the event functions, for a code with a root finder of its own."""
-        state = np.ascontiguousarray(y)
-        core.call_roots(self.system.model, self.system.work, t, state, self.table[AT_NEW], self.table[RATE_NEW])
-        out[:] = self.table[AT_NEW]
-
-    def locate(self, before: float, solver: Any) -> tuple[float, np.ndarray]:
-        """Return where the last step ends: at its end, or just past its first event (then `at_event`)."""
+    def locate(self, before: float, then: np.ndarray, solver: Any) -> tuple[float, np.ndarray]:
+        """Return where a step from (before, then) ends: at its end, or just past its first event (then `at_event`)."""
         self.at_event = False
-        if not self.count:
+        if not self.watched:
             return solver.t, solver.y
         interpolant, start, t, y = None, before, solver.t, solver.y
+        model, work, slopes = self.system.model, self.system.work, np.empty((2, len(then)))
+        begin = np.ascontiguousarray(then)
         while True:
-            verdict = watch(
-                self.system.model, self.system.work, start, t - start, np.ascontiguousarray(y), self.search, self.table
-            )
+            ends = step_ends(begin, slopes[0], np.ascontiguousarray(y), slopes[1])
+            verdict = watch(model, work, start, t - start, ends, self.run, self.search, self.table)
             self.at_event = verdict == EVENT
             if self.at_event or (verdict != RETRY and t >= solver.t):
                 return t, np.ascontiguousarray(y)
             if verdict == RETRY:
                 t = start + self.search[H_NEXT]
             else:  # a look inside the step has shown nothing: go on to its end
-                start, t = t, solver.t
+                start, begin, t = t, ends.y_new, solver.t
             interpolant = interpolant or solver.dense_output()
             y = solver.y if t >= solver.t else interpolant(t)
 

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from mbs_ref.integrators.loop import leg
-from mbs_ref.integrators.loop.events import ACTIVE, EVENT, H_NEXT, IDLE, KEEP, settle, watch
+from mbs_ref.integrators.loop.events import ACTIVE, EVENT, H_NEXT, IDLE, KEEP, has_events, settle, watch
 from mbs_ref.kernels.algebra.dense import all_finite, weighted_norm
 from mbs_ref.kernels.border.questions import compliance, derivative, project
 from mbs_ref.kernels.jit import inlined, jit
@@ -36,7 +36,7 @@ class Attempt(NamedTuple):
 @jit
 def begin(model, work, run, y, dy, table, max_events):
     """Settle the modes at the start and evaluate dy/dt there; return a status code."""
-    if table.shape[1] > 0:
+    if has_events(table):
         code = settle(model, work, run.t, y, table, run, max_events)
         if code != leg.RUNNING:
             return code
@@ -149,7 +149,7 @@ def withdraw(run, t, h, span):
 
 
 @inlined
-def close_attempt(model, work, options, run, attempt, span, trial, search, table):
+def close_attempt(model, work, options, run, attempt, span, ends, search, table):
     """Restore the constraints at the step's end and look for events inside it; return code and verdict.
 
     An adaptive step that cannot be closed is withdrawn; `span` (s) is that of the leg. The papers' test |C| < h takes
@@ -157,14 +157,14 @@ def close_attempt(model, work, options, run, attempt, span, trial, search, table
     """
     step = max(attempt.h, attempt.proposed)
     code, run.compliance = close_step(
-        model, work, attempt.t_new, trial, step, options.project, options.projection_tolerance,
+        model, work, attempt.t_new, ends.y_new, step, options.project, options.projection_tolerance,
         options.stop_on_compliance, run.compliance,
     )  # fmt: skip
     if code == leg.PROJECTION and options.step == 0.0 and not attempt.searching:
         return withdraw(run, attempt.t, attempt.h, span), WITHDRAWN
-    if code != leg.RUNNING or table.shape[1] == 0:
+    if code != leg.RUNNING or not has_events(table):
         return code, KEEP
-    return code, watch(model, work, attempt.t, attempt.h, trial, search, table)
+    return code, watch(model, work, attempt.t, attempt.h, ends, run, search, table)
 
 
 @jit

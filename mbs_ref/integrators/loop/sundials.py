@@ -32,13 +32,12 @@ _PROTOTYPES: dict[str, tuple[Any, ...]] = {  # what is returned, then what is ta
     "IDASetMaxStep": (c_int, _OBJECT, c_double),
     "IDASetNonlinConvCoef": (c_int, _OBJECT, c_double),
     "IDASetLinearSolver": (c_int, _OBJECT, _OBJECT, _OBJECT),
-    "IDARootInit": (c_int, _OBJECT, c_int, c_void_p),
-    "IDASetNoInactiveRootWarn": (c_int, _OBJECT),
+    "IDAGetDky": (c_int, _OBJECT, c_double, c_int, _OBJECT),
     "IDASetStopTime": (c_int, _OBJECT, c_double),
     "IDASolve": (c_int, _OBJECT, c_double, POINTER(c_double), _OBJECT, _OBJECT, c_int),
     "IDAGetNumErrTestFails": (c_int, _OBJECT, POINTER(c_long)),
 }
-ONE_STEP, ROOT_RETURN = 2, 2  # IDA_ONE_STEP of IDASolve, and what it returns at a root
+ONE_STEP = 2  # IDA_ONE_STEP of IDASolve
 
 
 @cache

@@ -14,7 +14,8 @@ import numpy as np
 
 from mbs_ref.cores.jointed_system import JointedSystem
 from mbs_ref.integrators.loop import leg
-from mbs_ref.integrators.loop.events import EVENT, RETRY, event_tables, settle
+from mbs_ref.integrators.loop.events import EVENT, RETRY, event_tables, has_events, settle
+from mbs_ref.integrators.loop.exclusion import step_ends
 from mbs_ref.integrators.loop.step import accept, close_attempt, next_attempt, stands_still
 from mbs_ref.kernels.answers import FORM
 from mbs_ref.kernels.border.questions import derivative, displace, multipliers, position_count
@@ -188,7 +189,7 @@ def _start(model, work, t, y, motion):
 def _begin(model, work, options, run, y, motion, table):
     """Settle the modes; where that moved anything, start anew. Return a status code."""
     t, before = run.t, run.events
-    if table.shape[1] == 0:
+    if not has_events(table):
         return leg.RUNNING
     code = settle(model, work, t, y, table, run, options.max_events)
     if code == leg.RUNNING and run.events != before:
@@ -203,6 +204,7 @@ def advance_generalized_alpha(model, work, options, run, y, motion, tangent, out
     iterate = Iterate(np.empty_like(y), np.empty(n), np.empty(n), motion.lam.copy())
     span = outputs.times[-1] - outputs.times[0]
     search, table = event_tables(model)
+    ends = step_ends(y, np.empty_like(y), iterate.y, np.empty_like(y))
     budget = run.steps + options.chunk
     code = _begin(model, work, options, run, y, motion, table)
     tangent.step[0] = 0.0
@@ -212,7 +214,8 @@ def advance_generalized_alpha(model, work, options, run, y, motion, tangent, out
             return leg.STEP_TOO_SMALL
         if not _solve(model, work, run, attempt, y, motion, iterate, tangent):
             return leg.NOT_CONVERGED
-        code, verdict = close_attempt(model, work, options, run, attempt, span, iterate.y, search, table)
+        ends.known[:] = 0
+        code, verdict = close_attempt(model, work, options, run, attempt, span, ends, search, table)
         if verdict == RETRY:
             motion.lam[:] = iterate.old_lam
             continue

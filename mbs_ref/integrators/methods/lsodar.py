@@ -33,13 +33,13 @@ def advance(system: System, options: Options, run: Progress, y: np.ndarray, time
     while leg.goes_on():
         if solver is None:
             solver, family = _start(leg), ADAMS
-        before, failure = solver.t, solver.step()
+        before, then, failure = solver.t, np.array(solver.y), solver.step()
         if solver.status == "failed" or not np.isfinite(solver.y).all():
             leg.ending = _failure(solver, failure)
             break
         before_it, family = family, _family(solver)
         run.switches += family != before_it
-        t, now = leg.events.locate(before, solver)
+        t, now = leg.events.locate(before, then, solver)
         # the method's own step, where an event cuts it
         if not (leg.arrive(t, now, solver.t - before) and leg.keeps_pace()):
             break

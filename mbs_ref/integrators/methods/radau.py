@@ -15,6 +15,7 @@ from mbs_ref.integrators.loop import leg
 from mbs_ref.integrators.loop import step as stepping
 from mbs_ref.integrators.loop.crossing import NEAR, Crossing
 from mbs_ref.integrators.loop.events import EVENT, RETRY, event_tables
+from mbs_ref.integrators.loop.exclusion import step_ends
 from mbs_ref.integrators.stages import radau_newton as iteration
 from mbs_ref.kernels.border.questions import derivative, regularity
 from mbs_ref.kernels.jit import inlined, jit, loop_jit
@@ -165,6 +166,7 @@ def advance_radau(model, work, options, run, y, outputs):
     span = outputs.times[-1] - outputs.times[0]
     f, trial = np.empty_like(y), np.empty_like(y)
     search, table = event_tables(model)
+    ends = step_ends(y, f, trial, np.empty_like(y))
     budget = run.steps + options.chunk
     code = stepping.begin(model, work, run, y, f, table, options.max_events)
     if code != leg.RUNNING:
@@ -191,7 +193,8 @@ def advance_radau(model, work, options, run, y, outputs):
             continue
         for k in range(y.shape[0]):
             trial[k] = y[k] + newton.z[2, k]
-        code, verdict = stepping.close_attempt(model, work, options, run, attempt, span, trial, search, table)
+        ends.known[0], ends.known[1] = 1, 0
+        code, verdict = stepping.close_attempt(model, work, options, run, attempt, span, ends, search, table)
         if verdict == stepping.WITHDRAWN:
             past.marks[REJECTED], past.values[H_LAST] = 1, 0.0
             continue
@@ -203,8 +206,11 @@ def advance_radau(model, work, options, run, y, outputs):
             code = stepping.accept(model, work, options, run, attempt, verdict, y, trial, table, outputs)
         if code == leg.RUNNING:
             _remember(past, attempt, solved.rate, verdict)
-            derivative(model, work, attempt.t_new, y, f)
-            run.rhs_calls += 1
+            if ends.known[1] == 1 and verdict != EVENT:
+                f[:] = ends.dy_new
+            else:
+                derivative(model, work, attempt.t_new, y, f)
+                run.rhs_calls += 1
             if adaptive and options.project and regularity(work) < NEAR:
                 return leg.NEAR_SINGULAR
     return code

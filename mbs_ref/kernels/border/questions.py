@@ -98,11 +98,12 @@ def root_count(model) -> Any:
     """Return the number of event functions watched."""
 
 
-@question(NOTHING, MODEL, WORK, NUMBER, VECTOR, VECTOR, VECTOR)
-def roots(model, work, t, y, g, rate) -> Any:
-    """Fill the event functions, positive while the frozen modes hold, and their rates where known, else 0.
+@question(FLAG, MODEL, WORK, NUMBER, VECTOR, NUMBER, MATRIX)
+def roots(model, work, t, y, duration, table) -> Any:
+    """Fill the table (4, n) of event functions, positive while the frozen modes hold (mbs_ref.kernels.contact.laws).
 
-    Both are in units of the function's roundoff (and s).
+    All are in units of the function's roundoff (and s). Contacts that are far away in the last `duration` (s) are left
+    out; a negative one leaves out those that were. Return whether others are left out now.
     """
 
 

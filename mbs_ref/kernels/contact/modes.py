@@ -13,10 +13,14 @@ from mbs_ref.kernels.contact.laws import (
     MODE_LEAVING,
     MODE_LIFTED,
     MODE_OPEN,
+    RATE,
     RELEASE_CONSTRAINT,
     RELEASE_FORCE,
     RELEASE_RIGID,
     ROOTS_EACH,
+    SPEED,
+    UNKNOWN,
+    VALUE,
     normal_force,
 )
 from mbs_ref.kernels.jit import jit
@@ -28,19 +32,16 @@ NOTHING, IMPACT, TOUCH, FRICTION = range(4)  # what a change of mode leaves for 
 
 
 @jit
-def normal_roots(laws, modes, k, gap, closing, beyond, leaving, g, rate):
-    """Fill the functions of contact k and, where known, their rates, else 0; friction's stays 1.
+def normal_roots(laws, modes, k, gap, closing, beyond, leaving, speed, table):
+    """Fill the functions of contact k; friction's stays 1.
 
-    `closing` and `leaving` are the rates (m/s) of the gap and of the excess `beyond` open ends.
+    `closing` and `leaving` are the rates (m/s) of the gap and of the excess `beyond` open ends, `speed` bounds both.
     """
+    g, rate = table[VALUE], table[RATE]
     i = ROOTS_EACH * k
     noise = modes.noise[0]
     mode = modes.mode[k]
-    g[i + 1] = 1.0
-    g[i + 2] = 1.0
-    rate[i] = 0.0
-    rate[i + 1] = 0.0
-    rate[i + 2] = 0.0
+    table[SPEED, i] = speed / noise
     if mode == MODE_OPEN:
         g[i] = max(gap, beyond) / noise + 1.0
         rate[i] = (closing if gap >= beyond else leaving) / noise
@@ -49,13 +50,16 @@ def normal_roots(laws, modes, k, gap, closing, beyond, leaving, g, rate):
         rate[i] = -(closing if gap >= beyond else leaving) / noise
         if laws.release[k] == RELEASE_FORCE:
             g[i + 1] = _push(laws, modes, k, gap, closing) + 1.0
+            table[SPEED, i + 1] = UNKNOWN
     elif mode == MODE_LIFTED:
         g[i] = min(-gap, -beyond) / noise + 1.0
         g[i + 1] = 1.0 - _push(laws, modes, k, gap, closing)
+        table[SPEED, i + 1] = UNKNOWN
     else:
         g[i] = -max(gap, beyond) / noise
         if mode == MODE_LEAVING:
             g[i + 1] = closing / noise + 1.0
+            table[SPEED, i + 1] = UNKNOWN
 
 
 @jit

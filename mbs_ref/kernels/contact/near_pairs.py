@@ -1,8 +1,8 @@
 """Broad phase: which pairs are near enough to be looked at, by sorted bounds along one axis (sweep and prune).
 
 Every shape lies in a ball. A pair is near while the balls are within a skin of each other; the list is
-rebuilt when a shape has moved, or may in its next step of the same length move, by half the skin. So no pair that
-is left out can touch: what is computed, and in which order, is what it would be without the list.
+rebuilt when a shape has left its half of the skin, now or at any time of the step that ends here. So no pair that is
+left out can touch in that step: what is computed, and in which order, is what it would be without the list.
 """
 
 from __future__ import annotations
@@ -30,6 +30,7 @@ class NearPairs(NamedTuple):
     place: Annotated[Floats, "s", "dimension"]  # m, world, now; the core fills it
     built: Annotated[Floats, "s", "dimension"]  # m, when the list was made
     last: Annotated[Floats, "s", "dimension"]  # m, when it was last looked at
+    travel: Annotated[Floats, "s"]  # m, longest way of the step that ends here; the core fills it
     order: Annotated[Ints, "s"]  # by lower bound
     low: Annotated[Floats, "s"]  # m, lower bound along the axis
     key: Annotated[Ints, "k"]  # ascending: first ball times s plus second ball
@@ -40,7 +41,7 @@ class NearPairs(NamedTuple):
 
 @jit
 def _has_moved(near):
-    """Return whether a shape may have left its half of the skin by the end of the next step; note the places."""
+    """Return whether a shape may have left its half of the skin in the step that ends here; note the places."""
     moved = False
     for s in range(near.body.shape[0]):
         since = 0.0
@@ -51,7 +52,9 @@ def _has_moved(near):
             d = near.place[s, c] - near.last[s, c]
             step += d * d
             near.last[s, c] = near.place[s, c]
-        if not np.sqrt(since) + np.sqrt(step) <= 0.5 * near.skin[0]:
+        if np.sqrt(step) > near.travel[s]:  # not where it was never looked at
+            near.travel[s] = np.sqrt(step)
+        if not np.sqrt(since) + near.travel[s] <= 0.5 * near.skin[0]:
             moved = True
     return moved
 
@@ -102,21 +105,21 @@ def _flag_key(near, wanted):
 
 @jit
 def _sweep(near):
-    """Flag every pair whose balls are within the skin of each other."""
+    """Flag every pair whose balls, and the ways they have come, are within the skin of each other."""
     skin = near.skin[0]
     shapes = near.body.shape[0]
     axis = _widest_axis(near)
     for s in range(shapes):
-        near.low[s] = near.place[s, axis] - near.reach[s]
+        near.low[s] = near.place[s, axis] - near.reach[s] - near.travel[s]
     _sort(near)
     for i in range(shapes):
         s = near.order[i]
-        high = near.low[s] + 2.0 * near.reach[s] + skin
+        high = near.low[s] + 2.0 * (near.reach[s] + near.travel[s]) + skin
         for j in range(i + 1, shapes):
             r = near.order[j]
             if near.low[r] > high:
                 break
-            apart = near.reach[s] + near.reach[r] + skin
+            apart = near.reach[s] + near.travel[s] + near.reach[r] + near.travel[r] + skin
             square = 0.0
             for c in range(near.place.shape[1]):
                 d = near.place[s, c] - near.place[r, c]
@@ -127,12 +130,12 @@ def _sweep(near):
 
 @jit
 def refresh(near, modes):
-    """Make the list anew where it is stale or a shape has moved; near.place holds the places now."""
+    """Renew the list where it is stale or a shape has moved; return whether it is new. near.place holds the places."""
     if near.skin[0] == 0.0:
-        return
+        return False
     moved = _has_moved(near)
     if not moved and near.stale[0] == 0:
-        return
+        return False
     near.stale[0] = 0
     for k in range(near.flag.shape[0]):
         near.flag[k] = 0 if modes.mode[k] in (MODE_OPEN, MODE_PLAIN) else 1
@@ -146,3 +149,4 @@ def refresh(near, modes):
             near.pair[count] = k
             count += 1
     near.count[0] = count
+    return True

@@ -5,6 +5,7 @@ r = R + rho, rho = A u (Fox 1999 eq 2), d(rho)/d(theta) = (-rho_y, rho_x). Vecto
 
 from __future__ import annotations
 
+import math
 from typing import Any, NamedTuple
 
 from mbs_ref.kernels.jit import bare
@@ -97,6 +98,23 @@ def exchange(work, a, arm_a, b, arm_b, force):
 @bare
 def centre(work, i):
     return pair(kinematics_of(work).pose[i], 0)
+
+
+@bare
+def speed(work, i):
+    motion = kinematics_of(work).motion[i]
+    return math.hypot(motion[0], motion[1])
+
+
+@bare
+def spin(work, i):
+    return abs(kinematics_of(work).motion[i, 2])
+
+
+@bare
+def speed_between(work, a, b):
+    motion = kinematics_of(work).motion
+    return math.hypot(motion[a, 0] - motion[b, 0], motion[a, 1] - motion[b, 1])
 
 
 @bare

@@ -5,10 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
+import numpy as np
+
 from mbs_ref.kernels.border import questions as ask
 from mbs_ref.kernels.border.handles import Model, Work
 from mbs_ref.kernels.jit import jit
-from mbs_ref.kernels.relative.model import redundant_of, told_of
+from mbs_ref.kernels.relative.model import joints_of, redundant_of, told_of
 
 
 @jit
@@ -24,14 +26,19 @@ def _inner_work(model):
 
 
 @jit
+def _position_count(model):
+    return np.min(joints_of(model).v)
+
+
+@jit
 def _root_count(model):
     return ask.root_count(_inner_model(model))
 
 
 @jit
-def _roots(model, work, t, y, g, rate):
+def _roots(model, work, t, y, duration, table):
     ask.tell(model, work, y)
-    ask.roots(_inner_model(model), _inner_work(model), t, told_of(work).state, g, rate)
+    return ask.roots(_inner_model(model), _inner_work(model), t, told_of(work).state, duration, table)
 
 
 @jit
@@ -76,6 +83,7 @@ def take_velocities_over(model, work, told, states):
 
 
 PASSED_ON: dict[str, Callable[..., Any]] = {
+    "position_count": _position_count,
     "root_count": _root_count,
     "roots": _roots,
     "transition": _transition,

@@ -208,6 +208,13 @@ def release_tree(joints, links, bodies, kin, rec, y, dy):
 
 
 @jit
+def relative_planar_position_rate(model, y, rate, out):
+    """Write the rates of lengths and angles at `rate`."""
+    for k in range(out.shape[0]):
+        out[k] = rate[k]
+
+
+@jit
 def take_planar_velocities(model, work, y):
     """Write to y the rates that the velocities in `told` mean, at the places that were last written."""
     joints, links, told, bodies = joints_of(model), links_of(work), told_of(work), bodies_of(_redundant_model(model))

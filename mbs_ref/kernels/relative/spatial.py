@@ -329,6 +329,22 @@ def relative_spatial_derivative(model, work, t, y, dy):
 
 
 @jit
+def relative_spatial_position_rate(model, y, rate, out):
+    """Write the rates of lengths, angles and Euler parameters at `rate`: theta' = theta (0, omega) / 2."""
+    joints = joints_of(model)
+    start = np.min(joints.v)
+    for i in range(joints.kind.shape[0]):
+        q, v, count = joints.q[i], joints.v[i] - start, joints.freedoms[i]
+        k = _theta_of(joints, i)
+        if k >= 0:
+            half = times(0.5, triple(rate, v + k - q))
+            put_parameters(out, k, _composed(parameters(y, k), (0.0, half[0], half[1], half[2])))
+        if joints.kind[i] != SPHERICAL:
+            for c in range(min(count, 3)):
+                out[q + c] = rate[v + c]
+
+
+@jit
 def _theta_of(joints, i):
     """Return the place of a joint's Euler parameters in the state, -1 where it has none."""
     if joints.kind[i] == SPHERICAL:

@@ -19,12 +19,16 @@ from mbs_ref.kernels.contact.laws import (
     RELEASE_CONSTRAINT,
     RELEASE_RIGID,
     ROOTS_EACH,
+    SPEED,
+    TURN,
+    UNKNOWN,
+    VALUE,
     normal_force,
 )
 from mbs_ref.kernels.contact.modes import FRICTION, IMPACT, TOUCH, close, is_broken, next_mode, normal_roots
 from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.rigid import geometry as core
-from mbs_ref.kernels.rigid.contact_forces import find_near, is_behind, is_touching
+from mbs_ref.kernels.rigid.contact_forces import find_near, is_behind, is_touching, norm
 from mbs_ref.kernels.rigid.dynamics import correct_rates, store_solved
 from mbs_ref.kernels.rigid.landing import AT_REST, contact_mass, contact_push, settle_held
 from mbs_ref.kernels.rigid.model import (
@@ -41,8 +45,11 @@ from mbs_ref.kernels.rows import clear
 
 
 @jit
-def contact_roots(model, work, t, y, g, rate):
-    """Fill three functions a contact, and the rate of the first where known, else 0; load the state at y."""
+def contact_roots(model, work, t, y, duration, table):
+    """Fill three functions a contact, load the state at y, and return whether the list of near pairs is new.
+
+    The list covers the last `duration` (s); where that is negative it stays as it is.
+    """
     pairs, laws, modes = contact_pairs_of(model), contact_laws_of(model), contact_modes_of(model)
     near = near_pairs_of(model)
     if _some_constrained(laws, modes):
@@ -50,23 +57,37 @@ def contact_roots(model, work, t, y, g, rate):
         store_solved(work, t, y)  # the step that goes on from here need not ask again
     else:
         core.load_state(model, work, y)
-    find_near(model, work)
-    for i in range(ROOTS_EACH * pairs.kind.shape[0]):
-        g[i] = 1.0
-        rate[i] = 0.0
+    is_new = duration >= 0.0 and find_near(model, work, duration)
     for place in range(near.count[0]):
         k = near.pair[place]
         touch = core.contact_geometry(model, work, k)
         i = ROOTS_EACH * k
         leaving = core.leaving_ends(model, work, k) if touch.beyond > touch.gap else 0.0
         closed = modes.mode[k] == MODE_CLOSED
+        speed = _gap_speed(model, work, k, touch)
+        for c in range(ROOTS_EACH):
+            table[TURN, i + c] = core.spin(work, pairs.a[k]) + core.spin(work, pairs.b[k])
         if closed and laws.release[k] == RELEASE_CONSTRAINT:
-            g[i] = 1.0 - touch.beyond / modes.noise[0]
-            g[i + 1] = contact_push(work, laws, k) / (modes.noise[0] * contact_mass(model, k)) + 1.0
+            table[VALUE, i] = 1.0 - touch.beyond / modes.noise[0]
+            table[SPEED, i] = speed / modes.noise[0]
+            table[VALUE, i + 1] = contact_push(work, laws, k) / (modes.noise[0] * contact_mass(model, k)) + 1.0
+            table[SPEED, i + 1] = UNKNOWN
             continue
-        normal_roots(laws, modes, k, touch.gap, touch.closing, touch.beyond, leaving, g, rate)
+        normal_roots(laws, modes, k, touch.gap, touch.closing, touch.beyond, leaving, speed, table)
         if closed and laws.friction[k] == FRICTION_STICK_SLIP:
-            g[i + 2] = core.grip_margin(model, work, k, touch) + 1.0
+            table[VALUE, i + 2] = core.grip_margin(model, work, k, touch) + 1.0
+            table[SPEED, i + 2] = UNKNOWN
+    return is_new
+
+
+@jit
+def _gap_speed(model, work, k, touch):
+    """Return a bound (m/s) on the rate of a gap and of the excess over open ends."""
+    pairs = contact_pairs_of(model)
+    a, b = pairs.a[k], pairs.b[k]
+    turning = core.spin(work, a) * norm(pairs.center[k])
+    turning += core.spin(work, b) * (norm(touch.arm_b) + pairs.radius[k])
+    return core.speed_between(work, a, b) + turning
 
 
 @jit

@@ -5,6 +5,8 @@ The force acts on both bodies at the point of contact, so momentum is kept to ro
 
 from __future__ import annotations
 
+import numpy as np
+
 from mbs_ref.kernels.contact.laws import MODE_CLOSED, MODE_PLAIN, PAIR_FLAT, RELEASE_FORCE, normal_force
 from mbs_ref.kernels.contact.near_pairs import refresh
 from mbs_ref.kernels.jit import bare, jit
@@ -29,14 +31,25 @@ def is_touching(pairs, laws, modes, k, touch):
 
 
 @jit
-def find_near(model, work):
-    """Bring the list of near pairs up to the pose in `work`."""
+def find_near(model, work, duration):
+    """Let the list of near pairs cover the last `duration` (s) before the pose in `work`; return whether it is new."""
     near = near_pairs_of(model)
     for s in range(near.body.shape[0]):
-        place = core.place_of_mark(work, near.body[s], near.center[s])
+        body = near.body[s]
+        place = core.place_of_mark(work, body, near.center[s])
         for c in range(len(place)):
             near.place[s, c] = place[c]
-    refresh(near, contact_modes_of(model))
+        near.travel[s] = duration * (core.speed(work, body) + core.spin(work, body) * norm(near.center[s]))
+    return refresh(near, contact_modes_of(model))
+
+
+@jit
+def norm(row):
+    """Return the length of a row."""
+    square = 0.0
+    for value in row:
+        square += value * value
+    return np.sqrt(square)
 
 
 @bare
@@ -47,7 +60,7 @@ def rigid_apply_contacts(model, work):
         return
     laws, modes, near = contact_laws_of(model), contact_modes_of(model), near_pairs_of(model)
     if modes.roots[0] == 0 or near.stale[0] == 1:  # while modes are frozen, what touches is in the list already
-        find_near(model, work)
+        find_near(model, work, 0.0)
     for place in range(near.count[0]):
         k = near.pair[place]
         if modes.mode[k] != MODE_CLOSED and modes.mode[k] != MODE_PLAIN:

@@ -7,42 +7,46 @@ rest exactly at d = 0 would chatter.
 
 from __future__ import annotations
 
-from mbs_ref.kernels.contact.laws import ROOTS_EACH
+from mbs_ref.kernels.contact.laws import RATE, ROOTS_EACH, SPEED, TURN, UNKNOWN, VALUE
 from mbs_ref.kernels.contact.modes import ENDLESS, SETTLED, STOP, is_broken, is_endless
 from mbs_ref.kernels.jit import jit
+from mbs_ref.kernels.rigid import geometry as core
 from mbs_ref.kernels.rigid.contact_events import contact_roots, contact_transition, start_contacts
-from mbs_ref.kernels.rigid.geometry import coordinate, load_state
 from mbs_ref.kernels.rigid.model import WATCH_DISTANCE, WATCH_RATE, contact_modes_of, watches_of
-from mbs_ref.kernels.rigid.springs import distance, spring_roots, spring_transition, start_springs
+from mbs_ref.kernels.rigid.springs import distance, distance_speed, spring_roots, spring_transition, start_springs
 
 
 @jit
 def _watched(watches, work, k):
-    """Return the quantity above its value, and its rate where known, else 0."""
+    """Return the quantity above its value, its rate where known, else 0, and a bound on its rate."""
     a = watches.a[k]
     if watches.quantity[k] == WATCH_DISTANCE:
-        place, rate = distance(work, a, watches.b[k], watches.point_a[k], watches.point_b[k])
+        b, point_a, point_b = watches.b[k], watches.point_a[k], watches.point_b[k]
+        place, rate = distance(work, a, b, point_a, point_b)
+        bound = distance_speed(work, a, b, point_a, point_b)
     else:
-        place, rate = coordinate(work, a, watches.component[k])
+        place, rate = core.coordinate(work, a, watches.component[k])
+        bound = max(core.speed(work, a), abs(rate))
         if watches.quantity[k] == WATCH_RATE:
-            place, rate = rate, 0.0
-    return place - watches.value[k], rate
+            place, rate, bound = rate, 0.0, UNKNOWN
+    return place - watches.value[k], rate, bound
 
 
 @jit
-def watch_roots(model, work, g, rate):
+def watch_roots(model, work, table):
     """Fill the functions at the state in `work`."""
     watches, modes = watches_of(model), contact_modes_of(model)
     first = modes.mode.shape[0] - watches.a.shape[0]
     for k in range(watches.a.shape[0]):
         i = ROOTS_EACH * (first + k)
         side = modes.mode[first + k]
-        above, speed = _watched(watches, work, k)
-        g[i] = side * above / modes.noise[0] + 1.0
-        rate[i] = side * speed / modes.noise[0]
-        for extra in (i + 1, i + 2):
-            g[extra] = 1.0
-            rate[extra] = 0.0
+        above, speed, bound = _watched(watches, work, k)
+        table[VALUE, i] = side * above / modes.noise[0] + 1.0
+        table[RATE, i] = side * speed / modes.noise[0]
+        table[SPEED, i] = bound / modes.noise[0] if bound != UNKNOWN else UNKNOWN
+        table[TURN, i] = core.spin(work, watches.a[k])
+        if watches.quantity[k] == WATCH_DISTANCE:
+            table[TURN, i] += core.spin(work, watches.b[k])
 
 
 @jit
@@ -68,7 +72,7 @@ def start_watches(model, work):
     watches, modes = watches_of(model), contact_modes_of(model)
     first = modes.mode.shape[0] - watches.a.shape[0]
     for k in range(watches.a.shape[0]):
-        above, speed = _watched(watches, work, k)
+        above, speed, _ = _watched(watches, work, k)
         modes.mode[first + k] = 1 if above > 0.0 or (above == 0.0 and speed < 0.0) else -1
 
 
@@ -79,11 +83,14 @@ def rigid_root_count(model):
 
 
 @jit
-def rigid_roots(model, work, t, y, g, rate):
-    """Fill g and, where known, its rate, else 0; g > 0 while the frozen modes hold."""
-    contact_roots(model, work, t, y, g, rate)
-    spring_roots(model, work, g, rate)
-    watch_roots(model, work, g, rate)
+def rigid_roots(model, work, t, y, duration, table):
+    """Fill the table of event functions; return whether other pairs than before are near in the last `duration` (s)."""
+    table[:] = 0.0
+    table[VALUE] = 1.0
+    is_new = contact_roots(model, work, t, y, duration, table)
+    spring_roots(model, work, table)
+    watch_roots(model, work, table)
+    return is_new
 
 
 @jit
@@ -132,7 +139,7 @@ def rigid_start_modes(model, work, t, y, located):
     for k in range(modes.mode.shape[0]):
         modes.stamp[k] = -1e300
         modes.burst[k] = 0
-    load_state(model, work, y)
+    core.load_state(model, work, y)
     start_springs(model, work, located)
     if watches_of(model).a.shape[0] > 0:
         start_watches(model, work)

@@ -72,6 +72,21 @@ def coordinate(work, i, component) -> Any:
     """Return a coordinate of body i (m, rad) and its rate."""
 
 
+@supplied
+def speed(work, i) -> Any:
+    """Return how fast the centre of mass of body i moves, m/s."""
+
+
+@supplied
+def spin(work, i) -> Any:
+    """Return how fast body i turns, rad/s."""
+
+
+@supplied
+def speed_between(work, a, b) -> Any:
+    """Return how fast the centres of mass of two bodies move against each other, m/s."""
+
+
 @by_core
 def dot(work, a, b) -> Any:
     """Return the product of two vectors."""

@@ -7,9 +7,21 @@ from __future__ import annotations
 
 import numpy as np
 
-from mbs_ref.kernels.contact.laws import MODE_CLOSED, MODE_LIFTED, MODE_OPEN, MODE_PLAIN, ROOTS_EACH
+from mbs_ref.kernels.contact.laws import (
+    MODE_CLOSED,
+    MODE_LIFTED,
+    MODE_OPEN,
+    MODE_PLAIN,
+    RATE,
+    ROOTS_EACH,
+    SPEED,
+    TURN,
+    UNKNOWN,
+    VALUE,
+)
 from mbs_ref.kernels.jit import bare, jit
 from mbs_ref.kernels.rigid import geometry as core
+from mbs_ref.kernels.rigid.contact_forces import norm
 from mbs_ref.kernels.rigid.model import contact_modes_of, springs_of
 
 
@@ -60,6 +72,12 @@ def distance(work, a, b, point_a, point_b):
 
 
 @bare
+def distance_speed(work, a, b, point_a, point_b):
+    """Return a bound (m/s) on the rate of the distance."""
+    return core.speed_between(work, a, b) + core.spin(work, a) * norm(point_a) + core.spin(work, b) * norm(point_b)
+
+
+@bare
 def _pull(spring, work, k):
     """Return stretch, its rate, and the tension without any clipping."""
     length, rate = distance(work, spring.a[k], spring.b[k], spring.point_a[k], spring.point_b[k])
@@ -68,7 +86,7 @@ def _pull(spring, work, k):
 
 
 @jit
-def spring_roots(model, work, g, rate):
+def spring_roots(model, work, table):
     """Fill the functions of the tension-only springs at the state in `work`."""
     spring, modes = springs_of(model), contact_modes_of(model)
     noise = modes.noise[0]
@@ -79,18 +97,15 @@ def spring_roots(model, work, g, rate):
         mode = modes.mode[spring.place[k]]
         stretch, speed, tension = _pull(spring, work, k)
         slack = noise * (spring.stiffness[k] + spring.damping[k])
-        g[i + 1] = 1.0
-        g[i + 2] = 1.0
-        rate[i + 1] = 0.0
-        rate[i + 2] = 0.0
-        if mode == MODE_OPEN:
-            g[i] = 1.0 - stretch / noise
-            rate[i] = -speed / noise
-        else:
-            g[i] = stretch / noise + 1.0
-            rate[i] = speed / noise
-            if spring.damping[k] > 0.0:
-                g[i + 1] = (tension if mode == MODE_CLOSED else -tension) / slack + 1.0
+        a, b = spring.a[k], spring.b[k]
+        sign = -1.0 if mode == MODE_OPEN else 1.0
+        table[VALUE, i] = sign * stretch / noise + 1.0
+        table[RATE, i] = sign * speed / noise
+        table[SPEED, i] = distance_speed(work, a, b, spring.point_a[k], spring.point_b[k]) / noise
+        table[TURN, i] = table[TURN, i + 1] = core.spin(work, a) + core.spin(work, b)
+        if mode != MODE_OPEN and spring.damping[k] > 0.0:
+            table[VALUE, i + 1] = (tension if mode == MODE_CLOSED else -tension) / slack + 1.0
+            table[SPEED, i + 1] = UNKNOWN
 
 
 @jit

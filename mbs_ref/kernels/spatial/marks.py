@@ -5,6 +5,7 @@ r = R + rho, rho = A u (Fox 1999 eq 2), r' = R' + omega x rho. Vectors are tripl
 
 from __future__ import annotations
 
+import math
 from typing import Any, NamedTuple
 
 from mbs_ref.kernels.jit import bare
@@ -95,6 +96,25 @@ def exchange(work, a, arm_a, b, arm_b, force):
 @bare
 def centre(work, i):
     return triple(kinematics_of(work).position[i], 0)
+
+
+@bare
+def speed(work, i):
+    v = kinematics_of(work).velocity[i]
+    return math.sqrt(dot(v, v))
+
+
+@bare
+def spin(work, i):
+    w = kinematics_of(work).omega[i]
+    return math.sqrt(dot(w, w))
+
+
+@bare
+def speed_between(work, a, b):
+    velocity = kinematics_of(work).velocity
+    v = minus(velocity[a], velocity[b])
+    return math.sqrt(dot(v, v))
 
 
 @bare

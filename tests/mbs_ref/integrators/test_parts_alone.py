@@ -15,6 +15,7 @@ from mbs_ref.integrators.stages import explicit_stages
 from mbs_ref.integrators.stages.gauss_coefficients import STAGES
 from mbs_ref.integrators.stages.gauss_coefficients import gauss as coefficients
 from mbs_ref.integrators.stages.radau_newton import C, guess_stages
+from mbs_ref.kernels.contact.laws import RATE, VALUE
 
 
 @pytest.mark.parametrize(("a", "b"), [(1.0, 1e-17), (1e-17, 1.0), (1e16, 3.3), (0.1, 0.2), (-1.0, 1.0 + 2.0**-52)])
@@ -52,29 +53,6 @@ def test_stages_are_guessed_on_the_cubic_of_the_last_step(ratio, h_last):
     guess_stages.py_func(newton, h_last, ratio * h_last)
     wanted = [[cubic(1.0 + ratio * c) - cubic(1.0)] for c in C]
     np.testing.assert_allclose(newton.z, wanted, rtol=1e-12)
-
-
-@pytest.mark.parametrize("h", [1.0, 0.25])
-@pytest.mark.parametrize(("low", "looked"), [(0.2, False), (-3.0, True)])
-def test_a_step_is_looked_into_where_its_tangents_meet_if_that_is_below_the_root(h, low, looked):
-    """The larger of two lines through low at 0.6 of the step, which are its tangents; in units of roundoff."""
-    falling, rising = (low + 3.0, -5.0), (low - 1.2, 2.0)  # values at 0, slopes
-    ends = falling[0], falling[1] / h, sum(rising), rising[1] / h
-    found = events._dips.py_func(*ends, h)
-    assert found == pytest.approx(0.6 if looked else 1.0, abs=1e-12)
-    table = np.full((6, 3), 1.0)  # three functions: the second meets at 0.6, the third at 0.8 where it does
-    places = [events.AT_LOW, events.RATE_LOW, events.AT_NEW, events.RATE_NEW]
-    table[places, 1] = ends
-    table[places, 2] = low + 4.0, -5.0 / h, low + 0.4, 2.0 / h
-    assert events._earliest_dip.py_func(table, h) == pytest.approx(found, abs=1e-12)
-
-
-def test_a_parabola_above_its_root_is_looked_into_until_its_tangents_meet_above():
-    """g = 1 + 36 (s - 1/2)^2: tangents at both ends of a step meet at 1 - 9, at both ends of its halves above -1.25."""
-    assert events._dips.py_func(10.0, -36.0, 10.0, 36.0, 1.0) == 0.5
-    assert events._dips.py_func(10.0, -36.0, 1.0, 0.0, 0.5) == 1.0  # no rise yet
-    assert events._dips.py_func(3.25, -18.0, 3.25, 18.0, 0.5) == 0.5  # the middle half, down to -1.25
-    assert events._dips.py_func(1.36, -7.2, 1.36, 7.2, 0.2) == 1.0  # its middle fifth
 
 
 @pytest.mark.parametrize(("radii", "touch"), [((0.9, 0.9), True), ((0.8, 0.9), False), ((0.0, 0.0), False)])
@@ -118,14 +96,10 @@ def test_away_from_a_singular_pose_steps_are_as_accuracy_allows_again(natural, t
     assert explicit.resumed.py_func(1.0, natural) == taken
 
 
-@pytest.mark.parametrize(
-    ("change", "known"),
-    [({}, True), ({"verdict": explicit.EVENT}, False), ({"searching": True}, False), ({"projects": True}, False),
-     ({"adaptive": False}, False)],
-)  # fmt: skip
-def test_a_slope_is_evaluated_anew_where_something_may_have_moved_the_state(change, known):
-    of = {"adaptive": True, "projects": False, "searching": False, "verdict": explicit.EVENT + 1} | change
-    assert explicit.is_slope_known.py_func(**of) == known
+@pytest.mark.parametrize(("evaluated", "verdict"), [(1, events.KEEP), (1, events.EVENT), (0, events.KEEP)])
+def test_a_slope_is_evaluated_anew_where_something_may_have_moved_the_state(evaluated, verdict):
+    known = evaluated == 1 and verdict != events.EVENT
+    assert explicit.is_slope_known.py_func(SimpleNamespace(known=[1, evaluated]), verdict) == known
 
 
 def test_two_estimates_make_one_error_as_in_dop853(monkeypatch):
@@ -156,20 +130,29 @@ def test_there_is_room_for_rates_and_multipliers_up_to_the_limit():
         assert len(generalized_alpha._tangent(system, n).pivots) == room  # type: ignore[arg-type]
 
 
+def at(h):
+    """Return the ends of a step of size h of a state that is the time since its start."""
+    return SimpleNamespace(y=[0.0], y_new=[h])
+
+
 @pytest.mark.parametrize("start", [0.0, 1e6])
 def test_an_event_is_located_as_closely_as_the_clock_tells_and_no_closer(monkeypatch, start):
     """The sine of 1 + 70 times the time since a step's start vanishes at (pi - 1) / 70 s."""
 
-    def roots(model, work, t, y, g, rate):
-        g[:] = 1e16 * np.sin(1.0 + 70.0 * y[0])  # in its roundoff
-        rate[:] = 70e16 * np.cos(1.0 + 70.0 * y[0])
+    def roots(model, work, t, y, duration, table):
+        table[VALUE] = 1e16 * np.sin(1.0 + 70.0 * y[0])  # in its roundoff
+        table[RATE] = 70e16 * np.cos(1.0 + 70.0 * y[0])
+
+    def first_open(model, work, t, h, ends, run, low, new):
+        return 1.0 if new[VALUE, 0] < 0.0 else 2.0
 
     monkeypatch.setattr(events, "roots", roots)
-    for name in ("_open_bracket", "_tighten", "_propose", "_falls", "_earliest_dip", "_dips", "_keep", "_copy"):
+    monkeypatch.setattr(events, "first_open", first_open)
+    for name in ("_open_bracket", "_tighten", "_propose", "_falls", "_keep"):
         monkeypatch.setattr(events, name, getattr(events, name).py_func)
-    search, table, h, tries = np.zeros(8), np.zeros((6, 1)), 0.05, 1
-    roots(None, None, start, [0.0], table[events.AT_LOW], table[events.RATE_LOW])
-    while events.watch.py_func(None, None, start, h, [h], search, table) == events.RETRY:
+    search, table, h, tries = np.zeros(8), events.Tables(*np.zeros((3, 4, 1))), 0.05, 1
+    roots(None, None, start, [0.0], 0.0, table.low)
+    while events.watch.py_func(None, None, start, h, at(h), None, search, table) == events.RETRY:
         h, tries = search[events.H_NEXT], tries + 1
     beyond = h - (np.pi - 1.0) / 70.0
     assert -1e-16 < beyond < 2.0 * events.ROUNDOFF * max(start, h)

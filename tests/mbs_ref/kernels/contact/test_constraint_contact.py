@@ -13,9 +13,10 @@ from cross_checks.truths.of.seats import Flight, Shaker, flights
 from cross_checks.truths.truth import Truth
 from mbs_ref import scenes
 from mbs_ref.cores.choice import compile_scene
-from mbs_ref.integrators.loop.events import AT_NEW, RATE_NEW, event_tables, settle
+from mbs_ref.integrators.loop.events import event_tables, settle
 from mbs_ref.integrators.loop.leg import RUNNING, progress
 from mbs_ref.kernels.answers import call_roots
+from mbs_ref.kernels.contact.laws import VALUE
 from mbs_ref.scene import PlanarBody, Scene
 from mbs_ref.scene.contact import CircleOnCircle, CircleOnLine, ConstraintLaw, RegularisedCoulomb
 from mbs_ref.settings import Settings
@@ -62,12 +63,12 @@ def test_a_slope_asked_for_after_the_event_functions_is_that_of_its_own_time_sta
         return -0.02 * 30.0**2 * math.sin(30.0 * t)
 
     for t, state in itertools.product((0.01, 0.02), (y, y + np.array([0.0] * 7 + [1.0] + [0.0] * 4))):
-        call_roots(system.model, system.work, 0.02, y, table[AT_NEW], table[RATE_NEW])
+        call_roots(system.model, system.work, 0.02, y, 0.0, table.new)
         slope = system.derivative(t, state)
         assert slope[1] == state[7]
         assert slope[7] == pytest.approx(held(t), rel=1e-12)
-    call_roots(system.model, system.work, 0.04, y, table[AT_NEW], table[RATE_NEW])
-    assert table[AT_NEW].min() < 0.0  # the seat falls faster than the ball
+    call_roots(system.model, system.work, 0.04, y, 0.0, table.new)
+    assert table.new[VALUE].min() < 0.0  # the seat falls faster than the ball
     assert settle(system.model, system.work, 0.04, y, table, progress(0.04), 9) == RUNNING
     assert system.derivative(0.04, y)[7] == pytest.approx(-9.81, rel=1e-12)
 

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from mbs_ref.cores.choice import compile_scene
-from mbs_ref.integrators.loop.events import AT_NEW, RATE_NEW, event_tables
+from mbs_ref.integrators.loop.events import event_tables
 from mbs_ref.kernels.answers import call_roots
+from mbs_ref.kernels.contact.laws import RATE, SPEED, UNKNOWN, VALUE
 from mbs_ref.scene import PlanarBody, Scene, SpatialBody
 from mbs_ref.scene.contact import CircleOnLine, PinOnSprocket, SphereOnPlane, SpringDamperLaw
 
@@ -91,11 +92,12 @@ def test_the_rate_of_an_event_function_is_its_derivative_along_the_motion(name):
     _, table = event_tables(system.model)
 
     def functions(state: np.ndarray) -> np.ndarray:
-        call_roots(system.model, system.work, 0.0, state, table[AT_NEW], table[RATE_NEW])
-        return table[AT_NEW].copy()
+        call_roots(system.model, system.work, 0.0, state, 0.0, table.new)
+        return table.new[VALUE].copy()
 
     slope = system.derivative(0.0, y)
     difference = (functions(y + STEP * slope) - functions(y - STEP * slope)) / (2.0 * STEP)
     functions(y)
-    assert table[RATE_NEW, 0] != 0.0
-    assert table[RATE_NEW] == pytest.approx(difference, rel=1e-7)
+    assert table.new[RATE, 0] != 0.0
+    assert table.new[RATE] == pytest.approx(difference, rel=1e-7)
+    assert np.all((np.abs(difference) <= table.new[SPEED] * (1.0 + 1e-7)) | (table.new[SPEED] == UNKNOWN))

@@ -42,6 +42,7 @@ def test_the_list_is_made_of_the_pairs_within_the_skin_of_each_other(dimension, 
     near.key[:], near.keyed[:] = one * shapes + two, np.arange(pairs)
     near.reach[:] = random.uniform(0.05, 0.2, shapes)
     near.place[:] = random.uniform(0.0, 1.5, (shapes, dimension))
+    near.last[:] = near.place
     refresh(near, empty(ContactModes, k=pairs + 1))
     gap = np.linalg.norm(near.place[one] - near.place[two], axis=1) - near.reach[one] - near.reach[two]
     wanted = [*np.flatnonzero(gap <= skin), pairs]
