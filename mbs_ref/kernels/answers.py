@@ -31,9 +31,11 @@ from mbs_ref.kernels.rigid import (
     descriptor,
     dynamics,
     events,
+    grips,
     joints,
     loads,
 )
+from mbs_ref.kernels.rigid.model import position_count
 from mbs_ref.kernels.spatial import descriptor as spatial_form
 from mbs_ref.kernels.spatial import dynamics as spatial
 from mbs_ref.kernels.spatial import grips as spatial_grips
@@ -65,8 +67,8 @@ _RIGID: dict[str, dict[str, Callable[..., Any]]] = {  # of bodies and joints, in
         "transition": events.rigid_transition,
         "start_modes": events.rigid_start_modes,
         "contact_mobility": contact_events.rigid_contact_mobility,
-        "settle_grips": contact_events.rigid_settle_grips,
-        "slip_velocities": contact_events.rigid_slip_velocities,
+        "settle_grips": grips.rigid_settle_grips,
+        "slip_velocities": grips.rigid_slip_velocities,
         "apply_contacts": contact_forces.rigid_apply_contacts,
         "fill_contact_rows": contact_rows.rigid_fill_contact_rows,
     },
@@ -74,7 +76,7 @@ _RIGID: dict[str, dict[str, Callable[..., Any]]] = {  # of bodies and joints, in
     OPEN: {"factor": dynamics.rigid_factor_open, "solve": dynamics.rigid_solve_open},
     FORM: {
         "multipliers": dynamics.rigid_multipliers,
-        "position_count": descriptor.rigid_position_count,
+        "position_count": position_count,
         "force_balance": descriptor.rigid_force_balance,
         "answer": descriptor.rigid_answer,
         "row_times": descriptor.rigid_row_times,

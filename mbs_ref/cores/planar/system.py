@@ -41,7 +41,7 @@ class PlanarSystem(JointedSystem):
 
     # --- set-up -----------------------------------------------------------------------------------
 
-    def _scratch(self) -> PlanarScratch:
+    def _scratch(self) -> Any:
         slots, state = len(self.groups.slots.body), 6 * self.n_bodies
         scratch = rigid_scratch(PlanarScratch, self.n_bodies, slots, state, self.groups.loops, rates=3)
         scratch.kinematics.pose[:, 2] = 1.0
@@ -123,16 +123,12 @@ class PlanarSystem(JointedSystem):
 
     def _coordinates(self, body: int, arm: np.ndarray, size: int, first: int) -> PlanarPlace:
         kin = self.scratch.kinematics
-        v, turns = kin.motion[body], body < self.n_bodies and self._rigid[self.groups.bodies.scene_index[body]]
+        v, turns = kin.motion[body], body < self.n_bodies and self.groups.bodies.rigid[body] == 1
         held = body == self.n_bodies
         x, y = (variable(kin.pose[body, c], v[c], 0.0, size, None if held else first + c) for c in range(2))
         angle = variable(v[3], v[2], 0.0, size, first + 2 if turns else None)
         c, s = np.cos(angle), np.sin(angle)
         return PlanarPlace(x + c * arm[0] - s * arm[1], y + s * arm[0] + c * arm[1], angle)
-
-    @cached_property
-    def _rigid(self) -> list[bool]:
-        return [isinstance(body, PlanarBody) for body in self.scene.bodies]
 
     def _arm(self, mark: tuple[float, ...] | None, body: int) -> np.ndarray:
         start: Any = self.scene.bodies[body]

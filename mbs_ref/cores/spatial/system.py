@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -48,7 +49,7 @@ class SpatialSystem(JointedSystem):
 
     # --- set-up -----------------------------------------------------------------------------------
 
-    def _scratch(self) -> SpatialScratch:
+    def _scratch(self) -> Any:
         sticking, state = int(self.groups.contact_pairs.sticking[0]), len(self.initial_state())
         slots, loops = len(self.groups.slots.body), self.groups.loops
         scratch = rigid_scratch(SpatialScratch, self.n_bodies, slots, state, loops, rates=6, n_sticking=sticking)

@@ -12,9 +12,10 @@ import numpy as np
 
 from mbs_ref.kernels.contact.laws import ENDS_CAPPED, ENDS_OPEN, PAIR_FLAT, PAIR_ROUND
 from mbs_ref.kernels.jit import bare
-from mbs_ref.kernels.planar.marks import arm, gap_between, rate_between, separation
-from mbs_ref.kernels.planar.vectors import cross, dot, left, minus, over, plus, times, turn
-from mbs_ref.kernels.rigid.model import contact_pairs_of, kinematics_of, tree_of
+from mbs_ref.kernels.planar.marks import turned
+from mbs_ref.kernels.planar.vectors import cross, dot, left, minus, over, plus, rotated, times
+from mbs_ref.kernels.rigid.marks import gap_between, rate_between
+from mbs_ref.kernels.rigid.model import contact_pairs_of, kinematics_of
 
 
 class Surface(NamedTuple):
@@ -68,7 +69,7 @@ def _through_gap(pairs, k, x, seat):
     """Return the direction outwards through the tooth gap nearest to a pin at x; `seat` points to the first gap."""
     pitch = 2.0 * math.pi / pairs.ends[k]
     angle = pitch * np.round(math.atan2(cross(seat, x), dot(seat, x)) / pitch)
-    return turn(math.cos(angle), math.sin(angle), seat)
+    return rotated(math.cos(angle), math.sin(angle), seat)
 
 
 @bare
@@ -93,11 +94,11 @@ def _in_sprocket(pairs, k, x, seat):
 
 
 @bare
-def _places(pairs, kin, k):
+def _places(pairs, work, k):
     """Return the arms of the circle's centre and of the other shape's origin, and the way from this to that."""
     a, b = pairs.a[k], pairs.b[k]
-    center, origin = arm(kin.pose, a, pairs.center[k]), arm(kin.pose, b, pairs.origin[k])
-    return center, origin, gap_between(kin, b, a, origin, center)
+    center, origin = turned(work, a, pairs.center[k]), turned(work, b, pairs.origin[k])
+    return center, origin, gap_between(work, b, a, origin, center)
 
 
 @bare
@@ -105,13 +106,13 @@ def contact_geometry(model, work, k):
     """Return the Touch of a pair."""
     pairs, kin = contact_pairs_of(model), kinematics_of(work)
     a, b = pairs.a[k], pairs.b[k]
-    center, _, x = _places(pairs, kin, k)
+    center, _, x = _places(pairs, work, k)
     back = pairs.radius[k]
     rolled = 0.0
     if pairs.kind[k] == PAIR_ROUND:
         surface = _on_circle(pairs, k, x)
     else:
-        direction = arm(kin.pose, b, pairs.axes[k, 0])
+        direction = turned(work, b, pairs.axes[k, 0])
         if pairs.kind[k] == PAIR_FLAT:
             surface = _on_line(pairs, k, x, direction)
             rolled = back * (kin.motion[a, 3] - kin.motion[b, 3])
@@ -121,7 +122,7 @@ def contact_geometry(model, work, k):
     n = surface.normal
     arm_a = minus(center, times(back, n))
     arm_b = minus(plus(kin.pose[a], arm_a), kin.pose[b])
-    u = rate_between(kin, b, a, arm_b, arm_a)
+    u = rate_between(work, b, a, arm_b, arm_a)
     slip = n[1] * u[0] - n[0] * u[1]
     return Touch(surface.gap, dot(n, u), surface.beyond, n, slip, surface.along + rolled, arm_a, arm_b)
 
@@ -129,40 +130,17 @@ def contact_geometry(model, work, k):
 @bare
 def leaving_ends(model, work, k):
     """Return the rate (m/s) of the excess over open ends."""
-    pairs, kin = contact_pairs_of(model), kinematics_of(work)
-    center, origin, x = _places(pairs, kin, k)
-    outward = arm(kin.pose, pairs.b[k], pairs.axes[k, 0])
+    pairs = contact_pairs_of(model)
+    center, origin, x = _places(pairs, work, k)
+    outward = turned(work, pairs.b[k], pairs.axes[k, 0])
     if pairs.kind[k] == PAIR_FLAT:
         outward = times(math.copysign(1.0, dot(x, outward)), outward)
     else:
         outward = _through_gap(pairs, k, x, outward)
-    return dot(outward, rate_between(kin, pairs.b[k], pairs.a[k], plus(x, origin), center))
+    return dot(outward, rate_between(work, pairs.b[k], pairs.a[k], plus(x, origin), center))
 
 
 @bare
 def gap_rows(model, touch):
     n = touch.normal
     return (n[0], n[1], cross(touch.arm_a, n)), (-n[0], -n[1], -cross(touch.arm_b, n))
-
-
-@bare
-def gap_response(model, work, k, touch):
-    pairs, n = contact_pairs_of(model), touch.normal
-    (ax, ay), (bx, by), response = touch.arm_a, touch.arm_b, tree_of(work).acceleration
-    a, b = response[pairs.a[k]], response[pairs.b[k]]
-    x = a[0] - ay * a[2] - b[0] + by * b[2]
-    return n[0] * x + n[1] * (a[1] + ax * a[2] - b[1] - bx * b[2])
-
-
-@bare
-def gap_gamma(model, work, k, touch):
-    pairs, kin, n = contact_pairs_of(model), kinematics_of(work), touch.normal
-    a, b = pairs.a[k], pairs.b[k]
-    apart = separation(work, b, a, pairs.origin[k], pairs.center[k])
-    surplus = dot(n, apart.centripetal)
-    if pairs.kind[k] == PAIR_FLAT:
-        wb = kin.motion[b, 2]
-        sweep = cross(n, apart.rate)  # d(n)/d(theta_b) . d_dot
-        return surplus - 2.0 * wb * sweep + wb * wb * dot(n, apart.gap)
-    along = dot(n, apart.rate)
-    return surplus - (dot(apart.rate, apart.rate) - along * along) / np.sqrt(dot(apart.gap, apart.gap))

@@ -40,11 +40,6 @@ def block(model):
 
 
 @jit
-def position_count(model):
-    return 3 * bodies_of(model).mass.shape[0]
-
-
-@jit
 def normalize(model, y):
     pass
 
@@ -55,18 +50,13 @@ def largest_norm_defect(model, work):
 
 
 @jit
-def has_no_rows(model):
-    return False
-
-
-@jit
 def subtract_inertia(model, work, acceleration, load):
     """Write f - M a into load."""
     bodies, force = bodies_of(model), kinematics_of(work).force
     for i in range(bodies.mass.shape[0]):
         load[i, 0] = force[i, 0] - bodies.mass[i] * acceleration[i, 0]
         load[i, 1] = force[i, 1] - bodies.mass[i] * acceleration[i, 1]
-        load[i, 2] = force[i, 2] - bodies.inertia[i] * acceleration[i, 2]
+        load[i, 2] = force[i, 2] - bodies.inertia[i, 0] * acceleration[i, 2]
 
 
 @jit
@@ -141,7 +131,7 @@ def planar_times_mass(model, rate, out):
         k = 3 * bodies.scene_index[i]
         out[k] = bodies.mass[i] * rate[k]
         out[k + 1] = bodies.mass[i] * rate[k + 1]
-        out[k + 2] = bodies.inertia[i] * rate[k + 2]
+        out[k + 2] = bodies.inertia[i, 0] * rate[k + 2]
 
 
 @jit

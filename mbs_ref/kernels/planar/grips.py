@@ -14,7 +14,6 @@ from mbs_ref.kernels.contact.laws import (
     GRIP_FORWARD,
     GRIP_PROBE,
     GRIP_STICK,
-    normal_force,
 )
 from mbs_ref.kernels.jit import bare, jit
 from mbs_ref.kernels.planar.vectors import times
@@ -50,40 +49,23 @@ def slip_of(model, touch):
 
 
 @jit
-def grip_margin(model, work, k, touch):
-    laws, modes = contact_laws_of(model), contact_modes_of(model)
-    if modes.grip[k] == GRIP_STICK:
-        normal = normal_force(laws, modes, k, -touch.gap, -touch.closing)
-        margin = laws.static[k] * normal - abs(_friction(laws, modes, k, normal, touch))
-        return margin / (modes.noise[0] * (laws.grip_stiffness[k] + laws.grip_damping[k]))
-    return modes.grip[k] * touch.slip / modes.noise[0]
+def grip_force(model, work, k, touch, normal):
+    return (_friction(contact_laws_of(model), contact_modes_of(model), k, normal, touch),)
+
+
+@jit
+def ahead(model, k, touch):
+    return contact_modes_of(model).grip[k] * touch.slip
+
+
+@jit
+def has_stopped(model, k, touch):
+    return True
 
 
 @jit
 def start_grip(model, k, touch):
     contact_modes_of(model).anchor[k, 0] = touch.along
-
-
-@jit
-def take_grip(model, y, k, touch):
-    modes = contact_modes_of(model)
-    modes.anchor[k, 0] = touch.along
-    if touch.slip > 0.0:
-        modes.grip[k] = GRIP_FORWARD
-    elif touch.slip < 0.0:
-        modes.grip[k] = GRIP_BACKWARD
-    else:
-        modes.grip[k] = GRIP_STICK
-
-
-@jit
-def change_grip(model, work, k, touch):
-    laws, modes = contact_laws_of(model), contact_modes_of(model)
-    if modes.grip[k] != GRIP_STICK:
-        return True
-    normal = normal_force(laws, modes, k, -touch.gap, -touch.closing)
-    slide_against(model, k, (_friction(laws, modes, k, normal, touch),))
-    return False
 
 
 @jit
@@ -98,5 +80,5 @@ def stick(model, y, k, touch, force):
 
 
 @jit
-def slide_against(model, k, force):
-    contact_modes_of(model).grip[k] = GRIP_BACKWARD if force[0] > 0.0 else GRIP_FORWARD
+def slide_along(model, k, sign, u):
+    contact_modes_of(model).grip[k] = GRIP_BACKWARD if sign * u[0] < 0.0 else GRIP_FORWARD

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from mbs_ref.kernels.jit import bare
-from mbs_ref.kernels.planar.marks import arm
+from mbs_ref.kernels.planar.marks import turned
 from mbs_ref.kernels.planar.model import angle_drives_of, angles_of
 from mbs_ref.kernels.planar.vectors import cross, dot
 from mbs_ref.kernels.rigid.joints import bodies_of_row
+from mbs_ref.kernels.rigid.marks import inward
 from mbs_ref.kernels.rigid.model import CONTROL_MODE_TIME, kinematics_of, rows_of, signals_of, slots_of, world_of
 from mbs_ref.kernels.signals import evaluate
 
@@ -37,21 +38,26 @@ def put_line(work, slot, side, row, e, apart):
 
 
 @bare
-def put_on_body(work, slot, side, row, i, point, e):
-    _place(rows_of(work).jacobian[slot, side], row, e, cross(arm(kinematics_of(work).pose, i, point), e))
+def put_on_body(work, slot, side, row, arm, e):
+    _place(rows_of(work).jacobian[slot, side], row, e, cross(arm, e))
 
 
 @bare
 def fill_plane(work, slot, side, row, a, b, normal, apart):
-    kin, rows = kinematics_of(work), rows_of(work)
-    n, wa = arm(kin.pose, a, normal), kin.motion[a, 2]
-    turning, sweep = cross(n, apart.gap), cross(n, apart.rate)  # d(n)/d(theta_a) . d, and . d_dot
-    gap = dot(n, apart.gap)
+    rows, omega = rows_of(work), kinematics_of(work).motion[a, 2]
+    n = turned(work, a, normal)
+    turning = cross(n, apart.gap)  # d(n)/d(theta_a) . d
     put_line(work, slot, side, row, n, apart)
     rows.jacobian[slot, side, row, 2] += turning
-    rows.residual[slot, row] = gap
-    rows.rate[slot, row] = dot(n, apart.rate) + wa * turning
-    rows.gamma[slot, row] = dot(n, apart.centripetal) - 2.0 * wa * sweep + wa * wa * gap
+    rows.residual[slot, row] = dot(n, apart.gap)
+    rows.rate[slot, row] = dot(n, apart.rate) + omega * turning
+    rows.gamma[slot, row] = surplus_of_turning(work, a, n, apart, dot(n, inward(work, a, b, apart)))
+
+
+@bare
+def surplus_of_turning(work, i, n, apart, surplus):
+    omega = kinematics_of(work).motion[i, 2]
+    return surplus - 2.0 * omega * cross(n, apart.rate) + omega * omega * dot(n, apart.gap)
 
 
 @bare

@@ -49,6 +49,6 @@ def left(a):
 
 
 @bare
-def turn(c, s, u):
+def rotated(c, s, u):
     """Return u turned by an angle of this cosine and sine."""
     return c * u[0] - s * u[1], s * u[0] + c * u[1]

@@ -14,7 +14,7 @@ from mbs_ref.kernels.algebra.turning import cos_sin
 from mbs_ref.kernels.border import questions as ask
 from mbs_ref.kernels.jit import bare, inlined, jit
 from mbs_ref.kernels.planar.core import PlanarModel, PlanarWork
-from mbs_ref.kernels.planar.vectors import left, minus, pair, plus, times, turn
+from mbs_ref.kernels.planar.vectors import left, minus, pair, plus, rotated, times
 from mbs_ref.kernels.relative.model import (
     FREE,
     HELD,
@@ -83,13 +83,13 @@ def _put_joined(joints, links, kin, y, i):
     angle, speed, rate = kin.motion[parent, 3] + joints.offset[i, 0], 0.0, 0.0
     if kind == REVOLUTE:
         angle, rate = angle + y[q], y[v]
-    reach = turn(c, s, joints.arm_of_parent[i])
+    reach = rotated(c, s, joints.arm_of_parent[i])
     _put_pose(kin, i, ORIGIN, 0.0 if kind == HELD else angle)
-    arm = turn(kin.pose[i, 2], kin.pose[i, 3], joints.arm[i])
+    arm = rotated(kin.pose[i, 2], kin.pose[i, 3], joints.arm[i])
     away = minus(ORIGIN, arm)  # from the joint's point to the centre of mass
     slide = ORIGIN
     if kind == PRISMATIC:
-        slide, speed = turn(c, s, joints.axis[i]), y[v]
+        slide, speed = rotated(c, s, joints.axis[i]), y[v]
         reach = plus(reach, times(y[q], slide))
         free[0], free[1], free[2] = slide[0], slide[1], 0.0
     elif kind == REVOLUTE:
@@ -178,7 +178,7 @@ def _release(joints, links, rec, i):
 def _load_blocks(bodies, kin, rec):
     for i in range(bodies.mass.shape[0]):
         a, mass = rec.articulated[i], bodies.mass[i]
-        a[0, 0], a[1, 0], a[1, 1], a[2, 0], a[2, 1], a[2, 2] = mass, 0.0, mass, 0.0, 0.0, bodies.inertia[i]
+        a[0, 0], a[1, 0], a[1, 1], a[2, 0], a[2, 1], a[2, 2] = mass, 0.0, mass, 0.0, 0.0, bodies.inertia[i, 0]
         for c in range(3):
             rec.force[i, c] = kin.force[i, c]
 

@@ -10,7 +10,6 @@ import numpy as np
 from mbs_ref.kernels.border import questions as ask
 from mbs_ref.kernels.contact.laws import (
     FRICTION_STICK_SLIP,
-    GRIP_PROBE,
     GRIP_STICK,
     MODE_BEHIND,
     MODE_CLOSED,
@@ -25,10 +24,11 @@ from mbs_ref.kernels.contact.modes import FRICTION, IMPACT, TOUCH, close, is_bro
 from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.rigid import geometry as core
 from mbs_ref.kernels.rigid.contact_forces import find_near, is_behind, is_touching
+from mbs_ref.kernels.rigid.contact_rows import gap_response
 from mbs_ref.kernels.rigid.dynamics import correct_rates, store_solved
+from mbs_ref.kernels.rigid.grips import change_grip, grip_margin, is_still, probe, take_grip
 from mbs_ref.kernels.rigid.landing import AT_REST, contact_mass, contact_push, settle_held
 from mbs_ref.kernels.rigid.model import (
-    bodies_of,
     contact_laws_of,
     contact_modes_of,
     contact_pairs_of,
@@ -36,7 +36,6 @@ from mbs_ref.kernels.rigid.model import (
     rows_of,
     tree_of,
 )
-from mbs_ref.kernels.rigid.stopped_contacts import holding_forces
 from mbs_ref.kernels.rows import clear
 
 
@@ -66,7 +65,7 @@ def contact_roots(model, work, t, y, g, rate):
             continue
         normal_roots(laws, modes, k, touch.gap, touch.closing, touch.beyond, leaving, g, rate)
         if closed and laws.friction[k] == FRICTION_STICK_SLIP:
-            g[i + 2] = core.grip_margin(model, work, k, touch) + 1.0
+            g[i + 2] = grip_margin(model, work, k, touch) + 1.0
 
 
 @jit
@@ -97,62 +96,15 @@ def contact_transition(model, work, t, y, g, dy):
         if left == IMPACT:
             _impact(model, work, t, y, k)
         elif left == TOUCH:
-            core.take_grip(model, y, k, touch)
-        elif left == FRICTION and core.change_grip(model, work, k, touch):
-            _probe(modes, k)
+            take_grip(model, y, k, touch)
+        elif left == FRICTION and change_grip(model, work, k, touch):
+            probe(modes, k)
             stopped = True
     if held:
         settle_held(model, work, t, y, g)
     if stopped:
         core.stop_together(model, work, y, g)
         ask.settle_grips(model, work, t, y, dy)
-
-
-@jit
-def _probe(modes, k):
-    modes.grip[k] = GRIP_PROBE
-    for c in range(modes.anchor.shape[1]):
-        modes.anchor[k, c] = 0.0
-
-
-@jit
-def rigid_slip_velocities(model, work, y, out):
-    """Fill out (n_contacts, tangents) with the slip velocities (m/s) at y of the contacts under probe."""
-    modes = contact_modes_of(model)
-    core.load_state(model, work, y)
-    for k in range(out.shape[0]):
-        if modes.grip[k] == GRIP_PROBE:
-            slip = core.slip_of(model, core.contact_geometry(model, work, k))
-            for c in range(len(slip)):
-                out[k, c] = slip[c]
-
-
-@jit
-def rigid_settle_grips(model, work, t, y, dy):
-    """Let the stopped contacts stick where mu_s allows what holds them, else slide on against it."""
-    pairs, laws, modes = contact_pairs_of(model), contact_laws_of(model), contact_modes_of(model)
-    count = pairs.kind.shape[0]
-    loads, force = np.zeros(count), np.zeros((count, modes.anchor.shape[1]))
-    core.load_state(model, work, y)
-    for k in range(count):
-        if modes.grip[k] == GRIP_PROBE:
-            touch = core.contact_geometry(model, work, k)
-            loads[k] = max(normal_force(laws, modes, k, -touch.gap, -touch.closing), 0.0)
-    if np.sum(loads) > 0.0:
-        mass = bodies_of(model).mass
-        holding_forces(model, work, t, y, dy, modes, laws.grip_stiffness, pairs.a, pairs.b, mass, loads, force)
-    core.load_state(model, work, y)
-    for k in range(count):
-        if modes.grip[k] != GRIP_PROBE:
-            continue
-        square = 0.0
-        for c in range(force.shape[1]):
-            square += force[k, c] * force[k, c]
-        if np.sqrt(square) <= laws.static[k] * loads[k]:
-            modes.grip[k] = GRIP_STICK
-            core.stick(model, y, k, core.contact_geometry(model, work, k), force[k])
-        else:
-            core.slide_against(model, k, force[k])
 
 
 @jit
@@ -179,20 +131,12 @@ def start_contacts(model, work, t, y, located):
             modes.mode[k] = MODE_BEHIND
         else:
             close(laws, modes, k, max(-touch.closing, 0.0))
-            core.take_grip(model, y, k, touch)
-            if laws.friction[k] == FRICTION_STICK_SLIP and _is_still(core.slip_of(model, touch)):
-                _probe(modes, k)
+            take_grip(model, y, k, touch)
+            if laws.friction[k] == FRICTION_STICK_SLIP and is_still(core.slip_of(model, touch)):
+                probe(modes, k)
                 resting = True
     if resting:
         ask.settle_grips(model, work, t, y, np.empty_like(y))
-
-
-@jit
-def _is_still(slip):
-    fastest = 0.0
-    for speed in slip:
-        fastest = max(fastest, abs(speed))
-    return fastest == 0.0
 
 
 @jit
@@ -210,7 +154,7 @@ def rigid_contact_mobility(model, work, t, y, k):
         tree.load[pairs.b[k], c] += on_b[c]
     clear(rows.gamma)
     ask.solve(model, work, rows.gamma)
-    return core.gap_response(model, work, k, touch)
+    return gap_response(model, work, k, touch)
 
 
 @jit

@@ -9,6 +9,7 @@ from mbs_ref.kernels.contact.laws import MODE_CLOSED, MODE_PLAIN, PAIR_FLAT, REL
 from mbs_ref.kernels.contact.near_pairs import refresh
 from mbs_ref.kernels.jit import bare, jit
 from mbs_ref.kernels.rigid import geometry as core
+from mbs_ref.kernels.rigid.marks import exchange, place_of_mark
 from mbs_ref.kernels.rigid.model import contact_laws_of, contact_modes_of, contact_pairs_of, near_pairs_of
 
 
@@ -33,7 +34,7 @@ def find_near(model, work):
     """Bring the list of near pairs up to the pose in `work`."""
     near = near_pairs_of(model)
     for s in range(near.body.shape[0]):
-        place = core.place_of_mark(work, near.body[s], near.center[s])
+        place = place_of_mark(work, near.body[s], near.center[s])
         for c in range(len(place)):
             near.place[s, c] = place[c]
     refresh(near, contact_modes_of(model))
@@ -56,4 +57,4 @@ def rigid_apply_contacts(model, work):
         if is_touching(pairs, laws, modes, k, touch):
             normal = normal_force(laws, modes, k, -touch.gap, -touch.closing)
             force = core.contact_force(model, work, k, touch, normal)
-            core.exchange(work, pairs.a[k], touch.arm_a, pairs.b[k], touch.arm_b, force)
+            exchange(work, pairs.a[k], touch.arm_a, pairs.b[k], touch.arm_b, force)

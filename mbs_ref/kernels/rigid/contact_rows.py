@@ -5,10 +5,13 @@ The row's multiplier is the force that pulls the bodies together; the contact pu
 
 from __future__ import annotations
 
-from mbs_ref.kernels.contact.laws import MODE_CLOSED
-from mbs_ref.kernels.jit import jit
+import numpy as np
+
+from mbs_ref.kernels.contact.laws import MODE_CLOSED, PAIR_FLAT
+from mbs_ref.kernels.jit import bare, jit
 from mbs_ref.kernels.rigid import geometry as core
-from mbs_ref.kernels.rigid.model import contact_laws_of, contact_modes_of, rows_of
+from mbs_ref.kernels.rigid.marks import inward, separation
+from mbs_ref.kernels.rigid.model import contact_laws_of, contact_modes_of, contact_pairs_of, rows_of, tree_of
 
 
 @jit
@@ -49,4 +52,29 @@ def _fill_contact(model, work, k):
         rows.jacobian[slot, 1, 0, c] = on_b[c]
     rows.residual[slot, 0] = touch.gap
     rows.rate[slot, 0] = touch.closing
-    rows.gamma[slot, 0] = core.gap_gamma(model, work, k, touch)
+    rows.gamma[slot, 0] = gap_gamma(model, work, k, touch)
+
+
+@bare
+def gap_gamma(model, work, k, touch):
+    """Return what the gap's second rate lacks of its rows applied to accelerations, negative (m/s^2)."""
+    pairs, n = contact_pairs_of(model), touch.normal
+    a, b = pairs.a[k], pairs.b[k]
+    apart = separation(work, b, a, pairs.origin[k], pairs.center[k])
+    surplus = core.dot(work, n, inward(work, b, a, apart))
+    if pairs.kind[k] == PAIR_FLAT:
+        return core.surplus_of_turning(work, b, n, apart, surplus)
+    along = core.dot(work, n, apart.rate)
+    across = core.dot(work, apart.rate, apart.rate) - along * along
+    return surplus - across / np.sqrt(core.dot(work, apart.gap, apart.gap))
+
+
+@bare
+def gap_response(model, work, k, touch):
+    """Return the gap's rows applied to the accelerations in the tree."""
+    pairs, acceleration = contact_pairs_of(model), tree_of(work).acceleration
+    on_a, on_b = core.gap_rows(model, touch)
+    total = 0.0
+    for c in range(len(core.block(model))):
+        total += on_a[c] * acceleration[pairs.a[k], c] + on_b[c] * acceleration[pairs.b[k], c]
+    return total

@@ -23,11 +23,6 @@ def load_state(model, work, y) -> Any:
 
 
 @supplied
-def position_count(model) -> Any:
-    """Return how many entries of the state are positions; rates follow."""
-
-
-@supplied
 def normalize(model, y) -> Any:
     """Scale what the state stores beyond the freedoms of its bodies: their poses do not change."""
 
@@ -63,8 +58,18 @@ def centre(work, i) -> Any:
 
 
 @supplied
-def place_of_mark(work, i, point) -> Any:
-    """Return the place (m) of a point of body i."""
+def speed(work, i) -> Any:
+    """Return the velocity of the centre of mass of body i, m/s."""
+
+
+@supplied
+def turned(work, i, u) -> Any:
+    """Return a vector fixed in body i along world axes."""
+
+
+@supplied
+def swing(work, i, arm) -> Any:
+    """Return omega x arm of body i."""
 
 
 @supplied
@@ -83,13 +88,13 @@ def plus(work, a, b) -> Any:
 
 
 @by_core
+def minus(work, a, b) -> Any:
+    """Return the difference of two vectors."""
+
+
+@by_core
 def times(work, factor, a) -> Any:
     """Return a number times a vector."""
-
-
-@supplied
-def rate_seen(work, a, gap, rate) -> Any:
-    """Return the rate (m/s) of a gap as body a sees it."""
 
 
 @by_core
@@ -103,23 +108,8 @@ def over(work, a, divisor) -> Any:
 
 
 @supplied
-def separation(work, a, b, point_a, point_b) -> Any:
-    """Return how a point of body b lies and moves from one of body a: arm_a, arm_b, gap and rate among its fields."""
-
-
-@supplied
-def inward(work, a, b, apart) -> Any:
-    """Return the second rate (m/s^2) of the gap of a separation without the bodies' accelerations, negative."""
-
-
-@supplied
-def rate_along(work, i, point, e) -> Any:
-    """Return the velocity (m/s) of a point of body i along a unit vector."""
-
-
-@supplied
-def acceleration_along(work, i, point, e) -> Any:
-    """Return the acceleration (m/s^2) of a point of body i along a unit vector, without the body's own."""
+def push(work, i, arm, force) -> Any:
+    """Add a force (N) at an arm of body i."""
 
 
 # --- loads ------------------------------------------------------------------------------------------
@@ -159,8 +149,8 @@ def put_line(work, slot, side, row, e, apart) -> Any:
 
 
 @supplied
-def put_on_body(work, slot, side, row, i, point, e) -> Any:
-    """Write the Jacobian of e . r of a point of body i at a fixed unit vector e."""
+def put_on_body(work, slot, side, row, arm, e) -> Any:
+    """Write the Jacobian of e . r of a point at an arm of its body, at a fixed unit vector e."""
 
 
 @supplied
@@ -182,23 +172,43 @@ def block(model) -> Any:
 
 
 @supplied
-def factor_tree(model, work, loops) -> Any:
-    """Factor every body's block and joint, leaf to root, and the closures at their apexes; loops may be None."""
+def start_blocks(model, work) -> Any:
+    """Set every articulated block to the body's own mass and inertia."""
 
 
 @supplied
-def solve_tree(model, work, loops, gamma, acceleration, multiplier) -> Any:
-    """Solve with the tree's load and the rows' right-hand side gamma; loops may be None."""
+def factor_body(model, work, i) -> Any:
+    """Factor the block of body i, and J M^-1 J^T of its joint."""
+
+
+@supplied
+def condense_body(model, work, i, parent) -> Any:
+    """Add K^T S^-1 K of body i to its parent's block."""
+
+
+@supplied
+def solve_free(model, work, i, gamma, multiplier) -> Any:
+    """Compute M^-1 f of body i, and the multipliers S^-1 (J M^-1 f - gamma) of its joint."""
+
+
+@supplied
+def condense_load(model, work, i, multiplier, load) -> Any:
+    """Subtract K^T of the multipliers of body i from its parent's load."""
+
+
+@supplied
+def add_parent(model, work, i, acceleration, multiplier) -> Any:
+    """Add S^-1 K a of its parent's acceleration to the multipliers of body i."""
+
+
+@supplied
+def accelerate_body(model, work, i, multiplier, out) -> Any:
+    """Write M^-1 (f - J^T lambda) of body i."""
 
 
 @supplied
 def subtract_inertia(model, work, acceleration, load) -> Any:
     """Write f - M a into load (n + 1, rates)."""
-
-
-@supplied
-def has_no_rows(model) -> Any:
-    """Return whether no body has a constraint row."""
 
 
 @supplied
@@ -230,13 +240,8 @@ def gap_rows(model, touch) -> Any:
 
 
 @supplied
-def gap_response(model, work, k, touch) -> Any:
-    """Return the gap's rows applied to the accelerations in the tree."""
-
-
-@supplied
-def gap_gamma(model, work, k, touch) -> Any:
-    """Return what the gap's second rate lacks of its rows applied to accelerations, negative (m/s^2)."""
+def surplus_of_turning(work, i, n, apart, surplus) -> Any:
+    """Return `surplus` without what the turning of n, fixed in body i, adds to the second rate of n . gap."""
 
 
 @supplied
@@ -245,33 +250,28 @@ def contact_force(model, work, k, touch, normal) -> Any:
 
 
 @supplied
-def exchange(work, a, arm_a, b, arm_b, force) -> Any:
-    """Add a force (N) at an arm of body a, and its opposite at an arm of body b."""
-
-
-@supplied
 def slip_of(model, touch) -> Any:
     """Return the slip velocities (m/s) of a on b along the tangents."""
 
 
 @supplied
-def grip_margin(model, work, k, touch) -> Any:
-    """Return how far friction is from the end of its mode, in units of its roundoff."""
+def grip_force(model, work, k, touch, normal) -> Any:
+    """Return stick-slip friction (tangents,) on body a in the frozen mode, N."""
+
+
+@supplied
+def ahead(model, k, touch) -> Any:
+    """Return the slip velocity (m/s) along what is frozen; sliding goes on while it is positive."""
+
+
+@supplied
+def has_stopped(model, k, touch) -> Any:
+    """Return whether a contact that no longer slides as frozen is at rest; else let it slide as it does now."""
 
 
 @supplied
 def start_grip(model, k, touch) -> Any:
     """Let contact k stick, unloaded, before anything is known of it."""
-
-
-@supplied
-def take_grip(model, y, k, touch) -> Any:
-    """Slide where there is a slip velocity; stick, unloaded, where there is none."""
-
-
-@supplied
-def change_grip(model, work, k, touch) -> Any:
-    """End a mode of friction; return whether the contact has stopped and is to be probed."""
 
 
 @supplied
@@ -285,5 +285,5 @@ def stick(model, y, k, touch, force) -> Any:
 
 
 @supplied
-def slide_against(model, k, force) -> Any:
-    """Let contact k slide against the friction `force` (tangents,) on body a, N."""
+def slide_along(model, k, sign, u) -> Any:
+    """Let contact k slide in the direction of a sign times u (tangents,)."""

@@ -12,6 +12,7 @@ from mbs_ref.kernels.border.calls import call_user
 from mbs_ref.kernels.border.questions import fill_contact_rows
 from mbs_ref.kernels.jit import bare, jit
 from mbs_ref.kernels.rigid import geometry as core
+from mbs_ref.kernels.rigid.marks import inward, separation
 from mbs_ref.kernels.rigid.model import (
     CONTROL_MODE_TIME,
     distances_of,
@@ -38,9 +39,9 @@ def _fill_points(model, work):
     joint, slots, rows = points_of(model), slots_of(model), rows_of(work)
     for k in range(joint.slot.shape[0]):
         slot, row, side, a, b = bodies_of_row(slots, joint, k)
-        apart = core.separation(work, a, b, joint.point_a[k], joint.point_b[k])
+        apart = separation(work, a, b, joint.point_a[k], joint.point_b[k])
         core.put_point(work, slot, side, row, apart)
-        surplus = core.inward(work, a, b, apart)
+        surplus = inward(work, a, b, apart)
         for c in range(len(surplus)):
             rows.residual[slot, row + c] = apart.gap[c]
             rows.rate[slot, row + c] = apart.rate[c]
@@ -52,7 +53,7 @@ def _fill_planes(model, work):
     joint, slots = planes_of(model), slots_of(model)
     for k in range(joint.slot.shape[0]):
         slot, row, side, a, b = bodies_of_row(slots, joint, k)
-        apart = core.separation(work, a, b, joint.point_a[k], joint.point_b[k])
+        apart = separation(work, a, b, joint.point_a[k], joint.point_b[k])
         core.fill_plane(work, slot, side, row, a, b, joint.normal[k], apart)
 
 
@@ -61,7 +62,7 @@ def _fill_distances(model, work):
     joint, slots, rows = distances_of(model), slots_of(model), rows_of(work)
     for k in range(joint.slot.shape[0]):
         slot, row, side, a, b = bodies_of_row(slots, joint, k)
-        apart = core.separation(work, a, b, joint.point_a[k], joint.point_b[k])
+        apart = separation(work, a, b, joint.point_a[k], joint.point_b[k])
         length = np.sqrt(core.dot(work, apart.gap, apart.gap))
         e = core.over(work, apart.gap, length)
         along = core.dot(work, e, apart.rate)
@@ -69,7 +70,7 @@ def _fill_distances(model, work):
         rows.residual[slot, row] = length - joint.length[k]
         rows.rate[slot, row] = along
         across = core.dot(work, apart.rate, apart.rate) - along * along
-        rows.gamma[slot, row] = core.dot(work, e, core.inward(work, a, b, apart)) - across / length
+        rows.gamma[slot, row] = core.dot(work, e, inward(work, a, b, apart)) - across / length
 
 
 @bare
@@ -81,11 +82,14 @@ def _fill_drives(model, work, t):
         slot, row, side, e = drive.slot[k], drive.row[k], drive.side[k], drive.direction[k]
         i = slots.body[slot, side]
         value, rate, curvature = evaluate(signals, drive.signal[k], t, mode_time)
-        core.put_on_body(work, slot, side, row, i, drive.point[k], e)
-        place = core.dot(work, e, core.place_of_mark(work, i, drive.point[k]))
-        rows.residual[slot, row] = place - drive.start[k] - value
-        rows.rate[slot, row] = core.rate_along(work, i, drive.point[k], e) - rate
-        rows.gamma[slot, row] = curvature - core.acceleration_along(work, i, drive.point[k], e)
+        arm = core.turned(work, i, drive.point[k])
+        swing = core.swing(work, i, arm)
+        core.put_on_body(work, slot, side, row, arm, e)
+        rows.residual[slot, row] = (
+            core.dot(work, e, core.plus(work, core.centre(work, i), arm)) - drive.start[k] - value
+        )
+        rows.rate[slot, row] = core.dot(work, e, core.plus(work, core.speed(work, i), swing)) - rate
+        rows.gamma[slot, row] = curvature - core.dot(work, e, core.swing(work, i, swing))
 
 
 @jit

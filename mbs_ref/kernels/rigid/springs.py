@@ -10,6 +10,7 @@ import numpy as np
 from mbs_ref.kernels.contact.laws import MODE_CLOSED, MODE_LIFTED, MODE_OPEN, MODE_PLAIN, ROOTS_EACH
 from mbs_ref.kernels.jit import bare, jit
 from mbs_ref.kernels.rigid import geometry as core
+from mbs_ref.kernels.rigid.marks import exchange, rate_seen, separation
 from mbs_ref.kernels.rigid.model import contact_modes_of, springs_of
 
 
@@ -32,13 +33,13 @@ def apply_springs(model, work):
     spring, modes = springs_of(model), contact_modes_of(model)
     for k in range(spring.a.shape[0]):
         a, b = spring.a[k], spring.b[k]
-        apart = core.separation(work, a, b, spring.point_a[k], spring.point_b[k])
+        apart = separation(work, a, b, spring.point_a[k], spring.point_b[k])
         gap, rate, arm_a = apart.gap, apart.rate, apart.arm_a
         length = np.sqrt(core.dot(work, gap, gap))
         stretch = length - spring.rest_length[k]
         if spring.isotropic[k] == 1:
             # against body a's matter at b's mark, where both forces act
-            rate, arm_a = core.rate_seen(work, a, gap, rate), core.plus(work, arm_a, gap)
+            rate, arm_a = rate_seen(work, a, gap, rate), core.plus(work, arm_a, gap)
             elastic = core.times(work, spring.stiffness[k], gap)
             force = core.plus(work, elastic, core.times(work, spring.damping[k], rate))
         elif length == 0.0:
@@ -48,13 +49,13 @@ def apply_springs(model, work):
             if is_slack(modes, spring.place[k], stretch, tension):
                 tension = 0.0
             force = core.pull(work, tension, gap, length)
-        core.exchange(work, a, arm_a, b, apart.arm_b, force)
+        exchange(work, a, arm_a, b, apart.arm_b, force)
 
 
 @bare
 def distance(work, a, b, point_a, point_b):
     """Return the distance (m) of a point of body a from one of body b, and its rate, 0 where they coincide."""
-    apart = core.separation(work, a, b, point_a, point_b)
+    apart = separation(work, a, b, point_a, point_b)
     length = np.sqrt(core.dot(work, apart.gap, apart.gap))
     return length, core.dot(work, apart.gap, apart.rate) / length if length > 0.0 else 0.0
 

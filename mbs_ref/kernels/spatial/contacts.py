@@ -8,13 +8,11 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
-import numpy as np
-
 from mbs_ref.kernels.contact.laws import ENDS_CAPPED, ENDS_OPEN, PAIR_FLAT
 from mbs_ref.kernels.jit import bare
-from mbs_ref.kernels.rigid.model import contact_pairs_of, kinematics_of, tree_of
-from mbs_ref.kernels.spatial.marks import inward, separation
-from mbs_ref.kernels.spatial.vectors import cross, dot, minus, over, plus, times, triple, turn
+from mbs_ref.kernels.rigid.marks import rate_between
+from mbs_ref.kernels.rigid.model import contact_pairs_of, kinematics_of
+from mbs_ref.kernels.spatial.vectors import cross, dot, minus, over, plus, times, turn
 
 
 class Touch(NamedTuple):
@@ -80,8 +78,7 @@ def contact_geometry(model, work, k):
         gap, n, beyond = _on_sphere(pairs, k, x, n)
     on_a = minus(c, times(pairs.radius[k], n))
     on_b = plus(apart, on_a)
-    u = plus(kin.velocity[a], cross(kin.omega[a], on_a))
-    u = minus(minus(u, kin.velocity[b]), cross(kin.omega[b], on_b))
+    u = rate_between(work, b, a, on_b, on_a)
     closing = dot(n, u)
     return Touch(gap, closing, beyond, n, minus(u, times(closing, n)), on_a, on_b, e, f)
 
@@ -105,24 +102,3 @@ def leaving_ends(model, work, k):
 def gap_rows(model, touch):
     n, p, q = touch.normal, cross(touch.arm_a, touch.normal), cross(touch.arm_b, touch.normal)
     return (n[0], n[1], n[2], p[0], p[1], p[2]), (-n[0], -n[1], -n[2], -q[0], -q[1], -q[2])
-
-
-@bare
-def gap_response(model, work, k, touch):
-    pairs, n, response = contact_pairs_of(model), touch.normal, tree_of(work).acceleration
-    p, q = cross(touch.arm_a, n), cross(touch.arm_b, n)
-    x, z = response[pairs.a[k]], response[pairs.b[k]]
-    return dot(n, x) + dot(p, triple(x, 3)) - dot(n, z) - dot(q, triple(z, 3))
-
-
-@bare
-def gap_gamma(model, work, k, touch):
-    pairs, kin, n = contact_pairs_of(model), kinematics_of(work), touch.normal
-    a, b = pairs.a[k], pairs.b[k]
-    apart = separation(work, b, a, pairs.origin[k], pairs.center[k])
-    surplus = dot(n, inward(work, b, a, apart))
-    if pairs.kind[k] == PAIR_FLAT:
-        turning = cross(kin.omega[b], n)
-        return surplus - 2.0 * dot(turning, apart.rate) - dot(cross(kin.omega[b], turning), apart.gap)
-    along = dot(n, apart.rate)
-    return surplus - (dot(apart.rate, apart.rate) - along * along) / np.sqrt(dot(apart.gap, apart.gap))

@@ -26,16 +26,6 @@ def block(model):
 
 
 @jit
-def position_count(model):
-    """Return the entries of the state that are positions and orientations; rates follow."""
-    rigid = bodies_of(model).rigid
-    total = 0
-    for i in range(rigid.shape[0]):
-        total += 7 if rigid[i] == 1 else 3
-    return total
-
-
-@jit
 def subtract_inertia(model, work, acceleration, load):
     """Write f - M a into load."""
     bodies, kin = bodies_of(model), kinematics_of(work)
@@ -161,12 +151,3 @@ def normalize(model, y):
     for i in range(bodies.mass.shape[0]):
         if bodies.rigid[i] == 1:
             turn_theta(y, bodies.q[i] + 3, (0.0, 0.0, 0.0))
-
-
-@jit
-def has_no_rows(model):
-    alone = bodies_of(model).alone
-    count = 0
-    for i in range(alone.shape[0]):
-        count += alone[i]
-    return count == alone.shape[0]

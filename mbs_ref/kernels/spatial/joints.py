@@ -11,9 +11,10 @@ import numpy as np
 
 from mbs_ref.kernels.jit import bare
 from mbs_ref.kernels.rigid.joints import bodies_of_row
+from mbs_ref.kernels.rigid.marks import inward
 from mbs_ref.kernels.rigid.model import CONTROL_MODE_TIME, kinematics_of, rows_of, signals_of, slots_of, world_of
 from mbs_ref.kernels.signals import evaluate
-from mbs_ref.kernels.spatial.marks import inward, mark
+from mbs_ref.kernels.spatial.marks import swing, turned
 from mbs_ref.kernels.spatial.model import products_of, turns_of, wheels_of
 from mbs_ref.kernels.spatial.vectors import cross, dot, minus, negative, over, plus, times, triple, turn
 
@@ -88,21 +89,25 @@ def put_line(work, slot, side, row, e, apart):
 
 
 @bare
-def put_on_body(work, slot, side, row, i, point, e):
-    _place(rows_of(work).jacobian[slot, side], row, e, cross(turn(kinematics_of(work).turned[i], point), e))
+def put_on_body(work, slot, side, row, arm, e):
+    _place(rows_of(work).jacobian[slot, side], row, e, cross(arm, e))
 
 
 @bare
 def fill_plane(work, slot, side, row, a, b, normal, apart):
     """d(n . d)/dt = (omega_a x n) . d + n . d_dot."""
-    kin, rows = kinematics_of(work), rows_of(work)
-    n, turning = mark(kin, a, normal)
-    d, rate, surplus = apart.gap, apart.rate, negative(inward(work, a, b, apart))
-    _place(rows.jacobian[slot, side], row, negative(n), cross(n, plus(d, apart.arm_a)))
+    rows, n, gap = rows_of(work), turned(work, a, normal), apart.gap
+    _place(rows.jacobian[slot, side], row, negative(n), cross(n, plus(gap, apart.arm_a)))
     _place(rows.jacobian[slot, 1 - side], row, n, cross(apart.arm_b, n))
-    rows.residual[slot, row] = dot(n, d)
-    rows.rate[slot, row] = dot(turning, d) + dot(n, rate)
-    rows.gamma[slot, row] = -(dot(cross(kin.omega[a], turning), d) + 2.0 * dot(turning, rate) + dot(n, surplus))
+    rows.residual[slot, row] = dot(n, gap)
+    rows.rate[slot, row] = dot(swing(work, a, n), gap) + dot(n, apart.rate)
+    rows.gamma[slot, row] = surplus_of_turning(work, a, n, apart, dot(n, inward(work, a, b, apart)))
+
+
+@bare
+def surplus_of_turning(work, i, n, apart, surplus):
+    turning = swing(work, i, n)
+    return surplus - (dot(swing(work, i, turning), apart.gap) + 2.0 * dot(turning, apart.rate))
 
 
 @bare
@@ -139,8 +144,8 @@ def fill_wheels(model, work):
     for k in range(wheel.slot.shape[0]):
         slot, first = wheel.slot[k], wheel.row[k]
         body, radius, normal = slots.body[slot, wheel.side[k]], wheel.radius[k], triple(wheel.frame[k, 2], 0)
-        arm, arm_rate = mark(kin, body, wheel.centre[k])
-        axis, turning = mark(kin, body, wheel.axis[k])
+        arm, axis = turned(work, body, wheel.centre[k]), turned(work, body, wheel.axis[k])
+        arm_rate, turning = swing(work, body, arm), swing(work, body, axis)
         share = dot(normal, axis)
         up = minus(normal, times(share, axis))
         rise = np.sqrt(dot(up, up))
