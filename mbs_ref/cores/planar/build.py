@@ -8,8 +8,9 @@ from typing import Any
 import numpy as np
 
 from mbs_ref.cores.builder import Builder, Place, assembled, floats, ints, table
+from mbs_ref.kernels.border.groups import empty
 from mbs_ref.kernels.planar import model as arrays
-from mbs_ref.kernels.rigid.model import Forces
+from mbs_ref.kernels.rigid.model import Forces, TorsionSprings
 from mbs_ref.scene import Force, PlanarBody, PointMass, Scene, Torque, TorsionSpring
 
 _HELD_INERTIA = 1.0  # kg m^2 in the idle third slot of a point mass: nothing ever turns it
@@ -61,11 +62,11 @@ def _force_parts(build: _Builder, load: Force | Torque) -> tuple[np.ndarray, np.
     return build.point(load.body, load.point), turned, int(follows), 0.0
 
 
-def _torsion_springs(build: _Builder) -> arrays.TorsionSprings:
+def _torsion_springs(build: _Builder) -> TorsionSprings:
     loads = [x for x in build.scene.loads if isinstance(x, TorsionSpring)]
     initial = [build.angle(x.body_b) - build.angle(x.body_a) for x in loads]
     rest = [i if x.rest_angle is None else x.rest_angle for i, x in zip(initial, loads, strict=True)]
-    return arrays.TorsionSprings(
+    return empty(TorsionSprings, k=len(loads))._replace(
         a=ints([build.body(x.body_a) for x in loads]),
         b=ints([build.body(x.body_b) for x in loads]),
         stiffness=floats(x.stiffness for x in loads),

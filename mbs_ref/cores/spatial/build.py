@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from mbs_ref.cores.builder import Builder, Place, assembled, floats, ints, table
-from mbs_ref.kernels.rigid.model import Forces
+from mbs_ref.kernels.rigid.model import Forces, TorsionSprings
 from mbs_ref.kernels.spatial import model as arrays
 from mbs_ref.scene import Bushing, Force, Scene, SpatialBody, TorqueVector, TorsionSpring
 from mbs_ref.scene.base.directions import normals, unit
@@ -57,17 +57,18 @@ def _ends(build: _Builder, loads: list[Any]) -> tuple[np.ndarray, np.ndarray]:
     return ints([build.body(x.body_a) for x in loads]), ints([build.body(x.body_b) for x in loads])
 
 
-def _torsion_springs(build: _Builder) -> arrays.TorsionSprings:
+def _torsion_springs(build: _Builder) -> TorsionSprings:
     loads = [x for x in build.scene.loads if isinstance(x, TorsionSpring)]
     frames = [normals(x.axis) for x in loads]
-    return arrays.TorsionSprings(
+    pairs = list(zip(loads, frames, strict=True))
+    return TorsionSprings(
         *_ends(build, loads),
-        table([build.direction(x.body_a, f[0]) for x, f in zip(loads, frames, strict=True)], 3),
-        table([build.direction(x.body_a, f[1]) for x, f in zip(loads, frames, strict=True)], 3),
-        table([build.direction(x.body_b, f[0]) for x, f in zip(loads, frames, strict=True)], 3),
-        floats(x.stiffness for x in loads),
-        floats(x.damping for x in loads),
-        floats(x.rest_angle or 0.0 for x in loads),
+        stiffness=floats(x.stiffness for x in loads),
+        damping=floats(x.damping for x in loads),
+        rest_angle=floats(x.rest_angle or 0.0 for x in loads),
+        zero=table([build.direction(x.body_a, f[0]) for x, f in pairs], 3),
+        quarter=table([build.direction(x.body_a, f[1]) for x, f in pairs], 3),
+        mark=table([build.direction(x.body_b, f[0]) for x, f in pairs], 3),
     )
 
 

@@ -14,6 +14,7 @@ from mbs_ref.kernels.contact.laws import ENDS_CAPPED, ENDS_OPEN, PAIR_FLAT, PAIR
 from mbs_ref.kernels.jit import bare
 from mbs_ref.kernels.planar.marks import turned
 from mbs_ref.kernels.planar.vectors import cross, dot, left, minus, over, plus, rotated, times
+from mbs_ref.kernels.rigid.geometry import Touch
 from mbs_ref.kernels.rigid.marks import gap_between, rate_between
 from mbs_ref.kernels.rigid.model import contact_pairs_of, kinematics_of
 
@@ -25,19 +26,6 @@ class Surface(NamedTuple):
     normal: Any  # outwards, a pair along world axes
     beyond: Any  # m, excess over open ends
     along: Any  # m, place along a line
-
-
-class Touch(NamedTuple):
-    """Where and how two shapes meet; vectors are pairs along world axes."""
-
-    gap: Any  # m
-    closing: Any  # m/s, the gap's rate
-    beyond: Any  # m, excess over open ends
-    normal: Any  # from b to a; the tangent is the normal turned by -90 degrees
-    slip: Any  # m/s, of a on b along the tangent
-    along: Any  # m, rolled and slid along a line: what a sticking contact keeps
-    arm_a: Any  # m, from the centre of mass of a to the point of contact
-    arm_b: Any  # m
 
 
 @bare
@@ -124,7 +112,7 @@ def contact_geometry(model, work, k):
     arm_b = minus(plus(kin.pose[a], arm_a), kin.pose[b])
     u = rate_between(work, b, a, arm_b, arm_a)
     slip = n[1] * u[0] - n[0] * u[1]
-    return Touch(surface.gap, dot(n, u), surface.beyond, n, slip, surface.along + rolled, arm_a, arm_b)
+    return Touch(surface.gap, dot(n, u), surface.beyond, n, slip, arm_a, arm_b, surface.along + rolled)
 
 
 @bare

@@ -11,7 +11,7 @@ from mbs_ref.kernels.planar.model import PlanarGroups, PlanarScratch
 from mbs_ref.kernels.rigid import geometry
 
 
-@handle_of(PlanarGroups, dimension=2, tangents=1, turns=1, moments=1)
+@handle_of(PlanarGroups, dimension=2, tangents=1, axes=0, turns=1, moments=1)
 class PlanarModel(NamedTuple):
     address: int
 

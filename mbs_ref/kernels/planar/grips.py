@@ -7,16 +7,8 @@ from __future__ import annotations
 
 import math
 
-from mbs_ref.kernels.contact.laws import (
-    FRICTION_NONE,
-    FRICTION_SMOOTH,
-    GRIP_BACKWARD,
-    GRIP_FORWARD,
-    GRIP_PROBE,
-    GRIP_STICK,
-)
+from mbs_ref.kernels.contact.laws import FRICTION_SMOOTH, GRIP_BACKWARD, GRIP_FORWARD, GRIP_PROBE, GRIP_STICK
 from mbs_ref.kernels.jit import bare, jit
-from mbs_ref.kernels.planar.vectors import times
 from mbs_ref.kernels.rigid.model import contact_laws_of, contact_modes_of
 
 
@@ -27,20 +19,16 @@ def _friction(laws, modes, k, normal, touch):
         return -laws.coefficient[k] * normal * math.tanh(touch.slip / laws.creep[k])
     grip = modes.grip[k]
     if grip == GRIP_STICK:
-        return -laws.grip_stiffness[k] * (touch.along - modes.anchor[k, 0]) - laws.grip_damping[k] * touch.slip
+        return -laws.grip_stiffness[k] * (touch.held - modes.anchor[k, 0]) - laws.grip_damping[k] * touch.slip
     if grip == GRIP_PROBE:
         return modes.anchor[k, 0]
     return -laws.coefficient[k] * normal * grip
 
 
 @bare
-def contact_force(model, work, k, touch, normal):
-    laws, modes = contact_laws_of(model), contact_modes_of(model)
-    force = times(normal, touch.normal)
-    if laws.friction[k] != FRICTION_NONE:
-        tangential = _friction(laws, modes, k, normal, touch)
-        force = (force[0] + tangential * touch.normal[1], force[1] - tangential * touch.normal[0])
-    return force
+def friction_force(model, work, k, touch, normal):
+    tangential = _friction(contact_laws_of(model), contact_modes_of(model), k, normal, touch)
+    return tangential * touch.normal[1], -tangential * touch.normal[0]
 
 
 @bare
@@ -65,7 +53,7 @@ def has_stopped(model, k, touch):
 
 @jit
 def start_grip(model, k, touch):
-    contact_modes_of(model).anchor[k, 0] = touch.along
+    contact_modes_of(model).anchor[k, 0] = touch.held
 
 
 @jit
@@ -76,7 +64,7 @@ def stop_together(model, work, y, g):
 @jit
 def stick(model, y, k, touch, force):
     laws, modes = contact_laws_of(model), contact_modes_of(model)
-    modes.anchor[k, 0] = touch.along + force[0] / laws.grip_stiffness[k]
+    modes.anchor[k, 0] = touch.held + force[0] / laws.grip_stiffness[k]
 
 
 @jit

@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 from mbs_ref.kernels.jit import bare
-from mbs_ref.kernels.planar.marks import turned
 from mbs_ref.kernels.planar.model import angle_drives_of, angles_of
 from mbs_ref.kernels.planar.vectors import cross, dot
 from mbs_ref.kernels.rigid.joints import bodies_of_row
-from mbs_ref.kernels.rigid.marks import inward
 from mbs_ref.kernels.rigid.model import CONTROL_MODE_TIME, kinematics_of, rows_of, signals_of, slots_of, world_of
 from mbs_ref.kernels.signals import evaluate
 
@@ -43,15 +41,14 @@ def put_on_body(work, slot, side, row, arm, e):
 
 
 @bare
-def fill_plane(work, slot, side, row, a, b, normal, apart):
-    rows, omega = rows_of(work), kinematics_of(work).motion[a, 2]
-    n = turned(work, a, normal)
-    turning = cross(n, apart.gap)  # d(n)/d(theta_a) . d
+def put_plane(work, slot, side, row, n, apart):
     put_line(work, slot, side, row, n, apart)
-    rows.jacobian[slot, side, row, 2] += turning
-    rows.residual[slot, row] = dot(n, apart.gap)
-    rows.rate[slot, row] = dot(n, apart.rate) + omega * turning
-    rows.gamma[slot, row] = surplus_of_turning(work, a, n, apart, dot(n, inward(work, a, b, apart)))
+    rows_of(work).jacobian[slot, side, row, 2] += cross(n, apart.gap)
+
+
+@bare
+def rate_of_turning(work, i, n, gap):
+    return kinematics_of(work).motion[i, 2] * cross(n, gap)
 
 
 @bare

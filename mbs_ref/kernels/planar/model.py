@@ -33,17 +33,7 @@ class AngleDrives(NamedTuple):
     signal: Annotated[Ints, "k"]
 
 
-class TorsionSprings(NamedTuple):
-    a: Annotated[Ints, "k"]
-    b: Annotated[Ints, "k"]
-    stiffness: Annotated[Floats, "k"]  # N m/rad
-    damping: Annotated[Floats, "k"]  # N m s/rad
-    rest_angle: Annotated[Floats, "k"]  # rad
-
-
-PlanarGroups = joined(
-    "PlanarGroups", shared.GROUPS, angles=Angles, angle_drives=AngleDrives, torsion_springs=TorsionSprings
-)
+PlanarGroups = joined("PlanarGroups", shared.GROUPS, angles=Angles, angle_drives=AngleDrives)
 angles_of = accessor("angles")
 angle_drives_of = accessor("angle_drives")
 

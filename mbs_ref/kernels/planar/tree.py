@@ -49,7 +49,7 @@ def start_blocks(model, work):
 
 
 @placed
-def factor_body(model, work, i):
+def factor_body(model, work, i, parent):
     tree, jac, count = tree_of(work), rows_of(work).jacobian[i, 0], slots_of(model).count[i]
     art, lift = tree.articulated[i], tree.lift[i]
     m = ldl3(art[0, 0], art[1, 0], art[1, 1], art[2, 0], art[2, 1], art[2, 2])
@@ -68,12 +68,9 @@ def factor_body(model, work, i):
         _product(jac, 2, c) + _idle(count, 2),
     )
     _put_factors(tree.row_factor[i], s)
-
-
-@placed
-def condense_body(model, work, i, parent):
-    tree, far = tree_of(work), rows_of(work).jacobian[i, 1]
-    s, transfer, up = _factors(tree.row_factor[i]), tree.transfer[i], tree.articulated[parent]
+    if parent == bodies_of(model).mass.shape[0]:
+        return
+    far, transfer, up = rows_of(work).jacobian[i, 1], tree.transfer[i], tree.articulated[parent]
     for c in range(3):
         transfer[0, c], transfer[1, c], transfer[2, c] = _solve(s, far[0, c], far[1, c], far[2, c])
     for r in range(3):
@@ -82,54 +79,35 @@ def condense_body(model, work, i, parent):
 
 
 @placed
-def solve_free(model, work, i, gamma, multiplier):
-    tree, jac = tree_of(work), rows_of(work).jacobian[i, 0]
+def solve_free(model, work, i, parent, gamma, multiplier):
+    tree, jac, far = tree_of(work), rows_of(work).jacobian[i, 0], rows_of(work).jacobian[i, 1]
     load, free = tree.load[i], tree.free[i]
     f = _solve(_factors(tree.articulated[i]), load[0], load[1], load[2])
     free[0], free[1], free[2] = f
     rest = _product(jac, 0, f) - gamma[0], _product(jac, 1, f) - gamma[1], _product(jac, 2, f) - gamma[2]
     u = _solve(_factors(tree.row_factor[i]), rest[0], rest[1], rest[2])
     multiplier[0], multiplier[1], multiplier[2] = u
+    if parent != bodies_of(model).mass.shape[0]:
+        for c in range(3):
+            tree.load[parent, c] -= far[0, c] * u[0] + far[1, c] * u[1] + far[2, c] * u[2]
 
 
 @placed
-def condense_load(model, work, i, multiplier, load):
-    far = rows_of(work).jacobian[i, 1]
-    for c in range(3):
-        load[c] -= far[0, c] * multiplier[0] + far[1, c] * multiplier[1] + far[2, c] * multiplier[2]
-
-
-@placed
-def add_parent(model, work, i, acceleration, multiplier):
-    transfer = tree_of(work).transfer[i]
+def accelerate_body(model, work, i, parent, multiplier, acceleration):
+    tree, out = tree_of(work), acceleration[i]
+    if parent != bodies_of(model).mass.shape[0]:
+        for r in range(3):
+            multiplier[r] += _product(tree.transfer[i], r, acceleration[parent])
     for r in range(3):
-        multiplier[r] += _product(transfer, r, acceleration)
-
-
-@placed
-def accelerate_body(model, work, i, multiplier, out):
-    free, lift = tree_of(work).free[i], tree_of(work).lift[i]
-    for r in range(3):
-        out[r] = free[r] - _product(lift, r, multiplier)
-
-
-# --- closures of loops (mbs_ref.kernels.rigid.elimination) ------------------------------------------
+        out[r] = tree.free[i, r] - _product(tree.lift[i], r, multiplier)
 
 
 @jit
-def row_mobility(model, work, slot, row):
-    """Return G M^-1 G^T of one row, the bodies taken as free."""
-    bodies, slots, rows = bodies_of(model), slots_of(model), rows_of(work)
-    n = bodies.mass.shape[0]
-    total = 0.0
-    for side in range(2):
-        body = slots.body[slot, side]
-        if body < n:
-            g = rows.jacobian[slot, side, row]
-            if g[0] == 0.0 and g[1] == 0.0 and g[2] == 0.0:
-                continue  # an open contact's: most are
-            total += (g[0] * g[0] + g[1] * g[1]) / bodies.mass[body] + g[2] * g[2] / bodies.inertia[body, 0]
-    return total
+def plus_mobility(model, work, total, i, row):
+    if row[0] == 0.0 and row[1] == 0.0 and row[2] == 0.0:
+        return total  # an open contact's: most are
+    bodies = bodies_of(model)
+    return total + ((row[0] * row[0] + row[1] * row[1]) / bodies.mass[i] + row[2] * row[2] / bodies.inertia[i, 0])
 
 
 @placed

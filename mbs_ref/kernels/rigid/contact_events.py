@@ -23,7 +23,7 @@ from mbs_ref.kernels.contact.laws import (
 from mbs_ref.kernels.contact.modes import FRICTION, IMPACT, TOUCH, close, is_broken, next_mode, normal_roots
 from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.rigid import geometry as core
-from mbs_ref.kernels.rigid.contact_forces import find_near, is_behind, is_touching
+from mbs_ref.kernels.rigid.contact_forces import contact_force, find_near, is_behind, is_touching
 from mbs_ref.kernels.rigid.contact_rows import gap_response
 from mbs_ref.kernels.rigid.dynamics import correct_rates, store_solved
 from mbs_ref.kernels.rigid.grips import change_grip, grip_margin, is_still, probe, take_grip
@@ -181,7 +181,7 @@ def rigid_contact_forces(model, work, t, y, out):
         normal = normal_force(laws, modes, k, -touch.gap, -touch.closing)
         if laws.release[k] == RELEASE_CONSTRAINT:
             normal = contact_push(work, laws, k)
-        force = core.contact_force(model, work, k, touch, normal)
+        force = contact_force(model, work, k, touch, normal)
         for c in range(len(place)):
             out[k, 1 + c] = force[c] if touching else 0.0
             out[k, 1 + len(place) + c] = place[c] + touch.arm_a[c]

@@ -5,7 +5,7 @@ The force acts on both bodies at the point of contact, so momentum is kept to ro
 
 from __future__ import annotations
 
-from mbs_ref.kernels.contact.laws import MODE_CLOSED, MODE_PLAIN, PAIR_FLAT, RELEASE_FORCE, normal_force
+from mbs_ref.kernels.contact.laws import FRICTION_NONE, MODE_CLOSED, MODE_PLAIN, PAIR_FLAT, RELEASE_FORCE, normal_force
 from mbs_ref.kernels.contact.near_pairs import refresh
 from mbs_ref.kernels.jit import bare, jit
 from mbs_ref.kernels.rigid import geometry as core
@@ -27,6 +27,15 @@ def is_touching(pairs, laws, modes, k, touch):
     if touch.gap >= 0.0 or touch.beyond > 0.0 or is_behind(pairs, k, touch.gap):
         return False
     return laws.release[k] != RELEASE_FORCE or normal_force(laws, modes, k, -touch.gap, -touch.closing) >= 0.0
+
+
+@bare
+def contact_force(model, work, k, touch, normal):
+    """Return the force on body a (N) at a normal force (N), with friction in the frozen mode."""
+    force = core.times(work, normal, touch.normal)
+    if contact_laws_of(model).friction[k] == FRICTION_NONE:
+        return force
+    return core.plus(work, force, core.friction_force(model, work, k, touch, normal))
 
 
 @jit
@@ -56,5 +65,5 @@ def rigid_apply_contacts(model, work):
         touch = core.contact_geometry(model, work, k)
         if is_touching(pairs, laws, modes, k, touch):
             normal = normal_force(laws, modes, k, -touch.gap, -touch.closing)
-            force = core.contact_force(model, work, k, touch, normal)
+            force = contact_force(model, work, k, touch, normal)
             exchange(work, pairs.a[k], touch.arm_a, pairs.b[k], touch.arm_b, force)

@@ -1,14 +1,13 @@
 """What a planar and a spatial core supply to the kernels that are written once (mbs_ref.kernels.border.supplies).
 
 Rates are those of bodies in world axes, 3 or 6 each; the state may have them along body axes. Vectors are tuples along
-world axes. A touch is a named tuple of the core's own, with gap, closing, beyond, normal, arm_a and arm_b among its
-fields.
+world axes.
 """
 
 from __future__ import annotations
 
 from functools import partial
-from typing import Any
+from typing import Any, NamedTuple
 
 from mbs_ref.kernels.border.supplies import supplied
 
@@ -154,8 +153,18 @@ def put_on_body(work, slot, side, row, arm, e) -> Any:
 
 
 @supplied
-def fill_plane(work, slot, side, row, a, b, normal, apart) -> Any:
-    """Evaluate the row n . (r_b - r_a) = 0 of a normal in body a."""
+def put_plane(work, slot, side, row, n, apart) -> Any:
+    """Write the Jacobian of n . (r_b - r_a) of a normal n fixed in body a, which is on this side."""
+
+
+@supplied
+def rate_of_turning(work, i, n, gap) -> Any:
+    """Return what the turning of n, fixed in body i, adds to the rate of n . gap."""
+
+
+@supplied
+def surplus_of_turning(work, i, n, apart, surplus) -> Any:
+    """Return `surplus` without what the turning of n, fixed in body i, adds to the second rate of n . gap."""
 
 
 @supplied
@@ -177,33 +186,18 @@ def start_blocks(model, work) -> Any:
 
 
 @supplied
-def factor_body(model, work, i) -> Any:
-    """Factor the block of body i, and J M^-1 J^T of its joint."""
+def factor_body(model, work, i, parent) -> Any:
+    """Factor the block of body i and S = J M^-1 J^T of its joint; add K^T S^-1 K to its parent's block."""
 
 
 @supplied
-def condense_body(model, work, i, parent) -> Any:
-    """Add K^T S^-1 K of body i to its parent's block."""
+def solve_free(model, work, i, parent, gamma, multiplier) -> Any:
+    """Compute M^-1 f of body i and S^-1 (J M^-1 f - gamma) of its joint; subtract K^T of this from its parent's f."""
 
 
 @supplied
-def solve_free(model, work, i, gamma, multiplier) -> Any:
-    """Compute M^-1 f of body i, and the multipliers S^-1 (J M^-1 f - gamma) of its joint."""
-
-
-@supplied
-def condense_load(model, work, i, multiplier, load) -> Any:
-    """Subtract K^T of the multipliers of body i from its parent's load."""
-
-
-@supplied
-def add_parent(model, work, i, acceleration, multiplier) -> Any:
-    """Add S^-1 K a of its parent's acceleration to the multipliers of body i."""
-
-
-@supplied
-def accelerate_body(model, work, i, multiplier, out) -> Any:
-    """Write M^-1 (f - J^T lambda) of body i."""
+def accelerate_body(model, work, i, parent, multiplier, acceleration) -> Any:
+    """Add S^-1 K a of its parent to the multipliers of body i; write its acceleration M^-1 (f - J^T lambda)."""
 
 
 @supplied
@@ -212,8 +206,8 @@ def subtract_inertia(model, work, acceleration, load) -> Any:
 
 
 @supplied
-def row_mobility(model, work, slot, row) -> Any:
-    """Return a scale of G M^-1 G^T of one row G, the bodies taken as free."""
+def plus_mobility(model, work, total, i, row) -> Any:
+    """Return total plus a scale of G M^-1 G^T of a row G (rates,) of body i, taken as free."""
 
 
 @supplied
@@ -222,6 +216,19 @@ def pass_closure(model, work, i, here, there, count) -> Any:
 
 
 # --- contact ----------------------------------------------------------------------------------------
+
+
+class Touch(NamedTuple):
+    """Where and how two shapes meet."""
+
+    gap: Any  # m
+    closing: Any  # m/s, the gap's rate
+    beyond: Any  # m, excess over open ends
+    normal: Any  # from b to a; the tangent in the plane is the normal turned by -90 degrees
+    slip: Any  # m/s, of a on b: along the tangent, or in the tangent plane as a vector
+    arm_a: Any  # m, from the centre of mass of a to the point of contact
+    arm_b: Any  # m
+    held: Any  # what sticks: in the plane the place rolled and slid along a line (m), in space the two edges
 
 
 @supplied
@@ -240,13 +247,8 @@ def gap_rows(model, touch) -> Any:
 
 
 @supplied
-def surplus_of_turning(work, i, n, apart, surplus) -> Any:
-    """Return `surplus` without what the turning of n, fixed in body i, adds to the second rate of n . gap."""
-
-
-@supplied
-def contact_force(model, work, k, touch, normal) -> Any:
-    """Return the force on body a (N) at a normal force (N), with friction in the frozen mode."""
+def friction_force(model, work, k, touch, normal) -> Any:
+    """Return the friction on body a (N) at a normal force (N), in the frozen mode."""
 
 
 @supplied

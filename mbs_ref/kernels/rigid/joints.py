@@ -50,11 +50,16 @@ def _fill_points(model, work):
 
 @bare
 def _fill_planes(model, work):
-    joint, slots = planes_of(model), slots_of(model)
+    joint, slots, rows = planes_of(model), slots_of(model), rows_of(work)
     for k in range(joint.slot.shape[0]):
         slot, row, side, a, b = bodies_of_row(slots, joint, k)
         apart = separation(work, a, b, joint.point_a[k], joint.point_b[k])
-        core.fill_plane(work, slot, side, row, a, b, joint.normal[k], apart)
+        n = core.turned(work, a, joint.normal[k])
+        core.put_plane(work, slot, side, row, n, apart)
+        rows.residual[slot, row] = core.dot(work, n, apart.gap)
+        rows.rate[slot, row] = core.dot(work, n, apart.rate) + core.rate_of_turning(work, a, n, apart.gap)
+        surplus = core.dot(work, n, inward(work, a, b, apart))
+        rows.gamma[slot, row] = core.surplus_of_turning(work, a, n, apart, surplus)
 
 
 @bare

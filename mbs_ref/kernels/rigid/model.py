@@ -110,6 +110,18 @@ class Springs(NamedTuple):
     place: Annotated[Ints, "k"]  # of a tension-only spring's mode in ContactModes; -1 for others
 
 
+class TorsionSprings(NamedTuple):
+    a: Annotated[Ints, "k"]
+    b: Annotated[Ints, "k"]
+    stiffness: Annotated[Floats, "k"]  # N m/rad
+    damping: Annotated[Floats, "k"]  # N m s/rad
+    rest_angle: Annotated[Floats, "k"]  # rad
+    # in space, with no columns in the plane: where in body a the mark of b is at angle 0, and after a quarter turn
+    zero: Annotated[Floats, "k", "axes"]
+    quarter: Annotated[Floats, "k", "axes"]
+    mark: Annotated[Floats, "k", "axes"]  # in body b
+
+
 class ContactPairs(NamedTuple):
     """Shapes that may touch; see PAIR_* for the kinds and mbs_ref.scene.contact for the meaning."""
 
@@ -179,9 +191,9 @@ class Solved(NamedTuple):
 
 GROUPS: dict[str, type] = {  # of every scene of bodies and joints
     "bodies": Bodies, "slots": Slots, "loops": Loops, "points": Points, "planes": Planes, "distances": Distances,
-    "drives": Drives, "forces": Forces, "springs": Springs, "contact_pairs": ContactPairs,
-    "contact_laws": ContactLaws, "contact_modes": ContactModes, "near_pairs": NearPairs, "watches": Watches,
-    "signals": SignalArrays, "world": World,
+    "drives": Drives, "forces": Forces, "springs": Springs, "torsion_springs": TorsionSprings,
+    "contact_pairs": ContactPairs, "contact_laws": ContactLaws, "contact_modes": ContactModes,
+    "near_pairs": NearPairs, "watches": Watches, "signals": SignalArrays, "world": World,
 }  # fmt: skip
 SCRATCH: dict[str, type] = {"rows": Rows, "tree": Tree, "closures": Closures, "solved": Solved}
 

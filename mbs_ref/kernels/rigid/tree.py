@@ -29,9 +29,7 @@ def factor_tree(model, work, loops):
     for i in range(n - 1, -1, -1):
         if loops is not None and loops.closed[i, 0] < loops.closed[i, 1]:
             elimination.eliminate_closures(model, work, i)
-        core.factor_body(model, work, i)
-        if parent[i] != n:
-            core.condense_body(model, work, i, parent[i])
+        core.factor_body(model, work, i, parent[i])
         if loops is not None and loops.entry[i] < loops.entry[i + 1]:
             elimination.pass_rows(model, work, i)
     if loops is not None:
@@ -51,18 +49,14 @@ def solve_tree(model, work, loops, gamma, acceleration, multiplier):
     for i in range(n - 1, -1, -1):
         if loops is not None and loops.closed[i, 0] < loops.closed[i, 1]:
             elimination.condense(block, loops, closures, i, load[i])
-        core.solve_free(model, work, i, gamma[i], multiplier[i])
+        core.solve_free(model, work, i, parent[i], gamma[i], multiplier[i])
         if loops is not None and loops.entry[i] < loops.entry[i + 1]:
             elimination.take_free(block, loops, closures, i, load[i], gamma[i])
-        if parent[i] != n:
-            core.condense_load(model, work, i, multiplier[i], load[parent[i]])
     if loops is not None:
         elimination.condense(block, loops, closures, n, load[n])
         elimination.substitute(block, loops, closures, n, acceleration[n], multiplier)
     for i in range(n):
-        if parent[i] != n:
-            core.add_parent(model, work, i, acceleration[parent[i]], multiplier[i])
-        core.accelerate_body(model, work, i, multiplier[i], acceleration[i])
+        core.accelerate_body(model, work, i, parent[i], multiplier[i], acceleration)
         if loops is not None and loops.entry[i] < loops.entry[i + 1]:
             elimination.take_closures(block, loops, closures, i, acceleration[i], multiplier[i])
         if loops is not None and loops.closed[i, 0] < loops.closed[i, 1]:

@@ -6,27 +6,13 @@ gap = n . (c - o) - r with n fixed in body b for a plane, gap = |c - o| - r for 
 from __future__ import annotations
 
 import math
-from typing import Any, NamedTuple
 
 from mbs_ref.kernels.contact.laws import ENDS_CAPPED, ENDS_OPEN, PAIR_FLAT
 from mbs_ref.kernels.jit import bare
+from mbs_ref.kernels.rigid.geometry import Touch
 from mbs_ref.kernels.rigid.marks import rate_between
 from mbs_ref.kernels.rigid.model import contact_pairs_of, kinematics_of
 from mbs_ref.kernels.spatial.vectors import cross, dot, minus, over, plus, times, turn
-
-
-class Touch(NamedTuple):
-    """Where and how two shapes meet; vectors are world axes, triples of numbers."""
-
-    gap: Any  # m
-    closing: Any  # m/s, the gap's rate
-    beyond: Any  # m, excess over open ends
-    normal: Any  # from b to a
-    slip: Any  # m/s, of a on b in the tangent plane
-    arm_a: Any  # m, from the centre of mass of a to the point of contact
-    arm_b: Any  # m
-    edge_1: Any  # the plane's edges: stick and slip are kept along them
-    edge_2: Any
 
 
 @bare
@@ -80,7 +66,7 @@ def contact_geometry(model, work, k):
     on_b = plus(apart, on_a)
     u = rate_between(work, b, a, on_b, on_a)
     closing = dot(n, u)
-    return Touch(gap, closing, beyond, n, minus(u, times(closing, n)), on_a, on_b, e, f)
+    return Touch(gap, closing, beyond, n, minus(u, times(closing, n)), on_a, on_b, (e, f))
 
 
 @bare

@@ -11,7 +11,7 @@ from mbs_ref.kernels.spatial import contacts, dynamics, grips, joints, loads, ma
 from mbs_ref.kernels.spatial.model import SpatialGroups, SpatialScratch
 
 
-@handle_of(SpatialGroups, dimension=3, tangents=2, turns=3, moments=6)
+@handle_of(SpatialGroups, dimension=3, tangents=2, axes=3, turns=3, moments=6)
 class SpatialModel(NamedTuple):
     address: int
 

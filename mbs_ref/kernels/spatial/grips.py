@@ -12,7 +12,6 @@ from __future__ import annotations
 import math
 
 from mbs_ref.kernels.contact.laws import (
-    FRICTION_NONE,
     FRICTION_SMOOTH,
     FRICTION_STICK_SLIP,
     GRIP_FORWARD,
@@ -38,7 +37,7 @@ SLUGGISH = 1e3
 
 @bare
 def slip_of(model, touch):
-    return dot(touch.slip, touch.edge_1), dot(touch.slip, touch.edge_2)
+    return dot(touch.slip, touch.held[0]), dot(touch.slip, touch.held[1])
 
 
 @bare
@@ -71,23 +70,15 @@ def grip_force(model, work, k, touch, normal):
 
 
 @bare
-def _friction(model, work, k, normal, touch):
-    """Return the friction on body a, world axes, N."""
+def friction_force(model, work, k, touch, normal):
     laws = contact_laws_of(model)
-    if laws.friction[k] == FRICTION_NONE:
-        return 0.0, 0.0, 0.0
     if laws.friction[k] == FRICTION_SMOOTH:
         speed = math.sqrt(dot(touch.slip, touch.slip))
         ratio = speed / laws.creep[k]
         share = 1.0 / laws.creep[k] if ratio < 1e-8 else math.tanh(ratio) / speed
         return times(share * (-laws.coefficient[k] * normal), touch.slip)
     p, q = grip_force(model, work, k, touch, normal)
-    return plus(times(p, touch.edge_1), times(q, touch.edge_2))
-
-
-@bare
-def contact_force(model, work, k, touch, normal):
-    return plus(times(normal, touch.normal), _friction(model, work, k, normal, touch))
+    return plus(times(p, touch.held[0]), times(q, touch.held[1]))
 
 
 @jit

@@ -11,7 +11,6 @@ import numpy as np
 
 from mbs_ref.kernels.jit import bare
 from mbs_ref.kernels.rigid.joints import bodies_of_row
-from mbs_ref.kernels.rigid.marks import inward
 from mbs_ref.kernels.rigid.model import CONTROL_MODE_TIME, kinematics_of, rows_of, signals_of, slots_of, world_of
 from mbs_ref.kernels.signals import evaluate
 from mbs_ref.kernels.spatial.marks import swing, turned
@@ -94,14 +93,15 @@ def put_on_body(work, slot, side, row, arm, e):
 
 
 @bare
-def fill_plane(work, slot, side, row, a, b, normal, apart):
-    """d(n . d)/dt = (omega_a x n) . d + n . d_dot."""
-    rows, n, gap = rows_of(work), turned(work, a, normal), apart.gap
-    _place(rows.jacobian[slot, side], row, negative(n), cross(n, plus(gap, apart.arm_a)))
-    _place(rows.jacobian[slot, 1 - side], row, n, cross(apart.arm_b, n))
-    rows.residual[slot, row] = dot(n, gap)
-    rows.rate[slot, row] = dot(swing(work, a, n), gap) + dot(n, apart.rate)
-    rows.gamma[slot, row] = surplus_of_turning(work, a, n, apart, dot(n, inward(work, a, b, apart)))
+def put_plane(work, slot, side, row, n, apart):
+    jacobian = rows_of(work).jacobian
+    _place(jacobian[slot, side], row, negative(n), cross(n, plus(apart.gap, apart.arm_a)))
+    _place(jacobian[slot, 1 - side], row, n, cross(apart.arm_b, n))
+
+
+@bare
+def rate_of_turning(work, i, n, gap):
+    return dot(swing(work, i, n), gap)
 
 
 @bare

@@ -52,17 +52,6 @@ class Wheels(NamedTuple):
     height: Annotated[Floats, "k"]  # m, of the plane along its normal
 
 
-class TorsionSprings(NamedTuple):
-    a: Annotated[Ints, "k"]
-    b: Annotated[Ints, "k"]
-    zero: Annotated[Floats, "k", 3]  # in body a: where the mark of b is at angle 0 ...
-    quarter: Annotated[Floats, "k", 3]  # in body a: ... and after a quarter turn
-    mark: Annotated[Floats, "k", 3]  # in body b
-    stiffness: Annotated[Floats, "k"]  # N m/rad
-    damping: Annotated[Floats, "k"]  # N m s/rad
-    rest_angle: Annotated[Floats, "k"]  # rad
-
-
 class Bushings(NamedTuple):
     """Six-axis springs; `axes` turn bushing axes into body axes."""
 
@@ -91,7 +80,7 @@ class Gradients(NamedTuple):
 
 
 SpatialGroups = joined(
-    "SpatialGroups", shared.GROUPS, products=Products, turns=Turns, wheels=Wheels, torsion_springs=TorsionSprings,
+    "SpatialGroups", shared.GROUPS, products=Products, turns=Turns, wheels=Wheels,
     bushings=Bushings, attraction=Attraction, gradients=Gradients,
 )  # fmt: skip
 products_of = accessor("products")

@@ -55,7 +55,7 @@ def _factor_rows(jac, lift, factor, count):
 
 
 @placed
-def factor_body(model, work, i):
+def factor_body(model, work, i, parent):
     if bodies_of(model).alone[i] == 1:
         return
     tree, jac, count = tree_of(work), rows_of(work).jacobian[i, 0], slots_of(model).count[i]
@@ -66,12 +66,9 @@ def factor_body(model, work, i):
             lift[r, c] = jac[r, c]
         solve_ldl(art, 6, lift[r])
     _factor_rows(jac, lift, tree.row_factor[i], count)
-
-
-@placed
-def condense_body(model, work, i, parent):
-    tree, far, count = tree_of(work), rows_of(work).jacobian[i, 1], slots_of(model).count[i]
-    transfer, up = tree.transfer[i], tree.articulated[parent]
+    if parent == bodies_of(model).mass.shape[0]:
+        return
+    far, transfer, up = rows_of(work).jacobian[i, 1], tree.transfer[i], tree.articulated[parent]
     for r in range(count):
         for c in range(6):
             transfer[r, c] = far[r, c]
@@ -84,11 +81,11 @@ def condense_body(model, work, i, parent):
 
 
 @placed
-def solve_free(model, work, i, gamma, multiplier):
+def solve_free(model, work, i, parent, gamma, multiplier):
     if bodies_of(model).alone[i] == 1:
         return
-    tree, jac, count = tree_of(work), rows_of(work).jacobian[i, 0], slots_of(model).count[i]
-    free = tree.free[i]
+    tree, jac, far = tree_of(work), rows_of(work).jacobian[i, 0], rows_of(work).jacobian[i, 1]
+    free, count = tree.free[i], slots_of(model).count[i]
     for c in range(6):
         free[c] = tree.load[i, c]
     solve_ldl(tree.articulated[i], 6, free)
@@ -98,24 +95,10 @@ def solve_free(model, work, i, gamma, multiplier):
             total += jac[r, c] * free[c]
         multiplier[r] = total
     solve_ldl(tree.row_factor[i], count, multiplier)
-
-
-@placed
-def condense_load(model, work, i, multiplier, load):
-    far = rows_of(work).jacobian[i, 1]
-    for r in range(slots_of(model).count[i]):
-        for c in range(6):
-            load[c] -= far[r, c] * multiplier[r]
-
-
-@placed
-def add_parent(model, work, i, acceleration, multiplier):
-    transfer = tree_of(work).transfer[i]
-    for r in range(slots_of(model).count[i]):
-        total = 0.0
-        for c in range(6):
-            total += transfer[r, c] * acceleration[c]
-        multiplier[r] += total
+    if parent != bodies_of(model).mass.shape[0]:
+        for r in range(count):
+            for c in range(6):
+                tree.load[parent, c] -= far[r, c] * multiplier[r]
 
 
 @jit
@@ -129,36 +112,31 @@ def _accelerate_alone(mass, art, load, out):
 
 
 @placed
-def accelerate_body(model, work, i, multiplier, out):
-    bodies, tree = bodies_of(model), tree_of(work)
+def accelerate_body(model, work, i, parent, multiplier, acceleration):
+    bodies, tree, out, count = bodies_of(model), tree_of(work), acceleration[i], slots_of(model).count[i]
     if bodies.alone[i] == 1:
         _accelerate_alone(bodies.mass[i], tree.articulated[i], tree.load[i], out)
         return
+    if parent != bodies.mass.shape[0]:
+        for r in range(count):
+            total = 0.0
+            for c in range(6):
+                total += tree.transfer[i, r, c] * acceleration[parent, c]
+            multiplier[r] += total
     for c in range(6):
         out[c] = tree.free[i, c]
-    for r in range(slots_of(model).count[i]):
+    for r in range(count):
         u = multiplier[r]
         for c in range(6):
             out[c] -= tree.lift[i, r, c] * u
 
 
-# --- closures of loops (mbs_ref.kernels.rigid.elimination) ------------------------------------------
-
-
 @jit
-def row_mobility(model, work, slot, row):
-    """Return a scale of G M^-1 G^T of one row, the bodies taken as free and as spheres."""
-    bodies, slots, rows, kin = bodies_of(model), slots_of(model), rows_of(work), kinematics_of(work)
-    n = bodies.mass.shape[0]
-    total = 0.0
-    for side in range(2):
-        body = slots.body[slot, side]
-        if body < n:
-            g = rows.jacobian[slot, side, row]
-            j = kin.inertia[body]
-            total += (g[0] * g[0] + g[1] * g[1] + g[2] * g[2]) / bodies.mass[body]
-            total += 3.0 * (g[3] * g[3] + g[4] * g[4] + g[5] * g[5]) / (j[0] + j[1] + j[2])
-    return total
+def plus_mobility(model, work, total, i, row):
+    """A body counts as a sphere."""
+    j = kinematics_of(work).inertia[i]
+    total += (row[0] * row[0] + row[1] * row[1] + row[2] * row[2]) / bodies_of(model).mass[i]
+    return total + 3.0 * (row[3] * row[3] + row[4] * row[4] + row[5] * row[5]) / (j[0] + j[1] + j[2])
 
 
 @placed
