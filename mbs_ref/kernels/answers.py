@@ -19,7 +19,7 @@ from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.particles import dynamics as particles
 from mbs_ref.kernels.particles.model import ParticleModel, ParticleWork
 from mbs_ref.kernels.planar import dynamics as planar
-from mbs_ref.kernels.planar.core import PlanarModel, PlanarWork
+from mbs_ref.kernels.planar.dynamics import PlanarModel, PlanarWork
 from mbs_ref.kernels.relative import planar as relative_planar
 from mbs_ref.kernels.relative import spatial as relative_spatial
 from mbs_ref.kernels.relative.events import PASSED_ON
@@ -39,7 +39,7 @@ from mbs_ref.kernels.rigid.model import position_count
 from mbs_ref.kernels.spatial import descriptor as spatial_form
 from mbs_ref.kernels.spatial import dynamics as spatial
 from mbs_ref.kernels.spatial import grips as spatial_grips
-from mbs_ref.kernels.spatial.core import SpatialModel, SpatialWork
+from mbs_ref.kernels.spatial.dynamics import SpatialModel, SpatialWork
 
 
 @jit

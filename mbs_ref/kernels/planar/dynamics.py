@@ -5,11 +5,18 @@
 
 from __future__ import annotations
 
+import sys
+from typing import NamedTuple
+
 import numpy as np
 
+from mbs_ref.kernels.border.handles import handle_of
 from mbs_ref.kernels.border.questions import accelerate
+from mbs_ref.kernels.border.supplies import supply
 from mbs_ref.kernels.jit import jit
-from mbs_ref.kernels.planar.model import RATES
+from mbs_ref.kernels.planar import contacts, grips, joints, loads, marks, tree, vectors
+from mbs_ref.kernels.planar.model import RATES, PlanarGroups, PlanarScratch
+from mbs_ref.kernels.rigid import geometry
 from mbs_ref.kernels.rigid.dynamics import is_solved, respond
 from mbs_ref.kernels.rigid.elimination import rows_times
 from mbs_ref.kernels.rigid.model import bodies_of, kinematics_of, rows_of, slots_of, solved_of, tree_of
@@ -146,3 +153,17 @@ def planar_position_rate(model, y, rate, out):
     """Write the rates of the positions at rates (3 n,)."""
     for k in range(rate.shape[0]):
         out[k] = rate[k]
+
+
+@handle_of(PlanarGroups, dimension=2, tangents=1, axes=0, turns=1, moments=1)
+class PlanarModel(NamedTuple):
+    address: int
+
+
+@handle_of(PlanarScratch, rates=3)
+class PlanarWork(NamedTuple):
+    address: int
+
+
+_MODULES = (sys.modules[__name__], contacts, grips, joints, loads, marks, tree, vectors)
+supply((PlanarModel, PlanarWork), geometry, _MODULES)

@@ -13,7 +13,7 @@ from mbs_ref.kernels.algebra.ldl import ldl3, ldl3_solve
 from mbs_ref.kernels.algebra.turning import cos_sin
 from mbs_ref.kernels.border import questions as ask
 from mbs_ref.kernels.jit import bare, inlined, jit
-from mbs_ref.kernels.planar.core import PlanarModel, PlanarWork
+from mbs_ref.kernels.planar.dynamics import PlanarModel, PlanarWork
 from mbs_ref.kernels.planar.vectors import left, minus, pair, plus, rotated, times
 from mbs_ref.kernels.relative.model import (
     FREE,

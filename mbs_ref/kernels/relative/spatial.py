@@ -25,7 +25,7 @@ from mbs_ref.kernels.relative.model import (
     told_of,
 )
 from mbs_ref.kernels.rigid.model import bodies_of, kinematics_of
-from mbs_ref.kernels.spatial.core import SpatialModel, SpatialWork
+from mbs_ref.kernels.spatial.dynamics import SpatialModel, SpatialWork
 from mbs_ref.kernels.spatial.model import RATES
 from mbs_ref.kernels.spatial.orientation import parameters, put_parameters, rotation, theta_rate, world_inertia
 from mbs_ref.kernels.spatial.vectors import add, cross, dot, minus, negative, plus, put, times, triple, turn, turn_back

@@ -9,13 +9,20 @@ else is in world axes. theta^T theta = 1 is part of C; its multiplier and the fo
 
 from __future__ import annotations
 
+import sys
+from typing import NamedTuple
+
+from mbs_ref.kernels.border.handles import handle_of
 from mbs_ref.kernels.border.questions import accelerate, fill_deflection_rates
+from mbs_ref.kernels.border.supplies import supply
 from mbs_ref.kernels.jit import jit
+from mbs_ref.kernels.rigid import geometry
 from mbs_ref.kernels.rigid.dynamics import correct_rates, is_solved, respond
 from mbs_ref.kernels.rigid.elimination import rows_times
 from mbs_ref.kernels.rigid.model import bodies_of, kinematics_of, rows_of, slots_of, tree_of
+from mbs_ref.kernels.spatial import contacts, grips, joints, loads, marks, orientation, tree, vectors
 from mbs_ref.kernels.spatial.joints import leave_slips
-from mbs_ref.kernels.spatial.model import RATES
+from mbs_ref.kernels.spatial.model import RATES, SpatialGroups, SpatialScratch
 from mbs_ref.kernels.spatial.orientation import parameters, put_parameters, theta_rate, turn_theta, turning_of
 from mbs_ref.kernels.spatial.vectors import add, dot, minus, put, symmetric_times, times, triple, turn, turn_back
 
@@ -151,3 +158,17 @@ def normalize(model, y):
     for i in range(bodies.mass.shape[0]):
         if bodies.rigid[i] == 1:
             turn_theta(y, bodies.q[i] + 3, (0.0, 0.0, 0.0))
+
+
+@handle_of(SpatialGroups, dimension=3, tangents=2, axes=3, turns=3, moments=6)
+class SpatialModel(NamedTuple):
+    address: int
+
+
+@handle_of(SpatialScratch, rates=6)
+class SpatialWork(NamedTuple):
+    address: int
+
+
+_MODULES = (sys.modules[__name__], contacts, grips, joints, loads, marks, orientation, tree, vectors)
+supply((SpatialModel, SpatialWork), geometry, _MODULES)

@@ -9,9 +9,8 @@ import pytest
 
 from mbs_ref import scenes
 from mbs_ref.integrators import integrators
-from mbs_ref.integrators.methods.runge_kutta import EULER, RK4
 from mbs_ref.integrators.stages import radau_newton as radau
-from mbs_ref.integrators.stages.dop853_tableau import TABLEAU as DOP853
+from mbs_ref.integrators.stages.tableau import DOP853, EULER, RK4
 from mbs_ref.observables.constraints import constraint_rate, constraint_residual
 from mbs_ref.scene import CoordinateDrive, Force, PlanarBody, PointMass, Prismatic, Scene, SpringDamper, UserForce
 from mbs_ref.scene.signals import HalfSine, Table
