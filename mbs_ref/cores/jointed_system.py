@@ -194,6 +194,10 @@ class JointedSystem(ContactSystem):
                 result[r, body] += self.scratch.rows.jacobian[slot, side, row]
         return result[:, :-1].reshape(len(rows), self.RATES * self.n_bodies)
 
+    def right_side(self) -> np.ndarray:
+        """Return gamma (n_rows,) of the rows last evaluated, in the order of `rows`."""
+        return np.array([self.scratch.rows.gamma[slot, row] for _, slot, row in self.rows()])
+
     def row_rank(self, t: float, y: np.ndarray) -> int:
         """Return the rank of these rows, mass-scaled so that metres and radians compare."""
         scaled = self.scaled_jacobian(t, y)

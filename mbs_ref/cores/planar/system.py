@@ -25,15 +25,13 @@ class PlanarSystem(JointedSystem):
     """A planar scene as arrays and compiled functions.
 
     State y = concatenate(q.ravel(), v.ravel()) with q, v of shape (n_bodies, 3) in scene order: m, m,
-    rad and their rates. Raises ValueError where the scene is not planar.
+    rad and their rates.
     """
 
     CORE = "planar"
     RATES = SHARED = 3
 
     def __init__(self, scene: Scene) -> None:
-        if scene.dimension != 2:
-            raise ValueError(f"scene {scene.name!r} is spatial; the planar core takes planar bodies and point masses")
         self.scene = scene
         self.n_bodies = len(scene.bodies)
         groups, self.place = build_planar(scene)
@@ -88,16 +86,6 @@ class PlanarSystem(JointedSystem):
         """Return the diagonal of M (3 n_bodies,) in scene order: kg, kg, kg m^2."""
         bodies = self.groups.bodies
         return self._in_scene_order(np.column_stack((bodies.mass, bodies.mass, bodies.inertia))).ravel()
-
-    def augmented(
-        self, t: float, q: np.ndarray, v: np.ndarray
-    ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-        """Return M (diagonal), C_q, Q_e and gamma of [M C_q^T; C_q 0][qdd; lambda] = [Q_e; gamma]."""
-        y = np.concatenate((q.ravel(), v.ravel()))
-        force = self.applied_forces(t, q, v).ravel()
-        jacobian = self.jacobian(t, y)
-        gamma = np.array([self.scratch.rows.gamma[slot, row] for _, slot, row in self.rows()])
-        return self.mass_matrix(), jacobian, force, gamma
 
     def rank(self, t: float, y: np.ndarray) -> int:
         """Return the rank of C_q, mass-scaled so that metres and radians compare."""

@@ -93,7 +93,7 @@ class Layout:
 
     def _surplus(self, i: int) -> int:
         """Return how many coordinates more than rates a body's joint has: one where Euler parameters are."""
-        return int(self.scene.dimension == 3 and (self.kind[i] == arrays.SPHERICAL or self.freedoms[i] == 6))
+        return int(self.kind[i] == arrays.SPHERICAL or self.freedoms[i] == 6)
 
     def ends(self, i: int) -> tuple[str, str]:
         """Return the fields of the joint that name the body and its parent."""

@@ -32,15 +32,13 @@ class SpatialSystem(JointedSystem):
 
     State y = concatenate(q, u, s) in scene order; a rigid body has q = R, theta0..theta3 (m, 1) and
     u = R', omega (m/s, rad/s, omega in body axes), a point mass q = R and u = R'. s holds the two deflections (m)
-    of every contact that can stick. Raises ValueError where the scene is not spatial.
+    of every contact that can stick.
     """
 
     CORE = "spatial"
     RATES, SHARED = 6, 7
 
     def __init__(self, scene: Scene) -> None:
-        if scene.dimension != 3:
-            raise ValueError(f"scene {scene.name!r} is planar; the spatial core takes spatial bodies and point masses")
         self.scene = scene
         self.n_bodies = len(scene.bodies)
         groups, self.place = build_spatial(scene)

@@ -126,9 +126,3 @@ def leaving_ends(model, work, k):
     else:
         outward = _through_gap(pairs, k, x, outward)
     return dot(outward, rate_between(work, pairs.b[k], pairs.a[k], plus(x, origin), center))
-
-
-@bare
-def gap_rows(model, touch):
-    n = touch.normal
-    return (n[0], n[1], cross(touch.arm_a, n)), (-n[0], -n[1], -cross(touch.arm_b, n))

@@ -24,7 +24,7 @@ from mbs_ref.kernels.contact.modes import FRICTION, IMPACT, TOUCH, close, is_bro
 from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.rigid import geometry as core
 from mbs_ref.kernels.rigid.contact_forces import contact_force, find_near, is_behind, is_touching
-from mbs_ref.kernels.rigid.contact_rows import gap_response
+from mbs_ref.kernels.rigid.contact_rows import gap_response, gap_rows
 from mbs_ref.kernels.rigid.dynamics import correct_rates, store_solved
 from mbs_ref.kernels.rigid.grips import change_grip, grip_margin, is_still, probe, take_grip
 from mbs_ref.kernels.rigid.landing import AT_REST, contact_mass, contact_push, settle_held
@@ -147,7 +147,7 @@ def rigid_contact_mobility(model, work, t, y, k):
     ask.fill_rows(model, work, t)
     ask.factor(model, work)
     touch = core.contact_geometry(model, work, k)
-    on_a, on_b = core.gap_rows(model, touch)
+    on_a, on_b = gap_rows(work, touch)
     clear(tree.load)
     for c in range(len(core.block(model))):
         tree.load[pairs.a[k], c] += on_a[c]

@@ -46,13 +46,20 @@ def _clear(model, rows, slot):
 def _fill_contact(model, work, k):
     rows, slot = rows_of(work), contact_laws_of(model).slot[k]
     touch = core.contact_geometry(model, work, k)
-    on_a, on_b = core.gap_rows(model, touch)
+    on_a, on_b = gap_rows(work, touch)
     for c in range(len(core.block(model))):
         rows.jacobian[slot, 0, 0, c] = on_a[c]
         rows.jacobian[slot, 1, 0, c] = on_b[c]
     rows.residual[slot, 0] = touch.gap
     rows.rate[slot, 0] = touch.closing
     rows.gamma[slot, 0] = gap_gamma(model, work, k, touch)
+
+
+@bare
+def gap_rows(work, touch):
+    """Return the rows (rates,) that give the gap's rate from the rates of body a and of body b."""
+    ahead, back = touch.normal, core.times(work, -1.0, touch.normal)
+    return ahead + core.moment(work, touch.arm_a, ahead), back + core.moment(work, touch.arm_b, back)
 
 
 @bare
@@ -73,7 +80,7 @@ def gap_gamma(model, work, k, touch):
 def gap_response(model, work, k, touch):
     """Return the gap's rows applied to the accelerations in the tree."""
     pairs, acceleration = contact_pairs_of(model), tree_of(work).acceleration
-    on_a, on_b = core.gap_rows(model, touch)
+    on_a, on_b = gap_rows(work, touch)
     total = 0.0
     for c in range(len(core.block(model))):
         total += on_a[c] * acceleration[pairs.a[k], c] + on_b[c] * acceleration[pairs.b[k], c]

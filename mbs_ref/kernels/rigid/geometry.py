@@ -142,19 +142,9 @@ def put_point(work, slot, side, row, apart) -> Any:
     """Write the Jacobian of r_b - r_a from a row on; body a is on this side."""
 
 
-@supplied
-def put_line(work, slot, side, row, e, apart) -> Any:
-    """Write the Jacobian of e . (r_b - r_a) at a fixed unit vector e."""
-
-
-@supplied
-def put_on_body(work, slot, side, row, arm, e) -> Any:
-    """Write the Jacobian of e . r of a point at an arm of its body, at a fixed unit vector e."""
-
-
-@supplied
-def put_plane(work, slot, side, row, n, apart) -> Any:
-    """Write the Jacobian of n . (r_b - r_a) of a normal n fixed in body a, which is on this side."""
+@by_core
+def moment(work, arm, force) -> Any:
+    """Return the moment (turns,) of a force at an arm, a number in the plane."""
 
 
 @supplied
@@ -239,11 +229,6 @@ def contact_geometry(model, work, k) -> Any:
 @supplied
 def leaving_ends(model, work, k) -> Any:
     """Return the rate (m/s) of the excess over open ends."""
-
-
-@supplied
-def gap_rows(model, touch) -> Any:
-    """Return the rows (rates,) that give the gap's rate from the rates of body a and of body b."""
 
 
 @supplied

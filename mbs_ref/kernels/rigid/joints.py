@@ -35,6 +35,28 @@ def bodies_of_row(slots, joint, k):
 
 
 @bare
+def put_row(row, force, torque):
+    """Write one row of a Jacobian block: what multiplies R' and what multiplies omega, both tuples."""
+    for c in range(len(force)):
+        row[c] = force[c]
+    for c in range(len(torque)):
+        row[len(force) + c] = torque[c]
+
+
+@bare
+def _put_along(work, slot, side, row, e, arm):
+    """Write the row that gives the velocity along e of a point at an arm of its body."""
+    put_row(rows_of(work).jacobian[slot, side, row], e, core.moment(work, arm, e))
+
+
+@bare
+def _put_line(work, slot, side, row, e, arm_a, arm_b):
+    """Write the row that gives the velocity along e of a point of b from one of a, which is on this side."""
+    _put_along(work, slot, side, row, core.times(work, -1.0, e), arm_a)
+    _put_along(work, slot, 1 - side, row, e, arm_b)
+
+
+@bare
 def _fill_points(model, work):
     joint, slots, rows = points_of(model), slots_of(model), rows_of(work)
     for k in range(joint.slot.shape[0]):
@@ -55,7 +77,7 @@ def _fill_planes(model, work):
         slot, row, side, a, b = bodies_of_row(slots, joint, k)
         apart = separation(work, a, b, joint.point_a[k], joint.point_b[k])
         n = core.turned(work, a, joint.normal[k])
-        core.put_plane(work, slot, side, row, n, apart)
+        _put_line(work, slot, side, row, n, core.plus(work, apart.gap, apart.arm_a), apart.arm_b)
         rows.residual[slot, row] = core.dot(work, n, apart.gap)
         rows.rate[slot, row] = core.dot(work, n, apart.rate) + core.rate_of_turning(work, a, n, apart.gap)
         surplus = core.dot(work, n, inward(work, a, b, apart))
@@ -71,7 +93,7 @@ def _fill_distances(model, work):
         length = np.sqrt(core.dot(work, apart.gap, apart.gap))
         e = core.over(work, apart.gap, length)
         along = core.dot(work, e, apart.rate)
-        core.put_line(work, slot, side, row, e, apart)
+        _put_line(work, slot, side, row, e, apart.arm_a, apart.arm_b)
         rows.residual[slot, row] = length - joint.length[k]
         rows.rate[slot, row] = along
         across = core.dot(work, apart.rate, apart.rate) - along * along
@@ -89,7 +111,7 @@ def _fill_drives(model, work, t):
         value, rate, curvature = evaluate(signals, drive.signal[k], t, mode_time)
         arm = core.turned(work, i, drive.point[k])
         swing = core.swing(work, i, arm)
-        core.put_on_body(work, slot, side, row, arm, e)
+        _put_along(work, slot, side, row, core.times(work, 1.0, e), arm)
         rows.residual[slot, row] = (
             core.dot(work, e, core.plus(work, core.centre(work, i), arm)) - drive.start[k] - value
         )

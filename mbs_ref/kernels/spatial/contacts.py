@@ -82,9 +82,3 @@ def leaving_ends(model, work, k):
     if abs(along) - pairs.half[k, 0] >= abs(across) - pairs.half[k, 1]:
         return math.copysign(1.0, along) * dot(u, e)
     return math.copysign(1.0, across) * dot(u, f)
-
-
-@bare
-def gap_rows(model, touch):
-    n, p, q = touch.normal, cross(touch.arm_a, touch.normal), cross(touch.arm_b, touch.normal)
-    return (n[0], n[1], n[2], p[0], p[1], p[2]), (-n[0], -n[1], -n[2], -q[0], -q[1], -q[2])

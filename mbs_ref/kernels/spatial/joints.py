@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from mbs_ref.kernels.jit import bare
-from mbs_ref.kernels.rigid.joints import bodies_of_row
+from mbs_ref.kernels.rigid.joints import bodies_of_row, put_row
 from mbs_ref.kernels.rigid.model import CONTROL_MODE_TIME, kinematics_of, rows_of, signals_of, slots_of, world_of
 from mbs_ref.kernels.signals import evaluate
 from mbs_ref.kernels.spatial.marks import swing, turned
@@ -29,18 +29,10 @@ class Product(NamedTuple):
 
 
 @bare
-def _place(block, row, force, torque):
-    """Write one row of a Jacobian block: what multiplies R' and what multiplies omega."""
-    for c in range(3):
-        block[row, c] = force[c]
-        block[row, 3 + c] = torque[c]
-
-
-@bare
 def _turn_rows(rows, slot, side, row, normal):
     """Write a row that multiplies omega_a - omega_b."""
-    _place(rows.jacobian[slot, side], row, NO_FORCE, normal)
-    _place(rows.jacobian[slot, 1 - side], row, NO_FORCE, negative(normal))
+    put_row(rows.jacobian[slot, side, row], NO_FORCE, normal)
+    put_row(rows.jacobian[slot, 1 - side, row], NO_FORCE, negative(normal))
 
 
 @bare
@@ -67,36 +59,21 @@ def fill_products(model, work):
 
 
 @bare
+def moment(arm, force):
+    return cross(arm, force)
+
+
+@bare
 def put_point(work, slot, side, row, apart):
-    jacobian = rows_of(work).jacobian
     a0, a1, a2 = apart.arm_a
     b0, b1, b2 = apart.arm_b
-    on_a, on_b = jacobian[slot, side], jacobian[slot, 1 - side]
-    _place(on_a, row, (-1.0, 0.0, 0.0), (0.0, -a2, a1))
-    _place(on_a, row + 1, (0.0, -1.0, 0.0), (a2, 0.0, -a0))
-    _place(on_a, row + 2, (0.0, 0.0, -1.0), (-a1, a0, 0.0))
-    _place(on_b, row, (1.0, 0.0, 0.0), (0.0, b2, -b1))
-    _place(on_b, row + 1, (0.0, 1.0, 0.0), (-b2, 0.0, b0))
-    _place(on_b, row + 2, (0.0, 0.0, 1.0), (b1, -b0, 0.0))
-
-
-@bare
-def put_line(work, slot, side, row, e, apart):
-    jacobian = rows_of(work).jacobian
-    _place(jacobian[slot, side], row, negative(e), negative(cross(apart.arm_a, e)))
-    _place(jacobian[slot, 1 - side], row, e, cross(apart.arm_b, e))
-
-
-@bare
-def put_on_body(work, slot, side, row, arm, e):
-    _place(rows_of(work).jacobian[slot, side], row, e, cross(arm, e))
-
-
-@bare
-def put_plane(work, slot, side, row, n, apart):
-    jacobian = rows_of(work).jacobian
-    _place(jacobian[slot, side], row, negative(n), cross(n, plus(apart.gap, apart.arm_a)))
-    _place(jacobian[slot, 1 - side], row, n, cross(apart.arm_b, n))
+    on_a, on_b = rows_of(work).jacobian[slot, side], rows_of(work).jacobian[slot, 1 - side]
+    put_row(on_a[row], (-1.0, 0.0, 0.0), (0.0, -a2, a1))
+    put_row(on_a[row + 1], (0.0, -1.0, 0.0), (a2, 0.0, -a0))
+    put_row(on_a[row + 2], (0.0, 0.0, -1.0), (-a1, a0, 0.0))
+    put_row(on_b[row], (1.0, 0.0, 0.0), (0.0, b2, -b1))
+    put_row(on_b[row + 1], (0.0, 1.0, 0.0), (-b2, 0.0, b0))
+    put_row(on_b[row + 2], (0.0, 0.0, 1.0), (b1, -b0, 0.0))
 
 
 @bare
@@ -157,7 +134,7 @@ def fill_wheels(model, work):
         surplus = cross(kin.omega[body], plus(arm_rate, times(radius, e_rate)))
         for c in range(3):
             d = triple(wheel.frame[k, c], 0)
-            _place(rows.jacobian[slot, wheel.side[k]], first + c, d, cross(reach, d))
+            put_row(rows.jacobian[slot, wheel.side[k], first + c], d, cross(reach, d))
             rows.residual[slot, first + c] = 0.0
             rows.rate[slot, first + c] = dot(d, slip)
             rows.gamma[slot, first + c] = -dot(d, surplus)

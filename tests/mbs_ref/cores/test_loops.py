@@ -107,11 +107,10 @@ def whole(system: System, y: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.nda
     """Return M, C_q and the accelerations of the augmented system, solved as a whole by least squares."""
     if isinstance(system, SpatialSystem):
         force, jacobian, mass = system.applied_forces(0.0, y).ravel(), system.jacobian(0.0, y), system.mass_matrix()
-        gamma = np.array([system.scratch.rows.gamma[slot, row] for _, slot, row in system.rows()])
     else:
-        q, v = y.reshape(2, -1, 3)
-        diagonal, jacobian, force, gamma = system.augmented(0.0, q, v)
-        mass = np.diag(diagonal)
+        force, jacobian = system.applied_forces(0.0, *y.reshape(2, -1, 3)).ravel(), system.jacobian(0.0, y)
+        mass = np.diag(system.mass_matrix())
+    gamma = system.right_side()
     m, n = jacobian.shape
     matrix = np.block([[mass, jacobian.T], [jacobian, np.zeros((m, m))]])
     answer = np.linalg.lstsq(matrix, np.concatenate((force, gamma)), rcond=1e-12)[0]
