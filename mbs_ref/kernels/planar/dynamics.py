@@ -6,11 +6,10 @@
 from __future__ import annotations
 
 import sys
-from typing import NamedTuple
 
 import numpy as np
 
-from mbs_ref.kernels.border.handles import handle_of
+from mbs_ref.kernels.border.handles import handle_class
 from mbs_ref.kernels.border.questions import accelerate
 from mbs_ref.kernels.border.supplies import supply
 from mbs_ref.kernels.jit import jit
@@ -155,14 +154,8 @@ def planar_position_rate(model, y, rate, out):
         out[k] = rate[k]
 
 
-@handle_of(PlanarGroups, dimension=2, tangents=1, axes=0, turns=1, moments=1)
-class PlanarModel(NamedTuple):
-    address: int
-
-
-@handle_of(PlanarScratch, rates=3)
-class PlanarWork(NamedTuple):
-    address: int
+PlanarModel = handle_class(__name__, "PlanarModel", PlanarGroups, dimension=2, tangents=1, axes=0, turns=1, moments=1)
+PlanarWork = handle_class(__name__, "PlanarWork", PlanarScratch, rates=3)
 
 
 _MODULES = (sys.modules[__name__], contacts, grips, joints, loads, marks, tree, vectors)

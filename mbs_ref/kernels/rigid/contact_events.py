@@ -36,6 +36,7 @@ from mbs_ref.kernels.rigid.model import (
     rows_of,
     tree_of,
 )
+from mbs_ref.kernels.rigid.shapes import contact_geometry, leaving_ends
 from mbs_ref.kernels.rows import clear
 
 
@@ -55,9 +56,9 @@ def contact_roots(model, work, t, y, g, rate):
         rate[i] = 0.0
     for place in range(near.count[0]):
         k = near.pair[place]
-        touch = core.contact_geometry(model, work, k)
+        touch = contact_geometry(model, work, k)
         i = ROOTS_EACH * k
-        leaving = core.leaving_ends(model, work, k) if touch.beyond > touch.gap else 0.0
+        leaving = leaving_ends(model, work, k) if touch.beyond > touch.gap else 0.0
         closed = modes.mode[k] == MODE_CLOSED
         if closed and laws.release[k] == RELEASE_CONSTRAINT:
             g[i] = 1.0 - touch.beyond / modes.noise[0]
@@ -91,7 +92,7 @@ def contact_transition(model, work, t, y, g, dy):
             continue
         held = held or laws.slot[k] >= 0
         core.load_state(model, work, y)
-        touch = core.contact_geometry(model, work, k)
+        touch = contact_geometry(model, work, k)
         left = next_mode(laws, modes, k, g, touch.closing, is_behind(pairs, k, touch.gap))
         if left == IMPACT:
             _impact(model, work, t, y, k)
@@ -115,7 +116,7 @@ def start_contacts(model, work, t, y, located):
     near_pairs_of(model).stale[0] = 1
     core.load_state(model, work, y)
     for k in range(pairs.kind.shape[0]):
-        touch = core.contact_geometry(model, work, k)
+        touch = contact_geometry(model, work, k)
         modes.dashpot[k] = laws.damping[k] + laws.impact_damping[k] * laws.stiffness[k] / laws.slowest[k]
         modes.grip[k] = GRIP_STICK
         core.start_grip(model, k, touch)
@@ -146,7 +147,7 @@ def rigid_contact_mobility(model, work, t, y, k):
     core.load_state(model, work, y)
     ask.fill_rows(model, work, t)
     ask.factor(model, work)
-    touch = core.contact_geometry(model, work, k)
+    touch = contact_geometry(model, work, k)
     on_a, on_b = gap_rows(work, touch)
     clear(tree.load)
     for c in range(len(core.block(model))):
@@ -161,7 +162,7 @@ def rigid_contact_mobility(model, work, t, y, k):
 def _impact(model, work, t, y, k):
     """Reverse the normal speed by an impulse, v+ = -e v-, within the joints: dv = W n p."""
     mobility = ask.contact_mobility(model, work, t, y, k)
-    closing = core.contact_geometry(model, work, k).closing
+    closing = contact_geometry(model, work, k).closing
     impulse = -(1.0 + contact_laws_of(model).restitution[k]) * closing / mobility
     correct_rates(model, work, impulse, y)
 
@@ -175,7 +176,7 @@ def rigid_contact_forces(model, work, t, y, out):
     else:
         core.load_state(model, work, y)
     for k in range(pairs.kind.shape[0]):
-        touch = core.contact_geometry(model, work, k)
+        touch = contact_geometry(model, work, k)
         out[k, 0] = -touch.gap
         place, touching = core.centre(work, pairs.a[k]), is_touching(pairs, laws, modes, k, touch)
         normal = normal_force(laws, modes, k, -touch.gap, -touch.closing)

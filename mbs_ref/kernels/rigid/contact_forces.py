@@ -11,6 +11,7 @@ from mbs_ref.kernels.jit import bare, jit
 from mbs_ref.kernels.rigid import geometry as core
 from mbs_ref.kernels.rigid.marks import exchange, place_of_mark
 from mbs_ref.kernels.rigid.model import contact_laws_of, contact_modes_of, contact_pairs_of, near_pairs_of
+from mbs_ref.kernels.rigid.shapes import contact_geometry
 
 
 @bare
@@ -62,7 +63,7 @@ def rigid_apply_contacts(model, work):
         k = near.pair[place]
         if modes.mode[k] != MODE_CLOSED and modes.mode[k] != MODE_PLAIN:
             continue
-        touch = core.contact_geometry(model, work, k)
+        touch = contact_geometry(model, work, k)
         if is_touching(pairs, laws, modes, k, touch):
             normal = normal_force(laws, modes, k, -touch.gap, -touch.closing)
             force = contact_force(model, work, k, touch, normal)

@@ -12,6 +12,7 @@ from mbs_ref.kernels.jit import bare, jit
 from mbs_ref.kernels.rigid import geometry as core
 from mbs_ref.kernels.rigid.marks import inward, separation
 from mbs_ref.kernels.rigid.model import contact_laws_of, contact_modes_of, contact_pairs_of, rows_of, tree_of
+from mbs_ref.kernels.rigid.shapes import contact_geometry
 
 
 @jit
@@ -45,7 +46,7 @@ def _clear(model, rows, slot):
 @jit
 def _fill_contact(model, work, k):
     rows, slot = rows_of(work), contact_laws_of(model).slot[k]
-    touch = core.contact_geometry(model, work, k)
+    touch = contact_geometry(model, work, k)
     on_a, on_b = gap_rows(work, touch)
     for c in range(len(core.block(model))):
         rows.jacobian[slot, 0, 0, c] = on_a[c]

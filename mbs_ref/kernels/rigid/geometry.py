@@ -7,7 +7,7 @@ world axes.
 from __future__ import annotations
 
 from functools import partial
-from typing import Any, NamedTuple
+from typing import Any
 
 from mbs_ref.kernels.border.supplies import supplied
 
@@ -120,8 +120,8 @@ def apply_gravity(model, work) -> Any:
 
 
 @supplied
-def apply_force(model, work, k, scale) -> Any:
-    """Add force and torque k, times its signal's value."""
+def apply_torque(model, work, k, scale) -> Any:
+    """Add the torque of force k, times its signal's value."""
 
 
 @supplied
@@ -208,27 +208,19 @@ def pass_closure(model, work, i, here, there, count) -> Any:
 # --- contact ----------------------------------------------------------------------------------------
 
 
-class Touch(NamedTuple):
-    """Where and how two shapes meet."""
-
-    gap: Any  # m
-    closing: Any  # m/s, the gap's rate
-    beyond: Any  # m, excess over open ends
-    normal: Any  # from b to a; the tangent in the plane is the normal turned by -90 degrees
-    slip: Any  # m/s, of a on b: along the tangent, or in the tangent plane as a vector
-    arm_a: Any  # m, from the centre of mass of a to the point of contact
-    arm_b: Any  # m
-    held: Any  # what sticks: in the plane the place rolled and slid along a line (m), in space the two edges
+@supplied
+def surface(model, work, k, x) -> Any:
+    """Return the Surface (mbs_ref.kernels.rigid.shapes) of pair k at a centre that lies x from the shape's origin."""
 
 
 @supplied
-def contact_geometry(model, work, k) -> Any:
-    """Return the touch of pair k."""
+def outwards(model, work, k, x) -> Any:
+    """Return the direction beyond the open end of pair k that is nearest to a centre at x."""
 
 
-@supplied
-def leaving_ends(model, work, k) -> Any:
-    """Return the rate (m/s) of the excess over open ends."""
+@by_core
+def slip(work, n, u, closing) -> Any:
+    """Return the slip at a velocity u of a on b, n . u = closing: a number in the plane, else a vector (m/s)."""
 
 
 @supplied

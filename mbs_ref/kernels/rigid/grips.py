@@ -12,6 +12,7 @@ from mbs_ref.kernels.contact.laws import FRICTION_STICK_SLIP, GRIP_PROBE, GRIP_S
 from mbs_ref.kernels.jit import bare, jit
 from mbs_ref.kernels.rigid import geometry as core
 from mbs_ref.kernels.rigid.model import bodies_of, contact_laws_of, contact_modes_of, contact_pairs_of
+from mbs_ref.kernels.rigid.shapes import contact_geometry
 
 DIFFERENCE = 1e-3  # of the sticking springs' time scale: step of the differences along the motion
 ACCURACY = 1e-18  # of the square of what is left of the slip rates: what differences resolve
@@ -84,7 +85,7 @@ def rigid_slip_velocities(model, work, y, out):
     core.load_state(model, work, y)
     for k in range(out.shape[0]):
         if modes.grip[k] == GRIP_PROBE:
-            slip = core.slip_of(model, core.contact_geometry(model, work, k))
+            slip = core.slip_of(model, contact_geometry(model, work, k))
             for c in range(len(slip)):
                 out[k, c] = slip[c]
 
@@ -98,7 +99,7 @@ def rigid_settle_grips(model, work, t, y, dy):
     core.load_state(model, work, y)
     for k in range(count):
         if modes.grip[k] == GRIP_PROBE:
-            touch = core.contact_geometry(model, work, k)
+            touch = contact_geometry(model, work, k)
             loads[k] = max(normal_force(laws, modes, k, -touch.gap, -touch.closing), 0.0)
     if np.sum(loads) > 0.0:
         mass = bodies_of(model).mass
@@ -109,7 +110,7 @@ def rigid_settle_grips(model, work, t, y, dy):
             continue
         if _size(force[k]) <= laws.static[k] * loads[k]:
             modes.grip[k] = GRIP_STICK
-            core.stick(model, y, k, core.contact_geometry(model, work, k), force[k])
+            core.stick(model, y, k, contact_geometry(model, work, k), force[k])
         else:
             core.slide_along(model, k, -1.0, force[k])
 

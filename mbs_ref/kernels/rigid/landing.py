@@ -25,6 +25,7 @@ from mbs_ref.kernels.rigid.model import (
     rows_of,
     tree_of,
 )
+from mbs_ref.kernels.rigid.shapes import contact_geometry
 
 ITERATIONS = 8  # of the projection of the positions
 FINER = 0.1  # of the noise: how close the projection brings the surfaces
@@ -83,7 +84,7 @@ def _touching(model, work, y):
             continue
         holds = modes.mode[k] == MODE_CLOSED
         if modes.mode[k] == MODE_OPEN:
-            touch = core.contact_geometry(model, work, k)
+            touch = contact_geometry(model, work, k)
             holds = touch.beyond <= 0.0 and abs(touch.gap) <= AT_REST * modes.noise[0]
         if holds:
             found[count] = k
@@ -164,7 +165,7 @@ def _lack(model, work, k, level, slight):
     noise = modes.noise[0]
     if modes.mode[k] == MODE_CLOSED:
         return -contact_push(work, laws, k) / contact_mass(model, k) - noise
-    touch = core.contact_geometry(model, work, k)
+    touch = contact_geometry(model, work, k)
     if level == IMPULSES:
         return -touch.closing - AT_REST * noise
     drawn = gap_gamma(model, work, k, touch) - gap_response(model, work, k, touch)

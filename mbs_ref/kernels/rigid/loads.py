@@ -16,7 +16,11 @@ def _apply_forces(model, work, t):
     load, signals, mode_time = forces_of(model), signals_of(model), world_of(model).control[CONTROL_MODE_TIME]
     for k in range(load.body.shape[0]):
         scale, _, _ = evaluate(signals, load.signal[k], t, mode_time)
-        core.apply_force(model, work, k, scale)
+        body, force = load.body[k], core.times(work, scale, load.force[k])
+        if load.follows[k] == 1:
+            force = core.turned(work, body, force)
+        core.push(work, body, core.turned(work, body, load.point[k]), force)
+        core.apply_torque(model, work, k, scale)
 
 
 @jit

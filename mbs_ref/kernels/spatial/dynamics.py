@@ -10,9 +10,8 @@ else is in world axes. theta^T theta = 1 is part of C; its multiplier and the fo
 from __future__ import annotations
 
 import sys
-from typing import NamedTuple
 
-from mbs_ref.kernels.border.handles import handle_of
+from mbs_ref.kernels.border.handles import handle_class
 from mbs_ref.kernels.border.questions import accelerate, fill_deflection_rates
 from mbs_ref.kernels.border.supplies import supply
 from mbs_ref.kernels.jit import jit
@@ -160,14 +159,10 @@ def normalize(model, y):
             turn_theta(y, bodies.q[i] + 3, (0.0, 0.0, 0.0))
 
 
-@handle_of(SpatialGroups, dimension=3, tangents=2, axes=3, turns=3, moments=6)
-class SpatialModel(NamedTuple):
-    address: int
-
-
-@handle_of(SpatialScratch, rates=6)
-class SpatialWork(NamedTuple):
-    address: int
+SpatialModel = handle_class(
+    __name__, "SpatialModel", SpatialGroups, dimension=3, tangents=2, axes=3, turns=3, moments=6
+)
+SpatialWork = handle_class(__name__, "SpatialWork", SpatialScratch, rates=6)
 
 
 _MODULES = (sys.modules[__name__], contacts, grips, joints, loads, marks, orientation, tree, vectors)

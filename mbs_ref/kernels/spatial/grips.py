@@ -22,7 +22,7 @@ from mbs_ref.kernels.contact.laws import (
 )
 from mbs_ref.kernels.jit import bare, jit
 from mbs_ref.kernels.rigid.model import contact_laws_of, contact_modes_of, contact_pairs_of
-from mbs_ref.kernels.spatial.contacts import contact_geometry
+from mbs_ref.kernels.rigid.shapes import contact_geometry
 from mbs_ref.kernels.spatial.model import grips_of
 from mbs_ref.kernels.spatial.orientation import load_state
 from mbs_ref.kernels.spatial.vectors import dot, plus, times

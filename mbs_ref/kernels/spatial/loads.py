@@ -42,14 +42,10 @@ def apply_gravity(model, work):
 
 
 @bare
-def apply_force(model, work, k, scale):
+def apply_torque(model, work, k, scale):
     load = forces_of(model)
-    body = load.body[k]
-    force, torque = triple(load.force[k], 0), triple(load.torque[k], 0)
-    if load.follows[k] == 1:
-        force, torque = turned(work, body, force), turned(work, body, torque)
-    push(work, body, turned(work, body, load.point[k]), times(scale, force))
-    twist(work, body, times(scale, torque))
+    body, torque = load.body[k], triple(load.torque[k], 0)
+    twist(work, body, times(scale, turned(work, body, torque) if load.follows[k] == 1 else torque))
 
 
 @bare
