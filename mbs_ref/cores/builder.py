@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
 from typing import Any, NamedTuple, get_type_hints
 
 import numpy as np
@@ -13,7 +12,7 @@ from mbs_ref.cores.contact_shapes import contact_balls, contact_pairs
 from mbs_ref.cores.event_arrays import contact_laws, contact_modes, springs, watches
 from mbs_ref.cores.joint_graph import Edge, joint_rows, layout, row_count
 from mbs_ref.cores.loops import Closure, loops_of_closures
-from mbs_ref.kernels.border.groups import Declared, declared
+from mbs_ref.kernels.border.groups import Declared, declared, floats, ints
 from mbs_ref.kernels.rigid.closures import Loops
 from mbs_ref.kernels.rigid.model import Bodies, Slots, World
 from mbs_ref.kernels.signals import SignalArrays
@@ -196,18 +195,6 @@ def assembled(build: Builder, groups: Any, widths: np.ndarray, inertia: np.ndarr
         **own,
     )
     return groups(*map(contiguous, every))
-
-
-def ints(values: Sequence[int]) -> np.ndarray:
-    return np.array(values, dtype=np.int64)
-
-
-def floats(values: Any) -> np.ndarray:
-    return np.array(list(values), dtype=float)
-
-
-def table(rows: list, width: int) -> np.ndarray:
-    return np.array(rows, dtype=float).reshape(len(rows), width)
 
 
 def contiguous(group: Any) -> Any:

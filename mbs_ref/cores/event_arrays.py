@@ -7,6 +7,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from mbs_ref.kernels.border.groups import floats, ints
 from mbs_ref.kernels.contact import laws as shared
 from mbs_ref.kernels.rigid.model import WATCH_COORDINATE, WATCH_DISTANCE, WATCH_RATE, Springs, Watches
 from mbs_ref.scene import GROUND, PointBushing, Scene, SpringDamper
@@ -48,9 +49,9 @@ def contact_laws(scene: Scene, slots: dict[int, int]) -> shared.ContactLaws:
         "friction": [_FRICTIONS[friction.kind] for friction in frictions],
         "slot": [slots.get(k, -1) for k in range(len(laws))],
     }
-    arrays: dict[str, Any] = {name: np.array(values, dtype=np.int64) for name, values in coded.items()}
+    arrays: dict[str, Any] = {name: ints(values) for name, values in coded.items()}
     plain = (name for name in shared.ContactLaws._fields if name not in coded)
-    arrays |= {name: np.array([row[name] for row in numbers], dtype=float) for name in plain}
+    arrays |= {name: floats(row[name] for row in numbers) for name in plain}
     return shared.ContactLaws(**arrays)
 
 
@@ -84,17 +85,17 @@ def springs(scene: Scene, places: Places) -> Springs:
     marks = [(x.point, x.point) if isinstance(x, PointBushing) else (x.point_a, x.point_b) for x in loads]
     ends = [[places.point(body, mark) for body, mark in zip(x.ends, pair, strict=True)]
             for x, pair in zip(loads, marks, strict=True)]  # fmt: skip
-    points = np.array(ends, dtype=float).reshape(-1, 2, scene.dimension)
+    points = floats(ends, 2, scene.dimension)
     return Springs(
-        a=np.array([places.body(x.body_a) for x in loads], dtype=np.int64),
-        b=np.array([places.body(x.body_b) for x in loads], dtype=np.int64),
+        a=ints([places.body(x.body_a) for x in loads]),
+        b=ints([places.body(x.body_b) for x in loads]),
         point_a=points[:, 0],
         point_b=points[:, 1],
-        stiffness=np.array([x.stiffness for x in loads], dtype=float),
-        damping=np.array([x.damping for x in loads], dtype=float),
-        rest_length=np.array([_rest_length(x) for x in loads], dtype=float),
-        isotropic=np.array([isinstance(x, PointBushing) for x in loads], dtype=np.int64),
-        place=np.array([modes.get(x.name, -1) for x in loads], dtype=np.int64),
+        stiffness=floats(x.stiffness for x in loads),
+        damping=floats(x.damping for x in loads),
+        rest_length=floats(_rest_length(x) for x in loads),
+        isotropic=ints([isinstance(x, PointBushing) for x in loads]),
+        place=ints([modes.get(x.name, -1) for x in loads]),
     )
 
 
@@ -111,17 +112,17 @@ def watches(scene: Scene, places: Places) -> Watches:
     marks = [[places.point(body, mark) for body, mark in zip(pair, (e.point_a, e.point_b), strict=True)]
              if isinstance(e, DistanceEvent) else np.zeros((2, scene.dimension))
              for e, pair in zip(scene.events, ends, strict=True)]  # fmt: skip
-    points = np.array(marks, dtype=float).reshape(-1, 2, scene.dimension)
+    points = floats(marks, 2, scene.dimension)
     return Watches(
-        a=np.array([places.body(a) for a, _ in ends], dtype=np.int64),
-        b=np.array([places.body(b) for _, b in ends], dtype=np.int64),
+        a=ints([places.body(a) for a, _ in ends]),
+        b=ints([places.body(b) for _, b in ends]),
         point_a=points[:, 0],
         point_b=points[:, 1],
-        quantity=np.array([_quantity(event) for event in scene.events], dtype=np.int64),
-        component=np.array([_COMPONENTS[getattr(event, "coordinate", "x")] for event in scene.events], dtype=np.int64),
-        value=np.array([event.value for event in scene.events], dtype=float),
-        direction=np.array([_CROSSINGS[event.crossing] for event in scene.events], dtype=np.int64),
-        stops=np.array([event.action == "stop" for event in scene.events], dtype=np.int64),
+        quantity=ints([_quantity(event) for event in scene.events]),
+        component=ints([_COMPONENTS[getattr(event, "coordinate", "x")] for event in scene.events]),
+        value=floats(event.value for event in scene.events),
+        direction=ints([_CROSSINGS[event.crossing] for event in scene.events]),
+        stops=ints([event.action == "stop" for event in scene.events]),
     )
 
 

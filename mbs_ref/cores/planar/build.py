@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from mbs_ref.cores.builder import Builder, Place, assembled, floats, ints, table
-from mbs_ref.kernels.border.groups import empty
+from mbs_ref.cores.builder import Builder, Place, assembled
+from mbs_ref.kernels.border.groups import empty, floats, ints
 from mbs_ref.kernels.planar import model as arrays
 from mbs_ref.kernels.rigid.model import Forces, TorsionSprings
 from mbs_ref.scene import Force, PlanarBody, PointMass, Scene, Torque, TorsionSpring
@@ -45,9 +45,9 @@ def _forces(build: _Builder) -> Forces:
     parts = [_force_parts(build, x) for x in loads]
     return Forces(
         body=ints([build.body(x.body) for x in loads]),
-        point=table([point for point, _, _, _ in parts], 2),
-        force=table([vector for _, vector, _, _ in parts], 2),
-        torque=table([torque for _, _, _, torque in parts], 1),
+        point=floats([point for point, _, _, _ in parts], 2),
+        force=floats([vector for _, vector, _, _ in parts], 2),
+        torque=floats([torque for _, _, _, torque in parts], 1),
         follows=ints([follows for _, _, follows, _ in parts]),
         signal=ints([build.signal(x.factor.segments()) for x in loads]),
     )
@@ -71,7 +71,7 @@ def _torsion_springs(build: _Builder) -> TorsionSprings:
         b=ints([build.body(x.body_b) for x in loads]),
         stiffness=floats(x.stiffness for x in loads),
         damping=floats(x.damping for x in loads),
-        rest_angle=np.array(rest, dtype=float),
+        rest_angle=floats(rest),
     )
 
 
@@ -83,7 +83,7 @@ def build_planar(scene: Scene) -> tuple[Any, dict[int, Place]]:
         build,
         arrays.PlanarGroups,
         widths=np.full((2, build.n), 3),
-        inertia=table(inertia, 1),
+        inertia=floats(inertia, 1),
         forces=_forces(build),
         torsion_springs=_torsion_springs(build),
     )

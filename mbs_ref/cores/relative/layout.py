@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from mbs_ref.cores.builder import floats, ints
 from mbs_ref.cores.jointed_system import JointedSystem
+from mbs_ref.kernels.border.groups import floats, ints
 from mbs_ref.kernels.relative import model as arrays
 from mbs_ref.scene import GROUND, PointMass, Prismatic, Revolute, Scene, Spherical, Weld
 from mbs_ref.scene.base.directions import unit

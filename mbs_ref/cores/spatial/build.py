@@ -6,7 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from mbs_ref.cores.builder import Builder, Place, assembled, floats, ints, table
+from mbs_ref.cores.builder import Builder, Place, assembled
+from mbs_ref.kernels.border.groups import floats, ints
 from mbs_ref.kernels.rigid.model import Forces, TorsionSprings
 from mbs_ref.kernels.spatial import model as arrays
 from mbs_ref.scene import Bushing, Force, Scene, SpatialBody, TorqueVector, TorsionSpring
@@ -45,9 +46,9 @@ def _forces(build: _Builder) -> Forces:
     zero = np.zeros(3)
     return Forces(
         body=ints([build.body(x.body) for x in loads]),
-        point=table([build.point(x.body, x.point) if isinstance(x, Force) else zero for x in loads], 3),
-        force=table([v if isinstance(x, Force) else zero for x, v in zip(loads, turned, strict=True)], 3),
-        torque=table([zero if isinstance(x, Force) else v for x, v in zip(loads, turned, strict=True)], 3),
+        point=floats([build.point(x.body, x.point) if isinstance(x, Force) else zero for x in loads], 3),
+        force=floats([v if isinstance(x, Force) else zero for x, v in zip(loads, turned, strict=True)], 3),
+        torque=floats([zero if isinstance(x, Force) else v for x, v in zip(loads, turned, strict=True)], 3),
         follows=ints([int(x.frame == "body") for x in loads]),
         signal=ints([build.signal(x.factor.segments()) for x in loads]),
     )
@@ -66,9 +67,9 @@ def _torsion_springs(build: _Builder) -> TorsionSprings:
         stiffness=floats(x.stiffness for x in loads),
         damping=floats(x.damping for x in loads),
         rest_angle=floats(x.rest_angle or 0.0 for x in loads),
-        zero=table([build.direction(x.body_a, f[0]) for x, f in pairs], 3),
-        quarter=table([build.direction(x.body_a, f[1]) for x, f in pairs], 3),
-        mark=table([build.direction(x.body_b, f[0]) for x, f in pairs], 3),
+        zero=floats([build.direction(x.body_a, f[0]) for x, f in pairs], 3),
+        quarter=floats([build.direction(x.body_a, f[1]) for x, f in pairs], 3),
+        mark=floats([build.direction(x.body_b, f[0]) for x, f in pairs], 3),
     )
 
 
@@ -79,12 +80,12 @@ def _bushings(build: _Builder) -> arrays.Bushings:
     pairs = list(zip(loads, frames, strict=True))
     return arrays.Bushings(
         *_ends(build, loads),
-        table([build.point(x.body_a, x.point) for x in loads], 3),
-        table([build.point(x.body_b, x.point) for x in loads], 3),
-        np.array([build.direction(x.body_a, f) for x, f in pairs]).reshape(-1, 3, 3),
-        np.array([build.direction(x.body_b, f) for x, f in pairs]).reshape(-1, 3, 3),
-        table([x.stiffness for x in loads], 6),
-        table([x.damping for x in loads], 6),
+        floats([build.point(x.body_a, x.point) for x in loads], 3),
+        floats([build.point(x.body_b, x.point) for x in loads], 3),
+        floats((build.direction(x.body_a, f) for x, f in pairs), 3, 3),
+        floats((build.direction(x.body_b, f) for x, f in pairs), 3, 3),
+        floats([x.stiffness for x in loads], 6),
+        floats([x.damping for x in loads], 6),
     )
 
 
@@ -122,7 +123,7 @@ def build_spatial(scene: Scene) -> tuple[Any, dict[int, Place]]:
         build,
         arrays.SpatialGroups,
         widths=np.array((3 + 4 * rigid, 3 + 3 * rigid)),
-        inertia=table(inertia, 6),
+        inertia=floats(inertia, 6),
         forces=_forces(build),
         torsion_springs=_torsion_springs(build),
         bushings=_bushings(build),

@@ -66,6 +66,15 @@ def _two_product(a, b):
 
 
 @jit
+def _square(y, i, j):
+    """Return the square of the distance (m^2) between two bodies."""
+    r2 = 0.0
+    for c in range(3):
+        r2 += (y[3 * i + c] - y[3 * j + c]) ** 2
+    return r2
+
+
+@jit
 def free_fall(gm, y, n):
     """Return the least sqrt(r^3 / gm) over pairs (s), infinite without attraction."""
     least = np.inf
@@ -73,9 +82,7 @@ def free_fall(gm, y, n):
         for j in range(i + 1, n):
             m = gm[i] + gm[j]
             if m > 0.0:
-                r2 = 0.0
-                for c in range(3):
-                    r2 += (y[3 * i + c] - y[3 * j + c]) ** 2
+                r2 = _square(y, i, j)
                 least = min(least, np.sqrt(r2 * np.sqrt(r2) / m))
     return least
 
@@ -86,12 +93,8 @@ def touching(radius, y, n):
     for i in range(n):
         for j in range(i + 1, n):
             reach = radius[i] + radius[j]
-            if reach > 0.0:
-                r2 = 0.0
-                for c in range(3):
-                    r2 += (y[3 * i + c] - y[3 * j + c]) ** 2
-                if r2 < reach * reach:
-                    return True
+            if reach > 0.0 and _square(y, i, j) < reach * reach:
+                return True
     return False
 
 
