@@ -198,8 +198,12 @@ class JointedSystem(ContactSystem):
         """Return gamma (n_rows,) of the rows last evaluated, in the order of `rows`."""
         return np.array([self.scratch.rows.gamma[slot, row] for _, slot, row in self.rows()])
 
-    def row_rank(self, t: float, y: np.ndarray) -> int:
-        """Return the rank of these rows, mass-scaled so that metres and radians compare."""
+    @property
+    def n_constraints(self) -> int:
+        return len(self.rows())
+
+    def rank(self, t: float, y: np.ndarray) -> int:
+        """Return the rank of C_q, mass-scaled so that metres and radians compare."""
         scaled = self.scaled_jacobian(t, y)
         if scaled.size == 0:
             return 0

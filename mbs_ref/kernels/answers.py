@@ -24,17 +24,7 @@ from mbs_ref.kernels.relative import planar as relative_planar
 from mbs_ref.kernels.relative import spatial as relative_spatial
 from mbs_ref.kernels.relative.events import PASSED_ON
 from mbs_ref.kernels.relative.model import TreeModel, TreeWork
-from mbs_ref.kernels.rigid import (
-    contact_events,
-    contact_forces,
-    contact_rows,
-    descriptor,
-    dynamics,
-    events,
-    grips,
-    joints,
-    loads,
-)
+from mbs_ref.kernels.rigid import contact_events, contact_forces, descriptor, dynamics, events, grips, joints, loads
 from mbs_ref.kernels.rigid.model import position_count
 from mbs_ref.kernels.spatial import descriptor as spatial_form
 from mbs_ref.kernels.spatial import dynamics as spatial
@@ -70,7 +60,7 @@ _RIGID: dict[str, dict[str, Callable[..., Any]]] = {  # of bodies and joints, in
         "settle_grips": grips.rigid_settle_grips,
         "slip_velocities": grips.rigid_slip_velocities,
         "apply_contacts": contact_forces.rigid_apply_contacts,
-        "fill_contact_rows": contact_rows.rigid_fill_contact_rows,
+        "fill_contact_rows": contact_forces.rigid_fill_contact_rows,
     },
     LOOPS: {"factor": dynamics.rigid_factor, "solve": dynamics.rigid_solve},
     OPEN: {"factor": dynamics.rigid_factor_open, "solve": dynamics.rigid_solve_open},

@@ -87,10 +87,6 @@ class PlanarSystem(JointedSystem):
         bodies = self.groups.bodies
         return self._in_scene_order(np.column_stack((bodies.mass, bodies.mass, bodies.inertia))).ravel()
 
-    def rank(self, t: float, y: np.ndarray) -> int:
-        """Return the rank of C_q, mass-scaled so that metres and radians compare."""
-        return self.row_rank(t, y)
-
     def scaled_jacobian(self, t: float, y: np.ndarray) -> np.ndarray:
         scaled = self.jacobian(t, y) / np.sqrt(self.mass_matrix())
         return scaled / np.linalg.norm(scaled, axis=1, keepdims=True)
@@ -99,10 +95,6 @@ class PlanarSystem(JointedSystem):
     def n_coordinates(self) -> int:
         """Coordinates in use: three a rigid body, two a point mass."""
         return sum(2 if isinstance(b, PointMass) else 3 for b in self.scene.bodies)
-
-    @property
-    def n_constraints(self) -> int:
-        return len(self.rows())
 
     def _unbalanced(self, t: float, y: np.ndarray, dy: np.ndarray) -> np.ndarray:
         half = 3 * self.n_bodies

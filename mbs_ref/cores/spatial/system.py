@@ -206,7 +206,7 @@ class SpatialSystem(JointedSystem):
 
     def rank(self, t: float, y: np.ndarray) -> int:
         """Return the rank of C_q, the norm rows of the Euler parameters included."""
-        return self.row_rank(t, y) + len(self.rigid)
+        return super().rank(t, y) + len(self.rigid)
 
     @property
     def n_coordinates(self) -> int:
@@ -216,7 +216,7 @@ class SpatialSystem(JointedSystem):
     @property
     def n_constraints(self) -> int:
         """Joint rows and one norm row a rigid body."""
-        return len(self.rows()) + len(self.rigid)
+        return super().n_constraints + len(self.rigid)
 
     def _unbalanced(self, t: float, y: np.ndarray, dy: np.ndarray) -> np.ndarray:
         force = self._in_scene_order(self.scratch.kinematics.force[: self.n_bodies]).ravel()

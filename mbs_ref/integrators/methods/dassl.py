@@ -38,13 +38,13 @@ if TYPE_CHECKING:
 
 PACKAGE = "sundials4py"
 NO_MPI = 0  # SUN_COMM_NULL
-PROXIMAL = 1e-12  # of the scene's time, of a multiplier over the heaviest mass, left in its own row
+PROXIMAL = 1e-12  # of the scene's time, of a multiplier over the heaviest mass, remaining in its own row
 MULTIPLIER_SHARE = 1e-4  # of the largest applied force at the start, or of what moves the heaviest body
 HOPELESS_FAILURES, HOPELESS_SHARE = 500, 0.4  # error-test failures, in all and per step taken, that end a run
-NEWTON_OF_RATES = 0.1  # of the tolerance, what Newton may leave at plain index 2: left in C_dot it adds up to drift
+NEWTON_OF_RATES = 0.1  # of the tolerance, that Newton may leave at plain index 2: in C_dot it adds up to drift
 STOPPED = {  # IDA's return values, in words
     -1: ("too much work between outputs", Status.TOO_MANY_STEPS),
-    -2: ("the asked accuracy is beyond double precision", Status.STEP_TOO_SMALL),
+    -2: ("the requested accuracy is beyond double precision", Status.STEP_TOO_SMALL),
     -3: ("the error test failed repeatedly or with the smallest step", Status.STEP_TOO_SMALL),
     -4: ("Newton's iteration failed repeatedly or with the smallest step", Status.NOT_CONVERGED),
     -6: ("the iteration matrix is singular (set-up failed)", Status.NOT_CONVERGED),
@@ -55,9 +55,9 @@ STOPPED = {  # IDA's return values, in words
 }
 
 
-def as_dae(system: JointedSystem, form: int, kept: np.ndarray, proximal: float, n_events: int = 0) -> Dae:
-    """Return a system as a DAE of these of its rows, with proximal (s) times mu left in mu's rows."""
-    rows = np.array([(slot, row) for _, slot, row in system.rows()], dtype=np.int64).reshape(-1, 2)[kept]
+def as_dae(system: JointedSystem, form: int, used: np.ndarray, proximal: float, n_events: int = 0) -> Dae:
+    """Return a system as a DAE of these of its rows, with proximal (s) times mu added to mu's rows."""
+    rows = np.array([(slot, row) for _, slot, row in system.rows()], dtype=np.int64).reshape(-1, 2)[used]
     slots, most = system.scratch.rows.multiplier.shape
     n_rates = len(system.initial_state()) - system.n_positions
     dae = empty(Dae, n_rows=len(rows), n_slots=slots, rows=most, n_rates=n_rates, n_events=n_events)
@@ -98,15 +98,15 @@ class _Objects:
 
 
 class _Ida:
-    """One IDA memory with everything it refers to kept alive."""
+    """One IDA memory that owns everything it refers to."""
 
     def __init__(self, leg: MultistepLeg, form: int) -> None:
         system, options, events, y, t0 = leg.system, leg.options, leg.events, leg.now, leg.t
         assert isinstance(system, JointedSystem)  # `cores` of the Integrator sees to it
         self.system, self.n_state, self.t = system, len(y), t0
-        self.kept = system.independent_rows(t0, y)
-        self.dae = as_dae(system, form, self.kept, PROXIMAL * options.time, events.count)
-        rows = len(self.kept)
+        self.used = system.independent_rows(t0, y)
+        self.dae = as_dae(system, form, self.used, PROXIMAL * options.time, events.count)
+        rows = len(self.used)
         size = len(y) + (2 if form == GGL else 1) * rows
         self.x, self.rate, self.differential, self.atol = (np.zeros(size) for _ in range(4))
         self.objects = _Objects(size, (self.x, self.rate, self.differential, self.atol))
@@ -145,12 +145,12 @@ class _Ida:
         self.differential[: len(y)] = 1.0
 
     def _multipliers(self, y: np.ndarray, t0: float) -> np.ndarray:
-        """Return those of the rows that are kept; they carry the dropped rows' forces."""
+        """Return those of the rows in use; they carry the dropped rows' forces."""
         every = self.system.multipliers(t0, y)
-        if len(self.kept) == len(every):
+        if len(self.used) == len(every):
             return every
         jacobian = self.system.jacobian(t0, y)
-        return np.linalg.lstsq(jacobian[self.kept].T, jacobian.T @ every)[0]
+        return np.linalg.lstsq(jacobian[self.used].T, jacobian.T @ every)[0]
 
     def _multiplier_tolerance(self, options: Options, y: np.ndarray, t0: float) -> float:
         """Return what Newton may leave in a multiplier (N): it enters velocities only through h lambda / m.
@@ -193,7 +193,7 @@ def _stop_failed(leg: MultistepLeg, flag: int) -> None:
 
 
 def _passes_tests(leg: MultistepLeg, solver: _Ida) -> bool:
-    """Return whether the error test still tells steps apart; where it fails whatever the step, the leg ends."""
+    """Return whether the error test still distinguishes steps; where it fails whatever the step, the leg ends."""
     failed, steps = solver.failed_error_tests(), leg.run.steps
     if failed <= HOPELESS_FAILURES or failed <= HOPELESS_SHARE * steps:
         return True

@@ -9,7 +9,7 @@ import numpy as np
 from mbs_ref.kernels.contact.laws import ENDS_CAPPED, ENDS_OPEN, PAIR_FLAT, PAIR_ROUND, PAIR_SPROCKET
 from mbs_ref.kernels.jit import bare
 from mbs_ref.kernels.planar.marks import turned
-from mbs_ref.kernels.planar.vectors import cross, dot, left, over, plus, rotated, times
+from mbs_ref.kernels.planar.vectors import cross, dot, over, perpendicular, plus, rotated, times
 from mbs_ref.kernels.rigid.model import contact_pairs_of, kinematics_of
 from mbs_ref.kernels.rigid.shapes import Surface, on_round
 
@@ -17,7 +17,7 @@ from mbs_ref.kernels.rigid.shapes import Surface, on_round
 @bare
 def _on_line(pairs, k, x, tangent, rolled):
     """Return the Surface of a line, a segment or a capped segment."""
-    normal, radius = left(tangent), pairs.radius[k]
+    normal, radius = perpendicular(tangent), pairs.radius[k]
     along, above = dot(x, tangent), dot(x, normal)
     held, beyond = along + rolled, abs(along) - pairs.half[k, 0]
     if pairs.ends[k] == ENDS_OPEN:

@@ -43,7 +43,7 @@ def cross(a, b):
 
 
 @bare
-def left(a):
+def perpendicular(a):
     """Return a turned by 90 degrees: d(a)/d(theta)."""
     return -a[1], a[0]
 

@@ -9,12 +9,12 @@ here in world axes about the centres of mass, as the redundant cores have them.
 
 from __future__ import annotations
 
-from mbs_ref.kernels.algebra.ldl import ldl3, ldl3_solve
+from mbs_ref.kernels.algebra.dense import ldl3, ldl3_solve
 from mbs_ref.kernels.algebra.turning import cos_sin
 from mbs_ref.kernels.border import questions as ask
 from mbs_ref.kernels.jit import bare, inlined, jit
 from mbs_ref.kernels.planar.dynamics import PlanarModel, PlanarWork
-from mbs_ref.kernels.planar.vectors import left, minus, pair, plus, rotated, times
+from mbs_ref.kernels.planar.vectors import minus, pair, perpendicular, plus, rotated, times
 from mbs_ref.kernels.relative.model import (
     FREE,
     HELD,
@@ -96,7 +96,7 @@ def _put_joined(joints, links, kin, y, i):
         free[0], free[1], free[2] = -away[1], away[0], 1.0
     apart, turning = plus(reach, away), spin + rate
     inward = plus(times(spin * spin, reach), times(turning * turning, away))
-    surplus = minus(times(2.0 * spin * speed, left(slide)), inward)
+    surplus = minus(times(2.0 * spin * speed, perpendicular(slide)), inward)
     links.apart[i, 0], links.apart[i, 1] = apart
     bias[0], bias[1] = surplus
     kin.pose[i, 0], kin.pose[i, 1] = plus(pair(kin.pose[parent], 0), apart)

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from mbs_ref.kernels.algebra.ldl import factor_ldl, ldl3, ldl3_solve, solve_ldl
+from mbs_ref.kernels.algebra.dense import factor_ldl, ldl3, ldl3_solve, solve_ldl
 from mbs_ref.kernels.border import questions as ask
 from mbs_ref.kernels.jit import inlined, jit
 from mbs_ref.kernels.relative.model import (

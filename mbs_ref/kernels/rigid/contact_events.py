@@ -23,8 +23,14 @@ from mbs_ref.kernels.contact.laws import (
 from mbs_ref.kernels.contact.modes import FRICTION, IMPACT, TOUCH, close, is_broken, next_mode, normal_roots
 from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.rigid import geometry as core
-from mbs_ref.kernels.rigid.contact_forces import contact_force, find_near, is_behind, is_touching
-from mbs_ref.kernels.rigid.contact_rows import gap_response, gap_rows
+from mbs_ref.kernels.rigid.contact_forces import (
+    contact_force,
+    find_near,
+    gap_response,
+    gap_rows,
+    is_behind,
+    is_touching,
+)
 from mbs_ref.kernels.rigid.dynamics import correct_rates, store_solved
 from mbs_ref.kernels.rigid.grips import change_grip, grip_margin, is_still, probe, take_grip
 from mbs_ref.kernels.rigid.landing import AT_REST, contact_mass, contact_push, settle_held
@@ -93,12 +99,12 @@ def contact_transition(model, work, t, y, g, dy):
         held = held or laws.slot[k] >= 0
         core.load_state(model, work, y)
         touch = contact_geometry(model, work, k)
-        left = next_mode(laws, modes, k, g, touch.closing, is_behind(pairs, k, touch.gap))
-        if left == IMPACT:
+        due = next_mode(laws, modes, k, g, touch.closing, is_behind(pairs, k, touch.gap))
+        if due == IMPACT:
             _impact(model, work, t, y, k)
-        elif left == TOUCH:
+        elif due == TOUCH:
             take_grip(model, y, k, touch)
-        elif left == FRICTION and change_grip(model, work, k, touch):
+        elif due == FRICTION and change_grip(model, work, k, touch):
             probe(modes, k)
             stopped = True
     if held:

@@ -15,7 +15,7 @@ from mbs_ref.kernels.rigid.model import bodies_of, contact_laws_of, contact_mode
 from mbs_ref.kernels.rigid.shapes import contact_geometry
 
 DIFFERENCE = 1e-3  # of the sticking springs' time scale: step of the differences along the motion
-ACCURACY = 1e-18  # of the square of what is left of the slip rates: what differences resolve
+ACCURACY = 1e-18  # of the square of the slip rates: less is not resolved by differences
 
 
 @bare

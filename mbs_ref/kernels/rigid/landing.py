@@ -14,7 +14,7 @@ from mbs_ref.kernels.border.questions import accelerate, project
 from mbs_ref.kernels.contact.laws import MODE_CLOSED, MODE_OPEN, ROOTS_EACH
 from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.rigid import geometry as core
-from mbs_ref.kernels.rigid.contact_rows import gap_gamma, gap_response
+from mbs_ref.kernels.rigid.contact_forces import gap_gamma, gap_response
 from mbs_ref.kernels.rigid.model import (
     bodies_of,
     contact_laws_of,

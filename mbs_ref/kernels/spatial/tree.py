@@ -15,7 +15,7 @@ matrix densely and compares.
 
 from __future__ import annotations
 
-from mbs_ref.kernels.algebra.ldl import factor_ldl, ldl3, ldl3_solve, solve_ldl
+from mbs_ref.kernels.algebra.dense import factor_ldl, ldl3, ldl3_solve, solve_ldl
 from mbs_ref.kernels.jit import jit, placed
 from mbs_ref.kernels.rigid.model import bodies_of, closures_of, kinematics_of, rows_of, slots_of, tree_of
 
