@@ -9,7 +9,7 @@ from typing import Any, NamedTuple, get_type_hints
 import numpy as np
 
 from mbs_ref.cores.contact_shapes import contact_balls, contact_pairs
-from mbs_ref.cores.event_arrays import contact_laws, contact_modes, springs, watches
+from mbs_ref.cores.events import contact_laws, contact_modes, springs, watches
 from mbs_ref.cores.joint_graph import Edge, joint_rows, layout, row_count
 from mbs_ref.cores.loops import Closure, loops_of_closures
 from mbs_ref.kernels.border.groups import Declared, declared, floats, ints

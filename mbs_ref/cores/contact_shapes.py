@@ -7,7 +7,7 @@ from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
-from mbs_ref.cores.event_arrays import Places
+from mbs_ref.cores.events import Places
 from mbs_ref.kernels.border.groups import empty, floats, ints
 from mbs_ref.kernels.contact import laws as shared
 from mbs_ref.kernels.contact.near_pairs import NearPairs
