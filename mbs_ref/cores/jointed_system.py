@@ -16,8 +16,8 @@ from mbs_ref.cores.events import ContactSystem
 from mbs_ref.cores.system import RANK_TOLERANCE
 from mbs_ref.cores.user_rows import UserRow, write_user_rows
 from mbs_ref.kernels.contact.laws import MODE_CLOSED
+from mbs_ref.kernels.rigid.joints import JointRows, forces_at_joints, forces_of_tree
 from mbs_ref.kernels.rigid.model import CONTROL_MODE_TIME, CONTROL_POSITION_GAIN, CONTROL_VELOCITY_GAIN
-from mbs_ref.kernels.rigid.reactions import JointRows, forces_at_joints, forces_of_tree
 from mbs_ref.scene import GROUND, UserConstraint, UserForce
 from mbs_ref.scene.base.taylor import Taylor
 

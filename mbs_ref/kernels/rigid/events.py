@@ -12,8 +12,8 @@ from mbs_ref.kernels.contact.modes import ENDLESS, SETTLED, STOP, is_broken, is_
 from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.rigid.contact_events import contact_roots, contact_transition, start_contacts
 from mbs_ref.kernels.rigid.geometry import coordinate, load_state
+from mbs_ref.kernels.rigid.loads import distance, spring_roots, spring_transition, start_springs
 from mbs_ref.kernels.rigid.model import WATCH_DISTANCE, WATCH_RATE, contact_modes_of, watches_of
-from mbs_ref.kernels.rigid.springs import distance, spring_roots, spring_transition, start_springs
 
 
 @jit
