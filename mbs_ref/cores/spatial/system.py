@@ -209,11 +209,6 @@ class SpatialSystem(JointedSystem):
         return super().rank(t, y) + len(self.rigid)
 
     @property
-    def n_coordinates(self) -> int:
-        """Coordinates in use: seven a rigid body, three a point mass."""
-        return self.n_positions
-
-    @property
     def n_constraints(self) -> int:
         """Joint rows and one norm row a rigid body."""
         return super().n_constraints + len(self.rigid)

@@ -11,7 +11,8 @@ from mbs_ref.kernels.border.questions import derivative, slip_velocities
 from mbs_ref.kernels.contact.laws import FRICTION_STICK_SLIP, GRIP_PROBE, GRIP_STICK, normal_force
 from mbs_ref.kernels.jit import bare, jit
 from mbs_ref.kernels.rigid import geometry as core
-from mbs_ref.kernels.rigid.model import bodies_of, contact_laws_of, contact_modes_of, contact_pairs_of
+from mbs_ref.kernels.rigid.landing import contact_mass
+from mbs_ref.kernels.rigid.model import contact_laws_of, contact_modes_of, contact_pairs_of
 from mbs_ref.kernels.rigid.shapes import contact_geometry
 
 DIFFERENCE = 1e-3  # of the sticking springs' time scale: step of the differences along the motion
@@ -102,8 +103,7 @@ def rigid_settle_grips(model, work, t, y, dy):
             touch = contact_geometry(model, work, k)
             loads[k] = max(normal_force(laws, modes, k, -touch.gap, -touch.closing), 0.0)
     if np.sum(loads) > 0.0:
-        mass = bodies_of(model).mass
-        _hold(model, work, t, y, dy, modes, laws.grip_stiffness, pairs.a, pairs.b, mass, loads, force)
+        _hold(model, work, t, y, dy, loads, force)
     core.load_state(model, work, y)
     for k in range(count):
         if modes.grip[k] != GRIP_PROBE:
@@ -116,22 +116,19 @@ def rigid_settle_grips(model, work, t, y, dy):
 
 
 @jit
-def _stick_time(modes, stiffness, a, b, mass):
+def _stick_time(model):
     """Return the least sqrt(m / k) (s) of the springs of the contacts under probe."""
-    least = np.inf
-    for k in range(a.shape[0]):
+    laws, modes, least = contact_laws_of(model), contact_modes_of(model), np.inf
+    for k in range(laws.grip_stiffness.shape[0]):
         if modes.grip[k] == GRIP_PROBE:
-            total = 0.0
-            for body in (a[k], b[k]):
-                if body < mass.shape[0]:
-                    total += mass[body]
-            least = min(least, np.sqrt(total / stiffness[k]))
+            least = min(least, np.sqrt(contact_mass(model, k) / laws.grip_stiffness[k]))
     return least
 
 
 @jit
-def _slip_rates(model, work, t, y, dy, modes, force, step, rates):
+def _slip_rates(model, work, t, y, dy, force, step, rates):
     """Fill the rates (m/s^2) of the slip velocities under probe forces (N), by differences along the motion."""
+    modes = contact_modes_of(model)
     for k in range(force.shape[0]):
         if modes.grip[k] == GRIP_PROBE:
             for c in range(force.shape[1]):
@@ -146,15 +143,15 @@ def _slip_rates(model, work, t, y, dy, modes, force, step, rates):
 
 
 @jit
-def _hold(model, work, t, y, dy, modes, stiffness, a, b, mass, loads, force):
+def _hold(model, work, t, y, dy, loads, force):
     """Fill `force` (n_contacts, tangents) with the friction (N) that keeps the contacts under probe from slipping.
 
     Conjugate gradients (Hestenes and Stiefel 1952). Where it is not unique, as under the corners of one block,
     preconditioning by the normal `loads` (n_contacts,) shares it in proportion to them: sum |F|^2 / N is least.
     """
-    step = DIFFERENCE * _stick_time(modes, stiffness, a, b, mass)
+    step = DIFFERENCE * _stick_time(model)
     base, change = np.zeros_like(force), np.zeros_like(force)
-    _slip_rates(model, work, t, y, dy, modes, force, step, base)
+    _slip_rates(model, work, t, y, dy, force, step, base)
     weight = loads.reshape(-1, 1)
     residual = -base
     direction = weight * residual
@@ -163,7 +160,7 @@ def _hold(model, work, t, y, dy, modes, stiffness, a, b, mass, loads, force):
     for _ in range(force.size + 2):
         if square <= least:
             break
-        _slip_rates(model, work, t, y, dy, modes, direction, step, change)
+        _slip_rates(model, work, t, y, dy, direction, step, change)
         change -= base
         curvature = np.sum(direction * change)
         if not curvature > 0.0:
