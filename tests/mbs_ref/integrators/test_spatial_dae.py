@@ -74,7 +74,7 @@ def test_rows_that_are_kept_carry_the_forces_of_those_that_are_not():
     system = compile_scene(scenes.make("bricard"))
     assert isinstance(system, SpatialSystem)
     y = system.initial_state()
-    ida = SimpleNamespace(system=system, kept=system.independent_rows(0.0, y))
+    ida = SimpleNamespace(system=system, used=system.independent_rows(0.0, y))
     lam = _Ida._multipliers(ida, y, 0.0)  # type: ignore[arg-type]
     wanted = system.applied_forces(0.0, y).ravel() - system.mass_matrix() @ system.accelerations(0.0, y).ravel()
     assert len(lam) == len(system.rows()) - 1
