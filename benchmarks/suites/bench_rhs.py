@@ -46,7 +46,8 @@ def planar_residual(scene: Scene) -> float:
     system.set_mode_time(0.0)
     y = system.initial_state()
     half = len(y) // 2
-    mass, jacobian, force, gamma = system.augmented(0.0, y[:half].reshape(-1, 3), y[half:].reshape(-1, 3))
+    force = system.applied_forces(0.0, *y.reshape(2, -1, 3)).ravel()
+    mass, jacobian, gamma = system.mass_matrix(), system.jacobian(0.0, y), system.right_side()
     a, lam = system.derivative(0.0, y)[half:], system.multipliers(0.0, y)
     left = np.concatenate(((mass * a + jacobian.T @ lam - force) / mass, jacobian @ a - gamma))
     return float(np.max(np.abs(left)))
@@ -61,9 +62,7 @@ def spatial_residual(scene: Scene) -> float:
     a = rates.reshape(-1, 6).copy()
     for k, place in enumerate(places):
         a[k, 3:] = rotation_matrices(place[3:]) @ a[k, 3:]  # from body axes to world axes
-    jacobian = system.jacobian(0.0, y)
-    gamma = np.array([system.scratch.rows.gamma[slot, row] for _, slot, row in system.rows()])
-    return float(np.max(np.abs(jacobian @ a.ravel() - gamma)))
+    return float(np.max(np.abs(system.jacobian(0.0, y) @ a.ravel() - system.right_side())))
 
 
 def particle_residual(scene: Scene) -> float:

@@ -3,16 +3,20 @@
 from __future__ import annotations
 
 import math
+from abc import ABC, abstractmethod
 from typing import Any, NamedTuple, get_type_hints
 
 import numpy as np
 
+from mbs_ref.cores.contact_shapes import contact_balls, contact_pairs
+from mbs_ref.cores.events import contact_laws, contact_modes, springs, watches
 from mbs_ref.cores.joint_graph import Edge, joint_rows, layout, row_count
 from mbs_ref.cores.loops import Closure, loops_of_closures
-from mbs_ref.kernels.border.groups import Declared, declared
+from mbs_ref.kernels.border.groups import Declared, declared, floats, ints
 from mbs_ref.kernels.rigid.closures import Loops
+from mbs_ref.kernels.rigid.model import Bodies, Slots, World
 from mbs_ref.kernels.signals import SignalArrays
-from mbs_ref.scene import GROUND, Scene
+from mbs_ref.scene import GROUND, PointMass, Scene
 from mbs_ref.scene.base.rows import Row
 from mbs_ref.scene.contact import Contact
 from mbs_ref.scene.joints import Drive
@@ -38,7 +42,7 @@ class PlacedRow(NamedTuple):
     at: Place
 
 
-class Builder:
+class Builder(ABC):
     """Slots of a scene's joints; `signal` collects the functions of time."""
 
     def __init__(self, scene: Scene) -> None:
@@ -93,6 +97,14 @@ class Builder:
         """Return a body's elimination number; that of ground is the number of bodies."""
         return self.number[self.scene_index[name]]
 
+    @abstractmethod
+    def point(self, name: str, world: Any) -> np.ndarray:
+        """Return a world point at t = 0 in the axes of a body of this name."""
+
+    @abstractmethod
+    def direction(self, name: str, world: Any) -> np.ndarray:
+        """Return a world direction at t = 0 in the axes of a body of this name."""
+
     def signal(self, segments: list[Segment]) -> int:
         self.segments.append(segments)
         return len(self.segments) - 1
@@ -146,16 +158,43 @@ def _row_group(build: Builder, kind: type[Row], group: Any) -> Any:
     return group(ints([r.at.slot for r in rows]), ints([r.at.row for r in rows]), ints(side), **columns)
 
 
-def ints(values: list[int]) -> np.ndarray:
-    return np.array(values, dtype=np.int64)
+def assembled(build: Builder, groups: Any, widths: np.ndarray, inertia: np.ndarray, **own: Any) -> Any:
+    """Return a scene's groups: those of every core, and a core's `own`.
 
-
-def floats(values: Any) -> np.ndarray:
-    return np.array(list(values), dtype=float)
-
-
-def table(rows: list, width: int) -> np.ndarray:
-    return np.array(rows, dtype=float).reshape(len(rows), width)
+    `widths` (2, n_bodies) are how many coordinates and rates each body has in the state, and `inertia`
+    (n_bodies, moments) what turns it, both in scene order.
+    """
+    scene, order = build.scene, build.layout.order
+    first = np.concatenate(([0], np.cumsum(widths)))  # rates follow all coordinates
+    held = {end for sides, rows in zip(build.slot_bodies, build.slot_rows, strict=True) if rows for end in sides}
+    bodies = Bodies(
+        mass=floats(scene.bodies[i].mass for i in order),
+        inertia=inertia[order].astype(float),
+        rigid=ints([not isinstance(scene.bodies[i], PointMass) for i in order]),
+        alone=ints([k not in held for k in range(build.n)]),
+        scene_index=ints(order),
+        q=ints(first[order].tolist()),
+        v=ints(first[build.n + np.array(order, dtype=int)].tolist()),
+        start=ints([int(first[build.n])]),
+        parent=ints(build.layout.parent),
+    )
+    pairs = contact_pairs(scene, build)
+    every = groups(
+        bodies=bodies,
+        slots=Slots(np.array(build.slot_bodies, dtype=np.int64).reshape(-1, 2), ints(build.slot_rows)),
+        loops=build.loops(),
+        **row_groups(build, groups),
+        springs=springs(scene, build),
+        contact_pairs=pairs,
+        contact_laws=contact_laws(scene, build.contact_slot),
+        contact_modes=contact_modes(scene),
+        near_pairs=contact_balls(pairs),
+        watches=watches(scene, build),
+        signals=signal_arrays(build.segments),
+        world=World(np.array(scene.gravity, dtype=float), ints([0]), ints([0]), np.zeros(3)),
+        **own,
+    )
+    return groups(*map(contiguous, every))
 
 
 def contiguous(group: Any) -> Any:

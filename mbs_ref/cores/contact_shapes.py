@@ -7,8 +7,8 @@ from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
-from mbs_ref.cores.event_arrays import Places
-from mbs_ref.cores.near_pairs import Ball, near_pairs
+from mbs_ref.cores.events import Places
+from mbs_ref.kernels.border.groups import empty, floats, ints
 from mbs_ref.kernels.contact import laws as shared
 from mbs_ref.kernels.contact.near_pairs import NearPairs
 from mbs_ref.kernels.rigid.model import ContactPairs
@@ -17,6 +17,8 @@ from mbs_ref.scene.base.directions import normals, unit
 from mbs_ref.scene.contact import CircleOnCircle, CircleOnLine, PinOnSprocket, SphereOnPlane, SphereOnSphere
 from mbs_ref.scene.traits import deflecting
 
+FROM_PAIRS = 100  # a scene with fewer looks at all of them: that is cheaper than keeping a list
+SKIN = 0.5  # of the mean ball's radius
 _ENDS = {
     "line": shared.ENDS_NONE, "segment": shared.ENDS_OPEN, "plane": shared.ENDS_NONE, "rectangle": shared.ENDS_OPEN,
     "capped": shared.ENDS_CAPPED,
@@ -88,26 +90,34 @@ def contact_pairs(scene: Scene, places: Axes) -> ContactPairs:
     pairs = list(zip(parts, shapes, strict=True))
     order = {name: k for k, name in enumerate(sticking)}
     return ContactPairs(
-        kind=np.array([s.kind for s in shapes], dtype=np.int64),
-        a=np.array([places.body(p.body_a) for p in parts], dtype=np.int64),
-        b=np.array([places.body(p.body_b) for p in parts], dtype=np.int64),
-        center=np.array([places.point(p.body_a, s.center) for p, s in pairs], dtype=float).reshape(-1, d),
-        radius=np.array([s.radius for s in shapes], dtype=float),
-        origin=np.array([places.point(p.body_b, s.origin) for p, s in pairs], dtype=float).reshape(-1, d),
-        axes=np.array([[places.direction(p.body_b, x) for x in s.axes] for p, s in pairs]).reshape(-1, d, d),
-        half=np.array([s.half for s in shapes], dtype=float).reshape(-1, 2),
-        ends=np.array([s.ends for s in shapes], dtype=np.int64),
-        thickness=np.array([s.thickness for s in shapes], dtype=float),
-        flank=np.array([s.flank for s in shapes], dtype=float).reshape(-1, 2),
-        deflection=np.array([order.get(p.name, -1) for p in parts], dtype=np.int64),
-        sticking=np.array([len(sticking)], dtype=np.int64),
+        kind=ints([s.kind for s in shapes]),
+        a=ints([places.body(p.body_a) for p in parts]),
+        b=ints([places.body(p.body_b) for p in parts]),
+        center=floats((places.point(p.body_a, s.center) for p, s in pairs), d),
+        radius=floats(s.radius for s in shapes),
+        origin=floats((places.point(p.body_b, s.origin) for p, s in pairs), d),
+        axes=floats([[places.direction(p.body_b, x) for x in s.axes] for p, s in pairs], d, d),
+        half=floats((s.half for s in shapes), 2),
+        ends=ints([s.ends for s in shapes]),
+        thickness=floats(s.thickness for s in shapes),
+        flank=floats((s.flank for s in shapes), 2),
+        deflection=ints([order.get(p.name, -1) for p in parts]),
+        sticking=ints([len(sticking)]),
     )
+
+
+class Ball(NamedTuple):
+    """What a shape lies in."""
+
+    body: int
+    center: tuple[float, ...]  # m, in the body
+    reach: float  # m
 
 
 def contact_balls(pairs: ContactPairs) -> NearPairs:
     """Return what every pair's shapes lie in, and the list of near pairs."""
     sides = [(_ball(pairs, k), _other_ball(pairs, k)) for k in range(len(pairs.kind))]
-    return near_pairs(sides, pairs.center.shape[1])
+    return _near_pairs(sides, pairs.center.shape[1])
 
 
 def _ball(pairs: ContactPairs, k: int) -> Ball:
@@ -124,3 +134,39 @@ def _other_ball(pairs: ContactPairs, k: int) -> Ball | None:
     if pairs.kind[k] == shared.PAIR_SPROCKET:
         reach = (reach + float(pairs.thickness[k])) / math.cos(math.pi / pairs.ends[k])
     return Ball(int(pairs.b[k]), tuple(pairs.origin[k]), reach)
+
+
+def _near_pairs(sides: list[tuple[Ball, Ball | None]], dimension: int) -> NearPairs:
+    """Return the list for pairs of balls; None stands for a shape without bounds."""
+    bounded = [k for k, (_, other) in enumerate(sides) if other is not None]
+    every = empty(NearPairs, dimension=dimension)._replace(
+        pair=np.arange(len(sides)), count=np.array([len(sides)]), flag=np.zeros(len(sides), dtype=np.int64)
+    )
+    if len(sides) < FROM_PAIRS or not bounded:
+        return every
+    reach: dict[tuple[int, tuple[float, ...]], float] = {}
+    for k in bounded:
+        for ball in sides[k]:
+            assert ball is not None
+            reach[ball[:2]] = max(ball.reach, reach.get(ball[:2], 0.0))
+    number = {mark: s for s, mark in enumerate(reach)}
+    ends = np.array([[number[ball[:2]] for ball in sides[k] if ball is not None] for k in bounded])
+    keys = ends.min(axis=1) * len(number) + ends.max(axis=1)
+    by_key = np.argsort(keys, kind="stable")
+    places = np.full((len(number), dimension), np.nan)
+    return every._replace(
+        stale=np.ones(1, dtype=np.int64),
+        skin=np.array([SKIN * float(np.mean(list(reach.values())))]),
+        body=ints([body for body, _ in number]),
+        center=np.array([center for _, center in number]),
+        reach=np.array(list(reach.values())),
+        travel=np.zeros(len(reach)),
+        place=places,
+        built=places.copy(),
+        last=places.copy(),
+        order=np.arange(len(number)),
+        low=np.zeros(len(number)),
+        key=keys[by_key],
+        keyed=np.array(bounded)[by_key],
+        always=np.array(sorted(set(range(len(sides))) - set(bounded)), dtype=np.int64),
+    )

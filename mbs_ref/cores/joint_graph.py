@@ -62,7 +62,7 @@ def layout(scene: Scene, rows: list[list[Row]]) -> Layout:
 
 def _edges(scene: Scene, rows: list[list[Row]]) -> list[Edge]:
     """Group the joints into slots: those of a pair of bodies whose rows are independent in every pose."""
-    fits = _fits_in_plane if scene.dimension == 2 else _fits_in_space
+    fits = {2: _fits_in_plane, 3: _fits_in_space}[scene.dimension]
     result: list[Edge] = []
     by_pair: dict[frozenset[int], list[Edge]] = {}
     for k, joint in enumerate(scene.joints):

@@ -12,12 +12,12 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 
 from mbs_ref.cores.builder import Place
-from mbs_ref.cores.contact_system import ContactSystem
+from mbs_ref.cores.events import ContactSystem
 from mbs_ref.cores.system import RANK_TOLERANCE
 from mbs_ref.cores.user_rows import UserRow, write_user_rows
 from mbs_ref.kernels.contact.laws import MODE_CLOSED
+from mbs_ref.kernels.rigid.joints import JointRows, forces_at_joints, forces_of_tree
 from mbs_ref.kernels.rigid.model import CONTROL_MODE_TIME, CONTROL_POSITION_GAIN, CONTROL_VELOCITY_GAIN
-from mbs_ref.kernels.rigid.reactions import JointRows, forces_at_joints, forces_of_tree
 from mbs_ref.scene import GROUND, UserConstraint, UserForce
 from mbs_ref.scene.base.taylor import Taylor
 
@@ -194,8 +194,16 @@ class JointedSystem(ContactSystem):
                 result[r, body] += self.scratch.rows.jacobian[slot, side, row]
         return result[:, :-1].reshape(len(rows), self.RATES * self.n_bodies)
 
-    def row_rank(self, t: float, y: np.ndarray) -> int:
-        """Return the rank of these rows, mass-scaled so that metres and radians compare."""
+    def right_side(self) -> np.ndarray:
+        """Return gamma (n_rows,) of the rows last evaluated, in the order of `rows`."""
+        return np.array([self.scratch.rows.gamma[slot, row] for _, slot, row in self.rows()])
+
+    @property
+    def n_constraints(self) -> int:
+        return len(self.rows())
+
+    def rank(self, t: float, y: np.ndarray) -> int:
+        """Return the rank of C_q, mass-scaled so that metres and radians compare."""
         scaled = self.scaled_jacobian(t, y)
         if scaled.size == 0:
             return 0

@@ -14,6 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from mbs_ref.kernels.border.groups import ints
 from mbs_ref.kernels.rigid.closures import Loops
 
 
@@ -127,10 +128,6 @@ def _arranged(parent: list[int], closures: list[Closure], paths: list[_Paths], m
         here=ints([at[k][i] for i, k in entries]),
         next=ints([at[k].get(parent[i], -1) for i, k in entries]),
     )
-
-
-def ints(values: list[int]) -> np.ndarray:
-    return np.array(values, dtype=np.int64)
 
 
 def _starts(sizes: list[int]) -> list[int]:

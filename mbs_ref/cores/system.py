@@ -233,9 +233,9 @@ class System(ABC):
         return 0
 
     @property
-    @abstractmethod
     def n_coordinates(self) -> int:
-        """Coordinates in use."""
+        """Coordinates in use: the state's positions, unless a core stores more."""
+        return self.n_positions
 
     @property
     def n_constraints(self) -> int:

@@ -39,7 +39,7 @@ def _nothing_added(model, work):
 
 
 @jit
-def _no_rates(model, work, dy):
+def _unchanged(model, work, values):
     pass
 
 
@@ -52,7 +52,7 @@ NO_EVENTS: dict[str, Callable[..., Any]] = {
     "contact_mobility": _no_mobility,
     "apply_contacts": _nothing_added,
     "fill_contact_rows": _nothing_added,
-    "fill_deflection_rates": _no_rates,
+    "fill_deflection_rates": _unchanged,
 }
 
 
@@ -67,11 +67,6 @@ def _project(model, work, t, y, tolerance, most):
 
 
 @jit
-def _tangent(model, work, x):
-    pass
-
-
-@jit
 def _regularity(work):
     return 1.0
 
@@ -80,6 +75,6 @@ def _regularity(work):
 NO_ROWS: dict[str, Callable[..., Any]] = {
     "compliance": _compliance,
     "project": _project,
-    "tangent": _tangent,
+    "tangent": _unchanged,
     "regularity": _regularity,
 }

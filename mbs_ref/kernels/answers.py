@@ -19,25 +19,17 @@ from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.particles import dynamics as particles
 from mbs_ref.kernels.particles.model import ParticleModel, ParticleWork
 from mbs_ref.kernels.planar import dynamics as planar
-from mbs_ref.kernels.planar.core import PlanarModel, PlanarWork
+from mbs_ref.kernels.planar.dynamics import PlanarModel, PlanarWork
 from mbs_ref.kernels.relative import planar as relative_planar
 from mbs_ref.kernels.relative import spatial as relative_spatial
 from mbs_ref.kernels.relative.events import PASSED_ON
 from mbs_ref.kernels.relative.model import TreeModel, TreeWork
-from mbs_ref.kernels.rigid import (
-    contact_events,
-    contact_forces,
-    contact_rows,
-    descriptor,
-    dynamics,
-    events,
-    joints,
-    loads,
-)
+from mbs_ref.kernels.rigid import contact_events, contact_forces, descriptor, dynamics, events, grips, joints, loads
+from mbs_ref.kernels.rigid.model import position_count
 from mbs_ref.kernels.spatial import descriptor as spatial_form
 from mbs_ref.kernels.spatial import dynamics as spatial
 from mbs_ref.kernels.spatial import grips as spatial_grips
-from mbs_ref.kernels.spatial.core import SpatialModel, SpatialWork
+from mbs_ref.kernels.spatial.dynamics import SpatialModel, SpatialWork
 
 
 @jit
@@ -60,22 +52,22 @@ _RIGID: dict[str, dict[str, Callable[..., Any]]] = {  # of bodies and joints, in
         "apply_loads": loads.rigid_apply_loads,
     },
     EVENTS: {
-        "position_count": descriptor.rigid_position_count,
+        "position_count": position_count,
         "root_count": events.rigid_root_count,
         "roots": events.rigid_roots,
         "transition": events.rigid_transition,
         "start_modes": events.rigid_start_modes,
         "contact_mobility": contact_events.rigid_contact_mobility,
-        "settle_grips": contact_events.rigid_settle_grips,
-        "slip_velocities": contact_events.rigid_slip_velocities,
+        "settle_grips": grips.rigid_settle_grips,
+        "slip_velocities": grips.rigid_slip_velocities,
         "apply_contacts": contact_forces.rigid_apply_contacts,
-        "fill_contact_rows": contact_rows.rigid_fill_contact_rows,
+        "fill_contact_rows": contact_forces.rigid_fill_contact_rows,
     },
     LOOPS: {"factor": dynamics.rigid_factor, "solve": dynamics.rigid_solve},
     OPEN: {"factor": dynamics.rigid_factor_open, "solve": dynamics.rigid_solve_open},
     FORM: {
         "multipliers": dynamics.rigid_multipliers,
-        "position_count": descriptor.rigid_position_count,
+        "position_count": position_count,
         "force_balance": descriptor.rigid_force_balance,
         "answer": descriptor.rigid_answer,
         "row_times": descriptor.rigid_row_times,

@@ -17,7 +17,7 @@ from numba import carray, types  # pyright: ignore[reportPrivateImportUsage]
 from mbs_ref.kernels.border import questions as ask
 from mbs_ref.kernels.border.calls import call_for_numbers
 from mbs_ref.kernels.border.groups import Floats, Ints
-from mbs_ref.kernels.border.handles import Model, Work, accessor, handle_of
+from mbs_ref.kernels.border.handles import Model, Work, accessor, handle_class
 from mbs_ref.kernels.jit import address_for_c, jit
 
 INDEX_1, GGL, INDEX_3, INDEX_2 = 1, 2, 3, 4
@@ -45,11 +45,7 @@ class DaeGroups(NamedTuple):
     dae: Dae
 
 
-@handle_of(DaeGroups)
-class Problem(NamedTuple):
-    """What compiled code receives of a DAE."""
-
-    address: int  # of a handle
+Problem = handle_class(__name__, "Problem", DaeGroups)
 
 
 dae_of = accessor("dae")

@@ -7,7 +7,6 @@ sides they are.
 from __future__ import annotations
 
 from mbs_ref.kernels.jit import jit
-from mbs_ref.kernels.rigid.model import CONTROL_POSITION_GAIN, CONTROL_VELOCITY_GAIN
 
 
 @jit
@@ -20,17 +19,6 @@ def largest_entry(values):
             if not size <= largest:
                 largest = size
     return largest
-
-
-@jit
-def stabilize(control, gamma, rate, residual):
-    """gamma -= 2 g C_dot + g^2 C (Baumgarte 1972), with the gains in a model's `control`."""
-    velocity_gain, position_gain = control[CONTROL_VELOCITY_GAIN], control[CONTROL_POSITION_GAIN]
-    if velocity_gain == 0.0 and position_gain == 0.0:
-        return
-    for slot in range(gamma.shape[0]):
-        for row in range(gamma.shape[1]):
-            gamma[slot, row] -= velocity_gain * rate[slot, row] + position_gain * residual[slot, row]
 
 
 @jit

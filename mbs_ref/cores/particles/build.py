@@ -6,19 +6,12 @@ from typing import Any, get_args
 
 import numpy as np
 
+from mbs_ref.kernels.border.groups import floats, ints
 from mbs_ref.kernels.particles import model as arrays
 from mbs_ref.scene import Scene, celestial
 
 _FORMS = {"central": 1, "eih": 2}
 _SOURCES = {"sun": 0, "moon": 1}
-
-
-def _ints(values: list[int]) -> np.ndarray:
-    return np.array(values, dtype=np.int64)
-
-
-def _floats(values: list, *shape: int) -> np.ndarray:
-    return np.array(values, dtype=float).reshape(len(values), *shape)
 
 
 def build_particles(scene: Scene) -> arrays.ParticleGroups:
@@ -34,35 +27,35 @@ def build_particles(scene: Scene) -> arrays.ParticleGroups:
     return arrays.ParticleGroups(
         particles=_particles(scene, by_kind),
         relativity=arrays.RelativityArrays(
-            _ints([_FORMS[relativity.form] if relativity else 0]), _floats([relativity.c**-2 if relativity else 0.0])
+            ints([_FORMS[relativity.form] if relativity else 0]), floats([relativity.c**-2 if relativity else 0.0])
         ),
         zonals=arrays.Zonals(
-            _ints([place(x.body) for x in zonals]), _floats([x.radius for x in zonals]),
-            _floats([(*x.zonal, *(0.0,) * (5 - len(x.zonal))) for x in zonals], 5),
-            _ints([int(x.pole != "fixed") for x in zonals]), _floats([x.axis for x in zonals], 3),
+            ints([place(x.body) for x in zonals]), floats([x.radius for x in zonals]),
+            floats([(*x.zonal, *(0.0,) * (5 - len(x.zonal))) for x in zonals], 5),
+            ints([int(x.pole != "fixed") for x in zonals]), floats([x.axis for x in zonals], 3),
         ),
         figures=arrays.Figures(
-            _ints([place(x.body) for x in figures]), _floats([x.radius for x in figures]),
-            _floats([x.j2 for x in figures]), _floats([x.c22 for x in figures]),
+            ints([place(x.body) for x in figures]), floats([x.radius for x in figures]),
+            floats([x.j2 for x in figures]), floats([x.c22 for x in figures]),
         ),
         tides=arrays.Tides(
-            _ints([place(x.body) for x in tides]), _ints([place(x.raiser) for x in tides]),
-            _floats([x.radius for x in tides]), _floats([x.love_number for x in tides]),
-            _floats([x.lag for x in tides]), _floats([x.spin for x in tides], 3),
+            ints([place(x.body) for x in tides]), ints([place(x.raiser) for x in tides]),
+            floats([x.radius for x in tides]), floats([x.love_number for x in tides]),
+            floats([x.lag for x in tides]), floats([x.spin for x in tides], 3),
         ),
         points=_ring(by_kind[celestial.Ring]),
         third_bodies=arrays.ThirdBodies(
-            _ints([place(x.body) for x in third]), _ints([_SOURCES[x.source] for x in third]),
-            _floats([x.gm for x in third]),
+            ints([place(x.body) for x in third]), ints([_SOURCES[x.source] for x in third]),
+            floats([x.gm for x in third]),
         ),
         drags=arrays.Drags(
-            _ints([place(x.body) for x in drags]), _ints([place(x.planet) for x in drags]),
-            _ints([arrays.STANDARD if isinstance(x, celestial.StandardDrag) else arrays.EXPONENTIAL for x in drags]),
-            _floats([(x.coefficient, *_profile(x), x.radius, x.spin) for x in drags], 6),
+            ints([place(x.body) for x in drags]), ints([place(x.planet) for x in drags]),
+            ints([arrays.STANDARD if isinstance(x, celestial.StandardDrag) else arrays.EXPONENTIAL for x in drags]),
+            floats([(x.coefficient, *_profile(x), x.radius, x.spin) for x in drags], 6),
         ),
         lights=arrays.Lights(
-            _ints([place(x.body) for x in lights]), _ints([place(x.planet) for x in lights]),
-            _floats([(x.coefficient, x.radius, x.pressure) for x in lights], 3),
+            ints([place(x.body) for x in lights]), ints([place(x.planet) for x in lights]),
+            floats([(x.coefficient, x.radius, x.pressure) for x in lights], 3),
         ),
     )  # fmt: skip
 
@@ -92,14 +85,14 @@ def _particles(scene: Scene, by_kind: dict[type, list[Any]]) -> arrays.Particles
     seconds = (epoch.jd_tdb - celestial.J2000_JD) * celestial.DAY_S if epoch else 0.0
     return arrays.Particles(
         gm, radius, np.array(scene.gravity, dtype=float), np.array([seconds]),
-        _ints([int(any(by_kind[kind] for kind in velocity))]),
+        ints([int(any(by_kind[kind] for kind in velocity))]),
     )  # fmt: skip
 
 
 def _ring(parts: list[Any]) -> arrays.Points:
     places = [_circle(part) for part in parts]
     return arrays.Points(
-        _floats([part.gm / part.count for part in parts for _ in range(part.count)]),
+        floats([part.gm / part.count for part in parts for _ in range(part.count)]),
         np.concatenate([np.zeros((0, 3)), *places]),
     )
 

@@ -79,7 +79,3 @@ class ParticleSystem(System):
 
     def residuals(self, t: float, y: np.ndarray) -> dict[str, tuple[np.ndarray, np.ndarray]]:
         return {}
-
-    @property
-    def n_coordinates(self) -> int:
-        return 3 * self.n_bodies

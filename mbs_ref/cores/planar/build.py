@@ -7,11 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from mbs_ref.cores.builder import Builder, Place, contiguous, floats, ints, row_groups, signal_arrays, table
-from mbs_ref.cores.contact_shapes import contact_balls, contact_pairs
-from mbs_ref.cores.event_arrays import contact_laws, contact_modes, springs, watches
+from mbs_ref.cores.builder import Builder, Place, assembled
+from mbs_ref.kernels.border.groups import empty, floats, ints
 from mbs_ref.kernels.planar import model as arrays
-from mbs_ref.kernels.rigid.model import World
+from mbs_ref.kernels.rigid.model import Forces, TorsionSprings
 from mbs_ref.scene import Force, PlanarBody, PointMass, Scene, Torque, TorsionSpring
 
 _HELD_INERTIA = 1.0  # kg m^2 in the idle third slot of a point mass: nothing ever turns it
@@ -26,7 +25,6 @@ class _Builder(Builder):
     """Planar bodies' places and angles."""
 
     def point(self, name: str, world: Any) -> np.ndarray:
-        """Return a world point at t = 0 in body axes."""
         index = self.scene_index[name]
         if index < 0:
             return np.array(world, dtype=float)
@@ -35,7 +33,6 @@ class _Builder(Builder):
         return offset if isinstance(body, PointMass) else _rotation(body.angle).T @ offset
 
     def direction(self, name: str, world: Any) -> np.ndarray:
-        """Return a world direction at t = 0 in body axes."""
         return _rotation(self.angle(name)).T @ world
 
     def angle(self, name: str) -> float:
@@ -43,15 +40,15 @@ class _Builder(Builder):
         return body.angle if isinstance(body, PlanarBody) else 0.0
 
 
-def _forces(build: _Builder) -> arrays.Forces:
+def _forces(build: _Builder) -> Forces:
     loads = [x for x in build.scene.loads if isinstance(x, Force | Torque)]
     parts = [_force_parts(build, x) for x in loads]
-    return arrays.Forces(
+    return Forces(
         body=ints([build.body(x.body) for x in loads]),
-        point=table([point for point, _, _, _ in parts], 2),
-        vector=table([vector for _, vector, _, _ in parts], 2),
+        point=floats([point for point, _, _, _ in parts], 2),
+        force=floats([vector for _, vector, _, _ in parts], 2),
+        torque=floats([torque for _, _, _, torque in parts], 1),
         follows=ints([follows for _, _, follows, _ in parts]),
-        torque=floats(torque for _, _, _, torque in parts),
         signal=ints([build.signal(x.factor.segments()) for x in loads]),
     )
 
@@ -65,50 +62,29 @@ def _force_parts(build: _Builder, load: Force | Torque) -> tuple[np.ndarray, np.
     return build.point(load.body, load.point), turned, int(follows), 0.0
 
 
-def _torsion_springs(build: _Builder) -> arrays.TorsionSprings:
+def _torsion_springs(build: _Builder) -> TorsionSprings:
     loads = [x for x in build.scene.loads if isinstance(x, TorsionSpring)]
     initial = [build.angle(x.body_b) - build.angle(x.body_a) for x in loads]
     rest = [i if x.rest_angle is None else x.rest_angle for i, x in zip(initial, loads, strict=True)]
-    return arrays.TorsionSprings(
+    return empty(TorsionSprings, k=len(loads))._replace(
         a=ints([build.body(x.body_a) for x in loads]),
         b=ints([build.body(x.body_b) for x in loads]),
         stiffness=floats(x.stiffness for x in loads),
         damping=floats(x.damping for x in loads),
-        rest_angle=np.array(rest, dtype=float),
+        rest_angle=floats(rest),
     )
 
 
-def build_planar(scene: Scene) -> tuple[arrays.PlanarGroups, dict[int, Place]]:
-    """Compile a planar scene; also return where each joint's rows are."""
+def build_planar(scene: Scene) -> tuple[Any, dict[int, Place]]:
+    """Compile a planar scene to PlanarGroups; also return where each joint's rows are."""
     build = _Builder(scene)
-    ordered: list[Any] = [scene.bodies[i] for i in build.layout.order]
-    rows = row_groups(build, arrays.PlanarGroups)
-    forces = _forces(build)
-    pairs = contact_pairs(scene, build)
-    groups = arrays.PlanarGroups(
-        bodies=arrays.Bodies(
-            mass=floats(b.mass for b in ordered),
-            inertia=floats(_HELD_INERTIA if isinstance(b, PointMass) else b.inertia for b in ordered),
-            scene_index=ints(build.layout.order),
-            q=3 * ints(build.layout.order),
-            v=3 * ints(build.layout.order) + 3 * build.n,
-            parent=ints(build.layout.parent),
-        ),
-        slots=arrays.Slots(
-            body=np.array(build.slot_bodies, dtype=np.int64).reshape(-1, 2),
-            padding=np.array([[float(r >= rows) for r in range(3)] for rows in build.slot_rows]).reshape(-1, 3),
-        ),
-        loops=build.loops(),
-        **rows,
-        forces=forces,
-        springs=springs(scene, build),
+    inertia = [[_HELD_INERTIA if isinstance(b, PointMass) else b.inertia] for b in scene.bodies]
+    groups = assembled(
+        build,
+        arrays.PlanarGroups,
+        widths=np.full((2, build.n), 3),
+        inertia=floats(inertia, 1),
+        forces=_forces(build),
         torsion_springs=_torsion_springs(build),
-        contact_pairs=pairs,
-        contact_laws=contact_laws(scene, build.contact_slot),
-        contact_modes=contact_modes(scene),
-        near_pairs=contact_balls(pairs),
-        watches=watches(scene, build),
-        signals=signal_arrays(build.segments),
-        world=World(np.array(scene.gravity, dtype=float), ints([0]), ints([0]), np.zeros(3)),
     )
-    return arrays.PlanarGroups(*map(contiguous, groups)), build.place
+    return groups, build.place

@@ -25,15 +25,13 @@ class PlanarSystem(JointedSystem):
     """A planar scene as arrays and compiled functions.
 
     State y = concatenate(q.ravel(), v.ravel()) with q, v of shape (n_bodies, 3) in scene order: m, m,
-    rad and their rates. Raises ValueError where the scene is not planar.
+    rad and their rates.
     """
 
     CORE = "planar"
     RATES = SHARED = 3
 
     def __init__(self, scene: Scene) -> None:
-        if scene.dimension != 2:
-            raise ValueError(f"scene {scene.name!r} is spatial; the planar core takes planar bodies and point masses")
         self.scene = scene
         self.n_bodies = len(scene.bodies)
         groups, self.place = build_planar(scene)
@@ -41,7 +39,7 @@ class PlanarSystem(JointedSystem):
 
     # --- set-up -----------------------------------------------------------------------------------
 
-    def _scratch(self) -> PlanarScratch:
+    def _scratch(self) -> Any:
         slots, state = len(self.groups.slots.body), 6 * self.n_bodies
         scratch = rigid_scratch(PlanarScratch, self.n_bodies, slots, state, self.groups.loops, rates=3)
         scratch.kinematics.pose[:, 2] = 1.0
@@ -89,20 +87,6 @@ class PlanarSystem(JointedSystem):
         bodies = self.groups.bodies
         return self._in_scene_order(np.column_stack((bodies.mass, bodies.mass, bodies.inertia))).ravel()
 
-    def augmented(
-        self, t: float, q: np.ndarray, v: np.ndarray
-    ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-        """Return M (diagonal), C_q, Q_e and gamma of [M C_q^T; C_q 0][qdd; lambda] = [Q_e; gamma]."""
-        y = np.concatenate((q.ravel(), v.ravel()))
-        force = self.applied_forces(t, q, v).ravel()
-        jacobian = self.jacobian(t, y)
-        gamma = np.array([self.scratch.rows.gamma[slot, row] for _, slot, row in self.rows()])
-        return self.mass_matrix(), jacobian, force, gamma
-
-    def rank(self, t: float, y: np.ndarray) -> int:
-        """Return the rank of C_q, mass-scaled so that metres and radians compare."""
-        return self.row_rank(t, y)
-
     def scaled_jacobian(self, t: float, y: np.ndarray) -> np.ndarray:
         scaled = self.jacobian(t, y) / np.sqrt(self.mass_matrix())
         return scaled / np.linalg.norm(scaled, axis=1, keepdims=True)
@@ -112,10 +96,6 @@ class PlanarSystem(JointedSystem):
         """Coordinates in use: three a rigid body, two a point mass."""
         return sum(2 if isinstance(b, PointMass) else 3 for b in self.scene.bodies)
 
-    @property
-    def n_constraints(self) -> int:
-        return len(self.rows())
-
     def _unbalanced(self, t: float, y: np.ndarray, dy: np.ndarray) -> np.ndarray:
         half = 3 * self.n_bodies
         force = self.applied_forces(t, y[:half].reshape(-1, 3), y[half:].reshape(-1, 3)).ravel()
@@ -123,16 +103,12 @@ class PlanarSystem(JointedSystem):
 
     def _coordinates(self, body: int, arm: np.ndarray, size: int, first: int) -> PlanarPlace:
         kin = self.scratch.kinematics
-        v, turns = kin.motion[body], body < self.n_bodies and self._rigid[self.groups.bodies.scene_index[body]]
+        v, turns = kin.motion[body], body < self.n_bodies and self.groups.bodies.rigid[body] == 1
         held = body == self.n_bodies
         x, y = (variable(kin.pose[body, c], v[c], 0.0, size, None if held else first + c) for c in range(2))
         angle = variable(v[3], v[2], 0.0, size, first + 2 if turns else None)
         c, s = np.cos(angle), np.sin(angle)
         return PlanarPlace(x + c * arm[0] - s * arm[1], y + s * arm[0] + c * arm[1], angle)
-
-    @cached_property
-    def _rigid(self) -> list[bool]:
-        return [isinstance(body, PlanarBody) for body in self.scene.bodies]
 
     def _arm(self, mark: tuple[float, ...] | None, body: int) -> np.ndarray:
         start: Any = self.scene.bodies[body]

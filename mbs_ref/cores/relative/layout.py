@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from mbs_ref.cores.builder import floats, ints
 from mbs_ref.cores.jointed_system import JointedSystem
+from mbs_ref.kernels.border.groups import floats, ints
 from mbs_ref.kernels.relative import model as arrays
 from mbs_ref.scene import GROUND, PointMass, Prismatic, Revolute, Scene, Spherical, Weld
 from mbs_ref.scene.base.directions import unit
@@ -93,7 +93,7 @@ class Layout:
 
     def _surplus(self, i: int) -> int:
         """Return how many coordinates more than rates a body's joint has: one where Euler parameters are."""
-        return int(self.scene.dimension == 3 and (self.kind[i] == arrays.SPHERICAL or self.freedoms[i] == 6))
+        return int(self.kind[i] == arrays.SPHERICAL or self.freedoms[i] == 6)
 
     def ends(self, i: int) -> tuple[str, str]:
         """Return the fields of the joint that name the body and its parent."""

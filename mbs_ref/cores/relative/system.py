@@ -148,10 +148,6 @@ class RelativeSystem(System):
     def contact_events(self) -> np.ndarray:
         return self.redundant.contact_events()
 
-    @property
-    def n_coordinates(self) -> int:
-        return self.layout.n_positions
-
 
 class RelativePlanarSystem(RelativeSystem):
     """A planar tree."""

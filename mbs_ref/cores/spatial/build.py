@@ -6,12 +6,11 @@ from typing import Any
 
 import numpy as np
 
-from mbs_ref.cores.builder import Builder, Place, contiguous, floats, ints, row_groups, signal_arrays, table
-from mbs_ref.cores.contact_shapes import contact_balls, contact_pairs
-from mbs_ref.cores.event_arrays import contact_laws, contact_modes, springs, watches
-from mbs_ref.kernels.rigid.model import World
+from mbs_ref.cores.builder import Builder, Place, assembled
+from mbs_ref.kernels.border.groups import floats, ints
+from mbs_ref.kernels.rigid.model import Forces, TorsionSprings
 from mbs_ref.kernels.spatial import model as arrays
-from mbs_ref.scene import Bushing, Force, PointMass, Scene, SpatialBody, TorqueVector, TorsionSpring
+from mbs_ref.scene import Bushing, Force, Scene, SpatialBody, TorqueVector, TorsionSpring
 from mbs_ref.scene.base.directions import normals, unit
 from mbs_ref.scene.celestial import CelestialPart, Epoch, GravityGradient, Newton
 from mbs_ref.scene.euler_parameters import rotation_matrices
@@ -33,25 +32,23 @@ class _Builder(Builder):
         self.centre = {body.name: np.array(body.position) for body in scene.bodies}
 
     def point(self, name: str, world: Any) -> np.ndarray:
-        """Return a world point at t = 0 in body axes."""
         if name == "ground":
             return np.array(world, dtype=float)
         return self.axes[name].T @ (np.array(world) - self.centre[name])
 
     def direction(self, name: str, world: Any) -> np.ndarray:
-        """Return a world direction at t = 0 in body axes."""
         return np.array(world, dtype=float) if name == "ground" else self.axes[name].T @ world
 
 
-def _forces(build: _Builder) -> arrays.Forces:
+def _forces(build: _Builder) -> Forces:
     loads = [x for x in build.scene.loads if isinstance(x, Force | TorqueVector)]
     turned = [build.axes[x.body].T @ x.vector if x.frame == "body" else np.array(x.vector) for x in loads]
     zero = np.zeros(3)
-    return arrays.Forces(
+    return Forces(
         body=ints([build.body(x.body) for x in loads]),
-        point=table([build.point(x.body, x.point) if isinstance(x, Force) else zero for x in loads], 3),
-        force=table([v if isinstance(x, Force) else zero for x, v in zip(loads, turned, strict=True)], 3),
-        torque=table([zero if isinstance(x, Force) else v for x, v in zip(loads, turned, strict=True)], 3),
+        point=floats([build.point(x.body, x.point) if isinstance(x, Force) else zero for x in loads], 3),
+        force=floats([v if isinstance(x, Force) else zero for x, v in zip(loads, turned, strict=True)], 3),
+        torque=floats([zero if isinstance(x, Force) else v for x, v in zip(loads, turned, strict=True)], 3),
         follows=ints([int(x.frame == "body") for x in loads]),
         signal=ints([build.signal(x.factor.segments()) for x in loads]),
     )
@@ -61,17 +58,18 @@ def _ends(build: _Builder, loads: list[Any]) -> tuple[np.ndarray, np.ndarray]:
     return ints([build.body(x.body_a) for x in loads]), ints([build.body(x.body_b) for x in loads])
 
 
-def _torsion_springs(build: _Builder) -> arrays.TorsionSprings:
+def _torsion_springs(build: _Builder) -> TorsionSprings:
     loads = [x for x in build.scene.loads if isinstance(x, TorsionSpring)]
     frames = [normals(x.axis) for x in loads]
-    return arrays.TorsionSprings(
+    pairs = list(zip(loads, frames, strict=True))
+    return TorsionSprings(
         *_ends(build, loads),
-        table([build.direction(x.body_a, f[0]) for x, f in zip(loads, frames, strict=True)], 3),
-        table([build.direction(x.body_a, f[1]) for x, f in zip(loads, frames, strict=True)], 3),
-        table([build.direction(x.body_b, f[0]) for x, f in zip(loads, frames, strict=True)], 3),
-        floats(x.stiffness for x in loads),
-        floats(x.damping for x in loads),
-        floats(x.rest_angle or 0.0 for x in loads),
+        stiffness=floats(x.stiffness for x in loads),
+        damping=floats(x.damping for x in loads),
+        rest_angle=floats(x.rest_angle or 0.0 for x in loads),
+        zero=floats([build.direction(x.body_a, f[0]) for x, f in pairs], 3),
+        quarter=floats([build.direction(x.body_a, f[1]) for x, f in pairs], 3),
+        mark=floats([build.direction(x.body_b, f[0]) for x, f in pairs], 3),
     )
 
 
@@ -82,12 +80,12 @@ def _bushings(build: _Builder) -> arrays.Bushings:
     pairs = list(zip(loads, frames, strict=True))
     return arrays.Bushings(
         *_ends(build, loads),
-        table([build.point(x.body_a, x.point) for x in loads], 3),
-        table([build.point(x.body_b, x.point) for x in loads], 3),
-        np.array([build.direction(x.body_a, f) for x, f in pairs]).reshape(-1, 3, 3),
-        np.array([build.direction(x.body_b, f) for x, f in pairs]).reshape(-1, 3, 3),
-        table([x.stiffness for x in loads], 6),
-        table([x.damping for x in loads], 6),
+        floats([build.point(x.body_a, x.point) for x in loads], 3),
+        floats([build.point(x.body_b, x.point) for x in loads], 3),
+        floats((build.direction(x.body_a, f) for x, f in pairs), 3, 3),
+        floats((build.direction(x.body_b, f) for x, f in pairs), 3, 3),
+        floats([x.stiffness for x in loads], 6),
+        floats([x.damping for x in loads], 6),
     )
 
 
@@ -116,49 +114,20 @@ def _gradients(build: _Builder) -> arrays.Gradients:
     return arrays.Gradients(ends[0], ends[1], floats(x.gm for x in loads))
 
 
-def _bodies(build: _Builder) -> arrays.Bodies:
-    ordered: list[Any] = [build.scene.bodies[i] for i in build.layout.order]
-    rigid = np.array([int(isinstance(b, SpatialBody)) for b in build.scene.bodies], dtype=np.int64)
-    q = np.concatenate(([0], np.cumsum(3 + 4 * rigid)))
-    v = q[-1] + np.concatenate(([0], np.cumsum(3 + 3 * rigid)))
-    held = {end for sides, rows in zip(build.slot_bodies, build.slot_rows, strict=True) if rows for end in sides}
-    return arrays.Bodies(
-        mass=floats(b.mass for b in ordered),
-        inertia=table([_HELD_INERTIA if isinstance(b, PointMass) else b.inertia for b in ordered], 6),
-        rigid=rigid[build.layout.order],
-        alone=ints([int(k not in held) for k in range(build.n)]),
-        scene_index=ints(build.layout.order),
-        q=q[build.layout.order].astype(np.int64),
-        v=v[build.layout.order].astype(np.int64),
-        parent=ints(build.layout.parent),
-    )
-
-
-def build_spatial(scene: Scene) -> tuple[arrays.SpatialGroups, dict[int, Place]]:
-    """Compile a spatial scene; also return where each joint's rows are."""
+def build_spatial(scene: Scene) -> tuple[Any, dict[int, Place]]:
+    """Compile a spatial scene to SpatialGroups; also return where each joint's rows are."""
     build = _Builder(scene)
-    rows = row_groups(build, arrays.SpatialGroups)
-    forces = _forces(build)
-    pairs = contact_pairs(scene, build)
-    groups = arrays.SpatialGroups(
-        bodies=_bodies(build),
-        slots=arrays.Slots(
-            body=np.array(build.slot_bodies, dtype=np.int64).reshape(-1, 2), count=ints(build.slot_rows)
-        ),
-        loops=build.loops(),
-        **rows,
-        forces=forces,
-        springs=springs(scene, build),
+    rigid = np.array([isinstance(b, SpatialBody) for b in scene.bodies], dtype=int)
+    inertia = [b.inertia if isinstance(b, SpatialBody) else _HELD_INERTIA for b in scene.bodies]
+    groups = assembled(
+        build,
+        arrays.SpatialGroups,
+        widths=np.array((3 + 4 * rigid, 3 + 3 * rigid)),
+        inertia=floats(inertia, 6),
+        forces=_forces(build),
         torsion_springs=_torsion_springs(build),
         bushings=_bushings(build),
-        contact_pairs=pairs,
-        contact_laws=contact_laws(scene, build.contact_slot),
-        contact_modes=contact_modes(scene),
-        near_pairs=contact_balls(pairs),
-        watches=watches(scene, build),
         attraction=_attraction(build),
         gradients=_gradients(build),
-        signals=signal_arrays(build.segments),
-        world=World(np.array(scene.gravity, dtype=float), ints([0]), ints([0]), np.zeros(3)),
     )
-    return arrays.SpatialGroups(*map(contiguous, groups)), build.place
+    return groups, build.place

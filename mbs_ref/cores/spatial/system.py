@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -31,15 +32,13 @@ class SpatialSystem(JointedSystem):
 
     State y = concatenate(q, u, s) in scene order; a rigid body has q = R, theta0..theta3 (m, 1) and
     u = R', omega (m/s, rad/s, omega in body axes), a point mass q = R and u = R'. s holds the two deflections (m)
-    of every contact that can stick. Raises ValueError where the scene is not spatial.
+    of every contact that can stick.
     """
 
     CORE = "spatial"
     RATES, SHARED = 6, 7
 
     def __init__(self, scene: Scene) -> None:
-        if scene.dimension != 3:
-            raise ValueError(f"scene {scene.name!r} is planar; the spatial core takes spatial bodies and point masses")
         self.scene = scene
         self.n_bodies = len(scene.bodies)
         groups, self.place = build_spatial(scene)
@@ -48,7 +47,7 @@ class SpatialSystem(JointedSystem):
 
     # --- set-up -----------------------------------------------------------------------------------
 
-    def _scratch(self) -> SpatialScratch:
+    def _scratch(self) -> Any:
         sticking, state = int(self.groups.contact_pairs.sticking[0]), len(self.initial_state())
         slots, loops = len(self.groups.slots.body), self.groups.loops
         scratch = rigid_scratch(SpatialScratch, self.n_bodies, slots, state, loops, rates=6, n_sticking=sticking)
@@ -207,17 +206,12 @@ class SpatialSystem(JointedSystem):
 
     def rank(self, t: float, y: np.ndarray) -> int:
         """Return the rank of C_q, the norm rows of the Euler parameters included."""
-        return self.row_rank(t, y) + len(self.rigid)
-
-    @property
-    def n_coordinates(self) -> int:
-        """Coordinates in use: seven a rigid body, three a point mass."""
-        return self.n_positions
+        return super().rank(t, y) + len(self.rigid)
 
     @property
     def n_constraints(self) -> int:
         """Joint rows and one norm row a rigid body."""
-        return len(self.rows()) + len(self.rigid)
+        return super().n_constraints + len(self.rigid)
 
     def _unbalanced(self, t: float, y: np.ndarray, dy: np.ndarray) -> np.ndarray:
         force = self._in_scene_order(self.scratch.kinematics.force[: self.n_bodies]).ravel()

@@ -23,7 +23,7 @@ from mbs_ref.integrators.loop.leg import (
     Progress,
     progress,
 )
-from mbs_ref.integrators.stages.dop853_tableau import TABLEAU
+from mbs_ref.integrators.stages.tableau import DOP853
 from mbs_ref.trajectory import Status
 
 if TYPE_CHECKING:
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
 NEAR = 1e-2  # relative closure pivot below which a leap begins
 MOST_STEPS = 500  # in a row
-_dop853 = explicit(TABLEAU)
+_dop853 = explicit(DOP853)
 
 
 @dataclass

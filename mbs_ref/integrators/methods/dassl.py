@@ -1,10 +1,238 @@
-"""DASSL (SUNDIALS IDA) on four forms of the DAE; those beside the first show why indices are reduced."""
+"""DASSL (SUNDIALS IDA, its official descendant) on four forms of the DAE.
 
+The forms beside the first show why indices are reduced.
+
+Source: L. R. Petzold, A description of DASSL, 1982; A. C. Hindmarsh et al., ACM TOMS 31 (2005) 363-396.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from ctypes import byref, c_double, c_void_p
 from functools import partial
+from typing import TYPE_CHECKING, Any
 
-from mbs_ref.integrators.loop.ida import PACKAGE, ida
-from mbs_ref.integrators.loop.leg import Integrator
-from mbs_ref.kernels.residual import GGL, INDEX_1, INDEX_2, INDEX_3
+import numpy as np
+
+from mbs_ref.cores.jointed_system import JointedSystem
+from mbs_ref.integrators.loop.leg import Advance, Integrator, Leg, Options, Progress
+from mbs_ref.integrators.loop.multistep import MultistepLeg
+from mbs_ref.integrators.loop.sundials import ONE_STEP, address_of, count_of, sundials
+from mbs_ref.kernels.answers import FORM
+from mbs_ref.kernels.border.groups import empty
+from mbs_ref.kernels.border.handles import make_handle
+from mbs_ref.kernels.residual import GGL, INDEX_1, INDEX_2, INDEX_3, Dae, DaeGroups, largest_balance, residual_for_c
+from mbs_ref.trajectory import Status
+
+if TYPE_CHECKING:
+    from mbs_ref.cores.system import System
+
+PACKAGE = "sundials4py"
+NO_MPI = 0  # SUN_COMM_NULL
+PROXIMAL = 1e-12  # of the scene's time, of a multiplier over the heaviest mass, remaining in its own row
+MULTIPLIER_SHARE = 1e-4  # of the largest applied force at the start, or of what moves the heaviest body
+HOPELESS_FAILURES, HOPELESS_SHARE = 500, 0.4  # error-test failures, in all and per step taken, that end a run
+NEWTON_OF_RATES = 0.1  # of the tolerance, that Newton may leave at plain index 2: in C_dot it adds up to drift
+STOPPED = {  # IDA's return values, in words
+    -1: ("too much work between outputs", Status.TOO_MANY_STEPS),
+    -2: ("the requested accuracy is beyond double precision", Status.STEP_TOO_SMALL),
+    -3: ("the error test failed repeatedly or with the smallest step", Status.STEP_TOO_SMALL),
+    -4: ("Newton's iteration failed repeatedly or with the smallest step", Status.NOT_CONVERGED),
+    -6: ("the iteration matrix is singular (set-up failed)", Status.NOT_CONVERGED),
+    -7: ("the linear solve failed", Status.NOT_CONVERGED),
+    -8: ("the residual is not finite", Status.NON_FINITE),
+    -10: ("the residual is not finite, repeatedly", Status.NON_FINITE),
+    -22: ("an input is illegal", Status.ENGINE_ERROR),
+}
+
+
+def as_dae(system: JointedSystem, form: int, used: np.ndarray, proximal: float) -> Dae:
+    """Return a system as a DAE of these of its rows, with proximal (s) times mu added to mu's rows."""
+    rows = np.array([(slot, row) for _, slot, row in system.rows()], dtype=np.int64).reshape(-1, 2)[used]
+    slots, most = system.scratch.rows.multiplier.shape
+    n_rates = len(system.initial_state()) - system.n_positions
+    dae = empty(Dae, n_rows=len(rows), n_slots=slots, rows=most, n_rates=n_rates)
+    dae.system[:] = system.model.address, system.work.address
+    dae.form[0] = form
+    dae.softness[:] = proximal / _heaviest(system), proximal
+    dae.slot[:], dae.row[:] = rows.T
+    return dae
+
+
+def _heaviest(system: JointedSystem) -> float:
+    return float(system.groups.bodies.mass.max())
+
+
+class _Objects:
+    """What SUNDIALS allocated for one memory; freed with this."""
+
+    def __init__(self, size: int, arrays: tuple[np.ndarray, ...]) -> None:
+        import sundials4py
+
+        self.library = library = sundials(str(sundials4py.__file__))
+        self.context = c_void_p()
+        library.SUNContext_Create(NO_MPI, byref(self.context))
+        library.SUNContext_ClearErrHandlers(self.context)  # failures are reported by flag, not on stderr
+        self.vectors = [library.N_VMake_Serial(size, array.ctypes.data, self.context) for array in arrays]
+        self.matrix = library.SUNDenseMatrix(size, size, self.context)
+        self.solver = library.SUNLinSol_Dense(self.vectors[0], self.matrix, self.context)
+        self.memory = c_void_p(library.IDACreate(self.context))
+
+    def __del__(self) -> None:
+        library = self.library
+        library.IDAFree(byref(self.memory))
+        library.SUNLinSolFree(self.solver)
+        library.SUNMatDestroy(self.matrix)
+        for vector in self.vectors:
+            library.N_VDestroy(vector)
+        library.SUNContext_Free(byref(self.context))
+
+
+class _Ida:
+    """One IDA memory that owns everything it refers to."""
+
+    def __init__(self, leg: MultistepLeg, form: int) -> None:
+        system, options, y, t0 = leg.system, leg.options, leg.now, leg.t
+        assert isinstance(system, JointedSystem)  # `cores` of the Integrator sees to it
+        self.system, self.n_state, self.t = system, len(y), t0
+        self.used = system.independent_rows(t0, y)
+        self.dae = as_dae(system, form, self.used, PROXIMAL * options.time)
+        rows = len(self.used)
+        size = len(y) + (2 if form == GGL else 1) * rows
+        self.x, self.rate, self.differential, self.atol, self.between = (np.zeros(size) for _ in range(5))
+        self.objects = _Objects(size, (self.x, self.rate, self.differential, self.atol, self.between))
+        self.library, self.memory = self.objects.library, self.objects.memory
+        self.dae.numbers_of[0] = address_of(self.library, "N_VGetArrayPointer")
+        self.handle = make_handle(DaeGroups(self.dae))
+        self._start(y, t0, rows)
+        self._set_up(leg, y, t0)
+
+    def _set_up(self, leg: MultistepLeg, y: np.ndarray, t0: float) -> None:
+        options, objects = leg.options, self.objects
+        x, rate, differential, atol, _ = objects.vectors
+        self._call("IDAInit", residual_for_c(), t0, x, rate)
+        self._call("IDASetUserData", self.handle.ctypes.data)
+        self.atol[: len(y)] = options.atol
+        self.atol[len(y) :] = self._multiplier_tolerance(options, y, t0)
+        self._call("IDASVtolerances", options.rtol, atol)
+        self._call("IDASetId", differential)
+        # Without this the error test includes the multipliers: 91 000 steps and a wrong answer at rtol 1e-4.
+        self._call("IDASetSuppressAlg", 1)
+        if self.dae.form[0] == INDEX_2:
+            self._call("IDASetNonlinConvCoef", NEWTON_OF_RATES)
+        self._call("IDASetMaxNumSteps", options.max_steps)
+        self._call("IDASetMaxStep", leg.longest)
+        self._call("IDASetLinearSolver", objects.solver, objects.matrix)
+
+    def _start(self, y: np.ndarray, t0: float, rows: int) -> None:
+        """Fill consistent x and x' and mark what is differential."""
+        dy = self.system.derivative(t0, y)
+        lam = self._multipliers(y, t0)
+        self.x[: len(y)], self.x[len(y) : len(y) + rows] = y, lam
+        self.rate[: len(y)] = dy
+        self.differential[: len(y)] = 1.0
+
+    def _multipliers(self, y: np.ndarray, t0: float) -> np.ndarray:
+        """Return those of the rows in use; they carry the dropped rows' forces."""
+        every = self.system.multipliers(t0, y)
+        if len(self.used) == len(every):
+            return every
+        jacobian = self.system.jacobian(t0, y)
+        return np.linalg.lstsq(jacobian[self.used].T, jacobian.T @ every)[0]
+
+    def _multiplier_tolerance(self, options: Options, y: np.ndarray, t0: float) -> float:
+        """Return what Newton may leave in a multiplier (N): it enters velocities only through h lambda / m.
+
+        Held to the states' own tolerance, lambda's roundoff of eps / h stops every small step.
+        """
+        force = largest_balance(self.system.model, self.system.work, t0, y, self.dae.lam, self.dae.balance)
+        heaviest = _heaviest(self.system) * float(options.units[self.system.n_positions]) / options.time  # m L / T^2
+        return MULTIPLIER_SHARE * max(heaviest, force)
+
+    def _call(self, name: str, *given: Any) -> None:
+        flag = getattr(self.library, name)(self.memory, *given)
+        if flag < 0:
+            raise RuntimeError(f"{name} of SUNDIALS returned {flag}")
+
+    def step(self, leg: MultistepLeg) -> int:
+        """Take one internal step towards the next output, never past it; return IDA's flag, negative for a failure."""
+        t_out, t, vectors = float(leg.times[leg.reached]), c_double(), self.objects.vectors
+        self.library.IDASetStopTime(self.memory, t_out)
+        flag = self.library.IDASolve(self.memory, t_out, byref(t), vectors[0], vectors[1], ONE_STEP)
+        self.t = t.value
+        return flag
+
+    @property
+    def y(self) -> np.ndarray:
+        """The state where the last step ended."""
+        return self.x[: self.n_state].copy()
+
+    def dense_output(self) -> Callable[[float], np.ndarray]:
+        """Return the interpolant of the last step."""
+
+        def between(t: float) -> np.ndarray:
+            self._call("IDAGetDky", t, 0, self.objects.vectors[4])
+            return self.between[: self.n_state].copy()
+
+        return between
+
+    def failed_error_tests(self) -> int:
+        return count_of(self.library.IDAGetNumErrTestFails, self.memory)
+
+    def count(self, run: Progress) -> None:
+        """Add what this memory spent."""
+        run.rhs_calls += int(self.dae.evaluations[0])
+        run.rejected += self.failed_error_tests()
+
+
+def _stop_failed(leg: MultistepLeg, flag: int) -> None:
+    """End the leg with IDA's reason."""
+    words, status = STOPPED.get(flag, (f"SUNDIALS stopped with flag {flag}", Status.ENGINE_ERROR))
+    leg.stop(status, f"{words} (IDA flag {flag})")
+
+
+def _passes_tests(leg: MultistepLeg, solver: _Ida) -> bool:
+    """Return whether the error test still distinguishes steps; where it fails whatever the step, the leg ends."""
+    failed, steps = solver.failed_error_tests(), leg.run.steps
+    if failed <= HOPELESS_FAILURES or failed <= HOPELESS_SHARE * steps:
+        return True
+    leg.stop(
+        Status.NOT_CONVERGED,
+        f"the error test has failed {failed} times in {steps} steps: "
+        "its estimate does not shrink with the step, as is known of raw index 3",
+    )
+    return False
+
+
+def ida(form: int) -> Advance:
+    """Return the leg-by-leg driver of one index form."""
+
+    def advance(system: System, options: Options, run: Progress, y: np.ndarray, times: np.ndarray) -> Leg:
+        assert isinstance(system, JointedSystem)  # `cores` of the Integrator sees to it
+        system.prepare(FORM)
+        leg = MultistepLeg(system, options, run, y, times)
+        solver: _Ida | None = None
+        while leg.goes_on():
+            solver = solver or _Ida(leg, form)
+            flag = solver.step(leg)
+            if flag < 0:
+                _stop_failed(leg, flag)
+                break
+            t, now = leg.events.locate(leg.t, leg.now, solver)
+            arrived = leg.arrive(t, now, solver.t - leg.t)
+            if not (arrived and _passes_tests(leg, solver) and leg.keeps_pace()):
+                break
+            if leg.t >= times[leg.reached]:
+                leg.record(leg.now)
+            if leg.jumps(leg.events.at_event):
+                solver.count(run)
+                solver = None
+        if solver is not None:
+            solver.count(run)
+        return leg.finish()
+
+    return advance
+
 
 _integrator = partial(
     Integrator,

@@ -15,14 +15,14 @@ chosen for e = rtol^(7/16).
 from __future__ import annotations
 
 from functools import cache
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from mbs_ref.integrators.loop import leg
 from mbs_ref.integrators.stages.gauss_coefficients import STAGES, Gauss, gauss
 from mbs_ref.kernels.algebra.dense import all_finite
-from mbs_ref.kernels.border.handles import accessor, handle_of, make_handle
+from mbs_ref.kernels.border.handles import accessor, handle_class, make_handle
 from mbs_ref.kernels.jit import jit, loop_jit
 from mbs_ref.kernels.particles.dynamics import accelerate
 from mbs_ref.kernels.particles.model import LANES, lanes_of, lights_of, particles_of
@@ -66,6 +66,15 @@ def _two_product(a, b):
 
 
 @jit
+def _square(y, i, j):
+    """Return the square of the distance (m^2) between two bodies."""
+    r2 = 0.0
+    for c in range(3):
+        r2 += (y[3 * i + c] - y[3 * j + c]) ** 2
+    return r2
+
+
+@jit
 def free_fall(gm, y, n):
     """Return the least sqrt(r^3 / gm) over pairs (s), infinite without attraction."""
     least = np.inf
@@ -73,9 +82,7 @@ def free_fall(gm, y, n):
         for j in range(i + 1, n):
             m = gm[i] + gm[j]
             if m > 0.0:
-                r2 = 0.0
-                for c in range(3):
-                    r2 += (y[3 * i + c] - y[3 * j + c]) ** 2
+                r2 = _square(y, i, j)
                 least = min(least, np.sqrt(r2 * np.sqrt(r2) / m))
     return least
 
@@ -86,12 +93,8 @@ def touching(radius, y, n):
     for i in range(n):
         for j in range(i + 1, n):
             reach = radius[i] + radius[j]
-            if reach > 0.0:
-                r2 = 0.0
-                for c in range(3):
-                    r2 += (y[3 * i + c] - y[3 * j + c]) ** 2
-                if r2 < reach * reach:
-                    return True
+            if reach > 0.0 and _square(y, i, j) < reach * reach:
+                return True
     return False
 
 
@@ -250,16 +253,14 @@ class Groups(NamedTuple):
     gauss: Gauss  # abar, a and their low parts transposed: the stage is the last index
 
 
-@handle_of(Groups)
-class Coefficients(NamedTuple):
-    address: int
+Coefficients = handle_class(__name__, "Coefficients", Groups)
 
 
 gauss_of = accessor("gauss")
 
 
 @cache
-def _coefficients() -> tuple[Coefficients, Groups, np.ndarray]:
+def _coefficients() -> tuple[Any, Groups, np.ndarray]:
     """Return the method's coefficients as compiled code receives them, and what keeps them alive."""
     g = gauss()
     g = g._replace(abar=g.abar.T.copy(), a=g.a.T.copy(), abar_low=g.abar_low.T.copy(), a_low=g.a_low.T.copy())

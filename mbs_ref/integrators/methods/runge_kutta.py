@@ -1,24 +1,10 @@
-"""Explicit Runge-Kutta methods: their tableaux, and DOP853 with its error estimates and dense output."""
+"""Explicit Runge-Kutta methods, DOP853 with its error estimates and dense output among them."""
 
 from __future__ import annotations
 
-import numpy as np
-
 from mbs_ref.integrators.loop.explicit import explicit
 from mbs_ref.integrators.loop.leg import Integrator
-from mbs_ref.integrators.stages import dop853_tableau
-from mbs_ref.integrators.stages.tableau import Tableau, stability_polynomial
-
-EULER = Tableau(np.zeros((1, 1)), np.ones(1), np.zeros(1), np.zeros(0), np.zeros(0), 1, 0)
-RK4 = Tableau(
-    a=np.array([[0, 0, 0, 0], [0.5, 0, 0, 0], [0, 0.5, 0, 0], [0, 0, 1.0, 0]]),
-    b=np.array([1.0, 2.0, 2.0, 1.0]) / 6.0,
-    c=np.array([0, 0.5, 0.5, 1.0]),
-    error=np.zeros(0),
-    error_low=np.zeros(0),
-    order=4,
-    error_order=0,
-)
+from mbs_ref.integrators.stages.tableau import DOP853, EULER, RK4, Tableau, stability_polynomial
 
 
 def _integrator(tableau: Tableau, **facts) -> Integrator:
@@ -29,7 +15,7 @@ def _integrator(tableau: Tableau, **facts) -> Integrator:
 
 INTEGRATORS = (
     _integrator(
-        dop853_tableau.TABLEAU,
+        DOP853,
         name="dop853",
         kind="both",
         embedded=7,  # its two estimates, combined, follow the eighth power of a step (Hairer, sec. II.10)
@@ -45,7 +31,7 @@ INTEGRATORS = (
         ladder=(4e-3, 2e-3, 1e-3, 5e-4, 2.5e-4, 1.25e-4),
     ),
     _integrator(
-        RK4,  # Kutta 1901; the papers' fixed-step method
+        RK4,
         name="rk4",
         kind="fixed",
         description="classical Runge-Kutta, fixed step",

@@ -1,10 +1,15 @@
-"""A Butcher tableau: an explicit Runge-Kutta method is data."""
+"""Butcher tableaux: an explicit Runge-Kutta method is data.
+
+The coefficients of DOP853 are those of Dormand and Prince as Hairer's code has them (Hairer, Norsett, Wanner, Solving
+Ordinary Differential Equations I, 2nd ed., Springer 1993, sec. II.6 and II.10), which SciPy carries.
+"""
 
 from __future__ import annotations
 
 from typing import NamedTuple
 
 import numpy as np
+from scipy.integrate import DOP853 as _DOP853
 
 
 class Interpolant(NamedTuple):
@@ -41,3 +46,25 @@ def stability_polynomial(tableau: Tableau) -> tuple[float, ...]:
         coefficients.append(float(tableau.b @ power))
         power = tableau.a @ power
     return tuple(coefficients)
+
+
+EULER = Tableau(np.zeros((1, 1)), np.ones(1), np.zeros(1), np.zeros(0), np.zeros(0), 1, 0)
+RK4 = Tableau(  # Kutta 1901; the papers' fixed-step method
+    a=np.array([[0, 0, 0, 0], [0.5, 0, 0, 0], [0, 0.5, 0, 0], [0, 0, 1.0, 0]]),
+    b=np.array([1.0, 2.0, 2.0, 1.0]) / 6.0,
+    c=np.array([0, 0.5, 0.5, 1.0]),
+    error=np.zeros(0),
+    error_low=np.zeros(0),
+    order=4,
+    error_order=0,
+)
+DOP853 = Tableau(
+    a=np.array(_DOP853.A),
+    b=np.array(_DOP853.B),
+    c=np.array(_DOP853.C),
+    error=np.array(_DOP853.E5),
+    error_low=np.array(_DOP853.E3),
+    order=8,
+    error_order=7,
+    dense=Interpolant(np.array(_DOP853.A_EXTRA), np.array(_DOP853.C_EXTRA), np.array(_DOP853.D)),
+)

@@ -6,6 +6,7 @@ built one and the types that compiled code sees (mbs_ref.kernels.border.handles)
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping, Sequence
 from functools import cache
 from typing import Any, NamedTuple, get_args, get_type_hints
 
@@ -37,6 +38,22 @@ def empty(group: type, **lengths: int) -> Any:
     shapes = {name: [lengths.get(n, 0) if isinstance(n, str) else n for n in array.shape]
               for name, array in declared(group).items()}  # fmt: skip
     return group(**{name: np.zeros(shape, declared(group)[name].dtype) for name, shape in shapes.items()})
+
+
+def ints(values: Sequence[int]) -> np.ndarray:
+    """Return whole numbers as an array of a group."""
+    return np.array(values, dtype=np.int64)
+
+
+def floats(values: Iterable[Any], *shape: int) -> np.ndarray:
+    """Return numbers, or arrays of a shape, as an array of a group (n, *shape)."""
+    rows = list(values)
+    return np.array(rows, dtype=float).reshape(len(rows), *shape)
+
+
+def joined(name: str, *kinds: Mapping[str, type], **more: type) -> Any:
+    """Return a named tuple class of groups, by their names."""
+    return NamedTuple(name, [(key, kind) for each in (*kinds, more) for key, kind in each.items()])  # pyright: ignore
 
 
 def check(group: Any) -> None:

@@ -8,7 +8,7 @@ compiled code counts the references of an array it is given, atomically, at ever
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections import namedtuple
 from typing import Any, NamedTuple, get_type_hints
 
 import numpy as np
@@ -56,17 +56,15 @@ def make_handle(groups: Any, checked: bool = False) -> np.ndarray:
     return np.array(words, dtype=np.int64)
 
 
-def handle_of(groups: type, **lengths: int) -> Callable[[type], type]:
-    """Declare a class of handles: of which named tuple of groups, and which words of their shapes are these numbers.
+def handle_class(module: str, name: str, groups: type, **lengths: int) -> Any:
+    """Return a class of handles: of which named tuple of groups, and which words of their shapes are these numbers.
 
-    The type of a handle is what compiled code knows of it: two cores that have a group of one name each differ by it.
+    It is to stand under its name in its module. The type of a handle is what compiled code knows of it: two cores that
+    have a group of one name each differ by it.
     """
-
-    def declare(handle: type) -> type:
-        _owned[handle] = groups, lengths
-        return handle
-
-    return declare
+    handle = namedtuple(name, ["address"], module=module)
+    _owned[handle] = groups, lengths
+    return handle
 
 
 def is_handle(kind: Any) -> bool:

@@ -28,11 +28,6 @@ def supply(handles: Iterable[type], interface: ModuleType, modules: Iterable[Mod
         _supplies[handle] = {name: own[name] for name in names}
 
 
-def supplied_by(handle: type) -> dict[str, Any]:
-    """Return what the core of a class of handles supplies, by name."""
-    return _supplies[handle]
-
-
 def supplied(stub: Callable[..., Any], passes_handle: bool = True) -> Any:
     """Make a supplied function of one whose name and docstring alone count; its first argument is a handle.
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Annotated, NamedTuple
 
 from mbs_ref.kernels.border.groups import Floats, Ints, empty
-from mbs_ref.kernels.border.handles import accessor, handle_of
+from mbs_ref.kernels.border.handles import accessor, handle_class
 
 EXPONENTIAL, STANDARD = 0, 1  # atmospheres
 LANES = 8  # instants evaluated side by side: the stages of a Gauss step, or one instant repeated
@@ -110,14 +110,8 @@ def particle_scratch(n: int) -> ParticleScratch:
     return ParticleScratch(empty(Lanes, n=n, LANES=LANES))
 
 
-@handle_of(ParticleGroups)
-class ParticleModel(NamedTuple):
-    address: int
-
-
-@handle_of(ParticleScratch, LANES=LANES)
-class ParticleWork(NamedTuple):
-    address: int
+ParticleModel = handle_class(__name__, "ParticleModel", ParticleGroups)
+ParticleWork = handle_class(__name__, "ParticleWork", ParticleScratch, LANES=LANES)
 
 
 particles_of = accessor("particles")

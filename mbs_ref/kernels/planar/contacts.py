@@ -1,66 +1,33 @@
-"""Shapes that touch in the plane: where and how they meet, and the rows of their gap.
-
-gap = n . (c - o) - r with n fixed in body b for a line, gap = |c - o| - r for two circles.
-"""
+"""Shapes of the plane (mbs_ref.kernels.rigid.shapes): lines, circles and the walls between a sprocket's teeth."""
 
 from __future__ import annotations
 
 import math
-from typing import Any, NamedTuple
 
 import numpy as np
 
-from mbs_ref.kernels.contact.laws import ENDS_CAPPED, ENDS_OPEN, PAIR_FLAT, PAIR_ROUND
+from mbs_ref.kernels.contact.laws import ENDS_CAPPED, ENDS_OPEN, PAIR_FLAT, PAIR_ROUND, PAIR_SPROCKET
 from mbs_ref.kernels.jit import bare
-from mbs_ref.kernels.planar.marks import arm, gap_between, rate_between, separation
-from mbs_ref.kernels.planar.vectors import cross, dot, left, minus, over, plus, times, turn
-from mbs_ref.kernels.rigid.model import contact_pairs_of, kinematics_of, tree_of
-
-
-class Surface(NamedTuple):
-    """The point of a surface that is nearest to a circle's centre."""
-
-    gap: Any  # m
-    normal: Any  # outwards, a pair along world axes
-    beyond: Any  # m, excess over open ends
-    along: Any  # m, place along a line
-
-
-class Touch(NamedTuple):
-    """Where and how two shapes meet; vectors are pairs along world axes."""
-
-    gap: Any  # m
-    closing: Any  # m/s, the gap's rate
-    beyond: Any  # m, excess over open ends
-    normal: Any  # from b to a; the tangent is the normal turned by -90 degrees
-    slip: Any  # m/s, of a on b along the tangent
-    along: Any  # m, rolled and slid along a line: what a sticking contact keeps
-    arm_a: Any  # m, from the centre of mass of a to the point of contact
-    arm_b: Any  # m
+from mbs_ref.kernels.planar.marks import turned
+from mbs_ref.kernels.planar.vectors import cross, dot, over, perpendicular, plus, rotated, times
+from mbs_ref.kernels.rigid.model import contact_pairs_of, kinematics_of
+from mbs_ref.kernels.rigid.shapes import Surface, on_round
 
 
 @bare
-def _on_line(pairs, k, x, tangent):
-    """Return the Surface that a line, a segment or a capped segment shows at x."""
-    normal = left(tangent)
+def _on_line(pairs, k, x, tangent, rolled):
+    """Return the Surface of a line, a segment or a capped segment."""
+    normal, radius = perpendicular(tangent), pairs.radius[k]
     along, above = dot(x, tangent), dot(x, normal)
-    beyond = abs(along) - pairs.half[k, 0]
+    held, beyond = along + rolled, abs(along) - pairs.half[k, 0]
     if pairs.ends[k] == ENDS_OPEN:
-        return Surface(above - pairs.radius[k], normal, beyond, along)
+        return Surface(above - radius, normal, beyond, radius, held)
     if pairs.ends[k] == ENDS_CAPPED and beyond > 0.0:
         px = math.copysign(beyond, along)
         distance = math.sqrt(px * px + above * above)
         outward = over(plus(times(px, tangent), times(above, normal)), distance)
-        return Surface(distance - pairs.radius[k], outward, -1.0, along)
-    return Surface(above - pairs.radius[k], normal, -1.0, along)
-
-
-@bare
-def _on_circle(pairs, k, x):
-    distance = math.sqrt(dot(x, x))
-    if distance == 0.0:
-        return Surface(-pairs.radius[k] - pairs.half[k, 0], (0.0, 1.0), -1.0, 0.0)
-    return Surface(distance - pairs.radius[k] - pairs.half[k, 0], over(x, distance), -1.0, 0.0)
+        return Surface(distance - radius, outward, -1.0, radius, held)
+    return Surface(above - radius, normal, -1.0, radius, held)
 
 
 @bare
@@ -68,7 +35,7 @@ def _through_gap(pairs, k, x, seat):
     """Return the direction outwards through the tooth gap nearest to a pin at x; `seat` points to the first gap."""
     pitch = 2.0 * math.pi / pairs.ends[k]
     angle = pitch * np.round(math.atan2(cross(seat, x), dot(seat, x)) / pitch)
-    return turn(math.cos(angle), math.sin(angle), seat)
+    return rotated(math.cos(angle), math.sin(angle), seat)
 
 
 @bare
@@ -89,80 +56,31 @@ def _in_sprocket(pairs, k, x, seat):
         du = -out / offset if offset > 0.0 else 1.0
         dw = -side / offset if offset > 0.0 else 0.0
     normal = (du * outward[0] + dw * outward[1], du * outward[1] - dw * outward[0])
-    return Surface(pairs.radius[k] - offset, normal, out - pairs.thickness[k], 0.0)
+    return Surface(pairs.radius[k] - offset, normal, out - pairs.thickness[k], 0.0, 0.0)
 
 
 @bare
-def _places(pairs, kin, k):
-    """Return the arms of the circle's centre and of the other shape's origin, and the way from this to that."""
+def surface(model, work, k, x):
+    pairs = contact_pairs_of(model)
     a, b = pairs.a[k], pairs.b[k]
-    center, origin = arm(kin.pose, a, pairs.center[k]), arm(kin.pose, b, pairs.origin[k])
-    return center, origin, gap_between(kin, b, a, origin, center)
-
-
-@bare
-def contact_geometry(model, work, k):
-    """Return the Touch of a pair."""
-    pairs, kin = contact_pairs_of(model), kinematics_of(work)
-    a, b = pairs.a[k], pairs.b[k]
-    center, _, x = _places(pairs, kin, k)
-    back = pairs.radius[k]
-    rolled = 0.0
     if pairs.kind[k] == PAIR_ROUND:
-        surface = _on_circle(pairs, k, x)
-    else:
-        direction = arm(kin.pose, b, pairs.axes[k, 0])
-        if pairs.kind[k] == PAIR_FLAT:
-            surface = _on_line(pairs, k, x, direction)
-            rolled = back * (kin.motion[a, 3] - kin.motion[b, 3])
-        else:
-            surface = _in_sprocket(pairs, k, x, direction)
-            back = 0.0
-    n = surface.normal
-    arm_a = minus(center, times(back, n))
-    arm_b = minus(plus(kin.pose[a], arm_a), kin.pose[b])
-    u = rate_between(kin, b, a, arm_b, arm_a)
-    slip = n[1] * u[0] - n[0] * u[1]
-    return Touch(surface.gap, dot(n, u), surface.beyond, n, slip, surface.along + rolled, arm_a, arm_b)
+        return on_round(work, pairs, k, x, (0.0, 1.0), 0.0)
+    direction = turned(work, b, pairs.axes[k, 0])
+    if pairs.kind[k] == PAIR_SPROCKET:
+        return _in_sprocket(pairs, k, x, direction)
+    motion = kinematics_of(work).motion
+    return _on_line(pairs, k, x, direction, pairs.radius[k] * (motion[a, 3] - motion[b, 3]))
 
 
 @bare
-def leaving_ends(model, work, k):
-    """Return the rate (m/s) of the excess over open ends."""
-    pairs, kin = contact_pairs_of(model), kinematics_of(work)
-    center, origin, x = _places(pairs, kin, k)
-    outward = arm(kin.pose, pairs.b[k], pairs.axes[k, 0])
+def outwards(model, work, k, x):
+    pairs = contact_pairs_of(model)
+    direction = turned(work, pairs.b[k], pairs.axes[k, 0])
     if pairs.kind[k] == PAIR_FLAT:
-        outward = times(math.copysign(1.0, dot(x, outward)), outward)
-    else:
-        outward = _through_gap(pairs, k, x, outward)
-    return dot(outward, rate_between(kin, pairs.b[k], pairs.a[k], plus(x, origin), center))
+        return times(math.copysign(1.0, dot(x, direction)), direction)
+    return _through_gap(pairs, k, x, direction)
 
 
 @bare
-def gap_rows(model, touch):
-    n = touch.normal
-    return (n[0], n[1], cross(touch.arm_a, n)), (-n[0], -n[1], -cross(touch.arm_b, n))
-
-
-@bare
-def gap_response(model, work, k, touch):
-    pairs, n = contact_pairs_of(model), touch.normal
-    (ax, ay), (bx, by), response = touch.arm_a, touch.arm_b, tree_of(work).acceleration
-    a, b = response[pairs.a[k]], response[pairs.b[k]]
-    x = a[0] - ay * a[2] - b[0] + by * b[2]
-    return n[0] * x + n[1] * (a[1] + ax * a[2] - b[1] - bx * b[2])
-
-
-@bare
-def gap_gamma(model, work, k, touch):
-    pairs, kin, n = contact_pairs_of(model), kinematics_of(work), touch.normal
-    a, b = pairs.a[k], pairs.b[k]
-    apart = separation(work, b, a, pairs.origin[k], pairs.center[k])
-    surplus = dot(n, apart.centripetal)
-    if pairs.kind[k] == PAIR_FLAT:
-        wb = kin.motion[b, 2]
-        sweep = cross(n, apart.rate)  # d(n)/d(theta_b) . d_dot
-        return surplus - 2.0 * wb * sweep + wb * wb * dot(n, apart.gap)
-    along = dot(n, apart.rate)
-    return surplus - (dot(apart.rate, apart.rate) - along * along) / np.sqrt(dot(apart.gap, apart.gap))
+def slip(n, u, closing):
+    return n[1] * u[0] - n[0] * u[1]

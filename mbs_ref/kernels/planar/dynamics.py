@@ -5,11 +5,17 @@
 
 from __future__ import annotations
 
+import sys
+
 import numpy as np
 
+from mbs_ref.kernels.border.handles import handle_class
 from mbs_ref.kernels.border.questions import accelerate
+from mbs_ref.kernels.border.supplies import supply
 from mbs_ref.kernels.jit import jit
-from mbs_ref.kernels.planar.model import RATES
+from mbs_ref.kernels.planar import contacts, grips, joints, loads, marks, tree, vectors
+from mbs_ref.kernels.planar.model import RATES, PlanarGroups, PlanarScratch
+from mbs_ref.kernels.rigid import geometry
 from mbs_ref.kernels.rigid.dynamics import is_solved, respond
 from mbs_ref.kernels.rigid.elimination import rows_times
 from mbs_ref.kernels.rigid.model import bodies_of, kinematics_of, rows_of, slots_of, solved_of, tree_of
@@ -40,11 +46,6 @@ def block(model):
 
 
 @jit
-def position_count(model):
-    return 3 * bodies_of(model).mass.shape[0]
-
-
-@jit
 def normalize(model, y):
     pass
 
@@ -55,18 +56,13 @@ def largest_norm_defect(model, work):
 
 
 @jit
-def has_no_rows(model):
-    return False
-
-
-@jit
 def subtract_inertia(model, work, acceleration, load):
     """Write f - M a into load."""
     bodies, force = bodies_of(model), kinematics_of(work).force
     for i in range(bodies.mass.shape[0]):
         load[i, 0] = force[i, 0] - bodies.mass[i] * acceleration[i, 0]
         load[i, 1] = force[i, 1] - bodies.mass[i] * acceleration[i, 1]
-        load[i, 2] = force[i, 2] - bodies.inertia[i] * acceleration[i, 2]
+        load[i, 2] = force[i, 2] - bodies.inertia[i, 0] * acceleration[i, 2]
 
 
 @jit
@@ -141,7 +137,7 @@ def planar_times_mass(model, rate, out):
         k = 3 * bodies.scene_index[i]
         out[k] = bodies.mass[i] * rate[k]
         out[k + 1] = bodies.mass[i] * rate[k + 1]
-        out[k + 2] = bodies.inertia[i] * rate[k + 2]
+        out[k + 2] = bodies.inertia[i, 0] * rate[k + 2]
 
 
 @jit
@@ -156,3 +152,11 @@ def planar_position_rate(model, y, rate, out):
     """Write the rates of the positions at rates (3 n,)."""
     for k in range(rate.shape[0]):
         out[k] = rate[k]
+
+
+PlanarModel = handle_class(__name__, "PlanarModel", PlanarGroups, dimension=2, tangents=1, axes=0, turns=1, moments=1)
+PlanarWork = handle_class(__name__, "PlanarWork", PlanarScratch, rates=3)
+
+
+_MODULES = (sys.modules[__name__], contacts, grips, joints, loads, marks, tree, vectors)
+supply((PlanarModel, PlanarWork), geometry, _MODULES)

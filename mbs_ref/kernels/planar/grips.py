@@ -7,17 +7,8 @@ from __future__ import annotations
 
 import math
 
-from mbs_ref.kernels.contact.laws import (
-    FRICTION_NONE,
-    FRICTION_SMOOTH,
-    GRIP_BACKWARD,
-    GRIP_FORWARD,
-    GRIP_PROBE,
-    GRIP_STICK,
-    normal_force,
-)
+from mbs_ref.kernels.contact.laws import FRICTION_SMOOTH, GRIP_BACKWARD, GRIP_FORWARD, GRIP_PROBE, GRIP_STICK
 from mbs_ref.kernels.jit import bare, jit
-from mbs_ref.kernels.planar.vectors import times
 from mbs_ref.kernels.rigid.model import contact_laws_of, contact_modes_of
 
 
@@ -28,20 +19,16 @@ def _friction(laws, modes, k, normal, touch):
         return -laws.coefficient[k] * normal * math.tanh(touch.slip / laws.creep[k])
     grip = modes.grip[k]
     if grip == GRIP_STICK:
-        return -laws.grip_stiffness[k] * (touch.along - modes.anchor[k, 0]) - laws.grip_damping[k] * touch.slip
+        return -laws.grip_stiffness[k] * (touch.held - modes.anchor[k, 0]) - laws.grip_damping[k] * touch.slip
     if grip == GRIP_PROBE:
         return modes.anchor[k, 0]
     return -laws.coefficient[k] * normal * grip
 
 
 @bare
-def contact_force(model, work, k, touch, normal):
-    laws, modes = contact_laws_of(model), contact_modes_of(model)
-    force = times(normal, touch.normal)
-    if laws.friction[k] != FRICTION_NONE:
-        tangential = _friction(laws, modes, k, normal, touch)
-        force = (force[0] + tangential * touch.normal[1], force[1] - tangential * touch.normal[0])
-    return force
+def friction_force(model, work, k, touch, normal):
+    tangential = _friction(contact_laws_of(model), contact_modes_of(model), k, normal, touch)
+    return tangential * touch.normal[1], -tangential * touch.normal[0]
 
 
 @bare
@@ -50,40 +37,23 @@ def slip_of(model, touch):
 
 
 @jit
-def grip_margin(model, work, k, touch):
-    laws, modes = contact_laws_of(model), contact_modes_of(model)
-    if modes.grip[k] == GRIP_STICK:
-        normal = normal_force(laws, modes, k, -touch.gap, -touch.closing)
-        margin = laws.static[k] * normal - abs(_friction(laws, modes, k, normal, touch))
-        return margin / (modes.noise[0] * (laws.grip_stiffness[k] + laws.grip_damping[k]))
-    return modes.grip[k] * touch.slip / modes.noise[0]
+def grip_force(model, work, k, touch, normal):
+    return (_friction(contact_laws_of(model), contact_modes_of(model), k, normal, touch),)
+
+
+@jit
+def ahead(model, k, touch):
+    return contact_modes_of(model).grip[k] * touch.slip
+
+
+@jit
+def has_stopped(model, k, touch):
+    return True
 
 
 @jit
 def start_grip(model, k, touch):
-    contact_modes_of(model).anchor[k, 0] = touch.along
-
-
-@jit
-def take_grip(model, y, k, touch):
-    modes = contact_modes_of(model)
-    modes.anchor[k, 0] = touch.along
-    if touch.slip > 0.0:
-        modes.grip[k] = GRIP_FORWARD
-    elif touch.slip < 0.0:
-        modes.grip[k] = GRIP_BACKWARD
-    else:
-        modes.grip[k] = GRIP_STICK
-
-
-@jit
-def change_grip(model, work, k, touch):
-    laws, modes = contact_laws_of(model), contact_modes_of(model)
-    if modes.grip[k] != GRIP_STICK:
-        return True
-    normal = normal_force(laws, modes, k, -touch.gap, -touch.closing)
-    slide_against(model, k, (_friction(laws, modes, k, normal, touch),))
-    return False
+    contact_modes_of(model).anchor[k, 0] = touch.held
 
 
 @jit
@@ -94,9 +64,9 @@ def stop_together(model, work, y, g):
 @jit
 def stick(model, y, k, touch, force):
     laws, modes = contact_laws_of(model), contact_modes_of(model)
-    modes.anchor[k, 0] = touch.along + force[0] / laws.grip_stiffness[k]
+    modes.anchor[k, 0] = touch.held + force[0] / laws.grip_stiffness[k]
 
 
 @jit
-def slide_against(model, k, force):
-    contact_modes_of(model).grip[k] = GRIP_BACKWARD if force[0] > 0.0 else GRIP_FORWARD
+def slide_along(model, k, sign, u):
+    contact_modes_of(model).grip[k] = GRIP_BACKWARD if sign * u[0] < 0.0 else GRIP_FORWARD

@@ -3,55 +3,36 @@
 from __future__ import annotations
 
 from mbs_ref.kernels.jit import bare
-from mbs_ref.kernels.planar.marks import arm
 from mbs_ref.kernels.planar.model import angle_drives_of, angles_of
 from mbs_ref.kernels.planar.vectors import cross, dot
-from mbs_ref.kernels.rigid.joints import bodies_of_row
+from mbs_ref.kernels.rigid.joints import bodies_of_row, put_row
 from mbs_ref.kernels.rigid.model import CONTROL_MODE_TIME, kinematics_of, rows_of, signals_of, slots_of, world_of
 from mbs_ref.kernels.signals import evaluate
 
 
 @bare
-def _place(block, row, force, torque):
-    """Write one row of a Jacobian block: what multiplies R' and what multiplies omega."""
-    block[row, 0] = force[0]
-    block[row, 1] = force[1]
-    block[row, 2] = torque
+def moment(arm, force):
+    return (cross(arm, force),)
 
 
 @bare
 def put_point(work, slot, side, row, apart):
-    jacobian = rows_of(work).jacobian
-    on_a, on_b = jacobian[slot, side], jacobian[slot, 1 - side]
-    _place(on_a, row, (-1.0, 0.0), apart.arm_a[1])
-    _place(on_a, row + 1, (0.0, -1.0), -apart.arm_a[0])
-    _place(on_b, row, (1.0, 0.0), -apart.arm_b[1])
-    _place(on_b, row + 1, (0.0, 1.0), apart.arm_b[0])
+    on_a, on_b = rows_of(work).jacobian[slot, side], rows_of(work).jacobian[slot, 1 - side]
+    put_row(on_a[row], (-1.0, 0.0), (apart.arm_a[1],))
+    put_row(on_a[row + 1], (0.0, -1.0), (-apart.arm_a[0],))
+    put_row(on_b[row], (1.0, 0.0), (-apart.arm_b[1],))
+    put_row(on_b[row + 1], (0.0, 1.0), (apart.arm_b[0],))
 
 
 @bare
-def put_line(work, slot, side, row, e, apart):
-    jacobian = rows_of(work).jacobian
-    _place(jacobian[slot, side], row, (-e[0], -e[1]), cross(e, apart.arm_a))
-    _place(jacobian[slot, 1 - side], row, e, cross(apart.arm_b, e))
+def rate_of_turning(work, i, n, gap):
+    return kinematics_of(work).motion[i, 2] * cross(n, gap)
 
 
 @bare
-def put_on_body(work, slot, side, row, i, point, e):
-    _place(rows_of(work).jacobian[slot, side], row, e, cross(arm(kinematics_of(work).pose, i, point), e))
-
-
-@bare
-def fill_plane(work, slot, side, row, a, b, normal, apart):
-    kin, rows = kinematics_of(work), rows_of(work)
-    n, wa = arm(kin.pose, a, normal), kin.motion[a, 2]
-    turning, sweep = cross(n, apart.gap), cross(n, apart.rate)  # d(n)/d(theta_a) . d, and . d_dot
-    gap = dot(n, apart.gap)
-    put_line(work, slot, side, row, n, apart)
-    rows.jacobian[slot, side, row, 2] += turning
-    rows.residual[slot, row] = gap
-    rows.rate[slot, row] = dot(n, apart.rate) + wa * turning
-    rows.gamma[slot, row] = dot(n, apart.centripetal) - 2.0 * wa * sweep + wa * wa * gap
+def surplus_of_turning(work, i, n, apart, surplus):
+    omega = kinematics_of(work).motion[i, 2]
+    return surplus - 2.0 * omega * cross(n, apart.rate) + omega * omega * dot(n, apart.gap)
 
 
 @bare
@@ -65,8 +46,8 @@ def _fill_angles(model, work):
     joint, slots, kin, rows = angles_of(model), slots_of(model), kinematics_of(work), rows_of(work)
     for k in range(joint.slot.shape[0]):
         slot, row, side, a, b = bodies_of_row(slots, joint, k)
-        _place(rows.jacobian[slot, side], row, (0.0, 0.0), -1.0)
-        _place(rows.jacobian[slot, 1 - side], row, (0.0, 0.0), 1.0)
+        put_row(rows.jacobian[slot, side, row], (0.0, 0.0), (-1.0,))
+        put_row(rows.jacobian[slot, 1 - side, row], (0.0, 0.0), (1.0,))
         rows.residual[slot, row] = kin.motion[b, 3] - kin.motion[a, 3] - joint.value[k]
         rows.rate[slot, row] = kin.motion[b, 2] - kin.motion[a, 2]
         rows.gamma[slot, row] = 0.0
@@ -80,7 +61,7 @@ def _fill_angle_drives(model, work, t):
         slot, row, side = drive.slot[k], drive.row[k], drive.side[k]
         i = slots.body[slot, side]
         value, rate, curvature = evaluate(signals_of(model), drive.signal[k], t, mode_time)
-        _place(rows.jacobian[slot, side], row, (0.0, 0.0), 1.0)
+        put_row(rows.jacobian[slot, side, row], (0.0, 0.0), (1.0,))
         rows.residual[slot, row] = kin.motion[i, 3] - drive.start[k] - value
         rows.rate[slot, row] = kin.motion[i, 2] - rate
         rows.gamma[slot, row] = curvature

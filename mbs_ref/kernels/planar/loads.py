@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 from mbs_ref.kernels.jit import bare, jit
-from mbs_ref.kernels.planar.marks import arm
-from mbs_ref.kernels.planar.vectors import cross, times
 from mbs_ref.kernels.rigid.model import bodies_of, forces_of, kinematics_of, torsion_springs_of, world_of
 
 
@@ -25,16 +23,9 @@ def weigh(bodies, gravity, kin):
 
 
 @bare
-def apply_force(model, work, k, scale):
-    load, kin = forces_of(model), kinematics_of(work)
-    body = load.body[k]
-    force = times(scale, load.vector[k])
-    if load.follows[k] == 1:
-        force = arm(kin.pose, body, force)
-    torque = cross(arm(kin.pose, body, load.point[k]), force) + scale * load.torque[k]
-    kin.force[body, 0] += force[0]
-    kin.force[body, 1] += force[1]
-    kin.force[body, 2] += torque
+def apply_torque(model, work, k, scale):
+    load = forces_of(model)
+    kinematics_of(work).force[load.body[k], 2] += scale * load.torque[k, 0]
 
 
 @bare

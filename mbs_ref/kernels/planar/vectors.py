@@ -43,12 +43,12 @@ def cross(a, b):
 
 
 @bare
-def left(a):
+def perpendicular(a):
     """Return a turned by 90 degrees: d(a)/d(theta)."""
     return -a[1], a[0]
 
 
 @bare
-def turn(c, s, u):
+def rotated(c, s, u):
     """Return u turned by an angle of this cosine and sine."""
     return c * u[0] - s * u[1], s * u[0] + c * u[1]

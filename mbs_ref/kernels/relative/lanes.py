@@ -14,9 +14,10 @@ import numpy as np
 from mbs_ref.kernels.algebra.lanes import WIDTH, in_lanes, room_for_lanes
 from mbs_ref.kernels.jit import inlined
 from mbs_ref.kernels.planar.loads import weigh
-from mbs_ref.kernels.planar.model import Bodies, Kinematics
+from mbs_ref.kernels.planar.model import Kinematics
 from mbs_ref.kernels.relative.model import Joints, Links, Recursion
 from mbs_ref.kernels.relative.planar import place_tree, release_tree
+from mbs_ref.kernels.rigid.model import Bodies
 
 
 class Figures(NamedTuple):
@@ -85,8 +86,8 @@ def derivative_in_lanes(tree, y, dy):
         in_lanes(shared.arm_of_parent), in_lanes(shared.axis), in_lanes(shared.offset),
     )  # fmt: skip
     bodies = Bodies(
-        in_lanes(tree.bodies.mass), in_lanes(tree.bodies.inertia), tree.bodies.scene_index, tree.bodies.q,
-        tree.bodies.v, tree.bodies.parent,
+        in_lanes(tree.bodies.mass), in_lanes(tree.bodies.inertia), tree.bodies.rigid, tree.bodies.alone,
+        tree.bodies.scene_index, tree.bodies.q, tree.bodies.v, tree.bodies.start, tree.bodies.parent,
     )  # fmt: skip
     links = Links(
         in_lanes(tree.links.velocity), in_lanes(tree.links.apart), tree.turns, in_lanes(tree.links.freedom),

@@ -8,7 +8,7 @@ from __future__ import annotations
 from typing import Annotated, NamedTuple
 
 from mbs_ref.kernels.border.groups import Floats, Ints
-from mbs_ref.kernels.border.handles import accessor, handle_of
+from mbs_ref.kernels.border.handles import accessor, handle_class
 
 FREE, REVOLUTE, PRISMATIC, WELD, SPHERICAL, HELD = range(6)  # HELD: a particle at a joint's point
 
@@ -71,14 +71,8 @@ class RelativeScratch(NamedTuple):
     told: Told
 
 
-@handle_of(RelativeGroups)
-class TreeModel(NamedTuple):
-    address: int
-
-
-@handle_of(RelativeScratch)
-class TreeWork(NamedTuple):
-    address: int
+TreeModel = handle_class(__name__, "TreeModel", RelativeGroups)
+TreeWork = handle_class(__name__, "TreeWork", RelativeScratch)
 
 
 joints_of = accessor("joints")

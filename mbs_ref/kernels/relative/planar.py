@@ -9,12 +9,12 @@ here in world axes about the centres of mass, as the redundant cores have them.
 
 from __future__ import annotations
 
-from mbs_ref.kernels.algebra.ldl import ldl3, ldl3_solve
+from mbs_ref.kernels.algebra.dense import ldl3, ldl3_solve
 from mbs_ref.kernels.algebra.turning import cos_sin
 from mbs_ref.kernels.border import questions as ask
 from mbs_ref.kernels.jit import bare, inlined, jit
-from mbs_ref.kernels.planar.core import PlanarModel, PlanarWork
-from mbs_ref.kernels.planar.vectors import left, minus, pair, plus, times, turn
+from mbs_ref.kernels.planar.dynamics import PlanarModel, PlanarWork
+from mbs_ref.kernels.planar.vectors import minus, pair, perpendicular, plus, rotated, times
 from mbs_ref.kernels.relative.model import (
     FREE,
     HELD,
@@ -83,20 +83,20 @@ def _put_joined(joints, links, kin, y, i):
     angle, speed, rate = kin.motion[parent, 3] + joints.offset[i, 0], 0.0, 0.0
     if kind == REVOLUTE:
         angle, rate = angle + y[q], y[v]
-    reach = turn(c, s, joints.arm_of_parent[i])
+    reach = rotated(c, s, joints.arm_of_parent[i])
     _put_pose(kin, i, ORIGIN, 0.0 if kind == HELD else angle)
-    arm = turn(kin.pose[i, 2], kin.pose[i, 3], joints.arm[i])
+    arm = rotated(kin.pose[i, 2], kin.pose[i, 3], joints.arm[i])
     away = minus(ORIGIN, arm)  # from the joint's point to the centre of mass
     slide = ORIGIN
     if kind == PRISMATIC:
-        slide, speed = turn(c, s, joints.axis[i]), y[v]
+        slide, speed = rotated(c, s, joints.axis[i]), y[v]
         reach = plus(reach, times(y[q], slide))
         free[0], free[1], free[2] = slide[0], slide[1], 0.0
     elif kind == REVOLUTE:
         free[0], free[1], free[2] = -away[1], away[0], 1.0
     apart, turning = plus(reach, away), spin + rate
     inward = plus(times(spin * spin, reach), times(turning * turning, away))
-    surplus = minus(times(2.0 * spin * speed, left(slide)), inward)
+    surplus = minus(times(2.0 * spin * speed, perpendicular(slide)), inward)
     links.apart[i, 0], links.apart[i, 1] = apart
     bias[0], bias[1] = surplus
     kin.pose[i, 0], kin.pose[i, 1] = plus(pair(kin.pose[parent], 0), apart)
@@ -178,7 +178,7 @@ def _release(joints, links, rec, i):
 def _load_blocks(bodies, kin, rec):
     for i in range(bodies.mass.shape[0]):
         a, mass = rec.articulated[i], bodies.mass[i]
-        a[0, 0], a[1, 0], a[1, 1], a[2, 0], a[2, 1], a[2, 2] = mass, 0.0, mass, 0.0, 0.0, bodies.inertia[i]
+        a[0, 0], a[1, 0], a[1, 1], a[2, 0], a[2, 1], a[2, 2] = mass, 0.0, mass, 0.0, 0.0, bodies.inertia[i, 0]
         for c in range(3):
             rec.force[i, c] = kin.force[i, c]
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from mbs_ref.kernels.algebra.ldl import factor_ldl, ldl3, ldl3_solve, solve_ldl
+from mbs_ref.kernels.algebra.dense import factor_ldl, ldl3, ldl3_solve, solve_ldl
 from mbs_ref.kernels.border import questions as ask
 from mbs_ref.kernels.jit import inlined, jit
 from mbs_ref.kernels.relative.model import (
@@ -25,7 +25,7 @@ from mbs_ref.kernels.relative.model import (
     told_of,
 )
 from mbs_ref.kernels.rigid.model import bodies_of, kinematics_of
-from mbs_ref.kernels.spatial.core import SpatialModel, SpatialWork
+from mbs_ref.kernels.spatial.dynamics import SpatialModel, SpatialWork
 from mbs_ref.kernels.spatial.model import RATES
 from mbs_ref.kernels.spatial.orientation import parameters, put_parameters, rotation, theta_rate, world_inertia
 from mbs_ref.kernels.spatial.vectors import add, cross, dot, minus, negative, plus, put, times, triple, turn, turn_back

@@ -10,7 +10,6 @@ import numpy as np
 from mbs_ref.kernels.border import questions as ask
 from mbs_ref.kernels.contact.laws import (
     FRICTION_STICK_SLIP,
-    GRIP_PROBE,
     GRIP_STICK,
     MODE_BEHIND,
     MODE_CLOSED,
@@ -28,11 +27,20 @@ from mbs_ref.kernels.contact.laws import (
 from mbs_ref.kernels.contact.modes import FRICTION, IMPACT, TOUCH, close, is_broken, next_mode, normal_roots
 from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.rigid import geometry as core
-from mbs_ref.kernels.rigid.contact_forces import find_near, is_behind, is_touching, norm
+from mbs_ref.kernels.rigid.contact_forces import (
+    contact_force,
+    find_near,
+    gap_response,
+    gap_rows,
+    is_behind,
+    is_touching,
+    norm,
+)
 from mbs_ref.kernels.rigid.dynamics import correct_rates, store_solved
+from mbs_ref.kernels.rigid.grips import change_grip, grip_margin, is_still, probe, take_grip
 from mbs_ref.kernels.rigid.landing import AT_REST, contact_mass, contact_push, settle_held
+from mbs_ref.kernels.rigid.marks import speed_between
 from mbs_ref.kernels.rigid.model import (
-    bodies_of,
     contact_laws_of,
     contact_modes_of,
     contact_pairs_of,
@@ -40,7 +48,7 @@ from mbs_ref.kernels.rigid.model import (
     rows_of,
     tree_of,
 )
-from mbs_ref.kernels.rigid.stopped_contacts import holding_forces
+from mbs_ref.kernels.rigid.shapes import contact_geometry, leaving_ends
 from mbs_ref.kernels.rows import clear
 
 
@@ -60,9 +68,9 @@ def contact_roots(model, work, t, y, duration, table):
     is_new = duration >= 0.0 and find_near(model, work, duration)
     for place in range(near.count[0]):
         k = near.pair[place]
-        touch = core.contact_geometry(model, work, k)
+        touch = contact_geometry(model, work, k)
         i = ROOTS_EACH * k
-        leaving = core.leaving_ends(model, work, k) if touch.beyond > touch.gap else 0.0
+        leaving = leaving_ends(model, work, k) if touch.beyond > touch.gap else 0.0
         closed = modes.mode[k] == MODE_CLOSED
         speed = _gap_speed(model, work, k, touch)
         for c in range(ROOTS_EACH):
@@ -75,7 +83,7 @@ def contact_roots(model, work, t, y, duration, table):
             continue
         normal_roots(laws, modes, k, touch.gap, touch.closing, touch.beyond, leaving, speed, table)
         if closed and laws.friction[k] == FRICTION_STICK_SLIP:
-            table[VALUE, i + 2] = core.grip_margin(model, work, k, touch) + 1.0
+            table[VALUE, i + 2] = grip_margin(model, work, k, touch) + 1.0
             table[SPEED, i + 2] = UNKNOWN
     return is_new
 
@@ -87,7 +95,7 @@ def _gap_speed(model, work, k, touch):
     a, b = pairs.a[k], pairs.b[k]
     turning = core.spin(work, a) * norm(pairs.center[k])
     turning += core.spin(work, b) * (norm(touch.arm_b) + pairs.radius[k])
-    return core.speed_between(work, a, b) + turning
+    return speed_between(work, a, b) + turning
 
 
 @jit
@@ -113,67 +121,20 @@ def contact_transition(model, work, t, y, g, dy):
             continue
         held = held or laws.slot[k] >= 0
         core.load_state(model, work, y)
-        touch = core.contact_geometry(model, work, k)
-        left = next_mode(laws, modes, k, g, touch.closing, is_behind(pairs, k, touch.gap))
-        if left == IMPACT:
+        touch = contact_geometry(model, work, k)
+        due = next_mode(laws, modes, k, g, touch.closing, is_behind(pairs, k, touch.gap))
+        if due == IMPACT:
             _impact(model, work, t, y, k)
-        elif left == TOUCH:
-            core.take_grip(model, y, k, touch)
-        elif left == FRICTION and core.change_grip(model, work, k, touch):
-            _probe(modes, k)
+        elif due == TOUCH:
+            take_grip(model, y, k, touch)
+        elif due == FRICTION and change_grip(model, work, k, touch):
+            probe(modes, k)
             stopped = True
     if held:
         settle_held(model, work, t, y, g)
     if stopped:
         core.stop_together(model, work, y, g)
         ask.settle_grips(model, work, t, y, dy)
-
-
-@jit
-def _probe(modes, k):
-    modes.grip[k] = GRIP_PROBE
-    for c in range(modes.anchor.shape[1]):
-        modes.anchor[k, c] = 0.0
-
-
-@jit
-def rigid_slip_velocities(model, work, y, out):
-    """Fill out (n_contacts, tangents) with the slip velocities (m/s) at y of the contacts under probe."""
-    modes = contact_modes_of(model)
-    core.load_state(model, work, y)
-    for k in range(out.shape[0]):
-        if modes.grip[k] == GRIP_PROBE:
-            slip = core.slip_of(model, core.contact_geometry(model, work, k))
-            for c in range(len(slip)):
-                out[k, c] = slip[c]
-
-
-@jit
-def rigid_settle_grips(model, work, t, y, dy):
-    """Let the stopped contacts stick where mu_s allows what holds them, else slide on against it."""
-    pairs, laws, modes = contact_pairs_of(model), contact_laws_of(model), contact_modes_of(model)
-    count = pairs.kind.shape[0]
-    loads, force = np.zeros(count), np.zeros((count, modes.anchor.shape[1]))
-    core.load_state(model, work, y)
-    for k in range(count):
-        if modes.grip[k] == GRIP_PROBE:
-            touch = core.contact_geometry(model, work, k)
-            loads[k] = max(normal_force(laws, modes, k, -touch.gap, -touch.closing), 0.0)
-    if np.sum(loads) > 0.0:
-        mass = bodies_of(model).mass
-        holding_forces(model, work, t, y, dy, modes, laws.grip_stiffness, pairs.a, pairs.b, mass, loads, force)
-    core.load_state(model, work, y)
-    for k in range(count):
-        if modes.grip[k] != GRIP_PROBE:
-            continue
-        square = 0.0
-        for c in range(force.shape[1]):
-            square += force[k, c] * force[k, c]
-        if np.sqrt(square) <= laws.static[k] * loads[k]:
-            modes.grip[k] = GRIP_STICK
-            core.stick(model, y, k, core.contact_geometry(model, work, k), force[k])
-        else:
-            core.slide_against(model, k, force[k])
 
 
 @jit
@@ -184,7 +145,7 @@ def start_contacts(model, work, t, y, located):
     near_pairs_of(model).stale[0] = 1
     core.load_state(model, work, y)
     for k in range(pairs.kind.shape[0]):
-        touch = core.contact_geometry(model, work, k)
+        touch = contact_geometry(model, work, k)
         modes.dashpot[k] = laws.damping[k] + laws.impact_damping[k] * laws.stiffness[k] / laws.slowest[k]
         modes.grip[k] = GRIP_STICK
         core.start_grip(model, k, touch)
@@ -200,20 +161,12 @@ def start_contacts(model, work, t, y, located):
             modes.mode[k] = MODE_BEHIND
         else:
             close(laws, modes, k, max(-touch.closing, 0.0))
-            core.take_grip(model, y, k, touch)
-            if laws.friction[k] == FRICTION_STICK_SLIP and _is_still(core.slip_of(model, touch)):
-                _probe(modes, k)
+            take_grip(model, y, k, touch)
+            if laws.friction[k] == FRICTION_STICK_SLIP and is_still(core.slip_of(model, touch)):
+                probe(modes, k)
                 resting = True
     if resting:
         ask.settle_grips(model, work, t, y, np.empty_like(y))
-
-
-@jit
-def _is_still(slip):
-    fastest = 0.0
-    for speed in slip:
-        fastest = max(fastest, abs(speed))
-    return fastest == 0.0
 
 
 @jit
@@ -223,22 +176,22 @@ def rigid_contact_mobility(model, work, t, y, k):
     core.load_state(model, work, y)
     ask.fill_rows(model, work, t)
     ask.factor(model, work)
-    touch = core.contact_geometry(model, work, k)
-    on_a, on_b = core.gap_rows(model, touch)
+    touch = contact_geometry(model, work, k)
+    on_a, on_b = gap_rows(work, touch)
     clear(tree.load)
     for c in range(len(core.block(model))):
         tree.load[pairs.a[k], c] += on_a[c]
         tree.load[pairs.b[k], c] += on_b[c]
     clear(rows.gamma)
     ask.solve(model, work, rows.gamma)
-    return core.gap_response(model, work, k, touch)
+    return gap_response(model, work, k, touch)
 
 
 @jit
 def _impact(model, work, t, y, k):
     """Reverse the normal speed by an impulse, v+ = -e v-, within the joints: dv = W n p."""
     mobility = ask.contact_mobility(model, work, t, y, k)
-    closing = core.contact_geometry(model, work, k).closing
+    closing = contact_geometry(model, work, k).closing
     impulse = -(1.0 + contact_laws_of(model).restitution[k]) * closing / mobility
     correct_rates(model, work, impulse, y)
 
@@ -252,13 +205,13 @@ def rigid_contact_forces(model, work, t, y, out):
     else:
         core.load_state(model, work, y)
     for k in range(pairs.kind.shape[0]):
-        touch = core.contact_geometry(model, work, k)
+        touch = contact_geometry(model, work, k)
         out[k, 0] = -touch.gap
         place, touching = core.centre(work, pairs.a[k]), is_touching(pairs, laws, modes, k, touch)
         normal = normal_force(laws, modes, k, -touch.gap, -touch.closing)
         if laws.release[k] == RELEASE_CONSTRAINT:
             normal = contact_push(work, laws, k)
-        force = core.contact_force(model, work, k, touch, normal)
+        force = contact_force(model, work, k, touch, normal)
         for c in range(len(place)):
             out[k, 1 + c] = force[c] if touching else 0.0
             out[k, 1 + len(place) + c] = place[c] + touch.arm_a[c]

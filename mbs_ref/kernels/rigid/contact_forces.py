@@ -1,17 +1,28 @@
-"""Contact forces, in the frozen mode of each contact or clipped by the state, and the list of near pairs.
+"""What contacts do to the bodies: forces, in the frozen mode of each or clipped by the state, or rows of constraints.
 
-The force acts on both bodies at the point of contact, so momentum is kept to roundoff.
+A force acts on both bodies at the point of contact, so momentum is conserved to roundoff. A contact as a constraint has
+the row gap = 0 while contact lasts, and none otherwise. The row's multiplier is the force that pulls the bodies
+together; the contact pushes with its negative.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
-from mbs_ref.kernels.contact.laws import MODE_CLOSED, MODE_PLAIN, PAIR_FLAT, RELEASE_FORCE, normal_force
+from mbs_ref.kernels.contact.laws import FRICTION_NONE, MODE_CLOSED, MODE_PLAIN, PAIR_FLAT, RELEASE_FORCE, normal_force
 from mbs_ref.kernels.contact.near_pairs import refresh
 from mbs_ref.kernels.jit import bare, jit
 from mbs_ref.kernels.rigid import geometry as core
-from mbs_ref.kernels.rigid.model import contact_laws_of, contact_modes_of, contact_pairs_of, near_pairs_of
+from mbs_ref.kernels.rigid.marks import exchange, inward, magnitude, place_of_mark, separation
+from mbs_ref.kernels.rigid.model import (
+    contact_laws_of,
+    contact_modes_of,
+    contact_pairs_of,
+    near_pairs_of,
+    rows_of,
+    tree_of,
+)
+from mbs_ref.kernels.rigid.shapes import contact_geometry
 
 
 @bare
@@ -30,16 +41,26 @@ def is_touching(pairs, laws, modes, k, touch):
     return laws.release[k] != RELEASE_FORCE or normal_force(laws, modes, k, -touch.gap, -touch.closing) >= 0.0
 
 
+@bare
+def contact_force(model, work, k, touch, normal):
+    """Return the force on body a (N) at a normal force (N), with friction in the frozen mode."""
+    force = core.times(work, normal, touch.normal)
+    if contact_laws_of(model).friction[k] == FRICTION_NONE:
+        return force
+    return core.plus(work, force, core.friction_force(model, work, k, touch, normal))
+
+
 @jit
 def find_near(model, work, duration):
     """Let the list of near pairs cover the last `duration` (s) before the pose in `work`; return whether it is new."""
     near = near_pairs_of(model)
     for s in range(near.body.shape[0]):
         body = near.body[s]
-        place = core.place_of_mark(work, body, near.center[s])
+        place = place_of_mark(work, body, near.center[s])
         for c in range(len(place)):
             near.place[s, c] = place[c]
-        near.travel[s] = duration * (core.speed(work, body) + core.spin(work, body) * norm(near.center[s]))
+        speed = magnitude(work, core.speed(work, body))
+        near.travel[s] = duration * (speed + core.spin(work, body) * norm(near.center[s]))
     return refresh(near, contact_modes_of(model))
 
 
@@ -65,8 +86,84 @@ def rigid_apply_contacts(model, work):
         k = near.pair[place]
         if modes.mode[k] != MODE_CLOSED and modes.mode[k] != MODE_PLAIN:
             continue
-        touch = core.contact_geometry(model, work, k)
+        touch = contact_geometry(model, work, k)
         if is_touching(pairs, laws, modes, k, touch):
             normal = normal_force(laws, modes, k, -touch.gap, -touch.closing)
-            force = core.contact_force(model, work, k, touch, normal)
-            core.exchange(work, pairs.a[k], touch.arm_a, pairs.b[k], touch.arm_b, force)
+            force = contact_force(model, work, k, touch, normal)
+            exchange(work, pairs.a[k], touch.arm_a, pairs.b[k], touch.arm_b, force)
+
+
+# --- rows -------------------------------------------------------------------------------------------
+
+
+@jit
+def rigid_fill_contact_rows(model, work):
+    """Evaluate the row of every contact as a constraint; an open one's is empty."""
+    laws, modes = contact_laws_of(model), contact_modes_of(model)
+    for k in range(laws.slot.shape[0]):
+        if laws.slot[k] >= 0:
+            if modes.mode[k] == MODE_CLOSED:
+                _fill_contact(model, work, k)
+            else:
+                _clear(model, rows_of(work), laws.slot[k])
+
+
+@jit
+def _clear(model, rows, slot):
+    """An open contact's row is empty: the solver leaves it out."""
+    used = False
+    for c in range(len(core.block(model))):
+        used |= rows.jacobian[slot, 0, 0, c] != 0.0  # a closed one's holds the normal
+    if not used:
+        return
+    for side in range(2):
+        for c in range(len(core.block(model))):
+            rows.jacobian[slot, side, 0, c] = 0.0
+    rows.residual[slot, 0] = 0.0
+    rows.rate[slot, 0] = 0.0
+    rows.gamma[slot, 0] = 0.0
+
+
+@jit
+def _fill_contact(model, work, k):
+    rows, slot = rows_of(work), contact_laws_of(model).slot[k]
+    touch = contact_geometry(model, work, k)
+    on_a, on_b = gap_rows(work, touch)
+    for c in range(len(core.block(model))):
+        rows.jacobian[slot, 0, 0, c] = on_a[c]
+        rows.jacobian[slot, 1, 0, c] = on_b[c]
+    rows.residual[slot, 0] = touch.gap
+    rows.rate[slot, 0] = touch.closing
+    rows.gamma[slot, 0] = gap_gamma(model, work, k, touch)
+
+
+@bare
+def gap_rows(work, touch):
+    """Return the rows (rates,) that give the gap's rate from the rates of body a and of body b."""
+    ahead, back = touch.normal, core.times(work, -1.0, touch.normal)
+    return ahead + core.moment(work, touch.arm_a, ahead), back + core.moment(work, touch.arm_b, back)
+
+
+@bare
+def gap_gamma(model, work, k, touch):
+    """Return what the gap's second rate lacks of its rows applied to accelerations, negative (m/s^2)."""
+    pairs, n = contact_pairs_of(model), touch.normal
+    a, b = pairs.a[k], pairs.b[k]
+    apart = separation(work, b, a, pairs.origin[k], pairs.center[k])
+    surplus = core.dot(work, n, inward(work, b, a, apart))
+    if pairs.kind[k] == PAIR_FLAT:
+        return core.surplus_of_turning(work, b, n, apart, surplus)
+    along = core.dot(work, n, apart.rate)
+    across = core.dot(work, apart.rate, apart.rate) - along * along
+    return surplus - across / np.sqrt(core.dot(work, apart.gap, apart.gap))
+
+
+@bare
+def gap_response(model, work, k, touch):
+    """Return the gap's rows applied to the accelerations in the tree."""
+    pairs, acceleration = contact_pairs_of(model), tree_of(work).acceleration
+    on_a, on_b = gap_rows(work, touch)
+    total = 0.0
+    for c in range(len(core.block(model))):
+        total += on_a[c] * acceleration[pairs.a[k], c] + on_b[c] * acceleration[pairs.b[k], c]
+    return total

@@ -5,20 +5,14 @@ from __future__ import annotations
 from mbs_ref.kernels.border.questions import apply_loads, factor, fill_rows, solve
 from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.rigid import geometry as core
-from mbs_ref.kernels.rigid.model import bodies_of, kinematics_of, rows_of, slots_of, tree_of
+from mbs_ref.kernels.rigid.model import bodies_of, kinematics_of, position_count, rows_of, slots_of, tree_of
 from mbs_ref.kernels.rows import take_reactions
-
-
-@jit
-def rigid_position_count(model):
-    """Return the entries of the state that are positions and orientations; rates follow."""
-    return core.position_count(model)
 
 
 @jit
 def _as_rates(model, work, rates, out):
     """Write rates (n + 1, rates) of bodies in elimination order as the state has rates."""
-    bodies, start = bodies_of(model), core.position_count(model)
+    bodies, start = bodies_of(model), position_count(model)
     out[:] = 0.0
     for i in range(bodies.mass.shape[0]):
         core.add_rates(model, work, i, 1.0, rates[i], out, bodies.v[i] - start)
@@ -39,7 +33,7 @@ def rigid_force_balance(model, work, t, y, lam, out):
 @jit
 def rigid_answer(model, work, balance, out):
     """Solve the augmented system for a balance and the gamma in `work`; write the accelerations to out."""
-    bodies, tree, start = bodies_of(model), tree_of(work), core.position_count(model)
+    bodies, tree, start = bodies_of(model), tree_of(work), position_count(model)
     factor(model, work)
     for i in range(bodies.mass.shape[0]):
         rates = core.world_rates(model, work, i, balance, bodies.v[i] - start)
@@ -52,7 +46,7 @@ def rigid_answer(model, work, balance, out):
 @jit
 def rigid_row_times(model, work, slot, row, rate):
     """Return one constraint row applied to rates."""
-    bodies, slots, rows, start = bodies_of(model), slots_of(model), rows_of(work), core.position_count(model)
+    bodies, slots, rows, start = bodies_of(model), slots_of(model), rows_of(work), position_count(model)
     total = 0.0
     for side in range(2):
         i = slots.body[slot, side]
@@ -65,7 +59,7 @@ def rigid_row_times(model, work, slot, row, rate):
 @jit
 def rigid_add_row(model, work, slot, row, factor, out):
     """Add factor times one constraint row to out."""
-    bodies, slots, rows, start = bodies_of(model), slots_of(model), rows_of(work), core.position_count(model)
+    bodies, slots, rows, start = bodies_of(model), slots_of(model), rows_of(work), position_count(model)
     for side in range(2):
         i = slots.body[slot, side]
         if i < bodies.mass.shape[0]:

@@ -11,6 +11,8 @@ from mbs_ref.kernels.border.questions import apply_loads, factor, fill_rows, sol
 from mbs_ref.kernels.jit import bare, jit
 from mbs_ref.kernels.rigid import geometry as core
 from mbs_ref.kernels.rigid.model import (
+    CONTROL_POSITION_GAIN,
+    CONTROL_VELOCITY_GAIN,
     bodies_of,
     closures_of,
     kinematics_of,
@@ -21,16 +23,8 @@ from mbs_ref.kernels.rigid.model import (
     tree_of,
     world_of,
 )
-from mbs_ref.kernels.rows import (
-    add_to,
-    clear,
-    copy_rows,
-    largest_entry,
-    negate,
-    stabilize,
-    take_accelerations,
-    take_reactions,
-)
+from mbs_ref.kernels.rigid.tree import factor_tree, solve_tree
+from mbs_ref.kernels.rows import add_to, clear, copy_rows, largest_entry, negate, take_accelerations, take_reactions
 
 EPS = 2.220446049250313e-16
 BORNE = 100.0 * EPS  # relative: below the tightest tolerance that is asked for, 1e-13
@@ -55,27 +49,38 @@ def refinements(pivot):
 @jit
 def rigid_factor(model, work):
     """Factor the augmented matrix at the Jacobians in `work`."""
-    core.factor_tree(model, work, loops_of(model))
+    factor_tree(model, work, loops_of(model))
 
 
 @jit
 def rigid_solve(model, work, gamma):
     """Solve the augmented system for the tree's load and `gamma` into its acceleration and the multipliers."""
     solved_of(work).time[0] = np.nan
-    core.solve_tree(model, work, loops_of(model), gamma, tree_of(work).acceleration, rows_of(work).multiplier)
+    solve_tree(model, work, loops_of(model), gamma, tree_of(work).acceleration, rows_of(work).multiplier)
 
 
 @jit
 def rigid_factor_open(model, work):
     """The same of a tree without closed loops."""
-    core.factor_tree(model, work, None)
+    factor_tree(model, work, None)
 
 
 @jit
 def rigid_solve_open(model, work, gamma):
     """The same of a tree without closed loops."""
     solved_of(work).time[0] = np.nan
-    core.solve_tree(model, work, None, gamma, tree_of(work).acceleration, rows_of(work).multiplier)
+    solve_tree(model, work, None, gamma, tree_of(work).acceleration, rows_of(work).multiplier)
+
+
+@jit
+def _stabilize(control, gamma, rate, residual):
+    """gamma -= 2 g C_dot + g^2 C (Baumgarte 1972), with the gains in a model's `control`."""
+    velocity_gain, position_gain = control[CONTROL_VELOCITY_GAIN], control[CONTROL_POSITION_GAIN]
+    if velocity_gain == 0.0 and position_gain == 0.0:
+        return
+    for slot in range(gamma.shape[0]):
+        for row in range(gamma.shape[1]):
+            gamma[slot, row] -= velocity_gain * rate[slot, row] + position_gain * residual[slot, row]
 
 
 @jit
@@ -98,7 +103,7 @@ def rigid_accelerate(model, work, t, y):
     apply_loads(model, work, t)
     fill_rows(model, work, t)
     rows = rows_of(work)
-    stabilize(world_of(model).control, rows.gamma, rows.rate, rows.residual)
+    _stabilize(world_of(model).control, rows.gamma, rows.rate, rows.residual)
     factor(model, work)
     copy_rows(kinematics_of(work).force, tree_of(work).load)
     solve(model, work, rows.gamma)
@@ -166,6 +171,15 @@ def correct_rates(model, work, factor, y):
 
 
 @jit
+def _has_no_rows(model):
+    alone = bodies_of(model).alone
+    count = 0
+    for i in range(alone.shape[0]):
+        count += alone[i]
+    return count == alone.shape[0]
+
+
+@jit
 def rigid_project(model, work, t, y, tolerance, most):
     """Project positions, then velocities, onto the constraints in the mass norm; return max |C| left.
 
@@ -173,7 +187,7 @@ def rigid_project(model, work, t, y, tolerance, most):
     """
     core.normalize(model, y)
     core.load_state(model, work, y)
-    if core.has_no_rows(model):
+    if _has_no_rows(model):
         return core.largest_norm_defect(model, work)
     rows = rows_of(work)
     fill_rows(model, work, t)

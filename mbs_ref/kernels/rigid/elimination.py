@@ -26,8 +26,8 @@ that the compiler knows. Rows that a closure does not have are zero.
 from __future__ import annotations
 
 from mbs_ref.kernels.jit import jit, placed
-from mbs_ref.kernels.rigid.geometry import block, pass_closure, row_mobility
-from mbs_ref.kernels.rigid.model import closures_of, loops_of, rows_of, tree_of
+from mbs_ref.kernels.rigid.geometry import block, pass_closure, plus_mobility
+from mbs_ref.kernels.rigid.model import bodies_of, closures_of, loops_of, rows_of, slots_of, tree_of
 
 RANK_TOLERANCE = 1e-13  # of a pivot against the row's mobility without joints
 
@@ -54,8 +54,19 @@ def begin_closures(model, work):
     loops, closures = loops_of(model), closures_of(work)
     for k in range(loops.slot.shape[0]):
         for r in range(loops.count[k]):
-            closures.scale[k, r] = row_mobility(model, work, loops.slot[k], r)
+            closures.scale[k, r] = _row_mobility(model, work, loops.slot[k], r)
     start_closures(block(model), loops, closures, rows_of(work).jacobian)
+
+
+@jit
+def _row_mobility(model, work, slot, row):
+    """Return a scale of G M^-1 G^T of one row, the bodies taken as free."""
+    total = 0.0
+    for side in range(2):
+        body = slots_of(model).body[slot, side]
+        if body < bodies_of(model).mass.shape[0]:
+            total = plus_mobility(model, work, total, body, rows_of(work).jacobian[slot, side, row])
+    return total
 
 
 @placed

@@ -12,8 +12,9 @@ from mbs_ref.kernels.contact.modes import ENDLESS, SETTLED, STOP, is_broken, is_
 from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.rigid import geometry as core
 from mbs_ref.kernels.rigid.contact_events import contact_roots, contact_transition, start_contacts
+from mbs_ref.kernels.rigid.loads import distance, distance_speed, spring_roots, spring_transition, start_springs
+from mbs_ref.kernels.rigid.marks import magnitude
 from mbs_ref.kernels.rigid.model import WATCH_DISTANCE, WATCH_RATE, contact_modes_of, watches_of
-from mbs_ref.kernels.rigid.springs import distance, distance_speed, spring_roots, spring_transition, start_springs
 
 
 @jit
@@ -26,7 +27,7 @@ def _watched(watches, work, k):
         bound = distance_speed(work, a, b, point_a, point_b)
     else:
         place, rate = core.coordinate(work, a, watches.component[k])
-        bound = max(core.speed(work, a), abs(rate))
+        bound = max(magnitude(work, core.speed(work, a)), abs(rate))
         if watches.quantity[k] == WATCH_RATE:
             place, rate, bound = rate, 0.0, UNKNOWN
     return place - watches.value[k], rate, bound

@@ -1,8 +1,7 @@
 """What a planar and a spatial core supply to the kernels that are written once (mbs_ref.kernels.border.supplies).
 
 Rates are those of bodies in world axes, 3 or 6 each; the state may have them along body axes. Vectors are tuples along
-world axes. A touch is a named tuple of the core's own, with gap, closing, beyond, normal, arm_a and arm_b among its
-fields.
+world axes.
 """
 
 from __future__ import annotations
@@ -20,11 +19,6 @@ by_core = partial(supplied, passes_handle=False)
 @supplied
 def load_state(model, work, y) -> Any:
     """Copy the state into the kinematics, in elimination order and world axes."""
-
-
-@supplied
-def position_count(model) -> Any:
-    """Return how many entries of the state are positions; rates follow."""
 
 
 @supplied
@@ -63,8 +57,18 @@ def centre(work, i) -> Any:
 
 
 @supplied
-def place_of_mark(work, i, point) -> Any:
-    """Return the place (m) of a point of body i."""
+def speed(work, i) -> Any:
+    """Return the velocity of the centre of mass of body i, m/s."""
+
+
+@supplied
+def turned(work, i, u) -> Any:
+    """Return a vector fixed in body i along world axes."""
+
+
+@supplied
+def swing(work, i, arm) -> Any:
+    """Return omega x arm of body i."""
 
 
 @supplied
@@ -73,18 +77,8 @@ def coordinate(work, i, component) -> Any:
 
 
 @supplied
-def speed(work, i) -> Any:
-    """Return how fast the centre of mass of body i moves, m/s."""
-
-
-@supplied
 def spin(work, i) -> Any:
     """Return how fast body i turns, rad/s."""
-
-
-@supplied
-def speed_between(work, a, b) -> Any:
-    """Return how fast the centres of mass of two bodies move against each other, m/s."""
 
 
 @by_core
@@ -98,13 +92,13 @@ def plus(work, a, b) -> Any:
 
 
 @by_core
+def minus(work, a, b) -> Any:
+    """Return the difference of two vectors."""
+
+
+@by_core
 def times(work, factor, a) -> Any:
     """Return a number times a vector."""
-
-
-@supplied
-def rate_seen(work, a, gap, rate) -> Any:
-    """Return the rate (m/s) of a gap as body a sees it."""
 
 
 @by_core
@@ -118,23 +112,8 @@ def over(work, a, divisor) -> Any:
 
 
 @supplied
-def separation(work, a, b, point_a, point_b) -> Any:
-    """Return how a point of body b lies and moves from one of body a: arm_a, arm_b, gap and rate among its fields."""
-
-
-@supplied
-def inward(work, a, b, apart) -> Any:
-    """Return the second rate (m/s^2) of the gap of a separation without the bodies' accelerations, negative."""
-
-
-@supplied
-def rate_along(work, i, point, e) -> Any:
-    """Return the velocity (m/s) of a point of body i along a unit vector."""
-
-
-@supplied
-def acceleration_along(work, i, point, e) -> Any:
-    """Return the acceleration (m/s^2) of a point of body i along a unit vector, without the body's own."""
+def push(work, i, arm, force) -> Any:
+    """Add a force (N) at an arm of body i."""
 
 
 # --- loads ------------------------------------------------------------------------------------------
@@ -146,8 +125,8 @@ def apply_gravity(model, work) -> Any:
 
 
 @supplied
-def apply_force(model, work, k, scale) -> Any:
-    """Add force and torque k, times its signal's value."""
+def apply_torque(model, work, k, scale) -> Any:
+    """Add the torque of force k, times its signal's value."""
 
 
 @supplied
@@ -168,19 +147,19 @@ def put_point(work, slot, side, row, apart) -> Any:
     """Write the Jacobian of r_b - r_a from a row on; body a is on this side."""
 
 
-@supplied
-def put_line(work, slot, side, row, e, apart) -> Any:
-    """Write the Jacobian of e . (r_b - r_a) at a fixed unit vector e."""
+@by_core
+def moment(work, arm, force) -> Any:
+    """Return the moment (turns,) of a force at an arm, a number in the plane."""
 
 
 @supplied
-def put_on_body(work, slot, side, row, i, point, e) -> Any:
-    """Write the Jacobian of e . r of a point of body i at a fixed unit vector e."""
+def rate_of_turning(work, i, n, gap) -> Any:
+    """Return what the turning of n, fixed in body i, adds to the rate of n . gap."""
 
 
 @supplied
-def fill_plane(work, slot, side, row, a, b, normal, apart) -> Any:
-    """Evaluate the row n . (r_b - r_a) = 0 of a normal in body a."""
+def surplus_of_turning(work, i, n, apart, surplus) -> Any:
+    """Return `surplus` without what the turning of n, fixed in body i, adds to the second rate of n . gap."""
 
 
 @supplied
@@ -197,13 +176,23 @@ def block(model) -> Any:
 
 
 @supplied
-def factor_tree(model, work, loops) -> Any:
-    """Factor every body's block and joint, leaf to root, and the closures at their apexes; loops may be None."""
+def start_blocks(model, work) -> Any:
+    """Set every articulated block to the body's own mass and inertia."""
 
 
 @supplied
-def solve_tree(model, work, loops, gamma, acceleration, multiplier) -> Any:
-    """Solve with the tree's load and the rows' right-hand side gamma; loops may be None."""
+def factor_body(model, work, i, parent) -> Any:
+    """Factor the block of body i and S = J M^-1 J^T of its joint; add K^T S^-1 K to its parent's block."""
+
+
+@supplied
+def solve_free(model, work, i, parent, gamma, multiplier) -> Any:
+    """Compute M^-1 f of body i and S^-1 (J M^-1 f - gamma) of its joint; subtract K^T of this from its parent's f."""
+
+
+@supplied
+def accelerate_body(model, work, i, parent, multiplier, acceleration) -> Any:
+    """Add S^-1 K a of its parent to the multipliers of body i; write its acceleration M^-1 (f - J^T lambda)."""
 
 
 @supplied
@@ -212,13 +201,8 @@ def subtract_inertia(model, work, acceleration, load) -> Any:
 
 
 @supplied
-def has_no_rows(model) -> Any:
-    """Return whether no body has a constraint row."""
-
-
-@supplied
-def row_mobility(model, work, slot, row) -> Any:
-    """Return a scale of G M^-1 G^T of one row G, the bodies taken as free."""
+def plus_mobility(model, work, total, i, row) -> Any:
+    """Return total plus a scale of G M^-1 G^T of a row G (rates,) of body i, taken as free."""
 
 
 @supplied
@@ -230,38 +214,23 @@ def pass_closure(model, work, i, here, there, count) -> Any:
 
 
 @supplied
-def contact_geometry(model, work, k) -> Any:
-    """Return the touch of pair k."""
+def surface(model, work, k, x) -> Any:
+    """Return the Surface (mbs_ref.kernels.rigid.shapes) of pair k at a centre that lies x from the shape's origin."""
 
 
 @supplied
-def leaving_ends(model, work, k) -> Any:
-    """Return the rate (m/s) of the excess over open ends."""
+def outwards(model, work, k, x) -> Any:
+    """Return the direction beyond the open end of pair k that is nearest to a centre at x."""
+
+
+@by_core
+def slip(work, n, u, closing) -> Any:
+    """Return the slip at a velocity u of a on b, n . u = closing: a number in the plane, else a vector (m/s)."""
 
 
 @supplied
-def gap_rows(model, touch) -> Any:
-    """Return the rows (rates,) that give the gap's rate from the rates of body a and of body b."""
-
-
-@supplied
-def gap_response(model, work, k, touch) -> Any:
-    """Return the gap's rows applied to the accelerations in the tree."""
-
-
-@supplied
-def gap_gamma(model, work, k, touch) -> Any:
-    """Return what the gap's second rate lacks of its rows applied to accelerations, negative (m/s^2)."""
-
-
-@supplied
-def contact_force(model, work, k, touch, normal) -> Any:
-    """Return the force on body a (N) at a normal force (N), with friction in the frozen mode."""
-
-
-@supplied
-def exchange(work, a, arm_a, b, arm_b, force) -> Any:
-    """Add a force (N) at an arm of body a, and its opposite at an arm of body b."""
+def friction_force(model, work, k, touch, normal) -> Any:
+    """Return the friction on body a (N) at a normal force (N), in the frozen mode."""
 
 
 @supplied
@@ -270,23 +239,23 @@ def slip_of(model, touch) -> Any:
 
 
 @supplied
-def grip_margin(model, work, k, touch) -> Any:
-    """Return how far friction is from the end of its mode, in units of its roundoff."""
+def grip_force(model, work, k, touch, normal) -> Any:
+    """Return stick-slip friction (tangents,) on body a in the frozen mode, N."""
+
+
+@supplied
+def ahead(model, k, touch) -> Any:
+    """Return the slip velocity (m/s) along what is frozen; sliding goes on while it is positive."""
+
+
+@supplied
+def has_stopped(model, k, touch) -> Any:
+    """Return whether a contact that no longer slides as frozen is at rest; else let it slide as it does now."""
 
 
 @supplied
 def start_grip(model, k, touch) -> Any:
     """Let contact k stick, unloaded, before anything is known of it."""
-
-
-@supplied
-def take_grip(model, y, k, touch) -> Any:
-    """Slide where there is a slip velocity; stick, unloaded, where there is none."""
-
-
-@supplied
-def change_grip(model, work, k, touch) -> Any:
-    """End a mode of friction; return whether the contact has stopped and is to be probed."""
 
 
 @supplied
@@ -300,5 +269,5 @@ def stick(model, y, k, touch, force) -> Any:
 
 
 @supplied
-def slide_against(model, k, force) -> Any:
-    """Let contact k slide against the friction `force` (tangents,) on body a, N."""
+def slide_along(model, k, sign, u) -> Any:
+    """Let contact k slide in the direction of a sign times u (tangents,)."""

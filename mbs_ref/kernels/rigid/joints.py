@@ -1,4 +1,4 @@
-"""Joint rows in the plane and in space: C, C_dot, the Jacobian blocks and gamma = -C_tt - (C_q v)_q v - 2 C_qt v.
+"""Joint rows and reactions: C, C_dot, the Jacobian blocks and gamma = -C_tt - (C_q v)_q v - 2 C_qt v.
 
 Every joint is made of elementary rows (Haug, Computer Aided Kinematics and Dynamics of Mechanical Systems, 1989,
 sec. 9.4). lambda of a row is the force or torque that the row exerts along its Jacobian.
@@ -6,12 +6,15 @@ sec. 9.4). lambda of a row is the force or torque that the row exerts along its 
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from mbs_ref.kernels.border.calls import call_user
-from mbs_ref.kernels.border.questions import fill_contact_rows
-from mbs_ref.kernels.jit import bare, jit
+from mbs_ref.kernels.border.questions import derivative, fill_contact_rows
+from mbs_ref.kernels.jit import bare, jit, loop_jit, strict_jit
 from mbs_ref.kernels.rigid import geometry as core
+from mbs_ref.kernels.rigid.marks import inward, separation
 from mbs_ref.kernels.rigid.model import (
     CONTROL_MODE_TIME,
     distances_of,
@@ -34,13 +37,35 @@ def bodies_of_row(slots, joint, k):
 
 
 @bare
+def put_row(row, force, torque):
+    """Write one row of a Jacobian block: what multiplies R' and what multiplies omega, both tuples."""
+    for c in range(len(force)):
+        row[c] = force[c]
+    for c in range(len(torque)):
+        row[len(force) + c] = torque[c]
+
+
+@bare
+def _put_along(work, slot, side, row, e, arm):
+    """Write the row that gives the velocity along e of a point at an arm of its body."""
+    put_row(rows_of(work).jacobian[slot, side, row], e, core.moment(work, arm, e))
+
+
+@bare
+def _put_line(work, slot, side, row, e, arm_a, arm_b):
+    """Write the row that gives the velocity along e of a point of b from one of a, which is on this side."""
+    _put_along(work, slot, side, row, core.times(work, -1.0, e), arm_a)
+    _put_along(work, slot, 1 - side, row, e, arm_b)
+
+
+@bare
 def _fill_points(model, work):
     joint, slots, rows = points_of(model), slots_of(model), rows_of(work)
     for k in range(joint.slot.shape[0]):
         slot, row, side, a, b = bodies_of_row(slots, joint, k)
-        apart = core.separation(work, a, b, joint.point_a[k], joint.point_b[k])
+        apart = separation(work, a, b, joint.point_a[k], joint.point_b[k])
         core.put_point(work, slot, side, row, apart)
-        surplus = core.inward(work, a, b, apart)
+        surplus = inward(work, a, b, apart)
         for c in range(len(surplus)):
             rows.residual[slot, row + c] = apart.gap[c]
             rows.rate[slot, row + c] = apart.rate[c]
@@ -49,11 +74,16 @@ def _fill_points(model, work):
 
 @bare
 def _fill_planes(model, work):
-    joint, slots = planes_of(model), slots_of(model)
+    joint, slots, rows = planes_of(model), slots_of(model), rows_of(work)
     for k in range(joint.slot.shape[0]):
         slot, row, side, a, b = bodies_of_row(slots, joint, k)
-        apart = core.separation(work, a, b, joint.point_a[k], joint.point_b[k])
-        core.fill_plane(work, slot, side, row, a, b, joint.normal[k], apart)
+        apart = separation(work, a, b, joint.point_a[k], joint.point_b[k])
+        n = core.turned(work, a, joint.normal[k])
+        _put_line(work, slot, side, row, n, core.plus(work, apart.gap, apart.arm_a), apart.arm_b)
+        rows.residual[slot, row] = core.dot(work, n, apart.gap)
+        rows.rate[slot, row] = core.dot(work, n, apart.rate) + core.rate_of_turning(work, a, n, apart.gap)
+        surplus = core.dot(work, n, inward(work, a, b, apart))
+        rows.gamma[slot, row] = core.surplus_of_turning(work, a, n, apart, surplus)
 
 
 @bare
@@ -61,15 +91,15 @@ def _fill_distances(model, work):
     joint, slots, rows = distances_of(model), slots_of(model), rows_of(work)
     for k in range(joint.slot.shape[0]):
         slot, row, side, a, b = bodies_of_row(slots, joint, k)
-        apart = core.separation(work, a, b, joint.point_a[k], joint.point_b[k])
+        apart = separation(work, a, b, joint.point_a[k], joint.point_b[k])
         length = np.sqrt(core.dot(work, apart.gap, apart.gap))
         e = core.over(work, apart.gap, length)
         along = core.dot(work, e, apart.rate)
-        core.put_line(work, slot, side, row, e, apart)
+        _put_line(work, slot, side, row, e, apart.arm_a, apart.arm_b)
         rows.residual[slot, row] = length - joint.length[k]
         rows.rate[slot, row] = along
         across = core.dot(work, apart.rate, apart.rate) - along * along
-        rows.gamma[slot, row] = core.dot(work, e, core.inward(work, a, b, apart)) - across / length
+        rows.gamma[slot, row] = core.dot(work, e, inward(work, a, b, apart)) - across / length
 
 
 @bare
@@ -81,11 +111,14 @@ def _fill_drives(model, work, t):
         slot, row, side, e = drive.slot[k], drive.row[k], drive.side[k], drive.direction[k]
         i = slots.body[slot, side]
         value, rate, curvature = evaluate(signals, drive.signal[k], t, mode_time)
-        core.put_on_body(work, slot, side, row, i, drive.point[k], e)
-        place = core.dot(work, e, core.place_of_mark(work, i, drive.point[k]))
-        rows.residual[slot, row] = place - drive.start[k] - value
-        rows.rate[slot, row] = core.rate_along(work, i, drive.point[k], e) - rate
-        rows.gamma[slot, row] = curvature - core.acceleration_along(work, i, drive.point[k], e)
+        arm = core.turned(work, i, drive.point[k])
+        swing = core.swing(work, i, arm)
+        _put_along(work, slot, side, row, core.times(work, 1.0, e), arm)
+        rows.residual[slot, row] = (
+            core.dot(work, e, core.plus(work, core.centre(work, i), arm)) - drive.start[k] - value
+        )
+        rows.rate[slot, row] = core.dot(work, e, core.plus(work, core.speed(work, i), swing)) - rate
+        rows.gamma[slot, row] = curvature - core.dot(work, e, core.swing(work, i, swing))
 
 
 @jit
@@ -99,3 +132,41 @@ def rigid_fill_rows(model, work, t):
     if world_of(model).user_rows[0] != 0:
         call_user(world_of(model).user_rows[0], t, 0)  # pyright: ignore[reportCallIssue]
     fill_contact_rows(model, work)
+
+
+# --- reactions --------------------------------------------------------------------------------------
+
+
+class JointRows(NamedTuple):
+    """Where each joint's rows are, and of which side the force is asked."""
+
+    slot: np.ndarray  # (n_joints,) int
+    side: np.ndarray  # (n_joints,) int
+    first: np.ndarray  # (n_joints,) int, row in the slot
+    count: np.ndarray  # (n_joints,) int
+
+
+@strict_jit
+def forces_at_joints(joints, multiplier, jacobian, out):
+    """Write C_q^T lambda of each joint's rows on the chosen side's body (n_joints, rates)."""
+    for j in range(out.shape[0]):
+        slot, side, first = joints.slot[j], joints.side[j], joints.first[j]
+        for c in range(out.shape[1]):
+            total = 0.0
+            for row in range(first, first + joints.count[j]):
+                total += multiplier[slot, row] * jacobian[slot, side, row, c]
+            out[j, c] = total
+
+
+@loop_jit
+def forces_of_tree(model, work, control, joints, multiplier, jacobian, times, states, own, axes, out):
+    """Write forces as `forces_at_joints` at each time and state into out (n_t, n_joints, rates), and `own` into axes.
+
+    `multiplier`, `jacobian` and `own` lie in the scratch, which dy/dt fills.
+    """
+    dy = np.empty(states.shape[1])
+    for k in range(times.shape[0]):
+        control[CONTROL_MODE_TIME] = times[k]
+        derivative(model, work, times[k], states[k], dy)
+        forces_at_joints(joints, multiplier, jacobian, out[k])
+        axes[k] = own

@@ -14,15 +14,18 @@ from mbs_ref.kernels.border.questions import accelerate, project
 from mbs_ref.kernels.contact.laws import MODE_CLOSED, MODE_OPEN, ROOTS_EACH
 from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.rigid import geometry as core
+from mbs_ref.kernels.rigid.contact_forces import gap_gamma, gap_response
 from mbs_ref.kernels.rigid.model import (
     bodies_of,
     contact_laws_of,
     contact_modes_of,
     contact_pairs_of,
     near_pairs_of,
+    position_count,
     rows_of,
     tree_of,
 )
+from mbs_ref.kernels.rigid.shapes import contact_geometry
 
 ITERATIONS = 8  # of the projection of the positions
 FINER = 0.1  # of the noise: how close the projection brings the surfaces
@@ -81,7 +84,7 @@ def _touching(model, work, y):
             continue
         holds = modes.mode[k] == MODE_CLOSED
         if modes.mode[k] == MODE_OPEN:
-            touch = core.contact_geometry(model, work, k)
+            touch = contact_geometry(model, work, k)
             holds = touch.beyond <= 0.0 and abs(touch.gap) <= AT_REST * modes.noise[0]
         if holds:
             found[count] = k
@@ -99,7 +102,7 @@ def _move(model, work, t, y):
 @jit
 def _close_gaps(model, work, t, y):
     """Project the positions alone."""
-    first = core.position_count(model)
+    first = position_count(model)
     before = y[first:].copy()
     _move(model, work, t, y)
     _put_back(y, first, before)
@@ -114,7 +117,7 @@ def _put_back(y, first, before):
 @jit
 def _pivot(model, work, t, y, touching, level):
     """Open and close contacts until the complementarity of impulses or of forces holds."""
-    modes, first = contact_modes_of(model), core.position_count(model)
+    modes, first = contact_modes_of(model), position_count(model)
     before = y[first:].copy()
     for turn in range(MOST * touching.shape[0]):
         if level == IMPULSES:
@@ -162,10 +165,10 @@ def _lack(model, work, k, level, slight):
     noise = modes.noise[0]
     if modes.mode[k] == MODE_CLOSED:
         return -contact_push(work, laws, k) / contact_mass(model, k) - noise
-    touch = core.contact_geometry(model, work, k)
+    touch = contact_geometry(model, work, k)
     if level == IMPULSES:
         return -touch.closing - AT_REST * noise
-    drawn = core.gap_gamma(model, work, k, touch) - core.gap_response(model, work, k, touch)
+    drawn = gap_gamma(model, work, k, touch) - gap_response(model, work, k, touch)
     leaves = max(touch.closing, 0.0)
     if leaves * leaves > 2.0 * drawn * AT_REST * noise:
         return 0.0

@@ -1,13 +1,41 @@
-"""Applied forces in the plane and in space: gravity, forces, springs, contacts, a core's own loads and a user's."""
+"""Applied forces in the plane and in space: gravity, forces, springs, contacts, a core's own loads and a user's.
+
+Springs that only pull have events: where they go slack, or their damper would push. Open is slack; closed pulls; lifted
+is stretched, but its damper outweighs the spring and it gives nothing.
+"""
 
 from __future__ import annotations
 
+import numpy as np
+
 from mbs_ref.kernels.border.calls import call_user
 from mbs_ref.kernels.border.questions import apply_contacts
-from mbs_ref.kernels.jit import jit
+from mbs_ref.kernels.contact.laws import (
+    MODE_CLOSED,
+    MODE_LIFTED,
+    MODE_OPEN,
+    MODE_PLAIN,
+    RATE,
+    ROOTS_EACH,
+    SPEED,
+    TURN,
+    UNKNOWN,
+    VALUE,
+)
+from mbs_ref.kernels.jit import bare, jit
 from mbs_ref.kernels.rigid import geometry as core
-from mbs_ref.kernels.rigid.model import CONTROL_MODE_TIME, bodies_of, forces_of, kinematics_of, signals_of, world_of
-from mbs_ref.kernels.rigid.springs import apply_springs
+from mbs_ref.kernels.rigid.contact_forces import norm
+from mbs_ref.kernels.rigid.marks import exchange, rate_seen, separation, speed_between
+from mbs_ref.kernels.rigid.model import (
+    CONTROL_MODE_TIME,
+    bodies_of,
+    contact_modes_of,
+    forces_of,
+    kinematics_of,
+    signals_of,
+    springs_of,
+    world_of,
+)
 from mbs_ref.kernels.signals import evaluate
 
 
@@ -16,7 +44,11 @@ def _apply_forces(model, work, t):
     load, signals, mode_time = forces_of(model), signals_of(model), world_of(model).control[CONTROL_MODE_TIME]
     for k in range(load.body.shape[0]):
         scale, _, _ = evaluate(signals, load.signal[k], t, mode_time)
-        core.apply_force(model, work, k, scale)
+        body, force = load.body[k], core.times(work, scale, load.force[k])
+        if load.follows[k] == 1:
+            force = core.turned(work, body, force)
+        core.push(work, body, core.turned(work, body, load.point[k]), force)
+        core.apply_torque(model, work, k, scale)
 
 
 @jit
@@ -39,8 +71,126 @@ def rigid_apply_loads(model, work, t):
     """Evaluate every applied force at the pose and motion in `work`."""
     core.apply_gravity(model, work)
     _apply_forces(model, work, t)
-    apply_springs(model, work)
+    _apply_springs(model, work)
     core.apply_own_loads(model, work)
     apply_contacts(model, work)
     if world_of(model).user_force[0] != 0:
         _apply_user_force(model, work, t)
+
+
+# --- springs ----------------------------------------------------------------------------------------
+
+
+@bare
+def is_slack(modes, place, stretch, tension):
+    """Return whether the spring of this place among the modes gives no force; -1 is that of one that may push.
+
+    It is slack by its frozen mode, or by the state where events are not located.
+    """
+    if place < 0:
+        return False
+    if modes.mode[place] == MODE_PLAIN:
+        return stretch <= 0.0 or tension < 0.0
+    return modes.mode[place] != MODE_CLOSED
+
+
+@bare
+def _apply_springs(model, work):
+    """F = k (l - l0) + c l_dot along the line of the two points (Fox 1999 eq 18 with the points' distance)."""
+    spring, modes = springs_of(model), contact_modes_of(model)
+    for k in range(spring.a.shape[0]):
+        a, b = spring.a[k], spring.b[k]
+        apart = separation(work, a, b, spring.point_a[k], spring.point_b[k])
+        gap, rate, arm_a = apart.gap, apart.rate, apart.arm_a
+        length = np.sqrt(core.dot(work, gap, gap))
+        stretch = length - spring.rest_length[k]
+        if spring.isotropic[k] == 1:
+            # against body a's matter at b's mark, where both forces act
+            rate, arm_a = rate_seen(work, a, gap, rate), core.plus(work, arm_a, gap)
+            elastic = core.times(work, spring.stiffness[k], gap)
+            force = core.plus(work, elastic, core.times(work, spring.damping[k], rate))
+        elif length == 0.0:
+            force = core.times(work, spring.damping[k], rate)  # no line of action: the isotropic limit of the damper
+        else:
+            tension = spring.stiffness[k] * stretch + spring.damping[k] * core.dot(work, gap, rate) / length
+            if is_slack(modes, spring.place[k], stretch, tension):
+                tension = 0.0
+            force = core.pull(work, tension, gap, length)
+        exchange(work, a, arm_a, b, apart.arm_b, force)
+
+
+@bare
+def distance(work, a, b, point_a, point_b):
+    """Return the distance (m) of a point of body a from one of body b, and its rate, 0 where they coincide."""
+    apart = separation(work, a, b, point_a, point_b)
+    length = np.sqrt(core.dot(work, apart.gap, apart.gap))
+    return length, core.dot(work, apart.gap, apart.rate) / length if length > 0.0 else 0.0
+
+
+@bare
+def distance_speed(work, a, b, point_a, point_b):
+    """Return a bound (m/s) on the rate of the distance."""
+    return speed_between(work, a, b) + core.spin(work, a) * norm(point_a) + core.spin(work, b) * norm(point_b)
+
+
+@bare
+def _pull(spring, work, k):
+    """Return stretch, its rate, and the tension without any clipping."""
+    length, rate = distance(work, spring.a[k], spring.b[k], spring.point_a[k], spring.point_b[k])
+    stretch = length - spring.rest_length[k]
+    return stretch, rate, spring.stiffness[k] * stretch + spring.damping[k] * rate
+
+
+@jit
+def spring_roots(model, work, table):
+    """Fill the functions of the tension-only springs at the state in `work`."""
+    spring, modes = springs_of(model), contact_modes_of(model)
+    noise = modes.noise[0]
+    for k in range(spring.place.shape[0]):
+        if spring.place[k] < 0:
+            continue
+        i = ROOTS_EACH * spring.place[k]
+        mode = modes.mode[spring.place[k]]
+        stretch, speed, tension = _pull(spring, work, k)
+        slack = noise * (spring.stiffness[k] + spring.damping[k])
+        a, b = spring.a[k], spring.b[k]
+        sign = -1.0 if mode == MODE_OPEN else 1.0
+        table[VALUE, i] = sign * stretch / noise + 1.0
+        table[RATE, i] = sign * speed / noise
+        table[SPEED, i] = distance_speed(work, a, b, spring.point_a[k], spring.point_b[k]) / noise
+        table[TURN, i] = table[TURN, i + 1] = core.spin(work, a) + core.spin(work, b)
+        if mode != MODE_OPEN and spring.damping[k] > 0.0:
+            table[VALUE, i + 1] = (tension if mode == MODE_CLOSED else -tension) / slack + 1.0
+            table[SPEED, i + 1] = UNKNOWN
+
+
+@jit
+def spring_transition(model, g):
+    """Change the modes whose functions are negative."""
+    spring, modes = springs_of(model), contact_modes_of(model)
+    for k in range(spring.place.shape[0]):
+        place = spring.place[k]
+        if place < 0:
+            continue
+        i = ROOTS_EACH * place
+        if g[i] < 0.0:
+            modes.mode[place] = MODE_CLOSED if modes.mode[place] == MODE_OPEN else MODE_OPEN
+        elif g[i + 1] < 0.0:
+            modes.mode[place] = MODE_LIFTED if modes.mode[place] == MODE_CLOSED else MODE_CLOSED
+
+
+@jit
+def start_springs(model, work, located):
+    """Set the modes by the state in `work`; a stretch within its roundoff is none."""
+    spring, modes = springs_of(model), contact_modes_of(model)
+    for k in range(spring.place.shape[0]):
+        place = spring.place[k]
+        if place < 0:
+            continue
+        stretch, _, tension = _pull(spring, work, k)
+        if not located:
+            modes.mode[place] = MODE_PLAIN
+        elif stretch <= modes.noise[0]:
+            modes.mode[place] = MODE_OPEN
+        else:
+            modes.mode[place] = MODE_LIFTED if tension < 0.0 else MODE_CLOSED

@@ -14,13 +14,35 @@ import numpy as np
 
 from mbs_ref.kernels.border.groups import Floats, Ints, empty
 from mbs_ref.kernels.border.handles import accessor
-from mbs_ref.kernels.rigid.closures import Loops, closure_scratch
+from mbs_ref.kernels.contact.laws import ContactLaws, ContactModes
+from mbs_ref.kernels.contact.near_pairs import NearPairs
+from mbs_ref.kernels.jit import jit
+from mbs_ref.kernels.rigid.closures import Closures, Loops, closure_scratch
+from mbs_ref.kernels.signals import SignalArrays
 
 CONTROL_MODE_TIME = 0  # s, a time inside the current step: picks the signals' segments
 CONTROL_VELOCITY_GAIN = 1  # 1/s, Baumgarte 2 g
 CONTROL_POSITION_GAIN = 2  # 1/s^2, Baumgarte g^2
 
 WATCH_DISTANCE, WATCH_COORDINATE, WATCH_RATE = range(3)
+
+
+class Bodies(NamedTuple):
+    mass: Annotated[Floats, "n"]  # kg
+    # kg m^2, 1 for a point mass, which nothing turns; in space body axes: xx, yy, zz, xy, xz, yz
+    inertia: Annotated[Floats, "n", "moments"]
+    rigid: Annotated[Ints, "n"]  # 0 for a point mass
+    alone: Annotated[Ints, "n"]  # 1 where no constraint row touches the body
+    scene_index: Annotated[Ints, "n"]  # place in the scene's order
+    q: Annotated[Ints, "n"]  # first place in the state of R, and theta or theta0..theta3
+    v: Annotated[Ints, "n"]  # first place in the state of their rates; in space omega, body axes
+    start: Annotated[Ints, 1]  # entries of the state that are positions and orientations; rates follow
+    parent: Annotated[Ints, "n"]  # n for ground or none
+
+
+class Slots(NamedTuple):
+    body: Annotated[Ints, "n_slots", 2]  # sides 0 and 1
+    count: Annotated[Ints, "n_slots"]  # rows in use
 
 
 class Points(NamedTuple):
@@ -67,6 +89,15 @@ class Drives(NamedTuple):
     signal: Annotated[Ints, "k"]
 
 
+class Forces(NamedTuple):
+    body: Annotated[Ints, "k"]
+    point: Annotated[Floats, "k", "dimension"]  # m, in the body
+    force: Annotated[Floats, "k", "dimension"]  # N
+    torque: Annotated[Floats, "k", "turns"]  # N m
+    follows: Annotated[Ints, "k"]  # 1 along body axes
+    signal: Annotated[Ints, "k"]
+
+
 class Springs(NamedTuple):
     a: Annotated[Ints, "k"]
     b: Annotated[Ints, "k"]
@@ -77,6 +108,18 @@ class Springs(NamedTuple):
     rest_length: Annotated[Floats, "k"]  # m
     isotropic: Annotated[Ints, "k"]  # 1 for a bushing in the plane, whose force follows the gap as a vector
     place: Annotated[Ints, "k"]  # of a tension-only spring's mode in ContactModes; -1 for others
+
+
+class TorsionSprings(NamedTuple):
+    a: Annotated[Ints, "k"]
+    b: Annotated[Ints, "k"]
+    stiffness: Annotated[Floats, "k"]  # N m/rad
+    damping: Annotated[Floats, "k"]  # N m s/rad
+    rest_angle: Annotated[Floats, "k"]  # rad
+    # in space, with no columns in the plane: where in body a the mark of b is at angle 0, and after a quarter turn
+    zero: Annotated[Floats, "k", "axes"]
+    quarter: Annotated[Floats, "k", "axes"]
+    mark: Annotated[Floats, "k", "axes"]  # in body b
 
 
 class ContactPairs(NamedTuple):
@@ -127,11 +170,32 @@ class Rows(NamedTuple):
     multiplier: Annotated[Floats, "n_slots", "rates"]
 
 
+class Tree(NamedTuple):
+    """Blocks of the elimination along the tree; factors are L D L^T with 1 / D on the diagonal."""
+
+    articulated: Annotated[Floats, "n + 1", "rates", "rates"]  # lower triangle, factored in place
+    row_factor: Annotated[Floats, "n", "rates", "rates"]  # of J M^-1 J^T
+    lift: Annotated[Floats, "n", "rates", "rates"]  # M^-1 J^T; in space row r is that of joint row r
+    transfer: Annotated[Floats, "n", "rates", "rates"]  # (J M^-1 J^T)^-1 K
+    free: Annotated[Floats, "n", "rates"]  # M^-1 f of the pass under way
+    load: Annotated[Floats, "n + 1", "rates"]  # f accumulated
+    acceleration: Annotated[Floats, "n + 1", "rates"]  # the solution of the pass, ground row zero
+
+
 class Solved(NamedTuple):
     """Which state the accelerations in the tree belong to."""
 
     time: Annotated[Floats, 1]  # s; NaN where they may be another state's
     state: Annotated[Floats, "n_state"]
+
+
+GROUPS: dict[str, type] = {  # of every scene of bodies and joints
+    "bodies": Bodies, "slots": Slots, "loops": Loops, "points": Points, "planes": Planes, "distances": Distances,
+    "drives": Drives, "forces": Forces, "springs": Springs, "torsion_springs": TorsionSprings,
+    "contact_pairs": ContactPairs, "contact_laws": ContactLaws, "contact_modes": ContactModes,
+    "near_pairs": NearPairs, "watches": Watches, "signals": SignalArrays, "world": World,
+}  # fmt: skip
+SCRATCH: dict[str, type] = {"rows": Rows, "tree": Tree, "closures": Closures, "solved": Solved}
 
 
 def rigid_scratch(scratch: type, n: int, n_slots: int, n_state: int, loops: Loops, **lengths: int) -> Any:
@@ -164,3 +228,9 @@ rows_of = accessor("rows")
 tree_of = accessor("tree")
 closures_of = accessor("closures")
 solved_of = accessor("solved")
+
+
+@jit
+def position_count(model):
+    """Return how many entries of the state are positions and orientations; rates follow."""
+    return bodies_of(model).start[0]

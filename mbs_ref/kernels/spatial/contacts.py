@@ -1,128 +1,58 @@
-"""Shapes that touch in space: where and how they meet, and the rows of their gap.
-
-gap = n . (c - o) - r with n fixed in body b for a plane, gap = |c - o| - r for two spheres.
-"""
+"""Shapes of space (mbs_ref.kernels.rigid.shapes): planes, rectangles and spheres."""
 
 from __future__ import annotations
 
 import math
-from typing import Any, NamedTuple
-
-import numpy as np
 
 from mbs_ref.kernels.contact.laws import ENDS_CAPPED, ENDS_OPEN, PAIR_FLAT
 from mbs_ref.kernels.jit import bare
-from mbs_ref.kernels.rigid.model import contact_pairs_of, kinematics_of, tree_of
-from mbs_ref.kernels.spatial.marks import inward, separation
-from mbs_ref.kernels.spatial.vectors import cross, dot, minus, over, plus, times, triple, turn
-
-
-class Touch(NamedTuple):
-    """Where and how two shapes meet; vectors are world axes, triples of numbers."""
-
-    gap: Any  # m
-    closing: Any  # m/s, the gap's rate
-    beyond: Any  # m, excess over open ends
-    normal: Any  # from b to a
-    slip: Any  # m/s, of a on b in the tangent plane
-    arm_a: Any  # m, from the centre of mass of a to the point of contact
-    arm_b: Any  # m
-    edge_1: Any  # the plane's edges: stick and slip are kept along them
-    edge_2: Any
+from mbs_ref.kernels.rigid.model import contact_pairs_of
+from mbs_ref.kernels.rigid.shapes import Surface, on_round
+from mbs_ref.kernels.spatial.marks import turned
+from mbs_ref.kernels.spatial.vectors import dot, minus, over, plus, times
 
 
 @bare
-def _on_plane(pairs, k, x, e, f, n):
-    """Return the gap, the outward normal and how far the centre is beyond an open end."""
+def _on_plane(pairs, k, x, edges, n):
+    """Return the Surface of a plane, a rectangle or a capped rectangle."""
+    (e, f), radius = edges, pairs.radius[k]
     along, across, above = dot(x, e), dot(x, f), dot(x, n)
-    past_e = abs(along) - pairs.half[k, 0]
-    past_f = abs(across) - pairs.half[k, 1]
+    past_e, past_f = abs(along) - pairs.half[k, 0], abs(across) - pairs.half[k, 1]
     if pairs.ends[k] == ENDS_OPEN:
-        return above - pairs.radius[k], n, max(past_e, past_f)
+        return Surface(above - radius, n, max(past_e, past_f), radius, edges)
     if pairs.ends[k] == ENDS_CAPPED and (past_e > 0.0 or past_f > 0.0):
         p = math.copysign(max(past_e, 0.0), along)
         q = math.copysign(max(past_f, 0.0), across)
         distance = math.sqrt(p * p + q * q + above * above)
         outward = over(plus(plus(times(p, e), times(q, f)), times(above, n)), distance)
-        return distance - pairs.radius[k], outward, -1.0
-    return above - pairs.radius[k], n, -1.0
+        return Surface(distance - radius, outward, -1.0, radius, edges)
+    return Surface(above - radius, n, -1.0, radius, edges)
 
 
 @bare
-def _on_sphere(pairs, k, x, n):
-    distance = math.sqrt(dot(x, x))
-    if distance == 0.0:
-        return -pairs.radius[k] - pairs.half[k, 0], n, -1.0
-    return distance - pairs.radius[k] - pairs.half[k, 0], over(x, distance), -1.0
+def _edges(work, pairs, k):
+    return turned(work, pairs.b[k], pairs.axes[k, 0]), turned(work, pairs.b[k], pairs.axes[k, 1])
 
 
 @bare
-def _places(pairs, kin, k):
-    """Return the way between the bodies, the arm of the sphere's centre, and the way to it from the other's origin."""
-    a, b = pairs.a[k], pairs.b[k]
-    c = turn(kin.turned[a], pairs.center[k])
-    apart = minus(kin.position[a], kin.position[b])
-    return apart, c, minus(plus(apart, c), turn(kin.turned[b], pairs.origin[k]))
-
-
-@bare
-def contact_geometry(model, work, k):
-    """Return the Touch of a pair."""
-    pairs, kin = contact_pairs_of(model), kinematics_of(work)
-    a, b = pairs.a[k], pairs.b[k]
-    apart, c, x = _places(pairs, kin, k)
-    e = turn(kin.turned[b], pairs.axes[k, 0])
-    f = turn(kin.turned[b], pairs.axes[k, 1])
-    n = turn(kin.turned[b], pairs.axes[k, 2])
+def surface(model, work, k, x):
+    pairs = contact_pairs_of(model)
+    n = turned(work, pairs.b[k], pairs.axes[k, 2])
     if pairs.kind[k] == PAIR_FLAT:
-        gap, n, beyond = _on_plane(pairs, k, x, e, f, n)
-    else:
-        gap, n, beyond = _on_sphere(pairs, k, x, n)
-    on_a = minus(c, times(pairs.radius[k], n))
-    on_b = plus(apart, on_a)
-    u = plus(kin.velocity[a], cross(kin.omega[a], on_a))
-    u = minus(minus(u, kin.velocity[b]), cross(kin.omega[b], on_b))
-    closing = dot(n, u)
-    return Touch(gap, closing, beyond, n, minus(u, times(closing, n)), on_a, on_b, e, f)
+        return _on_plane(pairs, k, x, _edges(work, pairs, k), n)
+    return on_round(work, pairs, k, x, n, _edges(work, pairs, k))
 
 
 @bare
-def leaving_ends(model, work, k):
-    """Return the rate (m/s) of the excess over open ends of a plane."""
-    pairs, kin = contact_pairs_of(model), kinematics_of(work)
-    a, b = pairs.a[k], pairs.b[k]
-    apart, c, x = _places(pairs, kin, k)
-    e, f = turn(kin.turned[b], pairs.axes[k, 0]), turn(kin.turned[b], pairs.axes[k, 1])
+def outwards(model, work, k, x):
+    pairs = contact_pairs_of(model)
+    e, f = _edges(work, pairs, k)
     along, across = dot(x, e), dot(x, f)
-    u = minus(kin.velocity[a], kin.velocity[b])
-    u = minus(plus(u, cross(kin.omega[a], c)), cross(kin.omega[b], plus(apart, c)))
     if abs(along) - pairs.half[k, 0] >= abs(across) - pairs.half[k, 1]:
-        return math.copysign(1.0, along) * dot(u, e)
-    return math.copysign(1.0, across) * dot(u, f)
+        return times(math.copysign(1.0, along), e)
+    return times(math.copysign(1.0, across), f)
 
 
 @bare
-def gap_rows(model, touch):
-    n, p, q = touch.normal, cross(touch.arm_a, touch.normal), cross(touch.arm_b, touch.normal)
-    return (n[0], n[1], n[2], p[0], p[1], p[2]), (-n[0], -n[1], -n[2], -q[0], -q[1], -q[2])
-
-
-@bare
-def gap_response(model, work, k, touch):
-    pairs, n, response = contact_pairs_of(model), touch.normal, tree_of(work).acceleration
-    p, q = cross(touch.arm_a, n), cross(touch.arm_b, n)
-    x, z = response[pairs.a[k]], response[pairs.b[k]]
-    return dot(n, x) + dot(p, triple(x, 3)) - dot(n, z) - dot(q, triple(z, 3))
-
-
-@bare
-def gap_gamma(model, work, k, touch):
-    pairs, kin, n = contact_pairs_of(model), kinematics_of(work), touch.normal
-    a, b = pairs.a[k], pairs.b[k]
-    apart = separation(work, b, a, pairs.origin[k], pairs.center[k])
-    surplus = dot(n, inward(work, b, a, apart))
-    if pairs.kind[k] == PAIR_FLAT:
-        turning = cross(kin.omega[b], n)
-        return surplus - 2.0 * dot(turning, apart.rate) - dot(cross(kin.omega[b], turning), apart.gap)
-    along = dot(n, apart.rate)
-    return surplus - (dot(apart.rate, apart.rate) - along * along) / np.sqrt(dot(apart.gap, apart.gap))
+def slip(n, u, closing):
+    return minus(u, times(closing, n))

@@ -10,8 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from mbs_ref.kernels.jit import jit
-from mbs_ref.kernels.rigid.model import bodies_of
-from mbs_ref.kernels.spatial.dynamics import position_count
+from mbs_ref.kernels.rigid.model import bodies_of, position_count
 from mbs_ref.kernels.spatial.orientation import parameters, put_parameters
 from mbs_ref.kernels.spatial.vectors import dot, put, symmetric_times, times, triple
 

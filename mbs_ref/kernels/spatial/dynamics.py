@@ -9,13 +9,19 @@ else is in world axes. theta^T theta = 1 is part of C; its multiplier and the fo
 
 from __future__ import annotations
 
+import sys
+
+from mbs_ref.kernels.border.handles import handle_class
 from mbs_ref.kernels.border.questions import accelerate, fill_deflection_rates
+from mbs_ref.kernels.border.supplies import supply
 from mbs_ref.kernels.jit import jit
+from mbs_ref.kernels.rigid import geometry
 from mbs_ref.kernels.rigid.dynamics import correct_rates, is_solved, respond
 from mbs_ref.kernels.rigid.elimination import rows_times
 from mbs_ref.kernels.rigid.model import bodies_of, kinematics_of, rows_of, slots_of, tree_of
+from mbs_ref.kernels.spatial import contacts, grips, joints, loads, marks, orientation, tree, vectors
 from mbs_ref.kernels.spatial.joints import leave_slips
-from mbs_ref.kernels.spatial.model import RATES
+from mbs_ref.kernels.spatial.model import RATES, SpatialGroups, SpatialScratch
 from mbs_ref.kernels.spatial.orientation import parameters, put_parameters, theta_rate, turn_theta, turning_of
 from mbs_ref.kernels.spatial.vectors import add, dot, minus, put, symmetric_times, times, triple, turn, turn_back
 
@@ -23,16 +29,6 @@ from mbs_ref.kernels.spatial.vectors import add, dot, minus, put, symmetric_time
 @jit
 def block(model):
     return RATES
-
-
-@jit
-def position_count(model):
-    """Return the entries of the state that are positions and orientations; rates follow."""
-    rigid = bodies_of(model).rigid
-    total = 0
-    for i in range(rigid.shape[0]):
-        total += 7 if rigid[i] == 1 else 3
-    return total
 
 
 @jit
@@ -163,10 +159,11 @@ def normalize(model, y):
             turn_theta(y, bodies.q[i] + 3, (0.0, 0.0, 0.0))
 
 
-@jit
-def has_no_rows(model):
-    alone = bodies_of(model).alone
-    count = 0
-    for i in range(alone.shape[0]):
-        count += alone[i]
-    return count == alone.shape[0]
+SpatialModel = handle_class(
+    __name__, "SpatialModel", SpatialGroups, dimension=3, tangents=2, axes=3, turns=3, moments=6
+)
+SpatialWork = handle_class(__name__, "SpatialWork", SpatialScratch, rates=6)
+
+
+_MODULES = (sys.modules[__name__], contacts, grips, joints, loads, marks, orientation, tree, vectors)
+supply((SpatialModel, SpatialWork), geometry, _MODULES)

@@ -12,7 +12,6 @@ from __future__ import annotations
 import math
 
 from mbs_ref.kernels.contact.laws import (
-    FRICTION_NONE,
     FRICTION_SMOOTH,
     FRICTION_STICK_SLIP,
     GRIP_FORWARD,
@@ -20,11 +19,10 @@ from mbs_ref.kernels.contact.laws import (
     GRIP_STICK,
     MODE_CLOSED,
     ROOTS_EACH,
-    normal_force,
 )
 from mbs_ref.kernels.jit import bare, jit
 from mbs_ref.kernels.rigid.model import contact_laws_of, contact_modes_of, contact_pairs_of
-from mbs_ref.kernels.spatial.contacts import contact_geometry
+from mbs_ref.kernels.rigid.shapes import contact_geometry
 from mbs_ref.kernels.spatial.model import grips_of
 from mbs_ref.kernels.spatial.orientation import load_state
 from mbs_ref.kernels.spatial.vectors import dot, plus, times
@@ -39,7 +37,7 @@ SLUGGISH = 1e3
 
 @bare
 def slip_of(model, touch):
-    return dot(touch.slip, touch.edge_1), dot(touch.slip, touch.edge_2)
+    return dot(touch.slip, touch.held[0]), dot(touch.slip, touch.held[1])
 
 
 @bare
@@ -59,51 +57,44 @@ def _slide(laws, modes, k, normal, along, across):
 
 
 @bare
-def _grip_force(laws, modes, grips, pairs, k, normal, along, across):
-    """Return stick-slip friction on body a along the plane's edges, N."""
-    grip = modes.grip[k]
-    if grip == GRIP_PROBE:
+def grip_force(model, work, k, touch, normal):
+    laws, modes = contact_laws_of(model), contact_modes_of(model)
+    along, across = slip_of(model, touch)
+    if modes.grip[k] == GRIP_PROBE:
         return modes.anchor[k, 0], modes.anchor[k, 1]
-    if grip == GRIP_STICK:
-        spring = grips.deflection[pairs.deflection[k]]
+    if modes.grip[k] == GRIP_STICK:
+        spring = grips_of(work).deflection[contact_pairs_of(model).deflection[k]]
         stiffness, damping = laws.grip_stiffness[k], laws.grip_damping[k]
         return -stiffness * spring[0] - damping * along, -stiffness * spring[1] - damping * across
     return _slide(laws, modes, k, normal, along, across)
 
 
 @bare
-def _friction(model, work, k, normal, touch):
-    """Return the friction on body a, world axes, N."""
-    laws, modes = contact_laws_of(model), contact_modes_of(model)
-    if laws.friction[k] == FRICTION_NONE:
-        return 0.0, 0.0, 0.0
+def friction_force(model, work, k, touch, normal):
+    laws = contact_laws_of(model)
     if laws.friction[k] == FRICTION_SMOOTH:
         speed = math.sqrt(dot(touch.slip, touch.slip))
         ratio = speed / laws.creep[k]
         share = 1.0 / laws.creep[k] if ratio < 1e-8 else math.tanh(ratio) / speed
         return times(share * (-laws.coefficient[k] * normal), touch.slip)
-    along, across = slip_of(model, touch)
-    p, q = _grip_force(laws, modes, grips_of(work), contact_pairs_of(model), k, normal, along, across)
-    return plus(times(p, touch.edge_1), times(q, touch.edge_2))
-
-
-@bare
-def contact_force(model, work, k, touch, normal):
-    return plus(times(normal, touch.normal), _friction(model, work, k, normal, touch))
+    p, q = grip_force(model, work, k, touch, normal)
+    return plus(times(p, touch.held[0]), times(q, touch.held[1]))
 
 
 @jit
-def grip_margin(model, work, k, touch):
-    """Return how much more force sticking bears, or the speed along what is frozen, in units of their roundoff."""
-    laws, modes = contact_laws_of(model), contact_modes_of(model)
+def ahead(model, k, touch):
     along, across = slip_of(model, touch)
-    if modes.grip[k] == GRIP_STICK:
-        normal = normal_force(laws, modes, k, -touch.gap, -touch.closing)
-        p, q = _grip_force(laws, modes, grips_of(work), contact_pairs_of(model), k, normal, along, across)
-        margin = laws.static[k] * normal - math.sqrt(p * p + q * q)
-        return margin / (modes.noise[0] * (laws.grip_stiffness[k] + laws.grip_damping[k]))
-    ahead = modes.anchor[k, 0] * along + modes.anchor[k, 1] * across
-    return (ahead - COSINE * math.sqrt(along * along + across * across)) / modes.noise[0]
+    anchor = contact_modes_of(model).anchor[k]
+    return anchor[0] * along + anchor[1] * across - COSINE * math.sqrt(along * along + across * across)
+
+
+@jit
+def has_stopped(model, k, touch):
+    along, across = slip_of(model, touch)
+    if math.sqrt(along * along + across * across) > contact_modes_of(model).slow[0]:  # it turns
+        slide_along(model, k, 1.0, (along, across))
+        return False
+    return True
 
 
 @jit
@@ -121,40 +112,12 @@ def stick(model, y, k, touch, force):
 
 
 @jit
-def take_grip(model, y, k, touch):
+def slide_along(model, k, sign, u):
     modes = contact_modes_of(model)
-    if contact_laws_of(model).friction[k] != FRICTION_STICK_SLIP:
-        return
-    along, across = slip_of(model, touch)
-    if along == 0.0 and across == 0.0:
-        modes.grip[k] = GRIP_STICK
-        stick(model, y, k, touch, (0.0, 0.0))
-    else:
-        _aim(modes, k, along, across)
-
-
-@jit
-def _aim(modes, k, along, across):
-    """Slide in a direction."""
-    speed = math.sqrt(along * along + across * across)
+    speed = math.sqrt(u[0] * u[0] + u[1] * u[1])
     modes.grip[k] = GRIP_FORWARD
-    modes.anchor[k, 0] = along / speed
-    modes.anchor[k, 1] = across / speed
-
-
-@jit
-def change_grip(model, work, k, touch):
-    laws, modes = contact_laws_of(model), contact_modes_of(model)
-    along, across = slip_of(model, touch)
-    if modes.grip[k] == GRIP_STICK:
-        normal = normal_force(laws, modes, k, -touch.gap, -touch.closing)
-        p, q = _grip_force(laws, modes, grips_of(work), contact_pairs_of(model), k, normal, along, across)
-        _aim(modes, k, -p, -q)
-        return False
-    if math.sqrt(along * along + across * across) > modes.slow[0]:  # it turns
-        _aim(modes, k, along, across)
-        return False
-    return True
+    modes.anchor[k, 0] = sign * u[0] / speed
+    modes.anchor[k, 1] = sign * u[1] / speed
 
 
 @jit
@@ -173,11 +136,6 @@ def stop_together(model, work, y, g):
         if math.sqrt(along * along + across * across) <= TOGETHER * modes.slow[0]:
             modes.grip[k] = GRIP_PROBE
             g[ROOTS_EACH * k + 2] = -1.0
-
-
-@jit
-def slide_against(model, k, force):
-    _aim(contact_modes_of(model), k, -force[0], -force[1])
 
 
 @jit

@@ -10,10 +10,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from mbs_ref.kernels.jit import bare
-from mbs_ref.kernels.rigid.joints import bodies_of_row
+from mbs_ref.kernels.rigid.joints import bodies_of_row, put_row
 from mbs_ref.kernels.rigid.model import CONTROL_MODE_TIME, kinematics_of, rows_of, signals_of, slots_of, world_of
 from mbs_ref.kernels.signals import evaluate
-from mbs_ref.kernels.spatial.marks import inward, mark
+from mbs_ref.kernels.spatial.marks import swing, turned
 from mbs_ref.kernels.spatial.model import products_of, turns_of, wheels_of
 from mbs_ref.kernels.spatial.vectors import cross, dot, minus, negative, over, plus, times, triple, turn
 
@@ -29,18 +29,10 @@ class Product(NamedTuple):
 
 
 @bare
-def _place(block, row, force, torque):
-    """Write one row of a Jacobian block: what multiplies R' and what multiplies omega."""
-    for c in range(3):
-        block[row, c] = force[c]
-        block[row, 3 + c] = torque[c]
-
-
-@bare
 def _turn_rows(rows, slot, side, row, normal):
     """Write a row that multiplies omega_a - omega_b."""
-    _place(rows.jacobian[slot, side], row, NO_FORCE, normal)
-    _place(rows.jacobian[slot, 1 - side], row, NO_FORCE, negative(normal))
+    put_row(rows.jacobian[slot, side, row], NO_FORCE, normal)
+    put_row(rows.jacobian[slot, 1 - side, row], NO_FORCE, negative(normal))
 
 
 @bare
@@ -67,42 +59,32 @@ def fill_products(model, work):
 
 
 @bare
+def moment(arm, force):
+    return cross(arm, force)
+
+
+@bare
 def put_point(work, slot, side, row, apart):
-    jacobian = rows_of(work).jacobian
     a0, a1, a2 = apart.arm_a
     b0, b1, b2 = apart.arm_b
-    on_a, on_b = jacobian[slot, side], jacobian[slot, 1 - side]
-    _place(on_a, row, (-1.0, 0.0, 0.0), (0.0, -a2, a1))
-    _place(on_a, row + 1, (0.0, -1.0, 0.0), (a2, 0.0, -a0))
-    _place(on_a, row + 2, (0.0, 0.0, -1.0), (-a1, a0, 0.0))
-    _place(on_b, row, (1.0, 0.0, 0.0), (0.0, b2, -b1))
-    _place(on_b, row + 1, (0.0, 1.0, 0.0), (-b2, 0.0, b0))
-    _place(on_b, row + 2, (0.0, 0.0, 1.0), (b1, -b0, 0.0))
+    on_a, on_b = rows_of(work).jacobian[slot, side], rows_of(work).jacobian[slot, 1 - side]
+    put_row(on_a[row], (-1.0, 0.0, 0.0), (0.0, -a2, a1))
+    put_row(on_a[row + 1], (0.0, -1.0, 0.0), (a2, 0.0, -a0))
+    put_row(on_a[row + 2], (0.0, 0.0, -1.0), (-a1, a0, 0.0))
+    put_row(on_b[row], (1.0, 0.0, 0.0), (0.0, b2, -b1))
+    put_row(on_b[row + 1], (0.0, 1.0, 0.0), (-b2, 0.0, b0))
+    put_row(on_b[row + 2], (0.0, 0.0, 1.0), (b1, -b0, 0.0))
 
 
 @bare
-def put_line(work, slot, side, row, e, apart):
-    jacobian = rows_of(work).jacobian
-    _place(jacobian[slot, side], row, negative(e), negative(cross(apart.arm_a, e)))
-    _place(jacobian[slot, 1 - side], row, e, cross(apart.arm_b, e))
+def rate_of_turning(work, i, n, gap):
+    return dot(swing(work, i, n), gap)
 
 
 @bare
-def put_on_body(work, slot, side, row, i, point, e):
-    _place(rows_of(work).jacobian[slot, side], row, e, cross(turn(kinematics_of(work).turned[i], point), e))
-
-
-@bare
-def fill_plane(work, slot, side, row, a, b, normal, apart):
-    """d(n . d)/dt = (omega_a x n) . d + n . d_dot."""
-    kin, rows = kinematics_of(work), rows_of(work)
-    n, turning = mark(kin, a, normal)
-    d, rate, surplus = apart.gap, apart.rate, negative(inward(work, a, b, apart))
-    _place(rows.jacobian[slot, side], row, negative(n), cross(n, plus(d, apart.arm_a)))
-    _place(rows.jacobian[slot, 1 - side], row, n, cross(apart.arm_b, n))
-    rows.residual[slot, row] = dot(n, d)
-    rows.rate[slot, row] = dot(turning, d) + dot(n, rate)
-    rows.gamma[slot, row] = -(dot(cross(kin.omega[a], turning), d) + 2.0 * dot(turning, rate) + dot(n, surplus))
+def surplus_of_turning(work, i, n, apart, surplus):
+    turning = swing(work, i, n)
+    return surplus - (dot(swing(work, i, turning), apart.gap) + 2.0 * dot(turning, apart.rate))
 
 
 @bare
@@ -139,8 +121,8 @@ def fill_wheels(model, work):
     for k in range(wheel.slot.shape[0]):
         slot, first = wheel.slot[k], wheel.row[k]
         body, radius, normal = slots.body[slot, wheel.side[k]], wheel.radius[k], triple(wheel.frame[k, 2], 0)
-        arm, arm_rate = mark(kin, body, wheel.centre[k])
-        axis, turning = mark(kin, body, wheel.axis[k])
+        arm, axis = turned(work, body, wheel.centre[k]), turned(work, body, wheel.axis[k])
+        arm_rate, turning = swing(work, body, arm), swing(work, body, axis)
         share = dot(normal, axis)
         up = minus(normal, times(share, axis))
         rise = np.sqrt(dot(up, up))
@@ -152,7 +134,7 @@ def fill_wheels(model, work):
         surplus = cross(kin.omega[body], plus(arm_rate, times(radius, e_rate)))
         for c in range(3):
             d = triple(wheel.frame[k, c], 0)
-            _place(rows.jacobian[slot, wheel.side[k]], first + c, d, cross(reach, d))
+            put_row(rows.jacobian[slot, wheel.side[k], first + c], d, cross(reach, d))
             rows.residual[slot, first + c] = 0.0
             rows.rate[slot, first + c] = dot(d, slip)
             rows.gamma[slot, first + c] = -dot(d, surplus)

@@ -8,8 +8,9 @@ from __future__ import annotations
 import numpy as np
 
 from mbs_ref.kernels.jit import bare, jit
+from mbs_ref.kernels.rigid.marks import rate_seen, separation
 from mbs_ref.kernels.rigid.model import bodies_of, forces_of, kinematics_of, torsion_springs_of, world_of
-from mbs_ref.kernels.spatial.marks import push, separation, twist
+from mbs_ref.kernels.spatial.marks import push, turned, twist
 from mbs_ref.kernels.spatial.model import attraction_of, bushings_of, gradients_of
 from mbs_ref.kernels.spatial.vectors import (
     add,
@@ -41,14 +42,10 @@ def apply_gravity(model, work):
 
 
 @bare
-def apply_force(model, work, k, scale):
-    load, kin = forces_of(model), kinematics_of(work)
-    body = load.body[k]
-    force, torque = triple(load.force[k], 0), triple(load.torque[k], 0)
-    if load.follows[k] == 1:
-        force, torque = turn(kin.turned[body], force), turn(kin.turned[body], torque)
-    push(kin, body, turn(kin.turned[body], load.point[k]), times(scale, force))
-    twist(kin, body, times(scale, torque))
+def apply_torque(model, work, k, scale):
+    load = forces_of(model)
+    body, torque = load.body[k], triple(load.torque[k], 0)
+    twist(work, body, times(scale, turned(work, body, torque) if load.follows[k] == 1 else torque))
 
 
 @bare
@@ -57,16 +54,16 @@ def apply_torsion_springs(model, work):
     spring, kin = torsion_springs_of(model), kinematics_of(work)
     for k in range(spring.a.shape[0]):
         a, b = spring.a[k], spring.b[k]
-        zero, quarter = turn(kin.turned[a], spring.zero[k]), turn(kin.turned[a], spring.quarter[k])
-        mark = turn(kin.turned[b], spring.mark[k])
+        zero, quarter = turned(work, a, spring.zero[k]), turned(work, a, spring.quarter[k])
+        mark = turned(work, b, spring.mark[k])
         axis = cross(zero, quarter)
         angle = np.arctan2(dot(quarter, mark), dot(zero, mark))
         if spring.stiffness[k] > 0.0 and abs(angle) > LARGEST_TWIST:  # a mere damper need not count turns
             angle = np.nan
         rate = dot(axis, minus(kin.omega[b], kin.omega[a]))
         torque = spring.stiffness[k] * (angle - spring.rest_angle[k]) + spring.damping[k] * rate
-        twist(kin, a, times(torque, axis))
-        twist(kin, b, times(-torque, axis))
+        twist(work, a, times(torque, axis))
+        twist(work, b, times(-torque, axis))
 
 
 @jit
@@ -139,16 +136,16 @@ def apply_bushings(model, work):
         _product(kin.turned[b], load.axes_b[k], there)
         _relative(here, there, relative)
         offset = turn_back(here, apart.gap)
-        rate = turn_back(here, minus(apart.rate, cross(kin.omega[a], apart.gap)))
+        rate = turn_back(here, rate_seen(work, a, apart.gap, apart.rate))
         turning = turn_back(here, minus(kin.omega[b], kin.omega[a]))
         force = turn(here, _spring_and_damper(stiffness, damping, offset, rate))
         damper = (damping[3] * turning[0], damping[4] * turning[1], damping[5] * turning[2])
         torque = turn(here, plus(_turning_spring(stiffness[3:], relative), damper))
-        push(kin, b, apart.arm_b, negative(force))
-        twist(kin, b, negative(torque))
+        push(work, b, apart.arm_b, negative(force))
+        twist(work, b, negative(torque))
         # the reaction acts on a where b's point is
-        push(kin, a, minus(plus(kin.position[b], apart.arm_b), kin.position[a]), force)
-        twist(kin, a, torque)
+        push(work, a, minus(plus(kin.position[b], apart.arm_b), kin.position[a]), force)
+        twist(work, a, torque)
 
 
 @jit

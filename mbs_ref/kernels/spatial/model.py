@@ -1,39 +1,19 @@
-"""The arrays of a compiled spatial scene, one homogeneous group per element type.
+"""The arrays that spatial scenes alone have, besides those of `rigid.model`.
 
 A rigid body has the coordinates R and theta0..theta3 and the rates R', omega; a point mass has R and R'
 alone. Joints are broken up into five element types: shared points, products of directions, points on
-planes, distances and prescribed turns. See `rigid.model` for the numbering.
+planes, distances and prescribed turns.
 """
 
 from __future__ import annotations
 
 from typing import Annotated, NamedTuple
 
-from mbs_ref.kernels.border.groups import Floats, Ints
+from mbs_ref.kernels.border.groups import Floats, Ints, joined
 from mbs_ref.kernels.border.handles import accessor
-from mbs_ref.kernels.contact.laws import ContactLaws, ContactModes
-from mbs_ref.kernels.contact.near_pairs import NearPairs
 from mbs_ref.kernels.rigid import model as shared
-from mbs_ref.kernels.rigid.closures import Closures, Loops
-from mbs_ref.kernels.signals import SignalArrays
 
 RATES = tuple(range(6))  # of a body: a loop over it has bounds that the compiler knows
-
-
-class Bodies(NamedTuple):
-    mass: Annotated[Floats, "n"]  # kg
-    inertia: Annotated[Floats, "n", 6]  # kg m^2, body axes: xx, yy, zz, xy, xz, yz; 1, 1, 1, 0, 0, 0 for a point mass
-    rigid: Annotated[Ints, "n"]  # 0 for a point mass
-    alone: Annotated[Ints, "n"]  # 1 where no joint row touches the body
-    scene_index: Annotated[Ints, "n"]  # place in the scene's order
-    q: Annotated[Ints, "n"]  # first place in the state of R, theta
-    v: Annotated[Ints, "n"]  # first place in the state of R', omega (body axes)
-    parent: Annotated[Ints, "n"]  # n for ground or none
-
-
-class Slots(NamedTuple):
-    body: Annotated[Ints, "n_slots", 2]  # sides 0 and 1
-    count: Annotated[Ints, "n_slots"]  # rows in use
 
 
 class Products(NamedTuple):
@@ -72,26 +52,6 @@ class Wheels(NamedTuple):
     height: Annotated[Floats, "k"]  # m, of the plane along its normal
 
 
-class Forces(NamedTuple):
-    body: Annotated[Ints, "k"]
-    point: Annotated[Floats, "k", 3]  # m, in the body
-    force: Annotated[Floats, "k", 3]  # N
-    torque: Annotated[Floats, "k", 3]  # N m
-    follows: Annotated[Ints, "k"]  # 1 along body axes
-    signal: Annotated[Ints, "k"]
-
-
-class TorsionSprings(NamedTuple):
-    a: Annotated[Ints, "k"]
-    b: Annotated[Ints, "k"]
-    zero: Annotated[Floats, "k", 3]  # in body a: where the mark of b is at angle 0 ...
-    quarter: Annotated[Floats, "k", 3]  # in body a: ... and after a quarter turn
-    mark: Annotated[Floats, "k", 3]  # in body b
-    stiffness: Annotated[Floats, "k"]  # N m/rad
-    damping: Annotated[Floats, "k"]  # N m s/rad
-    rest_angle: Annotated[Floats, "k"]  # rad
-
-
 class Bushings(NamedTuple):
     """Six-axis springs; `axes` turn bushing axes into body axes."""
 
@@ -119,34 +79,10 @@ class Gradients(NamedTuple):
     gm: Annotated[Floats, "k"]  # m^3/s^2, of a
 
 
-class SpatialGroups(NamedTuple):
-    """Every array of a compiled spatial scene."""
-
-    bodies: Bodies
-    slots: Slots
-    loops: Loops
-    points: shared.Points
-    products: Products
-    planes: shared.Planes
-    distances: shared.Distances
-    turns: Turns
-    drives: shared.Drives
-    wheels: Wheels
-    forces: Forces
-    springs: shared.Springs
-    torsion_springs: TorsionSprings
-    bushings: Bushings
-    contact_pairs: shared.ContactPairs
-    contact_laws: ContactLaws
-    contact_modes: ContactModes
-    near_pairs: NearPairs
-    watches: shared.Watches
-    attraction: Attraction
-    gradients: Gradients
-    signals: SignalArrays
-    world: shared.World
-
-
+SpatialGroups = joined(
+    "SpatialGroups", shared.GROUPS, products=Products, turns=Turns, wheels=Wheels,
+    bushings=Bushings, attraction=Attraction, gradients=Gradients,
+)  # fmt: skip
 products_of = accessor("products")
 turns_of = accessor("turns")
 wheels_of = accessor("wheels")
@@ -170,26 +106,8 @@ class Kinematics(NamedTuple):
     user: Annotated[Floats, 3, "n", 7]  # q, v and f in scene order, for a user's force law
 
 
-class Tree(NamedTuple):
-    articulated: Annotated[Floats, "n + 1", 6, 6]  # lower triangle, factored in place
-    row_factor: Annotated[Floats, "n", 6, 6]  # L D L^T of J M^-1 J^T
-    lift: Annotated[Floats, "n", 6, 6]  # row r: M^-1 J^T of joint row r
-    transfer: Annotated[Floats, "n", 6, 6]  # (J M^-1 J^T)^-1 K
-    free: Annotated[Floats, "n", 6]  # M^-1 f of the pass under way
-    load: Annotated[Floats, "n + 1", 6]  # f accumulated
-    acceleration: Annotated[Floats, "n + 1", 6]  # the solution of the pass, ground row zero
-
-
 class Grips(NamedTuple):
     deflection: Annotated[Floats, "n_sticking", 2]  # m, of the springs of sticking contacts along the plane's edges
 
 
-class SpatialScratch(NamedTuple):
-    """Scratch of one run."""
-
-    kinematics: Kinematics
-    rows: shared.Rows
-    tree: Tree
-    closures: Closures
-    solved: shared.Solved
-    grips: Grips
+SpatialScratch = joined("SpatialScratch", {"kinematics": Kinematics}, shared.SCRATCH, grips=Grips)

@@ -1,4 +1,4 @@
-"""O(N) elimination of the augmented system along the joint tree, in 6 x 6 blocks.
+"""The blocks of the elimination along the joint tree (mbs_ref.kernels.rigid.tree), 6 x 6 in space.
 
 With Euler parameters a body's part of the augmented matrix (Fox 1999 eq 9 and appendix) is, with omega = 2 E theta',
 E theta = 0, E E^T = I and nu the multiplier of theta^T theta = 1,
@@ -11,26 +11,17 @@ times E / 2 give J alpha = tau - omega x J omega; theta'' = E^T alpha / 2 - thet
 joint rows in theta'' are rows in omega times 2 E. Eliminating the four parameters and their norm row first is
 thus exact and leaves the 6 x 6 block diag(m I, J) of (R'', alpha). A test forms the whole
 matrix densely and compares.
-
-Leaf to root, a body with block M, force f and joint rows J a + K a_parent = gamma is condensed into its
-parent: with S = J M^-1 J^T,
-    M_parent += K^T S^-1 K        f_parent -= K^T S^-1 (J M^-1 f - gamma)
-Root to leaf, lambda = S^-1 (J M^-1 f + K a_parent - gamma) and a = M^-1 (f - J^T lambda). Closures of loops are
-eliminated on the way (mbs_ref.kernels.rigid.elimination).
 """
 
 from __future__ import annotations
 
-from mbs_ref.kernels.algebra.ldl import factor_ldl, ldl3, ldl3_solve, solve_ldl
+from mbs_ref.kernels.algebra.dense import factor_ldl, ldl3, ldl3_solve, solve_ldl
 from mbs_ref.kernels.jit import jit, placed
-from mbs_ref.kernels.rigid import elimination
 from mbs_ref.kernels.rigid.model import bodies_of, closures_of, kinematics_of, rows_of, slots_of, tree_of
-from mbs_ref.kernels.spatial.model import RATES
 
 
-@jit
-def _start_blocks(model, work):
-    """Set every body's block to diag(m I, J)."""
+@placed
+def start_blocks(model, work):
     bodies, tree, kin = bodies_of(model), tree_of(work), kinematics_of(work)
     for i in range(bodies.mass.shape[0]):
         art = tree.articulated[i]
@@ -63,70 +54,55 @@ def _factor_rows(jac, lift, factor, count):
     factor_ldl(factor, count)
 
 
-@jit
-def _transfer(far, factor, count, transfer):
-    """transfer = S^-1 K."""
+@placed
+def factor_body(model, work, i, parent):
+    if bodies_of(model).alone[i] == 1:
+        return
+    tree, jac, count = tree_of(work), rows_of(work).jacobian[i, 0], slots_of(model).count[i]
+    art, lift = tree.articulated[i], tree.lift[i]
+    factor_ldl(art, 6)
+    for r in range(count):
+        for c in range(6):
+            lift[r, c] = jac[r, c]
+        solve_ldl(art, 6, lift[r])
+    _factor_rows(jac, lift, tree.row_factor[i], count)
+    if parent == bodies_of(model).mass.shape[0]:
+        return
+    far, transfer, up = rows_of(work).jacobian[i, 1], tree.transfer[i], tree.articulated[parent]
     for r in range(count):
         for c in range(6):
             transfer[r, c] = far[r, c]
-        for s in range(r):
-            low = factor[r, s]
-            for c in range(6):
-                transfer[r, c] -= low * transfer[s, c]
-    for r in range(count - 1, -1, -1):
-        inverse = factor[r, r]
+    _solve_rows(tree.row_factor[i], count, transfer)
+    for k in range(count):
+        for r in range(6):
+            weight = far[k, r]
+            for c in range(r + 1):
+                up[r, c] += weight * transfer[k, c]
+
+
+@placed
+def solve_free(model, work, i, parent, gamma, multiplier):
+    if bodies_of(model).alone[i] == 1:
+        return
+    tree, jac, far = tree_of(work), rows_of(work).jacobian[i, 0], rows_of(work).jacobian[i, 1]
+    free, count = tree.free[i], slots_of(model).count[i]
+    for c in range(6):
+        free[c] = tree.load[i, c]
+    solve_ldl(tree.articulated[i], 6, free)
+    for r in range(count):
+        total = -gamma[r]
         for c in range(6):
-            transfer[r, c] *= inverse
-        for s in range(r + 1, count):
-            low = factor[s, r]
-            for c in range(6):
-                transfer[r, c] -= low * transfer[s, c]
-
-
-@jit
-def factor_tree(model, work, loops):
-    """Factor every body's block and joint, leaf to root, and the closures at their apexes.
-
-    `loops` is None in open trees, and for them no code that stands behind `loops is not None` is compiled.
-    """
-    bodies, slots, tree, rows = bodies_of(model), slots_of(model), tree_of(work), rows_of(work)
-    n = bodies.mass.shape[0]
-    _start_blocks(model, work)
-    if loops is not None:
-        elimination.begin_closures(model, work)
-    for i in range(n - 1, -1, -1):
-        if bodies.alone[i] == 1:
-            continue
-        art = tree.articulated[i]
-        if loops is not None and loops.closed[i, 0] < loops.closed[i, 1]:
-            elimination.eliminate_closures(model, work, i)
-        factor_ldl(art, 6)
-        count = slots.count[i]
-        jac, far, lift = rows.jacobian[i, 0], rows.jacobian[i, 1], tree.lift[i]
+            total += jac[r, c] * free[c]
+        multiplier[r] = total
+    solve_ldl(tree.row_factor[i], count, multiplier)
+    if parent != bodies_of(model).mass.shape[0]:
         for r in range(count):
             for c in range(6):
-                lift[r, c] = jac[r, c]
-            solve_ldl(art, 6, lift[r])
-        _factor_rows(jac, lift, tree.row_factor[i], count)
-        if loops is not None and loops.entry[i] < loops.entry[i + 1]:
-            elimination.pass_rows(model, work, i)
-        p = bodies.parent[i]
-        if p == n:
-            continue
-        transfer = tree.transfer[i]
-        _transfer(far, tree.row_factor[i], count, transfer)
-        up = tree.articulated[p]
-        for k in range(count):
-            for r in range(6):
-                weight = far[k, r]
-                for c in range(r + 1):
-                    up[r, c] += weight * transfer[k, c]
-    if loops is not None:
-        elimination.eliminate_closures(model, work, n)
+                tree.load[parent, c] -= far[r, c] * multiplier[r]
 
 
 @jit
-def _solve_alone(mass, art, load, out):
+def _accelerate_alone(mass, art, load, out):
     """a = f / m, alpha = J^-1 tau of a body without joints."""
     for c in range(3):
         out[c] = load[c] / mass
@@ -135,9 +111,18 @@ def _solve_alone(mass, art, load, out):
     )
 
 
-@jit
-def _put_answer(tree, i, count, multiplier, out):
-    """a = M^-1 (f - J^T lambda)."""
+@placed
+def accelerate_body(model, work, i, parent, multiplier, acceleration):
+    bodies, tree, out, count = bodies_of(model), tree_of(work), acceleration[i], slots_of(model).count[i]
+    if bodies.alone[i] == 1:
+        _accelerate_alone(bodies.mass[i], tree.articulated[i], tree.load[i], out)
+        return
+    if parent != bodies.mass.shape[0]:
+        for r in range(count):
+            total = 0.0
+            for c in range(6):
+                total += tree.transfer[i, r, c] * acceleration[parent, c]
+            multiplier[r] += total
     for c in range(6):
         out[c] = tree.free[i, c]
     for r in range(count):
@@ -147,81 +132,11 @@ def _put_answer(tree, i, count, multiplier, out):
 
 
 @jit
-def solve_tree(model, work, loops, gamma, acceleration, multiplier):
-    """Solve with the forces in the tree's load (overwritten) and the rows' right-hand side `gamma`.
-
-    acceleration (n + 1, 6) and multiplier (n_slots, 6) receive the result; ground's row stays zero.
-    """
-    bodies, slots, tree, rows = bodies_of(model), slots_of(model), tree_of(work), rows_of(work)
-    closures = closures_of(work)
-    n = bodies.mass.shape[0]
-    load = tree.load
-    if loops is not None:
-        elimination.start_rows(RATES, loops, closures, gamma)
-    for i in range(n - 1, -1, -1):
-        if bodies.alone[i] == 1:
-            continue
-        free, jac, far, u = tree.free[i], rows.jacobian[i, 0], rows.jacobian[i, 1], multiplier[i]
-        count = slots.count[i]
-        if loops is not None and loops.closed[i, 0] < loops.closed[i, 1]:
-            elimination.condense(RATES, loops, closures, i, load[i])
-        for c in range(6):
-            free[c] = load[i, c]
-        solve_ldl(tree.articulated[i], 6, free)
-        for r in range(count):
-            total = -gamma[i, r]
-            for c in range(6):
-                total += jac[r, c] * free[c]
-            u[r] = total
-        solve_ldl(tree.row_factor[i], count, u)
-        if loops is not None and loops.entry[i] < loops.entry[i + 1]:
-            elimination.take_free(RATES, loops, closures, i, load[i], gamma[i])
-        p = bodies.parent[i]
-        if p == n:
-            continue
-        for r in range(count):
-            for c in range(6):
-                load[p, c] -= far[r, c] * u[r]
-    if loops is not None:
-        elimination.condense(RATES, loops, closures, n, load[n])
-        elimination.substitute(RATES, loops, closures, n, acceleration[n], multiplier)
-    for i in range(n):
-        if bodies.alone[i] == 1:
-            _solve_alone(bodies.mass[i], tree.articulated[i], load[i], acceleration[i])
-            continue
-        p = bodies.parent[i]
-        count = slots.count[i]
-        if p != n:
-            transfer = tree.transfer[i]
-            for r in range(count):
-                total = 0.0
-                for c in range(6):
-                    total += transfer[r, c] * acceleration[p, c]
-                multiplier[i, r] += total
-        _put_answer(tree, i, count, multiplier[i], acceleration[i])
-        if loops is not None and loops.entry[i] < loops.entry[i + 1]:
-            elimination.take_closures(RATES, loops, closures, i, acceleration[i], multiplier[i])
-        if loops is not None and loops.closed[i, 0] < loops.closed[i, 1]:
-            elimination.substitute(RATES, loops, closures, i, acceleration[i], multiplier)
-
-
-# --- closures of loops (mbs_ref.kernels.rigid.elimination) ------------------------------------------
-
-
-@jit
-def row_mobility(model, work, slot, row):
-    """Return a scale of G M^-1 G^T of one row, the bodies taken as free and as spheres."""
-    bodies, slots, rows, kin = bodies_of(model), slots_of(model), rows_of(work), kinematics_of(work)
-    n = bodies.mass.shape[0]
-    total = 0.0
-    for side in range(2):
-        body = slots.body[slot, side]
-        if body < n:
-            g = rows.jacobian[slot, side, row]
-            j = kin.inertia[body]
-            total += (g[0] * g[0] + g[1] * g[1] + g[2] * g[2]) / bodies.mass[body]
-            total += 3.0 * (g[3] * g[3] + g[4] * g[4] + g[5] * g[5]) / (j[0] + j[1] + j[2])
-    return total
+def plus_mobility(model, work, total, i, row):
+    """A body counts as a sphere."""
+    j = kinematics_of(work).inertia[i]
+    total += (row[0] * row[0] + row[1] * row[1] + row[2] * row[2]) / bodies_of(model).mass[i]
+    return total + 3.0 * (row[3] * row[3] + row[4] * row[4] + row[5] * row[5]) / (j[0] + j[1] + j[2])
 
 
 @placed

@@ -17,7 +17,7 @@ from mbs_ref.cores.system import Poses
 from mbs_ref.integrators import DEFAULT
 from mbs_ref.integrators.loop.lanes import Runs, advance_in_lanes, propose_all, runs_from, side_by_side
 from mbs_ref.integrators.loop.leg import DONE
-from mbs_ref.integrators.stages.dop853_tableau import TABLEAU
+from mbs_ref.integrators.stages.tableau import DOP853
 from mbs_ref.kernels.algebra.lanes import WIDTH
 from mbs_ref.kernels.relative.lanes import build_of, figures_of
 from mbs_ref.scene import Scene
@@ -107,11 +107,11 @@ def _advanced(bunches: Sequence[Bunch], times: np.ndarray) -> Runs:
     atol = np.stack([bunch.plan.options.atol for bunch in bunches])
     scene = np.repeat(np.arange(len(bunches)), [len(bunch.starts) for bunch in bunches])
     runs = runs_from(figures, atol, scene, np.concatenate([bunch.starts for bunch in bunches]), len(times))
-    side, tree = side_by_side(atol.shape[1], len(TABLEAU.b)), bunches[0].system.in_lanes()
+    side, tree = side_by_side(atol.shape[1], len(DOP853.b)), bunches[0].system.in_lanes()
     with np.errstate(all="ignore"):
         for (system, plan, _), (first, last) in zip(bunches, _places(bunches), strict=True):
-            propose_all(system.model, system.work, plan.options, runs, first, last, times, TABLEAU.order)
-        advance_in_lanes(tree, TABLEAU, bunches[0].plan.options, runs, side, times, 0, len(scene))
+            propose_all(system.model, system.work, plan.options, runs, first, last, times, DOP853.order)
+        advance_in_lanes(tree, DOP853, bunches[0].plan.options, runs, side, times, 0, len(scene))
     return runs
 
 

@@ -10,6 +10,7 @@ import pytest
 
 from mbs_ref import scenes
 from mbs_ref.cores.choice import compile_scene
+from mbs_ref.cores.jointed_system import JointedSystem
 from mbs_ref.cores.loops import Closure, loops_of_closures
 from mbs_ref.cores.spatial.system import SpatialSystem
 from mbs_ref.cores.system import System
@@ -107,11 +108,10 @@ def whole(system: System, y: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.nda
     """Return M, C_q and the accelerations of the augmented system, solved as a whole by least squares."""
     if isinstance(system, SpatialSystem):
         force, jacobian, mass = system.applied_forces(0.0, y).ravel(), system.jacobian(0.0, y), system.mass_matrix()
-        gamma = np.array([system.scratch.rows.gamma[slot, row] for _, slot, row in system.rows()])
     else:
-        q, v = y.reshape(2, -1, 3)
-        diagonal, jacobian, force, gamma = system.augmented(0.0, q, v)
-        mass = np.diag(diagonal)
+        force, jacobian = system.applied_forces(0.0, *y.reshape(2, -1, 3)).ravel(), system.jacobian(0.0, y)
+        mass = np.diag(system.mass_matrix())
+    gamma = system.right_side()
     m, n = jacobian.shape
     matrix = np.block([[mass, jacobian.T], [jacobian, np.zeros((m, m))]])
     answer = np.linalg.lstsq(matrix, np.concatenate((force, gamma)), rcond=1e-12)[0]
@@ -139,7 +139,7 @@ def test_ranks_of_closures_add_up_to_that_of_the_rows(scene):
     system = SpatialSystem(scene)
     system.set_mode_time(0.0)
     y = spun(system)
-    rank = system.row_rank(0.0, y)
+    rank = JointedSystem.rank(system, 0.0, y)  # without the norms
     system.derivative(0.0, y)
     independent_of_tree = len(system.rows()) - system.n_closure_rows
     assert system.groups.loops.most.sum() == system.scratch.closures.rank.sum() == rank - independent_of_tree

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from mbs_ref import scenes
-from mbs_ref.cores import near_pairs as broad_phase
+from mbs_ref.cores import contact_shapes as broad_phase
 from mbs_ref.cores.choice import compile_scene
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate

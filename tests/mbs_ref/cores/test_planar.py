@@ -18,6 +18,14 @@ def _stacked(system: PlanarSystem, t: float, y: np.ndarray) -> tuple[np.ndarray,
     return np.concatenate([c for c, _ in pairs]), np.concatenate([rate for _, rate in pairs])
 
 
+def _augmented(system: PlanarSystem, t: float, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return matrix and right-hand side of [M C_q^T; C_q 0][qdd; lambda] = [Q_e; gamma]."""
+    force, jacobian = system.applied_forces(t, *y.reshape(2, -1, 3)).ravel(), system.jacobian(t, y)
+    rows = len(jacobian)
+    matrix = np.block([[np.diag(system.mass_matrix()), jacobian.T], [jacobian, np.zeros((rows, rows))]])
+    return matrix, np.concatenate((force, system.right_side()))
+
+
 @pytest.fixture(params=[(build, seed) for build in EVERY for seed in range(3)], ids=lambda p: f"{p[0].__name__}-{p[1]}")
 def case(request) -> tuple[PlanarSystem, np.ndarray]:
     build, seed = request.param
@@ -60,10 +68,7 @@ def test_accelerations_keep_the_rate_constant(case):
 def test_tree_elimination_equals_the_dense_augmented_system(case):
     system, y = case
     half = y.size // 2
-    mass, jacobian, force, gamma = system.augmented(T, y[:half].reshape(-1, 3), y[half:].reshape(-1, 3))
-    rows = len(gamma)
-    matrix = np.block([[np.diag(mass), jacobian.T], [jacobian, np.zeros((rows, rows))]])
-    dense = np.linalg.solve(matrix, np.concatenate((force, gamma)))
+    dense = np.linalg.solve(*_augmented(system, T, y))
     np.testing.assert_allclose(system.derivative(T, y)[half:], dense[:half], atol=ROUNDOFF, rtol=1e-9)
     np.testing.assert_allclose(system.multipliers(T, y), dense[half:], atol=ROUNDOFF, rtol=1e-8)
 
@@ -112,10 +117,7 @@ def test_every_scene_agrees_with_the_dense_system(name):
     system = PlanarSystem(scenes.make(name))
     y = system.initial_state()
     half = y.size // 2
-    mass, jacobian, force, gamma = system.augmented(0.0, y[:half].reshape(-1, 3), y[half:].reshape(-1, 3))
-    rows = len(gamma)
-    matrix = np.block([[np.diag(mass), jacobian.T], [jacobian, np.zeros((rows, rows))]])
-    dense = np.linalg.lstsq(matrix, np.concatenate((force, gamma)), rcond=1e-13)[0]
+    dense = np.linalg.lstsq(*_augmented(system, 0.0, y), rcond=1e-13)[0]
     np.testing.assert_allclose(system.derivative(0.0, y)[half:], dense[:half], atol=ROUNDOFF)
 
 

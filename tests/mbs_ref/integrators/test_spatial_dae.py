@@ -11,7 +11,7 @@ import pytest
 from mbs_ref import scenes
 from mbs_ref.cores.choice import compile_scene
 from mbs_ref.cores.spatial.system import SpatialSystem
-from mbs_ref.integrators.loop.ida import _Ida, as_dae
+from mbs_ref.integrators.methods.dassl import _Ida, as_dae
 from mbs_ref.kernels.answers import FORM
 from mbs_ref.kernels.residual import GGL, INDEX_1, residual
 from mbs_ref.observables.distance import farthest
@@ -74,12 +74,12 @@ def test_rows_that_are_kept_carry_the_forces_of_those_that_are_not():
     system = compile_scene(scenes.make("bricard"))
     assert isinstance(system, SpatialSystem)
     y = system.initial_state()
-    ida = SimpleNamespace(system=system, kept=system.independent_rows(0.0, y))
+    ida = SimpleNamespace(system=system, used=system.independent_rows(0.0, y))
     lam = _Ida._multipliers(ida, y, 0.0)  # type: ignore[arg-type]
     wanted = system.applied_forces(0.0, y).ravel() - system.mass_matrix() @ system.accelerations(0.0, y).ravel()
     assert len(lam) == len(system.rows()) - 1
     assert np.abs(wanted).max() > 1.0
-    np.testing.assert_allclose(system.jacobian(0.0, y)[ida.kept].T @ lam, wanted, atol=1e-11 * np.abs(wanted).max())
+    np.testing.assert_allclose(system.jacobian(0.0, y)[ida.used].T @ lam, wanted, atol=1e-11 * np.abs(wanted).max())
 
 
 def test_raw_index_3_stops_in_space_too_and_says_so():

@@ -7,18 +7,18 @@ import pytest
 
 from mbs_ref.kernels.border.groups import check, empty
 from mbs_ref.kernels.border.handles import make_handle
-from mbs_ref.kernels.planar.model import Bodies, Forces
+from mbs_ref.kernels.rigid.model import Bodies, Forces
 
 
 def forces(**changes: np.ndarray) -> Forces:
-    return empty(Forces, k=2)._replace(**changes)
+    return empty(Forces, k=2, dimension=2, turns=1)._replace(**changes)
 
 
 def test_an_empty_group_has_the_lengths_that_are_given():
     bodies = empty(Bodies, n=3)
     assert (bodies.mass.shape, bodies.mass.dtype) == ((3,), np.float64)
     assert (bodies.parent.shape, bodies.parent.dtype) == ((3,), np.int64)
-    assert empty(Forces).point.shape == (0, 2)
+    assert empty(Forces, dimension=2).point.shape == (0, 2)
     check(bodies)
 
 
@@ -26,10 +26,10 @@ def test_an_empty_group_has_the_lengths_that_are_given():
     "wrong",
     [
         {"torque": np.zeros(3)},  # another length than the group's other arrays
-        {"point": np.zeros((2, 3))},  # a vector of space in the plane
+        {"force": np.zeros((2, 3))},  # a vector of space in the plane
         {"point": np.zeros(2)},
         {"body": np.zeros(2)},  # floats for integers
-        {"vector": np.zeros((2, 4))[:, ::2]},
+        {"force": np.zeros((2, 4))[:, ::2]},
     ],
 )
 def test_an_array_that_is_not_as_declared_is_refused(wrong):

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from mbs_ref.kernels.algebra.dense import lu_factor, lu_solve
-from mbs_ref.kernels.algebra.ldl import factor_ldl, ldl3, ldl3_solve, solve_ldl
+from mbs_ref.kernels.algebra.dense import factor_ldl, ldl3, ldl3_solve, lu_factor, lu_solve, solve_ldl
 from mbs_ref.kernels.rigid.dynamics import refinements
 from mbs_ref.kernels.spatial.descriptor import _parameters_times
 from mbs_ref.kernels.spatial.loads import _product, _relative

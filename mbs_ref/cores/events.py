@@ -1,4 +1,4 @@
-"""Contact laws, springs and declared events of a scene -> the arrays that planar and spatial cores share."""
+"""Contact laws, springs and declared events of a scene: their arrays, and what a compiled scene reports of them."""
 
 from __future__ import annotations
 
@@ -7,6 +7,9 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from mbs_ref.cores.system import System
+from mbs_ref.kernels import answers as core
+from mbs_ref.kernels.border.groups import floats, ints
 from mbs_ref.kernels.contact import laws as shared
 from mbs_ref.kernels.rigid.model import WATCH_COORDINATE, WATCH_DISTANCE, WATCH_RATE, Springs, Watches
 from mbs_ref.scene import GROUND, PointBushing, Scene, SpringDamper
@@ -48,9 +51,9 @@ def contact_laws(scene: Scene, slots: dict[int, int]) -> shared.ContactLaws:
         "friction": [_FRICTIONS[friction.kind] for friction in frictions],
         "slot": [slots.get(k, -1) for k in range(len(laws))],
     }
-    arrays: dict[str, Any] = {name: np.array(values, dtype=np.int64) for name, values in coded.items()}
+    arrays: dict[str, Any] = {name: ints(values) for name, values in coded.items()}
     plain = (name for name in shared.ContactLaws._fields if name not in coded)
-    arrays |= {name: np.array([row[name] for row in numbers], dtype=float) for name in plain}
+    arrays |= {name: floats(row[name] for row in numbers) for name in plain}
     return shared.ContactLaws(**arrays)
 
 
@@ -84,17 +87,17 @@ def springs(scene: Scene, places: Places) -> Springs:
     marks = [(x.point, x.point) if isinstance(x, PointBushing) else (x.point_a, x.point_b) for x in loads]
     ends = [[places.point(body, mark) for body, mark in zip(x.ends, pair, strict=True)]
             for x, pair in zip(loads, marks, strict=True)]  # fmt: skip
-    points = np.array(ends, dtype=float).reshape(-1, 2, scene.dimension)
+    points = floats(ends, 2, scene.dimension)
     return Springs(
-        a=np.array([places.body(x.body_a) for x in loads], dtype=np.int64),
-        b=np.array([places.body(x.body_b) for x in loads], dtype=np.int64),
+        a=ints([places.body(x.body_a) for x in loads]),
+        b=ints([places.body(x.body_b) for x in loads]),
         point_a=points[:, 0],
         point_b=points[:, 1],
-        stiffness=np.array([x.stiffness for x in loads], dtype=float),
-        damping=np.array([x.damping for x in loads], dtype=float),
-        rest_length=np.array([_rest_length(x) for x in loads], dtype=float),
-        isotropic=np.array([isinstance(x, PointBushing) for x in loads], dtype=np.int64),
-        place=np.array([modes.get(x.name, -1) for x in loads], dtype=np.int64),
+        stiffness=floats(x.stiffness for x in loads),
+        damping=floats(x.damping for x in loads),
+        rest_length=floats(_rest_length(x) for x in loads),
+        isotropic=ints([isinstance(x, PointBushing) for x in loads]),
+        place=ints([modes.get(x.name, -1) for x in loads]),
     )
 
 
@@ -111,17 +114,17 @@ def watches(scene: Scene, places: Places) -> Watches:
     marks = [[places.point(body, mark) for body, mark in zip(pair, (e.point_a, e.point_b), strict=True)]
              if isinstance(e, DistanceEvent) else np.zeros((2, scene.dimension))
              for e, pair in zip(scene.events, ends, strict=True)]  # fmt: skip
-    points = np.array(marks, dtype=float).reshape(-1, 2, scene.dimension)
+    points = floats(marks, 2, scene.dimension)
     return Watches(
-        a=np.array([places.body(a) for a, _ in ends], dtype=np.int64),
-        b=np.array([places.body(b) for _, b in ends], dtype=np.int64),
+        a=ints([places.body(a) for a, _ in ends]),
+        b=ints([places.body(b) for _, b in ends]),
         point_a=points[:, 0],
         point_b=points[:, 1],
-        quantity=np.array([_quantity(event) for event in scene.events], dtype=np.int64),
-        component=np.array([_COMPONENTS[getattr(event, "coordinate", "x")] for event in scene.events], dtype=np.int64),
-        value=np.array([event.value for event in scene.events], dtype=float),
-        direction=np.array([_CROSSINGS[event.crossing] for event in scene.events], dtype=np.int64),
-        stops=np.array([event.action == "stop" for event in scene.events], dtype=np.int64),
+        quantity=ints([_quantity(event) for event in scene.events]),
+        component=ints([_COMPONENTS[getattr(event, "coordinate", "x")] for event in scene.events]),
+        value=floats(event.value for event in scene.events),
+        direction=ints([_CROSSINGS[event.crossing] for event in scene.events]),
+        stops=ints([event.action == "stop" for event in scene.events]),
     )
 
 
@@ -129,3 +132,68 @@ def _quantity(event: DistanceEvent | CoordinateEvent) -> int:
     if isinstance(event, DistanceEvent):
         return WATCH_DISTANCE
     return WATCH_RATE if event.rate else WATCH_COORDINATE
+
+
+class ContactSystem(System):
+    """A system whose `groups` hold contact laws, modes and the list of near pairs."""
+
+    def start_contacts(self, t: float, y: np.ndarray, located: bool) -> None:
+        super().start_contacts(t, y, located)
+        self._first_modes = [values.copy() for values in self._frozen]
+        self._recalled = -1  # events of the log that the modes reflect once they are recalled
+
+    @property
+    def _frozen(self) -> tuple[np.ndarray, ...]:
+        """What an event changes, in the order of the log's columns."""
+        modes = self.groups.contact_modes
+        return modes.mode, modes.grip, modes.anchor, modes.dashpot
+
+    @property
+    def event_sources(self) -> tuple[str, ...]:
+        return tuple(event_sources(self.scene))
+
+    def contact_events(self) -> np.ndarray:
+        """Return time (s) and place in `event_sources` (n_events, 2) of the events located so far."""
+        modes = self.groups.contact_modes
+        return modes.log[: modes.logged[0], :2].copy()
+
+    def contact_oscillators(self, t: float, y: np.ndarray) -> np.ndarray:
+        """Return k W (1/s^2) and c W (1/s) of each contact (n, 2), W its normal mobility; c = 0 where F ~ d d'."""
+        laws = self.groups.contact_laws
+        count = len(laws.stiffness)
+        mobility = [core.call_contact_mobility(self.model, self.work, float(t), y, k) for k in range(count)]
+        steady = np.where(laws.damping_exponent == 0.0, laws.damping, 0.0)
+        linear = np.where(laws.exponent == 1.0, laws.stiffness, 0.0)
+        return np.array(mobility)[:, None] * np.column_stack((linear, steady))
+
+    def recall_modes(self, t: float) -> None:
+        """Set every contact's mode to the one that held at t (s) in the last run; quickest in the order of time."""
+        modes = self.groups.contact_modes
+        if not modes.roots[0]:
+            return
+        log = modes.log[: modes.logged[0]]
+        if self._recalled < 0 or (self._recalled and log[self._recalled - 1, 0] > t):
+            self._recalled = 0
+            for values, first in zip(self._frozen, self._first_modes, strict=True):
+                values[:] = first
+        end = int(np.searchsorted(log[:, 0], t, side="right"))
+        for row in log[self._recalled : end]:
+            column = 2
+            for values in self._frozen:
+                width = values[0].size
+                values[int(row[1])] = row[column : column + width].reshape(values.shape[1:])
+                column += width
+        self._recalled = end
+        self.groups.near_pairs.stale[0] = 1
+
+    def contact_forces(self, times: np.ndarray, states: np.ndarray) -> dict[str, np.ndarray]:
+        """Return for each contact depth (m), force on body_a (N) and its point (m), world axes: (n_t, 5 or 7).
+
+        The modes of each time are replayed from the log of events, so the states must be the last run's.
+        """
+        self.prepare(core.REPORT)
+        forces = np.zeros((len(times), len(self.scene.contacts), 1 + 2 * self.scene.dimension))
+        for place, (t, y) in enumerate(zip(times, states, strict=True)):
+            self.recall_modes(t)
+            core.call_contact_forces(self.model, self.work, float(t), y, forces[place])
+        return {part.name: forces[:, k] for k, part in enumerate(self.scene.contacts)}

@@ -1,0 +1,78 @@
+"""Shapes that touch: where and how a circle or sphere of body a meets a shape of body b.
+
+gap = n . (c - o) - r with n fixed in body b for a line or plane, gap = |c - o| - r for two circles or spheres.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple
+
+from mbs_ref.kernels.jit import bare
+from mbs_ref.kernels.rigid import geometry as core
+from mbs_ref.kernels.rigid.marks import gap_between, rate_between
+from mbs_ref.kernels.rigid.model import contact_pairs_of
+
+
+class Surface(NamedTuple):
+    """The point of a surface that is nearest to the centre of a circle or sphere."""
+
+    gap: Any  # m
+    normal: Any  # outwards
+    beyond: Any  # m, excess over open ends
+    back: Any  # m, from the centre against the normal to the point of contact
+    held: Any  # what sticks: in the plane the place rolled and slid along a line (m), in space the two edges
+
+
+class Touch(NamedTuple):
+    """Where and how two shapes meet."""
+
+    gap: Any  # m
+    closing: Any  # m/s, the gap's rate
+    beyond: Any  # m, excess over open ends
+    normal: Any  # from b to a; the tangent in the plane is the normal turned by -90 degrees
+    slip: Any  # m/s, of a on b: along the tangent, or in the tangent plane as a vector
+    arm_a: Any  # m, from the centre of mass of a to the point of contact
+    arm_b: Any  # m
+    held: Any  # of Surface
+
+
+@bare
+def on_round(work, pairs, k, x, upwards, held):
+    """Return the Surface of a circle or sphere; its normal is `upwards` where the centres coincide."""
+    distance = math.sqrt(core.dot(work, x, x))
+    normal = upwards if distance == 0.0 else core.over(work, x, distance)
+    return Surface(distance - pairs.radius[k] - pairs.half[k, 0], normal, -1.0, pairs.radius[k], held)
+
+
+@bare
+def _places(pairs, work, k):
+    """Return the arms of the centre and of the other shape's origin, and the way from this to that."""
+    a, b = pairs.a[k], pairs.b[k]
+    center, origin = core.turned(work, a, pairs.center[k]), core.turned(work, b, pairs.origin[k])
+    return center, origin, gap_between(work, b, a, origin, center)
+
+
+@bare
+def contact_geometry(model, work, k):
+    """Return the Touch of a pair."""
+    pairs = contact_pairs_of(model)
+    a, b = pairs.a[k], pairs.b[k]
+    center, _, x = _places(pairs, work, k)
+    surface = core.surface(model, work, k, x)
+    n = surface.normal
+    arm_a = core.minus(work, center, core.times(work, surface.back, n))
+    arm_b = core.minus(work, core.plus(work, core.centre(work, a), arm_a), core.centre(work, b))
+    u = rate_between(work, b, a, arm_b, arm_a)
+    closing = core.dot(work, n, u)
+    slip = core.slip(work, n, u, closing)
+    return Touch(surface.gap, closing, surface.beyond, n, slip, arm_a, arm_b, surface.held)
+
+
+@bare
+def leaving_ends(model, work, k):
+    """Return the rate (m/s) of the excess over open ends."""
+    pairs = contact_pairs_of(model)
+    center, origin, x = _places(pairs, work, k)
+    out = core.outwards(model, work, k, x)
+    return core.dot(work, out, rate_between(work, pairs.b[k], pairs.a[k], core.plus(work, x, origin), center))
