@@ -14,8 +14,8 @@ def _no_count(model):
 
 
 @jit
-def _no_roots(model, work, t, y, g, rate):
-    pass
+def _no_roots(model, work, t, y, duration, table):
+    return False
 
 
 @jit
