@@ -2,7 +2,7 @@
 SHELL := /bin/bash
 .SHELLFLAGS := -euo pipefail -c
 .DEFAULT_GOAL := help
-.PHONY: help venv kernels test report lint nightly mutants bench site lock clean
+.PHONY: help venv kernels test report lint nightly mutants bench site pictures lock clean
 
 BIN := .venv/bin
 STAMP := .venv/.installed
@@ -108,6 +108,9 @@ site: venv $(DOCS_STAMP)  ## the documentation with the gallery, in build/site; 
 	NO_MKDOCS_2_WARNING=1 $(DOCS)/mkdocs build --strict --quiet
 	$(BIN)/python -m reports.site.links build/site
 	@echo "build/site/index.html; its search needs a server: python -m http.server -d build/site"
+
+pictures: venv  ## the README's pictures, from the last report; needs Chromium
+	$(BIN)/python -m reports.site.pictures
 
 PINNED := --universal --python-version 3.12 --generate-hashes --no-emit-index-url --no-header --no-annotate --quiet
 EXTRAS := --extra engines --extra cluster --extra dev

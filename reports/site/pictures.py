@@ -21,7 +21,7 @@ from mbs_ref import scenes
 from mbs_ref.atomic_file import write_atomic
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
-from reports.film.files import beside
+from reports.film.files import filmstrip
 from reports.page.build import read_data
 from reports.page.render import INDEX
 
@@ -29,17 +29,15 @@ ROOT = Path(__file__).parents[2]
 IMAGES = ROOT / "docs" / "images"
 BROWSERS = ("chromium", "chromium-browser", "google-chrome", "chrome")
 SCREEN = (1400, 900)  # pixels of the report's first screen
-PANEL = (1400, 620)  # pixels of a mechanism beside its plot
+PANEL = (1100, 740)  # pixels of a mechanism above its plot
 LOADING_MS = 10_000  # ms of a page's own time until it is drawn
 COLOURS = 128  # of a PNG: text stays smooth, and the file below 200 kB
 COLUMNS = 110  # characters of the terminal
-SCENE = "slider_crank"
-SAMPLE = 20  # of the run whose pose is drawn
-SESSION = ("mbs-ref simulate pendulum --rtol 1e-12 --t-end 10", "mbs-ref simulate slider_crank --plot")
-PAGE = """<!doctype html><meta charset="utf-8"><style>
-body { margin: 0; display: flex; align-items: center; background: #fff; font-family: sans-serif; }
-img { width: 560px; } body > div { flex: 1; }
-</style><img src="data:image/png;base64,%s"><div>%s</div>"""
+SCENE = scenes.make("pendulum_chain", links=3)  # of every report, a quick one too
+MOMENTS = 4  # of the run
+SESSION = "mbs-ref simulate slider_crank --plot"
+PAGE = """<!doctype html><meta charset="utf-8"><body style="margin: 0; background: #fff; font-family: sans-serif">
+<img style="width: 100%%" src="data:image/png;base64,%s">%s"""
 
 
 def first_screen(report: Path) -> bytes:
@@ -48,35 +46,34 @@ def first_screen(report: Path) -> bytes:
 
 
 def mechanism(report: Path) -> bytes:
-    """Return a pose of SCENE beside its work-precision plot of a report's records, as PNG."""
-    scene = scenes.make(SCENE)
-    pose, drawn = io.BytesIO(), beside(scene, {"": simulate(scene, Settings(estimate="off"))})[SAMPLE]
-    drawn.save(pose, "PNG")
-    records = [record for record in read_data(report).records if record.label == SCENE]
-    plot = work_precision(records).to_html(include_plotlyjs=True, full_html=False)
+    """Return moments of SCENE above its work-precision plot of a report's records, as PNG."""
+    strip = filmstrip(SCENE, simulate(SCENE, Settings(estimate="off")), MOMENTS)
+    label = scenes.label(SCENE.name, SCENE.parameters)
+    records = [record for record in read_data(report).records if record.label == label]
+    figure = work_precision(records)
+    figure.for_each_trace(lambda line: line.update(name=line.legendgroup, legendgrouptitle=None))
+    figure.data = [line for line in figure.data if line.visible is None]  # the frontier of each engine
+    plot = figure.to_html(include_plotlyjs=True, full_html=False, config={"displayModeBar": False})
     with tempfile.TemporaryDirectory() as folder:
         page = Path(folder) / "mechanism.html"
-        page.write_text(PAGE % (base64.b64encode(pose.getvalue()).decode(), plot), encoding="utf-8")
+        page.write_text(PAGE % (base64.b64encode(strip).decode(), plot), encoding="utf-8")
         return screenshot(page, PANEL)
 
 
 def terminal(report: Path) -> bytes:
-    """Return the commands of SESSION with what they print, as SVG."""
+    """Return the command SESSION with what it prints, as SVG."""
+    program, *words = shlex.split(SESSION)
+    command = [Path(sys.executable).with_name(program), *words]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
     console = Console(record=True, width=COLUMNS, file=io.StringIO(), force_terminal=True)
-    for line in SESSION:
-        program, *words = shlex.split(line)
-        done = subprocess.run(
-            [Path(sys.executable).with_name(program), *words], capture_output=True, text=True, check=True
-        )
-        console.print(Text(f"$ {line}", style="bold"))
-        console.print(Text(done.stdout.rstrip()), "", sep="\n")
+    console.print(Text(f"$ {SESSION}", style="bold"), Text(done.stdout.rstrip()), sep="\n")
     return console.export_svg(title="mbs-ref", unique_id="terminal").encode()
 
 
 PICTURES: dict[str, Callable[[Path], bytes]] = {
     "report.png": first_screen,
-    "mechanism.png": mechanism,
     "terminal.svg": terminal,
+    "mechanism.png": mechanism,
 }
 
 
