@@ -155,10 +155,12 @@ def start_contacts(model, work, t, y, located):
         elif laws.release[k] == RELEASE_CONSTRAINT:
             still = touch.beyond <= 0.0 and abs(touch.gap) <= near and abs(touch.closing) <= near
             modes.mode[k] = MODE_CLOSED if still else MODE_OPEN
-        elif touch.beyond > 0.0 or touch.gap > 0.0 or laws.release[k] == RELEASE_RIGID:
+        elif touch.beyond > 0.0 or touch.gap > 0.0:
             modes.mode[k] = MODE_OPEN
         elif is_behind(pairs, k, touch.gap):
             modes.mode[k] = MODE_BEHIND
+        elif laws.release[k] == RELEASE_RIGID:
+            modes.mode[k] = MODE_OPEN
         else:
             close(laws, modes, k, max(-touch.closing, 0.0))
             take_grip(model, y, k, touch)
