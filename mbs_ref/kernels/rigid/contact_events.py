@@ -122,7 +122,10 @@ def contact_transition(model, work, t, y, g, dy):
         held = held or laws.slot[k] >= 0
         core.load_state(model, work, y)
         touch = contact_geometry(model, work, k)
+        was_behind = modes.mode[k] == MODE_BEHIND
         due = next_mode(laws, modes, k, g, touch.closing, is_behind(pairs, k, touch.gap))
+        if was_behind or modes.mode[k] == MODE_BEHIND:
+            g[ROOTS_EACH * k] = 0.0  # nothing touches, so it is not logged
         if due == IMPACT:
             _impact(model, work, t, y, k)
         elif due == TOUCH:
