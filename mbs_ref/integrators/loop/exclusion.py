@@ -8,7 +8,8 @@ stage of the method is needed. An interval is halved until each function is excl
 - or by its second differences, once they shrink as those of a smooth function do.
 Neither holds for bodies that turn far: their intervals are halved until the turn is less than a radian.
 What the quartic term changes in a function bounds the interpolant's error. Where a function is smaller than that, the
-step is to end there, so that the method itself decides.
+step is to end there, so that the method itself decides. Where that error is as large as the functions, as in a step
+beyond the limit of stability, the interpolant shows nothing, and the step is halved.
 """
 
 from __future__ import annotations
@@ -29,6 +30,7 @@ FAR_TURN, SMOOTH_TURN = 1.0, 2.0  # rad, turn in an interval to which the bounds
 SHRINKS = 0.5  # of second differences when intervals are halved: those of a smooth function shrink to a quarter
 NOISE = 4.0  # roundoffs by which a function may scatter from one place to the next
 MOST_PLACES = 2000  # inside a step before it is cut short
+TRUSTED = 0.2  # of a function's size in a step: the interpolant's error up to which it shows anything
 FREEZE = -1.0  # s, duration with which pairs that are near stay as they are
 QUARTER_SLOPE = 0.1875  # of s^2 (1 - s)^2 at s = 1/4
 
@@ -134,7 +136,9 @@ def _search(model, work, path, unsure, low, new):
     for c in range(count):
         tables[0, :, c], tables[1, :, c] = low[:, unsure[c]], new[:, unsure[c]]
     places[0], places[1] = 0.0, 1.0
-    error = _error(model, work, path, unsure, scratch, state)
+    error, is_trusted = _error(model, work, path, unsure, scratch, state, tables)
+    if not is_trusted:
+        return 1.0 if _is_past(tables[1]) else 0.5
     top = 1  # the interval is that from row 0 to row `top`; further right ends lie below
     for _ in range(MOST_PLACES):
         if top == 0:
@@ -252,12 +256,15 @@ def _evaluate(model, work, path, s, unsure, scratch, state, out):
 
 
 @jit
-def _error(model, work, path, unsure, scratch, state):
-    """Return what the quartic term changes in each function in the middle of the step."""
+def _error(model, work, path, unsure, scratch, state, tables):
+    """Return what the quartic term changes in each function in the middle of the step, and whether that is little."""
+    is_trusted = True
     error, with_it, without = np.empty(len(unsure)), np.empty((4, len(unsure))), np.empty((4, len(unsure)))
     cubic = Path(path.t, path.h, path.ends, np.zeros_like(path.bend))
     _evaluate(model, work, path, 0.5, unsure, scratch, state, with_it)
     _evaluate(model, work, cubic, 0.5, unsure, scratch, state, without)
     for c in range(len(unsure)):
         error[c] = abs(with_it[VALUE, c] - without[VALUE, c])
-    return error
+        size = max(abs(tables[0, VALUE, c]), abs(tables[1, VALUE, c]), abs(with_it[VALUE, c]))
+        is_trusted = is_trusted and not error[c] > TRUSTED * size + NOISE
+    return error, is_trusted
