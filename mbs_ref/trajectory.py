@@ -116,10 +116,8 @@ class Estimate:
 
 def pose_shapes(n_bodies: int, dimension: int) -> tuple[tuple[int, ...], ...]:
     """Return the shapes of position, orientation, velocity and angular velocity of all bodies at one time."""
-    vectors = (n_bodies, dimension)
-    return (
-        (vectors, (n_bodies,), vectors, (n_bodies,)) if dimension == 2 else (vectors, (n_bodies, 4), vectors, vectors)
-    )
+    vectors, numbers = (n_bodies, dimension), (n_bodies,)
+    return (vectors, numbers, vectors, numbers) if dimension == 2 else (vectors, (n_bodies, 4), vectors, vectors)
 
 
 @dataclass(frozen=True)
@@ -183,7 +181,6 @@ class Trajectory:
     def upto(self, count: int) -> Trajectory:
         """Return the first `count` samples."""
         samples = {name: getattr(self, name)[:count] for name in ("times", *POSES)}
-        forces = {
-            of: {name: value[:count] for name, value in getattr(self, of).items()} for of in ("reactions", "contacts")
-        }
+        shared = ("reactions", "contacts")
+        forces = {of: {name: value[:count] for name, value in getattr(self, of).items()} for of in shared}
         return replace(self, **samples, **forces)

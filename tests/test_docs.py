@@ -19,6 +19,7 @@ from reports.cli import main
 from reports.site import gallery as trade
 from reports.site.__main__ import write_sources
 from reports.site.notebooks import executed, page
+from reports.site.pictures import IMAGES, PICTURES
 
 ROOT = Path(__file__).parents[1]
 PAGES = sorted([*(ROOT / "docs").glob("*.md"), ROOT / "README.md", ROOT / "CONTRIBUTING.md"])
@@ -130,6 +131,37 @@ def test_the_tutorial_by_copy_and_paste(tmp_path):
     assert done.returncode == 2
     assert "mas" in done.stderr
     assert "mass" in done.stderr
+
+
+SHOWN = re.compile(r"!\[[^\]]+\]\(docs/images/([^)]+)\)")
+MOST_BYTES = 300_000  # of a picture
+
+
+def test_the_readme_shows_the_pictures_that_the_command_makes():
+    assert SHOWN.findall((ROOT / "README.md").read_text(encoding="utf-8")) == list(PICTURES)
+    assert {path.name for path in IMAGES.iterdir()} == set(PICTURES)
+
+
+@pytest.mark.parametrize("name", PICTURES)
+def test_a_picture_is_small_and_of_its_kind(name):
+    content = (IMAGES / name).read_bytes()
+    assert content.startswith({"png": b"\x89PNG", "svg": b"<svg"}[name.rpartition(".")[2]])
+    assert len(content) < MOST_BYTES
+
+
+FOLDERS = ("architecture.md", "CONTRIBUTING.md")  # pages that name folders and files of the tree
+PLACE = re.compile(r"`((?:[\w]+/)*\w+\.py|(?:\w+/)+)`")
+
+
+@pytest.mark.parametrize("page", [p for p in PAGES if p.name in FOLDERS], ids=lambda page: page.name)
+def test_named_folders_and_files_are_in_the_tree(page):
+    layers = ("mbs_ref", "cross_checks", "benchmarks", "reports", "tests")
+    files = [path.relative_to(ROOT) for layer in layers for path in (ROOT / layer).rglob("*.py")]
+    known = {str(place) for file in files for place in (file, *file.parents)}
+    ends = {"/".join(place.split("/")[k:]) for place in known for k in range(place.count("/") + 1)}
+    named = [place.rstrip("/") for place in PLACE.findall(page.read_text(encoding="utf-8"))]
+    assert named
+    assert not [place for place in named if place not in ends]
 
 
 LINK = re.compile(r"\]\(([^)\s]+)\)")

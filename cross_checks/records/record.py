@@ -76,9 +76,8 @@ class Record:
     contact: dict[str, float] = field(default_factory=dict)  # restitution, ... by "contact: figure, unit"
     events: dict[str, list[float]] = field(default_factory=dict)  # declared event -> its times (s), where located
     estimate: dict[str, Any] | None = None  # of the error, by the run itself: value, unit, how, holds_until (s), ...
-    history: dict[str, list[float | None]] = field(
-        default_factory=dict
-    )  # t, error, estimate and the plotted metrics' curves
+    # curves over time: t, error, estimate and the plotted metrics
+    history: dict[str, list[float | None]] = field(default_factory=dict)
 
     @property
     def label(self) -> str:

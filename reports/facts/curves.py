@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import base64
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -27,7 +27,7 @@ class Curves:
     """What a small plot shows; every line has the x of all."""
 
     x: tuple[float | str, ...]
-    lines: Mapping[str, Sequence[float | None]]  # None is a gap
+    lines: Mapping[str, tuple[float | None, ...]]  # None is a gap
     y_label: str
     x_label: str = "t, s"
     log: bool = False
