@@ -47,7 +47,8 @@ def _on_floor(law: Any, dimension: int) -> Scene:
     ball = _ball("ball", (RADIUS + GAP) * normal, -SPEED * normal)
     common: dict[str, Any] = {"name": "floor", "body_a": "ball", "center": ball.position, "radius": RADIUS, "law": law}
     if dimension == 2:  # the free side is on the left, walking from 1 to 2
-        floor = contact.CircleOnLine(**common, point_1=(0.0, 0.0), point_2=(float(normal[1]), -float(normal[0])))
+        along = (RADIUS * float(normal[1]), -RADIUS * float(normal[0]))  # a longer line would be the scene's length
+        floor = contact.CircleOnLine(**common, point_1=(0.0, 0.0), point_2=along)
     else:
         floor = contact.SphereOnPlane(**common, point=(0.0, 0.0, 0.0), normal=NORMALS[3])
     gravity = tuple((-GRAVITY * normal).tolist())

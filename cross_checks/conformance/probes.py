@@ -34,6 +34,7 @@ HELD: Place = (-0.2, 0.6, 0.4)  # m, on ground, aside
 FIRST: Place = (0.3, 0.1, 0.1)  # m, a body's centre
 SECOND: Place = (0.9, -0.3, 0.2)  # m, the other's
 AXES: tuple[Place, Place] = ((1.0, 2.0, 2.0), (2.0, -2.0, 1.0))  # perpendicular
+ALONG: Place = (1.0, 0.0, -1.0)  # of a driven point; along its hinge's axis AXES[0] it could not move
 GRAVITY: Place = (1.0, -9.0, 3.0)  # m/s^2
 NEAR: Place = (0.05, -0.1, 0.07)  # m, from a centre to where loads and rods take hold
 
@@ -116,7 +117,7 @@ def _drives(d: int) -> dict[str, Any]:
     drives: dict[str, Any] = {
         "coordinate_drive": parts.CoordinateDrive(name="drive", body="b", coordinate=coordinate, motion=SWAY),
         "point_drive": parts.PointDrive(
-            name="drive", body="a", point=_mark(FIRST)[:d], direction=AXES[0][:d], motion=SWAY
+            name="drive", body="a", point=_mark(FIRST)[:d], direction=ALONG[:d], motion=SWAY
         ),
     }  # fmt: skip
     turned = parts.RotationDrive(name="drive", body_a="a", body_b="b", axis=AXES[1], motion=SWAY)

@@ -73,11 +73,12 @@ def _probing(engine: Engine, there: list[Question]) -> Iterator[Question]:
     met = {(kind, question.scene.dimension) for question in there for kind in part_types(question.scene)}
     for (kind, dimension), scene in probes().items():
         if kind in engine.part_types and (kind, dimension) not in met and _is_taken(engine, scene):
-            yield _probe(kind, dimension)
+            yield probe(kind, dimension)
 
 
 @cache
-def _probe(kind: str, dimension: int) -> Question:
+def probe(kind: str, dimension: int) -> Question:
+    """Return the question that the small scene for a type of part is."""
     scene = probes()[kind, dimension]
     times, name = np.linspace(0.0, scene.duration, SAMPLES), f"{kind}_in_{'plane' if dimension == 2 else 'space'}"
     return Question(scene.model_copy(update={"name": name}), times, probe_truth(scene, times))

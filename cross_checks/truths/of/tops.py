@@ -150,11 +150,9 @@ def _orientations(
     axis = rates.place[0]
     others = [k for k in range(3) if k != axis]
 
-    def momentum(t: np.ndarray) -> np.ndarray:
-        return rates.at(t) * moments
-
     def precession(t: np.ndarray) -> np.ndarray:
-        rate, part = rates.at(t)[:, others], momentum(t)[:, others]
+        rate = rates.at(t)[:, others]
+        part = rate * moments[others]
         return size * np.sum(rate * part, axis=1) / np.sum(part**2, axis=1)
 
     size = np.sqrt(np.sum((moments * omega) ** 2))
@@ -168,7 +166,7 @@ def _orientations(
     across = seen - up * (up @ seen)
     across = across / np.sqrt(across @ across)
     result = []
-    for body_momentum, angle in zip(momentum(times.astype(np.longdouble)), turned, strict=True):
+    for body_momentum, angle in zip(rates.at(times.astype(np.longdouble)) * moments, turned, strict=True):
         direction = across * np.cos(angle) + _cross(up, across) * np.sin(angle)
         result.append(_parameters(_triad(up, direction) @ _triad(body_momentum / size, e).T))
     return np.array(result), error

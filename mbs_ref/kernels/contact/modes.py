@@ -99,12 +99,12 @@ def next_mode(laws, modes, k, g, closing, behind):
     i = ROOTS_EACH * k
     mode = modes.mode[k]
     if mode == MODE_OPEN or (mode == MODE_LEAVING and g[i] >= 0.0):
-        if laws.release[k] == RELEASE_RIGID:
-            modes.mode[k] = MODE_LEAVING
-            return IMPACT
         if behind:
             modes.mode[k] = MODE_BEHIND
             return NOTHING
+        if laws.release[k] == RELEASE_RIGID:
+            modes.mode[k] = MODE_LEAVING
+            return IMPACT
         if laws.release[k] == RELEASE_CONSTRAINT:
             modes.mode[k] = MODE_CLOSED
             return NOTHING

@@ -1,6 +1,7 @@
 """Friction in the plane: along the tangent, which is the normal turned by -90 degrees.
 
-A sticking contact has a spring that is slack at the place `anchor` along a line; sliding has a sign.
+A sticking contact has a spring that is slack at the place `anchor` along a line. Sliding has a sign; its `anchor` is
+the slip velocity against it (m/s, not positive) with which it began, a remainder of the stop before.
 """
 
 from __future__ import annotations
@@ -43,7 +44,8 @@ def grip_force(model, work, k, touch, normal):
 
 @jit
 def ahead(model, k, touch):
-    return contact_modes_of(model).grip[k] * touch.slip
+    modes = contact_modes_of(model)
+    return modes.grip[k] * touch.slip - modes.anchor[k, 0]
 
 
 @jit
@@ -68,5 +70,7 @@ def stick(model, y, k, touch, force):
 
 
 @jit
-def slide_along(model, k, sign, u):
-    contact_modes_of(model).grip[k] = GRIP_BACKWARD if sign * u[0] < 0.0 else GRIP_FORWARD
+def slide_along(model, k, touch, sign, u):
+    modes = contact_modes_of(model)
+    modes.grip[k] = GRIP_BACKWARD if sign * u[0] < 0.0 else GRIP_FORWARD
+    modes.anchor[k, 0] = min(modes.grip[k] * touch.slip, 0.0)

@@ -122,7 +122,10 @@ def contact_transition(model, work, t, y, g, dy):
         held = held or laws.slot[k] >= 0
         core.load_state(model, work, y)
         touch = contact_geometry(model, work, k)
+        was_behind = modes.mode[k] == MODE_BEHIND
         due = next_mode(laws, modes, k, g, touch.closing, is_behind(pairs, k, touch.gap))
+        if was_behind or modes.mode[k] == MODE_BEHIND:
+            g[ROOTS_EACH * k] = 0.0  # nothing touches, so it is not logged
         if due == IMPACT:
             _impact(model, work, t, y, k)
         elif due == TOUCH:
@@ -155,10 +158,12 @@ def start_contacts(model, work, t, y, located):
         elif laws.release[k] == RELEASE_CONSTRAINT:
             still = touch.beyond <= 0.0 and abs(touch.gap) <= near and abs(touch.closing) <= near
             modes.mode[k] = MODE_CLOSED if still else MODE_OPEN
-        elif touch.beyond > 0.0 or touch.gap > 0.0 or laws.release[k] == RELEASE_RIGID:
+        elif touch.beyond > 0.0 or touch.gap > 0.0:
             modes.mode[k] = MODE_OPEN
         elif is_behind(pairs, k, touch.gap):
             modes.mode[k] = MODE_BEHIND
+        elif laws.release[k] == RELEASE_RIGID:
+            modes.mode[k] = MODE_OPEN
         else:
             close(laws, modes, k, max(-touch.closing, 0.0))
             take_grip(model, y, k, touch)

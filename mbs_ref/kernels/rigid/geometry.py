@@ -269,5 +269,5 @@ def stick(model, y, k, touch, force) -> Any:
 
 
 @supplied
-def slide_along(model, k, sign, u) -> Any:
+def slide_along(model, k, touch, sign, u) -> Any:
     """Let contact k slide in the direction of a sign times u (tangents,)."""

@@ -15,8 +15,8 @@ from mbs_ref.kernels.rigid.landing import contact_mass
 from mbs_ref.kernels.rigid.model import contact_laws_of, contact_modes_of, contact_pairs_of
 from mbs_ref.kernels.rigid.shapes import contact_geometry
 
-DIFFERENCE = 1e-3  # of the sticking springs' time scale: step of the differences along the motion
-ACCURACY = 1e-18  # of the square of the slip rates: less is not resolved by differences
+DIFFERENCE = 1e-4  # of the sticking springs' time scale: step of the differences along the motion
+ACCURACY = 1e-24  # of the square of the slip rates: less is not resolved by differences
 
 
 @bare
@@ -48,7 +48,7 @@ def take_grip(model, y, k, touch):
         contact_modes_of(model).grip[k] = GRIP_STICK
         core.stick(model, y, k, touch, slip)
     else:
-        core.slide_along(model, k, 1.0, slip)
+        core.slide_along(model, k, touch, 1.0, slip)
 
 
 @jit
@@ -58,7 +58,7 @@ def change_grip(model, work, k, touch):
     if modes.grip[k] != GRIP_STICK:
         return core.has_stopped(model, k, touch)
     normal = normal_force(laws, modes, k, -touch.gap, -touch.closing)
-    core.slide_along(model, k, -1.0, core.grip_force(model, work, k, touch, normal))
+    core.slide_along(model, k, touch, -1.0, core.grip_force(model, work, k, touch, normal))
     return False
 
 
@@ -108,11 +108,12 @@ def rigid_settle_grips(model, work, t, y, dy):
     for k in range(count):
         if modes.grip[k] != GRIP_PROBE:
             continue
+        touch = contact_geometry(model, work, k)
         if _size(force[k]) <= laws.static[k] * loads[k]:
             modes.grip[k] = GRIP_STICK
-            core.stick(model, y, k, contact_geometry(model, work, k), force[k])
+            core.stick(model, y, k, touch, force[k])
         else:
-            core.slide_along(model, k, -1.0, force[k])
+            core.slide_along(model, k, touch, -1.0, force[k])
 
 
 @jit

@@ -92,7 +92,7 @@ def ahead(model, k, touch):
 def has_stopped(model, k, touch):
     along, across = slip_of(model, touch)
     if math.sqrt(along * along + across * across) > contact_modes_of(model).slow[0]:  # it turns
-        slide_along(model, k, 1.0, (along, across))
+        slide_along(model, k, touch, 1.0, (along, across))
         return False
     return True
 
@@ -112,7 +112,7 @@ def stick(model, y, k, touch, force):
 
 
 @jit
-def slide_along(model, k, sign, u):
+def slide_along(model, k, touch, sign, u):
     modes = contact_modes_of(model)
     speed = math.sqrt(u[0] * u[0] + u[1] * u[1])
     modes.grip[k] = GRIP_FORWARD

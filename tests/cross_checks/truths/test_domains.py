@@ -114,7 +114,7 @@ def test_an_unexpected_exception_and_the_time_limit_are_reasons(monkeypatch):
         raise ZeroDivisionError("a mistake")
 
     times = np.linspace(0.0, 0.7, 5)
-    monkeypatch.setattr("cross_checks.truths.of.pendulums.solve", broken)
+    monkeypatch.setitem(truths._solvers(), "pendulum", broken)
     found = seek_truth(scenes.make("pendulum"), times)
     assert isinstance(found, NoTruth)
     assert found.kind == "defect"

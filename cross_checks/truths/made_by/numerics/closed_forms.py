@@ -6,13 +6,14 @@ from collections.abc import Callable
 
 import numpy as np
 
-LEVELS = 8  # the arithmetic-geometric mean doubles its digits at each
+LEVELS = 8  # at most: the arithmetic-geometric mean doubles its digits at each
+EPS = np.finfo(np.longdouble).eps  # relative; means that differ by two of it are equal
 
 
 def amplitude(u: np.ndarray, m) -> np.ndarray:
     """Return am(u | m), rad, for 0 <= m < 1, in numpy's longdouble (Abramowitz & Stegun 16.4)."""
     means, ratios = _means(np.longdouble(m))
-    phi = 2**LEVELS * means * np.asarray(u, dtype=np.longdouble)
+    phi = 2 ** len(ratios) * means * np.asarray(u, dtype=np.longdouble)
     for ratio in reversed(ratios):
         phi = (phi + np.arcsin(ratio * np.sin(phi))) / 2
     return phi
@@ -28,6 +29,8 @@ def _means(m) -> tuple[np.longdouble, list[np.longdouble]]:
     a, b = np.longdouble(1), np.sqrt(1 - m)
     ratios = []
     for _ in range(LEVELS):
+        if a - b <= 2 * EPS * a:
+            break
         a, b, c = (a + b) / 2, np.sqrt(a * b), (a - b) / 2
         ratios.append(c / a)
     return a, ratios

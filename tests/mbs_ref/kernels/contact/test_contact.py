@@ -166,6 +166,17 @@ def test_heavy_on_light_agrees_between_methods_and_is_refused_where_unstable():
     assert simulate(scene, Settings(method="rk4", step=1e-3)).status is Status.REFUSED
 
 
+@pytest.mark.parametrize("height", [0.01, 0.05, 0.2, 0.45])
+def test_a_sliding_block_of_any_height_stops_where_its_friction_has_taken_its_energy(height):
+    """Friction is mu m g in all, however the corners share it, so that the block slides v^2 / (2 mu g)."""
+    block = scenes.make("sliding_block", height=height)
+    run = simulate(block, FINE)
+    speed, friction = block.bodies[0].velocity[0], block.contacts[0].friction.coefficient
+    assert run.ok, run.message
+    assert run.position[-1, 0, 0] - run.position[0, 0, 0] == pytest.approx(speed**2 / (2 * 9.81 * friction), rel=1e-4)
+    assert np.abs(run.velocity[-1]).max() < 1e-3 * speed
+
+
 def test_eigenvalues_of_a_closed_contact():
     system = compile_scene(scenes.make("bouncing_ball", height=0.0))
     y = system.initial_state()
