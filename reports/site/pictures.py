@@ -52,7 +52,7 @@ def mechanism(report: Path) -> bytes:
     records = [record for record in read_data(report).records if record.label == label]
     figure = work_precision(records)
     figure.for_each_trace(lambda line: line.update(name=line.legendgroup, legendgrouptitle=None))
-    figure.data = [line for line in figure.select_traces() if line.visible is None]  # the frontier of each engine
+    figure.data = list(figure.select_traces(lambda line: line.visible is None))  # the frontier of each engine
     plot = figure.to_html(include_plotlyjs=True, full_html=False, config={"displayModeBar": False})
     with tempfile.TemporaryDirectory() as folder:
         page = Path(folder) / "mechanism.html"
