@@ -63,7 +63,7 @@ def climb(engine: Engine, method: Method, question: Question) -> tuple[list[Find
     findings = [verdict("runs", name, scene, "")]
     findings += [verdict(what, name, scene, wrong) for what, wrong in _always(rising)]
     findings += [verdict(what, name, scene, wrong, seen=seen, excuse=excuse) for what, wrong in _excusable(rising)]
-    if question.is_smooth or method.kind == "fixed" or method.locates_events:  # else it may step over a contact
+    if question.is_smooth or rising.meets_contacts:
         findings.append(verdict("same end", name, scene, _other_end(engine, rising), excuse=excuse))
     return findings, rising.row()
 
@@ -75,6 +75,11 @@ class _Rungs:
     method: Method
     question: Question
     runs: tuple[Called, ...]
+
+    @property
+    def meets_contacts(self) -> bool:
+        """Whether the steps are given or end at contacts; an adaptive method may else step over one."""
+        return self.method.kind == "fixed" or self.method.locates_events
 
     @property
     def bar(self) -> float:
@@ -191,7 +196,8 @@ def _contact(rising: _Rungs) -> str:
     """Return a sentence where contacts are off by more than a target and than refinement explains."""
     error, last = rising.errors[-1], rising.runs[-1]
     moved = max(gap(rising.question.scene, last.path, run.path) or 0.0 for run in rising.runs[-3:-1])
-    if error <= TARGETS[0] or error <= min(RESOLVED, EXPLAINED * moved):
+    explained = min(RESOLVED, EXPLAINED * moved) if rising.meets_contacts else RESOLVED
+    if error <= max(TARGETS[0], explained):
         return ""
     return f"{last.setting}: bodies do not stop and part as they must: error {error:.1e} of the scene"
 
