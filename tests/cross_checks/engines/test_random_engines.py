@@ -27,7 +27,7 @@ CLOSE = {  # engine -> settings, and how near (m or rad) its method comes to the
     "exudyn": (Settings(method="generalized_alpha", step=1e-4), 1e-6),
 }
 SOFT_LOOPS = frozenset({"mujoco"})  # a joint outside of the tree is a soft constraint there: another limit
-FINER = 64  # where springs are stiff or a load jumps within a step, so much finer ones have to come as near
+FINER = (4, 64)  # where springs are stiff or a load jumps within a step, one of so much finer ones has to come as near
 
 
 def comparable(name: str, scene: Scene) -> bool:
@@ -76,8 +76,11 @@ def survey(name: str, seeds: Iterable[int]) -> Survey:
         loaded += bool(scene.loads)
         if gap <= bound:
             continue
-        finer = apart(name, scene, FINER) or 0.0
-        first_order = "breakpoints" in traits(scene) and finer <= 4.0 * gap / FINER  # a load jumps within a step
+        for factor in FINER:
+            finer = apart(name, scene, factor) or 0.0
+            if finer <= bound:
+                break
+        first_order = "breakpoints" in traits(scene) and finer <= 4.0 * gap / FINER[-1]  # a load jumps within a step
         if not (finer <= bound or first_order):
             found.append(f"seed {seed}: {name} is {gap:.3g} m or rad away, and no finer step helps")
     return Survey(len(gaps), loaded, max(gaps, default=0.0), found)
