@@ -27,7 +27,7 @@ CLOSE = {  # engine -> settings, and how near (m or rad) its method comes to the
     "exudyn": (Settings(method="generalized_alpha", step=1e-4), 1e-6),
 }
 SOFT_LOOPS = frozenset({"mujoco"})  # a joint outside of the tree is a soft constraint there: another limit
-FINER = (4, 64)  # where springs are stiff or a load jumps within a step, one of so much finer ones has to come as near
+FINER = (16, 64)  # where springs are stiff or a load jumps within a step, one of so much finer ones has to come as near
 
 
 def comparable(name: str, scene: Scene) -> bool:
