@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 from cross_checks import engines
 from cross_checks.engine import Method
-from cross_checks.judge.bounds import MOST_STEPS, TARGETS
+from cross_checks.judge.bounds import FAILING, MOST_STEPS, TARGETS
 from cross_checks.judge.ladder import SAMPLES, TIGHTEST, coarsest, knob_of, label, settings_at
 from cross_checks.judge.runs import Runs, against, gap
 from cross_checks.judge.search import Search
@@ -194,12 +194,12 @@ def _result(tried: Tried, target: float) -> TargetResult:
     floor = max((r.error.floor for r in records if r.error is not None), default=0.0)
     if target < floor:
         return TargetResult(target, "unjudged", None, f"errors below {floor:.1e} cannot be resolved by this truth")
-    steps, verdict = tried.search.least_steps(target), tried.verdict()
+    omitted, verdict = tried.search.omitted(target), tried.verdict()
     is_open = verdict.verdict not in WRONG and bool(good) and tried.knobs[-1] == good[-1].knob
-    if is_open and tried.most_steps < steps < math.inf:
-        return TargetResult(target, "not-tried", None, f"it would take about {steps:.1g} steps")
+    if is_open and omitted is not None and omitted.reaches > 1.0 - FAILING:
+        return TargetResult(target, "not-tried", None, f"it would take {omitted}", omitted)
     best = min((r.error.value for r in records if r.error is not None), default=math.inf)
-    return TargetResult(target, "not-reached", None, f"the best error is {best:.1e}; {verdict.reason}")
+    return TargetResult(target, "not-reached", None, f"the best error is {best:.1e}; {verdict.reason}", omitted)
 
 
 def _last_message(tried: Tried) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from cross_checks.judge.convergence.calibration import calibration
+from cross_checks.judge.convergence import calibration
 from tests.cross_checks.convergence.measure import evaluate, report
 from tests.cross_checks.convergence.searched import classify
 from tests.cross_checks.convergence.synthetic import HELD_OUT
