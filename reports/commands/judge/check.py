@@ -108,13 +108,14 @@ def _show_refusals(cells: list[Cell]) -> None:
 
 def _show_omitted(cells: list[Cell]) -> None:
     """List what the runs that were not made would have cost and shown."""
-    listing = table("\nNot tried", "scene", "engine", "method", "target", "what a run would take and show")
-    for cell in cells:
-        for result in cell.targets:
-            if result.answer == "not-tried":
-                listing.add_row(cell.label, cell.engine, cell.method, number(result.target), str(result.omitted))
-    if listing.row_count:
-        show(listing)
+    rows = [
+        (cell.label, cell.engine, cell.method, number(result.target), str(result.omitted))
+        for cell in cells
+        for result in cell.targets
+        if result.answer == "not-tried"
+    ]
+    if rows:
+        show_table("\nNot tried", ("scene", "engine", "method", "target", "what a run would take and show"), rows)
 
 
 def _show_contact(cells: list[Cell]) -> None:
