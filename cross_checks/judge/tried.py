@@ -130,14 +130,16 @@ def expected_order(method: Method, scene: Scene) -> float:
 
 
 def facts_of(method: Method, scene: Scene, duration: float, uncertainty: float) -> dict:
+    """Return a ladder's facts for a method on a scene."""
+    return typical_facts(method.kind, method.order or 5, expected_order(method, scene), duration, uncertainty)
+
+
+def typical_facts(kind: str, order: int, expected: float, duration: float, uncertainty: float) -> dict:
     """Return a ladder's facts: the error that is typical at a setting before any run, of a documented order."""
-    is_fixed = method.kind == "fixed"
+    is_fixed = kind == "fixed"
     where = duration / TYPICAL_STEPS if is_fixed else TYPICAL_RTOL
-    typical = (
-        -DECADES_PER_ORDER * min(method.order or 5, MOST_ORDER) if is_fixed else math.log10(TYPICAL * TYPICAL_RTOL)
-    )
-    return {"kind": method.kind, "order": expected_order(method, scene), "reference": where, "typical": typical,
-            "uncertainty": uncertainty}  # fmt: skip
+    typical = -DECADES_PER_ORDER * min(order, MOST_ORDER) if is_fixed else math.log10(TYPICAL * TYPICAL_RTOL)
+    return {"kind": kind, "order": expected, "reference": where, "typical": typical, "uncertainty": uncertainty}
 
 
 def _alike(scene: Scene, engine: str, method: Method):

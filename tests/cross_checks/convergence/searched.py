@@ -13,7 +13,7 @@ from typing import Any
 from cross_checks.judge.bounds import AGREEMENT, TARGETS
 from cross_checks.judge.convergence import FILE, calibration
 from cross_checks.judge.search import Search
-from cross_checks.judge.tried import FIRST_RTOL, facts_of
+from cross_checks.judge.tried import FIRST_RTOL, typical_facts
 from cross_checks.judge.verdict import Point
 from tests.cross_checks.convergence.law import MOST_STEPS, OUTPUTS, SyntheticMethod, size
 from tests.cross_checks.convergence.measure import Answer, evaluate, markdown, mistakes, report
@@ -57,7 +57,7 @@ class Subject:
 
     def facts(self) -> dict:
         amplified = math.log10(self.method.amplification)
-        facts = facts_of(self.kind, self.method.order, self.expected, self.duration, self.method.uncertainty)
+        facts = typical_facts(self.kind, self.method.order, self.expected, self.duration, self.method.uncertainty)
         return facts | {"typical": facts["typical"] + amplified}
 
     def reference(self, knob: float) -> None:
