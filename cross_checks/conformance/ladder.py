@@ -20,13 +20,12 @@ from cross_checks.conformance.questions import Question, rungs
 from cross_checks.engine import Engine
 from cross_checks.engine.initial_state import initial_sample
 from cross_checks.engine.method import Method
-from cross_checks.judge.bounds import TARGETS
+from cross_checks.judge.bounds import FAILING, RESOLVED, TARGETS
 from cross_checks.judge.convergence.ladder import Ladder
 from cross_checks.judge.convergence.model import Posterior, posterior
 from cross_checks.judge.ladder import knob_of
 from cross_checks.judge.runs import gap
 from cross_checks.judge.tried import facts_of
-from cross_checks.judge.verdict import FAILING, RESOLVED
 from cross_checks.metrics.metric import from_truth, known_to
 from mbs_ref.observables.distance import NAMES, largest, relative, units_of
 from mbs_ref.scene.scales import scales_of

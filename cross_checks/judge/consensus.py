@@ -26,10 +26,10 @@ from cross_checks import engines
 from cross_checks.engine import Engine, Method
 from cross_checks.isolation.parent import Caller
 from cross_checks.isolation.workers import BRIEF, Late, Pool
+from cross_checks.judge.bounds import AGREEMENT
 from cross_checks.judge.convergence.extrapolation import extrapolated
 from cross_checks.judge.ladder import knob_of, label, settings_at
 from cross_checks.judge.runs import Runs, gap
-from cross_checks.judge.vocabulary import AGREEMENT
 from cross_checks.records.store import SAMPLES
 from cross_checks.truths.truth import MARGIN, NoTruth, Truth
 from mbs_ref.scene import Scene

@@ -10,31 +10,33 @@ for every engine, so that the choice does not depend on how busy a machine is.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Protocol
 
 import numpy as np
 
+from cross_checks.judge.bounds import (
+    AIM,
+    BELOW,
+    DOUBTFUL,
+    FAIR,
+    FINER,
+    LEVELS,
+    LIKELY,
+    MOST_RUNS,
+    PRICE,
+    RESOLVED,
+    WINDOW,
+)
+from cross_checks.judge.convergence.ladder import Ladder
 from cross_checks.judge.convergence.model import Posterior, posterior
-from cross_checks.judge.convergence.prediction import expected_log_error, odds_below
-from cross_checks.judge.verdict import CONFIRMED, RESOLVED, Judgement, Point, above_rounding, judge, ladder_of
-from cross_checks.judge.vocabulary import REFUSED, SILENT, Verdict
+from cross_checks.judge.convergence.prediction import error_range, expected_log_error, odds_below, outcomes
+from cross_checks.judge.verdict import Judgement, Point, above_rounding, judge, ladder_of
+from cross_checks.judge.vocabulary import REFUSED, SILENT, Omitted, Verdict
 
-WINDOW = 10.0  # a chosen error lies within this factor below its target ...
-AIM = 6.0  # ... and is aimed at within this one, for the sake of its scatter
-BELOW = 0.4  # worth of an error below the window, in units of one within it
-REFINED = 0.3  # odds of a coarser setting within the window that are worth a run
-PRICE = 0.1  # worth of a decade of steps
-FAIR = 0.12  # odds of a target below which no run is made for it ...
-FAIRER = 0.3  # ... and after three runs for it
 PER_DECADE = 12  # settings that are considered
-FINER = {"fixed": 4.0, "adaptive": 100.0}  # factor to a plainly finer setting
-BEYOND = 4.0  # times the work limit: allowed to a run that may refute the classification as wrong
-MOST_RUNS = 12  # of one method, where a failure is likely and not certain ...
-USUAL_RUNS = 6  # ... and of any other for its verdict
 TOO_SMALL = "step-too-small"  # status of a method whose step size underflowed: a tighter tolerance fails, too
-TRUSTED = 0.9  # odds of the law from which a coarser run tells as much as a finer one
 
 
 class Subject(Protocol):
@@ -95,19 +97,27 @@ class Search:
         """Return the posterior of the runs that succeeded; None without one."""
         state = (len(self.points), self.reference)
         if self._shown[0] != state:
-            good, facts = self.good, self.subject.facts()
-            if self.reference is not None:
-                setting, error = self.reference
-                facts |= {"reference": setting, "typical": math.log10(max(error, 1e-18)), "spread": 0.5}
-            gaps = np.array([[self.subject.gap(a.knob, b.knob) for b in good] for a in good])
-            ladder = ladder_of(good, gaps, **facts)
+            ladder = self._ladder(self.good, self._gaps())
             self._shown = state, None if ladder is None else posterior(ladder)
         return self._shown[1]
 
     def judgement(self) -> Judgement:
         """Return the verdict on all runs."""
-        points = [self.points[knob] for knob in self.knobs]
-        return judge(points, self.shown(), self.subject.promised, self.subject.why_no_truth)
+        return self._judged([self.points[knob] for knob in self.knobs], self.shown())
+
+    def _gaps(self) -> np.ndarray:
+        good = self.good
+        return np.array([[self.subject.gap(a.knob, b.knob) for b in good] for a in good])
+
+    def _ladder(self, good: Sequence[Point], gaps: np.ndarray) -> Ladder | None:
+        facts = self.subject.facts()
+        if self.reference is not None:
+            setting, error = self.reference
+            facts |= {"reference": setting, "typical": math.log10(max(error, 1e-18)), "spread": 0.5}
+        return ladder_of(good, gaps, **facts)
+
+    def _judged(self, points: Sequence[Point], shown: Posterior | None) -> Judgement:
+        return judge(points, shown, self.subject.promised, self.subject.why_no_truth)
 
     def try_(self, knob: float) -> Point:
         """Run a typed setting."""
@@ -148,12 +158,12 @@ class Search:
                 cheapest = reaching[0]
                 cheaper = (knobs > cheapest.knob) & (10.0**steps < 0.8 * max(cheapest.steps, 1))
                 gain = np.where(cheaper, within, 0.0)
-                if (cheapest.error or 0.0) >= target / WINDOW or gain.max() < REFINED or tries[target] > 2:
+                if (cheapest.error or 0.0) >= target / WINDOW or gain.max() < LIKELY or tries[target] > 2:
                     continue
                 worth += gain
-                able |= gain >= REFINED
+                able |= gain >= LIKELY
             else:
-                if at_most.max() < (FAIR if tries[target] < 3 else FAIRER) or tries[target] > 4:
+                if at_most.max() < (FAIR if tries[target] < 3 else LIKELY) or tries[target] > 4:
                     continue
                 worth += within if served else within + BELOW * (at_most - within)  # the loosest target leads
                 able |= at_most >= 0.5 * at_most.max()
@@ -251,7 +261,7 @@ class Search:
             if judged.verdict in SILENT and self.good and not confirmed:
                 confirmed = True
                 finer = self.subject.typed(self.good[-1].knob / FINER[self.subject.kind])
-                if finer not in self.points and self._is_able(finer, BEYOND):
+                if finer not in self.points and self._is_able(finer, FINER["fixed"]):
                     self.try_(finer)
                     continue
             if judged.verdict is Verdict.NOT_SHOWN:
@@ -267,9 +277,9 @@ class Search:
         """Return how many runs a verdict is worth: more where a failure is likely and not certain."""
         shown = self.shown()
         is_lost = self.reference is not None and (self.good[-1].error or 0.0) > RESOLVED
-        if shown is None or (not is_lost and (len(shown.ladder) < CONFIRMED or shown.weights["right"] < TRUSTED)):
+        if shown is None or (not is_lost and (len(shown.ladder) < LEVELS or shown.weights["right"] < 1.0 - DOUBTFUL)):
             return MOST_RUNS
-        return USUAL_RUNS
+        return MOST_RUNS // 2
 
     def _settling(self) -> float | None:
         """Return the setting that tells most about the verdict: the middle of the widest hole; None where none is left.
@@ -281,7 +291,7 @@ class Search:
         if not len(good) or not len(knobs):
             return None
         apart = np.abs(np.log(knobs)[:, None] - np.log(np.array(self.knobs))).min(axis=1)
-        knobs = knobs[(apart > math.log(FINER[self.subject.kind]) / 4.0) & (self._odds_to_run(knobs) >= FAIRER)]
+        knobs = knobs[(apart > math.log(FINER[self.subject.kind]) / 4.0) & (self._odds_to_run(knobs) >= LIKELY)]
         if not len(knobs):
             return None
         middle, shown = math.sqrt(good.min() * good.max()), self.shown()
@@ -290,7 +300,7 @@ class Search:
             best = above_rounding(shown.ladder)
             if best < len(shown.ladder) - 1:
                 wished = knobs > shown.ladder.settings[best]
-            elif shown.weights["right"] < TRUSTED:
+            elif shown.weights["right"] < 1.0 - DOUBTFUL:
                 wished = knobs < middle
         knobs = knobs[wished] if wished.any() else knobs
         ends = [self.subject.finest] if self.subject.kind == "adaptive" else []  # a tolerance's steps are extrapolated
@@ -301,7 +311,7 @@ class Search:
         """Whether a setting keeps to the work limit, and no failure lies between it and the runs."""
         knobs = np.array([knob])
         enough = self.steps(knobs)[0] <= 1.01 * allowance * self.subject.most_steps
-        return bool(enough and self._odds_to_run(knobs)[0] >= FAIRER)
+        return bool(enough and self._odds_to_run(knobs)[0] >= LIKELY)
 
     def _has_new_reference(self) -> bool:
         """Run a reference method where runs are as far off as motions go; return whether there is one."""
@@ -312,11 +322,47 @@ class Search:
         self.reference = None if error is None else (good[-1].knob, error)
         return error is not None
 
-    def least_steps(self, target: float) -> float:
-        """Return how many steps the law needs for a target; infinite where it never gets there."""
+    # --- what runs would show
+
+    def _foreseen(self, knob: float) -> Iterator[tuple[float, Judgement, Posterior]]:
+        """Yield the odds of each hypothesis and the verdict on all runs and the one that it expects at a setting."""
+        shown, good, gaps = self.shown(), self.good, self._gaps()
+        assert shown is not None
+        errors = np.array([math.nan if point.error is None else point.error for point in good])
+        if good[-1].error is None:
+            errors = 10.0 ** expected_log_error(shown, np.array([point.knob for point in good]))
+        steps, last = int(self.steps(np.array([knob]))[0]), good[-1]
+        rounding = last.rounding * steps / max(last.steps, 1)
+        for odds, error, apart in outcomes(shown, knob, errors, gaps):
+            known = None if last.error is None else error
+            point = Point(f"{knob:g}", knob, "success", "", known, steps, rounding)
+            every = [*good, point]
+            order = np.argsort([-one.knob for one in every])
+            wider = np.pad(gaps, (0, 1))
+            wider[-1, :-1] = wider[:-1, -1] = apart
+            points = [every[k] for k in order]
+            ladder = self._ladder(points, wider[np.ix_(order, order)])
+            assert ladder is not None
+            then = posterior(ladder)
+            yield odds, self._judged(points, then), then
+
+    def omitted(self, target: float) -> Omitted | None:
+        """Return what the coarsest run would show that reaches a target more likely than not, else the likeliest one.
+
+        Of settings that were not run, beyond the work limit as well; None without a successful run.
+        """
         shown = self.shown()
         if shown is None:
-            return math.inf
-        knobs = self.good[-1].knob * np.geomspace(1.0, 1e-8, 97)
-        reaching = knobs[expected_log_error(shown, knobs) <= math.log10(target)]
-        return float(self.steps(reaching[:1])[0]) if len(reaching) else math.inf
+            return None
+        least = self.subject.finest if self.subject.kind == "adaptive" else 1e-8 * self.good[-1].knob
+        knobs = np.geomspace(self.subject.coarsest, least, 121)
+        odds = self._odds_to_run(knobs) * odds_below(shown, knobs, target)
+        place = int(np.argmax(odds >= min(0.5, odds.max())))
+        knob = float(knobs[place])
+        low, middle, high = error_range(shown, knob)
+        verdicts = {self.judgement().verdict: shown.weights["plateau"]}
+        for share, judged, _ in self._foreseen(knob):
+            verdicts[judged.verdict] = verdicts.get(judged.verdict, 0.0) + share
+        verdict = max(verdicts, key=lambda word: verdicts[word])
+        steps = float(self.steps(knobs[place : place + 1])[0])
+        return Omitted(knob, steps, float(odds[place]), middle, (low, high), verdict, verdicts[verdict])

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 from cross_checks import engines
 from cross_checks.engine import Method
-from cross_checks.judge.bounds import MOST_STEPS, TARGETS
+from cross_checks.judge.bounds import FAILING, MOST_STEPS, TARGETS
 from cross_checks.judge.ladder import SAMPLES, TIGHTEST, coarsest, knob_of, label, settings_at
 from cross_checks.judge.runs import Runs, against, gap
 from cross_checks.judge.search import Search
@@ -130,14 +130,16 @@ def expected_order(method: Method, scene: Scene) -> float:
 
 
 def facts_of(method: Method, scene: Scene, duration: float, uncertainty: float) -> dict:
+    """Return a ladder's facts for a method on a scene."""
+    return typical_facts(method.kind, method.order or 5, expected_order(method, scene), duration, uncertainty)
+
+
+def typical_facts(kind: str, order: int, expected: float, duration: float, uncertainty: float) -> dict:
     """Return a ladder's facts: the error that is typical at a setting before any run, of a documented order."""
-    is_fixed = method.kind == "fixed"
+    is_fixed = kind == "fixed"
     where = duration / TYPICAL_STEPS if is_fixed else TYPICAL_RTOL
-    typical = (
-        -DECADES_PER_ORDER * min(method.order or 5, MOST_ORDER) if is_fixed else math.log10(TYPICAL * TYPICAL_RTOL)
-    )
-    return {"kind": method.kind, "order": expected_order(method, scene), "reference": where, "typical": typical,
-            "uncertainty": uncertainty}  # fmt: skip
+    typical = -DECADES_PER_ORDER * min(order, MOST_ORDER) if is_fixed else math.log10(TYPICAL * TYPICAL_RTOL)
+    return {"kind": kind, "order": expected, "reference": where, "typical": typical, "uncertainty": uncertainty}
 
 
 def _alike(scene: Scene, engine: str, method: Method):
@@ -194,12 +196,12 @@ def _result(tried: Tried, target: float) -> TargetResult:
     floor = max((r.error.floor for r in records if r.error is not None), default=0.0)
     if target < floor:
         return TargetResult(target, "unjudged", None, f"errors below {floor:.1e} cannot be resolved by this truth")
-    steps, verdict = tried.search.least_steps(target), tried.verdict()
+    omitted, verdict = tried.search.omitted(target), tried.verdict()
     is_open = verdict.verdict not in WRONG and bool(good) and tried.knobs[-1] == good[-1].knob
-    if is_open and tried.most_steps < steps < math.inf:
-        return TargetResult(target, "not-tried", None, f"it would take about {steps:.1g} steps")
+    if is_open and omitted is not None and omitted.reaches > 1.0 - FAILING:
+        return TargetResult(target, "not-tried", None, f"it would take {omitted}", omitted)
     best = min((r.error.value for r in records if r.error is not None), default=math.inf)
-    return TargetResult(target, "not-reached", None, f"the best error is {best:.1e}; {verdict.reason}")
+    return TargetResult(target, "not-reached", None, f"the best error is {best:.1e}; {verdict.reason}", omitted)
 
 
 def _last_message(tried: Tried) -> str:

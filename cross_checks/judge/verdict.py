@@ -8,19 +8,13 @@ from typing import NamedTuple
 
 import numpy as np
 
+from cross_checks.judge.bounds import AGREEMENT, DOUBTFUL, FAILING, FALLING, LEVELS, NEAR_BEST, RESOLVED, ROUNDED
+from cross_checks.judge.convergence import calibration
 from cross_checks.judge.convergence.ladder import Ladder
 from cross_checks.judge.convergence.model import Posterior, posterior
-from cross_checks.judge.vocabulary import AGREEMENT, REFUSED, Verdict
+from cross_checks.judge.vocabulary import REFUSED, Verdict
 from cross_checks.truths.truth import MARGIN
 
-CALIBRATED = 3e-4  # smallest odds that the calibration on 10 000 ladders supports (3/n without a failure)
-FAILING = 0.95  # odds of a failure from which a method is classified as wrong
-ROUNDED = 5.0  # times what rounding may add: a smaller error says nothing of the method
-DOUBTFUL = 0.1  # odds of a failure up to which agreement stands; half of it for convergence
-RESOLVED = 0.1  # of the scene: a larger error shows no approach
-FALLING = 0.5  # times the errors of the two levels before: a smaller error is no failure, whatever came before
-NEAR_BEST = 3.0  # times the best error: a finest run that is farther off shows no approach
-CONFIRMED = 3  # levels of runs at least that classify a method as wrong
 BLOWN_UP = frozenset({"non-finite", "reset"})
 
 
@@ -66,17 +60,17 @@ def _by_error(good: Sequence[Point], shown: Posterior, promised: float) -> Judge
     place = above_rounding(ladder)
     if place < len(ladder) - 1:
         coarser = [point for point in good if point.knob >= ladder.settings[place]]
-        judged = _by_error(coarser, posterior(ladder.upto(place + 1)), promised)
+        judged = _by_error(coarser, posterior(ladder.take(slice(place + 1))), promised)
         return judged._replace(reason=f"{judged.reason}; rounding may explain the errors of finer runs")
     last, error, uncertainty = good[-1].setting, float(ladder.errors[-1]), ladder.uncertainty
-    bar = max(AGREEMENT, 10.0 * uncertainty)
+    bar = max(AGREEMENT, MARGIN * uncertainty)
     limit, stall = shown.odds_of_limit(bar), shown.odds_of_stall(bar) + shown.weights["lost"]
     slow = shown.odds_of_order_below(_least_order(promised))
     if error <= AGREEMENT:
         return _agreement(good, shown, limit + stall)
     if error < MARGIN * uncertainty:
         return Judgement(Verdict.BELOW_TRUTH, f"{error:.1e} at {last}; the truth is known to {uncertainty:.1e}")
-    if len(ladder) >= CONFIRMED:
+    if len(ladder) >= LEVELS:
         wrong = _wrong(good, shown, limit, stall + slow)
         if wrong is not None:
             return wrong
@@ -132,7 +126,7 @@ def _approach(last: str, shown: Posterior, promised: float) -> Judgement:
     }
     odds = sum(doubts.values())
     is_best = error <= NEAR_BEST * float(np.min(ladder.errors))
-    if len(ladder) >= CONFIRMED and error <= RESOLVED and is_best and odds < DOUBTFUL:
+    if len(ladder) >= LEVELS and error <= RESOLVED and is_best and odds < DOUBTFUL:
         slow = f", below half of {promised:.2g}" if shown.order < 0.5 * promised else ""
         pace = f"falling with order {shown.order:.2g}{slow}"
         return Judgement(Verdict.CONVERGING, f"{error:.1e} at {last}, {pace}", _capped(odds))
@@ -148,10 +142,10 @@ def _least_order(promised: float) -> float:
 
 
 def _without_truth(shown: Posterior, why: str) -> Judgement:
-    if len(shown.ladder) >= CONFIRMED and shown.weights["right"] > 1.0 - DOUBTFUL:
-        left = shown.ladder.gaps[-2, -1]
-        if left <= RESOLVED:
-            return Judgement(Verdict.CONVERGING, f"to a limit of its own, the last gap is {left:.1e}. No truth: {why}")
+    if len(shown.ladder) >= LEVELS and shown.weights["right"] > 1.0 - DOUBTFUL:
+        last = shown.ladder.gaps[-2, -1]
+        if last <= RESOLVED:
+            return Judgement(Verdict.CONVERGING, f"to a limit of its own, the last gap is {last:.1e}. No truth: {why}")
     return Judgement(Verdict.NOT_SHOWN, f"no convergence shown, and no truth to compare with: {why}")
 
 
@@ -189,5 +183,5 @@ def ladder_of(points: Sequence[Point], gaps: np.ndarray, **facts) -> Ladder | No
 
 
 def _capped(odds: float) -> float:
-    """Return odds no smaller than the calibration supports."""
-    return max(odds, CALIBRATED)
+    """Return odds no smaller than the calibration supports: 3/n after n methods without a failure."""
+    return max(odds, 3.0 / sum(family["methods"] for family in calibration().values()))

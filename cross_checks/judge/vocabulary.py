@@ -17,7 +17,6 @@ from mbs_ref import scenes
 from mbs_ref.display import facts, listing
 
 OURS = "mbs_ref"  # the engine that is this project's own solver: compared, and ranked nowhere
-AGREEMENT = 1e-6  # of the scene: an error at or below this is agreement
 
 
 class Verdict(StrEnum):
@@ -79,6 +78,24 @@ ANSWERS: dict[Answer, tuple[str, Tone]] = {
 
 
 @dataclass(frozen=True)
+class Omitted:
+    """What a run that was not made would have cost and shown, by the convergence model."""
+
+    setting: float  # step (s) or relative tolerance
+    steps: float
+    reaches: float  # odds that it reaches the target
+    error: float  # over the scene's scales; the median ...
+    range: tuple[float, float]  # ... and the central 68 %
+    verdict: Verdict  # the most probable one on all runs and this one ...
+    odds: float  # ... and the odds of it
+
+    def __str__(self) -> str:
+        low, high = self.range
+        error = f"an error of about {self.error:.1g} (68 %: {low:.1g} to {high:.1g})"
+        return f"about {self.steps:.1g} steps and show {error}, {self.verdict} with odds of {self.odds:.2g}"
+
+
+@dataclass(frozen=True)
 class TargetResult:
     """What became of one target error."""
 
@@ -86,10 +103,12 @@ class TargetResult:
     answer: Answer
     record: Record | None = None  # of the cheapest run that reached it
     reason: str = ""
+    omitted: Omitted | None = None  # the run that would reach it
 
     def to_dict(self) -> dict[str, Any]:
         """Return plain data for JSON: of the record its settings, error and loop time (s)."""
-        plain = {"target": self.target, "answer": self.answer, "reason": self.reason}
+        plain: dict[str, Any] = {"target": self.target, "answer": self.answer, "reason": self.reason}
+        plain["omitted"] = None if self.omitted is None else asdict(self.omitted)
         run = self.record
         if run is None or run.error is None:
             return plain

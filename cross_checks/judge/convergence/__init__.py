@@ -1,1 +1,19 @@
 """One statistical model of convergence: every verdict, observed order and choice of a next setting queries it."""
+
+from __future__ import annotations
+
+import json
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+FILE = Path(__file__).with_name("calibration.json")
+
+
+@cache
+def calibration() -> dict[str, Any]:
+    """Return counts of verdicts by the true behaviour, and stated odds of a wrong limit beside what came true.
+
+    `python -m tests.cross_checks.convergence.searched --write` measures them.
+    """
+    return json.loads(FILE.read_text(encoding="utf-8"))

@@ -64,7 +64,7 @@ class Ladder:
             steps=self.steps[take], rounding=np.maximum(self.rounding[finest], DOUBLE),
         )  # fmt: skip
 
-    def upto(self, count: int) -> Ladder:
-        """Return the coarsest `count` runs."""
-        parts = {name: getattr(self, name)[:count] for name in ("settings", "errors", "steps", "rounding")}
-        return replace(self, **parts, gaps=self.gaps[:count, :count])
+    def take(self, which: np.ndarray | slice) -> Ladder:
+        """Return the chosen runs, by places or as a mask (n,)."""
+        parts = {name: getattr(self, name)[which] for name in ("settings", "errors", "steps", "rounding")}
+        return replace(self, **parts, gaps=self.gaps[which][:, which])

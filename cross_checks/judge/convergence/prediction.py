@@ -2,14 +2,25 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
-from cross_checks.judge.convergence.model import AMPLITUDES, DISTANCES, FADE, LEVELS, Posterior, saturated
+from cross_checks.judge.convergence.model import AMPLITUDES, DISTANCES, FADE, LEVELS, TINY, Posterior, saturated
 
 FAR = {"fixed": 0.25, "adaptive": 0.4}  # decades: scatter of an error far from all runs
 NEAR = 0.06  # decades: scatter of an error at a setting that was run
 MEMORY = 1.5  # decades of the error over which the nearest run's distance from the law fades by e
+UNLIKELY = 0.03  # odds of a hypothesis below which its outcome is left out
 LIKELY = 1e-3  # of the largest probability: laws below are left out
+
+
+class Outcome(NamedTuple):
+    """What a hypothesis expects of a run."""
+
+    odds: float  # of the hypothesis
+    error: float
+    gaps: np.ndarray  # (n,) to the runs so far
 
 
 def odds_below(posterior: Posterior, settings: np.ndarray, error: float) -> np.ndarray:
@@ -34,6 +45,30 @@ def expected_log_error(posterior: Posterior, settings: np.ndarray) -> np.ndarray
     return weight @ predicted
 
 
+def error_range(posterior: Posterior, setting: float) -> tuple[float, float, float]:
+    """Return the error at a setting that a run does not exceed with a probability of 0.16, 0.5 and 0.84."""
+    errors = np.geomspace(1e-16, 1e2, 145)
+    below = [float(odds_below(posterior, np.array([setting]), error)[0]) for error in errors]
+    low, middle, high = (errors[min(int(np.searchsorted(below, odds)), len(errors) - 1)] for odds in (0.16, 0.5, 0.84))
+    return float(low), float(middle), float(high)
+
+
+def outcomes(posterior: Posterior, setting: float, errors: np.ndarray, gaps: np.ndarray) -> list[Outcome]:
+    """Return what likely hypotheses but a plateau expect of a run, beside runs of these errors (n,) and gaps (n, n)."""
+    weights = posterior.weights
+    by_law = float(10.0 ** expected_log_error(posterior, np.array([setting]))[0])
+    middle = 10.0 ** LEVELS[int(np.searchsorted(np.cumsum(posterior.level), 0.5))]
+    to_limit = gaps[:, -1].copy()
+    to_limit[-1] = min(by_law, float(errors[-1]))
+    off = float(np.hypot(posterior.limit_distance, min(by_law, float(errors[-1]))))
+    every = [
+        Outcome(weights["right"], by_law, np.hypot(errors, by_law)),
+        Outcome(weights["limit"], off, to_limit),
+        Outcome(weights["stalled"] + weights["lost"], middle, np.hypot(errors, middle)),
+    ]
+    return [one for one in every if one.odds > UNLIKELY]
+
+
 def _predicted(posterior: Posterior, settings: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return likely laws (n,), their log10 errors (n, n_s), and their scatter (n, n_s)."""
     ladder = posterior.ladder
@@ -44,7 +79,7 @@ def _predicted(posterior: Posterior, settings: np.ndarray) -> tuple[np.ndarray, 
     order = posterior.orders[p][:, None]
     at_runs = np.log10(saturated(AMPLITUDES[b][:, None] + order * (runs - runs[-1]), ladder.bound))
     law = np.log10(saturated(AMPLITUDES[b][:, None] + order * (wanted - runs[-1]), ladder.bound))
-    known = np.log10(np.maximum(ladder.errors, 1e-18))
+    known = np.where(np.isfinite(ladder.errors), np.log10(np.fmax(ladder.errors, TINY)), at_runs)
     share = np.exp(-np.abs(law - at_runs[:, nearest]) / MEMORY)
     scatter = NEAR + (FAR[ladder.kind] - NEAR) * np.sqrt(1.0 - share)
     return weight, law + share * (known - at_runs)[:, nearest], scatter

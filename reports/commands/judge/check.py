@@ -96,6 +96,7 @@ def _show(cells: list[Cell]) -> None:
     kinds = sorted({cell.truth for cell in cells if cell.truth})
     if kinds:
         click.echo(f"Errors are over each scene's own length and time; truths are {', '.join(kinds)}.", err=True)
+    _show_omitted(cells)
     _show_contact([cell for cell in cells if cell.contact])
 
 
@@ -103,6 +104,18 @@ def _show_refusals(cells: list[Cell]) -> None:
     """List the engines that cannot run a scene by their reasons."""
     if refused := refusals(cells):
         show_table("\nRefused", Refused._fields, refused)
+
+
+def _show_omitted(cells: list[Cell]) -> None:
+    """List what the runs that were not made would have cost and shown."""
+    rows = [
+        (cell.label, cell.engine, cell.method, number(result.target), str(result.omitted))
+        for cell in cells
+        for result in cell.targets
+        if result.answer == "not-tried"
+    ]
+    if rows:
+        show_table("\nNot tried", ("scene", "engine", "method", "target", "what a run would take and show"), rows)
 
 
 def _show_contact(cells: list[Cell]) -> None:

@@ -13,8 +13,7 @@ from cross_checks.extremes import every
 from cross_checks.extremes.cell import Cell
 from cross_checks.extremes.extreme import Axis, Extreme
 from cross_checks.extremes.fate import Fate
-from cross_checks.judge.bounds import TARGETS
-from cross_checks.judge.verdict import RESOLVED
+from cross_checks.judge.bounds import RESOLVED, TARGETS
 from cross_checks.judge.vocabulary import OURS
 from cross_checks.records.numbers import short
 from cross_checks.records.plots.plot import style_of

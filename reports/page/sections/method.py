@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
+import re
+from inspect import getsource
 from typing import Any
 
-from cross_checks.judge import search
-from cross_checks.judge.bounds import MOST_STEPS
-from cross_checks.judge.convergence import model
-from cross_checks.judge.convergence.calibration import calibration
-from cross_checks.judge.verdict import CALIBRATED, CONFIRMED, DOUBTFUL, FAILING, FALLING, NEAR_BEST, RESOLVED, ROUNDED
-from cross_checks.judge.vocabulary import AGREEMENT, MEANINGS
+from cross_checks.judge import bounds, search
+from cross_checks.judge.convergence import calibration, model
+from cross_checks.judge.vocabulary import MEANINGS
 from cross_checks.prices import timing
 from cross_checks.prices.timing import BUSY
 from cross_checks.records.cost import is_busy, is_timed
@@ -19,17 +18,7 @@ from reports.facts.report_data import ReportData, Section
 from reports.facts.truth_facts import TruthFacts
 
 LEAD = "How a verdict follows from the runs of a method, how often verdicts are right, and what a time holds."
-CONSTANTS = {
-    "agreement": (AGREEMENT, "of the scene: an error at or below this is agreement"),
-    "failing": (FAILING, "odds of a failure from which a method is classified as wrong"),
-    "doubtful": (DOUBTFUL, "odds of a failure up to which a method agrees or converges"),
-    "resolved": (RESOLVED, "of the scene: a larger error shows no approach"),
-    "confirmed": (CONFIRMED, "levels of runs at least that classify a method as wrong"),
-    "falling": (FALLING, "times the errors of the two levels before: a smaller error is no failure"),
-    "near best": (NEAR_BEST, "times the best error: a finest run that is farther off shows no approach"),
-    "rounded": (ROUNDED, "times what rounding may add: a smaller error says nothing of the method"),
-    "calibrated": (CALIBRATED, "the smallest odds that are stated"),
-}
+CONSTANT = re.compile(r"^([A-Z_]+) = (.+?)  # (.+)$", re.MULTILINE)  # name, value and meaning
 
 
 def context(data: ReportData) -> dict[str, Any]:
@@ -37,7 +26,7 @@ def context(data: ReportData) -> dict[str, Any]:
     return {
         "meanings": MEANINGS,
         "model": str(model.__doc__),
-        "constants": CONSTANTS,
+        "constants": [(name.lower().replace("_", " "), *rest) for name, *rest in CONSTANT.findall(getsource(bounds))],
         "calibration": calibration(),
         "search": str(search.__doc__),
         "rule": str(timing.__doc__),
@@ -45,7 +34,7 @@ def context(data: ReportData) -> dict[str, Any]:
         "ranked": len(ranked),
         "busy": sum(is_busy(record) for record in ranked),
         "busy_share": f"{BUSY:.0%}",
-        "most_steps": MOST_STEPS,
+        "most_steps": bounds.MOST_STEPS,
     }
 
 

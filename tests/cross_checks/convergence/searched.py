@@ -10,17 +10,17 @@ import json
 import math
 from typing import Any
 
-from cross_checks.judge.convergence.calibration import FILE, calibration
+from cross_checks.judge.bounds import AGREEMENT, TARGETS
+from cross_checks.judge.convergence import FILE, calibration
 from cross_checks.judge.search import Search
-from cross_checks.judge.tried import FIRST_RTOL, facts_of
-from cross_checks.judge.verdict import AGREEMENT, Point
+from cross_checks.judge.tried import FIRST_RTOL, typical_facts
+from cross_checks.judge.verdict import Point
 from tests.cross_checks.convergence.law import MOST_STEPS, OUTPUTS, SyntheticMethod, size
 from tests.cross_checks.convergence.measure import Answer, evaluate, markdown, mistakes, report
 from tests.cross_checks.convergence.synthetic import CALIBRATION, HELD_OUT
 
 FAMILIES = {"calibration": CALIBRATION, "held-out": HELD_OUT}
 FIRST_STEPS = 400  # of the first run with fixed steps
-TARGETS = (1e-3, 1e-6, 1e-9)
 
 
 class Subject:
@@ -57,7 +57,7 @@ class Subject:
 
     def facts(self) -> dict:
         amplified = math.log10(self.method.amplification)
-        facts = facts_of(self.kind, self.method.order, self.expected, self.duration, self.method.uncertainty)
+        facts = typical_facts(self.kind, self.method.order, self.expected, self.duration, self.method.uncertainty)
         return facts | {"typical": facts["typical"] + amplified}
 
     def reference(self, knob: float) -> None:

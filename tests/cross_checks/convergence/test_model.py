@@ -44,7 +44,7 @@ def test_an_order_other_than_documented_is_observed():
 def test_one_run_observes_no_order():
     assert posterior(ladder([0.1], 2.0)).observed_order is None
     with pytest.raises(ValueError, match="needs one run"):
-        posterior(ladder([0.1], 2.0).upto(0))
+        posterior(ladder([0.1], 2.0).take(slice(0)))
 
 
 @pytest.mark.parametrize("order", [1.0, 2.0, 4.0])

@@ -15,11 +15,10 @@ from pathlib import Path
 from cross_checks import engines
 from cross_checks.engine import Method
 from cross_checks.isolation.parent import Isolated
-from cross_checks.judge.bounds import MOST_STEPS, TARGETS
+from cross_checks.judge.bounds import MOST_STEPS, TARGETS, WINDOW
 from cross_checks.judge.cell import refused, tasks, truth_of
 from cross_checks.judge.ladder import label, rungs
 from cross_checks.judge.runs import Runs
-from cross_checks.judge.search import WINDOW
 from cross_checks.judge.tried import search
 from cross_checks.records.record import Record
 from cross_checks.records.store import Store, default_path

@@ -9,11 +9,10 @@ import pytest
 
 from cross_checks import engines
 from cross_checks.engine import Method
-from cross_checks.judge.bounds import MOST_STEPS
+from cross_checks.judge.bounds import MOST_STEPS, WINDOW
 from cross_checks.judge.cell import truth_of
 from cross_checks.judge.ladder import SAMPLES, TIGHTEST, settings_at
 from cross_checks.judge.runs import Runs
-from cross_checks.judge.search import WINDOW
 from cross_checks.judge.tried import Tried, first_knob, search
 from cross_checks.judge.vocabulary import Verdict
 from cross_checks.records.record import Record
@@ -245,6 +244,10 @@ def test_what_costs_too_much_is_not_tried_and_says_so():
     _, answers = search(runs, SCENE, "made", Method("euler", "fixed", 1, "made up"), TRUTH)
     assert [answer.answer for answer in answers] == ["reached", "not-tried", "not-tried"]
     assert "steps" in answers[1].reason
+    omitted = answers[1].omitted
+    assert 0.5 < omitted.steps / (SCENE.duration / 1e-6) < 3.0
+    assert omitted.range[0] <= omitted.error <= omitted.range[1] <= 3e-6
+    assert omitted.verdict is Verdict.AGREES
     assert SCENE.duration / min(runs.asked) <= 1.01 * MOST_STEPS
 
 

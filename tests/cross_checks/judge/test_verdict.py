@@ -90,6 +90,14 @@ def test_one_rise_at_the_finest_of_four_runs_classifies_nothing(errors, word):
     assert found.verdict is word, found
 
 
+@pytest.mark.parametrize("levels", [3, 4, 5, 6])
+@pytest.mark.parametrize("off", [1e-4, 2e-2, 1.0])
+def test_one_outlier_at_the_finest_run_classifies_nothing_as_wrong(levels, off):
+    errors = [4e-3 * 10.0 ** (-2.0 * k) for k in range(levels)] + [off]
+    found = verdict(errors, [*errors[:-2], off], 4.0, knobs=[10.0 ** (-0.5 * k) for k in range(levels + 1)])
+    assert found.verdict in (Verdict.NOT_SHOWN, Verdict.CONVERGING), found
+
+
 @pytest.mark.parametrize(
     ("errors", "gaps", "steps", "word"),
     [

@@ -8,16 +8,18 @@ from pathlib import Path
 
 import pytest
 
-from cross_checks.judge.vocabulary import MEANINGS, REFUSED, WRONG, Cell, TargetResult, Verdict, refusals
+from cross_checks.judge.vocabulary import MEANINGS, REFUSED, WRONG, Cell, Omitted, TargetResult, Verdict, refusals
 from cross_checks.records.record import Error, Record
 from cross_checks.records.store import Store
 from reports.facts.stored import keep, recall
 
 REPORT = Path(__file__).parents[3] / "docs" / "report.md"
 RUN = Record("pendulum", {}, "quick", "rk4", {"step": 3.7e-3}, "success", error=Error(2.3e-7, "exact", 1e-13, 1e-7))
+OMITTED = Omitted(1e-5, 3e6, 0.8, 4e-10, (2e-10, 9e-10), Verdict.AGREES, 0.9)
 CELL = Cell(
     "pendulum_chain", {"links": 3, "gravity": 9.81}, "quick", "rk4", Verdict.CONVERGING, "why", error=2.3e-7,
-    contact={"ball: restitution, 1": 0.83}, targets=(TargetResult(1e-6, "reached", RUN), TargetResult(1e-9, "cannot")),
+    contact={"ball: restitution, 1": 0.83},
+    targets=(TargetResult(1e-6, "reached", RUN), TargetResult(1e-9, "not-tried", omitted=OMITTED)),
     runs=({"setting": "step=0.0037", "status": "success", "error": 2.3e-7},),
 )  # fmt: skip
 
@@ -44,8 +46,12 @@ def test_json_shows_the_code_beside_the_word_and_no_history():
     assert (plain["verdict"], plain["code"]) == ("converging", MEANINGS[Verdict.CONVERGING].code)
     assert plain["targets"][0] == {
         "target": 1e-6, "answer": "reached", "reason": "", "settings": {"step": 3.7e-3}, "error": 2.3e-7,
-        "loop_s": None,
+        "loop_s": None, "omitted": None,
     }  # fmt: skip
+    assert plain["targets"][1]["omitted"]["range"] == (2e-10, 9e-10)
+    assert str(OMITTED) == (
+        "about 3e+06 steps and show an error of about 4e-10 (68 %: 2e-10 to 9e-10), agrees with odds of 0.9"
+    )
 
 
 @pytest.mark.parametrize("verdict", Verdict)

@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import pytest
 
+from cross_checks.judge.bounds import AGREEMENT
 from cross_checks.judge.certify import certify
-from cross_checks.judge.vocabulary import AGREEMENT
 from cross_checks.records.record import Error
 from cross_checks.truths import certificate
 from cross_checks.truths.certificate import Certificate, departure, holds, read, stored, write
