@@ -1,8 +1,8 @@
 """The checker of proofs: a log has hints only, and what this file computes from them is the theorem.
 
-1. The formulas of the log are compared at random points, with 300 digits, with the accelerations that the
-   checker derives from the scene in absolute coordinates with multipliers (`mechanics`). Equality at random points of analytic
-   functions is equality with probability 1.
+1. The formulas of the log are compared at random points, with 300 digits, with the accelerations that `mechanics`
+   derives from the scene in absolute coordinates with multipliers. Analytic functions that agree at random points are
+   equal with probability 1.
 2. Start values are the scene's numbers; rates that loops decide solve the closures.
 3. For every step with polynomial p, y = p + V B x and z = p + W B x + w. Bounds of |x| and |w| are a box that
    V B x' = -(p' - f(p)) - R B x + f_z w + o2, g_z w = -(g(p) + S B x + o2) maps into itself, where R and S are the
@@ -24,11 +24,12 @@ from math import comb
 from typing import Any
 
 import numpy as np
-from flint import acb, arb, arb_mat, arb_series, ctx
+from flint import acb, arb, arb_mat, arb_series, ctx  # pyright: ignore[reportMissingImports]  # an optional extra
 
 from cross_checks.proofs.mechanics import Mechanics, Number, exact, rotation
 from mbs_ref.scene import Scene
 
+OPERATIONS = ("c", "root", "y", "z", "+", "-", "*", "sin", "cos")
 GAMMA = 1e-12  # of |A| |B|: 9000 roundings of 2^-53
 ORDER = 20  # terms of V, W and the Jacobian: their defect is about 6^-ORDER
 CONDITION = 1e6  # of the basis, above which it becomes orthogonal
@@ -71,8 +72,15 @@ class Formulas:
         self.places = {line: k for k, line in enumerate(self.lines)}
         self.f, self.g, self.outputs = system["f"], system["g"], system["outputs"]
         self.n, self.m = len(self.f), system["z"]
-        if len(self.g) != self.m or any(p >= k for k, line in enumerate(self.lines) for p in _operands(line)):
-            raise Refused("the formulas are not a list of lines with one equation for every z")
+        ends = {"y": self.n, "z": self.m}
+        for k, (operation, a, b) in enumerate(self.lines):
+            if operation not in OPERATIONS or not all(0 <= p < k for p in _operands((operation, a, b))):
+                raise Refused(f"line {k} of the formulas is none")
+            if operation in ends and not 0 <= a < ends[operation]:
+                raise Refused(f"line {k} of the formulas has an unknown coordinate")
+        places = [*self.f, *self.g, *(place for own in self.outputs for place in own)]
+        if len(self.g) != self.m or not all(0 <= place < len(self.lines) for place in places):
+            raise Refused("the formulas do not state one equation for every z")
         self.slopes: dict[int, dict[int, int]] = {}
         self.jacobian = [self._slopes(place) for place in (*self.f, *self.g)]
 
@@ -157,12 +165,15 @@ class Proof:
     """What the checker knows of one log: the formulas, the start, and the enclosure at the end of the last step."""
 
     def __init__(self, header: dict[str, Any]) -> None:
-        self.scene, self.bits = Scene.model_validate(header["scene"]), int(header["bits"])
+        self.scene: Any = Scene.model_validate(header["scene"])
+        self.bits = int(header["bits"])
         self.units = [Fraction(x) for x in header["system"]["units"]]
         self.formulas = Formulas(header["system"])
         self.mechanics = Mechanics(self.scene, header["inputs"])
         self.t = Fraction(0)
         self.times = [self.mechanics.number(t) / self.units[1] for t in header["times"]]
+        if sorted(set(self.times)) != self.times or self.times[:1] < [Fraction(0)] or min(self.units) <= 0:
+            raise Refused("the times do not increase from 0")
         self.enclosures: list[list[list[arb]]] = []  # at the times reached: place, turn, velocity and spin of bodies
         self.plans = {
             "motion": self.formulas.plan([*self.formulas.f, *self.formulas.g]),
@@ -202,14 +213,15 @@ class Proof:
     def _start(self, given: list[Any]) -> list[arb]:
         """Return the start of y; closures decide what is not given. The outputs must be the scene's start."""
         unknown = [k for k, value in enumerate(given) if value is None]
-        numbers = {x for body in self.scene.bodies for x in _rates(body, self.mechanics.number)} | {Fraction(0)}
-        allowed = {
-            (a - b) * s for a in numbers for b in numbers for s in (self.units[1], self.units[1] / self.units[0])
-        }
+        length, time, _ = self.units
+        rates = {x for body in self.scene.bodies for x in _rates(body, self.mechanics.number)} | {Fraction(0)}
+        places = {self.mechanics.number(x) / length for body in self.scene.bodies for x in body.position}
+        allowed = (
+            {(a - b) * unit for a in rates for b in rates for unit in (time, time / length)} | places | {Fraction(1)}
+        )
+        if any(value is not None and Fraction(*value) not in allowed for value in given):
+            raise Refused("a start value is no number of the scene")
         y = [arb(0) if value is None else exact(Fraction(*value)) for value in given]
-        rates = {a for place in self.formulas.f for op, a, _ in [self.formulas.lines[place]] if op == "y"}
-        if any(given[k] is not None and Fraction(*given[k]) not in allowed for k in rates):
-            raise Refused("a start rate is no number of the scene")
 
         def closures(values: list[arb]) -> list[arb]:
             state, rate = self.states(self.bodies(values))
@@ -251,7 +263,7 @@ class Proof:
                 size = sum((y[k] * y[k] for k in four), arb(0)).sqrt()
                 for k in four:
                     y[k] = y[k] / size
-            self._compare_at([x.mid() if point and k not in sum(parameters, []) else x for k, x in enumerate(y)])
+            self._compare_at(y)
 
     def _euler_parameters(self) -> list[list[int]]:
         """Return the places in y of every set of Euler parameters that is part of y."""
@@ -309,7 +321,7 @@ class Proof:
         flow_size, r = _variation_defects(jacobian, error, flow, n)
         inverse = _inverse_bound(jacobian[:, n:, n:], error[n:, n:])
         back = up(np.abs(_inverse_bound(flow[:, :n], np.zeros((n, n)))))
-        back = up(up(np.abs(np.linalg.inv(basis)) * (1.0 + 1e-6)) @ back)
+        back = up(_inverse_bound(basis[None], np.zeros((n, n))) @ back)
         f_z = up(np.abs(jacobian[:, :n, n:]).sum(0) + error[:n, n:])
         b = np.abs(basis)
         box, w = up(x0 * 1.01), np.zeros(m)

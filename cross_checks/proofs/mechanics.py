@@ -5,16 +5,20 @@ Every derivative is a coefficient of a series in time: closures, energies and st
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator, Sequence
 from fractions import Fraction
 from typing import Any
 
-from flint import arb, arb_mat, arb_series, fmpq
+from flint import arb, arb_mat, arb_series, fmpq  # pyright: ignore[reportMissingImports]  # an optional extra
 
-from mbs_ref.scene import GROUND, Scene
+from mbs_ref.scene import GROUND
 
 Number = Any  # arb or arb_series
 ENERGETIC = ("spring_damper", "torsion_spring", "newton", "oblateness", "epoch")  # loads whose energy is counted
+LOADS = (*ENERGETIC, "force", "torque", "torque_vector")
+JOINTS = ("revolute", "prismatic", "weld", "spherical", "distance")
+ROD_GAP = 1e-12  # of a rod's length: how far its points may be from it at t = 0; the start decides
 
 
 def exact(x: Fraction) -> arb:
@@ -25,7 +29,9 @@ def exact(x: Fraction) -> arb:
 class Mechanics:
     """A scene in absolute coordinates."""
 
-    def __init__(self, scene: Scene, inputs: str) -> None:
+    def __init__(self, scene: Any, inputs: str) -> None:
+        if list(_unknown(scene)):
+            raise ValueError(", ".join(_unknown(scene)))
         self.scene = scene
         self.number: Callable[[float], Fraction] = (
             Fraction if inputs == "binary64" else lambda x: Fraction(repr(float(x)))
@@ -41,7 +47,7 @@ class Mechanics:
 
     def offset(self, body: int, point: Sequence[float]) -> list[arb]:
         place = self.scene.bodies[body].position if body >= 0 else (0.0,) * 3
-        return [exact(x - y) for x, y in zip(map(self.number, (*point, 0.0)[:3]), map(self.number, (*place, 0.0)[:3]))]
+        return [x - y for x, y in zip(self.vector(point), self.vector(place), strict=True)]
 
     def jets(self, state: list[Any], rate: list[list[arb]], acceleration: list[list[arb]]) -> list[Any]:
         """Return place, turn and angle of every body as series to t^2; the last is ground."""
@@ -210,11 +216,10 @@ class Mechanics:
 
     @property
     def conserves(self) -> bool:
-        """Whether the sum of kinetic and potential energy, `energy`, is constant."""
-        kinds = {load.type for load in self.scene.loads if getattr(load, "damping", 0.0) or load.type not in ENERGETIC}
-        return not kinds and (
-            {"newton"} & {load.type for load in self.scene.loads} == set() or not any(self.scene.gravity)
-        )
+        """Whether `energy` is constant: nothing takes or gives any, and no body feels both a field and others."""
+        kinds = {load.type for load in self.scene.loads}
+        damped = any(getattr(load, "damping", 0.0) for load in self.scene.loads)
+        return not damped and kinds <= set(ENERGETIC) and ("newton" not in kinds or not any(self.scene.gravity))
 
     def energy(self, state: list[Any], rate: list[list[arb]]) -> arb:
         """Return kinetic and potential energy without dampers; gm counts as mass among attracting bodies."""
@@ -236,6 +241,22 @@ class Mechanics:
         for stretch, stiffness, *_ in self.stretches(jets):
             total += (stretch * stretch)[0] * stiffness / 2
         return total
+
+
+def _unknown(scene: Any) -> Iterator[str]:
+    """Yield the parts of a scene whose motion is not derived here."""
+    yield from (part.name for part in (*scene.contacts, *scene.events))
+    for joint in scene.joints:
+        rod = joint.type == "distance"
+        apart = rod and joint.length and abs(joint.length / math.dist(joint.point_a, joint.point_b) - 1.0) > ROD_GAP
+        if joint.type not in JOINTS or apart or (not rod and getattr(joint, "point_b", None)):
+            yield joint.name
+    for load in scene.loads:
+        varies = getattr(getattr(load, "factor", None), "type", "constant") != "constant"
+        turns = getattr(load, "frame", "world") != "world" or (load.type == "torsion_spring" and load.axis)
+        tilted = load.type == "oblateness" and (load.pole != "fixed" or sorted(map(abs, load.axis)) != [0.0, 0.0, 1.0])
+        if load.type not in LOADS or varies or turns or tilted or getattr(load, "tension_only", False):
+            yield load.name
 
 
 def _skew(w: Sequence[Number]) -> list[list[Number]]:

@@ -7,7 +7,7 @@ from fractions import Fraction
 from operator import mul
 from typing import Any
 
-from flint import arb, arb_mat, ctx, fmpq
+from flint import arb, arb_mat, ctx, fmpq  # pyright: ignore[reportMissingImports]  # an optional extra
 
 LAST = 6  # coefficients that state the radius of convergence: series may have gaps
 NEWTON = 8  # iterations for z at the start of a step; from the last polynomial it takes one or two
