@@ -8,7 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from cross_checks.proofs.checker import TURNS, Proof
+from cross_checks.proofs.checker.model import TURNS
+from cross_checks.proofs.checker.proof import Proof
 
 
 @dataclass(frozen=True)
@@ -29,7 +30,7 @@ def enclosed(proof: Proof, truth: Any) -> Placed:
     """Return how far a `Truth` at the proof's times is from what is proven: centres of mass, and angles times 1 m."""
     worst = 0.0
     for k, bodies in enumerate(proof.enclosures):
-        for j, (body, own) in enumerate(zip(proof.scene.bodies, bodies, strict=True)):
+        for j, (body, own) in enumerate(zip(proof.model.scene.bodies, bodies, strict=True)):
             n = len(body.position)
             expected = [*truth.position[k, j, :n]]
             if TURNS[body.type] == 1:

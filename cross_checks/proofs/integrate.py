@@ -9,7 +9,8 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
-from cross_checks.proofs.checker import Proof, Refused
+from cross_checks.proofs.checker.balls import Refused
+from cross_checks.proofs.checker.proof import Proof
 from cross_checks.proofs.equations import READINGS, Units, derive
 from cross_checks.proofs.taylor import NoConvergence, Series, radius, rescaled
 from mbs_ref.scene import Scene
@@ -69,7 +70,7 @@ def _attempt(
     header = _header(scene, times, inputs, bits, units)
     proof = Proof(header)
     series = Series(header["system"], bits, degree)
-    z, steps, exponent = [1 << bits] * proof.formulas.m, [], 2
+    z, steps, exponent = [1 << bits] * proof.model.formulas.m, [], 2
     while proof.t < proof.times[-1] and not reason:
         if time.process_time() - began > limit:
             reason = f"the limit of {limit:g} s of processor time is reached"
@@ -93,7 +94,7 @@ def _attempt(
         if reason:
             break
         steps.append([h.numerator, h.denominator, own])
-        z = [sum(row) for row in own[proof.formulas.n :]]
+        z = [sum(row) for row in own[proof.model.formulas.n :]]
         exponent = max(-40, round(math.log2(float(h) * SAFETY)))
         report(float(proof.t * units.time), proof.radius)
     log = header | {"steps": steps, "radius": proof.radius, "times": list(times)[: len(proof.enclosures)]}
@@ -135,7 +136,7 @@ def _first_radius(proof: Proof, header: dict[str, Any], bits: int, degree: int) 
     exponent = -2
     series = Series(header["system"], bits, degree)
     for _ in range(4):
-        rows = series.propose([round_to(x, bits) for x in proof.middle], [1 << bits] * proof.formulas.m, exponent)
+        rows = series.propose([round_to(x, bits) for x in proof.middle], [1 << bits] * proof.model.formulas.m, exponent)
         found = radius(rows, bits) * 2.0**exponent
         if abs(math.log2(found) - exponent) < 2:
             break

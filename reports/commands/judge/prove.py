@@ -69,7 +69,7 @@ def command(
         return
     assert scene is not None
     from cross_checks.proofs import log as logs
-    from cross_checks.proofs.checker import Refused
+    from cross_checks.proofs.checker.balls import Refused
     from cross_checks.proofs.equations import NotCovered
     from cross_checks.proofs.integrate import prove
 
@@ -100,7 +100,8 @@ def command(
 
 def _check(file: Path, as_json: bool) -> None:
     from cross_checks.proofs import log as logs
-    from cross_checks.proofs.checker import Refused, check
+    from cross_checks.proofs.checker.balls import Refused
+    from cross_checks.proofs.checker.proof import check
     from mbs_ref.scene import Scene
 
     began = time.process_time()

@@ -17,7 +17,8 @@ pytest.importorskip("flint", reason="proofs need python-flint: pip install 'mbs-
 from flint import arb, fmpq  # pyright: ignore[reportMissingImports]
 
 from cross_checks.proofs.certified import enclosed
-from cross_checks.proofs.checker import Refused, check, precision
+from cross_checks.proofs.checker.balls import Refused, precision
+from cross_checks.proofs.checker.proof import check
 from cross_checks.proofs.equations import NotCovered
 from cross_checks.proofs.integrate import prove
 from cross_checks.truth import Truth

@@ -10,20 +10,15 @@ from collections.abc import Callable, Iterator, Sequence
 from fractions import Fraction
 from typing import Any
 
-from flint import arb, arb_mat, arb_series, fmpq  # pyright: ignore[reportMissingImports]  # an optional extra
+from flint import arb, arb_mat, arb_series  # pyright: ignore[reportMissingImports]  # an optional extra
 
+from cross_checks.proofs.checker.balls import Number, exact
 from mbs_ref.scene import GROUND
 
-Number = Any  # arb or arb_series
 ENERGETIC = ("spring_damper", "torsion_spring", "newton", "oblateness", "epoch")  # loads whose energy is counted
 LOADS = (*ENERGETIC, "force", "torque", "torque_vector")
 JOINTS = ("revolute", "prismatic", "weld", "spherical", "distance")
 ROD_GAP = 1e-12  # of a rod's length: how far its points may be from it at t = 0; the start decides
-
-
-def exact(x: Fraction) -> arb:
-    """Return the ball of a rational number at the precision of now."""
-    return arb(fmpq(x.numerator, x.denominator))
 
 
 class Mechanics:
@@ -224,20 +219,21 @@ class Mechanics:
     def energy(self, state: list[Any], rate: list[list[arb]]) -> arb:
         """Return kinetic and potential energy without dampers; gm counts as mass among attracting bodies."""
         newton = next((load for load in self.scene.loads if load.type == "newton"), None)
+        gm = () if newton is None else newton.gm
         jets, total = self.jets(state, [[arb(0)] * 6] * len(rate), [[arb(0)] * 6] * len(rate)), arb(0)
         for k, (part, own) in enumerate(zip(self.scene.bodies, rate, strict=True)):
-            mass = exact(self.number(part.mass)) if newton is None else exact(self.number(newton.gm[k]))
+            mass = exact(self.number(gm[k] if gm else part.mass))
             total += mass * _dot(own[:3], own[:3]) / 2
-            if newton is None:
+            if not gm:
                 total += -mass * _dot(self.vector(self.scene.gravity), jets[k][0])[0]
             if part.type == "planar":
                 total += exact(self.number(part.inertia)) * own[5] * own[5] / 2
             elif part.type == "spatial":
                 total += _dot(own[3:], _apply(self._inertia(part, state[k][1]), own[3:])) / 2
-            for load in self.scene.loads if newton is not None else ():
+            for load in (load for load in self.scene.loads if load.type in ("newton", "oblateness")):
                 for j in (j for j in range(k) if load.type == "newton" or self.index[load.body] in (j, k)):
                     gap = [y - x for x, y in zip(jets[j][0], jets[k][0], strict=True)]
-                    total -= mass * exact(self.number(newton.gm[j])) * self._well(gap, load)[0]
+                    total -= mass * exact(self.number(gm[j])) * self._well(gap, load)[0]
         for stretch, stiffness, *_ in self.stretches(jets):
             total += (stretch * stretch)[0] * stiffness / 2
         return total
