@@ -32,7 +32,7 @@ ROOMS = {
     ),
     "cross_checks": (
         "isolation truth", "engine", "linkage", "certify engines", "mechanisms truths",
-        "ephemerides proofs", "metrics", "records", "judge", "certificates conformance extremes trajectory_files",
+        "ephemerides", "metrics", "records", "judge", "certificates conformance extremes trajectory_files",
     ),
     "benchmarks": (
         "calibration event_work pick repeatability timing", "loop_times", "confirm sweep",

@@ -16,11 +16,11 @@ pytest.importorskip("flint", reason="proofs need python-flint: pip install 'mbs-
 
 from flint import arb, fmpq  # pyright: ignore[reportMissingImports]
 
-from cross_checks.proofs.certified import enclosed
-from cross_checks.proofs.checker.balls import Refused, precision
-from cross_checks.proofs.checker.proof import check
-from cross_checks.proofs.equations import NotCovered
-from cross_checks.proofs.integrate import prove
+from cross_checks.certify.proofs.certified import enclosed
+from cross_checks.certify.proofs.checker.balls import Refused, precision
+from cross_checks.certify.proofs.checker.proof import check
+from cross_checks.certify.proofs.derivation import NotCovered
+from cross_checks.certify.proofs.integrate import prove
 from cross_checks.truth import Truth
 from cross_checks.truths import seek_truth
 from mbs_ref import scenes

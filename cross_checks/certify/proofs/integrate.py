@@ -9,10 +9,11 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
-from cross_checks.proofs.checker.balls import Refused
-from cross_checks.proofs.checker.proof import Proof
-from cross_checks.proofs.equations import READINGS, Units, derive
-from cross_checks.proofs.taylor import NoConvergence, Series, radius, rescaled
+from cross_checks.certify.proofs.checker.balls import Refused
+from cross_checks.certify.proofs.checker.proof import Proof
+from cross_checks.certify.proofs.derivation import READINGS, Units
+from cross_checks.certify.proofs.equations import derive
+from cross_checks.certify.proofs.taylor import NoConvergence, Series, radius, rescaled
 from mbs_ref.scene import Scene
 from mbs_ref.scene.scales import scales_of
 
@@ -70,7 +71,7 @@ def _attempt(
     header = _header(scene, times, inputs, bits, units)
     proof = Proof(header)
     series = Series(header["system"], bits, degree)
-    z, steps, exponent = [1 << bits] * proof.model.formulas.m, [], 2
+    z, steps, exponent = [round_to(x, bits) for x in proof.model.z_start], [], 2
     while proof.t < proof.times[-1] and not reason:
         if time.process_time() - began > limit:
             reason = f"the limit of {limit:g} s of processor time is reached"
@@ -136,7 +137,9 @@ def _first_radius(proof: Proof, header: dict[str, Any], bits: int, degree: int) 
     exponent = -2
     series = Series(header["system"], bits, degree)
     for _ in range(4):
-        rows = series.propose([round_to(x, bits) for x in proof.middle], [1 << bits] * proof.model.formulas.m, exponent)
+        rows = series.propose(
+            [round_to(x, bits) for x in proof.middle], [round_to(x, bits) for x in proof.model.z_start], exponent
+        )
         found = radius(rows, bits) * 2.0**exponent
         if abs(math.log2(found) - exponent) < 2:
             break

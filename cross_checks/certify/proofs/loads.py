@@ -6,12 +6,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import combinations
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from cross_checks.proofs.tape import Formula, Vector, dot, minus, plus, times
-
-if TYPE_CHECKING:
-    from cross_checks.proofs.equations import Derivation
+from cross_checks.certify.proofs.derivation import Derivation
+from cross_checks.certify.proofs.tape import Formula, Vector, dot, minus, plus, times
 
 Point = tuple[Vector, Vector, Vector]  # place, velocity, acceleration
 

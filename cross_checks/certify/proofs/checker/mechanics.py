@@ -12,7 +12,7 @@ from typing import Any
 
 from flint import arb, arb_mat, arb_series  # pyright: ignore[reportMissingImports]  # an optional extra
 
-from cross_checks.proofs.checker.balls import Number, exact
+from cross_checks.certify.proofs.checker.balls import Number, exact
 from mbs_ref.scene import GROUND
 
 ENERGETIC = ("spring_damper", "torsion_spring", "newton", "oblateness", "epoch")  # loads whose energy is counted
