@@ -19,8 +19,9 @@ from cross_checks.certify.proofs.loads import LAWS, Marks
 from cross_checks.certify.proofs.tape import Formula, Vector, cross, dot, minus, plus, times
 from mbs_ref.scene import GROUND
 
-JOINTS = ("revolute", "prismatic", "weld", "spherical", "distance")
-LOOPS = ("revolute", "spherical", "distance")  # of these, in space not the revolute
+JOINTS = ("revolute", "prismatic", "weld", "spherical", "distance", "universal")
+LOOPS = ("revolute", "spherical", "distance", "universal")
+NO_COORDINATES = ("distance", "universal")  # joints that close a loop wherever they are
 
 
 def complaints(scene: Any) -> Iterator[str]:
@@ -70,7 +71,7 @@ def derive(scene: Any, exact: Exact, units: Units) -> dict[str, Any]:
 
 def _tree(work: Derivation) -> list[Any]:
     """State the frames of all bodies from ground outward; return the joints that close loops."""
-    scene, remaining = work.scene, [joint for joint in work.scene.joints if joint.type != "distance"]
+    scene, remaining = work.scene, [joint for joint in work.scene.joints if joint.type not in NO_COORDINATES]
     queue = deque([GROUND])
     free = deque(body.name for body in scene.bodies)
     used: list[str] = []
@@ -92,7 +93,7 @@ def _tree(work: Derivation) -> list[Any]:
                 queue.append(there)
     loops = [joint for joint in scene.joints if joint.name not in used]
     for joint in loops:
-        if joint.type not in LOOPS or (joint.type == "revolute" and scene.dimension == 3):
+        if joint.type not in LOOPS:
             raise NotCovered(f"joint {joint.name} ({joint.type}) closes a loop, which is not covered")
     return loops
 
@@ -235,6 +236,36 @@ def _close(work: Derivation, joint: Any) -> None:
     work.apply(joint.body_b, marks.b[0], pull)  # type: ignore[arg-type]
     work.apply(joint.body_a, marks.a[0], times(pull, -1))  # type: ignore[arg-type]
     work.residuals += rows
+    for first, second in _square(joint, work.scene.dimension):
+        work.residuals.append(_keep_square(work, joint, work.vector(first), work.vector(second)))
+
+
+def _square(joint: Any, dimension: int) -> list[tuple[Any, Any]]:
+    """Return the directions of body a and of body b that a loop's joint keeps perpendicular."""
+    if joint.type == "universal":
+        return [(joint.axis_a, joint.axis_b)]
+    if joint.type != "revolute" or dimension == 2:
+        return []
+    main = max(range(3), key=lambda k: abs(joint.axis[k]))
+    across = [[0.0] * 3 for _ in range(2)]
+    for direction, k in zip(across, {0, 1, 2} - {main}, strict=True):
+        direction[k], direction[main] = joint.axis[main], -joint.axis[k]
+    return [(direction, joint.axis) for direction in across]
+
+
+def _keep_square(work: Derivation, joint: Any, first: Vector, second: Vector) -> Formula:
+    """Apply a multiplier's couple, and return the second derivative of the product of two directions."""
+    a, b = work.frames[joint.body_a], work.frames[joint.body_b]
+    one, other = turned(a.turn, first), turned(b.turn, second)
+    one_rate, other_rate = cross(a.spin, one), cross(b.spin, other)
+    couple = times(cross(one, other), work.unknowns.dependent())
+    still = work.frames[GROUND].place
+    work.apply(joint.body_a, still, still, couple)
+    work.apply(joint.body_b, still, still, times(couple, -1))
+    work.closing.append(dot(one_rate, other) + dot(one, other_rate))
+    one_bend = plus(cross(a.spin_rate, one), cross(a.spin, one_rate))
+    other_bend = plus(cross(b.spin_rate, other), cross(b.spin, other_rate))
+    return dot(one_bend, other) + dot(one_rate, other_rate) * 2 + dot(one, other_bend)
 
 
 def _balance(work: Derivation) -> None:
@@ -268,7 +299,7 @@ def _rows(work: Derivation, parent: str, name: str, joint: Any, force: Vector, m
 def _leave_rates_to_closures(work: Derivation) -> None:
     """Clear the start rates that closures of loops decide: the last ones that are independent in them."""
     starts, lines = work.unknowns.starts, work.tape.lines
-    rates = [lines[rate.place][1] for rate in work.unknowns.rates if lines[rate.place][0] == "y"]
+    rates = [k for k, rate in enumerate(work.unknowns.rates) if lines[rate.place][0] == "z"]
     basis: list[tuple[int, list[Fraction]]] = []
     for k in reversed(rates if any(starts[k] for k in rates) else []):
         y = [Fraction(j == k) if j in rates else Fraction(start or 0) for j, start in enumerate(starts)]

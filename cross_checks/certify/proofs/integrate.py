@@ -66,7 +66,10 @@ def _attempt(
     units = _units(scene)
     header = _header(scene, times, inputs, bits, units)
     proof, reason = Proof(header), ""
-    reach = float(units.time) * _first_radius(proof, header, bits, degree) / SAFETY
+    try:
+        reach = float(units.time) * _first_radius(proof, header, bits, degree) / SAFETY
+    except (NoConvergence, ZeroDivisionError) as error:
+        raise Refused(f"the accelerations at the start are not determined: {error}") from error
     units = Units(units.length, _power(reach), units.mass)
     header = _header(scene, times, inputs, bits, units)
     proof = Proof(header)

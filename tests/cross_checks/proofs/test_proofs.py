@@ -35,6 +35,7 @@ COVERED = {
     "kepler": {},
     "spherical_pendulum": {},
     "torque_free_top": {},
+    "spatial_slider_crank": {},
 }
 
 
@@ -43,19 +44,24 @@ def proven(name: str, times: list[float] = TIMES, **parameters: Any) -> Any:
 
 
 @pytest.fixture(scope="module")
-def logs() -> dict[str, dict[str, Any]]:
+def proofs() -> dict[str, Any]:
+    return {name: proven(name, **given) for name, given in COVERED.items()}
+
+
+@pytest.fixture(scope="module")
+def logs(proofs) -> dict[str, dict[str, Any]]:
     """Return logs as files hold them."""
-    return {name: json.loads(json.dumps(proven(name, **given).log)) for name, given in COVERED.items()}
+    return {name: json.loads(json.dumps(one.log)) for name, one in proofs.items()}
 
 
 @pytest.mark.parametrize("name", COVERED)
-def test_a_proof_is_checked_and_holds_the_truth(name, logs):
+def test_a_proof_is_checked_and_holds_the_truth(name, proofs, logs):
     checked, enclosures = check(logs[name])
     assert checked.radius < 1e-15
     assert len(enclosures) == len(TIMES)
     truth = seek_truth(scenes.make(name, **COVERED[name]), np.array(TIMES))
     assert isinstance(truth, Truth)
-    proof = proven(name, **COVERED[name]).proof
+    proof = proofs[name].proof
     assert enclosed(proof, truth).inside
     wrong = truth.position.copy()
     wrong[1] += 100.0 * truth.uncertainty

@@ -12,12 +12,13 @@ from typing import Any
 
 from flint import arb, arb_mat, arb_series  # pyright: ignore[reportMissingImports]  # an optional extra
 
-from cross_checks.certify.proofs.checker.balls import Number, exact
+from cross_checks.certify.proofs.checker.balls import Number, Refused, exact
+from cross_checks.certify.proofs.checker.formulas import solve
 from mbs_ref.scene import GROUND
 
 ENERGETIC = ("spring_damper", "torsion_spring", "newton", "oblateness", "epoch")  # loads whose energy is counted
 LOADS = (*ENERGETIC, "force", "torque", "torque_vector")
-JOINTS = ("revolute", "prismatic", "weld", "spherical", "distance")
+JOINTS = ("revolute", "prismatic", "weld", "spherical", "distance", "universal")
 ROD_GAP = 1e-12  # of a rod's length: how far its points may be from it at t = 0; the start decides
 
 
@@ -26,7 +27,7 @@ class Mechanics:
 
     def __init__(self, scene: Any, inputs: str) -> None:
         if list(_unknown(scene)):
-            raise ValueError(", ".join(_unknown(scene)))
+            raise Refused(f"no proof covers {', '.join(_unknown(scene))}")
         self.scene = scene
         self.number: Callable[[float], Fraction] = (
             Fraction if inputs == "binary64" else lambda x: Fraction(repr(float(x)))
@@ -75,6 +76,9 @@ class Mechanics:
         same = [_dot(_column(jets[a][1], i), _column(jets[b][1], j)) for i, j in still]
         if joint.type == "weld":
             return gap[: self.scene.dimension] + same
+        if joint.type == "universal":
+            sides = zip((a, b), (joint.axis_a, joint.axis_b), strict=True)
+            return [*gap, _dot(*(_apply(jets[body][1], self.vector(axis)) for body, axis in sides))]
         if joint.type == "spherical" or joint.axis is None:
             return gap[: self.scene.dimension]
         axis = self.vector(joint.axis)
@@ -172,7 +176,7 @@ class Mechanics:
         for row, value in enumerate(known, start=len(self.columns)):
             right[row, 0] = -value
         self._inertial(matrix, right, state, rate)
-        solved = matrix.solve(right)
+        solved = solve(matrix, right)
         for column, (body, c) in enumerate(self.columns):
             rest[body][c] = solved[column, 0]
         return rest
