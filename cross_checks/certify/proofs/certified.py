@@ -32,11 +32,10 @@ def enclosed(proof: Proof, truth: Any) -> Placed:
     for k, bodies in enumerate(proof.enclosures):
         for j, (body, own) in enumerate(zip(proof.model.scene.bodies, bodies, strict=True)):
             n = len(body.position)
-            expected = [*truth.position[k, j, :n]]
-            if TURNS[body.type] == 1:
-                own, expected = [*own[:n], own[n] + body.angle], [*expected, truth.orientation[k, j]]
             gaps = [
-                (x - float(right)).abs_lower() for x, right in zip(own, expected, strict=False) if np.isfinite(right)
+                x - float(right) for x, right in zip(own[:n], truth.position[k, j], strict=True) if np.isfinite(right)
             ]
-            worst = max(worst, math.hypot(*map(float, gaps)))
+            if TURNS[body.type] == 1 and np.isfinite(truth.orientation[k, j]):
+                gaps.append(2 * ((own[n] + body.angle - float(truth.orientation[k, j])) / 2).sin())  # of whole turns
+            worst = max(worst, math.hypot(*(float(gap.abs_lower()) for gap in gaps)))
     return Placed(worst, truth.uncertainty, len(proof.enclosures))

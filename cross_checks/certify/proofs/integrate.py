@@ -17,7 +17,8 @@ from cross_checks.certify.proofs.taylor import NoConvergence, Series, radius, re
 from mbs_ref.scene import Scene
 from mbs_ref.scene.scales import scales_of
 
-DEGREE, DIGITS = 40, 45  # of the polynomials, for RADIUS
+DEGREE, DIGITS = 40, 45  # of the polynomials, at least
+DIGITS_PROVEN = 21.0  # of a radius, that DEGREE and DIGITS reach in most motions
 SAFETY = 7.0  # radii of convergence in a step
 SHORTER, ATTEMPTS = Fraction(5, 7), 12  # a step that is not proven is tried again so much shorter, so often
 FINEST = 3  # attempts at a radius, each with half as many digits more
@@ -50,7 +51,7 @@ def prove(
     """
     began, last = time.process_time(), None
     for attempt in range(FINEST):
-        factor = 1.5**attempt * max(1.0, -math.log10(aim) / 24.0)
+        factor = 1.5**attempt * max(1.0, -math.log10(aim) / DIGITS_PROVEN)
         left = limit - (time.process_time() - began)
         last = _attempt(scene, times, inputs, int(DEGREE * factor), int(DIGITS * factor), left, report)
         if last.radius <= aim or (last.reason and "limit" in last.reason):
@@ -140,9 +141,8 @@ def _first_radius(proof: Proof, header: dict[str, Any], bits: int, degree: int) 
     exponent = -2
     series = Series(header["system"], bits, degree)
     for _ in range(4):
-        rows = series.propose(
-            [round_to(x, bits) for x in proof.middle], [round_to(x, bits) for x in proof.model.z_start], exponent
-        )
+        y, z = ([round_to(x, bits) for x in values] for values in (proof.middle, proof.model.z_start))
+        rows = series.propose(y, z, exponent)
         found = radius(rows, bits) * 2.0**exponent
         if abs(math.log2(found) - exponent) < 2:
             break
