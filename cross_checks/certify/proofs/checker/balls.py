@@ -1,0 +1,51 @@
+"""Balls, floats that bound them, and what is refused."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+from flint import arb, arb_series, ctx, fmpq  # pyright: ignore[reportMissingImports]  # an optional extra
+
+GAMMA = 1e-12  # of |A| |B|: 9000 roundings of 2^-53
+
+Number = Any  # arb, acb or arb_series
+
+
+class Refused(ValueError):
+    """The log does not prove what it states; the message says why."""
+
+
+@contextmanager
+def precision(bits: int, terms: int = 10) -> Iterator[None]:
+    """Set the precision of balls and the length of series, and restore both."""
+    before = ctx.prec, ctx.cap
+    ctx.prec, ctx.cap = bits, terms
+    try:
+        yield
+    finally:
+        ctx.prec, ctx.cap = before
+
+
+def up(x: Any) -> Any:
+    """Return a float above a sum of non-negative floats that was rounded."""
+    return np.asarray(x) * (1.0 + 1e-9) + 1e-290
+
+
+def above(x: Any) -> float:
+    """Return a float above |x| of a ball."""
+    return float(up(float(x.abs_upper()))) if x.is_finite() else np.inf
+
+
+def exact(x: Fraction) -> arb:
+    """Return the ball of a rational number at the precision of now."""
+    return arb(fmpq(x.numerator, x.denominator))
+
+
+def terms(value: Number, count: int) -> list[arb]:
+    """Return the first coefficients of a series or a constant."""
+    own = value.coeffs() if isinstance(value, arb_series) else [value]
+    return [*own, *[arb(0)] * (count - len(own))][:count]

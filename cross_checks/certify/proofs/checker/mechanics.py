@@ -1,0 +1,293 @@
+"""The motion of a scene in absolute coordinates with multipliers, as the checker derives it, in SI units.
+
+Every derivative is a coefficient of a series in time: closures, energies and stretches are evaluated on motions.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from fractions import Fraction
+from typing import Any
+
+from flint import arb, arb_mat, arb_series  # pyright: ignore[reportMissingImports]  # an optional extra
+
+from cross_checks.certify.proofs.checker.balls import Number, Refused, exact
+from cross_checks.certify.proofs.checker.formulas import solve
+from mbs_ref.scene import GROUND
+
+ENERGETIC = ("spring_damper", "torsion_spring", "newton", "oblateness", "epoch")  # loads whose energy is counted
+LOADS = (*ENERGETIC, "force", "torque", "torque_vector")
+JOINTS = ("revolute", "prismatic", "weld", "spherical", "distance", "universal")
+ROD_GAP = 1e-12  # of a rod's length: how far its points may be from it at t = 0; the start decides
+
+
+class Mechanics:
+    """A scene in absolute coordinates."""
+
+    def __init__(self, scene: Any, inputs: str) -> None:
+        if list(_unknown(scene)):
+            raise Refused(f"no proof covers {', '.join(_unknown(scene))}")
+        self.scene = scene
+        self.number: Callable[[float], Fraction] = (
+            Fraction if inputs == "binary64" else lambda x: Fraction(repr(float(x)))
+        )
+        self.index = {body.name: k for k, body in enumerate(scene.bodies)} | {GROUND: -1}
+        self.free = [
+            {"planar": (0, 1, 5), "spatial": range(6)}.get(b.type, range(len(b.position))) for b in scene.bodies
+        ]
+        self.columns = [(k, c) for k, free in enumerate(self.free) for c in free]
+
+    def vector(self, values: Sequence[float]) -> list[arb]:
+        return ([exact(self.number(x)) for x in values] + [arb(0)] * 3)[:3]
+
+    def offset(self, body: int, point: Sequence[float]) -> list[arb]:
+        place = self.scene.bodies[body].position if body >= 0 else (0.0,) * 3
+        return [x - y for x, y in zip(self.vector(point), self.vector(place), strict=True)]
+
+    def jets(self, state: list[Any], rate: list[list[arb]], acceleration: list[list[arb]]) -> list[Any]:
+        """Return place, turn and angle of every body as series to t^2; the last is ground."""
+        moved = []
+        for (r, turn, angle), v, a in zip(state, rate, acceleration, strict=True):
+            place = [arb_series([r[i], v[i], a[i] / 2]) for i in range(3)]
+            w, swing = _skew(v[3:]), _skew(a[3:])
+            square = _matmul(w, w)
+            series = [
+                [arb_series([arb(i == j), w[i][j], (swing[i][j] + square[i][j]) / 2]) for j in range(3)]
+                for i in range(3)
+            ]
+            moved.append((place, _matmul(series, turn), arb_series([angle, v[5], a[5] / 2])))
+        unit = [[arb_series([arb(i == j)]) for j in range(3)] for i in range(3)]
+        return [*moved, ([arb_series([0])] * 3, unit, arb_series([0]))]
+
+    def mark(self, jets: list[Any], body: int, point: Sequence[float]) -> list[Number]:
+        place, turn, _ = jets[body]
+        return [x + y for x, y in zip(place, _apply(turn, self.offset(body, point)), strict=True)]
+
+    def closure(self, jets: list[Any], joint: Any) -> list[Number]:
+        """Return the rows of a joint, each zero where it holds."""
+        a, b = self.index[joint.body_a], self.index[joint.body_b]
+        points = (joint.point_a, joint.point_b) if joint.type == "distance" else (joint.point, joint.point)
+        gap = [y - x for x, y in zip(self.mark(jets, a, points[0]), self.mark(jets, b, points[1]), strict=True)]
+        if joint.type == "distance":
+            return [_dot(gap, gap)]
+        flat = self.scene.dimension == 2
+        still = [(0, 1)] if flat else [(0, 1), (1, 2), (2, 0)]
+        same = [_dot(_column(jets[a][1], i), _column(jets[b][1], j)) for i, j in still]
+        if joint.type == "weld":
+            return gap[: self.scene.dimension] + same
+        if joint.type == "universal":
+            sides = zip((a, b), (joint.axis_a, joint.axis_b), strict=True)
+            return [*gap, _dot(*(_apply(jets[body][1], self.vector(axis)) for body, axis in sides))]
+        if joint.type == "spherical" or joint.axis is None:
+            return gap[: self.scene.dimension]
+        axis = self.vector(joint.axis)
+        main = max(range(3), key=lambda i: abs((*joint.axis, 0.0)[i]))
+        across = [
+            [-axis[i] if j == main else axis[main] if j == i else arb(0) for j in range(3)]
+            for i in range(3)
+            if i != main
+        ]
+        across = across[:1] if flat else across
+        if joint.type == "prismatic":
+            return [_dot(_apply(jets[a][1], n), gap) for n in across] + same
+        return gap + [_dot(_apply(jets[a][1], n), _apply(jets[b][1], axis)) for n in across]
+
+    def stretches(self, jets: list[Any]) -> Iterator[tuple[Number, Any, Any, tuple[int, ...]]]:
+        """Yield the stretch of every spring with its stiffness, damping and bodies."""
+        for load in self.scene.loads:
+            if load.type in ("spring_damper", "torsion_spring"):
+                a, b = self.index[load.body_a], self.index[load.body_b]
+                if load.type == "torsion_spring":
+                    first = [self.number(self.scene.bodies[k].angle) if k >= 0 else Fraction(0) for k in (a, b)]
+                    rest = (
+                        Fraction(0) if load.rest_angle is None else self.number(load.rest_angle) - first[1] + first[0]
+                    )
+                    stretch = jets[b][2] - jets[a][2] - exact(rest)
+                else:
+                    gap = [
+                        y - x
+                        for x, y in zip(self.mark(jets, a, load.point_a), self.mark(jets, b, load.point_b), strict=True)
+                    ]
+                    start = sum(
+                        (self.number(x) - self.number(y)) ** 2 for x, y in zip(load.point_a, load.point_b, strict=True)
+                    )
+                    rest = (
+                        exact(Fraction(start)).sqrt()
+                        if load.rest_length is None
+                        else exact(self.number(load.rest_length))
+                    )
+                    stretch = _dot(gap, gap).sqrt() - rest
+                yield stretch, exact(self.number(load.stiffness)), exact(self.number(load.damping)), (a, b)
+
+    def potential(self, jets: list[Any], body: int) -> Number:
+        """Return the potential energy that moving one body changes."""
+        part = self.scene.bodies[body]
+        mass = exact(self.number(part.mass))
+        total = -_dot(self.vector(self.scene.gravity), jets[body][0]) * mass
+        for stretch, stiffness, _, bodies in self.stretches(jets):
+            if body in bodies:
+                total += stretch * stretch * stiffness / 2
+        newton = next((load for load in self.scene.loads if load.type == "newton"), None)
+        for load in self.scene.loads:
+            if load.type == "force" and self.index[load.body] == body:
+                vector = [x * exact(self.number(load.factor.value)) for x in self.vector(load.vector)]
+                total -= _dot(vector, self.mark(jets, body, load.point))
+            elif load.type in ("newton", "oblateness"):
+                for k in range(len(self.scene.bodies)):
+                    pulls = load.type == "newton" or self.index[load.body] in (k, body)
+                    if k != body and pulls and newton is not None:
+                        gap = [y - x for x, y in zip(jets[k][0], jets[body][0], strict=True)]
+                        total -= mass * exact(self.number(newton.gm[k])) * self._well(gap, load)
+        return total
+
+    def _well(self, gap: list[Number], load: Any) -> Number:
+        """Return 1 / r of a point, or what zonal harmonics add: -sum J_n R^n P_n(z / r) / r^(n + 1)."""
+        distance = _dot(gap, gap).sqrt()
+        if load.type == "newton":
+            return 1 / distance
+        sine = _dot(self.vector(load.axis), gap) / distance
+        legendre, ratio, total = [arb(1), sine], exact(self.number(load.radius)) / distance, arb(0) * sine
+        for n, harmonic in enumerate(load.zonal, start=2):
+            legendre.append((sine * legendre[-1] * (2 * n - 1) - legendre[-2] * (n - 1)) / n)
+            total -= exact(self.number(harmonic)) * ratio**n * legendre[n] / distance
+        return total
+
+    def accelerations(self, state: list[Any], rate: list[list[arb]]) -> list[list[arb]]:
+        """Return the accelerations of all bodies by multipliers, six numbers each."""
+        count = len(self.scene.bodies)
+        rest, zero = [[arb(0)] * 6 for _ in range(count)], self.jets(state, rate, [[arb(0)] * 6] * count)
+        known = [2 * row[2] for joint in self.scene.joints for row in self.closure(zero, joint)]
+        size = len(self.columns) + len(known)
+        matrix, right = arb_mat(size, size), arb_mat(size, 1)
+        for column, (body, c) in enumerate(self.columns):
+            unit = [list(row) for row in rest]
+            unit[body][c] = arb(1)
+            virtual = self.jets(state, unit, rest)
+            right[column, 0] = -self.potential(virtual, body)[1] + self._driven(zero, virtual, body, c)
+            row = len(self.columns)
+            for joint in self.scene.joints:
+                touched = body in (self.index[joint.body_a], self.index[joint.body_b])
+                rows = self.closure(virtual, joint) if touched else None
+                for k in range(len(self.closure(zero, joint))) if rows is None else range(len(rows)):
+                    if rows is not None:
+                        matrix[row, column] = matrix[column, row] = rows[k][1]
+                    row += 1
+        for row, value in enumerate(known, start=len(self.columns)):
+            right[row, 0] = -value
+        self._inertial(matrix, right, state, rate)
+        solved = solve(matrix, right)
+        for column, (body, c) in enumerate(self.columns):
+            rest[body][c] = solved[column, 0]
+        return rest
+
+    def _driven(self, motion: list[Any], virtual: list[Any], body: int, c: int) -> arb:
+        """Return the power of torques and dampers along one unit rate of a body."""
+        total = arb(0)
+        for (now, _, damping, bodies), (then, *_) in zip(self.stretches(motion), self.stretches(virtual), strict=True):
+            if body in bodies:
+                total -= damping * now[1] * then[1]
+        for load in self.scene.loads:
+            if load.type in ("torque", "torque_vector") and self.index[load.body] == body and c >= 3:
+                vector = (0.0, 0.0, load.torque) if load.type == "torque" else load.vector
+                total += exact(self.number(vector[c - 3]) * self.number(load.factor.value))
+        return total
+
+    def _inertial(self, matrix: arb_mat, right: arb_mat, state: list[Any], rate: list[list[arb]]) -> None:
+        for first, (body, c) in enumerate(self.columns):
+            part = self.scene.bodies[body]
+            if c < 3:
+                matrix[first, first] = exact(self.number(part.mass))
+            elif part.type == "planar":
+                matrix[first, first] = exact(self.number(part.inertia))
+            else:
+                inertia = self._inertia(part, state[body][1])
+                for second in range(3):
+                    matrix[first, first - c + 3 + second] = inertia[c - 3][second]
+                w = rate[body][3:]
+                right[first, 0] -= _apply(_skew(w), _apply(inertia, w))[c - 3]
+
+    def _inertia(self, part: Any, turn: list[list[arb]]) -> list[list[arb]]:
+        xx, yy, zz, xy, xz, yz = (exact(self.number(x)) for x in part.inertia)
+        whole = _matmul(turn, rotation([exact(self.number(x)) for x in part.orientation]))
+        inverse = [list(column) for column in zip(*whole, strict=True)]
+        return _matmul(whole, _matmul([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]], inverse))
+
+    @property
+    def conserves(self) -> bool:
+        """Whether `energy` is constant: nothing takes or gives any, and no body feels both a field and others."""
+        kinds = {load.type for load in self.scene.loads}
+        damped = any(getattr(load, "damping", 0.0) for load in self.scene.loads)
+        return not damped and kinds <= set(ENERGETIC) and ("newton" not in kinds or not any(self.scene.gravity))
+
+    def energy(self, state: list[Any], rate: list[list[arb]]) -> arb:
+        """Return kinetic and potential energy without dampers; gm counts as mass among attracting bodies."""
+        newton = next((load for load in self.scene.loads if load.type == "newton"), None)
+        gm = () if newton is None else newton.gm
+        jets, total = self.jets(state, [[arb(0)] * 6] * len(rate), [[arb(0)] * 6] * len(rate)), arb(0)
+        for k, (part, own) in enumerate(zip(self.scene.bodies, rate, strict=True)):
+            mass = exact(self.number(gm[k] if gm else part.mass))
+            total += mass * _dot(own[:3], own[:3]) / 2
+            if not gm:
+                total += -mass * _dot(self.vector(self.scene.gravity), jets[k][0])[0]
+            if part.type == "planar":
+                total += exact(self.number(part.inertia)) * own[5] * own[5] / 2
+            elif part.type == "spatial":
+                total += _dot(own[3:], _apply(self._inertia(part, state[k][1]), own[3:])) / 2
+            for load in (load for load in self.scene.loads if load.type in ("newton", "oblateness")):
+                for j in (j for j in range(k) if load.type == "newton" or self.index[load.body] in (j, k)):
+                    gap = [y - x for x, y in zip(jets[j][0], jets[k][0], strict=True)]
+                    total -= mass * exact(self.number(gm[j])) * self._well(gap, load)[0]
+        for stretch, stiffness, *_ in self.stretches(jets):
+            total += (stretch * stretch)[0] * stiffness / 2
+        return total
+
+
+def _unknown(scene: Any) -> Iterator[str]:
+    """Yield the parts of a scene whose motion is not derived here."""
+    yield from (part.name for part in (*scene.contacts, *scene.events))
+    for joint in scene.joints:
+        rod = joint.type == "distance"
+        apart = rod and joint.length and abs(joint.length / math.dist(joint.point_a, joint.point_b) - 1.0) > ROD_GAP
+        if joint.type not in JOINTS or apart or (not rod and getattr(joint, "point_b", None)):
+            yield joint.name
+    for load in scene.loads:
+        varies = getattr(getattr(load, "factor", None), "type", "constant") != "constant"
+        turns = getattr(load, "frame", "world") != "world" or (load.type == "torsion_spring" and load.axis)
+        tilted = load.type == "oblateness" and (load.pole != "fixed" or sorted(map(abs, load.axis)) != [0.0, 0.0, 1.0])
+        if load.type not in LOADS or varies or turns or tilted or getattr(load, "tension_only", False):
+            yield load.name
+
+
+def _skew(w: Sequence[Number]) -> list[list[Number]]:
+    zero = w[0] - w[0]
+    return [[zero, -w[2], w[1]], [w[2], zero, -w[0]], [-w[1], w[0], zero]]
+
+
+def _dot(a: Sequence[Number], b: Sequence[Number]) -> Number:
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+def _apply(matrix: Any, vector: Sequence[Number]) -> list[Number]:
+    return [_dot(row, vector) for row in matrix]
+
+
+def _column(matrix: Any, k: int) -> list[Number]:
+    return [row[k] for row in matrix]
+
+
+def _matmul(a: Any, b: Any) -> list[list[Number]]:
+    return [[_dot(row, _column(b, k)) for k in range(3)] for row in a]
+
+
+def rotation(e: Sequence[arb]) -> list[list[arb]]:
+    """Return (2 e0^2 - 1) 1 + 2 v v^T + 2 e0 [v] of Euler parameters divided by their norm."""
+    size = sum((x * x for x in e), arb(0))
+    skew = _skew(e[1:])
+    return [
+        [
+            ((2 * e[0] * e[0] - size) * int(i == j) + 2 * e[i + 1] * e[j + 1] + 2 * e[0] * skew[i][j]) / size
+            for j in range(3)
+        ]
+        for i in range(3)
+    ]

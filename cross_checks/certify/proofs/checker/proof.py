@@ -1,0 +1,229 @@
+"""The proof of a log, step by step."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+from flint import acb, arb, arb_series  # pyright: ignore[reportMissingImports]  # an optional extra
+
+from cross_checks.certify.proofs.checker.balls import GAMMA, Refused, above, exact, precision, terms, up
+from cross_checks.certify.proofs.checker.bounds import ORDER, defects_of, gap_of, inverse_bound, variations
+from cross_checks.certify.proofs.checker.model import Model
+
+CONDITION = 1e6  # of the basis, above which it becomes orthogonal
+DISCS = (1.5, 2.0, 3.0, 4.0, 5.0, 6.5)  # radii of discs in steps; the best one counts
+
+
+class Proof:
+    """What the checker knows of one log: the model, and the enclosure at the end of the last step."""
+
+    def __init__(self, header: dict[str, Any]) -> None:
+        self.model, self.bits, self.t = Model(header), int(header["bits"]), Fraction(0)
+        self.times = [self.model.mechanics.number(t) / self.model.units[1] for t in header["times"]]
+        if sorted(set(self.times)) != self.times or self.times[:1] < [Fraction(0)]:
+            raise Refused("the times do not increase from 0")
+        self.enclosures: list[list[list[arb]]] = []  # at the times reached: place, turn, velocity and spin of bodies
+        with precision(self.bits + 64):
+            self.middle = [x.mid() * 1 for x in self.model.start]
+        n = self.model.formulas.n
+        self.moved, self.moved_error = np.eye(n), np.zeros((n, n))
+        self.box = up([above(x - m) for x, m in zip(self.model.start, self.middle, strict=True)])
+
+    def step(self, h: Fraction, rows: list[list[int]]) -> None:
+        """Prove that the motion stays beside a polynomial for a time h; Refused where the bounds do not close."""
+        try:
+            with np.errstate(all="ignore"):  # what is not finite is refused
+                self._step(h, rows)
+        except (ZeroDivisionError, np.linalg.LinAlgError, FloatingPointError) as error:
+            raise Refused(f"a bound is infinite: {error}") from error
+
+    def _step(self, h: Fraction, rows: list[list[int]]) -> None:
+        n, m = self.model.formulas.n, self.model.formulas.m
+        if len(rows) != n + m or not h > 0 or len({len(row) for row in rows}) != 1 or len(rows[0]) <= ORDER:
+            raise Refused("a step has no polynomial for every coordinate")
+        with precision(self.bits + 64):
+            p = [[arb((int(c), -self.bits)) for c in row] for row in rows]
+            basis, x0 = self._new_basis([p[i][0] for i in range(n)])
+            size = np.array([[above(c) for c in row] for row in p])
+        defect, disc = self._defects(h, p, size)
+        jacobian, error = self._jacobian(float(h), p, disc)
+        flow = variations(jacobian, n)
+        flow_size, r = defects_of(jacobian, error, flow, n)
+        inverse = inverse_bound(jacobian[:, n:, n:], error[n:, n:])
+        back = up(np.abs(inverse_bound(flow[:, :n], np.zeros((n, n)))))
+        back = up(inverse_bound(basis[None], np.zeros((n, n))) @ back)
+        f_z = up(np.abs(jacobian[:, :n, n:]).sum(0) + error[:n, n:])
+        b = np.abs(basis)
+        box, w = up(x0 * 1.01), np.zeros(m)
+        for _ in range(12):
+            e = up(flow_size @ up(b @ box))
+            e[n:] = up(e[n:] + w)
+            second = self._second_order(h, p, size, e)
+            new_w = up(inverse @ up(up(r[n:] @ up(b @ box)) + defect[n:] + second[n:]))
+            rate = up(up(r[:n] @ up(b @ box)) + defect[:n] + up(f_z @ new_w) + second[:n])
+            new_box = up(x0 + up(back @ rate))
+            if (new_box <= box).all() and (new_w <= w).all():
+                break
+            box, w = np.maximum(box, new_box * 1.1), np.maximum(w, new_w * 1.1)
+        else:
+            raise Refused("the box does not map into itself")
+        if not np.isfinite(new_box).all():
+            raise Refused("the box is infinite")
+        if not self.t and any(
+            above(row[0] - z) > x for row, z, x in zip(p[n:], self.model.z_start, new_w, strict=True)
+        ):
+            raise Refused("the first polynomial follows another solution of g")
+        self._record(h, p, flow[:, :n], basis, new_box)
+        end = flow[:, :n].sum(0)
+        self.moved = end @ basis
+        self.moved_error = up(GAMMA * up(flow_size[:n] @ b))
+        with precision(self.bits + 64):
+            self.middle = [sum(row, arb(0)) for row in p[:n]]
+        self.box, self.t = new_box, self.t + h
+
+    def _new_basis(self, start: list[arb]) -> tuple[np.ndarray, np.ndarray]:
+        """Return a basis of floats near the moved one, and the box of the state in it about the polynomial's start."""
+        shift = up([above(x - m) for x, m in zip(start, self.middle, strict=True)])
+        basis = self.moved / np.linalg.norm(self.moved, axis=0)
+        if not np.linalg.cond(basis) < CONDITION:
+            order = np.argsort(-np.linalg.norm(self.moved, axis=0) * self.box)
+            basis = np.linalg.qr(self.moved[:, order])[0]
+        inverse = np.linalg.inv(basis)
+        gap = gap_of(inverse, basis)
+        size = up(np.abs(inverse @ self.moved) + GAMMA * up(np.abs(inverse) @ np.abs(self.moved)))
+        box = up(up(size @ self.box) + up(np.abs(inverse) @ up(shift + up(self.moved_error @ self.box))))
+        return basis, up(box + gap / (1.0 - gap) * box.max())
+
+    def _defects(self, h: Fraction, p: list[list[arb]], size: np.ndarray) -> tuple[np.ndarray, float]:
+        """Return bounds of |p' - h f(p)| and |g(p)| on the step, and the radius of the best disc."""
+        formulas, degree = self.model.formulas, len(p[0]) - 1
+        roots = [*formulas.f, *formulas.g]
+        with precision(self.bits + 64, degree):
+            series = [arb_series(row, degree) for row in p]
+            value = formulas.run(self.model.plans["motion"], series[: formulas.n], series[formulas.n :])
+            sums = []
+            for k, place in enumerate(roots):
+                own = terms(value[place], degree)
+                if k < formulas.n:
+                    own = [p[k][j + 1] * (j + 1) - exact(h) * own[j] for j in range(degree)]
+                sums.append(up(sum(above(c) for c in own)))
+        factor = np.array([float(h)] * formulas.n + [1.0] * formulas.m)
+        tails = [
+            (
+                up(
+                    self._on_disc("motion", p, size, radius, roots)
+                    * factor
+                    * radius ** -float(degree)
+                    / (1 - 1 / radius)
+                ),
+                radius,
+            )
+            for radius in DISCS
+        ]
+        tail, radius = min(tails, key=lambda one: np.nan_to_num(one[0], nan=np.inf).max())
+        return up(np.array(sums) + tail), radius
+
+    def _on_disc(self, plan: str, p: list[list[arb]], size: np.ndarray, radius: float, roots: list[int]) -> np.ndarray:
+        """Return bounds of lines for |t| <= radius steps."""
+        reach = up(size[:, 1:] @ (radius ** np.arange(1.0, size.shape[1])))
+        with precision(64):
+            discs = [acb(arb(row[0].mid(), d) + 0, arb(0, d)) for row, d in zip(p, reach, strict=True)]
+            value = self.model.formulas.run(
+                self.model.plans[plan], discs[: self.model.formulas.n], discs[self.model.formulas.n :]
+            )
+            return np.array([above(value[place]) for place in roots])
+
+    def _jacobian(self, h: float, p: list[list[arb]], radius: float) -> tuple[np.ndarray, np.ndarray]:
+        """Return the series of the Jacobian, rows of f times h, and bounds of its error on the step."""
+        formulas, total = self.model.formulas, self.model.formulas.n + self.model.formulas.m
+        entries = [(i, j, place) for i, row in enumerate(formulas.jacobian) for j, place in row.items()]
+        jacobian, error = np.zeros((ORDER, total, total)), np.zeros((total, total))
+        with precision(64, ORDER):
+            series = [arb_series(row[:ORDER], ORDER) for row in p]
+            value = formulas.run(self.model.plans["jacobian"], series[: formulas.n], series[formulas.n :])
+            for i, j, place in entries:
+                own = terms(value[place], ORDER)
+                jacobian[:, i, j] = [float(c.mid()) for c in own]
+                error[i, j] = sum(float(c.rad()) for c in own)
+        size = np.array([[above(c) for c in row] for row in p])
+        bound = self._on_disc("jacobian", p, size, radius, [place for *_, place in entries])
+        for (i, j, _), most in zip(entries, bound, strict=True):
+            error[i, j] += most * radius ** -float(ORDER) / (1.0 - 1.0 / radius)
+        error = up(error + GAMMA * np.abs(jacobian).sum(0))
+        jacobian[:, : formulas.n] *= h
+        error[: formulas.n] *= h
+        return jacobian, up(error)
+
+    def _second_order(self, h: Fraction, p: list[list[arb]], size: np.ndarray, e: np.ndarray) -> np.ndarray:
+        """Return bounds of the second-order terms of f (times h) and g for deviations |e|."""
+        reach = up(size[:, 1:].sum(1) + e)
+        formulas = self.model.formulas
+        with precision(64, 3):
+            boxes = [
+                arb_series([arb(row[0].mid(), d), arb(0, float(s))], 3) for row, d, s in zip(p, reach, e, strict=True)
+            ]
+            value = formulas.run(self.model.plans["motion"], boxes[: formulas.n], boxes[formulas.n :])
+            bound = np.array([above(terms(value[place], 3)[2]) for place in (*formulas.f, *formulas.g)])
+        bound[: formulas.n] *= float(h)
+        return up(bound)
+
+    def _record(self, h: Fraction, p: list[list[arb]], flow: np.ndarray, basis: np.ndarray, box: np.ndarray) -> None:
+        """Append the enclosures of all bodies at the output times of the step."""
+        n = self.model.formulas.n
+        with precision(self.bits + 64):
+            while len(self.enclosures) < len(self.times) and self.times[len(self.enclosures)] <= self.t + h:
+                s = (self.times[len(self.enclosures)] - self.t) / h
+                powers = float(s) ** np.arange(ORDER)
+                here = np.tensordot(powers, flow, 1) @ basis
+                spread = up(up(np.abs(here) + GAMMA * up(np.abs(flow).sum(0) @ np.abs(basis))) @ box)
+                at = exact(s)
+                y = []
+                for row, wide in zip(p[:n], spread, strict=True):
+                    value = arb(0)
+                    for c in reversed(row):
+                        value = value * at + c
+                    y.append(value + arb(0, float(wide)))
+                self.enclosures.append(self.model.bodies(y))
+
+    @property
+    def radius(self) -> float:
+        """The largest radius of a place (m), turn (rad), velocity or spin at the output times so far."""
+        return max((float(x.rad()) for one in self.enclosures for own in one for x in own), default=0.0)
+
+    def check_energy(self) -> None:
+        """Refuse enclosures whose energies have no value in common, where nothing takes or gives any."""
+        with precision(self.bits + 64):
+            energies = [self.model.mechanics.energy(*self.model.states(bodies)) for bodies in self.enclosures]
+        if self.model.mechanics.conserves and not all(energy.overlaps(energies[0]) for energy in energies):
+            raise Refused("the energy is not constant")
+
+
+@dataclass(frozen=True)
+class Checked:
+    """What a log proves."""
+
+    proven_to: float  # s
+    radius: float  # m, rad, m/s and rad/s, the largest at the output times
+    steps: int
+    energy: bool  # whether the enclosures of the energy share a value, too; False where it is not constant
+
+
+def check(log: dict[str, Any]) -> tuple[Checked, list[list[list[arb]]]]:
+    """Return what a log proves and the enclosures at its times. Refused where it is not a proof of what it states."""
+    try:
+        proof = Proof(log)
+        for numerator, denominator, rows in log["steps"]:
+            proof.step(Fraction(numerator, denominator), rows)
+        claimed = float(log["radius"]), len(log["times"])
+    except (KeyError, TypeError, IndexError, ValueError, OverflowError) as error:
+        raise Refused(str(error) or type(error).__name__) from error
+    if len(proof.enclosures) < claimed[1]:
+        raise Refused(f"the steps end at {float(proof.t * proof.model.units[1]):g} s, before the last output time")
+    if not proof.radius <= claimed[0]:
+        raise Refused(f"the radius is {proof.radius:.2g}, above the stated {claimed[0]:.2g}")
+    proof.check_energy()
+    end = float(proof.t * proof.model.units[1])
+    return Checked(end, proof.radius, len(log["steps"]), proof.model.mechanics.conserves), proof.enclosures

@@ -1,0 +1,325 @@
+"""The equations of motion of a scene in joint coordinates: accelerations and multipliers are z, the rest is y.
+
+A tree of joints states every body's motion; the joints that remain close loops. A residual of g is the power balance
+of one joint: what the bodies beyond it need, along its freedom. Closures enter by their second derivatives, so that
+the start alone decides where they are closed.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable, Iterator
+from fractions import Fraction
+from typing import Any
+
+from cross_checks.certify.proofs import kinematics
+from cross_checks.certify.proofs.derivation import Derivation, Exact, NotCovered, Units
+from cross_checks.certify.proofs.kinematics import Frame, hung, plane_turn, product, slid, space_turn, turned
+from cross_checks.certify.proofs.loads import LAWS, Marks
+from cross_checks.certify.proofs.tape import Formula, Vector, cross, dot, minus, plus, times
+from mbs_ref.scene import GROUND
+
+JOINTS = ("revolute", "prismatic", "weld", "spherical", "distance", "universal")
+LOOPS = ("revolute", "spherical", "distance", "universal")
+NO_COORDINATES = ("distance", "universal")  # joints that close a loop wherever they are
+
+
+def complaints(scene: Any) -> Iterator[str]:
+    """Yield why no proof covers a scene."""
+    if scene.contacts or scene.events:
+        yield "contacts and events are not covered"
+    for joint in scene.joints:
+        if joint.type not in JOINTS or (joint.type != "distance" and getattr(joint, "point_b", None) is not None):
+            yield f"joint {joint.name} ({joint.type}) is not covered"
+        axis = getattr(joint, "axis", None)
+        if joint.type == "revolute" and axis is not None and sum(x != 0.0 for x in axis) != 1:
+            yield f"joint {joint.name}: an axis in space must be a coordinate axis"
+    for load in scene.loads:
+        reason = LAWS[load.type].complaint(load) if load.type in LAWS else "is not covered"
+        if reason:
+            yield f"load {load.name} ({load.type}) {reason}"
+
+
+def derive(scene: Any, exact: Exact, units: Units) -> dict[str, Any]:
+    """Return the tape of a scene, the lines of y', g and every body's state, and start values.
+
+    Raises NotCovered with every reason.
+    """
+    reasons = list(complaints(scene))
+    if reasons:
+        raise NotCovered("; ".join(reasons))
+    work = Derivation(scene, exact, units)
+    loops = _tree(work)
+    for body in scene.bodies:
+        work.wrench[body.name] = _inertial(work, body)
+    for load in scene.loads:
+        LAWS[load.type].apply(work, load)
+    for joint in loops:
+        _close(work, joint)
+    _balance(work)
+    _leave_rates_to_closures(work)
+    return {
+        "lines": work.tape.lines,
+        "f": [rate.place for rate in work.unknowns.rates],
+        "g": [residual.place for residual in work.residuals],
+        "z": work.unknowns.z_count,
+        "starts": [None if s is None else list(s.as_integer_ratio()) for s in work.unknowns.starts],
+        "outputs": [[one.place for one in _output(work, body)] for body in scene.bodies],
+        "units": [str(units.length), str(units.time), str(units.mass)],
+    }
+
+
+def _tree(work: Derivation) -> list[Any]:
+    """State the frames of all bodies from ground outward; return the joints that close loops."""
+    scene, remaining = work.scene, [joint for joint in work.scene.joints if joint.type not in NO_COORDINATES]
+    queue = deque([GROUND])
+    free = deque(body.name for body in scene.bodies)
+    used: list[str] = []
+    while queue or free:
+        if not queue:
+            name = free.popleft()
+            if name in work.frames:
+                continue
+            _add(work, GROUND, name, None)
+            queue.append(name)
+        here = queue.popleft()
+        for joint in remaining:
+            if joint.name in used or here not in (joint.body_a, joint.body_b):
+                continue
+            there = joint.body_b if here == joint.body_a else joint.body_a
+            if there not in work.frames:
+                used.append(joint.name)
+                _add(work, here, there, joint)
+                queue.append(there)
+    loops = [joint for joint in scene.joints if joint.name not in used]
+    for joint in loops:
+        if joint.type not in LOOPS:
+            raise NotCovered(f"joint {joint.name} ({joint.type}) closes a loop, which is not covered")
+    return loops
+
+
+def _add(work: Derivation, parent: str, name: str, joint: Any) -> None:
+    """State the frame of a body that hangs on `parent` by a joint; None where it is free."""
+    kind = "free" if joint is None else joint.type
+    work.frames[name] = _ADD[kind](work, parent, name, joint)
+    work.order.append((parent, name, joint))
+
+
+def _free(work: Derivation, parent: str, name: str, joint: Any) -> Frame:
+    body, unknowns = work.bodies[name], work.unknowns
+    speed, _ = work.rate(name)
+    start = [work.exact(x) / work.units.length for x in body.position]
+    moves = [unknowns.motion(q, u) for q, u in zip(start, speed, strict=False)]
+    zero = work.tape.number(0)
+    place, velocity, rate = (tuple([m[k] for m in moves] + [zero] * (3 - len(moves))) for k in range(3))
+    own = _spinning(work, name)
+    turning = (own.turn, own.spin, own.spin_rate, own.angle, own.e)
+    return Frame(place, velocity, rate, *turning)  # type: ignore[arg-type]
+
+
+def _spinning(work: Derivation, name: str) -> Frame:
+    """Return the turn of a body whose orientation is free; a particle has none."""
+    base, body, unknowns, tape = work.frames[GROUND], work.bodies[name], work.unknowns, work.tape
+    _, spin = work.rate(name)
+    if body.type == "point_mass":
+        return base
+    if body.type == "planar":
+        return _planar_spin(work, unknowns.motion(Fraction(0), spin[2]))
+    e = tuple(unknowns.state(Fraction(k == 0)) for k in range(4))
+    w = tuple(unknowns.state(x) for x in spin)
+    rate = tuple(unknowns.dependent() for _ in range(3))
+    for one, change in zip(e, product((tape.number(0), *w), e), strict=True):
+        unknowns.follow(one, change * Fraction(1, 2))
+    for one, change in zip(w, rate, strict=True):
+        unknowns.follow(one, change)
+    still = base.place
+    return Frame(still, still, still, space_turn(e), w, rate, None, e)  # type: ignore[arg-type]
+
+
+def _planar_spin(work: Derivation, motion: tuple[Formula, Formula, Formula]) -> Frame:
+    base, zero = work.frames[GROUND], work.tape.number(0)
+    angle, rate, acceleration = motion
+    still, turn = base.place, plane_turn(work.tape, angle)
+    return Frame(still, still, still, turn, (zero, zero, rate), (zero, zero, acceleration), angle)
+
+
+def _spherical(work: Derivation, parent: str, name: str, joint: Any) -> Frame:
+    carrier = work.frames[parent].carried(work.offset(parent, joint.point))
+    return hung(carrier, work.offset(name, joint.point), _spinning(work, name))
+
+
+def _revolute(work: Derivation, parent: str, name: str, joint: Any) -> Frame:
+    if joint.axis is None:
+        return _spherical(work, parent, name, joint)
+    base, unknowns = work.frames[parent], work.unknowns
+    axis = work.vector([float(x > 0) - float(x < 0) for x in joint.axis])
+    relative = [b - a for a, b in zip(work.rate(parent)[1], work.rate(name)[1], strict=True)]
+    speed = sum((n.constant or 0) * x for n, x in zip(axis, relative, strict=True))
+    angle, rate, acceleration = unknowns.motion(Fraction(0), Fraction(speed))
+    s, c = (angle * Fraction(1, 2)).sin_cos()
+    e = product(base.e, (c, *times(axis, s)))
+    along = turned(base.turn, axis)
+    spin_rate = plus(base.spin_rate, times(along, acceleration), times(cross(base.spin, along), rate))
+    own = Frame(
+        base.place, base.place, base.place, space_turn(e), plus(base.spin, times(along, rate)), spin_rate, None, e
+    )
+    return hung(base.carried(work.offset(parent, joint.point)), work.offset(name, joint.point), own)
+
+
+def _prismatic(work: Derivation, parent: str, name: str, joint: Any) -> Frame:
+    offset, axis = work.offset(parent, work.bodies[name].position), work.vector(joint.axis)
+    direction, arm = ([x.constant or Fraction(0) for x in one] for one in (axis, offset))
+    (va, wa), (vb, _) = work.rate(parent), work.rate(name)
+    swept = [wa[1] * arm[2] - wa[2] * arm[1], wa[2] * arm[0] - wa[0] * arm[2], wa[0] * arm[1] - wa[1] * arm[0]]
+    along = sum(n * (b - a - w) for n, a, b, w in zip(direction, va, vb, swept, strict=True))
+    motion = work.unknowns.motion(Fraction(0), Fraction(along) / sum(n * n for n in direction))
+    return slid(work.frames[parent], offset, axis, motion)
+
+
+def _weld(work: Derivation, parent: str, name: str, joint: Any) -> Frame:
+    base = work.frames[parent]
+    moved = base.carried(work.offset(parent, work.bodies[name].position))
+    return Frame(*moved, base.turn, base.spin, base.spin_rate, base.angle, base.e)
+
+
+_ADD: dict[str, Callable[[Derivation, str, str, Any], Frame]] = {
+    "free": _free, "spherical": _spherical, "revolute": _revolute, "prismatic": _prismatic, "weld": _weld,
+}  # fmt: skip
+
+
+def _inertial(work: Derivation, body: Any) -> tuple[Vector, Vector]:
+    """Return what a body's acceleration needs beyond its weight: force, and moment about the origin."""
+    units, frame, tape = work.units, work.frames[body.name], work.tape
+    weight = work.vector(work.scene.gravity, units.length / units.time**2)
+    force = times(minus(frame.acceleration, weight), work.number(body.mass, units.mass))
+    unit = units.mass * units.length**2
+    if body.type == "point_mass":
+        moment = work.frames[GROUND].place
+    elif body.type == "planar":
+        moment = (tape.number(0), tape.number(0), frame.spin_rate[2] * work.number(body.inertia, unit))
+    else:
+        inertia = _inertia_at_start(work, body, unit)
+
+        def momentum(w: Vector) -> Vector:
+            return turned(frame.turn, turned(inertia, turned(kinematics.transposed(frame.turn), w)))
+
+        moment = plus(momentum(frame.spin_rate), cross(frame.spin, momentum(frame.spin)))
+    return force, plus(moment, cross(frame.place, force))
+
+
+def _inertia_at_start(work: Derivation, body: Any, unit: Fraction) -> Any:
+    """Return the inertia along world axes at t = 0; the orientation is divided by its norm, exactly."""
+    xx, yy, zz, xy, xz, yz = (work.number(x, unit) for x in body.inertia)
+    inertia = ((xx, xy, xz), (xy, yy, yz), (xz, yz, zz))
+    parameters = [work.exact(x) for x in body.orientation]
+    size = sum(x * x for x in parameters)
+    turn = space_turn(tuple(work.tape.number(x) for x in parameters))
+    turn = tuple(tuple(x * (1 / Fraction(size)) for x in row) for row in turn)
+    return tuple(turned(turn, tuple(turned(inertia, row))) for row in turn)  # type: ignore[arg-type]
+
+
+def _close(work: Derivation, joint: Any) -> None:
+    """Add the multipliers of a loop's joint and the second derivatives of its closure."""
+    marks = Marks.of(work, joint)
+    if joint.type == "distance":
+        gap = minus(marks.b[0], marks.a[0])
+        pull = times(gap, work.unknowns.dependent())
+        speed = minus(marks.b[1], marks.a[1])
+        rows = [dot(gap, minus(marks.b[2], marks.a[2])) + dot(speed, speed)]
+        work.closing.append(dot(gap, speed))
+    else:
+        bend = minus(marks.b[2], marks.a[2])
+        rows = list(bend[: work.scene.dimension])
+        work.closing += minus(marks.b[1], marks.a[1])[: work.scene.dimension]
+        zero = [work.tape.number(0)] * (3 - len(rows))
+        pull = tuple([work.unknowns.dependent() for _ in rows] + zero)
+    work.apply(joint.body_b, marks.b[0], pull)  # type: ignore[arg-type]
+    work.apply(joint.body_a, marks.a[0], times(pull, -1))  # type: ignore[arg-type]
+    work.residuals += rows
+    for first, second in _square(joint, work.scene.dimension):
+        work.residuals.append(_keep_square(work, joint, work.vector(first), work.vector(second)))
+
+
+def _square(joint: Any, dimension: int) -> list[tuple[Any, Any]]:
+    """Return the directions of body a and of body b that a loop's joint keeps perpendicular."""
+    if joint.type == "universal":
+        return [(joint.axis_a, joint.axis_b)]
+    if joint.type != "revolute" or dimension == 2:
+        return []
+    main = max(range(3), key=lambda k: abs(joint.axis[k]))
+    across = [[0.0] * 3 for _ in range(2)]
+    for direction, k in zip(across, {0, 1, 2} - {main}, strict=True):
+        direction[k], direction[main] = joint.axis[main], -joint.axis[k]
+    return [(direction, joint.axis) for direction in across]
+
+
+def _keep_square(work: Derivation, joint: Any, first: Vector, second: Vector) -> Formula:
+    """Apply a multiplier's couple, and return the second derivative of the product of two directions."""
+    a, b = work.frames[joint.body_a], work.frames[joint.body_b]
+    one, other = turned(a.turn, first), turned(b.turn, second)
+    one_rate, other_rate = cross(a.spin, one), cross(b.spin, other)
+    couple = times(cross(one, other), work.unknowns.dependent())
+    still = work.frames[GROUND].place
+    work.apply(joint.body_a, still, still, couple)
+    work.apply(joint.body_b, still, still, times(couple, -1))
+    work.closing.append(dot(one_rate, other) + dot(one, other_rate))
+    one_bend = plus(cross(a.spin_rate, one), cross(a.spin, one_rate))
+    other_bend = plus(cross(b.spin_rate, other), cross(b.spin, other_rate))
+    return dot(one_bend, other) + dot(one_rate, other_rate) * 2 + dot(one, other_bend)
+
+
+def _balance(work: Derivation) -> None:
+    """Add the power balance of every joint, from the leaves inward."""
+    for parent, name, joint in reversed(work.order):
+        force, moment = work.wrench[name]
+        mass = Fraction(2) ** round(work.exact(work.bodies[name].mass) / work.units.mass).bit_length()
+        work.residuals += [row * (1 / mass) for row in _rows(work, parent, name, joint, force, moment)]
+        if parent != GROUND:
+            work.wrench[parent] = plus(work.wrench[parent][0], force), plus(work.wrench[parent][1], moment)
+
+
+def _rows(work: Derivation, parent: str, name: str, joint: Any, force: Vector, moment: Vector) -> list[Formula]:
+    body, base = work.bodies[name], work.frames[parent]
+    turning = {"planar": 2, "point_mass": 3}.get(body.type, 0)  # the first direction of its own turn
+    if joint is None:
+        about = minus(moment, cross(work.frames[name].place, force))
+        return [*force[: len(body.position)], *about[turning:]]
+    if joint.type == "weld":
+        return []
+    if joint.type == "prismatic":
+        return [dot(turned(base.turn, work.vector(joint.axis)), force)]
+    place = base.carried(work.offset(parent, joint.point))[0]
+    about = minus(moment, cross(place, force))
+    if getattr(joint, "axis", None) is None:
+        return list(about[turning:])
+    axis = work.vector([float(x > 0) - float(x < 0) for x in joint.axis])
+    return [dot(turned(base.turn, axis), about)]
+
+
+def _leave_rates_to_closures(work: Derivation) -> None:
+    """Clear the start rates that closures of loops decide: the last ones that are independent in them."""
+    starts, lines = work.unknowns.starts, work.tape.lines
+    rates = [k for k, rate in enumerate(work.unknowns.rates) if lines[rate.place][0] == "z"]
+    basis: list[tuple[int, list[Fraction]]] = []
+    for k in reversed(rates if any(starts[k] for k in rates) else []):
+        y = [Fraction(j == k) if j in rates else Fraction(start or 0) for j, start in enumerate(starts)]
+        column = work.tape.at_start([row.place for row in work.closing], y)
+        for pivot, other in basis:
+            factor = column[pivot] / other[pivot]
+            column = [x - factor * o for x, o in zip(column, other, strict=True)]
+        pivot = max(range(len(column)), key=lambda j: abs(column[j]), default=None)
+        if pivot is not None and column[pivot]:
+            basis.append((pivot, column))
+            starts[k] = None
+
+
+def _output(work: Derivation, body: Any) -> list[Formula]:
+    """Return place, turn since t = 0, velocity and spin of a body; a particle has no turn."""
+    frame, count = work.frames[body.name], len(body.position)
+    place, velocity = list(frame.place[:count]), list(frame.velocity[:count])
+    if body.type == "point_mass":
+        return place + velocity
+    if body.type == "planar":
+        assert frame.angle is not None
+        return [*place, frame.angle, *velocity, frame.spin[2]]
+    return [*place, *frame.e, *velocity, *frame.spin]

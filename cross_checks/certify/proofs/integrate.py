@@ -1,0 +1,150 @@
+"""The prover: it proposes a polynomial for every step and lets the checker's bounds decide; the log has what holds."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any
+
+from cross_checks.certify.proofs.checker.balls import Refused
+from cross_checks.certify.proofs.checker.proof import Proof
+from cross_checks.certify.proofs.derivation import READINGS, Units
+from cross_checks.certify.proofs.equations import derive
+from cross_checks.certify.proofs.taylor import NoConvergence, Series, radius, rescaled
+from mbs_ref.scene import Scene
+from mbs_ref.scene.scales import scales_of
+
+DEGREE, DIGITS = 40, 45  # of the polynomials, at least
+DIGITS_PROVEN = 21.0  # of a radius, that DEGREE and DIGITS reach in most motions
+SAFETY = 7.0  # radii of convergence in a step
+SHORTER, ATTEMPTS = Fraction(5, 7), 12  # a step that is not proven is tried again so much shorter, so often
+FINEST = 3  # attempts at a radius, each with half as many digits more
+
+
+@dataclass(frozen=True)
+class Proven:
+    """A motion's proof, or how far it reaches."""
+
+    log: dict[str, Any]
+    proof: Proof
+    seconds: float  # of processor time
+    reached: float  # s
+    reason: str  # why it ends before the last output time; empty where it does not
+
+    @property
+    def radius(self) -> float:
+        """The largest radius at the output times, m, rad, m/s, rad/s."""
+        return self.proof.radius
+
+
+def prove(
+    scene: Scene, times: Sequence[float], aim: float = 1e-15, inputs: str = "binary64",
+    limit: float = math.inf, report: Callable[[float, float], None] = lambda t, radius: None,
+) -> Proven:  # fmt: skip
+    """Return a proof at `times` (s, increasing from 0) with a radius below `aim`, or how far it reaches.
+
+    `report` receives the time reached (s) and the radius; `limit` is processor time (s). Raises NotCovered, and Refused
+    where the start or the formulas are not the scene's.
+    """
+    began, last = time.process_time(), None
+    for attempt in range(FINEST):
+        factor = 1.5**attempt * max(1.0, -math.log10(aim) / DIGITS_PROVEN)
+        left = limit - (time.process_time() - began)
+        last = _attempt(scene, times, inputs, int(DEGREE * factor), int(DIGITS * factor), left, report)
+        if last.radius <= aim or (last.reason and "limit" in last.reason):
+            break
+    assert last is not None
+    return last
+
+
+def _attempt(
+    scene: Scene, times: Sequence[float], inputs: str, degree: int, digits: int, limit: float, report: Any
+) -> Proven:
+    began, bits = time.process_time(), int(digits * math.log2(10.0))
+    units = _units(scene)
+    header = _header(scene, times, inputs, bits, units)
+    proof, reason = Proof(header), ""
+    try:
+        reach = float(units.time) * _first_radius(proof, header, bits, degree) / SAFETY
+    except (NoConvergence, ZeroDivisionError) as error:
+        raise Refused(f"the accelerations at the start are not determined: {error}") from error
+    units = Units(units.length, _power(reach), units.mass)
+    header = _header(scene, times, inputs, bits, units)
+    proof = Proof(header)
+    series = Series(header["system"], bits, degree)
+    z, steps, exponent = [round_to(x, bits) for x in proof.model.z_start], [], 2
+    while proof.t < proof.times[-1] and not reason:
+        if time.process_time() - began > limit:
+            reason = f"the limit of {limit:g} s of processor time is reached"
+            break
+        try:
+            rows = series.propose([round_to(x, bits) for x in proof.middle], z, exponent)
+        except (NoConvergence, ZeroDivisionError) as error:
+            reason = f"no polynomial: {error}"
+            break
+        length = radius(rows, bits) * 2.0**exponent / SAFETY
+        h = Fraction(max(1, int(length * 64))) / 64 if length > 0.25 else Fraction(length).limit_denominator(1 << 30)
+        h = _dyadic(min(h, proof.times[-1] - proof.t), h)
+        for attempt in range(ATTEMPTS):
+            own = rescaled(rows, h / Fraction(2) ** exponent)
+            try:
+                proof.step(h, own)
+                break
+            except Refused as error:
+                reason = f"a step is not proven: {error}" if attempt == ATTEMPTS - 1 else ""
+                h = _dyadic(h * SHORTER, h)
+        if reason:
+            break
+        steps.append([h.numerator, h.denominator, own])
+        z = [sum(row) for row in own[proof.model.formulas.n :]]
+        exponent = max(-40, round(math.log2(float(h) * SAFETY)))
+        report(float(proof.t * units.time), proof.radius)
+    log = header | {"steps": steps, "radius": proof.radius, "times": list(times)[: len(proof.enclosures)]}
+    return Proven(log, proof, time.process_time() - began, float(proof.t * units.time), reason)
+
+
+def round_to(value: Any, bits: int) -> int:
+    """Return a ball's middle as an integer over 2^bits."""
+    mantissa, exponent = value.mid().man_exp()
+    shift = int(exponent) + bits
+    return int(mantissa) << shift if shift >= 0 else int(mantissa) >> -shift
+
+
+def _dyadic(h: Fraction, about: Fraction) -> Fraction:
+    """Return h rounded up to a dyadic with 20 significant bits."""
+    exponent = 20 - math.frexp(float(about))[1]
+    return Fraction(math.ceil(h * Fraction(2) ** exponent)) / Fraction(2) ** exponent
+
+
+def _power(x: float) -> Fraction:
+    return Fraction(2) ** round(math.log2(x))
+
+
+def _units(scene: Scene) -> Units:
+    scales = scales_of(scene)
+    masses = [body.mass for body in scene.bodies]
+    return Units(_power(scales.length), _power(scales.time), _power(math.exp(sum(map(math.log, masses)) / len(masses))))
+
+
+def _header(scene: Scene, times: Sequence[float], inputs: str, bits: int, units: Units) -> dict[str, Any]:
+    return {
+        "scene": scene.model_dump(mode="json"), "inputs": inputs, "bits": bits, "times": list(times),
+        "system": derive(scene, READINGS[inputs], units),
+    }  # fmt: skip
+
+
+def _first_radius(proof: Proof, header: dict[str, Any], bits: int, degree: int) -> float:
+    """Return the radius of convergence at the start, in units of time."""
+    exponent = -2
+    series = Series(header["system"], bits, degree)
+    for _ in range(4):
+        y, z = ([round_to(x, bits) for x in values] for values in (proof.middle, proof.model.z_start))
+        rows = series.propose(y, z, exponent)
+        found = radius(rows, bits) * 2.0**exponent
+        if abs(math.log2(found) - exponent) < 2:
+            break
+        exponent = round(math.log2(found))
+    return found

@@ -1,0 +1,189 @@
+"""The loads that proofs cover, written on a tape with one z = 1 / distance for every spring and attracting pair."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from fractions import Fraction
+from itertools import combinations
+from typing import Any
+
+from cross_checks.certify.proofs.derivation import Derivation
+from cross_checks.certify.proofs.tape import Formula, Vector, dot, minus, plus, times
+
+Point = tuple[Vector, Vector, Vector]  # place, velocity, acceleration
+
+
+@dataclass(frozen=True)
+class Marks:
+    """The points of two bodies that a joint or a load connects."""
+
+    a: Point
+    b: Point
+
+    @classmethod
+    def of(cls, work: Derivation, part: Any) -> Marks:
+        """Return the marks of a part with point_a and point_b, or with one point."""
+        points = (part.point_a, part.point_b) if hasattr(part, "point_a") else (part.point, part.point)
+        ends = zip((part.body_a, part.body_b), points, strict=True)
+        return cls(*(work.frames[body].carried(work.offset(body, point)) for body, point in ends))
+
+
+@dataclass(frozen=True)
+class Law:
+    """How a load acts, and why one of its kind is not covered."""
+
+    apply: Callable[[Derivation, Any], None]
+    complaint: Callable[[Any], str] = lambda load: ""
+
+
+def _inverse_length(work: Derivation, gap: Vector) -> Formula:
+    """Return 1 / |gap| as a new z."""
+    inverse = work.unknowns.dependent()
+    work.residuals.append(inverse * inverse * dot(gap, gap) - work.tape.number(1))
+    return inverse
+
+
+def _spring(work: Derivation, load: Any) -> None:
+    units, marks = work.units, Marks.of(work, load)
+    gap, speed = minus(marks.b[0], marks.a[0]), minus(marks.b[1], marks.a[1])
+    inverse = _inverse_length(work, gap)
+    if load.rest_length is None:
+        squared = sum((work.exact(b) - work.exact(a)) ** 2 for a, b in zip(load.point_a, load.point_b, strict=True))
+        rest = work.tape.line("root", *Fraction(squared / units.length**2).as_integer_ratio())
+    else:
+        rest = work.number(load.rest_length, units.length)
+    stiffness = work.number(load.stiffness, units.mass / units.time**2)
+    tension = stiffness * (dot(gap, gap) * inverse - rest)
+    if load.damping:
+        tension = tension + work.number(load.damping, units.mass / units.time) * dot(gap, speed) * inverse
+    pull = times(gap, tension * inverse)
+    work.apply(load.body_b, marks.b[0], times(pull, -1))
+    work.apply(load.body_a, marks.a[0], pull)
+
+
+def _torsion(work: Derivation, load: Any) -> None:
+    units = work.units
+    unit = units.mass * units.length**2 / units.time**2
+    a, b = work.frames[load.body_a], work.frames[load.body_b]
+    assert a.angle is not None
+    assert b.angle is not None
+    angle = b.angle - a.angle
+    if load.rest_angle is not None:
+        start = [Fraction(0) if n == "ground" else work.exact(work.bodies[n].angle) for n in (load.body_a, load.body_b)]
+        angle = angle + work.tape.number(start[1] - start[0] - work.exact(load.rest_angle))
+    torque = angle * work.number(load.stiffness, unit)
+    torque = torque + (b.spin[2] - a.spin[2]) * work.number(load.damping, unit * units.time)
+    _turn(work, load.body_b, -torque)
+    _turn(work, load.body_a, torque)
+
+
+def _turn(work: Derivation, body: str, torque: Formula) -> None:
+    zero = work.tape.number(0)
+    work.apply(body, (zero, zero, zero), (zero, zero, zero), (zero, zero, torque))
+
+
+def _torque(work: Derivation, load: Any) -> None:
+    units = work.units
+    unit = units.mass * units.length**2 / units.time**2
+    size = load.factor.value if load.factor.type == "constant" else 1.0
+    values = (0.0, 0.0, load.torque) if load.type == "torque" else load.vector
+    zero = work.tape.number(0)
+    moment = times(work.vector(values, unit), work.number(size))
+    work.apply(load.body, (zero, zero, zero), (zero, zero, zero), moment)
+
+
+def _force(work: Derivation, load: Any) -> None:
+    units = work.units
+    place = work.frames[load.body].carried(work.offset(load.body, load.point))[0]
+    vector = work.vector(load.vector, units.mass * units.length / units.time**2)
+    work.apply(load.body, place, times(vector, work.number(load.factor.value)))
+
+
+def _newton(work: Derivation, load: Any) -> None:
+    names, unit = work.scene.body_names, work.units.length**3 / work.units.time**2
+    for i, j in combinations(range(len(names)), 2):
+        if not (load.gm[i] or load.gm[j]):
+            continue
+        gap = minus(work.frames[names[j]].place, work.frames[names[i]].place)
+        inverse = _inverse_length(work, gap)
+        pull = times(gap, inverse * inverse * inverse)
+        for own, other, way in ((i, j, 1), (j, i, -1)):
+            mass = work.number(work.bodies[names[own]].mass, work.units.mass)
+            force = times(pull, work.number(load.gm[other], unit) * mass * way)
+            work.apply(names[own], work.frames[names[own]].place, force)
+
+
+def _oblateness(work: Derivation, load: Any) -> None:
+    """Attract by zonal harmonics: a = -gm sum J_n R^n / r^(n+2) (P_n' k - P_(n+1)' r / |r|)."""
+    newton = next(part for part in work.scene.loads if part.type == "newton")
+    names, units = work.scene.body_names, work.units
+    k = work.scene.body_index(load.body)
+    axis, radius = work.vector(load.axis), work.number(load.radius, units.length)
+    for i, name in enumerate(names):
+        if i == k:
+            continue
+        gap = minus(work.frames[name].place, work.frames[load.body].place)
+        inverse = _inverse_length(work, gap)
+        unit = times(gap, inverse)
+        sine = dot(unit, axis)
+        slopes = _legendre_slopes(sine, len(load.zonal) + 2)
+        power = inverse * inverse
+        total = work.frames["ground"].place
+        for n, harmonic in enumerate(load.zonal, start=2):
+            size = power * _power(inverse * radius, n) * work.number(harmonic)
+            total = plus(total, times(minus(times(axis, slopes[n]), times(unit, slopes[n + 1])), -size))
+        mass = work.number(work.bodies[name].mass, units.mass)
+        gm = units.length**3 / units.time**2
+        work.apply(name, work.frames[name].place, times(total, mass * work.number(newton.gm[k], gm)))
+        if newton.gm[i]:
+            mass = work.number(work.bodies[load.body].mass, units.mass)
+            back = times(total, -(mass * work.number(newton.gm[i], gm)))
+            work.apply(load.body, work.frames[load.body].place, back)
+
+
+def _power(base: Formula, exponent: int) -> Formula:
+    result = base
+    for _ in range(exponent - 1):
+        result = result * base
+    return result
+
+
+def _legendre_slopes(s: Formula, degree: int) -> list[Formula]:
+    """Return P_n'(s) for n = 0 to degree: P_(n+1)' = s P_n' + (n + 1) P_n."""
+    value, slope = [s.tape.number(1), s], [s.tape.number(0), s.tape.number(1)]
+    for n in range(1, degree):
+        value.append((s * value[n] * (2 * n + 1) - value[n - 1] * n) * Fraction(1, n + 1))
+        slope.append(s * slope[n] + value[n] * (n + 1))
+    return slope
+
+
+def _constant(load: Any) -> str:
+    if load.factor.type != "constant":
+        return "varies in time, which is not covered"
+    return "along a body's axes is not covered" if getattr(load, "frame", "world") == "body" else ""
+
+
+def _taut(load: Any) -> str:
+    return "acts in tension only, which is not covered" if load.tension_only else ""
+
+
+def _flat(load: Any) -> str:
+    return "in space is not covered" if load.axis is not None else ""
+
+
+def _polar(load: Any) -> str:
+    fixed = load.pole == "fixed" and sorted(map(abs, load.axis)) == [0.0, 0.0, 1.0]
+    return "" if fixed else "needs a fixed pole along a coordinate axis"
+
+
+LAWS: dict[str, Law] = {
+    "spring_damper": Law(_spring, _taut),
+    "torsion_spring": Law(_torsion, _flat),
+    "torque": Law(_torque, _constant),
+    "torque_vector": Law(_torque, _constant),
+    "force": Law(_force, _constant),
+    "newton": Law(_newton),
+    "oblateness": Law(_oblateness, _polar),
+    "epoch": Law(lambda work, load: None),
+}

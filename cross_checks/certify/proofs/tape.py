@@ -1,0 +1,128 @@
+"""Formulas as a list of elementary operations, each operand an earlier line: what a log can hold."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from fractions import Fraction
+
+Line = tuple[
+    str, int, int
+]  # operation and operands: c numerator denominator, y i, z i, + - * i j, sin i, cos i, root i
+
+
+@dataclass
+class Tape:
+    """The lines of a formula; equal lines occur once."""
+
+    lines: list[Line] = field(default_factory=list)
+    places: dict[Line, int] = field(default_factory=dict)
+
+    def line(self, operation: str, first: int, second: int = 0) -> Formula:
+        """Return the formula of a line, appended unless it exists."""
+        key = (operation, first, second)
+        if key not in self.places:
+            self.places[key] = len(self.lines)
+            self.lines.append(key)
+        return Formula(self, self.places[key])
+
+    def number(self, value: Fraction | int) -> Formula:
+        """Return a rational constant."""
+        return self.line("c", *Fraction(value).as_integer_ratio())
+
+    def at_start(self, places: Sequence[int], y: Sequence[Fraction]) -> list[Fraction]:
+        """Return the values of lines where no sine, cosine or z but those of zero angles occurs."""
+        value: list[Fraction] = []
+        for operation, a, b in self.lines[: max(places, default=-1) + 1]:
+            match operation:
+                case "c":
+                    value.append(Fraction(a, b))
+                case "y":
+                    value.append(y[a])
+                case "+" | "-":
+                    value.append(value[a] + value[b] if operation == "+" else value[a] - value[b])
+                case "*":
+                    value.append(value[a] * value[b])
+                case _:
+                    value.append(Fraction(operation == "cos"))
+        return [value[place] for place in places]
+
+
+@dataclass(frozen=True)
+class Formula:
+    """One line of a tape, with the operators of a number."""
+
+    tape: Tape
+    place: int
+
+    @property
+    def constant(self) -> Fraction | None:
+        """Return the value of a rational constant; None of another line."""
+        operation, first, second = self.tape.lines[self.place]
+        return Fraction(first, second) if operation == "c" else None
+
+    def __add__(self, other: Formula) -> Formula:
+        a, b = self.constant, other.constant
+        if a is not None and b is not None:
+            return self.tape.number(a + b)
+        if a == 0 or b == 0:
+            return other if a == 0 else self
+        return self.tape.line("+", *sorted((self.place, other.place)))
+
+    def __sub__(self, other: Formula) -> Formula:
+        a, b = self.constant, other.constant
+        if a is not None and b is not None:
+            return self.tape.number(a - b)
+        return self if b == 0 else self.tape.line("-", self.place, other.place)
+
+    def __mul__(self, other: Formula | Fraction | int) -> Formula:
+        other = other if isinstance(other, Formula) else self.tape.number(other)
+        a, b = self.constant, other.constant
+        if a is not None and b is not None:
+            return self.tape.number(a * b)
+        if a == 0 or b == 0:
+            return self.tape.number(0)
+        if a == 1 or b == 1:
+            return other if a == 1 else self
+        return self.tape.line("*", *((other.place, self.place) if b is not None else (self.place, other.place)))
+
+    def __neg__(self) -> Formula:
+        return self * -1
+
+    def sin_cos(self) -> tuple[Formula, Formula]:
+        """Return sine and cosine; their lines are neighbours."""
+        return self.tape.line("sin", self.place), self.tape.line("cos", self.place)
+
+
+Vector = tuple[Formula, Formula, Formula]
+
+
+def plus(*terms: Vector) -> Vector:
+    """Return the sum of vectors."""
+    total = terms[0]
+    for term in terms[1:]:
+        total = (total[0] + term[0], total[1] + term[1], total[2] + term[2])
+    return total
+
+
+def minus(a: Vector, b: Vector) -> Vector:
+    """Return a - b."""
+    return a[0] - b[0], a[1] - b[1], a[2] - b[2]
+
+
+def times(a: Vector, factor: Formula | Fraction | int) -> Vector:
+    """Return a multiple of a vector."""
+    return a[0] * factor, a[1] * factor, a[2] * factor
+
+
+def dot(a: Sequence[Formula], b: Sequence[Formula]) -> Formula:
+    """Return the sum of products."""
+    total = a[0] * b[0]
+    for x, y in zip(a[1:], b[1:], strict=True):
+        total = total + x * y
+    return total
+
+
+def cross(a: Vector, b: Vector) -> Vector:
+    """Return the cross product."""
+    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]

@@ -1,0 +1,137 @@
+"""mbs-ref prove: proven enclosures of a motion, with a log that a second program checks."""
+
+from __future__ import annotations
+
+import time
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any
+
+import click
+import numpy as np
+
+from reports import inputs
+from reports.terminal.console import echo_json, number, progress, show, table
+from reports.terminal.exit_codes import EngineAbsent, Failed, NothingSelected
+
+
+@click.command(name="prove")
+@click.argument("scene", metavar="SCENE|FILE.toml", required=False)
+@inputs.PARAMETERS
+@click.option("--t-end", type=float, metavar="T", help="Duration, s; the scene's own unless given.")
+@click.option(
+    "--samples", type=click.IntRange(2), default=11, show_default=True, help="Output times from 0 to the end."
+)
+@click.option(
+    "--radius",
+    type=float,
+    default=1e-15,
+    show_default=True,
+    metavar="R",
+    callback=inputs.positive,
+    help="Largest radius of an enclosure: m, rad, m/s, rad/s.",
+)
+@click.option(
+    "--inputs",
+    "reading",
+    type=click.Choice(["binary64", "decimal"]),
+    default="binary64",
+    show_default=True,
+    help="The scene's numbers as engines run them, or the decimals as written.",
+)
+@click.option(
+    "--limit",
+    type=float,
+    default=600.0,
+    show_default=True,
+    metavar="S",
+    callback=inputs.positive,
+    help="Limit of processor time, s.",
+)
+@click.option("--json", "as_json", is_flag=True, help="Print the enclosures as JSON.")
+@click.option("-o", "output", metavar="LOG", help="Write the log of the proof.")
+@click.option("--check", "log_file", metavar="LOG", help="Check a log instead; nothing of the prover is trusted.")
+def command(
+    scene: str | None, parameters: tuple[str, ...], t_end: float | None, samples: int, radius: float, reading: str,
+    limit: float, as_json: bool, output: str | None, log_file: str | None,
+) -> None:  # fmt: skip
+    """Enclose places, turns, velocities and spins of SCENE at the output times, by a proof.
+
+    The theorem is about the scene's numbers: each binary64 value, or each decimal, is exact; rates that loops decide
+    solve the closures.
+    """
+    if find_spec("flint") is None:
+        raise EngineAbsent("proofs need the package python-flint: pip install 'mbs-ref[proofs]'")
+    if (scene is None) == (log_file is None):
+        raise click.UsageError("give either a scene or --check LOG")
+    if log_file is not None:
+        _check(Path(log_file), as_json)
+        return
+    assert scene is not None
+    from cross_checks.certify.proofs import log as logs
+    from cross_checks.certify.proofs.checker.balls import Refused
+    from cross_checks.certify.proofs.derivation import NotCovered
+    from cross_checks.certify.proofs.integrate import prove
+
+    made = inputs.scene(scene, parameters)
+    end = made.duration if t_end is None else t_end
+    if not end > 0.0:
+        raise click.UsageError(f"--t-end {end:g}: a proof needs a duration > 0")
+    times = np.linspace(0.0, end, samples).tolist()
+    with progress(f"prove {made.name}") as report:
+        try:
+            proven = prove(
+                made, times, radius, reading, limit,
+                lambda t, r: report(int(1000 * t / end), 1000, f"t = {t:.4g} s, radius {r:.1e}"),
+            )  # fmt: skip
+        except NotCovered as error:
+            raise NothingSelected(f"{made.name}: no proof covers it: {error}") from error
+        except Refused as error:
+            raise Failed(f"{made.name}: {error}") from error
+    size = None if output is None else logs.write(proven.log, Path(output))
+    facts = {"scene": made.name, "inputs": reading, "radius": proven.radius, "reached": min(proven.reached, end),
+             "steps": len(proven.log["steps"]), "seconds": proven.seconds, "log_bytes": size}  # fmt: skip
+    _show(facts, made, times, proven.proof.enclosures, as_json)
+    if proven.reason:
+        raise Failed(f"not proven beyond t = {proven.reached:g} s, radius {proven.radius:.1e}: {proven.reason}")
+    if proven.radius > radius:
+        raise Failed(f"proven to radius {proven.radius:.1e}, above the requested {radius:.1e}")
+
+
+def _check(file: Path, as_json: bool) -> None:
+    from cross_checks.certify.proofs import log as logs
+    from cross_checks.certify.proofs.checker.balls import Refused
+    from cross_checks.certify.proofs.checker.proof import check
+    from mbs_ref.scene import Scene
+
+    began = time.process_time()
+    try:
+        log = logs.read(file)
+        checked, enclosures = check(log)
+    except Refused as error:
+        raise Failed(f"{file} is refused: {error}") from error
+    made = Scene.model_validate(log["scene"])
+    facts = {"scene": made.name, "inputs": log["inputs"], "radius": checked.radius, "reached": checked.proven_to,
+             "steps": checked.steps, "energy": "constant" if checked.energy else "not compared",
+             "seconds": time.process_time() - began}  # fmt: skip
+    _show(facts, made, log["times"], enclosures, as_json)
+
+
+def _show(facts: dict[str, Any], scene: Any, times: list[float], enclosures: list[Any], as_json: bool) -> None:
+    """Print the facts, and the enclosures: all as JSON, those at the last time for a person."""
+    if as_json:
+        rows = [
+            {name: [x.str(40) for x in own] for name, own in zip(scene.body_names, at, strict=True)}
+            for at in enclosures
+        ]
+        echo_json(facts | {"times": times[: len(rows)], "bodies": rows})
+        return
+    for name, value in facts.items():
+        click.echo(f"{name}: {number(value) if isinstance(value, float) else value}")
+    if enclosures:
+        listing = table(
+            f"at t = {times[len(enclosures) - 1]:g} s", "body", "place, turn, velocity, spin: m, rad, m/s, rad/s"
+        )
+        for name, own in zip(scene.body_names, enclosures[-1], strict=True):
+            listing.add_row(name, "  ".join(x.str(25) for x in own))
+        show(listing)
