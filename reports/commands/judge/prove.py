@@ -11,8 +11,7 @@ import click
 import numpy as np
 
 from reports import inputs
-from reports.terminal.console import echo_json, number, progress, show, table
-from reports.terminal.exit_codes import EngineAbsent, Failed, NothingSelected
+from reports.terminal.console import EngineAbsent, Failed, NothingSelected, echo_json, number, progress, show, table
 
 
 @click.command(name="prove")
@@ -68,10 +67,10 @@ def command(
         _check(Path(log_file), as_json)
         return
     assert scene is not None
-    from cross_checks.certify.proofs import log as logs
-    from cross_checks.certify.proofs.checker.balls import Refused
-    from cross_checks.certify.proofs.derivation import NotCovered
-    from cross_checks.certify.proofs.integrate import prove
+    from cross_checks.truths.proofs import log as logs
+    from cross_checks.truths.proofs.checker.balls import Refused
+    from cross_checks.truths.proofs.derivation import NotCovered
+    from cross_checks.truths.proofs.integrate import prove
 
     made = inputs.scene(scene, parameters)
     end = made.duration if t_end is None else t_end
@@ -99,9 +98,9 @@ def command(
 
 
 def _check(file: Path, as_json: bool) -> None:
-    from cross_checks.certify.proofs import log as logs
-    from cross_checks.certify.proofs.checker.balls import Refused
-    from cross_checks.certify.proofs.checker.proof import check
+    from cross_checks.truths.proofs import log as logs
+    from cross_checks.truths.proofs.checker.balls import Refused
+    from cross_checks.truths.proofs.checker.proof import check
     from mbs_ref.scene import Scene
 
     began = time.process_time()

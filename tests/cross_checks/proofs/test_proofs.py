@@ -16,14 +16,14 @@ pytest.importorskip("flint", reason="proofs need python-flint: pip install 'mbs-
 
 from flint import arb, fmpq  # pyright: ignore[reportMissingImports]
 
-from cross_checks.certify.proofs.certified import enclosed
-from cross_checks.certify.proofs.checker.balls import Refused, precision
-from cross_checks.certify.proofs.checker.formulas import Formulas, roots
-from cross_checks.certify.proofs.checker.proof import check
-from cross_checks.certify.proofs.derivation import NotCovered
-from cross_checks.certify.proofs.integrate import prove
-from cross_checks.truth import Truth
 from cross_checks.truths import seek_truth
+from cross_checks.truths.proofs.certified import enclosed
+from cross_checks.truths.proofs.checker.balls import Refused, precision
+from cross_checks.truths.proofs.checker.formulas import Formulas, roots
+from cross_checks.truths.proofs.checker.proof import check
+from cross_checks.truths.proofs.derivation import NotCovered
+from cross_checks.truths.proofs.integrate import prove
+from cross_checks.truths.truth import Truth
 from mbs_ref import scenes
 from reports.cli import main
 

@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from cross_checks.certify.proofs.checker.model import TURNS
-from cross_checks.certify.proofs.checker.proof import Proof
+from cross_checks.truths.proofs.checker.model import TURNS
+from cross_checks.truths.proofs.checker.proof import Proof
 
 
 @dataclass(frozen=True)

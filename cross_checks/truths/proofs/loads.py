@@ -8,8 +8,8 @@ from fractions import Fraction
 from itertools import combinations
 from typing import Any
 
-from cross_checks.certify.proofs.derivation import Derivation
-from cross_checks.certify.proofs.tape import Formula, Vector, dot, minus, plus, times
+from cross_checks.truths.proofs.derivation import Derivation
+from cross_checks.truths.proofs.tape import Formula, Vector, dot, minus, plus, times
 
 Point = tuple[Vector, Vector, Vector]  # place, velocity, acceleration
 

@@ -9,11 +9,11 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
-from cross_checks.certify.proofs.checker.balls import Refused
-from cross_checks.certify.proofs.checker.proof import Proof
-from cross_checks.certify.proofs.derivation import READINGS, Units
-from cross_checks.certify.proofs.equations import derive
-from cross_checks.certify.proofs.taylor import NoConvergence, Series, radius, rescaled
+from cross_checks.truths.proofs.checker.balls import Refused
+from cross_checks.truths.proofs.checker.proof import Proof
+from cross_checks.truths.proofs.derivation import READINGS, Units
+from cross_checks.truths.proofs.equations import derive
+from cross_checks.truths.proofs.taylor import NoConvergence, Series, radius, rescaled
 from mbs_ref.scene import Scene
 from mbs_ref.scene.scales import scales_of
 

@@ -8,7 +8,7 @@ from typing import Any
 
 from flint import arb, arb_mat  # pyright: ignore[reportMissingImports]  # an optional extra
 
-from cross_checks.certify.proofs.checker.balls import Number, Refused, above, exact
+from cross_checks.truths.proofs.checker.balls import Number, Refused, above, exact
 
 OPERATIONS = ("c", "root", "y", "z", "+", "-", "*", "sin", "cos")
 ITERATIONS = 60  # of Newton's method for z, from 1

@@ -12,8 +12,8 @@ from typing import Any
 
 from flint import arb, arb_mat, arb_series  # pyright: ignore[reportMissingImports]  # an optional extra
 
-from cross_checks.certify.proofs.checker.balls import Number, Refused, exact
-from cross_checks.certify.proofs.checker.formulas import solve
+from cross_checks.truths.proofs.checker.balls import Number, Refused, exact
+from cross_checks.truths.proofs.checker.formulas import solve
 from mbs_ref.scene import GROUND
 
 ENERGETIC = ("spring_damper", "torsion_spring", "newton", "oblateness", "epoch")  # loads whose energy is counted

@@ -12,11 +12,11 @@ from collections.abc import Callable, Iterator
 from fractions import Fraction
 from typing import Any
 
-from cross_checks.certify.proofs import kinematics
-from cross_checks.certify.proofs.derivation import Derivation, Exact, NotCovered, Units
-from cross_checks.certify.proofs.kinematics import Frame, hung, plane_turn, product, slid, space_turn, turned
-from cross_checks.certify.proofs.loads import LAWS, Marks
-from cross_checks.certify.proofs.tape import Formula, Vector, cross, dot, minus, plus, times
+from cross_checks.truths.proofs import kinematics
+from cross_checks.truths.proofs.derivation import Derivation, Exact, NotCovered, Units
+from cross_checks.truths.proofs.kinematics import Frame, hung, plane_turn, product, slid, space_turn, turned
+from cross_checks.truths.proofs.loads import LAWS, Marks
+from cross_checks.truths.proofs.tape import Formula, Vector, cross, dot, minus, plus, times
 from mbs_ref.scene import GROUND
 
 JOINTS = ("revolute", "prismatic", "weld", "spherical", "distance", "universal")

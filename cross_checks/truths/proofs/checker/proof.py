@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 from flint import acb, arb, arb_series  # pyright: ignore[reportMissingImports]  # an optional extra
 
-from cross_checks.certify.proofs.checker.balls import GAMMA, Refused, above, exact, precision, terms, up
-from cross_checks.certify.proofs.checker.bounds import ORDER, defects_of, gap_of, inverse_bound, variations
-from cross_checks.certify.proofs.checker.model import Model
+from cross_checks.truths.proofs.checker.balls import GAMMA, Refused, above, exact, precision, terms, up
+from cross_checks.truths.proofs.checker.bounds import ORDER, defects_of, gap_of, inverse_bound, variations
+from cross_checks.truths.proofs.checker.model import Model
 
 CONDITION = 1e6  # of the basis, above which it becomes orthogonal
 DISCS = (1.5, 2.0, 3.0, 4.0, 5.0, 6.5)  # radii of discs in steps; the best one counts

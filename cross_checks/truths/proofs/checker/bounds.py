@@ -6,7 +6,7 @@ from math import comb
 
 import numpy as np
 
-from cross_checks.certify.proofs.checker.balls import GAMMA, Refused, up
+from cross_checks.truths.proofs.checker.balls import GAMMA, Refused, up
 
 ORDER = 20  # terms of V, W and the Jacobian: their defect is about 6^-ORDER
 DEEPEST = 6  # halvings of a step for an inverse

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from fractions import Fraction
 
-from cross_checks.certify.proofs.tape import Formula, Tape, Vector, cross, dot, minus, plus, times
+from cross_checks.truths.proofs.tape import Formula, Tape, Vector, cross, dot, minus, plus, times
 
 Matrix = tuple[Vector, Vector, Vector]
 

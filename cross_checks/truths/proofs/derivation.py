@@ -7,9 +7,9 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Any
 
-from cross_checks.certify.proofs import kinematics
-from cross_checks.certify.proofs.kinematics import Frame, Unknowns
-from cross_checks.certify.proofs.tape import Formula, Tape, Vector, cross, minus, plus
+from cross_checks.truths.proofs import kinematics
+from cross_checks.truths.proofs.kinematics import Frame, Unknowns
+from cross_checks.truths.proofs.tape import Formula, Tape, Vector, cross, minus, plus
 from mbs_ref.scene import GROUND
 
 Exact = Callable[[float], Fraction]
