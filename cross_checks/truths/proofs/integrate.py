@@ -18,9 +18,10 @@ from mbs_ref.scene import Scene
 from mbs_ref.scene.scales import scales_of
 
 DEGREE, DIGITS = 40, 45  # of the polynomials, at least
-DIGITS_PROVEN = 21.0  # of a radius, that DEGREE and DIGITS reach in most motions
+DIGITS_PROVEN = 18.0  # of a radius, that DEGREE and DIGITS reach in most motions
 SAFETY = 7.0  # radii of convergence in a step
 SHORTER, ATTEMPTS = Fraction(5, 7), 12  # a step that is not proven is tried again so much shorter, so often
+LONGER = 1.05  # how much longer a step may be than the last proven one, of the radius of convergence
 FINEST = 3  # attempts at a radius, each with half as many digits more
 
 
@@ -75,7 +76,7 @@ def _attempt(
     header = _header(scene, times, inputs, bits, units)
     proof = Proof(header)
     series = Series(header["system"], bits, degree)
-    z, steps, exponent = [round_to(x, bits) for x in proof.model.z_start], [], 2
+    z, steps, exponent, share = [round_to(x, bits) for x in proof.model.z_start], [], 2, 1.0 / SAFETY
     while proof.t < proof.times[-1] and not reason:
         if time.process_time() - began > limit:
             reason = f"the limit of {limit:g} s of processor time is reached"
@@ -85,17 +86,18 @@ def _attempt(
         except (NoConvergence, ZeroDivisionError) as error:
             reason = f"no polynomial: {error}"
             break
-        length = radius(rows, bits) * 2.0**exponent / SAFETY
+        length = radius(rows, bits) * 2.0**exponent * share
         h = Fraction(max(1, int(length * 64))) / 64 if length > 0.25 else Fraction(length).limit_denominator(1 << 30)
         h = _dyadic(min(h, proof.times[-1] - proof.t), h)
         for attempt in range(ATTEMPTS):
             own = rescaled(rows, h / Fraction(2) ** exponent)
             try:
                 proof.step(h, own)
+                share = min(1.0 / SAFETY, share * LONGER)
                 break
             except Refused as error:
                 reason = f"a step is not proven: {error}" if attempt == ATTEMPTS - 1 else ""
-                h = _dyadic(h * SHORTER, h)
+                h, share = _dyadic(h * SHORTER, h), share * float(SHORTER)
         if reason:
             break
         steps.append([h.numerator, h.denominator, own])

@@ -107,7 +107,7 @@ class Model:
 
     def _compare(self, start: list[arb]) -> None:
         """Compare the accelerations of the log's formulas with those of `Mechanics`, at the start and elsewhere."""
-        dice, parameters = random.Random(len(self.formulas.lines)), self._euler_parameters()
+        dice, parameters = random.Random(repr(self.formulas.lines)), self._euler_parameters()
         for point in range(POINTS + 1):
             y = [x + arb(dice.randrange(-1000, 1000)) / 3333 * int(point > 0) for x in start]
             for four in parameters:

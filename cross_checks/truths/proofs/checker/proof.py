@@ -191,7 +191,7 @@ class Proof:
     @property
     def radius(self) -> float:
         """The largest radius of a place (m), turn (rad), velocity or spin at the output times so far."""
-        return max((float(x.rad()) for one in self.enclosures for own in one for x in own), default=0.0)
+        return max((float(up(float(x.rad()))) for one in self.enclosures for own in one for x in own), default=0.0)
 
     def check_energy(self) -> None:
         """Refuse enclosures whose energies have no value in common, where nothing takes or gives any."""
