@@ -28,7 +28,7 @@ DEEPEST = 30  # halvings of a step: no function is followed closer
 FASTER = 2.0  # how many times its speed at both ends a function may reach between them
 FAR_TURN, SMOOTH_TURN = 1.0, 2.0  # rad, turn in an interval to which the bounds on rates and the differences apply
 SHRINKS = 0.5  # of second differences when intervals are halved: those of a smooth function shrink to a quarter
-NOISE = 4.0  # roundoffs by which a function may scatter from one place to the next
+NOISE, SCATTER = 4.0, 1e-12  # roundoffs, and share of its size, by which a function may scatter between places
 MOST_PLACES = 2000  # inside a step before it is cut short
 TRUSTED = 0.2  # of a function's size in a step: the interpolant's error up to which it shows anything
 FREEZE = -1.0  # s, duration with which pairs that are near stay as they are
@@ -87,7 +87,7 @@ def _unsure(low, new, h):
 @jit
 def _is_far(left, right, i, width):
     """Return whether function i cannot fall to zero in an interval of this width (s), by the bound on its rate."""
-    g0, g1 = left[VALUE, i], right[VALUE, i]
+    g0, g1 = left[VALUE, i] - BEYOND, right[VALUE, i] - BEYOND
     slow, fast = min(left[SPEED, i], right[SPEED, i]), max(left[SPEED, i], right[SPEED, i])
     if not min(g0, g1) >= 0.0 or slow < 0.0 or max(left[TURN, i], right[TURN, i]) * width > FAR_TURN:
         return False
@@ -201,9 +201,9 @@ def _examined(left, middle, right, bends, error, place, width, h):
             lowest = min(lowest, left[VALUE, c])
         if not falls:
             lowest = min(lowest, right[VALUE, c])
-        if lowest < bend:
+        if lowest - BEYOND < bend:
             return OPEN
-        if middle[VALUE, c] <= unsure and unsure > NOISE:
+        if middle[VALUE, c] - BEYOND <= unsure and unsure > NOISE:
             answer = SMALL
     return HOLDS if past else answer
 
@@ -211,7 +211,8 @@ def _examined(left, middle, right, bends, error, place, width, h):
 @jit
 def _second_difference(left, middle, right, c):
     """Return the absolute second difference of a function; 0 where it is roundoff."""
-    return max(abs(left[VALUE, c] - 2.0 * middle[VALUE, c] + right[VALUE, c]) - NOISE, 0.0)
+    g0, g1, g2 = left[VALUE, c], middle[VALUE, c], right[VALUE, c]
+    return max(abs(g0 - 2.0 * g1 + g2) - NOISE - SCATTER * max(abs(g0), abs(g1), abs(g2)), 0.0)
 
 
 @jit
