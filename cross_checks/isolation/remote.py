@@ -22,7 +22,7 @@ Answered = tuple[bool, Any]  # whether the call came back, and its result; else 
 class Remote(Isolated):
     """Calls as those of Isolated, each in a process beside a worker of the cluster, whose crash the worker survives.
 
-    A call whose worker is lost is made again on another.
+    A call whose worker is lost is repeated on another.
     """
 
     scheduler: str = ""  # its address

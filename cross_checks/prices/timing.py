@@ -94,7 +94,7 @@ class Comparison:
     low: float  # 95 % bootstrap interval of the median
     high: float
     blocks: int
-    disturbed: float  # share of runs that shared the machine, though they were made again
+    disturbed: float  # share of runs that shared the machine, although they were repeated
 
 
 def with_loops(record: Record, loops: Sequence[float], note: str = "") -> Record:

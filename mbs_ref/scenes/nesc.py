@@ -33,7 +33,7 @@ def nesc_dropped_sphere(*, duration: Positive = 30.0, j2: NonNegative = J2, spin
 def _dropped(
     name: str, description: str, cases: str, radius: float, spin: float, duration: float, field: CelestialLoad
 ) -> Scene:
-    """Return a sphere that is let go over the equator, `radius` (m) from the Earth's centre, with a field more."""
+    """Return a sphere that is released over the equator, `radius` (m) from the Earth's centre, with a field more."""
     return Scene(
         name=name,
         description=description,

@@ -35,7 +35,7 @@ METHODS = (
     Method(FEATHERSTONE, "fixed", 1, "symplectic Euler on joint coordinates", STEPS, roundoff=SINGLE),
 )  # fmt: skip
 SOLVERS: dict[str, tuple[str, dict[str, Any]]] = {  # class, options
-    FEATHERSTONE: ("SolverFeatherstone", {"angular_damping": 0.0})  # 0.05 unless told, which 1.8.0 does not read
+    FEATHERSTONE: ("SolverFeatherstone", {"angular_damping": 0.0})  # 0.05 by default, which 1.8.0 does not read
 }
 
 

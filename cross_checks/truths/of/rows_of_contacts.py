@@ -71,7 +71,7 @@ def block_stack(scene: Scene, times: np.ndarray) -> Truth | NoTruth:
     seen = np.array([expm(matrix * t) @ start for t in looks])
     push = -(law.stiffness * seen[:, :n] + law.damping * seen[:, n : 2 * n]) @ below.T
     if not np.all(push > 0.0):
-        return NoTruth("a corner lets go while the stack settles; the linear motion holds while all push")
+        return NoTruth("a corner loses contact while the stack settles; the linear motion holds while all push")
     sunk = np.array([(expm(matrix * t) @ start)[:n] for t in times])
     position = np.array([body.position for body in scene.bodies])[None] + sunk[:, :, None] * np.array([0.0, 0.0, 1.0])
     how = "the linear motion of masses on springs, matrix exponential"

@@ -39,7 +39,8 @@ def test_the_kept_calibration_holds_the_bounds():
     "family",
     [
         "calibration",
-        pytest.param("held-out", marks=pytest.mark.xfail(reason="wrong turns of equal height pass for a limit")),
+        # The bin of odds from 0.9 to 0.99 states 0.97, and 0.38 came true of 13 methods; the cause is not known.
+        pytest.param("held-out", marks=pytest.mark.xfail(strict=True, reason="odds from 0.9 to 0.99 are too high")),
     ],
 )
 def test_the_kept_odds_come_true_within_a_factor_2(family):

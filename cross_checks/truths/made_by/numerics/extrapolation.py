@@ -105,7 +105,7 @@ def extrapolate_branches(
                 h, ahead = _cut(slope, switches, on, t, y, h, ahead, tolerance)
                 changes += 1
                 if changes > MOST_CHANGES:
-                    raise NoConvergenceError(f"forces set in and let go without end at t = {t:.6g} s")
+                    raise NoConvergenceError(f"forces begin and end without limit at t = {t:.6g} s")
                 t, y = t + h, ahead
                 on = switches(t, y) > 0.0
                 continue
