@@ -56,12 +56,6 @@ def resumed(h, natural):
     return natural if natural > 0.0 else h
 
 
-@jit
-def is_slope_known(ends, verdict):
-    """Return whether dy/dt has been evaluated where the step ends, and nothing has moved the state since."""
-    return ends.known[1] == 1 and verdict != EVENT
-
-
 @loop_jit
 def advance_explicit(model, work, tableau, options, run, y, outputs):
     """Advance y through the output times, in place; return a status code (RUNNING when the chunk is used up).
@@ -124,7 +118,7 @@ def advance_explicit(model, work, tableau, options, run, y, outputs):
         if not avoids:
             run.h, natural, avoided = resumed(run.h, natural), 0.0, 0
             code = stepping.accept(model, work, options, run, attempt, verdict, y, stages.new, table, outputs)
-            if code == leg.RUNNING and is_slope_known(ends, verdict):
+            if code == leg.RUNNING and stepping.is_slope_known(ends, verdict):
                 stages.slopes[0, :] = stages.slopes[last]
             elif code == leg.RUNNING:
                 derivative(model, work, attempt.t_new, y, stages.slopes[0])

@@ -113,6 +113,12 @@ def stands_still(attempt):
 
 
 @jit
+def is_slope_known(ends, verdict):
+    """Return whether dy/dt has been evaluated where the step ends, and nothing has moved the state since."""
+    return ends.known[1] == 1 and verdict != EVENT
+
+
+@jit
 def is_cut(proposed, h):
     """Return whether a step that ends at an output would have gone beyond it."""
     return proposed * (1.0 - SLIVER) > h

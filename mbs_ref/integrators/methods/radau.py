@@ -206,7 +206,7 @@ def advance_radau(model, work, options, run, y, outputs):
             code = stepping.accept(model, work, options, run, attempt, verdict, y, trial, table, outputs)
         if code == leg.RUNNING:
             _remember(past, attempt, solved.rate, verdict)
-            if ends.known[1] == 1 and verdict != EVENT:
+            if stepping.is_slope_known(ends, verdict):
                 f[:] = ends.dy_new
             else:
                 derivative(model, work, attempt.t_new, y, f)

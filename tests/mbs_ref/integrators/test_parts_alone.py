@@ -8,7 +8,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from mbs_ref.integrators.loop import events, explicit
+from mbs_ref.integrators.loop import events, explicit, step
 from mbs_ref.integrators.loop.leg import Pace
 from mbs_ref.integrators.methods import gauss, generalized_alpha, radau
 from mbs_ref.integrators.stages import explicit_stages
@@ -99,7 +99,7 @@ def test_away_from_a_singular_pose_steps_are_as_accuracy_allows_again(natural, t
 @pytest.mark.parametrize(("evaluated", "verdict"), [(1, events.KEEP), (1, events.EVENT), (0, events.KEEP)])
 def test_a_slope_is_evaluated_anew_where_something_may_have_moved_the_state(evaluated, verdict):
     known = evaluated == 1 and verdict != events.EVENT
-    assert explicit.is_slope_known.py_func(SimpleNamespace(known=[1, evaluated]), verdict) == known
+    assert step.is_slope_known.py_func(SimpleNamespace(known=[1, evaluated]), verdict) == known
 
 
 def test_two_estimates_make_one_error_as_in_dop853(monkeypatch):
