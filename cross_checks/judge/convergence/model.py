@@ -27,6 +27,7 @@ from cross_checks.judge.convergence.ladder import Ladder
 # Priors. Calibrated on synthetic ladders (docs/theory.md); none refers to a scene or an engine.
 PRIORS = {"right": 0.62, "limit": 0.25, "plateau": 0.04, "stalled": 0.07, "lost": 0.02}
 STRAY = 0.03  # probability that a run lies anywhere, off the law
+REPEATED = 0.25  # probability that a run of a stalled method ends where another does: both miss the same event, say
 LATE = 0.15  # probability that the first run is not on the law; halves with every further run
 FADE = {"fixed": 0.5, "adaptive": 2.0}  # decades of the setting over which a plateau becomes less likely by e
 WIDTHS = np.array([0.03, 0.12, 0.12, 0.35, 0.7])  # sigma: scatter about the law, decades
@@ -350,7 +351,8 @@ def _limit(data: _Data) -> tuple[float, np.ndarray, np.ndarray]:
 def _stalled(data: _Data) -> tuple[float, np.ndarray]:
     """Return the log evidence that errors stall, grow, or lie at random heights, and the posterior of their level.
 
-    The last runs scatter about a level by 0.12 to 1.5 decades; up to two before them may follow the law.
+    The last runs scatter about a level by 0.12 to 1.5 decades; those before them may follow the law. A gap of any size
+    below the errors has a probability, too: runs that take the same one of few wrong ways are equal.
     """
     n = data.n
     widths = np.array([0.12, 0.35, 0.7, 1.5])
@@ -358,7 +360,7 @@ def _stalled(data: _Data) -> tuple[float, np.ndarray]:
     tilt = drift[:, None] * (data.log_setting - data.log_setting[-1])  # (order, i)
     centre = np.log10(saturated(LEVELS[:, None, None] + tilt, data.ladder.bound))  # (l, order, i)
     per_run = density(data.log_error, centre[:, :, None, :], widths[:, None])  # (l, order, width, i)
-    per_run[..., :-1] += data.across
+    per_run[..., :-1] += _mix(data.across, REPEATED)
     tails = np.cumsum(per_run[..., ::-1], axis=-1)[..., ::-1]
     prior = np.log(np.array([0.7, 0.2, 0.1]))[:, None] - np.log(len(widths)) - np.log(len(LEVELS))
     heads = np.cumsum(data.by_law[..., :-1] + data.gaps_by_errors, axis=-1)
