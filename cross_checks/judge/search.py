@@ -226,8 +226,8 @@ class Search:
     def begin(self, first: float) -> bool:
         """Find a first setting at which the method runs; return whether there is one.
 
-        Finer settings follow where it is refused or fails: steps in growing leaps, tolerances in the middle and at the
-        tightest.
+        Finer settings follow where it is refused or fails: steps in growing leaps, tolerances in the middle and at both
+        ends.
         """
         finest = self.subject.finest
         tightest = math.inf  # tolerances above which steps become too small
@@ -246,7 +246,7 @@ class Search:
     def _first(self, first: float) -> list[float]:
         finest, coarsest = self.subject.finest, self.subject.coarsest
         if self.subject.kind == "adaptive":
-            return [first, math.sqrt(first * finest), finest, math.sqrt(first * coarsest)]
+            return [first, math.sqrt(first * finest), finest, math.sqrt(first * coarsest), coarsest]
         wishes, factor = [first], 4.0
         while wishes[-1] > 4.0 * finest:
             wishes.append(max(wishes[-1] / factor, finest))

@@ -150,6 +150,11 @@ def _without_truth(shown: Posterior, why: str) -> Judgement:
 
 
 def _without_success(points: Sequence[Point]) -> Judgement:
+    """Return the verdict where no run succeeded.
+
+    A priori, half of such methods fail at every setting, and half at a share of settings between 0 and 0.5. After
+    LEVELS failures the odds that another setting runs are 0.03; after two they are 0.08, more than 1 - FAILING.
+    """
     if not points:
         return Judgement(Verdict.NOT_SHOWN, "no run was made")
     refused = [point for point in points if point.status in REFUSED]
@@ -158,6 +163,9 @@ def _without_success(points: Sequence[Point]) -> Judgement:
     last = next(point for point in reversed(points) if point.status not in REFUSED)
     if last.status in (Verdict.TIMEOUT, Verdict.CRASHED, Verdict.OUT_OF_MEMORY):
         return Judgement(Verdict(last.status), f"{last.setting}: {last.message}")
+    if len(points) < LEVELS:
+        few = f"{len(points)} of at least {LEVELS} settings were run"
+        return Judgement(Verdict.NOT_SHOWN, f"{last.setting}: {last.status}: {last.message}; {few}")
     verdict = Verdict.DIVERGED if last.status in BLOWN_UP else Verdict.FAILED
     return Judgement(verdict, f"{last.setting}: {last.status}: {last.message}")
 

@@ -192,11 +192,11 @@ def test_the_orders_declared_of_pairs_show_in_their_errors(engine, method):
     assert seen == pytest.approx(declared.order / declared.local_order, abs=0.1)
 
 
-def test_after_a_tolerance_that_no_step_meets_only_a_looser_one_is_tried():
+def test_after_a_tolerance_that_no_step_meets_only_looser_ones_are_tried():
     runs = MadeUp(lambda r: r, blows=lambda r: True, status="step-too-small")
     _, (answer,) = search(runs, SCENE, "made", ADAPTIVE, TRUTH, (1e-3,))
     assert answer.answer == "not-reached"
-    assert len(runs.asked) == 2
+    assert runs.asked == sorted(runs.asked)
     assert runs.asked[1] > runs.asked[0]
 
 
