@@ -179,7 +179,7 @@ def test_an_embedded_solution_may_be_of_order_zero():
 
 def test_a_verdict_asks_no_more_of_a_tolerance_than_a_local_error_leaves():
     tried = Tried(Runs(), SCENE, "made", Method("radau", "adaptive", 5, "made up", embedded=3), TRUTH)
-    assert tried.promised == pytest.approx(5 / 6)
+    assert tried.documented_order == pytest.approx(5 / 6)
 
 
 @pytest.mark.parametrize(("engine", "method"), [("mbs_ref", "radau"), ("exudyn", "tree_dopri5")])
