@@ -25,9 +25,18 @@ from mbs_ref import scenes
 from mbs_ref.scene import Scene
 from reports.facts.cheapest import contenders
 from reports.facts.compiling import compile_kernels
-from reports.facts.environment import engine_versions, environment
+from reports.facts.environment import environment
 from reports.facts.report_data import ReportData
-from reports.facts.stored import Stored, keep, recall, remembered, settled_answers, stored_answers, truth_key
+from reports.facts.stored import (
+    Stored,
+    engine_keys,
+    keep,
+    recall,
+    remembered,
+    settled_answers,
+    stored_answers,
+    truth_key,
+)
 from reports.facts.truth_facts import TruthFacts, truth_facts
 from reports.studies.study import Progress, every, measure_all, stored
 
@@ -133,7 +142,7 @@ class Gathering:
         chosen = chosen_scenes(self.quick)
         held = [recall(self.store, truth_key(scene), TruthFacts) for scene in chosen.values()]
         data = replace(data, truths=tuple(facts for facts in held if facts is not None))
-        parts = ["capabilities", *_dependencies(), list(chosen), code_of("cross_checks.judge.capabilities")]
+        parts = ["capabilities", *engine_keys(), list(chosen), code_of("cross_checks.judge.capabilities")]
         kind: Any = tuple[Capability, ...]
         able = remembered(self.store, digest_of(parts), kind, lambda: capabilities(chosen))
         data = replace(data, capabilities=able)
@@ -149,7 +158,7 @@ class Gathering:
         if self.quick:
             return ()
         few, kind = [named(name) for name in FEW_EXTREMES], tuple[ExtremeCell, ...]
-        key = digest_of(["extremes", list(FEW_EXTREMES), *_dependencies(), code_of("cross_checks.extremes.run")])
+        key = digest_of(["extremes", list(FEW_EXTREMES), *engine_keys(), code_of("cross_checks.extremes.run")])
         built = partial(matrix, few, engines.names(), progress=self.report, call=self.call)
         return remembered(self.store, key, kind, lambda: tuple(built()))  # type: ignore[type-var]
 
@@ -158,7 +167,7 @@ class Gathering:
         reasons: list[str] = []
         result = dict(data.studies)
         with _interruptible(reasons, lambda: f"{len(result)} of {len(every())} studies"):
-            reasons += measure_all(self.store, result, _dependencies(), self.report)
+            reasons += measure_all(self.store, result, engine_keys(), self.report)
         return replace(data, studies=result, incomplete="; ".join(reasons))
 
 
@@ -175,14 +184,3 @@ def _interruptible(reasons: list[str], what: Callable[[], str]) -> Iterator[None
         yield
     except KeyboardInterrupt:
         reasons.append(f"{INTERRUPTED} after {what()}")
-
-
-def _dependencies() -> tuple[Any, Any]:
-    """Return what facts of several engines depend on: their versions and the code of their adapters."""
-    codes = []
-    for name in engines.names():
-        try:
-            codes.append(code_of(type(engines.get(name)).__module__))
-        except engines.EngineMissing:
-            codes.append("missing")
-    return engine_versions(), codes

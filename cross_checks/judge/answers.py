@@ -70,12 +70,12 @@ def questions(scenes: Sequence[Scene], offered: Sequence[tuple[str, Method | Non
 
 
 def answers(
-    runs: Runs, asked: Sequence[Question], targets: Sequence[float] = TARGETS, progress: Progress | None = None,
+    runs: Runs, requested: Sequence[Question], targets: Sequence[float] = TARGETS, progress: Progress | None = None,
     patient: bool = True,
 ) -> Iterator[Answer]:  # fmt: skip
     """Yield answers as they come; a later one to the same question replaces the earlier one.
 
-    Runs are made on all processors, where `runs` makes them in processes of their own; answers are provisional first
+    Runs use all processors, where `runs` computes them in processes of their own; answers are provisional first
     where the truth is what engines agree on. A method with a run that computes longer than BRIEF is answered after all
     others; unless `patient`, not at all.
     """
@@ -83,10 +83,10 @@ def answers(
 
     def tick(running: list[tuple[_Task, float]]) -> None:
         if progress is not None:
-            progress(settled, len(asked), ", ".join(f"{name} ({seconds:.0f} s)" for name, seconds in running))
+            progress(settled, len(requested), ", ".join(f"{name} ({seconds:.0f} s)" for name, seconds in running))
 
     with Pool[_Task, Any](runs.call, brief=BRIEF, tick=tick) as pool:
-        for scene, group in groupby(asked, key=lambda question: id(question.scene)):
+        for scene, group in groupby(requested, key=lambda question: id(question.scene)):
             scenes[scene] = _OfScene(pool, runs, targets, patient)
             for answer in scenes[scene].begin(list(group)):
                 settled += 1
@@ -115,9 +115,9 @@ class _OfScene:
         self._late: set[Question] = set()  # whose first try computed for too long
         self._truth: tuple[Truth | NoTruth, float, bool] | None = None  # known to, of the scene, and whether settled
 
-    def begin(self, asked: Sequence[Question]) -> Iterator[Answer]:
+    def begin(self, requested: Sequence[Question]) -> Iterator[Answer]:
         """Seek the truth; yield the answers that need none, of methods that cannot run the scene."""
-        for question in asked:
+        for question in requested:
             cell = refusal_of(question.scene, question.engine, question.method, self._targets)
             if cell is None:
                 self._able.append(question)
@@ -157,8 +157,8 @@ class _OfScene:
         assert self._truth is not None
         (truth, known_to, is_settled), runs = self._truth, replace(self._runs, call=call)
         targets = self._targets if is_settled else sorted({max(one, MARGIN * known_to) for one in self._targets})
-        found = judged(runs, question.scene, question.engine, question.method, truth, targets)
-        return Answer(question, *found, truth, is_settled)
+        result = judged(runs, question.scene, question.engine, question.method, truth, targets)
+        return Answer(question, *result, truth, is_settled)
 
     def receive(self, question: Question, result: Answer | Late) -> Answer | None:
         """Return an answer; search again where it came too late, or the truth is better known by now."""
@@ -173,6 +173,6 @@ class _OfScene:
 
 def check(runs: Runs, scenes: Sequence[Scene], engines: Sequence[str] | None = None) -> list[Cell]:
     """Return the cell of every scene, engine and method. ValueError where an engine is unknown."""
-    asked = questions(scenes, tasks(engines or registry.names()))
-    settled = {answer.question: answer.cell for answer in answers(runs, asked)}
-    return [settled[question] for question in asked]
+    requested = questions(scenes, tasks(engines or registry.names()))
+    settled = {answer.question: answer.cell for answer in answers(runs, requested)}
+    return [settled[question] for question in requested]

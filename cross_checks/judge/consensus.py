@@ -98,7 +98,7 @@ class Consensus:
     """What engines agree on so far: `truth`, which is final when `is_settled`.
 
     Runs are requested from the pool, whose user hands every result of a Request to `receive`. A scene is settled when
-    it is known to `enough` of its scales, or when no run is left to make. A method whose run computes for long is
+    it is known to `enough` of its scales, or when no run remains. A method whose run computes for long is
     waited for only where the others agree on nothing.
     """
 
@@ -114,7 +114,7 @@ class Consensus:
 
     @property
     def is_settled(self) -> bool:
-        """Whether no run is made or awaited any more."""
+        """Whether no run is under way."""
         return not self._open
 
     @property

@@ -1,4 +1,4 @@
-"""The one number that a method's accuracy hangs on, its step or its tolerance, and the grid of a judged run."""
+"""The one number that a method's accuracy depends on, its step or its tolerance, and the grid of a judged run."""
 
 from __future__ import annotations
 

@@ -9,7 +9,7 @@ from pydantic import ValidationError
 
 from cross_checks.judge.answers import check as check_all
 from cross_checks.judge.one_run import judged_run
-from cross_checks.judge.runs import UNTOLD, Runs, against
+from cross_checks.judge.runs import NOT_COMPARED, Runs, against
 from cross_checks.judge.vocabulary import Cell
 from cross_checks.records.store import Run, Store, default_path
 from mbs_ref.display import listing
@@ -38,17 +38,17 @@ def run(scene: Scene, engine: str = "mbs_ref", *, judged: bool = True, **setting
         chosen = Settings(**settings)
     except ValidationError as error:
         raise ValueError(sentences(error, Settings, settings)) from None
-    made = Run(*judged_run(scene, engine, chosen, truth=UNTOLD))
-    if made.path is None or not judged:
-        return made
-    with Store(default_path()) as kept:
-        return Run(against(scene, made, Runs(kept).truth(scene, made.path.times)), made.path)
+    run = Run(*judged_run(scene, engine, chosen, truth=NOT_COMPARED))
+    if run.path is None or not judged:
+        return run
+    with Store(default_path()) as store:
+        return Run(against(scene, run, Runs(store).truth(scene, run.path.times)), run.path)
 
 
 def check(scene: Scene, engines: Sequence[str] | None = None) -> Cells:
-    """Return the verdict on every method of the engines, all that are known unless named; runs are kept in the store.
+    """Return the verdict on every method of the engines, all that are known unless named; the store holds the runs.
 
     ValueError where an engine is unknown.
     """
-    with Store(default_path()) as kept:
-        return Cells(check_all(Runs(kept), [scene], engines))
+    with Store(default_path()) as store:
+        return Cells(check_all(Runs(store), [scene], engines))

@@ -64,9 +64,9 @@ def error_of(judged: Judged) -> tuple[Error | None, list[float | None] | None]:
         return None, None
     sample, body, part = np.unravel_index(int(np.nanargmax(relative)), relative.shape)
     worst = f"{NAMES[part]} of {judged.scene.body_names[body]} at t = {judged.path.times[sample]:.4g} s"
-    known, told = known_to(judged.scene, truth), f"{truth.kind}: {truth.how}"
+    known, source = known_to(judged.scene, truth), f"{truth.kind}: {truth.how}"
     curve = gaps_as_none(largest(largest(relative, -1), -1))
-    return Error(value, told, known, curve[-1], worst, scales.length, scales.time), curve
+    return Error(value, source, known, curve[-1], worst, scales.length, scales.time), curve
 
 
 def gaps_as_none(curve: np.ndarray) -> list[float | None]:
@@ -96,8 +96,8 @@ def unjudged(error: Error | None) -> tuple[str, ...]:
     """Return the sentence that a truth is not known well enough for this error, if so."""
     if error is None or error.is_judged:
         return ()
-    told = f"the truth, known to {error.uncertainty:.1e} of the scene, judges no error below {error.floor:.1e}"
-    return (f"error not judged: {told}",)
+    why = f"the truth, known to {error.uncertainty:.1e} of the scene, judges no error below {error.floor:.1e}"
+    return (f"error not judged: {why}",)
 
 
 def _told(observed: Observed | Unobserved | None) -> tuple[str, ...]:

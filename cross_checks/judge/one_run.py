@@ -22,7 +22,7 @@ from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings
 from mbs_ref.trajectory import Status, Trajectory
 
-ON_TIME = 1e-9  # s; a sample further from its asked time is a skipped or restarted clock
+ON_TIME = 1e-9  # s; a sample further from its requested time is a skipped or restarted clock
 # What native engines raise when a run goes wrong. A TypeError or AttributeError is a broken adapter: it propagates.
 ENGINE_FAILURES = (ArithmeticError, RuntimeError, MemoryError, OSError, LookupError, np.linalg.LinAlgError)
 
@@ -60,18 +60,20 @@ def judged_run(
     reasons = [r.reason for r in (*engine.refusals(scene), *engine.method_refusals(scene, method))]
     if reasons:
         return without_run(scene, engine_name, settings, CANNOT, "; ".join(dict.fromkeys(reasons)), engine), None
-    asked = output_times(scene, settings, times)
-    kept = checked_run(engine, scene, settings, asked)
-    if not isinstance(kept, Trajectory):
-        return without_run(scene, engine_name, settings, *kept, engine), None
-    against = seek_truth(scene, asked) if truth is None else truth
-    return record_of(engine, settings, Judged(scene, kept, against, reference)), kept
+    requested = output_times(scene, settings, times)
+    outcome = checked_run(engine, scene, settings, requested)
+    if not isinstance(outcome, Trajectory):
+        return without_run(scene, engine_name, settings, *outcome, engine), None
+    against = seek_truth(scene, requested) if truth is None else truth
+    return record_of(engine, settings, Judged(scene, outcome, against, reference)), outcome
 
 
-def checked_run(engine: Engine, scene: Scene, settings: Settings, asked: np.ndarray) -> Trajectory | tuple[str, str]:
-    """Run and look for what the engine does not say; a status and a sentence where nothing came back."""
-    outcome = _attempt(lambda: engine.run(scene, settings, asked))
-    return _on_time(_finite(outcome), asked) if isinstance(outcome, Trajectory) else outcome
+def checked_run(
+    engine: Engine, scene: Scene, settings: Settings, requested: np.ndarray
+) -> Trajectory | tuple[str, str]:
+    """Run and check what the engine does not report; a status and a sentence where nothing came back."""
+    outcome = _attempt(lambda: engine.run(scene, settings, requested))
+    return _on_time(_finite(outcome), requested) if isinstance(outcome, Trajectory) else outcome
 
 
 def _attempt(run: Callable[[], Trajectory]) -> Trajectory | tuple[str, str]:
@@ -105,18 +107,18 @@ def _finite(path: Trajectory) -> Trajectory:
     return replace(cut, status=Status.NON_FINITE, message=text, unreported=True)
 
 
-def _on_time(path: Trajectory, asked: np.ndarray) -> Trajectory:
+def _on_time(path: Trajectory, requested: np.ndarray) -> Trajectory:
     """Find restarted clocks and missing samples behind a reported success."""
     n = len(path.times)
     if path.status is Status.STOP_EVENT:  # its last sample is where a declared event stopped it
-        asked = np.append(asked[: n - 1], path.times[-1])
-    late = np.abs(path.times - asked[:n]) > ON_TIME if n <= len(asked) else np.ones(n, bool)
+        requested = np.append(requested[: n - 1], path.times[-1])
+    late = np.abs(path.times - requested[:n]) > ON_TIME if n <= len(requested) else np.ones(n, bool)
     if np.any(late):
         k = int(np.argmax(late))
-        text = f"sample {k} is at t = {path.times[k]:.9g} s, which was not asked for: the engine's clock jumped"
+        text = f"sample {k} is at t = {path.times[k]:.9g} s, which was not requested: the engine's clock jumped"
         return replace(path.upto(k), status=Status.RESET, message=text, unreported=True)
-    if path.ok and n < len(asked):
-        text = f"{n} of {len(asked)} samples came back, though the engine reported success"
+    if path.ok and n < len(requested):
+        text = f"{n} of {len(requested)} samples came back, though the engine reported success"
         return replace(path, status=Status.ENGINE_ERROR, message=text, unreported=True)
     return path
 

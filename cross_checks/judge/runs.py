@@ -1,4 +1,4 @@
-"""Runs of scenes, each made once: what the store does not hold is made in the caller's process or another, and kept."""
+"""Runs of scenes, each computed once: what the store lacks is computed in this process or another, and stored."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from mbs_ref.settings import Settings
 from mbs_ref.trajectory import Trajectory
 
 PASSING = frozenset({"timeout", "out-of-memory"})  # the machine's doing: the next one may see the run come back
-UNTOLD = NoTruth("runs are kept without a truth, which may become known later")
+NOT_COMPARED = NoTruth("runs are stored without a truth, which may become known later")
 
 
 @dataclass
@@ -33,7 +33,7 @@ class Runs:
 
     store: Store = field(default_factory=Store)
     call: Caller = direct  # makes the runs; cross_checks.isolation.parent survives engines that do not come back
-    made: int = 0  # runs that were not in the store
+    computed: int = 0  # runs that were not in the store
     times: np.ndarray | None = None  # (n_t,) s of every run; the judges' grid unless given
 
     def grid(self, scene: Scene) -> np.ndarray:
@@ -46,61 +46,61 @@ class Runs:
         return against(scene, run, truth)
 
     def run(self, scene: Scene, engine: str, settings: Settings) -> Run:
-        """Return the run; made unless the store holds it."""
+        """Return the run; computed unless the store holds it."""
         try:
             held = self.held(scene, engine, settings)
         except engines.EngineMissing as missing:
             return Run(without_run(scene, engine, settings, "engine-missing", str(missing)), None)
         if held is not None:
             return held
-        self.made += 1
+        self.computed += 1
         try:
-            made = self.call(make, scene, engine, settings, self.grid(scene))
+            run = self.call(make, scene, engine, settings, self.grid(scene))
         except Lost as lost:
-            made = Run(without_run(scene, engine, settings, lost.status, str(lost)), None)
-        self.keep(scene, engine, settings, made)
-        return made
+            run = Run(without_run(scene, engine, settings, lost.status, str(lost)), None)
+        self.keep(scene, engine, settings, run)
+        return run
 
     def held(self, scene: Scene, engine: str, settings: Settings) -> Run | None:
         """Return the run that the store holds, under the name that the scene has here: physics alone decided it."""
-        kept = self.store.run(run_name(scene, engines.get(engine), settings, self.grid(scene)))
-        if kept is None:
+        stored = self.store.run(run_name(scene, engines.get(engine), settings, self.grid(scene)))
+        if stored is None:
             return None
-        return replace(kept, record=replace(kept.record, scene=scene.name, parameters=dict(scene.parameters)))
+        return replace(stored, record=replace(stored.record, scene=scene.name, parameters=dict(scene.parameters)))
 
     def keep(self, scene: Scene, engine: str, settings: Settings, run: Run) -> None:
-        """Keep a run that another process made, unless it was lost for want of time or memory."""
+        """Store a run that another process computed, unless it was lost for want of time or memory."""
         if run.record.status not in PASSING:
             self.store.keep_run(run_name(scene, engines.get(engine), settings, self.grid(scene)), run)
 
     def truth(self, scene: Scene, times: np.ndarray | None = None) -> Truth | NoTruth:
-        """Return the scene's truth at `times` (s; the judges' grid unless given): kept, or made and kept.
+        """Return the scene's truth at `times` (s; the judges' grid unless given): stored, or computed and stored.
 
         The reason where there is none.
         """
-        asked = self.grid(scene) if times is None else times
-        key = truth_name(scene, asked)
-        kept = self.store.arrays(key)
-        if kept is not None:
-            facts, arrays = kept
+        requested = self.grid(scene) if times is None else times
+        key = truth_name(scene, requested)
+        stored = self.store.arrays(key)
+        if stored is not None:
+            facts, arrays = stored
             given: dict[str, Any] = {**facts, **arrays}
             return NoTruth(**given) if "reason" in facts else Truth(**given)
-        truth = getattr(self.call, "patient", self.call)(seek_truth, scene, asked)
+        truth = getattr(self.call, "patient", self.call)(seek_truth, scene, requested)
         self.store.keep_arrays(key, *_parts(truth))
         return truth
 
 
 def make(scene: Scene, engine: str, settings: Settings, times: np.ndarray) -> Run:
     """Make a run, held against no truth; one that Ctrl-C cut short is none."""
-    return Run(*complete(judged_run(scene, engine, settings, times, truth=UNTOLD)))
+    return Run(*complete(judged_run(scene, engine, settings, times, truth=NOT_COMPARED)))
 
 
 def against(scene: Scene, run: Run, truth: Truth | NoTruth) -> Record:
     """Return the run's record with its error from a truth."""
     record, path = run.record, run.path
     if path is None or not len(path.times) or isinstance(truth, NoTruth):
-        told = (f"no error: {truth.reason}",) if isinstance(truth, NoTruth) else ()
-        return replace(record, notes=(*record.notes, *told))
+        why = (f"no error: {truth.reason}",) if isinstance(truth, NoTruth) else ()
+        return replace(record, notes=(*record.notes, *why))
     judged = Judged(scene, path, truth)
     error, curve = error_of(judged)
     history, figures = record.history | ({} if curve is None else {"error": curve}), component_errors(judged)

@@ -44,7 +44,7 @@ class Subject(Protocol):
 
     kind: str  # fixed | adaptive
     expected: float  # order of the error in the setting
-    promised: float  # order that a verdict may ask for
+    documented_order: float  # order that a verdict may expect
     local_order: int  # power of the step that a tolerance controls
     coarsest: float
     finest: float  # within the work limit, or the tightest tolerance
@@ -117,7 +117,7 @@ class Search:
         return ladder_of(good, gaps, **facts)
 
     def _judged(self, points: Sequence[Point], shown: Posterior | None) -> Judgement:
-        return judge(points, shown, self.subject.promised, self.subject.why_no_truth)
+        return judge(points, shown, self.subject.documented_order, self.subject.why_no_truth)
 
     def try_(self, knob: float) -> Point:
         """Run a typed setting."""
@@ -226,8 +226,8 @@ class Search:
     def begin(self, first: float) -> bool:
         """Find a first setting at which the method runs; return whether there is one.
 
-        Finer settings follow where it is refused or fails: steps in growing leaps, tolerances in the middle and at the
-        tightest.
+        Finer settings follow where it is refused or fails: steps in growing leaps, tolerances in the middle and at both
+        ends.
         """
         finest = self.subject.finest
         tightest = math.inf  # tolerances above which steps become too small
@@ -246,7 +246,7 @@ class Search:
     def _first(self, first: float) -> list[float]:
         finest, coarsest = self.subject.finest, self.subject.coarsest
         if self.subject.kind == "adaptive":
-            return [first, math.sqrt(first * finest), finest, math.sqrt(first * coarsest)]
+            return [first, math.sqrt(first * finest), finest, math.sqrt(first * coarsest), coarsest]
         wishes, factor = [first], 4.0
         while wishes[-1] > 4.0 * finest:
             wishes.append(max(wishes[-1] / factor, finest))
@@ -254,7 +254,7 @@ class Search:
         return wishes
 
     def settle(self) -> Judgement:
-        """Make runs until the verdict is settled or nothing is left to run; return it."""
+        """Make runs until the verdict is settled or no setting remains; return it."""
         confirmed = False
         while True:
             judged = self.judgement()
@@ -282,9 +282,9 @@ class Search:
         return MOST_RUNS // 2
 
     def _settling(self) -> float | None:
-        """Return the setting that tells most about the verdict: the middle of the widest hole; None where none is left.
+        """Return the setting that is most informative: the middle of the widest gap; None where none remains.
 
-        Where rounding hides the law, only the coarse half tells it; where runs do not follow it, the fine half.
+        Where rounding hides the law, the coarse half shows it; where runs do not follow it, the fine half.
         """
         good = np.array([point.knob for point in self.good])
         knobs = self._candidates()
@@ -308,7 +308,7 @@ class Search:
         return float(knobs[int(np.argmax(apart))])
 
     def _is_able(self, knob: float, allowance: float) -> bool:
-        """Whether a setting keeps to the work limit, and no failure lies between it and the runs."""
+        """Whether a setting is within the work limit, and no failure lies between it and the runs."""
         knobs = np.array([knob])
         enough = self.steps(knobs)[0] <= 1.01 * allowance * self.subject.most_steps
         return bool(enough and self._odds_to_run(knobs)[0] >= LIKELY)

@@ -46,7 +46,7 @@ class Tried:
     def __post_init__(self) -> None:
         self.kind: str = self.method.kind
         self.duration, self.outputs, self.local_order = self.scene.duration, SAMPLES - 1, self.method.local_order
-        self.promised = promised_order(self.method, self.scene)
+        self.documented_order = documented_order(self.method, self.scene)
         self.expected = expected_order(self.method, self.scene)
         self.coarsest = coarsest(self.method, self.scene)
         self.finest = TIGHTEST if self.kind == "adaptive" else self.duration / self.most_steps
@@ -99,7 +99,7 @@ class Tried:
         return None
 
     def is_within(self, point: Point) -> bool:
-        """Whether a run keeps to the work limit; a step is shortened to divide the outputs."""
+        """Whether a run is within the work limit; a step is shortened to divide the outputs."""
         return (self.kind == "fixed" and point.knob >= 0.99 * self.finest) or point.steps <= 1.01 * self.most_steps
 
     def verdict(self) -> Judgement:
@@ -113,8 +113,8 @@ class Tried:
         return self.records[(agreeing or good)[-1].knob] if good else None
 
 
-def promised_order(method: Method, scene: Scene) -> float:
-    """Return the order that a verdict may ask for: of a tolerance p / (p + 1), which controls the local error.
+def documented_order(method: Method, scene: Scene) -> float:
+    """Return the order that a verdict may expect: of a tolerance p / (p + 1), which controls the local error.
 
     It is 1 where forces jump between the steps of a method that locates no events.
     """
@@ -126,7 +126,7 @@ def promised_order(method: Method, scene: Scene) -> float:
 
 def expected_order(method: Method, scene: Scene) -> float:
     """Return p of a step; of a tolerance p over the power of the step that its estimate follows."""
-    return (method.order or 5) / method.local_order if method.kind == "adaptive" else promised_order(method, scene)
+    return (method.order or 5) / method.local_order if method.kind == "adaptive" else documented_order(method, scene)
 
 
 def facts_of(method: Method, scene: Scene, duration: float, uncertainty: float) -> dict:
@@ -185,7 +185,7 @@ def first_knob(scene: Scene, method: Method) -> float:
 
 
 def _result(tried: Tried, target: float) -> TargetResult:
-    """Return what became of a target, from all runs that keep to the work limit."""
+    """Return what became of a target, from all runs within the work limit."""
     good = tried.search.good
     records = [tried.records[point.knob] for point in good if tried.is_within(point)]
     if isinstance(tried.truth, NoTruth):

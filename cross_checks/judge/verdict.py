@@ -43,29 +43,31 @@ class Judgement(NamedTuple):
     odds: float | None = None  # None where no probability is involved
 
 
-def judge(points: Sequence[Point], shown: Posterior | None, promised: float = 1.0, why_no_truth: str = "") -> Judgement:
+def judge(
+    points: Sequence[Point], shown: Posterior | None, documented: float = 1.0, why_no_truth: str = ""
+) -> Judgement:
     """Return the verdict on runs from coarse to fine; `shown` is the posterior of those that succeeded.
 
-    `promised` is the order that the method must show to be called converging: less than half of it is too little.
+    `documented` is the order that the method must show to be called converging: less than half of it is too little.
     """
     good = [point for point in points if point.ok]
     if not good or shown is None:
         return _without_success(points)
-    judged = _without_truth(shown, why_no_truth) if good[-1].error is None else _by_error(good, shown, promised)
+    judged = _without_truth(shown, why_no_truth) if good[-1].error is None else _by_error(good, shown, documented)
     return _with_failures(points, judged)
 
 
-def _by_error(good: Sequence[Point], shown: Posterior, promised: float) -> Judgement:
+def _by_error(good: Sequence[Point], shown: Posterior, documented: float) -> Judgement:
     ladder = shown.ladder
     place = above_rounding(ladder)
     if place < len(ladder) - 1:
         coarser = [point for point in good if point.knob >= ladder.settings[place]]
-        judged = _by_error(coarser, posterior(ladder.take(slice(place + 1))), promised)
+        judged = _by_error(coarser, posterior(ladder.take(slice(place + 1))), documented)
         return judged._replace(reason=f"{judged.reason}; rounding may explain the errors of finer runs")
     last, error, uncertainty = good[-1].setting, float(ladder.errors[-1]), ladder.uncertainty
     bar = max(AGREEMENT, MARGIN * uncertainty)
     limit, stall = shown.odds_of_limit(bar), shown.odds_of_stall(bar) + shown.weights["lost"]
-    slow = shown.odds_of_order_below(_least_order(promised))
+    slow = shown.odds_of_order_below(_least_order(documented))
     if error <= AGREEMENT:
         return _agreement(good, shown, limit + stall)
     if error < MARGIN * uncertainty:
@@ -74,7 +76,7 @@ def _by_error(good: Sequence[Point], shown: Posterior, promised: float) -> Judge
         wrong = _wrong(good, shown, limit, stall + slow)
         if wrong is not None:
             return wrong
-    return _approach(last, shown, promised)
+    return _approach(last, shown, documented)
 
 
 def above_rounding(ladder: Ladder) -> int:
@@ -115,19 +117,19 @@ def _wrong(good: Sequence[Point], shown: Posterior, limit: float, stall: float) 
     return Judgement(Verdict.DIVERGED, f"the error does not fall: still {error:.1e} at {last}", odds)
 
 
-def _approach(last: str, shown: Posterior, promised: float) -> Judgement:
+def _approach(last: str, shown: Posterior, documented: float) -> Judgement:
     ladder, weights, error = shown.ladder, shown.weights, float(shown.ladder.errors[-1])
     least = max(0.3 * error, ROUNDED * float(ladder.rounding[-1]))
     doubts = {
         "that it converges to another limit": shown.odds_of_limit(0.3 * error),
         "that errors stall": shown.odds_of_stall(least) + weights["lost"],
         "that outputs or events set all steps so far": weights["plateau"],
-        "that the error hardly falls": shown.odds_of_order_below(_least_order(promised)),
+        "that the error hardly falls": shown.odds_of_order_below(_least_order(documented)),
     }
     odds = sum(doubts.values())
     is_best = error <= NEAR_BEST * float(np.min(ladder.errors))
     if len(ladder) >= LEVELS and error <= RESOLVED and is_best and odds < DOUBTFUL:
-        slow = f", below half of {promised:.2g}" if shown.order < 0.5 * promised else ""
+        slow = f", below half of {documented:.2g}" if shown.order < 0.5 * documented else ""
         pace = f"falling with order {shown.order:.2g}{slow}"
         return Judgement(Verdict.CONVERGING, f"{error:.1e} at {last}, {pace}", _capped(odds))
     what, most = max(doubts.items(), key=lambda item: item[1])
@@ -136,9 +138,9 @@ def _approach(last: str, shown: Posterior, promised: float) -> Judgement:
     return Judgement(Verdict.NOT_SHOWN, f"still {error:.1e} off at {last}: {why}")
 
 
-def _least_order(promised: float) -> float:
-    """Return the order of the slowest approach: half of first order, or of what is promised where that is less."""
-    return 0.5 * min(promised, 1.0)
+def _least_order(documented: float) -> float:
+    """Return the order of the slowest approach: half of first order, or of what is documented where that is less."""
+    return 0.5 * min(documented, 1.0)
 
 
 def _without_truth(shown: Posterior, why: str) -> Judgement:
@@ -150,6 +152,11 @@ def _without_truth(shown: Posterior, why: str) -> Judgement:
 
 
 def _without_success(points: Sequence[Point]) -> Judgement:
+    """Return the verdict where no run succeeded.
+
+    A priori, half of such methods fail at every setting, and half at a share of settings between 0 and 0.5. After
+    LEVELS failures the odds that another setting runs are 0.03; after two they are 0.08, more than 1 - FAILING.
+    """
     if not points:
         return Judgement(Verdict.NOT_SHOWN, "no run was made")
     refused = [point for point in points if point.status in REFUSED]
@@ -158,6 +165,9 @@ def _without_success(points: Sequence[Point]) -> Judgement:
     last = next(point for point in reversed(points) if point.status not in REFUSED)
     if last.status in (Verdict.TIMEOUT, Verdict.CRASHED, Verdict.OUT_OF_MEMORY):
         return Judgement(Verdict(last.status), f"{last.setting}: {last.message}")
+    if len(points) < LEVELS:
+        few = f"{len(points)} of at least {LEVELS} settings were run"
+        return Judgement(Verdict.NOT_SHOWN, f"{last.setting}: {last.status}: {last.message}; {few}")
     verdict = Verdict.DIVERGED if last.status in BLOWN_UP else Verdict.FAILED
     return Judgement(verdict, f"{last.setting}: {last.status}: {last.message}")
 

@@ -79,7 +79,7 @@ ANSWERS: dict[Answer, tuple[str, Tone]] = {
 
 @dataclass(frozen=True)
 class Omitted:
-    """What a run that was not made would have cost and shown, by the convergence model."""
+    """What a run that was omitted would have cost and shown, by the convergence model."""
 
     setting: float  # step (s) or relative tolerance
     steps: float

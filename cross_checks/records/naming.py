@@ -14,7 +14,7 @@ import numpy as np
 from cross_checks import truths
 from cross_checks.engine import Engine
 from cross_checks.truths import of
-from cross_checks.truths.stored_poses import physics_of
+from cross_checks.truths.stored_poses import file_of, physics_of
 from mbs_ref.kernels.jit import source_digest, sources_of
 from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings
@@ -29,23 +29,26 @@ def run_name(scene: Scene, engine: Engine, settings: Settings, times: np.ndarray
     facts = {
         "physics": physics_of(scene),
         "times": hashlib.sha256(np.ascontiguousarray(times, dtype=float).tobytes()).hexdigest(),
-        "engine": [
-            engine.name,
-            engine.version(),
-            code_of(type(engine).__module__),
-            code_of(Engine.__module__),
-            *filter(None, [engine.made_of]),
-        ],
+        "engine": engine_key(engine),
         "settings": settings.model_dump(mode="json", exclude_none=True),
         "measured by": code_of(MEASURING),
     }
     return digest_of(facts)
 
 
+def engine_key(engine: Engine) -> list[str]:
+    """Return what a result of an engine depends on: its name, version, adapter and the contract's code."""
+    codes = [code_of(type(engine).__module__), code_of(Engine.__module__), engine.made_of]
+    return [engine.name, engine.version(), *filter(None, codes)]
+
+
 def truth_name(scene: Scene, times: np.ndarray) -> str:
-    """Return the key of a truth: the scene's physics, the times, and the code of the truths of the library."""
+    """Return the key of a truth: the scene's physics, the times, the code of the truths, and its stored poses."""
     code = [source_digest(name) for name in sorted(_modules_in(of.__name__))]
-    return digest_of([physics_of(scene), np.asarray(times, dtype=float).tolist(), code, source_digest(truths.__name__)])
+    file = file_of(scene)
+    poses = hashlib.sha256(file.read_bytes()).hexdigest() if file.is_file() else ""
+    known = [physics_of(scene), poses, np.asarray(times, dtype=float).tolist()]
+    return digest_of([*known, code, source_digest(truths.__name__)])
 
 
 def digest_of(facts: Any) -> str:

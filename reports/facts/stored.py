@@ -18,7 +18,7 @@ from cross_checks.judge.bounds import TARGETS
 from cross_checks.judge.ladder import grid
 from cross_checks.judge.runs import PASSING, Runs
 from cross_checks.judge.vocabulary import Cell
-from cross_checks.records.naming import code_of, digest_of, truth_name
+from cross_checks.records.naming import code_of, digest_of, engine_key, truth_name
 from cross_checks.records.record import Record
 from cross_checks.records.store import Store
 from cross_checks.truths.stored_poses import physics_of
@@ -66,12 +66,13 @@ class Stored:
 
 def truth_key(scene: Scene) -> str:
     """Return the key of the facts of a scene's truth."""
-    return digest_of(["truth facts", *_physics(scene), _judge(), code_of("reports.facts.truth_facts")])
+    code = code_of("reports.facts.truth_facts")
+    return digest_of(["truth facts", *_physics(scene), engine_keys(), _judge(), code])
 
 
 def _question_key(question: Question) -> str:
     method = None if question.method is None else question.method.name
-    return digest_of(["cell", *_physics(question.scene), _engine_key(question.engine), method, _judge()])
+    return digest_of(["cell", *_physics(question.scene), question.engine, method, engine_keys(), _judge()])
 
 
 def _physics(scene: Scene) -> list[str]:
@@ -96,12 +97,15 @@ def settled_answers(
 
 
 @cache
-def _engine_key(name: str) -> list[str]:
-    try:
-        engine = registry.get(name)
-    except registry.EngineMissing as missing:
-        return [name, str(missing)]
-    return [name, engine.version(), code_of(type(engine).__module__)]
+def engine_keys() -> list[list[str]]:
+    """Return what results of several engines depend on; a verdict compares with every engine of the registry."""
+    keys = []
+    for name in registry.names():
+        try:
+            keys.append(engine_key(registry.get(name)))
+        except registry.EngineMissing as missing:
+            keys.append([name, str(missing)])
+    return keys
 
 
 @cache

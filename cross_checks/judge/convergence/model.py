@@ -27,6 +27,8 @@ from cross_checks.judge.convergence.ladder import Ladder
 # Priors. Calibrated on synthetic ladders (docs/theory.md); none refers to a scene or an engine.
 PRIORS = {"right": 0.62, "limit": 0.25, "plateau": 0.04, "stalled": 0.07, "lost": 0.02}
 STRAY = 0.03  # probability that a run lies anywhere, off the law
+REPEATING = 0.2  # probability that runs of a stalled method may end in the same place: both miss the same event, say
+REPEATED = 0.5  # ... and that a run then ends where the one before did
 LATE = 0.15  # probability that the first run is not on the law; halves with every further run
 FADE = {"fixed": 0.5, "adaptive": 2.0}  # decades of the setting over which a plateau becomes less likely by e
 WIDTHS = np.array([0.03, 0.12, 0.12, 0.35, 0.7])  # sigma: scatter about the law, decades
@@ -350,21 +352,24 @@ def _limit(data: _Data) -> tuple[float, np.ndarray, np.ndarray]:
 def _stalled(data: _Data) -> tuple[float, np.ndarray]:
     """Return the log evidence that errors stall, grow, or lie at random heights, and the posterior of their level.
 
-    The last runs scatter about a level by 0.12 to 1.5 decades; up to two before them may follow the law.
+    The last runs scatter about a level by 0.12 to 1.5 decades; those before them may follow the law. Directions are
+    random, or there are few of them, and runs that take the same one are equal.
     """
     n = data.n
     widths = np.array([0.12, 0.35, 0.7, 1.5])
     drift = np.array([0.0, -0.5, -1.0])  # order of the level in the setting: errors may grow with refinement
     tilt = drift[:, None] * (data.log_setting - data.log_setting[-1])  # (order, i)
     centre = np.log10(saturated(LEVELS[:, None, None] + tilt, data.ladder.bound))  # (l, order, i)
-    per_run = density(data.log_error, centre[:, :, None, :], widths[:, None])  # (l, order, width, i)
-    per_run[..., :-1] += data.across
+    alone = density(data.log_error, centre[:, :, None, :], widths[:, None])  # (l, order, width, i)
+    per_run = np.stack([alone, alone], axis=3)  # (l, order, width, repeats, i)
+    per_run[..., :-1] += [data.across, _mix(data.across, REPEATED)]
     tails = np.cumsum(per_run[..., ::-1], axis=-1)[..., ::-1]
-    prior = np.log(np.array([0.7, 0.2, 0.1]))[:, None] - np.log(len(widths)) - np.log(len(LEVELS))
+    prior = np.log(np.array([0.7, 0.2, 0.1]))[:, None, None] + np.log([1.0 - REPEATING, REPEATING])
+    prior -= np.log(len(widths) * len(LEVELS))
     heads = np.cumsum(data.by_law[..., :-1] + data.gaps_by_errors, axis=-1)
     before = [0.0] + [float(_log_sum(data.prior + heads[..., k])) for k in range(n - 1)]
     start = np.array(before) - np.log(n)
-    logs = _log_sum(tails + prior[..., None] + start, axis=(1, 2, 3))
+    logs = _log_sum(tails + prior[..., None] + start, axis=(1, 2, 3, 4))
     total = float(_log_sum(logs))
     return total, np.exp(logs - total)
 

@@ -11,8 +11,8 @@ from cross_checks.judge.convergence.model import AMPLITUDES, DISTANCES, FADE, LE
 FAR = {"fixed": 0.25, "adaptive": 0.4}  # decades: scatter of an error far from all runs
 NEAR = 0.06  # decades: scatter of an error at a setting that was run
 MEMORY = 1.5  # decades of the error over which the nearest run's distance from the law fades by e
-UNLIKELY = 0.03  # odds of a hypothesis below which its outcome is left out
-LIKELY = 1e-3  # of the largest probability: laws below are left out
+UNLIKELY = 0.03  # odds of a hypothesis below which its outcome is omitted
+LIKELY = 1e-3  # of the largest probability: laws below are omitted
 
 
 class Outcome(NamedTuple):

@@ -60,8 +60,12 @@ class RelativeSystem(System):
         """Return each body's orientation in its parent at t = 0, and the joints' axes as `Joints` has them."""
 
     @abstractmethod
-    def _coordinate(self, i: int, told: np.ndarray) -> np.ndarray:
-        """Return a joint's coordinates at a redundant state."""
+    def _places(self, told: np.ndarray) -> Any:
+        """Return the bodies' poses at a redundant state, as `_coordinate` reads them."""
+
+    @abstractmethod
+    def _coordinate(self, i: int, places: Any) -> np.ndarray:
+        """Return a joint's coordinates at such poses."""
 
     # --- between the two states ---------------------------------------------------------------------
 
@@ -71,9 +75,9 @@ class RelativeSystem(System):
 
     def reduced(self, told: np.ndarray) -> np.ndarray:
         """Return the state of a redundant one that keeps the joints."""
-        y = np.zeros(self.layout.n_state)
+        y, places = np.zeros(self.layout.n_state), self._places(told)
         for i, first in enumerate(self.layout.q[:-1]):
-            found = self._coordinate(i, told)
+            found = self._coordinate(i, places)
             y[first : first + len(found)] = found
         take_velocities_over(*self.own_handles, told[None], y[None])
         return y
@@ -155,9 +159,9 @@ class RelativePlanarSystem(RelativeSystem):
     CORE, REDUNDANT = "relative_planar", PlanarSystem
 
     def all_reduced(self, told: np.ndarray) -> np.ndarray:
-        y = np.zeros((len(told), self.layout.n_state))
+        y, places = np.zeros((len(told), self.layout.n_state)), self._places(told.T)
         for i, first in enumerate(self.layout.q[:-1]):
-            found = self._coordinate(i, told.T).T
+            found = self._coordinate(i, places).T
             y[:, first : first + found.shape[1]] = found
         take_velocities_over(*self.own_handles, np.ascontiguousarray(told), y)
         return y
@@ -188,9 +192,13 @@ class RelativePlanarSystem(RelativeSystem):
             axes[i] = np.array([[c, s], [-s, c]]) @ self.layout.world_axis(i)
         return (own[:-1] - own[parents])[:, None], axes
 
-    def _coordinate(self, i: int, told: np.ndarray) -> np.ndarray:
-        kind, joints, n = self.layout.kind[i], self.groups.joints, len(self.layout.kind)
-        q = told[: 3 * n].reshape(n, 3, *told.shape[1:])
+    def _places(self, told: np.ndarray) -> np.ndarray:
+        """Return places and angles (n, 3, ...) in the scene's order."""
+        n = len(self.layout.kind)
+        return told[: 3 * n].reshape(n, 3, *told.shape[1:])
+
+    def _coordinate(self, i: int, places: np.ndarray) -> np.ndarray:
+        kind, joints, n, q = self.layout.kind[i], self.groups.joints, len(self.layout.kind), places
         own, parent = q[self.layout.order[i]], int(joints.parent[i])
         if kind == arrays.FREE:
             return own[: self.layout.freedoms[i]]
@@ -214,7 +222,7 @@ class RelativeSpatialSystem(RelativeSystem):
 
     CORE, REDUNDANT = "relative_spatial", SpatialSystem
 
-    def _poses_of(self, told: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def _places(self, told: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return places (n + 1, 3) and Euler parameters (n + 1, 4) in elimination order, ground last."""
         poses = self.redundant.poses(told[None])
         order = self.layout.order
@@ -222,7 +230,7 @@ class RelativeSpatialSystem(RelativeSystem):
         return place, np.vstack((poses.orientation[0, order], (1.0, 0.0, 0.0, 0.0)))
 
     def _frames(self) -> tuple[np.ndarray, np.ndarray]:
-        _, theta = self._poses_of(self.redundant.initial_state())
+        _, theta = self._places(self.redundant.initial_state())
         parents = self.redundant.groups.bodies.parent
         offset = product(conjugate(theta[parents]), theta[:-1])
         axes = np.zeros((len(parents), 3))
@@ -231,9 +239,9 @@ class RelativeSpatialSystem(RelativeSystem):
             axes[i] = _rotated(conjugate(theta[holder]), self.layout.world_axis(i))
         return offset, axes
 
-    def _coordinate(self, i: int, told: np.ndarray) -> np.ndarray:
+    def _coordinate(self, i: int, places: tuple[np.ndarray, np.ndarray]) -> np.ndarray:
         kind, joints = self.layout.kind[i], self.groups.joints
-        place, theta = self._poses_of(told)
+        place, theta = places
         parent = int(joints.parent[i])
         if kind == arrays.FREE:
             return place[i] if self.layout.freedoms[i] == 3 else np.concatenate((place[i], theta[i]))

@@ -76,9 +76,9 @@ def command(
         click.echo(summary(chosen_scene).sentence())
 
     from cross_checks.judge import one_run as compare
-    from cross_checks.judge.runs import UNTOLD
+    from cross_checks.judge.runs import NOT_COMPARED
 
-    record, trajectory = compare.judged_run(chosen_scene, solver.name, chosen, truth=UNTOLD)
+    record, trajectory = compare.judged_run(chosen_scene, solver.name, chosen, truth=NOT_COMPARED)
     if target is not None and trajectory is not None and record.status in ("success", "interrupted"):
         with writing(f"-o {output}"):
             write_poses(trajectory, chosen_scene.body_names, target)

@@ -31,9 +31,9 @@ class Subject:
     def __init__(self, method: SyntheticMethod) -> None:
         self.method, self.kind, self.duration = method, method.kind, method.duration
         p = float(method.order)
-        self.promised = p / (p + 1.0) if method.kind == "adaptive" else p if method.is_smooth else min(p, 1.0)
+        self.documented_order = p / (p + 1.0) if method.kind == "adaptive" else p if method.is_smooth else min(p, 1.0)
         self.local_order = method.embedded + 1
-        self.expected = p / self.local_order if method.kind == "adaptive" else self.promised
+        self.expected = p / self.local_order if method.kind == "adaptive" else self.documented_order
         self.coarsest, self.finest = method.coarsest, method.finest
         self.states: dict[float, Any] = {}
 

@@ -179,7 +179,7 @@ def test_an_embedded_solution_may_be_of_order_zero():
 
 def test_a_verdict_asks_no_more_of_a_tolerance_than_a_local_error_leaves():
     tried = Tried(Runs(), SCENE, "made", Method("radau", "adaptive", 5, "made up", embedded=3), TRUTH)
-    assert tried.promised == pytest.approx(5 / 6)
+    assert tried.documented_order == pytest.approx(5 / 6)
 
 
 @pytest.mark.parametrize(("engine", "method"), [("mbs_ref", "radau"), ("exudyn", "tree_dopri5")])
@@ -192,18 +192,18 @@ def test_the_orders_declared_of_pairs_show_in_their_errors(engine, method):
     assert seen == pytest.approx(declared.order / declared.local_order, abs=0.1)
 
 
-def test_after_a_tolerance_that_no_step_meets_only_a_looser_one_is_tried():
+def test_after_a_tolerance_that_no_step_meets_only_looser_ones_are_tried():
     runs = MadeUp(lambda r: r, blows=lambda r: True, status="step-too-small")
     _, (answer,) = search(runs, SCENE, "made", ADAPTIVE, TRUTH, (1e-3,))
     assert answer.answer == "not-reached"
-    assert len(runs.asked) == 2
+    assert runs.asked == sorted(runs.asked)
     assert runs.asked[1] > runs.asked[0]
 
 
 def test_a_method_that_fails_at_all_tolerances_is_done_in_few_runs():
     runs = MadeUp(lambda r: r, blows=lambda r: True)
     search(runs, SCENE, "made", ADAPTIVE, TRUTH)
-    assert len(runs.asked) <= 4
+    assert len(runs.asked) <= 5
     assert TIGHTEST <= min(runs.asked) <= 4.0 * TIGHTEST
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -141,9 +142,11 @@ def test_a_truth_that_knows_no_better_judges_nothing():
 
 
 def test_failures():
-    blown = Point("step=1", 1.0, "non-finite", "NaN at t = 1 s")
-    assert judge([blown], None)[:2] == (Verdict.DIVERGED, "step=1: non-finite: NaN at t = 1 s")
-    assert judge([Point("step=1", 1.0, "not-converged", "Newton")], None).verdict is Verdict.FAILED
+    """Three settings that fail classify a method; two may both be unlucky."""
+    blown = [Point(f"step={h:g}", h, "non-finite", "NaN at t = 1 s") for h in (4.0, 2.0, 1.0)]
+    assert judge(blown, None)[:2] == (Verdict.DIVERGED, "step=1: non-finite: NaN at t = 1 s")
+    assert judge([replace(point, status="not-converged") for point in blown], None).verdict is Verdict.FAILED
+    assert judge(blown[:2], None).verdict is Verdict.NOT_SHOWN
     assert judge([Point("step=1", 1.0, "cannot", "no loops")], None)[:2] == (Verdict.CANNOT, "no loops")
     refused = Point("step=1", 1.0, "cannot", "step = 1 s is beyond the stability limit of rk4")
     points = [refused, *points_of([1e-4, 1e-7, 1e-9])]

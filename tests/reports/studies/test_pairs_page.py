@@ -68,7 +68,7 @@ def test_searches_made_side_by_side_leave_nothing_to_run(tmp_path: Path, monkeyp
     with Store(tmp_path / "runs.sqlite") as store:
         runs = Runs(store)
         assert [row.entry.answer for row in pair(runs, request)] == ["reached"]
-        assert runs.made == 0
+        assert runs.computed == 0
 
 
 def test_our_planets_and_moon_are_where_astropy_says():
