@@ -1,7 +1,5 @@
 """The examination of an engine: who it is, what it refuses, how it fails, and every method on every quick scene."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from statistics import median
 

@@ -1,7 +1,5 @@
 """Particles and satellites in the terms of programs for celestial bodies."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 

@@ -1,7 +1,5 @@
 """The project's own reference solver, behind the same contract as every other engine."""
 
-from __future__ import annotations
-
 from importlib.util import find_spec
 from typing import ClassVar
 

@@ -6,8 +6,6 @@ The model is MuJoCo's own, compiled by the adapter of MuJoCo; MJX takes it over 
 # Its names live in a compiled module.
 # pyright: reportAttributeAccessIssue=false
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any, ClassVar
 

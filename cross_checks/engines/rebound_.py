@@ -3,8 +3,6 @@
 # The package has no type information for its integrators' settings.
 # pyright: reportAttributeAccessIssue=false
 
-from __future__ import annotations
-
 from importlib.util import find_spec
 from typing import Any, ClassVar
 

@@ -4,8 +4,6 @@ A note beside the others, NAME.json in the user's data folder, says where it is.
 process as all isolated calls, with that environment's Python.
 """
 
-from __future__ import annotations
-
 import json
 import os
 import site

@@ -5,8 +5,6 @@ LEAST_SINGULAR of the others' span unless it repeats them exactly. Extremes have
 because joints are world points at t = 0; velocities are random, and projected onto the constraints by the judge.
 """
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

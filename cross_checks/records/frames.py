@@ -1,7 +1,5 @@
 """Records, verdicts and samples as data frames of pandas or Polars, whichever is asked for."""
 
-from __future__ import annotations
-
 import importlib
 from collections.abc import Iterable, Iterator
 from typing import Any

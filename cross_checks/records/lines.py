@@ -1,7 +1,5 @@
 """Records on disk: JSON lines, appended whole, and a corrupt line costs only itself."""
 
-from __future__ import annotations
-
 import fcntl
 import json
 import os

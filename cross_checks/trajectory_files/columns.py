@@ -1,7 +1,5 @@
 """The numbers of a file by the names of their columns: CSV, NPZ or Parquet."""
 
-from __future__ import annotations
-
 import csv
 import importlib
 import math

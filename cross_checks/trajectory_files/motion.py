@@ -1,7 +1,5 @@
 """The motion that a file or arrays describe, by the map of their columns."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, NamedTuple

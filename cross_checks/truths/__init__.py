@@ -1,7 +1,5 @@
 """Reference solutions with stated uncertainties, computed by the families of `of` or read from `data`."""
 
-from __future__ import annotations
-
 import math
 import pkgutil
 from collections.abc import Callable

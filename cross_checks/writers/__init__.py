@@ -4,8 +4,6 @@ Each file here but `form.py` and what scripts share is one form, found by listin
 model that the engine's adapter has built, so that no writer can drift from its adapter.
 """
 
-from __future__ import annotations
-
 import subprocess
 import sys
 from functools import cache

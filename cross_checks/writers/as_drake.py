@@ -1,7 +1,5 @@
 """A script that runs in Drake alone, from the links of the scene."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 import numpy as np

@@ -1,7 +1,5 @@
 """A script that runs in Exudyn alone."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from functools import reduce
 from itertools import islice

@@ -4,8 +4,6 @@ It is taken from the model that the adapter has compiled: moments of inertia alo
 in a keyframe. Before it is given away it is compiled again and compared, number by number.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from typing import Any
 from xml.etree import ElementTree

@@ -1,7 +1,5 @@
 """A script that runs in MuJoCo alone."""
 
-from __future__ import annotations
-
 from cross_checks.linkage.links import linkage_of
 from cross_checks.writers.as_mjcf import mjcf_of, mujoco_job
 from cross_checks.writers.form import Form

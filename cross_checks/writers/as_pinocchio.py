@@ -1,7 +1,5 @@
 """A script that runs in Pinocchio alone, under the Runge-Kutta methods that drive it."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from typing import Any
 

@@ -4,8 +4,6 @@ URDF has neither gravity nor a start: readers take z up and the pose of the file
 in the plane of x and z, where its y is up; rates at the start stand in a comment.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from typing import Any
 from xml.etree import ElementTree

@@ -1,7 +1,5 @@
 """Scripts in Python from templates, and numbers as source text."""
 
-from __future__ import annotations
-
 import enum
 from functools import cache
 from pathlib import Path

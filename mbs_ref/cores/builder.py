@@ -1,7 +1,5 @@
 """What the planar and the spatial build share: places of bodies, rows and signals while a scene is compiled."""
 
-from __future__ import annotations
-
 import math
 from abc import ABC, abstractmethod
 from typing import Any, NamedTuple, get_type_hints

@@ -1,7 +1,5 @@
 """Which core a scene needs: it pays for that one alone."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from mbs_ref.cores.particles.system import ParticleSystem

@@ -4,8 +4,6 @@ The data in mbs_ref/data carry the provenance of every number. Body points are i
 centre of mass; angles of contact surfaces and belts follow from the two seat bodies.
 """
 
-from __future__ import annotations
-
 import inspect
 import math
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """Results of an android's crash: forces, excursions, accelerations, injury measures, works."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

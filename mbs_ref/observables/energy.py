@@ -1,7 +1,5 @@
 """Energy, and the balance E(t) - E(0) = work of everything that is not conservative."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Power of parts that are not conservative: dampers, time-dependent loads, user forces, drives."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

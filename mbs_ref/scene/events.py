@@ -1,7 +1,5 @@
 """Events that a scene declares: a quantity crosses a value, and the run records it or stops there."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from typing import Annotated, Literal
 

@@ -1,7 +1,5 @@
 """The joints of a scene, and the drives that prescribe a motion. Points and axes are the world's at t = 0."""
 
-from __future__ import annotations
-
 import math
 from collections import namedtuple
 from collections.abc import Callable, Iterator

@@ -1,7 +1,5 @@
 """Traits of a scene, computed from its parts; engines and methods refuse scenes by them."""
 
-from __future__ import annotations
-
 from typing import Literal, get_args
 
 from mbs_ref.scene.bodies import GROUND, Body, PointMass

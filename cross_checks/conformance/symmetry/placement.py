@@ -1,7 +1,5 @@
 """A scene seen from elsewhere: turned, mirrored and shifted space, other units, other order and names."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, field
 from typing import Any

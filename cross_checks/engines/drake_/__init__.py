@@ -1,7 +1,5 @@
 """Drake: trees under its integrators in continuous time; loops under SAP and CENIC, which hold constraints."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import ClassVar
 

@@ -1,7 +1,5 @@
 """A scene as a MultibodyPlant: every body's frame is its joint's, along the world's axes at t = 0."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """What a plant's state (q, v) says of the links."""
 
-from __future__ import annotations
-
 import numpy as np
 from pydrake.multibody.plant import MultibodyPlant
 

@@ -1,7 +1,5 @@
 """Drake's methods and simulator, and the loads that it requests from Python."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any

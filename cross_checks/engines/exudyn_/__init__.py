@@ -1,7 +1,5 @@
 """Exudyn: redundant coordinates with implicit methods, or minimal coordinates (KinematicTree) with explicit ones."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 

@@ -1,7 +1,5 @@
 """A scene as an Exudyn system in redundant coordinates: in the plane, in Euler parameters or in rotation vectors."""
 
-from __future__ import annotations
-
 import exudyn as exu
 import exudyn.itemInterface as item
 import numpy as np

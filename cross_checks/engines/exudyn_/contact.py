@@ -3,8 +3,6 @@
 Friction acts on the undeformed surface that a sphere has sunk into: nearer to its centre than ours by the depth.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import exudyn.itemInterface as item

@@ -3,8 +3,6 @@
 F = k d + c d' until d = 0; whether a pair touches is settled once a step, so the method is of order 1.
 """
 
-from __future__ import annotations
-
 import exudyn as exu
 import exudyn.itemInterface as item
 import numpy as np

@@ -1,7 +1,5 @@
 """Joints and loads in redundant coordinates."""
 
-from __future__ import annotations
-
 import exudyn as exu
 import exudyn.itemInterface as item
 import numpy as np

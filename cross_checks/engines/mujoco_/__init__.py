@@ -1,7 +1,5 @@
 """MuJoCo: joints in a tree are exact minimal coordinates; loop closures are always soft constraints."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import ClassVar
 

@@ -1,7 +1,5 @@
 """MuJoCo's methods, with every option pinned."""
 
-from __future__ import annotations
-
 import mujoco
 import numpy as np
 

@@ -1,7 +1,5 @@
 """MuJoCo's loop, and its silent resets."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import mujoco

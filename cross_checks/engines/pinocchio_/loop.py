@@ -1,7 +1,5 @@
 """Accelerations by Pinocchio, and Runge-Kutta methods of order 4 and 8 around them."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from itertools import pairwise
 from math import isfinite

@@ -1,7 +1,5 @@
 """Pinocchio's methods: it has no integrator, so these drive it from Python."""
 
-from __future__ import annotations
-
 from cross_checks.engine.method import LOOPS, adaptive, exponential, fixed
 
 GAINS = (100.0, 20.0)  # 1/s^2, 1/s: Kp and Kd, critically damped at 10 rad/s; Pinocchio's own default is 0, 0

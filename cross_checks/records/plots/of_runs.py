@@ -1,7 +1,5 @@
 """Plots of the runs of one scene: error against loop time, and error, energy drift and compliance over time."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Mistakes of conventions and of the clock."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any

@@ -1,7 +1,5 @@
 """A converged truth: two formulations, two integrators, two precisions; the difference is the error bar."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 

@@ -1,7 +1,5 @@
 """Truths of the crash occupants, converged in the angles of their bodies with forces of their own."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

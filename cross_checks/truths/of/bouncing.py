@@ -5,8 +5,6 @@ d^(n+1) = (n + 1) m k / c^2 [D - u - ln((1 + D)/(1 + u))] with u = c d'/k and D 
 D (1 + e) = ln((1 + D)/(1 - D e)), for every n.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import Any

@@ -1,7 +1,5 @@
 """Truths of chains of rods and of bodies on spherical joints, converged in absolute coordinates."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from cross_checks.truths.made_by.agreement import agree, converged

@@ -1,7 +1,5 @@
 """Two smooth spheres: an impulse along the line of centres, or a central force F(r) by quadrature."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import Any

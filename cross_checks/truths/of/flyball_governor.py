@@ -1,7 +1,5 @@
 """The stiff flyball governor in slider height and arm angle: the angular momentum gives the turn."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

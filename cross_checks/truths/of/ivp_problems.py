@@ -1,7 +1,5 @@
 """Truths of two problems of the IVP test set: Andrews' squeezer and the car axis."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import NamedTuple
 

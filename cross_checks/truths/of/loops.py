@@ -1,7 +1,5 @@
 """Truths of closed loops with one degree of freedom."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Truths of pendulums of one body."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from cross_checks.truths.made_by.agreement import Formulation, agree, converged

@@ -1,7 +1,5 @@
 """Truths of bodies in a row that touch each other: cradles, walls and stacks."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Truths of a ball on a driven seat, event by event, and on a free one, converged."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import Any

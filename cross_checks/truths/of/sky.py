@@ -1,7 +1,5 @@
 """Truths of particles and satellites under celestial forces."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Any
 

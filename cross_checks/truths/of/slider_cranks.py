@@ -1,7 +1,5 @@
 """Truths of the planar and the spatial slider-crank, in the crank angle alone."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

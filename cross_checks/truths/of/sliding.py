@@ -1,7 +1,5 @@
 """Truths of bodies that slide, rest or roll under Coulomb's friction."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

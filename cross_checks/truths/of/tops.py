@@ -1,7 +1,5 @@
 """Truths of tops: Euler's and Lagrange's, in Jacobi's elliptic functions."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 

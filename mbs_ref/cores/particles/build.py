@@ -1,7 +1,5 @@
 """Scene -> ParticleGroups: the arrays of the fields a scene of particles uses."""
 
-from __future__ import annotations
-
 from typing import Any, get_args
 
 import numpy as np

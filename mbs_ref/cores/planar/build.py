@@ -1,7 +1,5 @@
 """Scene -> PlanarGroups: the arrays of the groups a planar scene uses."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

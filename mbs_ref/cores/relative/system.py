@@ -1,7 +1,5 @@
 """A tree compiled in relative coordinates: joint angles, lengths and balls' orientations in place of six a body."""
 
-from __future__ import annotations
-
 from abc import abstractmethod
 from typing import Any, ClassVar, Self
 

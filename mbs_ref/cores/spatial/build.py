@@ -1,7 +1,5 @@
 """Scene -> SpatialGroups: the arrays of the groups a spatial scene uses."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """A part that acts on bodies: what joints, loads, contacts and events have in common."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from functools import cache
 from typing import Any, ClassVar

@@ -1,7 +1,5 @@
 """A conservative mechanism of one freedom: Lagrange's and Hamilton's equations in the coordinate that it leaves."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
