@@ -17,14 +17,8 @@ from cross_checks.truths.made_by.numerics.quadrature import integral
 from cross_checks.truths.truth import NoTruth, OutsideDomainError, Truth, unturned
 from mbs_ref import scenes
 from mbs_ref.scene import Scene
-from mbs_ref.scene.contact import (
-    FloresLaw,
-    HuntCrossleyLaw,
-    LankaraniNikraveshLaw,
-    ProgressiveLaw,
-    RigidLaw,
-    SpringDamperLaw,
-)
+from mbs_ref.scene import contact as laws
+from mbs_ref.scene.contact import SpringDamperLaw
 from mbs_ref.scenes.bouncing import floor_normal
 
 CREEPING = 10.0  # -ln(1 - e D): beyond, the end of the contact is a creep whose duration doubles do not resolve
@@ -43,7 +37,7 @@ class Impact:
 
 def impact(law: Any, mass: float, speed: float) -> Impact:
     """Return the exact impact of a law without gravity."""
-    if isinstance(law, RigidLaw):
+    if isinstance(law, laws.RigidLaw):
         return Impact(law.restitution, 0.0, 0.0)
     if isinstance(law, SpringDamperLaw):
         return _linear(law, mass, speed)
@@ -53,13 +47,13 @@ def impact(law: Any, mass: float, speed: float) -> Impact:
 
 def power_law(law: Any, speed: float) -> tuple[float, float, float]:
     """Return k, c and n of F = d^n (k + c d') at an impact speed."""
-    if isinstance(law, ProgressiveLaw):
+    if isinstance(law, laws.ProgressiveLaw):
         return law.stiffness, law.damping, 1.0
-    if isinstance(law, HuntCrossleyLaw):
+    if isinstance(law, laws.HuntCrossleyLaw):
         return law.stiffness, law.damping, law.exponent
-    if isinstance(law, LankaraniNikraveshLaw):
+    if isinstance(law, laws.LankaraniNikraveshLaw):
         return law.stiffness, 0.75 * (1.0 - law.restitution**2) * law.stiffness / speed, law.exponent
-    assert isinstance(law, FloresLaw)
+    assert isinstance(law, laws.FloresLaw)
     return law.stiffness, 1.6 * (1.0 / law.restitution - 1.0) * law.stiffness / speed, law.exponent
 
 
@@ -189,7 +183,7 @@ def _depth(law: SpringDamperLaw, mass: float, speed: float, since: np.ndarray) -
 
 
 def _is_linear(law: Any) -> bool:
-    return isinstance(law, SpringDamperLaw | RigidLaw)
+    return isinstance(law, SpringDamperLaw | laws.RigidLaw)
 
 
 def _left_inside(law: SpringDamperLaw, mass: float, speed: float, rebound: Impact) -> float:
