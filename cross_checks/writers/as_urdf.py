@@ -169,4 +169,4 @@ def _text(vector: np.ndarray) -> str:
     return " ".join(repr(float(x) + 0.0) for x in vector)
 
 
-FORM = Form("urdf", ".urdf", "a tree of links for any reader of URDF", write_urdf)
+FORMS = (Form("urdf", ".urdf", "a tree of links for any reader of URDF", write_urdf),)
