@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.integrate import cumulative_simpson
 
-from mbs_ref.cores.planar.system import PlanarSystem
+from mbs_ref.cores.planar import PlanarSystem
 from mbs_ref.crash import injury
 from mbs_ref.crash.stops import STOP, stop_load, tension
 from mbs_ref.observables.attachment import Motion
