@@ -1,7 +1,5 @@
 """One right-hand side of each core: time per body, how it grows, and how exactly it solves its equations."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from collections.abc import Callable
