@@ -9,7 +9,7 @@ import numpy as np
 from pydantic import Field, SkipValidation, model_validator
 
 from mbs_ref.scene.base import rows
-from mbs_ref.scene.base.attached import NO_ORIENTATION, Attached
+from mbs_ref.scene.base.attached import NO_ORIENTATION, Attached, coordinate_complaints
 from mbs_ref.scene.base.directions import normals, require_perpendicular, unit
 from mbs_ref.scene.base.expression import Read, read
 from mbs_ref.scene.base.part import BodyName, Direction, Direction3, EndName, Point, Point3, Positive
@@ -206,10 +206,7 @@ class CoordinateDrive(Drive):
     coordinate: Literal["x", "y", "z", "angle"]  # z in space alone, angle in the plane alone
 
     def complaints(self, dimension: int) -> Iterator[str]:
-        if dimension == 2 and self.coordinate == "z":
-            yield "coordinate = 'z' is for space alone"
-        if dimension == 3 and self.coordinate == "angle":
-            yield "coordinate = 'angle' is for the plane alone; use rotation_drive"
+        yield from coordinate_complaints(self.coordinate, dimension, "; use rotation_drive")
 
     def rows(self, dimension: int) -> list[Row]:
         if self.coordinate == "angle":

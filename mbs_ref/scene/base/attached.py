@@ -17,6 +17,14 @@ def _signal_fields(kind: type[Part]) -> tuple[str, ...]:
     return tuple(name for name, field in kind.model_fields.items() if field.annotation == AnySignal)
 
 
+def coordinate_complaints(coordinate: str, dimension: int, instead: str = "") -> Iterator[str]:
+    """Yield what keeps a scene of this dimension from having the coordinate; `instead` advises on the angle."""
+    if dimension == 2 and coordinate == "z":
+        yield "coordinate = 'z' is for space alone"
+    if dimension == 3 and coordinate == "angle":
+        yield "coordinate = 'angle' is for the plane alone" + instead
+
+
 class Attached(Part):
     """A named part that acts on bodies. Class attributes state the properties of its kind."""
 
