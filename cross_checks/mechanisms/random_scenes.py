@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from cross_checks.mechanisms.dense_oracle import Augmented, Moment, augmented, consistent
+from cross_checks.mechanisms.dense_oracle import Moment, augmented, consistent
 from mbs_ref import scene as parts
 from mbs_ref.scene import GROUND, PointMass, Scene
 from mbs_ref.scene.signals import Constant, HalfSine, Harmonic, Polynomial, Table
@@ -136,7 +136,7 @@ class _Maker:
             return
         kept = self.joints
         self.joints = [*kept, joint]
-        system = self._system()
+        system = augmented(Moment.start(self.scene("trial")))
         regular = system.redundant == 0 and system.condition < 1.0 / LEAST_SINGULAR
         self.joints = self.joints if regular else kept
 
@@ -185,9 +185,6 @@ class _Maker:
     def scene(self, name: str) -> Scene:
         return Scene(name=name, duration=DURATION, gravity=self.gravity, bodies=tuple(self.bodies),
                      joints=tuple(self.joints), loads=tuple(self.loads))  # fmt: skip
-
-    def _system(self) -> Augmented:
-        return augmented(Moment.start(self.scene("trial")))
 
     def particle(self, name: str, here: Any) -> Any:
         return PointMass(name=name, mass=self.mass(), position=here, velocity=self.vector(self.between(0, 2)))

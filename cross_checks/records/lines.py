@@ -66,11 +66,6 @@ def read_data[Item](path: Path, build: Callable[[Any], Item]) -> tuple[list[Item
     return records, problems
 
 
-def from_line(line: bytes) -> Record:
-    """Return the record in a line of JSON; ValueError or TypeError where it holds none."""
-    return from_dict(_parsed(line))
-
-
 def _parsed(line: bytes) -> Any:
     if len(line) > LONGEST_LINE:
         raise ValueError(f"the line is longer than {LONGEST_LINE // 2**20} MiB")

@@ -1,5 +1,6 @@
 """Energy, and the balance E(t) - E(0) = work of everything that is not conservative."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -184,25 +185,9 @@ def _spring(motion: Motion, load: parts.SpringDamper) -> np.ndarray:
     return 0.5 * load.stiffness * (np.maximum(stretch, 0.0) if load.tension_only else stretch) ** 2
 
 
-def _torsion(motion: Motion, load: parts.TorsionSpring) -> np.ndarray:
-    return 0.5 * load.stiffness * twist_of(motion, load)[0] ** 2
-
-
-def _bushing(motion: Motion, load: parts.Bushing) -> np.ndarray:
-    return 0.5 * bushing_strain(motion, load)[0] ** 2 @ np.asarray(load.stiffness)
-
-
-def _point_bushing(motion: Motion, load: parts.PointBushing) -> np.ndarray:
-    return 0.5 * load.stiffness * np.sum(gap_of(motion, load)[0] ** 2, axis=1)
-
-
 def _force(motion: Motion, load: parts.Force) -> np.ndarray:
     place, _ = motion.point(load.body, load.point)
     return -_constant(load.factor) * ((place - np.asarray(load.point)) @ np.asarray(load.vector))
-
-
-def _torque(motion: Motion, load: parts.Torque) -> np.ndarray:
-    return -_constant(load.factor) * load.torque * motion.angle(load.body)
 
 
 def _gradient(motion: Motion, load: GravityGradient) -> np.ndarray:
@@ -221,12 +206,12 @@ def _constant(factor: Signal) -> float:
     return factor.segments()[0].coefficients[0]
 
 
-POTENTIALS = {
+POTENTIALS: dict[type, Callable[[Motion, Any], np.ndarray]] = {
     GravityGradient: _gradient,
     parts.SpringDamper: _spring,
-    parts.TorsionSpring: _torsion,
-    parts.Bushing: _bushing,
-    parts.PointBushing: _point_bushing,
+    parts.TorsionSpring: lambda motion, load: 0.5 * load.stiffness * twist_of(motion, load)[0] ** 2,
+    parts.Bushing: lambda motion, load: 0.5 * bushing_strain(motion, load)[0] ** 2 @ np.asarray(load.stiffness),
+    parts.PointBushing: lambda motion, load: 0.5 * load.stiffness * np.sum(gap_of(motion, load)[0] ** 2, axis=1),
     parts.Force: _force,
-    parts.Torque: _torque,
+    parts.Torque: lambda motion, load: -_constant(load.factor) * load.torque * motion.angle(load.body),
 }

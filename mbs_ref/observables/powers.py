@@ -1,6 +1,7 @@
 """Power of parts that are not conservative: dampers, time-dependent loads, user forces, drives."""
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 
@@ -41,31 +42,15 @@ def _damper(motion: Motion, load: parts.SpringDamper) -> np.ndarray:
     return -force * rate
 
 
-def _torsion_damper(motion: Motion, load: parts.TorsionSpring) -> np.ndarray:
-    return -load.damping * twist_of(motion, load)[1] ** 2
-
-
-def _point_bushing_damper(motion: Motion, load: parts.PointBushing) -> np.ndarray:
-    return -load.damping * np.sum(gap_of(motion, load)[1] ** 2, axis=1)
-
-
 def _force(motion: Motion, load: parts.Force) -> np.ndarray:
     _, rate = motion.point(load.body, load.point)
     vector = np.asarray(load.vector) if load.frame == "world" else motion.direction(load.body, load.vector)[0]
     return values(load.factor, motion.times) * np.sum(rate * vector, axis=1)
 
 
-def _torque(motion: Motion, load: parts.Torque) -> np.ndarray:
-    return values(load.factor, motion.times) * load.torque * motion.spin(load.body)
-
-
 def _torque_vector(motion: Motion, load: parts.TorqueVector) -> np.ndarray:
     vector = np.asarray(load.vector) if load.frame == "world" else motion.direction(load.body, load.vector)[0]
     return values(load.factor, motion.times) * np.sum(motion.turning(load.body) * vector, axis=1)
-
-
-def _bushing_damper(motion: Motion, load: parts.Bushing) -> np.ndarray:
-    return -(bushing_strain(motion, load)[1] ** 2) @ np.asarray(load.damping)
 
 
 def _user_force(motion: Motion, load: parts.UserForce) -> np.ndarray:
@@ -93,14 +78,14 @@ def _point_drive(motion: Motion, joint: parts.PointDrive) -> np.ndarray:
     return motion.trajectory.reactions[joint.name][:, : motion.scene.dimension] @ along * rate
 
 
-LOADS = {
+LOADS: dict[type, Callable[[Motion, Any], np.ndarray]] = {
     parts.SpringDamper: _damper,
-    parts.TorsionSpring: _torsion_damper,
+    parts.TorsionSpring: lambda motion, load: -load.damping * twist_of(motion, load)[1] ** 2,
     parts.Force: _force,
-    parts.Torque: _torque,
+    parts.Torque: lambda motion, load: values(load.factor, motion.times) * load.torque * motion.spin(load.body),
     parts.TorqueVector: _torque_vector,
-    parts.Bushing: _bushing_damper,
-    parts.PointBushing: _point_bushing_damper,
+    parts.Bushing: lambda motion, load: -(bushing_strain(motion, load)[1] ** 2) @ np.asarray(load.damping),
+    parts.PointBushing: lambda motion, load: -load.damping * np.sum(gap_of(motion, load)[1] ** 2, axis=1),
     parts.UserForce: _user_force,
 }
 DRIVES = {

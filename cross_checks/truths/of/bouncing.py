@@ -164,7 +164,7 @@ def _under_gravity(scene: Scene, times: np.ndarray) -> Truth | NoTruth:
     """Linear laws bounce piece by piece until the ball rests."""
     contact: Any = scene.contacts[0]
     law = contact.law
-    if not _is_linear(law) or contact.thickness is not None:
+    if not isinstance(law, SpringDamperLaw | laws.RigidLaw) or contact.thickness is not None:
         return NoTruth("under gravity the motion is known for the linear laws alone, on an endless floor")
     y, uncertainty = line_motion(line_of(scene, 1, [one_sided(law, (1.0,), contact.radius)]), times)
     how = "flights and damped oscillations, matrix exponentials between instants found to roundoff"
@@ -180,10 +180,6 @@ def _depth(law: SpringDamperLaw, mass: float, speed: float, since: np.ndarray) -
     decay = 0.5 * law.damping / mass
     turn = math.sqrt(law.stiffness / mass - decay**2)
     return speed / turn * np.exp(-decay * since) * np.sin(turn * since)
-
-
-def _is_linear(law: Any) -> bool:
-    return isinstance(law, SpringDamperLaw | laws.RigidLaw)
 
 
 def _left_inside(law: SpringDamperLaw, mass: float, speed: float, rebound: Impact) -> float:
