@@ -15,7 +15,7 @@ from mbs_ref.scene import CoordinateDrive, Scene
 RK_TOLERANCE = 1e-12  # DOP853 finds touch-down, lift-off and taut belts by its error control: tighter costs much
 
 
-def crash_truth(scene: Scene, times: np.ndarray) -> Truth | NoTruth:
+def android_simplified(scene: Scene, times: np.ndarray) -> Truth | NoTruth:
     """Hamilton's equations by extrapolation from event to event against Lagrange's by DOP853.
 
     The occupant moves on a driven seat as on a fixed one under the forces m a: the seat's own motion is added.
@@ -40,8 +40,5 @@ def _seat_motion(scene: Scene, times: np.ndarray) -> tuple[np.ndarray, np.ndarra
 
 def android_vertebral(scene: Scene, times: np.ndarray) -> Truth | NoTruth:
     """Converge the vertebral android."""
-    truth = crash_truth(scene, times)
+    truth = android_simplified(scene, times)
     return truth if isinstance(truth, NoTruth) else replace(truth, is_costly=True)
-
-
-TRUTHS = {"android_simplified": crash_truth, "android_vertebral": android_vertebral}

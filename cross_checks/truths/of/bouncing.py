@@ -215,6 +215,3 @@ def oblique_disc(scene: Scene, times: np.ndarray) -> Truth | NoTruth:
     angle = disc.angle - disc.mass * ground.radius / disc.inertia * kick
     how = "closed form: a free normal impact, and Coulomb's friction that slides all along"
     return Truth(np.stack((x, y), axis=1)[:, None], angle[:, None], uncertainty, "exact", how)
-
-
-TRUTHS = {"bouncing_ball": bouncing_ball, "bouncing_sphere": bouncing_sphere, "oblique_disc": oblique_disc}

@@ -58,9 +58,4 @@ def spatial_chain(scene: Scene, times: np.ndarray) -> Truth | NoTruth:
     return agree(*both, times, ways, extended=extended, is_costly=True)
 
 
-TRUTHS = {
-    "pendulum_chain": pendulum_chain,
-    "double_pendulum": double_pendulum,
-    "spatial_chain": spatial_chain,
-    "double_gyroscope": spatial_chain,
-}
+TRUTHS = {"double_gyroscope": spatial_chain}

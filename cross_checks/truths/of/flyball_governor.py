@@ -123,6 +123,3 @@ def _lengths(g: Governor) -> Formulation:
     return Formulation(
         derivative, np.array([REST, DROOP, 0.0, 0.0, 0.0]), lambda t, y: g.poses(height(y[0], y[1])[0], y[1], y[4])
     )
-
-
-TRUTHS = {"flyball_governor": flyball_governor}

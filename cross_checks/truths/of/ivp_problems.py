@@ -183,6 +183,3 @@ def _with_multipliers() -> Formulation:
 
     lean = -HEIGHT * AMPLITUDE * OMEGA / LENGTH
     return Formulation(derivative, np.array([0.0, HEIGHT, LENGTH, HEIGHT, lean, 0.0, lean, 0.0]), poses)
-
-
-TRUTHS = {"andrews": andrews, "car_axis": car_axis}

@@ -84,6 +84,3 @@ def bricard(scene: Scene, times: np.ndarray) -> Truth:
 
     how = "Hamilton's equations in the one coordinate of the closed loop by extrapolation in extended precision"
     return agree_on(scene, poses, BRICARD_START, np.longdouble(0), times, ("Lagrange's by DOP853", how))
-
-
-TRUTHS = {"n_four_bar": n_four_bar, "spatial_n_four_bar": spatial_n_four_bar, "bricard": bricard}

@@ -135,11 +135,3 @@ def _driven_poses(length, amplitude, omega):
         return np.stack([carriage, carriage + along]), np.array([0.0, y[0]])
 
     return poses
-
-
-TRUTHS = {
-    "pendulum": pendulum,
-    "spherical_pendulum": spherical_pendulum,
-    "spring_pendulum": spring_pendulum,
-    "driven_pendulum": driven_pendulum,
-}

@@ -216,6 +216,3 @@ def _relative(pair: Pair, looks: tuple[float, ...]) -> Formulation:
     start = np.array([*(places[0] - places[1]), *(body.angle for body in bodies), *(speeds[0] - speeds[1]),
                       *(body.angular_velocity for body in bodies)])  # fmt: skip
     return Formulation(lambda t, y: frozen(t, y, switches(t, y) > 0), start, poses, frozen, switches, looks)
-
-
-TRUTHS = {"ball_on_driven_seat": ball_on_driven_seat, "ball_on_moving_seat": ball_on_moving_seat}

@@ -124,6 +124,3 @@ def spatial_slider_crank(scene: Scene, times: np.ndarray) -> Truth:
     sign = 1.0
     sign = float(np.sign(poses(jet.parameter(0.0))[1].value[1][:, 1] @ first))
     return agree_on(scene, poses, 0.0, float(scene.parameters["crank_speed"]), times, WAYS, is_costly=True)
-
-
-TRUTHS = {"slider_crank": slider_crank, "spatial_slider_crank": spatial_slider_crank}

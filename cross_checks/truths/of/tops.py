@@ -194,4 +194,4 @@ def _parameters(m: np.ndarray) -> np.ndarray:
     return -theta if theta[0] < 0 else theta
 
 
-TRUTHS = {"heavy_top": heavy_top, "torque_free_top": torque_free_top, "nesc_tumbling_brick": torque_free_top}
+TRUTHS = {"nesc_tumbling_brick": torque_free_top}
