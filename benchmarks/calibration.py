@@ -5,8 +5,6 @@ and step or tolerance are random too. The truth is a run of DOP853 at TIGHT, and
 agrees with it. Seeds are split in halves: the estimate is tuned on the even ones, and judged by the odd ones.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator
 from dataclasses import asdict, dataclass, fields, replace
 from pathlib import Path

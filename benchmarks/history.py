@@ -1,7 +1,5 @@
 """What every nightly job found: JSON lines are the truth, and an SQLite index is derived from them."""
 
-from __future__ import annotations
-
 import json
 import os
 import sqlite3

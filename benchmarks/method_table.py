@@ -6,8 +6,6 @@ turns, without estimates and reactions; the least of some turns counts. Where ev
 in chaos, nothing is compared.
 """
 
-from __future__ import annotations
-
 import sys
 import time
 from collections.abc import Iterator

@@ -1,7 +1,5 @@
 """What changed between two files of records: accuracy by verdict, time as a remark, because no two jobs compare."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 from dataclasses import asdict, dataclass
 from enum import StrEnum

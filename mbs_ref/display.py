@@ -1,7 +1,5 @@
 """Tables of objects for notebooks: short, escaped HTML without colours of its own."""
 
-from __future__ import annotations
-
 import html
 from collections.abc import Iterable, Sequence
 from typing import Any

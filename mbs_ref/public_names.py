@@ -3,8 +3,6 @@
 They are listed in the package's stub `__init__.pyi`, which type checkers read, too.
 """
 
-from __future__ import annotations
-
 import ast
 import importlib
 import sys

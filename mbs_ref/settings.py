@@ -1,7 +1,5 @@
 """Settings of a run: method, step or tolerances, stabilization, outputs. All engines share them."""
 
-from __future__ import annotations
-
 from typing import Literal, Self
 
 from pydantic import Field, model_validator

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from typing import Any
@@ -11,6 +12,10 @@ import numpy as np
 from mbs_ref.display import facts
 
 POSES = ("position", "orientation", "velocity", "angular_velocity")
+COLUMNS = {
+    2: ("x", "y", "angle", "vx", "vy", "rate"),
+    3: ("x", "y", "z", "e0", "e1", "e2", "e3", "vx", "vy", "vz", "wx", "wy", "wz"),
+}  # of a body in files and tables, by dimension
 
 
 class Status(StrEnum):
@@ -118,6 +123,13 @@ def pose_shapes(n_bodies: int, dimension: int) -> tuple[tuple[int, ...], ...]:
     """Return the shapes of position, orientation, velocity and angular velocity of all bodies at one time."""
     vectors, numbers = (n_bodies, dimension), (n_bodies,)
     return (vectors, numbers, vectors, numbers) if dimension == 2 else (vectors, (n_bodies, 4), vectors, vectors)
+
+
+def pose_columns(bodies: Sequence[str], poses: Iterable[np.ndarray]) -> dict[str, np.ndarray]:
+    """Return columns such as rod.x, rod.angle and rod.vx (n,) of the four arrays of poses and velocities (n, ...)."""
+    rows = np.concatenate([part.reshape(len(part), len(bodies), -1) for part in poses], axis=2)
+    words = next(words for words in COLUMNS.values() if len(words) == rows.shape[2])
+    return {f"{body}.{word}": rows[:, k, c] for k, body in enumerate(bodies) for c, word in enumerate(words)}
 
 
 @dataclass(frozen=True)

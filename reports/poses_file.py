@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +12,7 @@ import numpy as np
 from mbs_ref.atomic_file import write_atomic
 from mbs_ref.cores.system import Poses
 from mbs_ref.simulate.many.ensemble import Ensemble
-from mbs_ref.trajectory import Trajectory
+from mbs_ref.trajectory import Trajectory, pose_columns
 
 Columns = Mapping[str, np.ndarray]  # (n_rows,) by heading
 
@@ -22,7 +22,7 @@ def write_poses(trajectory: Trajectory, bodies: list[str], path: Path) -> None:
     estimate, poses = trajectory.estimate, Poses.of(trajectory)
     over_time = np.zeros(0) if estimate is None else estimate.over_time  # (n_t,) m; none where it was not computed
     arrays = {"bodies": np.array(bodies), "times": trajectory.times, **poses._asdict(), "estimate": over_time}
-    _write(path, arrays, {"t": trajectory.times, **_columns(bodies, poses)})
+    _write(path, arrays, {"t": trajectory.times, **pose_columns(bodies, poses)})
 
 
 def write_ensemble(ensemble: Ensemble, path: Path) -> None:
@@ -40,17 +40,7 @@ def write_ensemble(ensemble: Ensemble, path: Path) -> None:
     inputs = {f"vary {name}": np.repeat(own, count) for name, own in zip(design.names, values.T, strict=True)}
     about = {"run": np.repeat(np.arange(built), count), **inputs, "status": np.repeat(status.astype(object), count)}
     rows = Poses(*(part.reshape(built * count, *part.shape[2:]) for part in ensemble.samples))
-    _write(path, arrays, about | {"t": np.tile(ensemble.times, built), **_columns(ensemble.scene.body_names, rows)})
-
-
-def _columns(bodies: Sequence[str], poses: Poses) -> Columns:
-    """Return columns such as rod.x, rod.y, rod.angle, rod.vx, rod.vy, rod.rate of poses (n of each)."""
-    planar = ["x", "y", "angle", "vx", "vy", "rate"]
-    spatial = ["x", "y", "z", "e0", "e1", "e2", "e3", "vx", "vy", "vz", "wx", "wy", "wz"]
-    names = planar if poses.position.shape[-1] == 2 else spatial
-    rows = np.concatenate([part.reshape(len(part), len(bodies), -1) for part in poses], axis=2)
-    headings = [f"{body}.{name}" for body in bodies for name in names]
-    return dict(zip(headings, rows.reshape(len(rows), -1).T, strict=True))
+    _write(path, arrays, about | {"t": np.tile(ensemble.times, built), **pose_columns(ensemble.scene.body_names, rows)})
 
 
 def _write(path: Path, arrays: Mapping[str, np.ndarray], columns: Columns) -> None:

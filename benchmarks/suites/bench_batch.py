@@ -3,8 +3,6 @@
 `python -m pytest -s benchmarks/suites/bench_batch.py` prints throughput and CPU time, the medians of interleaved pairs.
 """
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable
 from dataclasses import replace

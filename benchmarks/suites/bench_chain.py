@@ -1,7 +1,5 @@
 """The chain at 1e-6 m: every engine's cheapest setting, in the same run, with its accuracy."""
 
-from __future__ import annotations
-
 import pytest
 
 from cross_checks import engines

@@ -5,8 +5,6 @@ peer is what its users write: DOP853 in C++ over Pinocchio's headers where the s
 `python -m pytest -s -m '' -p no:xdist benchmarks/suites/bench_peers.py` prints a line a scene.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

@@ -1,7 +1,5 @@
 """One right-hand side of each core: time per body, how it grows, and how exactly it solves its equations."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from collections.abc import Callable
@@ -15,7 +13,7 @@ from benchmarks.trees.worker import right_hand_sides
 from cross_checks.prices.timing import interleaved
 from mbs_ref import scenes
 from mbs_ref.cores.choice import compile_scene
-from mbs_ref.cores.planar.system import PlanarSystem
+from mbs_ref.cores.planar import PlanarSystem
 from mbs_ref.cores.spatial.system import SpatialSystem
 from mbs_ref.scene import Scene
 from mbs_ref.scene.celestial import Newton

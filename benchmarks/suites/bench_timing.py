@@ -1,7 +1,5 @@
 """The timing protocol: false alarms and misses, trees whose verdict is known, and what the harness adds to a loop."""
 
-from __future__ import annotations
-
 import time
 from collections import Counter
 from pathlib import Path

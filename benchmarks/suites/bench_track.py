@@ -1,7 +1,5 @@
 """The tracked vehicle: twice as many links, and contacts on constraints; the runs of a pair take turns."""
 
-from __future__ import annotations
-
 from functools import partial
 
 from cross_checks.prices.timing import interleaved

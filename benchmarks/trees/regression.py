@@ -1,7 +1,5 @@
 """Is one source tree slower than another at equal error? Both run in the same job, interleaved."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path

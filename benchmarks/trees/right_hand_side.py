@@ -3,8 +3,6 @@
 Prints, for each scene, the processor time a body in both trees and the median of their paired ratios.
 """
 
-from __future__ import annotations
-
 import argparse
 import json
 import statistics

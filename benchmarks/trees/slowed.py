@@ -3,8 +3,6 @@
 mbs-ref compare . --slowed 15 --only "links=10 mbs_ref dop853"
 """
 
-from __future__ import annotations
-
 import ast
 import shutil
 from functools import partial

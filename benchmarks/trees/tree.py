@@ -1,7 +1,5 @@
 """A source tree that runs cases in a process of its own."""
 
-from __future__ import annotations
-
 import json
 import os
 import subprocess

@@ -5,8 +5,6 @@ it uses nothing of the tree but the contract of engines, and for single right-ha
 answer.
 """
 
-from __future__ import annotations
-
 import json
 import os
 import sys

@@ -1,7 +1,5 @@
 """An engine run in a process of its own: a run that hangs or dies is lost and named, and the others still answer."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from time import perf_counter, process_time
 

@@ -4,8 +4,6 @@ m g' = -m g + F along the line of centres, where the gap g closes and F follows 
 integrates it between touch-down and lift-off, which are events; flights are parabolas.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Engines with one mistake each, made of our own solver: an examination that is worth its name notices every one."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from time import process_time

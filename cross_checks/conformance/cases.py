@@ -1,7 +1,5 @@
 """Which method of which engine is asked for symmetry and repeatability on which scene."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from typing import Any, NamedTuple
 

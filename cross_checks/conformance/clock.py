@@ -1,7 +1,5 @@
 """Does an engine's clock report the work of its loop?"""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable
 
 from cross_checks.conformance.apart import Called, called

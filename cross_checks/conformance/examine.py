@@ -1,7 +1,5 @@
 """The examination of an engine: who it is, what it refuses, how it fails, and every method on every quick scene."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from statistics import median
 
@@ -79,12 +77,9 @@ def _identity(engine: Engine, name: str) -> str:
     if not methods or len({m.name for m in methods}) < len(methods):
         wrong.append("it has no method, or two of one name")
     wrong += [f"{m.name} has no description" for m in methods if not m.description]
-    wrong += [f"the ladder of {m.name} must go from coarse to fine" for m in methods if _is_unsorted(m)]
+    unsorted = [m.name for m in methods if list(m.ladder) != sorted(m.ladder, reverse=True)]
+    wrong += [f"the ladder of {name} must go from coarse to fine" for name in unsorted]
     return "; ".join(wrong)
-
-
-def _is_unsorted(method: Method) -> bool:
-    return list(method.ladder) != sorted(method.ladder, reverse=True)
 
 
 def _refusal(engine: Engine) -> str:

@@ -1,7 +1,5 @@
 """Deviations of one run from what every right motion keeps, each over the scene's own length, speed or energy."""
 
-from __future__ import annotations
-
 import numpy as np
 from scipy.interpolate import make_interp_spline
 

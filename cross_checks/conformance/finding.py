@@ -1,7 +1,5 @@
 """What the examination of an engine found."""
 
-from __future__ import annotations
-
 from dataclasses import asdict, dataclass
 from typing import Any, Literal
 

@@ -3,8 +3,6 @@
 Errors from the truth, and how far velocities, energy and joints are off, are data of the one convergence model.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace

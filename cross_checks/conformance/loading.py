@@ -1,7 +1,5 @@
 """An engine from its adapter file or its name, or a sentence on what is wrong with either."""
 
-from __future__ import annotations
-
 import os
 import re
 from pathlib import Path

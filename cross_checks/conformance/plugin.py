@@ -1,7 +1,5 @@
 """The pytest plugin: --mbs-adapter FILE or --mbs-engine NAME chooses whom the conformance suite examines."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -5,8 +5,6 @@ asked for acts on bodies that hinges hold. The truth shares no equation with any
 oracle, which reads forces and constraints from the shared judge alone, is integrated by SciPy's DOP853.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import replace
 from functools import cache

@@ -1,7 +1,5 @@
 """What an engine must answer: scenes short enough to be quick, each with a truth, and the settings of each run."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache

@@ -1,7 +1,5 @@
 """Does a run give the same bits again: at once, in another process, in another order of runs, with another thread?"""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable
 from typing import Any
 

@@ -3,8 +3,6 @@
 The answers are those of `cross_checks.conformance.examine`, which runs once.
 """
 
-from __future__ import annotations
-
 import pytest
 
 from cross_checks.conformance.apart import TIMEOUT, Apart

@@ -1,7 +1,5 @@
 """The Engine contract: what a solver must offer to be compared, ours included."""
 
-from __future__ import annotations
-
 import warnings
 from collections.abc import Sequence
 from importlib.metadata import version

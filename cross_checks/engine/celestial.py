@@ -1,7 +1,5 @@
 """Particles and satellites in the terms of programs for celestial bodies."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 
@@ -39,10 +37,16 @@ def no_satellites(scene: Scene) -> Iterator[str]:
         yield f"gravity = {scene.gravity}: no uniform field acts between satellites and planet"
     for load in scene.loads:
         yield from _of_load(load, planet.name)
+    yield from contradictions(scene)
+
+
+def contradictions(scene: Scene) -> list[str]:
+    """Return what compiling particles refuses: coincident bodies, which give NaN, and parts that contradict others."""
     try:
-        compile_scene(scene)  # coincident bodies would give NaN
+        compile_scene(scene)
     except ValueError as error:
-        yield str(error)
+        return [str(error)]
+    return []
 
 
 def _of_load(load: object, planet: str) -> Iterator[str]:

@@ -1,7 +1,5 @@
 """Do the bodies' own poses and velocities at t = 0 satisfy every joint? Engines snap or drift silently if not."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """A method of an engine, and why an engine cannot run a scene."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import factorial
 from typing import Any, Literal

@@ -1,7 +1,5 @@
 """How a run ended: what the engine's loop left, what its numbers say of it, and the trajectory made of them."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,7 +1,5 @@
 """A run whose settings have been understood: method, output times, steps between them, tolerances."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import ClassVar, Protocol
 

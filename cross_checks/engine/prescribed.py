@@ -1,7 +1,5 @@
 """Signals as functions of time, for engines that take their loads and drives from callbacks."""
 
-from __future__ import annotations
-
 import math
 from bisect import bisect_right
 from dataclasses import dataclass

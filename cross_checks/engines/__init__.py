@@ -3,8 +3,6 @@
 MBS_REF_ADAPTERS may list adapter files (separated as in PATH) that are neither here nor installed.
 """
 
-from __future__ import annotations
-
 import os
 import re
 import sys

@@ -1,7 +1,5 @@
 """An engine that lives in an environment of its own, asked through a child process with that environment's Python."""
 
-from __future__ import annotations
-
 import math
 import os
 import weakref

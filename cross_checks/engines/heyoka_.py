@@ -3,8 +3,6 @@
 # The package has no type information for its expressions.
 # pyright: reportAttributeAccessIssue=false, reportCallIssue=false
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -12,10 +10,9 @@ import heyoka  # an optional extra
 import numpy as np
 
 from cross_checks.engine import Engine, Method, Poses, Refusal
-from cross_checks.engine.celestial import of_particles
+from cross_checks.engine.celestial import contradictions, of_particles
 from cross_checks.engine.outcome import End, Loop
 from cross_checks.engine.plan import Plan
-from mbs_ref.cores.choice import compile_scene
 from mbs_ref.scene import Scene
 from mbs_ref.scene.celestial import Oblateness
 from mbs_ref.scene.units import attraction, is_celestial
@@ -91,11 +88,7 @@ def _untaught(scene: Scene) -> list[str]:
     ]
     if any(scene.gravity):
         reasons.append(f"gravity = {scene.gravity}: heyoka is taught no uniform field")
-    try:
-        compile_scene(scene)  # coincident bodies would give NaN
-    except ValueError as error:
-        reasons.append(str(error))
-    return reasons
+    return reasons + contradictions(scene)
 
 
 def _start(scene: Scene) -> np.ndarray:

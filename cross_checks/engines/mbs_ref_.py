@@ -1,15 +1,14 @@
 """The project's own reference solver, behind the same contract as every other engine."""
 
-from __future__ import annotations
-
 from importlib.util import find_spec
 from typing import ClassVar
 
 import numpy as np
 
 from cross_checks.engine import Engine, Method, Refusal
+from cross_checks.engine.celestial import contradictions
 from cross_checks.engine.outcome import stopped
-from mbs_ref.cores.choice import compile_scene, core_name
+from mbs_ref.cores.choice import core_name
 from mbs_ref.integrators import integrators
 from mbs_ref.integrators.loop.leg import Integrator
 from mbs_ref.scene import Scene
@@ -38,9 +37,7 @@ class MbsRef(Engine):
         return tuple(_method(entry) for entry in integrators().values())
 
     def topology_refusals(self, scene: Scene) -> list[Refusal]:
-        if is_celestial(scene):
-            return _impossible(scene)
-        return []
+        return [Refusal(reason, True) for reason in contradictions(scene)] if is_celestial(scene) else []
 
     def method(self, name: str | None) -> Method:
         return CHOSEN if name == AUTO else super().method(name)
@@ -70,15 +67,6 @@ class MbsRef(Engine):
             return stopped(scene, Status.INCONSISTENT, str(error))
         except UnsoundScene as error:
             return stopped(scene, Status.REFUSED, str(error))
-
-
-def _impossible(scene: Scene) -> list[Refusal]:
-    """Return what compiling a scene of particles complains about: coincident bodies, parts that contradict."""
-    try:
-        compile_scene(scene)
-    except ValueError as error:
-        return [Refusal(str(error), True)]
-    return []
 
 
 def _method(entry: Integrator) -> Method:

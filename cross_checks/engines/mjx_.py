@@ -6,8 +6,6 @@ The model is MuJoCo's own, compiled by the adapter of MuJoCo; MJX takes it over 
 # Its names live in a compiled module.
 # pyright: reportAttributeAccessIssue=false
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -25,10 +23,9 @@ from cross_checks.engine.plan import Plan
 from cross_checks.engines.mujoco_ import MuJoCo
 from cross_checks.engines.mujoco_.build import compile_links
 from cross_checks.engines.mujoco_.forces import own_refusals
-from cross_checks.engines.mujoco_.methods import METHODS as OF_MUJOCO
-from cross_checks.engines.mujoco_.methods import STOCK, TIGHT
 from cross_checks.engines.mujoco_.observe import Observer
-from cross_checks.engines.mujoco_.run import at_start
+from cross_checks.engines.mujoco_.run import METHODS as OF_MUJOCO
+from cross_checks.engines.mujoco_.run import STOCK, TIGHT, at_start
 from cross_checks.linkage.engine import LinkageEngine
 from cross_checks.linkage.links import Linkage, closure_refusals, linkage_of
 from cross_checks.linkage.motion import poses_of

@@ -3,8 +3,6 @@
 # The package has no type information for its integrators' settings.
 # pyright: reportAttributeAccessIssue=false
 
-from __future__ import annotations
-
 from importlib.util import find_spec
 from typing import Any, ClassVar
 
@@ -12,11 +10,10 @@ import numpy as np
 import rebound
 
 from cross_checks.engine import Engine, Method, Poses, Refusal
-from cross_checks.engine.celestial import of_particles
+from cross_checks.engine.celestial import contradictions, of_particles
 from cross_checks.engine.method import RTOLS
 from cross_checks.engine.outcome import End, Loop
 from cross_checks.engine.plan import Plan
-from mbs_ref.cores.choice import compile_scene
 from mbs_ref.scene import Scene
 from mbs_ref.scene.celestial import Oblateness, Relativity
 from mbs_ref.scene.units import attraction, free_fall_time, is_celestial
@@ -45,7 +42,7 @@ class Rebound(Engine):
     def topology_refusals(self, scene: Scene) -> list[Refusal]:
         if not is_celestial(scene):
             return [Refusal("rebound moves free particles in space under gravity, and nothing else", True)]
-        return [Refusal(reason, False) for reason in [*_untaught(scene), *_impossible(scene)]]
+        return [Refusal(reason, False) for reason in [*_untaught(scene), *contradictions(scene)]]
 
     def method_refusals(self, scene: Scene, method: Method) -> list[Refusal]:
         extra = any(isinstance(load, Relativity | Oblateness) for load in scene.loads)
@@ -97,15 +94,6 @@ def _untaught(scene: Scene) -> list[str]:
     needs = any(isinstance(load, Relativity | Oblateness) for load in scene.loads)
     missing = needs and find_spec("reboundx") is None
     return [*reasons, "relativity and oblateness need the package reboundx"] if missing else reasons
-
-
-def _impossible(scene: Scene) -> list[str]:
-    """NaN in gives NaN out without a word, so coincident bodies are refused here."""
-    try:
-        compile_scene(scene)
-    except ValueError as error:
-        return [str(error)]
-    return []
 
 
 def _simulation(scene: Scene) -> tuple[Any, Any]:

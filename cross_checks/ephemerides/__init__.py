@@ -5,8 +5,6 @@ TDB; KeyError where the version has no such body. Nobody else imports its packag
 committed excerpt answers for the dates it holds.
 """
 
-from __future__ import annotations
-
 import importlib
 import json
 from functools import cache

@@ -3,8 +3,6 @@
 Astropy's units and Time stay on this side of the edge: metres and Julian dates TDB go in and out.
 """
 
-from __future__ import annotations
-
 import importlib
 from typing import Any
 

@@ -1,7 +1,5 @@
 """DE421 (2008) and DE405 (1997, the Almanac's from 2003 on) from the packages de421 and de405."""
 
-from __future__ import annotations
-
 import importlib
 import warnings
 from functools import cache

@@ -4,8 +4,6 @@ A truth (cross_checks.truths) is the exact solution of a scene's equations and j
 judges the equations: how many figures of reality the physics in the scene allows.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The other end of cross_checks.isolation.parent: receive a call, make it, send back what came of it."""
 
-from __future__ import annotations
-
 import ctypes
 import os
 import resource

@@ -4,8 +4,6 @@ A note beside the others, NAME.json in the user's data folder, says where it is.
 process as all isolated calls, with that environment's Python.
 """
 
-from __future__ import annotations
-
 import json
 import os
 import site
@@ -73,7 +71,8 @@ def make(name: str, requirements: Sequence[str], home: Path | None = None, *, ov
     where = (home or folder() / name).absolute()
     venv.EnvBuilder(clear=where.is_dir() and python_of(where).exists(), symlinks=os.name != "nt").create(where)
     if over:
-        lines = [f"import site; site.addsitedir({path!r})" for path in dict.fromkeys(_packages())]
+        beneath = [*site.getsitepackages(), sysconfig.get_path("purelib"), sysconfig.get_path("platlib")]
+        lines = [f"import site; site.addsitedir({path!r})" for path in dict.fromkeys(beneath)]
         (_site_of(where) / BENEATH).write_text("\n".join(lines) + "\n", encoding="utf-8")
     if requirements:
         _install(python_of(where), requirements, pins_of(name))
@@ -94,10 +93,6 @@ def pins_of(name: str) -> Path | None:
     """Return the file of exact releases that the engine's environment is made of; None where there is none."""
     file = PINS / f"{name}.txt"
     return file if file.is_file() else None
-
-
-def _packages() -> list[str]:
-    return [*site.getsitepackages(), sysconfig.get_path("purelib"), sysconfig.get_path("platlib")]
 
 
 def _site_of(home: Path) -> Path:

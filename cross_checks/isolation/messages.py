@@ -4,8 +4,6 @@ Messages are pickled whole, as bytes. Connection.send and recv pickle through a 
 wrong order where Ctrl-C arrives in the middle of them; the process then ends in a segmentation fault.
 """
 
-from __future__ import annotations
-
 import pickle
 import sys
 from collections.abc import Callable, Iterator

@@ -96,7 +96,8 @@ class Isolated:
         assert self._pipe is not None
         try:
             send(self._pipe, (function, arguments, apart))
-            worked, answer = self._wait(apart, timeout or self.timeout)
+            with Relay() as relay:
+                worked, answer = self._answer(apart, timeout or self.timeout, relay)
         except (Lost, OSError) as error:
             if self._cancelled:
                 raise Cancelled("the call was given up") from error
@@ -168,10 +169,6 @@ class Isolated:
                 stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
             )  # fmt: skip
         self._pipe = Connection(ours.detach())
-
-    def _wait(self, apart: bool, timeout: float) -> tuple[bool, Any]:
-        with Relay() as relay:
-            return self._answer(apart, timeout, relay)
 
     def _answer(self, apart: bool, timeout: float, relay: Relay) -> tuple[bool, Any]:
         assert self._child is not None

@@ -4,8 +4,6 @@ A machine that others load makes a run last longer and its verdict no other. Whe
 process has computed, the wall clock counts.
 """
 
-from __future__ import annotations
-
 import os
 import time
 from dataclasses import dataclass

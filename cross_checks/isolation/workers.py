@@ -1,7 +1,5 @@
 """Tasks side by side in several processes of their own, results as they come; Ctrl-C ends them all."""
 
-from __future__ import annotations
-
 import atexit
 import heapq
 import queue

@@ -1,7 +1,5 @@
 """What engines of minimal coordinates share: a model built from a scene's links, and the motion of the links."""
 
-from __future__ import annotations
-
 from typing import Any, ClassVar
 
 import numpy as np

@@ -4,8 +4,6 @@ Contact forces are clipped by the state instead of switched at located events, s
 order 2 where a force starts with a kink, and of order 1 where it jumps.
 """
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple, Protocol, get_args
 
 import numpy as np

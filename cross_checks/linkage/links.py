@@ -4,8 +4,6 @@ Every joint's frame stands along the world's axes at t = 0, where all coordinate
 turn about z and slide in x and y; a body gets the same moment of inertia about all axes.
 """
 
-from __future__ import annotations
-
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 from functools import cached_property

@@ -4,8 +4,6 @@ Coordinates stand link after link in Pinocchio's convention. A ball joint has a 
 velocity in the link's axes. A free body has its displacement before that, and its velocity in the link's axes.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from typing import NamedTuple
 

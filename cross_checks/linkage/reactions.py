@@ -1,7 +1,5 @@
 """Joint reactions in the trajectory's terms, from the wrenches that a tree engine transmits."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

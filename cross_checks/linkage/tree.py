@@ -1,7 +1,5 @@
 """The spanning tree of a scene's joints, for engines in minimal coordinates."""
 
-from __future__ import annotations
-
 import heapq
 from collections.abc import Iterator
 from dataclasses import dataclass

@@ -15,23 +15,11 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from mbs_ref import observables
+from mbs_ref import scene as parts
 from mbs_ref.observables.attachment import Motion
 from mbs_ref.observables.signal_values import values
 from mbs_ref.observables.springs import bushing_strain, gap_of, length_of, twist_of
-from mbs_ref.scene import (
-    GROUND,
-    Bushing,
-    Drive,
-    Force,
-    PointBushing,
-    PointMass,
-    Scene,
-    SpatialBody,
-    SpringDamper,
-    Torque,
-    TorqueVector,
-    TorsionSpring,
-)
+from mbs_ref.scene import GROUND, PointMass, Scene, SpatialBody
 from mbs_ref.scene.euler_parameters import from_axis_angle, product, rotation_matrices
 from mbs_ref.scene.scene import with_rates
 from mbs_ref.trajectory import Trajectory
@@ -239,7 +227,7 @@ class Augmented:
         return np.concatenate((force, torque - np.atleast_1d(_cross(arm, force))))
 
     def _arm(self, joint: Any, name: str, k: int) -> np.ndarray:
-        side = "point_b" if not isinstance(joint, Drive) and name == joint.body_b else "point_a"
+        side = "point_b" if not isinstance(joint, parts.Drive) and name == joint.body_b else "point_a"
         mark = getattr(joint, side, None) or getattr(joint, "point", None)
         if mark is None:
             return np.zeros(self.moment.scene.dimension)
@@ -336,21 +324,21 @@ def _factor(moment: Moment, load: Any) -> Any:
     return values(load.factor, np.array([moment.time]))[0]
 
 
-def _force(moment: Moment, now: Motion, units: Motion, load: Force) -> np.ndarray:
+def _force(moment: Moment, now: Motion, units: Motion, load: parts.Force) -> np.ndarray:
     vector = np.asarray(load.vector) if load.frame == "world" else now.direction(load.body, load.vector)[0][0]
     return _factor(moment, load) * (units.point(load.body, load.point)[1][:-1] @ vector)
 
 
-def _torque(moment: Moment, now: Motion, units: Motion, load: Torque) -> np.ndarray:
+def _torque(moment: Moment, now: Motion, units: Motion, load: parts.Torque) -> np.ndarray:
     return _factor(moment, load) * load.torque * units.spin(load.body)[:-1]
 
 
-def _torque_vector(moment: Moment, now: Motion, units: Motion, load: TorqueVector) -> np.ndarray:
+def _torque_vector(moment: Moment, now: Motion, units: Motion, load: parts.TorqueVector) -> np.ndarray:
     vector = np.asarray(load.vector) if load.frame == "world" else now.direction(load.body, load.vector)[0][0]
     return _factor(moment, load) * (units.turning(load.body)[:-1] @ vector)
 
 
-def _spring(moment: Moment, now: Motion, units: Motion, load: SpringDamper) -> np.ndarray:
+def _spring(moment: Moment, now: Motion, units: Motion, load: parts.SpringDamper) -> np.ndarray:
     _, (stretch,), (rate,) = length_of(now, load)
     tension = load.stiffness * stretch + load.damping * rate
     if load.tension_only and (stretch <= 0.0 or tension < 0.0):
@@ -358,17 +346,17 @@ def _spring(moment: Moment, now: Motion, units: Motion, load: SpringDamper) -> n
     return -tension * length_of(units, load)[2][:-1]
 
 
-def _torsion_spring(moment: Moment, now: Motion, units: Motion, load: TorsionSpring) -> np.ndarray:
+def _torsion_spring(moment: Moment, now: Motion, units: Motion, load: parts.TorsionSpring) -> np.ndarray:
     (angle,), (rate,) = twist_of(now, load)
     return -(load.stiffness * angle + load.damping * rate) * twist_of(units, load)[1][:-1]
 
 
-def _point_bushing(moment: Moment, now: Motion, units: Motion, load: PointBushing) -> np.ndarray:
+def _point_bushing(moment: Moment, now: Motion, units: Motion, load: parts.PointBushing) -> np.ndarray:
     (gap,), (slip,) = gap_of(now, load)
     return -gap_of(units, load)[1][:-1] @ (load.stiffness * gap + load.damping * slip)
 
 
-def _bushing(moment: Moment, now: Motion, units: Motion, load: Bushing) -> np.ndarray:
+def _bushing(moment: Moment, now: Motion, units: Motion, load: parts.Bushing) -> np.ndarray:
     """The gradient of its energy, which the rotation vector makes unlike the torques K phi, and the dampers."""
     strain, rate = (part[0] for part in bushing_strain(now, load))
     touched = [moment.scene.body_index(body) for body in (load.body_a, load.body_b)]
@@ -383,11 +371,11 @@ def _bushing(moment: Moment, now: Motion, units: Motion, load: Bushing) -> np.nd
 
 
 LAWS = {
-    Force: _force,
-    Torque: _torque,
-    TorqueVector: _torque_vector,
-    SpringDamper: _spring,
-    TorsionSpring: _torsion_spring,
-    PointBushing: _point_bushing,
-    Bushing: _bushing,
+    parts.Force: _force,
+    parts.Torque: _torque,
+    parts.TorqueVector: _torque_vector,
+    parts.SpringDamper: _spring,
+    parts.TorsionSpring: _torsion_spring,
+    parts.PointBushing: _point_bushing,
+    parts.Bushing: _bushing,
 }

@@ -5,46 +5,20 @@ LEAST_SINGULAR of the others' span unless it repeats them exactly. Extremes have
 because joints are world points at t = 0; velocities are random, and projected onto the constraints by the judge.
 """
 
-from __future__ import annotations
-
 import math
 from typing import Any
 
 import numpy as np
 
-from cross_checks.mechanisms.dense_oracle import Augmented, Moment, augmented, consistent
-from mbs_ref.scene import (
-    GROUND,
-    Bushing,
-    CoordinateDrive,
-    Cylindrical,
-    Distance,
-    Force,
-    PlanarBody,
-    PointBushing,
-    PointDrive,
-    PointMass,
-    PointOnPlane,
-    Prismatic,
-    Revolute,
-    RotationDrive,
-    Scene,
-    SpatialBody,
-    Spherical,
-    SpringDamper,
-    Torque,
-    TorqueVector,
-    TorsionSpring,
-    Universal,
-    Weld,
-)
+from cross_checks.mechanisms.dense_oracle import Moment, augmented, consistent
+from mbs_ref import scene as parts
+from mbs_ref.scene import GROUND, PointMass, Scene
 from mbs_ref.scene.signals import Constant, HalfSine, Harmonic, Polynomial, Table
 
 MOST_BODIES = 50
 LEAST_SINGULAR = 1e-3  # of the largest singular value of the mass-scaled C_q, for a loop or drive to be taken
 SMOOTH_UNTIL = 0.04  # s: no signal jumps before, so that t = 0 lies in a smooth stretch
 DURATION = 0.1  # s
-Tuple = tuple[float, ...]
 
 
 def random_scene(seed: int, dimension: int | None = None, most: int = MOST_BODIES) -> Scene:
@@ -62,6 +36,9 @@ class _Maker:
     """Grows a scene part by part; what the plane and space share."""
 
     dimension: int
+    coordinates: tuple[str, ...]  # that a drive may prescribe; of a particle the first ones
+    inner: tuple[Any, ...]  # loads between bodies
+    outer: tuple[Any, ...]  # loads from nowhere
 
     def __init__(self, rng: np.random.Generator, count: int) -> None:
         self.rng = rng
@@ -159,13 +136,13 @@ class _Maker:
             return
         kept = self.joints
         self.joints = [*kept, joint]
-        system = self._system()
+        system = augmented(Moment.start(self.scene("trial")))
         regular = system.redundant == 0 and system.condition < 1.0 / LEAST_SINGULAR
         self.joints = self.joints if regular else kept
 
     def _repeat(self) -> None:
         """Add a joint that says what another says already: redundant rows that stay redundant."""
-        able = [j for j in self.joints if isinstance(j, Revolute | Weld | Spherical)]
+        able = [j for j in self.joints if isinstance(j, parts.Revolute | parts.Weld | parts.Spherical)]
         if able:
             twin = self.pick(*able)
             self.joints.append(self.repeated(twin).model_copy(update={"name": f"j{len(self.joints)}"}))
@@ -188,7 +165,7 @@ class _Maker:
         ends = self.ends(*self._pair())
         first, second = self.mark(ends["body_a"]), self.mark(ends["body_b"])
         rest = math.dist(first, second) * self.pick(0.7, 0.9, 1.2)  # never at the kink of tension_only
-        return SpringDamper(
+        return parts.SpringDamper(
             name=name, **ends, point_a=first, point_b=second, rest_length=rest,
             stiffness=self.between(1, 300), damping=self.pick(0.0, self.between(0, 5)), tension_only=self.chance(0.3),
         ) if math.dist(first, second) > 0.2 else None  # fmt: skip
@@ -196,8 +173,8 @@ class _Maker:
     def force(self, name: str, jumps: bool) -> Any:
         body = self.pick(*self.bodies).name
         vector, frame = self.vector(self.between(1, 20)), self.pick("world", "body")
-        return Force(name=name, body=body, point=self.mark(body), vector=vector, frame=frame,
-                     factor=self.signal(jumps=jumps))  # fmt: skip
+        at, factor = self.mark(body), self.signal(jumps=jumps)
+        return parts.Force(name=name, body=body, point=at, vector=vector, frame=frame, factor=factor)
 
     def turning(self) -> Any:
         """Return a body that has an orientation."""
@@ -209,47 +186,35 @@ class _Maker:
         return Scene(name=name, duration=DURATION, gravity=self.gravity, bodies=tuple(self.bodies),
                      joints=tuple(self.joints), loads=tuple(self.loads))  # fmt: skip
 
-    def _system(self) -> Augmented:
-        return augmented(Moment.start(self.scene("trial")))
-
-    # --- what the plane and space do differently --------------------------------------------------
-
-    inner: tuple[Any, ...]  # loads between bodies
-    outer: tuple[Any, ...]  # loads from nowhere
-
-    def rigid(self, name: str, here: Any) -> Any:
-        raise NotImplementedError
-
     def particle(self, name: str, here: Any) -> Any:
         return PointMass(name=name, mass=self.mass(), position=here, velocity=self.vector(self.between(0, 2)))
 
     def mass(self) -> float:
         return math.exp(self.between(math.log(0.1), math.log(10.0)))
 
-    def tree_joints(self, parent: str, child: str) -> list[Any]:
-        raise NotImplementedError
-
-    def closure(self, first: str, second: str) -> Any:
-        raise NotImplementedError
+    def _rod(self, name: str, ends: dict[str, str]) -> parts.Distance:
+        return parts.Distance(name=name, **ends, point_a=self.mark(ends["body_a"]), point_b=self.mark(ends["body_b"]))
 
     def drive(self, body: Any) -> Any:
-        raise NotImplementedError
-
-    def repeated(self, joint: Any) -> Any:
-        raise NotImplementedError
+        name, at = self.next_name(), self.mark(body.name)
+        along = parts.PointDrive(name=name, body=body.name, point=at, direction=self.vector(1.0), **self.motion())
+        coordinate = self.pick(*self.coordinates[: self.dimension if isinstance(body, PointMass) else 3])
+        return self.pick(
+            along, parts.CoordinateDrive(name=name, body=body.name, coordinate=coordinate, **self.motion())
+        )
 
 
 class _Plane(_Maker):
-    dimension = 2
+    dimension, coordinates = 2, ("x", "y", "angle")
 
     def __init__(self, rng: np.random.Generator, count: int) -> None:
         super().__init__(rng, count)
         self.inner = (self.spring, self.torsion_spring, self.point_bushing)
         self.outer = (self.force, self.torque)
 
-    def rigid(self, name: str, here: Any) -> PlanarBody:
+    def rigid(self, name: str, here: Any) -> parts.PlanarBody:
         mass = self.mass()
-        return PlanarBody(
+        return parts.PlanarBody(
             name=name, mass=mass, inertia=mass * self.between(0.02, 0.3), position=here, angle=self.between(-7, 7),
             velocity=self.vector(self.between(0, 2)), angular_velocity=self.between(-3, 3),
         )  # fmt: skip
@@ -262,37 +227,29 @@ class _Plane(_Maker):
         point = self.mark(child)
         kind = self.pick("pin", "pin", "pin", "slide", "weld", "rod")
         if kind == "slide":
-            return [Prismatic(name=name, **ends, point=point, axis=self.vector(1.0))]
+            return [parts.Prismatic(name=name, **ends, point=point, axis=self.vector(1.0))]
         if kind == "weld":
-            return [Weld(name=name, **ends, point=point)]
+            return [parts.Weld(name=name, **ends, point=point)]
         return [self._rod(name, ends) if kind == "rod" else self._pin(name, ends, point)]
 
-    def _pin(self, name: str, ends: dict[str, str], point: Any) -> Revolute:
-        return Revolute(name=name, **ends, point=point)
-
-    def _rod(self, name: str, ends: dict[str, str]) -> Distance:
-        return Distance(name=name, **ends, point_a=self.mark(ends["body_a"]), point_b=self.mark(ends["body_b"]))
+    def _pin(self, name: str, ends: dict[str, str], point: Any) -> parts.Revolute:
+        return parts.Revolute(name=name, **ends, point=point)
 
     def closure(self, first: str, second: str) -> Any:
         ends, name = self.ends(first, second), self.next_name()
         if any(isinstance(self.named(end), PointMass) for end in (first, second)):
             return self._rod(name, ends)
         point = self.mark(second)
-        slide = Prismatic(name=name, **ends, point=point, axis=self.vector(1.0))
+        slide = parts.Prismatic(name=name, **ends, point=point, axis=self.vector(1.0))
         return self.pick(self._pin(name, ends, point), slide, self._rod(name, ends))
 
-    def drive(self, body: Any) -> Any:
-        along = PointDrive(name=self.next_name(), body=body.name, point=self.mark(body.name),
-                           direction=self.vector(1.0), **self.motion())  # fmt: skip
-        coordinate = self.pick("x", "y") if isinstance(body, PointMass) else self.pick("x", "y", "angle")
-        return self.pick(along, CoordinateDrive(name=along.name, body=body.name, coordinate=coordinate,
-                                                **self.motion()))  # fmt: skip
-
     def repeated(self, joint: Any) -> Any:
-        return joint if isinstance(joint, Revolute) else joint.model_copy(update={"point": self.mark(joint.body_b)})
+        revolute = isinstance(joint, parts.Revolute)
+        return joint if revolute else joint.model_copy(update={"point": self.mark(joint.body_b)})
 
-    def torque(self, name: str, jumps: bool) -> Torque:
-        return Torque(name=name, body=self.turning().name, torque=self.between(-3, 3), factor=self.signal(jumps=jumps))
+    def torque(self, name: str, jumps: bool) -> parts.Torque:
+        body, torque = self.turning().name, self.between(-3, 3)
+        return parts.Torque(name=name, body=body, torque=torque, factor=self.signal(jumps=jumps))
 
     def torsion_spring(self, name: str, jumps: bool) -> Any:
         ends = [] if self.floats else [GROUND]
@@ -300,8 +257,8 @@ class _Plane(_Maker):
         if len(ends) < 2:
             return None
         a, b = self.rng.choice(len(ends), 2, replace=False)
-        return TorsionSpring(name=name, body_a=ends[a], body_b=ends[b], stiffness=self.between(1, 50),
-                             damping=self.pick(0.0, 0.3), rest_angle=self.pick(None, 0.2))  # fmt: skip
+        return parts.TorsionSpring(name=name, body_a=ends[a], body_b=ends[b], stiffness=self.between(1, 50),
+                                   damping=self.pick(0.0, 0.3), rest_angle=self.pick(None, 0.2))  # fmt: skip
 
     def point_bushing(self, name: str, jumps: bool) -> Any:
         if self.count < 2:
@@ -313,24 +270,24 @@ class _Plane(_Maker):
         ends = self.ends(a, b)
         if isinstance(self.named(ends["body_a"]), PointMass):  # which cannot bear the couple
             ends = {"body_a": ends["body_b"], "body_b": ends["body_a"]}
-        return PointBushing(name=name, **ends, point=at, stiffness=self.between(1, 300),
-                            damping=self.pick(0.0, self.between(0, 5)))  # fmt: skip
+        return parts.PointBushing(name=name, **ends, point=at, stiffness=self.between(1, 300),
+                                  damping=self.pick(0.0, self.between(0, 5)))  # fmt: skip
 
 
 class _Space(_Maker):
-    dimension = 3
+    dimension, coordinates = 3, ("x", "y", "z")
 
     def __init__(self, rng: np.random.Generator, count: int) -> None:
         super().__init__(rng, count)
         self.inner = (self.spring, self.torsion_spring, self.bushing)
         self.outer = (self.force, self.torque_vector)
 
-    def rigid(self, name: str, here: Any) -> SpatialBody:
+    def rigid(self, name: str, here: Any) -> parts.SpatialBody:
         mass, theta = self.mass(), self.rng.standard_normal(4)
         cloud = self.rng.standard_normal((5, 3)) * self.rng.uniform(0.05, 0.4, 3)  # m, where equal parts of it are
         second = cloud.T @ cloud / len(cloud)
         inertia = mass * (np.trace(second) * np.eye(3) - second)
-        return SpatialBody(
+        return parts.SpatialBody(
             name=name, mass=mass, position=here, velocity=self.vector(self.between(0, 2)),
             inertia=tuple(float(inertia[i, j]) for i, j in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))),
             orientation=tuple((theta / np.linalg.norm(theta)).tolist()),
@@ -345,27 +302,24 @@ class _Space(_Maker):
         ends, name = self.ends(parent, child), self.next_name()
         body = self.named(child)
         if isinstance(body, PointMass):
-            return [self.pick(Spherical(name=name, **ends, point=body.position), self._rod(name, ends))]
+            return [self.pick(parts.Spherical(name=name, **ends, point=body.position), self._rod(name, ends))]
         point, axis = self.mark(child), self.vector(1.0)
         placed = {"name": name, **ends, "point": point}
         kind = self.pick("ball", "pin", "pin", "cardan", "sleeve", "slide", "weld", "rod", "plane")
         if kind in ("pin", "sleeve"):
-            hinge = (Revolute if kind == "pin" else Cylindrical)(**placed, axis=axis)
+            hinge = (parts.Revolute if kind == "pin" else parts.Cylindrical)(**placed, axis=axis)
             if not self.chance(0.12) or self.floats:
                 return [hinge]
-            driven = RotationDrive(name=f"{name}_turn", **ends, axis=axis, **self.motion())
+            driven = parts.RotationDrive(name=f"{name}_turn", **ends, axis=axis, **self.motion())
             return [hinge, driven]
         return [{
-            "ball": lambda: Spherical(**placed),
-            "cardan": lambda: Universal(**placed, axis_a=axis, axis_b=self.across(axis)),
-            "slide": lambda: Prismatic(**placed, axis=axis),
-            "weld": lambda: Weld(**placed),
+            "ball": lambda: parts.Spherical(**placed),
+            "cardan": lambda: parts.Universal(**placed, axis_a=axis, axis_b=self.across(axis)),
+            "slide": lambda: parts.Prismatic(**placed, axis=axis),
+            "weld": lambda: parts.Weld(**placed),
             "rod": lambda: self._rod(name, ends),
-            "plane": lambda: PointOnPlane(**placed, normal=axis),
+            "plane": lambda: parts.PointOnPlane(**placed, normal=axis),
         }[kind]()]  # fmt: skip
-
-    def _rod(self, name: str, ends: dict[str, str]) -> Distance:
-        return Distance(name=name, **ends, point_a=self.mark(ends["body_a"]), point_b=self.mark(ends["body_b"]))
 
     def closure(self, first: str, second: str) -> Any:
         ends, name = self.ends(first, second), self.next_name()
@@ -373,36 +327,30 @@ class _Space(_Maker):
             return self._rod(name, ends)
         placed, axis = {"name": name, **ends, "point": self.mark(second)}, self.vector(1.0)
         return self.pick(
-            lambda: Spherical(**placed),
+            lambda: parts.Spherical(**placed),
             lambda: self._rod(name, ends),
-            lambda: PointOnPlane(**placed, normal=axis),
-            lambda: Universal(**placed, axis_a=axis, axis_b=self.across(axis)),
-            lambda: Revolute(**placed, axis=axis),
+            lambda: parts.PointOnPlane(**placed, normal=axis),
+            lambda: parts.Universal(**placed, axis_a=axis, axis_b=self.across(axis)),
+            lambda: parts.Revolute(**placed, axis=axis),
         )()
 
-    def drive(self, body: Any) -> Any:
-        along = PointDrive(name=self.next_name(), body=body.name, point=self.mark(body.name),
-                           direction=self.vector(1.0), **self.motion())  # fmt: skip
-        return self.pick(along, CoordinateDrive(name=along.name, body=body.name, coordinate=self.pick("x", "y", "z"),
-                                                **self.motion()))  # fmt: skip
-
     def repeated(self, joint: Any) -> Any:
-        if not isinstance(joint, Revolute):
+        if not isinstance(joint, parts.Revolute):
             return joint
         return joint.model_copy(update={"point": tuple(np.add(joint.point, np.multiply(0.3, joint.axis)).tolist())})
 
-    def torque_vector(self, name: str, jumps: bool) -> TorqueVector:
-        return TorqueVector(name=name, body=self.turning().name, vector=self.vector(self.between(0.1, 3)),
-                            frame=self.pick("world", "body"), factor=self.signal(jumps=jumps))  # fmt: skip
+    def torque_vector(self, name: str, jumps: bool) -> parts.TorqueVector:
+        return parts.TorqueVector(name=name, body=self.turning().name, vector=self.vector(self.between(0.1, 3)),
+                                  frame=self.pick("world", "body"), factor=self.signal(jumps=jumps))  # fmt: skip
 
     def torsion_spring(self, name: str, jumps: bool) -> Any:
-        hinges = [joint for joint in self.joints if isinstance(joint, Revolute)]
+        hinges = [joint for joint in self.joints if isinstance(joint, parts.Revolute)]
         if not hinges:
             return None
         hinge = self.pick(*hinges)
-        return TorsionSpring(name=name, body_a=hinge.body_a, body_b=hinge.body_b, axis=hinge.axis,
-                             stiffness=self.between(1, 50), damping=self.pick(0.0, 0.3),
-                             rest_angle=self.pick(None, 0.2))  # fmt: skip
+        return parts.TorsionSpring(name=name, body_a=hinge.body_a, body_b=hinge.body_b, axis=hinge.axis,
+                                   stiffness=self.between(1, 50), damping=self.pick(0.0, 0.3),
+                                   rest_angle=self.pick(None, 0.2))  # fmt: skip
 
     def bushing(self, name: str, jumps: bool) -> Any:
         rigid = [body.name for body in self.bodies if not isinstance(body, PointMass)]
@@ -410,7 +358,7 @@ class _Space(_Maker):
             return None
         a, b = self.rng.choice(len(rigid), 2, replace=False)
         x, other = self.vector(1.0), GROUND if self.chance(0.2) and not self.floats else rigid[a]
-        return Bushing(
+        return parts.Bushing(
             name=name, **self.ends(other, rigid[b]), point=self.mark(rigid[b]),
             stiffness=tuple(self.rng.uniform(0, 100, 6).tolist()), x_axis=x, y_axis=self.across(x),
             damping=tuple((self.rng.uniform(0, 2, 6) * self.chance(0.5)).tolist()),

@@ -1,7 +1,5 @@
 """What is measured of a run, one file a metric, found by listing; all look at world poses and velocities."""
 
-from __future__ import annotations
-
 import importlib
 import pkgutil
 from functools import cache

@@ -4,8 +4,6 @@ Forces jump at touch-down and lift-off, so no norm of them is taken. Figures tha
 touches, or never leaves, or never rests) are left out.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from mbs_ref.observables.attachment import Motion

@@ -1,7 +1,5 @@
 """Drifts of what a motion conserves: constraints, energy and momentum."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from cross_checks.metrics.metric import Absent, Judged, Metric

@@ -1,7 +1,5 @@
 """Errors of a run: by component from the truth, of joint reactions, and in significant figures from an ephemeris."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from cross_checks.ephemerides.observed import Observed

@@ -1,7 +1,5 @@
 """What a metric is: a named number of a run with a unit and a curve; and the differences of a run from its truth."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property

@@ -1,7 +1,5 @@
 """A choice put to the test: the winner against the runner-up in interleaved runs, and the setting run afresh."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

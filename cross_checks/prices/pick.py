@@ -1,7 +1,5 @@
 """The cheapest measured setting that reaches an accuracy, and what keeps it from being cheaper."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """Work against precision: the settings that meet a row of target errors, each with its loop timed alone."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Collection, Iterator, Sequence
 from contextlib import nullcontext
 

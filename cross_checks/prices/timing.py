@@ -5,8 +5,6 @@ of hyperfine, with a bound; a loop of more than ENOUGH seconds is run once. The 
 Times measured while others used the machine are marked, and are replaced by those of an idle one.
 """
 
-from __future__ import annotations
-
 import platform
 import time
 from collections.abc import Callable, Iterable, Sequence

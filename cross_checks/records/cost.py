@@ -1,7 +1,5 @@
 """What a record's run cost, and whether it may be ranked."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 
 from cross_checks.records.record import Record

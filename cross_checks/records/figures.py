@@ -1,7 +1,5 @@
 """Figures for a program or a notebook: each function returns a plotly figure that shows itself."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 from typing import Any
 

@@ -1,21 +1,15 @@
 """Records, verdicts and samples as data frames of pandas or Polars, whichever is asked for."""
 
-from __future__ import annotations
-
 import importlib
 from collections.abc import Iterable, Iterator
 from typing import Any
 
-import numpy as np
-
 from cross_checks.records.record import Record
 from cross_checks.records.store import Run
 from mbs_ref.scene import Scene
-from mbs_ref.trajectory import Trajectory
+from mbs_ref.trajectory import POSES, Trajectory, pose_columns
 
 LIBRARIES = ("pandas", "polars")
-WORDS = {2: ("x", "y", "angle", "vx", "vy", "rate"),
-         3: ("x", "y", "z", "e0", "e1", "e2", "e3", "vx", "vy", "vz", "wx", "wy", "wz")}  # fmt: skip
 
 
 def frame(items: Iterable[Any], library: str = "pandas") -> Any:
@@ -33,14 +27,8 @@ def frame(items: Iterable[Any], library: str = "pandas") -> Any:
 def samples(scene: Scene, path: Trajectory, library: str = "pandas") -> Any:
     """Return a motion as a data frame: `t` (s) and columns such as rod.x, rod.angle, rod.vx, as `simulate -o` has."""
     made = _library(library)
-    count, n = len(path.times), len(scene.bodies)
-    parts = (path.position, path.orientation, path.velocity, path.angular_velocity)
-    table = np.concatenate([part.reshape(count, n, -1) for part in parts], axis=2)
-    words = WORDS[scene.dimension]
-    columns = {
-        f"{body}.{word}": table[:, k, j] for k, body in enumerate(scene.body_names) for j, word in enumerate(words)
-    }
-    return made.DataFrame({"t": path.times, **columns})
+    parts = (getattr(path, name) for name in POSES)
+    return made.DataFrame({"t": path.times, **pose_columns(scene.body_names, parts)})
 
 
 def _library(name: str) -> Any:

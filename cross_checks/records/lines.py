@@ -1,7 +1,5 @@
 """Records on disk: JSON lines, appended whole, and a corrupt line costs only itself."""
 
-from __future__ import annotations
-
 import fcntl
 import json
 import os
@@ -66,11 +64,6 @@ def read_data[Item](path: Path, build: Callable[[Any], Item]) -> tuple[list[Item
         except (ValueError, TypeError, RecursionError) as error:  # UnicodeDecode and JSONDecode are ValueErrors
             problems.append(f"{path}:{number}: no record, skipped: {error}")
     return records, problems
-
-
-def from_line(line: bytes) -> Record:
-    """Return the record in a line of JSON; ValueError or TypeError where it holds none."""
-    return from_dict(_parsed(line))
 
 
 def _parsed(line: bytes) -> Any:

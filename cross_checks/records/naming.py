@@ -1,7 +1,5 @@
 """What a run is called: its physics, engine, adapter, method, settings, and the code that makes it."""
 
-from __future__ import annotations
-
 import hashlib
 import importlib
 import json

@@ -1,7 +1,5 @@
 """Numbers as a reader meets them: short, with units, never NaN and never blank."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

@@ -1,7 +1,5 @@
 """One run, judged: what reports, sweeps and history read."""
 
-from __future__ import annotations
-
 from dataclasses import asdict, dataclass, field
 from typing import Any
 

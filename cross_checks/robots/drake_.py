@@ -1,7 +1,5 @@
 """A robot file as Drake's own parser reads it."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from xml.etree import ElementTree
 

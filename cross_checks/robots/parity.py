@@ -5,8 +5,6 @@ robot still, and those with its motion, at random places and rates of all hinges
 in this folder offers its READER; our own takes what `mbs-ref simulate FILE` would run.
 """
 
-from __future__ import annotations
-
 import pkgutil
 from collections.abc import Callable
 from importlib import import_module

@@ -1,7 +1,5 @@
 """A robot in a URDF file as a scene, read by Pinocchio's own parser; and Pinocchio's dynamics of a file."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple

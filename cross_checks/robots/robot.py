@@ -1,7 +1,5 @@
 """What readers of robot files share: how a start is asked for, refusals, and joints' own springs and dampers."""
 
-from __future__ import annotations
-
 import re
 import tomllib
 from collections.abc import Iterable, Iterator, Mapping

@@ -10,7 +10,8 @@ from typing import Annotated, Any, Literal
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError
 
 from cross_checks.trajectory_files import columns as units
-from cross_checks.trajectory_files.columns import PLANE, SPACE, STATE, FileError
+from cross_checks.trajectory_files.columns import FileError
+from mbs_ref.trajectory import COLUMNS, POSES
 
 AXIS = re.compile(r"-?[xyz]")
 EULER = re.compile(r"euler ([XYZ]{3}|[xyz]{3})")
@@ -110,7 +111,7 @@ class Body(Stated):
     @property
     def missing(self) -> list[str]:
         """Which parts the file does not state."""
-        return [part.replace("_", " ") for part in STATE if getattr(self, part) is None]
+        return [part.replace("_", " ") for part in POSES if getattr(self, part) is None]
 
 
 class ColumnMap(Stated):
@@ -140,7 +141,7 @@ def _sentence(mistake: Any) -> str:
 
 def own_map(header: list[str], bodies: list[str]) -> ColumnMap | None:
     """Return the map of a file that `mbs-ref simulate -o` wrote of these bodies; None where the header is another."""
-    for words in (PLANE, SPACE):
+    for words in COLUMNS.values():
         if header == ["t", *(f"{body}.{word}" for body in bodies for word in words)]:
             stated = {body: _own(body, words) for body in bodies}
             return ColumnMap.model_validate({"time": {"column": "t", "unit": "s"}, "bodies": stated})
@@ -149,7 +150,7 @@ def own_map(header: list[str], bodies: list[str]) -> ColumnMap | None:
 
 def _own(body: str, words: tuple[str, ...]) -> dict[str, Any]:
     names = [f"{body}.{word}" for word in words]
-    if words == PLANE:
+    if words == COLUMNS[2]:
         return {
             "position": {"columns": names[:2], "unit": "m"},
             "orientation": {"columns": names[2:3], "convention": "angle", "unit": "rad"},

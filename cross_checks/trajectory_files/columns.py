@@ -1,7 +1,5 @@
 """The numbers of a file by the names of their columns: CSV, NPZ or Parquet."""
 
-from __future__ import annotations
-
 import csv
 import importlib
 import math
@@ -11,13 +9,12 @@ from typing import NamedTuple
 
 import numpy as np
 
+from mbs_ref.trajectory import POSES, pose_columns
+
 SUFFIXES = (".csv", ".txt", ".tsv", ".npz", ".parquet")
 
 
-STATE = ("position", "orientation", "velocity", "angular_velocity")
-OWN = {"bodies", "times", *STATE}
-PLANE = ("x", "y", "angle", "vx", "vy", "rate")  # of each body, in the files that `mbs-ref simulate -o` writes
-SPACE = ("x", "y", "z", "e0", "e1", "e2", "e3", "vx", "vy", "vz", "wx", "wy", "wz")
+OWN = {"bodies", "times", *POSES}  # in the files that `mbs-ref simulate -o` writes
 
 
 class FileError(ValueError):
@@ -139,12 +136,8 @@ def _of_arrays(path: Path, held: Mapping[str, np.ndarray]) -> Columns:
 
 def _own(held: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
     """Return the columns of an NPZ that `mbs-ref simulate -o` wrote, named as in its CSV."""
-    bodies, n = [str(body) for body in held["bodies"]], len(held["times"])
-    blocks = [held[name].reshape(n, len(bodies), -1) for name in STATE]
-    words = SPACE if blocks[0].shape[2] == 3 else PLANE
-    rows = np.concatenate(blocks, axis=2)
-    named = {f"{body}.{word}": rows[:, k, c] for k, body in enumerate(bodies) for c, word in enumerate(words)}
-    return {"t": held["times"], **named}
+    bodies = [str(body) for body in held["bodies"]]
+    return {"t": held["times"], **pose_columns(bodies, (held[name] for name in POSES))}
 
 
 def _parquet(path: Path) -> Columns:

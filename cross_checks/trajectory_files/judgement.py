@@ -1,7 +1,5 @@
 """A file's motion held against a truth, or against another file: errors of every body and component, and a verdict."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import product

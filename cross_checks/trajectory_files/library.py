@@ -1,7 +1,5 @@
 """Judge a motion from a program: a trajectory, a file, a data frame or arrays."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path

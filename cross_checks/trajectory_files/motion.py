@@ -1,7 +1,5 @@
 """The motion that a file or arrays describe, by the map of their columns."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -11,10 +9,10 @@ from scipy.spatial.transform import Rotation
 
 from cross_checks.trajectory_files import columns as units
 from cross_checks.trajectory_files.column_map import AngularVelocity, Body, ColumnMap, Orientation, own_map, read_map
-from cross_checks.trajectory_files.columns import STATE, Columns, FileError, columns_of, is_increasing, read_columns
+from cross_checks.trajectory_files.columns import Columns, FileError, columns_of, is_increasing, read_columns
 from mbs_ref.scene import PointMass, Scene
 from mbs_ref.scene.messages import suggest
-from mbs_ref.trajectory import Trajectory
+from mbs_ref.trajectory import POSES, Trajectory
 
 UNIT = 1e-3  # Euler parameters further from a norm of one than this are something else
 
@@ -56,7 +54,7 @@ def _missing(scene: Scene, stated: ColumnMap) -> tuple[str, ...]:
     sentences = []
     for body in scene.bodies:
         told = stated.bodies.get(body.name)
-        left_out = list(STATE) if told is None else told.missing
+        left_out = list(POSES) if told is None else told.missing
         if isinstance(body, PointMass):  # has neither orientation nor spin
             left_out = [part for part in left_out if part in ("position", "velocity")]
         if left_out:

@@ -1,7 +1,5 @@
 """Reference solutions with stated uncertainties, computed by the families of `of` or read from `data`."""
 
-from __future__ import annotations
-
 import math
 import pkgutil
 from collections.abc import Callable
@@ -27,9 +25,14 @@ Solver = Callable[[Scene, np.ndarray], Truth | NoTruth]  # the scene and times (
 
 @cache
 def _solvers() -> dict[str, Solver]:
-    """Return, by the name of the scene, what computes its truth."""
-    modules = [import_module(f"{of.__name__}.{info.name}") for info in pkgutil.iter_modules(of.__path__)]
-    return {name: solver for module in modules for name, solver in module.TRUTHS.items()}
+    """Return, by the name of the scene, what computes its truth: the function of that name, or what TRUTHS lists."""
+    solvers, all_scenes = {}, set(scenes.names())
+    for info in pkgutil.iter_modules(of.__path__):
+        module = import_module(f"{of.__name__}.{info.name}")
+        own = (item for item in vars(module).values() if getattr(item, "__module__", "") == module.__name__)
+        solvers |= {item.__name__: item for item in own if item.__name__ in all_scenes}
+        solvers |= getattr(module, "TRUTHS", {})
+    return solvers
 
 
 def known() -> list[str]:

@@ -1,7 +1,5 @@
 """Certificates of truths: the uncertainty of each, how it was computed, and its digits, stored on disk."""
 
-from __future__ import annotations
-
 import json
 import math
 import re

@@ -1,7 +1,5 @@
 """Truths that take long to compute, stored as arrays by `mbs-ref certify --write`."""
 
-from __future__ import annotations
-
 import hashlib
 import json
 from io import BytesIO

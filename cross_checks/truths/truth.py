@@ -1,7 +1,5 @@
 """Reference solutions with a stated uncertainty, the reasons for having none, and the limit of their computation."""
 
-from __future__ import annotations
-
 import math
 import time
 from collections.abc import Iterator

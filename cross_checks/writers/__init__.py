@@ -1,10 +1,8 @@
 """Scenes in the forms of the field: robot files, and scripts that run in one engine alone.
 
-Each file here but `form.py` and what scripts share is one form, found by listing. What is written is taken from the
+Each file as_*.py states its forms, found by listing. What is written is taken from the
 model that the engine's adapter has built, so that no writer can drift from its adapter.
 """
-
-from __future__ import annotations
 
 import subprocess
 import sys
@@ -25,8 +23,7 @@ SCRIPT = ".py"  # the suffix of forms that run
 def forms() -> dict[str, Form]:
     """Return the forms by name."""
     files = sorted(path.stem for path in Path(__file__).parent.glob("as_*.py"))
-    listed = [import_module(f"{__name__}.{stem}").FORM for stem in files]
-    return {form.name: form for form in listed}
+    return {form.name: form for stem in files for form in import_module(f"{__name__}.{stem}").FORMS}
 
 
 def write(scene: Scene, form: str, settings: Settings | None = None) -> str:

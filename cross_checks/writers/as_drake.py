@@ -1,7 +1,5 @@
 """A script that runs in Drake alone, from the links of the scene."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 import numpy as np
@@ -75,4 +73,4 @@ def _closure(linkage: Linkage, closure: Closure) -> Iterator[tuple]:
         yield (kind, closure.a, at_a + along * closure.axis, closure.b, at_b + along * closure.axis, *length)
 
 
-FORM = Form("drake", ".py", "a script that runs in Drake alone", write_drake)
+FORMS = (Form("drake", ".py", "a script that runs in Drake alone", write_drake),)

@@ -1,7 +1,5 @@
 """A script that runs in Exudyn alone."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from functools import reduce
 from itertools import islice
@@ -67,4 +65,4 @@ def _sensors(job: Job) -> Iterator[tuple[Any, ...]]:
         yield start, turns, list(islice(numbers, 4 if turns and not planar else 2))
 
 
-FORM = Form("exudyn", ".py", "a script that runs in Exudyn alone", write_exudyn)
+FORMS = (Form("exudyn", ".py", "a script that runs in Exudyn alone", write_exudyn),)

@@ -1,10 +1,8 @@
-"""A scene as MJCF with all digits, which MuJoCo's own writer rounds to six.
+"""A scene as MJCF with all digits, which MuJoCo's own writer rounds to six, or as a script that runs in MuJoCo alone.
 
 It is taken from the model that the adapter has compiled: moments of inertia along their principal axes, and the start
 in a keyframe. Before it is given away it is compiled again and compared, number by number.
 """
-
-from __future__ import annotations
 
 from collections.abc import Iterator
 from typing import Any
@@ -13,7 +11,9 @@ from xml.etree.ElementTree import Element, SubElement
 
 import numpy as np
 
+from cross_checks.linkage.links import linkage_of
 from cross_checks.writers.form import Form, Job, NotWritable, job_of, refuse_shared
+from cross_checks.writers.script import script, turns_of
 from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings
 
@@ -26,6 +26,7 @@ OPTIONS = (
 CONES, JACOBIANS, SOLVERS = ("pyramidal", "elliptic"), ("dense", "sparse", "auto"), ("PGS", "CG", "Newton")
 JOINTS, GEOMS = ("free", "ball", "slide", "hinge"), {0: "plane", 2: "sphere"}
 DISABLED, ENABLED = {16: "contact", 512: "warmstart"}, {32: "diagexact"}
+NOTHING_TOUCHES = {"mass": "0", "contype": "0", "conaffinity": "0"}  # but pairs that are listed
 CONNECT, WELD, TENDON = 0, 1, 3
 WRAPPED_JOINT, WRAPPED_SITE = 1, 3
 BY_TENDON, BY_SITE = 3, 4
@@ -43,6 +44,12 @@ def mujoco_job(scene: Scene, settings: Settings) -> Job:
 def write_mjcf(scene: Scene, settings: Settings) -> str:
     """Return the scene as an MJCF file, with the options of the run; its keyframe `start` is the state at t = 0."""
     return mjcf_of(mujoco_job(scene, settings))
+
+
+def write_mujoco(scene: Scene, settings: Settings) -> str:
+    """Return the script: the model as MJCF with all its digits, and the loop in C."""
+    job, start = mujoco_job(scene, settings), linkage_of(scene).theta.tolist()
+    return script(job, "mujoco and numpy", model=mjcf_of(job), turns=turns_of(scene), start=start)
 
 
 def mjcf_of(job: Job) -> str:
@@ -105,14 +112,17 @@ class _Written:
         on = {word: "enable" for bit, word in ENABLED.items() if o.enableflags & bit}
         SubElement(option, "flag", off | on)
 
+    def _texts(self, group: str, k: int, *names: str, **others: str) -> dict[str, str]:
+        """Return the entries k of the model's arrays as attributes: pos is of geom_pos; others have another name."""
+        arrays = {name: name for name in names} | others
+        return {name: _text(getattr(self.model, f"{group}_{array}")[k]) for name, array in arrays.items()}
+
     def _bodies(self, parent: Element, number: int) -> None:
         m = self.model
         for b in [b for b in range(1, m.nbody) if m.body_parentid[b] == number]:
-            body = SubElement(parent, "body", name=m.body(b).name, pos=_text(m.body_pos[b]), quat=_text(m.body_quat[b]))
-            SubElement(
-                body, "inertial", pos=_text(m.body_ipos[b]), quat=_text(m.body_iquat[b]),
-                mass=_text(m.body_mass[b]), diaginertia=_text(m.body_inertia[b]),
-            )  # fmt: skip
+            body = SubElement(parent, "body", name=m.body(b).name, **self._texts("body", b, "pos", "quat"))
+            central = {"pos": "ipos", "quat": "iquat", "mass": "mass", "diaginertia": "inertia"}
+            SubElement(body, "inertial", self._texts("body", b, **central))
             self._joints(body, b)
             self._in_body(body, b)
             self._bodies(body, b)
@@ -125,41 +135,33 @@ class _Written:
             joint = SubElement(body, "joint", name=_name(m.joint(j)), type=kind)
             if kind == "free":
                 continue
-            joint.set("pos", _text(m.jnt_pos[j]))
+            joint.attrib |= self._texts("jnt", j, "pos")
             if kind != "ball":
-                joint.attrib |= {
-                    "axis": _text(m.jnt_axis[j]),
-                    "stiffness": _text(m.jnt_stiffness[j]),
-                    "damping": _text(m.dof_damping[m.jnt_dofadr[j]]),
-                    "springref": _text(m.qpos_spring[m.jnt_qposadr[j]]),
-                }
+                joint.attrib |= self._texts("jnt", j, "axis", "stiffness")
+                joint.set("damping", _text(m.dof_damping[m.jnt_dofadr[j]]))
+                joint.set("springref", _text(m.qpos_spring[m.jnt_qposadr[j]]))
 
     def _in_body(self, body: Element, b: int) -> None:
         """Write the shapes and sites that a body, or the world, carries."""
         m = self.model
         for g in np.flatnonzero(m.geom_bodyid == b):
-            SubElement(
-                body, "geom", name=_name(m.geom(g)), type=GEOMS[m.geom_type[g]], size=_text(m.geom_size[g]), mass="0",
-                pos=_text(m.geom_pos[g]), quat=_text(m.geom_quat[g]), contype="0", conaffinity="0",
-            )  # fmt: skip
+            geom = SubElement(body, "geom", name=_name(m.geom(g)), type=GEOMS[m.geom_type[g]])
+            geom.attrib |= self._texts("geom", g, "size", "pos", "quat") | NOTHING_TOUCHES
         for s in np.flatnonzero(m.site_bodyid == b):
-            SubElement(body, "site", name=_name(m.site(s)), pos=_text(m.site_pos[s]), quat=_text(m.site_quat[s]))
+            SubElement(body, "site", name=_name(m.site(s)), **self._texts("site", s, "pos", "quat"))
 
     def _contacts(self, parent: Element) -> None:
         m = self.model
         for p in range(m.npair):
-            SubElement(
-                parent, "pair", name=_name(m.pair(p)), geom1=_name(m.geom(m.pair_geom1[p])),
-                geom2=_name(m.geom(m.pair_geom2[p])), condim=str(m.pair_dim[p]), margin=_text(m.pair_margin[p]),
-                gap=_text(m.pair_gap[p]), solref=_text(m.pair_solref[p]), solimp=_text(m.pair_solimp[p]),
-                friction=_text(m.pair_friction[p]),
-            )  # fmt: skip
+            geoms = {f"geom{k}": _name(m.geom(ends[p])) for k, ends in ((1, m.pair_geom1), (2, m.pair_geom2))}
+            pair = SubElement(parent, "pair", geoms, name=_name(m.pair(p)), condim=str(m.pair_dim[p]))
+            pair.attrib |= self._texts("pair", p, "margin", "gap", "solref", "solimp", "friction")
 
     def _equalities(self, parent: Element) -> None:
         m = self.model
         for e in range(m.neq):
             numbers, one, two = m.eq_data[e], m.eq_obj1id[e], m.eq_obj2id[e]
-            shared = {"name": _name(m.equality(e)), "solref": _text(m.eq_solref[e]), "solimp": _text(m.eq_solimp[e])}
+            shared = {"name": _name(m.equality(e)), **self._texts("eq", e, "solref", "solimp")}
             if m.eq_type[e] == TENDON:
                 SubElement(parent, "tendon", shared, tendon1=_name(m.tendon(one)), polycoef=_text(numbers[:5]))
                 continue
@@ -176,11 +178,8 @@ class _Written:
             first = m.tendon_adr[t]
             wraps = range(first, first + m.tendon_num[t])
             fixed = m.wrap_type[first] == WRAPPED_JOINT
-            tendon = SubElement(
-                parent, "fixed" if fixed else "spatial", name=_name(m.tendon(t)),
-                stiffness=_text(m.tendon_stiffness[t]), damping=_text(m.tendon_damping[t]),
-                springlength=_text(m.tendon_lengthspring[t]),
-            )  # fmt: skip
+            tendon = SubElement(parent, "fixed" if fixed else "spatial", name=_name(m.tendon(t)))
+            tendon.attrib |= self._texts("tendon", t, "stiffness", "damping", springlength="lengthspring")
             for w in wraps:
                 if m.wrap_type[w] == WRAPPED_JOINT:
                     SubElement(tendon, "joint", joint=_name(m.joint(m.wrap_objid[w])), coef=_text(m.wrap_prm[w]))
@@ -212,4 +211,7 @@ def _text(numbers: Any) -> str:
     return " ".join(repr(float(x)) if isinstance(x, float) else str(int(x)) for x in np.atleast_1d(numbers).tolist())
 
 
-FORM = Form("mjcf", ".xml", "a model file of MuJoCo", write_mjcf)
+FORMS = (
+    Form("mjcf", ".xml", "a model file of MuJoCo", write_mjcf),
+    Form("mujoco", ".py", "a script that runs in MuJoCo alone", write_mujoco),
+)

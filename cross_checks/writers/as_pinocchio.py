@@ -1,7 +1,5 @@
 """A script that runs in Pinocchio alone, under the Runge-Kutta methods that drive it."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from typing import Any
 
@@ -66,4 +64,4 @@ def _placements(job: Job) -> Iterator[tuple]:
         yield int(mechanism.joint[k]), turn.tolist(), mechanism.centre[k].tolist(), isinstance(body, SpatialBody)
 
 
-FORM = Form("pinocchio", ".py", "a script that runs in Pinocchio alone", write_pinocchio)
+FORMS = (Form("pinocchio", ".py", "a script that runs in Pinocchio alone", write_pinocchio),)

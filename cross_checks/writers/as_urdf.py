@@ -4,8 +4,6 @@ URDF has neither gravity nor a start: readers take z up and the pose of the file
 in the plane of x and z, where its y is up; rates at the start stand in a comment.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from typing import Any
 from xml.etree import ElementTree
@@ -171,4 +169,4 @@ def _text(vector: np.ndarray) -> str:
     return " ".join(repr(float(x) + 0.0) for x in vector)
 
 
-FORM = Form("urdf", ".urdf", "a tree of links for any reader of URDF", write_urdf)
+FORMS = (Form("urdf", ".urdf", "a tree of links for any reader of URDF", write_urdf),)

@@ -1,7 +1,5 @@
 """What a scene is written from: the model that an engine's adapter builds, and the settings of its run."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Any

@@ -1,7 +1,5 @@
 """Scripts in Python from templates, and numbers as source text."""
 
-from __future__ import annotations
-
 import enum
 from functools import cache
 from pathlib import Path
@@ -13,6 +11,7 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined, Template
 from cross_checks.linkage.links import linkage_of
 from cross_checks.writers.form import Job
 from mbs_ref.scene import Scene
+from mbs_ref.trajectory import COLUMNS
 
 
 def literal(value: Any) -> str:
@@ -53,12 +52,6 @@ def counts_text(counts: tuple[int, ...]) -> str:
     return literal(list(counts))
 
 
-COLUMNS = {
-    2: ["x", "y", "angle", "vx", "vy", "rate"],
-    3: ["x", "y", "z", "e0", "e1", "e2", "e3", "vx", "vy", "vz", "wx", "wy", "wz"],
-}  # of a body, by dimension
-
-
 @cache
 def _templates() -> Environment:
     return Environment(
@@ -78,7 +71,7 @@ def script(job: Job, needs: str, **tables: Any) -> str:
     return (
         template(f"{job.engine.name}.py.j2")
         .render(
-            job=job, plan=plan, needs=needs, planar=is_planar(scene), columns=COLUMNS[scene.dimension],
+            job=job, plan=plan, needs=needs, planar=is_planar(scene), columns=list(COLUMNS[scene.dimension]),
             bodies=scene.body_names, times=times_text(plan.times),
             counts=counts_text(plan.counts) if plan.counts else "",
             literal=literal, rows=rows, **tables,

@@ -1,9 +1,8 @@
 """What the planar and the spatial build share: places of bodies, rows and signals while a scene is compiled."""
 
-from __future__ import annotations
-
 import math
 from abc import ABC, abstractmethod
+from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple, get_type_hints
 
 import numpy as np
@@ -12,11 +11,11 @@ from mbs_ref.cores.contact_shapes import contact_balls, contact_pairs
 from mbs_ref.cores.events import contact_laws, contact_modes, springs, watches
 from mbs_ref.cores.joint_graph import Edge, joint_rows, layout, row_count
 from mbs_ref.cores.loops import Closure, loops_of_closures
-from mbs_ref.kernels.border.groups import Declared, declared, floats, ints
+from mbs_ref.kernels.border.groups import Declared, declared, empty, floats, ints
 from mbs_ref.kernels.rigid.closures import Loops
-from mbs_ref.kernels.rigid.model import Bodies, Slots, World
+from mbs_ref.kernels.rigid.model import Bodies, Forces, Slots, TorsionSprings, World
 from mbs_ref.kernels.signals import SignalArrays
-from mbs_ref.scene import GROUND, PointMass, Scene
+from mbs_ref.scene import GROUND, Force, PointMass, Scene, Torque, TorqueVector, TorsionSpring
 from mbs_ref.scene.base.rows import Row
 from mbs_ref.scene.contact import Contact
 from mbs_ref.scene.joints import Drive
@@ -112,6 +111,39 @@ class Builder(ABC):
     def motion(self, drive: Drive) -> int:
         """Return the signal of what a drive prescribes."""
         return self.signal(motion_segments(drive.motion, drive.level))
+
+
+def ends(build: Builder, loads: Sequence[Any]) -> tuple[np.ndarray, np.ndarray]:
+    """Return the bodies a and b of loads between two."""
+    return ints([build.body(x.body_a) for x in loads]), ints([build.body(x.body_b) for x in loads])
+
+
+def forces(build: Builder) -> Forces:
+    """Return the forces and torques, each a vector times a signal, along body axes where they turn with the body."""
+    d = build.scene.dimension
+    loads = [x for x in build.scene.loads if isinstance(x, Force | Torque | TorqueVector)]
+    follows = [getattr(x, "frame", "world") == "body" for x in loads]
+    vectors = [x.torque if isinstance(x, Torque) else build.direction(x.body, x.vector) if turns else np.array(x.vector)
+               for x, turns in zip(loads, follows, strict=True)]  # fmt: skip
+    pairs, no_turn = list(zip(loads, vectors, strict=True)), np.zeros(d * (d - 1) // 2)
+    return Forces(
+        body=ints([build.body(x.body) for x in loads]),
+        point=floats([build.point(x.body, x.point) if isinstance(x, Force) else np.zeros(d) for x in loads], d),
+        force=floats([v if isinstance(x, Force) else np.zeros(d) for x, v in pairs], d),
+        torque=floats([no_turn if isinstance(x, Force) else np.atleast_1d(v) for x, v in pairs], len(no_turn)),
+        follows=ints(follows),
+        signal=ints([build.signal(x.factor.segments()) for x in loads]),
+    )
+
+
+def torsion_springs(build: Builder, rest: Callable[[TorsionSpring], float], **marks: np.ndarray) -> TorsionSprings:
+    """Return the torsion springs; `marks` are where their angle is read in space."""
+    loads = [x for x in build.scene.loads if isinstance(x, TorsionSpring)]
+    a, b = ends(build, loads)
+    return empty(TorsionSprings, k=len(loads))._replace(
+        a=a, b=b, stiffness=floats(x.stiffness for x in loads), damping=floats(x.damping for x in loads),
+        rest_angle=floats(map(rest, loads)), **marks,
+    )  # fmt: skip
 
 
 class _End(NamedTuple):

@@ -1,11 +1,9 @@
 """Which core a scene needs: it pays for that one alone."""
 
-from __future__ import annotations
-
 import numpy as np
 
-from mbs_ref.cores.particles.system import ParticleSystem
-from mbs_ref.cores.planar.system import PlanarSystem
+from mbs_ref.cores.particles import ParticleSystem
+from mbs_ref.cores.planar import PlanarSystem
 from mbs_ref.cores.relative.system import RelativePlanarSystem, RelativeSpatialSystem
 from mbs_ref.cores.spatial.system import SpatialSystem
 from mbs_ref.cores.system import System

@@ -1,7 +1,5 @@
 """Contact parts -> the arrays of the shapes that may touch, and the balls that they lie in."""
 
-from __future__ import annotations
-
 import math
 from typing import Any, NamedTuple, Protocol
 

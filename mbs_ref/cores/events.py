@@ -1,7 +1,5 @@
 """Contact laws, springs and declared events of a scene: their arrays, and what a compiled scene reports of them."""
 
-from __future__ import annotations
-
 import math
 from typing import Any, Protocol
 

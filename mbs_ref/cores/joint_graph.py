@@ -1,7 +1,5 @@
 """The joint graph: which joints share a slot, the spanning tree, the loop closures."""
 
-from __future__ import annotations
-
 from collections import deque
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace

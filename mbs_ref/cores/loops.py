@@ -6,8 +6,6 @@ after its neighbour: a row of loops is so taken from one end to the other, and e
 makes of it, instead of falling with their number where two long rows meet.
 """
 
-from __future__ import annotations
-
 from heapq import heappop, heappush
 from itertools import accumulate
 from typing import NamedTuple

@@ -1,7 +1,5 @@
 """The rows of a user's own constraints, evaluated in Python with exact derivatives for compiled code to read."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 

@@ -4,8 +4,6 @@ The data in mbs_ref/data carry the provenance of every number. Body points are i
 centre of mass; angles of contact surfaces and belts follow from the two seat bodies.
 """
 
-from __future__ import annotations
-
 import inspect
 import math
 from collections.abc import Callable
@@ -14,23 +12,11 @@ from typing import Annotated, Any, Literal, get_type_hints
 
 from pydantic import Field
 
+from mbs_ref import scene as parts
 from mbs_ref.crash.body_contacts import body_contacts
 from mbs_ref.crash.places import Places, Point, read_data
 from mbs_ref.crash.stops import joint_stops
-from mbs_ref.scene import (
-    GROUND,
-    CoordinateDrive,
-    Force,
-    Joint,
-    Load,
-    PlanarBody,
-    PointBushing,
-    Revolute,
-    Scene,
-    SpringDamper,
-    TorsionSpring,
-    Weld,
-)
+from mbs_ref.scene import GROUND, Scene
 from mbs_ref.scene.base.part import NonNegative
 from mbs_ref.scene.contact import CircleOnLine, ConstraintLaw, Contact, ContactLaw, ProgressiveLaw, SpringDamperLaw
 from mbs_ref.scene.signals import Constant, HalfSine, Signal, Table
@@ -134,22 +120,22 @@ class _Model:
         self.more = read_data("believable")
         self.scale = crash.mass / data["total_android_mass"]
 
-    def bodies(self, entries: list[dict[str, Any]]) -> list[PlanarBody]:
+    def bodies(self, entries: list[dict[str, Any]]) -> list[parts.PlanarBody]:
         bodies = []
         for entry in entries:
             scale = 1.0 if entry["name"] in self.places.seats else self.scale
             place, angle = self.places.pose(entry["name"])
             bodies.append(
-                PlanarBody(
+                parts.PlanarBody(
                     name=entry["name"], mass=scale * entry["mass"], inertia=scale * entry["Izz"],
                     position=place, angle=angle,
                 )
             )  # fmt: skip
         return bodies
 
-    def revolutes(self) -> list[Revolute]:
+    def revolutes(self) -> list[parts.Revolute]:
         return [
-            Revolute(
+            parts.Revolute(
                 name=_pair(j),
                 body_a=j["body_j"],
                 body_b=j["body_i"],
@@ -158,49 +144,49 @@ class _Model:
             for j in self.data["joints"]
         ]
 
-    def seat_joints(self) -> list[Joint]:
+    def seat_joints(self) -> list[parts.Joint]:
         """Hold the seat in the vehicle frame, or drive it by x = -double integral of a (rheonomic)."""
         if self.crash.seat == "fixed":
             return [
-                Weld(name=f"{s}.hold", body_a=GROUND, body_b=s, point=self.places.pose(s)[0])
+                parts.Weld(name=f"{s}.hold", body_a=GROUND, body_b=s, point=self.places.pose(s)[0])
                 for s in sorted(self.places.seats)
             ]
         still, drives = Constant(value=0.0), []
         for seat in sorted(self.places.seats):
             drives += [
-                CoordinateDrive(name=f"{seat}.x", body=seat, coordinate="x",
+                parts.CoordinateDrive(name=f"{seat}.x", body=seat, coordinate="x",
                                 motion=_pulse(self.crash, -self.crash.peak_acceleration), level="acceleration"),
-                CoordinateDrive(name=f"{seat}.y", body=seat, coordinate="y", motion=still),
-                CoordinateDrive(name=f"{seat}.angle", body=seat, coordinate="angle", motion=still),
+                parts.CoordinateDrive(name=f"{seat}.y", body=seat, coordinate="y", motion=still),
+                parts.CoordinateDrive(name=f"{seat}.angle", body=seat, coordinate="angle", motion=still),
             ]  # fmt: skip
         return drives
 
-    def torsion_springs(self) -> list[TorsionSpring]:
+    def torsion_springs(self) -> list[parts.TorsionSpring]:
         """Restoring torques on theta_i - theta_j."""
         return [
-            TorsionSpring(
+            parts.TorsionSpring(
                 name=f"{_pair(j)}.restoring", body_a=j["body_j"], body_b=j["body_i"],
                 stiffness=j["torsion_k"], damping=j["torsion_c"], rest_angle=j["theta0"],
             )
             for j in self.data["joints"]
         ]  # fmt: skip
 
-    def bushings(self) -> list[PointBushing]:
+    def bushings(self) -> list[parts.PointBushing]:
         """Shoulder tissue and costal cartilage, free of force at t = 0."""
         return [
-            PointBushing(
+            parts.PointBushing(
                 name=b["name"], body_a=b["body_j"], body_b=b["body_i"],
                 point=self.places.point(b["body_i"], b["point_i"]), stiffness=b["k"], damping=b["c"],
             )
             for b in self.data["bushings"]
         ]  # fmt: skip
 
-    def belts(self) -> list[SpringDamper]:
+    def belts(self) -> list[parts.SpringDamper]:
         if not self.crash.belts:
             return []
         factor = self.crash.belt_stiffness
         return [
-            SpringDamper(
+            parts.SpringDamper(
                 name=f"belt.{b['name']}", body_a=b["anchor_body"], body_b=b["body"],
                 point_a=self.places.point(b["anchor_body"], b["anchor_point"]),
                 point_b=self.places.point(b["body"], b["point"]),
@@ -210,13 +196,13 @@ class _Model:
             for b in self.data["belts"]
         ]  # fmt: skip
 
-    def crash_forces(self) -> list[Load]:
+    def crash_forces(self) -> list[parts.Load]:
         """m_i a(t) on every part of the android, in the frame of a fixed seat (d'Alembert)."""
         if self.crash.seat == "driven":
             return []
         signal = _pulse(self.crash, 1.0)
         return [
-            Force(
+            parts.Force(
                 name=f"crash.{b['name']}", body=b["name"], point=self.places.pose(b["name"])[0],
                 vector=(self.scale * b["mass"] * self.crash.peak_acceleration, 0.0), factor=signal,
             )
@@ -245,7 +231,7 @@ class _Model:
     def floor_contacts(self) -> list[Contact]:
         return [self._contact(c, GROUND, (0.0, 0.0), (1.0, 0.0)) for c in self.data["floor"]]
 
-    def stops(self) -> list[Load]:
+    def stops(self) -> list[parts.Load]:
         return [*joint_stops(self.data["joints"], self.more["stops"], self.places)] if self.crash.stops else []
 
     def body_contacts(self) -> list[Contact]:

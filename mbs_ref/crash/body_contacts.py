@@ -3,8 +3,6 @@
 Arms are beside the trunk and the thighs, and touch the seat alone.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from typing import Any
 

@@ -4,8 +4,6 @@ Every number of the planar model is unchanged, so that a crash along x moves in 
 are estimates: moments of inertia about the other axes, and the torques that bring a joint back into the plane.
 """
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

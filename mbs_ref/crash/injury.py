@@ -4,8 +4,6 @@ Accelerations are in g here, at the edge, as the measures are defined. Between s
 linear, so that every integral is that of a piecewise linear history.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -4,8 +4,6 @@ They follow from the motion alone, whatever contacts the scene has: a bare model
 the compression of cushions, soles and flesh, which the data state.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from itertools import product
 from typing import Any

@@ -1,7 +1,5 @@
 """The data of an android and its seat, and the places of their parts at t = 0."""
 
-from __future__ import annotations
-
 import json
 import math
 from importlib.resources import files

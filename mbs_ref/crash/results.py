@@ -1,13 +1,11 @@
 """Results of an android's crash: forces, excursions, accelerations, injury measures, works."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np
 from scipy.integrate import cumulative_simpson
 
-from mbs_ref.cores.planar.system import PlanarSystem
+from mbs_ref.cores.planar import PlanarSystem
 from mbs_ref.crash import injury
 from mbs_ref.crash.stops import STOP, stop_load, tension
 from mbs_ref.observables.attachment import Motion

@@ -4,8 +4,6 @@ Like the ligaments that do so, a stop is a pair of strings across the joint that
 beyond it. Each is tied to levers that stand at a right angle, or wider where the range asks it, as it becomes taut.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from typing import Any

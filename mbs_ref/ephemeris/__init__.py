@@ -3,8 +3,6 @@
 Barycentric positions and velocities with ICRF equatorial axes; times are Julian dates TDB.
 """
 
-from __future__ import annotations
-
 import json
 from functools import cache
 from importlib.util import find_spec

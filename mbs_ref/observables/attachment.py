@@ -1,7 +1,5 @@
 """Points and directions fixed in a body, followed along a trajectory."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any

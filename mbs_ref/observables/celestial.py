@@ -1,7 +1,5 @@
 """Energy and momentum of particles under gravity, summed in extended precision: the drifts are that small."""
 
-from __future__ import annotations
-
 import itertools
 
 import numpy as np

@@ -4,8 +4,6 @@ They follow from the definition of a joint, not from its rows in the solver (mbs
 a joint with wrong rows is detected. Residuals are lengths (m), angles (rad) or sines of angles.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any

@@ -1,7 +1,5 @@
 """Gap and sliding speed of a contact along a motion, from world poses alone, and how well wheels roll (plane)."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from mbs_ref.observables.attachment import Motion

@@ -5,8 +5,6 @@ particle has no orientation, and a motion may lack rates. `relative` divides by 
 metres by L, m/s by L/T and rad/s by 1/T; radians stay as they are.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import NamedTuple, Protocol
 

@@ -1,27 +1,17 @@
 """Energy, and the balance E(t) - E(0) = work of everything that is not conservative."""
 
-from __future__ import annotations
-
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
+from mbs_ref import scene as parts
 from mbs_ref.observables import celestial
 from mbs_ref.observables.attachment import Motion
 from mbs_ref.observables.powers import powers
 from mbs_ref.observables.springs import bushing_strain, gap_of, length_of, twist_of
-from mbs_ref.scene import (
-    Bushing,
-    Force,
-    PlanarBody,
-    PointBushing,
-    Scene,
-    SpatialBody,
-    SpringDamper,
-    Torque,
-    TorsionSpring,
-)
+from mbs_ref.scene import PlanarBody, Scene, SpatialBody
 from mbs_ref.scene.celestial import GravityGradient
 from mbs_ref.scene.euler_parameters import rotation_matrices
 from mbs_ref.scene.joints import Drive, UserConstraint
@@ -190,30 +180,14 @@ def _antiderivative(times: np.ndarray, power: np.ndarray) -> np.ndarray:
     return primitive(times) - primitive(times[0])
 
 
-def _spring(motion: Motion, load: SpringDamper) -> np.ndarray:
+def _spring(motion: Motion, load: parts.SpringDamper) -> np.ndarray:
     _, stretch, _ = length_of(motion, load)
     return 0.5 * load.stiffness * (np.maximum(stretch, 0.0) if load.tension_only else stretch) ** 2
 
 
-def _torsion(motion: Motion, load: TorsionSpring) -> np.ndarray:
-    return 0.5 * load.stiffness * twist_of(motion, load)[0] ** 2
-
-
-def _bushing(motion: Motion, load: Bushing) -> np.ndarray:
-    return 0.5 * bushing_strain(motion, load)[0] ** 2 @ np.asarray(load.stiffness)
-
-
-def _point_bushing(motion: Motion, load: PointBushing) -> np.ndarray:
-    return 0.5 * load.stiffness * np.sum(gap_of(motion, load)[0] ** 2, axis=1)
-
-
-def _force(motion: Motion, load: Force) -> np.ndarray:
+def _force(motion: Motion, load: parts.Force) -> np.ndarray:
     place, _ = motion.point(load.body, load.point)
     return -_constant(load.factor) * ((place - np.asarray(load.point)) @ np.asarray(load.vector))
-
-
-def _torque(motion: Motion, load: Torque) -> np.ndarray:
-    return -_constant(load.factor) * load.torque * motion.angle(load.body)
 
 
 def _gradient(motion: Motion, load: GravityGradient) -> np.ndarray:
@@ -232,12 +206,12 @@ def _constant(factor: Signal) -> float:
     return factor.segments()[0].coefficients[0]
 
 
-POTENTIALS = {
+POTENTIALS: dict[type, Callable[[Motion, Any], np.ndarray]] = {
     GravityGradient: _gradient,
-    SpringDamper: _spring,
-    TorsionSpring: _torsion,
-    Bushing: _bushing,
-    PointBushing: _point_bushing,
-    Force: _force,
-    Torque: _torque,
+    parts.SpringDamper: _spring,
+    parts.TorsionSpring: lambda motion, load: 0.5 * load.stiffness * twist_of(motion, load)[0] ** 2,
+    parts.Bushing: lambda motion, load: 0.5 * bushing_strain(motion, load)[0] ** 2 @ np.asarray(load.stiffness),
+    parts.PointBushing: lambda motion, load: 0.5 * load.stiffness * np.sum(gap_of(motion, load)[0] ** 2, axis=1),
+    parts.Force: _force,
+    parts.Torque: lambda motion, load: -_constant(load.factor) * load.torque * motion.angle(load.body),
 }

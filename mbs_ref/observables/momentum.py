@@ -1,7 +1,5 @@
 """Linear and angular momentum, and how far their conserved parts drift."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from mbs_ref.observables import celestial

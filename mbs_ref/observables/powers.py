@@ -1,28 +1,15 @@
 """Power of parts that are not conservative: dampers, time-dependent loads, user forces, drives."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 
+from mbs_ref import scene as parts
 from mbs_ref.observables.attachment import Motion
 from mbs_ref.observables.signal_values import motion as prescribed
 from mbs_ref.observables.signal_values import values
 from mbs_ref.observables.springs import bushing_strain, gap_of, length_of, twist_of
-from mbs_ref.scene import (
-    Bushing,
-    CoordinateDrive,
-    Force,
-    PointBushing,
-    PointDrive,
-    RotationDrive,
-    SpringDamper,
-    Torque,
-    TorqueVector,
-    TorsionSpring,
-    UserForce,
-)
 from mbs_ref.scene.contact import Contact
 
 
@@ -46,7 +33,7 @@ def _works(load, is_conservative: Callable) -> bool:
     return not is_conservative(load) if damping is None else bool(np.any(np.asarray(damping) > 0.0))
 
 
-def _damper(motion: Motion, load: SpringDamper) -> np.ndarray:
+def _damper(motion: Motion, load: parts.SpringDamper) -> np.ndarray:
     _, stretch, rate = length_of(motion, load)
     force = load.damping * rate
     if load.tension_only:  # the total pull, which is never a push, less the elastic part
@@ -55,34 +42,18 @@ def _damper(motion: Motion, load: SpringDamper) -> np.ndarray:
     return -force * rate
 
 
-def _torsion_damper(motion: Motion, load: TorsionSpring) -> np.ndarray:
-    return -load.damping * twist_of(motion, load)[1] ** 2
-
-
-def _point_bushing_damper(motion: Motion, load: PointBushing) -> np.ndarray:
-    return -load.damping * np.sum(gap_of(motion, load)[1] ** 2, axis=1)
-
-
-def _force(motion: Motion, load: Force) -> np.ndarray:
+def _force(motion: Motion, load: parts.Force) -> np.ndarray:
     _, rate = motion.point(load.body, load.point)
     vector = np.asarray(load.vector) if load.frame == "world" else motion.direction(load.body, load.vector)[0]
     return values(load.factor, motion.times) * np.sum(rate * vector, axis=1)
 
 
-def _torque(motion: Motion, load: Torque) -> np.ndarray:
-    return values(load.factor, motion.times) * load.torque * motion.spin(load.body)
-
-
-def _torque_vector(motion: Motion, load: TorqueVector) -> np.ndarray:
+def _torque_vector(motion: Motion, load: parts.TorqueVector) -> np.ndarray:
     vector = np.asarray(load.vector) if load.frame == "world" else motion.direction(load.body, load.vector)[0]
     return values(load.factor, motion.times) * np.sum(motion.turning(load.body) * vector, axis=1)
 
 
-def _bushing_damper(motion: Motion, load: Bushing) -> np.ndarray:
-    return -(bushing_strain(motion, load)[1] ** 2) @ np.asarray(load.damping)
-
-
-def _user_force(motion: Motion, load: UserForce) -> np.ndarray:
+def _user_force(motion: Motion, load: parts.UserForce) -> np.ndarray:
     path = motion.trajectory
     shape = (len(path.times), len(motion.scene.bodies), -1)
     q = np.concatenate([path.position, path.orientation.reshape(shape)], axis=2)
@@ -90,31 +61,35 @@ def _user_force(motion: Motion, load: UserForce) -> np.ndarray:
     return np.array([np.sum(np.asarray(load.function(t, q[k], v[k])) * v[k]) for k, t in enumerate(path.times)])
 
 
-def _coordinate_drive(motion: Motion, joint: CoordinateDrive) -> np.ndarray:
+def _coordinate_drive(motion: Motion, joint: parts.CoordinateDrive) -> np.ndarray:
     _, rate = prescribed(joint.motion, joint.level, motion.times)
     names = ("x", "y", "angle") if motion.scene.dimension == 2 else ("x", "y", "z")
     return motion.trajectory.reactions[joint.name][:, names.index(joint.coordinate)] * rate
 
 
-def _rotation_drive(motion: Motion, joint: RotationDrive) -> np.ndarray:
+def _rotation_drive(motion: Motion, joint: parts.RotationDrive) -> np.ndarray:
     torque = motion.trajectory.reactions[joint.name][:, 3:]
     return np.sum(torque * (motion.turning(joint.body_b) - motion.turning(joint.body_a)), axis=1)
 
 
-def _point_drive(motion: Motion, joint: PointDrive) -> np.ndarray:
+def _point_drive(motion: Motion, joint: parts.PointDrive) -> np.ndarray:
     _, rate = prescribed(joint.motion, joint.level, motion.times)
     along = np.asarray(joint.direction) / np.linalg.norm(joint.direction)
     return motion.trajectory.reactions[joint.name][:, : motion.scene.dimension] @ along * rate
 
 
-LOADS = {
-    SpringDamper: _damper,
-    TorsionSpring: _torsion_damper,
-    Force: _force,
-    Torque: _torque,
-    TorqueVector: _torque_vector,
-    Bushing: _bushing_damper,
-    PointBushing: _point_bushing_damper,
-    UserForce: _user_force,
+LOADS: dict[type, Callable[[Motion, Any], np.ndarray]] = {
+    parts.SpringDamper: _damper,
+    parts.TorsionSpring: lambda motion, load: -load.damping * twist_of(motion, load)[1] ** 2,
+    parts.Force: _force,
+    parts.Torque: lambda motion, load: values(load.factor, motion.times) * load.torque * motion.spin(load.body),
+    parts.TorqueVector: _torque_vector,
+    parts.Bushing: lambda motion, load: -(bushing_strain(motion, load)[1] ** 2) @ np.asarray(load.damping),
+    parts.PointBushing: lambda motion, load: -load.damping * np.sum(gap_of(motion, load)[1] ** 2, axis=1),
+    parts.UserForce: _user_force,
 }
-DRIVES = {CoordinateDrive: _coordinate_drive, PointDrive: _point_drive, RotationDrive: _rotation_drive}
+DRIVES = {
+    parts.CoordinateDrive: _coordinate_drive,
+    parts.PointDrive: _point_drive,
+    parts.RotationDrive: _rotation_drive,
+}

@@ -1,7 +1,5 @@
 """Signals evaluated at many times at once."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from mbs_ref.scene.signals import Level, Segment, Signal, motion_segments

@@ -1,7 +1,5 @@
 """Lengths and twists of springs along a motion."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from mbs_ref.observables.attachment import Motion

@@ -1,7 +1,5 @@
 """The bodies of a scene: planar, point mass, spatial."""
 
-from __future__ import annotations
-
 import math
 from typing import Annotated, Any, Literal, Self
 

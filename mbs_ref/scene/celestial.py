@@ -5,8 +5,6 @@ ICRF axes; times are TDB seconds. G m is known to ten digits and more, G to four
 `gm` in m^3/s^2.
 """
 
-from __future__ import annotations
-
 from typing import Annotated, ClassVar, Literal, Self
 
 from pydantic import Field, model_validator

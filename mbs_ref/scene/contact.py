@@ -4,8 +4,6 @@ The penetration d is positive inside; d' is its rate. Every law is a type of its
 release rule, and returns the numbers of the solver's kernels. Points are world points at t = 0.
 """
 
-from __future__ import annotations
-
 import math
 from typing import Annotated, Any, ClassVar, Literal, NamedTuple, Self
 

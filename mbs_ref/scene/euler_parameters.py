@@ -4,8 +4,6 @@ Arrays theta have the shape (..., 4). Source: Fox 1999, appendix; Haug, Computer
 Dynamics of Mechanical Systems (1989), sec. 9.3.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 

@@ -1,13 +1,11 @@
 """Events that a scene declares: a quantity crosses a value, and the run records it or stops there."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from typing import Annotated, Literal
 
 from pydantic import Field
 
-from mbs_ref.scene.base.attached import NO_ORIENTATION, Attached, AttachedPair
+from mbs_ref.scene.base.attached import NO_ORIENTATION, Attached, AttachedPair, coordinate_complaints
 from mbs_ref.scene.base.part import BodyName, Point
 
 Crossing = Literal["either", "rising", "falling"]
@@ -26,10 +24,7 @@ class CoordinateEvent(Attached):
     action: Action = "record"
 
     def complaints(self, dimension: int) -> Iterator[str]:
-        if dimension == 2 and self.coordinate == "z":
-            yield "coordinate = 'z' is for space alone"
-        if dimension == 3 and self.coordinate == "angle":
-            yield "coordinate = 'angle' is for the plane alone"
+        yield from coordinate_complaints(self.coordinate, dimension)
 
     def refuses_particle(self, end: str, dimension: int) -> str:
         return NO_ORIENTATION if self.coordinate == "angle" else ""

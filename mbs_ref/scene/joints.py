@@ -1,7 +1,5 @@
 """The joints of a scene, and the drives that prescribe a motion. Points and axes are the world's at t = 0."""
 
-from __future__ import annotations
-
 import math
 from collections import namedtuple
 from collections.abc import Callable, Iterator
@@ -10,25 +8,12 @@ from typing import Annotated, Any, ClassVar, Literal, Self
 import numpy as np
 from pydantic import Field, SkipValidation, model_validator
 
-from mbs_ref.scene.base.attached import NO_ORIENTATION, Attached
+from mbs_ref.scene.base import rows
+from mbs_ref.scene.base.attached import NO_ORIENTATION, Attached, coordinate_complaints
 from mbs_ref.scene.base.directions import normals, require_perpendicular, unit
 from mbs_ref.scene.base.expression import Read, read
 from mbs_ref.scene.base.part import BodyName, Direction, Direction3, EndName, Point, Point3, Positive
-from mbs_ref.scene.base.rows import (
-    OnPlane,
-    Prescribed,
-    PrescribedAngle,
-    Product,
-    Rod,
-    RollingContact,
-    Row,
-    SharedPoint,
-    Turn,
-    UserRow,
-    along,
-    parallel,
-    same_orientation,
-)
+from mbs_ref.scene.base.rows import Row
 from mbs_ref.scene.signals import Level, Signal
 
 FLAT = 1e-6  # sine of the angle between a wheel's axis and the normal below which it lies flat
@@ -79,8 +64,8 @@ class Revolute(PairJoint):
         yield from axis_complaints(self.type, self.axis, dimension)
 
     def rows(self, dimension: int) -> list[Row]:
-        shared = SharedPoint(self.point, self.point if self.point_b is None else self.point_b)
-        return [shared] if self.axis is None else [shared, *parallel(self.axis)]
+        shared = rows.SharedPoint(self.point, self.point if self.point_b is None else self.point_b)
+        return [shared] if self.axis is None else [shared, *rows.parallel(self.axis)]
 
 
 class Spherical(PairJoint):
@@ -93,7 +78,7 @@ class Spherical(PairJoint):
     point: Point3  # m, world, t = 0
 
     def rows(self, dimension: int) -> list[Row]:
-        return [SharedPoint(self.point, self.point)]
+        return [rows.SharedPoint(self.point, self.point)]
 
 
 class Universal(PairJoint):
@@ -112,7 +97,7 @@ class Universal(PairJoint):
         return self
 
     def rows(self, dimension: int) -> list[Row]:
-        return [SharedPoint(self.point, self.point), Product(unit(self.axis_a), unit(self.axis_b))]
+        return [rows.SharedPoint(self.point, self.point), rows.Product(unit(self.axis_a), unit(self.axis_b))]
 
 
 class Cylindrical(PairJoint):
@@ -125,7 +110,7 @@ class Cylindrical(PairJoint):
     axis: Direction3  # direction, world, t = 0
 
     def rows(self, dimension: int) -> list[Row]:
-        return [*along(self.point, self.axis), *parallel(self.axis)]
+        return [*rows.along(self.point, self.axis), *rows.parallel(self.axis)]
 
 
 class PointOnPlane(PairJoint):
@@ -138,7 +123,7 @@ class PointOnPlane(PairJoint):
     normal: Direction3  # direction, world, t = 0
 
     def rows(self, dimension: int) -> list[Row]:
-        return [OnPlane(self.point, self.point, unit(self.normal))]
+        return [rows.OnPlane(self.point, self.point, unit(self.normal))]
 
 
 class Prismatic(PairJoint):
@@ -149,7 +134,7 @@ class Prismatic(PairJoint):
     axis: Direction  # world, t = 0
 
     def rows(self, dimension: int) -> list[Row]:
-        return [*along(self.point, self.axis), *same_orientation(dimension)]
+        return [*rows.along(self.point, self.axis), *rows.same_orientation(dimension)]
 
 
 class Weld(PairJoint):
@@ -160,8 +145,8 @@ class Weld(PairJoint):
     point_b: Point | None = None  # m, where body b's mark is at t = 0 when the loop is still open
 
     def rows(self, dimension: int) -> list[Row]:
-        shared = SharedPoint(self.point, self.point if self.point_b is None else self.point_b)
-        return [shared, *same_orientation(dimension)]
+        shared = rows.SharedPoint(self.point, self.point if self.point_b is None else self.point_b)
+        return [shared, *rows.same_orientation(dimension)]
 
 
 class Distance(PairJoint):
@@ -180,7 +165,7 @@ class Distance(PairJoint):
 
     def rows(self, dimension: int) -> list[Row]:
         length = math.dist(self.point_a, self.point_b) if self.length is None else self.length
-        return [Rod(self.point_a, self.point_b, length)]
+        return [rows.Rod(self.point_a, self.point_b, length)]
 
 
 class RollingWheel(JointPart):
@@ -210,7 +195,7 @@ class RollingWheel(JointPart):
         return NO_ORIENTATION
 
     def rows(self, dimension: int) -> list[Row]:
-        return [RollingContact(self.point, unit(self.axis), self.radius, unit(self.normal))]
+        return [rows.RollingContact(self.point, unit(self.axis), self.radius, unit(self.normal))]
 
 
 class CoordinateDrive(Drive):
@@ -221,15 +206,12 @@ class CoordinateDrive(Drive):
     coordinate: Literal["x", "y", "z", "angle"]  # z in space alone, angle in the plane alone
 
     def complaints(self, dimension: int) -> Iterator[str]:
-        if dimension == 2 and self.coordinate == "z":
-            yield "coordinate = 'z' is for space alone"
-        if dimension == 3 and self.coordinate == "angle":
-            yield "coordinate = 'angle' is for the plane alone; use rotation_drive"
+        yield from coordinate_complaints(self.coordinate, dimension, "; use rotation_drive")
 
     def rows(self, dimension: int) -> list[Row]:
         if self.coordinate == "angle":
-            return [PrescribedAngle()]
-        return [Prescribed(None, np.eye(dimension)["xyz".index(self.coordinate)])]
+            return [rows.PrescribedAngle()]
+        return [rows.Prescribed(None, np.eye(dimension)["xyz".index(self.coordinate)])]
 
 
 class PointDrive(Drive):
@@ -241,7 +223,7 @@ class PointDrive(Drive):
     direction: Direction  # world
 
     def rows(self, dimension: int) -> list[Row]:
-        return [Prescribed(self.point, unit(self.direction))]
+        return [rows.Prescribed(self.point, unit(self.direction))]
 
 
 class RotationDrive(Drive):
@@ -259,7 +241,7 @@ class RotationDrive(Drive):
     axis: Direction3  # direction, world, t = 0
 
     def rows(self, dimension: int) -> list[Row]:
-        return [Turn(*normals(self.axis))]
+        return [rows.Turn(*normals(self.axis))]
 
 
 COORDINATES = {2: ("x", "y", "angle"), 3: ("x", "y", "z", "e0", "e1", "e2", "e3")}  # of a body in a UserConstraint
@@ -321,7 +303,7 @@ class UserConstraint(PairJoint):
         return self.function
 
     def rows(self, dimension: int) -> list[Row]:
-        return [UserRow(self.formula())]
+        return [rows.UserRow(self.formula())]
 
 
 Joint = Annotated[

@@ -1,7 +1,5 @@
 """The loads of a scene: forces, torques, springs, bushings and a user's own force."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from typing import Annotated, Any, ClassVar, Literal, Self
 

@@ -1,7 +1,5 @@
 """One sentence for each error of validation: the place, the value, and the allowed ones."""
 
-from __future__ import annotations
-
 import difflib
 from collections.abc import Iterable
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """The length and the time that a scene's errors and tolerances are counted in."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from collections.abc import Iterator

@@ -1,7 +1,5 @@
 """A scene: bodies, joints, loads, contacts and events, checked as a whole."""
 
-from __future__ import annotations
-
 from collections import Counter
 from itertools import islice
 from typing import Any, NamedTuple, Self

@@ -1,7 +1,5 @@
 """Read and write scenes as TOML files, and report every error. A scene file is data; nothing in it runs."""
 
-from __future__ import annotations
-
 import tomllib
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """Traits of a scene, computed from its parts; engines and methods refuse scenes by them."""
 
-from __future__ import annotations
-
 from typing import Literal, get_args
 
 from mbs_ref.scene.bodies import GROUND, Body, PointMass
@@ -53,16 +51,16 @@ def part_types(scene: Scene) -> frozenset[str]:
 
 def traits(scene: Scene) -> frozenset[str]:
     """Return the scene's traits (keys of ALL_TRAITS)."""
-    loops, free = _cycles_and_free(scene)
+    closing, grounded = joined(scene)
     present = {
         "planar": scene.dimension == 2,
         "spatial": scene.dimension == 3,
-        "closed-loop": loops,
+        "closed-loop": any(not isinstance(scene.joints[k], Drive) for k in closing),
         "rheonomic": any(_is_rheonomic(j) for j in scene.joints),
         "unconstrained": not scene.joints,
         "constrained": bool(scene.joints),
         "point-mass": any(isinstance(b, PointMass) for b in scene.bodies),
-        "free-body": free,
+        "free-body": not grounded,
         "breakpoints": bool(scene.breakpoints()),
         "rod-in-space": scene.dimension == 3 and any(isinstance(j, Distance) for j in scene.joints),
         "contact": bool(scene.contacts),
@@ -97,8 +95,8 @@ def deflecting(scene: Scene) -> list[str]:
     return [c.name for c in scene.contacts if scene.dimension == 3 and c.friction and c.friction.STICKS]
 
 
-def _cycles_and_free(scene: Scene) -> tuple[bool, bool]:
-    """Union-find over the joints: does a joint close a cycle, and is some body apart from ground?"""
+def joined(scene: Scene) -> tuple[list[int], bool]:
+    """Return the joints that close a cycle, by union-find, and whether joints hold every body to ground."""
     parent = {name: name for name in [GROUND, *scene.body_names]}
 
     def root(name: str) -> str:
@@ -107,10 +105,9 @@ def _cycles_and_free(scene: Scene) -> tuple[bool, bool]:
             name = parent[name]
         return name
 
-    cycle = False
-    for joint in scene.joints:
+    closing = []
+    for k, joint in enumerate(scene.joints):
         a, b = (root(end) for end in joint.ends)
-        cycle |= a == b and not isinstance(joint, Drive)
+        closing += [k] if a == b else []
         parent[a] = b
-    free = any(root(name) != root(GROUND) for name in scene.body_names)
-    return cycle, free
+    return closing, all(root(name) == root(GROUND) for name in scene.body_names)

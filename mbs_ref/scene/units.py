@@ -1,7 +1,5 @@
 """Scenes of free particles: detection, and their natural units."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from typing import NamedTuple

@@ -1,7 +1,5 @@
 """A scene seen from elsewhere: turned, mirrored and shifted space, other units, other order and names."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, field
 from typing import Any
@@ -168,9 +166,9 @@ def _value(part: Any, name: str, value: Any, placement: Placement) -> Any:
         return placement.angle + placement.sense * number
     if what == "sense" or what == "axial":  # in the plane
         return placement.sense * unit * number
-    if name in ("exponent", "teeth", "flank_angle", "jd_tdb", "zonal", "level"):
+    if unit == 1.0 or name in ("exponent", "teeth", "flank_angle", "jd_tdb", "zonal", "level"):
         return value
-    return tuple(unit * x for x in value) if isinstance(value, tuple) else _scaled(value, unit)
+    return tuple(unit * x for x in value) if isinstance(value, tuple) else value * unit
 
 
 def _in_body_axes(value: np.ndarray, what: str, placement: Placement) -> tuple[float, ...]:
@@ -178,10 +176,6 @@ def _in_body_axes(value: np.ndarray, what: str, placement: Placement) -> tuple[f
     if placement.sense > 0 or what == "axial":
         return tuple(value.tolist())
     return tuple((-value if len(value) == 3 else value * [1.0, -1.0]).tolist())
-
-
-def _scaled(value: Any, unit: float) -> Any:
-    return value if unit == 1.0 else value * unit
 
 
 def _turned(theta: np.ndarray, placement: Placement) -> tuple[float, ...]:

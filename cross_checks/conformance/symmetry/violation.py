@@ -1,7 +1,5 @@
 """How far an engine's motion of a scene's image is from the image of its motion."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import asdict, dataclass, replace
 from functools import partial

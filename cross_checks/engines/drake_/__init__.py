@@ -1,7 +1,5 @@
 """Drake: trees under its integrators in continuous time; loops under SAP and CENIC, which hold constraints."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -11,8 +9,7 @@ from pydrake.multibody.plant import MultibodyPlant  # an optional extra
 from cross_checks.engine import Engine, Method, Refusal
 from cross_checks.engine.outcome import Loop, stopped
 from cross_checks.engine.plan import Plan
-from cross_checks.engines.drake_.build import plant_of, tied_to_ground
-from cross_checks.engines.drake_.reader import Reader
+from cross_checks.engines.drake_.build import Reader, plant_of, tied_to_ground
 from cross_checks.engines.drake_.run import METHODS, SAP, WORLD, Simulated, advance, is_discrete, simulated
 from cross_checks.isolation.parent import Isolated, Lost
 from cross_checks.linkage.engine import LinkageEngine

@@ -1,7 +1,5 @@
 """Drake's methods and simulator, and the loads that it requests from Python."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any
@@ -16,7 +14,7 @@ from pydrake.systems.framework import DiagramBuilder, LeafSystem
 from cross_checks.engine.method import RTOLS, STEPS, Method, exponential, fixed
 from cross_checks.engine.outcome import End, Loop
 from cross_checks.engine.plan import Plan
-from cross_checks.engines.drake_.reader import Reader
+from cross_checks.engines.drake_.build import Reader
 from mbs_ref.trajectory import Status
 
 FIXED, SAP, WORLD, CENIC = "_fixed", "sap", "sap_world", "cenic"

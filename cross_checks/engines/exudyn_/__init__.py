@@ -1,7 +1,5 @@
 """Exudyn: redundant coordinates with implicit methods, or minimal coordinates (KinematicTree) with explicit ones."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
@@ -11,22 +9,13 @@ import numpy as np
 from cross_checks.engine import Engine, Method, Poses, Refusal
 from cross_checks.engine.outcome import Loop
 from cross_checks.engine.plan import Plan
+from cross_checks.engines.exudyn_ import run as solver
 from cross_checks.engines.exudyn_.build import ROTATION_VECTOR, build_redundant, takes_shared_forces
-from cross_checks.engines.exudyn_.contact import general_contact_refusals
+from cross_checks.engines.exudyn_.contact import general_contact_refusals, pair_contact_refusals
 from cross_checks.engines.exudyn_.kinematic_tree import build_tree, tree_refusals
 from cross_checks.engines.exudyn_.methods import CONTACT, EXPLICIT_CONTACT, METHODS, STAGES, TREE
-from cross_checks.engines.exudyn_.pair_contact import pair_contact_refusals
 from cross_checks.engines.exudyn_.parts import JOINTS
-from cross_checks.engines.exudyn_.run import (
-    Left,
-    advance_adaptive,
-    advance_fixed,
-    first_call,
-    needs_dense,
-    options_of,
-    sampled_adaptive,
-    sampled_fixed,
-)
+from cross_checks.engines.exudyn_.run import Left
 from cross_checks.linkage.forces import PARTS, contact_refusals
 from mbs_ref.scene import CoordinateDrive, Scene
 from mbs_ref.scene.traits import traits
@@ -74,19 +63,19 @@ class Exudyn(Engine):
         exu.config.printToConsole = False
         model = _build(scene, plan.method.name)
         model.mbs.Assemble()
-        options = options_of(plan, scene, dense=needs_dense(model.mbs, scene))
+        options = solver.options_of(plan, scene, dense=solver.needs_dense(model.mbs, scene))
         return Built(model, options, "closed-loop" in traits(scene))
 
     def first_call(self, model: Built, plan: Plan) -> None:
-        first_call(model.model, plan, model.options)
+        solver.first_call(model.model, plan, model.options)
 
     def advance(self, model: Built, plan: Plan) -> Left:
         if plan.method.kind == "fixed":
-            return advance_fixed(model.model, plan, model.options, loops=model.loops)
-        return advance_adaptive(model.model, plan, model.options)
+            return solver.advance_fixed(model.model, plan, model.options, loops=model.loops)
+        return solver.advance_adaptive(model.model, plan, model.options)
 
     def collect(self, model: Built, plan: Plan, left: Left) -> Loop:
-        sampled = sampled_fixed if plan.method.kind == "fixed" else sampled_adaptive
+        sampled = solver.sampled_fixed if plan.method.kind == "fixed" else solver.sampled_adaptive
         rows, end = sampled(model.model, plan, left)
         model.left.append(left)
         return Loop(rows, end, left.steps, left.steps * STAGES.get(plan.method.name, 1))

@@ -1,15 +1,12 @@
 """A scene as an Exudyn system in redundant coordinates: in the plane, in Euler parameters or in rotation vectors."""
 
-from __future__ import annotations
-
 import exudyn as exu
 import exudyn.itemInterface as item
 import numpy as np
 
-from cross_checks.engines.exudyn_.contact import add_contacts
+from cross_checks.engines.exudyn_.contact import add_contacts, add_pair_contacts
 from cross_checks.engines.exudyn_.methods import CONTACT, EXPLICIT_CONTACT
 from cross_checks.engines.exudyn_.model import Redundant
-from cross_checks.engines.exudyn_.pair_contact import add_pair_contacts
 from cross_checks.engines.exudyn_.parts import JOINTS, LOADS
 from cross_checks.linkage.forces import SHARED, Applied
 from cross_checks.linkage.links import lifted, linkage_of

@@ -1,12 +1,12 @@
-"""Exudyn's own contact: spheres and triangles in series, without joints.
+"""Exudyn's two contacts, without joints: spheres and triangles in series, and connectors with a law for each pair.
 
-Friction acts on the undeformed surface that a sphere has sunk into: nearer to its centre than ours by the depth.
+In series friction acts on the undeformed surface that a sphere has sunk into: nearer to its centre than ours by the
+depth. Connectors have F = k d + c d' until d = 0; whether a pair touches is settled once a step: order 1.
 """
-
-from __future__ import annotations
 
 from typing import Any
 
+import exudyn as exu
 import exudyn.itemInterface as item
 import numpy as np
 
@@ -18,21 +18,19 @@ from mbs_ref.scene.base.directions import normals, unit
 from mbs_ref.scene.contact import CircleOnCircle, CircleOnLine, SphereOnPlane, SphereOnSphere, SpringDamperLaw
 
 REACH = 100.0  # m, how far floors and the search for contact extend
-
-
 SLOW = 1e-3  # m/s, its default, pinned: below it Exudyn's friction falls linearly where Coulomb's law would stick
 type Flat = CircleOnLine | SphereOnPlane
 FLAT, ROUND = (CircleOnLine, SphereOnPlane), (CircleOnCircle, SphereOnSphere)
 
 
 def general_contact_refusals(scene: Scene) -> list[Refusal]:
-    reasons = [f"joint {joint.name!r}: Exudyn's explicit solvers take no joint" for joint in scene.joints]
+    reasons = _jointed(scene)
     for contact in scene.contacts:
         where = f"contact {contact.name!r}"
         if not isinstance(contact.law, SpringDamperLaw) or not isinstance(contact, (*FLAT, *ROUND)):
             reasons.append(f"{where}: GeneralContact takes circles with spring_damper_law, not {contact.law.type}")
             continue
-        reasons += one_coefficient(contact)
+        reasons += _one_coefficient(contact)
         rule = "gap" if isinstance(contact, FLAT) else "force"
         if contact.law.damping and getattr(contact.law, "release", rule) != rule:
             reasons.append(f"{where}: GeneralContact lets go of {contact.type} by release = {rule!r}")
@@ -43,7 +41,11 @@ def general_contact_refusals(scene: Scene) -> list[Refusal]:
     return [Refusal(reason, permanent=False) for reason in reasons]
 
 
-def one_coefficient(contact: Any) -> list[str]:
+def _jointed(scene: Scene) -> list[str]:
+    return [f"joint {joint.name!r}: Exudyn's explicit solvers take no joint" for joint in scene.joints]
+
+
+def _one_coefficient(contact: Any) -> list[str]:
     """Return why the friction of a contact is refused, if it is."""
     friction = contact.friction
     if friction is None or getattr(friction, "static", None) in (None, friction.coefficient):
@@ -111,4 +113,49 @@ def _add_plane(model: Redundant, general, point: np.ndarray, normal: np.ndarray,
     marker = model.mbs.AddMarker(item.MarkerBodyRigid(bodyNumber=model.bodies[FIXED], localPosition=[0.0, 0.0, 0.0]))
     general.AddTrianglesRigidBodyBased(
         rigidBodyMarkerIndex=marker, pointList=corners, triangleList=[[0, 1, 2], [0, 2, 3]], **shape
+    )
+
+
+def pair_contact_refusals(scene: Scene) -> list[Refusal]:
+    reasons = _jointed(scene)
+    for contact in scene.contacts:
+        where = f"contact {contact.name!r}"
+        reasons += _one_coefficient(contact)
+        if not isinstance(contact.law, SpringDamperLaw):
+            reasons.append(f"{where}: the connectors take spring_damper_law, not {contact.law.type}")
+        elif contact.law.damping and contact.law.release != "gap":
+            reasons.append(f"{where}: the connectors let go by release = 'gap'")
+        if isinstance(contact, SphereOnPlane) and (contact.extent != "plane" or contact.thickness is not None):
+            reasons.append(f"{where}: only an endless plane is taught")
+    return [Refusal(reason, permanent=False) for reason in reasons]
+
+
+def add_pair_contacts(model: Redundant) -> None:
+    for contact in model.scene.contacts:
+        law, friction = contact.law, contact.friction
+        assert isinstance(law, SpringDamperLaw)  # every other law is refused before
+        # gap, slip, impact velocity, plastic overlap: far away at t = 0
+        data = model.mbs.AddNode(item.NodeGenericData(initialCoordinates=[1.0, 0, 0, 0], numberOfDataCoordinates=4))
+        shared = {
+            "nodeNumber": data, "impactModel": 0, "contactStiffness": law.stiffness, "contactDamping": law.damping,
+            "dynamicFriction": 0.0 if friction is None else friction.coefficient,
+            "frictionProportionalZone": getattr(friction, "speed", SLOW),
+        }  # fmt: skip
+        if isinstance(contact, SphereOnSphere):
+            radii = [contact.radius_a, contact.radius_b]
+            marks = model.pair(contact, contact.center_a, contact.center_b)
+            model.mbs.AddObject(item.ObjectContactSphereSphere(markerNumbers=marks, spheresRadii=radii, **shared))
+        elif isinstance(contact, SphereOnPlane):
+            _add_triangle(model, contact, shared)
+
+
+def _add_triangle(model: Redundant, contact: SphereOnPlane, shared: dict) -> None:
+    """One triangle, wide enough for the scene, in the axes of the body that carries it."""
+    first, second = (model.axes(contact.body_b).T @ along for along in normals(contact.normal))
+    corners = [np.zeros(3) + REACH * (np.cos(a) * first + np.sin(a) * second) for a in (0.0, 2.1, 4.2)]
+    marks = model.pair(contact, contact.center, contact.point)
+    model.mbs.AddObject(
+        item.ObjectContactSphereTriangle(
+            markerNumbers=marks, sphereRadius=contact.radius, trianglePoints=exu.Vector3DList(corners), **shared
+        )
     )

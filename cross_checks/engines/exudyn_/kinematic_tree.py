@@ -1,7 +1,5 @@
 """A scene in minimal coordinates: an Exudyn KinematicTree of slides and turns."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 from typing import Any
 

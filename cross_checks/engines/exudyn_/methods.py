@@ -1,7 +1,5 @@
 """Exudyn's methods, and which of its solvers each one is."""
 
-from __future__ import annotations
-
 import exudyn as exu
 
 from cross_checks.engine.method import LOOPS, Method, adaptive, exponential, fixed

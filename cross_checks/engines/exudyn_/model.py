@@ -1,7 +1,5 @@
 """An Exudyn system in redundant coordinates: a node for each body, markers on it, and sensors that read it."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 from typing import Any
 

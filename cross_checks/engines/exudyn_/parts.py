@@ -1,7 +1,5 @@
 """Joints and loads in redundant coordinates."""
 
-from __future__ import annotations
-
 import exudyn as exu
 import exudyn.itemInterface as item
 import numpy as np
@@ -10,34 +8,19 @@ from cross_checks.engine.prescribed import constant_value, displacement, factor
 from cross_checks.engines.exudyn_.model import Redundant
 from cross_checks.linkage.links import Z, lifted, rest_length, rest_turn
 from cross_checks.linkage.tree import FIXED
-from mbs_ref.scene import (
-    CoordinateDrive,
-    Cylindrical,
-    Distance,
-    Force,
-    PlanarBody,
-    PointMass,
-    Prismatic,
-    Revolute,
-    Spherical,
-    SpringDamper,
-    Torque,
-    TorqueVector,
-    TorsionSpring,
-    Weld,
-)
+from mbs_ref import scene
 from mbs_ref.scene.base.directions import normals, unit
 
 CALLS = "{} {!r} calls Python at every residual"
 
 
-def _add_revolute(model: Redundant, joint: Revolute) -> None:
+def _add_revolute(model: Redundant, joint: scene.Revolute) -> None:
     if not model.planar:
         return _add_generic(model, joint, joint.axis, [1, 1, 1, 1, 1, 0])
     _watch_force(model, joint.name, _pin(model, joint), 3)
 
 
-def _pin(model: Redundant, joint: Revolute | Weld) -> int:
+def _pin(model: Redundant, joint: scene.Revolute | scene.Weld) -> int:
     return model.mbs.AddObject(item.ObjectJointRevolute2D(markerNumbers=model.pair(joint, joint.point, joint.point)))
 
 
@@ -47,18 +30,18 @@ def _watch_force(model: Redundant, joint: str, number: int, width: int) -> None:
     model.watch(item.SensorObject, {"objectNumber": number}, exu.OutputVariableType.Force, width)
 
 
-def _add_weld(model: Redundant, joint: Weld) -> None:
+def _add_weld(model: Redundant, joint: scene.Weld) -> None:
     """Hold a body at a point and at its angle; a particle in the plane has none."""
     if not model.planar:
         return _add_generic(model, joint, Z, [1, 1, 1, 1, 1, 1])
     _pin(model, joint)
     bodies = [model.scene.body_index(name) for name in (joint.body_a, joint.body_b)]
-    if all(k == FIXED or isinstance(model.scene.bodies[k], PlanarBody) for k in bodies):
+    if all(k == FIXED or isinstance(model.scene.bodies[k], scene.PlanarBody) for k in bodies):
         markers = [model.coordinate(body, 2) for body in (joint.body_a, joint.body_b)]
         model.mbs.AddObject(item.ObjectConnectorCoordinate(markerNumbers=markers))
 
 
-def _add_prismatic(model: Redundant, joint: Prismatic) -> None:
+def _add_prismatic(model: Redundant, joint: scene.Prismatic) -> None:
     if not model.planar:
         return _add_generic(model, joint, joint.axis, [1, 1, 0, 1, 1, 1])
     markers = [model.marker(body, joint.point, rigid=True) for body in (joint.body_a, joint.body_b)]
@@ -69,7 +52,7 @@ def _add_prismatic(model: Redundant, joint: Prismatic) -> None:
     )
 
 
-def _add_cylindrical(model: Redundant, joint: Cylindrical) -> None:
+def _add_cylindrical(model: Redundant, joint: scene.Cylindrical) -> None:
     _add_generic(model, joint, joint.axis, [1, 1, 0, 1, 1, 0])
 
 
@@ -80,11 +63,11 @@ def _add_generic(model: Redundant, joint, axis, fixed: list[int]) -> None:
     model.mbs.AddObject(item.ObjectJointGeneric(markerNumbers=markers, constrainedAxes=fixed))
 
 
-def _add_spherical(model: Redundant, joint: Spherical) -> None:
+def _add_spherical(model: Redundant, joint: scene.Spherical) -> None:
     model.mbs.AddObject(item.ObjectJointSpherical(markerNumbers=model.pair(joint, joint.point, joint.point)))
 
 
-def _add_distance(model: Redundant, joint: Distance) -> None:
+def _add_distance(model: Redundant, joint: scene.Distance) -> None:
     length = joint.length or float(np.linalg.norm(np.subtract(joint.point_b, joint.point_a)))
     markers = model.pair(joint, joint.point_a, joint.point_b)
     number = model.mbs.AddObject(item.ObjectConnectorDistance(markerNumbers=markers, distance=length))
@@ -92,7 +75,7 @@ def _add_distance(model: Redundant, joint: Distance) -> None:
         _watch_force(model, joint.name, number, 1)
 
 
-def _add_drive(model: Redundant, joint: CoordinateDrive) -> None:
+def _add_drive(model: Redundant, joint: scene.CoordinateDrive) -> None:
     coordinate = ("x", "y", "angle").index(joint.coordinate)
     motion = displacement(joint.motion, joint.level)
     markers = [model.coordinate("ground", 0), model.coordinate(joint.body, coordinate)]
@@ -109,7 +92,7 @@ def _add_drive(model: Redundant, joint: CoordinateDrive) -> None:
     model.notes += (CALLS.format("drive", joint.name),)
 
 
-def _add_spring(model: Redundant, load: SpringDamper) -> None:
+def _add_spring(model: Redundant, load: scene.SpringDamper) -> None:
     law = {"springForceUserFunction": pull_only} if load.tension_only else {}
     model.mbs.AddObject(
         item.ObjectConnectorSpringDamper(
@@ -125,7 +108,7 @@ def pull_only(mbs, t, number, stretch, stretch_rate, stiffness, damping, force) 
     return max(0.0, stiffness * stretch + damping * stretch_rate) if stretch > 0.0 else 0.0
 
 
-def _add_torsion(model: Redundant, load: TorsionSpring) -> None:
+def _add_torsion(model: Redundant, load: scene.TorsionSpring) -> None:
     """Add a spring between the angles of two planar bodies, or about z of a frame whose z axis is the spring's."""
     ends, rest = (load.body_a, load.body_b), rest_turn(model.scene, load)
     if model.planar:
@@ -142,11 +125,11 @@ def _centre(model: Redundant, body: str):
     return model.scene.bodies[k].position if k != FIXED else np.zeros(model.scene.dimension)
 
 
-def _add_push(model: Redundant, load: Force | Torque | TorqueVector) -> None:
+def _add_push(model: Redundant, load: scene.Force | scene.Torque | scene.TorqueVector) -> None:
     """Add a force or torque; along body axes Exudyn takes it in the body's own. A particle has none."""
-    force, body = isinstance(load, Force), model.scene.bodies[model.scene.body_index(load.body)]
-    vector = load.torque * Z if isinstance(load, Torque) else lifted(load.vector)
-    follows = getattr(load, "frame", "world") == "body" and not isinstance(body, PointMass)
+    force, body = isinstance(load, scene.Force), model.scene.bodies[model.scene.body_index(load.body)]
+    vector = load.torque * Z if isinstance(load, scene.Torque) else lifted(load.vector)
+    follows = getattr(load, "frame", "world") == "body" and not isinstance(body, scene.PointMass)
     if follows:
         vector = model.axes(load.body).T @ vector
     rigid = (follows or not force) if model.planar else None
@@ -167,9 +150,11 @@ def _add_push(model: Redundant, load: Force | Torque | TorqueVector) -> None:
 
 
 JOINTS = {
-    Revolute: _add_revolute, Weld: _add_weld, Prismatic: _add_prismatic, Distance: _add_distance,
-    CoordinateDrive: _add_drive, Spherical: _add_spherical, Cylindrical: _add_cylindrical,
+    scene.Revolute: _add_revolute, scene.Weld: _add_weld, scene.Prismatic: _add_prismatic,
+    scene.Distance: _add_distance, scene.CoordinateDrive: _add_drive, scene.Spherical: _add_spherical,
+    scene.Cylindrical: _add_cylindrical,
 }  # fmt: skip
 LOADS = {
-    **dict.fromkeys((Force, Torque, TorqueVector), _add_push), SpringDamper: _add_spring, TorsionSpring: _add_torsion,
+    **dict.fromkeys((scene.Force, scene.Torque, scene.TorqueVector), _add_push),
+    scene.SpringDamper: _add_spring, scene.TorsionSpring: _add_torsion,
 }  # fmt: skip

@@ -1,7 +1,5 @@
 """Exudyn's solver, run without surprises."""
 
-from __future__ import annotations
-
 import re
 from dataclasses import dataclass
 from functools import reduce

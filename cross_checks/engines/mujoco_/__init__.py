@@ -1,7 +1,5 @@
 """MuJoCo: joints in a tree are exact minimal coordinates; loop closures are always soft constraints."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -13,9 +11,8 @@ from cross_checks.engine.outcome import Loop, end_of
 from cross_checks.engine.plan import Plan
 from cross_checks.engines.mujoco_.build import compile_links
 from cross_checks.engines.mujoco_.forces import Callback, force_refusals, passive, shared_forces, takes_shared_forces
-from cross_checks.engines.mujoco_.methods import METHODS, STOCK, TIGHT
 from cross_checks.engines.mujoco_.observe import Observer
-from cross_checks.engines.mujoco_.run import Left, advance, at_start, clock_end
+from cross_checks.engines.mujoco_.run import METHODS, STOCK, TIGHT, Left, advance, at_start, clock_end
 from cross_checks.linkage.engine import LinkageEngine
 from cross_checks.linkage.forces import SHARED
 from cross_checks.linkage.links import Linkage, closure_refusals, linkage_of

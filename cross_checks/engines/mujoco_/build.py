@@ -1,14 +1,12 @@
 """A scene as a MuJoCo model: every body's frame is its joint's, along the world's axes at t = 0."""
 
-from __future__ import annotations
-
 import mujoco
 import numpy as np
 
 from cross_checks.engine.plan import Plan
 from cross_checks.engines.mujoco_.contact import add_contact
 from cross_checks.engines.mujoco_.loads import LOADS, add_tendon
-from cross_checks.engines.mujoco_.methods import STOCK, pin_options, solref_of
+from cross_checks.engines.mujoco_.run import STOCK, pin_options, solref_of
 from cross_checks.linkage.links import Closure, Link, Linkage
 from cross_checks.linkage.tree import FIXED
 from mbs_ref.scene.euler_parameters import from_matrix

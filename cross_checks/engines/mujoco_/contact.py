@@ -4,8 +4,6 @@ Friction is MuJoCo's own: an elliptic cone whose projection raises the normal fo
 that a thrown sphere hops. It acts between the surfaces, half the penetration nearer to the centre than ours.
 """
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Loads and contacts that MuJoCo's own elements cannot be, applied by the shared force code at every stage."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 

@@ -1,7 +1,5 @@
 """Loads as MuJoCo's own tendons, joint springs and actuators without control."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 
 import mujoco

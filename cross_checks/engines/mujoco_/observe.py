@@ -1,7 +1,5 @@
 """MuJoCo's own motion and wrenches."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 import mujoco

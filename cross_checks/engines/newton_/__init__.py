@@ -7,8 +7,6 @@ Not yet taught: MuJoCo-Warp, which Newton's extra `sim` brings; XPBD, whose stat
 which makes velocities of differences of positions over a step, so that rounding grows as steps shrink (seen in 1.8.0).
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any, ClassVar
 

@@ -4,8 +4,6 @@
 # pyright: reportMissingImports=false
 # isort: split
 
-from __future__ import annotations
-
 from typing import Any
 
 import newton

@@ -1,7 +1,5 @@
 """Warp as Newton's kernels are to be compiled here; Newton's modules take that over when they are imported."""
 
-from __future__ import annotations
-
 from importlib.metadata import version
 
 VERSION = version("newton")  # its absence means engine-missing, and is found before that of Warp

@@ -1,7 +1,5 @@
 """OpenSim: Simbody's minimal coordinates, loops by constraints that every step is projected on."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any, ClassVar
 

@@ -1,7 +1,5 @@
 """A scene as an OpenSim model: every body's frame is its joint's, along the world's axes at t = 0."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

@@ -1,7 +1,5 @@
 """States and step counts of an OpenSim model, and Simbody's integrators as OpenSim offers them."""
 
-from __future__ import annotations
-
 import ctypes
 import os
 import re

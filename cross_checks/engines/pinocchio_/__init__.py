@@ -1,7 +1,5 @@
 """Pinocchio: ABA in trees, proximal constraint dynamics in loops, driven from Python by RK4 or DOP853."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -12,8 +10,15 @@ from cross_checks.engine import Method, Poses, Refusal
 from cross_checks.engine.outcome import Loop
 from cross_checks.engine.plan import Plan
 from cross_checks.engines.pinocchio_.build import Mechanism, mechanism_of
-from cross_checks.engines.pinocchio_.loop import RightHandSide, advance_adaptive, advance_fixed, right_hand_side
-from cross_checks.engines.pinocchio_.methods import GAINS, METHODS, NO_GAINS
+from cross_checks.engines.pinocchio_.loop import (
+    GAINS,
+    METHODS,
+    NO_GAINS,
+    RightHandSide,
+    advance_adaptive,
+    advance_fixed,
+    right_hand_side,
+)
 from cross_checks.engines.pinocchio_.observe import motions_of, reactions_of
 from cross_checks.linkage.engine import LinkageEngine
 from cross_checks.linkage.forces import SHARED

@@ -3,8 +3,6 @@
 Every joint's frame stands along the world's axes at t = 0, where all coordinates are neutral.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import Any

@@ -1,6 +1,4 @@
-"""Accelerations by Pinocchio, and Runge-Kutta methods of order 4 and 8 around them."""
-
-from __future__ import annotations
+"""Accelerations by Pinocchio, which has no integrator, and Runge-Kutta methods of order 4 and 8 around them."""
 
 from collections.abc import Callable
 from itertools import pairwise
@@ -11,11 +9,30 @@ import numpy as np
 import pinocchio as pin
 from scipy.integrate import DOP853
 
+from cross_checks.engine.method import LOOPS, adaptive, exponential, fixed
 from cross_checks.engine.outcome import End, Loop
 from cross_checks.engine.plan import Plan
 from cross_checks.engines.pinocchio_.build import Mechanism
 from mbs_ref.trajectory import Status
 
+GAINS = (100.0, 20.0)  # 1/s^2, 1/s: Kp and Kd, critically damped at 10 rad/s; Pinocchio's own default is 0, 0
+NO_GAINS = "_no_gains"
+SHRINK = "in loops, steps that shrink towards a singular pose end on it, where the proximal solve loses the energy"
+DRIFT = "without gains nothing holds the loop once a singular pose has let it slip"
+METHODS = (
+    adaptive(
+        "dop853", 8, "SciPy DOP853, driven from Python, Baumgarte gains in loops",
+        wrong_limit=SHRINK, weak_on=LOOPS, embedded=7, driven_from_python=True,
+    ),
+    fixed(
+        "rk4", 4, "Runge-Kutta 4, driven from Python, Baumgarte gains in loops", stability=exponential(4),
+        driven_from_python=True,
+    ),
+    fixed(
+        "rk4" + NO_GAINS, 4, "Runge-Kutta 4, driven from Python, with Pinocchio's default gains of zero",
+        requires=LOOPS, stability=exponential(4), wrong_limit=DRIFT, weak_on=LOOPS, driven_from_python=True,
+    ),
+)  # fmt: skip
 PROXIMAL = {"absolute_accuracy": 1e-14, "mu": 1e-8, "max_iter": 20}  # mu = 0 gives NaN on redundant rows
 RightHandSide = Callable[[float, np.ndarray], np.ndarray]
 

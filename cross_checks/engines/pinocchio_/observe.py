@@ -1,7 +1,5 @@
 """Pinocchio's own motion and reactions."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 import numpy as np

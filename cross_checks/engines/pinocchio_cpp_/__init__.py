@@ -1,7 +1,5 @@
 """Pinocchio as its users drive it: a loop in C++ over its own headers, for trees that gravity alone moves."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import ClassVar
 

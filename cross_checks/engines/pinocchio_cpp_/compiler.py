@@ -3,8 +3,6 @@
 It is kept in the cache folder under a digest of its source, the compiler, the flags and Pinocchio's version.
 """
 
-from __future__ import annotations
-
 import hashlib
 import os
 import platform

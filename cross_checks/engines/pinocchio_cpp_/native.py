@@ -1,7 +1,5 @@
 """A Pinocchio model handed to the C++ program, joint by joint, and its loops there."""
 
-from __future__ import annotations
-
 import ctypes
 import weakref
 from functools import cache

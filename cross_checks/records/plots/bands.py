@@ -1,7 +1,5 @@
 """How an ensemble spreads over time: the band from the 5 % to the 95 % quantile, and the median in it."""
 
-from __future__ import annotations
-
 import html
 
 from cross_checks.records.plots.plot import COLOURS, Figure, new_figure

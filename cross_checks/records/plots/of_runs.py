@@ -1,23 +1,12 @@
 """Plots of the runs of one scene: error against loop time, and error, energy drift and compliance over time."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 
 from cross_checks.records.cost import best_of_engines, floor, is_timed, loop_time, usable
 from cross_checks.records.numbers import duration, metres, setting, short
-from cross_checks.records.plots.plot import (
-    FLOOR,
-    Figure,
-    Style,
-    add_series,
-    lines,
-    new_figure,
-    style_of,
-    styles,
-    to_data,
-)
+from cross_checks.records.plots import plot
+from cross_checks.records.plots.plot import Figure
 from cross_checks.records.record import Record
 
 
@@ -41,18 +30,18 @@ def _history(records: list[Record], key: str, title: str) -> dict[str, Any] | No
     drawn = [r for r in best_of_engines(records) if r.history.get(key) and r.history.get("t")]
     if not drawn:
         return None
-    chosen = styles(records)
+    chosen = plot.styles(records)
     drawn.sort(key=lambda r: list(chosen).index((r.engine, r.method)))
-    figure = new_figure("time, s", title, x_log=False)
+    figure = plot.new_figure("time, s", title, x_log=False)
     figure.update_yaxes(dtick=None, nticks=10)
     for record in drawn:
-        label = lines(f"{record.engine} · {record.method}", setting(record.settings))
+        label = plot.lines(f"{record.engine} · {record.method}", setting(record.settings))
         hover = f"{label}<br>%{{y:.2e}} at %{{x:.3g}} s<extra></extra>"
         style = chosen[record.engine, record.method]
         # the first sample is zero by construction and would stretch the axis
         x, y = record.history["t"][1:], record.history[key][1:]
-        add_series(figure, record.engine, record.method, style, x, y, mode="lines", hovertemplate=hover)
-    return to_data(figure)
+        plot.add_series(figure, record.engine, record.method, style, x, y, mode="lines", hovertemplate=hover)
+    return plot.to_data(figure)
 
 
 FRONTIER = "frontier"  # the name of an engine's one line
@@ -60,12 +49,12 @@ FRONTIER = "frontier"  # the name of an engine's one line
 
 def work_precision(records: list[Record]) -> dict[str, Any]:
     """Return the figure of one scene: time of the loop (ms) across, error over the scene's scales up."""
-    figure = new_figure("time of the integration loop, ms", "error over the scene's scales")
-    chosen = styles(records)
+    figure = plot.new_figure("time of the integration loop, ms", "error over the scene's scales")
+    chosen = plot.styles(records)
     for engine in dict.fromkeys(engine for engine, _ in chosen):
         own = frontier([r for r in records if r.engine == engine])
         if own:
-            _add(figure, engine, FRONTIER, style_of(engine), own)
+            _add(figure, engine, FRONTIER, plot.style_of(engine), own)
             figure.data[-1]["marker"] |= {"symbol": [chosen[engine, r.method].symbol for r in own], "size": 9}
             figure.data[-1]["line"] |= {"width": 2.5}
     for (engine, method), style in chosen.items():
@@ -75,7 +64,7 @@ def work_precision(records: list[Record]) -> dict[str, Any]:
             figure.data[-1]["meta"] |= {"detail": True}
             figure.data[-1]["line"] |= {"width": 1.2}
     _truth_band(figure, records)
-    return to_data(figure)
+    return plot.to_data(figure)
 
 
 def frontier(records: list[Record]) -> list[Record]:
@@ -88,17 +77,17 @@ def frontier(records: list[Record]) -> list[Record]:
     return result
 
 
-def _add(figure: Figure, engine: str, method: str, style: Style, records: list[Record], **more: Any) -> None:
+def _add(figure: Figure, engine: str, method: str, style: plot.Style, records: list[Record], **more: Any) -> None:
     x = [loop_time(r) * 1e3 for r in records]
     y = [r.error.value for r in records if r.error]
     text = [_hover(r) for r in records]
-    add_series(figure, engine, method, style, x, y, text=text, hovertemplate="%{text}<extra></extra>", **more)
+    plot.add_series(figure, engine, method, style, x, y, text=text, hovertemplate="%{text}<extra></extra>", **more)
 
 
 def _hover(record: Record) -> str:
     assert record.error is not None
     how = "timed alone" if is_timed(record) else "timed once, beside other runs"
-    return lines(
+    return plot.lines(
         f"{record.engine} · {record.method}",
         setting(record.settings),
         f"error {short(record.error.value)}, {metres(record.error.metres)}; worst: {record.error.worst}",
@@ -110,7 +99,7 @@ def _hover(record: Record) -> str:
 def _truth_band(figure: Figure, records: list[Record]) -> None:
     """Shade the errors that the truth cannot judge, and frame the axis to show it."""
     known = floor(records)
-    drawn = [max(r.error.value, FLOOR) for r in records if usable(r) and r.error]
+    drawn = [max(r.error.value, plot.FLOOR) for r in records if usable(r) and r.error]
     if known <= 0.0 or not drawn:
         return
     low, high = min(known / 10.0, min(drawn) / 3.0), max(drawn) * 3.0

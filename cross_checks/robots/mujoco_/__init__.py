@@ -1,7 +1,5 @@
 """A robot in an MJCF file as a scene, read by MuJoCo's own parser; and MuJoCo's dynamics of a file."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any

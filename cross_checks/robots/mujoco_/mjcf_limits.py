@@ -1,7 +1,5 @@
 """What of an MJCF model no scene holds: refused by name, left out where asked, or assumed and said."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 import numpy as np

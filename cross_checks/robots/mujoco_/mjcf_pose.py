@@ -1,7 +1,5 @@
 """The bodies, joints and forces of an MJCF model at the start, as parts of a scene."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from functools import cached_property
 from itertools import combinations

@@ -5,8 +5,6 @@ leaves least of the error is named if that is EXPLAINS times less; the search go
 company.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 import numpy as np

@@ -1,7 +1,5 @@
 """A file's motion as it is understood so far, and what it is held against."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """Mistakes of conventions and of the clock."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
@@ -9,12 +7,13 @@ from typing import Any
 import numpy as np
 
 from cross_checks.trajectory_files import columns as units
-from cross_checks.trajectory_files.columns import STATE, FileError
+from cross_checks.trajectory_files.columns import FileError
 from cross_checks.trajectory_files.judgement import samples_at
 from cross_checks.trajectory_files.mistakes.case import Case
 from cross_checks.trajectory_files.motion import described_motion
 from cross_checks.truths.truth import NoTruth
 from mbs_ref.observables.distance import turn_between
+from mbs_ref.trajectory import POSES
 
 SWAPPED = {
     "quaternion wxyz": "quaternion xyzw", "quaternion xyzw": "quaternion wxyz",
@@ -24,7 +23,7 @@ SWAPPED = {
 
 def other_conventions(case: Case) -> Iterator[tuple[str, Case]]:
     """Yield the case with each other reading of one part's columns, of all bodies at once."""
-    for part in STATE:
+    for part in POSES:
         stated = next((getattr(b, part) for b in case.stated.bodies.values() if getattr(b, part) is not None), None)
         for word, other in _other_words(part, stated):
             read = _read(case, part, {word: other})

@@ -1,7 +1,5 @@
 """Another frame: a world that is turned or shifted, body axes that are turned."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """A term of the equations that was left out: gravity, or one load."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import replace
 

@@ -1,9 +1,8 @@
 """A converged truth: two formulations, two integrators, two precisions; the difference is the error bar."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -32,47 +31,20 @@ class Formulation:
     breakpoints: tuple[float, ...] = ()  # s, where the derivative is not smooth in time
 
 
-@dataclass(frozen=True)
-class Agreement:
-    """World poses, and how well they are known."""
-
-    position: np.ndarray  # (n_t, n_bodies, dimension) m
-    angle: np.ndarray  # (n_t, n_bodies) rad, or (n_t, n_bodies, 4) Euler parameters
-    difference: float  # m, largest between the two runs; NaN where the second was spared
-    sensitivity: float  # m of pose per unit of error at the start
-    uncertainty: float  # m
-    velocity: np.ndarray  # (n_t, n_bodies, dimension) m/s
-    angular_velocity: np.ndarray  # (n_t, n_bodies) or (n_t, n_bodies, 3) rad/s
-    rate_uncertainty: np.ndarray  # (n_t,) m/s and rad/s
-
-
-def converged(agreement: Agreement, first: str, second: str, *, is_costly: bool = False) -> Truth:
-    """Return the truth that two computations agree on; `first` and `second` name their equations and methods."""
-    gap, growth = agreement.difference, agreement.sensitivity
-    return Truth(
-        agreement.position, agreement.angle, agreement.uncertainty, "converged",
-        f"{second}; {first} differ by {gap:.1e} m; a start error grows {growth:.1e}-fold", gap, is_costly,
-        agreement.velocity, agreement.angular_velocity, agreement.rate_uncertainty,
-    )  # fmt: skip
-
-
-def carried(relative: Agreement, displacement: np.ndarray, velocity: np.ndarray) -> Agreement:
-    """Return in world axes an agreement in a frame that is displaced (n_t, d) m and moves at (n_t, d) m/s."""
-    place, rate = relative.position + displacement[:, None], relative.velocity + velocity[:, None]
-    return replace(relative, position=place, velocity=rate)
-
-
 def agree(
     first: Formulation,
     second: Formulation,
     times: np.ndarray,
+    ways: tuple[str, str],
     *,
     extended: bool,
     rk_tolerance: float = RK_TOLERANCE,
     second_by: Callable | None = None,
-) -> Agreement:
+    is_costly: bool = False,
+) -> Truth:
     """Solve `first` by DOP853 and `second` by extrapolation, in extended precision if so requested; compare poses.
 
+    `ways` names the equations and methods of the first and of the second; the truth is the second's motion.
     Where forces set in or let go, DOP853 is left to find it by its error control and extrapolation locates it.
     `second_by` names another solver where extrapolation does not suit, as for stiff motions.
     The uncertainty is the difference plus the roundoff of double data magnified by the motion; where the
@@ -84,24 +56,21 @@ def agree(
     states = runge_kutta(first.derivative, first.start, grid, rk_tolerance)
     coarse, rates = _poses(first, grid, states), _rates(first, grid, states)
     sensitivity = _sensitivity(first, grid, coarse, rk_tolerance)
-    if DOUBLE_EPS * sensitivity > LARGEST_UNCERTAINTY:
-        doubt = np.full(len(rows), np.inf)
-        given = (DOUBLE_EPS * sensitivity, rates[0][rows], rates[1][rows], doubt)
-        return Agreement(coarse[0][rows], coarse[1][rows], float("nan"), sensitivity, *given)
-    start = second.start.astype(kind)
-    solved = (
-        _extrapolated(second, start, grid, tolerance)
-        if second_by is None
-        else second_by(second.derivative, start, grid, tolerance)
-    )
-    fine = _poses(second, grid, solved)
-    difference = _gap(fine, coarse)
-    uncertainty = difference + DOUBLE_EPS * max(1.0, sensitivity)
-    best = _rates(second, grid, solved)
-    apart = unmasked_distances(Partial(None, None, *best[:2]), Partial(None, None, *rates[:2]), best[1].ndim == 3)
-    doubt = best[2] + apart[..., 2:].max(axis=(1, 2)) + DOUBLE_EPS * max(1.0, sensitivity)
-    given = (best[0][rows], best[1][rows], doubt[rows])
-    return Agreement(fine[0][rows], fine[1][rows], difference, sensitivity, uncertainty, *given)
+    fine, best, difference = coarse, rates, float("nan")
+    uncertainty, doubt = DOUBLE_EPS * sensitivity, np.full(len(grid), np.inf)
+    if not uncertainty > LARGEST_UNCERTAINTY:
+        start = second.start.astype(kind)
+        solve = partial(_extrapolated, second) if second_by is None else partial(second_by, second.derivative)
+        solved = solve(start, grid, tolerance)
+        fine, best = _poses(second, grid, solved), _rates(second, grid, solved)
+        difference, roundoff = _gap(fine, coarse), DOUBLE_EPS * max(1.0, sensitivity)
+        apart = unmasked_distances(Partial(None, None, *best[:2]), Partial(None, None, *rates[:2]), best[1].ndim == 3)
+        uncertainty, doubt = difference + roundoff, best[2] + apart[..., 2:].max(axis=(1, 2)) + roundoff
+    how = f"{ways[1]}; {ways[0]} differ by {difference:.1e} m; a start error grows {sensitivity:.1e}-fold"
+    return Truth(
+        fine[0][rows], fine[1][rows], uncertainty, "converged", how, difference, is_costly,
+        best[0][rows], best[1][rows], doubt[rows],
+    )  # fmt: skip
 
 
 def _extrapolated(formulation: Formulation, start: np.ndarray, grid: np.ndarray, tolerance: float) -> np.ndarray:

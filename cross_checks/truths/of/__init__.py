@@ -1,1 +1,1 @@
-"""The truths by families of systems, found by listing this folder: each file lists its own in TRUTHS."""
+"""The truths by families of systems, found by listing this folder: public functions with the name of their scene."""

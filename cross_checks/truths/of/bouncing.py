@@ -5,8 +5,6 @@ d^(n+1) = (n + 1) m k / c^2 [D - u - ln((1 + D)/(1 + u))] with u = c d'/k and D 
 D (1 + e) = ln((1 + D)/(1 - D e)), for every n.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import Any
@@ -19,14 +17,8 @@ from cross_checks.truths.made_by.numerics.quadrature import integral
 from cross_checks.truths.truth import NoTruth, OutsideDomainError, Truth, unturned
 from mbs_ref import scenes
 from mbs_ref.scene import Scene
-from mbs_ref.scene.contact import (
-    FloresLaw,
-    HuntCrossleyLaw,
-    LankaraniNikraveshLaw,
-    ProgressiveLaw,
-    RigidLaw,
-    SpringDamperLaw,
-)
+from mbs_ref.scene import contact as laws
+from mbs_ref.scene.contact import SpringDamperLaw
 from mbs_ref.scenes.bouncing import floor_normal
 
 CREEPING = 10.0  # -ln(1 - e D): beyond, the end of the contact is a creep whose duration doubles do not resolve
@@ -45,7 +37,7 @@ class Impact:
 
 def impact(law: Any, mass: float, speed: float) -> Impact:
     """Return the exact impact of a law without gravity."""
-    if isinstance(law, RigidLaw):
+    if isinstance(law, laws.RigidLaw):
         return Impact(law.restitution, 0.0, 0.0)
     if isinstance(law, SpringDamperLaw):
         return _linear(law, mass, speed)
@@ -55,13 +47,13 @@ def impact(law: Any, mass: float, speed: float) -> Impact:
 
 def power_law(law: Any, speed: float) -> tuple[float, float, float]:
     """Return k, c and n of F = d^n (k + c d') at an impact speed."""
-    if isinstance(law, ProgressiveLaw):
+    if isinstance(law, laws.ProgressiveLaw):
         return law.stiffness, law.damping, 1.0
-    if isinstance(law, HuntCrossleyLaw):
+    if isinstance(law, laws.HuntCrossleyLaw):
         return law.stiffness, law.damping, law.exponent
-    if isinstance(law, LankaraniNikraveshLaw):
+    if isinstance(law, laws.LankaraniNikraveshLaw):
         return law.stiffness, 0.75 * (1.0 - law.restitution**2) * law.stiffness / speed, law.exponent
-    assert isinstance(law, FloresLaw)
+    assert isinstance(law, laws.FloresLaw)
     return law.stiffness, 1.6 * (1.0 / law.restitution - 1.0) * law.stiffness / speed, law.exponent
 
 
@@ -172,7 +164,7 @@ def _under_gravity(scene: Scene, times: np.ndarray) -> Truth | NoTruth:
     """Linear laws bounce piece by piece until the ball rests."""
     contact: Any = scene.contacts[0]
     law = contact.law
-    if not _is_linear(law) or contact.thickness is not None:
+    if not isinstance(law, SpringDamperLaw | laws.RigidLaw) or contact.thickness is not None:
         return NoTruth("under gravity the motion is known for the linear laws alone, on an endless floor")
     y, uncertainty = line_motion(line_of(scene, 1, [one_sided(law, (1.0,), contact.radius)]), times)
     how = "flights and damped oscillations, matrix exponentials between instants found to roundoff"
@@ -188,10 +180,6 @@ def _depth(law: SpringDamperLaw, mass: float, speed: float, since: np.ndarray) -
     decay = 0.5 * law.damping / mass
     turn = math.sqrt(law.stiffness / mass - decay**2)
     return speed / turn * np.exp(-decay * since) * np.sin(turn * since)
-
-
-def _is_linear(law: Any) -> bool:
-    return isinstance(law, SpringDamperLaw | RigidLaw)
 
 
 def _left_inside(law: SpringDamperLaw, mass: float, speed: float, rebound: Impact) -> float:
@@ -227,6 +215,3 @@ def oblique_disc(scene: Scene, times: np.ndarray) -> Truth | NoTruth:
     angle = disc.angle - disc.mass * ground.radius / disc.inertia * kick
     how = "closed form: a free normal impact, and Coulomb's friction that slides all along"
     return Truth(np.stack((x, y), axis=1)[:, None], angle[:, None], uncertainty, "exact", how)
-
-
-TRUTHS = {"bouncing_ball": bouncing_ball, "bouncing_sphere": bouncing_sphere, "oblique_disc": oblique_disc}

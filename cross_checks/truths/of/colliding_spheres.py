@@ -1,7 +1,5 @@
 """Two smooth spheres: an impulse along the line of centres, or a central force F(r) by quadrature."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import Any
@@ -100,6 +98,3 @@ def colliding_spheres(scene: Scene, times: np.ndarray) -> Truth | NoTruth:
     uncertainty = ROUNDOFF + speed * late + turned * float(np.max(np.abs(after), initial=0.0))
     how = "impulse along the line of centres, or its motion by quadrature"
     return Truth(position, unturned(position), uncertainty, "exact", how)
-
-
-TRUTHS = {"colliding_spheres": colliding_spheres}

@@ -1,12 +1,10 @@
 """The stiff flyball governor in slider height and arm angle: the angular momentum gives the turn."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np
 
-from cross_checks.truths.made_by.agreement import Formulation, agree, converged
+from cross_checks.truths.made_by.agreement import Formulation, agree
 from cross_checks.truths.made_by.numerics.scipy_solvers import radau
 from cross_checks.truths.truth import Truth
 from mbs_ref.scene import Scene, SpatialBody
@@ -19,11 +17,10 @@ HALF = 0.5 * LENGTH  # m, from the hinge to the coupler
 def flyball_governor(scene: Scene, times: np.ndarray) -> Truth:
     """Turned by half a turn the governor is itself: both arms droop alike. Two unlike sets of coordinates."""
     governor = _governor(scene)
-    agreement = agree(_heights(governor), _lengths(governor), times, extended=False, second_by=radau)
-    return converged(
-        agreement, "Lagrange's in slider height and arm angle by DOP853",
-        "Hamilton's equations in coupler length and arm angle by Radau IIA", is_costly=True,
-    )  # fmt: skip
+    first = "Lagrange's in slider height and arm angle by DOP853"
+    ways = first, "Hamilton's equations in coupler length and arm angle by Radau IIA"
+    both = _heights(governor), _lengths(governor)
+    return agree(*both, times, ways, extended=False, second_by=radau, is_costly=True)
 
 
 @dataclass(frozen=True)
@@ -126,6 +123,3 @@ def _lengths(g: Governor) -> Formulation:
     return Formulation(
         derivative, np.array([REST, DROOP, 0.0, 0.0, 0.0]), lambda t, y: g.poses(height(y[0], y[1])[0], y[1], y[4])
     )
-
-
-TRUTHS = {"flyball_governor": flyball_governor}

@@ -1,13 +1,11 @@
 """Truths of two problems of the IVP test set: Andrews' squeezer and the car axis."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 
-from cross_checks.truths.made_by.agreement import Formulation, agree, converged
+from cross_checks.truths.made_by.agreement import Formulation, agree
 from cross_checks.truths.made_by.mechanisms.one_freedom import OneFreedom, hamilton, lagrange
 from cross_checks.truths.made_by.numerics import jet
 from cross_checks.truths.made_by.numerics.jet import Jet
@@ -25,9 +23,8 @@ def andrews(scene: Scene, times: np.ndarray) -> Truth:
     free = OneFreedom(
         _squeezer_poses, mass, inertia, np.zeros(3), np.longdouble(given.START["beta"]), np.longdouble(0), _stored
     )
-    found = agree(lagrange(free), hamilton(free), times, extended=True)
     how = "Hamilton's equations in the crank angle, loops closed by circles, by extrapolation in extended precision"
-    truth = converged(found, "Lagrange's by DOP853", how)
+    truth = agree(lagrange(free), hamilton(free), times, ("Lagrange's by DOP853", how), extended=True)
     angle = 2.0 * np.arctan2(truth.orientation[..., 3], truth.orientation[..., 0])
     spin = None if truth.angular_velocity is None else truth.angular_velocity[..., 2]
     velocity = None if truth.velocity is None else truth.velocity[..., :2]
@@ -103,11 +100,9 @@ def _axes(along: Jet) -> Jet:
 
 def car_axis(scene: Scene, times: np.ndarray) -> Truth:
     """Newton's law along the slide and across the axis; index one with both constraints differentiated by hand."""
-    found = agree(_with_multipliers(), _minimal(), times, extended=True)
-    return converged(
-        found, "the source's coordinates with multipliers by DOP853",
-        "Newton's law along the slide and across the axis by extrapolation in extended precision", is_costly=True,
-    )  # fmt: skip
+    first = "the source's coordinates with multipliers by DOP853"
+    second = "Newton's law along the slide and across the axis by extrapolation in extended precision"
+    return agree(_with_multipliers(), _minimal(), times, (first, second), extended=True, is_costly=True)
 
 
 class Road(NamedTuple):
@@ -188,6 +183,3 @@ def _with_multipliers() -> Formulation:
 
     lean = -HEIGHT * AMPLITUDE * OMEGA / LENGTH
     return Formulation(derivative, np.array([0.0, HEIGHT, LENGTH, HEIGHT, lean, 0.0, lean, 0.0]), poses)
-
-
-TRUTHS = {"andrews": andrews, "car_axis": car_axis}

@@ -1,12 +1,9 @@
 """Truths of closed loops with one degree of freedom."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 
 import numpy as np
 
-from cross_checks.truths.made_by.agreement import converged
 from cross_checks.truths.made_by.mechanisms.one_freedom import agree_on
 from cross_checks.truths.made_by.numerics import jet
 from cross_checks.truths.made_by.numerics.closed_forms import amplitude, quarter_period
@@ -85,11 +82,5 @@ def bricard(scene: Scene, times: np.ndarray) -> Truth:
             corner = corner + along
         return jet.stack(places), jet.stack(axes)
 
-    agreement = agree_on(scene, poses, BRICARD_START, np.longdouble(0), times)
-    return converged(
-        agreement, "Lagrange's by DOP853",
-        "Hamilton's equations in the one coordinate of the closed loop by extrapolation in extended precision",
-    )  # fmt: skip
-
-
-TRUTHS = {"n_four_bar": n_four_bar, "spatial_n_four_bar": spatial_n_four_bar, "bricard": bricard}
+    how = "Hamilton's equations in the one coordinate of the closed loop by extrapolation in extended precision"
+    return agree_on(scene, poses, BRICARD_START, np.longdouble(0), times, ("Lagrange's by DOP853", how))

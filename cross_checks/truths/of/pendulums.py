@@ -1,10 +1,8 @@
 """Truths of pendulums of one body."""
 
-from __future__ import annotations
-
 import numpy as np
 
-from cross_checks.truths.made_by.agreement import Formulation, agree, converged
+from cross_checks.truths.made_by.agreement import Formulation, agree
 from cross_checks.truths.made_by.numerics.closed_forms import amplitude, quarter_period, rounding_error
 from cross_checks.truths.made_by.numerics.quadrature import TOLERANCE, running_integral
 from cross_checks.truths.truth import Truth, unturned
@@ -73,9 +71,8 @@ def _spherical_motion(data: np.ndarray, grid: np.ndarray) -> tuple[np.ndarray, f
 def spring_pendulum(scene: Scene, times: np.ndarray) -> Truth:
     """Newton's equations by DOP853 against Hamilton's polar ones by extrapolation in extended precision."""
     given = {key: float(value) for key, value in scene.parameters.items()}
-    agreement = agree(_cartesian(**given), _polar(**given), times, extended=True)
-    how = "polar Hamilton's equations by extrapolation in extended precision"
-    return converged(agreement, "Newton's in x, y by DOP853", how)
+    ways = "Newton's in x, y by DOP853", "polar Hamilton's equations by extrapolation in extended precision"
+    return agree(_cartesian(**given), _polar(**given), times, ways, extended=True)
 
 
 def _cartesian(rest_length, mass, stiffness, damping, gravity) -> Formulation:
@@ -105,9 +102,8 @@ def _polar(rest_length, mass, stiffness, damping, gravity) -> Formulation:
 def driven_pendulum(scene: Scene, times: np.ndarray) -> Truth:
     """Lagrange's equation by DOP853 against Hamilton's by extrapolation in extended precision."""
     given = {key: float(value) for key, value in scene.parameters.items()}
-    agreement = agree(_lagrange(**given), _hamilton(**given), times, extended=True)
-    how = "Hamilton's equations in the rod's angle by extrapolation in extended precision"
-    return converged(agreement, "Lagrange's by DOP853", how)
+    ways = "Lagrange's by DOP853", "Hamilton's equations in the rod's angle by extrapolation in extended precision"
+    return agree(_lagrange(**given), _hamilton(**given), times, ways, extended=True)
 
 
 def _lagrange(length, mass, amplitude, omega, angle, gravity) -> Formulation:
@@ -139,11 +135,3 @@ def _driven_poses(length, amplitude, omega):
         return np.stack([carriage, carriage + along]), np.array([0.0, y[0]])
 
     return poses
-
-
-TRUTHS = {
-    "pendulum": pendulum,
-    "spherical_pendulum": spherical_pendulum,
-    "spring_pendulum": spring_pendulum,
-    "driven_pendulum": driven_pendulum,
-}

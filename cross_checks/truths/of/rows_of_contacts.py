@@ -1,7 +1,5 @@
 """Truths of bodies in a row that touch each other: cradles, walls and stacks."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np
@@ -76,11 +74,3 @@ def block_stack(scene: Scene, times: np.ndarray) -> Truth | NoTruth:
     position = np.array([body.position for body in scene.bodies])[None] + sunk[:, :, None] * np.array([0.0, 0.0, 1.0])
     how = "the linear motion of masses on springs, matrix exponential"
     return Truth(position, unturned(position), UNCERTAINTY, "exact", how)
-
-
-TRUTHS = {
-    "newtons_cradle": newtons_cradle,
-    "disc_between_walls": disc_between_walls,
-    "box_stack": box_stack,
-    "block_stack": block_stack,
-}

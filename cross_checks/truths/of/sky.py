@@ -1,7 +1,5 @@
 """Truths of particles and satellites under celestial forces."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Any
 
@@ -162,14 +160,6 @@ def _satellite_poses(states: np.ndarray, radius, rate) -> tuple[np.ndarray, np.n
     return position, turned, velocity, omega
 
 
-TRUTHS = {
-    "kepler": kepler,
-    "pleiades": pleiades,
-    "solar_system": solar_system,
-    "librating_satellite": librating_satellite,
-    "figure_eight": converge,
-    "outer_solar_system": converge,
-    "satellite": converge,
-    "nesc_dropped_sphere": converge,
-    "nesc_sphere_in_air": converge,
-}
+TRUTHS = dict.fromkeys(
+    ("figure_eight", "outer_solar_system", "satellite", "nesc_dropped_sphere", "nesc_sphere_in_air"), converge
+)

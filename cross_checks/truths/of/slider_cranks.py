@@ -1,18 +1,18 @@
 """Truths of the planar and the spatial slider-crank, in the crank angle alone."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np
 
-from cross_checks.truths.made_by.agreement import Formulation, agree, converged
+from cross_checks.truths.made_by.agreement import Formulation, agree
 from cross_checks.truths.made_by.mechanisms.one_freedom import agree_on
 from cross_checks.truths.made_by.numerics import jet
 from cross_checks.truths.made_by.numerics.jet import Jet
 from cross_checks.truths.truth import Truth
 from mbs_ref.scene import Scene, Universal
 from mbs_ref.scenes.slider_cranks import PIVOT
+
+WAYS = "Lagrange's by DOP853", "Hamilton's equations in the crank angle by extrapolation in extended precision"
 
 
 def slider_crank(scene: Scene, times: np.ndarray) -> Truth:
@@ -21,9 +21,7 @@ def slider_crank(scene: Scene, times: np.ndarray) -> Truth:
     mass, inertia = (np.array([getattr(b, key) for b in scene.bodies]) for key in ("mass", "inertia"))
     crank = Crank(float(given["crank_length"]), float(given["rod_length"]), mass, inertia, float(given["gravity"]))
     phi, rate = float(given["crank_angle"]), float(given["crank_speed"])
-    agreement = agree(_lagrange(crank, phi, rate), _hamilton(crank, phi, rate), times, extended=True)
-    how = "Hamilton's equations in the crank angle by extrapolation in extended precision"
-    return converged(agreement, "Lagrange's by DOP853", how)
+    return agree(_lagrange(crank, phi, rate), _hamilton(crank, phi, rate), times, WAYS, extended=True)
 
 
 @dataclass(frozen=True)
@@ -125,11 +123,4 @@ def spatial_slider_crank(scene: Scene, times: np.ndarray) -> Truth:
 
     sign = 1.0
     sign = float(np.sign(poses(jet.parameter(0.0))[1].value[1][:, 1] @ first))
-    agreement = agree_on(scene, poses, 0.0, float(scene.parameters["crank_speed"]), times)
-    return converged(
-        agreement, "Lagrange's by DOP853",
-        "Hamilton's equations in the crank angle by extrapolation in extended precision", is_costly=True,
-    )  # fmt: skip
-
-
-TRUTHS = {"slider_crank": slider_crank, "spatial_slider_crank": spatial_slider_crank}
+    return agree_on(scene, poses, 0.0, float(scene.parameters["crank_speed"]), times, WAYS, is_costly=True)

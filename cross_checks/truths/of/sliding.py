@@ -1,7 +1,5 @@
 """Truths of bodies that slide, rest or roll under Coulomb's friction."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np
@@ -127,11 +125,3 @@ def _orientation(scene: Scene, times: np.ndarray, end: float) -> np.ndarray:
     final = spin + gain * end
     rolled = product(from_axis_angle(final, np.linalg.norm(final) * np.maximum(times - end, 0.0)), slid[-1])
     return np.where(times[:, None] < end, slid[np.searchsorted(grid, np.minimum(times, end))], rolled)
-
-
-TRUTHS = {
-    "incline": incline,
-    "sliding_block": sliding_block,
-    "rolling_disc": rolling_disc,
-    "rolling_sphere": rolling_sphere,
-}

@@ -10,9 +10,9 @@ import numpy as np
 from mbs_ref.cores.jointed_system import JointedSystem
 from mbs_ref.kernels.border.groups import floats, ints
 from mbs_ref.kernels.relative import model as arrays
-from mbs_ref.scene import GROUND, PointMass, Prismatic, Revolute, Scene, Spherical, Weld
+from mbs_ref.scene import PointMass, Prismatic, Revolute, Scene, Spherical, Weld
 from mbs_ref.scene.base.directions import unit
-from mbs_ref.scene.traits import deflecting
+from mbs_ref.scene.traits import deflecting, joined
 
 KINDS = {
     Revolute: arrays.REVOLUTE, Prismatic: arrays.PRISMATIC, Weld: arrays.WELD, Spherical: arrays.SPHERICAL,
@@ -32,26 +32,8 @@ def no_tree(scene: Scene) -> Iterator[str]:
         yield f"contacts {', '.join(deflecting(scene)[:4])} stick in space, and their deflections are states"
     if any(contact.law.HOLDS for contact in scene.contacts):
         yield "a contact stands for a constraint, which closes a loop"
-    for k in _closing(scene):
+    for k in joined(scene)[0]:
         yield f"joint {scene.joints[k].name!r} closes a loop"
-
-
-def _closing(scene: Scene) -> list[int]:
-    """Return the joints that close a loop."""
-    group = {name: name for name in (GROUND, *scene.body_names)}
-
-    def root(name: str) -> str:
-        while group[name] != name:
-            name = group[name]
-        return name
-
-    closing = []
-    for k, joint in enumerate(scene.joints):
-        a, b = (root(end) for end in joint.ends)
-        if a == b:
-            closing.append(k)
-        group[a] = b
-    return closing
 
 
 def layout_of(scene: Scene, redundant: Callable[[Scene], JointedSystem]) -> Layout:

@@ -1,14 +1,12 @@
 """A tree compiled in relative coordinates: joint angles, lengths and balls' orientations in place of six a body."""
 
-from __future__ import annotations
-
 from abc import abstractmethod
 from typing import Any, ClassVar, Self
 
 import numpy as np
 
 from mbs_ref.cores.jointed_system import JointedSystem
-from mbs_ref.cores.planar.system import PlanarSystem
+from mbs_ref.cores.planar import PlanarSystem
 from mbs_ref.cores.relative.layout import layout_of
 from mbs_ref.cores.spatial.system import SpatialSystem
 from mbs_ref.cores.system import Poses, System

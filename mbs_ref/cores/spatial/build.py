@@ -1,16 +1,14 @@
 """Scene -> SpatialGroups: the arrays of the groups a spatial scene uses."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np
 
-from mbs_ref.cores.builder import Builder, Place, assembled
+from mbs_ref.cores.builder import Builder, Place, assembled, ends, forces, torsion_springs
 from mbs_ref.kernels.border.groups import floats, ints
-from mbs_ref.kernels.rigid.model import Forces, TorsionSprings
+from mbs_ref.kernels.rigid.model import TorsionSprings
 from mbs_ref.kernels.spatial import model as arrays
-from mbs_ref.scene import Bushing, Force, Scene, SpatialBody, TorqueVector, TorsionSpring
+from mbs_ref.scene import Bushing, Scene, SpatialBody, TorsionSpring
 from mbs_ref.scene.base.directions import normals, unit
 from mbs_ref.scene.celestial import CelestialPart, Epoch, GravityGradient, Newton
 from mbs_ref.scene.euler_parameters import rotation_matrices
@@ -40,33 +38,12 @@ class _Builder(Builder):
         return np.array(world, dtype=float) if name == "ground" else self.axes[name].T @ world
 
 
-def _forces(build: _Builder) -> Forces:
-    loads = [x for x in build.scene.loads if isinstance(x, Force | TorqueVector)]
-    turned = [build.axes[x.body].T @ x.vector if x.frame == "body" else np.array(x.vector) for x in loads]
-    zero = np.zeros(3)
-    return Forces(
-        body=ints([build.body(x.body) for x in loads]),
-        point=floats([build.point(x.body, x.point) if isinstance(x, Force) else zero for x in loads], 3),
-        force=floats([v if isinstance(x, Force) else zero for x, v in zip(loads, turned, strict=True)], 3),
-        torque=floats([zero if isinstance(x, Force) else v for x, v in zip(loads, turned, strict=True)], 3),
-        follows=ints([int(x.frame == "body") for x in loads]),
-        signal=ints([build.signal(x.factor.segments()) for x in loads]),
-    )
-
-
-def _ends(build: _Builder, loads: list[Any]) -> tuple[np.ndarray, np.ndarray]:
-    return ints([build.body(x.body_a) for x in loads]), ints([build.body(x.body_b) for x in loads])
-
-
 def _torsion_springs(build: _Builder) -> TorsionSprings:
     loads = [x for x in build.scene.loads if isinstance(x, TorsionSpring)]
-    frames = [normals(x.axis) for x in loads]
-    pairs = list(zip(loads, frames, strict=True))
-    return TorsionSprings(
-        *_ends(build, loads),
-        stiffness=floats(x.stiffness for x in loads),
-        damping=floats(x.damping for x in loads),
-        rest_angle=floats(x.rest_angle or 0.0 for x in loads),
+    pairs = [(x, normals(x.axis)) for x in loads]
+    return torsion_springs(
+        build,
+        lambda load: load.rest_angle or 0.0,
         zero=floats([build.direction(x.body_a, f[0]) for x, f in pairs], 3),
         quarter=floats([build.direction(x.body_a, f[1]) for x, f in pairs], 3),
         mark=floats([build.direction(x.body_b, f[0]) for x, f in pairs], 3),
@@ -79,7 +56,7 @@ def _bushings(build: _Builder) -> arrays.Bushings:
     frames = [np.column_stack((x, y, np.cross(x, y))) for x, y in directions]
     pairs = list(zip(loads, frames, strict=True))
     return arrays.Bushings(
-        *_ends(build, loads),
+        *ends(build, loads),
         floats([build.point(x.body_a, x.point) for x in loads], 3),
         floats([build.point(x.body_b, x.point) for x in loads], 3),
         floats((build.direction(x.body_a, f) for x, f in pairs), 3, 3),
@@ -124,7 +101,7 @@ def build_spatial(scene: Scene) -> tuple[Any, dict[int, Place]]:
         arrays.SpatialGroups,
         widths=np.array((3 + 4 * rigid, 3 + 3 * rigid)),
         inertia=floats(inertia, 6),
-        forces=_forces(build),
+        forces=forces(build),
         torsion_springs=_torsion_springs(build),
         bushings=_bushings(build),
         attraction=_attraction(build),

@@ -1,7 +1,5 @@
 """A spatial scene compiled: Euler parameters, joint rows, reactions; callable from Python."""
 
-from __future__ import annotations
-
 from functools import cached_property
 from typing import Any
 

@@ -1,7 +1,5 @@
 """A part that acts on bodies: what joints, loads, contacts and events have in common."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from functools import cache
 from typing import Any, ClassVar
@@ -17,6 +15,14 @@ NO_ORIENTATION = "and has no orientation; use a rigid body"
 def _signal_fields(kind: type[Part]) -> tuple[str, ...]:
     """Return the fields of a kind of part that hold functions of time."""
     return tuple(name for name, field in kind.model_fields.items() if field.annotation == AnySignal)
+
+
+def coordinate_complaints(coordinate: str, dimension: int, instead: str = "") -> Iterator[str]:
+    """Yield what keeps a scene of this dimension from having the coordinate; `instead` advises on the angle."""
+    if dimension == 2 and coordinate == "z":
+        yield "coordinate = 'z' is for space alone"
+    if dimension == 3 and coordinate == "angle":
+        yield "coordinate = 'angle' is for the plane alone" + instead
 
 
 class Attached(Part):

@@ -1,7 +1,5 @@
 """What makes no sense in a scene as a whole: names that clash or are missing, parts in the wrong dimension."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 

@@ -1,7 +1,5 @@
 """Directions: whether two are perpendicular, unit vectors, and the normals of an axis."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

@@ -3,8 +3,6 @@
 Numbers, + - * / **, brackets, the functions of FUNCTIONS, `pi`, `t` (s), and two bodies' coordinates: a.x, b.angle.
 """
 
-from __future__ import annotations
-
 import ast
 import math
 from collections.abc import Callable

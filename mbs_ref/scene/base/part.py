@@ -1,7 +1,5 @@
 """The base of every part of a scene: frozen, validated, SI, unknown fields refused."""
 
-from __future__ import annotations
-
 import math
 from enum import Enum
 from functools import cache

@@ -4,8 +4,6 @@ Points (m) and unit vectors are the world's at t = 0; each is fixed in the body 
 rows: Haug, Computer Aided Kinematics and Dynamics of Mechanical Systems (1989), sec. 9.4.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, ClassVar, Protocol

@@ -4,8 +4,6 @@ f(s) = value + first s + second s^2 / 2 along a motion, and first derivatives al
 the derivatives are exact. Source: Griewank and Walther, Evaluating Derivatives (2nd ed., 2008), table 13.2.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from typing import Any

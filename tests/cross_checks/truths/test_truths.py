@@ -141,8 +141,8 @@ def test_disagreement_becomes_uncertainty():
     def decay(rate):
         return Formulation(lambda t, y: -rate * y, np.array([1.0]), lambda t, y: (np.array([[y[0], 0.0]]), np.zeros(1)))
 
-    same = agree(decay(1.0), decay(1.0), np.array([0.0, 1.0]), extended=True)
-    other = agree(decay(1.0), decay(1.0 + 1e-6), np.array([0.0, 1.0]), extended=True)
+    same = agree(decay(1.0), decay(1.0), np.array([0.0, 1.0]), ("one", "other"), extended=True)
+    other = agree(decay(1.0), decay(1.0 + 1e-6), np.array([0.0, 1.0]), ("one", "other"), extended=True)
     assert same.uncertainty < 1e-14
     assert other.uncertainty == pytest.approx(1e-6 * np.exp(-1.0), rel=1e-3)
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from mbs_ref import scenes
-from mbs_ref.cores.planar.system import PlanarSystem
+from mbs_ref.cores.planar import PlanarSystem
 from tests.mbs_ref.cores.mechanisms import EVERY, moved_state
 
 T = 0.3  # s, inside a smooth stretch of every signal used

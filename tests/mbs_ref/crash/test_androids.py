@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from mbs_ref import scenes
-from mbs_ref.cores.planar.system import PlanarSystem
+from mbs_ref.cores.planar import PlanarSystem
 from mbs_ref.crash import injury
 from mbs_ref.crash.results import crash_results, sign_changes
 from mbs_ref.observables import constraint_residual

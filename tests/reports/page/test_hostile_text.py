@@ -89,7 +89,7 @@ def test_hostile_records_add_no_element(tmp_path):
 def test_a_hostile_scene_file_is_read_judged_and_shown_as_text(tmp_path):
     record = evaluate(loads(SCENE), "mbs_ref", Settings(samples=5))
     assert record.status == "success"
-    again = record_file.from_line(json.dumps(record.to_dict()).encode())
+    again = record_file.from_dict(json.loads(json.dumps(record.to_dict())))
     page = page_of(ReportData((), (again,)), tmp_path / "out")
     assert page.bad == []
     source = source_of(tmp_path / "out")

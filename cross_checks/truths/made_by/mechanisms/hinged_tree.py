@@ -4,8 +4,6 @@ The bodies that are welded to ground are ground. y holds the root's place x, y (
 angle (rad), then as many rates or momenta.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

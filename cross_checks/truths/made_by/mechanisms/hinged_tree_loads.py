@@ -1,7 +1,5 @@
 """What acts on a tree of planar bodies, evaluated from the scene's own parts: no code of the solver takes part."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import NamedTuple

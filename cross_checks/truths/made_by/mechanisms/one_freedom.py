@@ -1,16 +1,15 @@
 """A conservative mechanism of one freedom: Lagrange's and Hamilton's equations in the coordinate that it leaves."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from cross_checks.truths.made_by.agreement import Agreement, Formulation, agree
+from cross_checks.truths.made_by.agreement import Formulation, agree
 from cross_checks.truths.made_by.numerics import jet
 from cross_checks.truths.made_by.numerics.jet import Jet
+from cross_checks.truths.truth import Truth
 from mbs_ref.scene import Scene, SpatialBody, symmetric
 from mbs_ref.scene.euler_parameters import from_matrix
 
@@ -74,9 +73,12 @@ def hamilton(given: OneFreedom) -> Formulation:
     return Formulation(derivative, start, lambda t, y: given.world(y[0]))
 
 
-def agree_on(scene: Scene, poses: Callable[[Jet], tuple[Jet, Jet]], start: Any, rate: Any, times) -> Agreement:
-    """Solve both ways the motion of a scene whose bodies, in its order, are where `poses` says."""
+def agree_on(
+    scene: Scene, poses: Callable[[Jet], tuple[Jet, Jet]], start: Any, rate: Any, times: np.ndarray,
+    ways: tuple[str, str], *, is_costly: bool = False,
+) -> Truth:  # fmt: skip
+    """Return the truth, solved both ways, of a scene whose bodies, in its order, are where `poses` says."""
     mass = np.array([body.mass for body in scene.bodies])
     inertia = np.array([symmetric(body.inertia) for body in scene.bodies if isinstance(body, SpatialBody)])
     given = OneFreedom(poses, mass, inertia, np.array(scene.gravity), start, rate)
-    return agree(lagrange(given), hamilton(given), times, extended=True)
+    return agree(lagrange(given), hamilton(given), times, ways, extended=True, is_costly=is_costly)

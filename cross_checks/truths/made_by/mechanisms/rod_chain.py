@@ -1,7 +1,5 @@
 """Rods hinged in a row: Lagrange's and Hamilton's equations in absolute angles."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 

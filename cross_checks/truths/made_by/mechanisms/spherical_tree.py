@@ -4,8 +4,6 @@ The centre of body i is r_i = o_i + sum_j A_j c_ij with constant c_ij. With d_ij
 sum_j omega_j x d_ij: the angular velocities are free, and no constraint is left.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

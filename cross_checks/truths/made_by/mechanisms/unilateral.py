@@ -4,8 +4,6 @@ With the closed contacts fixed the motion is z' = A z + b, solved by the matrix 
 offset give its gap r . x - offset; F = -k gap - c gap' pushes along r while it is closed.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any

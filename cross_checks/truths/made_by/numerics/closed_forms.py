@@ -1,7 +1,5 @@
 """Jacobi's amplitude in extended precision, and the rounding error of a closed form."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Gauss-Legendre collocation for y'' = f(t, y, y') in extended precision, with steps that its own series chooses."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import lru_cache
 

@@ -1,7 +1,5 @@
 """Gragg-Bulirsch-Stoer extrapolation in any floating-point precision, for motions with and without branches."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import partial
 

@@ -1,7 +1,5 @@
 """Integrals whose error is proven by refinement: running ones in extended precision, single ones in double."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Velocities of a truth that gives poses: differences of order six, with an error bar from other differences."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import NamedTuple
 

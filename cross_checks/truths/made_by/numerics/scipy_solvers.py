@@ -1,7 +1,5 @@
 """SciPy's DOP853 and Radau IIA in double precision, stepped exactly onto the requested times."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

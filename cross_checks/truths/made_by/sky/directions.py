@@ -3,8 +3,6 @@
 `d` (m,) is days of TDB from J2000; every direction is (m, 3).
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

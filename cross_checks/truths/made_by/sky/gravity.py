@@ -1,7 +1,5 @@
 """Gravity of points, rings and bodies that are no points: Newton's, post-Newtonian, zonal, lunar and tidal."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

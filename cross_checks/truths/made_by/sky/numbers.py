@@ -1,7 +1,5 @@
 """Extended precision, and products of vectors in it."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

@@ -1,7 +1,5 @@
 """The motion of particles under all celestial forces of a scene, converged."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import combinations

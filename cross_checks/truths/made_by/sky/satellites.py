@@ -1,7 +1,5 @@
 """Forces on a satellite other than its planet's gravity: Sun and Moon, air, and sunlight."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np
