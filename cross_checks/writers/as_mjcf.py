@@ -120,7 +120,7 @@ class _Written:
     def _bodies(self, parent: Element, number: int) -> None:
         m = self.model
         for b in [b for b in range(1, m.nbody) if m.body_parentid[b] == number]:
-            body = SubElement(parent, "body", name=m.body(b).name, **self._texts("body", b, "pos", "quat"))
+            body = SubElement(parent, "body", {"name": m.body(b).name, **self._texts("body", b, "pos", "quat")})
             central = {"pos": "ipos", "quat": "iquat", "mass": "mass", "diaginertia": "inertia"}
             SubElement(body, "inertial", self._texts("body", b, **central))
             self._joints(body, b)
@@ -146,9 +146,9 @@ class _Written:
         m = self.model
         for g in np.flatnonzero(m.geom_bodyid == b):
             geom = SubElement(body, "geom", name=_name(m.geom(g)), type=GEOMS[m.geom_type[g]])
-            geom.attrib |= self._texts("geom", g, "size", "pos", "quat") | NOTHING_TOUCHES
+            geom.attrib |= self._texts("geom", int(g), "size", "pos", "quat") | NOTHING_TOUCHES
         for s in np.flatnonzero(m.site_bodyid == b):
-            SubElement(body, "site", name=_name(m.site(s)), **self._texts("site", s, "pos", "quat"))
+            SubElement(body, "site", {"name": _name(m.site(s)), **self._texts("site", int(s), "pos", "quat")})
 
     def _contacts(self, parent: Element) -> None:
         m = self.model
