@@ -10,8 +10,9 @@ from typing import Any
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from cross_checks.truths.truth import Truth
+from cross_checks.truths.truth import Truth, unturned
 from mbs_ref.scene import PlanarBody, Scene, SpatialBody, contact
+from mbs_ref.trajectory import pose_shapes
 
 RADIUS, MASS, SPEED, GRAVITY = 0.05, 1.0, 1.0, 9.81  # m, kg, m/s towards the other, m/s^2
 GAP, DURATION = 0.05, 0.15  # m at the start, s: one bounce
@@ -73,11 +74,10 @@ def bounce_truth(scene: Scene, times: np.ndarray) -> Truth:
     middle, moving = (0.0, 0.0) if n == 1 else (0.5 * (2.0 * RADIUS + GAP), -0.5 * SPEED)
     along = middle + moving * times[:, None] + share * (n * RADIUS + gap[:, None])
     speed = moving + share * rate[:, None]
-    still = np.zeros((len(times), n)) if scene.dimension == 2 else np.zeros((len(times), n, 3))
-    turn = still if scene.dimension == 2 else np.tile([1.0, 0.0, 0.0, 0.0], (len(times), n, 1))
-    doubt = np.full(len(times), UNCERTAINTY)
+    place, doubt = along[..., None] * normal, np.full(len(times), UNCERTAINTY)
+    still = np.zeros((len(times), *pose_shapes(n, scene.dimension)[-1]))
     how = "the equation of the gap, integrated between touch-down and lift-off"
-    return Truth(along[..., None] * normal, turn, UNCERTAINTY, "converged", how, velocity=speed[..., None] * normal,
+    return Truth(place, unturned(place), UNCERTAINTY, "converged", how, velocity=speed[..., None] * normal,
                  angular_velocity=still, rate_uncertainty=doubt)  # fmt: skip
 
 

@@ -12,18 +12,8 @@ import numpy as np
 
 from cross_checks.engine.method import Refusal
 from cross_checks.linkage.tree import FIXED, Edge, Holding, spanning_tree
-from mbs_ref.scene import (
-    Distance,
-    PlanarBody,
-    PointMass,
-    Revolute,
-    Scene,
-    SpatialBody,
-    SpringDamper,
-    TorsionSpring,
-    Universal,
-    symmetric,
-)
+from mbs_ref import scene as parts
+from mbs_ref.scene import PlanarBody, PointMass, Scene, SpatialBody
 from mbs_ref.scene.euler_parameters import rotation_matrices
 
 ALONE = np.array([1.0, 0.0, 0.0, 0.0])  # Euler parameters of no turn
@@ -162,13 +152,13 @@ def lifted(vector) -> np.ndarray:
     return np.resize((*vector, 0.0), 3).astype(float)
 
 
-def rest_length(load: SpringDamper) -> float:
+def rest_length(load: parts.SpringDamper) -> float:
     """Return the length (m) at which a spring is relaxed."""
     initial = float(np.linalg.norm(np.subtract(load.point_b, load.point_a)))
     return initial if load.rest_length is None else load.rest_length
 
 
-def rest_turn(scene: Scene, load: TorsionSpring) -> float:
+def rest_turn(scene: Scene, load: parts.TorsionSpring) -> float:
     """Return by how much (rad) body b has turned in body a since t = 0 where the spring is relaxed."""
     if load.rest_angle is None:
         return 0.0
@@ -219,14 +209,14 @@ def _kind(scene: Scene, edge: Edge) -> tuple[str, np.ndarray]:
     particle = isinstance(body, PointMass)
     if joint is None:
         return FREE_KIND[scene.dimension], np.zeros((0, 3))
-    if isinstance(joint, Universal):
+    if isinstance(joint, parts.Universal):
         on_b = body.name == joint.body_b
         axes = [joint.axis_a, joint.axis_b] if on_b else [joint.axis_b, joint.axis_a]
         return "universal", np.array([_unit(axis) for axis in axes])
     if joint.type == "spherical":
         return ("weld" if particle else "ball"), np.zeros((0, 3))
-    if isinstance(joint, Revolute | Distance) and getattr(joint, "axis", None) is None:  # about z, in the plane
-        pinned = particle and isinstance(joint, Revolute)
+    if isinstance(joint, parts.Revolute | parts.Distance) and getattr(joint, "axis", None) is None:  # in the plane
+        pinned = particle and isinstance(joint, parts.Revolute)
         return ("weld", np.zeros((0, 3))) if pinned else ("revolute", Z[None])
     count = {"cylindrical": 2, "revolute": 1, "prismatic": 1}.get(joint.type, 0)
     return joint.type, np.tile(_unit(getattr(joint, "axis", None)), (count, 1))
@@ -236,7 +226,7 @@ def _origin(scene: Scene, edge: Edge) -> np.ndarray:
     joint, body = edge.joint, scene.bodies[edge.body]
     if joint is None:
         return lifted(body.position)
-    if isinstance(joint, Distance):
+    if isinstance(joint, parts.Distance):
         return lifted(joint.point_a if body.name == joint.body_b else joint.point_b)
     return lifted(joint.point)
 
@@ -248,7 +238,7 @@ def _spin(scene: Scene, edge: Edge, origin: np.ndarray, spins: dict[int, np.ndar
         return body.angular_velocity * Z
     if isinstance(body, SpatialBody):
         return np.array(body.angular_velocity)
-    if isinstance(edge.joint, Distance):
+    if isinstance(edge.joint, parts.Distance):
         rod = lifted(body.position) - origin
         return np.cross(rod, lifted(body.velocity) - _velocity(scene, edge.parent, origin, spins)) / (rod @ rod)
     return spins[edge.parent]
@@ -265,13 +255,13 @@ def _inertia(body) -> np.ndarray:
     """Return the inertia (3, 3) about the centre of mass in world axes at t = 0; a particle's is zero."""
     if isinstance(body, SpatialBody):
         turns = rotation_matrices(body.orientation)
-        return turns @ symmetric(body.inertia) @ turns.T
+        return turns @ parts.symmetric(body.inertia) @ turns.T
     return getattr(body, "inertia", 0.0) * np.eye(3)
 
 
 def _closure(scene: Scene, joint: Holding) -> Closure:
     a, b = (scene.body_index(name) for name in (joint.body_a, joint.body_b))
-    if isinstance(joint, Distance):
+    if isinstance(joint, parts.Distance):
         length = joint.length or float(np.linalg.norm(np.subtract(joint.point_b, joint.point_a)))
         return Closure(joint.name, "rod", a, b, lifted(joint.point_a), lifted(joint.point_b), np.zeros(3), length)
     point = lifted(joint.point)

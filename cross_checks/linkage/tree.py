@@ -4,19 +4,8 @@ import heapq
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from mbs_ref.scene import (
-    GROUND,
-    Cylindrical,
-    Distance,
-    PointMass,
-    PointOnPlane,
-    Prismatic,
-    Revolute,
-    Scene,
-    Spherical,
-    Universal,
-    Weld,
-)
+from mbs_ref.scene import GROUND, PointMass, Scene
+from mbs_ref.scene.joints import Cylindrical, Distance, PointOnPlane, Prismatic, Revolute, Spherical, Universal, Weld
 
 FIXED = -1  # the index of ground
 Holding = Revolute | Prismatic | Weld | Spherical | Universal | Cylindrical | Distance | PointOnPlane

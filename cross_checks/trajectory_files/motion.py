@@ -12,7 +12,7 @@ from cross_checks.trajectory_files.column_map import AngularVelocity, Body, Colu
 from cross_checks.trajectory_files.columns import Columns, FileError, columns_of, is_increasing, read_columns
 from mbs_ref.scene import PointMass, Scene
 from mbs_ref.scene.messages import suggest
-from mbs_ref.trajectory import POSES, Trajectory
+from mbs_ref.trajectory import POSES, Trajectory, pose_shapes
 
 UNIT = 1e-3  # Euler parameters further from a norm of one than this are something else
 
@@ -34,20 +34,14 @@ def described_motion(scene: Scene, columns: Columns, stated: ColumnMap) -> Descr
         if body not in scene.body_names:
             allowed = f"allowed: {', '.join(scene.body_names)}"
             raise FileError(f"bodies.{body}: the scene has no such body{suggest(body, scene.body_names)}; {allowed}")
-    times = _times(scene, columns, stated)
-    n, bodies, d = len(times), len(scene.bodies), scene.dimension
-    state: dict[str, np.ndarray] = {
-        "position": np.full((n, bodies, d), np.nan),
-        "orientation": np.full((n, bodies, 4) if d == 3 else (n, bodies), np.nan),
-        "velocity": np.full((n, bodies, d), np.nan),
-        "angular_velocity": np.full((n, bodies, 3) if d == 3 else (n, bodies), np.nan),
-    }
+    times, d = _times(scene, columns, stated), scene.dimension
+    shapes = zip(POSES, pose_shapes(len(scene.bodies), d), strict=True)
+    state: dict[str, Any] = {part: np.full((len(times), *shape), np.nan) for part, shape in shapes}
     for name, body in stated.bodies.items():
         k = scene.body_names.index(name)
         for part, values in _Reader(columns, stated, d, name, times).read(body).items():
             state[part][:, k] = values
-    path = Trajectory(times, state["position"], state["orientation"], state["velocity"], state["angular_velocity"])
-    return DescribedMotion(path, _missing(scene, stated))
+    return DescribedMotion(Trajectory(times, **state), _missing(scene, stated))
 
 
 def _missing(scene: Scene, stated: ColumnMap) -> tuple[str, ...]:

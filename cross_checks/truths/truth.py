@@ -35,8 +35,9 @@ class Truth:
 
 
 def unturned(position: np.ndarray) -> np.ndarray:
-    """Return the Euler parameters (n_t, n_bodies, 4) of bodies that do not turn, of positions (n_t, n_bodies, d)."""
-    return np.tile([1.0, 0.0, 0.0, 0.0], (*position.shape[:2], 1))
+    """Return angles or Euler parameters (n_t, n_bodies, 4) of bodies that do not turn, by their positions."""
+    times, bodies, dimension = position.shape
+    return np.zeros((times, bodies)) if dimension == 2 else np.tile([1.0, 0.0, 0.0, 0.0], (times, bodies, 1))
 
 
 @dataclass(frozen=True)

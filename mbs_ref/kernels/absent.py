@@ -1,7 +1,5 @@
 """The answers about what a scene does not have: events to watch, or constraint rows to keep."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

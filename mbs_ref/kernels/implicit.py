@@ -5,8 +5,6 @@ with b = dq/dv' and g = dv/dv' of the method. The cheap correction keeps M alone
 joint tree in O(N); the full one forms the tangent by differences, and is dense.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from mbs_ref.kernels.algebra.dense import lu_factor, lu_solve

@@ -4,8 +4,6 @@ C_q is (n_slots, 2 sides, rows a slot, rates of a body), zero in unused rows; `b
 sides they are.
 """
 
-from __future__ import annotations
-
 from mbs_ref.kernels.jit import jit
 
 

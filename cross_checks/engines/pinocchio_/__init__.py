@@ -9,16 +9,8 @@ import pinocchio as pin
 from cross_checks.engine import Method, Poses, Refusal
 from cross_checks.engine.outcome import Loop
 from cross_checks.engine.plan import Plan
+from cross_checks.engines.pinocchio_ import loop
 from cross_checks.engines.pinocchio_.build import Mechanism, mechanism_of
-from cross_checks.engines.pinocchio_.loop import (
-    GAINS,
-    METHODS,
-    NO_GAINS,
-    RightHandSide,
-    advance_adaptive,
-    advance_fixed,
-    right_hand_side,
-)
 from cross_checks.engines.pinocchio_.observe import motions_of, reactions_of
 from cross_checks.linkage.engine import LinkageEngine
 from cross_checks.linkage.forces import SHARED
@@ -36,7 +28,7 @@ class Built:
 
     mechanism: Mechanism
     contact_data: Any
-    rhs: RightHandSide
+    rhs: loop.RightHandSide
     start: np.ndarray
     breakpoints: list[float]  # s
 
@@ -47,7 +39,7 @@ class Pinocchio(LinkageEngine):
     name: ClassVar[str] = "pinocchio"
     package: ClassVar[str] = "pinocchio"
     distribution: ClassVar[str] = "pin"
-    method_table: ClassVar[tuple[Method, ...]] = METHODS
+    method_table: ClassVar[tuple[Method, ...]] = loop.METHODS
     closes: ClassVar[frozenset[str]] = frozenset({"point", "hinge", "weld"})
 
     def topology_refusals(self, scene: Scene) -> list[Refusal]:
@@ -60,10 +52,10 @@ class Pinocchio(LinkageEngine):
 
     def build(self, scene: Scene, plan: Plan) -> Built:
         linkage = linkage_of(scene)
-        mechanism = mechanism_of(linkage, (0.0, 0.0) if plan.method.name.endswith(NO_GAINS) else GAINS)
+        mechanism = mechanism_of(linkage, (0.0, 0.0) if plan.method.name.endswith(loop.NO_GAINS) else loop.GAINS)
         start = np.concatenate((pin.neutral(mechanism.model), linkage.rates))
         contact_data = pin.StdVec_RigidConstraintData()
-        rhs = right_hand_side(mechanism, contact_data)
+        rhs = loop.right_hand_side(mechanism, contact_data)
         return Built(mechanism, contact_data, rhs, start, scene.breakpoints())
 
     def first_call(self, model: Built, plan: Plan) -> None:
@@ -71,8 +63,8 @@ class Pinocchio(LinkageEngine):
 
     def advance(self, model: Built, plan: Plan) -> Loop:
         if plan.method.kind == "fixed":
-            return advance_fixed(model.rhs, model.start, plan)
-        return advance_adaptive(model.rhs, model.start, plan, model.breakpoints)
+            return loop.advance_fixed(model.rhs, model.start, plan)
+        return loop.advance_adaptive(model.rhs, model.start, plan, model.breakpoints)
 
     def poses(self, model: Built, plan: Plan, states: np.ndarray) -> Poses:
         return poses_of(model.mechanism.linkage, motions_of(model.mechanism, states))

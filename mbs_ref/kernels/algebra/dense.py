@@ -3,8 +3,6 @@
 The latter are factored as L D L^T: 3x3 blocks in scalars, and small matrices in place.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from mbs_ref.kernels.jit import bare, jit

@@ -5,8 +5,6 @@ they do with it is an LLVM vector's operation. Arrays of floats (..., WIDTH) are
 `in_lanes`. A float among them stands for itself in every lane.
 """
 
-from __future__ import annotations
-
 import operator
 from collections.abc import Callable
 from typing import Any

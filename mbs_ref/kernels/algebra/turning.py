@@ -6,8 +6,6 @@ k_sin.c and k_cos.c (Sun Microsystems, 1993), whose error is below 2^-58. Up to 
 truth; beyond, what is lost grows with the angle.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

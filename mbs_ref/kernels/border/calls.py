@@ -8,8 +8,6 @@ for its own core alone. It costs a load and a call that is never inlined, a few 
 contracted or hoisted across it. Addresses live in memory only; what the disk cache holds does not depend on them.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from functools import cache, partial
 from typing import Any

@@ -4,8 +4,6 @@ A word names a length that is the same in the whole group; a number is that leng
 built one and the types that compiled code sees (mbs_ref.kernels.border.handles) all follow from the annotations.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping, Sequence
 from functools import cache
 from typing import Any, NamedTuple, get_args, get_type_hints

@@ -6,8 +6,6 @@ an accessor returns one group of it as views, at the price of a few loads. It is
 compiled code counts the references of an array it is given, atomically, at every call.
 """
 
-from __future__ import annotations
-
 from collections import namedtuple
 from typing import Any, NamedTuple, get_type_hints
 

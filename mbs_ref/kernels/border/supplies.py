@@ -5,8 +5,6 @@ a handle (mbs_ref.kernels.border.handles), when the kernel is compiled: the call
 of a handle's class imports all that its core supplies, so that the disk cache knows the sources.
 """
 
-from __future__ import annotations
-
 import inspect
 from collections.abc import Callable, Iterable
 from types import ModuleType

@@ -3,8 +3,6 @@
 Temperature is linear in geopotential altitude, layer by layer; the air is a perfect gas at rest under its weight.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from mbs_ref.kernels.jit import jit

@@ -1,7 +1,5 @@
 """Where poles, Moon and Sun point: closed series in time. All in ICRF axes; d is days from J2000 TDB."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from mbs_ref.kernels.jit import jit

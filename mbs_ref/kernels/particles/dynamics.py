@@ -1,7 +1,5 @@
 """The right-hand side of a scene of particles; it is free of constraints."""
 
-from __future__ import annotations
-
 from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.particles.figures import add_figures, add_tides, add_zonals
 from mbs_ref.kernels.particles.model import (

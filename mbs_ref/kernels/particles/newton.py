@@ -3,8 +3,6 @@
 # An intrinsic takes one argument fewer than its definition.
 # pyright: reportCallIssue=false
 
-from __future__ import annotations
-
 import numpy as np
 
 from mbs_ref.kernels.jit import jit

@@ -3,8 +3,6 @@
 The compiler does not vectorize them by itself, because it cannot know that the arrays are apart.
 """
 
-from __future__ import annotations
-
 from llvmlite import ir
 from numba import types
 from numba.core import cgutils

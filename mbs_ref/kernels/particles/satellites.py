@@ -1,7 +1,5 @@
 """What acts on satellites beside gravity of the bodies: third bodies, a ring, drag, sunlight."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from mbs_ref.kernels.jit import jit

@@ -3,8 +3,6 @@
 `rigid.dynamics` and `rigid.descriptor` say what is done with them.
 """
 
-from __future__ import annotations
-
 import sys
 
 import numpy as np

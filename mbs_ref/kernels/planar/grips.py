@@ -4,8 +4,6 @@ A sticking contact has a spring that is slack at the place `anchor` along a line
 the slip velocity against it (m/s, not positive) with which it began, a remainder of the stop before.
 """
 
-from __future__ import annotations
-
 import math
 
 from mbs_ref.kernels.contact.laws import FRICTION_SMOOTH, GRIP_BACKWARD, GRIP_FORWARD, GRIP_PROBE, GRIP_STICK

@@ -1,7 +1,5 @@
 """Joint rows in the plane: Jacobian blocks, which multiply (R', omega), and the rows on angles."""
 
-from __future__ import annotations
-
 from mbs_ref.kernels.jit import bare
 from mbs_ref.kernels.planar.model import angle_drives_of, angles_of
 from mbs_ref.kernels.planar.vectors import cross, dot

@@ -1,7 +1,5 @@
 """Applied forces in the plane."""
 
-from __future__ import annotations
-
 from mbs_ref.kernels.jit import bare, jit
 from mbs_ref.kernels.rigid.model import bodies_of, forces_of, kinematics_of, torsion_springs_of, world_of
 

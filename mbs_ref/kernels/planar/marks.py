@@ -3,8 +3,6 @@
 d(rho)/d(theta) = (-rho_y, rho_x). Vectors are pairs along world axes.
 """
 
-from __future__ import annotations
-
 from mbs_ref.kernels.jit import bare
 from mbs_ref.kernels.planar.vectors import cross, over, pair, rotated, times
 from mbs_ref.kernels.rigid.model import kinematics_of

@@ -3,8 +3,6 @@
 Factors L D L^T lie in the lower triangles: L below the diagonal, and 1 / D on it.
 """
 
-from __future__ import annotations
-
 from mbs_ref.kernels.algebra.dense import ldl3, ldl3_solve
 from mbs_ref.kernels.jit import bare, jit, placed
 from mbs_ref.kernels.rigid.model import bodies_of, closures_of, rows_of, slots_of, tree_of

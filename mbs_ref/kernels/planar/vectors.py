@@ -1,7 +1,5 @@
 """Vectors of two numbers. What is computed is a pair; rows of arrays are taken as well as pairs."""
 
-from __future__ import annotations
-
 from mbs_ref.kernels.jit import bare
 
 

@@ -1,7 +1,5 @@
 """The events of trees in the plane and in space: the redundant system knows them, and is told the state."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

@@ -4,8 +4,6 @@ The equations are those of mbs_ref.kernels.relative.planar, compiled for lanes i
 differ in their figures alone: masses, inertias, joints' places, axes and offsets, gravity.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 

@@ -7,8 +7,6 @@ Root to leaf, q'' = D^-1 S^T (f - I c - I X a_p). Source: Featherstone, Rigid Bo
 here in world axes about the centres of mass, as the redundant cores have them.
 """
 
-from __future__ import annotations
-
 from mbs_ref.kernels.algebra.dense import ldl3, ldl3_solve
 from mbs_ref.kernels.algebra.turning import cos_sin
 from mbs_ref.kernels.border import questions as ask

@@ -1,7 +1,5 @@
 """A planar or spatial scene as methods on the DAE itself see it: balances and rows, all in the state's order."""
 
-from __future__ import annotations
-
 from mbs_ref.kernels.border.questions import apply_loads, factor, fill_rows, solve
 from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.rigid import geometry as core

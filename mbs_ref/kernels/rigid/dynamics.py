@@ -3,8 +3,6 @@
 The index-3 DAE is reduced to its underlying ODE (Fox 1999 eq 9; Fox 2001 eq 19), optionally with Baumgarte's terms.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from mbs_ref.kernels.border.questions import apply_loads, factor, fill_rows, solve

@@ -23,8 +23,6 @@ overconstrained loop such as Bricard's look independent by the square of the dis
 that the compiler knows. Rows that a closure does not have are zero.
 """
 
-from __future__ import annotations
-
 from mbs_ref.kernels.jit import jit, placed
 from mbs_ref.kernels.rigid.geometry import block, pass_closure, plus_mobility
 from mbs_ref.kernels.rigid.model import bodies_of, closures_of, loops_of, rows_of, slots_of, tree_of

@@ -4,8 +4,6 @@ Rates are those of bodies in world axes, 3 or 6 each; the state may have them al
 world axes.
 """
 
-from __future__ import annotations
-
 from functools import partial
 from typing import Any
 

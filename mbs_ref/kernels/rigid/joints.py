@@ -4,8 +4,6 @@ Every joint is made of elementary rows (Haug, Computer Aided Kinematics and Dyna
 sec. 9.4). lambda of a row is the force or torque that the row exerts along its Jacobian.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -3,8 +3,6 @@
 r = R + rho, rho = A u (Fox 1999 eq 2), r' = R' + omega x rho. Vectors are tuples along world axes.
 """
 
-from __future__ import annotations
-
 import math
 from typing import Any, NamedTuple
 

@@ -3,8 +3,6 @@
 gap = n . (c - o) - r with n fixed in body b for a line or plane, gap = |c - o| - r for two circles or spheres.
 """
 
-from __future__ import annotations
-
 import math
 from typing import Any, NamedTuple
 

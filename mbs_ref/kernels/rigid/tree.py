@@ -10,8 +10,6 @@ are eliminated on the way (mbs_ref.kernels.rigid.elimination).
 `loops` is None in open trees, and for them no code that stands behind `loops is not None` is compiled.
 """
 
-from __future__ import annotations
-
 from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.rigid import elimination
 from mbs_ref.kernels.rigid import geometry as core

@@ -7,8 +7,6 @@ else is in world axes. theta^T theta = 1 is part of C; its multiplier and the fo
 (see `tree`), and projection restores it.
 """
 
-from __future__ import annotations
-
 import sys
 
 from mbs_ref.kernels.border.handles import handle_class

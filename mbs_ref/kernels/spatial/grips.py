@@ -7,8 +7,6 @@ at the root the direction follows the slip, or, where the slip has come to a sto
 on in the direction that its own acceleration takes.
 """
 
-from __future__ import annotations
-
 import math
 
 from mbs_ref.kernels.contact.laws import (

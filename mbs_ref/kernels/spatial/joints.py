@@ -3,8 +3,6 @@
 A wheel that rolls has rows on velocities alone besides.
 """
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 import numpy as np

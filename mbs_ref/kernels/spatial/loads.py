@@ -3,8 +3,6 @@
 Forces act at the centre of mass along world axes, with their torque about it: N and N m.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from mbs_ref.kernels.jit import bare, jit

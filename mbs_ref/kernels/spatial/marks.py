@@ -3,8 +3,6 @@
 Vectors are triples along world axes.
 """
 
-from __future__ import annotations
-
 import math
 
 from mbs_ref.kernels.jit import bare

@@ -13,8 +13,6 @@ thus exact and leaves the 6 x 6 block diag(m I, J) of (R'', alpha). A test forms
 matrix densely and compares.
 """
 
-from __future__ import annotations
-
 from mbs_ref.kernels.algebra.dense import factor_ldl, ldl3, ldl3_solve, solve_ldl
 from mbs_ref.kernels.jit import jit, placed
 from mbs_ref.kernels.rigid.model import bodies_of, closures_of, kinematics_of, rows_of, slots_of, tree_of

@@ -1,7 +1,5 @@
 """Vectors of three numbers. What is computed is a triple; rows of arrays are taken as well as triples."""
 
-from __future__ import annotations
-
 from mbs_ref.kernels.jit import bare
 
 

@@ -9,14 +9,8 @@ from typing import NamedTuple
 import numpy as np
 
 from cross_checks.truths.made_by.agreement import Formulation
-from cross_checks.truths.made_by.mechanisms.hinged_tree_loads import (
-    Loads,
-    apply_loads,
-    loads_of,
-    mark,
-    measure_switches,
-    planar,
-)
+from cross_checks.truths.made_by.mechanisms import hinged_tree_loads
+from cross_checks.truths.made_by.mechanisms.hinged_tree_loads import Loads, loads_of, mark, planar
 from cross_checks.truths.made_by.mechanisms.rod_chain import factor_and_solve
 from cross_checks.truths.truth import OutsideDomainError
 from mbs_ref.kernels.jit import strict_jit
@@ -198,7 +192,7 @@ def _generalized(turned, force):
 @strict_jit
 def _switches(tree, arrays, y):
     pose, rate, _ = _motion(tree, _turned_arms(tree, y), y)
-    return measure_switches(arrays, pose, rate)
+    return hinged_tree_loads.measure_switches(arrays, pose, rate)
 
 
 @strict_jit
@@ -206,7 +200,7 @@ def _lagrange_slope(tree, arrays, factors, y, on):
     n = tree.mass.shape[0]
     turned = _turned_arms(tree, y)
     pose, rate, bend = _motion(tree, turned, y)
-    force = apply_loads(arrays, tree.mass, factors, pose, rate, on)
+    force = hinged_tree_loads.apply_loads(arrays, tree.mass, factors, pose, rate, on)
     for i in range(n):
         force[i, 0] += tree.mass[i] * bend[i, 0]
         force[i, 1] += tree.mass[i] * bend[i, 1]
@@ -231,7 +225,7 @@ def _hamilton_slope(tree, arrays, factors, y, on):
     turned = _turned_arms(tree, y)
     moving = _with_rates(tree, turned, y)
     pose, rate, _ = _motion(tree, turned, moving)
-    q = _generalized(turned, apply_loads(arrays, tree.mass, factors, pose, rate, on))
+    q = _generalized(turned, hinged_tree_loads.apply_loads(arrays, tree.mass, factors, pose, rate, on))
     slope = np.empty(2 * n + 4)
     slope[: n + 2] = moving[n + 2 :]
     slope[n + 2 :] = q
