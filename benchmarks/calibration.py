@@ -12,9 +12,9 @@ from typing import Any
 
 import numpy as np
 
-from cross_checks.mechanisms.random_scenes import random_scene
 from cross_checks.records import lines
 from cross_checks.records.naming import code_of
+from cross_checks.truths.oracle.random_scenes import random_scene
 from cross_checks.truths.truth import MARGIN
 from mbs_ref import scenes
 from mbs_ref.integrators import integrators

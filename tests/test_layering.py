@@ -31,8 +31,8 @@ ROOMS = {
         "integrators crash", "scenes simulate",
     ),
     "cross_checks": (
-        "isolation", "engine", "linkage truths", "engines robots", "mechanisms writers",
-        "ephemerides", "metrics", "records", "judge", "conformance extremes prices trajectory_files",
+        "isolation", "engine", "linkage truths", "engines robots", "writers",
+        "ephemerides", "metrics", "records", "judge", "conformance contact extremes prices trajectory_files",
     ),
     "benchmarks": ("calibration record_changes", "history trees", "suites"),
     "reports": (
@@ -81,7 +81,7 @@ def packages(path: Path) -> set[str]:
 
 def in_adapter(path: Path) -> bool:
     """Tell whether a file is an adapter <name>_.py, or part of an adapter's package <name>_."""
-    for adapters in (ROOT / "cross_checks" / folder for folder in ("engines", "ephemerides", "robots")):
+    for adapters in (ROOT / "cross_checks" / folder for folder in ("contact", "engines", "ephemerides", "robots")):
         if path.is_relative_to(adapters):
             top = path.relative_to(adapters).parts[0].removesuffix(".py")
             return top.endswith("_") and not top.startswith("_")

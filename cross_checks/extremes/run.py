@@ -78,7 +78,7 @@ def cell_of(extreme: Extreme, engine: Engine, method: Method, full: bool, call: 
 QUICK = {
     "mbs_ref": ("dop853", "rk4", "radau", "gauss", "generalized_alpha", "lsodar"),
     "exudyn": ("generalized_alpha", "contact_rk44", "tree_dopri5", "tree_rk44"),
-    "mujoco": ("rk4", "implicitfast", "rk4_stock_contact"),
+    "mujoco": ("rk4", "implicitfast"),
     "pinocchio": ("dop853", "rk4"),
     "pinocchio_cpp": ("dop853", "rk4"),
     "rebound": ("ias15", "whfast"),

@@ -1,4 +1,4 @@
-"""What contact did, from world poses: restitution, penetration, duration, impulse, stop distance, static sink.
+"""What contact did, from world poses: restitution, depth, duration, impulse, stop distance, creep, static sink.
 
 Forces jump at touch-down and lift-off, so no norm of them is taken. Figures that a run does not show (it never
 touches, or never leaves, or never rests) are left out.
@@ -12,6 +12,7 @@ from mbs_ref.scene import GROUND, Scene
 from mbs_ref.trajectory import Trajectory
 
 STILL = 1e-4  # m/s: slower is at rest, regularised friction creeps
+STEADY = 0.1  # relative change of a mean speed that counts as steady
 MANY = 12  # contacts beyond which nobody reads a figure of each
 LEAST_PATH = 1e-9  # m: a shorter path is no stop distance
 
@@ -34,6 +35,8 @@ def _of_contact(motion: Motion, contact) -> dict[str, float]:
     touching = gap < 0.0
     figures = {"penetration, m": _deepest(motion.times, gap, rate)} if touching.any() else {}
     figures |= _bounce(motion, contact, gap, rate)
+    if touching[-1] and contact.friction is not None and abs(slip[0]) < STILL:
+        figures |= _creep(motion, contact)
     if touching[-1] and abs(rate[-1]) < STILL and abs(slip[-1]) < STILL:
         figures["static sink, m"] = -float(gap[-1])
         figures |= _stop(motion, contact, slip)
@@ -108,10 +111,22 @@ def _free_mass(motion: Motion, contact) -> float | None:
     return 1.0 / sum(1.0 / body.mass for body in bodies)
 
 
-def _stop(motion: Motion, contact, slip: np.ndarray) -> dict[str, float]:
-    """Return how far body a slid before it came to rest, where it was under way at the start."""
-    if contact.friction is None or abs(slip[0]) < STILL:
+def _creep(motion: Motion, contact) -> dict[str, float]:
+    """Return the mean speed of body a over the last half, where its quarters have the same or none."""
+    n, k = len(motion.times), motion.scene.body_index(contact.body_a)
+    samples = [n // 2, 3 * n // 4, n - 1]
+    ways = np.diff(motion.trajectory.position[samples, k], axis=0)
+    spans = np.diff(motion.times[samples])
+    first, last = np.linalg.norm(ways, axis=1) / spans
+    if abs(last - first) > STILL + STEADY * last:
         return {}
+    return {"creep, m/s": float(np.linalg.norm(ways.sum(axis=0)) / spans.sum())}
+
+
+def _stop(motion: Motion, contact, slip: np.ndarray) -> dict[str, float]:
+    """Return how far body a slid before it came to rest, where it was under way at the start; what rolls does not."""
     k = motion.scene.body_index(contact.body_a)
+    if contact.friction is None or abs(slip[0]) < STILL or np.linalg.norm(motion.trajectory.velocity[-1, k]) > STILL:
+        return {}
     way = float(np.linalg.norm(motion.trajectory.position[-1, k] - motion.trajectory.position[0, k]))
     return {"stop distance, m": way} if way > LEAST_PATH else {}

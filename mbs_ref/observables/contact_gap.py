@@ -3,24 +3,23 @@
 import numpy as np
 
 from mbs_ref.observables.attachment import Motion
-from mbs_ref.scene.contact import CircleOnCircle, CircleOnLine
+from mbs_ref.scene.contact import CircleOnLine, RoundPair, SphereOnPlane
 
 
 def shapes_known(contact) -> bool:
     """Return whether `gap_of` knows the contact's shapes."""
-    return isinstance(contact, CircleOnLine | CircleOnCircle) and len(_centers(contact)[0]) == 2
+    return isinstance(contact, CircleOnLine | SphereOnPlane | RoundPair)
 
 
 def gap_of(motion: Motion, contact) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return the gap (m, negative inside), its rate and the sliding speed (m/s), each (n_t,)."""
-    first, second = _centers(contact)
+    """Return the gap (m, negative inside), its rate and the sliding speed (m/s), each (n_t,); in space its size."""
+    flat = not isinstance(contact, RoundPair)
+    first, second, normal = _shapes(contact)
     center, _ = motion.point(contact.body_a, first)
     other, _ = motion.point(contact.body_b, second)
     apart = center - other
-    if isinstance(contact, CircleOnLine):
-        along, _ = motion.direction(contact.body_b, np.subtract(contact.point_2, contact.point_1))
-        along = along / np.linalg.norm(along, axis=1, keepdims=True)
-        normal = np.column_stack((-along[:, 1], along[:, 0]))
+    if flat:
+        normal, _ = motion.direction(contact.body_b, normal / np.linalg.norm(normal))
         distance, back, reach = np.sum(normal * apart, axis=1), contact.radius, contact.radius
     else:
         distance = np.linalg.norm(apart, axis=1)
@@ -28,14 +27,21 @@ def gap_of(motion: Motion, contact) -> tuple[np.ndarray, np.ndarray, np.ndarray]
         back, reach = contact.radius_a, contact.radius_a + contact.radius_b
     place = center - back * normal
     relative = motion.rate_at(contact.body_a, place) - motion.rate_at(contact.body_b, place)
+    closing = np.sum(normal * relative, axis=1)
+    if motion.scene.dimension == 3:
+        return distance - reach, closing, np.linalg.norm(relative - closing[:, None] * normal, axis=1)
     tangent = np.column_stack((normal[:, 1], -normal[:, 0]))
-    return distance - reach, np.sum(normal * relative, axis=1), np.sum(tangent * relative, axis=1)
+    return distance - reach, closing, np.sum(tangent * relative, axis=1)
 
 
-def _centers(contact) -> tuple[tuple[float, ...], tuple[float, ...]]:
+def _shapes(contact) -> tuple[tuple[float, ...], tuple[float, ...], np.ndarray]:
+    """Return the centre on body a, a point on body b, and the normal of a flat surface, all at t = 0."""
     if isinstance(contact, CircleOnLine):
-        return contact.center, contact.point_1
-    return contact.center_a, contact.center_b
+        along = np.subtract(contact.point_2, contact.point_1)
+        return contact.center, contact.point_1, np.array((-along[1], along[0]))
+    if isinstance(contact, SphereOnPlane):
+        return contact.center, contact.point, np.array(contact.normal)
+    return contact.center_a, contact.center_b, np.empty(0)
 
 
 SLOWEST = 0.5  # m/s, of the surface against the axle; below it a ratio says little

@@ -54,15 +54,17 @@ def _one_coefficient(contact: Any) -> list[str]:
 
 
 def _mixed_refusals(scene: Scene) -> list[str]:
-    """GeneralContact gives stiffness to shapes, not to pairs, and lets every pair touch."""
+    """GeneralContact gives stiffness to shapes, not to pairs, and lets every pair of two bodies touch."""
     laws = {repr((contact.law, contact.friction)) for contact in scene.contacts}
     simple = [contact for contact in scene.contacts if isinstance(contact, (*FLAT, *ROUND))]
     shapes = {shape for contact in simple for shape in _circles(contact)}
     bodies = [body for body, _, _ in shapes]
+    floors = {surface_of(contact) for contact in simple if isinstance(contact, FLAT)}
+    every_pair_is_listed = len(shapes) * len(floors) == len(simple)  # none of two round shapes
     reasons = []
     if len(laws) > 1:
         reasons.append("GeneralContact gives laws to shapes, not to pairs: all contacts must share one")
-    if len(bodies) != len(set(bodies)):
+    if len(bodies) != len(set(bodies)) and not every_pair_is_listed:
         reasons.append("a body with two circles would touch with both")
     return reasons
 
@@ -83,7 +85,7 @@ def add_contacts(model: Redundant) -> None:
     general.frictionProportionalZone = getattr(friction, "speed", SLOW)
     general.verboseMode = 0
     shape = {"contactStiffness": 2.0 * law.stiffness, "contactDamping": 0.5 * law.damping, "frictionMaterialIndex": 0}
-    surfaces = {_surface(c): None for c in contacts if isinstance(c, FLAT)}
+    surfaces = {surface_of(c): None for c in contacts if isinstance(c, FLAT)}
     for point, normal in surfaces:
         _add_plane(model, general, np.array(point), np.array(normal), shape)
     for body, center, radius in sorted({circle for contact in contacts for circle in _circles(contact)}):
@@ -98,7 +100,7 @@ def _marker(model: Redundant, body: str, center) -> int:
     return model.marker(body, center, rigid=turns if model.planar else None)
 
 
-def _surface(contact: Flat) -> tuple[tuple[float, ...], tuple[float, ...]]:
+def surface_of(contact: Flat) -> tuple[tuple[float, ...], tuple[float, ...]]:
     """Return a point and the unit normal, in space."""
     if isinstance(contact, SphereOnPlane):
         return contact.point, tuple(unit(contact.normal).tolist())

@@ -12,7 +12,7 @@ from cross_checks.engine.plan import Plan
 from cross_checks.engines.mujoco_.build import compile_links
 from cross_checks.engines.mujoco_.forces import Callback, force_refusals, passive, shared_forces, takes_shared_forces
 from cross_checks.engines.mujoco_.observe import Observer
-from cross_checks.engines.mujoco_.run import METHODS, STOCK, TIGHT, Left, advance, at_start, clock_end
+from cross_checks.engines.mujoco_.run import METHODS, TIGHT, Left, advance, at_start, clock_end
 from cross_checks.linkage.engine import LinkageEngine
 from cross_checks.linkage.forces import SHARED
 from cross_checks.linkage.links import Linkage, closure_refusals, linkage_of
@@ -50,10 +50,6 @@ class MuJoCo(LinkageEngine):
         linkage = linkage_of(scene)
         if method.name.endswith(TIGHT) and not reasons and not linkage.closures:
             reasons.append(Refusal(f"{method.name} differs only where a joint closes a loop, and none does", True))
-        if method.name.endswith(STOCK) and not scene.contacts:
-            reasons.append(Refusal(f"{method.name} differs only in contact, and there is none", True))
-        if method.name.endswith(STOCK) and takes_shared_forces(linkage):
-            reasons.append(Refusal(f"{method.name} differs only in MuJoCo's own contacts, and {SHARED}", True))
         return reasons
 
     def build(self, scene: Scene, plan: Plan) -> Built:

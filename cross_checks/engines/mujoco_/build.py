@@ -6,7 +6,7 @@ import numpy as np
 from cross_checks.engine.plan import Plan
 from cross_checks.engines.mujoco_.contact import add_contact
 from cross_checks.engines.mujoco_.loads import LOADS, add_tendon
-from cross_checks.engines.mujoco_.run import STOCK, pin_options, solref_of
+from cross_checks.engines.mujoco_.run import pin_options, solref_of
 from cross_checks.linkage.links import Closure, Link, Linkage
 from cross_checks.linkage.tree import FIXED
 from mbs_ref.scene.euler_parameters import from_matrix
@@ -18,8 +18,8 @@ JOINTS = {
 LEAST_MOMENT = 2.0 * mujoco.mjMINVAL  # kg m^2, of a particle on a rod: MuJoCo takes nothing smaller
 
 
-def compile_links(linkage: Linkage, plan: Plan, shared: bool) -> mujoco.MjModel:
-    """Return the model; with `shared` forces, their callback applies all loads, contacts and the weight."""
+def specify_links(linkage: Linkage, plan: Plan) -> tuple[mujoco.MjSpec, dict]:
+    """Return a specification of all links and closures, and the frame of each body in it."""
     spec = mujoco.MjSpec()
     pin_options(spec, plan, linkage.scene)
     frames = {FIXED: spec.worldbody}
@@ -27,13 +27,24 @@ def compile_links(linkage: Linkage, plan: Plan, shared: bool) -> mujoco.MjModel:
         frames[link.body] = _add_body(frames[link.parent], linkage, link)
     for closure in linkage.closures:
         _add_closure(spec, frames, linkage, closure, solref_of(plan))
+    return spec, frames
+
+
+def add_loads(spec, frames, linkage: Linkage, shared: bool) -> None:
+    """Add the loads; `shared` forces come from their callback with the weight."""
     if shared:
         spec.option.gravity = (0.0, 0.0, 0.0)
-        return spec.compile()
+        return
     for load in linkage.scene.loads:
         LOADS[type(load)](spec, frames, linkage, load)
-    for contact in linkage.scene.contacts:
-        add_contact(spec, frames, linkage, contact, plan.method.name.endswith(STOCK))
+
+
+def compile_links(linkage: Linkage, plan: Plan, shared: bool) -> mujoco.MjModel:
+    """Return the model; with `shared` forces, their callback applies all loads, contacts and the weight."""
+    spec, frames = specify_links(linkage, plan)
+    add_loads(spec, frames, linkage, shared)
+    for contact in () if shared else linkage.scene.contacts:
+        add_contact(spec, frames, linkage, contact)
     return spec.compile()
 
 

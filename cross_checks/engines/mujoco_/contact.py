@@ -7,9 +7,7 @@ that a thrown sphere hops. It acts between the surfaces, half the penetration ne
 import math
 from typing import Any
 
-import mujoco
-import numpy as np
-
+from cross_checks.engines.mujoco_.pairs import add_pair
 from cross_checks.linkage.links import Linkage
 from mbs_ref.scene import GROUND, Scene
 from mbs_ref.scene.contact import (
@@ -22,51 +20,17 @@ from mbs_ref.scene.contact import (
     SpringDamperLaw,
 )
 
-STOCK_SOLREF, STOCK_SOLIMP = (0.02, 1.0), (0.9, 0.95, 0.001, 0.5, 2.0)  # MuJoCo's defaults, pinned
 # solimp with the least impedance MuJoCo allows: F = m_eff (K d + B d' + impedance * a), a the acceleration without it
 PENALTY_SOLIMP = (1e-4, 1e-4, 0.001, 0.5, 2.0)
 
 
-def add_contact(spec, frames, linkage: Linkage, contact: Contact, stock: bool) -> None:
-    """A sphere against a plane or another sphere, paired explicitly so that nothing else touches."""
-    if isinstance(contact, CircleOnCircle | SphereOnSphere):
-        a = (contact.body_a, contact.center_a, contact.radius_a)
-        b = (contact.body_b, contact.center_b, contact.radius_b)
-        geoms = [_sphere(frames, linkage, f"{contact.name}/{side}", *end) for side, end in (("a", a), ("b", b))]
-    else:
-        assert isinstance(contact, CircleOnLine | SphereOnPlane)
-        sphere = _sphere(frames, linkage, f"{contact.name}/a", contact.body_a, contact.center, contact.radius)
-        geoms = [_plane(spec, f"{contact.name}/b", contact), sphere]
-    pair = spec.add_pair(name=contact.name, geomname1=geoms[0], geomname2=geoms[1], condim=1)
-    pair.margin, pair.gap = 0.0, 0.0
+def add_contact(spec, frames, linkage: Linkage, contact: Contact) -> None:
+    """A sphere against a plane or another sphere, by the scene's law."""
+    pair = add_pair(spec, frames, linkage, contact)
     mass = _contact_mass(linkage.scene, contact)
     law: Any = contact.law
-    pair.solref = STOCK_SOLREF if stock else (-law.stiffness / mass, -law.damping / mass)
-    pair.solimp = STOCK_SOLIMP if stock else PENALTY_SOLIMP
-    if contact.friction is not None:
-        pair.condim = 3
-        pair.friction = (contact.friction.coefficient, contact.friction.coefficient, 0.0, 0.0, 0.0)
-
-
-def _sphere(frames, linkage: Linkage, label: str, body: str, center, radius: float) -> str:
-    frames[linkage.scene.body_index(body)].add_geom(
-        name=label, type=mujoco.mjtGeom.mjGEOM_SPHERE, size=(radius, 0.0, 0.0), pos=linkage.local(body, center),
-        mass=0.0, contype=0, conaffinity=0,
-    )  # fmt: skip
-    return label
-
-
-def _plane(spec, label: str, contact: CircleOnLine | SphereOnPlane) -> str:
-    if isinstance(contact, SphereOnPlane):
-        point, normal = contact.point, contact.normal
-    else:
-        along = np.subtract(contact.point_2, contact.point_1) / np.hypot(*np.subtract(contact.point_2, contact.point_1))
-        point, normal = (*contact.point_1, 0.0), (-along[1], along[0], 0.0)
-    spec.worldbody.add_geom(
-        name=label, type=mujoco.mjtGeom.mjGEOM_PLANE, size=(0.0, 0.0, 1.0), pos=point, zaxis=normal,
-        contype=0, conaffinity=0,
-    )  # fmt: skip
-    return label
+    pair.solref = (-law.stiffness / mass, -law.damping / mass)
+    pair.solimp = PENALTY_SOLIMP
 
 
 def _contact_mass(scene: Scene, contact) -> float:

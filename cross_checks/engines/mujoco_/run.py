@@ -21,7 +21,6 @@ INTEGRATORS = {
 }
 DEFAULT_SOLREF = (0.02, 1.0)  # s, damping ratio: MuJoCo's default, pinned
 TIGHT = "_tight"
-STOCK = "_stock_contact"
 # How much is lost depends on which joints close the loops: A02 loses 1.4 J over this tree, 7.1 J over a serial one.
 SOFT = (
     "loop closures and rods in space are springs of 0.02 s time constant whatever the step: "
@@ -40,10 +39,7 @@ def _methods() -> tuple[Method, ...]:
     tight = [
         fixed(m.name + TIGHT, None, f"{m.description}; {STEP_SOFT}") for m in plain if m.name in ("rk4", "implicitfast")
     ]
-    stock = fixed("rk4" + STOCK, None, "explicit Runge-Kutta 4; MuJoCo's default contacts",
-                   wrong_limit="contacts have MuJoCo's default stiffness and damping, not the scene's",
-                   weak_on=frozenset({"contact"}))  # fmt: skip
-    return (*plain, *tight, stock)
+    return (*plain, *tight)
 
 
 METHODS = _methods()
@@ -54,7 +50,7 @@ def pin_options(spec: mujoco.MjSpec, plan: Plan, scene: Scene) -> None:
     spec.compiler.degree = False  # else a spring's rest angle is read as degrees
     option = spec.option
     option.timestep = plan.step
-    option.integrator = INTEGRATORS[plan.method.name.removesuffix(TIGHT).removesuffix(STOCK)][0]
+    option.integrator = INTEGRATORS[plan.method.name.removesuffix(TIGHT)][0]
     option.gravity = tuple(np.resize((*scene.gravity, 0.0), 3))
     option.solver = mujoco.mjtSolver.mjSOL_NEWTON
     option.tolerance, option.iterations, option.ls_tolerance, option.ls_iterations = 1e-15, 200, 0.01, 50

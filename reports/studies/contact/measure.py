@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 
 import numpy as np
 
-from cross_checks import engines
-from cross_checks.judge.one_run import judged_run
+from cross_checks.contact import installed
+from cross_checks.contact.by_figure import compare, with_contact
 from cross_checks.truths.of.bouncing import impact
 from mbs_ref import scenes
 from mbs_ref.observables.attachment import Motion
@@ -28,8 +28,7 @@ LAWS = {
     "hunt_crossley": {"stiffness": 1e6, "damping": 3e5}, "lankarani_nikravesh": {"stiffness": 1e6},
     "flores": {"stiffness": 1e6}, "rigid": {},
 }  # fmt: skip
-ENGINE_METHODS = (("mujoco", "rk4"), ("mujoco", "rk4_stock_contact"), ("exudyn", "contact_rk44"))
-OFF_GRID = 0.1234567  # m, height: no whole number of steps, so that no engine meets gap = 0 at a step's end
+ENGINES_STEP = 5e-4  # s
 VEHICLE_END, VEHICLE_SAMPLES = 2.0, 201
 NOMINAL = 1e-3  # difference from the nominal restitution above which a law does not return it
 FILMED = 5  # samples a picture
@@ -52,7 +51,7 @@ def measure() -> Measured:
     }  # fmt: skip
     tables = {
         "orders": orders, "restitutions": tuple(_restitution(law) for law in LAWS), "runs": runs,
-        "engines": tuple(_bounce(*each) for each in ENGINE_METHODS if each[0] in engines.names()),
+        "engines": tuple(asdict(one) for one in compare(installed(), with_contact(), ENGINES_STEP)),
     }  # fmt: skip
     drawn = {f"vehicle: {name}": lines for name, lines in vehicle_curves(vehicle, paths[0], energy).items()}
     drawn |= {f"order: {row['law']}, events {row['events']}": _line(row) for row in orders}
@@ -107,16 +106,6 @@ def _restitution(law: str) -> Row:
         "law": law, "nominal": nominal, "note": note, "exact": exact, "computed": computed,
         "difference": abs(computed - exact),
     }  # fmt: skip
-
-
-def _bounce(engine: str, method: str) -> Row:
-    """Return the error of the ball in another engine, or why it has none, and the figures of its contact."""
-    law = "spring_damper" if engine == "exudyn" else "spring_damper_force"
-    ball = scenes.make("bouncing_ball", law=law, height=OFF_GRID)
-    record, _ = judged_run(ball, engine, Settings(method=method, step=2e-4, samples=101))
-    error = record.message if record.error is None else record.error.value
-    figures = "; ".join(f"{name} {value:.6g}" for name, value in record.contact.items())
-    return {"engine": engine, "method": method, "error": error, "figures": figures}
 
 
 def vehicle_curves(scene: Scene, path: Trajectory, energy: Balance) -> dict[str, Curves]:

@@ -38,14 +38,6 @@ def test_an_engine_without_events_equals_our_rk4_without_events(name, method, sc
     assert ours.velocity[-1].max() > 0.1  # touch-down and lift-off lie behind
 
 
-def test_stock_contacts_of_mujoco_are_another_law():
-    pytest.importorskip("mujoco")
-    ball = scenes.make("bouncing_ball", law="spring_damper_force", height=HEIGHT)
-    run = engines.get("mujoco").run(ball, Settings(method="rk4_stock_contact", step=1e-4))
-    assert run.ok
-    assert abs(run.velocity[-1, 0, 1] - 0.5717) > 0.1
-
-
 @pytest.mark.parametrize(
     ("name", "method", "law"), [("mujoco", "rk4", "rigid"), ("exudyn", "contact_rk44", "progressive")]
 )

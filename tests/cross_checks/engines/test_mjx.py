@@ -60,4 +60,3 @@ def test_refusals_name_what_mjx_lacks(mjx):
     disc = scenes.make("bouncing_ball", law="spring_damper_force")
     assert any("effective mass" in r.reason for r in mjx.refusals(disc))  # there MJX pushes 1.5 times as hard
     assert "implicit" not in [method.name for method in mjx.methods()]
-    assert not any(method.name.endswith("stock_contact") for method in mjx.methods())

@@ -11,7 +11,7 @@ import pytest
 from cross_checks import engines as registry
 from cross_checks.judge.one_run import checked_run
 from cross_checks.linkage.links import linkage_of
-from cross_checks.mechanisms.random_scenes import DURATION, random_scene
+from cross_checks.truths.oracle.random_scenes import DURATION, random_scene
 from mbs_ref.observables.distance import farthest
 from mbs_ref.scene import PlanarBody, Scene, TorsionSpring, Weld
 from mbs_ref.scene.traits import traits

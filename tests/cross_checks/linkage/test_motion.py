@@ -7,7 +7,7 @@ import pytest
 
 from cross_checks.linkage.links import linkage_of
 from cross_checks.linkage.motion import BALL, FREE, arrays_of, motion_of, poses_of, project
-from cross_checks.mechanisms.random_scenes import random_scene
+from cross_checks.truths.oracle.random_scenes import random_scene
 from mbs_ref.observables import rows
 from mbs_ref.scene import GROUND, Distance, PlanarBody, PointMass, Prismatic, Revolute, Scene, Weld
 from mbs_ref.scene.euler_parameters import conjugate, from_axis_angle, product, rotation_matrices

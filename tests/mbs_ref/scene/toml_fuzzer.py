@@ -21,7 +21,7 @@ from typing import Any
 
 import tomli_w
 
-from cross_checks.mechanisms.random_scenes import random_scene
+from cross_checks.truths.oracle.random_scenes import random_scene
 from mbs_ref import scenes
 from mbs_ref.scene import toml as scene_file
 from mbs_ref.scene.toml import SceneFileError, dumps, loads

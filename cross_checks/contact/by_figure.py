@@ -1,0 +1,129 @@
+"""Scenes with contact, compared across contact models by figures: where laws differ, trajectories do."""
+
+import math
+import tomllib
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from cross_checks import engines
+from cross_checks.contact.experiments import run
+from cross_checks.contact.request import GRAVITY, ContactModel
+from cross_checks.metrics.contact_figures import contact_figures
+from mbs_ref import scenes
+from mbs_ref.scene import Scene
+from mbs_ref.scene.contact import StickSlip
+from mbs_ref.settings import Settings
+from mbs_ref.trajectory import Trajectory
+
+RTOLS = (1e-10, 1e-8)  # of the reference, and of the run whose difference from it is the uncertainty
+
+
+@dataclass(frozen=True)
+class Obtained:
+    """One figure of one scene by one method of an engine, or the reason why there is none."""
+
+    scene: str
+    engine: str
+    method: str
+    step: float  # s
+    figure: str = ""
+    requested: float | None = None  # of the scene's own law, by the reference solver
+    uncertainty: float | None = None  # of the requested
+    obtained: float | None = None
+    change: float | None = None  # of the obtained figure at half the step
+    reason: str = ""
+
+
+def figures_of(scene: Scene, path: Trajectory) -> dict[str, float]:
+    """Return the largest of every figure over the scene's contacts, and the figures declared for the scene."""
+    figures: dict[str, float] = {}
+    for name, value in contact_figures(scene, path).items():
+        label = name.rpartition(": ")[2]
+        figures[label] = max(value, figures.get(label, value))
+    return figures | {label: _declared(scene, path, *row) for label, row in _table().get(scene.name, {}).items()}
+
+
+@cache
+def _table() -> dict[str, dict[str, list]]:
+    return tomllib.loads((Path(__file__).parent / "figures.toml").read_text(encoding="utf-8"))
+
+
+def _declared(scene: Scene, path: Trajectory, what: str, body: str, quantity: str, component: int | None = None):
+    values = getattr(path, quantity)
+    values = values[..., None] if values.ndim == 2 else values  # (n_t, n_bodies, components)
+    values = values if body == "*" else values[:, [scene.body_index(body)]]
+    if component is None and values.shape[2] > 1:
+        values, component = np.linalg.norm(values, axis=-1, keepdims=True), 0
+    scalar = values[..., component or 0]
+    if what == "crossing":
+        sign = scalar[:, 0] * np.sign(scalar[0, 0])
+        k = int(np.argmax(sign <= 0.0))
+        return float(np.interp(0.0, -sign[k - 1 : k + 1], path.times[k - 1 : k + 1])) if k else float("nan")
+    return float(np.max(scalar[-1] if what == "last" else np.abs(scalar)))
+
+
+def compare(models: dict[str, ContactModel], cases: dict[str, Scene], step: float, *, every: bool = False):
+    """Yield every figure of the scenes by every contact model, by all methods or those compared; a refusal is one."""
+    for name, scene in cases.items():
+        reference = None
+        for engine, model in models.items():
+            for method in [method.name for method in model.engine.methods()] if every else model.compared:
+                key: dict[str, Any] = {"scene": name, "engine": engine, "method": method, "step": step}
+                path = run(model, method, scene, step)
+                if isinstance(path, str):
+                    yield Obtained(**key, reason=path)
+                    continue
+                reference = reference or _reference(scene, step)
+                yield from _rows(key, reference, scene, path, run(model, method, scene, 0.5 * step))
+
+
+def _rows(key: dict[str, Any], reference, scene: Scene, path: Trajectory, fine: Trajectory | str) -> Iterator[Obtained]:
+    here = figures_of(scene, path)
+    finer = {} if isinstance(fine, str) else figures_of(scene, fine)
+    best, other = reference
+    for label, value in best.items():
+        apart = abs(value - other[label]) if label in other else None
+        change = finer[label] - here[label] if label in here and label in finer else None
+        reason = "" if label in here else "the run does not show it"
+        yield Obtained(**key, figure=label, requested=value, uncertainty=apart, obtained=here.get(label),
+                       change=change, reason=reason)  # fmt: skip
+
+
+def _reference(scene: Scene, step: float) -> tuple[dict[str, float], dict[str, float]]:
+    """Return the figures by the reference solver at two tolerances."""
+    solver, times = engines.get("mbs_ref"), step * np.arange(round(scene.duration / step) + 1)
+    settings = [Settings(rtol=rtol, atol=rtol, reactions=False, estimate="off") for rtol in RTOLS]
+    best, other = (figures_of(scene, solver.run(scene, one, times)) for one in settings)
+    return best, other
+
+
+def with_contact() -> dict[str, Scene]:
+    """Return the library's scenes in which bodies touch."""
+    every = {name: scenes.make(name) for name in scenes.names()}
+    return {name: scene for name, scene in every.items() if scene.contacts}
+
+
+FRICTION, SHARES, LOADS = 0.7, (0.1, math.tan(0.2) / 0.7, 0.5, 0.9), (1.0, 100.0)  # -, of the cone, of the block's mass
+STIFFNESS, DAMPING = 1e5, 200.0  # N/m, N s/m of each corner
+
+
+def slopes() -> dict[str, Scene]:
+    """Return blocks that Coulomb's law holds: by the share of the friction cone, and beneath a load."""
+    cases = {f"slope at {share:.0%} of the cone": _slope(share, 0.0) for share in SHARES}
+    return cases | {f"the same beneath {load:g} of its mass": _slope(SHARES[1], load) for load in LOADS}
+
+
+def _slope(share: float, load: float) -> Scene:
+    """Return a block on a slope of tan(angle) = share of mu, and on it a block `load` times as heavy, if any."""
+    angle, harder = math.atan(share * FRICTION), max(load, 1.0)
+    laws = {"stiffness": STIFFNESS * harder, "damping": DAMPING * harder}
+    stack = scenes.make("block_stack", blocks=2 if load else 1, ratio=load or 1.0, **laws)
+    grip = StickSlip(coefficient=FRICTION, stiffness=STIFFNESS * harder, damping=DAMPING * harder)
+    contacts = tuple(contact.model_copy(update={"friction": grip}) for contact in stack.contacts)
+    gravity = (GRAVITY * math.sin(angle), 0.0, -GRAVITY * math.cos(angle))
+    return stack.model_copy(update={"gravity": gravity, "contacts": contacts})

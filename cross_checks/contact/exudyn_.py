@@ -1,0 +1,86 @@
+"""Exudyn's GeneralContact: a spring and a damper for each shape, in series, with friction in proportion to slow slip.
+
+Two spheres only push: F = k d + c d' >= 0. A sphere pulls at a triangle until the gap opens, and then rebounds with
+exp(-pi z/sqrt(1 - z^2)). Friction grows up to mu F at frictionProportionalZone (Exudyn documentation, GeneralContact).
+"""
+
+import math
+from typing import ClassVar
+
+import numpy as np
+
+from cross_checks.contact.laws import linear_law, own_law
+from cross_checks.contact.request import CREEP, GRAVITY, SHARE, ContactModel, Refused, Request, Translation, snippet
+from cross_checks.engine import Method, Refusal
+from cross_checks.engine.plan import DEFAULT_STEP, Plan
+from cross_checks.engines.exudyn_ import Built, Exudyn
+from cross_checks.engines.exudyn_.contact import FLAT, SLOW, surface_of
+from cross_checks.engines.exudyn_.methods import CONTACT, METHODS
+from mbs_ref.scene import GROUND, Scene
+from mbs_ref.scene.contact import Contact, RegularisedCoulomb, StickSlip
+
+CORNER = 1e-3  # m, deeper than the corners of bodies at rest sink
+
+
+class OwnContact(Exudyn):
+    """Exudyn with shapes whose parameters are translated from the laws of the scene."""
+
+    method_table: ClassVar[tuple[Method, ...]] = tuple(method for method in METHODS if method.name == CONTACT)
+
+    def refusals(self, scene: Scene) -> list[Refusal]:
+        return super().refusals(translated(scene, DEFAULT_STEP))
+
+    def method_refusals(self, scene: Scene, method: Method) -> list[Refusal]:
+        return super().method_refusals(translated(scene, DEFAULT_STEP), method)
+
+    def build(self, scene: Scene, plan: Plan) -> Built:
+        return super().build(translated(scene, plan.step), plan)
+
+
+def translated(scene: Scene, step: float) -> Scene:
+    """Return the scene with laws and shapes that Exudyn has."""
+    contacts = tuple(contact.model_copy(update=_own(scene, contact, step)) for contact in scene.contacts)
+    return scene.model_copy(update={"contacts": contacts})
+
+
+def _own(scene: Scene, contact: Contact, step: float) -> dict[str, object]:
+    """Return the law, and for a corner the sphere whose lowest point it is: a sphere of radius 0 touches nothing."""
+    law: dict[str, object] = {"law": _law(scene, contact, step)}
+    if isinstance(contact.friction, StickSlip):
+        speed = ramp(contact.friction.coefficient, math.hypot(*scene.gravity), step) or SLOW
+        law["friction"] = RegularisedCoulomb(coefficient=contact.friction.coefficient, speed=speed)
+    if not isinstance(contact, FLAT) or contact.radius:
+        return law
+    normal = np.array(surface_of(contact)[1])[: scene.dimension]
+    return law | {"radius": CORNER, "center": tuple((np.array(contact.center) + CORNER * normal).tolist())}
+
+
+def _law(scene: Scene, contact: Contact, step: float):
+    """Return the law for the effective mass of a central contact."""
+    ends = (contact.body_a, contact.body_b)
+    mass = 1.0 / sum(1.0 / scene.bodies[scene.body_index(name)].mass for name in ends if name != GROUND)
+    return own_law(contact.law, mass, step, "gap" if isinstance(contact, FLAT) else "force")
+
+
+def ramp(friction: float, gravity: float, step: float) -> float:
+    """Return frictionProportionalZone (m/s): friction stops a slip of it within a step, and no slower one faster."""
+    return friction * gravity * step
+
+
+def translate(request: Request) -> Translation:
+    """Return stiffness, damping and friction of two equal shapes, and of a sphere and triangles."""
+    mu = request.friction
+    floor = linear_law(request.rebound, request.stiffness, request.mass, "gap")
+    zone = ramp(mu, GRAVITY, request.step)
+    shapes = {"contactStiffness": 2.0 * request.stiffness, "contactDamping": 0.5 * request.law.damping}
+    parameters = {**shapes, "contactDamping of triangles": 0.5 * floor.damping, "frictionProportionalZone": zone}
+    refused = {CREEP: Refused(SHARE * zone, "friction is in proportion to slip below frictionProportionalZone")}
+    text = snippet(
+        "exudyn.txt", mass=request.mass, step=request.step, friction=mu, ramp=zone, stiffness=2.0 * request.stiffness,
+        damping=0.5 * request.law.damping, floor_damping=0.5 * floor.damping,
+    )  # fmt: skip
+    friction = RegularisedCoulomb(coefficient=mu, speed=zone) if mu else None
+    return Translation(request.law, friction, parameters, text, refused if mu else {}, floor)
+
+
+MODEL = ContactModel(OwnContact(), translate, (CONTACT,))

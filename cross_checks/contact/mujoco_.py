@@ -1,0 +1,133 @@
+"""MuJoCo with its own contacts: the reference acceleration b v + k r of solref, and the impedance d of solimp.
+
+At constant d, solref = (-K, -B) gives F = m (K r + B v) + d m g, clipped at 0, with m the effective mass of the pair
+(MuJoCo documentation, "Solver parameters"). Friction creeps at (1 - d)/(d impratio) of the acceleration without it
+over b, and rises with slip above the cone of the weight, so that what slides hops.
+"""
+
+import math
+from dataclasses import replace
+from typing import ClassVar, get_args
+
+import mujoco
+import numpy as np
+
+from cross_checks.contact import request as wanted
+from cross_checks.contact.laws import own_law
+from cross_checks.contact.request import GRAVITY, ContactModel, Refused, Request, Translation, snippet
+from cross_checks.engine import Method, Refusal
+from cross_checks.engine.method import fixed
+from cross_checks.engine.plan import Plan
+from cross_checks.engines.mujoco_ import Built, MuJoCo
+from cross_checks.engines.mujoco_.build import add_loads, specify_links
+from cross_checks.engines.mujoco_.forces import force_refusals, shared_forces, takes_shared_forces
+from cross_checks.engines.mujoco_.pairs import add_pair, effective_mass
+from cross_checks.engines.mujoco_.run import METHODS, at_start
+from cross_checks.linkage.links import closure_refusals, linkage_of
+from mbs_ref.scene import Scene
+from mbs_ref.scene.contact import Contact, ContactLaw, Friction, PinOnSprocket, RegularisedCoulomb, SpringDamperLaw
+from mbs_ref.scene.joints import Drive
+
+STOCK_SOLREF, STOCK_SOLIMP = (0.02, 1.0), (0.9, 0.95, 0.001, 0.5, 2.0)  # MuJoCo's defaults, pinned
+SLOW = 0.1  # of the speed of sliding, below which friction is in proportion to slip: 1 % of the distance
+IMPEDANCE = 0.9  # of solimp, constant: its documented default at depth 0
+EULER = next(method for method in METHODS if method.name == "euler")
+CONTACT_PARTS = frozenset(
+    part.model_fields["type"].default
+    for kind in (Contact, ContactLaw, Friction)
+    for part in get_args(get_args(kind)[0])
+)
+
+
+PYRAMIDAL = {"cone": mujoco.mjtCone.mjCONE_PYRAMIDAL}
+STOCK = {"enableflags": 0}  # as shipped, effective masses are approximated
+OPTIONS: dict[str, dict[str, float]] = {  # by method: what decides whether friction holds; the cone is elliptic
+    "euler_impratio100": {"impratio": 100.0}, "euler": {}, "euler_noslip": PYRAMIDAL | {"noslip_iterations": 10},
+    "stock": STOCK | PYRAMIDAL, "stock_impratio10": STOCK | {"impratio": 10.0},
+    "stock_impratio100": STOCK | {"impratio": 100.0}, "stock_noslip": STOCK | PYRAMIDAL | {"noslip_iterations": 10},
+}  # fmt: skip
+DEFAULT = next(iter(OPTIONS))
+
+
+class OwnContact(MuJoCo):
+    """MuJoCo's Euler, with pairs whose parameters are translated from the laws of the scene."""
+
+    method_table: ClassVar[tuple[Method, ...]] = tuple(
+        fixed(name, None, "semi-implicit Euler with MuJoCo's own contacts", requires=frozenset({"contact"}))
+        for name in OPTIONS
+    )
+    extra: ClassVar[frozenset[str]] = CONTACT_PARTS
+
+    def topology_refusals(self, scene: Scene) -> list[Refusal]:
+        bare = linkage_of(scene.model_copy(update={"contacts": ()}))
+        teeth = "contact {!r}: the gaps between teeth are not convex, and MuJoCo's geoms are"
+        drive = "joint {!r}: MuJoCo prescribes motions of mocap bodies alone, whose velocity is 0 to its contacts"
+        own = [teeth.format(contact.name) for contact in scene.contacts if isinstance(contact, PinOnSprocket)]
+        own += [drive.format(joint.name) for joint in scene.joints if isinstance(joint, Drive)]
+        reasons = closure_refusals(self.name, scene, self.closes) + force_refusals(bare)
+        return reasons + [Refusal(reason, permanent=True) for reason in own]
+
+    def build(self, scene: Scene, plan: Plan) -> Built:
+        linkage, bare = linkage_of(scene), linkage_of(scene.model_copy(update={"contacts": ()}))
+        spec, frames = specify_links(linkage, replace(plan, method=EULER))
+        shared = takes_shared_forces(bare)
+        add_loads(spec, frames, bare, shared)
+        for option, value in OPTIONS[plan.method.name].items():
+            setattr(spec.option, option, value)
+        stock = plan.method.name.startswith("stock")
+        for contact in scene.contacts:
+            pair = add_pair(spec, frames, linkage, contact)
+            pair.solref, pair.solimp = STOCK_SOLREF, STOCK_SOLIMP
+            if not stock:  # solref follows when the effective mass is known
+                pair.solimp = (IMPEDANCE, IMPEDANCE, *STOCK_SOLIMP[2:])
+                pair.solreffriction = friction_solref(contact.friction, math.hypot(*scene.gravity), plan.step)
+        model = spec.compile()
+        data = at_start(model, linkage)
+        mujoco.mj_forward(model, data)
+        for contact in () if stock else scene.contacts:
+            mass = effective_mass(model, data, contact)
+            law = _resolved(own_law(contact.law, mass, plan.step, "force"), mass, plan.step)
+            model.pair_solref[model.pair(contact.name).id] = (-law.stiffness / mass, -law.damping / mass)
+        return Built(linkage, model, at_start(model, linkage), shared_forces(model, bare) if shared else None)
+
+
+def _resolved(law: SpringDamperLaw, mass: float, step: float) -> SpringDamperLaw:
+    """Return the law, softened at the same rebound to the time constant of two steps that refsafe allows.
+
+    MuJoCo limits solref only in the form (time constant, damping ratio): 2/B >= 2 h, and at critical damping K = B^2/4.
+    """
+    share = min(1.0, 0.25 * mass / (law.stiffness * step**2), (mass / (max(law.damping, 1e-300) * step)) ** 2)
+    numbers = {"stiffness": share * law.stiffness, "damping": math.sqrt(share) * law.damping}
+    return law.model_copy(update=numbers)
+
+
+def friction_solref(friction: Friction | None, gravity: float, step: float) -> tuple[float, float]:
+    """Return solreffriction: b = 2/(d tc) slows a slip below v_s at b v, where v_s = mu g/b is the part's or stock."""
+    slow = getattr(friction, "speed", math.inf) / max(getattr(friction, "coefficient", 0.0) * gravity, 1e-300)  # 1/b
+    return max(2.0 * step, min(2.0 / IMPEDANCE * slow, STOCK_SOLREF[0])), 1.0
+
+
+def translate(request: Request) -> Translation:
+    """Return solref, solimp and friction for the effective mass of the pair."""
+    law, d, mu = _resolved(request.law, request.mass, request.step), IMPEDANCE, request.friction
+    friction = RegularisedCoulomb(coefficient=mu, speed=SLOW * request.speed) if mu else None
+    slip, impratio = friction_solref(friction, GRAVITY, request.step), OPTIONS[DEFAULT]["impratio"]
+    creep = 0.5 * (1.0 - d) * slip[0] / impratio * GRAVITY * math.sin(math.atan(wanted.SHARE * mu))
+    parameters = {"solref": (-law.stiffness / request.mass, -law.damping / request.mass), "solreffriction": slip,
+                  "solimp": (d, d, *STOCK_SOLIMP[2:]), "friction": mu, "impratio": impratio}  # fmt: skip
+    refused = {
+        wanted.CREEP: Refused(creep, "friction is regularised: (1 - d) a/(d b impratio) without noslip_iterations"),
+        wanted.SINK: Refused(
+            (1.0 - d) * request.mass * GRAVITY / law.stiffness, "the impedance bears d m g at depth 0"
+        ),
+    }
+    refused = refused if mu else {}
+    if law.stiffness < request.stiffness:
+        soft, why = replace(request, stiffness=law.stiffness).figures, "the time constant is at least two steps"
+        refused |= {label: Refused(soft[label], why) for label in (wanted.DURATION, wanted.PENETRATION)}
+    values = {name: " ".join(f"{x:.10g}" for x in np.atleast_1d(value)) for name, value in parameters.items()}
+    text = snippet("mujoco.xml", mass=f"{request.mass:g}", step=f"{request.step:g}", **values)
+    return Translation(law, friction, parameters, text, refused)
+
+
+MODEL = ContactModel(OwnContact(), translate, (DEFAULT, "stock"))

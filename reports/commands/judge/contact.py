@@ -1,0 +1,99 @@
+"""mbs-ref contact: one contact in each engine's own parameters, and what each engine makes of it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import asdict
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from reports.terminal.console import EngineAbsent, NothingSelected, complain, echo_json, show_table
+
+if TYPE_CHECKING:
+    from cross_checks.contact.request import ContactModel, Translation
+
+
+@click.command(name="contact")
+@click.option("--rebound", type=float, help="Restitution of a free impact (-).")
+@click.option("--friction", type=float, help="Coulomb's coefficient (-).")
+@click.option("--stiffness", type=float, help="Of the contact (N/m).")
+@click.option("--mass", type=float, help="Effective mass of the pair (kg): 1/(1/m_a + 1/m_b).")
+@click.option("--speed", type=float, default=1.0, show_default=True, help="Of approach and of sliding (m/s).")
+@click.option("--step", type=float, default=1e-3, show_default=True, help="Of the engine (s).")
+@click.option("--figures", is_flag=True, help="Compare scenes with contact by figures instead.")
+@click.option("--only", metavar="SCENE", multiple=True, help="Of the scenes compared, only this; repeatable.")
+@click.option("--holding", is_flag=True, help="Measure the creep of a block on a slope instead.")
+@click.option("--engine", "chosen", multiple=True, metavar="E", help="Only this engine; repeatable.")
+@click.option("--json", "as_json", is_flag=True, help="Print JSON lines.")
+def command(figures: bool, only: tuple[str, ...], holding: bool, chosen: tuple[str, ...], as_json: bool, **request):
+    """Translate a contact into each engine's own parameters, and measure what each engine makes of it.
+
+    The parameters hold for one pair of the given effective mass. --figures runs the library's scenes with contact by
+    each engine's own contact model, --holding a block that Coulomb's law holds on a slope.
+    """
+    from cross_checks import contact
+    from cross_checks.contact import by_figure
+
+    try:
+        models = {name: contact.model_of(name) for name in chosen or contact.ENGINES}
+    except ValueError as error:
+        raise click.UsageError(str(error)) from error
+    absent = [f"{name}: {model}" for name, model in models.items() if isinstance(model, str)]
+    present = {name: model for name, model in models.items() if not isinstance(model, str)}
+    if absent and (chosen or not present):
+        raise EngineAbsent("; ".join(absent))
+    if figures or holding:
+        cases = by_figure.slopes() if holding else by_figure.with_contact()
+        named = {name: scene for name, scene in cases.items() if not only or name in only}
+        if not named:
+            raise NothingSelected(f"no scene is named {', '.join(only)}; allowed: {', '.join(cases)}")
+        _print(by_figure.compare(present, named, request["step"], every=holding), as_json)
+    else:
+        _translate(present, request, as_json)
+    complain(absent)
+
+
+def _translate(models: dict[str, ContactModel], request: dict[str, float | None], as_json: bool) -> None:
+    from cross_checks.contact.experiments import measured
+    from cross_checks.contact.request import Request
+
+    missing = [f"--{name}" for name, value in request.items() if value is None]
+    if missing:
+        raise click.UsageError(f"{', '.join(missing)} must be given")
+    try:
+        requested = Request(**request)  # type: ignore[arg-type]
+    except ValueError as error:
+        raise click.UsageError(str(error)) from error
+    for name, model in models.items():
+        translation, method = model.translate(requested), model.compared[0]
+        obtained = measured(model, method, requested, translation)
+        rows = [_figure(label, value, obtained[label], translation) for label, value in requested.figures.items()]
+        if as_json:
+            parts = {"parameters": translation.parameters, "snippet": translation.snippet, "figures": rows}
+            echo_json({"engine": name, "method": method, "request": asdict(requested)} | parts, indent=None)
+            continue
+        show_table(f"{name} {model.engine.version()}, {method}", tuple(rows[0]), (map(_text, r.values()) for r in rows))
+        click.echo(translation.snippet)
+
+
+def _figure(label: str, requested: float, obtained: float | str, translation: Translation) -> dict[str, Any]:
+    refused = translation.refused.get(label)
+    reasons = [f"cannot, {refused.instead:.3g} instead: {refused.why}"] if refused else []
+    reasons += [obtained] if isinstance(obtained, str) else []
+    value = None if isinstance(obtained, str) else obtained
+    return {"figure": label, "requested": requested, "obtained": value, "note": "; ".join(reasons)}
+
+
+def _text(value: float | str | None) -> str:
+    return value if isinstance(value, str) else "-" if value is None else f"{value:.5g}"
+
+
+def _print(results: Iterable[Any], as_json: bool) -> None:
+    """Print results as JSON lines as soon as they are known, or as a table."""
+    rows = map(asdict, results)
+    for row in rows if as_json else ():
+        echo_json(row, indent=None)
+    if not as_json:
+        listed = list(rows)
+        show_table("", tuple(listed[0]), (map(_text, row.values()) for row in listed))

@@ -1,0 +1,93 @@
+"""Scenes by an engine's own contacts: figures against closed forms and MuJoCo models of the test's own."""
+
+import numpy as np
+import pytest
+
+from cross_checks.contact import model_of
+from cross_checks.contact.by_figure import compare, figures_of, slopes, with_contact
+from cross_checks.contact.experiments import run
+from mbs_ref import scenes
+from mbs_ref.settings import Settings
+from mbs_ref.simulate import simulate
+
+ANGLE = 0.2  # rad
+
+
+def rows(scene, engine, step, **more) -> dict[str, dict]:
+    """Return the obtained figures by method and label."""
+    found: dict[str, dict] = {}
+    for one in compare({engine: model_of(engine)}, {scene.name: scene}, step, **more):
+        found.setdefault(one.method, {})[one.figure] = one
+    return found
+
+
+def own_creep(option: str) -> float:
+    """Return the speed (m/s) at which a box of MuJoCo's own creeps down a slope of 0.2 rad with mu = 0.7."""
+    mujoco = pytest.importorskip("mujoco")
+    gravity = f"{9.81 * np.sin(ANGLE)} 0 {-9.81 * np.cos(ANGLE)}"
+    model = mujoco.MjModel.from_xml_string(f"""<mujoco><option timestep="2e-3" gravity="{gravity}" {option}/>
+      <default><geom friction="0.7 0 0" condim="3"/></default><worldbody><geom type="plane" size="0 0 1"/>
+      <body pos="0 0 0.1"><freejoint/><geom type="box" size="0.2 0.15 0.1" mass="1"/></body></worldbody></mujoco>""")
+    data = mujoco.MjData(model)
+    mujoco.mj_step(model, data, nstep=250)
+    start = data.qpos[0]
+    mujoco.mj_step(model, data, nstep=250)
+    return float(data.qpos[0] - start) / 0.5
+
+
+def test_a_block_creeps_as_a_box_of_mujoco_does():
+    pytest.importorskip("mujoco")
+    obtained = rows(slopes()["slope at 29% of the cone"], "mujoco", 2e-3, every=True)
+    for method, option in (("stock", ""), ("stock_impratio10", 'cone="elliptic" impratio="10"'),
+                           ("stock_impratio100", 'cone="elliptic" impratio="100"')):  # fmt: skip
+        creep = obtained[method]["creep, m/s"]
+        assert creep.obtained == pytest.approx(own_creep(option), rel=1e-3)
+        assert abs(creep.requested) < 1e-9 > creep.uncertainty  # Coulomb's law holds it
+        assert abs(creep.change) < 1e-9  # no error of the step
+
+
+@pytest.mark.parametrize("engine", ["mujoco", "exudyn"])
+def test_a_block_stops_where_coulomb_stops_it(engine):
+    pytest.importorskip(engine)
+    for figures in rows(scenes.make("sliding_block"), engine, 5e-4).values():
+        stop = figures["stop distance, m"]
+        assert stop.requested == pytest.approx(4.0 / (2.0 * 0.3 * 9.81), abs=1e-9)
+        assert stop.obtained == pytest.approx(stop.requested, rel=1e-3)
+
+
+def test_mujoco_runs_each_scene_with_contact_or_says_why_not():
+    pytest.importorskip("mujoco")
+    engine = model_of("mujoco").engine
+    reasons = {name: " ".join(r.reason for r in engine.refusals(scene)) for name, scene in with_contact().items()}
+    assert len(reasons) >= 17
+    refused = {name for name, reason in reasons.items() if reason}
+    assert refused == {"tracked_vehicle", "ball_on_driven_seat"}
+    assert "not convex" in reasons["tracked_vehicle"]
+    assert "mocap" in reasons["ball_on_driven_seat"]
+
+
+def test_a_sphere_on_the_side_of_a_moving_box_is_a_contact_of_mujoco():
+    pytest.importorskip("mujoco")
+    scene = scenes.make("ball_on_moving_seat", friction=0.0)
+    path = run(model_of("mujoco"), "euler_impratio100", scene, 1e-4)
+    ours = figures_of(scene, simulate(scene, Settings(rtol=1e-9, samples=2001)))
+    theirs = figures_of(scene, path)
+    assert [theirs[k] for k in ("penetration, m", "duration, s")] == pytest.approx(
+        [ours[k] for k in ("penetration, m", "duration, s")], rel=0.02
+    )
+
+
+def test_figures_in_space_are_those_in_the_plane():
+    settings = Settings(rtol=1e-10, samples=401)
+    flat, space = (scenes.make(name) for name in ("bouncing_ball", "bouncing_sphere"))
+    plane, solid = (figures_of(scene, simulate(scene, settings)) for scene in (flat, space))
+    assert plane.keys() == solid.keys()
+    assert list(solid.values()) == pytest.approx(list(plane.values()), rel=1e-6)
+
+
+@pytest.mark.parametrize("name", ["rolling_disc", "rolling_sphere"])
+def test_what_rolls_does_not_slip_and_does_not_stop(name):
+    scene = scenes.make(name)
+    figures = figures_of(scene, simulate(scene, Settings(rtol=1e-10, samples=101)))
+    assert figures["static sink, m"] == pytest.approx(9.81 / 1e5, rel=1e-6)
+    assert "stop distance, m" not in figures
