@@ -1,5 +1,6 @@
 """Engines with their own contact models, compared by figures: one file for each engine, listed at run time."""
 
+from collections.abc import Sequence
 from importlib import import_module
 from pathlib import Path
 
@@ -17,13 +18,13 @@ def model_of(engine: str) -> ContactModel | str:
         engines.get(engine)
     except engines.EngineMissing:
         return "not installed"
-    folder = Path(__file__).parent
-    if not list(folder.glob(f"{engine}_*")):
+    if not Path(__file__).with_name(f"{engine}_.py").exists():
         return "its contact parameters are not translated yet"
     return import_module(f"{__name__}.{engine}_").MODEL
 
 
-def installed() -> dict[str, ContactModel]:
-    """Return the contact models of the engines that are installed."""
-    models = {name: model_of(name) for name in ENGINES}
-    return {name: model for name, model in models.items() if not isinstance(model, str)}
+def models(names: Sequence[str] = ENGINES) -> tuple[dict[str, ContactModel], list[str]]:
+    """Return the contact models of the engines that are installed, and a sentence for each of the others."""
+    found = {name: model_of(name) for name in names}
+    absent = [f"{name}: {model}" for name, model in found.items() if isinstance(model, str)]
+    return {name: model for name, model in found.items() if isinstance(model, ContactModel)}, absent

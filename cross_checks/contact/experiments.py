@@ -1,6 +1,7 @@
 """Experiments that measure a contact: a free impact, a body at rest on a slope, and a body that slides to rest."""
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
@@ -19,19 +20,39 @@ FLIGHT = 12.37  # steps of free flight before an impact, no whole number
 HELD, RESTS = 1.0, 1.0  # s on the slope, and after sliding
 
 
-def measured(model: ContactModel, method: str, request: Request, translation: Translation) -> dict[str, float | str]:
-    """Return every requested figure as the engine obtains it, or the reason why its run has none."""
-    experiments = {(wanted.RESTITUTION, wanted.DURATION, wanted.PENETRATION): impact_scene(request, translation)}
+class Measured(NamedTuple):
+    """One requested figure, as an engine obtains it."""
+
+    figure: str
+    requested: float
+    obtained: float | None
+    note: str  # what the engine's documentation excludes, or why its run has no figure
+
+
+def measured(model: ContactModel, request: Request, translation: Translation) -> list[Measured]:
+    """Return every requested figure as the engine obtains it at the requested step."""
+    experiments = [impact_scene(request, translation)]
     if translation.friction is not None:
         angle, slides = math.atan(wanted.SHARE * request.friction), request.speed / (request.friction * GRAVITY)
-        experiments[wanted.CREEP,] = floor_scene(request, translation, angle, 0.0, HELD)
-        experiments[wanted.STOP, wanted.SINK] = floor_scene(request, translation, 0.0, request.speed, slides + RESTS)
-    figures: dict[str, float | str] = {}
-    for labels, scene in experiments.items():
-        path = run(model, method, scene, request.step)
-        shown, missing = ({}, path) if isinstance(path, str) else (contact_figures(scene, path), "the run has none")
-        figures |= {label: shown.get(f"pair: {label}", missing) for label in labels}
-    return figures
+        experiments.append(floor_scene(request, translation, 0.0, request.speed, slides + RESTS))
+        experiments.append(floor_scene(request, translation, angle, 0.0, HELD))
+    figures: dict[str, float] = {}
+    failures: list[str] = []
+    for scene in experiments:
+        path = run(model, model.compared[0], scene, request.step)
+        if isinstance(path, str):
+            failures.append(path)
+            continue
+        shown = {name.removeprefix("pair: "): value for name, value in contact_figures(scene, path).items()}
+        figures = shown | figures
+    return [_row(label, request, figures, translation, failures) for label in request.figures]
+
+
+def _row(label: str, request: Request, figures: dict, translation: Translation, failures: list[str]) -> Measured:
+    refused = translation.refused.get(label)
+    notes = [f"cannot, {refused.instead:.3g} instead: {refused.why}"] if refused else []
+    notes += failures if label not in figures else []
+    return Measured(label, request.figures[label], figures.get(label), "; ".join(notes))
 
 
 def run(model: ContactModel, method: str, scene: Scene, step: float) -> Trajectory | str:

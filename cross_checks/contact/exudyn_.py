@@ -45,21 +45,16 @@ def translated(scene: Scene, step: float) -> Scene:
 
 def _own(scene: Scene, contact: Contact, step: float) -> dict[str, object]:
     """Return the law, and for a corner the sphere whose lowest point it is: a sphere of radius 0 touches nothing."""
-    law: dict[str, object] = {"law": _law(scene, contact, step)}
+    ends = [scene.body_index(name) for name in (contact.body_a, contact.body_b) if name != GROUND]
+    mass, flat = 1.0 / sum(1.0 / scene.bodies[k].mass for k in ends), isinstance(contact, FLAT)
+    own: dict[str, object] = {"law": own_law(contact.law, mass, step, "gap" if flat else "force")}
     if isinstance(contact.friction, StickSlip):
         speed = ramp(contact.friction.coefficient, math.hypot(*scene.gravity), step) or SLOW
-        law["friction"] = RegularisedCoulomb(coefficient=contact.friction.coefficient, speed=speed)
-    if not isinstance(contact, FLAT) or contact.radius:
-        return law
-    normal = np.array(surface_of(contact)[1])[: scene.dimension]
-    return law | {"radius": CORNER, "center": tuple((np.array(contact.center) + CORNER * normal).tolist())}
-
-
-def _law(scene: Scene, contact: Contact, step: float):
-    """Return the law for the effective mass of a central contact."""
-    ends = (contact.body_a, contact.body_b)
-    mass = 1.0 / sum(1.0 / scene.bodies[scene.body_index(name)].mass for name in ends if name != GROUND)
-    return own_law(contact.law, mass, step, "gap" if isinstance(contact, FLAT) else "force")
+        own["friction"] = RegularisedCoulomb(coefficient=contact.friction.coefficient, speed=speed)
+    if flat and not contact.radius:
+        normal = np.array(surface_of(contact)[1])[: scene.dimension]
+        own |= {"radius": CORNER, "center": tuple((np.array(contact.center) + CORNER * normal).tolist())}
+    return own
 
 
 def ramp(friction: float, gravity: float, step: float) -> float:

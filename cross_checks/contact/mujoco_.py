@@ -7,7 +7,7 @@ over b, and rises with slip above the cone of the weight, so that what slides ho
 
 import math
 from dataclasses import replace
-from typing import ClassVar, get_args
+from typing import ClassVar
 
 import mujoco
 import numpy as np
@@ -23,22 +23,16 @@ from cross_checks.engines.mujoco_.build import add_loads, specify_links
 from cross_checks.engines.mujoco_.forces import force_refusals, shared_forces, takes_shared_forces
 from cross_checks.engines.mujoco_.pairs import add_pair, effective_mass
 from cross_checks.engines.mujoco_.run import METHODS, at_start
+from cross_checks.linkage.forces import LOCATED
 from cross_checks.linkage.links import closure_refusals, linkage_of
 from mbs_ref.scene import Scene
-from mbs_ref.scene.contact import Contact, ContactLaw, Friction, PinOnSprocket, RegularisedCoulomb, SpringDamperLaw
+from mbs_ref.scene.contact import Friction, PinOnSprocket, RegularisedCoulomb, SpringDamperLaw
 from mbs_ref.scene.joints import Drive
 
 STOCK_SOLREF, STOCK_SOLIMP = (0.02, 1.0), (0.9, 0.95, 0.001, 0.5, 2.0)  # MuJoCo's defaults, pinned
 SLOW = 0.1  # of the speed of sliding, below which friction is in proportion to slip: 1 % of the distance
 IMPEDANCE = 0.9  # of solimp, constant: its documented default at depth 0
 EULER = next(method for method in METHODS if method.name == "euler")
-CONTACT_PARTS = frozenset(
-    part.model_fields["type"].default
-    for kind in (Contact, ContactLaw, Friction)
-    for part in get_args(get_args(kind)[0])
-)
-
-
 PYRAMIDAL = {"cone": mujoco.mjtCone.mjCONE_PYRAMIDAL}
 STOCK = {"enableflags": 0}  # as shipped, effective masses are approximated
 OPTIONS: dict[str, dict[str, float]] = {  # by method: what decides whether friction holds; the cone is elliptic
@@ -56,7 +50,7 @@ class OwnContact(MuJoCo):
         fixed(name, None, "semi-implicit Euler with MuJoCo's own contacts", requires=frozenset({"contact"}))
         for name in OPTIONS
     )
-    extra: ClassVar[frozenset[str]] = CONTACT_PARTS
+    extra: ClassVar[frozenset[str]] = frozenset(part.model_fields["type"].default for part in LOCATED)
 
     def topology_refusals(self, scene: Scene) -> list[Refusal]:
         bare = linkage_of(scene.model_copy(update={"contacts": ()}))

@@ -11,7 +11,7 @@ import click
 from reports.terminal.console import EngineAbsent, NothingSelected, complain, echo_json, show_table
 
 if TYPE_CHECKING:
-    from cross_checks.contact.request import ContactModel, Translation
+    from cross_checks.contact.request import ContactModel
 
 
 @click.command(name="contact")
@@ -36,11 +36,9 @@ def command(figures: bool, only: tuple[str, ...], holding: bool, chosen: tuple[s
     from cross_checks.contact import by_figure
 
     try:
-        models = {name: contact.model_of(name) for name in chosen or contact.ENGINES}
+        present, absent = contact.models(chosen or contact.ENGINES)
     except ValueError as error:
         raise click.UsageError(str(error)) from error
-    absent = [f"{name}: {model}" for name, model in models.items() if isinstance(model, str)]
-    present = {name: model for name, model in models.items() if not isinstance(model, str)}
     if absent and (chosen or not present):
         raise EngineAbsent("; ".join(absent))
     if figures or holding:
@@ -66,34 +64,25 @@ def _translate(models: dict[str, ContactModel], request: dict[str, float | None]
     except ValueError as error:
         raise click.UsageError(str(error)) from error
     for name, model in models.items():
-        translation, method = model.translate(requested), model.compared[0]
-        obtained = measured(model, method, requested, translation)
-        rows = [_figure(label, value, obtained[label], translation) for label, value in requested.figures.items()]
+        translation = model.translate(requested)
+        rows = [one._asdict() for one in measured(model, requested, translation)]
         if as_json:
             parts = {"parameters": translation.parameters, "snippet": translation.snippet, "figures": rows}
-            echo_json({"engine": name, "method": method, "request": asdict(requested)} | parts, indent=None)
+            echo_json({"engine": name, "request": asdict(requested)} | parts, indent=None)
             continue
-        show_table(f"{name} {model.engine.version()}, {method}", tuple(rows[0]), (map(_text, r.values()) for r in rows))
+        _show(f"{name} {model.engine.version()}", rows)
         click.echo(translation.snippet)
-
-
-def _figure(label: str, requested: float, obtained: float | str, translation: Translation) -> dict[str, Any]:
-    refused = translation.refused.get(label)
-    reasons = [f"cannot, {refused.instead:.3g} instead: {refused.why}"] if refused else []
-    reasons += [obtained] if isinstance(obtained, str) else []
-    value = None if isinstance(obtained, str) else obtained
-    return {"figure": label, "requested": requested, "obtained": value, "note": "; ".join(reasons)}
-
-
-def _text(value: float | str | None) -> str:
-    return value if isinstance(value, str) else "-" if value is None else f"{value:.5g}"
 
 
 def _print(results: Iterable[Any], as_json: bool) -> None:
     """Print results as JSON lines as soon as they are known, or as a table."""
     rows = map(asdict, results)
-    for row in rows if as_json else ():
-        echo_json(row, indent=None)
     if not as_json:
-        listed = list(rows)
-        show_table("", tuple(listed[0]), (map(_text, row.values()) for row in listed))
+        return _show("", list(rows))
+    for row in rows:
+        echo_json(row, indent=None)
+
+
+def _show(title: str, rows: list[dict[str, Any]]) -> None:
+    texts = ([x if isinstance(x, str) else "-" if x is None else f"{x:.5g}" for x in row.values()] for row in rows)
+    show_table(title, tuple(rows[0]), texts)

@@ -7,7 +7,7 @@ from dataclasses import asdict, dataclass
 
 import numpy as np
 
-from cross_checks.contact import installed
+from cross_checks.contact import models
 from cross_checks.contact.by_figure import compare, with_contact
 from cross_checks.truths.of.bouncing import impact
 from mbs_ref import scenes
@@ -51,7 +51,7 @@ def measure() -> Measured:
     }  # fmt: skip
     tables = {
         "orders": orders, "restitutions": tuple(_restitution(law) for law in LAWS), "runs": runs,
-        "engines": tuple(asdict(one) for one in compare(installed(), with_contact(), ENGINES_STEP)),
+        "engines": tuple(asdict(one) for one in compare(models()[0], with_contact(), ENGINES_STEP)),
     }  # fmt: skip
     drawn = {f"vehicle: {name}": lines for name, lines in vehicle_curves(vehicle, paths[0], energy).items()}
     drawn |= {f"order: {row['law']}, events {row['events']}": _line(row) for row in orders}
