@@ -7,7 +7,7 @@ over b, and rises with slip above the cone of the weight, so that what slides ho
 
 import math
 from dataclasses import replace
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import mujoco
 import numpy as np
@@ -35,7 +35,7 @@ IMPEDANCE = 0.9  # of solimp, constant: its documented default at depth 0
 EULER = next(method for method in METHODS if method.name == "euler")
 PYRAMIDAL = {"cone": mujoco.mjtCone.mjCONE_PYRAMIDAL}
 STOCK = {"enableflags": 0}  # as shipped, effective masses are approximated
-OPTIONS: dict[str, dict[str, float]] = {  # by method: what decides whether friction holds; the cone is elliptic
+OPTIONS: dict[str, dict[str, Any]] = {  # by method: what decides whether friction holds; the cone is elliptic
     "euler_impratio100": {"impratio": 100.0}, "euler": {}, "euler_noslip": PYRAMIDAL | {"noslip_iterations": 10},
     "stock": STOCK | PYRAMIDAL, "stock_impratio10": STOCK | {"impratio": 10.0},
     "stock_impratio100": STOCK | {"impratio": 100.0}, "stock_noslip": STOCK | PYRAMIDAL | {"noslip_iterations": 10},
@@ -54,12 +54,12 @@ class OwnContact(MuJoCo):
 
     def topology_refusals(self, scene: Scene) -> list[Refusal]:
         bare = linkage_of(scene.model_copy(update={"contacts": ()}))
-        teeth = "contact {!r}: the gaps between teeth are not convex, and MuJoCo's geoms are"
-        drive = "joint {!r}: MuJoCo prescribes motions of mocap bodies alone, whose velocity is 0 to its contacts"
-        own = [teeth.format(contact.name) for contact in scene.contacts if isinstance(contact, PinOnSprocket)]
-        own += [drive.format(joint.name) for joint in scene.joints if isinstance(joint, Drive)]
         reasons = closure_refusals(self.name, scene, self.closes) + force_refusals(bare)
-        return reasons + [Refusal(reason, permanent=True) for reason in own]
+        if any(isinstance(contact, PinOnSprocket) for contact in scene.contacts):
+            reasons.append(Refusal("the gaps between teeth are not convex, and MuJoCo's geoms are", True))
+        if any(isinstance(joint, Drive) for joint in scene.joints):
+            reasons.append(Refusal("MuJoCo prescribes motions of mocap bodies alone, which contacts see at rest", True))
+        return reasons
 
     def build(self, scene: Scene, plan: Plan) -> Built:
         linkage, bare = linkage_of(scene), linkage_of(scene.model_copy(update={"contacts": ()}))
