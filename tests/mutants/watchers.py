@@ -62,6 +62,7 @@ WATCHERS: dict[str, tuple[str, ...]] = {
     "cross_checks/judge": JUDGE,
     "cross_checks/metrics": ("tests/cross_checks/metrics", *JUDGE, "tests/cross_checks/engines"),
     "cross_checks/metrics/contact_figures": ("tests/cross_checks/truths/test_contact_truths.py", *JUDGE),
+    "cross_checks/contact": ("tests/cross_checks/contact",),
     "cross_checks/conformance": (
         "tests/cross_checks/conformance/test_clocks.py",
         "tests/cross_checks/conformance/test_conformance.py",
