@@ -25,6 +25,6 @@ def model_of(engine: str) -> ContactModel | str:
 
 def models(names: Sequence[str] = ENGINES) -> tuple[dict[str, ContactModel], list[str]]:
     """Return the contact models of the engines that are installed, and a sentence for each of the others."""
-    found = {name: model_of(name) for name in names}
-    absent = [f"{name}: {model}" for name, model in found.items() if isinstance(model, str)]
-    return {name: model for name, model in found.items() if isinstance(model, ContactModel)}, absent
+    known = {name: model_of(name) for name in names}
+    absent = [f"{name}: {model}" for name, model in known.items() if isinstance(model, str)]
+    return {name: model for name, model in known.items() if isinstance(model, ContactModel)}, absent

@@ -15,10 +15,10 @@ ANGLE = 0.2  # rad
 
 def rows(scene, engine, step, **more) -> dict[str, dict]:
     """Return the obtained figures by method and label."""
-    found: dict[str, dict] = {}
+    known: dict[str, dict] = {}
     for one in compare({engine: model_of(engine)}, {scene.name: scene}, step, **more):
-        found.setdefault(one.method, {})[one.figure] = one
-    return found
+        known.setdefault(one.method, {})[one.figure] = one
+    return known
 
 
 def own_creep(option: str) -> float:

@@ -1,0 +1,49 @@
+"""mbs-ref contact: JSON of a translation, and errors that name what is wrong."""
+
+import json
+
+import pytest
+from click.testing import CliRunner
+
+from reports.cli import main
+
+GOOD = {"--rebound": "0.5", "--friction": "0.7", "--stiffness": "1e5", "--mass": "2"}
+
+
+def contact(**changed: str):
+    words = [word for pair in (GOOD | {f"--{name}": value for name, value in changed.items()}).items() for word in pair]
+    return CliRunner().invoke(main, ["contact", *words, "--json"])
+
+
+def test_json_states_what_was_requested_obtained_and_refused():
+    pytest.importorskip("mujoco")
+    result = contact(engine="mujoco")
+    assert result.exit_code == 0, result.output
+    (line,) = result.stdout.splitlines()
+    answer = json.loads(line)
+    assert answer["request"]["mass"] == 2.0
+    figures = {row["figure"]: row for row in answer["figures"]}
+    assert figures["restitution"]["requested"] == 0.5
+    assert figures["restitution"]["obtained"] == pytest.approx(0.5, rel=0.02)
+    assert figures["creep, m/s"]["note"].startswith("cannot")
+    assert 'solref="-50000 ' in answer["snippet"]
+
+
+@pytest.mark.parametrize(
+    ("changed", "words", "code"),
+    [
+        ({"rebound": "1.2"}, "rebound = 1.2", 2),
+        ({"mass": "0"}, "mass = 0", 2),
+        ({"engine": "foo"}, "engine = 'foo'", 2),
+    ],
+)
+def test_a_bad_request_is_an_error_that_names_it(changed, words, code):
+    result = contact(**changed)
+    assert result.exit_code == code
+    assert words in result.output
+
+
+def test_a_missing_figure_is_named():
+    result = CliRunner().invoke(main, ["contact", "--rebound", "0.5"])
+    assert result.exit_code == 2
+    assert "--friction, --stiffness, --mass must be given" in result.output
