@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from reports import inputs
 from reports.terminal.console import EngineAbsent, NothingSelected, complain, echo_json, show_table
 
 if TYPE_CHECKING:
@@ -20,7 +21,9 @@ if TYPE_CHECKING:
 @click.option("--stiffness", type=float, help="Of the contact (N/m).")
 @click.option("--mass", type=float, help="Effective mass of the pair (kg): 1/(1/m_a + 1/m_b).")
 @click.option("--speed", type=float, default=1.0, show_default=True, help="Of approach and of sliding (m/s).")
-@click.option("--step", type=float, default=1e-3, show_default=True, help="Of the engine (s).")
+@click.option(
+    "--step", type=float, default=1e-3, show_default=True, callback=inputs.positive, help="Of the engine (s)."
+)
 @click.option("--figures", is_flag=True, help="Compare scenes with contact by figures instead.")
 @click.option("--only", metavar="SCENE", multiple=True, help="Of the scenes compared, only this; repeatable.")
 @click.option("--holding", is_flag=True, help="Measure the creep of a block on a slope instead.")
@@ -43,10 +46,10 @@ def command(figures: bool, only: tuple[str, ...], holding: bool, chosen: tuple[s
         raise EngineAbsent("; ".join(absent))
     if figures or holding:
         cases = by_figure.slopes() if holding else by_figure.with_contact()
-        named = {name: scene for name, scene in cases.items() if not only or name in only}
-        if not named:
-            raise NothingSelected(f"no scene is named {', '.join(only)}; allowed: {', '.join(cases)}")
-        _print(by_figure.compare(present, named, request["step"], every=holding), as_json)
+        if unknown := [name for name in only if name not in cases]:
+            raise NothingSelected(f"no scene here is named {unknown[0]!r}; allowed: {', '.join(cases)}")
+        chosen_cases = {name: cases[name] for name in only or cases}
+        _print(by_figure.compare(present, chosen_cases, request["step"], every=holding), as_json)
     else:
         _translate(present, request, as_json)
     complain(absent)
