@@ -90,7 +90,8 @@ def _resolved(law: SpringDamperLaw, mass: float, step: float) -> SpringDamperLaw
 
     MuJoCo limits solref only in the form (time constant, damping ratio): 2/B >= 2 h, and at critical damping K = B^2/4.
     """
-    share = min(1.0, 0.25 * mass / (law.stiffness * step**2), (mass / (max(law.damping, 1e-300) * step)) ** 2)
+    rate = law.damping / mass * step  # B h
+    share = min(1.0, 0.25 * mass / (law.stiffness * step**2), 1.0 / max(rate, 1.0) ** 2)
     numbers = {"stiffness": share * law.stiffness, "damping": math.sqrt(share) * law.damping}
     return law.model_copy(update=numbers)
 

@@ -79,6 +79,13 @@ def test_an_engine_obtains_what_it_does_not_refuse(engine, seed):
     assert {name: obtained[name] for name in stated} == pytest.approx(stated, rel=SAME)
 
 
+def test_what_loses_nothing_loses_nothing_in_mujoco():
+    pytest.importorskip("mujoco")
+    request, model = Request(1.0, 0.0, 1e4, 1.0, step=1e-4), model_of("mujoco")
+    (rebound, *_) = measured(model, request, model.translate(request))
+    assert rebound.obtained == pytest.approx(1.0, abs=SAME)
+
+
 @pytest.mark.parametrize("release", ["gap", "force"])
 @pytest.mark.parametrize("rebound", [1e-3, 0.5, 0.999, 1.0])
 def test_a_law_rebounds_as_named_by_either_rule_of_release(rebound, release):
