@@ -66,6 +66,15 @@ def test_mujoco_runs_each_scene_with_contact_or_says_why_not():
     assert "mocap" in reasons["ball_on_driven_seat"]
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("method", ["euler_impratio100", "stock"])
+@pytest.mark.parametrize("name", sorted(with_contact().keys() - {"tracked_vehicle", "ball_on_driven_seat"}))
+def test_mujoco_runs_each_other_scene_to_its_end(name, method):
+    pytest.importorskip("mujoco")
+    path = run(model_of("mujoco"), method, scenes.make(name), 1e-3)
+    assert not isinstance(path, str), path
+
+
 def test_a_sphere_on_the_side_of_a_moving_box_is_a_contact_of_mujoco():
     pytest.importorskip("mujoco")
     scene = scenes.make("ball_on_moving_seat", friction=0.0)
