@@ -27,7 +27,7 @@ from mbs_ref.kernels.relative.model import (
 from mbs_ref.kernels.rigid.model import bodies_of, kinematics_of
 from mbs_ref.kernels.spatial.dynamics import SpatialModel, SpatialWork
 from mbs_ref.kernels.spatial.model import RATES
-from mbs_ref.kernels.spatial.orientation import parameters, put_parameters, rotation, theta_rate, world_inertia
+from mbs_ref.kernels.spatial.orientation import parameters, put_parameters, rotation, theta_rate, turning_inside, world_inertia
 from mbs_ref.kernels.spatial.vectors import add, cross, dot, minus, negative, plus, put, times, triple, turn, turn_back
 
 NOTHING = (0.0, 0.0, 0.0)
@@ -342,6 +342,21 @@ def relative_spatial_position_rate(model, y, rate, out):
         if joints.kind[i] != SPHERICAL:
             for c in range(min(count, 3)):
                 out[q + c] = rate[v + c]
+
+
+@jit
+def relative_spatial_rate_from(model, y, moved, out):
+    """Write the rates, turns in body axes, that rates of lengths, angles and Euler parameters mean."""
+    joints = joints_of(model)
+    start = np.min(joints.v)
+    for i in range(joints.kind.shape[0]):
+        q, v = joints.q[i], joints.v[i] - start
+        k = _theta_of(joints, i)
+        if k >= 0:
+            put(out, v + k - q, turning_inside(parameters(y, k), parameters(moved, k)))
+        if joints.kind[i] != SPHERICAL:
+            for c in range(min(joints.freedoms[i], 3)):
+                out[v + c] = moved[q + c]
 
 
 @jit

@@ -11,7 +11,7 @@ import numpy as np
 
 from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.rigid.model import bodies_of, position_count
-from mbs_ref.kernels.spatial.orientation import parameters, put_parameters
+from mbs_ref.kernels.spatial.orientation import parameters, put_parameters, turning_inside
 from mbs_ref.kernels.spatial.vectors import dot, put, symmetric_times, times, triple
 
 
@@ -71,3 +71,17 @@ def spatial_position_rate(model, y, rate, out):
         if bodies.rigid[i] == 1:
             half = times(0.5, triple(rate, k + 3))
             put_parameters(out, q + 3, _parameters_times(parameters(y, q + 3), 0.0, half))
+
+
+@jit
+def spatial_rate_from(model, y, moved, out):
+    """Write the velocities and turns in body axes that rates of positions and Euler parameters mean."""
+    bodies = bodies_of(model)
+    start = position_count(model)
+    for i in range(bodies.mass.shape[0]):
+        q = bodies.q[i]
+        k = bodies.v[i] - start
+        for c in range(3):
+            out[k + c] = moved[q + c]
+        if bodies.rigid[i] == 1:
+            put(out, k + 3, turning_inside(parameters(y, q + 3), parameters(moved, q + 3)))
