@@ -2,7 +2,8 @@
 
 A step's interpolant is cubic in the state, from the states and slopes at both ends, with a quartic term. That of the
 positions makes their rates at a quarter and at three quarters those that the interpolated velocities mean. That of the
-velocities makes the mean velocity the one that moves the positions from end to end. No stage of the method is needed. An interval is halved until each function is excluded in it
+velocities makes the mean velocity the one that moves the positions from end to end. No stage of the method is needed.
+An interval is halved until each function is excluded in it
 - by a bound on its rate: a function cannot fall to zero in the time that its speed would need, as in conservative
   advancement (Mirtich, Impulse-based dynamic simulation, 1996, sec. 2.3);
 - or by its second differences, once they shrink as those of a smooth function do.

@@ -27,7 +27,14 @@ from mbs_ref.kernels.relative.model import (
 from mbs_ref.kernels.rigid.model import bodies_of, kinematics_of
 from mbs_ref.kernels.spatial.dynamics import SpatialModel, SpatialWork
 from mbs_ref.kernels.spatial.model import RATES
-from mbs_ref.kernels.spatial.orientation import parameters, put_parameters, rotation, theta_rate, turning_inside, world_inertia
+from mbs_ref.kernels.spatial.orientation import (
+    parameters,
+    put_parameters,
+    rotation,
+    theta_rate,
+    turning_inside,
+    world_inertia,
+)
 from mbs_ref.kernels.spatial.vectors import add, cross, dot, minus, negative, plus, put, times, triple, turn, turn_back
 
 NOTHING = (0.0, 0.0, 0.0)
