@@ -1,6 +1,8 @@
 """Contact laws, springs and declared events of a scene: their arrays, and what a compiled scene reports of them."""
 
 import math
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Any, Protocol
 
 import numpy as np
@@ -45,7 +47,7 @@ def contact_laws(scene: Scene, slots: dict[int, int]) -> shared.ContactLaws:
     frictions = [part.friction.numbers() if part.friction else FrictionNumbers() for part in scene.contacts]
     numbers = [law._asdict() | friction._asdict() for law, friction in zip(laws, frictions, strict=True)]
     coded = {
-        "release": [_RELEASES[law.release] for law in laws],
+        "release": [_RELEASES["constraint" if k in slots else law.release] for k, law in enumerate(laws)],
         "friction": [_FRICTIONS[friction.kind] for friction in frictions],
         "slot": [slots.get(k, -1) for k in range(len(laws))],
     }
@@ -175,6 +177,16 @@ class ContactSystem(System):
         steady = np.where(laws.damping_exponent == 0.0, laws.damping, 0.0)
         linear = np.where(laws.exponent == 1.0, laws.stiffness, 0.0)
         return np.array(mobility)[:, None] * np.column_stack((linear, steady))
+
+    @contextmanager
+    def taut_strings(self) -> Iterator[bool]:
+        """Let every tension-only spring pull and push meanwhile; return whether there is any."""
+        mode, first = self.groups.contact_modes.mode, len(self.scene.contacts)
+        strings = mode[first : first + len(_tension_only(self.scene))]
+        before = strings.copy()
+        strings[:] = shared.MODE_CLOSED
+        yield len(strings) > 0
+        strings[:] = before
 
     def recall_modes(self, t: float) -> None:
         """Set every contact's mode to the one that held at t (s) in the last run; quickest in the order of time."""

@@ -29,8 +29,8 @@ def scales_of(scene: Scene) -> Scales:
 
     Among attracting bodies: the size of the tightest orbit (`unit_length`), and the least free-fall time. Elsewhere the
     length is the extent of all bodies, joints and attachments at the start (a single body has its radius of gyration,
-    or its height above what it may touch; a mere point has its path), and the time is what the fastest of gravity, the
-    initial motion and the duration make of it: 1/T^2 = g/L + (v/L)^2 + w^2 + 1/duration^2.
+    or its height above what it may touch; a mere point has its distance from the values that are watched, or its path),
+    and the time is what the fastest of gravity, the initial motion and the duration make of it: 1/T^2 = g/L + (v/L)^2 + w^2 + 1/duration^2.
     """
     if any(attraction(scene)):
         return Scales(unit_length(scene), free_fall_time(scene))
@@ -47,7 +47,14 @@ def _extent(scene: Scene) -> float:
     points = [tuple(point) for point in _points(scene)]
     sides = [max(axis) - min(axis) for axis in zip(*points, strict=True)]
     sizes = [body.gyration_radius for body in scene.bodies]
-    return max(math.hypot(*sides), *sizes, *_reaches(scene)) or _path(scene) or 1.0
+    return max(math.hypot(*sides), *sizes, *_reaches(scene)) or max(_watched(scene), default=0.0) or _path(scene) or 1.0
+
+
+def _watched(scene: Scene) -> Iterator[float]:
+    """Yield how far (m) bodies are from the values of coordinates that are watched."""
+    for event in scene.events:
+        if event.type == "coordinate_event" and not event.rate and event.coordinate != "angle":
+            yield abs(event.value - scene.bodies[scene.body_index(event.body)].position["xyz".index(event.coordinate)])
 
 
 def _path(scene: Scene) -> float:
