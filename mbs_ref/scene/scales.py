@@ -30,7 +30,8 @@ def scales_of(scene: Scene) -> Scales:
     Among attracting bodies: the size of the tightest orbit (`unit_length`), and the least free-fall time. Elsewhere the
     length is the extent of all bodies, joints and attachments at the start (a single body has its radius of gyration,
     or its height above what it may touch; a mere point has its distance from the values that are watched, or its path),
-    and the time is what the fastest of gravity, the initial motion and the duration make of it: 1/T^2 = g/L + (v/L)^2 + w^2 + 1/duration^2.
+    and the time is what the fastest of gravity, the initial motion and the duration make of it:
+    1/T^2 = g/L + (v/L)^2 + w^2 + 1/duration^2.
     """
     if any(attraction(scene)):
         return Scales(unit_length(scene), free_fall_time(scene))

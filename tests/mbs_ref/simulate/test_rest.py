@@ -46,7 +46,7 @@ def ball_over_table(dimension: int) -> Scene:
     plane = {"type": "sphere_on_plane", "point": point(0.0), "normal": up}
     return Scene.model_validate({
         "name": "ball_over_table", "duration": 0.8, "gravity": tuple(-GRAVITY * x for x in up),
-        "bodies": [table | kind, ball], "joints": [guide, drive], 
+        "bodies": [table | kind, ball], "joints": [guide, drive],
         "contacts": [touch | (flat if dimension == 2 else plane)],
     })  # fmt: skip
 
