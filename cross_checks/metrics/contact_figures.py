@@ -4,8 +4,6 @@ Forces jump at touch-down and lift-off, so no norm of them is taken. Figures tha
 touches, or never leaves, or never rests) are left out.
 """
 
-from typing import NamedTuple
-
 import numpy as np
 from scipy.optimize import brentq
 from scipy.spatial.transform import Rotation
@@ -67,14 +65,6 @@ def _deepest(times: np.ndarray, gap: np.ndarray, rate: np.ndarray) -> float:
     return -min(lowest, float(np.min(cubic[:, inside])))
 
 
-class _Surface(NamedTuple):
-    """Where a flight, continued beyond its samples, has no gap."""
-
-    time: float  # s
-    rate: float  # m/s, of the gap
-    apart: np.ndarray  # m, from mark to mark
-
-
 def _bounce(motion: Motion, contact, gap: np.ndarray, rate: np.ndarray) -> dict[str, float]:
     """Return restitution, duration and impulse of a single bounce with two samples in free flight either side.
 
@@ -84,13 +74,14 @@ def _bounce(motion: Motion, contact, gap: np.ndarray, rate: np.ndarray) -> dict[
     if first is None or last is None:
         return {}
     met, parted = _at_surface(motion, contact, first, last[0]), _at_surface(motion, contact, last, first[1])
-    if met is None or parted is None or not (met.rate < 0.0 < parted.rate and parted.time >= met.time):
+    if met is None or parted is None:
         return {}
-    if isinstance(contact, RoundPair) and met.apart @ parted.apart <= 0.0:
+    (approach, start, side), (leaving, end, other) = met, parted
+    if not (approach < 0.0 < leaving and end >= start and side @ other > 0.0):
         return {}
-    figures = {"restitution": -parted.rate / met.rate, "duration, s": parted.time - met.time}
+    figures = {"restitution": -leaving / approach, "duration, s": end - start}
     mass = _free_mass(motion, contact)
-    return figures if mass is None else figures | {"impulse, N s": mass * (parted.rate - met.rate)}
+    return figures if mass is None else figures | {"impulse, N s": mass * (leaving - approach)}
 
 
 def _flights(gap: np.ndarray, rate: np.ndarray) -> tuple[tuple[int, int] | None, tuple[int, int] | None]:
@@ -106,8 +97,11 @@ def _flights(gap: np.ndarray, rate: np.ndarray) -> tuple[tuple[int, int] | None,
     return (int(before[-2]), int(before[-1])), (int(after[0]), int(after[1]))
 
 
-def _at_surface(motion: Motion, contact, pair: tuple[int, int], limit: int) -> _Surface | None:
-    """Continue a flight from two samples with constant accelerations to gap = 0 before sample `limit`, else None."""
+def _at_surface(motion: Motion, contact, pair: tuple[int, int], limit: int) -> tuple[float, float, np.ndarray] | None:
+    """Continue a flight from two samples with constant accelerations to gap = 0 before sample `limit`.
+
+    Returns the gap's rate, the time, and from where body a comes, seen from a round body b; None without a root.
+    """
     near = pair[1] if limit > pair[1] else pair[0]
     start, end = motion.times[[near, limit]]
 
@@ -119,14 +113,10 @@ def _at_surface(motion: Motion, contact, pair: tuple[int, int], limit: int) -> _
     if not len(inside) or inside[0] == 0:
         return None
     time = float(brentq(gap, *grid[inside[0] - 1 : inside[0] + 1], xtol=1e-300, rtol=1e-15))  # type: ignore[arg-type]
-    there = _continued(motion, pair, near, np.array([time]))
-    marks = [there.point(body, mark)[0][0] for body, mark in _marks(contact)]
-    return _Surface(time, float(gap_of(there, contact)[1][0]), np.subtract(*marks))
-
-
-def _marks(contact) -> list[tuple[str, tuple[float, ...]]]:
-    names = ("center_a", "center_b") if isinstance(contact, RoundPair) else ("center", "center")
-    return [(body, getattr(contact, name)) for body, name in zip((contact.body_a, contact.body_b), names, strict=True)]
+    there, side = _continued(motion, pair, near, np.array([time])), np.ones(1)
+    if isinstance(contact, RoundPair):
+        side = there.point(contact.body_a, contact.center_a)[0][0] - there.point(contact.body_b, contact.center_b)[0][0]
+    return float(gap_of(there, contact)[1][0]), time, side
 
 
 def _continued(motion: Motion, pair: tuple[int, int], near: int, times: np.ndarray) -> Motion:
@@ -141,10 +131,8 @@ def _continued(motion: Motion, pair: tuple[int, int], near: int, times: np.ndarr
     if motion.scene.dimension == 2:
         orientation = path.orientation[near] + turned
     else:
-        own = Rotation.from_quat(np.broadcast_to(path.orientation[near], (*turned.shape[:2], 4)).reshape(-1, 4),
-                                 scalar_first=True)  # fmt: skip
-        after_turn = Rotation.from_rotvec(turned.reshape(-1, 3)) * own
-        orientation = after_turn.as_quat(scalar_first=True).reshape(*turned.shape[:2], 4)
+        own = Rotation.from_quat(path.orientation[near], scalar_first=True)
+        orientation = np.array([(Rotation.from_rotvec(each) * own).as_quat(scalar_first=True) for each in turned])
     rates = path.velocity[near] + after * change[0], path.angular_velocity[near] + turn * change[1]
     return Motion(motion.scene, Trajectory(times, moved, orientation, *rates))
 

@@ -139,40 +139,35 @@ def _pivot(system: System, t: float, y: np.ndarray) -> float:
 
 def unseen_forces(system: System, path: Trajectory) -> tuple[str, ...]:
     """Return a note for each user's force with a pulse at one of many random times that no step resolves."""
-    loads = [load for load in system.scene.loads if isinstance(load, UserForce)]
-    own = system.redundant
+    own, loads = system.redundant, [load for load in system.scene.loads if isinstance(load, UserForce)]
     if not loads or not isinstance(own, JointedSystem):
         return ()
-    seen = np.unique(own.user_times)
-    ends = np.linspace(0.0, path.times[-1], LOOKS + 1)
-    times = np.random.default_rng(0).uniform(ends[:-1], ends[1:])
-    notes = (_unseen_force(load, path, seen, times) for load in loads)
-    return tuple(note for note in notes if note)
-
-
-def _unseen_force(load: UserForce, path: Trajectory, seen: np.ndarray, times: np.ndarray) -> str:
-    """Return a note on the largest force at `times` (s) that differs from those at the times `seen` around it."""
     shape = (*path.position.shape[:2], -1)
     q = np.concatenate((path.position, path.orientation.reshape(shape)), axis=2)
     v = np.concatenate((path.velocity, path.angular_velocity.reshape(shape)), axis=2)
+    ends, steps = np.linspace(0.0, path.times[-1], LOOKS + 1), np.unique(own.user_times)
+    times = np.random.default_rng(0).uniform(ends[:-1], ends[1:])
     nearest = np.searchsorted(path.times, times, side="right") - 1
 
-    def force(t: float, k: int) -> np.ndarray:
-        return np.array(load.function(t, q[k].copy(), v[k].copy()), dtype=float)
+    def force(load: UserForce, t: float, k: int) -> np.ndarray:
+        return np.array(load.function(float(t), q[k].copy(), v[k].copy()), dtype=float)
 
-    try:
-        forces = np.array([force(t, k) for t, k in zip(times.tolist(), nearest, strict=True)])
+    def note(load: UserForce) -> str:
+        forces = np.array([force(load, *at) for at in zip(times, nearest, strict=True)])
         sizes = np.max(np.abs(forces), axis=(1, 2))
         least = UNSEEN * float(np.max(sizes))
         jumps = np.max(np.abs(np.diff(forces, axis=0)), axis=(1, 2)) > least
         for i in np.flatnonzero(np.append(jumps, False) | np.append(False, jumps)):
-            place = int(np.searchsorted(seen, times[i]))
-            around = seen[max(place - 1, 0) : place + 1]
-            if all(np.max(np.abs(forces[i] - force(t, nearest[i]))) > least for t in around.tolist()):
+            place = int(np.searchsorted(steps, times[i]))
+            around = steps[max(place - 1, 0) : place + 1]
+            if all(np.max(np.abs(forces[i] - force(load, t, nearest[i]))) > least for t in around):
                 return (
                     f"load {load.name!r} is {sizes[i]:.3g} N or N m at t = {times[i]:.6g} s, which no step resolves: "
                     f"steps evaluate it at {' and '.join(f'{t:.6g}' for t in around)} s; request outputs there"
                 )
-    except Exception:
-        return ""  # what the function raises outside of steps is no failure of the run
-    return ""
+        return ""
+
+    try:
+        return tuple(filter(None, map(note, loads)))
+    except Exception:  # what a function raises outside of steps is no failure of the run
+        return ()

@@ -173,7 +173,7 @@ def _search(model, work, path, unsure, low, new):
             return CLEAR
         left, right = tables[0], tables[top]
         begin, width = places[0], places[top] - places[0]
-        if _all_far(left, right, width * path.h):
+        if not len(_unsure(left, right, width * path.h)):
             _advance(tables, places, top)
             top -= 1
             continue
@@ -258,14 +258,6 @@ def _is_smooth(left, middle, right, c, half, bend, before):
 def _is_past(table):
     """Return whether a function is past its root."""
     return not np.all(table[VALUE] >= BEYOND)  # NaN too
-
-
-@jit
-def _all_far(left, right, width):
-    far = True
-    for c in range(left.shape[1]):
-        far = far and _is_far(left, right, c, width)
-    return far
 
 
 @jit

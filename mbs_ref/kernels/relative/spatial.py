@@ -27,14 +27,7 @@ from mbs_ref.kernels.relative.model import (
 from mbs_ref.kernels.rigid.model import bodies_of, kinematics_of
 from mbs_ref.kernels.spatial.dynamics import SpatialModel, SpatialWork
 from mbs_ref.kernels.spatial.model import RATES
-from mbs_ref.kernels.spatial.orientation import (
-    parameters,
-    put_parameters,
-    rotation,
-    theta_rate,
-    turning_inside,
-    world_inertia,
-)
+from mbs_ref.kernels.spatial.orientation import parameters, put_parameters, rotation, theta_rate, world_inertia
 from mbs_ref.kernels.spatial.vectors import add, cross, dot, minus, negative, plus, put, times, triple, turn, turn_back
 
 NOTHING = (0.0, 0.0, 0.0)
@@ -360,7 +353,8 @@ def relative_spatial_rate_from(model, y, moved, out):
         q, v = joints.q[i], joints.v[i] - start
         k = _theta_of(joints, i)
         if k >= 0:
-            put(out, v + k - q, turning_inside(parameters(y, k), parameters(moved, k)))
+            e0, e1, e2, e3 = parameters(y, k)
+            put(out, v + k - q, times(2.0, _composed((e0, -e1, -e2, -e3), parameters(moved, k))[1:]))
         if joints.kind[i] != SPHERICAL:
             for c in range(min(joints.freedoms[i], 3)):
                 out[v + c] = moved[q + c]

@@ -11,7 +11,7 @@ import numpy as np
 
 from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.rigid.model import bodies_of, position_count
-from mbs_ref.kernels.spatial.orientation import parameters, put_parameters, turning_inside
+from mbs_ref.kernels.spatial.orientation import parameters, put_parameters
 from mbs_ref.kernels.spatial.vectors import dot, put, symmetric_times, times, triple
 
 
@@ -84,4 +84,6 @@ def spatial_rate_from(model, y, moved, out):
         for c in range(3):
             out[k + c] = moved[q + c]
         if bodies.rigid[i] == 1:
-            put(out, k + 3, turning_inside(parameters(y, q + 3), parameters(moved, q + 3)))
+            e0, e1, e2, e3 = parameters(y, q + 3)
+            half = _parameters_times((e0, -e1, -e2, -e3), moved[q + 3], triple(moved, q + 4))
+            put(out, k + 3, times(2.0, half[1:]))

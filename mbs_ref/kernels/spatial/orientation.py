@@ -71,18 +71,6 @@ def turning_of(theta, change):
 
 
 @jit
-def turning_inside(theta, change):
-    """Return the same small rotation in body axes, at |theta| = 1."""
-    e0, e1, e2, e3 = theta
-    d0, d1, d2, d3 = change
-    return (
-        2.0 * (e0 * d1 - d0 * e1 - e2 * d3 + e3 * d2),
-        2.0 * (e0 * d2 - d0 * e2 - e3 * d1 + e1 * d3),
-        2.0 * (e0 * d3 - d0 * e3 - e1 * d2 + e2 * d1),
-    )
-
-
-@jit
 def world_inertia(a, j, out):
     """out = A J A^T; both as xx, yy, zz, xy, xz, yz."""
     for r in range(3):
