@@ -134,7 +134,7 @@ def estimated(
         tolerance=(plan.settings.rtol or DEFAULT_TOLERANCE) * scale, cost_s=time.perf_counter() - began,
         length=scales.length, time=scales.time,
     )  # fmt: skip
-    if estimate.holds_until is None or compared[0].is_confirmed:
+    if estimate.holds_until is None or _is_confirmed(system, plan, own, compared[0]):
         return estimate
     lost = run.times[:, None] > estimate.holds_until
     return replace(estimate, components=np.where(lost, np.fmax(estimate.components, sizes), estimate.components))
@@ -186,14 +186,26 @@ def _by_observed_order(system: System, plan: Plan, own: RunWithPoses, half: _Com
         later, _ = _distance(system, finer.times, system.poses(finer.states), quarter.states)
         shown = _shrinkage(gaps, later, floor)
     shown = np.minimum(shown, nominal)
-    with np.errstate(divide="ignore"):
-        factor = np.where(shown > 1.0, _richardson(np.fmax(shown, 1.0)), np.inf)
+    factor = _richardson(np.fmax(shown, 1.0 + EPS))
     bounds, count = half.bounds.copy(), len(shown)
     bounds[:count] = np.fmax(bounds[:count], np.fmin(factor * np.maximum.accumulate(gaps[:count]), 2.0 * sizes))
     if np.min(shown) > math.sqrt(nominal):
         return half._replace(is_confirmed=True)
     how = f"{half.how}, by more where halved steps change it by {np.min(shown):.2g} times less, not {nominal:.2g} times"
     return half._replace(bounds=bounds, how=how)
+
+
+def _is_confirmed(system: System, plan: Plan, own: RunWithPoses, first: _Comparison) -> bool:
+    """Return whether further runs show that errors decrease: for a tolerance, one that is tighter by as much again."""
+    if plan.options.step or not first.has_ended:
+        return first.is_confirmed
+    ratio, (finer, gaps, _) = _tolerance_ratio(plan), first.other
+    request = _tighter(plan, ratio**2)
+    if ratio * request.options.rtol > 0.5 * plan.options.rtol:
+        return False
+    third = _rerun(system, replace(plan, options=request.options), own.run.states[0], own.run.times, request.refine)
+    later, _ = _distance(system, finer.times, system.poses(finer.states), third.states)
+    return bool(np.min(_shrinkage(gaps, later, NOISY * _roundoff(finer))) > math.sqrt(ratio))
 
 
 def _shrinkage(before: np.ndarray, after: np.ndarray, floor: float) -> np.ndarray:

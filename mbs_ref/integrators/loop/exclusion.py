@@ -219,12 +219,11 @@ def _examined(left, middle, right, bends, error, place, width, h):
         half, turn = 0.5 * width * h, max(left[TURN, c], right[TURN, c]) * width * h
         if turn > SMOOTH_TURN or not _is_smooth(left, middle, right, c, half, bend, bends[c]):
             return OPEN
-        if right[VALUE, c] < BEYOND:
-            continue
         unsure = 16.0 * (place * (1.0 - place)) ** 2 * error[c]
         lowest = middle[VALUE, c]
         rises = left[RATE, c] * half >= 2.0 * bend and left[RATE, c] > 0.0
         falls = -right[RATE, c] * half >= 2.0 * bend and right[RATE, c] < 0.0
+        falls = falls or right[VALUE, c] < BEYOND  # once: before the middle it has no other root
         if not rises:
             lowest = min(lowest, left[VALUE, c])
         if not falls:

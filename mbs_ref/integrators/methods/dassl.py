@@ -115,8 +115,9 @@ class _Ida:
         self.atol[: len(y)] = options.atol
         mu = len(y) + len(self.used)
         self.atol[len(y) : mu] = self._multiplier_tolerance(options, y, t0)
-        # mu moves positions by h mu, and Newton tests positions; in a short step mu itself is roundoff over h
-        self.atol[mu:] = options.units[self.system.n_positions]
+        # mu moves positions by h mu: in the first step, of about rtol, it is roundoff over h
+        share = max(MULTIPLIER_SHARE, 10.0 * np.finfo(float).eps / options.rtol)
+        self.atol[mu:] = share * options.units[self.system.n_positions]
         self._call("IDASVtolerances", options.rtol, atol)
         self._call("IDASetId", differential)
         # Without this the error test includes the multipliers: 91 000 steps and a wrong answer at rtol 1e-4.
