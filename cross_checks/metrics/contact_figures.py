@@ -5,15 +5,19 @@ touches, or never leaves, or never rests) are left out.
 """
 
 import numpy as np
+from scipy.optimize import brentq
+from scipy.spatial.transform import Rotation
 
 from mbs_ref.observables.attachment import Motion
 from mbs_ref.observables.contact_gap import gap_of, shapes_known
 from mbs_ref.scene import GROUND, Scene
+from mbs_ref.scene.contact import RoundPair
 from mbs_ref.trajectory import Trajectory
 
 STILL = 1e-4  # m/s: slower is at rest, regularised friction creeps
 STEADY = 0.1  # relative change of a mean speed that counts as steady
 MANY = 12  # contacts beyond which nobody reads a figure of each
+PLACES = 33  # along the continuation of a flight, between which its gap changes its sign once
 LEAST_PATH = 1e-9  # m: a shorter path is no stop distance
 
 
@@ -32,6 +36,8 @@ def contact_figures(scene: Scene, path: Trajectory) -> dict[str, float]:
 
 def _of_contact(motion: Motion, contact) -> dict[str, float]:
     gap, rate, slip = gap_of(motion, contact)
+    if gap[0] > 0.0 and not _is_located(motion.trajectory, contact.name):
+        return {}
     touching = gap < 0.0
     figures = {"penetration, m": _deepest(motion.times, gap, rate)} if touching.any() else {}
     figures |= _bounce(motion, contact, gap, rate)
@@ -41,6 +47,11 @@ def _of_contact(motion: Motion, contact) -> dict[str, float]:
         figures["static sink, m"] = -float(gap[-1])
         figures |= _stop(motion, contact, slip)
     return figures
+
+
+def _is_located(path: Trajectory, name: str) -> bool:
+    """Return whether the run located an event of a contact, or its engine logs none."""
+    return path.event_times is None or bool(np.any(path.event_times[:, 1] == path.event_names.index(name)))
 
 
 def _deepest(times: np.ndarray, gap: np.ndarray, rate: np.ndarray) -> float:
@@ -58,13 +69,18 @@ def _deepest(times: np.ndarray, gap: np.ndarray, rate: np.ndarray) -> float:
 
 
 def _bounce(motion: Motion, contact, gap: np.ndarray, rate: np.ndarray) -> dict[str, float]:
-    """Return restitution, duration and impulse of a single bounce with two samples in free flight either side."""
+    """Return restitution, duration and impulse of a single bounce with two samples in free flight either side.
+
+    The impulse acts along one normal: none is stated where the bodies part on another side than they met.
+    """
     first, last = _flights(gap, rate)
     if first is None or last is None:
         return {}
-    approach, start = _at_surface(motion.times, gap, rate, first)
-    leaving, end = _at_surface(motion.times, gap, rate, last)
-    if not approach < 0.0 < leaving or not end >= start:
+    met, parted = _at_surface(motion, contact, first, last[0]), _at_surface(motion, contact, last, first[1])
+    if met is None or parted is None:
+        return {}
+    (approach, start, side), (leaving, end, other) = met, parted
+    if not (approach < 0.0 < leaving and end >= start and side @ other > 0.0):
         return {}
     figures = {"restitution": -leaving / approach, "duration, s": end - start}
     mass = _free_mass(motion, contact)
@@ -84,17 +100,44 @@ def _flights(gap: np.ndarray, rate: np.ndarray) -> tuple[tuple[int, int] | None,
     return (int(before[-2]), int(before[-1])), (int(after[0]), int(after[1]))
 
 
-def _at_surface(times: np.ndarray, gap: np.ndarray, rate: np.ndarray, pair: tuple[int, int]) -> tuple[float, float]:
-    """Continue a flight of constant acceleration from two samples to gap = 0; return its rate and the time there."""
-    i, j = pair
-    near = j if abs(gap[j]) < abs(gap[i]) else i
-    a = (rate[j] - rate[i]) / (times[j] - times[i])
-    square = rate[near] ** 2 - 2.0 * a * gap[near]
-    if not square >= 0.0:
-        return float("nan"), float("nan")
-    speed = np.copysign(np.sqrt(square), rate[near])
-    # t = -2 gap / (rate + speed) has no cancellation
-    return float(speed), float(times[near] - 2.0 * gap[near] / (rate[near] + speed))
+def _at_surface(motion: Motion, contact, pair: tuple[int, int], limit: int) -> tuple[float, float, np.ndarray] | None:
+    """Continue a flight from two samples with constant accelerations to gap = 0 before sample `limit`.
+
+    Returns the gap's rate, the time, and from where body a comes, seen from a round body b; None without a root.
+    """
+    near = pair[1] if limit > pair[1] else pair[0]
+    start, end = motion.times[[near, limit]]
+
+    def gap(time: float) -> float:
+        return float(gap_of(_continued(motion, pair, near, np.array([time])), contact)[0][0])
+
+    grid = np.linspace(start, end, PLACES)
+    inside = np.flatnonzero(gap_of(_continued(motion, pair, near, grid), contact)[0] <= 0.0)
+    if not len(inside) or inside[0] == 0:
+        return None
+    time = float(brentq(gap, *grid[inside[0] - 1 : inside[0] + 1], xtol=1e-300, rtol=1e-15))  # type: ignore[arg-type]
+    there, side = _continued(motion, pair, near, np.array([time])), np.ones(1)
+    if isinstance(contact, RoundPair):
+        side = there.point(contact.body_a, contact.center_a)[0][0] - there.point(contact.body_b, contact.center_b)[0][0]
+    return float(gap_of(there, contact)[1][0]), time, side
+
+
+def _continued(motion: Motion, pair: tuple[int, int], near: int, times: np.ndarray) -> Motion:
+    """Return the motion at other times (s), as if accelerations were those between two samples."""
+    path, (i, j) = motion.trajectory, pair
+    after = (times - path.times[near])[:, None, None]
+    span = path.times[j] - path.times[i]
+    change = [(rate[j] - rate[i]) / span for rate in (path.velocity, path.angular_velocity)]
+    turn = after[:, :, 0] if motion.scene.dimension == 2 else after
+    moved = path.position[near] + after * (path.velocity[near] + 0.5 * after * change[0])
+    turned = turn * (path.angular_velocity[near] + 0.5 * turn * change[1])
+    if motion.scene.dimension == 2:
+        orientation = path.orientation[near] + turned
+    else:
+        own = Rotation.from_quat(path.orientation[near], scalar_first=True)
+        orientation = np.array([(Rotation.from_rotvec(each) * own).as_quat(scalar_first=True) for each in turned])
+    rates = path.velocity[near] + after * change[0], path.angular_velocity[near] + turn * change[1]
+    return Motion(motion.scene, Trajectory(times, moved, orientation, *rates))
 
 
 def _free_mass(motion: Motion, contact) -> float | None:

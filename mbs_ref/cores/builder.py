@@ -59,7 +59,7 @@ class Builder(ABC):
             self._add_slot(edge, child, self.layout.parent[child])
         for edge in self.layout.closures:
             self._add_slot(edge, self.number[edge.a], self.number[edge.b])
-        held = [k for k, contact in enumerate(scene.contacts) if contact.law.HOLDS]
+        held = [k for k, contact in enumerate(scene.contacts) if contact.holds]
         self.contact_slot = {k: self._add_contact(scene.contacts[k]) for k in held}
         self.rows = [row for k in sorted(self.place) for row in self._placed_rows(k)]
 

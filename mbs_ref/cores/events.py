@@ -1,6 +1,8 @@
 """Contact laws, springs and declared events of a scene: their arrays, and what a compiled scene reports of them."""
 
 import math
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Any, Protocol
 
 import numpy as np
@@ -15,7 +17,7 @@ from mbs_ref.scene.contact import FrictionNumbers
 from mbs_ref.scene.events import CoordinateEvent, DistanceEvent
 from mbs_ref.scene.scales import scales_of
 
-NOISE = 1e-13  # of the scene's size in metres (at least 1 m): above what roundoff and projection leave of a gap
+NOISE = 1e-13  # of the largest coordinate or the scene's length: above what roundoff leaves of a gap
 SLOW = 1e-8  # of the scene's speed, about eps^(1/2)
 MOST_LOGGED = 100_000  # events of one run whose modes are kept for output
 
@@ -45,7 +47,7 @@ def contact_laws(scene: Scene, slots: dict[int, int]) -> shared.ContactLaws:
     frictions = [part.friction.numbers() if part.friction else FrictionNumbers() for part in scene.contacts]
     numbers = [law._asdict() | friction._asdict() for law, friction in zip(laws, frictions, strict=True)]
     coded = {
-        "release": [_RELEASES[law.release] for law in laws],
+        "release": [_RELEASES["constraint" if k in slots else law.release] for k, law in enumerate(laws)],
         "friction": [_FRICTIONS[friction.kind] for friction in frictions],
         "slot": [slots.get(k, -1) for k in range(len(laws))],
     }
@@ -55,9 +57,11 @@ def contact_laws(scene: Scene, slots: dict[int, int]) -> shared.ContactLaws:
     return shared.ContactLaws(**arrays)
 
 
-def contact_noise(scene: Scene) -> float:
-    """Return how far (m, m/s) beyond its root an event function must be."""
-    return NOISE * max([1.0, *(abs(x) for body in scene.bodies for x in body.position)])
+def contact_noise(scene: Scene) -> np.ndarray:
+    """Return how far (m, m/s, m/s^2) beyond its root an event function must be."""
+    scales = scales_of(scene)
+    size = max([scales.length, *(abs(x) for body in scene.bodies for x in body.position)])
+    return NOISE * np.array([size, scales.speed, scales.speed / scales.time])
 
 
 def event_sources(scene: Scene) -> list[str]:
@@ -72,8 +76,8 @@ def _tension_only(scene: Scene) -> list[SpringDamper]:
 def contact_modes(scene: Scene) -> shared.ContactModes:
     """Return the modes before a run has settled them: springs answer by the state until then."""
     count = len(event_sources(scene))
-    slow = SLOW * scales_of(scene).speed if count else 0.0  # the scales take as long as the rest
-    modes = shared.fresh_modes(count, contact_noise(scene), slow, MOST_LOGGED, scene.dimension)
+    noise = contact_noise(scene) if count else np.zeros(3)  # the scales take as long as the rest
+    modes = shared.fresh_modes(count, noise, SLOW / NOISE * noise[1], MOST_LOGGED, scene.dimension)
     modes.mode[len(scene.contacts) : len(scene.contacts) + len(_tension_only(scene))] = shared.MODE_PLAIN
     return modes
 
@@ -107,6 +111,7 @@ def _rest_length(load: SpringDamper | PointBushing) -> float:
 
 def watches(scene: Scene, places: Places) -> Watches:
     """Return the declared events."""
+    noise = contact_noise(scene) if scene.events else np.zeros(3)
     ends = [(event.body_a, event.body_b) if isinstance(event, DistanceEvent) else (event.body, GROUND)
             for event in scene.events]  # fmt: skip
     marks = [[places.point(body, mark) for body, mark in zip(pair, (e.point_a, e.point_b), strict=True)]
@@ -121,9 +126,18 @@ def watches(scene: Scene, places: Places) -> Watches:
         quantity=ints([_quantity(event) for event in scene.events]),
         component=ints([_COMPONENTS[getattr(event, "coordinate", "x")] for event in scene.events]),
         value=floats(event.value for event in scene.events),
+        noise=floats(_watch_noise(event, noise) for event in scene.events),
         direction=ints([_CROSSINGS[event.crossing] for event in scene.events]),
         stops=ints([event.action == "stop" for event in scene.events]),
     )
+
+
+def _watch_noise(event: DistanceEvent | CoordinateEvent, noise: np.ndarray) -> float:
+    """Return how far beyond its value the quantity of an event must be: the value may be larger than the scene."""
+    unit = noise[int(_quantity(event) == WATCH_RATE)]
+    if getattr(event, "coordinate", "") == "angle":
+        unit *= NOISE / noise[0]
+    return max(unit, NOISE * abs(event.value))
 
 
 def _quantity(event: DistanceEvent | CoordinateEvent) -> int:
@@ -163,6 +177,16 @@ class ContactSystem(System):
         steady = np.where(laws.damping_exponent == 0.0, laws.damping, 0.0)
         linear = np.where(laws.exponent == 1.0, laws.stiffness, 0.0)
         return np.array(mobility)[:, None] * np.column_stack((linear, steady))
+
+    @contextmanager
+    def taut_strings(self) -> Iterator[bool]:
+        """Let every tension-only spring pull and push meanwhile; return whether there is any."""
+        mode, first = self.groups.contact_modes.mode, len(self.scene.contacts)
+        strings = mode[first : first + len(_tension_only(self.scene))]
+        before = strings.copy()
+        strings[:] = shared.MODE_CLOSED
+        yield len(strings) > 0
+        strings[:] = before
 
     def recall_modes(self, t: float) -> None:
         """Set every contact's mode to the one that held at t (s) in the last run; quickest in the order of time."""

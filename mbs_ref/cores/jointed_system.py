@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 from abc import abstractmethod
+from array import array
 from collections.abc import Mapping, Sequence
 from copy import copy
 from functools import cached_property
@@ -53,7 +54,7 @@ class JointedSystem(ContactSystem):
 
     def _allocate(self, groups: Any) -> None:
         """Take groups that no run has changed, keep a copy of what a run changes, and make room for one."""
-        self.groups, self.user_error = groups, None
+        self.groups, self.user_error, self.user_times = groups, None, array("d")
         self._untouched = [_copied(getattr(groups, name)) for name in CHANGED]
         self.scratch = self._scratch()
         self._keep_alive = self._connect_user_forces(), self._connect_user_rows()
@@ -79,6 +80,7 @@ class JointedSystem(ContactSystem):
         def call(t: float, address: int) -> None:
             data = np.ctypeslib.as_array((ctypes.c_double * (3 * self.SHARED * self.n_bodies)).from_address(address))
             q, v, f = data.reshape(3, self.n_bodies, self.SHARED)
+            self.user_times.append(t)
             try:
                 for law in laws:
                     f[:, : self.RATES] += np.asarray(law.function(t, q.copy(), v[:, : self.RATES].copy()), dtype=float)

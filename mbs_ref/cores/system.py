@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from contextlib import AbstractContextManager, nullcontext
 from functools import cached_property
 from typing import Any, ClassVar, NamedTuple
 
@@ -153,6 +154,10 @@ class System(ABC):
     def contact_oscillators(self, t: float, y: np.ndarray) -> np.ndarray:
         """Return k W (1/s^2) and c W (1/s) of each contact (n, 2), W its normal mobility; c = 0 where F ~ d d'."""
         return np.zeros((0, 2))
+
+    def taut_strings(self) -> AbstractContextManager[bool]:
+        """Let every tension-only spring pull and push meanwhile; return whether there is any."""
+        return nullcontext(False)
 
     def recall_modes(self, t: float) -> None:
         """Set every contact's mode to the one that held at t (s) in the last run."""

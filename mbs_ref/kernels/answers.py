@@ -89,7 +89,11 @@ ANSWERS: dict[str, dict[str, dict[str, Callable[..., Any]]]] = {
     "planar": {
         **_RIGID,
         MOTION: {**_RIGID[MOTION], "derivative": planar.planar_derivative, "tangent": planar.planar_tangent},
-        EVENTS: {**_RIGID[EVENTS], "position_rate": planar.planar_position_rate},
+        EVENTS: {
+            **_RIGID[EVENTS],
+            "position_rate": planar.planar_position_rate,
+            "rate_from": planar.planar_position_rate,
+        },
         FORM: {
             **_RIGID[FORM],
             "times_mass": planar.planar_times_mass,
@@ -103,6 +107,7 @@ ANSWERS: dict[str, dict[str, dict[str, Callable[..., Any]]]] = {
         EVENTS: {
             **_RIGID[EVENTS],
             "position_rate": spatial_form.spatial_position_rate,
+            "rate_from": spatial_form.spatial_rate_from,
             "fill_deflection_rates": spatial_grips.spatial_fill_deflection_rates,
         },
         FORM: {
@@ -119,7 +124,11 @@ ANSWERS: dict[str, dict[str, dict[str, Callable[..., Any]]]] = {
             "tell": relative_planar.tell_planar,
             "take_velocities": relative_planar.take_planar_velocities,
         },
-        EVENTS: {**PASSED_ON, "position_rate": relative_planar.relative_planar_position_rate},
+        EVENTS: {
+            **PASSED_ON,
+            "position_rate": relative_planar.relative_planar_position_rate,
+            "rate_from": relative_planar.relative_planar_position_rate,
+        },
     },
     "relative_spatial": {
         MOTION: {
@@ -130,7 +139,11 @@ ANSWERS: dict[str, dict[str, dict[str, Callable[..., Any]]]] = {
             "compliance": relative_spatial.relative_spatial_compliance,
             "project": relative_spatial.relative_spatial_project,
         },
-        EVENTS: {**PASSED_ON, "position_rate": relative_spatial.relative_spatial_position_rate},
+        EVENTS: {
+            **PASSED_ON,
+            "position_rate": relative_spatial.relative_spatial_position_rate,
+            "rate_from": relative_spatial.relative_spatial_rate_from,
+        },
     },
     "particles": {
         MOTION: {**NO_ROWS, "derivative": particles.particle_derivative},

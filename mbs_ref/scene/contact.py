@@ -122,7 +122,10 @@ class FloresLaw(Law):
 
 
 class RigidLaw(Law):
-    """No penetration: at touch-down an impulse reverses the normal speed, v+ = -e v- (Newton)."""
+    """No penetration: at touch-down an impulse reverses the normal speed, v+ = -e v- (Newton).
+
+    Without rebound, e = 0, contact lasts as under `constraint_law`, where a constraint may stand for the force.
+    """
 
     IMPULSIVE: ClassVar[bool] = True
 
@@ -231,6 +234,12 @@ class ContactPart(Attached):
         if self.law.IMPULSIVE and self.friction is not None:
             raise ValueError(f"law = {self.law.type!r} has no force that friction could use; leave friction out")
         return self
+
+    @property
+    def holds(self) -> bool:
+        """Whether a constraint stands for the force while contact lasts."""
+        rests = isinstance(self.law, RigidLaw) and self.law.restitution == 0.0
+        return self.law.HOLDS or (rests and self.MAY_HOLD and getattr(self, "extent", "") != "capped")
 
     def refuses_particle(self, end: str, dimension: int) -> str:
         shaped = end == "body_b" and self.SHAPED_B

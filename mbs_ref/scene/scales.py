@@ -29,8 +29,9 @@ def scales_of(scene: Scene) -> Scales:
 
     Among attracting bodies: the size of the tightest orbit (`unit_length`), and the least free-fall time. Elsewhere the
     length is the extent of all bodies, joints and attachments at the start (a single body has its radius of gyration,
-    or its height above what it may touch), and the time is what the fastest of gravity, the initial motion and the
-    duration make of it: 1/T^2 = g/L + (v/L)^2 + w^2 + 1/duration^2.
+    or its height above what it may touch; a mere point has its distance from the values that are watched, or its path),
+    and the time is what the fastest of gravity, the initial motion and the duration make of it:
+    1/T^2 = g/L + (v/L)^2 + w^2 + 1/duration^2.
     """
     if any(attraction(scene)):
         return Scales(unit_length(scene), free_fall_time(scene))
@@ -43,11 +44,24 @@ def scales_of(scene: Scene) -> Scales:
 
 
 def _extent(scene: Scene) -> float:
-    """Return the diagonal of the box around every marked point, or the largest body's size; 1 m for a mere point."""
+    """Return the diagonal of the box around every marked point, the largest body's size or a point's path; else 1 m."""
     points = [tuple(point) for point in _points(scene)]
     sides = [max(axis) - min(axis) for axis in zip(*points, strict=True)]
     sizes = [body.gyration_radius for body in scene.bodies]
-    return max(math.hypot(*sides), *sizes, *_reaches(scene)) or 1.0
+    return max(math.hypot(*sides), *sizes, *_reaches(scene)) or max(_watched(scene), default=0.0) or _path(scene) or 1.0
+
+
+def _watched(scene: Scene) -> Iterator[float]:
+    """Yield how far (m) bodies are from the values of coordinates that are watched."""
+    for event in scene.events:
+        if event.type == "coordinate_event" and not event.rate and event.coordinate != "angle":
+            yield abs(event.value - scene.bodies[scene.body_index(event.body)].position["xyz".index(event.coordinate)])
+
+
+def _path(scene: Scene) -> float:
+    """Return how far (m) bodies move at their first velocities and in free fall."""
+    speed = max(math.hypot(*body.velocity) for body in scene.bodies)
+    return speed * scene.duration + 0.5 * math.hypot(*scene.gravity) * scene.duration**2
 
 
 def _points(scene: Scene) -> Iterator[tuple[float, ...]]:

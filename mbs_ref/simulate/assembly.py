@@ -11,7 +11,7 @@ import numpy as np
 
 from mbs_ref.cores.system import Poses, System
 from mbs_ref.scene import Scene
-from mbs_ref.simulate.diagnosis import singular_passage
+from mbs_ref.simulate.diagnosis import singular_passage, unseen_forces
 from mbs_ref.simulate.error_estimate import ENDED, Companion, estimated
 from mbs_ref.simulate.legs import Run
 from mbs_ref.simulate.plan import Plan
@@ -76,6 +76,7 @@ def with_estimate(
         reason = "interrupted while a second run estimated the error of this one, which is complete"
         return replace(path, status=Status.INTERRUPTED, message=reason)
     remark = estimate.remark()
+    path = replace(path, notes=(*path.notes, *unseen_forces(system, path)))
     if estimate.is_void:
         return replace(path, estimate=estimate, status=Status.UNRESOLVED, message=f"no output has a digit: {remark}")
     return replace(path, estimate=estimate, notes=(*path.notes, remark) if remark else path.notes)

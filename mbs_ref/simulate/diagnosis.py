@@ -7,10 +7,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from mbs_ref.cores.jointed_system import JointedSystem
 from mbs_ref.cores.system import System
 from mbs_ref.observables.attachment import Motion
 from mbs_ref.observables.springs import bushing_strain, twist_of
-from mbs_ref.scene import Bushing, TorsionSpring
+from mbs_ref.scene import Bushing, TorsionSpring, UserForce
 from mbs_ref.trajectory import Status, Trajectory
 
 NEAR_SINGULAR = 1e-3  # smallest singular value of the scaled C_q below which joints are always named
@@ -22,6 +23,8 @@ CLOSED = frozenset({Status.SINGULAR, Status.PROJECTION})  # a loop that cannot b
 NEAR = 0.05  # of the smallest singular value at the start: roundoff in reactions is 20 times what it was there
 SUSPECT = 0.05  # relative closure pivot below which singular values are computed; pivots scale as their squares
 MAX_SAMPLES = 200  # evenly spaced samples that are examined, one right-hand side each
+LOOKS = 20_000  # random times, one in each of so many equal intervals, at which users' forces are evaluated
+UNSEEN = 0.1  # of a force's largest value: by how much it must differ from where steps have evaluated it
 MAX_CLOSE = 5  # samples with the smallest pivots, whose singular values are computed
 
 
@@ -132,3 +135,39 @@ def _pivot(system: System, t: float, y: np.ndarray) -> float:
     with np.errstate(all="ignore"):
         system.derivative(t, y)
     return system.regularity()
+
+
+def unseen_forces(system: System, path: Trajectory) -> tuple[str, ...]:
+    """Return a note for each user's force with a pulse at one of many random times that no step resolves."""
+    own, loads = system.redundant, [load for load in system.scene.loads if isinstance(load, UserForce)]
+    if not loads or not isinstance(own, JointedSystem):
+        return ()
+    shape = (*path.position.shape[:2], -1)
+    q = np.concatenate((path.position, path.orientation.reshape(shape)), axis=2)
+    v = np.concatenate((path.velocity, path.angular_velocity.reshape(shape)), axis=2)
+    ends, steps = np.linspace(0.0, path.times[-1], LOOKS + 1), np.unique(own.user_times)
+    times = np.random.default_rng(0).uniform(ends[:-1], ends[1:])
+    nearest = np.searchsorted(path.times, times, side="right") - 1
+
+    def force(load: UserForce, t: float, k: int) -> np.ndarray:
+        return np.array(load.function(float(t), q[k].copy(), v[k].copy()), dtype=float)
+
+    def note(load: UserForce) -> str:
+        forces = np.array([force(load, *at) for at in zip(times, nearest, strict=True)])
+        sizes = np.max(np.abs(forces), axis=(1, 2))
+        least = UNSEEN * float(np.max(sizes))
+        jumps = np.max(np.abs(np.diff(forces, axis=0)), axis=(1, 2)) > least
+        for i in np.flatnonzero(np.append(jumps, False) | np.append(False, jumps)):
+            place = int(np.searchsorted(steps, times[i]))
+            around = steps[max(place - 1, 0) : place + 1]
+            if all(np.max(np.abs(forces[i] - force(load, t, nearest[i]))) > least for t in around):
+                return (
+                    f"load {load.name!r} is {sizes[i]:.3g} N or N m at t = {times[i]:.6g} s, which no step resolves: "
+                    f"steps evaluate it at {' and '.join(f'{t:.6g}' for t in around)} s; request outputs there"
+                )
+        return ""
+
+    try:
+        return tuple(filter(None, map(note, loads)))
+    except Exception:  # what a function raises outside of steps is no failure of the run
+        return ()

@@ -6,6 +6,9 @@ is e = d k / (k - 1) (Hairer, Norsett, Wanner I, eq. II.4.4). k is 2^p at order 
 order to 1, and 10 if errors are proportional to the tolerance (ibid., sec. II.4). The companion's rounding error is
 added to d, since no refinement removes it. Two runs cannot confirm asymptotic convergence, so the estimate is
 multiplied by SAFETY. An error can pass through zero by chance, so the estimate is the running maximum over time.
+Of fixed steps a third run, with twice the step, shows k, and a fourth with a quarter of it where k is much smaller than
+the order means. Where differences do not decrease, the estimate is the size of the motion. So it is for all methods
+beyond the time until which digits hold, unless the further runs confirm the order.
 
 Proportionality to the tolerance requires a constant order. For methods of variable order the companion's tolerance is
 two decades tighter, and the estimate is at least that tolerance. For methods that accept steps with an error beyond the
@@ -36,7 +39,9 @@ from mbs_ref.trajectory import Estimate, Status
 SAFETY = 3.0  # multiplies the estimate: Roache's grid convergence index for two runs
 DECADE = 10.0  # tolerance over the companion's
 TIGHTEST = 1e-13  # smallest rtol of a companion: some hundred EPS, below which roundoff dominates
+MIN_COARSENING = 0.75  # steps of the run with twice the step, over the run's: more show no order
 MIN_TOLERANCE_RATIO = 1e-3  # smallest error of a step that the tolerance controls, over the tolerance
+NOISY = 100.0  # times the rounding error: smaller differences show no order
 MORE_STEPS = 4  # max_steps of a finer companion over the run's: sqrt(10) at order 2, rounded up
 SECOND_METHOD = "lsodar"  # companion if the default method itself fails
 ENDED = frozenset({Status.SUCCESS, Status.STOP_EVENT})
@@ -71,11 +76,13 @@ class _Comparison(NamedTuple):
     """The estimate from one companion."""
 
     bounds: np.ndarray  # (n, 4), the estimate at the outputs that both reached
+    other: Companion
     sizes: np.ndarray  # (4,), how far the two motions go
     is_alike: bool  # took no more steps despite a tighter tolerance
     is_uninformative: bool  # took no more steps, or hardly differs, despite a tighter tolerance
     status: Status
     how: str
+    is_confirmed: bool = False  # further runs show the order
 
     @property
     def has_ended(self) -> bool:
@@ -120,12 +127,17 @@ def estimated(
         count = len(one.bounds)
         bounds[:count] = np.fmax(bounds[:count], one.bounds)
     bounds[0], bounds[reached:] = 0.0, np.inf
-    return Estimate(
+    sizes = np.max([went, *(one.sizes for one in compared)], axis=0)
+    estimate = Estimate(
         times=run.times, components=np.maximum.accumulate(bounds), how="; ".join(one.how for one in compared),
-        size=float(np.max([sizes[:2] for sizes in (went, *(one.sizes for one in compared))])),
+        size=float(np.max(sizes[:2])),
         tolerance=(plan.settings.rtol or DEFAULT_TOLERANCE) * scale, cost_s=time.perf_counter() - began,
         length=scales.length, time=scales.time,
     )  # fmt: skip
+    if estimate.holds_until is None or _is_confirmed(system, plan, own, compared[0]):
+        return estimate
+    lost = run.times[:, None] > estimate.holds_until
+    return replace(estimate, components=np.where(lost, np.fmax(estimate.components, sizes), estimate.components))
 
 
 def _least(plan: Plan, run: Run, compared: list[_Comparison]) -> float:
@@ -149,6 +161,8 @@ def _tolerance_ratio(plan: Plan) -> float:
 def _comparisons(system: System, plan: Plan, own: RunWithPoses, first: Companion | None) -> list[_Comparison]:
     """Return the comparisons with the companions that are needed: one as a rule, which may be computed already."""
     compared = [_compared(system, plan, own, _first(system, plan), first)]
+    if plan.options.step and compared[0].has_ended:
+        compared[0] = _by_observed_order(system, plan, own, compared[0])
     if compared[0].is_uninformative:
         compared.append(_compared(system, plan, own, _tighter(plan, DECADE**2 * _tolerance_ratio(plan))))
     if not compared[-1].has_ended and compared[-1].status is not Status.INTERRUPTED:
@@ -158,14 +172,61 @@ def _comparisons(system: System, plan: Plan, own: RunWithPoses, first: Companion
     return compared
 
 
+def _by_observed_order(system: System, plan: Plan, own: RunWithPoses, half: _Comparison) -> _Comparison:
+    """Return the comparison with the run with half of the step, its factor by the order that further runs show."""
+    run, (finer, gaps, sizes) = own.run, half.other
+    nominal, floor = _error_ratio(system, plan), NOISY * _roundoff(finer)
+    double = _compared(system, plan, own, _coarser(plan))
+    shown = _shrinkage(double.other.gaps, gaps, floor)
+    is_coarser = double.has_ended and double.other.run.counts.steps < MIN_COARSENING * run.counts.steps
+    if not is_coarser or np.min(shown) < math.sqrt(nominal):
+        quarter = _rerun(system, plan, run.states[0], run.times, 4)
+        if quarter.status is Status.INTERRUPTED:
+            return half._replace(status=quarter.status)
+        later, _ = _distance(system, finer.times, system.poses(finer.states), quarter.states)
+        shown = _shrinkage(gaps, later, floor)
+    shown = np.minimum(shown, nominal)
+    factor = _richardson(np.fmax(shown, 1.0 + EPS))
+    bounds, count = half.bounds.copy(), len(shown)
+    bounds[:count] = np.fmax(bounds[:count], np.fmin(factor * np.maximum.accumulate(gaps[:count]), 2.0 * sizes))
+    if np.min(shown) > math.sqrt(nominal):
+        return half._replace(is_confirmed=True)
+    how = f"{half.how}, by more where halved steps change it by {np.min(shown):.2g} times less, not {nominal:.2g} times"
+    return half._replace(bounds=bounds, how=how)
+
+
+def _is_confirmed(system: System, plan: Plan, own: RunWithPoses, first: _Comparison) -> bool:
+    """Return whether further runs show that errors decrease: for a tolerance, one that is tighter by as much again."""
+    if plan.options.step or not first.has_ended:
+        return first.is_confirmed
+    ratio, (finer, gaps, _) = _tolerance_ratio(plan), first.other
+    request = _tighter(plan, ratio**2)
+    if ratio * request.options.rtol > 0.5 * plan.options.rtol:
+        return False
+    third = _rerun(system, replace(plan, options=request.options), own.run.states[0], own.run.times, request.refine)
+    later, _ = _distance(system, finer.times, system.poses(finer.states), third.states)
+    return bool(np.min(_shrinkage(gaps, later, NOISY * _roundoff(finer))) > math.sqrt(ratio))
+
+
+def _shrinkage(before: np.ndarray, after: np.ndarray, floor: float) -> np.ndarray:
+    """Return how many times smaller differences (n, 4) become, as far as both reach; infinite where they are noise."""
+    count = min(len(before), len(after))
+    first, second = (np.maximum.accumulate(gaps[:count]) for gaps in (before, after))
+    return np.divide(first, second, out=np.full_like(first, np.inf), where=second > floor)
+
+
 def _first(system: System, plan: Plan) -> _Request:
     return _half(system, plan) if plan.options.step else _tighter(plan, _tolerance_ratio(plan))
 
 
 def _half(system: System, plan: Plan) -> _Request:
-    order = 1 if system.scene.contacts or system.scene.events else plan.integrator.order
     options = plan.options._replace(max_steps=2 * plan.options.max_steps)
-    return _Request("half of the step", options, 2, _richardson(2.0**order))
+    return _Request("half of the step", options, 2, float(_richardson(_error_ratio(system, plan))))
+
+
+def _error_ratio(system: System, plan: Plan) -> float:
+    """Return how many times smaller errors are at half of a fixed step."""
+    return 2.0 ** (1 if system.scene.contacts or system.scene.events else plan.integrator.order)
 
 
 def _tighter(plan: Plan, factor: float) -> _Request:
@@ -202,7 +263,7 @@ def _adaptive(plan: Plan) -> Options:
     return options._replace(rtol=DEFAULT_TOLERANCE, atol=DEFAULT_TOLERANCE * ABSOLUTE * plan.options.units)
 
 
-def _richardson(smaller: float) -> float:
+def _richardson[T: (float, np.ndarray)](smaller: T) -> T:
     return SAFETY * smaller / (smaller - 1.0)
 
 
@@ -226,7 +287,7 @@ def _compared(
     negligible = ended and tighter and bool(np.max(gaps) < MIN_TOLERANCE_RATIO * plan.options.rtol)
     return _Comparison(
         # two points within a distance of the start are at most twice that distance apart
-        bounds=np.fmax(gaps, np.minimum(difference, 2.0 * sizes)), sizes=sizes,
+        bounds=np.fmax(gaps, np.minimum(difference, 2.0 * sizes)), other=other, sizes=sizes,
         is_alike=is_alike, is_uninformative=is_alike or negligible, status=other.run.status,
         how=f"{request.factor:.3g} times the difference from a run with {request.share}"
             + ("" if ended else f", which did not end: {other.run.message}"),

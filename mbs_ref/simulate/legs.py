@@ -18,6 +18,7 @@ from mbs_ref.simulate.plan import ON_GRID, Plan
 from mbs_ref.trajectory import Status
 
 EPS = float(np.finfo(float).eps)
+GOLDEN = 0.5 * (3.0 - 5.0**0.5)  # of an interval: the golden section
 
 
 class Interrupts:
@@ -143,22 +144,24 @@ def planned_legs(system: System, plan: Plan, refine: int) -> list[LegPlan]:
 def _leg(options: Options, times: np.ndarray, start: float, end: float, length: float, refine: int) -> LegPlan:
     """Return the leg from start to end (s), of at least FEWEST steps over `length` (s), each divided by `refine`.
 
-    Adaptive steps cannot be divided, but they may end at outputs; the intervals between outputs are divided then.
+    Adaptive steps cannot be divided, but they may end at outputs; the intervals between outputs are divided then, so
+    unevenly that no period of the motion or of the outputs is met again.
     """
     inside = times[(times > start) & (times <= end)]
     own = np.unique(np.concatenate(([start], inside, [end])))
     if options.step:
         options = options._replace(step=min(options.step, length / FEWEST) / refine)
     if refine > 1 and not options.dense:
-        own = _refined(own, refine * options.step or np.inf, refine)
+        shares = np.arange(1, refine) / refine if options.step else np.array([GOLDEN])
+        own = _refined(own, refine * options.step or np.inf, shares)
     return LegPlan(own, np.searchsorted(own, inside), options)
 
 
-def _refined(times: np.ndarray, step: float, refine: int) -> np.ndarray:
-    """Divide the intervals that are shorter than the step (s), in which outputs shorten steps."""
+def _refined(times: np.ndarray, step: float, shares: np.ndarray) -> np.ndarray:
+    """Divide the intervals that are shorter than the step (s), in which outputs shorten steps, at these shares."""
     gaps = np.diff(times)
     short = np.flatnonzero(gaps < step * (1.0 - ON_GRID))
-    parts = [times[short] + gaps[short] * k / refine for k in range(1, refine)]
+    parts = [times[short] + gaps[short] * share for share in shares]
     return np.unique(np.concatenate((times, *parts)))
 
 

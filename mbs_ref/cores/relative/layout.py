@@ -30,7 +30,7 @@ def no_tree(scene: Scene) -> Iterator[str]:
             yield f"joint {joint.name!r} starts open (point_b)"
     if deflecting(scene):
         yield f"contacts {', '.join(deflecting(scene)[:4])} stick in space, and their deflections are states"
-    if any(contact.law.HOLDS for contact in scene.contacts):
+    if any(contact.holds for contact in scene.contacts):
         yield "a contact stands for a constraint, which closes a loop"
     for k in joined(scene)[0]:
         yield f"joint {scene.joints[k].name!r} closes a loop"

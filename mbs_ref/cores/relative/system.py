@@ -1,6 +1,7 @@
 """A tree compiled in relative coordinates: joint angles, lengths and balls' orientations in place of six a body."""
 
 from abc import abstractmethod
+from contextlib import AbstractContextManager
 from typing import Any, ClassVar, Self
 
 import numpy as np
@@ -139,6 +140,9 @@ class RelativeSystem(System):
 
     def contact_oscillators(self, t: float, y: np.ndarray) -> np.ndarray:
         return self.redundant.contact_oscillators(t, self.told(y))
+
+    def taut_strings(self) -> AbstractContextManager[bool]:
+        return self.redundant.taut_strings()
 
     def recall_modes(self, t: float) -> None:
         self.redundant.recall_modes(t)

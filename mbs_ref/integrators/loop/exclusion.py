@@ -1,8 +1,9 @@
 """Exclude roots of event functions inside a step, or return where the first one may be.
 
-A step's interpolant is cubic in the state, from the states and slopes at both ends; its positions have a quartic term
-besides, which makes their rates at a quarter and at three quarters those that the interpolated velocities mean. No
-stage of the method is needed. An interval is halved until each function is excluded in it
+A step's interpolant is cubic in the state, from the states and slopes at both ends, with a quartic term. That of the
+positions makes their rates at a quarter and at three quarters those that the interpolated velocities mean. That of the
+velocities makes the mean velocity the one that moves the positions from end to end. No stage of the method is needed.
+An interval is halved until each function is excluded in it
 - by a bound on its rate: a function cannot fall to zero in the time that its speed would need, as in conservative
   advancement (Mirtich, Impulse-based dynamic simulation, 1996, sec. 2.3);
 - or by its second differences, once they shrink as those of a smooth function do.
@@ -18,7 +19,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from mbs_ref.kernels.border.questions import derivative, position_count, position_rate, roots
+from mbs_ref.kernels.border.questions import derivative, position_count, position_rate, rate_from, roots
 from mbs_ref.kernels.contact.laws import RATE, SPEED, TURN, VALUE
 from mbs_ref.kernels.jit import jit
 
@@ -33,6 +34,7 @@ MOST_PLACES = 2000  # inside a step before it is cut short
 TRUSTED = 0.2  # of a function's size in a step: the interpolant's error up to which it shows anything
 FREEZE = -1.0  # s, duration with which pairs that are near stay as they are
 QUARTER_SLOPE = 0.1875  # of s^2 (1 - s)^2 at s = 1/4
+MEAN_QUARTIC = 1.0 / 30.0  # mean of s^2 (1 - s)^2
 
 
 class Ends(NamedTuple):
@@ -69,7 +71,7 @@ def first_open(model, work, t, h, ends, run, low, new):
     unsure = _unsure(low, new, h)
     if not len(unsure):
         return CLEAR
-    path = _path(model, work, t, h, ends, run)
+    path = _path(model, work, t, h, ends, run, np.any(low[SPEED, unsure] < 0.0))
     return _search(model, work, path, unsure, low, new)
 
 
@@ -95,8 +97,11 @@ def _is_far(left, right, i, width):
 
 
 @jit
-def _path(model, work, t, h, ends, run):
-    """Return the interpolant; slopes that are not known are evaluated."""
+def _path(model, work, t, h, ends, run, with_rates):
+    """Return the interpolant; slopes that are not known are evaluated.
+
+    `with_rates` states whether a function is more than a distance, so that the velocities have a quartic term too.
+    """
     for place in range(2):
         if ends.known[place] == 0:
             y, dy = (ends.y, ends.dy) if place == 0 else (ends.y_new, ends.dy_new)
@@ -105,7 +110,7 @@ def _path(model, work, t, h, ends, run):
             ends.known[place] = 1
     n = position_count(model)
     path, state = Path(t, h, ends, np.zeros_like(ends.y)), np.empty_like(ends.y)
-    rate, bend = np.empty(n), np.zeros_like(ends.y)
+    rate, bend, mean = np.empty(n), np.zeros_like(ends.y), 7.0 * (ends.dy[:n] + ends.dy_new[:n])
     for sign, s in ((1.0, 0.25), (-1.0, 0.75)):
         _interpolate(path, s, state)
         position_rate(model, state, state[n:], rate)
@@ -113,7 +118,30 @@ def _path(model, work, t, h, ends, run):
             rise = 6.0 * s * (1.0 - s) * (ends.y_new[k] - ends.y[k])
             slopes = (1.0 - s) * (1.0 - 3.0 * s) * ends.dy[k] + s * (3.0 * s - 2.0) * ends.dy_new[k]
             bend[k] += sign * (h * rate[k] - rise - h * slopes) / (2.0 * QUARTER_SLOPE)
-    return Path(t, h, ends, bend)
+            mean[k] += 32.0 * rate[k]
+    path = Path(t, h, ends, bend)
+    if with_rates:
+        _bend_velocities(model, path, mean, state)
+    return path
+
+
+@jit
+def _bend_velocities(model, path, mean, state):
+    """Add the quartic term of the velocities; `mean` holds the rates of the positions by Boole's rule but the middle's.
+
+    One larger than the cubic term shows errors of the method, not the motion.
+    """
+    ends, h, n = path.ends, path.h, len(mean)
+    rate, missing = np.empty(n), np.empty(len(state) - n)
+    _interpolate(path, 0.5, state)
+    position_rate(model, state, state[n:], rate)
+    for k in range(n):
+        rate[k] = (ends.y_new[k] - ends.y[k]) / h - (mean[k] + 12.0 * rate[k]) / 90.0
+    missing[:] = 0.0
+    rate_from(model, state, rate, missing)
+    for k in range(len(missing)):
+        most = 2.0 * h * abs(ends.dy_new[n + k] - ends.dy[n + k])
+        path.bend[n + k] = min(max(missing[k] / MEAN_QUARTIC, -most), most)
 
 
 @jit
@@ -145,7 +173,7 @@ def _search(model, work, path, unsure, low, new):
             return CLEAR
         left, right = tables[0], tables[top]
         begin, width = places[0], places[top] - places[0]
-        if _all_far(left, right, width * path.h):
+        if not len(_unsure(left, right, width * path.h)):
             _advance(tables, places, top)
             top -= 1
             continue
@@ -191,12 +219,11 @@ def _examined(left, middle, right, bends, error, place, width, h):
         half, turn = 0.5 * width * h, max(left[TURN, c], right[TURN, c]) * width * h
         if turn > SMOOTH_TURN or not _is_smooth(left, middle, right, c, half, bend, bends[c]):
             return OPEN
-        if right[VALUE, c] < BEYOND:
-            continue
         unsure = 16.0 * (place * (1.0 - place)) ** 2 * error[c]
         lowest = middle[VALUE, c]
         rises = left[RATE, c] * half >= 2.0 * bend and left[RATE, c] > 0.0
         falls = -right[RATE, c] * half >= 2.0 * bend and right[RATE, c] < 0.0
+        falls = falls or right[VALUE, c] < BEYOND  # once: before the middle it has no other root
         if not rises:
             lowest = min(lowest, left[VALUE, c])
         if not falls:
@@ -230,14 +257,6 @@ def _is_smooth(left, middle, right, c, half, bend, before):
 def _is_past(table):
     """Return whether a function is past its root."""
     return not np.all(table[VALUE] >= BEYOND)  # NaN too
-
-
-@jit
-def _all_far(left, right, width):
-    far = True
-    for c in range(left.shape[1]):
-        far = far and _is_far(left, right, c, width)
-    return far
 
 
 @jit

@@ -113,7 +113,11 @@ class _Ida:
         self._call("IDAInit", residual_for_c(), t0, x, rate)
         self._call("IDASetUserData", self.handle.ctypes.data)
         self.atol[: len(y)] = options.atol
-        self.atol[len(y) :] = self._multiplier_tolerance(options, y, t0)
+        mu = len(y) + len(self.used)
+        self.atol[len(y) : mu] = self._multiplier_tolerance(options, y, t0)
+        # mu moves positions by h mu: in the first step, of about rtol, it is roundoff over h
+        share = max(MULTIPLIER_SHARE, 10.0 * np.finfo(float).eps / options.rtol)
+        self.atol[mu:] = share * options.units[self.system.n_positions]
         self._call("IDASVtolerances", options.rtol, atol)
         self._call("IDASetId", differential)
         # Without this the error test includes the multipliers: 91 000 steps and a wrong answer at rtol 1e-4.

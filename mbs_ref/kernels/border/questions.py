@@ -83,6 +83,11 @@ def position_rate(model, y, rate, out) -> Any:
     """Write the rates of the positions that `rate` means."""
 
 
+@question(NOTHING, MODEL, VECTOR, VECTOR, VECTOR)
+def rate_from(model, y, moved, out) -> Any:
+    """Write the rates that `moved`, rates of y's positions, mean: the inverse of `position_rate`."""
+
+
 @question(MATRIX, WORK, FLAG)
 def defect_of(work, velocity_level) -> Any:
     """Return C, or C_dot where asked (n_slots, rows a slot), as the last balance left it."""

@@ -62,18 +62,18 @@ class ContactModes(NamedTuple):
     stamp: Annotated[Floats, "k"]  # s, time of the contact's last event
     burst: Annotated[Ints, "k"]  # events since then without a pause
     roots: Annotated[Ints, 1]  # event functions watched; 0 without contacts and in the plain mode
-    noise: Annotated[Floats, 1]  # m and m/s, how far past its root a function must be: roundoff must not switch modes
+    noise: Annotated[Floats, 3]  # m, m/s, m/s^2: how far past its root a function must be, above roundoff
     slow: Annotated[Floats, 1]  # m/s, slip speed that counts as none in space: eps^(1/2) of the scene's speeds
     log: Annotated[Floats, "most", "5 + tangents"]  # time (s), contact, mode, grip, anchor, dashpot after each event
     logged: Annotated[Ints, 1]  # events so far; beyond `most` they are only counted
 
 
-def fresh_modes(count: int, noise: float, slow: float, most_logged: int, dimension: int) -> ContactModes:
+def fresh_modes(count: int, noise: np.ndarray, slow: float, most_logged: int, dimension: int) -> ContactModes:
     """Return the modes of `count` contacts before a run has settled them."""
     tangents = dimension - 1
     log = np.zeros((most_logged if count else 0, 5 + tangents))
     modes = empty(ContactModes, k=count, tangents=tangents)
-    return modes._replace(noise=np.array([noise]), slow=np.array([slow]), log=log)
+    return modes._replace(noise=noise, slow=np.array([slow]), log=log)
 
 
 @bare

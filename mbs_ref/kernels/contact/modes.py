@@ -58,14 +58,14 @@ def normal_roots(laws, modes, k, gap, closing, beyond, leaving, speed, table):
     else:
         g[i] = -max(gap, beyond) / noise
         if mode == MODE_LEAVING:
-            g[i + 1] = closing / noise + 1.0
+            g[i + 1] = closing / modes.noise[1] + 1.0
             table[SPEED, i + 1] = UNKNOWN
 
 
 @jit
 def _push(laws, modes, k, gap, closing):
     """Return the normal force in units of its roundoff."""
-    slack = modes.noise[0] * (laws.stiffness[k] + modes.dashpot[k])
+    slack = modes.noise[0] * laws.stiffness[k] + modes.noise[1] * modes.dashpot[k]
     return normal_force(laws, modes, k, -gap, -closing) / slack
 
 

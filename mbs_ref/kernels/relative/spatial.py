@@ -345,6 +345,22 @@ def relative_spatial_position_rate(model, y, rate, out):
 
 
 @jit
+def relative_spatial_rate_from(model, y, moved, out):
+    """Write the rates, turns in body axes, that rates of lengths, angles and Euler parameters mean."""
+    joints = joints_of(model)
+    start = np.min(joints.v)
+    for i in range(joints.kind.shape[0]):
+        q, v = joints.q[i], joints.v[i] - start
+        k = _theta_of(joints, i)
+        if k >= 0:
+            e0, e1, e2, e3 = parameters(y, k)
+            put(out, v + k - q, times(2.0, _composed((e0, -e1, -e2, -e3), parameters(moved, k))[1:]))
+        if joints.kind[i] != SPHERICAL:
+            for c in range(min(joints.freedoms[i], 3)):
+                out[v + c] = moved[q + c]
+
+
+@jit
 def _theta_of(joints, i):
     """Return the place of a joint's Euler parameters in the state, -1 where it has none."""
     if joints.kind[i] == SPHERICAL:

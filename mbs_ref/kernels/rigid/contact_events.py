@@ -78,7 +78,7 @@ def contact_roots(model, work, t, y, duration, table):
         if closed and laws.release[k] == RELEASE_CONSTRAINT:
             table[VALUE, i] = 1.0 - touch.beyond / modes.noise[0]
             table[SPEED, i] = speed / modes.noise[0]
-            table[VALUE, i + 1] = contact_push(work, laws, k) / (modes.noise[0] * contact_mass(model, k)) + 1.0
+            table[VALUE, i + 1] = contact_push(work, laws, k) / (modes.noise[2] * contact_mass(model, k)) + 1.0
             table[SPEED, i + 1] = UNKNOWN
             continue
         normal_roots(laws, modes, k, touch.gap, touch.closing, touch.beyond, leaving, speed, table)
@@ -152,12 +152,11 @@ def start_contacts(model, work, t, y, located):
         modes.dashpot[k] = laws.damping[k] + laws.impact_damping[k] * laws.stiffness[k] / laws.slowest[k]
         modes.grip[k] = GRIP_STICK
         core.start_grip(model, k, touch)
-        near = AT_REST * modes.noise[0]
         if not located:
             modes.mode[k] = MODE_PLAIN
         elif laws.release[k] == RELEASE_CONSTRAINT:
-            still = touch.beyond <= 0.0 and abs(touch.gap) <= near and abs(touch.closing) <= near
-            modes.mode[k] = MODE_CLOSED if still else MODE_OPEN
+            moves = max(abs(touch.gap) / modes.noise[0], abs(touch.closing) / modes.noise[1])
+            modes.mode[k] = MODE_CLOSED if touch.beyond <= 0.0 and moves <= AT_REST else MODE_OPEN
         elif touch.beyond > 0.0 or touch.gap > 0.0:
             modes.mode[k] = MODE_OPEN
         elif is_behind(pairs, k, touch.gap):

@@ -42,9 +42,9 @@ def watch_roots(model, work, table):
         i = ROOTS_EACH * (first + k)
         side = modes.mode[first + k]
         above, speed, bound = _watched(watches, work, k)
-        table[VALUE, i] = side * above / modes.noise[0] + 1.0
-        table[RATE, i] = side * speed / modes.noise[0]
-        table[SPEED, i] = bound / modes.noise[0] if bound != UNKNOWN else UNKNOWN
+        table[VALUE, i] = side * above / watches.noise[k] + 1.0
+        table[RATE, i] = side * speed / watches.noise[k]
+        table[SPEED, i] = bound / watches.noise[k] if bound != UNKNOWN else UNKNOWN
         table[TURN, i] = core.spin(work, watches.a[k])
         if watches.quantity[k] == WATCH_DISTANCE:
             table[TURN, i] += core.spin(work, watches.b[k])

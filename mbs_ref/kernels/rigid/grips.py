@@ -32,10 +32,10 @@ def grip_margin(model, work, k, touch):
     """Return how much more force sticking bears, or the speed along what is frozen, in units of their roundoff."""
     laws, modes = contact_laws_of(model), contact_modes_of(model)
     if modes.grip[k] != GRIP_STICK:
-        return core.ahead(model, k, touch) / modes.noise[0]
+        return core.ahead(model, k, touch) / modes.noise[1]
     normal = normal_force(laws, modes, k, -touch.gap, -touch.closing)
     margin = laws.static[k] * normal - _size(core.grip_force(model, work, k, touch, normal))
-    return margin / (modes.noise[0] * (laws.grip_stiffness[k] + laws.grip_damping[k]))
+    return margin / (modes.noise[0] * laws.grip_stiffness[k] + modes.noise[1] * laws.grip_damping[k])
 
 
 @jit

@@ -162,14 +162,15 @@ def _lack(model, work, k, level, slight):
     One that leaves, but is drawn back before its gap would count, closes in.
     """
     laws, modes = contact_laws_of(model), contact_modes_of(model)
-    noise = modes.noise[0]
+    near, slow, slight_push = modes.noise
     if modes.mode[k] == MODE_CLOSED:
-        return -contact_push(work, laws, k) / contact_mass(model, k) - noise
+        least = slow if level == IMPULSES else slight_push
+        return -contact_push(work, laws, k) / contact_mass(model, k) - least
     touch = contact_geometry(model, work, k)
     if level == IMPULSES:
-        return -touch.closing - AT_REST * noise
+        return -touch.closing - AT_REST * slow
     drawn = gap_gamma(model, work, k, touch) - gap_response(model, work, k, touch)
     leaves = max(touch.closing, 0.0)
-    if leaves * leaves > 2.0 * drawn * AT_REST * noise:
+    if leaves * leaves > 2.0 * drawn * AT_REST * near:
         return 0.0
-    return drawn - AT_REST * noise - slight
+    return drawn - AT_REST * slight_push - slight

@@ -152,7 +152,7 @@ def spring_roots(model, work, table):
         i = ROOTS_EACH * spring.place[k]
         mode = modes.mode[spring.place[k]]
         stretch, speed, tension = _pull(spring, work, k)
-        slack = noise * (spring.stiffness[k] + spring.damping[k])
+        slack = noise * spring.stiffness[k] + modes.noise[1] * spring.damping[k]
         a, b = spring.a[k], spring.b[k]
         sign = -1.0 if mode == MODE_OPEN else 1.0
         table[VALUE, i] = sign * stretch / noise + 1.0

@@ -151,6 +151,7 @@ class Watches(NamedTuple):
     quantity: Annotated[Ints, "k"]  # WATCH_*
     component: Annotated[Ints, "k"]  # 0 x, 1 y, 2 angle in the plane and z in space
     value: Annotated[Floats, "k"]  # m, rad, m/s or rad/s
+    noise: Annotated[Floats, "k"]  # the same: how far past its value a quantity must be
     direction: Annotated[Ints, "k"]  # 1 rising, -1 falling, 0 either
     stops: Annotated[Ints, "k"]  # 1 where the run ends
 

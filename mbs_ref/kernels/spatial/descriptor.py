@@ -71,3 +71,19 @@ def spatial_position_rate(model, y, rate, out):
         if bodies.rigid[i] == 1:
             half = times(0.5, triple(rate, k + 3))
             put_parameters(out, q + 3, _parameters_times(parameters(y, q + 3), 0.0, half))
+
+
+@jit
+def spatial_rate_from(model, y, moved, out):
+    """Write the velocities and turns in body axes that rates of positions and Euler parameters mean."""
+    bodies = bodies_of(model)
+    start = position_count(model)
+    for i in range(bodies.mass.shape[0]):
+        q = bodies.q[i]
+        k = bodies.v[i] - start
+        for c in range(3):
+            out[k + c] = moved[q + c]
+        if bodies.rigid[i] == 1:
+            e0, e1, e2, e3 = parameters(y, q + 3)
+            half = _parameters_times((e0, -e1, -e2, -e3), moved[q + 3], triple(moved, q + 4))
+            put(out, k + 3, times(2.0, half[1:]))

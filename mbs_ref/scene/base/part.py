@@ -30,8 +30,15 @@ def _directed(value: tuple[float, ...], info: ValidationInfo) -> tuple[float, ..
     return value
 
 
-Positive = Annotated[float, Field(gt=0.0)]
-NonNegative = Annotated[float, Field(ge=0.0)]
+def _limited(value: float) -> float:
+    if value > LARGEST:
+        raise ValueError(f"{value:g} is too large; allowed: up to {LARGEST:g}")
+    return value
+
+
+LARGEST = 1e150  # the square of a larger number may overflow
+Positive = Annotated[float, Field(gt=0.0), AfterValidator(_limited)]
+NonNegative = Annotated[float, Field(ge=0.0), AfterValidator(_limited)]
 Name = Annotated[str, Field(min_length=1, max_length=64, pattern=r"^[A-Za-z][A-Za-z0-9_.\-]*$")]
 BodyName = Annotated[Name, Role.BODY]
 EndName = Annotated[Name, Role.END]

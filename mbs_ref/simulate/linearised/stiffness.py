@@ -27,7 +27,9 @@ class Stiffness:
     """Eigenvalues of the linearised motion at one time."""
 
     eigenvalues: np.ndarray  # (n,) complex, 1/s, of the closed contacts, springs and joints together
-    open_contacts: np.ndarray  # (k,) complex, 1/s, of each open contact alone as if it closed
+    open_contacts: (
+        np.ndarray
+    )  # (k,) complex, 1/s, of each open contact alone as if it closed, and with all strings taut
     oscillation_rule: float  # s, the papers' smallest 1/omega = sqrt(m/k) over contacts; inf without
     damping_rule: float  # s, the papers' smallest m/c over contacts; inf without
 
@@ -63,9 +65,11 @@ def stiffness(system: System, t: float, y: np.ndarray) -> Stiffness:
     kw, cw = oscillators[:, 0], oscillators[:, 1]
     root = np.sqrt(0.25 * cw.astype(complex) ** 2 - kw)
     local = np.concatenate((-0.5 * cw + root, -0.5 * cw - root))
+    with system.taut_strings() as any_string:
+        taut = _eigenvalues(system, t, y) if any_string else np.zeros(0, complex)
     return Stiffness(
-        eigenvalues=np.linalg.eigvals(_jacobian(system, t, y)) if len(y) <= 6 * LARGEST else np.zeros(0, complex),
-        open_contacts=local,
+        eigenvalues=_eigenvalues(system, t, y),
+        open_contacts=np.concatenate((local, taut)),
         oscillation_rule=1.0 / np.sqrt(np.max(kw, initial=0.0)) if np.any(kw > 0.0) else np.inf,
         damping_rule=1.0 / np.max(cw, initial=0.0) if np.any(cw > 0.0) else np.inf,
     )
@@ -80,11 +84,13 @@ def stiffness_at_start(scene: Scene) -> Stiffness:
     return stiffness(system, 0.0, y)
 
 
-def _jacobian(system: System, t: float, y: np.ndarray) -> np.ndarray:
-    """Return the derivative of dy/dt by central differences."""
+def _eigenvalues(system: System, t: float, y: np.ndarray) -> np.ndarray:
+    """Return those of the derivative of dy/dt by central differences; none for very large scenes."""
+    if len(y) > 6 * LARGEST:
+        return np.zeros(0, complex)
     shifts = DIFFERENCE * np.eye(len(y))
     columns = [system.derivative(t, y + shift) - system.derivative(t, y - shift) for shift in shifts]
-    return np.array(columns).T / (2.0 * DIFFERENCE)
+    return np.linalg.eigvals(np.array(columns).T / (2.0 * DIFFERENCE))
 
 
 def unstable_step(system: System, plan: Plan, y: np.ndarray) -> str:

@@ -14,11 +14,12 @@ from cross_checks.truths import seek_truth
 from cross_checks.truths.of.bouncing import impact
 from cross_checks.truths.truth import NoTruth, Truth
 from mbs_ref import scenes
-from mbs_ref.scene.contact import HuntCrossleyLaw
+from mbs_ref.scene import PlanarBody, Scene
+from mbs_ref.scene.contact import CircleOnCircle, HuntCrossleyLaw, RigidLaw
 from mbs_ref.scene.events import CoordinateEvent
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
-from mbs_ref.trajectory import Status
+from mbs_ref.trajectory import Status, Trajectory
 
 FINE = Settings(method="dop853", rtol=1e-12, samples=41)
 EXACT = [
@@ -123,6 +124,41 @@ def test_figures_of_rest_and_of_stopping():
     stack = scenes.make("box_stack")
     sunk = contact_figures(stack, simulate(stack, FINE))
     assert sunk["corner0.0: static sink, m"] == pytest.approx(3.0 * 9.81 / 2e6, abs=1e-9)
+
+
+def two_discs(beside: float, duration: float = 0.4) -> Scene:
+    """Two discs of radius 0.1 m that approach at 10 m/s, their paths `beside` (m) each other."""
+    bodies = tuple(
+        PlanarBody(name=name, mass=1.0, inertia=1.0, position=(side * 2.0, 0.5 * side * beside),
+                   velocity=(-side * 5.0, 0.0))
+        for name, side in (("left", -1.0), ("right", 1.0))
+    )  # fmt: skip
+    ends = {f"center_{end}": body.position for end, body in zip("ab", bodies, strict=True)}
+    hit = CircleOnCircle(name="hit", body_a="left", body_b="right", radius_a=0.1, radius_b=0.1,
+                         law=RigidLaw(restitution=0.64), **ends)  # fmt: skip
+    return Scene(name="two_discs", gravity=(0.0, 0.0), duration=2.0 * duration, bodies=bodies, contacts=(hit,))
+
+
+@pytest.mark.parametrize("beside", [0.0, 0.1, 0.19])
+def test_an_oblique_impact_between_sparse_samples_shows_its_restitution(beside):
+    scene = two_discs(beside)
+    found = contact_figures(scene, simulate(scene, Settings(samples=14)))
+    normal = 10.0 * math.sqrt(1.0 - (beside / 0.2) ** 2)
+    assert found["hit: restitution"] == pytest.approx(0.64, abs=1e-9)
+    assert found["hit: impulse, N s"] == pytest.approx(0.5 * 1.64 * normal, rel=1e-9)
+
+
+@pytest.mark.parametrize("beside", [0.0, 0.1, 0.2001, 0.3])
+@pytest.mark.parametrize("logs", [True, False])
+def test_what_never_touches_or_is_passed_through_has_no_figures(beside, logs):
+    """Free flights of an engine that misses the impact, with a log of events or without."""
+    scene = two_discs(beside)
+    times = np.linspace(0.0, scene.duration, 14)
+    start, rate = (np.array([getattr(body, name) for body in scene.bodies]) for name in ("position", "velocity"))
+    still = np.zeros((14, 2))
+    path = Trajectory(times, start + times[:, None, None] * rate, still, np.broadcast_to(rate, (14, 2, 2)), still,
+                      event_times=np.zeros((0, 2)) if logs else None, event_names=("hit",))  # fmt: skip
+    assert contact_figures(scene, path) == {}
 
 
 def test_gravity_does_not_disturb_the_restitution():

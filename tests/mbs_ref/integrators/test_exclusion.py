@@ -51,6 +51,7 @@ def first_open(monkeypatch):
         monkeypatch.setattr(exclusion, "roots", roots)
         monkeypatch.setattr(exclusion, "derivative", derivative)
         monkeypatch.setattr(exclusion, "position_rate", position_rate)
+        monkeypatch.setattr(exclusion, "rate_from", lambda model, y, moved, out: position_rate(model, y, moved, out))
         monkeypatch.setattr(exclusion, "position_count", lambda model: 1)
         for name, function in vars(exclusion).items():
             if hasattr(function, "py_func"):

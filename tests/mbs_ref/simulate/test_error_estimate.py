@@ -12,7 +12,18 @@ from cross_checks.truths import truth_for
 from cross_checks.truths.of import sky
 from mbs_ref import scenes
 from mbs_ref.observables.distance import largest, relative
-from mbs_ref.scene import GROUND, Force, PlanarBody, PointMass, Prismatic, Scene, SpringDamper, UserForce, Weld
+from mbs_ref.scene import (
+    GROUND,
+    Force,
+    PlanarBody,
+    PointMass,
+    Prismatic,
+    Scene,
+    SpatialBody,
+    SpringDamper,
+    UserForce,
+    Weld,
+)
 from mbs_ref.scene.celestial import Newton, Oblateness
 from mbs_ref.scene.scales import scales_of
 from mbs_ref.scene.signals import HalfSine
@@ -204,6 +215,38 @@ def test_a_declared_pulse_shorter_than_a_step_gets_steps_of_its_own(method, dura
     path = simulate(scene, Settings(method=method, step=1e-2, t_end=1.0))
     assert path.velocity[-1, 0, 0] == pytest.approx(2.0 / math.pi, rel=0.06 if method == "euler" else 1e-3)
     assert_honest(path, float(np.max(np.abs(path.position[-1, 0, 0] - 2.0 / math.pi * (1.0 - 0.50031 - duration / 2)))))
+
+
+@pytest.mark.parametrize(("width", "notes"), [(1e-4, 1), (0.2, 0)])
+def test_a_pulse_of_a_users_force_between_the_steps_is_noted(width, notes):
+    def pulse(t, q, v):
+        return np.array([[1.0 / width if 0.31234 <= t < 0.31234 + width else 0.0, 0.0, 0.0]])
+
+    load = UserForce(name="push", function=pulse)
+    scene = Scene(name="sled", bodies=(PlanarBody(name="sled", mass=1.0, inertia=1.0),), loads=(load,))
+    path = simulate(scene, Settings(t_end=1.0, samples=11))
+    assert len([note for note in path.notes if "'push'" in note and "which no step resolves" in note]) == notes
+
+
+@pytest.mark.parametrize(("method", "step"), [("rk4", 1e-2), ("rk4", 3e-3), ("euler", 1e-3)])
+@pytest.mark.parametrize("sideways", [0.2, 0.1])
+def test_fixed_steps_past_a_close_encounter_have_no_smaller_estimate_than_error(method, step, sideways):
+    times = np.linspace(0.0, 1.5, 21)
+    fine = simulate(plunge(sideways), Settings(method="dop853", rtol=1e-13, estimate="off"), times)
+    path = simulate(plunge(sideways), Settings(method=method, step=step), times)
+    errors = np.linalg.norm(path.position - fine.position, axis=2).max(axis=1) / scales_of(plunge(sideways)).length
+    assert np.all(errors <= of(path).components[:, 0])
+
+
+def test_beyond_the_time_until_which_digits_hold_the_estimate_is_the_motion_itself():
+    """A body leaves its unstable axis, and turns upside down."""
+    body = SpatialBody(name="top", mass=1.0, inertia=(1.0, 2.0, 3.0, 0.0, 0.0, 0.0), angular_velocity=(1e-3, 1.0, 5e-4))
+    scene = Scene(name="top", gravity=(0.0, 0.0, 0.0), bodies=(body,))
+    estimate = of(simulate(scene, Settings(method="dop853", rtol=1e-3), np.linspace(0.0, 120.0, 13)))
+    assert estimate.holds_until is not None
+    lost = estimate.times > estimate.holds_until
+    assert np.all(estimate.components[lost, 1] > 3.0)
+    assert np.all(estimate.components[~lost, 1] < 0.05)
 
 
 # --- what it must not cry about -------------------------------------------------------------------------------
