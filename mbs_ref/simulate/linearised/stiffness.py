@@ -6,7 +6,7 @@ m/c, are reported beside the eigenvalues of the linearised motion.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -27,9 +27,10 @@ class Stiffness:
     """Eigenvalues of the linearised motion at one time."""
 
     eigenvalues: np.ndarray  # (n,) complex, 1/s, of the closed contacts, springs and joints together
-    open_contacts: np.ndarray  # (k,) complex, 1/s, of each open contact alone as if it closed
+    open_contacts: np.ndarray  # (2 k,) complex, 1/s, of each contact alone as if it closed: first roots, second roots
     oscillation_rule: float  # s, the papers' smallest 1/omega = sqrt(m/k) over contacts; inf without
     damping_rule: float  # s, the papers' smallest m/c over contacts; inf without
+    contact_slopes: np.ndarray  # (k,) N/m, of each contact's law
 
     @property
     def modes(self) -> np.ndarray:
@@ -46,6 +47,10 @@ class Stiffness:
         """The largest decay rate, 1/s."""
         return float(np.max(-np.real(self.modes), initial=0.0))
 
+    def of_contact(self, k: int) -> Stiffness:
+        """Return what the k-th contact alone is like while it is closed."""
+        return replace(self, eigenvalues=np.zeros(0), open_contacts=self.open_contacts[k :: len(self.contact_slopes)])
+
     def step_limit(self, stability: tuple[float, ...]) -> float:
         """Return the largest step (s) for a stability polynomial, lowest power first; inf where nothing is fast."""
         fast = self.modes[np.real(self.modes) <= UNSTABLE * self.fastest]
@@ -57,10 +62,12 @@ class Stiffness:
         return float(steps[max(int(np.argmax(grows)) - 1, 0), 0]) if grows.any() else np.inf
 
 
-def stiffness(system: System, t: float, y: np.ndarray) -> Stiffness:
-    """Linearise the motion at (t, y) in the current contact modes; contacts must have been started."""
-    oscillators = system.contact_oscillators(t, y)
-    kw, cw = oscillators[:, 0], oscillators[:, 1]
+def stiffness(system: System, t: float, y: np.ndarray, speed: float = 0.0) -> Stiffness:
+    """Linearise the motion at (t, y) in the current contact modes; contacts must have been started.
+
+    Contacts are linearised where an impact at `speed` (m/s) is deepest: at 0 a law such as Hertz's has no stiffness.
+    """
+    kw, cw, slopes = system.contact_oscillators(t, y, speed).T
     root = np.sqrt(0.25 * cw.astype(complex) ** 2 - kw)
     local = np.concatenate((-0.5 * cw + root, -0.5 * cw - root))
     return Stiffness(
@@ -68,16 +75,17 @@ def stiffness(system: System, t: float, y: np.ndarray) -> Stiffness:
         open_contacts=local,
         oscillation_rule=1.0 / np.sqrt(np.max(kw, initial=0.0)) if np.any(kw > 0.0) else np.inf,
         damping_rule=1.0 / np.max(cw, initial=0.0) if np.any(cw > 0.0) else np.inf,
+        contact_slopes=slopes,
     )
 
 
-def stiffness_at_start(scene: Scene) -> Stiffness:
-    """Linearise a scene's motion at t = 0."""
+def stiffness_at_start(scene: Scene, speed: float = 0.0) -> Stiffness:
+    """Linearise a scene's motion at t = 0, and contacts where an impact at `speed` (m/s) is deepest."""
     system = compile_scene(scene)
     y = system.initial_state()
     system.set_mode_time(0.0)
     system.start_contacts(0.0, y, True)
-    return stiffness(system, 0.0, y)
+    return stiffness(system, 0.0, y, speed)
 
 
 def _jacobian(system: System, t: float, y: np.ndarray) -> np.ndarray:
