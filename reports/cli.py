@@ -1,7 +1,5 @@
 """The command line `mbs-ref`, the top of the house. Data go to stdout, progress and complaints to stderr."""
 
-from __future__ import annotations
-
 import ast
 import importlib
 import pkgutil
@@ -32,11 +30,14 @@ class Commands(click.Group):
         return importlib.import_module(known[cmd_name]).command
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
-        """List the commands by their docstrings, read and not imported: that would take a second."""
+        """List the commands by group with their docstrings, read and not imported: that would take a second."""
         room = formatter.width - 6 - max(map(len, _modules()))
-        with formatter.section("Commands"):
-            listed = [click.Command(name, help=_help_of(_modules()[name])) for name in self.list_commands(ctx)]
-            formatter.write_dl([(str(one.name), one.get_short_help_str(room)) for one in listed])
+        for group in commands.GROUPS:
+            package = f"{commands.__name__}.{group}"
+            with formatter.section(_docstring(package).rstrip(".")):
+                known = {name: module for name, module in _modules().items() if module.startswith(f"{package}.")}
+                listed = [click.Command(name, help=_docstring(module, "command")) for name, module in known.items()]
+                formatter.write_dl([(str(one.name), one.get_short_help_str(room)) for one in listed])
 
     def invoke(self, ctx: click.Context) -> object:
         try:
@@ -52,19 +53,20 @@ def _modules() -> dict[str, str]:
     return {info.name.rpartition(".")[2]: info.name for info in result if not info.ispkg}
 
 
-def _help_of(module: str) -> str:
-    """Return the docstring of a module's `command`."""
+def _docstring(module: str, function: str = "") -> str:
+    """Return the docstring of a module, or of its function."""
     spec = find_spec(module)
     assert spec is not None
     assert spec.origin is not None
-    parts = ast.parse(Path(spec.origin).read_text(encoding="utf-8")).body
-    return next(ast.get_docstring(p) or "" for p in parts if isinstance(p, ast.FunctionDef) and p.name == "command")
+    tree = ast.parse(Path(spec.origin).read_text(encoding="utf-8"))
+    parts = [part for part in tree.body if isinstance(part, ast.FunctionDef) and part.name == function]
+    return ast.get_docstring(parts[0] if parts else tree) or ""
 
 
 @click.group(cls=Commands, epilog=exit_codes.TABLE, context_settings={"help_option_names": ["-h", "--help"]})
 @click.version_option(package_name="mbs-ref")
 def main() -> None:
-    """Validate and benchmark solvers of constrained multibody dynamics."""
+    """Validate and benchmark solvers of constrained multibody dynamics. `mbs-ref COMMAND --help` shows an example."""
 
 
 if __name__ == "__main__":

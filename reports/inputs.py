@@ -1,7 +1,5 @@
 """What a person types, turned into scenes, settings and engines; every mistake is a sentence and exit code 2 or 3."""
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Callable, Sequence

@@ -50,9 +50,10 @@ def _count(number: int, noun: str) -> str:
 
 def summary(scene: Scene) -> Summary:
     """Count a scene's bodies, joints, loops and freedoms, and linearise its motion at the start."""
-    fastest = stiffness_at_start(scene).fastest if len(scene.bodies) <= FEW else 0.0
+    free = freedoms(scene)
+    fastest = stiffness_at_start(scene).fastest if len(scene.bodies) <= FEW and free != 0 else 0.0
     return Summary(
-        len(scene.bodies), _groups(scene, with_ground=False), len(scene.joints), _loops(scene), freedoms(scene),
+        len(scene.bodies), _groups(scene, with_ground=False), len(scene.joints), _loops(scene), free,
         scales_of(scene).length, math.fsum(body.mass for body in scene.bodies),
         fastest / (2.0 * np.pi) if fastest > 0.0 and np.isfinite(fastest) else None,
     )  # fmt: skip

@@ -36,8 +36,8 @@ ROOMS = {
     ),
     "benchmarks": ("calibration record_changes", "history trees", "suites"),
     "reports": (
-        "film poses_file scene_summary shared_ensemble terminal", "inputs", "query facts", "studies", "gather",
-        "page", "site", "commands", "cli",
+        "film poses_file scene_file scene_summary shared_ensemble terminal", "inputs", "query facts", "studies",
+        "gather", "page", "site", "commands", "cli",
     ),
 }  # fmt: skip
 MOST_ROOMS = 16  # files and folders of code at one level

@@ -1,6 +1,7 @@
-"""The pytest plugin: --mbs-adapter FILE or --mbs-engine NAME chooses whom the conformance suite examines."""
+"""The pytest plugin: the fixture `mbs_judge`, and whom the conformance suite examines: --mbs-adapter, --mbs-engine."""
 
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -25,18 +26,19 @@ def pytest_configure(config: pytest.Config) -> None:
         raise pytest.UsageError(f"--mbs-adapter {error}") from None
 
 
-@pytest.fixture(scope="session")
-def engine_name(pytestconfig: pytest.Config) -> str:
-    """Return the name of the engine under examination."""
-    file, name = pytestconfig.getoption("--mbs-adapter"), pytestconfig.getoption("--mbs-engine")
-    if file is None and name is None:
-        pytest.skip("choose an engine with --mbs-adapter FILE or --mbs-engine NAME")
-    return name or Path(str(file)).stem.removesuffix("_")
+@pytest.fixture
+def mbs_judge():
+    """Return `cross_checks.judge` as an assertion: the test fails unless the motion agrees with the truth to `error`.
 
+    It is called as mbs_judge(scene, times, poses, error=1e-4), or with what else `cross_checks.judge` takes.
+    """
+    import cross_checks
 
-@pytest.fixture(scope="session")
-def engine(engine_name: str):
-    """Return the engine under examination."""
-    from cross_checks import engines
+    def agrees(*motion: Any, **options: Any) -> Any:
+        __tracebackhide__ = True
+        result = cross_checks.judge(*motion, **options)
+        if result.verdict != "agrees":
+            pytest.fail(str(result), pytrace=False)
+        return result
 
-    return engines.get(engine_name)
+    return agrees

@@ -1,7 +1,5 @@
 """What the columns of a tool's file mean: every unit, axis and convention is stated, and none is guessed."""
 
-from __future__ import annotations
-
 import re
 import tomllib
 from pathlib import Path
@@ -140,10 +138,15 @@ def _sentence(mistake: Any) -> str:
 
 
 def own_map(header: list[str], bodies: list[str]) -> ColumnMap | None:
-    """Return the map of a file that `mbs-ref simulate -o` wrote of these bodies; None where the header is another."""
+    """Return the map of columns named as `mbs-ref simulate -o` names them, all or whole parts; None of others."""
     for words in COLUMNS.values():
-        if header == ["t", *(f"{body}.{word}" for body in bodies for word in words)]:
-            stated = {body: _own(body, words) for body in bodies}
+        every = {body: _own(body, words) for body in bodies}
+        stated = {
+            body: {name: part for name, part in parts.items() if set(part["columns"]) <= set(header)}
+            for body, parts in every.items()
+        }
+        used = {column for parts in stated.values() for part in parts.values() for column in part["columns"]}
+        if used and set(header) == {"t", *used}:
             return ColumnMap.model_validate({"time": {"column": "t", "unit": "s"}, "bodies": stated})
     return None
 

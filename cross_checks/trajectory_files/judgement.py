@@ -1,7 +1,7 @@
 """A file's motion held against a truth, or against another file: errors of every body and component, and a verdict."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
 from typing import Any, NamedTuple
 
@@ -20,6 +20,7 @@ from mbs_ref.scene.scales import scales_of
 from mbs_ref.trajectory import Trajectory
 
 SAME_TIME = 1e-9  # of the duration: samples of two files that are closer are of one time
+MOST = 8  # errors in the text of a judgement
 
 
 class Part(NamedTuple):
@@ -50,6 +51,12 @@ class Judgement:
     notes: tuple[str, ...]
     curves: dict[str, list[float | None]]  # t (s) and each component's error over time, of the scene
     suspicions: tuple[str, ...] = ()  # mistakes that would explain the error
+
+    def __str__(self) -> str:
+        """Return the verdict, what explains the error, and the largest errors, a line each."""
+        worst = sorted((part for part in self.parts if part.relative), key=lambda part: -(part.relative or 0.0))
+        errors = (f"{p.body} {p.component}: {p.largest:.3g} {p.unit} at t = {p.at:.4g} s" for p in worst[:MOST])
+        return "\n  ".join([f"{self.scene} {self.verdict}: {self.reason}", *self.suspicions, *errors, *self.missing])
 
     def to_dict(self) -> dict[str, Any]:
         """Return plain data for JSON."""
@@ -126,3 +133,9 @@ def samples_at(path: Trajectory, rows: np.ndarray) -> Trajectory:
     return Trajectory(
         path.times[rows], path.position[rows], path.orientation[rows], path.velocity[rows], path.angular_velocity[rows]
     )
+
+
+def truth_rows(truth: Truth, rows: np.ndarray) -> Truth:
+    """Return a truth at some of its times, given by places or a mask (n,)."""
+    arrays: dict[str, Any] = {name: value[rows] for name, value in vars(truth).items() if isinstance(value, np.ndarray)}
+    return replace(truth, **arrays)

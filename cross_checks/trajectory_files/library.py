@@ -1,6 +1,6 @@
 """Judge a motion from a program: a trajectory, a file, a data frame or arrays."""
 
-from collections.abc import Mapping
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -10,31 +10,39 @@ import numpy as np
 from cross_checks.judge.consensus import working_truth
 from cross_checks.judge.runs import Runs
 from cross_checks.records.store import Store, default_path
-from cross_checks.trajectory_files.columns import OWN
-from cross_checks.trajectory_files.judgement import Judgement, judgement
+from cross_checks.trajectory_files.columns import OWN, FileError
+from cross_checks.trajectory_files.judgement import Judgement, judgement, truth_rows
 from cross_checks.trajectory_files.mistakes import suspicions
-from cross_checks.trajectory_files.mistakes.case import Case, TruthAt
+from cross_checks.trajectory_files.mistakes.case import Case
 from cross_checks.trajectory_files.motion import Read, read_motion
 from cross_checks.truths.truth import NoTruth, Truth
 from mbs_ref.scene import Scene
-from mbs_ref.trajectory import Trajectory
+from mbs_ref.trajectory import COLUMNS, Trajectory
 
+TruthAt = Callable[[np.ndarray], Truth | NoTruth]  # of times (n_t,), s
 DEFAULT_ERROR = 1e-6  # of the scene's scales: a motion with a smaller error agrees with the truth
 
 
 def judge(
-    motion: Trajectory | str | Path | Mapping[str, Any] | Any, scene: Scene, *, error: float = DEFAULT_ERROR,
+    scene: Scene, motion: Any, poses: Any = None, rates: Any = None, *, error: float = DEFAULT_ERROR,
     column_map: str | Path | None = None,
 ) -> Judgement:  # fmt: skip
     """Return the verdict on a motion of a scene, with the errors of every body and component.
 
-    `motion` is a Trajectory, a file (CSV, NPZ, Parquet), a data frame, or arrays by name: (n_rows,) is one column,
-    (n_rows, k) are the columns name[0] to name[k - 1]. The TOML file `column_map` states units, axes and conventions of
-    the columns; columns named as by `mbs-ref simulate -o` need none. `error` is a share of the scene's scales.
+    With `poses` the motion is its times (n,), s. Poses are (n, n_bodies, 3), m and rad, in the plane and
+    (n, n_bodies, 7), m and Euler parameters from body to world axes, in space; rates are (n, n_bodies, 3) or
+    (n, n_bodies, 6), m/s and rad/s along world axes. Positions and velocities alone are allowed, with as many
+    components as the scene has dimensions. The axis of bodies may be left out.
 
-    Raises FileError, a ValueError that names the column and what is expected.
+    Without `poses` the motion is a Trajectory, a file (CSV, NPZ, Parquet), a data frame, or arrays by name: (n_rows,)
+    is one column, (n_rows, k) are the columns name[0] to name[k - 1]. The TOML file `column_map` states units, axes and
+    conventions of the columns; columns named as by `mbs-ref simulate -o` need none. `error` is a share of the scene's
+    scales.
+
+    Raises FileError, a ValueError that names the column or array and what is expected.
     """
-    read = read_motion(_source(motion, scene), scene, None if column_map is None else Path(column_map))
+    source = _source(motion, scene) if poses is None else _columns(scene, motion, poses, rates)
+    read = read_motion(source, scene, None if column_map is None else Path(column_map))
     with Store(default_path()) as store:
         return judged(scene, read, truth_at(Runs(store), scene), error)
 
@@ -45,7 +53,7 @@ def judged(scene: Scene, read: Read, at: TruthAt, error: float) -> Judgement:
     verdict = judgement(scene, read.told, truth, error)
     if verdict.verdict != "departs" or not isinstance(truth, Truth):
         return verdict
-    case = Case(scene, read.columns, read.stated, read.told.path, truth, at)
+    case = Case(scene, read.columns, read.stated, read.told.path, truth)
     return replace(verdict, suspicions=tuple(suspicions(case, error)))
 
 
@@ -55,6 +63,23 @@ def _source(motion: Any, scene: Scene) -> Path | dict[str, np.ndarray]:
     if isinstance(motion, Trajectory):
         return {"bodies": np.array(scene.body_names), **{name: getattr(motion, name) for name in OWN - {"bodies"}}}
     return {str(name): np.asarray(motion[name]) for name in getattr(motion, "columns", motion)}
+
+
+def _columns(scene: Scene, times: Any, poses: Any, rates: Any) -> dict[str, np.ndarray]:
+    """Return the columns of arrays, named as in the files that `mbs-ref simulate -o` writes."""
+    words, first = COLUMNS[scene.dimension], {2: 3, 3: 7}[scene.dimension]
+    columns, n = {"t": np.asarray(times)}, len(scene.bodies)
+    for name, own, value in (("poses", words[:first], poses), ("rates", words[first:], rates)):
+        if value is None:
+            continue
+        rows, allowed = np.asarray(value), [(len(columns["t"]), n, width) for width in (scene.dimension, len(own))]
+        shape = next((one for one in allowed if rows.shape in (one, (one[0], one[2] * n))), None)
+        if shape is None:
+            expected = " or ".join(map(str, allowed))
+            raise FileError(f"{name} has the shape {rows.shape}; expected: {expected}")
+        every = rows.reshape(shape)
+        columns |= {f"{b}.{own[c]}": every[:, k, c] for k, b in enumerate(scene.body_names) for c in range(shape[2])}
+    return columns
 
 
 def truth_at(runs: Runs, scene: Scene) -> TruthAt:
@@ -69,11 +94,6 @@ def truth_at(runs: Runs, scene: Scene) -> TruthAt:
             return known
         requested = np.union1d(0.0, times)  # a run begins at 0
         consensus = working_truth(replace(runs, times=requested), scene, known.reason)
-        return _rows(consensus, np.isin(requested, times)) if isinstance(consensus, Truth) else consensus
+        return truth_rows(consensus, np.isin(requested, times)) if isinstance(consensus, Truth) else consensus
 
     return at
-
-
-def _rows(truth: Truth, rows: np.ndarray) -> Truth:
-    arrays: dict[str, Any] = {name: value[rows] for name, value in vars(truth).items() if isinstance(value, np.ndarray)}
-    return replace(truth, **arrays)

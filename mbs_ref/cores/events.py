@@ -169,14 +169,16 @@ class ContactSystem(System):
         modes = self.groups.contact_modes
         return modes.log[: modes.logged[0], :2].copy()
 
-    def contact_oscillators(self, t: float, y: np.ndarray) -> np.ndarray:
-        """Return k W (1/s^2) and c W (1/s) of each contact (n, 2), W its normal mobility; c = 0 where F ~ d d'."""
+    def contact_oscillators(self, t: float, y: np.ndarray, speed: float) -> np.ndarray:
         laws = self.groups.contact_laws
-        count = len(laws.stiffness)
-        mobility = [core.call_contact_mobility(self.model, self.work, float(t), y, k) for k in range(count)]
-        steady = np.where(laws.damping_exponent == 0.0, laws.damping, 0.0)
-        linear = np.where(laws.exponent == 1.0, laws.stiffness, 0.0)
-        return np.array(mobility)[:, None] * np.column_stack((linear, steady))
+        n, count = laws.exponent, len(laws.stiffness)
+        mobility = np.array([core.call_contact_mobility(self.model, self.work, float(t), y, k) for k in range(count)])
+        kw = laws.stiffness * mobility
+        energy = np.divide(0.5 * (n + 1.0) * speed**2, kw, out=np.zeros(count), where=kw > 0.0)
+        depth = energy ** (1.0 / (n + 1.0))  # k d^(n + 1) / (n + 1) = m v^2 / 2 with m = 1 / W
+        slope = n * laws.stiffness * depth ** (n - 1.0)
+        dashpot = laws.damping + laws.impact_damping * laws.stiffness / np.maximum(speed, laws.slowest)
+        return np.column_stack((slope * mobility, dashpot * depth**laws.damping_exponent * mobility, slope))
 
     @contextmanager
     def taut_strings(self) -> Iterator[bool]:

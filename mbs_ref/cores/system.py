@@ -151,9 +151,12 @@ class System(ABC):
         """Return for each contact depth (m), force on body_a (N) and its point (m), world axes: (n_t, 5 or 7)."""
         return {}
 
-    def contact_oscillators(self, t: float, y: np.ndarray) -> np.ndarray:
-        """Return k W (1/s^2) and c W (1/s) of each contact (n, 2), W its normal mobility; c = 0 where F ~ d d'."""
-        return np.zeros((0, 2))
+    def contact_oscillators(self, t: float, y: np.ndarray, speed: float) -> np.ndarray:
+        """Return k W (1/s^2), c W (1/s) and k (N/m) of each contact (n, 3), W its normal mobility.
+
+        k and c are the slopes of the law at the depth where an impact at `speed` (m/s) ends without loss.
+        """
+        return np.zeros((0, 3))
 
     def taut_strings(self) -> AbstractContextManager[bool]:
         """Let every tension-only spring pull and push meanwhile; return whether there is any."""

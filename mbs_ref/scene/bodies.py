@@ -57,7 +57,8 @@ def _six_numbers(value: Any) -> Any:
     return (*(value[k][k] for k in range(3)), value[0][1], value[0][2], value[1][2])
 
 
-Inertia = Annotated[tuple[float, float, float, float, float, float], BeforeValidator(_six_numbers)]
+Six = tuple[float, float, float, float, float, float]
+Inertia = Annotated[Six, BeforeValidator(_six_numbers, json_schema_input_type=Six | tuple[Vector3, Vector3, Vector3])]
 
 
 class SpatialBody(Part):

@@ -43,7 +43,7 @@ class Relativity(CelestialPart):
     """
 
     type: Literal["relativity"] = "relativity"
-    form: Literal["eih", "central"] = "eih"
+    form: Literal["eih", "central"] = "eih"  # all pairs, or the first body's field alone
     c: Positive = C_SI  # m/s
 
 
@@ -57,7 +57,7 @@ class Oblateness(CelestialPart):
     body: BodyName
     radius: Positive  # m
     zonal: Annotated[tuple[float, ...], Field(min_length=1, max_length=5)]  # J2, J3, ... J6
-    pole: Pole = "fixed"
+    pole: Pole = "fixed"  # fixed, or the Earth's
     axis: Direction3 = (0.0, 0.0, 1.0)  # unit vector, ICRF; of the fixed pole
 
 
@@ -70,8 +70,8 @@ class LunarFigure(CelestialPart):
     type: Literal["lunar_figure"] = "lunar_figure"
     body: BodyName
     radius: Positive  # m
-    j2: float
-    c22: float
+    j2: float  # -
+    c22: float  # -
 
 
 class Tide(CelestialPart):
@@ -84,7 +84,7 @@ class Tide(CelestialPart):
     body: BodyName
     raiser: BodyName
     radius: Positive  # m, of the body
-    love_number: NonNegative  # k2
+    love_number: NonNegative  # -, k2
     lag: NonNegative  # s
     spin: tuple[float, float, float]  # rad/s, of the body
 
@@ -99,7 +99,7 @@ class Ring(CelestialPart):
     gm: Positive  # m^3/s^2, of the whole ring
     radius: Positive  # m
     normal: Direction3  # unit vector, ICRF
-    count: Annotated[int, Field(ge=3, le=1000)] = 36
+    count: Annotated[int, Field(ge=3, le=1000)] = 36  # point masses
 
 
 class ThirdBody(CelestialPart):
@@ -111,7 +111,7 @@ class ThirdBody(CelestialPart):
 
     type: Literal["third_body"] = "third_body"
     body: BodyName  # the attracted satellite
-    source: Literal["sun", "moon"]
+    source: Literal["sun", "moon"]  # the attracting body
     gm: Positive  # m^3/s^2
 
 
@@ -121,7 +121,7 @@ class Drag(CelestialPart):
     type: Literal["drag"] = "drag"
     body: BodyName
     planet: BodyName
-    coefficient: NonNegative  # c_D A / m, m^2/kg
+    coefficient: NonNegative  # m^2/kg, c_D A / m
     density: Positive  # kg/m^3, at `altitude`
     altitude: float  # m
     scale_height: Positive  # m
@@ -138,7 +138,7 @@ class StandardDrag(CelestialPart):
     type: Literal["standard_drag"] = "standard_drag"
     body: BodyName
     planet: BodyName
-    coefficient: NonNegative  # c_D A / m, m^2/kg
+    coefficient: NonNegative  # m^2/kg, c_D A / m
     radius: Positive  # m, where the altitude is zero
     spin: float = 7.292115e-5  # rad/s, about z; IERS Conventions 2010, table 1.2
 
@@ -152,7 +152,7 @@ class RadiationPressure(CelestialPart):
     type: Literal["radiation_pressure"] = "radiation_pressure"
     body: BodyName
     planet: BodyName
-    coefficient: NonNegative  # c_R A / m, m^2/kg
+    coefficient: NonNegative  # m^2/kg, c_R A / m
     radius: Positive  # m, of the body that casts the shadow
     pressure: Positive = 4.56e-6  # N/m^2 at 1 au; Montenbruck and Gill, eq 3.69
 

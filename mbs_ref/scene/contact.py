@@ -54,7 +54,7 @@ class SpringDamperLaw(Law):
     type: Literal["spring_damper_law"] = "spring_damper_law"
     stiffness: Positive  # N/m
     damping: NonNegative = 0.0  # N s/m
-    release: Literal["gap", "force"] = "gap"
+    release: Literal["gap", "force"] = "gap"  # what opens the contact
 
     def numbers(self) -> LawNumbers:
         return LawNumbers(self.stiffness, self.damping, release=self.release)
@@ -77,7 +77,7 @@ class HuntCrossleyLaw(Law):
     type: Literal["hunt_crossley_law"] = "hunt_crossley_law"
     stiffness: Positive  # N/m^n
     damping: NonNegative = 0.0  # N s/m^(n + 1)
-    exponent: Annotated[float, Field(ge=1.0, le=10.0)] = 1.5
+    exponent: Annotated[float, Field(ge=1.0, le=10.0)] = 1.5  # -, n
 
     def numbers(self) -> LawNumbers:
         return LawNumbers(self.stiffness, self.damping, self.exponent, self.exponent)
@@ -93,8 +93,8 @@ class LankaraniNikraveshLaw(Law):
 
     type: Literal["lankarani_nikravesh_law"] = "lankarani_nikravesh_law"
     stiffness: Positive  # N/m^n
-    restitution: Restitution
-    exponent: Annotated[float, Field(ge=1.0, le=10.0)] = 1.5
+    restitution: Restitution  # -, e
+    exponent: Annotated[float, Field(ge=1.0, le=10.0)] = 1.5  # -, n
     slowest: Positive = 1e-3  # m/s, v0 is taken no smaller: a contact that starts at rest has no impact speed
 
     def numbers(self) -> LawNumbers:
@@ -112,8 +112,8 @@ class FloresLaw(Law):
 
     type: Literal["flores_law"] = "flores_law"
     stiffness: Positive  # N/m^n
-    restitution: Annotated[float, Field(gt=0.0, le=1.0)]
-    exponent: Annotated[float, Field(ge=1.0, le=10.0)] = 1.5
+    restitution: Annotated[float, Field(gt=0.0, le=1.0)]  # -, e
+    exponent: Annotated[float, Field(ge=1.0, le=10.0)] = 1.5  # -, n
     slowest: Positive = 1e-3  # m/s, v0 is taken no smaller
 
     def numbers(self) -> LawNumbers:
@@ -130,7 +130,7 @@ class RigidLaw(Law):
     IMPULSIVE: ClassVar[bool] = True
 
     type: Literal["rigid_law"] = "rigid_law"
-    restitution: Restitution
+    restitution: Restitution  # -, e
 
     def numbers(self) -> LawNumbers:
         return LawNumbers(restitution=self.restitution, release="rigid")
@@ -178,7 +178,7 @@ class RegularisedCoulomb(Part):
     STICKS: ClassVar[bool] = False
 
     type: Literal["regularised_coulomb"] = "regularised_coulomb"
-    coefficient: NonNegative
+    coefficient: NonNegative  # -, mu
     speed: Positive = 1e-3  # m/s, v_s
 
     def numbers(self) -> FrictionNumbers:
@@ -194,8 +194,8 @@ class StickSlip(Part):
     STICKS: ClassVar[bool] = True  # located transitions; in space its deflections are states
 
     type: Literal["stick_slip"] = "stick_slip"
-    coefficient: NonNegative  # mu
-    static: NonNegative | None = None  # mu_s; mu unless given
+    coefficient: NonNegative  # -, mu
+    static: NonNegative | None = None  # -, mu_s; mu unless given
     stiffness: Positive  # N/m, of the sticking contact
     damping: NonNegative = 0.0  # N s/m, of the sticking contact
 
@@ -222,8 +222,8 @@ class ContactPart(Attached):
     SHAPED_B: ClassVar[bool] = False  # whether body_b carries more than a circle or a sphere
     MAY_HOLD: ClassVar[bool] = True  # whether a law may stand for a constraint here
 
-    law: ContactLaw
-    friction: Any = None
+    law: ContactLaw  # of the normal force
+    friction: Any = None  # none unless given
 
     @model_validator(mode="after")
     def _check_law(self) -> Self:
@@ -264,9 +264,9 @@ class CircleOnLine(ContactPart):
     body_b: EndName = "ground"  # carries the line
     point_1: Point  # m, world, t = 0
     point_2: Point  # m, world, t = 0
-    extent: Literal["line", "segment", "capped"] = "line"
+    extent: Literal["line", "segment", "capped"] = "line"  # where the surface ends
     thickness: Positive | None = None  # m: what appears deeper than this is behind the surface, not in it
-    friction: Friction | None = None
+    friction: Friction | None = None  # none unless given
 
     @model_validator(mode="after")
     def _check(self) -> Self:
@@ -284,7 +284,7 @@ class RoundPair(ContactPart):
     body_b: EndName
     center_b: Point  # m, world, t = 0
     radius_b: NonNegative  # m
-    friction: RegularisedCoulomb | None = None
+    friction: RegularisedCoulomb | None = None  # none unless given
 
     @model_validator(mode="after")
     def _check(self) -> Self:
@@ -327,13 +327,13 @@ class PinOnSprocket(ContactPart):
     center: Point  # m, world, t = 0
     body_b: EndName  # the sprocket
     axle: Point  # m, world, t = 0: its centre
-    teeth: Annotated[int, Field(ge=3, le=1000)]
+    teeth: Annotated[int, Field(ge=3, le=1000)]  # number of gaps
     pitch_radius: Positive  # m
     addendum_radius: Positive  # m
     first_seat: float = 0.0  # rad, world angle of one gap at t = 0
     clearance: Positive  # m, seat radius minus pin radius
     flank_angle: Annotated[float, Field(ge=0.0, lt=1.5)] = 0.3490658503988659  # rad (20 degrees), from the radius
-    friction: RegularisedCoulomb | None = None
+    friction: RegularisedCoulomb | None = None  # none unless given
 
 
 class SphereOnPlane(ContactPart):
@@ -355,11 +355,11 @@ class SphereOnPlane(ContactPart):
     body_b: EndName = "ground"  # carries the plane
     point: Point3  # m, world, t = 0: on the plane, the middle of a rectangle
     normal: Direction3  # direction, world, t = 0
-    extent: Literal["plane", "rectangle", "capped"] = "plane"
+    extent: Literal["plane", "rectangle", "capped"] = "plane"  # where the surface ends
     size: tuple[Positive, Positive] | None = None  # m, sides of a rectangle
     edge: Direction3 | None = None  # direction of the first side, world, t = 0; perpendicular to normal
     thickness: Positive | None = None  # m: what appears deeper than this is behind the surface, not in it
-    friction: Friction | None = None
+    friction: Friction | None = None  # none unless given
 
     def mark(self, end: str) -> tuple[float, ...]:
         return self.center if end == "body_a" else self.point

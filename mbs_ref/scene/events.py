@@ -17,11 +17,11 @@ class CoordinateEvent(Attached):
 
     type: Literal["coordinate_event"] = "coordinate_event"
     body: BodyName
-    coordinate: Literal["x", "y", "z", "angle"]
+    coordinate: Literal["x", "y", "z", "angle"]  # of the centre of mass; the angle in the plane alone
     rate: bool = False  # watch the coordinate's rate instead
     value: float = 0.0  # m or rad; m/s or rad/s
-    crossing: Crossing = "either"
-    action: Action = "record"
+    crossing: Crossing = "either"  # direction of the crossing
+    action: Action = "record"  # what the run does
 
     def complaints(self, dimension: int) -> Iterator[str]:
         yield from coordinate_complaints(self.coordinate, dimension)
@@ -37,8 +37,8 @@ class DistanceEvent(AttachedPair):
     point_a: Point  # m, world, t = 0
     point_b: Point  # m, world, t = 0
     value: Annotated[float, Field(gt=0.0)]  # m
-    crossing: Crossing = "either"
-    action: Action = "record"
+    crossing: Crossing = "either"  # direction of the crossing
+    action: Action = "record"  # what the run does
 
 
 Event = Annotated[CoordinateEvent | DistanceEvent, Field(discriminator="type")]

@@ -262,8 +262,8 @@ class UserConstraint(PairJoint):
     type: Literal["user_constraint"] = "user_constraint"
     point_a: Point | None = None  # m, world, t = 0
     point_b: Point | None = None  # m, world, t = 0
-    expression: str | None = None
-    function: Annotated[Callable[..., Any] | None, SkipValidation] = None
+    expression: str | None = None  # C, in m or rad
+    function: Annotated[Callable[..., Any] | None, SkipValidation] = None  # of Python alone
 
     @model_validator(mode="after")
     def _check(self) -> Self:

@@ -30,8 +30,8 @@ class Force(Attached):
     body: BodyName
     point: Point  # m, world, t = 0
     vector: Vector  # N
-    frame: Literal["world", "body"] = "world"
-    factor: Signal = Constant()
+    frame: Literal["world", "body"] = "world"  # axes of the vector
+    factor: Signal = Constant()  # times the load
 
 
 class Torque(Attached):
@@ -44,7 +44,7 @@ class Torque(Attached):
     type: Literal["torque"] = "torque"
     body: BodyName
     torque: float  # N m
-    factor: Signal = Constant()
+    factor: Signal = Constant()  # times the load
 
 
 class TorqueVector(Attached):
@@ -57,8 +57,8 @@ class TorqueVector(Attached):
     type: Literal["torque_vector"] = "torque_vector"
     body: BodyName
     vector: Vector3  # N m
-    frame: Literal["world", "body"] = "world"
-    factor: Signal = Constant()
+    frame: Literal["world", "body"] = "world"  # axes of the vector
+    factor: Signal = Constant()  # times the load
 
 
 class SpringDamper(AttachedPair):

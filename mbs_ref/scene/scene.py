@@ -32,15 +32,15 @@ class Scene(Part):
     """Bodies, joints, loads and gravity, checked as a whole."""
 
     name: Name
-    description: str = ""
+    description: str = ""  # one sentence
     source: str = ""  # where the data come from
     duration: Positive = 1.0  # s, simulated time unless the settings give another
     gravity: Vector = (0.0, 0.0)  # m/s^2; in space, too, none unless given
-    bodies: tuple[Body, ...] = Field(min_length=1, max_length=100_000)
-    joints: tuple[Joint, ...] = ()
-    loads: tuple[Load, ...] = ()
-    contacts: tuple[Contact, ...] = ()
-    events: tuple[Event, ...] = ()
+    bodies: tuple[Body, ...] = Field(min_length=1, max_length=100_000)  # one at least
+    joints: tuple[Joint, ...] = ()  # joints and drives
+    loads: tuple[Load, ...] = ()  # forces, springs, gravity fields
+    contacts: tuple[Contact, ...] = ()  # pairs of shapes that may touch
+    events: tuple[Event, ...] = ()  # crossings to record or to stop at
     parameters: dict[str, float | int | str | bool] = {}  # what the scene was built with
 
     @model_validator(mode="after")

@@ -48,7 +48,7 @@ class Constant(Part):
     """A value that does not change."""
 
     type: Literal["constant"] = "constant"
-    value: float = 1.0
+    value: float = 1.0  # of what the signal stands for
 
     def segments(self) -> list[Segment]:
         return [Segment(-math.inf, (self.value,))]
@@ -59,7 +59,7 @@ class Table(Part):
 
     type: Literal["table"] = "table"
     times: tuple[float, ...] = Field(min_length=1)  # s
-    values: tuple[float, ...] = Field(min_length=1)
+    values: tuple[float, ...] = Field(min_length=1)  # one for each time
 
     @model_validator(mode="after")
     def _check(self) -> Self:
@@ -86,7 +86,7 @@ class HalfSine(Part):
     """A half-sine pulse of the given peak, zero before `start` and after `start + duration`."""
 
     type: Literal["half_sine"] = "half_sine"
-    peak: float
+    peak: float  # of what the signal stands for
     duration: Positive  # s
     start: float = 0.0  # s
 
@@ -99,10 +99,10 @@ class Harmonic(Part):
     """offset + amplitude sin(omega t + phase)."""
 
     type: Literal["harmonic"] = "harmonic"
-    amplitude: float
+    amplitude: float  # of what the signal stands for
     omega: float  # rad/s
     phase: float = 0.0  # rad
-    offset: float = 0.0
+    offset: float = 0.0  # of what the signal stands for
 
     def segments(self) -> list[Segment]:
         if self.omega == 0.0:
@@ -114,7 +114,7 @@ class Polynomial(Part):
     """sum_k coefficients[k] t^k, of degree 4 at most."""
 
     type: Literal["polynomial"] = "polynomial"
-    coefficients: tuple[float, ...] = Field(min_length=1, max_length=5)
+    coefficients: tuple[float, ...] = Field(min_length=1, max_length=5)  # of t^0, t^1, ... with t in s
 
     def segments(self) -> list[Segment]:
         return [Segment(0.0, self.coefficients)]

@@ -1,18 +1,16 @@
-"""Mistakes of conventions and of the clock."""
+"""Mistakes of columns: another unit, convention, sign or time."""
 
 from collections.abc import Iterator
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
 
 from cross_checks.trajectory_files import columns as units
 from cross_checks.trajectory_files.columns import FileError
-from cross_checks.trajectory_files.judgement import samples_at
-from cross_checks.trajectory_files.mistakes.case import Case
+from cross_checks.trajectory_files.mistakes.case import Case, Hypothesis
 from cross_checks.trajectory_files.motion import described_motion
-from cross_checks.truths.truth import NoTruth
-from mbs_ref.observables.distance import turn_between
 from mbs_ref.trajectory import POSES
 
 SWAPPED = {
@@ -21,31 +19,25 @@ SWAPPED = {
 }  # fmt: skip
 
 
-def other_conventions(case: Case) -> Iterator[tuple[str, Case]]:
-    """Yield the case with each other reading of one part's columns, of all bodies at once."""
+def conventions(case: Case) -> Iterator[Hypothesis]:
+    """Yield each other reading of one part's columns, of all bodies at once."""
     for part in POSES:
         stated = next((getattr(b, part) for b in case.stated.bodies.values() if getattr(b, part) is not None), None)
         for word, other in _other_words(part, stated):
-            read = _read(case, part, {word: other})
-            if read is not None:
-                yield f"the {part.replace('_', ' ')} columns look like {other}; {getattr(stated, word)} is stated", read
+            said = f"the {part.replace('_', ' ')} columns look like {other}; {getattr(stated, word)} is stated"
+            yield Hypothesis(partial(_read, part, {word: other}), lambda x, said=said: said)
 
 
-def _read(case: Case, part: str, change: dict[str, Any]) -> Case | None:
-    bodies = {name: _changed(body, part, change) for name, body in case.stated.bodies.items()}
+def _read(part: str, change: dict[str, Any], case: Case, x: np.ndarray) -> Case | None:
+    bodies = dict(case.stated.bodies)
+    for name, body in bodies.items():
+        if (columns := getattr(body, part)) is not None:
+            bodies[name] = body.model_copy(update={part: columns.model_copy(update=change)})
     stated = case.stated.model_copy(update={"bodies": bodies})
     try:
-        path = described_motion(case.scene, case.columns, stated).path
+        return replace(case, stated=stated, path=described_motion(case.scene, case.columns, stated).path)
     except (FileError, ValueError):
         return None
-    if len(path.times) != len(case.path.times):  # samples were dropped where a lag was taken off
-        return None
-    return replace(case, stated=stated, path=replace(path, times=case.path.times))
-
-
-def _changed(body: Any, part: str, change: dict[str, Any]) -> Any:
-    told = getattr(body, part)
-    return body if told is None else body.model_copy(update={part: told.model_copy(update=change)})
 
 
 def _other_words(part: str, stated: Any) -> Iterator[tuple[str, str]]:
@@ -64,42 +56,39 @@ def _other_words(part: str, stated: Any) -> Iterator[tuple[str, str]]:
         yield from (("convention", f"euler {other}") for other in (order.swapcase(), order[::-1]))
 
 
-FITS = 8  # corrections by Gauss and Newton; each squares what is left
+def signs(case: Case) -> Iterator[Hypothesis]:
+    """Yield a world that is mirrored along an axis, and each component with the other sign."""
+    groups = {"the file's world is mirrored": POSES, "positions and velocities are mirrored": ("position", "velocity")}
+    groups |= {f"the {part.replace('_', ' ')} has the other sign": (part,) for part in POSES}
+    for k, axis in enumerate("xyz"[: case.scene.dimension]):
+        for words, parts in groups.items():
+            yield Hypothesis(partial(_mirrored, parts, k), lambda x, said=f"{words} along {axis}": said)
+    if case.planar:
+        said = "orientation and angular velocity count the other way round"
+        yield Hypothesis(partial(_mirrored, ("orientation", "angular_velocity"), 0), lambda x: said)
 
 
-def lag(case: Case) -> Iterator[tuple[str, Case]]:
-    """Yield a clock that is ahead or behind, fitted by Gauss and Newton on positions and angles."""
-    late, now = 0.0, case
-    for _ in range(FITS):
-        change = _lateness(now)
-        if change is None or not abs(change) > 1e-12 * case.scene.duration:
-            break
-        late += change
-        moved = case.path.times - late
-        rows = np.flatnonzero((moved >= 0.0) & (moved <= case.scene.duration))
-        if len(rows) < 2:
-            return
-        truth = case.truth_at(moved[rows])
-        if isinstance(truth, NoTruth):
-            return
-        now = replace(case, path=replace(samples_at(case.path, rows), times=moved[rows]), truth=truth)
-    if late:
-        word = "late" if late > 0.0 else "early"
-        yield f"samples are {word} by {abs(late):.4g} s (they tell the state of another time)", now
+def _mirrored(parts: tuple[str, ...], axis: int, case: Case, x: np.ndarray) -> Case | None:
+    """Mirror vectors; turns are axial: along the axis they stay, across it they turn round."""
+    mirror = np.ones(case.scene.dimension)
+    mirror[axis] = -1.0
+    turned = {"position": mirror, "velocity": mirror, "orientation": -1.0, "angular_velocity": -1.0}
+    if not case.planar:
+        axial = -mirror if len(parts) > 1 else mirror
+        turned |= {"orientation": np.append(1.0, axial), "angular_velocity": axial}
+    changed = {part: getattr(case.path, part) * turned[part] for part in parts}
+    return replace(case, path=replace(case.path, **changed))
 
 
-def _lateness(case: Case) -> float | None:
-    """Return by how much (s) the file's samples lag behind, to first order."""
-    truth, path, length = case.truth, case.path, case.length
-    gaps, rates = [], []
-    speed = truth.velocity if truth.velocity is not None else np.gradient(truth.position, path.times, axis=0)
-    gaps.append((path.position - truth.position).ravel() / length)
-    rates.append(speed.ravel() / length)
-    turn = turn_between(path.orientation, truth.orientation, not case.planar)
-    if truth.angular_velocity is not None and turn is not None:
-        gaps.append(turn.ravel())
-        rates.append(truth.angular_velocity.ravel())
-    gap, rate = np.concatenate(gaps), np.concatenate(rates)
-    known = np.isfinite(gap) & np.isfinite(rate)
-    square = float(np.sum(rate[known] ** 2))
-    return -float(np.sum(gap[known] * rate[known])) / square if square > 0.0 else None
+def clocks(case: Case) -> Iterator[Hypothesis]:
+    """Yield samples, or rates alone, of another time than is stated."""
+    slight = 1e-9 * case.scene.duration
+    for field, what in (("late", "samples"), ("rates_late", "velocities, by half a step perhaps,")):
+
+        def say(x: np.ndarray, what: str = what) -> str:
+            return f"{what} are {'late' if x[0] > 0.0 else 'early'} by {abs(x[0]):.4g} s"
+
+        def change(case: Case, x: np.ndarray, field: str = field) -> Case | None:
+            return case.rerun(**{field: getattr(case, field) + float(x[0])})
+
+        yield Hypothesis(change, say, ((0.0,),), True, lambda x: not slight < abs(x[0]) < 0.5 * case.scene.duration)

@@ -138,8 +138,8 @@ class RelativeSystem(System):
     def contact_forces(self, times: np.ndarray, states: np.ndarray) -> dict[str, np.ndarray]:
         return self.redundant.contact_forces(times, self._all_told(states))
 
-    def contact_oscillators(self, t: float, y: np.ndarray) -> np.ndarray:
-        return self.redundant.contact_oscillators(t, self.told(y))
+    def contact_oscillators(self, t: float, y: np.ndarray, speed: float) -> np.ndarray:
+        return self.redundant.contact_oscillators(t, self.told(y), speed)
 
     def taut_strings(self) -> AbstractContextManager[bool]:
         return self.redundant.taut_strings()

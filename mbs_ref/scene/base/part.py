@@ -60,3 +60,9 @@ def fields_of(kind: type[Part], role: Role) -> tuple[str, ...]:
 def _metadata(field) -> list:
     alternatives = [entry for option in get_args(field.annotation) for entry in getattr(option, "__metadata__", ())]
     return [*field.metadata, *alternatives]
+
+
+def is_place(kind: type[Part], name: str) -> bool:
+    """Return whether a field of a kind of part holds a point or a direction, or a body's pose at the start."""
+    known = _metadata(kind.model_fields[name])
+    return Role.POINT in known or AfterValidator(_directed) in known or name in ("position", "angle", "orientation")

@@ -6,7 +6,7 @@ m/c, are reported beside the eigenvalues of the linearised motion.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -27,16 +27,16 @@ class Stiffness:
     """Eigenvalues of the linearised motion at one time."""
 
     eigenvalues: np.ndarray  # (n,) complex, 1/s, of the closed contacts, springs and joints together
-    open_contacts: (
-        np.ndarray
-    )  # (k,) complex, 1/s, of each open contact alone as if it closed, and with all strings taut
+    open_contacts: np.ndarray  # (2 k,) complex, 1/s, of each contact alone as if it closed: first roots, second roots
+    taut: np.ndarray  # (n,) complex, 1/s, of the motion with all strings taut; empty where there is none
     oscillation_rule: float  # s, the papers' smallest 1/omega = sqrt(m/k) over contacts; inf without
     damping_rule: float  # s, the papers' smallest m/c over contacts; inf without
+    contact_slopes: np.ndarray  # (k,) N/m, of each contact's law
 
     @property
     def modes(self) -> np.ndarray:
         """All eigenvalues for which a step must be stable."""
-        return np.concatenate((self.eigenvalues, self.open_contacts))
+        return np.concatenate((self.eigenvalues, self.open_contacts, self.taut))
 
     @property
     def fastest(self) -> float:
@@ -47,6 +47,11 @@ class Stiffness:
     def fastest_decay(self) -> float:
         """The largest decay rate, 1/s."""
         return float(np.max(-np.real(self.modes), initial=0.0))
+
+    def of_contact(self, k: int) -> Stiffness:
+        """Return what the k-th contact alone is like while it is closed."""
+        own = self.open_contacts[k :: len(self.contact_slopes)]
+        return replace(self, eigenvalues=np.zeros(0), open_contacts=own, taut=np.zeros(0))
 
     def step_limit(self, stability: tuple[float, ...]) -> float:
         """Return the largest step (s) for a stability polynomial, lowest power first; inf where nothing is fast."""
@@ -59,29 +64,33 @@ class Stiffness:
         return float(steps[max(int(np.argmax(grows)) - 1, 0), 0]) if grows.any() else np.inf
 
 
-def stiffness(system: System, t: float, y: np.ndarray) -> Stiffness:
-    """Linearise the motion at (t, y) in the current contact modes; contacts must have been started."""
-    oscillators = system.contact_oscillators(t, y)
-    kw, cw = oscillators[:, 0], oscillators[:, 1]
+def stiffness(system: System, t: float, y: np.ndarray, speed: float = 0.0) -> Stiffness:
+    """Linearise the motion at (t, y) in the current contact modes; contacts must have been started.
+
+    Contacts are linearised where an impact at `speed` (m/s) is deepest: at 0 a law such as Hertz's has no stiffness.
+    """
+    kw, cw, slopes = system.contact_oscillators(t, y, speed).T
     root = np.sqrt(0.25 * cw.astype(complex) ** 2 - kw)
     local = np.concatenate((-0.5 * cw + root, -0.5 * cw - root))
     with system.taut_strings() as any_string:
         taut = _eigenvalues(system, t, y) if any_string else np.zeros(0, complex)
     return Stiffness(
         eigenvalues=_eigenvalues(system, t, y),
-        open_contacts=np.concatenate((local, taut)),
+        open_contacts=local,
+        taut=taut,
         oscillation_rule=1.0 / np.sqrt(np.max(kw, initial=0.0)) if np.any(kw > 0.0) else np.inf,
         damping_rule=1.0 / np.max(cw, initial=0.0) if np.any(cw > 0.0) else np.inf,
+        contact_slopes=slopes,
     )
 
 
-def stiffness_at_start(scene: Scene) -> Stiffness:
-    """Linearise a scene's motion at t = 0."""
+def stiffness_at_start(scene: Scene, speed: float = 0.0) -> Stiffness:
+    """Linearise a scene's motion at t = 0, and contacts where an impact at `speed` (m/s) is deepest."""
     system = compile_scene(scene)
     y = system.initial_state()
     system.set_mode_time(0.0)
     system.start_contacts(0.0, y, True)
-    return stiffness(system, 0.0, y)
+    return stiffness(system, 0.0, y, speed)
 
 
 def _eigenvalues(system: System, t: float, y: np.ndarray) -> np.ndarray:

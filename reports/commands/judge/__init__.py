@@ -1,1 +1,1 @@
-"""Commands that hold engines against truths and against each other."""
+"""Judge motions and truths."""

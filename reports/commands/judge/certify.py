@@ -1,7 +1,5 @@
 """mbs-ref certify: make the truths again and hold them to their certificates."""
 
-from __future__ import annotations
-
 from dataclasses import asdict
 from typing import Any
 
@@ -17,13 +15,13 @@ from reports import inputs
 from reports.terminal.console import Failed, NothingSelected, echo_json, number, progress, show_table
 
 
-@click.command(name="certify")
+@click.command(name="certify", epilog="Example: mbs-ref certify pendulum_chain -p links=10")
 @click.argument("scene", required=False)
 @inputs.PARAMETERS
 @click.option("--write", is_flag=True, help="Write the new certificates in place of the stored ones.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON: a list of truths.")
 def command(scene: str | None, parameters: tuple[str, ...], write: bool, as_json: bool) -> None:
-    """Compute the truth of SCENE, or of every scene that has a certificate, and compare it with the certificate.
+    """Recompute truths and compare them with certificates. Without SCENE, those of all certificates.
 
     Exit code 1 where they differ by more than their uncertainties.
     """

@@ -1,7 +1,5 @@
 """mbs-ref check: the cross-validation table, and an exit code that stands for it."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 
 import click
@@ -18,7 +16,7 @@ from reports.terminal.console import Failed, Incomplete, NothingSelected, echo_j
 MOST_REASONS = 5  # told where nothing runs
 
 
-@click.command(name="check")
+@click.command(name="check", epilog="Example: mbs-ref check slider_crank --engine mbs_ref --engine exudyn")
 @click.argument("scene", nargs=-1, metavar="[SCENE|FILE.toml]...")
 @inputs.PARAMETERS
 @inputs.KEEP
@@ -31,7 +29,7 @@ def command(
     scene: tuple[str, ...], parameters: tuple[str, ...], keep_rates: tuple[str, ...], chosen: tuple[str, ...],
     scheduler: str | None, shard: str, as_json: bool, store: str | None,
 ) -> None:  # fmt: skip
-    """Compare engines with each other and with the truth, on every SCENE or on those named.
+    """Compare engines with each other and with the truth. Without SCENE, on every scene.
 
     Where no truth is certified, unlike engines compute a consensus truth; answers are provisional until that is
     accurate enough. Runs are stored and never repeated; they use all processors, each in a process of its own: one

@@ -1,7 +1,5 @@
 """mbs-ref judge: any tool's trajectory held against the truth of a scene, or against another file."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import click
@@ -26,7 +24,7 @@ from reports.terminal.console import (
 )
 
 
-@click.command(name="judge")
+@click.command(name="judge", epilog="Example: mbs-ref judge run.csv pendulum --map map.toml --error 1e-4")
 @click.argument("file", metavar="FILE")
 @click.argument("scene", metavar="SCENE|FILE.toml")
 @inputs.PARAMETERS
@@ -58,12 +56,12 @@ def command(
     as_json: bool,
     store: str | None,
 ) -> None:
-    """Judge the trajectory in FILE (CSV, NPZ or Parquet), which any tool may have written of SCENE.
+    """Judge the trajectory in FILE, which any tool may write. It is CSV, NPZ or Parquet.
 
     Every unit, axis and convention of the file is stated in a map; none is guessed. Errors are those of every table:
     position, orientation, velocity and angular velocity of every body over the scene's own scales. Where the file is
-    off, mistakes that would explain it are looked for: units, conventions, frames, reference points, a lag, a term
-    that was left out. Exit code 1 where it is off by more than --error, 5 where there is no truth to judge it.
+    off, mistakes that would explain it are fitted: units, conventions, frames, reference points, clocks, and numbers of
+    the scene. Exit code 1 where it is off by more than --error, 5 where there is no truth to judge it.
     """
     from cross_checks.trajectory_files.columns import FileError
     from cross_checks.trajectory_files.judgement import as_truth, judgement

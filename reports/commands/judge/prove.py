@@ -1,7 +1,5 @@
 """mbs-ref prove: proven enclosures of a motion, with a log that a second program checks."""
 
-from __future__ import annotations
-
 import time
 from importlib.util import find_spec
 from pathlib import Path
@@ -14,7 +12,7 @@ from reports import inputs
 from reports.terminal.console import EngineAbsent, Failed, NothingSelected, echo_json, number, progress, show, table
 
 
-@click.command(name="prove")
+@click.command(name="prove", epilog="Example: mbs-ref prove double_pendulum --t-end 10 --radius 1e-25 -o double.log.gz")
 @click.argument("scene", metavar="SCENE|FILE.toml", required=False)
 @inputs.PARAMETERS
 @click.option("--t-end", type=float, metavar="T", help="Duration, s; the scene's own unless given.")
@@ -54,7 +52,7 @@ def command(
     scene: str | None, parameters: tuple[str, ...], t_end: float | None, samples: int, radius: float, reading: str,
     limit: float, as_json: bool, output: str | None, log_file: str | None,
 ) -> None:  # fmt: skip
-    """Enclose places, turns, velocities and spins of SCENE at the output times, by a proof.
+    """Enclose the motion of SCENE by a proof. It holds places, turns, velocities and spins at all outputs.
 
     The theorem is about the scene's numbers: each binary64 value, or each decimal, is exact; rates that loops decide
     solve the closures.

@@ -1,1 +1,1 @@
-"""Commands about one scene."""
+"""Run scenes."""

@@ -1,7 +1,5 @@
 """mbs-ref animate: a scene in motion, as a GIF or an MP4 and a filmstrip."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import click
@@ -15,7 +13,7 @@ from reports import inputs
 from reports.terminal.console import EngineAbsent, Failed, progress, writing
 
 
-@click.command(name="animate")
+@click.command(name="animate", epilog="Example: mbs-ref animate slider_crank --engine mbs_ref -o crank.gif")
 @click.argument("scene", metavar="SCENE|FILE.toml")
 @inputs.PARAMETERS
 @click.option("--t-end", type=float, metavar="T", help="Duration, s; the scene's own unless given.")
@@ -33,7 +31,7 @@ def command(
     project_initial: bool, keep_rates: tuple[str, ...], chosen: tuple[str, ...], video: bool, page: bool,
     output: str | None,
 ) -> None:  # fmt: skip
-    """Simulate SCENE and draw it: FILE.gif plays, FILE.png shows moments of the first run side by side.
+    """Simulate SCENE and draw it as a film or as pictures. FILE.gif plays, FILE.png shows moments side by side.
 
     Several --engine are drawn beside each other at the same times, each by its default method.
     """

@@ -1,7 +1,5 @@
 """mbs-ref ensemble: many runs of one scene whose inputs are uncertain, or go over a grid."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -21,7 +19,7 @@ from reports.shared_ensemble import shared_ensemble
 from reports.terminal.console import Failed, Incomplete, compiling, echo_json, number, progress, show, table, writing
 
 
-@click.command(name="ensemble")
+@click.command(name="ensemble", epilog="Example: mbs-ref ensemble double_pendulum --vary angle_2=+-5% -n 500")
 @click.argument("scene", metavar="SCENE|FILE.toml")
 @inputs.PARAMETERS
 @click.option("--vary", "varied", multiple=True, metavar="WHAT=LAW", help="A number and its law; repeatable.")
@@ -47,7 +45,7 @@ def command(
     keep_rates: tuple[str, ...],
     **options: Any,
 ) -> None:
-    """Run SCENE many times, with numbers that are uncertain or go over a grid.
+    """Run SCENE many times, with uncertain or varied numbers.
 
     WHAT is a parameter of the scene, or a number of it by name: link_3.mass, ball.velocity.x, load.stiffness,
     gravity.y (`mbs-ref scenes --files` writes the names). A body's position, angle (in space turn.x, turn.y, turn.z),

@@ -1,13 +1,13 @@
 """mbs-ref inspect SCENE: numerical trouble seen in advance."""
 
-from __future__ import annotations
-
+from collections import Counter
 from typing import Any
 
 import click
 import numpy as np
 
 from mbs_ref.integrators import integrators
+from mbs_ref.scene.scales import scales_of
 from mbs_ref.scene.traits import traits
 from mbs_ref.simulate.linearised.steady_motion import SteadyMotion, steady_motion_at_start
 from mbs_ref.simulate.linearised.stiffness import Stiffness, stiffness_at_start
@@ -18,16 +18,20 @@ from reports.terminal.console import compiling, echo_json, number, show_table
 SHOWN = 6  # eigenvalues
 
 
-@click.command(name="inspect")
+@click.command(name="inspect", epilog="Example: mbs-ref inspect bouncing_ball")
 @click.argument("scene", metavar="SCENE|FILE.toml")
 @inputs.PARAMETERS
 @inputs.KEEP
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 def command(scene: str, parameters: tuple[str, ...], keep_rates: tuple[str, ...], as_json: bool) -> None:
-    """Linearise a scene at its start: stiffness, the step each explicit method can bear, modes of a steady motion."""
+    """Linearise SCENE at its start: stiffness, steps and modes.
+
+    A contact that can close is linearised where an impact at the scene's own speed is deepest, and its step is stated.
+    """
     click.get_current_context().with_resource(compiling())
     chosen = inputs.scene(scene, parameters, keep_rates)
-    results = stiffness_at_start(chosen)
+    speed = scales_of(chosen).speed
+    results = stiffness_at_start(chosen, speed)
     result: dict[str, Any] = {
         "scene": chosen.name,
         "summary": summary(chosen).sentence(),
@@ -39,18 +43,36 @@ def command(scene: str, parameters: tuple[str, ...], keep_rates: tuple[str, ...]
         "eigenvalues_1_s": [[value.real, value.imag] for value in _dominant(results)],
         "rule_1_over_omega_s": _finite(results.oscillation_rule),
         "rule_m_over_c_s": _finite(results.damping_rule),
-        "largest_step_s": {
-            name: _finite(results.step_limit(method.stability))
-            for name, method in integrators().items()
-            if method.stability
-        },
+        "largest_step_s": _steps(results, chosen.duration),
+        "impact_speed_m_s": speed,
+        "closed_contacts": [
+            {"stiffness_N_m": float(slope), "largest_step_s": _steps(results.of_contact(k), chosen.duration)}
+            for k, slope in enumerate(results.contact_slopes)
+        ],
         "steady_motion_1_s": _modes(steady_motion_at_start(chosen)),
     }
     if as_json:
         echo_json(result)
         return
-    rows = ((name, _cell(value)) for name, value in result.items() if chosen.contacts or not name.startswith("rule_"))
+    alike = Counter(_closed(contact, speed) for contact in result.pop("closed_contacts"))
+    rows = [(name, _cell(value)) for name, value in result.items() if chosen.contacts or not name.startswith("rule_")]
+    rows += [(f"{count} contact{'s' if count > 1 else ''}, closed", said) for said, count in alike.items()]
     show_table(f"{chosen.name} at t = 0", ("quantity", "value"), rows)  # the papers' rules are for contacts
+
+
+def _steps(results: Stiffness, duration: float) -> dict[str, float | None]:
+    """Return the largest stable step (s) of each explicit method; None where it is longer than the run."""
+    known = {name: method.stability for name, method in integrators().items() if method.stability}
+    limits = {name: results.step_limit(stability) for name, stability in known.items()}
+    return {name: limit if limit < duration else None for name, limit in limits.items()}
+
+
+def _closed(contact: dict[str, Any], speed: float) -> str:
+    """Return what the step is limited to while a contact is closed."""
+    if not contact["stiffness_N_m"]:
+        return "impulses or a constraint act, and stability limits no step"
+    at = f"at {number(contact['stiffness_N_m'])} N/m (impact at {number(speed)} m/s)"
+    return f"{at} the step after contact is at most {_cell(contact['largest_step_s'])}"
 
 
 def _dominant(results: Stiffness) -> list[complex]:
@@ -82,4 +104,4 @@ def _cell(value: Any) -> str:
         return ", ".join(_cell(item) for item in value) or "none"
     if isinstance(value, float):
         return number(value)
-    return "no limit" if value is None else str(value)
+    return "not limited by stability" if value is None else str(value)

@@ -1,7 +1,5 @@
 """mbs-ref scenes: what can be simulated."""
 
-from __future__ import annotations
-
 from dataclasses import asdict
 from pathlib import Path
 
@@ -15,13 +13,21 @@ from reports.terminal.console import Failed, echo_json, show_table
 FOLDER = click.Path(file_okay=False, path_type=Path)
 
 
-@click.command(name="scenes")
+@click.command(name="scenes", epilog="Example: mbs-ref scenes pendulum slider_crank --files scenes")
 @click.argument("names", nargs=-1, metavar="[NAME...]")
 @click.option("-p", "parameters", multiple=True, metavar="NAME=VALUE", help="A parameter of the one scene to write.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 @click.option("--files", "folder", type=FOLDER, help="Write the scenes into this folder as TOML files.")
-def command(names: tuple[str, ...], parameters: tuple[str, ...], as_json: bool, folder: Path | None) -> None:
-    """List the scenes and their parameters, all or those named; --files writes them as files to start from."""
+@click.option("--schema", "form", flag_value="schema", help="Print the JSON Schema of scene files, for editors.")
+@click.option("--reference", "form", flag_value="page", help="Print the reference of scene files in Markdown.")
+def command(
+    names: tuple[str, ...], parameters: tuple[str, ...], as_json: bool, folder: Path | None, form: str | None
+) -> None:
+    """List the scenes, or write them or their schema as files."""
+    if form is not None:
+        from reports.scene_file import reference
+
+        return echo_json(reference.schema()) if form == "schema" else click.echo(reference.page(), nl=False)
     result = [_described(name) for name in names or scenes.names()]
     if parameters and not (folder and len(names) == 1):
         raise click.UsageError("-p belongs to --files and the name of one scene")

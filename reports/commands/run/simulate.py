@@ -1,7 +1,5 @@
 """mbs-ref simulate: one run, judged."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from typing import Any
 
@@ -37,7 +35,9 @@ from reports.terminal.console import (
 from reports.terminal.text_plot import text_plot
 
 
-@click.command(name="simulate")
+@click.command(
+    name="simulate", epilog="Example: mbs-ref simulate slider_crank -p crank_length=0.2 --rtol 1e-9 -o run.csv"
+)
 @click.argument("scene", metavar="SCENE|FILE.toml")
 @inputs.PARAMETERS
 @click.option("--engine", default="mbs_ref", show_default=True, help="Engine that integrates.")

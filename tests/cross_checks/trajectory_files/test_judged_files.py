@@ -54,7 +54,7 @@ def told_by(scene: Scene, columns: dict[str, np.ndarray], body: dict, world: dic
     })  # fmt: skip
     table = Columns(Path("tool.csv"), columns)
     path = described_motion(scene, table, stated).path
-    return Case(scene, table, stated, path, at(scene)(path.times), at(scene))
+    return Case(scene, table, stated, path, at(scene)(path.times))
 
 
 def top_columns(path: Trajectory) -> dict[str, np.ndarray]:
@@ -226,7 +226,7 @@ def test_a_term_that_was_left_out_is_named():
         stated = ColumnMap.model_validate({"time": {"column": "t", "unit": "s"}, "bodies": {name: PLANE}})
         table = Columns(Path("tool.csv"), columns)
         told = described_motion(scene, table, stated)
-        case = Case(scene, table, stated, told.path, truth, lambda times: truth_for(scene, times))
+        case = Case(scene, table, stated, told.path, truth)
         sentences = suspicions(case, ASKED)
         assert expected in sentences[0]
 

@@ -58,7 +58,7 @@ def case_of(scene: Scene, columns: dict[str, np.ndarray], stated: dict[str, Any]
     def again(times: np.ndarray) -> Truth | NoTruth:
         return seek_truth(scene, times)
 
-    return Case(scene, table, read, path, true(scene, path.times), again)
+    return Case(scene, table, read, path, true(scene, path.times))
 
 
 def fallen(spin: float = SPIN) -> dict[str, np.ndarray]:

@@ -7,12 +7,14 @@ from __future__ import annotations
 
 import json
 import math
+import shlex
 import subprocess
 import sys
 from dataclasses import replace
 from importlib.metadata import entry_points
 from typing import Any
 
+import click
 import numpy as np
 import pytest
 from click.testing import CliRunner
@@ -30,6 +32,7 @@ from cross_checks.records.record import Error, Record
 from cross_checks.truths import seek_truth
 from cross_checks.truths.truth import NoTruth
 from mbs_ref import scenes
+from mbs_ref.scene.contact import HuntCrossleyLaw
 from mbs_ref.scene.toml import write_scene
 from mbs_ref.trajectory import Trajectory
 from reports.cli import main
@@ -498,3 +501,39 @@ def test_a_loop_that_does_not_close_is_1_and_names_the_joint(tmp_path):
     assert done.exit_code == 1
     assert json.loads(done.stdout)["status"] == "inconsistent"
     assert "'far'" in done.stderr
+
+
+def test_inspect_limits_the_step_of_a_contact_that_is_open(tmp_path):
+    """Hertz: k d^(n + 1) / (n + 1) = m v^2 / 2 at the deepest point, and a slope of n k d^(n - 1) there."""
+    scene = scenes.make("bouncing_ball")
+    (floor,) = scene.contacts
+    law = HuntCrossleyLaw(stiffness=1e6, exponent=1.5)
+    write_scene(scene.model_copy(update={"contacts": (floor.model_copy(update={"law": law}),)}), tmp_path / "ball.toml")
+    found = json.loads(run("inspect", str(tmp_path / "ball.toml"), "--json").stdout)
+    (closed,), mass, speed = found["closed_contacts"], scene.bodies[0].mass, found["impact_speed_m_s"]
+    depth = (2.5 * 0.5 * mass * speed**2 / 1e6) ** 0.4
+    assert closed["stiffness_N_m"] == pytest.approx(1.5e6 * depth**0.5)
+    assert closed["largest_step_s"]["rk4"] == pytest.approx(2.83 * math.sqrt(mass / closed["stiffness_N_m"]), rel=0.05)
+    shown = run("inspect", str(tmp_path / "ball.toml")).stdout
+    assert "N/m (impact at" in shown
+    assert "no limit" not in shown
+    assert "stability limits no step" in run("inspect", "newtons_cradle").stdout
+
+
+def test_the_help_groups_every_command_and_cuts_no_summary():
+    shown = run("--help").stdout
+    assert "..." not in shown.partition("Run scenes")[2]
+    listed = [line.split()[0] for line in shown.splitlines() if line.startswith("  ") and line[2:3].isalpha()]
+    assert set(main.list_commands(click.Context(main))) <= set(listed)
+    assert shown.index("simulate") < shown.index("judge ") < shown.index("pick ") < shown.index("nightly")
+
+
+@pytest.mark.parametrize("name", main.list_commands(click.Context(main)))
+def test_the_help_of_a_command_shows_an_example_of_it(name):
+    command = main.get_command(click.Context(main), name)
+    example, *words = shlex.split((command.epilog or "").removeprefix("Example: mbs-ref "))
+    assert example == name
+    known = {opt for param in command.params for opt in (*param.opts, *param.secondary_opts)}
+    assert {word for word in words if word.startswith("-")} <= known
+    if not isinstance(command, click.Group):
+        command.make_parser(click.Context(command)).parse_args(list(words))

@@ -5,7 +5,7 @@ from __future__ import annotations
 from click.testing import CliRunner
 
 from cross_checks.records.store import Store
-from reports.commands.about.compile import command
+from reports.commands.engines.compile import command
 from reports.facts import compiling
 
 

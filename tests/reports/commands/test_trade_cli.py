@@ -17,7 +17,7 @@ from cross_checks.records import lines as record_file
 from cross_checks.records.record import Error, Record
 from mbs_ref import scenes
 from reports.cli import main
-from reports.commands.watch import nightly
+from reports.commands.maintenance import nightly
 
 PENDULUM = scenes.make("pendulum")
 RECORD = Record(

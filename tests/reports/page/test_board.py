@@ -12,7 +12,7 @@ from click.testing import CliRunner
 from cross_checks.judge.bounds import TARGETS
 from cross_checks.judge.vocabulary import OURS, WRONG
 from reports.cli import main
-from reports.commands.watch.board import board
+from reports.commands.publish.board import board
 from reports.facts.cheapest import entries, standings
 from reports.page.build import publish
 from tests.reports.page.synthetic_report import report_data

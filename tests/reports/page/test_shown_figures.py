@@ -13,7 +13,7 @@ from cross_checks.judge.vocabulary import OURS, Cell, TargetResult, Verdict
 from cross_checks.prices.timing import with_loops
 from cross_checks.records.numbers import short
 from cross_checks.records.record import Error, Record
-from reports.commands.watch.board import board
+from reports.commands.publish.board import board
 from reports.facts.cheapest import MIDDLE, standings
 from reports.facts.report_data import ReportData
 from reports.page.advice import advice

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from reports.commands.judge.calibrate import MOST_ABOVE, MOST_BELOW
-from reports.commands.judge.repeatability import SAME_MACHINE
+from reports.commands.explore.repeatability import SAME_MACHINE
+from reports.commands.maintenance.calibrate import MOST_ABOVE, MOST_BELOW
 from reports.facts.report_data import ReportData
 from reports.page.render import render
 from reports.studies.study import stored

@@ -1,7 +1,5 @@
 """mbs-ref repeatability: does each engine give the same bits again?"""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 
@@ -14,14 +12,15 @@ from reports.terminal.console import Failed, progress, show_table
 SAME_MACHINE = ("at once", "another process", "another order")  # what our own solver must repeat to the last bit
 
 
-@click.command(name="repeatability")
+@click.command(name="repeatability", epilog="Example: mbs-ref repeatability")
 @inputs.ENGINES
 @survey.ONLY
 @survey.table_file("repeatability")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 def command(chosen: tuple[str, ...], only: str | None, target: Path | None, as_json: bool) -> None:
-    """Repeat runs at once, in another process, in the opposite order and with two threads; compare their bits.
+    """Repeat runs in several ways and compare their bits.
 
+    At once, in another process, in the opposite order and with two threads.
     Every method of every engine. Exit code 1 where runs of the reference solver with one thread differ; other
     differences are listed.
     """

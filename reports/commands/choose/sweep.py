@@ -1,7 +1,5 @@
 """mbs-ref sweep: every engine and method over its ladder of steps or tolerances."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import click
@@ -14,7 +12,7 @@ from reports.query import SCHEDULER, STORE, sweep_records
 from reports.terminal.console import NothingSelected, echo_json, number, show_table
 
 
-@click.command(name="sweep")
+@click.command(name="sweep", epilog="Example: mbs-ref sweep pendulum_chain -p links=10 -o chain.jsonl")
 @click.argument("scene", metavar="SCENE|FILE.toml")
 @inputs.PARAMETERS
 @inputs.KEEP
@@ -41,7 +39,7 @@ def command(
     scheduler: str | None,
     store: str | None,
 ) -> None:
-    """Measure work against precision on SCENE: the settings that meet each decade of error, timed alone.
+    """Measure work against precision on SCENE. The settings that meet each decade of error are timed.
 
     Engines run in a process of their own: one that hangs, crashes or eats memory costs that one run.
     A sweep that was interrupted, or killed, goes on where it stopped.

@@ -1,7 +1,5 @@
 """mbs-ref pick: the cheapest setting that reaches an accuracy."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import asdict, astuple, replace
 from pathlib import Path
@@ -29,7 +27,7 @@ PATIENCE = 600.0  # s for a run that is known to finish: loading compiled code o
 FILE = click.Path(exists=True, dir_okay=False, path_type=Path)
 
 
-@click.command(name="pick")
+@click.command(name="pick", epilog="Example: mbs-ref pick slider_crank --error 1mm --engine exudyn --engine mujoco")
 @click.argument("scene", metavar="SCENE|FILE.toml")
 @inputs.PARAMETERS
 @inputs.KEEP
@@ -66,7 +64,7 @@ def command(
     as_json: bool,
     store: str | None,
 ) -> None:
-    """Name the cheapest engine, method and setting that reaches --error on SCENE.
+    """Name the cheapest setting that reaches --error on SCENE.
 
     For each engine that --engine names, the error of its default settings is printed, too.
     """

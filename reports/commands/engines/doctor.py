@@ -1,7 +1,5 @@
 """mbs-ref doctor: is everything in place, and does a run come out right?"""
 
-from __future__ import annotations
-
 import math
 import os
 import platform
@@ -19,10 +17,10 @@ PACKAGES = ("mbs-ref", "numpy", "scipy", "numba", "llvmlite", "pydantic")
 LARGEST_ERROR = 1e-6  # m, of a pendulum at rtol 1e-9 against its exact motion: two digits of room
 
 
-@click.command(name="doctor")
+@click.command(name="doctor", epilog="Example: mbs-ref doctor")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 def command(as_json: bool) -> None:
-    """Show versions, engines and the compiler's cache, and simulate a pendulum against its exact motion."""
+    """Show versions and engines, and simulate a pendulum. The compiler's cache is shown, too."""
     cache = cache_folder()
     result: dict[str, Any] = {
         "python": platform.python_version(),

@@ -1,7 +1,5 @@
 """mbs-ref show: a scene of the last report in the terminal."""
 
-from __future__ import annotations
-
 import csv
 import io
 import sys
@@ -25,13 +23,13 @@ from reports.terminal.text_plot import text_plot
 FOLDER = click.Path(file_okay=False, path_type=Path)
 
 
-@click.command(name="show")
+@click.command(name="show", epilog="Example: mbs-ref show pendulum_chain links=10")
 @click.argument("scene", nargs=-1)
 @click.option("--csv", "as_csv", is_flag=True, help="Print the prices as CSV.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON: cells and prices.")
 @click.option("-o", "folder", default="reports/out", show_default=True, type=FOLDER, help="Where the report is.")
 def command(scene: tuple[str, ...], as_csv: bool, as_json: bool, folder: Path) -> None:
-    """Print the last report's results on SCENE: cost at equal error, and the verdict on every method.
+    """Print the last report's results on SCENE. That is cost at equal error, and every verdict.
 
     A scene with parameters is named as the page names it: mbs-ref show pendulum_chain links=10
     """

@@ -1,7 +1,5 @@
 """mbs-ref history: what the nightly jobs found, and where it changed."""
 
-from __future__ import annotations
-
 import html
 from pathlib import Path
 from typing import Any
@@ -18,7 +16,7 @@ from reports.terminal.console import NothingSelected, complain, echo_json, numbe
 FILE = click.Path(exists=True, dir_okay=False, path_type=Path)
 
 
-@click.command(name="history")
+@click.command(name="history", epilog="Example: mbs-ref history -o trends.html")
 @click.option("--file", "file", type=FILE, default="reports/out/history.jsonl", show_default=True, help="The lines.")
 @click.option("--series", "text", default="", metavar="TEXT", help="Only series whose name holds this.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
@@ -33,7 +31,7 @@ def command(file: Path, text: str, as_json: bool, output: str | None) -> None:
         raise NothingSelected(f"no series in {file} holds {text!r}")
     changes = {name: history.change_points([e.value for e in entries]) for name, entries in result.items()}
     if target is not None:
-        from reports.commands.watch.history import write_trends
+        from reports.commands.maintenance.history import write_trends
 
         write_trends(result, changes, target)
     if as_json:

@@ -1,7 +1,5 @@
 """mbs-ref calibrate: are the reference solver's own error estimates honest?"""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +13,7 @@ MOST_BELOW = 0.01  # share of the judged runs whose error may be above the estim
 MOST_ABOVE = 10.0  # median of estimate over error
 
 
-@click.command(name="calibrate")
+@click.command(name="calibrate", epilog="Example: mbs-ref calibrate -n 20")
 @click.option("-n", "count", type=click.IntRange(min=1), default=500, show_default=True, help="Random runs.")
 @click.option("--first", type=click.IntRange(min=0), default=0, show_default=True, help="The first run's seed.")
 @inputs.SHARD
@@ -28,7 +26,7 @@ MOST_ABOVE = 10.0  # median of estimate over error
 @survey.table_file("calibration")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON: the table, and every run.")
 def command(count: int, first: int, shard: str, keep: Path | None, target: Path | None, as_json: bool) -> None:
-    """Compare the error estimates of random runs with the errors that more accurate runs show.
+    """Compare error estimates of random runs with their errors. More accurate runs show the errors.
 
     Mechanisms, scenes, methods and settings are random. Exit code 1 where more than 1 % of the judged runs have an
     error above the estimate, or where the median estimate is more than ten times the error. With --keep an interrupted

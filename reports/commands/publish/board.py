@@ -4,8 +4,6 @@ Our own solver is shown apart and takes no part in any ranking, nor is it what o
 anchor to link to, and the command that repeats its run.
 """
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +14,7 @@ from cross_checks.judge.vocabulary import OURS, WRONG, Cell
 from cross_checks.records.numbers import short
 from mbs_ref.atomic_file import write_atomic
 from reports import inputs
-from reports.commands.watch.show import FOLDER, last_report
+from reports.commands.publish.show import FOLDER, last_report
 from reports.facts.cheapest import standings
 from reports.facts.report_data import ReportData
 from reports.page.render import templates
@@ -25,11 +23,11 @@ from reports.page.sections.prices import inside, price_table
 from reports.page.slug import slug
 
 
-@click.command(name="board")
+@click.command(name="board", epilog="Example: mbs-ref board -o board.html")
 @click.option("-o", "output", default="board.html", show_default=True, metavar="FILE.html", help="Where to write.")
 @click.option("--from", "folder", default="reports/out", show_default=True, type=FOLDER, help="Where the report is.")
 def command(output: str, folder: Path) -> None:
-    """Write a page that stands alone from the last report's records: who is cheapest at equal error, who goes wrong.
+    """Write one page from the last report, to be published.
 
     Nothing is run. Every number has the command that makes it again, every claim an anchor to link to; our own solver
     is shown apart, and ranked nowhere.

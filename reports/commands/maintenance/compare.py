@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from benchmarks.trees.regression import Case, Finding
 
 
-@click.command(name="compare")
+@click.command(name="compare", epilog="Example: mbs-ref compare HEAD~1 .")
 @click.argument("baseline", metavar="A")
 @click.argument("current", metavar="B", default=".")
 @click.option("--only", metavar="TEXT", default="", help="Only the cases whose name holds this.")
@@ -40,8 +40,9 @@ if TYPE_CHECKING:
 )
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 def command(baseline: str, current: str, only: str, slowed: float | None, as_json: bool) -> None:
-    """Time version B against version A at equal error, in this one job; each a folder or a git revision.
+    """Time version B against version A at equal error. Both run in this one job.
 
+    Each is a folder or a git revision.
     Where A and B are files of records (.jsonl), their accuracy is compared run by run; their times were
     measured in different jobs and decide nothing. Exit code 1 where B is slower or worse, 4 where
     something could not be measured or stayed inconclusive, 5 where the files share no run.

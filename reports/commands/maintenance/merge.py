@@ -1,7 +1,5 @@
 """mbs-ref merge: join stores of runs."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import click
@@ -12,11 +10,11 @@ from reports.query import STORE
 FILE = click.Path(exists=True, dir_okay=False, path_type=Path)
 
 
-@click.command(name="merge")
+@click.command(name="merge", epilog="Example: mbs-ref merge part-1.sqlite part-2.sqlite")
 @click.argument("others", nargs=-1, required=True, type=FILE, metavar="FILE.sqlite...")
 @STORE
 def command(others: tuple[Path, ...], store: str | None) -> None:
-    """Add the runs of other stores (shards, other machines) to the store."""
+    """Add the runs of other stores to the store. They are of shards or other machines."""
     with Store(Path(store) if store else default_path()) as stored:
         added = sum(stored.merge(other) for other in others)
         click.echo(f"{added} runs added; {stored.path} holds {len(stored)}")

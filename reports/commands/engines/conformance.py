@@ -1,7 +1,5 @@
 """mbs-ref conformance: the whole validation of somebody's solver, from its adapter file."""
 
-from __future__ import annotations
-
 import json
 import sys
 from collections.abc import Iterable
@@ -16,7 +14,7 @@ from reports.terminal.console import Failed
 COLUMNS = f"{'scene':<26} {'method':<22} {'order':>6} {'asked':>6} {'error':>9} {'loop':>10}"
 
 
-@click.command(name="conformance")
+@click.command(name="conformance", epilog="Example: mbs-ref conformance small_.py")
 @click.argument("engine", metavar="ADAPTER.py|ENGINE", default="mbs_ref")
 @click.option("--json", "file", type=click.Path(dir_okay=False, path_type=Path), help="also write all findings here")
 @click.option("--badge", type=click.Path(dir_okay=False, path_type=Path), help="also write a shields.io endpoint here")
@@ -28,8 +26,9 @@ COLUMNS = f"{'scene':<26} {'method':<22} {'order':>6} {'asked':>6} {'error':>9} 
 )
 @click.option("--self-test", is_flag=True, help="examine copies of mbs_ref with one mistake each instead")
 def command(engine: str, file: Path | None, badge: Path | None, timeout: float | None, self_test: bool) -> None:
-    """Examine a solver: refusals, times, velocities, clock, order, truths, energy, joints, and how it fails.
+    """Examine a solver by what every engine must fulfil.
 
+    That is refusals, times, velocities, clock, order, truths, energy, joints, and how it fails.
     ADAPTER.py holds a subclass of cross_checks.engine.Engine and the line ENGINE = <that class>. Errors are relative
     to each scene's size (in rad for orientations); a failure that the method declares as its weakness is named and
     does not count. Every run has a process of its own: one that hangs or dies is named, and the others continue.

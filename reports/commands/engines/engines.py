@@ -1,7 +1,5 @@
 """mbs-ref engines: who can simulate what, and environments for those whose packages do not go with ours."""
 
-from __future__ import annotations
-
 import re
 from collections import Counter
 from collections.abc import Sequence
@@ -24,7 +22,7 @@ EXTRA = re.compile(r"^(?P<what>[^;]+);.*extra == [\"'](?P<extra>[\w-]+)[\"']")
 OF_ALL = "engines"  # the extra of the engines that are usual
 
 
-@click.group(name="engines", invoke_without_command=True)
+@click.group(name="engines", invoke_without_command=True, epilog="Example: mbs-ref engines --json")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON, with every reason in full.")
 @click.pass_context
 def command(context: click.Context, as_json: bool) -> None:

@@ -1,7 +1,5 @@
 """mbs-ref write SCENE: a scene as a robot file, or as a script that runs in one engine alone."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +12,7 @@ from reports import inputs
 from reports.terminal.console import EngineAbsent, Failed, writing
 
 
-@click.command(name="write")
+@click.command(name="write", epilog="Example: mbs-ref write n_four_bar --as exudyn -o loops.py")
 @click.argument("scene", metavar="SCENE|FILE")
 @click.option("--as", "form", required=True, metavar="FORM",
               help="mjcf, urdf, or an engine whose script is wanted: drake, exudyn, mujoco, pinocchio.")  # fmt: skip

@@ -1,7 +1,5 @@
 """mbs-ref symmetry: does each engine move a scene's image as it moves the scene?"""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 
@@ -12,14 +10,15 @@ from reports.terminal import survey
 from reports.terminal.console import Failed, interruptible, progress, show_table
 
 
-@click.command(name="symmetry")
+@click.command(name="symmetry", epilog="Example: mbs-ref symmetry")
 @inputs.ENGINES
 @survey.ONLY
 @survey.table_file("symmetry")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 def command(chosen: tuple[str, ...], only: str | None, target: Path | None, as_json: bool) -> None:
-    """Turn, mirror, shift, rescale, reorder, rename scenes, cut runs in two and run them back: the motion must follow.
+    """Transform scenes; the motions must follow.
 
+    They are turned, mirrored, shifted, rescaled, reordered, renamed, cut in two and run back.
     Every method of every engine, each case in a process of its own. Exit code 1 where the reference solver breaks a
     symmetry by more than roundoff and its own error; other engines' violations are findings.
     """

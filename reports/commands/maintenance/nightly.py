@@ -1,7 +1,5 @@
 """mbs-ref nightly: regression verdicts against a baseline in the same job, sweeps, change points, all kept."""
 
-from __future__ import annotations
-
 import json
 import platform
 import shutil
@@ -17,8 +15,8 @@ from benchmarks.record_changes import Move
 from benchmarks.trees import regression
 from cross_checks.records import lines as record_file
 from mbs_ref import scenes
-from reports.commands.watch.compare import end, findings_of
-from reports.commands.watch.history import write_trends
+from reports.commands.maintenance.compare import end, findings_of
+from reports.commands.maintenance.history import write_trends
 from reports.facts.environment import environment
 from reports.query import sweep_records
 from reports.terminal.console import NothingSelected, complain
@@ -34,7 +32,7 @@ ERROR = 1e-6  # of the scene, at which the cheapest loop times are followed
 Where = tuple[str, str, str, str]  # job, made, commit, machine
 
 
-@click.command(name="nightly")
+@click.command(name="nightly", epilog="Example: mbs-ref nightly")
 @click.option("--baseline", default="HEAD~1", show_default=True, help="A folder or git revision to compare with.")
 @click.option("--bench", type=FILE, help="A pytest-benchmark JSON file to add to the history.")
 @click.option("--file", type=FILE, default="reports/out/history.jsonl", show_default=True, help="The history.")
@@ -44,7 +42,7 @@ Where = tuple[str, str, str, str]  # job, made, commit, machine
 @click.option("--trends", type=FILE, help="Draw the history to this HTML file.")
 @click.option("--only", metavar="TEXT", default="", help="Only the cases and scenes whose name holds this.")
 def command(baseline: str, bench: Path | None, file: Path, sweeps: Path | None, trends: Path | None, only: str) -> None:
-    """Time this tree against the baseline, append to the history, and report whether it became slower or less accurate.
+    """Time this tree against the baseline and state changes. They are stored in the history.
 
     Exit code 1 where it is slower, or a sweep less accurate than last night's; 4 where something could not
     be measured or stayed inconclusive, and nothing is slower.

@@ -1,7 +1,5 @@
 """mbs-ref parity: does every reader see the same robot in a file?"""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import click
@@ -11,14 +9,15 @@ from cross_checks.robots.robot import RobotError
 from reports.terminal.console import Failed, NothingSelected, echo_json, number, show_table
 
 
-@click.command(name="parity")
+@click.command(name="parity", epilog="Example: mbs-ref parity ur5.urdf --poses 5")
 @click.argument("file", metavar="ROBOT.urdf|MODEL.xml", type=click.Path(exists=True, dir_okay=False, path_type=Path))
 @click.option("--poses", default=5, show_default=True, type=click.IntRange(1), help="Random places and rates.")
 @click.option("--seed", default=1, show_default=True, help="Of the random places.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 def command(file: Path, poses: int, seed: int, as_json: bool) -> None:
-    """Read FILE by MuJoCo, Pinocchio, Drake and us, and list where mass matrix, gravity or bias forces differ.
+    """Compare how four parsers read one robot FILE.
 
+    MuJoCo, Pinocchio, Drake and we may differ in mass matrix, gravity or bias forces.
     Before any integrator runs, parsers may see another robot in the same file, and say nothing. Exit code 1 where they
     do.
     """

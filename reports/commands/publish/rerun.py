@@ -1,7 +1,5 @@
 """mbs-ref rerun: make a cell of the report again, whatever the store holds."""
 
-from __future__ import annotations
-
 from dataclasses import asdict
 
 import click
@@ -23,11 +21,11 @@ from reports.studies.study import measure
 from reports.terminal.console import Failed, echo_json, number, show_table
 
 
-@click.command(name="rerun")
+@click.command(name="rerun", epilog="Example: mbs-ref rerun pendulum_chain,links=3/mujoco/rk4")
 @click.argument("cell", metavar="CELL")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 def command(cell: str, as_json: bool) -> None:
-    """Repeat a CELL of the report; the store is neither read nor written.
+    """Repeat a CELL of the report, without the store.
 
     SCENE[,NAME=VALUE...]/ENGINE/METHOD judges a method anew: mbs-ref rerun pendulum_chain,links=3/mujoco/rk4.
     EXTREME/ENGINE/METHOD drives it along an extreme's axis: mbs-ref rerun overflow/exudyn/trapezoidal.

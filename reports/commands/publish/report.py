@@ -1,7 +1,5 @@
 """mbs-ref report: the main job."""
 
-from __future__ import annotations
-
 import os
 import sys
 from pathlib import Path
@@ -16,7 +14,7 @@ EXTREMES = "extremes*.jsonl"  # beside the page: what `mbs-ref extremes -o` wrot
 FOLDER = click.Path(file_okay=False, path_type=Path)
 
 
-@click.command(name="report")
+@click.command(name="report", epilog="Example: mbs-ref report --quick")
 @click.option("--open", "open_it", is_flag=True, help="Open the page in a browser.")
 @click.option("--quick", is_flag=True, help="Few scenes, for a first look.")
 @click.option("--render", "render_only", is_flag=True, help="Render the data of the last report; simulate nothing.")
@@ -27,12 +25,12 @@ FOLDER = click.Path(file_okay=False, path_type=Path)
 def command(
     open_it: bool, quick: bool, render_only: bool, retime: bool, text: bool, scheduler: str | None, folder: Path
 ) -> None:
-    """Run the comparison and write small HTML pages that work offline, with their data beside them.
+    """Run the comparison and write HTML pages that work offline. Their data lie beside them.
 
     Runs are stored (MBS_REF_STORE, else the cache folder): the next report computes what changed. Times and studies are
     measured on this machine. After Ctrl-C the pages show what there is, and the exit code is 4.
     """
-    from reports.commands.watch.show import last_report, print_report
+    from reports.commands.publish.show import last_report, print_report
     from reports.page.build import render_again, write_report
 
     if render_only:

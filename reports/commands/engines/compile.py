@@ -1,7 +1,5 @@
 """mbs-ref compile: the solver's kernels, once for each change of their sources."""
 
-from __future__ import annotations
-
 import click
 
 from cross_checks.records.store import Store
@@ -10,10 +8,10 @@ from reports.query import STORE, store_path
 from reports.terminal.console import awaited, progress
 
 
-@click.command(name="compile")
+@click.command(name="compile", epilog="Example: mbs-ref compile")
 @STORE
 def command(store: str | None) -> None:
-    """Compile the solver's kernels on all cores, so that no later run waits for it; nothing is done twice."""
+    """Compile the solver's kernels on all cores. No later run waits for them; nothing is done twice."""
     from reports.facts.compiling import compile_kernels
 
     what = "compiling the solver for plane, space and particles side by side: a minute or two, once a change"

@@ -1,7 +1,5 @@
 """mbs-ref extremes: up to where each engine and method can be trusted."""
 
-from __future__ import annotations
-
 from contextlib import ExitStack
 
 import click
@@ -13,7 +11,7 @@ from reports.query import SCHEDULER, begun, cluster
 from reports.terminal.console import Failed, NothingSelected, echo_json, interruptible, number, progress, show_table
 
 
-@click.command(name="extremes")
+@click.command(name="extremes", epilog="Example: mbs-ref extremes --only stiffness")
 @click.option("--full", is_flag=True, help="Every method and value, with long time limits.")
 @click.option("--only", metavar="TEXT", help="Only extremes whose name or family holds this.")
 @inputs.ENGINES
@@ -32,7 +30,7 @@ def command(
     as_json: bool,
     output: str | None,
 ) -> None:
-    """Drive scenes to the edge, and show where each engine's methods stop, degrade, or are silently wrong.
+    """Drive scenes to the edge, and show where engines fail. They stop, degrade or are silently wrong.
 
     Every run has a process of its own; two run at a time. Exit code 1 where the reference solver is
     silently wrong anywhere; other engines' failures are findings.

@@ -1,0 +1,1 @@
+"""Choose an engine, a method and a step."""

@@ -1,0 +1,1 @@
+"""Explore where engines fail."""

@@ -1,0 +1,1 @@
+"""Publish results and scenes."""

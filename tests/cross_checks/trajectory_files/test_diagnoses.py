@@ -1,0 +1,62 @@
+"""The fault of a file is named with its size, and a right file of another engine gets no diagnosis."""
+
+import pytest
+
+import cross_checks
+from tests.cross_checks.trajectory_files.faulty_files import (
+    RIGHT,
+    SPRING,
+    TOP,
+    TWO,
+    Tool,
+    faulty,
+    on_a_spring,
+    right,
+    top,
+    two_rods,
+)
+
+QUICK = ("gravity upwards", "stiffness 10 % high", "inertia about the elbow", "loose tolerance")
+
+
+@pytest.fixture(autouse=True)
+def store(tmp_path_factory, monkeypatch):
+    """Let all tests share a store of truths."""
+    folder = tmp_path_factory.getbasetemp() / "diagnoses"
+    folder.mkdir(exist_ok=True)
+    monkeypatch.setenv("MBS_REF_STORE", str(folder / "store.sqlite"))
+
+
+def named(tool: Tool) -> bool:
+    suspicions = cross_checks.judge(tool.scene, tool.columns).suspicions
+    return bool(suspicions) and all(word in suspicions[0] for word in tool.words)
+
+
+TOOLS = {tool.fault: tool for tool in faulty()}
+
+
+@pytest.mark.parametrize("columns", [(TWO, two_rods()), (SPRING, on_a_spring()), (TOP, top((0.04, 0.04, 0.02)))],
+                         ids=lambda one: one[0].name)  # fmt: skip
+def test_the_tools_without_a_fault_agree(columns):
+    result = cross_checks.judge(*columns)
+    assert (result.verdict, result.suspicions) == ("agrees", ())
+
+
+@pytest.mark.parametrize("fault", QUICK)
+def test_a_fault_is_named_with_its_size(fault):
+    assert named(TOOLS[fault])
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("fault", sorted(TOOLS.keys() - set(QUICK)))
+def test_every_fault_is_named_with_its_size(fault):
+    assert named(TOOLS[fault])
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("scene", "engine", "settings"), RIGHT)
+def test_a_right_file_gets_no_diagnosis_but_of_its_integration(scene, engine, settings):
+    pytest.importorskip(engine)
+    result = cross_checks.judge(scene, right(scene, engine, settings))
+    assert all(sentence.startswith("the tolerance or the step") for sentence in result.suspicions), result.suspicions
+    assert len(result.suspicions) <= 1
