@@ -30,7 +30,7 @@ def wrong_answers(data: ReportData) -> Iterator[Finding]:
             sibling = good.get((engine, worst.label))
             beside = f", where {sibling} of the same engine agrees" if sibling else ""
             text = f"It fails on {_scenes(cells)}{beside}."
-            if word in SILENT:
+            if word in SILENT and worst.error is not None:
                 closed = f" and joints closed within {metres(worst.compliance)}" if worst.compliance else ""
                 text = f"Success is reported{closed}, {of_scene(worst.error)} from the truth on {worst.label}{beside}."
                 others = _scenes([cell for cell in cells if cell.label != worst.label])

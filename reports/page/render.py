@@ -96,7 +96,7 @@ def single(data: ReportData) -> bytes:
 
 def _page(page: Page, listed: list[Page], data: ReportData, images: Images) -> str:
     def body(section: Section) -> Markup:
-        shared = {"scenes": page.data.scenes, "absence": data.absence}
+        shared = {"scenes": page.data.scenes, "absence": data.absence, "page_title": page.title}
         context = {"section": section, "image": images.add, **shared, **section.context(page.data)}
         return Markup(templates().get_template(section.template or f"{section.name}.html").render(context))
 

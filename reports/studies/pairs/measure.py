@@ -147,14 +147,17 @@ def side_by_side(rows: Sequence[Result]) -> tuple[Row, ...]:
 
 
 def costs(rows: Sequence[Result]) -> dict[str, Curves]:
-    """Return for each scene the loop time (s) of every engine over the target error."""
+    """Return for each scene, with its cheapest engines, the loop time (s) of every engine over the target error."""
     targets = _targets(rows)
     times = {(row.scene, row.entry.engine, row.target): loop_time(row.entry.best) for row in rows if row.entry.best}
     result = {}
     for scene in dict.fromkeys(scene for scene, _, _ in times):
-        names = dict.fromkeys(name for where, name, _ in times if where == scene)
-        lines = {name: tuple(times.get((scene, name, target)) for target in targets) for name in names}
-        result[scene] = Curves(targets, lines, "loop time, s", "error over the scene's scales", True, True, MARKS)
+        at = [{name: time for (where, name, error), time in times.items() if (where, error) == (scene, target)}
+              for target in targets]  # fmt: skip
+        first = dict.fromkeys(min(own, key=own.__getitem__) for own in at if own)
+        lines = {name: tuple(own.get(name) for own in at) for name in dict.fromkeys(name for own in at for name in own)}
+        curves = Curves(targets, lines, "loop time, s", "error over the scene's scales", True, True, MARKS)
+        result[f"{scene} {CHEAPEST}{', '.join(first)}"] = curves
     return result
 
 

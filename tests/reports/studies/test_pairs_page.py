@@ -109,4 +109,4 @@ def test_the_cheapest_at_each_target_is_marked_and_plots_have_a_line_for_each_en
     ours, theirs = facts.tables["beside: Chains"]
     assert [ours[key] for key in ("within 1e-3", "within 1e-6")] == ["★ 1 s, rk4", "4 s, rk4"]
     assert [theirs[key] for key in ("within 1e-3", "within 1e-6")] == ["2 s, rk4", "★ 3 s, rk4"]
-    assert facts.curves["pair: Chains: chain"].lines == {OURS: (1.0, 4.0), "exudyn": (2.0, 3.0)}
+    assert facts.curves[f"pair: Chains: chain ★ {OURS}, exudyn"].lines == {OURS: (1.0, 4.0), "exudyn": (2.0, 3.0)}
