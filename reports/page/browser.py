@@ -26,7 +26,7 @@ def drawn(address: str, option: str, *options: str) -> bytes:
     if program is None:
         raise FileNotFoundError(f"no browser is installed; this needs one of {', '.join(BROWSERS)}")
     with tempfile.TemporaryDirectory() as folder:
-        target = Path(folder) / "drawn"
+        target = Path(folder) / "drawn.png"  # a screenshot has to end so, a print may
         fixed = ("--headless", "--no-sandbox", "--hide-scrollbars", f"--user-data-dir={folder}/profile")
         shown = (f"--virtual-time-budget={LOADING_MS}", *options, f"{option}={target}")
         subprocess.run([program, *fixed, *shown, address], check=True, capture_output=True, timeout=PATIENCE)
