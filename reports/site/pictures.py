@@ -29,7 +29,6 @@ ROOT = Path(__file__).parents[2]
 IMAGES = ROOT / "docs" / "images"
 SCREEN = (1400, 900)  # pixels of the report's first screen
 PANEL = (1100, 740)  # pixels of a mechanism above its plot
-COLOURS = 128  # of a PNG: text stays smooth, and the file below 200 kB
 COLUMNS = 110  # characters of the terminal
 SCENE = scenes.make("pendulum_chain", links=3)  # of every report, a quick one too
 MOMENTS = 4  # of the run
@@ -78,7 +77,7 @@ PICTURES: dict[str, Callable[[Path], bytes]] = {
 def screenshot(page: Path, size: tuple[int, int]) -> bytes:
     """Return a page as a browser without a window draws it, as PNG. FileNotFoundError where no browser is installed."""
     content = drawn(page.resolve().as_uri(), "--screenshot", f"--window-size={size[0]},{size[1]}")
-    picture = Image.open(io.BytesIO(content)).convert("RGB").quantize(COLOURS, dither=Image.Dither.NONE)
+    picture = Image.open(io.BytesIO(content)).convert("RGB")
     buffer = io.BytesIO()
     picture.save(buffer, "PNG", optimize=True)
     return buffer.getvalue()
