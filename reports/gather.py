@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import cached_property, partial
 from pathlib import Path
 from typing import Any
 
@@ -23,16 +23,19 @@ from cross_checks.records.naming import code_of, digest_of
 from cross_checks.records.store import Store
 from mbs_ref import scenes
 from mbs_ref.scene import Scene
+from reports import inputs
 from reports.facts.cheapest import contenders
 from reports.facts.compiling import compile_kernels
 from reports.facts.environment import environment
 from reports.facts.report_data import ReportData
+from reports.facts.scene_facts import SceneFacts, scene_facts
 from reports.facts.stored import (
     Stored,
     engine_keys,
     keep,
     recall,
     remembered,
+    scene_key,
     settled_answers,
     stored_answers,
     truth_key,
@@ -66,19 +69,26 @@ FEW_EXTREMES = ("stiff-spring-quiet", "crash-pulse", "overflow")
 INTERRUPTED = "interrupted"
 
 
-def chosen_scenes(quick: bool = False) -> dict[str, Scene]:
-    """Return the scenes of the report by their labels."""
-    built = [scenes.make(name, **parameters) for name, parameters in (QUICK if quick else SCENES)]
-    return {scenes.label(scene.name, scene.parameters): scene for scene in built}
+def chosen_scenes(quick: bool = False, wanted: Sequence[str] = ()) -> dict[str, Scene]:
+    """Return the scenes of the report by their labels: those that are wanted, by label, name or file, else all."""
+
+    def named(built: Iterable[Scene]) -> dict[str, Scene]:
+        return {scenes.label(scene.name, scene.parameters): scene for scene in built}
+
+    every = named(scenes.make(name, **parameters) for name, parameters in (QUICK if quick else SCENES))
+    met = {one: [scene for label, scene in every.items() if one in (label, scene.name)] for one in wanted}
+    met = {one: own or [inputs.comparable(one.split()[0], one.split()[1:])] for one, own in met.items()}
+    return named(scene for own in met.values() for scene in own) or every
 
 
 @dataclass(frozen=True)
 class Gathering:
     """How the data of a report are brought up to date.
 
-    Effort is bounded by the work that a search may do, never by a clock. `quick` takes few scenes; `again` times anew
-    what the store has timed. What `files` of extremes hold is shown, else a few extremes are run. Runs are made by
-    callers alike `call`, times and studies always on this machine.
+    Effort is bounded by the work that a search may do, never by a clock. `quick` takes few scenes; `scenes` and
+    `engines` name others, without the studies; `again` times anew what the store has timed. What `files` of extremes
+    hold is shown, else a few extremes are run. Runs are made by callers alike `call`, times and studies always on this
+    machine.
     """
 
     store: Store
@@ -87,6 +97,18 @@ class Gathering:
     files: Sequence[Path] = ()
     again: bool = False
     call: Isolated | None = None
+    scenes: Sequence[str] = ()
+    engines: Sequence[str] = ()
+
+    @property
+    def is_part(self) -> bool:
+        """Whether the report shows less than all."""
+        return bool(self.quick or self.scenes or self.engines)
+
+    @cached_property
+    def shown(self) -> dict[str, Scene]:
+        """The scenes by their labels."""
+        return chosen_scenes(self.quick, self.scenes)
 
     def report(self, done: int, total: int, what: str) -> None:
         """Report progress where it is requested."""
@@ -98,8 +120,8 @@ class Gathering:
 
         `incomplete` states what is still being computed; after Ctrl-C, what was interrupted.
         """
-        data = ReportData((), (), environment=environment(), quick=self.quick, studies=stored())
-        stages = STAGES[:-1] if self.quick else STAGES
+        data = ReportData((), (), environment=environment(), quick=self.is_part, studies=stored())
+        stages = STAGES[:-1] if self.is_part else STAGES
         for (_, stage), (following, _) in zip(stages, (*stages[1:], ("", None)), strict=True):
             data = stage(self, data)
             if data.incomplete.startswith(INTERRUPTED) or not following:
@@ -110,7 +132,7 @@ class Gathering:
 
     def judged(self, data: ReportData) -> ReportData:
         """Judge every method on every scene; unfinished ones are left out after Ctrl-C."""
-        wanted = questions(list(chosen_scenes(self.quick).values()), tasks(engines.names()))
+        wanted = questions(list(self.shown.values()), tasks(self.engines or engines.names()))
         result = stored_answers(self.store, wanted)
         missing = [question for question in wanted if question not in result]
         reasons: list[str] = []
@@ -139,23 +161,29 @@ class Gathering:
     def beyond(self, data: ReportData) -> ReportData:
         """Add what engines can model, the facts of the truths, and the extremes."""
         reasons: list[str] = []
-        chosen = chosen_scenes(self.quick)
+        chosen = self.shown
         held = [recall(self.store, truth_key(scene), TruthFacts) for scene in chosen.values()]
-        data = replace(data, truths=tuple(facts for facts in held if facts is not None))
+        filmed = [self.mechanism(label, scene) for label, scene in chosen.items()]
+        data = replace(data, truths=tuple(facts for facts in held if facts is not None), mechanisms=tuple(filmed))
         parts = ["capabilities", *engine_keys(), list(chosen), code_of("cross_checks.judge.capabilities")]
         kind: Any = tuple[Capability, ...]
         able = remembered(self.store, digest_of(parts), kind, lambda: capabilities(chosen))
         data = replace(data, capabilities=able)
         with _interruptible(reasons, lambda: "the timed runs, before the extremes"):
             data = replace(data, extremes=self.extreme_cells())
-        return replace(data, incomplete="; ".join(reasons))
+        return replace(data.only(engines=self.engines), incomplete="; ".join(reasons))
+
+    def mechanism(self, label: str, scene: Scene) -> SceneFacts:
+        """Return a scene's facts."""
+        self.report(0, 1, f"filming {label}")
+        return remembered(self.store, scene_key(scene), SceneFacts, partial(scene_facts, scene))
 
     def extreme_cells(self) -> tuple[ExtremeCell, ...]:
         """Return the cells that files hold, full ones before quick ones; without a file those of a few extremes."""
         if self.files:
             cells = sorted((cell for file in self.files for cell in read_cells(file)[0]), key=lambda cell: cell.full)
             return tuple({(c.extreme, c.engine, c.method): c for c in cells}.values())
-        if self.quick:
+        if self.is_part:
             return ()
         few, kind = [named(name) for name in FEW_EXTREMES], tuple[ExtremeCell, ...]
         key = digest_of(["extremes", list(FEW_EXTREMES), *engine_keys(), code_of("cross_checks.extremes.run")])

@@ -9,7 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from cross_checks.records.plots.plot import COLOURS, DASHES, FLOOR, new_figure, to_data
+from cross_checks import engines
+from cross_checks.records.plots.plot import COLOURS, FLOOR, SYMBOLS, Style, new_figure, style_of, to_data
 from mbs_ref.scene import Scene
 from mbs_ref.trajectory import Trajectory
 from reports.film.files import filmstrip, gif
@@ -85,6 +86,8 @@ def overlay(curves: Mapping[str, Curves]) -> dict[str, Any]:
     for k, (title, name, c, line) in enumerate(lines):
         shown = [None if value is None else max(abs(value), FLOOR) if c.log else value for value in line]
         label = name if not title else title if len(c.lines) == 1 else f"{title}: {name}"
-        style = {"color": COLOURS[k % len(COLOURS)], "dash": DASHES[k // len(COLOURS) % len(DASHES)], "width": 2}
-        figure.add_scatter(x=list(c.x), y=shown, mode=c.marks, name=label, line=style)
+        own = style_of(name) if name in engines.names() else Style(COLOURS[k % len(COLOURS)], SYMBOLS[k % len(SYMBOLS)])
+        marker = {"symbol": own.symbol, "size": 8, "color": own.colour}
+        figure.add_scatter(x=list(c.x), y=shown, mode=c.marks, name=label, marker=marker,
+                           line={"color": own.colour, "width": 2})  # fmt: skip
     return to_data(figure)

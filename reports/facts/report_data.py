@@ -5,16 +5,18 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Collection, Iterable
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
 from cross_checks.extremes.cell import Cell as ExtremeCell
+from cross_checks.judge.bounds import TARGETS
 from cross_checks.judge.capabilities import Capability
 from cross_checks.judge.vocabulary import OURS, Cell, Verdict
 from cross_checks.records.record import Record
 from reports.facts.curves import Measured
+from reports.facts.scene_facts import SceneFacts
 from reports.facts.truth_facts import TruthFacts
 
 
@@ -27,7 +29,9 @@ class ReportData:
     capabilities: tuple[Capability, ...] = ()
     environment: dict[str, str] = field(default_factory=dict)
     quick: bool = False
+    targets: tuple[float, ...] = TARGETS  # errors over the scene's scales
     incomplete: str = ""  # why it holds less than requested; empty where it holds all
+    mechanisms: tuple[SceneFacts, ...] = ()
     truths: tuple[TruthFacts, ...] = ()  # what the errors are measured from
     extremes: tuple[ExtremeCell, ...] = ()  # read from a file beside the page, or a few cells
     studies: dict[str, Measured] = field(default_factory=dict)  # by name; in a quick report those that run nothing
@@ -46,8 +50,17 @@ class ReportData:
     def engines(self) -> list[str]:
         """Return every engine met, the reference solver first, those that are not installed last."""
         met = _unique([*(c.engine for c in self.cells), *(r.engine for r in self.records)])
-        missing = {c.engine for c in self.cells if c.verdict is Verdict.ENGINE_MISSING}
-        return sorted(met, key=lambda name: (name != OURS, name in missing, name))
+        return sorted(met, key=lambda name: (name != OURS, name in self.missing, name))
+
+    @cached_property
+    def missing(self) -> set[str]:
+        """Return the engines that are not installed."""
+        return {c.engine for c in self.cells if c.verdict is Verdict.ENGINE_MISSING}
+
+    @property
+    def installed(self) -> list[str]:
+        """Return the engines that are installed, the reference solver first."""
+        return [name for name in self.engines if name not in self.missing]
 
     def of_scene(self, label: str) -> list[Record]:
         """Return the records of one scene."""
@@ -67,15 +80,20 @@ class ReportData:
         """Return the record of the same run among these data, whose loop may have been timed alone."""
         return self._by_run.get(_key(record), record)
 
-    def only(self, scene: str | None = None, engine: str | None = None) -> ReportData:
-        """Return what concerns one scene or one engine."""
-        here = [c for c in self.cells if scene in (None, c.label) and engine in (None, c.engine)]
-        runs = self.records if scene is None else self.of_scene(scene)
+    def only(
+        self, scenes: Collection[str] = (), engines: Collection[str] = (), targets: Collection[float] = ()
+    ) -> ReportData:
+        """Return what concerns some scenes, engines and target errors; all where none is named."""
+        scene, engine = (lambda name, chosen=chosen: not chosen or name in chosen for chosen in (scenes, engines))
+        runs = [r for label in scenes for r in self.of_scene(label)] if scenes else self.records
         return replace(
-            self, cells=tuple(here), records=tuple(r for r in runs if engine in (None, r.engine)),
-            truths=tuple(t for t in self.truths if scene in (None, t.scene)),
-            capabilities=tuple(c for c in self.capabilities if engine in (None, c.engine)),
-            extremes=tuple(c for c in self.extremes if engine in (None, c.engine)),
+            self, cells=tuple(c for c in self.cells if scene(c.label) and engine(c.engine)),
+            records=tuple(r for r in runs if engine(r.engine)),
+            truths=tuple(t for t in self.truths if scene(t.scene)),
+            mechanisms=tuple(m for m in self.mechanisms if scene(m.scene)),
+            capabilities=tuple(c for c in self.capabilities if engine(c.engine)),
+            extremes=tuple(c for c in self.extremes if engine(c.engine)),
+            targets=tuple(target for target in self.targets if not targets or target in targets),
         )  # fmt: skip
 
     @cached_property
@@ -112,16 +130,15 @@ def _unique(names: Iterable[str]) -> list[str]:
 
 @dataclass(frozen=True)
 class Finding:
-    """One sentence with its title and tone (good | fair | bad | plain)."""
+    """What went wrong: a sentence with its title, the cell with the largest error, and its tone (fair | bad)."""
 
     tone: str
     title: str
     text: str
-
-
-def nothing(data: ReportData) -> Iterable[Finding]:
-    """Find nothing."""
-    return ()
+    error: float = 0.0  # over the scene's scales, delivered with success reported; 0 where nothing wrong was
+    scene: str = ""
+    command: str = ""  # that repeats the runs
+    why: str = ""  # what the verdict rests on
 
 
 @dataclass(frozen=True)
@@ -132,5 +149,4 @@ class Section:
     title: str
     lead: str  # one sentence in plain words
     context: Callable[[ReportData], dict[str, Any]]
-    findings: Callable[[ReportData], Iterable[Finding]] = nothing  # what the first screen should tell of it
     template: str = ""  # where it is not <name>.html

@@ -70,6 +70,11 @@ def truth_key(scene: Scene) -> str:
     return digest_of(["truth facts", *_physics(scene), engine_keys(), _judge(), code])
 
 
+def scene_key(scene: Scene) -> str:
+    """Return the key of the facts of a scene."""
+    return digest_of(["scene facts", *_physics(scene), code_of("reports.facts.scene_facts")])
+
+
 def _question_key(question: Question) -> str:
     method = None if question.method is None else question.method.name
     return digest_of(["cell", *_physics(question.scene), question.engine, method, engine_keys(), _judge()])

@@ -1,75 +1,138 @@
-"""What is drawn of a motion: bodies as spokes from the centre of mass to whatever is attached to them, circles and
-surfaces of contact as they are. Space is seen along (1, 1, 1).
+"""What is drawn of a motion: bodies as hulls of what is attached to them, joints on the ground, springs, circles and
+surfaces of contact.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from itertools import combinations
 
 import numpy as np
 
 from mbs_ref.observables.attachment import Motion
 from mbs_ref.scene import GROUND, CoordinateDrive, Scene
 from mbs_ref.scene.base.directions import normals, unit
-from mbs_ref.scene.contact import CircleOnCircle, CircleOnLine, SphereOnPlane, SphereOnSphere
+from mbs_ref.scene.contact import CircleOnCircle, CircleOnLine, PinOnSprocket, SphereOnPlane, SphereOnSphere
 from mbs_ref.trajectory import Trajectory
 
-MOST_LABELS = 20  # more would hide each other
 ISOMETRIC = np.array([[-1.0, 1.0, 0.0], [-0.5, -0.5, 1.0]]) / np.array([[2.0**0.5], [1.5**0.5]])
+ALIKE = 8  # bodies of one mass, of which one is coloured: a link of a track
+SPOKES = 6  # of a wheel
+FOLLOWED = 1.5  # times their own size: bodies that travel farther stay in the middle of the picture
+HATCHES = 8  # marks of a ground that passes by, over the length of the bodies
+UP = (0.0, 0.0, 1.0)  # in space without gravity
 
 
 @dataclass(frozen=True)
 class Drawing:
     """What is drawn at every sample, in metres on the paper."""
 
-    spokes: list[np.ndarray]  # (n_t, 2, 2) from a centre of mass to an attachment
+    spokes: list[tuple[int, np.ndarray]]  # body and (n_t, 2, 2) from its centre of mass to an attachment
+    fills: list[tuple[int, np.ndarray]]  # body and (n_t, 3, 2): triangles that together are the hull of its attachments
     springs: list[np.ndarray]  # (n_t, 2, 2)
     surfaces: list[np.ndarray]  # (n_t, 2, 2)
     circles: list[tuple[np.ndarray, float]]  # (n_t, 2) and radius; spheres, which look the same from everywhere
+    pins: list[np.ndarray]  # (n_t, 2) of joints on the ground
     centres: np.ndarray  # (n_t, n_bodies, 2)
     times: np.ndarray  # (n_t,) s
-    labels: tuple[str, ...] = ()  # of the bodies, where they are told apart by name alone
+    labels: Mapping[int, str] = field(default_factory=dict)  # of bodies that only a name distinguishes, heaviest first
     radii: Sequence[np.ndarray] = ()  # (n_t, 2, 2) of wheels
+    accent: int = -1  # the body that is coloured among many alike
 
 
 def drawing(scene: Scene, trajectory: Trajectory) -> Drawing:
     """Follow every mark of a scene along its motion."""
-    motion = Motion(scene, trajectory)
-    centres = _on_paper(trajectory.position)
-    spokes, springs = [], []
+    motion, paper = Motion(scene, trajectory), _paper(scene)
+    centres = trajectory.position @ paper.T
+    apart = not (scene.joints or scene.contacts) and len(scene.bodies) > 1
+    ride, size = _ride(centres)
+    if apart or np.ptp(ride, axis=0).max() <= FOLLOWED * size:
+        ride = np.zeros_like(ride)
+
+    def seen(places: np.ndarray) -> np.ndarray:
+        return places @ paper.T - (ride if places.ndim == 2 else ride[:, None])
+
+    centres = centres - ride[:, None]
+    marks: dict[int, dict[tuple[float, ...], np.ndarray]] = {}  # by body and world point
+    springs, pins = [], []
     for part in (*scene.joints, *scene.loads):
         ends = _marks(part)
-        places = [_on_paper(motion.point(body, mark)[0]) for body, mark in ends]
-        for (body, _), place in zip(ends, places, strict=True):
+        places = [seen(motion.point(body, mark)[0]) for body, mark in ends]
+        for (body, mark), place in zip(ends, places, strict=True):
             if body != GROUND:
-                spokes.append(np.stack((centres[:, scene.body_index(body)], place), axis=1))
+                marks.setdefault(scene.body_index(body), {})[tuple(np.round(mark, 9))] = place
+            elif part in scene.joints:
+                pins.append(place)
         if len(places) == 2 and part in scene.loads:
             springs.append(np.stack(places, axis=1))
     surfaces, circles = _contacts(motion)
-    surfaces = [_on_paper(surface) for surface in surfaces]
-    radii = _turning(motion)
-    circles = [(_on_paper(place), radius) for place, radius in circles]
-    apart = not (scene.joints or scene.contacts) and len(scene.bodies) > 1
-    labels = tuple(scene.body_names) if apart and len(scene.bodies) <= MOST_LABELS else ()
-    return Drawing(spokes, springs, surfaces, circles, centres, trajectory.times, labels, radii)
+    if ride.any():
+        surfaces += _hatching(surfaces, size / HATCHES)
+    turning = [seen(np.stack(ends, axis=1)) for ends in _turning(motion)]
+    heaviest = sorted(range(len(scene.bodies)), key=lambda k: -scene.bodies[k].mass) if apart else ()
+
+    def about(count: int) -> list[tuple[int, np.ndarray]]:
+        """Return each body's centre with every so many of its marks."""
+        groups = [(k, group) for k, own in marks.items() for group in combinations(own.values(), count)]
+        return [(k, np.stack((centres[:, k], *group), axis=1)) for k, group in groups]
+
+    return Drawing(
+        about(1), about(2),
+        springs, [seen(surface) for surface in surfaces], [(seen(place), r) for place, r in circles if r > 0.0],
+        pins, centres, trajectory.times, {k: scene.bodies[k].name for k in heaviest}, turning, _accent(scene),
+    )  # fmt: skip
 
 
 def _marks(part) -> list[tuple[str, tuple[float, ...]]]:
     """Return the bodies and world points (t = 0) that a joint or load ties together."""
     if isinstance(part, CoordinateDrive):
         return []
-    shared = getattr(part, "point", None)
-    result = []
-    for body, mark in (("body_a", "point_a"), ("body_b", "point_b"), ("body", "point")):
-        name, place = getattr(part, body, None), getattr(part, mark, None) or shared
-        if name is not None and place is not None:
-            result.append((name, place))
-    return result
+    named = [(vars(part).get(end), part.mark(end)) for end in ("body_a", "body_b", "body")]
+    return [(body, mark) for body, mark in named if body is not None and mark is not None]
+
+
+def _accent(scene: Scene) -> int:
+    """Return the first of the bodies of one mass, where they are many; -1 without such."""
+    masses = Counter(body.mass for body in scene.bodies)
+    return next((k for k, body in enumerate(scene.bodies) if masses[body.mass] >= ALIKE), -1)
+
+
+def _ride(centres: np.ndarray) -> tuple[np.ndarray, float]:
+    """Return the middle of all bodies (n_t, 2) and the size (m) of their figure about it; infinite of a single one."""
+    middle = centres.mean(axis=1)
+    size = np.ptp(centres - middle[:, None], axis=(0, 1)).max()
+    return middle, float(size) if centres.shape[1] > 1 else np.inf
+
+
+def _hatching(surfaces: list[np.ndarray], pitch: float) -> list[np.ndarray]:
+    """Return short lines (n_t, 2, 2) below the surfaces that rest, a pitch (m) apart, by which a ride is seen."""
+    marks: dict[tuple[float, ...], np.ndarray] = {}
+    for surface in surfaces:
+        one, two = surface[0]
+        length = float(np.linalg.norm(two - one))
+        if length > 0.0 and not np.ptp(surface, axis=0).any():
+            along = (two - one) / length
+            for place in np.arange(np.ceil(one @ along / pitch) * pitch, two @ along, pitch):
+                top = one + (place - one @ along) * along
+                line = np.stack((top, top - 0.3 * pitch * (along + np.array((0.0, 1.0)))))
+                marks[tuple(np.round(top, 6))] = np.broadcast_to(line, surface.shape)
+    return list(marks.values())
+
+
+def _paper(scene: Scene) -> np.ndarray:
+    """Return the matrix from the scene's axes to the paper: space is seen along (1, 1, 1), against gravity upright."""
+    if scene.dimension == 2:
+        return np.eye(2)
+    up = unit(np.negative(scene.gravity)) if any(scene.gravity) else np.array(UP)
+    first = np.eye(3)[(np.argmax(np.abs(up)) + 1) % 3]
+    first = unit(first - (first @ up) * up)
+    return ISOMETRIC @ np.array((first, np.cross(up, first), up))
 
 
 def _contacts(motion: Motion) -> tuple[list[np.ndarray], list[tuple[np.ndarray, float]]]:
-    surfaces, circles = [], []
+    surfaces, circles, wheels = [], [], {}
     for contact in motion.scene.contacts:
         if isinstance(contact, CircleOnLine):
             circles.append((motion.point(contact.body_a, contact.center)[0], contact.radius))
@@ -80,7 +143,9 @@ def _contacts(motion: Motion) -> tuple[list[np.ndarray], list[tuple[np.ndarray, 
         elif isinstance(contact, CircleOnCircle | SphereOnSphere):
             circles.append((motion.point(contact.body_a, contact.center_a)[0], contact.radius_a))
             circles.append((motion.point(contact.body_b, contact.center_b)[0], contact.radius_b))
-    return surfaces, circles
+        elif isinstance(contact, PinOnSprocket):
+            wheels[contact.body_b, contact.axle] = (motion.point(contact.body_b, contact.axle)[0], contact.pitch_radius)
+    return surfaces, [*circles, *wheels.values()]
 
 
 def _line(motion: Motion, contact: CircleOnLine, center: np.ndarray) -> np.ndarray:
@@ -95,29 +160,32 @@ def _line(motion: Motion, contact: CircleOnLine, center: np.ndarray) -> np.ndarr
     return np.stack((one, two), axis=1)
 
 
-def _turning(motion: Motion) -> list[np.ndarray]:
-    """Return a radius (n_t, 2, 2) of every circle that turns by more than half a turn: a wheel is seen to roll."""
+def _turning(motion: Motion) -> list[tuple[np.ndarray, np.ndarray]]:
+    """Return the ends (n_t, 2) of the spokes of every circle that turns by more than half a turn."""
     scene, turned = motion.scene, motion.trajectory.orientation
     if scene.dimension == 3:
         return []
-    result: dict[tuple, np.ndarray] = {}
-    for contact in scene.contacts:
-        for body, center, radius in _rounds(contact):
-            k = scene.body_index(body) if body != GROUND else -1
-            if k >= 0 and np.ptp(turned[:, k]) > np.pi:
-                rim = (center[0] + radius, center[1])
-                ends = [motion.point(body, end)[0] for end in (center, rim)]
-                result[body, center, radius] = np.stack(ends, axis=1)
-    return list(result.values())
+    wheels = {wheel for contact in scene.contacts for wheel in _wheels(contact) if wheel[2] > 0.0}
+    result = []
+    for body, center, radius in sorted(wheels):
+        k = scene.body_index(body)
+        about_its_middle = k >= 0 and np.allclose(center, scene.bodies[k].position)
+        if about_its_middle and np.ptp(turned[:, k]) > np.pi:
+            for angle in 2.0 * np.pi * np.arange(SPOKES) / SPOKES:
+                rim = (center[0] + radius * np.cos(angle), center[1] + radius * np.sin(angle))
+                result.append(tuple(motion.point(body, end)[0] for end in (center, rim)))
+    return result
 
 
-def _rounds(contact) -> list[tuple[str, tuple[float, ...], float]]:
+def _wheels(contact) -> list[tuple[str, tuple[float, ...], float]]:
     """Return the circles of a contact: body, center (t = 0) and radius (m)."""
     if isinstance(contact, CircleOnLine):
         return [(contact.body_a, contact.center, contact.radius)]
     if isinstance(contact, CircleOnCircle):
         first = (contact.body_a, contact.center_a, contact.radius_a)
         return [first, (contact.body_b, contact.center_b, contact.radius_b)]
+    if isinstance(contact, PinOnSprocket):
+        return [(contact.body_b, contact.axle, contact.pitch_radius)]
     return []
 
 
@@ -137,8 +205,3 @@ def _sides(motion: Motion, contact: SphereOnPlane) -> list[np.ndarray]:
     corners = [tuple(middle + p * half[0] * edge + q * half[1] * across) for p, q in signs]
     places = [motion.point(contact.body_b, corner)[0] for corner in corners]
     return [np.stack((places[k - 1], places[k]), axis=1) for k in range(4)]
-
-
-def _on_paper(place: np.ndarray) -> np.ndarray:
-    """Return (..., 2) of (..., 2) or, seen from (1, 1, 1), of (..., 3)."""
-    return place if place.shape[-1] == 2 else place @ ISOMETRIC.T

@@ -19,6 +19,7 @@ from reports.film.camera import PAPER, Camera, clock
 from reports.film.drawing import drawing
 
 PLAYER = Path(__file__).parent / "player.html"
+COLOURS = 32  # of a picture
 SMOOTH = 30  # pictures a second of an MP4 at most: more are not seen
 
 
@@ -43,7 +44,7 @@ def gif(scene: Scene, trajectory: Trajectory, seconds: float = 4.0) -> bytes:
 
 def as_gif(pictures: list[Image.Image], seconds: float) -> bytes:
     """Return a GIF of pictures that plays for `seconds`."""
-    palette = pictures[0].quantize(16)  # every picture has the same few colours
+    palette = pictures[0].quantize(COLOURS)  # every picture has the same few colours
     frames = [picture.quantize(palette=palette, dither=Image.Dither.NONE) for picture in pictures]
     buffer = io.BytesIO()
     pause = max(round(1000.0 * seconds / len(frames)), 20)  # ms; players slow anything quicker down
@@ -63,7 +64,7 @@ def as_page(title: str, pictures: list[Image.Image], times: np.ndarray, seconds:
 def _as_text(picture: Image.Image) -> str:
     """Return a PNG of few colours in base64."""
     buffer = io.BytesIO()
-    picture.quantize(16).save(buffer, "PNG", optimize=True)
+    picture.quantize(COLOURS).save(buffer, "PNG", optimize=True)
     return base64.b64encode(buffer.getvalue()).decode()
 
 

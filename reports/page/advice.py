@@ -6,11 +6,12 @@ from collections import Counter
 from dataclasses import dataclass
 
 from cross_checks.judge.bounds import MOST_STEPS, TARGETS
-from cross_checks.judge.vocabulary import OURS, SILENT, Cell, Verdict
-from cross_checks.records.numbers import count, of_scene, short
+from cross_checks.judge.vocabulary import OURS, SILENT
+from cross_checks.records.numbers import count, short
 from cross_checks.records.record import Record
 from reports.facts.cheapest import MIDDLE, entries, reaching, standing_of
-from reports.facts.report_data import ReportData
+from reports.facts.report_data import ReportData, Section
+from reports.page.findings import findings
 
 
 @dataclass(frozen=True)
@@ -24,7 +25,6 @@ class Advice:
     silent: tuple[str, ...]  # what it gets wrong with success reported, a method each, the worst first
     pace: str  # its time over that of the cheapest ranked engine
     ours: bool
-    missing: bool = False  # its package is not installed
 
 
 def advice(data: ReportData) -> list[Advice]:
@@ -33,11 +33,10 @@ def advice(data: ReportData) -> list[Advice]:
 
 
 def _of_engine(data: ReportData, engine: str) -> Advice:
-    cells = [c for c in data.cells if c.engine == engine]
-    if cells and all(c.verdict is Verdict.ENGINE_MISSING for c in cells):
-        return Advice(engine, "Not installed here: nothing is known of it.", "", "", (), "", engine == OURS, True)
+    if engine in data.missing:
+        return Advice(engine, "Not installed here: nothing is known of it.", "", "", (), "", engine == OURS)
     return Advice(
-        engine, *_trust(data, engine), _limit(data, engine), silent(cells), _pace(data, engine), engine == OURS
+        engine, *_trust(data, engine), _limit(data, engine), _silent(data, engine), _pace(data, engine), engine == OURS
     )
 
 
@@ -65,7 +64,10 @@ def _trust(data: ReportData, engine: str) -> tuple[str, str]:
     method, number = Counter(run.method for run in best.values()).most_common(1)[0]
     runs = [run for run in best.values() if run.method == method]
     within = MIDDLE if hits[MIDDLE] else TARGETS[0]
-    use = f"Use {method} at {_span(runs)} for {short(within)}: cheapest of its methods on {number} of {len(best)}."
+    wrong = {c.label for c in data.cells if (c.engine, c.method) == (engine, method) and c.verdict in SILENT}
+    others = "".join(f", {run.method} on {scene}" for scene, run in best.items() if scene in wrong)
+    use = f"Use {method} at {_span(runs)} for {short(within)}{others}: it is the cheapest of its methods on "
+    use += f"{number} of {len(best)}."
     return use, f"Of {count(len(able), 'scene')} it models, it reaches {reach}."
 
 
@@ -104,22 +106,10 @@ def _limit(data: ReportData, engine: str) -> str:
     return " ".join(f"{part[:1].upper()}{part[1:]}." for part in parts)
 
 
-def silent(cells: list[Cell]) -> tuple[str, ...]:
-    """Name the methods whose finest runs report success and are wrong: the worst first, documented or not."""
-    wrong = [c for c in cells if c.verdict in SILENT and c.error is not None]
-    by_method: dict[str, list[Cell]] = {}
-    for cell in sorted(wrong, key=lambda c: -(c.error or 0.0)):
-        by_method.setdefault(cell.method, []).append(cell)
-    return tuple(_wrong(method, own) for method, own in by_method.items())
-
-
-def _wrong(method: str, cells: list[Cell]) -> str:
-    documented = " (documented)" if all(c.exemption for c in cells) else ""
-    first = cells[0]
-    where = first.label if len(cells) == 1 else f"{first.label} and {count(len(cells) - 1, 'other scene')}"
-    if first.verdict is Verdict.LOST:
-        return f"{method}{documented} on {where}: it reaches {of_scene(first.error)}, and loses it at finer settings"
-    return f"{method}{documented} on {where}: {of_scene(first.error)} off"
+def _silent(data: ReportData, engine: str) -> tuple[str, ...]:
+    """Return what the engine gets wrong with success reported, the worst first."""
+    own = findings(data.only(engines=[engine]))
+    return tuple(f"{one.title.removeprefix(engine).strip()}. {one.text.rstrip('.')}" for one in own if one.error)
 
 
 def _pace(data: ReportData, engine: str) -> str:
@@ -129,3 +119,7 @@ def _pace(data: ReportData, engine: str) -> str:
         return ""
     scenes = count(len(standing.factors), "scene")
     return f"{short(standing.median)} × the time of the cheapest ranked engine (median of {scenes})"
+
+
+LEAD = "An error of 1e-6 is a millionth of the scene's own size; times are of the integration loop at equal error."
+SECTION = Section("decisions", "What to use it for", LEAD, lambda data: {"advice": advice(data)})

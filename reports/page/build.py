@@ -2,53 +2,75 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
+from functools import partial
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from time import monotonic
 
 from mbs_ref.atomic_file import write_atomic
 from reports.facts.report_data import ReportData
 from reports.facts.stored import adapter
-from reports.page.files import csv_table, jsonl, markdown
-from reports.page.render import INDEX, render
+from reports.page.browser import drawn
+from reports.page.files import csv_table, document, jsonl
+from reports.page.render import ALL, INDEX, render, single
 
+HTML = "html"
 PATIENCE = 10.0  # s after which a page of what there is is worth the time to write it
 
 
-def write_report(out_dir: Path, stages: Iterator[ReportData]) -> tuple[Path, str]:
+def write_report(
+    out_dir: Path, stages: Iterator[ReportData], form: str = HTML, targets: Sequence[float] = ()
+) -> tuple[Path, str]:
     """Write the pages of the last stage; where stages take long, also what there is before the next one begins.
 
-    Return the path of index.html, and why it is incomplete or nothing.
+    Return the path of the report in the wanted form, and why it is incomplete or nothing.
     """
     shown = monotonic()
     for data in stages:
+        write_data(data, out_dir)
         if monotonic() > shown + PATIENCE:
             publish(data, out_dir)
             shown = monotonic()
-    return publish(data, out_dir), data.incomplete
-
-
-def render_again(out_dir: Path) -> tuple[Path, str]:
-    """Render the data that the last report left, and simulate nothing. FileNotFoundError where there are none."""
-    data = read_data(out_dir)
-    return publish(data, out_dir), data.incomplete
+    return publish(data.only(targets=targets), out_dir, form), data.incomplete
 
 
 DATA = "report.json"
 
 
-def publish(data: ReportData, out_dir: Path) -> Path:
-    """Write the pages and, beside them, the data as JSON, CSV and Markdown; return the path of the first page."""
-    contents = {
-        DATA: adapter(ReportData).dump_json(data),
-        "records.jsonl": jsonl(data.records),
-        "records.csv": csv_table(data.records).encode(),
-        "report.md": markdown(data).encode(),
-    }
+def write_data(data: ReportData, out_dir: Path) -> None:
+    """Write what `read_data` reads."""
     out_dir.mkdir(parents=True, exist_ok=True)
-    for name, content in (contents | render(data)).items():
+    write_atomic(out_dir / DATA, adapter(ReportData).dump_json(data))
+
+
+def publish(data: ReportData, out_dir: Path, form: str = HTML) -> Path:
+    """Write a report in one of FORMS; return the path of its only or first file.
+
+    FileNotFoundError where a form needs a browser and none is installed.
+    """
+    out_dir.mkdir(parents=True, exist_ok=True)
+    contents = {name: make(data) for name, make in FORMS[form].items()} | (render(data) if form == HTML else {})
+    for name, content in contents.items():
         write_atomic(out_dir / name, content)
-    return out_dir / INDEX
+    return out_dir / (INDEX if form == HTML else next(iter(contents)))
+
+
+def _pdf(data: ReportData) -> bytes:
+    """Return every page in print."""
+    with TemporaryDirectory() as folder:
+        page = Path(folder) / "page.html"
+        page.write_bytes(single(data))
+        return drawn(f"{page.as_uri()}#{ALL}", "--print-to-pdf", "--no-pdf-header-footer")
+
+
+MARKDOWN = {"report.md": partial(document, template="report.md")}
+TABLE = {"records.csv": lambda data: csv_table(data.records).encode()}
+FORMS: dict[str, dict[str, Callable[[ReportData], bytes]]] = {  # each with the files beside the pages, or alone
+    HTML: {"records.jsonl": lambda data: jsonl(data.records), **TABLE, **MARKDOWN},
+    "single": {"report.html": single}, "pdf": {"report.pdf": _pdf}, "md": MARKDOWN, "csv": TABLE,
+    "latex": {"report.tex": partial(document, template="report.tex.j2")},
+}  # fmt: skip
 
 
 def read_data(out_dir: Path) -> ReportData:

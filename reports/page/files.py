@@ -18,9 +18,9 @@ from reports.facts.stored import adapter
 from reports.page.advice import advice
 from reports.page.findings import findings
 from reports.page.render import templates
-from reports.page.sections.decisions import counted
 from reports.page.sections.matrix import view
-from reports.page.sections.prices import price_table
+from reports.page.sections.overview import counted
+from reports.page.sections.prices import cannot, price_table
 from reports.page.slug import command
 
 TIMES = ("build_s", "first_call_s", "loop_s", "loop_median_s", "loop_most_s", "loop_runs")
@@ -89,21 +89,24 @@ def csv_row(record: Record) -> dict[str, Any]:
     }
 
 
-def markdown(data: ReportData) -> str:
-    """Return the report's tables and sentences as Markdown."""
-    views = {scene: [view(cell) for cell in data.cells if cell.label == scene] for scene in data.scenes}
+def document(data: ReportData, template: str) -> bytes:
+    """Return the report's tables and sentences in the form of a template."""
+    shown = [cell for cell in data.cells if cell.engine not in data.missing]
+    views = {scene: [view(cell) for cell in shown if cell.label == scene] for scene in data.scenes}
     context = {
-        "counted": counted(data), "advice": advice(data), "findings": findings(data), "environment": data.environment,
-        "prices": {scene: price_rows(data, scene) for scene in data.scenes}, "price_head": PRICES,
+        "counted": counted(data), "missing": sorted(data.missing), "advice": advice(data), "findings": findings(data),
+        "environment": data.environment, "price_head": PRICES, "verdict_head": VERDICTS,
+        "prices": {scene: price_rows(data, scene) for scene in data.scenes},
         "verdicts": {scene: [[one[key] for key in VERDICTS.values()] for one in own] for scene, own in views.items()},
-        "verdict_head": VERDICTS,
     }  # fmt: skip
-    return templates().get_template("report.md").render(context) + "\n"
+    return templates().get_template(template).render(context).encode() + b"\n"
 
 
 def price_rows(data: ReportData, scene: str) -> list[list[str]]:
-    """Return the rows of cost at equal error on a scene."""
-    return [price_row(block["target"], row) for block in price_table(data, scene) for row in block["rows"]]
+    """Return the rows of cost at equal error on a scene, without engines that run it at no target."""
+    blocks = price_table(data, scene)
+    never = cannot(blocks)
+    return [price_row(b["target"], row) for b in blocks for row in b["rows"] if row["engine"] not in never]
 
 
 def price_row(target: str, row: dict[str, Any]) -> list[str]:

@@ -18,11 +18,12 @@ from cross_checks.records.plots.plot import style_of
 from mbs_ref.kernels.jit import cache_folder
 from reports import studies
 from reports.facts.report_data import ReportData, Section
-from reports.page import findings
-from reports.page.sections import decisions, extremes, matrix, method, plots, prices, profiles, records
+from reports.page import advice, findings
+from reports.page.sections import extremes, matrix, method, overview, plots, prices, profiles, records
 from reports.page.slug import engine_file, scene_file, slug
 from reports.studies.study import every
 
+TEX = {**{sign: f"\\{sign}" for sign in "&%$#_{}"}, **{sign: f"\\symbol{{{ord(sign)}}}" for sign in "\\~^<>|"}}
 TEMPLATES = Path(__file__).parent / "templates"
 STUDIES = Path(studies.__file__).parent
 SHARED = ("style.css", "pick.js", "page.js")
@@ -30,12 +31,15 @@ SHARED = ("style.css", "pick.js", "page.js")
 
 @dataclass
 class Images:
-    """The pictures that pages show, each a file of its own."""
+    """The pictures that pages show, each a file of its own unless they are `inside` the page."""
 
+    inside: bool = False
     files: dict[str, bytes] = field(default_factory=dict)
 
     def add(self, name: str, content: str) -> str:
-        """Keep a picture given in base64; return its name."""
+        """Keep a picture given in base64; return where the page finds it."""
+        if self.inside:
+            return f"data:image/{name.rpartition('.')[2]};base64,{content}"
         self.files[name] = base64.b64decode(content)
         return name
 
@@ -46,7 +50,7 @@ def templates() -> Environment:
     templates = Environment(
         loader=FileSystemLoader((TEMPLATES, STUDIES)), autoescape=_is_page, undefined=StrictUndefined
     )
-    templates.filters["plain"] = plain
+    templates.filters |= {"plain": plain, "tex": tex}
     templates.globals |= {"style_of": style_of, "slug": slug}
     folder = cache_folder().parent / "templates"
     with suppress(OSError):
@@ -64,6 +68,11 @@ def plain(text: object) -> str:
     return str(text).replace("&", "&amp;").replace("<", "&lt;").replace("|", "\\|").replace("\n", " ")
 
 
+def tex(text: object) -> str:
+    """Return text from records that LaTeX does not take for markup."""
+    return str(text).translate(str.maketrans(TEX)).replace("\n", " ")
+
+
 def render(data: ReportData) -> dict[str, bytes]:
     """Return every file of the report by its name. Text from the data is escaped; only the report's own scripts run."""
     images, listed = Images(), pages(data)
@@ -72,9 +81,22 @@ def render(data: ReportData) -> dict[str, bytes]:
     return built | shared | {"plotly.js": get_plotlyjs().encode()} | images.files
 
 
+ALL = "all"  # the fragment that shows every page of a single file
+
+
+def single(data: ReportData) -> bytes:
+    """Return the report as one file that needs no other."""
+    images, listed = Images(inside=True), pages(data)
+    whole = {page.file: _page(page, listed, data, images) for page in listed}
+    bodies = {file: Markup(text[text.index("<body>") + 6 : text.index("</body>")]) for file, text in whole.items()}
+    inlined = {name.replace(".", "_"): Markup((TEMPLATES / name).read_text(encoding="utf-8")) for name in SHARED}
+    context = {"bodies": bodies, "all": ALL, "plotly": Markup(get_plotlyjs()), **inlined}
+    return templates().get_template("single.html").render(context).encode()
+
+
 def _page(page: Page, listed: list[Page], data: ReportData, images: Images) -> str:
     def body(section: Section) -> Markup:
-        shared = {"scenes": page.data.scenes, "absence": data.absence}
+        shared = {"scenes": page.data.scenes, "absence": data.absence, "page_title": page.title}
         context = {"section": section, "image": images.add, **shared, **section.context(page.data)}
         return Markup(templates().get_template(section.template or f"{section.name}.html").render(context))
 
@@ -110,9 +132,9 @@ class Page:
 def pages(data: ReportData) -> list[Page]:
     """Return every page, the first screen first."""
     return [
-        Page(INDEX, "mbs-ref report", data, (decisions.SECTION, decisions.SCENES), "index"),
-        *(Page(scene_file(name), name, data.only(scene=name), SCENE, "scene") for name in data.scenes),
-        *(Page(engine_file(name), name, data.only(engine=name), ENGINE, "engine") for name in data.engines),
+        Page(INDEX, "mbs-ref report", data, (overview.SECTION, overview.FRONTIER, findings.WORST), "index"),
+        *(Page(scene_file(name), name, data.only(scenes=[name]), SCENE, "scene") for name in data.scenes),
+        *(Page(engine_file(name), name, data.only(engines=[name]), ENGINE, "engine") for name in data.engines),
         Page("extremes.html", "Extremes", data, (extremes.SECTION,), "study"),
         *_studies(data),
         Page(WRONG, "What went wrong", data, (findings.SECTION,), "more"),
@@ -128,5 +150,6 @@ def _studies(data: ReportData) -> Iterator[Page]:
         yield Page(file, title, data, tuple(study.section for study in shared), "study")
 
 
-SCENE = (prices.SECTION, matrix.SECTION, *plots.SECTIONS, method.TRUTHS, records.SECTION)
-ENGINE = (decisions.SECTION, matrix.SECTION, extremes.SECTION, matrix.CAPABILITIES)
+MECHANISM = Section("mechanism", "The mechanism", "", lambda data: {"mechanisms": data.mechanisms})
+SCENE = (MECHANISM, prices.SECTION, matrix.SECTION, *plots.SECTIONS, method.TRUTHS, records.SECTION)
+ENGINE = (advice.SECTION, matrix.SECTION, extremes.SECTION, matrix.CAPABILITIES)

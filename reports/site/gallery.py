@@ -19,8 +19,7 @@ from cross_checks.truths.truth import NoTruth, Truth
 from mbs_ref import scenes
 from mbs_ref.scene import Scene
 from mbs_ref.scene.traits import traits
-from mbs_ref.settings import Settings
-from mbs_ref.simulate import simulate
+from reports.facts.scene_facts import filmed
 from reports.film.files import as_gif, as_page, beside
 from reports.scene_summary import summary
 from reports.site.tables import table, who_can
@@ -33,9 +32,7 @@ BOUNDS = (
     f"A plot tries for errors of {TARGETS[0]:g} and {TARGETS[1]:g} with each engine's own choice of method, in runs of "
     f"at most {WORK:,} steps times bodies; `mbs-ref sweep NAME --plot NAME.html` draws every method without that bound."
 )
-PICTURES = 40  # of a film
 SECONDS = 4.0  # that it plays for
-MOST_BODIES = 120  # of a scene that is filmed: others take minutes
 LEAD = (
     "# Gallery\n\nEvery scene as it comes. `mbs-ref scenes NAME` prints its parameters with their ranges, "
     "`mbs-ref scenes NAME --files .` writes it as TOML, `mbs-ref check NAME` holds every engine against its truth. "
@@ -77,11 +74,9 @@ def _trade(runs: Runs, scene: Scene, pictures: Path) -> str:
 
 def _film(scene: Scene, pictures: Path) -> str:
     """Write a film; return what shows it, or the sentence why there is none."""
-    if len(scene.bodies) > MOST_BODIES:
-        return f"Not filmed here: {len(scene.bodies)} bodies. `mbs-ref animate {scene.name} -o film.gif` does."
-    path = simulate(scene, Settings(samples=PICTURES, estimate="off", reactions=False))
-    if not path.ok:
-        return f"Not filmed: {path.message}."
+    path, why = filmed(scene)
+    if path is None:
+        return f"{why}."
     target, film = pictures / f"{scene.name}.gif", beside(scene, {"": path})
     target.write_bytes(as_gif(film, SECONDS))
     target.with_suffix(".html").write_bytes(as_page(scene.name, film, path.times, SECONDS))

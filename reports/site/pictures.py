@@ -5,7 +5,6 @@ from __future__ import annotations
 import base64
 import io
 import shlex
-import shutil
 import subprocess
 import sys
 import tempfile
@@ -22,16 +21,14 @@ from mbs_ref.atomic_file import write_atomic
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
 from reports.film.files import filmstrip
+from reports.page.browser import drawn
 from reports.page.build import read_data
 from reports.page.render import INDEX
 
 ROOT = Path(__file__).parents[2]
 IMAGES = ROOT / "docs" / "images"
-BROWSERS = ("chromium", "chromium-browser", "google-chrome", "chrome")
 SCREEN = (1400, 900)  # pixels of the report's first screen
 PANEL = (1100, 740)  # pixels of a mechanism above its plot
-LOADING_MS = 10_000  # ms of a page's own time until it is drawn
-COLOURS = 128  # of a PNG: text stays smooth, and the file below 200 kB
 COLUMNS = 110  # characters of the terminal
 SCENE = scenes.make("pendulum_chain", links=3)  # of every report, a quick one too
 MOMENTS = 4  # of the run
@@ -79,16 +76,8 @@ PICTURES: dict[str, Callable[[Path], bytes]] = {
 
 def screenshot(page: Path, size: tuple[int, int]) -> bytes:
     """Return a page as a browser without a window draws it, as PNG. FileNotFoundError where no browser is installed."""
-    browser = next(filter(None, map(shutil.which, BROWSERS)), None)
-    if browser is None:
-        raise FileNotFoundError(f"a screenshot needs one of {', '.join(BROWSERS)}")
-    with tempfile.TemporaryDirectory() as folder:
-        target = Path(folder) / "page.png"
-        options = ("--headless", "--no-sandbox", "--hide-scrollbars", f"--user-data-dir={folder}/profile")
-        shown = (f"--virtual-time-budget={LOADING_MS}", f"--window-size={size[0]},{size[1]}")
-        command = [browser, *options, *shown, f"--screenshot={target}", page.resolve().as_uri()]
-        subprocess.run(command, check=True, capture_output=True, timeout=120)
-        picture = Image.open(target).convert("RGB").quantize(COLOURS, dither=Image.Dither.NONE)
+    content = drawn(page.resolve().as_uri(), "--screenshot", f"--window-size={size[0]},{size[1]}")
+    picture = Image.open(io.BytesIO(content)).convert("RGB")
     buffer = io.BytesIO()
     picture.save(buffer, "PNG", optimize=True)
     return buffer.getvalue()

@@ -16,7 +16,7 @@ each              a table's name: `blocks` are shown once for each row, whose co
 
 A `*` in a name stands for any characters, which become the heading of what is shown. A block is shown where the
 criteria of `where` hold. `layout` is `pairs`, or `details`: a part to open, titled `summary`, which is
-open where that contains `open`.
+open where that contains `open`. `study` names another study, whose facts a block shows.
 """
 
 from __future__ import annotations
@@ -24,13 +24,13 @@ from __future__ import annotations
 import json
 import re
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
 from cross_checks.records.numbers import ABSENT
 from reports.facts.curves import Measured, overlay
-from reports.facts.report_data import Finding, ReportData, Section
+from reports.facts.report_data import ReportData, Section
 from reports.studies.claims import Claim, Criterion, figure, filled, holds, markup
 
 Block = dict[str, Any]
@@ -52,24 +52,16 @@ class Document:
     alone: bool = False  # it measures times, so that nothing else may run meanwhile
     stored: bool = False  # it presents tables of the source tree, for which nothing is run
     claim: list[dict[str, Any]] = field(default_factory=list)
-    finding: list[dict[str, Any]] = field(default_factory=list)
 
     @property
     def section(self) -> Section:
         """The section that presents the study."""
-        return Section(self.name, self.heading, self.lead, self.context, self.findings, "document.html")
+        return Section(self.name, self.heading, self.lead, self.context, "document.html")
 
     def context(self, data: ReportData) -> dict[str, Any]:
         """Return what the template shows: nothing where the study was not measured."""
         facts = data.studies.get(self.study)
         return {"study": self.study, "shown": None if facts is None else self._shown(facts, data, self.blocks, {})}
-
-    def findings(self, data: ReportData) -> Iterator[Finding]:
-        """Yield the document's findings whose criteria hold."""
-        figures = _figures(data)
-        for entry in self.finding:
-            if self.study in data.studies and holds(entry.get("where", ()), figures):
-                yield Finding(entry["tone"], filled(entry["title"], figures), filled(entry["text"], figures))
 
     def claims(self) -> tuple[Claim, ...]:
         """Return every claim in the order of the page."""
@@ -81,6 +73,7 @@ class Document:
 
     def _block(self, facts: Measured, data: ReportData, block: Block, figures: Figures) -> Block:
         kind = next(key for key in (*KINDS, "claims", "each") if key in block)
+        facts = data.studies.get(block["study"], Measured()) if "study" in block else facts
         layout = {"kind": kind, "layout": block.get("layout", "")}
         if kind == "claims":
             return layout | _claims(self.claims(), figures)

@@ -55,7 +55,7 @@ def work_precision(records: list[Record]) -> dict[str, Any]:
         own = frontier([r for r in records if r.engine == engine])
         if own:
             _add(figure, engine, FRONTIER, plot.style_of(engine), own)
-            figure.data[-1]["marker"] |= {"symbol": [chosen[engine, r.method].symbol for r in own], "size": 9}
+            figure.data[-1]["marker"] |= {"size": 9}
             figure.data[-1]["line"] |= {"width": 2.5}
     for (engine, method), style in chosen.items():
         own = sorted((r for r in records if (r.engine, r.method) == (engine, method) and usable(r)), key=loop_time)

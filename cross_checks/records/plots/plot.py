@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import html
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cache
-from itertools import cycle
+from itertools import cycle, product
 from typing import Any
 from zlib import crc32
 
@@ -93,26 +93,21 @@ def to_data(figure: Figure) -> dict[str, Any]:
     return {"data": figure.data, "layout": figure.layout}
 
 
-# Okabe and Ito's colour-blind safe set, shifted to hold 3:1 contrast on white and on near-black alike
-COLOURS = ("#2b7bd6", "#d97706", "#0f9d70", "#c0569b", "#8a6fd1", "#2a9fb5", "#a58a12", "#c8524a")
-SYMBOLS = ("circle", "square", "diamond", "triangle-up", "x", "cross", "star", "hexagon", "triangle-down", "pentagon")
-MARKERS = (*SYMBOLS, *(f"{name}-open" for name in SYMBOLS))
-DASHES = ("solid", "dash", "dot", "dashdot")
-RADII = ("50%", "0", "50% 0", "0 50%")  # of a table's mark, one for each dash: circle, square, two leaves
+# Okabe and Ito's colour-blind safe set, shifted to hold 3:1 contrast on white and on near-black alike, and five more
+COLOURS = ("#2b7bd6", "#d97706", "#0f9d70", "#c0569b", "#8a6fd1", "#2a9fb5", "#a58a12", "#c8524a",
+           "#75808c", "#e32bd6", "#9a6a4a", "#6a9a1c", "#5e55f0")  # fmt: skip
+DASHES = ("solid", "dash", "dot", "dashdot", "longdash", "longdashdot")
+SYMBOLS = ("circle", "square", "diamond", "triangle-up", "x", "cross", "star", "hexagon", "triangle-down", "bowtie",
+           "triangle-right", "hourglass", "triangle-left")  # fmt: skip
 
 
 @dataclass(frozen=True)
 class Style:
-    """How a method of an engine is drawn: colour and dash are the engine's, the symbol is the method's."""
+    """How a method of an engine is drawn: colour and symbol are the engine's, dash and filling are the method's."""
 
     colour: str
-    dash: str
-    symbol: str = SYMBOLS[0]
-
-    @property
-    def mark(self) -> str:
-        """The CSS of the engine's mark in a table."""
-        return f"background:{self.colour};border-radius:{RADII[DASHES.index(self.dash)]}"
+    symbol: str
+    dash: str = DASHES[0]
 
 
 @cache
@@ -120,11 +115,16 @@ def style_of(engine: str) -> Style:
     """Return an engine's style, by its place among the project's adapters; of another's engine by its name alone."""
     known = [name for name in engines.names() if engines.is_ours(name)]
     place = known.index(engine) if engine in known else len(known) + crc32(engine.encode())
-    return Style(COLOURS[place % len(COLOURS)], DASHES[place // len(COLOURS) % len(DASHES)])
+    return Style(COLOURS[place % len(COLOURS)], SYMBOLS[place % len(SYMBOLS)])
 
 
 def styles(records: Iterable[Record]) -> dict[tuple[str, str], Style]:
     """Return the style of each (engine, method) met in the records, the reference solver first."""
     listed = sorted({(r.engine, r.method) for r in records}, key=lambda pair: (pair[0] != engines.names()[0], pair))
-    symbols = {engine: cycle(MARKERS) for engine, _ in listed}
-    return {pair: replace(style_of(pair[0]), symbol=next(symbols[pair[0]])) for pair in listed}
+    fillings = {engine: cycle(product(("", "-open"), DASHES)) for engine, _ in listed}
+
+    def style(engine: str) -> Style:
+        own, (filling, dash) = style_of(engine), next(fillings[engine])
+        return Style(own.colour, own.symbol + filling, dash)
+
+    return {pair: style(pair[0]) for pair in listed}

@@ -6,11 +6,18 @@ from pathlib import Path
 
 import click
 
+from cross_checks.judge.bounds import TARGETS
+from cross_checks.records.numbers import short
 from cross_checks.records.store import Store, default_path
+from reports import inputs
+from reports.page.browser import BROWSERS, browser
 from reports.query import SCHEDULER, cluster
-from reports.terminal.console import Incomplete, NothingSelected, progress
+from reports.terminal.console import Incomplete, progress
 
 EXTREMES = "extremes*.jsonl"  # beside the page: what `mbs-ref extremes -o` wrote, whole or in parts
+FORMS = ("html", "single", "md", "latex", "pdf", "csv")
+FORM_HELP = "html: pages; single: one HTML file to mail; the others are one file, too."
+TARGET = click.Choice([short(target) for target in TARGETS])
 FOLDER = click.Path(file_okay=False, path_type=Path)
 
 
@@ -19,33 +26,44 @@ FOLDER = click.Path(file_okay=False, path_type=Path)
 @click.option("--quick", is_flag=True, help="Few scenes, for a first look.")
 @click.option("--render", "render_only", is_flag=True, help="Render the data of the last report; simulate nothing.")
 @click.option("--retime", is_flag=True, help="Time again what is ranked, even where the store holds times.")
+@click.option("--scene", "scenes", multiple=True, metavar="SCENE", help="Only this scene, as 'NAME key=value'; repeat.")
+@click.option("--engine", "engines", multiple=True, metavar="NAME", help="Only this engine; repeat it for several.")
+@click.option("--target", "targets", multiple=True, type=TARGET, help="Show this error alone; repeat for several.")
+@click.option("--format", "form", default=FORMS[0], show_default=True, type=click.Choice(FORMS), help=FORM_HELP)
 @click.option("--text", is_flag=True, help="Print advice, prices, verdicts and small plots, too.")
 @SCHEDULER
 @click.option("-o", "folder", default="reports/out", show_default=True, type=FOLDER)
 def command(
-    open_it: bool, quick: bool, render_only: bool, retime: bool, text: bool, scheduler: str | None, folder: Path
-) -> None:
+    open_it: bool, quick: bool, render_only: bool, retime: bool, scenes: tuple[str, ...], engines: tuple[str, ...],
+    targets: tuple[str, ...], form: str, text: bool, scheduler: str | None, folder: Path,
+) -> None:  # fmt: skip
     """Run the comparison and write HTML pages that work offline. Their data lie beside them.
 
     Runs are stored (MBS_REF_STORE, else the cache folder): the next report computes what changed. Times and studies are
-    measured on this machine. After Ctrl-C the pages show what there is, and the exit code is 4.
+    measured on this machine. --scene and --engine restrict what is computed, or with --render what is shown; the
+    studies are left out then. After Ctrl-C the pages show what there is, and the exit code is 4.
     """
-    from reports.commands.publish.show import last_report, print_report
-    from reports.page.build import render_again, write_report
+    from reports.commands.publish.show import chosen, last_report, print_report
+    from reports.page.build import publish, write_report
 
+    errors = [float(target) for target in targets]
+    if form == "pdf" and browser() is None:
+        raise click.UsageError(f"--format pdf prints by a browser; install one of {', '.join(BROWSERS)}")
     if render_only:
-        try:
-            page, incomplete = render_again(folder)
-        except (FileNotFoundError, ValueError) as error:
-            raise NothingSelected(
-                f"{folder} holds no data to render; compute them by mbs-ref report ({error})"
-            ) from error
+        data = last_report(folder)
+        labels = [label for scene in scenes for label in chosen(data, scene)]
+        unknown = [name for name in engines if name not in data.engines]
+        if unknown:
+            raise click.UsageError(f"engine {unknown[0]!r} is not in the report; it holds {', '.join(data.engines)}")
+        data = data.only(labels, engines, errors)
+        page, incomplete = publish(data, folder, form), data.incomplete
     else:
         from reports.gather import Gathering  # the solver and the engines, which rendering alone does not need
 
+        names = inputs.engine_names(engines) if engines else ()
         with progress("report") as report, cluster(scheduler) as call, Store(default_path()) as store:
-            gathering = Gathering(store, quick, report, sorted(folder.glob(EXTREMES)), retime, call)
-            page, incomplete = write_report(folder, gathering.stages())
+            gathering = Gathering(store, quick, report, sorted(folder.glob(EXTREMES)), retime, call, scenes, names)
+            page, incomplete = write_report(folder, gathering.stages(), form, errors)
     if text:
         print_report(last_report(folder))
     click.echo(page)

@@ -14,9 +14,8 @@ from reports.facts.report_data import ReportData
 from reports.page.advice import advice
 from reports.page.build import read_data
 from reports.page.files import PRICES, VERDICTS, price_rows
-from reports.page.sections.decisions import counted
 from reports.page.sections.matrix import view
-from reports.page.sections.prices import cannot, price_table
+from reports.page.sections.overview import counted
 from reports.terminal.console import NothingSelected, echo_json, show_table
 from reports.terminal.text_plot import text_plot
 
@@ -34,8 +33,8 @@ def command(scene: tuple[str, ...], as_csv: bool, as_json: bool, folder: Path) -
     A scene with parameters is named as the page names it: mbs-ref show pendulum_chain links=10
     """
     data = last_report(folder)
-    for label in _chosen(data, " ".join(scene)):
-        _print(data.only(scene=label), label, as_csv, as_json)
+    for label in chosen(data, " ".join(scene)):
+        _print(data.only(scenes=[label]), label, as_csv, as_json)
 
 
 def last_report(folder: Path) -> ReportData:
@@ -46,7 +45,8 @@ def last_report(folder: Path) -> ReportData:
         raise NothingSelected(f"{folder} holds no report; mbs-ref report writes one") from error
 
 
-def _chosen(data: ReportData, wanted: str) -> list[str]:
+def chosen(data: ReportData, wanted: str) -> list[str]:
+    """Return the labels of the report's scenes of a label or name, all without one; UsageError where none is met."""
     result = [label for label in data.scenes if wanted in (label, label.split()[0])] if wanted else data.scenes
     if not result:
         listing = ", ".join(data.scenes)
@@ -85,13 +85,12 @@ def print_report(data: ReportData) -> None:
     rows = ((a.engine, a.use, a.reach, "; ".join(a.silent) or "none", a.pace or "-") for a in advice(data))
     show_table(counted(data), head, rows)
     for label in data.scenes:
-        _print(data.only(scene=label), label, as_csv=False, as_json=False)
+        _print(data.only(scenes=[label]), label, as_csv=False, as_json=False)
 
 
 def _tables(data: ReportData, label: str, prices: list[list[str]]) -> None:
-    never = cannot(price_table(data, label))  # shown once, below
     title = f"{label}: cost at equal error, over the scene's own scales"
-    show_table(title, PRICES, (row for row in prices if row[1] not in never))
+    show_table(title, PRICES, prices)
     plot = price_plot(data)
     if plot:
         click.echo(f"\n{plot}")

@@ -2,20 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from typing import Any
 
+from cross_checks.judge.bounds import TARGETS
 from cross_checks.judge.capabilities import Ability
 from cross_checks.judge.vocabulary import ANSWERS, MEANINGS, Cell, TargetResult, refusals
 from cross_checks.records.numbers import ABSENT, in_words, metres, of_scene, order_of, setting, short
 from reports.facts.report_data import ReportData, Section
 
-LEAD = (
-    "What each method does on each scene it takes. Errors are over the scene's own scales: position over its length, "
-    "angles in rad, velocities over length by time; the largest component of any body at any output counts."
-)
 
-
-def view(cell: Cell) -> dict[str, Any]:
+def view(cell: Cell, targets: Collection[float] = TARGETS) -> dict[str, Any]:
     """Return what a cell shows: its verdict with code and tone, figures, targets, and the command that repeats it."""
     return {
         "scene": cell.label,
@@ -31,7 +28,7 @@ def view(cell: Cell) -> dict[str, Any]:
         "setting": in_words(cell.setting) or ABSENT,
         "compliance": metres(cell.compliance),
         "order": order_of(cell.order, cell.documented_order),
-        "targets": [_target(result) for result in cell.targets],
+        "targets": [_target(result) for result in cell.targets if result.target in targets],
         "command": f"mbs-ref rerun {cell.name}",
     }
 
@@ -43,20 +40,18 @@ def _target(result: TargetResult) -> dict[str, str]:
 
 
 def context(data: ReportData) -> dict[str, Any]:
-    ran = [view(c) for c in data.cells if not c.is_refused]
+    ran = [view(c, data.targets) for c in data.cells if not c.is_refused]
+    present = (c for c in data.cells if c.engine not in data.missing)
     targets = list(dict.fromkeys(target["target"] for row in ran for target in row["targets"]))
     return {
-        "rows": ran, "refused": refusals(data.cells), "targets": targets,
+        "rows": ran, "refused": refusals(present), "targets": targets,
         "several_scenes": len(data.scenes) > 1, "several_engines": len(data.engines) > 1,
     }  # fmt: skip
 
 
-SECTION = Section("matrix", "Verdicts by method", LEAD, context)
+SECTION = Section("matrix", "Verdicts by method", "", context)
 
 
-CAPABILITIES_LEAD = (
-    "Derived from the adapters: what each engine models, can never model by its nature, or does not translate yet."
-)
 WORDS = {"can": ("good", "can"), "some": ("fair", "some methods"), "not-yet": ("plain", "not yet"),
          "never": ("bad", "never")}  # fmt: skip
 TITLES = {"parts": "Parts of a scene", "traits": "Traits of a scene"}
@@ -81,4 +76,4 @@ def capabilities_context(data: ReportData) -> dict[str, Any]:
     return {"engines": [one.engine for one in able], "groups": groups, "absent": absent}
 
 
-CAPABILITIES = Section("capabilities", "Capabilities", CAPABILITIES_LEAD, capabilities_context)
+CAPABILITIES = Section("capabilities", "Capabilities", "", capabilities_context)

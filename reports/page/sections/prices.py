@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import Any
 
-from cross_checks.judge.bounds import TARGETS
 from cross_checks.judge.vocabulary import ANSWERS, OURS
 from cross_checks.records.cost import is_busy, is_timed, known_error, loop_time, usable
 from cross_checks.records.numbers import duration, metres, setting, short
@@ -13,21 +12,17 @@ from reports.facts.cheapest import INSIDE, Entry, entries, over_cheapest
 from reports.facts.report_data import ReportData, Section
 from reports.page.slug import command
 
-LEAD = (
-    "The cheapest setting of each engine that comes within the target error, over the scene's own scales. Our own "
-    "solver stands below the ranking: it has no rank."
-)
-
 
 def price_table(data: ReportData, scene: str) -> list[dict[str, Any]]:
     """Return one block a target error, with a row an engine; the fastest of the ranked carries no factor."""
-    return [_block(data, scene, target) for target in TARGETS]
+    return [_block(data, scene, target) for target in data.targets]
 
 
 def _block(data: ReportData, scene: str, target: float) -> dict[str, Any]:
     result = entries(data, scene, target)
     factors = over_cheapest(result)
-    ordered = sorted(result, key=lambda entry: entry.engine == OURS)
+    present = [entry for entry in result if entry.engine not in data.missing]
+    ordered = sorted(present, key=lambda entry: entry.engine == OURS)
     return {"target": short(target), "rows": [_row(entry, factors.get(entry.engine)) for entry in ordered]}
 
 
@@ -55,6 +50,7 @@ def _row(entry: Entry, factor: float | None) -> dict[str, Any]:
         "setting": setting(record.settings),
         "error": short(record.error.value),
         "metres": metres(record.error.metres),
+        "compliance": metres(record.measure("compliance_position")),
         "time": duration(loop_time(record)),
         "spread": spread(record),
         "factor": _factor(entry, factor),
@@ -112,4 +108,4 @@ def context(data: ReportData) -> dict[str, Any]:
     return {"plots": plots, "tables": tables, "never": never, "pick_rows": pick_rows(data), "inside": inside(data)}
 
 
-SECTION = Section("prices", "Cost at equal error", LEAD, context)
+SECTION = Section("prices", "Cost at equal error", "", context)

@@ -4,18 +4,12 @@ from __future__ import annotations
 
 from typing import Any
 
-from cross_checks.judge.bounds import TARGETS
 from cross_checks.judge.vocabulary import OURS
 from cross_checks.records.numbers import short
 from cross_checks.records.plots.plot import add_series, lines, new_figure, style_of, to_data
 from reports.facts.cheapest import Standing, standings
 from reports.facts.report_data import ReportData, Section
 
-LEAD = (
-    "Over all scenes at once, each engine at its cheapest setting: how often it is the cheapest (left edge), how often "
-    "it comes within a factor of the cheapest, and how many scenes it solves at all (right edge). A scene "
-    "it cannot model counts as missed. Our own solver takes no part in the ranking."
-)
 FACTORS = (1.0, 2.0, 10.0)  # times the best
 
 
@@ -40,10 +34,10 @@ def _block(data: ReportData, target: float) -> dict[str, Any]:
 
 
 def context(data: ReportData) -> dict[str, Any]:
-    return {"blocks": [_block(data, target) for target in TARGETS]}
+    return {"blocks": [_block(data, target) for target in data.targets]}
 
 
-SECTION = Section("profiles", "Performance profiles", LEAD, context)
+SECTION = Section("profiles", "Performance profiles", "", context)
 
 
 BEYOND = 2.0  # times the largest factor: where the axis ends

@@ -9,11 +9,6 @@ from cross_checks.records.record import Record
 from reports.facts.report_data import ReportData, Section
 from reports.page.slug import command
 
-LEAD = (
-    "Every run behind the plots. Copy a row's command to repeat it. Times are of one run beside others, "
-    "except where a setting is ranked: those were timed alone."
-)
-
 
 def row(record: Record) -> dict[str, Any]:
     """Return what a run's row shows."""
@@ -37,4 +32,4 @@ def context(data: ReportData) -> dict[str, Any]:
     return {"groups": {scene: [row(r) for r in data.of_scene(scene)] for scene in data.scenes if data.of_scene(scene)}}
 
 
-SECTION = Section("records", "Records and commands", LEAD, context)
+SECTION = Section("records", "Records and commands", "", context)

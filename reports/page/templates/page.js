@@ -4,11 +4,13 @@ const css = (name) => getComputedStyle(document.documentElement).getPropertyValu
 const narrow = () => window.innerWidth < 760;
 
 // on a narrow screen every cell stands beneath the last, with its column's title before it
-for (const table of document.querySelectorAll("table.fold")) {
-  const titles = [...table.querySelectorAll("thead th")].map((cell) => cell.textContent.trim());
-  for (const row of table.querySelectorAll("tbody tr")) {
-    let column = 0;
-    for (const cell of row.cells) { if (cell.colSpan === 1) cell.dataset.label = titles[column] ?? ""; column += cell.colSpan; }
+function fold() {
+  for (const table of document.querySelectorAll("table.fold")) {
+    const titles = [...table.querySelectorAll("thead th")].map((cell) => cell.textContent.trim());
+    for (const row of table.querySelectorAll("tbody tr")) {
+      let column = 0;
+      for (const cell of row.cells) { if (cell.colSpan === 1) cell.dataset.label = titles[column] ?? ""; column += cell.colSpan; }
+    }
   }
 }
 
@@ -28,6 +30,7 @@ function forScreen(layout) {
 
 let library = null;
 function plotly() {
+  if (window.Plotly) return Promise.resolve(window.Plotly);
   library ??= new Promise((resolve, reject) => {
     const script = document.createElement("script");
     script.src = "plotly.js";
@@ -53,11 +56,11 @@ async function draw(div) {
 const near = new IntersectionObserver((entries) => {
   for (const entry of entries) if (entry.isIntersecting) { near.unobserve(entry.target); draw(entry.target); }
 }, { rootMargin: "400px" });
-document.querySelectorAll(".plot").forEach((div) => near.observe(div));
-// the others once the browser is idle, so that a printed page has them, too
-window.addEventListener("load", async () => {
-  for (const div of document.querySelectorAll(".plot")) { await new Promise(window.requestIdleCallback ?? setTimeout); await draw(div); }
-});
+// those near the screen first, the others once the browser is idle, so that a printed page has them, too
+async function drawAll() {
+  document.querySelectorAll(".plot").forEach((div) => near.observe(div));
+  for (const div of document.querySelectorAll(".plot")) { await new Promise((next) => setTimeout(next)); if (div.isConnected) await draw(div); }
+}
 
 function drawnPlots() { return document.querySelectorAll(".plot[data-drawn]"); }
 
@@ -69,8 +72,7 @@ function everyMethod(event) {
 }
 
 const short = (value) => (value === null ? "unknown" : value === 0 ? "0" : Number(value.toPrecision(2)) >= 0.01 && value < 1e4 ? String(Number(value.toPrecision(3))) : value.toExponential(1));
-const pick = document.getElementById("pick");
-const rows = pick ? JSON.parse(document.getElementById("pick-rows").textContent) : [];
+let rows = [];
 
 function limitFrom(id) {
   const text = document.getElementById(id).value.trim();
@@ -141,13 +143,46 @@ function copyBySelection(text) {
   area.remove();
 }
 
-document.addEventListener("click", (event) => { if (event.target.matches(".copy")) copy(event.target); });
-if (pick) {
+function startPick(pick) {
+  rows = JSON.parse(document.getElementById("pick-rows").textContent);
   pick.addEventListener("submit", (event) => event.preventDefault());
   pick.addEventListener("input", answer);
   answer();
 }
-document.getElementById("every-method")?.addEventListener("change", everyMethod);
+
+function start() {
+  fold();
+  const pick = document.getElementById("pick");
+  if (pick) startPick(pick);
+  document.getElementById("every-method")?.addEventListener("change", everyMethod);
+  if (narrow()) document.querySelectorAll("nav details").forEach((part) => { part.open = false; });
+  drawAll();
+}
+
+// a report in one file holds its pages as templates; the fragment names the one that is shown
+const whole = [...document.querySelectorAll("template[data-page]")];
+const isAll = () => location.hash === `#${document.body.dataset.all}`;
+
+function open() {
+  const [file, place] = location.hash.slice(1).split("/").map(decodeURIComponent);
+  const shown = isAll() ? whole : [whole.find((page) => page.dataset.page === file) ?? whole[0]];
+  document.getElementById("shown").replaceChildren(...shown.map((page) => page.content.cloneNode(true)));
+  document.body.classList.toggle("printed", isAll());
+  start();
+  if (place) document.getElementById(place)?.scrollIntoView(); else if (!isAll()) window.scrollTo(0, 0);
+}
+
+function follow(event) {
+  const link = event.target.closest("a[href]");
+  if (!link) return;
+  const [file, place] = link.getAttribute("href").split("#");
+  if (file && !whole.some((page) => page.dataset.page === file)) return;
+  event.preventDefault();
+  if (file) location.hash = place ? `${file}/${place}` : file; else document.getElementById(place)?.scrollIntoView();
+}
+
+document.addEventListener("click", (event) => { if (event.target.matches(".copy")) copy(event.target); });
+if (whole.length) { document.addEventListener("click", follow); window.addEventListener("hashchange", open); open(); }
+else start();
 matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => drawnPlots().forEach((div) => window.Plotly.relayout(div, themed())));
-if (narrow()) document.querySelectorAll("nav details").forEach((part) => { part.open = false; });
-window.addEventListener("beforeprint", () => document.querySelectorAll("details").forEach((part) => { part.open = true; }));
+window.addEventListener("beforeprint", () => isAll() || document.querySelectorAll("details").forEach((part) => { part.open = true; }));

@@ -12,11 +12,21 @@ from mbs_ref.crash.results import CrashResults, crash_results, sign_changes
 from mbs_ref.scene import Scene
 from mbs_ref.trajectory import Trajectory
 from reports.facts.curves import Curves, Measured, Row, curves, film, plain
-from reports.studies.crash import IMPACTS, NAMES, SIMPLIFIED, VERTEBRAL, figures, finished, forces, imbalance
+from reports.studies.crash import (
+    BELIEVABLE,
+    IMPACTS,
+    NAMES,
+    SIMPLIFIED,
+    VERTEBRAL,
+    figures,
+    finished,
+    forces,
+    imbalance,
+)
 
 SHOWN = {SIMPLIFIED: ("head", "thorax", "bottom", "thigh"), VERTEBRAL: ("head", "C1", "C3", "C6")}
 KINDS = {"External forces Q_e": "external", "Constraint forces Q_c": "constraint"}
-FILMED = 5  # samples a picture
+FILMED = 10  # samples a picture
 
 
 def measure() -> Measured:
@@ -25,23 +35,31 @@ def measure() -> Measured:
     for impact, name in product(IMPACTS, NAMES):
         scene = scenes.make(name, impact=impact)
         add_crash(measured, scene, finished(scene))
+        solid = scenes.make(name, impact=impact, **BELIEVABLE)
+        add_figures(measured, solid, finished(solid), ".solid")
     return measured
+
+
+def add_figures(measured: Measured, scene: Scene, path: Trajectory, kind: str = "") -> CrashResults:
+    """Add the figures and the film of a run; return its results."""
+    result, impact = crash_results(scene, path), scene.parameters["impact"]
+    prefix = f"{scene.name.removeprefix('android_')}.{impact}{kind}"
+    own = figures(scene, path, result)
+    measured.figures.update({f"{prefix}.{name}": value for name, value in own.items()})
+    measured.films[f"{scene.name}, {impact}{', stops and contacts' if kind else ''}"] = film(scene, path, FILMED)
+    return result
 
 
 def add_crash(measured: Measured, scene: Scene, path: Trajectory) -> None:
     """Add the figures, tables, curves and film of a run."""
-    result, label = crash_results(scene, path), f"{scene.name}, {scene.parameters['impact']}"
-    prefix = f"{scene.name.removeprefix('android_')}.{scene.parameters['impact']}"
-    own = figures(scene, path, result)
-    measured.figures.update({f"{prefix}.{name}": value for name, value in own.items()})
-    measured.films[label] = film(scene, path, FILMED)
+    result, label = add_figures(measured, scene, path), f"{scene.name}, {scene.parameters['impact']}"
     drawn = _plots(path, result)
     for kind, field in KINDS.items():
         drawn |= forces(kind, scene, path.times, getattr(result.forces, field), SHOWN[scene.name])
     measured.curves.update({f"{label}: {name}": lines for name, lines in drawn.items()})
     for name, (values, unit) in _compared(result).items():
         name = f"impact from the {scene.parameters['impact']}: {name}"
-        lines = curves(path.times, {f"{own['bodies']} bodies": values}, unit)
+        lines = curves(path.times, {f"{len(scene.bodies)} bodies": values}, unit)
         held = measured.curves.get(name, lines)
         measured.curves[name] = replace(lines, lines={**held.lines, **lines.lines})
     if result.cervical_torques:

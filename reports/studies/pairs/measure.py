@@ -18,7 +18,7 @@ from cross_checks.judge.runs import Runs
 from cross_checks.judge.vocabulary import ANSWERS, OURS, Cell
 from cross_checks.prices.timing import least_times
 from cross_checks.records.cost import loop_time
-from cross_checks.records.numbers import setting
+from cross_checks.records.numbers import duration, setting, short
 from cross_checks.records.record import Record
 from cross_checks.records.store import Store, default_path
 from cross_checks.truths.truth import NoTruth, Truth
@@ -26,10 +26,11 @@ from mbs_ref import scenes
 from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings
 from reports.facts.cheapest import Entry, entries, near, reaching
-from reports.facts.curves import Measured, Row
+from reports.facts.curves import Curves, Measured, Row, Value
 from reports.facts.report_data import ReportData
 from reports.studies.pairs.sky_places import sky_places
 
+CHEAPEST, MARKS = "★ ", "lines+markers"
 WORK = 200_000  # steps times bodies that a run may take: the papers' 4000 steps of the android of 48 bodies are within
 
 
@@ -124,7 +125,46 @@ def shown(pairs: Sequence[tuple[str, str, Sequence[Result]]], places: dict[str, 
     """Return the tables of pairs, each with title and note, and of places in the sky."""
     heads = tuple({"title": title, "note": note} for title, note, _ in pairs)
     tables = {f"pair: {title}": tuple(row.shown() for row in rows) for title, _, rows in pairs}
-    return Measured({"pairs.places": len(places)}, {"pairs": heads, **tables, **places})
+    beside = {f"beside: {title}": side_by_side(rows) for title, _, rows in pairs}
+    lines = {f"pair: {title}: {scene}": line for title, _, rows in pairs for scene, line in costs(rows).items()}
+    return Measured({"pairs.places": len(places)}, {"pairs": heads, **tables, **beside, **places}, lines)
+
+
+def side_by_side(rows: Sequence[Result]) -> tuple[Row, ...]:
+    """Return one row for each scene and engine with its time at each target, the cheapest engine marked."""
+    columns: dict[float | None, str] = {target: f"within {short(target)}" for target in _targets(rows)}
+    result: dict[tuple[str, str], dict[str, Value]] = {}
+    first: dict[tuple[str, float | None], Result] = {}
+    for row in rows:
+        head: dict[str, Value] = {"scene": row.scene, "engine": row.entry.engine, **dict.fromkeys(columns.values(), "")}
+        cells = result.setdefault((row.scene, row.entry.engine), head)
+        run = row.entry.best
+        if run is None:
+            text = f"{ANSWERS[row.entry.answer][0]}: {row.entry.reason}".rstrip(": ")
+        else:
+            mark = CHEAPEST if first.setdefault((row.scene, row.target), row) is row else ""
+            text = f"{mark}{duration(loop_time(run))}, {row.entry.method}"
+        cells[columns.get(row.target, next(iter(columns.values()), "reason"))] = text
+    return tuple(result.values())
+
+
+def costs(rows: Sequence[Result]) -> dict[str, Curves]:
+    """Return for each scene, with its cheapest engines, the loop time (s) of every engine over the target error."""
+    targets = _targets(rows)
+    times = {(row.scene, row.entry.engine, row.target): loop_time(row.entry.best) for row in rows if row.entry.best}
+    result = {}
+    for scene in dict.fromkeys(scene for scene, _, _ in times):
+        at = [{name: time for (where, name, error), time in times.items() if (where, error) == (scene, target)}
+              for target in targets]  # fmt: skip
+        first = dict.fromkeys(min(own, key=own.__getitem__) for own in at if own)
+        lines = {name: tuple(own.get(name) for own in at) for name in dict.fromkeys(name for own in at for name in own)}
+        curves = Curves(targets, lines, "loop time, s", "error over the scene's scales", True, True, MARKS)
+        result[f"{scene} {CHEAPEST}{', '.join(first)}"] = curves
+    return result
+
+
+def _targets(rows: Sequence[Result]) -> tuple[float, ...]:
+    return tuple(sorted({row.target for row in rows if row.target is not None}, reverse=True))
 
 
 def pair(runs: Runs, request: Request) -> tuple[Result, ...]:

@@ -14,7 +14,7 @@ from cross_checks.judge.vocabulary import OURS, WRONG
 from reports.cli import main
 from reports.commands.publish.board import board
 from reports.facts.cheapest import entries, standings
-from reports.page.build import publish
+from reports.page.build import write_report
 from tests.reports.page.synthetic_report import report_data
 
 HOSTILE = "'\"></td><script>alert(1)</script>"
@@ -93,7 +93,7 @@ def test_text_of_the_data_is_no_markup(data):
 
 
 def test_the_command_writes_the_page_from_the_last_report_alone(data, tmp_path):
-    publish(data, tmp_path / "out")
+    write_report(tmp_path / "out", iter([data]))
     words = ["board", "--from", str(tmp_path / "out"), "-o", str(tmp_path / "board.html")]
     assert CliRunner().invoke(main, words).exit_code == 0
     assert (tmp_path / "board.html").read_bytes() == board(data)

@@ -14,10 +14,10 @@ from cross_checks.records.numbers import duration, metres, setting, short
 from mbs_ref import scenes
 from reports.facts.report_data import ReportData
 from reports.page.advice import advice
-from reports.page.build import DATA, publish, read_data
+from reports.page.build import DATA, publish, read_data, write_report
 from reports.page.render import pages
 from reports.page.sections.prices import price_table
-from reports.page.slug import command, scene_file
+from reports.page.slug import command, engine_file, scene_file
 from tests.reports.page.synthetic_report import HOSTILE, report_data
 
 LOADING = {"src", "href", "data", "poster", "action", "srcset"}  # attributes that make a browser fetch
@@ -61,7 +61,7 @@ def data() -> ReportData:
 
 @pytest.fixture(scope="module")
 def folder(data, tmp_path_factory):
-    return publish(data, tmp_path_factory.mktemp("report") / "out").parent
+    return write_report(tmp_path_factory.mktemp("report") / "out", iter([data]))[0].parent
 
 
 @pytest.fixture(scope="module")
@@ -85,10 +85,11 @@ def test_pages_load_their_own_files_alone(read, sources, folder):
     assert "url(" not in style
 
 
-def test_no_page_is_large_to_open_and_the_first_needs_no_plots(folder, sources):
+def test_no_page_is_large_to_open_and_the_first_begins_with_two_plots(folder, sources):
     assert all(len(source) < 2e6 for source in sources.values())
-    assert len(sources["index.html"]) < 2e5
-    assert 'class="plot"' not in sources["index.html"]
+    first = sources["index.html"]
+    assert len(first) < 2e5
+    assert first.index('class="landscape"') < first.index('class="plot"') < first.index('class="findings"')
     assert "plotly" not in "".join(sources.values()), "it is loaded by page.js where a plot comes near the screen"
 
 
@@ -139,13 +140,22 @@ def test_a_target_that_is_not_reached_says_why(data, method, scene, told):
     assert told in [row["missed"] for row in rows.values()]
 
 
-def test_the_first_screen_says_what_to_use_and_what_is_wrong_without_a_word(data, read):
-    text = " ".join(read["index.html"].text)
+def test_an_engines_page_says_what_to_use_it_for_and_what_it_gets_wrong(data, read):
+    text = " ".join(read[engine_file("mujoco")].text)
     assert "wrong with success reported" in text
     assert re.search(r"Use \w+ at (h|rtol) = ", text)
     lines = {line.engine: line for line in advice(data)}
-    assert lines["mujoco"].silent[0].startswith("rk4 on ")
+    assert lines["mujoco"].silent[0].startswith("rk4, implicitfast: wrong-limit. Success is reported")
     assert [line.ours for line in lines.values()] == [False, False, False, True]
+
+
+def test_a_method_is_not_advised_where_it_is_wrong(data):
+    used = next(line.use for line in advice(data) if line.engine == "mujoco")
+    method = used.split()[1]
+    for cell in data.cells:
+        if (cell.engine, cell.method, cell.verdict) == ("mujoco", method, "wrong-limit"):
+            (best,) = [c.method for c in data.cells_of(cell.label, "mujoco") if c.targets[1].answer == "reached"]
+            assert f", {best} on {cell.label}" in used
 
 
 def test_our_own_solver_is_outside_the_ranking(data):

@@ -104,4 +104,4 @@ def test_no_figure_of_others_on_an_engines_own_page():
     data = irregular(1)
     assert all(line.pace for line in advice(data))
     for engine in OFFERED:
-        assert [line.pace for line in advice(data.only(engine=engine))] == [""]
+        assert [line.pace for line in advice(data.only(engines=[engine]))] == [""]

@@ -94,4 +94,19 @@ def test_the_page_tells_rows_refusals_and_places():
     assert "cannot: closes a loop" in page
     assert "worked on" in page
     assert 'colspan="6"' in page
+    assert "<td>★ 2.3 ms, dop853</td>" in page
     assert all(text in page for text in ("rtol = 1e-7", "3.1e-7", "2.3 ms", "1.37", "4.8"))
+
+
+def test_the_cheapest_at_each_target_is_marked_and_plots_have_a_line_for_each_engine():
+    def row(engine: str, target: float, seconds: float) -> Result:
+        run = Record("chain", {}, engine, "rk4", {}, "success", error=Error(target, "exact", 0.0, 0.0),
+                     times={"loop_s": seconds})  # fmt: skip
+        return Result("chain", target, Entry(engine, "reached", run, method="rk4"))
+
+    rows = [row(OURS, 1e-3, 1.0), row("exudyn", 1e-3, 2.0), row("exudyn", 1e-6, 3.0), row(OURS, 1e-6, 4.0)]
+    facts = shown([("Chains", "", rows)], {})
+    ours, theirs = facts.tables["beside: Chains"]
+    assert [ours[key] for key in ("within 1e-3", "within 1e-6")] == ["★ 1 s, rk4", "4 s, rk4"]
+    assert [theirs[key] for key in ("within 1e-3", "within 1e-6")] == ["2 s, rk4", "★ 3 s, rk4"]
+    assert facts.curves[f"pair: Chains: chain ★ {OURS}, exudyn"].lines == {OURS: (1.0, 4.0), "exudyn": (2.0, 3.0)}
