@@ -28,7 +28,7 @@ WATCHED = ENGINES | EPHEMERIDES | {"sundials4py"}
 ROOMS = {
     "mbs_ref": (
         "atomic_file display kernels", "trajectory", "scene", "settings ephemeris cores observables",
-        "integrators crash", "scenes simulate",
+        "integrators crash", "simulate", "scenes",
     ),
     "cross_checks": (
         "isolation", "engine", "linkage truths", "engines robots", "mechanisms writers",

@@ -113,10 +113,15 @@ class System(ABC):
 
     def free_direction(self, t: float, y: np.ndarray, random: np.random.Generator) -> np.ndarray:
         """Return a random direction (n_state,) along the constraints at (t, y), its largest entry 1."""
-        x = random.standard_normal(len(y))
         self.derivative(t, y)
-        core.call_tangent(self.model, self.work, x)
+        x = self.along_constraints(random.standard_normal(len(y)))
         return x / max(1e-12, float(np.abs(x).max()))
+
+    def along_constraints(self, x: np.ndarray) -> np.ndarray:
+        """Return the part of a displacement and its rates (n_state,) that the constraints last evaluated allow."""
+        x = x.copy()
+        core.call_tangent(self.model, self.work, x)
+        return x
 
     @cached_property
     def scales(self) -> Scales:

@@ -19,6 +19,7 @@ class Role(Enum):
 
     WORLD_VECTOR = "as many components as the scene has dimensions"
     POINT = "a world point at t = 0, m"
+    DIRECTION = "a world direction at t = 0, of any length but zero"
     BODY = "the name of a body"
     END = "the name of a body, or ground"
 
@@ -38,8 +39,8 @@ Vector = Annotated[tuple[float, ...], Field(min_length=2, max_length=3), Role.WO
 Vector3 = tuple[float, float, float]
 Point = Annotated[Vector, Role.POINT]
 Point3 = Annotated[Vector3, Role.POINT]
-Direction = Annotated[Vector, AfterValidator(_directed)]  # of any length but zero
-Direction3 = Annotated[Vector3, AfterValidator(_directed)]
+Direction = Annotated[Vector, AfterValidator(_directed), Role.DIRECTION]
+Direction3 = Annotated[Vector3, AfterValidator(_directed), Role.DIRECTION]
 SixNonNegative = tuple[NonNegative, NonNegative, NonNegative, NonNegative, NonNegative, NonNegative]
 
 

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from typing import Annotated, Literal
+from functools import cache
+from typing import Annotated, Any, Literal
 
 import numpy as np
 from pydantic import Field
@@ -23,15 +24,27 @@ from mbs_ref.scenes.tracked_vehicle.numbers import (
     contact_law,
     friction,
 )
-from mbs_ref.scenes.tracked_vehicle.running_gear import Wheel, gear_bodies, gear_joints, torsion_bars, wheels_of
+from mbs_ref.scenes.tracked_vehicle.running_gear import (
+    Wheel,
+    gear_bodies,
+    gear_joints,
+    tensioners,
+    torsion_bars,
+    wheels_of,
+)
 from mbs_ref.scenes.tracked_vehicle.terrain import foot
 
 FEET = (-0.25, 0.25)  # of the pitch: where a link's two round feet are
 SLIDING = "Without friction at idler and rollers nothing turns them: the track slides under them."
 
 
+BELIEVABLE: dict[str, Any] = {"wheel_friction": 0.4, "preload": 10_000.0, "start": "equilibrium"}
+PAPER: dict[str, Any] = {"wheel_friction": 0.0, "preload": 0.0, "start": "drawn"}
+
+
 def tracked_vehicle(
     *,
+    model: Literal["believable", "paper"] = "believable",
     links: Annotated[int, Field(ge=20, le=2000, multiple_of=2)] = 30,
     rollers: Annotated[int, Field(ge=0, le=100)] = 3,
     upper_rollers: Annotated[int, Field(ge=0, le=100)] = 0,
@@ -39,28 +52,61 @@ def tracked_vehicle(
     torque: NonNegative = 2000.0,
     ramp: Positive = 0.5,
     gravity: Positive = 9.81,
-    wheel_friction: NonNegative = 0.0,
+    wheel_friction: NonNegative = BELIEVABLE["wheel_friction"],
+    preload: NonNegative = BELIEVABLE["preload"],
+    start: Literal["equilibrium", "drawn"] = BELIEVABLE["start"],
     suspension: bool = False,
     ground: Literal["flat", "bump", "slope", "step"] = "flat",
     height: Annotated[float, Field(gt=0.0, le=0.3)] = 0.02,
 ) -> Scene:
     """Drive a tracked vehicle by a torque ramp on its sprocket; a torque of 0 leaves it at rest.
 
-    links (even; 30 is the small vehicle, 42 with 7 rollers and 1 upper roller has the 54 bodies of the
-    papers' kind), rollers below and above, contact law, torque (N m) between chassis and sprocket reached
-    at the end of ramp (s), gravity (m/s^2). With law = "constraint" idler and rollers are held on the links while they
-    touch; feet, which need friction, and teeth keep the progressive law. wheel_friction, Coulomb's coefficient of idler
-    and rollers on the links: with 0, the papers' bare model, nothing turns them. suspension: rollers on trailing arms
-    with torsion bars. ground: flat, or half a metre ahead of the track a bump, a slope or a step of `height` (m; a
-    slope's over 1 m of way; a step no higher than half a link).
+    model: "paper" is the papers' bare one, without friction at the wheels, without preload, and started as it is drawn,
+    where nothing is in equilibrium; it allows no other values of these three. links (even; 30 is the small vehicle, 42
+    with 7 rollers and 1 upper roller has the 54 bodies of the papers' kind), rollers below and above, contact law,
+    torque (N m) between chassis and sprocket reached at the end of ramp (s), gravity (m/s^2). With law = "constraint"
+    idler and rollers are held on the links while they touch; feet, which need friction, and teeth keep the progressive
+    law. wheel_friction, Coulomb's coefficient of idler and rollers on the links, which turns them. preload (N) of the
+    spring that pushes the idler ahead on its slide where the vehicle is drawn; 0 fixes its axle. start: in the static
+    equilibrium without torque (up to 250 bodies), or as drawn. suspension: rollers on trailing arms with torsion bars.
+    ground: flat, or half a metre ahead of the track a bump, a slope or a step of `height` (m; a slope's over 1 m of
+    way; a step no higher than half a link).
     """
+    if model == "paper":
+        wheel_friction, preload, start = _bare(wheel_friction=wheel_friction, preload=preload, start=start)
     if ground == "step" and height > 0.5 * HEIGHT:
         raise ValueError(f"height = {height} m of a step must not exceed half a link, {0.5 * HEIGHT} m")
     if law == "constraint" and wheel_friction:
-        raise ValueError(f"wheel_friction = {wheel_friction} must be 0 with law = 'constraint', which has no friction")
+        raise ValueError(
+            f"wheel_friction = {wheel_friction} must be 0 with law = 'constraint', which has no friction; "
+            "give model = 'paper'"
+        )
+    drawn = _drawn(links, rollers, upper_rollers, law, gravity, wheel_friction, preload, suspension, ground, height)
+    placed = _settled(drawn.model_dump_json()) if start == "equilibrium" else drawn
+    return placed.model_copy(update={"loads": (*_drive(torque, ramp), *placed.loads)})
+
+
+def _bare(**given: Any) -> list[Any]:
+    """Return the values of the papers' model; ValueError for a choice that it does not have."""
+    for name, value in given.items():
+        if value not in (BELIEVABLE[name], PAPER[name]):
+            raise ValueError(f"{name} = {value!r} does not go with model = 'paper', which has {PAPER[name]!r}")
+    return [PAPER[name] for name in given]
+
+
+@cache
+def _settled(drawn: str) -> Scene:
+    """Return the scene that is drawn, in JSON, at rest in equilibrium."""
+    from mbs_ref.simulate.start.equilibrium import at_equilibrium  # compiled code, which few who list scenes need
+
+    return at_equilibrium(Scene.model_validate_json(drawn))
+
+
+def _drawn(links, rollers, upper_rollers, law, gravity, wheel_friction, preload, suspension, ground, height) -> Scene:
+    """Return the vehicle without its torque: chain straight and tangent, every contact at depth 0."""
     track = _pins(links)
     base = (links - TEETH) // 2 * PITCH
-    wheels = wheels_of(base, rollers, upper_rollers, suspension)
+    wheels = wheels_of(base, rollers, upper_rollers, suspension, preload > 0.0)
     hull = _chassis(base)
     front = base + PITCH_RADIUS
     return Scene(
@@ -71,7 +117,7 @@ def tracked_vehicle(
         gravity=(0.0, -gravity),
         bodies=(hull, *gear_bodies(wheels), *_links(track)),
         joints=(*gear_joints(wheels), *_chain(track)),
-        loads=(*_drive(torque, ramp), *torsion_bars(wheels, hull.mass * gravity)),
+        loads=(*torsion_bars(wheels, hull.mass * gravity), *tensioners(wheels, preload)),
         contacts=(
             *(part for k in range(links) for part in _link_contacts(k, track, wheels, law, wheel_friction)),
             *_ground_contacts(track, law, ground, height, front),

@@ -7,11 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mbs_ref.scene import Joint, Load, PlanarBody, Revolute, TorsionSpring
+from mbs_ref.scene import Joint, Load, PlanarBody, Prismatic, Revolute, SpringDamper, TorsionSpring
 from mbs_ref.scenes.tracked_vehicle.numbers import APOTHEM, AXLE_HEIGHT, DATA, HEIGHT, PITCH_RADIUS, ROLLER_RADIUS
 
 Point = tuple[float, float]
-BAR = DATA["suspension"]
+BAR, SLIDE = DATA["suspension"], DATA["tensioner"]
 
 
 @dataclass(frozen=True)
@@ -23,11 +23,12 @@ class Wheel:
     center: Point  # m
     radius: float  # m; of the sprocket the pitch radius
     is_sprung: bool = False
+    slides: bool = False
 
     @property
     def carrier(self) -> str:
         """The body that its axle is on."""
-        return f"{self.name}.arm" if self.is_sprung else "chassis"
+        return f"{self.name}.arm" if self.is_sprung else f"{self.name}.slide" if self.slides else "chassis"
 
     @property
     def pivot(self) -> Point:
@@ -37,12 +38,12 @@ class Wheel:
         return x + length * math.cos(slope), y + length * math.sin(slope)
 
 
-def wheels_of(base: float, rollers: int, upper: int, suspension: bool) -> list[Wheel]:
+def wheels_of(base: float, rollers: int, upper: int, suspension: bool, tensioned: bool) -> list[Wheel]:
     """Return everything that turns, for a wheel base (m)."""
     top, small = AXLE_HEIGHT + PITCH_RADIUS - 0.5 * HEIGHT, 0.5 * ROLLER_RADIUS
     ends = [
         Wheel("sprocket", "sprocket", (0.0, AXLE_HEIGHT), PITCH_RADIUS),
-        Wheel("idler", "idler", (base, AXLE_HEIGHT), APOTHEM - 0.5 * HEIGHT),
+        Wheel("idler", "idler", (base, AXLE_HEIGHT), APOTHEM - 0.5 * HEIGHT, slides=tensioned),
     ]
     below = [
         Wheel(f"roller{k + 1}", "roller", (x, HEIGHT + ROLLER_RADIUS), ROLLER_RADIUS, suspension)
@@ -57,7 +58,7 @@ def _spread(base: float, count: int) -> list[float]:
 
 
 def gear_bodies(wheels: list[Wheel]) -> list[PlanarBody]:
-    """Return wheels and arms."""
+    """Return wheels, arms and the idler's slide."""
     turning = [
         PlanarBody(name=w.name, mass=DATA[w.kind]["mass"], inertia=DATA[w.kind]["inertia"], position=w.center)
         for w in wheels
@@ -69,17 +70,37 @@ def gear_bodies(wheels: list[Wheel]) -> list[PlanarBody]:
         )
         for w in wheels if w.is_sprung
     ]  # fmt: skip
-    return [*turning, *arms]
+    slides = [
+        PlanarBody(name=w.carrier, mass=SLIDE["mass"], inertia=SLIDE["inertia"], position=w.center)
+        for w in wheels if w.slides
+    ]  # fmt: skip
+    return [*turning, *arms, *slides]
 
 
 def gear_joints(wheels: list[Wheel]) -> list[Joint]:
-    """Return the axles, and the pivots of the arms."""
+    """Return the axles, the pivots of the arms, and the slide along which the idler tightens the track."""
     pivots = [
         Revolute(name=f"{w.carrier}.pivot", body_a="chassis", body_b=w.carrier, point=w.pivot)
         for w in wheels if w.is_sprung
     ]  # fmt: skip
+    slides = [
+        Prismatic(name=f"{w.carrier}.guide", body_a="chassis", body_b=w.carrier, point=w.center, axis=(1.0, 0.0))
+        for w in wheels if w.slides
+    ]  # fmt: skip
     axles = [Revolute(name=f"{w.name}.axle", body_a=w.carrier, body_b=w.name, point=w.center) for w in wheels]
-    return [*pivots, *axles]
+    return [*pivots, *slides, *axles]
+
+
+def tensioners(wheels: list[Wheel], preload: float) -> list[Load]:
+    """Return the spring behind each sliding axle, which pushes with `preload` (N) where the vehicle is drawn."""
+    return [
+        SpringDamper(
+            name=f"{w.name}.tensioner", body_a="chassis", body_b=w.carrier,
+            point_a=(w.center[0] - SLIDE["length"], w.center[1]), point_b=w.center, stiffness=SLIDE["stiffness"],
+            damping=SLIDE["damping"], rest_length=SLIDE["length"] + preload / SLIDE["stiffness"],
+        )
+        for w in wheels if w.slides
+    ]  # fmt: skip
 
 
 def torsion_bars(wheels: list[Wheel], weight: float) -> list[Load]:
