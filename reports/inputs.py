@@ -24,6 +24,7 @@ from mbs_ref.scene.scales import scales_of
 from mbs_ref.scene.toml import SceneFileError, read_scene
 from mbs_ref.settings import Settings
 from mbs_ref.simulate.start.consistent import fitted_rates
+from mbs_ref.simulate.start.equilibrium import at_equilibrium
 from reports.terminal.console import EngineAbsent, NothingSelected
 
 ENGINES = click.option(
@@ -61,8 +62,12 @@ def _read(name_or_file: str, parameters: Sequence[str]) -> Scene:
         raise click.UsageError(f"{name_or_file}: the suffix decides the format: {stated}")
     try:
         if name_or_file.endswith(".toml"):
+            if list(parameters) == ["start=equilibrium"]:
+                return at_equilibrium(read_scene(name_or_file))
             if parameters:
-                raise click.UsageError(f"a scene file has no parameters, but -p {parameters[0]} was given")
+                raise click.UsageError(
+                    f"a scene file has no parameter but start=equilibrium; -p {parameters[0]} was given"
+                )
             return read_scene(name_or_file)
         return scenes.make(name_or_file, **_parameters(parameters))
     except ValidationError as error:  # the scene that the parameters made

@@ -16,7 +16,9 @@ HELD = 3.0  # largest ratio of wheels held on the links by constraints (Fox 2001
 
 def in_turns(benchmark, settings: Settings, *parameters: dict) -> list[float]:
     """Return the least time (s) of the loop for each choice of the scene's parameters."""
-    runs = [partial(simulate, scenes.make("tracked_vehicle", **chosen), settings) for chosen in parameters]
+    runs = [
+        partial(simulate, scenes.make("tracked_vehicle", model="paper", **chosen), settings) for chosen in parameters
+    ]
     paths = benchmark.pedantic(interleaved, args=(runs, ROUNDS), rounds=1, warmup_rounds=1)
     assert all(path.ok for built in paths for path in built)
     return [min(path.timing.loop_s for path in built) for built in paths]

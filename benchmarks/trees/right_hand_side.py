@@ -18,7 +18,7 @@ SECONDS = 0.02  # of processor time a measurement
 CASES: tuple[tuple[str, dict[str, Any]], ...] = (
     *(("n_four_bar", {"loops": loops}) for loops in (1, 2, 10, 40, 100)),
     *(("spatial_n_four_bar", {"loops": loops}) for loops in (1, 10, 40)),
-    ("slider_crank", {}), ("andrews", {}), ("bricard", {}), ("tracked_vehicle", {"links": 100}),
+    ("slider_crank", {}), ("andrews", {}), ("bricard", {}), ("tracked_vehicle", {"model": "paper", "links": 100}),
     ("pendulum_chain", {"links": 100}), ("spatial_chain", {"links": 100}),
 )  # fmt: skip
 

@@ -58,13 +58,29 @@ def describe(name: str) -> SceneInfo:
 
 
 def make(name: str, **parameters: Any) -> Scene:
-    """Build a scene; ValueError names an unknown or invalid parameter, and the allowed ones."""
+    """Build a scene; ValueError names an unknown or invalid parameter, and the allowed ones.
+
+    Every scene has the parameter start = "equilibrium", which places it at rest in a static equilibrium near its start
+    (`at_equilibrium`).
+    """
     builder = _builder(name)
+    if "start" in parameters and "start" not in describe(name).parameters:
+        return _settled(name, **parameters)
     try:
         chosen = _parameter_model(builder)(**parameters).model_dump()
     except ValidationError as error:
         raise ValueError("; ".join(_sentence(name, item) for item in error.errors())) from None
     return builder(**chosen).model_copy(update={"parameters": chosen})
+
+
+def _settled(name: str, start: str, **parameters: Any) -> Scene:
+    """Return a scene in equilibrium, where its own builder has no such choice."""
+    if start != "equilibrium":
+        raise ValueError(f"{name}: start = {start!r} is not allowed; allowed: 'equilibrium'")
+    from mbs_ref.simulate.start.equilibrium import at_equilibrium  # compiled code, which other scenes do without
+
+    placed = at_equilibrium(make(name, **parameters))
+    return placed.model_copy(update={"parameters": {**placed.parameters, "start": start}})
 
 
 def label(name: str, parameters: dict[str, Any]) -> str:

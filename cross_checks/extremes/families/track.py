@@ -27,7 +27,7 @@ OPEN = measures.open_joints(0.154)  # m: the track's pitch
 
 def _afloat(torque: float, *ties: Any) -> Case:
     """The vehicle without ground and weight; torque (N m) on its sprocket."""
-    scene = scenes.make("tracked_vehicle", torque=torque, ramp=0.01)
+    scene = scenes.make("tracked_vehicle", model="paper", torque=torque, ramp=0.01)
     contacts = tuple(part for part in scene.contacts if part.body_b != "ground")
     scene = scene.model_copy(
         update={"name": "track_afloat", "parameters": {}, "gravity": (0.0, 0.0), "contacts": contacts,
@@ -38,7 +38,7 @@ def _afloat(torque: float, *ties: Any) -> Case:
 
 def _tight(force: float) -> Case:
     """Springs draw the upper run towards the lower one with `force` (N)."""
-    scene = scenes.make("tracked_vehicle")
+    scene = scenes.make("tracked_vehicle", model="paper")
     upper, lower = (_middle(scene, choose) for choose in (max, min))
     ends = [tuple(scene.bodies[k].position) for k in (upper, lower)]
     length = math.dist(*ends)
@@ -77,7 +77,7 @@ def _share(part: np.ndarray, whole: np.ndarray) -> float:
 def _slope(degrees: float) -> Case:
     """The vehicle at rest, let go without drive."""
     angle = math.radians(degrees)
-    scene = scenes.make("tracked_vehicle", torque=0.0)
+    scene = scenes.make("tracked_vehicle", model="paper", torque=0.0)
     pull = (GRAVITY * math.sin(angle), -GRAVITY * math.cos(angle))
     scene = scene.model_copy(update={"name": "track_on_slope", "parameters": {}, "gravity": pull})
     return Case(scene, grid(END, STEP, 6), measures.worst(_downhill, OPEN), step=STEP, rtol=RTOL)

@@ -35,7 +35,6 @@ ORBIT = Settings(method="dop853", rtol=1e-11, samples=11, estimate="off")
 CRASH = Settings(method="dop853", rtol=1e-8, samples=201, estimate="off")
 LOOP = Settings(method="dop853", rtol=1e-9, samples=41, estimate="off", reactions=False)
 DRIVE = Settings(method="rk4", step=1e-4, t_end=1.6, samples=161, estimate="off")
-MU = 0.4  # of wheels on links
 FORCES = ("zonals", "third_bodies", "drag", "radiation")  # of a satellite, each with those before it
 
 
@@ -175,13 +174,12 @@ def _digits(value: float, reference: float) -> float | None:
 
 
 def tracks() -> Ladder:
-    """A tracked vehicle that slides, rolls, is sprung, and meets a bump."""
-    rolling = {"wheel_friction": MU}
+    """A tracked vehicle on flat ground that slides, rolls, is tightened and at rest first, and is sprung."""
     chosen: tuple[tuple[str, dict[str, Any]], ...] = (
-        ("no friction at the wheels", {}),
-        ("wheels roll", rolling),
-        ("rollers sprung", {**rolling, "suspension": True}),
-        ("over a bump", {**rolling, "suspension": True, "ground": "bump", "height": 0.05}),
+        ("the papers' bare one", {"model": "paper"}),
+        ("wheels roll", {"preload": 0.0, "start": "drawn"}),
+        ("track tightened, from equilibrium", {}),
+        ("rollers sprung", {"suspension": True}),
     )
     models = [(name, scenes.make("tracked_vehicle", **more), DRIVE) for name, more in chosen]
 
@@ -195,7 +193,7 @@ def tracks() -> Ladder:
         }, _digits(_way(scene, path), _way(models[-1][1], fullest))  # fmt: skip
 
     note = (
-        "1.6 s of driving, the first half second while the torque rises; the bump is half a metre ahead. "
+        "1.6 s of driving, the first half second while the torque rises. "
         "No truth says which is right: the others are compared with the last rung."
     )
     return ladder("Tracked vehicle", note, "-log10 of the way, relative", models, text, by_last=True)

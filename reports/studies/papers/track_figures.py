@@ -17,9 +17,8 @@ from mbs_ref.trajectory import Status
 from reports.facts.curves import Curves, Measured, Value, curves, film
 from reports.studies.crash import largest_gap
 
-MU = 0.4  # of wheels on links, scenes/data/tracked_vehicle.json
-ROLLING: dict[str, Any] = {"wheel_friction": MU}
-ROUGH: dict[str, Any] = {**ROLLING, "suspension": True, "ground": "bump", "height": 0.05}
+BARE: dict[str, Any] = {"model": "paper"}
+ROUGH: dict[str, Any] = {"suspension": True, "ground": "bump", "height": 0.05}
 WHEELS = ("idler", "roller1", "roller2", "roller3")
 BRIEF, SHORT, LONG = 0.05, 0.5, 2.0  # s: for DASSL, which takes seconds; for engines and methods; for pictures
 REFERENCE = Settings(method="rk4", step=5e-5, reactions=False, estimate="off")
@@ -35,7 +34,7 @@ FINEST = Settings(method="dop853", rtol=1e-12, reactions=False, estimate="off") 
 def measure_track() -> Measured:
     """Drive the rolling vehicle by each method and engine; the rough one for pictures."""
     figures: dict[str, Value] = {}
-    scene, times = scenes.make("tracked_vehicle", **ROLLING), np.linspace(0.0, SHORT, 26)
+    scene, times = scenes.make("tracked_vehicle"), np.linspace(0.0, SHORT, 26)
     fine = simulate(scene, REFERENCE, times)
     for method, more in METHODS:
         bare: dict[str, Any] = {"stabilization": "none"} if method in TESTED else {}
@@ -68,8 +67,8 @@ def measure_track() -> Measured:
 def _held(times: np.ndarray) -> dict[str, Value]:
     """Return what wheels held on the links by constraints change, against the force law; both without friction."""
     settings = Settings(method="rk4", step=1e-4, reactions=False, estimate="off")
-    scene = scenes.make("tracked_vehicle", law="constraint")
-    held, soft = simulate(scene, settings, times), simulate(scenes.make("tracked_vehicle"), settings, times)
+    scene = scenes.make("tracked_vehicle", law="constraint", **BARE)
+    held, soft = simulate(scene, settings, times), simulate(scenes.make("tracked_vehicle", **BARE), settings, times)
     apart = distances(scene, held, soft)[:, scene.body_index("chassis"), 0]
     return {
         "track.held.status": str(held.status) if held.ok else held.message,
@@ -90,8 +89,9 @@ def _engine(scene, name: str, settings: Settings, fine) -> float | str:
 def _rolling() -> tuple[dict[str, Value], dict[str, Curves]]:
     """Return how well wheels roll, and that without friction nothing turns them."""
     settings = Settings(method="rk4", step=1e-4, t_end=LONG, samples=401, estimate="off")
-    scene, bare = scenes.make("tracked_vehicle", **ROLLING), scenes.make("tracked_vehicle")
+    scene, bare = scenes.make("tracked_vehicle"), scenes.make("tracked_vehicle", **BARE)
     path, sliding = simulate(scene, settings), simulate(bare, settings)
+    still = simulate(scenes.make("tracked_vehicle", torque=0.0), Settings(t_end=10.0, estimate="off", reactions=False))
     slip = {wheel: rolling_slip(Motion(scene, path), wheel) for wheel in WHEELS}
     every = np.abs(np.concatenate(list(slip.values())))
     speeds = {"chassis": path.velocity[:, scene.body_index("chassis"), 0]}
@@ -99,6 +99,7 @@ def _rolling() -> tuple[dict[str, Value], dict[str, Curves]]:
         radius = next(c.radius for c in scene.contacts if c.body_a == wheel and c.type == "circle_on_line")
         speeds[f"{wheel}'s rim"] = -radius * path.angular_velocity[:, scene.body_index(wheel)]
     return {
+        "track.rest": float(np.abs(still.position - still.position[:1]).max()) if still.ok else still.message,
         "track.slip_median": float(np.nanmedian(every)), "track.slip_95": float(np.nanpercentile(every, 95.0)),
         "track.sliding_turns": float(np.abs(sliding.angular_velocity[:, [bare.body_index(w) for w in WHEELS]]).max()),
         "track.travel": float(path.position[-1, 0, 0] - path.position[0, 0, 0]),

@@ -11,8 +11,7 @@ from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
 
 agreed = 1e-4  # m
-MU = 0.4
-MODELS = [{"wheel_friction": MU}, {"wheel_friction": MU, "suspension": True, "ground": "bump"}]
+MODELS = [{}, {"suspension": True, "ground": "bump"}]
 
 
 def apart(scene, name: str, settings: Settings, t_end: float) -> float:

@@ -40,9 +40,9 @@ def drive(t_end: float, **parameters):
     return scene, path
 
 
-def test_wheels_roll_with_friction_and_stand_still_without():
-    scene, path = drive(0.8, wheel_friction=MU)
-    bare, sliding = drive(0.1)
+def test_wheels_roll_by_default_and_stand_still_in_the_papers_model():
+    scene, path = drive(0.8)
+    bare, sliding = drive(0.1, model="paper")
     for wheel in WHEELS:
         slip = rolling_slip(Motion(scene, path), wheel)
         assert np.isfinite(slip).sum() > 40
@@ -60,7 +60,7 @@ def test_slip_of_a_wheel_driven_at_a_known_rate():
         PlanarBody(name="wheel", position=(0.0, radius), angular_velocity=-turning, **at),
         PlanarBody(name="belt", position=(0.0, -1.0), velocity=(-speed, 0.0), **at),
     )
-    model = scenes.make("tracked_vehicle", links=20)
+    model = scenes.make("tracked_vehicle", links=20, start="drawn")
     contact = next(c for c in model.contacts if c.name == "idler.link0").model_copy(
         update={"body_a": "wheel", "body_b": "belt", "center": (0.0, radius), "radius": radius + 1e-3,
                 "point_1": (-1.0, 0.0), "point_2": (1.0, 0.0), "extent": "line", "friction": None}
@@ -95,26 +95,35 @@ def test_a_foot_rests_on_the_drawn_ground(ground, height):
 @pytest.mark.slow
 def test_a_slope_pitches_the_hull_by_its_angle():
     height = 0.1
-    scene, path = drive(1.9, wheel_friction=MU, suspension=True, ground="slope", height=height)
-    level, flat = drive(1.9, wheel_friction=MU, suspension=True)
+    scene, path = drive(1.9, suspension=True, ground="slope", height=height)
+    level, flat = drive(1.9, suspension=True)
     hull = scene.body_index("chassis")
     pitch = path.orientation[-5:, hull].mean() - flat.orientation[-5:, level.body_index("chassis")].mean()
     assert math.degrees(pitch) == pytest.approx(math.degrees(math.atan(height)), abs=0.6)
 
 
+def test_a_vehicle_without_torque_rests():
+    """Ground bears the weight, both runs of the track are tight, and nothing moves for ten seconds."""
+    scene = scenes.make("tracked_vehicle", torque=0.0)
+    path = simulate(scene, Settings(t_end=10.0, samples=11, estimate="off"))
+    assert path.ok, path.message
+    assert np.abs(path.position - path.position[:1]).max() < 1e-9  # m
+    feet = sum(path.contacts[part.name][0, 2] for part in scene.contacts if part.body_b == "ground")
+    assert feet == pytest.approx(9.81 * sum(body.mass for body in scene.bodies), rel=1e-9)
+    tension = [np.hypot(*path.reactions[name][0, :2]) for name in ("pin10", "pin25")]
+    assert tension == pytest.approx([5000.0, 5000.0], rel=0.1)  # N: half of the preload, less what the idler gives
+
+
 def test_wound_torsion_bars_bear_the_hull():
-    """The arms' bars balance the hull at t = 0, so that it sinks by the contacts alone."""
-    heights = []
-    for suspension in (False, True):
-        scene, path = drive(0.3, torque=0.0, suspension=suspension)
-        heights.append(path.position[-1, scene.body_index("chassis"), 1])
+    """The arms' bars balance the hull where it is drawn, so that its equilibrium is no lower than on fixed axles."""
+    heights = [scenes.make("tracked_vehicle", suspension=sprung).bodies[0].position[1] for sprung in (False, True)]
     assert heights[1] == pytest.approx(heights[0], abs=2e-3)
 
 
 def test_wheels_on_constraints_go_as_those_on_stiff_springs():
     """No depth at the wheels; on springs, first slack, the hull sinks by up to twice m g / k on three rollers."""
-    scene, held = drive(0.05, law="constraint")
-    _, soft = drive(0.05)
+    scene, held = drive(0.05, model="paper", law="constraint")
+    _, soft = drive(0.05, model="paper")
     hull = scene.body_index("chassis")
     depths = [held.contacts[part.name][:, 0] for part in scene.contacts if part.law.HOLDS]
     closed = [held.contacts[part.name][:, 1:3].any(axis=1) for part in scene.contacts if part.law.HOLDS]
@@ -126,9 +135,14 @@ def test_wheels_on_constraints_go_as_those_on_stiff_springs():
     assert np.abs(held.position[:, hull, 0] - soft.position[:, hull, 0]).max() < sag
 
 
-def test_wheels_on_constraints_have_no_friction():
-    with pytest.raises(ValueError, match=r"wheel_friction = 0\.4 must be 0 with law = 'constraint'"):
-        scenes.make("tracked_vehicle", law="constraint", wheel_friction=MU)
+@pytest.mark.parametrize(
+    ("chosen", "words"),
+    [({"law": "constraint"}, r"wheel_friction = 0\.4 must be 0 with law = 'constraint'"),
+     ({"model": "paper", "preload": 1.0}, r"preload = 1\.0 does not go with model = 'paper', which has 0\.0")],
+)  # fmt: skip
+def test_choices_that_contradict_each_other_are_refused(chosen, words):
+    with pytest.raises(ValueError, match=words):
+        scenes.make("tracked_vehicle", **chosen)
 
 
 def test_a_step_higher_than_a_foot_is_refused():

@@ -198,7 +198,7 @@ def test_more_contacts_than_a_body_can_lean_on_share_its_weight():
 
 def test_a_vehicle_on_constraints_does_not_rock_in_its_last_digits():
     """Impacts of 1e-13 m once followed each other by the thousand: who lands lifts another by as much."""
-    scene = scenes.make("tracked_vehicle", law="constraint")
+    scene = scenes.make("tracked_vehicle", model="paper", law="constraint")
     run = simulate(scene, Settings(method="rk4", step=1e-4, t_end=2e-3, samples=3, estimate="off", reactions=False))
     assert run.ok, run.message
     assert run.event_times is not None

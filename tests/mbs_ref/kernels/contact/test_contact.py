@@ -238,7 +238,7 @@ def test_reported_forces_balance_the_energy():
 
 
 def test_contacts_go_through_toml_and_refuse_nonsense():
-    scene = scenes.make("tracked_vehicle", links=20)
+    scene = scenes.make("tracked_vehicle", links=20, start="drawn")
     assert loads(dumps(scene)) == scene
     ball = PlanarBody(name="ball", mass=1.0, inertia=1.0)
     line = {"name": "floor", "body_a": "ball", "center": (0.0, 1.0), "radius": 1.0, "point_1": (0.0, 0.0)}
@@ -250,7 +250,7 @@ def test_contacts_go_through_toml_and_refuse_nonsense():
 
 
 def test_tracked_vehicle_drives_alike_under_three_integrators():
-    scene = scenes.make("tracked_vehicle")
+    scene = scenes.make("tracked_vehicle", model="paper")
     short = {"t_end": 0.4, "samples": 5, "reactions": False}
     fine = simulate(scene, Settings(method="dop853", rtol=1e-9, **short))
     rk4 = simulate(scene, Settings(method="rk4", step=1e-4, **short))
