@@ -25,7 +25,8 @@ from mbs_ref.scene.events import Event
 from mbs_ref.scene.joints import Drive, PointOnPlane, RollingWheel, UserConstraint
 from mbs_ref.scene.traits import PART_TYPES
 
-SHARED = "loads and contacts come from the shared force code, called through Python"
+BY_SHARED_CODE = "come from the shared force code, called through Python"
+SHARED = f"loads and contacts {BY_SHARED_CODE}"
 LOCATED = (RigidLaw, LankaraniNikraveshLaw, FloresLaw, ConstraintLaw, StickSlip)  # need located events
 _LACKS = (
     *get_args(CelestialLoad), *get_args(get_args(Event)[0]), *Drive.__subclasses__(), *LOCATED,

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from cross_checks.engines import get
-from cross_checks.linkage.forces import SHARED
+from cross_checks.linkage.forces import BY_SHARED_CODE
 from cross_checks.writers.exudyn_items import calls_python, changed, general_contact, lines
 from cross_checks.writers.form import Form, Job, job_of, refuse, refuse_shared
 from cross_checks.writers.script import script, turns_of
@@ -28,7 +28,7 @@ def write_exudyn(scene: Scene, settings: Settings) -> str:
 
     job = job_of(scene, settings, "exudyn")
     model, plan = job.built.model, job.plan
-    if SHARED in model.notes:
+    if any(BY_SHARED_CODE in note for note in model.notes):
         refuse_shared(job)
     if calls_python(model.mbs):
         refuse(scene, "exudyn", model.notes)

@@ -12,7 +12,7 @@ import numpy as np
 from mbs_ref.scene import Bushing, Force, PlanarBody, Scene, SpatialBody, Spherical, SpringDamper, TorsionSpring, Weld
 from mbs_ref.scene.contact import CircleOnCircle, CircleOnLine, SphereOnPlane, SphereOnSphere
 
-Z = (0.0, 0.0, 1.0)  # to the right of who sits facing x, with y upwards
+UNSTRAINED = 1e-12  # rad
 SLENDER = 0.25  # of the planar moment of inertia, about a part's long axis: an estimate
 ALONG_X = {"foot"}  # parts whose long axis is x at a straight stand; the others' is y
 # m, how far left and right of the plane the two limbs lie whose sum a part is: estimates
@@ -68,21 +68,20 @@ def _loads(load: Any, angle: dict[str, float], place: dict[str, Any], oblique: f
         marks: dict[str, Any] = {"point_a": _lifted(load.point_a), "point_b": _lifted(load.point_b)}
         return [SpringDamper(**dict(load) | marks)]
     if isinstance(load, TorsionSpring):
-        return _restoring(load, angle, place[load.name.removesuffix(".restoring")])
+        return [_restoring(load, angle, place[load.name.removesuffix(".restoring")])]
     raise ValueError(f"load {load.name!r} of type {load.type} has no counterpart in space yet")
 
 
-def _restoring(load: TorsionSpring, angle: dict[str, float], joint: Any) -> list[Any]:
-    """Return the torque of the plane about z, and one as stiff about x and y that vanishes in the plane."""
+def _restoring(load: TorsionSpring, angle: dict[str, float], joint: Any) -> Bushing:
+    """Return a torque against the rotation vector: the plane's about z, as stiff about every other axis."""
     start = angle[load.body_b] - angle[load.body_a]
-    rest = 0.0 if load.rest_angle is None else load.rest_angle - start
-    ends: dict[str, Any] = {"body_a": load.body_a, "body_b": load.body_b}
-    k, c = load.stiffness, load.damping
-    return [
-        TorsionSpring(name=load.name, **ends, stiffness=k, damping=c, rest_angle=rest, axis=Z),
-        Bushing(name=f"{load.name}.side", **ends, point=_lifted(joint.point), stiffness=(0.0, 0.0, 0.0, k, k, 0.0),
-                damping=(0.0, 0.0, 0.0, c, c, 0.0)),
-    ]  # fmt: skip
+    if load.rest_angle is not None and abs(load.rest_angle - start) > UNSTRAINED:
+        raise ValueError(f"load {load.name!r} is strained at t = 0, and has no counterpart in space yet")
+    k, c, none = load.stiffness, load.damping, (0.0, 0.0, 0.0)
+    return Bushing(
+        name=load.name, body_a=load.body_a, body_b=load.body_b, point=_lifted(joint.point),
+        stiffness=(*none, k, k, k), damping=(*none, c, c, c),
+    )  # fmt: skip
 
 
 def _contact(contact: Any, breadth: float) -> SphereOnPlane | SphereOnSphere:

@@ -7,11 +7,11 @@ import numpy as np
 from cross_checks.engines.exudyn_.contact import add_contacts, add_pair_contacts
 from cross_checks.engines.exudyn_.methods import CONTACT, EXPLICIT_CONTACT
 from cross_checks.engines.exudyn_.model import Redundant
-from cross_checks.engines.exudyn_.parts import JOINTS, LOADS
-from cross_checks.linkage.forces import SHARED, Applied
+from cross_checks.engines.exudyn_.parts import JOINTS, LOADS, has_connector
+from cross_checks.linkage.forces import BY_SHARED_CODE, Applied
 from cross_checks.linkage.links import lifted, linkage_of
 from cross_checks.linkage.tree import FIXED
-from mbs_ref.scene import PlanarBody, PointMass, Scene, SpatialBody
+from mbs_ref.scene import Load, PlanarBody, PointMass, Scene, SpatialBody
 from mbs_ref.scene.euler_parameters import parameter_matrix, rotation_matrices
 
 ROTATION_VECTOR = "rotation_vector"
@@ -19,8 +19,12 @@ ROTATION_VECTOR = "rotation_vector"
 
 def takes_shared_forces(scene: Scene, method: str) -> bool:
     """Return whether some load or contact is none of Exudyn's own connectors."""
-    foreign = bool(scene.contacts) or any(type(load) not in LOADS for load in scene.loads)
-    return method not in EXPLICIT_CONTACT and foreign
+    return method not in EXPLICIT_CONTACT and bool(scene.contacts or _foreign(scene))
+
+
+def _foreign(scene: Scene) -> tuple[Load, ...]:
+    """Return the loads that no connector of Exudyn's represents."""
+    return tuple(load for load in scene.loads if not has_connector(scene, load))
 
 
 def build_redundant(scene: Scene, method: str) -> Redundant:
@@ -34,12 +38,12 @@ def build_redundant(scene: Scene, method: str) -> Redundant:
         _watch_body(model, k)
     for joint in scene.joints:
         JOINTS[type(joint)](model, joint)
+    for load in scene.loads:
+        if has_connector(scene, load):
+            LOADS[type(load)](model, load)
     if takes_shared_forces(scene, method):
         _add_shared_forces(model)
-        return model
-    for load in scene.loads:
-        LOADS[type(load)](model, load)
-    if scene.contacts:
+    elif scene.contacts:
         (add_contacts if method == CONTACT else add_pair_contacts)(model)
     return model
 
@@ -84,8 +88,9 @@ def _watch_body(model: Redundant, k: int) -> None:
 
 
 def _add_shared_forces(model: Redundant) -> None:
-    """Apply all loads and contacts through one item over all nodes, which calls Python."""
-    linkage = linkage_of(model.scene)
+    """Apply contacts, and loads without a connector, through one item over all nodes, which calls Python."""
+    loads = _foreign(model.scene)
+    linkage = linkage_of(model.scene.model_copy(update={"loads": loads}))
     applied, planar = Applied(linkage), model.planar
     turns = linkage.angle[:, None] if planar else linkage.theta
     start = np.column_stack(([body.position for body in model.scene.bodies], turns))
@@ -109,4 +114,8 @@ def _add_shared_forces(model: Redundant) -> None:
             forceVector=np.zeros(size), forceUserFunction=forces,
         )
     )  # fmt: skip
-    model.notes += (SHARED,)
+    shared = [
+        *(("contacts",) if model.scene.contacts else ()),
+        *sorted({f"loads of type {load.type}" for load in loads}),
+    ]
+    model.notes += (f"{', '.join(shared)} {BY_SHARED_CODE}",)

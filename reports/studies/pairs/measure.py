@@ -51,7 +51,7 @@ class Request:
         return tasks((OURS, *self.rivals))
 
 
-SHARED = "Forces of contacts and belts are ours, called from Python: dynamics is what is compared."
+SHARED = "Contact forces are ours, called from Python; belts and joint torques are Exudyn's own, and ours for Pinocchio."
 PAIRS = (
     Request(
         "Chains and loops: Exudyn, Pinocchio", "Pinocchio is driven from Python, by its own stepping there.",

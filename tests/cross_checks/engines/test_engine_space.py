@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -11,7 +13,7 @@ from cross_checks.truths import seek_truth
 from cross_checks.truths.truth import Truth
 from mbs_ref import scenes
 from mbs_ref.observables.distance import farthest
-from mbs_ref.scene import GROUND, PointMass, Revolute, Scene, SpatialBody, Spherical, TorsionSpring
+from mbs_ref.scene import GROUND, Bushing, PointMass, Revolute, Scene, SpatialBody, Spherical, TorsionSpring
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
 from tests.cross_checks.engines.loaded_scenes import loaded_top
@@ -220,6 +222,33 @@ def test_springs_bushings_torques_and_pulses_in_space_act_as_the_references_do(n
     assert turn < 10.0 * bound
 
 
+@pytest.mark.parametrize("joined", [False, True], ids=["free", "on a ball"])
+@pytest.mark.parametrize(
+    ("load", "own"),
+    [({"stiffness": 3.0, "damping": 0.5, "rest_angle": 0.3, "axis": (0.0, 0.0, 1.0)}, False),
+     ({"stiffness": (0.0, 0.0, 0.0, 3.0, 3.0, 3.0), "damping": (0.0, 0.0, 0.0, 0.5, 0.5, 0.5)}, True),
+     ({"stiffness": (0.0, 0.0, 0.0, 3.0, 3.0, 0.0)}, False)],
+    ids=["torsion spring", "isotropic bushing", "bushing"],
+)  # fmt: skip
+def test_exudyn_turns_two_tumbling_bodies_by_a_spring(load, own, joined):
+    """Its own connectors act where they have the same law, the shared force code elsewhere."""
+    installed("exudyn")
+    still = {"mass": 2.0, "inertia": (0.1, 0.2, 0.3, 0.0, 0.0, 0.0)}
+    one = SpatialBody(name="a", angular_velocity=(0.3, 0.5, 0.1), **still)
+    two = SpatialBody(
+        name="b", position=(1.0, 0.0, 0.0), velocity=(0.0, 0.6, 0.7), angular_velocity=(0.5, -0.7, 0.6), **still
+    )
+    ends: dict[str, Any] = {"name": "spring", "body_a": "a", "body_b": "b"}
+    spring = TorsionSpring(**ends, **load) if "axis" in load else Bushing(**ends, point=(0.0, 0.0, 0.0), **load)
+    ball = (Spherical(name="ball", body_a="a", body_b="b", point=(0.0, 0.0, 0.0)),) if joined else ()
+    scene, times = Scene(name="two", bodies=(one, two), loads=(spring,), joints=ball), np.linspace(0.0, 1.0, 6)
+    fine = simulate(scene, Settings(rtol=1e-10, estimate="off"), times)
+    path = engines.get("exudyn").run(scene, Settings(method="generalized_alpha", step=1e-3), times)
+    assert path.ok, path.message
+    assert any("shared force code" in note for note in path.notes) != own
+    assert farthest(scene, path, fine)[1] < 1e-5  # rad; by its torsional spring 0.03
+
+
 def test_two_springs_of_one_hinge_and_one_across_two_hinges_are_all_counted():
     """MuJoCo has them as a joint's spring, a tendon of that joint, and a tendon of both."""
     installed("mujoco")
@@ -271,3 +300,16 @@ def test_exudyns_kinematic_tree_names_what_it_is_not_taught():
     for name, joint in (("spatial_chain", "'ball1'"), ("torque_free_top", "'top'"), ("bricard", "closes a loop")):
         reasons = exudyn.method_refusals(scenes.make(name), exudyn.method("tree_rk44"))
         assert any(joint in refusal.reason for refusal in reasons)
+
+
+@pytest.mark.parametrize(
+    ("name", "method", "step"), [("exudyn", "generalized_alpha", 1e-3), ("pinocchio", "rk4", 2e-4)]
+)
+def test_an_oblique_crash_in_space_agrees(name, method, step):
+    """Exudyn by its own elements but for contacts, Pinocchio by the shared force code."""
+    installed(name)
+    scene, times = scenes.make("android_spatial"), np.linspace(0.0, 0.1, 6)
+    fine = simulate(scene, Settings(rtol=1e-10, estimate="off", reactions=False), times)
+    path = engines.get(name).run(scene, Settings(method=method, step=step, reactions=False), times)
+    assert path.ok, path.message
+    assert farthest(scene, path, fine)[0] < 1e-3  # m

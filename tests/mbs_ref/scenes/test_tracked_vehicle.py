@@ -17,7 +17,6 @@ from mbs_ref.scenes.tracked_vehicle.terrain import AHEAD, BUMP_HALF_WIDTH, SLOPE
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
 
-MU = 0.4  # between wheel and link, from the scene's data
 rolls = 0.02  # of the link's speed
 WHEELS = ("idler", "roller1", "roller2", "roller3")
 

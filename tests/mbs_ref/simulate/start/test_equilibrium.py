@@ -49,7 +49,7 @@ def test_a_chain_hangs_straight_down():
 
 
 def test_springs_strained_in_equilibrium_keep_their_law():
-    """Both springs are unstrained where they are drawn: the slider sags by m g / k, the bar turns until k a = m g cos a."""
+    """From unstrained springs the slider sags by m g / k, and the bar turns until k a = m g cos a."""
     rail = Prismatic(name="rail", body_a=GROUND, body_b="slider", point=(0.0, 0.0), axis=(0.0, 1.0))
     hinge = Revolute(name="hinge", body_a=GROUND, body_b="bar", point=(3.0, 0.0))
     spring = SpringDamper(
