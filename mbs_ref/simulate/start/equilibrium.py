@@ -168,7 +168,7 @@ def _owner(part: Any, name: str) -> str:
     if name.endswith(("_a", "_b")):
         return fields[f"body{name[-2:]}"]
     first = name == "center" if isinstance(part, ContactPart) else name != "point"
-    return part.body_a if first else part.body_b
+    return fields["body_a" if first else "body_b"]
 
 
 def _as_strained(part: Any, motion: Motion) -> dict[str, Any]:

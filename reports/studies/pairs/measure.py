@@ -51,7 +51,9 @@ class Request:
         return tasks((OURS, *self.rivals))
 
 
-SHARED = "Contact forces are ours, called from Python; belts and joint torques are Exudyn's own, and ours for Pinocchio."
+SHARED = (
+    "Contact forces are ours, called from Python; belts and joint torques are Exudyn's own, and ours for Pinocchio."
+)
 PAIRS = (
     Request(
         "Chains and loops: Exudyn, Pinocchio", "Pinocchio is driven from Python, by its own stepping there.",

@@ -15,6 +15,7 @@ from reports.facts.curves import Measured, Value
 from reports.studies.papers.coordinates import coordinates
 from reports.studies.papers.crash_figures import measure_crash, outline_pictures
 from reports.studies.papers.formulations import euler_angles, multipliers
+from reports.studies.papers.lessons import measure_lessons
 from reports.studies.papers.track_figures import measure_track
 from reports.studies.sky.measure import observed
 
@@ -24,11 +25,22 @@ INDICES = ("dassl_index1", "dassl_index2", "dassl", "dassl_index3")
 
 def measure() -> Measured:
     """Run everything; two minutes with compiled code at hand."""
-    crash, track = measure_crash(), measure_track()
-    figures = crash.figures | track.figures | measure_sky() | multipliers() | coordinates() | satellites() | _indices()
+    crash, track, lessons = measure_crash(), measure_track(), measure_lessons()
+    figures = (
+        crash.figures
+        | track.figures
+        | lessons.figures
+        | measure_sky()
+        | multipliers()
+        | coordinates()
+        | satellites()
+        | _indices()
+    )
     for tilt in TILTS:
         figures |= {f"angles.{tilt:g}.{name}": value for name, value in euler_angles(tilt).items()}
-    return Measured(figures, outline_pictures(), crash.curves | track.curves, crash.films | track.films)
+    return Measured(
+        figures, outline_pictures(), crash.curves | track.curves | lessons.curves, crash.films | track.films
+    )
 
 
 def _indices() -> dict[str, Value]:

@@ -10,6 +10,7 @@ from reports.facts.curves import Curves, Measured
 from reports.page.render import pages, render
 from reports.studies.claims import Claim
 from reports.studies.papers.formulations import SINGULAR, euler_angles, multipliers
+from reports.studies.papers.lessons import block_inversion, orders
 from reports.studies.study import every, measure
 from tests.reports.page.synthetic_report import report_data
 
@@ -73,6 +74,21 @@ def test_eulers_angles_stop_at_the_pole_with_a_name():
     assert at["status"] == SINGULAR
     assert at["until"] == pytest.approx(1.0, abs=1e-3)  # s: the axis starts a radian from the pole and turns at 1 rad/s
     assert float(euler_angles(1e-3)["calls"]) > 2.0 * float(near["calls"])
+
+
+def test_a_singular_block_is_not_inverted():
+    """Of a body in Euler parameters A has rank 3 of 4; the whole matrix gives Euler's equations to roundoff."""
+    found = block_inversion()
+    assert found["block.rank"] == 3.0
+    assert float(found["block.whole_error"]) < 1e-14
+    assert isinstance(found["block.error"], str) or found["block.error"] > 1e-6
+
+
+def test_local_errors_are_of_one_order_more_than_global_ones():
+    found = orders()
+    for method, order in (("rk4", 4.0), ("euler", 1.0)):
+        assert found[f"errors.{method}.global"] == pytest.approx(order, abs=HALF_ORDER)
+        assert found[f"errors.{method}.local"] == pytest.approx(order + 1.0, abs=HALF_ORDER)
 
 
 @pytest.mark.slow

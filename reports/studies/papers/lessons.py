@@ -1,0 +1,148 @@
+"""What the papers advise: tolerances of LSODAR, step rules, no block inversion, orders of errors; their range of crashes."""
+
+from __future__ import annotations
+
+import math
+from itertools import product
+
+import numpy as np
+
+from mbs_ref import scenes
+from mbs_ref.cores.choice import compile_scene
+from mbs_ref.crash.results import crash_results
+from mbs_ref.integrators import integrators
+from mbs_ref.observables.distance import farthest
+from mbs_ref.scene.euler_parameters import parameter_matrix
+from mbs_ref.settings import Settings
+from mbs_ref.simulate import simulate
+from mbs_ref.simulate.linearised.stiffness import stiffness_at_start
+from mbs_ref.trajectory import Status
+from reports.facts.curves import Curves, Measured, Value, plain
+from reports.studies.crash import BELIEVABLE, finished, largest_gap, with_test
+from reports.studies.papers.crash_figures import AS_THEY_RAN
+
+TOLERANCES = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6)
+
+
+def measure_lessons() -> Measured:
+    """Return figures and curves of all lessons."""
+    parts = (lsodar_series(), crash_range())
+    figures: dict[str, Value] = step_rules() | block_inversion() | orders()
+    for part in parts:
+        figures |= part.figures
+    return Measured(figures, {}, {name: lines for part in parts for name, lines in part.curves.items()}, {})
+
+
+def lsodar_series() -> Measured:
+    """Run LSODAR on the vertebral android at ever finer tolerances, under the papers' test |C| < h and without it."""
+    scene, figures = scenes.make("android_vertebral"), {}
+    for rtol in TOLERANCES:
+        settings = Settings(method="lsodar", rtol=rtol, **AS_THEY_RAN)
+        test = simulate(scene, settings.model_copy(update={"stop_on_compliance": True}))
+        path, _, error = with_test(scene, settings, tested=False)
+        ended = "fails" if test.status is Status.COMPLIANCE else "keeps" if test.ok else str(test.status)
+        figures |= {
+            f"lsodar.{rtol:g}.until": float(test.times[-1]), f"lsodar.{rtol:g}.test": ended,
+            f"lsodar.{rtol:g}.status": str(path.status), f"lsodar.{rtol:g}.compliance": largest_gap(path),
+            f"lsodar.{rtol:g}.error": str(path.status) if error is None else error,
+        }  # fmt: skip
+    reached = plain([figures[f"lsodar.{rtol:g}.until"] for rtol in TOLERANCES])
+    line = Curves(TOLERANCES, {"until": reached}, "time reached under the papers' test, s", "rtol", x_log=True,
+                  marks="lines+markers")  # fmt: skip
+    return Measured(figures, {}, {"LSODAR on the vertebral android": line}, {})
+
+
+def step_rules() -> dict[str, Value]:
+    """Return the papers' step rules (Fox 1999 eqs 36-37) over contacts, and RK4's stable step, for both androids.
+
+    A progressive contact's m/c is m/(c d), which falls with its depth d: the smallest of a run is taken.
+    """
+    figures: dict[str, Value] = {}
+    for kind in ("simplified", "vertebral"):
+        scene = scenes.make(f"android_{kind}")
+        stiff, path = stiffness_at_start(scene), finished(scene)
+        system = compile_scene(scene)
+        mobility = system.contact_oscillators(0.0, system.initial_state())[:, 0]
+        laws = [part.law.numbers() for part in scene.contacts]
+        damped = [
+            law.damping * float(path.contacts[part.name][:, 0].max()) * kw / law.stiffness
+            for part, law, kw in zip(scene.contacts, laws, mobility, strict=True)
+        ]
+        figures |= {
+            f"rules.{kind}.oscillation": stiff.oscillation_rule, f"rules.{kind}.damping": 1.0 / max(damped),
+            f"rules.{kind}.stable": stiff.step_limit(integrators()["rk4"].stability or ()),
+        }  # fmt: skip
+    return figures
+
+
+def block_inversion() -> dict[str, Value]:
+    """Return how a turning body's equations are solved by inverting A = 4 E^T J E, and whole (Fox 2001 eq. 35).
+
+    The exact accelerations follow from Euler's equations; errors are relative to them.
+    """
+    inertia, theta, omega = np.diag([0.2, 0.3, 0.4]), np.array([0.1, 0.7, -0.5, 0.5]), np.array([1.0, -2.0, 3.0])
+    rates = parameter_matrix(theta)  # E: omega = 2 E theta_dot
+    turning = np.linalg.solve(inertia, -np.cross(omega, inertia @ omega))
+    exact = 0.5 * rates.T @ turning - 0.25 * (omega @ omega) * theta
+    a, row = 4.0 * rates.T @ inertia @ rates, theta[None]
+    right = np.append(a @ exact, theta @ exact)
+    whole = np.block([[a, row.T], [row, np.zeros((1, 1))]])
+    try:
+        inverse = np.linalg.inv(a)
+        multiplier = (row @ inverse @ right[:4] - right[4:]) / (row @ inverse @ row.T)[0]
+        inverted: Value = _relative(inverse @ (right[:4] - theta * multiplier), exact)
+    except np.linalg.LinAlgError as error:
+        inverted = str(error)
+    return {
+        "block.rank": float(np.linalg.matrix_rank(a)), "block.condition": float(np.linalg.cond(a)),
+        "block.whole_condition": float(np.linalg.cond(whole)), "block.error": inverted,
+        "block.whole_error": _relative(np.linalg.solve(whole, right)[:4], exact),
+    }  # fmt: skip
+
+
+def _relative(solved: np.ndarray, exact: np.ndarray) -> float:
+    return float(np.linalg.norm(solved - exact) / np.linalg.norm(exact))
+
+
+def orders() -> dict[str, Value]:
+    """Return the orders of local errors (one step) and global ones (a fixed time): p + 1 and p for stable methods."""
+    scene, figures = scenes.make("slider_crank"), {}
+    fine = Settings(method="dop853", rtol=1e-13, estimate="off", reactions=False)
+    for method, step in (("rk4", 4e-3), ("euler", 4e-4)):
+        for kind in ("local", "global"):
+            errors = []
+            for h in (step, 0.5 * step):
+                times = np.array([0.0, h if kind == "local" else 100.0 * step])
+                coarse = simulate(scene, Settings(method=method, step=h, estimate="off", reactions=False), times)
+                errors.append(max(farthest(scene, coarse, simulate(scene, fine, times))))
+            figures[f"errors.{method}.{kind}"] = math.log2(errors[0] / errors[1])
+    return figures
+
+
+MASSES, DURATIONS, SPEEDS = (50.0, 75.0, 100.0), (0.1, 0.15, 0.2), (40.0, 50.0, 60.0)  # kg, s, km/h
+
+
+def crash_range() -> Measured:
+    """Run the believable simplified android over the papers' range of mass, duration and change of speed.
+
+    The exponents a, b, c of HIC36 ~ m^a T^b dv^c are fitted to all runs.
+    """
+    rows, forces = [], []
+    for mass, duration, speed in product(MASSES, DURATIONS, SPEEDS):
+        mean = mass * speed / 3.6 / duration  # N, Fox 1999 eq. 35
+        crash = {"mass": mass, "speed_change_km_h": speed, "peak_force": 0.5 * math.pi * mean}
+        scene = scenes.make("android_simplified", **crash, **BELIEVABLE)
+        rows.append((mass, duration, speed, crash_results(scene, finished(scene)).measures["HIC36"]))
+        forces.append(mean)
+    table = np.array(rows)
+    logs = np.log(table)
+    fit = np.linalg.lstsq(np.column_stack((logs[:, :3], np.ones(len(logs)))), logs[:, 3], rcond=None)[0]
+    figures: dict[str, Value] = {
+        "range.force_least": min(forces), "range.force_most": max(forces), "range.runs": float(len(rows)),
+        "range.HIC36_least": float(table[:, 3].min()), "range.HIC36_most": float(table[:, 3].max()),
+        **{f"range.exponent.{name}": float(x) for name, x in zip(("mass", "duration", "speed"), fit, strict=False)},
+    }  # fmt: skip
+    middle = table[table[:, 0] == MASSES[1]]
+    lines = {f"{t:g} s": plain(middle[middle[:, 1] == t, 3]) for t in DURATIONS}
+    drawn = Curves(SPEEDS, lines, "HIC36 at 75 kg", "change of speed, km/h", marks="lines+markers")
+    return Measured(figures, {}, {"HIC over the papers' range of crashes": drawn}, {})
