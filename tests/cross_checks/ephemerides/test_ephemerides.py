@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from importlib import import_module
 from importlib.util import find_spec
 
 import numpy as np
@@ -65,6 +66,9 @@ def test_astropys_builtin_has_four_figures_and_no_pluto():
 @pytest.mark.parametrize("body", ["earth", "moon", "neptune"])
 def test_astropy_reads_the_same_de440(body):
     one_millimetre = 1e-3  # m
+    jd = START + 200.25
+    rate = import_module("cross_checks.ephemerides.astropy_").velocity("astropy_de440", body, jd)
+    assert rate == pytest.approx(ephemeris.state(body, jd)[1], abs=1e-6)  # m/s
     place = ephemerides.heliocentric("astropy_de440", body, START + 200.25)
     assert place == pytest.approx(ephemerides.heliocentric("de440", body, START + 200.25), abs=one_millimetre)
 

@@ -40,7 +40,7 @@ def drive(t_end: float, **parameters):
 
 
 def test_wheels_roll_by_default_and_stand_still_in_the_papers_model():
-    scene, path = drive(0.8)
+    scene, path = drive(0.6)
     bare, sliding = drive(0.1, model="paper")
     for wheel in WHEELS:
         slip = rolling_slip(Motion(scene, path), wheel)
@@ -114,9 +114,9 @@ def test_a_vehicle_without_torque_rests():
 
 
 def test_wound_torsion_bars_bear_the_hull():
-    """The arms' bars balance the hull where it is drawn, so that its equilibrium is no lower than on fixed axles."""
-    heights = [scenes.make("tracked_vehicle", suspension=sprung).bodies[0].position[1] for sprung in (False, True)]
-    assert heights[1] == pytest.approx(heights[0], abs=2e-3)
+    """The arms' bars balance the hull where it is drawn: it sinks by the sprocket's and idler's share alone."""
+    hulls = [scenes.make("tracked_vehicle", links=20, suspension=sprung).bodies[0] for sprung in (False, True)]
+    assert hulls[1].position[1] == pytest.approx(hulls[0].position[1], abs=4e-3)
 
 
 def test_wheels_on_constraints_go_as_those_on_stiff_springs():

@@ -12,6 +12,7 @@ from reports.facts.curves import Measured
 from reports.facts.report_data import ReportData
 from reports.page.render import render
 from reports.studies.sky import measure as sky
+from reports.studies.sky.frames import frames
 from reports.studies.study import every
 
 BODIES = ("sun", "mercury", "earth", "moon", "jupiter")
@@ -85,3 +86,15 @@ def test_a_lost_moon_is_stated_and_the_page_does_without_rebound(facts):
     assert "has lost the\nMoon" in page(facts)
     facts.figures["splitting.moon"] = 1.7
     assert "place to 1.7 figures" in page(facts)
+
+
+def test_each_part_of_the_earths_rotation_brings_the_track_closer_to_astropys():
+    """Precession, nutation and UT1 in turn; metres remain, as polar motion is left out. Aberration is 20 arcseconds."""
+    pytest.importorskip("astropy")
+    rows = {row["name"]: row for row in frames()}
+    tracks = [float(row["apart"] or 0.0) for name, row in rows.items() if "ITRS" in name]
+    assert sorted(tracks, reverse=True) == tracks
+    assert tracks[-1] < 15.0  # m: polar motion of half an arcsecond
+    assert float(rows["the same satellite in TEME, SGP4's frame"]["apart"] or 0.0) < 5.0  # m
+    assert float(rows["Mars from the Earth: and aberration"]["figures"] or 0.0) > 7.0
+    assert float(rows["TDB - UTC"]["apart"] or 0.0) < 1e-4  # s

@@ -1,0 +1,131 @@
+"""Frames, light time, clocks and velocities by short formulas, compared with Astropy's complete ones."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator
+from importlib import import_module
+from typing import Any
+
+import numpy as np
+
+from mbs_ref import ephemeris, scenes
+from mbs_ref.scene.celestial import C_SI
+from mbs_ref.settings import Settings
+from mbs_ref.simulate import simulate
+from reports.facts.curves import Row
+
+START, J2000, DAY, CENTURY = 2_450_814.5, 2_451_545.0, 86_400.0, 36_525.0  # JD TDB, JD TDB, s, days
+TAI_UTC = 31.0  # s, then
+ARC = np.radians(1.0 / 3600.0)  # rad
+# Fukushima-Williams angles of precession and frame bias, IAU 2006: arcseconds, per century, per century^2
+PRECESSION = (
+    (-0.052928, 10.556378, 0.4932044), (84_381.412819, -46.811016, 0.0511268),
+    (-0.041775, 5038.481484, 1.5584175), (84_381.406, -46.836769, -0.0001831),
+)  # fmt: skip
+SIDEREAL = (0.014506, 4612.156534, 1.3915817)  # mean sidereal time less the Earth's rotation angle, likewise
+# four terms of nutation (Meeus 1998): argument at J2000 and its rate (degrees), parts in longitude and obliquity
+NUTATION = (
+    (125.04452, -1934.136261, -17.20, 9.20), (560.9330, 72_001.5396, -1.32, 0.57),
+    (436.6330, 962_535.7626, -0.23, 0.10), (250.08904, -3868.272522, 0.21, -0.09),
+)  # fmt: skip
+TRACKS = (("rotation angle alone", 0, False), ("and precession", 1, False), ("and four terms of nutation", 2, False),
+          ("and UT1 - UTC", 2, True))  # fmt: skip
+PLANETS = ("mercury", "venus", "earth", "mars", "jupiter", "saturn", "uranus", "neptune")
+
+
+def frames() -> tuple[Row, ...]:
+    """Return a row for each comparison: largest distance, significant figures, both times (s); none without Astropy."""
+    try:
+        return tuple(_rows(import_module("cross_checks.ephemerides.astropy_")))
+    except ModuleNotFoundError:
+        return ()
+
+
+def _rows(astropy: Any) -> Iterator[Row]:
+    path = simulate(scenes.make("satellite", orbit="leo", days=1.0), Settings(rtol=1e-10, samples=289, estimate="off"))
+    places, jds = path.position[:, -1] - path.position[:, 0], START + path.times / DAY
+    tdb_utc, ut1_utc = astropy.clocks(START)
+    for name, level, shifted in TRACKS:
+        ut1 = jds - (tdb_utc - ut1_utc * shifted) / DAY
+        yield _row(
+            f"ground track of a satellite, ITRS: {name}", "m",
+            lambda ut1=ut1, level=level: turned(places, ut1, level, 1.0), lambda: astropy.in_frame("ITRS", places, jds),
+        )  # fmt: skip
+    yield _row("the same satellite in TEME, SGP4's frame", "m", lambda: turned(places, jds, 2, 0.0),
+               lambda: astropy.in_frame("TEME", places, jds))  # fmt: skip
+    source = "astropy_de440" if ephemeris.is_complete() else "astropy_builtin"
+    for name, steps, moving in (("geometric", 0, False), ("light time", 4, False), ("and aberration", 4, True)):
+        yield _row(
+            f"Mars from the Earth: {name}", "m",
+            lambda steps=steps, moving=moving: seen(astropy, source, "mars", START, steps, moving),
+            lambda: astropy.apparent(source, "mars", START),
+        )  # fmt: skip
+    yield _row(
+        "velocities of the planets: DE440", "m/s",
+        lambda: np.array([ephemeris.state(body, START)[1] for body in PLANETS]),
+        lambda: np.array([astropy.velocity(source, body, START) for body in PLANETS]),
+    )  # fmt: skip
+    yield _row("TDB - UTC", "s", lambda: np.array([TAI_UTC + 32.184 + _periodic(START)]),
+               lambda: np.array(astropy.clocks(START)[:1]))  # fmt: skip
+
+
+def _row(name: str, unit: str, ours: Callable[[], np.ndarray], theirs: Callable[[], np.ndarray]) -> Row:
+    (one, ours_s), (other, theirs_s) = _timed(ours), _timed(theirs)
+    gap, size = (np.linalg.norm(np.atleast_2d(x), axis=1) for x in (one - other, other))
+    figures = float(-np.log10(max(np.max(gap / size), np.finfo(float).eps)))
+    apart = float(gap.max())
+    return {"name": name, "unit": unit, "apart": apart, "figures": figures, "ours_s": ours_s, "theirs_s": theirs_s}
+
+
+def _timed(call: Callable[[], np.ndarray]) -> tuple[np.ndarray, float]:
+    """Return a result, and the time (s) of the second call: the first one reads files."""
+    call()
+    began = time.perf_counter()
+    return call(), time.perf_counter() - began
+
+
+def _periodic(jd: float) -> float:
+    """Return the largest term of TDB - TT (s)."""
+    return 0.001658 * np.sin(np.radians(357.53 + 0.98560028 * (jd - J2000)))
+
+
+def seen(astropy: Any, source: str, body: str, jd: float, steps: int, moving: bool) -> np.ndarray:
+    """Return the place (3,), m, of a body from the Earth's centre: at its light's start after `steps` iterations.
+
+    For an observer that moves with the Earth it is turned by aberration (Explanatory Supplement 2013, eq. 7.40).
+    """
+    here, there = (astropy.place(source, name, jd) for name in ("earth", body))
+    for _ in range(steps):
+        there = astropy.place(source, body, jd - np.linalg.norm(there - here) / C_SI / DAY)
+    distance = float(np.linalg.norm(there - here))
+    u, beta = (there - here) / distance, moving * astropy.velocity(source, "earth", jd) / C_SI
+    shrink, along = np.sqrt(1.0 - beta @ beta), u @ beta
+    return distance * (shrink * u + (1.0 + along / (1.0 + shrink)) * beta) / (1.0 + along)
+
+
+def turned(places: np.ndarray, ut1: np.ndarray, level: int, turn: float) -> np.ndarray:
+    """Return places (n, 3), m, of GCRS axes as the Earth sees them at Julian dates UT1; in TEME with turn = 0.
+
+    From level 1 with precession, from level 2 with nutation (IERS Conventions 2010, ch. 5, without polar motion).
+    """
+    since = ut1 - J2000
+    t = since / CENTURY
+    gamma, phi, psi, eps = (ARC * (a + b * t + c * t * t) * (level > 0) for a, b, c in PRECESSION)
+    angles = [np.radians(a + b * t) for a, b, _, _ in NUTATION]
+    dpsi, deps = (
+        ARC * (level > 1) * sum(term[k] * f(x) for x, term in zip(angles, NUTATION, strict=True))
+        for k, f in ((2, np.sin), (3, np.cos))
+    )
+    angle = 2.0 * np.pi * (0.7790572732640 + 1.00273781191135448 * since)
+    sidereal = angle + ARC * (SIDEREAL[0] + SIDEREAL[1] * t + SIDEREAL[2] * t * t) * (level > 0)
+    place = _about(0, -eps - deps, _about(2, -psi - dpsi, _about(0, phi, _about(2, gamma, places))))
+    return _about(2, turn * sidereal + dpsi * np.cos(eps), place)
+
+
+def _about(axis: int, angle: np.ndarray, places: np.ndarray) -> np.ndarray:
+    """Return components (n, 3) in axes turned by an angle (n,), rad, about x (0), y (1) or z (2)."""
+    one, other = (axis + 1) % 3, (axis + 2) % 3
+    out, c, s = places.copy(), np.cos(angle), np.sin(angle)
+    out[:, one], out[:, other] = c * places[:, one] + s * places[:, other], c * places[:, other] - s * places[:, one]
+    return out
