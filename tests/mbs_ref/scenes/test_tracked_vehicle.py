@@ -40,7 +40,7 @@ def drive(t_end: float, **parameters):
 
 
 def test_wheels_roll_by_default_and_stand_still_in_the_papers_model():
-    scene, path = drive(0.6)
+    scene, path = drive(0.8)
     bare, sliding = drive(0.1, model="paper")
     for wheel in WHEELS:
         slip = rolling_slip(Motion(scene, path), wheel)

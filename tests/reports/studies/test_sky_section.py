@@ -91,7 +91,7 @@ def test_a_lost_moon_is_stated_and_the_page_does_without_rebound(facts):
 def test_each_part_of_the_earths_rotation_brings_the_track_closer_to_astropys():
     """Precession, nutation and UT1 in turn; metres remain, as polar motion is left out. Aberration is 20 arcseconds."""
     pytest.importorskip("astropy")
-    rows = {row["name"]: row for row in frames()}
+    rows = {str(row["name"]): row for row in frames()}
     tracks = [float(row["apart"] or 0.0) for name, row in rows.items() if "ITRS" in name]
     assert sorted(tracks, reverse=True) == tracks
     assert tracks[-1] < 15.0  # m: polar motion of half an arcsecond

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -60,7 +61,7 @@ def test_springs_strained_in_equilibrium_keep_their_law():
     drawn = Scene(name="sag", gravity=DOWN, bodies=bodies, joints=(rail, hinge), loads=(spring, bar))
     scene = at_equilibrium(drawn)
     slider, turned = scene.bodies
-    angle = brentq(lambda a: STIFFNESS * a - MASS * G * math.cos(a), 0.0, 1.0, xtol=1e-14)
+    angle: Any = brentq(lambda a: STIFFNESS * a - MASS * G * math.cos(a), 0.0, 1.0, xtol=1e-14)
     assert slider.position[1] == pytest.approx(-MASS * G / STIFFNESS, abs=still)
     assert isinstance(turned, PlanarBody)
     assert turned.angle == pytest.approx(-angle, abs=still)
