@@ -7,21 +7,15 @@ import importlib
 from typing import Any
 
 import numpy as np
-from astropy import units
-from astropy.coordinates import (
-    GCRS,
-    ITRS,
-    TEME,
-    CartesianRepresentation,
-    get_body,
-    get_body_barycentric,
-    get_body_barycentric_posvel,
-)
+from astropy import coordinates, units
 from astropy.time import Time
 from astropy.utils import iers
 
 PLUTO = "pluto"
-FRAMES = {"ITRS": ITRS, "TEME": TEME}  # of the Earth: turning with it (IAU 2006/2000A, polar motion), and SGP4's
+FRAMES = {
+    "ITRS": coordinates.ITRS,
+    "TEME": coordinates.TEME,
+}  # of the Earth: turning with it (IAU 2006/2000A, polar motion), and SGP4's
 iers.conf.auto_download = False  # the tables that are installed with it hold the past
 
 
@@ -29,7 +23,7 @@ def place(version: str, body: str, jd: float) -> np.ndarray:
     """Return the barycentric place (3,), m, with ICRS axes."""
     if version == "astropy_builtin" and body == PLUTO:
         raise KeyError(body)
-    place: Any = get_body_barycentric(body, time_of(jd), ephemeris=_source(version))
+    place: Any = coordinates.get_body_barycentric(body, time_of(jd), ephemeris=_source(version))
     return np.asarray(place.xyz.to_value(units.m))
 
 
@@ -52,20 +46,20 @@ def julian_date(time: Any) -> float:
 
 def velocity(version: str, body: str, jd: float) -> np.ndarray:
     """Return the barycentric velocity (3,), m/s, with ICRS axes."""
-    rate: Any = get_body_barycentric_posvel(body, time_of(jd), ephemeris=_source(version))[1]
+    rate: Any = coordinates.get_body_barycentric_posvel(body, time_of(jd), ephemeris=_source(version))[1]
     return np.asarray(rate.xyz.to_value(units.m / units.s))
 
 
 def in_frame(frame: str, places: np.ndarray, jds: np.ndarray) -> np.ndarray:
     """Return geocentric places (n, 3), m, of GCRS axes in a frame of FRAMES, at Julian dates TDB (n,)."""
     time = time_of(jds)
-    there: Any = GCRS(CartesianRepresentation(places.T * units.m), obstime=time)
+    there: Any = coordinates.GCRS(coordinates.CartesianRepresentation(places.T * units.m), obstime=time)
     return np.asarray(there.transform_to(FRAMES[frame](obstime=time)).cartesian.xyz.to_value(units.m)).T
 
 
 def apparent(version: str, body: str, jd: float) -> np.ndarray:
     """Return the place (3,), m, at which a body is seen from the Earth's centre: light time and aberration included."""
-    seen: Any = get_body(body, time_of(jd), ephemeris=_source(version))
+    seen: Any = coordinates.get_body(body, time_of(jd), ephemeris=_source(version))
     return np.asarray(seen.cartesian.xyz.to_value(units.m))
 
 
