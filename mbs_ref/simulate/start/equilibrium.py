@@ -12,21 +12,15 @@ stable pose (saddle-free Newton, Dauphin et al. 2014). The shift s bounds them b
 
 from __future__ import annotations
 
-import math
-from typing import Any
-
 import numpy as np
 
 from mbs_ref.cores.choice import compile_scene
 from mbs_ref.cores.jointed_system import JointedSystem
-from mbs_ref.cores.system import Poses, System
-from mbs_ref.observables.attachment import Motion
-from mbs_ref.scene import GROUND, Distance, PlanarBody, PointMass, Scene, SpringDamper, TorsionSpring
-from mbs_ref.scene.base.attached import Attached
-from mbs_ref.scene.base.part import Role, fields_of
-from mbs_ref.scene.contact import ContactPart, PinOnSprocket
+from mbs_ref.cores.system import System
+from mbs_ref.scene import Scene
 from mbs_ref.simulate.linearised.stiffness import LARGEST
-from mbs_ref.trajectory import Status, Trajectory
+from mbs_ref.simulate.start.restated import restated
+from mbs_ref.trajectory import Trajectory
 
 DIFFERENCE = 1e-7  # m, rad: half a step of the central differences
 LONGEST = 5e-3  # of the scene's length: d at most
@@ -54,7 +48,7 @@ def at_equilibrium(scene: Scene) -> Scene:
     y = system.initial_state()
     y[at_rest.half :] = 0.0
     allowed = RESIDUAL * max(float(np.linalg.norm(scene.gravity)), at_rest.residual(y))
-    settled = _moved(scene, system.poses(at_rest.solved(y, allowed)[None]))
+    settled = restated(scene, Trajectory(np.zeros(1), *system.poses(at_rest.solved(y, allowed)[None])))
     again = compile_scene(settled)
     remaining = _AtRest(again).residual(again.initial_state())
     if not remaining <= ROUNDED * allowed:
@@ -124,66 +118,3 @@ class _AtRest:
         near[: self.half] += self.system.derivative(0.0, near)[: self.half]
         near[self.half :] = 0.0
         return near
-
-
-# --- the scene, restated at other poses -----------------------------------------------------------
-
-
-def _moved(scene: Scene, poses: Poses) -> Scene:
-    """Return the scene with its bodies in the first of some poses, and every part's points and axes on them."""
-    still = Trajectory(times=np.zeros(1), status=Status.SUCCESS, **poses._asdict())
-    motion = Motion(scene, still)
-    bodies = tuple(_body(body, *(x[0, k] for x in poses)) for k, body in enumerate(scene.bodies))
-    kinds = ("joints", "loads", "contacts", "events")
-    parts = {kind: tuple(_part(part, motion) for part in getattr(scene, kind)) for kind in kinds}
-    return scene.model_copy(update={"bodies": bodies, **parts})
-
-
-def _body(body: Any, position: np.ndarray, orientation: np.ndarray, velocity: np.ndarray, turning: np.ndarray) -> Any:
-    update: dict[str, Any] = {"position": tuple(position.tolist()), "velocity": tuple(velocity.tolist())}
-    if isinstance(body, PlanarBody):
-        update |= {"angle": float(orientation), "angular_velocity": float(turning)}
-    elif not isinstance(body, PointMass):
-        update |= {"orientation": tuple(orientation.tolist()), "angular_velocity": tuple(turning.tolist())}
-    return body.model_copy(update=update)
-
-
-def _part(part: Attached, motion: Motion) -> Attached:
-    """Return a joint, load, contact or event with its points and directions on the moved bodies."""
-    update: dict[str, Any] = {}
-    for name in {*fields_of(type(part), Role.POINT), *fields_of(type(part), Role.DIRECTION)}:
-        value = getattr(part, name)
-        if value is None or (owner := _owner(part, name)) == GROUND:
-            continue
-        at = motion.point if name in fields_of(type(part), Role.POINT) else motion.direction
-        update[name] = tuple(at(owner, value)[0][0].tolist())
-    return part.model_copy(update=update | _as_strained(part, motion))
-
-
-def _owner(part: Any, name: str) -> str:
-    """Return the body that a point or direction is fixed in; ground where it is the world's."""
-    fields = vars(part)
-    if "body" in fields:
-        return part.body if name in ("point", "axis", "center") or fields.get("frame") == "body" else GROUND
-    if name.endswith(("_a", "_b")):
-        return fields[f"body{name[-2:]}"]
-    first = name == "center" if isinstance(part, ContactPart) else name != "point"
-    return fields["body_a" if first else "body_b"]
-
-
-def _as_strained(part: Any, motion: Motion) -> dict[str, Any]:
-    """Return the fields that count from t = 0, counted from the present start instead."""
-    if isinstance(part, SpringDamper | Distance):
-        name = "length" if isinstance(part, Distance) else "rest_length"
-        return {name: math.dist(part.point_a, part.point_b)} if getattr(part, name) is None else {}
-    if isinstance(part, PinOnSprocket):
-        return {"first_seat": part.first_seat + float(motion.angle(part.body_b)[0])}
-    if not isinstance(part, TorsionSpring):
-        return {}
-    if part.axis is not None:
-        turned = motion.angle_about(part.body_a, part.body_b, part.axis)[0]
-        return {"rest_angle": (part.rest_angle or 0.0) - float(turned[0])}
-    if part.rest_angle is not None:
-        return {}
-    drawn = {body.name: getattr(body, "angle", 0.0) for body in motion.scene.bodies}
-    return {"rest_angle": drawn.get(part.body_b, 0.0) - drawn.get(part.body_a, 0.0)}
