@@ -24,13 +24,9 @@ from reports.studies.papers.crash_figures import AS_THEY_RAN
 TOLERANCES = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6)
 
 
-def measure_lessons() -> Measured:
-    """Return figures and curves of all lessons."""
-    parts = (lsodar_series(), crash_range())
-    figures: dict[str, Value] = step_rules() | block_inversion() | orders()
-    for part in parts:
-        figures |= part.figures
-    return Measured(figures, {}, {name: lines for part in parts for name, lines in part.curves.items()}, {})
+def measure_lessons() -> tuple[Measured, ...]:
+    """Return what each lesson measures."""
+    return lsodar_series(), crash_range(), Measured(step_rules() | block_inversion() | orders())
 
 
 def lsodar_series() -> Measured:
@@ -49,7 +45,7 @@ def lsodar_series() -> Measured:
     reached = plain([figures[f"lsodar.{rtol:g}.until"] for rtol in TOLERANCES])
     line = Curves(TOLERANCES, {"until": reached}, "time reached under the papers' test, s", "rtol", x_log=True,
                   marks="lines+markers")  # fmt: skip
-    return Measured(figures, {}, {"LSODAR on the vertebral android": line}, {})
+    return Measured(figures, curves={"LSODAR on the vertebral android": line})
 
 
 def step_rules() -> dict[str, Value]:
@@ -145,4 +141,4 @@ def crash_range() -> Measured:
     middle = table[table[:, 0] == MASSES[1]]
     lines = {f"{t:g} s": plain(middle[middle[:, 1] == t, 3]) for t in DURATIONS}
     drawn = Curves(SPEEDS, lines, "HIC36 at 75 kg", "change of speed, km/h", marks="lines+markers")
-    return Measured(figures, {}, {"HIC over the papers' range of crashes": drawn}, {})
+    return Measured(figures, curves={"HIC over the papers' range of crashes": drawn})

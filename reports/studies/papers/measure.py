@@ -25,22 +25,15 @@ INDICES = ("dassl_index1", "dassl_index2", "dassl", "dassl_index3")
 
 def measure() -> Measured:
     """Run everything; two minutes with compiled code at hand."""
-    crash, track, lessons = measure_crash(), measure_track(), measure_lessons()
-    figures = (
-        crash.figures
-        | track.figures
-        | lessons.figures
-        | measure_sky()
-        | multipliers()
-        | coordinates()
-        | satellites()
-        | _indices()
+    parts = measure_crash(), measure_track(), *measure_lessons()
+    figures, drawn, films = (
+        {name: value for part in parts for name, value in getattr(part, kind).items()}
+        for kind in ("figures", "curves", "films")
     )
+    figures |= measure_sky() | multipliers() | coordinates() | satellites() | _indices()
     for tilt in TILTS:
         figures |= {f"angles.{tilt:g}.{name}": value for name, value in euler_angles(tilt).items()}
-    return Measured(
-        figures, outline_pictures(), crash.curves | track.curves | lessons.curves, crash.films | track.films
-    )
+    return Measured(figures, outline_pictures(), drawn, films)
 
 
 def _indices() -> dict[str, Value]:

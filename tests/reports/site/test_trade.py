@@ -31,7 +31,7 @@ def test_no_run_of_a_plot_takes_more_steps_than_its_bodies_leave(runs, tmp_path,
 def test_a_scene_beyond_the_bound_says_so_and_names_the_command_that_draws_it(runs, tmp_path, monkeypatch):
     monkeypatch.setattr(trade, "truth_of", lambda *_: pytest.fail("engines were asked"))
     told = trade._trade(runs, scenes.make("tracked_vehicle"), tmp_path)
-    assert "25,000 steps of 36 bodies a run, more than 300,000 of both" in told
+    assert "25,000 steps of 37 bodies a run, more than 300,000 of both" in told
     assert "`mbs-ref sweep tracked_vehicle --plot tracked_vehicle.html`" in told
 
 
