@@ -66,7 +66,6 @@ def measure() -> Measured:
     scenes_run = [scenes.make(name, impact=impact) for name, impact in product(NAMES, IMPACTS)]
     for scene in scenes_run:
         add_convergence(measured, scene, _fine(add_numerics(measured, scene)))
-    measured.figures.update(lsodar_figures(measured.tables["runs"]))
     for name in NAMES:
         add_stable(measured, scenes.make(name))
     with Store(default_path()) as store:
@@ -140,17 +139,6 @@ def _test_result(test: Trajectory) -> str:
 
 def _finite(value: float) -> float | None:
     return value if np.isfinite(value) else None
-
-
-def lsodar_figures(rows: Sequence[Row]) -> dict[str, Value]:
-    """Return how the papers' adaptive method does on the stiff android."""
-    stiff = [row for row in rows if str(row["android"]).startswith(VERTEBRAL)]
-    runs = [row for row in stiff if str(row["method"]).startswith("lsodar")]
-    good = [int(row["switches"] or 0) for row in runs if row["end"] == "reached 0.2 s"]
-    figures: dict[str, Value] = {"androids.lsodar.runs": len(runs), "androids.lsodar.reached": len(good)}
-    if good:
-        return figures | {"androids.lsodar.least_switches": min(good), "androids.lsodar.most_switches": max(good)}
-    return figures | ({"androids.lsodar.message": runs[0]["end"]} if runs else {})
 
 
 # --- stable steps -----------------------------------------------------------------------------------------

@@ -39,7 +39,8 @@ def lsodar_series() -> Measured:
         ended = "fails" if test.status is Status.COMPLIANCE else "keeps" if test.ok else str(test.status)
         figures |= {
             f"lsodar.{rtol:g}.until": float(test.times[-1]), f"lsodar.{rtol:g}.test": ended,
-            f"lsodar.{rtol:g}.status": str(path.status), f"lsodar.{rtol:g}.compliance": largest_gap(path),
+            f"lsodar.{rtol:g}.status": str(path.status), f"lsodar.{rtol:g}.switches": float(path.method_switches or 0),
+            f"lsodar.{rtol:g}.compliance": largest_gap(path),
             f"lsodar.{rtol:g}.error": str(path.status) if error is None else error,
         }  # fmt: skip
     reached = plain([figures[f"lsodar.{rtol:g}.until"] for rtol in TOLERANCES])

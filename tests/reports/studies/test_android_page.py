@@ -55,7 +55,7 @@ def test_runs_and_stable_steps_are_shown_from_facts_that_json_preserves():
 
 def test_the_papers_front_crash_is_shown_with_its_own_figures():
     """Runs of the rear crash come later and must not take its place."""
-    figures = {"androids.rk4.compliance": 1.25e-12, "androids.euler.compliance": 4.5e-4, "androids.lsodar.runs": 0}
+    figures = {"androids.rk4.compliance": 1.25e-12, "androids.euler.compliance": 4.5e-4}
     page = page_of(androids=Measured(figures))
     assert "1.2e-12 m" in page
     assert "4.5e-4 m" in page
@@ -64,16 +64,6 @@ def test_the_papers_front_crash_is_shown_with_its_own_figures():
     measured = Measured()
     androids.add_run(measured, rear, Settings(method="euler", step=1e-3, stabilization="none", events="none"))
     assert not measured.figures
-
-
-@pytest.mark.parametrize(
-    ("end", "shown"),
-    [("reached 0.2 s", "reaches the end in 1 of"), ("max_steps: many", "fails, as in the paper: max_steps: many")],
-)
-def test_the_page_states_how_lsodar_ends(end, shown):
-    row = {"android": "android_vertebral, front", "method": "lsodar, rtol = 1e-6", "end": end, "switches": 3}
-    page = " ".join(page_of(androids=Measured(androids.lsodar_figures([row]))).split())
-    assert shown in page
 
 
 def test_lines_of_one_overlay_are_named_by_what_the_star_stands_for():
