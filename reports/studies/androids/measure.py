@@ -30,7 +30,7 @@ from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
 from mbs_ref.simulate.linearised.stiffness import stiffness_at_start
 from mbs_ref.trajectory import Status, Trajectory
-from reports.facts.curves import Curves, Measured, Row, Value, curves, plain
+from reports.facts.curves import Curves, Measured, Row, curves, plain
 from reports.studies.crash import IMPACTS, NAMES, SIMPLIFIED, VERTEBRAL, with_test
 
 PAPER_STEP = 1e-4  # s, Fox 1999
