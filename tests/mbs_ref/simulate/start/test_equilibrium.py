@@ -49,6 +49,12 @@ def test_a_chain_hangs_straight_down():
     require_rest(scene)
 
 
+def test_a_pendulum_near_its_upper_equilibrium_ends_in_the_lower_one():
+    hinge = Revolute(name="hinge", body_a=GROUND, body_b="body", point=(0.0, 0.0))
+    drawn = Scene(name="upright", gravity=DOWN, bodies=(body(math.sin(0.1), math.cos(0.1)),), joints=(hinge,))
+    assert at_equilibrium(drawn).bodies[0].position == pytest.approx((0.0, -1.0), abs=still)
+
+
 def test_springs_strained_in_equilibrium_keep_their_law():
     """From unstrained springs the slider sags by m g / k, and the bar turns until k a = m g cos a."""
     rail = Prismatic(name="rail", body_a=GROUND, body_b="slider", point=(0.0, 0.0), axis=(0.0, 1.0))
