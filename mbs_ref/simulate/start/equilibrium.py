@@ -27,7 +27,7 @@ LONGEST = 5e-3  # of the scene's length: d at most
 SMALLEST = 1e-9  # of that
 RESIDUAL = 1e-10  # of gravity, or of the largest acceleration at the start: what counts as rest
 ROUNDED = 1e3  # times this residual remains after every part is restated at its new place
-MOST = 500  # iterations
+MOST = 1000  # iterations: five lengths of way
 OVERSHOT = -0.5  # slope at a step's end over that at its start, below which d is halved
 
 
