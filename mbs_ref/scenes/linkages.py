@@ -1,0 +1,126 @@
+"""Linkages with closed forms: those that draw a straight line, driven at constant speed, and Cardan's joint."""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated, Any, Literal
+
+import numpy as np
+from pydantic import Field
+
+from mbs_ref.scene import GROUND, CoordinateDrive, PlanarBody, Revolute, Scene, SpatialBody, Universal
+from mbs_ref.scene.base.part import Positive
+from mbs_ref.scene.signals import Constant
+
+SHAFT = (0.02, 0.05, 0.05, 0.0, 0.0, 0.0)  # kg m^2
+SWING = 0.25  # rad, of the crank to both sides of its middle
+# fixed pins (m); the crank's pins, length (m) and middle angle (rad); pins that meet two others at given distances (m),
+# to the left (1) or right (-1) of the way from the first to the second; the other rods
+LINKAGES: dict[str, dict[str, Any]] = {
+    "watt": {
+        "fixed": {"A": (0.0, 0.0), "D": (2.0, -1.0)}, "crank": ("A", "B", 1.0, 0.0),
+        "meet": {"C": ("B", "D", 1.0, 1.0, -1)}, "rods": ("BC", "CD"),
+    },
+    "chebyshev": {
+        "fixed": {"A": (0.0, 0.0), "D": (2.0, 0.0)}, "crank": ("A", "B", 2.5, math.atan2(4.0, 3.0)),
+        "meet": {"C": ("B", "D", 1.0, 2.5, -1)}, "rods": ("BC", "CD"),
+    },
+    "peaucellier": {
+        "fixed": {"O": (0.0, 0.0), "C": (1.0, 0.0)}, "crank": ("C", "P", 1.0, 0.0),
+        "meet": {"A": ("O", "P", 2.5, 1.0, 1), "B": ("O", "P", 2.5, 1.0, -1), "Q": ("A", "B", 1.0, 1.0, 1)},
+        "rods": ("OA", "OB", "PA", "PB", "AQ", "BQ"),
+    },
+}  # fmt: skip
+
+
+def straight_line_linkage(
+    *, kind: Literal["peaucellier", "watt", "chebyshev"] = "peaucellier", speed: Positive = 0.8
+) -> Scene:
+    """Swing a straight-line linkage by its crank.
+
+    kind: Peaucellier's, whose pin Q stays on a line, or Watt's or Chebyshev's, whose coupler's middle nearly does;
+    speed of the crank (rad/s). Rods are uniform, of 1 kg/m.
+    """
+    data = LINKAGES[kind]
+    start, end, _, middle = data["crank"]
+    pins = pins_of(kind, middle - SWING)
+    rates = {name: speed * np.imag(x) / 1e-30 for name, x in pins_of(kind, middle - SWING + 1e-30j).items()}
+    drive = CoordinateDrive(
+        name="drive", body="crank", coordinate="angle", motion=Constant(value=speed), level="velocity"
+    )
+    rods = {"crank": (start, end)} | {rod: tuple(rod) for rod in data["rods"]}
+    ends: dict[str, list[str]] = {pin: [GROUND] if pin in data["fixed"] else [] for pin in pins}
+    for rod, pair in rods.items():
+        for pin in pair:
+            ends[pin].append(rod)
+    return Scene(
+        name="straight_line_linkage",
+        description=f"{kind.capitalize()}'s linkage of {len(rods)} rods, swung at constant speed.",
+        source="Dijksman, Motion Geometry of Mechanisms, Cambridge 1976; proportions of Chebyshev's 1 : 2 : 2.5",
+        duration=2.0 * SWING / speed,
+        gravity=(0.0, -9.81),
+        bodies=tuple(_rod(rod, *(pins[p] for p in pair), *(rates[p] for p in pair)) for rod, pair in rods.items()),
+        joints=(
+            *(
+                Revolute(name=f"{pin}.{rod}", body_a=held[0], body_b=rod, point=tuple(pins[pin].tolist()))
+                for pin, held in ends.items() for rod in held[1:]
+            ),
+            drive,
+        ),
+    )  # fmt: skip
+
+
+def pins_of(kind: str, angle: Any) -> dict[str, np.ndarray]:
+    """Return the place (2,), m, of every pin at an angle of the crank (rad), which may be complex."""
+    data = LINKAGES[kind]
+    pins: dict[str, Any] = {name: np.array(place) for name, place in data["fixed"].items()}
+    start, end, length, _ = data["crank"]
+    pins[end] = pins[start] + length * np.array([np.cos(angle), np.sin(angle)])
+    for name, (one, other, near, far, side) in data["meet"].items():
+        way = pins[other] - pins[one]
+        square = way @ way
+        along = 0.5 * (near**2 - far**2 + square) / square
+        pins[name] = pins[one] + along * way + side * np.sqrt(near**2 / square - along**2) * (way[::-1] * [-1.0, 1.0])
+    return pins
+
+
+def _rod(name: str, one: Any, other: Any, rate: Any, other_rate: Any) -> PlanarBody:
+    way, turning = other - one, other_rate - rate
+    square = float(way @ way)
+    length = math.sqrt(square)
+    return PlanarBody(
+        name=name, mass=length, inertia=length * square / 12.0, position=tuple((0.5 * (one + other)).tolist()),
+        angle=math.atan2(way[1], way[0]), velocity=tuple((0.5 * (rate + other_rate)).tolist()),
+        angular_velocity=float(way[0] * turning[1] - way[1] * turning[0]) / square,
+    )  # fmt: skip
+
+
+def cardan_joint(*, angle: Annotated[float, Field(ge=0.0, le=80.0)] = 30.0, speed: Positive = 5.0) -> Scene:
+    """Let two shafts turn that Cardan's joint connects.
+
+    angle (deg) between the shafts, speed (rad/s) of the first one at the start.
+    """
+    bend = math.radians(angle)
+    cosine, sine = math.cos(bend), math.sin(bend)
+    first = SpatialBody(
+        name="first", mass=1.0, inertia=SHAFT, position=(-0.5, 0.0, 0.0), angular_velocity=(speed, 0.0, 0.0)
+    )
+    second = SpatialBody(
+        name="second", mass=1.0, inertia=SHAFT, position=(0.5 * cosine, 0.5 * sine, 0.0),
+        orientation=(math.cos(0.5 * bend), 0.0, 0.0, math.sin(0.5 * bend)),
+        angular_velocity=(speed * cosine * cosine, speed * cosine * sine, 0.0),
+    )  # fmt: skip
+    return Scene(
+        name="cardan_joint",
+        description=f"Two shafts at {angle:g} degrees; the second turns by tan(psi) = cos(angle) tan(phi).",
+        source="Textbook mechanism; Hunt, Kinematic Geometry of Mechanisms, Oxford 1978",
+        duration=1.0,
+        bodies=(first, second),
+        joints=(
+            Revolute(name="first.bearing", body_a=GROUND, body_b="first", point=first.position, axis=(1.0, 0.0, 0.0)),
+            Revolute(name="second.bearing", body_a=GROUND, body_b="second", point=second.position,
+                     axis=(cosine, sine, 0.0)),
+            Universal(name="cross", body_a="first", body_b="second", point=(0.0, 0.0, 0.0), axis_a=(0.0, 0.0, 1.0),
+                      axis_b=(-sine, cosine, 0.0)),
+        ),
+    )  # fmt: skip
