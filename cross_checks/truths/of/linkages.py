@@ -57,7 +57,7 @@ def cardan_joint(scene: Scene, times: np.ndarray) -> Truth:
         sine, cosine = jet.sin(phi), jet.cos(phi)
         slow = cosine * cosine + sine * sine * axis[0]
         ahead = jet.arctan(sine * cosine * (axis[0] - 1) * jet.reciprocal(slow))
-        turns = jet.turn((1.0, 0.0, 0.0), phi), jet.turn(axis, phi + ahead) @ frame
+        turns = [jet.turn((1.0, 0.0, 0.0), phi), jet.turn(axis, phi + ahead) @ frame]
         return jet.stack([jet.lift(np.array(body.position)) for body in (first, second)]), jet.stack(turns)
 
     agreement = agree_on(scene, poses, 0.0, float(scene.parameters["speed"]), times)
