@@ -1,7 +1,5 @@
 """Linkages with closed forms: those that draw a straight line, driven at constant speed, and Cardan's joint."""
 
-from __future__ import annotations
-
 import math
 from typing import Annotated, Any, Literal
 

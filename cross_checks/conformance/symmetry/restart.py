@@ -1,7 +1,5 @@
 """A scene that starts where a motion of another has ended, or goes back from there."""
 
-from __future__ import annotations
-
 from itertools import chain
 
 from mbs_ref.scene import Scene

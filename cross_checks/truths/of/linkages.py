@@ -1,7 +1,5 @@
 """Truths of linkages: pins by complex numbers and Peaucellier's inversion, Cardan's joint by its equation."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from cross_checks.truths.made_by.agreement import converged

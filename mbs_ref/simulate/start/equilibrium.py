@@ -10,8 +10,6 @@ stable pose (saddle-free Newton, Dauphin et al. 2014). The shift s bounds them b
 (pseudo-transient continuation, Kelley and Keyes 1998). d is halved where a step passes the lowest point along it.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from mbs_ref.cores.choice import compile_scene

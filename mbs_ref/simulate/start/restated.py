@@ -1,7 +1,5 @@
 """A scene restated where a motion has taken it: bodies, and every part's points and directions on them."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

@@ -1,7 +1,5 @@
 """What the papers advise, and their range of crashes: tolerances, step rules, no block inversion, orders of errors."""
 
-from __future__ import annotations
-
 import math
 from itertools import product
 

@@ -1,7 +1,5 @@
 """Frames, light time, clocks and velocities by short formulas, compared with Astropy's complete ones."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable, Iterator
 from importlib import import_module
